@@ -1,0 +1,46 @@
+// What there is to see: shapes, looks and where they stand. Made by sim/body, drawn by sim/view.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace kaz::sim {
+
+struct Rgb {
+  float r = 0.8f, g = 0.8f, b = 0.8f;  // 0..1, as in URDF and SDF
+};
+
+struct Shape {
+  enum class Kind { box, cylinder, sphere, capsule, plane, mesh };
+  Kind kind = Kind::box;
+  // box: full lengths x, y, z; cylinder and capsule: radius, length along z; sphere: radius;
+  // plane: lengths x, y, normal z. Metres.
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();
+  std::string mesh_path;  // kind mesh: absolute path of an OBJ or STL file, scaled by `size`
+};
+
+struct Visual {
+  std::string name;  // link/visual, unique
+  int frame = 0;     // index into ScenePose::frames
+  Eigen::Isometry3d in_frame = Eigen::Isometry3d::Identity();
+  Shape shape;
+  Rgb color;
+  std::string texture;  // "", "checker", "wood", "carpet": procedural, drawn with `color` as base
+};
+
+// Does not change while the world runs.
+struct Scene {
+  std::vector<Visual> visuals;
+  std::vector<std::string> frames;  // name of each moving body; frame 0 is the world
+};
+
+// One instant: world pose of each frame.
+struct ScenePose {
+  std::vector<Eigen::Isometry3d> frames;
+};
+
+}  // namespace kaz::sim

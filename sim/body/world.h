@@ -1,0 +1,66 @@
+// The virtual world: the robot, what it stands on, and what it plays with. Rigid bodies, joints, motors and
+// contacts; the robot is moved by its motors, gravity and contacts alone.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Units m, kg, s, rad, N. World frame: x forward from where the robot starts, y left, z up, ground at z = 0.
+// Joint order everywhere: shared/board/joints.def.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include <Eigen/Geometry>
+
+#include "shared/base/result.hpp"
+#include "shared/board/board.h"
+#include "sim/body/scene.h"
+
+namespace kaz::sim {
+
+// What a motor driver does to its motor during one step.
+struct MotorDrive {
+  double duty = 0;       // -1..1, mean over the step, positive turns the joint positively
+  bool powered = false;  // false: the bridge is open, the motor turns freely but for friction
+};
+
+struct JointState {
+  double angle = 0;     // rad, of the output shaft, where the potentiometer sits
+  double velocity = 0;  // rad/s
+  double torque = 0;    // Nm, motor on the joint in the last step, friction included
+};
+
+struct WorldOptions {
+  std::uint64_t seed = 1;
+  double step_s = 0.001;
+  std::string stepper = "quick50";  // "exact", or "quickN" with N iterations
+};
+
+class World {
+ public:
+  // world_path: SDF; robot_path: URDF. Errors name file and line.
+  static Result<std::unique_ptr<World>> load(const std::string& world_path, const std::string& robot_path,
+                                             const WorldOptions& options);
+  virtual ~World() = default;
+
+  virtual double step_s() const = 0;
+  virtual double time_s() const = 0;
+  virtual void step(std::span<const MotorDrive, KZ_JOINTS> drives, double supply_volts) = 0;
+  virtual std::span<const JointState, KZ_JOINTS> joints() const = 0;
+  virtual double supply_current_a() const = 0;  // sum of the motors' currents in the last step
+
+  virtual const Scene& scene() const = 0;
+  virtual ScenePose pose() const = 0;
+  // Frame of the head link, for the cameras: lens centres are given in it (camera.h of sim/view).
+  virtual int head_frame() const = 0;
+
+  // Ground truth: for tests, figures and scoring only.
+  virtual Eigen::Isometry3d link_pose(const std::string& link) const = 0;
+  virtual Result<Eigen::Vector3d> object_position(const std::string& model) const = 0;
+  virtual double largest_joint_gap_m() const = 0;  // since the start
+  virtual std::string stepper() const = 0;
+};
+
+}  // namespace kaz::sim

@@ -1,0 +1,81 @@
+// The microcontroller of the servo board, as its pins see it. Two engines implement it: `h8` executes the
+// firmware image instruction by instruction, `native` runs the same C compiled for the PC.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "shared/base/result.hpp"
+#include "shared/board/board.h"
+#include "shared/servo/tick.h"
+
+namespace kaz::sim {
+
+// Time on the board, in periods of its crystal (18.432 MHz) since power was first applied.
+using States = std::int64_t;
+
+// What the chip drives. A pin that is an input, or floats during reset, stands at the level that the
+// board's pull resistor gives it (multiplexer selects high, everything else low).
+struct PinLevels {
+  std::array<std::uint16_t, 16> pw{};   // high counts out of 256 of PW0..PW15; 256: constant high
+  std::array<std::uint16_t, 2> tmo{};   // the same for TMO0, TMO1
+  std::uint8_t p3 = 0, p4 = 0x07, p5 = 0, p6 = 0;
+  bool operator==(const PinLevels&) const = default;
+};
+
+struct SerialByte {
+  std::uint8_t value = 0;
+  States at = 0;  // when its last stop bit has passed
+  bool framing_error = false;
+};
+
+// What happened in one tick, at the boundary of shared/servo.
+struct TickRecord {
+  kz_tick_input input;
+  kz_tick_output output;
+};
+
+class Mcu {
+ public:
+  virtual ~Mcu() = default;
+
+  // "h8" or "native".
+  virtual std::string engine() const = 0;
+  virtual States now() const = 0;
+
+  // Runs until `now() >= until`. Fails, once and for all until the next reset, when the chip does something
+  // no program should: undefined instruction, unmapped access, stack outside RAM. The message says where.
+  virtual Result<void> run_until(States until) = 0;
+
+  virtual void reset() = 0;        // RES pin; RAM is kept
+  virtual void power_cycle() = 0;  // everything but flash is lost
+
+  virtual const PinLevels& pins() const = 0;
+  // Called at each change of a pin, with the exact time. One listener.
+  virtual void on_pins(std::function<void(States, const PinLevels&)> listener) = 0;
+
+  // Voltage at AN0..AN7 as a share of AVCC, asked at the moment the converter samples. `levels` tell where
+  // the multiplexer selects stand then.
+  using AnalogSource = std::function<double(int channel, const PinLevels& levels, States at)>;
+  virtual void set_analog(AnalogSource source) = 0;
+
+  // Bytes for RxD0; times must not decrease nor lie in the past.
+  virtual void receive(const SerialByte& byte) = 0;
+  // Bytes that left TxD0 since the last call, each with the time of its last stop bit.
+  virtual std::vector<SerialByte> take_transmitted() = 0;
+
+  // Called after each tick's computation. Used to compare the engines and to record.
+  virtual void on_tick(std::function<void(const TickRecord&)> listener) = 0;
+};
+
+// The firmware image: S-record or COFF. With symbols (COFF) reports are readable and `on_tick` works; for an
+// S-record the symbols are looked for in a file of the same name ending in `.coff`.
+Result<std::unique_ptr<Mcu>> make_h8(const std::string& image_path);
+std::unique_ptr<Mcu> make_native();
+
+}  // namespace kaz::sim

@@ -1,0 +1,76 @@
+// Pictures and what is known of the moment they were taken. The frame information goes with every result
+// through all of vision, however slow, so that a result is placed where the eyes were, not where they are.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Frames: optical (x right, y down, z forward, origin at the lens), foot (x forward, y left, z up, origin
+// at the sole of the supporting foot). Units m, rad, s. Paper section 4.1, "Frame Information Messaging".
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <future>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "shared/base/result.hpp"
+
+namespace kaz {
+
+// Host time: nanoseconds on the one clock of the host (simulated in lockstep, CLOCK_MONOTONIC otherwise).
+using Time = std::chrono::nanoseconds;
+
+inline double seconds(Time t) { return std::chrono::duration<double>(t).count(); }
+inline Time from_seconds(double s) { return Time(static_cast<std::int64_t>(s * 1e9 + (s < 0 ? -0.5 : 0.5))); }
+
+}  // namespace kaz
+
+namespace kaz::vision {
+
+// Pinhole, pixel centres at integer coordinates: u = fx x/z + cx, v = fy y/z + cy.
+struct CameraModel {
+  int width = 0, height = 0;
+  double fx = 0, fy = 0, cx = 0, cy = 0;
+  double baseline_m = 0;  // right lens is that far along +x of the left optical frame
+};
+
+// 8-bit RGB, rows from top to bottom, no padding.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+struct StereoImages {
+  Image left, right;
+};
+
+// The moment of a picture.
+struct FrameInfo {
+  std::uint64_t sequence = 0;
+  Time exposure{};                       // middle of the exposure
+  CameraModel camera;                    // of the left eye
+  bool posture_known = false;            // false where the board's state at that time is not known
+  std::vector<double> joint_rad;         // measured angles at `exposure`, by joint number
+  Eigen::Isometry3d foot_from_eye = Eigen::Isometry3d::Identity();  // left optical frame
+};
+
+// A pair as the camera delivers it. The pixels may still be on their way: `images.get()` waits for them.
+struct StereoPair {
+  FrameInfo info;
+  std::shared_future<std::shared_ptr<const StereoImages>> images;
+};
+
+// A source of stereo pairs. Simulated, published by another process, V4L2, or files: vision cannot tell.
+class Camera {
+ public:
+  virtual ~Camera() = default;
+  virtual const CameraModel& model() const = 0;
+  // The next pair that has reached the host and was not yet taken, oldest first; nothing if there is none.
+  // Never waits. An error means that no more will come (camera gone); the message says why.
+  virtual Result<std::optional<StereoPair>> poll() = 0;
+};
+
+}  // namespace kaz::vision
