@@ -2,11 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
+
+#include "sim/h8s/error.h"
+#include "sim/h8s/image.h"
+#include "sim/h8s/options.h"
 
 namespace kaz::h8s {
 
@@ -18,18 +26,186 @@ enum class Port { p1 = 1, p2, p3, p4, p5, p6, p7 };
 // Why run_until came back.
 struct Stop {
   enum class Reason {
-    reached,          // now() >= until
-    breakpoint,       // code hook asked to stop
-    undefined_instruction,
-    unmapped_access,
-    stack_outside_ram,
-    undefined_register_use,
-    asleep_forever,   // SLEEP with nothing that could wake it
+    reached,                 // now() >= until
+    breakpoint,              // a code hook asked to stop; the instruction there has not run
+    undefined_instruction,   // also: instruction fetch outside flash and RAM
+    unmapped_access,         // data access outside flash, RAM and I/O
+    stack_outside_ram,       // push, pop, call, return or exception with ER7 outside RAM
+    undefined_register_use,  // only with Options::stop_on_misuse
+    asleep_forever,          // SLEEP with nothing enabled that could wake it
   };
   Reason reason = Reason::reached;
-  std::string report;  // several lines: what, where (symbol), registers, back-trace, last instructions
+  // Empty for `reached`; else several lines: what, where (symbol), registers, back-trace, last
+  // instructions.
+  std::string report;
 };
 
-// (implementation to follow; see the contract in the issue)
+struct Registers {
+  std::array<std::uint32_t, 8> er{};  // ER7 is the stack pointer
+  std::uint32_t pc = 0;               // the next instruction to run
+  std::uint8_t ccr = 0;               // I UI H U N Z V C
+  std::uint8_t exr = 0x7f;
+  bool operator==(const Registers&) const = default;
+};
+
+// Levels of a port's pins. A bit that is not `driven` is an input: its level is the board's
+// business.
+struct PortOutput {
+  std::uint8_t level = 0;
+  std::uint8_t driven = 0;
+  bool operator==(const PortOutput&) const = default;
+};
+
+// An output register was written and something at the pins may differ from now on.
+struct OutputChange {
+  enum class Unit { port, pwm, timer };
+  Unit unit = Unit::port;
+  int index = 0;  // port: 1..6; pwm: channel 0..15, or -1 for all; timer: 0, 1 for TMO0, TMO1
+  States at = 0;
+};
+
+// A byte on its way to RxD.
+struct ReceivedByte {
+  std::uint8_t value = 0;
+  States at = 0;  // end of its last stop bit
+  bool framing_error = false;
+  bool parity_error = false;
+};
+
+// A byte that has left TxD.
+struct TransmittedByte {
+  std::uint8_t value = 0;
+  States start = 0;  // beginning of the start bit
+  States end = 0;    // end of the last stop bit
+};
+
+enum class ResetCause { power_on, pin, watchdog };
+
+// Something the manual forbids or leaves undefined; the chip went on.
+struct Misuse {
+  std::uint32_t address = 0;  // of the register or memory
+  std::uint32_t pc = 0;       // of the instruction
+  std::string text;           // one sentence
+  std::int64_t count = 0;
+  States first = 0;
+};
+
+struct CallResult {
+  std::uint32_t er0 = 0;
+  States states = 0;  // from the first instruction to the end of RTS
+};
+
+// What a code hook wants.
+enum class HookAction { go_on, stop };
+
+class Machine;
+
+class Chip {
+ public:
+  explicit Chip(const Options& options = {});
+  ~Chip();
+  Chip(Chip&&) noexcept;
+  Chip& operator=(Chip&&) noexcept;
+
+  // A second chip in the same state, without the callbacks, hooks and analog source.
+  Chip clone() const;
+  // Whole state, to be restored later into this or another chip; callbacks stay as they are.
+  std::shared_ptr<const Chip> save() const;
+  void restore(const Chip& saved);
+
+  // --- program
+  // ------------------------------------------------------------------------------------- Puts the
+  // image's segments at their load addresses in flash, everything else in flash to 0xff. Does not
+  // reset. Errors: a segment outside the flash.
+  Result<void> load(const Image& image);
+  // Adds names without touching memory (S-record image, symbols from the COFF beside it).
+  void set_symbols(SymbolTable symbols);
+  const SymbolTable& symbols() const;
+
+  // --- running
+  // ------------------------------------------------------------------------------------- Power
+  // applied: RAM becomes `ram_fill` (real RAM holds anything), then as reset(). Time goes to 0.
+  void power_on(std::uint8_t ram_fill = 0xa5);
+  // RES pin low and high again, taking no time. RAM is kept. A Stop for an error is forgotten.
+  void reset();
+  // Runs until now() >= until (whole instructions) or something stops it. An error stop repeats at
+  // each further call until reset.
+  Stop run_until(States until);
+  // Exactly one instruction or exception entry, or one jump to the next event while asleep.
+  Stop step();
+  States now() const;
+  std::int64_t instructions()
+      const;  // executed since power-on; counted by step() and where asked (count)
+  bool asleep() const;
+  ResetCause reset_cause() const;
+  // Called at each reset by a watchdog, before the first instruction.
+  void on_watchdog_reset(std::function<void(States)> listener);
+
+  // --- looking and debugging
+  // -----------------------------------------------------------------------
+  Registers registers() const;
+  void set_registers(const Registers& registers);
+  // Flash, RAM and registers without side effects and without time. Unmapped: nullopt; for `poke`:
+  // false.
+  std::optional<std::uint8_t> peek(std::uint32_t address) const;
+  std::optional<std::uint16_t> peek16(std::uint32_t address) const;
+  std::optional<std::uint32_t> peek32(std::uint32_t address) const;
+  bool peek(std::uint32_t address, std::span<std::uint8_t> to) const;
+  // Flash and RAM only.
+  bool poke(std::uint32_t address, std::uint8_t value);
+  bool poke(std::uint32_t address, std::span<const std::uint8_t> from);
+
+  // Calls `hook` each time just before the instruction at `address` runs. One hook an address.
+  using CodeHook = std::function<HookAction(Chip&)>;
+  void set_hook(std::uint32_t address, CodeHook hook);
+  void set_breakpoint(std::uint32_t address);
+  void clear_hook(std::uint32_t address);
+
+  // Runs the function at `address` of the image as C would call it, on this chip (use a clone),
+  // with interrupts masked: args in ER0, ER1, ER2, result in ER0. Errors: it stopped, or took over
+  // `limit`.
+  Result<CallResult> call(std::uint32_t address, std::initializer_list<std::uint32_t> args,
+                          States limit = 10'000'000);
+
+  // "mov.l @(0x10:16,er6),er0"; text of one instruction at `address`, and its length in bytes.
+  std::string disassemble(std::uint32_t address, int* length = nullptr) const;
+  // Registers, back-trace and last instructions as of now.
+  std::string report() const;
+  const std::vector<Misuse>& misuse() const;
+
+  // --- pins
+  // ----------------------------------------------------------------------------------------
+  PortOutput output(Port port) const;
+  // Level that the board gives to a pin; matters where the chip reads it. Takes effect at now().
+  void set_input(Port port, int bit, bool level);
+  // The board lets go: pull-up if switched on, else Options::floating_level.
+  void release_input(Port port, int bit);
+  void set_nmi(bool level);
+
+  // One listener for ports, PWM and timer outputs.
+  void on_output(std::function<void(const OutputChange&)> listener);
+  // High counts of PW0..PW15 per 256; 256 or 0 while the port latch (or nothing) drives the pin.
+  int pw_high_counts(int channel) const;
+  bool pw_driven(int channel) const;
+  // Share of time that TMO0, TMO1 is high, 0..1, once the timer has settled; also when the port
+  // drives it.
+  double tmo_high_share(int timer) const;
+  bool tmo_driven(int timer) const;
+
+  // Input voltage of AN0..AN7 (8..15: CIN0..CIN7) as a share of AVCC, asked as the converter
+  // samples.
+  void set_analog(std::function<double(int channel, States at)> source);
+
+  // --- serial
+  // -------------------------------------------------------------------------------------- A byte
+  // for RxD0 or RxD1. Errors: before now() or before the one queued last.
+  Result<void> receive(int sci, const ReceivedByte& byte);
+  // Called when a byte has left TxD0 or TxD1.
+  void on_transmit(std::function<void(int sci, const TransmittedByte&)> listener);
+
+ private:
+  explicit Chip(std::unique_ptr<Machine> machine);
+  std::unique_ptr<Machine> machine_;
+};
 
 }  // namespace kaz::h8s

@@ -1,0 +1,70 @@
+// A program as a toolchain leaves it: bytes at addresses, entry, symbols, line numbers.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/h8s/error.h"
+
+namespace kaz::h8s {
+
+struct Segment {
+  std::uint32_t load_address = 0;  // where the programmer puts it (flash)
+  std::uint32_t run_address = 0;   // where the program expects it; differs for .data
+  std::string name;
+  std::vector<std::uint8_t> bytes;
+};
+
+struct Symbol {
+  std::string name;  // as in the object file: C's `main` is `_main`
+  std::uint32_t address = 0;
+  bool function = false;
+};
+
+struct SourceLine {
+  std::uint32_t address = 0;
+  std::string file;
+  std::uint32_t line = 0;
+};
+
+class SymbolTable {
+ public:
+  SymbolTable() = default;
+  SymbolTable(std::vector<Symbol> symbols, std::vector<SourceLine> lines);
+
+  // With or without C's leading underscore.
+  std::optional<std::uint32_t> address_of(std::string_view name) const;
+  // The symbol that covers `address`: the nearest at or below it, compiler-made labels left out.
+  const Symbol* at(std::uint32_t address) const;
+  const SourceLine* line_at(std::uint32_t address) const;
+  // "_main+0x12 (main.c:34)", "_main" or "0x001234".
+  std::string describe(std::uint32_t address) const;
+
+  const std::vector<Symbol>& symbols() const { return symbols_; }
+  const std::vector<SourceLine>& lines() const { return lines_; }
+
+ private:
+  std::vector<Symbol> symbols_;    // by address
+  std::vector<SourceLine> lines_;  // by address
+  std::vector<std::size_t> by_name_;
+};
+
+struct Image {
+  std::vector<Segment> segments;
+  std::optional<std::uint32_t> entry;
+  SymbolTable symbols;
+};
+
+// `name` stands in the messages. Motorola S-records: S0, S1/S2/S3, S5, S7/S8/S9.
+Result<Image> parse_srecord(std::string_view text, const std::string& name);
+// COFF of h8300-hms (magic 0x8302 H8S advanced, 0x8304 H8S normal mode), symbols and line numbers.
+Result<Image> parse_coff(std::span<const std::uint8_t> bytes, const std::string& name);
+// Reads the file and tells the format by its first bytes.
+Result<Image> load_image(const std::string& path);
+
+}  // namespace kaz::h8s

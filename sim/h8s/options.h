@@ -1,0 +1,41 @@
+// What the sources on the chip leave open or mark as unconfirmed, one named choice each.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace kaz::h8s {
+
+// Defaults are the best reading of the H8S/2128's siblings; README.md tells the evidence of each.
+struct Options {
+  // MD1, MD0 at reset: 2 is advanced (24-bit), 3 normal (16-bit), both single chip.
+  int mode = 2;
+  // A request is taken at the first instruction boundary later than this many states after it.
+  int interrupt_decision_states = 3;
+  // States of the exception sequence besides stacking, vector and first fetch.
+  int exception_internal_states = 2;
+  // CCR after reset; only bit 7 (I) is certain.
+  std::uint8_t reset_ccr = 0x80;
+  // RTE holds interrupts off for one instruction as LDC, ANDC, ORC and XORC do.
+  bool rte_holds_off = false;
+  // Bus of FRT, the 8-bit timers and the watchdogs: 16 bits wide (a word takes 2 states), else 8 (4
+  // states).
+  bool wide_timer_bus = true;
+  // A/D: start delay tD of the first conversion (10..17 states at CKS=0, 6..9 at CKS=1).
+  int adc_start_delay_slow = 17;
+  int adc_start_delay_fast = 9;
+  // After TE goes 0 to 1 one frame of mark precedes the first character.
+  bool sci_preamble = true;
+  // PWM pulses stand at the right end of their 16-count slot.
+  bool pwm_right_aligned = true;
+  // What a read of a write-only, stopped or unmapped register gives.
+  std::uint8_t undefined_read = 0xff;
+  // Level of an input pin that neither the board nor a pull-up defines.
+  bool floating_level = false;
+  // States that a watchdog holds the chip in reset.
+  int watchdog_reset_states = 518;
+  // Treat each register misuse as fatal instead of counting it.
+  bool stop_on_misuse = false;
+};
+
+}  // namespace kaz::h8s
