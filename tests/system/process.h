@@ -1,0 +1,62 @@
+// Runs programs as a user would: separate processes, their exit status, what they print.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+namespace kaz::test {
+
+struct Finished {
+  int exit_code = -1;  // 128 + signal if it was killed
+  std::string out, err;
+};
+
+// A program under way; killed when the object goes.
+class Process {
+ public:
+  explicit Process(const std::vector<std::string>& arguments);
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void signal(int number);
+  // Waits until standard output or standard error holds `text`; false if it ended or took too long.
+  bool wait_for_output(const std::string& text, std::chrono::seconds at_most);
+  // Waits for the end. A process that does not end in time is killed, and its exit code says so (137).
+  Finished wait(std::chrono::seconds at_most);
+
+ private:
+  void drain(int milliseconds);
+  pid_t pid_ = -1;
+  int out_ = -1, err_ = -1;
+  bool ended_ = false;
+  Finished result_;
+};
+
+// The `kaz` program of this build with these arguments.
+std::vector<std::string> kaz(std::vector<std::string> arguments);
+Finished run(const std::vector<std::string>& arguments,
+             std::chrono::seconds at_most = std::chrono::seconds(60));
+
+// A new empty folder, removed with everything in it when the object goes.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::string operator/(const std::string& name) const { return path_ + "/" + name; }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+std::string read_file(const std::string& path);
+void write_file(const std::string& path, const std::string& content);
+
+}  // namespace kaz::test

@@ -1,0 +1,75 @@
+// `kaz`: the command line.
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/kaz/verbs.h"
+#include "tools/kaz/version.h"
+
+namespace {
+
+constexpr int kUsage = static_cast<int>(kaz::Fault::usage);
+
+// The verb that was given, for messages: "kaz mcu run".
+std::string spoken_name(const CLI::App& program) {
+  std::string name = "kaz";
+  const CLI::App* app = &program;
+  while (!app->get_subcommands().empty()) {
+    app = app->get_subcommands().front();
+    name += " " + app->get_name();
+  }
+  return name;
+}
+
+int report(const std::string& name, const kaz::Error& error) {
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), error.message.c_str());
+  return static_cast<int>(error.fault);
+}
+
+int parse_and_run(int argc, char** argv) {
+  CLI::App program(
+      "Kaz: a desktop humanoid with stereo eyes, real or virtual. What runs against the virtual "
+      "robot runs on\nthe real one unchanged: both speak the same bytes on the same kind of line.");
+  program.name("kaz");
+  program.set_version_flag("--version", std::string("kaz ") + kaz::tools::kVersion);
+  program.require_subcommand(1);
+  program.get_formatter()->column_width(34);
+  program.footer(
+      "Examples:\n"
+      "  kaz demo                              search and track the ball, leave pictures\n"
+      "  kaz sim --world ball --serial /tmp/kaz0 --cameras /tmp/kaz0.eyes\n"
+      "  kaz run track-ball --robot serial:/tmp/kaz0 --camera /tmp/kaz0.eyes\n"
+      "Exit status: 0 done, 1 the task failed, 2 wrong usage, 3 the environment failed.\n"
+      "`kaz VERB --help` says more about a verb.");
+  kaz::tools::Action action;
+  kaz::tools::add_demo(program, action);
+  kaz::tools::add_run(program, action);
+  kaz::tools::add_sim(program, action);
+  kaz::tools::add_mcu(program, action);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& asked) {  // --help, --version
+    return program.exit(asked);
+  } catch (const CLI::ParseError& wrong) {
+    const std::string name = spoken_name(program);
+    std::fprintf(stderr, "%s: %s; see `%s --help`\n", name.c_str(), wrong.what(), name.c_str());
+    return kUsage;
+  }
+  const kaz::Result<bool> done = action();
+  if (!done) return report(spoken_name(program), done.error());
+  return *done ? 0 : static_cast<int>(kaz::Fault::failed);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return parse_and_run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "kaz: %s\n", error.what());
+    return static_cast<int>(kaz::Fault::environment);
+  }
+}

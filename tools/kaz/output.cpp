@@ -1,0 +1,80 @@
+// What a verb leaves behind (a folder of results) and says while it works (progress).
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/kaz/output.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+namespace kaz::tools {
+
+namespace fs = std::filesystem;
+
+Result<OutputFolder> OutputFolder::open(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error || !fs::is_directory(path)) {
+    return fail(Fault::usage, "cannot make the folder '" + path + "' for results: " +
+                                  (error ? error.message() : "a file of that name is in the way") +
+                                  "; choose another with --out");
+  }
+  OutputFolder folder(path);
+  fs::remove(folder.path("result.json"), error);
+  if (::access(path.c_str(), W_OK) != 0) {
+    return fail(Fault::usage, "cannot write into '" + path + "'; choose another folder with --out");
+  }
+  return folder;
+}
+
+Result<void> OutputFolder::write_json(const std::string& name,
+                                      const nlohmann::ordered_json& value) const {
+  const std::string target = path(name);
+  const std::string partial = target + ".partial";
+  {
+    std::ofstream file(partial, std::ios::trunc);
+    file << value.dump(2) << '\n';
+    if (!file.flush()) {
+      return fail(Fault::environment, "cannot write '" + target + "': is the disk full?");
+    }
+  }
+  std::error_code error;
+  fs::rename(partial, target, error);
+  if (error) return fail(Fault::environment, "cannot write '" + target + "': " + error.message());
+  return {};
+}
+
+Progress::Progress(std::string label, bool quiet)
+    : label_(std::move(label)), quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
+
+Progress::~Progress() { done(); }
+
+void Progress::update(double share, const std::string& note) {
+  if (quiet_) return;
+  share = std::clamp(share, 0.0, 1.0);
+  if (terminal_) {
+    const auto now = std::chrono::steady_clock::now();
+    if (line_open_ && now - last_draw_ < std::chrono::milliseconds(100)) return;
+    last_draw_ = now;
+    const int filled = static_cast<int>(share * 30);
+    std::fprintf(stderr, "\r%s [%s%s] %3d %%  %-36.36s", label_.c_str(),
+                 std::string(static_cast<std::size_t>(filled), '#').c_str(),
+                 std::string(static_cast<std::size_t>(30 - filled), '.').c_str(),
+                 static_cast<int>(share * 100), note.c_str());
+    line_open_ = true;
+    return;
+  }
+  const int decile = static_cast<int>(share * 10);
+  if (decile == last_decile_) return;
+  last_decile_ = decile;
+  std::fprintf(stderr, "%s %3d %%  %s\n", label_.c_str(), decile * 10, note.c_str());
+}
+
+void Progress::done() {
+  if (line_open_) std::fprintf(stderr, "\r\033[K");
+  line_open_ = false;
+}
+
+}  // namespace kaz::tools

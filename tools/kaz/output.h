@@ -1,0 +1,52 @@
+// What a verb leaves behind (a folder of results) and says while it works (progress).
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::tools {
+
+// A folder for results. Each file appears whole or not at all.
+class OutputFolder {
+ public:
+  // Makes the folder if need be. Files of an earlier run are replaced one by one, others left alone;
+  // an old result.json goes first, so that it never stands beside newer pictures.
+  static Result<OutputFolder> open(const std::string& path);
+
+  std::string path(const std::string& name) const { return folder_ + "/" + name; }
+  const std::string& folder() const { return folder_; }
+  Result<void> write_json(const std::string& name, const nlohmann::ordered_json& value) const;
+
+ private:
+  explicit OutputFolder(std::string folder) : folder_(std::move(folder)) {}
+  std::string folder_;
+};
+
+// A bar on a terminal; in a pipe a plain line every ten per cent. Goes to standard error, so that results
+// on standard output stay clean. Says nothing when quiet.
+class Progress {
+ public:
+  Progress(std::string label, bool quiet);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  // share: 0..1 done; note: a few words on what is going on.
+  void update(double share, const std::string& note);
+  void done();
+
+ private:
+  std::string label_;
+  bool quiet_;
+  bool terminal_;
+  int last_decile_ = -1;
+  bool line_open_ = false;
+  std::chrono::steady_clock::time_point last_draw_{};
+};
+
+}  // namespace kaz::tools
