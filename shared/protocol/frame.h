@@ -3,15 +3,16 @@
 //
 //   00 | stuffed body | check (3 bytes) | 00
 //
-//   body     address, type, sequence number, then the fields of the message (messages.def), big-endian
-//   stuffed  consistent overhead byte stuffing (COBS, Cheshire and Baker 1999): no zero inside
-//   check    CRC-16 (polynomial 0x1021, start 0xFFFF, most significant bit first) over the stuffed bytes,
-//            as they stand on the wire; in 7-bit groups 0x80|crc>>14, 0x80|crc>>7&0x7f, 0x80|crc&0x7f,
-//            so that it holds no zero either
+//   body     address, type, sequence number, then the fields of the message (messages.def),
+//   big-endian stuffed  consistent overhead byte stuffing (COBS, Cheshire and Baker 1999): no zero
+//   inside check    CRC-16 (polynomial 0x1021, start 0xFFFF, most significant bit first) over the
+//   stuffed bytes,
+//            as they stand on the wire; in 7-bit groups 0x80|crc>>14, 0x80|crc>>7&0x7f,
+//            0x80|crc&0x7f, so that it holds no zero either
 //
-// Each frame has a zero of its own at both ends. A receiver that joins in the middle, or loses or gains
-// bytes, is right again at the next zero. One damaged byte that leaves the zeros alone is always detected:
-// it is a burst of at most 8 bits in what the CRC covers, or a wrong check.
+// Each frame has a zero of its own at both ends. A receiver that joins in the middle, or loses or
+// gains bytes, is right again at the next zero. One damaged byte that leaves the zeros alone is
+// always detected: it is a burst of at most 8 bits in what the CRC covers, or a wrong check.
 #ifndef KAZ_SHARED_PROTOCOL_FRAME_H
 #define KAZ_SHARED_PROTOCOL_FRAME_H
 
@@ -21,42 +22,42 @@
 extern "C" {
 #endif
 
-#define KZ_HEADER_SIZE 3    // address, type, sequence number
-#define KZ_PAYLOAD_MAX 64   // bytes of fields in one message
+#define KZ_HEADER_SIZE 3   // address, type, sequence number
+#define KZ_PAYLOAD_MAX 64  // bytes of fields in one message
 #define KZ_BODY_MAX (KZ_HEADER_SIZE + KZ_PAYLOAD_MAX)
-// Longest frame: two zeros, one stuffing byte, the body, the check. A body is shorter than 254 bytes, so
-// one stuffing byte is all that COBS adds.
+// Longest frame: two zeros, one stuffing byte, the body, the check. A body is shorter than 254
+// bytes, so one stuffing byte is all that COBS adds.
 #define KZ_FRAME_MAX (2 + 1 + KZ_BODY_MAX + 3)
 
 u16 kz_crc16(u16 crc, u8 byte);
 
 // What became of a received byte.
-#define KZ_RECEIVE_MORE 0      // nothing complete yet
-#define KZ_RECEIVE_FRAME 1     // a sound frame ended: body[0..length-1]
-#define KZ_RECEIVE_BAD_CHECK 2   // a frame ended whose check is wrong
+#define KZ_RECEIVE_MORE 0          // nothing complete yet
+#define KZ_RECEIVE_FRAME 1         // a sound frame ended: body[0..length-1]
+#define KZ_RECEIVE_BAD_CHECK 2     // a frame ended whose check is wrong
 #define KZ_RECEIVE_BAD_STUFFING 3  // a frame ended in the middle of a stuffed block
 #define KZ_RECEIVE_TOO_SHORT 4
 #define KZ_RECEIVE_TOO_LONG 5
 #define KZ_RECEIVE_LINE_ERROR 6  // a byte of the frame had a framing, parity or overrun error
 
-// Decodes as the bytes come, a bounded amount of work for each. Owns its buffer; no length from the wire
-// is ever trusted.
+// Decodes as the bytes come, a bounded amount of work for each. Owns its buffer; no length from the
+// wire is ever trusted.
 typedef struct kz_receiver {
   u16 crc;
   u8 length;  // bytes of body so far
   u8 run;     // bytes left in the current stuffed block
   u8 state;
-  u8 held;    // bytes in `hold`: the check is the last three bytes before the zero
+  u8 held;  // bytes in `hold`: the check is the last three bytes before the zero
   u8 hold[3];
   u8 body[KZ_BODY_MAX];
 } kz_receiver;
 
-void kz_receiver_init(kz_receiver *receiver);
-u8 kz_receive(kz_receiver *receiver, u8 byte, u8 line_error);
+void kz_receiver_init(kz_receiver* receiver);
+u8 kz_receive(kz_receiver* receiver, u8 byte, u8 line_error);
 
-// Encodes a whole frame, both zeros included. `body_length` <= KZ_BODY_MAX; `wire` holds KZ_FRAME_MAX.
-// Returns the number of bytes written.
-u8 kz_frame_encode(const u8 *body, u8 body_length, u8 *wire);
+// Encodes a whole frame, both zeros included. `body_length` <= KZ_BODY_MAX; `wire` holds
+// KZ_FRAME_MAX. Returns the number of bytes written.
+u8 kz_frame_encode(const u8* body, u8 body_length, u8* wire);
 
 // Encodes a frame piece by piece, so that a tick never sends more than its share.
 typedef struct kz_sender {
@@ -68,12 +69,12 @@ typedef struct kz_sender {
   u8 body[KZ_BODY_MAX];
 } kz_sender;
 
-void kz_sender_init(kz_sender *sender);
-u8 kz_sender_busy(const kz_sender *sender);
+void kz_sender_init(kz_sender* sender);
+u8 kz_sender_busy(const kz_sender* sender);
 // The caller has filled sender->body[0..body_length-1]; sending starts.
-void kz_sender_start(kz_sender *sender, u8 body_length);
+void kz_sender_start(kz_sender* sender, u8 body_length);
 // Writes at most `room` bytes of the frame to `wire`, returns how many.
-u8 kz_sender_take(kz_sender *sender, u8 *wire, u8 room);
+u8 kz_sender_take(kz_sender* sender, u8* wire, u8 room);
 
 #ifdef __cplusplus
 }

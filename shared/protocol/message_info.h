@@ -1,0 +1,46 @@
+// Names, codes and fields of all messages as data: for hosts that print, log, fuzz or dissect.
+// SPDX-License-Identifier: Apache-2.0
+#ifndef KAZ_SHARED_PROTOCOL_MESSAGE_INFO_H
+#define KAZ_SHARED_PROTOCOL_MESSAGE_INFO_H
+
+#include "shared/protocol/messages.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct kz_field_info {
+  const char* type;  // "u8", "u16", "s16", "u32"
+  const char* name;
+  const char* unit;
+  const char* text;
+  const char* mask;  // field that says which elements are present; NULL: all
+  u8 size;           // bytes of one number
+  u8 count;          // numbers, at most
+} kz_field_info;
+
+typedef struct kz_message_info {
+  const char* name;
+  const char* text;
+  const kz_field_info* fields;
+  u8 field_count;
+  u8 code;
+  u8 size_max;  // bytes of fields, at most
+} kz_message_info;
+
+extern const kz_message_info kz_messages[];
+extern const u8 kz_message_count;
+
+// NULL if no message has this code.
+const kz_message_info* kz_message_find(u8 code);
+// "out of range" for KZ_REFUSED_RANGE; never NULL.
+const char* kz_refusal_text(u8 reason);
+// "LINK_WATCHDOG" for KZ_STATUS_LINK_WATCHDOG: name of the flag with this one bit; NULL if there is
+// none.
+const char* kz_status_name(u16 flag);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
