@@ -1,6 +1,6 @@
-// The microcontroller of the servo board, as its pins see it. Two engines implement it: `h8` executes the
-// firmware image instruction by instruction, `native` runs the same C compiled for the PC.
-// SPDX-License-Identifier: Apache-2.0
+// The microcontroller of the servo board, as its pins see it. Two engines implement it: `h8`
+// executes the firmware image instruction by instruction, `native` runs the same C compiled for the
+// PC. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -19,11 +19,11 @@ namespace kaz::sim {
 // Time on the board, in periods of its crystal (18.432 MHz) since power was first applied.
 using States = std::int64_t;
 
-// What the chip drives. A pin that is an input, or floats during reset, stands at the level that the
-// board's pull resistor gives it (multiplexer selects high, everything else low).
+// What the chip drives. A pin that is an input, or floats during reset, stands at the level that
+// the board's pull resistor gives it (multiplexer selects high, everything else low).
 struct PinLevels {
-  std::array<std::uint16_t, 16> pw{};   // high counts out of 256 of PW0..PW15; 256: constant high
-  std::array<std::uint16_t, 2> tmo{};   // the same for TMO0, TMO1
+  std::array<std::uint16_t, 16> pw{};  // high counts out of 256 of PW0..PW15; 256: constant high
+  std::array<std::uint16_t, 2> tmo{};  // the same for TMO0, TMO1
   std::uint8_t p3 = 0, p4 = 0x07, p5 = 0, p6 = 0;
   bool operator==(const PinLevels&) const = default;
 };
@@ -48,8 +48,9 @@ class Mcu {
   virtual std::string engine() const = 0;
   virtual States now() const = 0;
 
-  // Runs until `now() >= until`. Fails, once and for all until the next reset, when the chip does something
-  // no program should: undefined instruction, unmapped access, stack outside RAM. The message says where.
+  // Runs until `now() >= until`. Fails, once and for all until the next reset, when the chip does
+  // something no program should: undefined instruction, unmapped access, stack outside RAM. The
+  // message says where.
   virtual Result<void> run_until(States until) = 0;
 
   virtual void reset() = 0;        // RES pin; RAM is kept
@@ -59,8 +60,8 @@ class Mcu {
   // Called at each change of a pin, with the exact time. One listener.
   virtual void on_pins(std::function<void(States, const PinLevels&)> listener) = 0;
 
-  // Voltage at AN0..AN7 as a share of AVCC, asked at the moment the converter samples. `levels` tell where
-  // the multiplexer selects stand then.
+  // Voltage at AN0..AN7 as a share of AVCC, asked at the moment the converter samples. `levels`
+  // tell where the multiplexer selects stand then.
   using AnalogSource = std::function<double(int channel, const PinLevels& levels, States at)>;
   virtual void set_analog(AnalogSource source) = 0;
 
@@ -73,8 +74,8 @@ class Mcu {
   virtual void on_tick(std::function<void(const TickRecord&)> listener) = 0;
 };
 
-// The firmware image: S-record or COFF. With symbols (COFF) reports are readable and `on_tick` works; for an
-// S-record the symbols are looked for in a file of the same name ending in `.coff`.
+// The firmware image: S-record or COFF. With symbols (COFF) reports are readable and `on_tick`
+// works; for an S-record the symbols are looked for in a file of the same name ending in `.coff`.
 Result<std::unique_ptr<Mcu>> make_h8(const std::string& image_path);
 std::unique_ptr<Mcu> make_native();
 

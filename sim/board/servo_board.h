@@ -1,0 +1,96 @@
+// What is soldered around the microcontroller: multiplexers and potentiometers in front of the A/D
+// converter, motor drivers behind the PWM and direction pins, and the supply.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "shared/base/result.hpp"
+#include "shared/board/board.h"
+#include "sim/mcu/mcu.h"
+
+namespace kaz::sim {
+
+struct ServoBoardOptions {
+  std::uint64_t seed = 1;
+  // Noise of each A/D reading, sigma in codes (design, section 4: 0.5 of 10 bits over 190 degrees).
+  bool noise = true;
+  double noise_codes = 0.5;
+  double supply_volts = 10.0;  // without load
+  double supply_ohms = 0.15;   // battery, switch and wires
+  double driver_celsius = 25.0;
+};
+
+// What a motor driver did to its motor over an interval.
+struct MeanDrive {
+  double duty = 0;       // -1..1, mean over the whole interval, positive turns the joint positively
+  bool powered = false;  // the drivers were enabled for more than half of the interval
+};
+
+// A/D input as a share of AVCC of a joint's potentiometer at `angle_rad`; 0..1, it stands at the
+// end of its track beyond +-95 degrees.
+double pot_ratio(int joint, double angle_rad);
+
+class ServoBoard {
+ public:
+  ServoBoard(std::unique_ptr<Mcu> mcu, const ServoBoardOptions& options);
+  ServoBoard(const ServoBoard&) = delete;
+  ServoBoard& operator=(const ServoBoard&) = delete;
+
+  Mcu& mcu() { return *mcu_; }
+  const Mcu& mcu() const { return *mcu_; }
+
+  // Board time: goes on while the power is off.
+  States now() const { return now_; }
+  // Runs until `now() >= until`; an instruction may overshoot by some states. Errors: the chip's.
+  Result<void> run_until(States until);
+
+  // Angle of each output shaft as the joint turns, rad, joint numbers of joints.def. Held until set
+  // again.
+  void set_joint_angles(std::span<const double, KZ_JOINTS> angles_rad);
+  // Sum of the motors' currents, for the sag of the supply. Held until set again.
+  void set_supply_current(double amperes) { supply_current_ = amperes; }
+  double supply_volts() const;
+
+  // Mean drives over the time since the last call, integrated exactly over every change of a pin.
+  std::array<MeanDrive, KZ_JOINTS> take_drives();
+
+  const PinLevels& pins() const { return pins_; }
+  bool drivers_enabled() const { return (pins_.p4 & KZ_P4_ENABLE) != 0; }
+
+  // The serial line at the chip, in board time. Bytes that come while the power is off are lost.
+  void receive(const SerialByte& byte);
+  std::vector<SerialByte> take_transmitted();
+
+  // Cuts and restores the power of the whole board: chip, motors, potentiometers.
+  void set_power(bool on);
+  bool power() const { return power_; }
+  void reset();  // the RES pin
+
+ private:
+  double analog(int channel, const PinLevels& levels, States mcu_time) const;
+  double noise_free(unsigned input) const;
+  void pins_changed(States at, const PinLevels& levels);
+  void integrate(States until);
+
+  std::unique_ptr<Mcu> mcu_;
+  ServoBoardOptions options_;
+  bool power_ = true;
+  States now_ = 0;
+  States off_time_ = 0;  // board time minus chip time
+
+  std::array<double, KZ_JOINTS> pot_{};
+  double supply_current_ = 0;
+
+  PinLevels pins_;
+  States integrated_from_ = 0, integrated_to_ = 0;
+  States enabled_states_ = 0;
+  std::array<std::int64_t, KZ_JOINTS> duty_states_{};  // sum of signed counts of 256, times states
+};
+
+}  // namespace kaz::sim

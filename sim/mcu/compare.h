@@ -1,0 +1,51 @@
+// Proof that the two engines are one program: the firmware image runs in the emulator under random
+// host traffic and potentiometers, each of its tick inputs goes to the native build of
+// shared/servo, and outputs and state must come out equal. Design, sections 1 and 3.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::sim {
+
+struct CompareOptions {
+  std::string image_path;       // S-record with symbols beside it, or COFF
+  std::int64_t ticks = 100000;  // to compare
+  std::uint64_t seed = 1;
+  std::int64_t state_every = 1;  // compare the whole servo state every so many ticks
+  std::function<void(std::int64_t done, std::int64_t total)> progress;
+};
+
+struct CompareDifference {
+  std::string field;  // "output.pw[3]", "state.joints[2].goal"
+  std::int64_t native = 0, h8 = 0;
+};
+
+struct CompareReport {
+  std::int64_t ticks = 0;  // compared
+  // Traffic that these ticks saw.
+  std::int64_t bytes_received = 0, bytes_sent = 0, frames_sent_to_board = 0;
+  std::uint16_t worst_busy_8states = 0;
+  std::int64_t missed_ticks = 0, watchdog_resets = 0;
+  double chip_s = 0;
+
+  // The first tick that differs, all its differences, and what it saw.
+  std::optional<std::uint32_t> tick;
+  std::vector<CompareDifference> differences;
+  std::string input_hex;  // the tick's input as the H8 has it in memory
+
+  bool equal() const { return differences.empty(); }
+  // Several lines: the first difference side by side, or that there is none.
+  std::string text() const;
+};
+
+// Errors: an image that cannot be read or has no tick symbols, a chip that stopped.
+Result<CompareReport> compare_engines(const CompareOptions& options);
+
+}  // namespace kaz::sim

@@ -1,0 +1,71 @@
+// The engine that executes the firmware image, for those who need more of it than the pins.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/h8s/chip.h"
+#include "sim/mcu/mcu.h"
+
+namespace kaz::sim {
+
+class H8Mcu final : public Mcu {
+ public:
+  // As make_h8().
+  static Result<std::unique_ptr<H8Mcu>> load(const std::string& image_path);
+
+  std::string engine() const override { return "h8"; }
+  States now() const override { return base_ + chip_.now(); }
+  Result<void> run_until(States until) override;
+  void reset() override;
+  void power_cycle() override;
+  const PinLevels& pins() const override { return pins_; }
+  void on_pins(std::function<void(States, const PinLevels&)> listener) override;
+  void set_analog(AnalogSource source) override;
+  void receive(const SerialByte& byte) override;
+  std::vector<SerialByte> take_transmitted() override;
+  void on_tick(std::function<void(const TickRecord&)> listener) override;
+
+  h8s::Chip& chip() { return chip_; }
+  const h8s::Chip& chip() const { return chip_; }
+
+  // Called with the time at each reset by the chip's own watchdog.
+  void on_watchdog_reset(std::function<void(States)> listener) { on_reset_ = std::move(listener); }
+
+  // Whether the image has the symbols that ticks are recorded by: kz_input, kz_output, kz_tick_end.
+  bool has_tick_symbols() const { return symbols_.has_value(); }
+  // Bytes of a global of the image, as they stand in RAM; empty if there is no such symbol.
+  std::vector<std::uint8_t> global(std::string_view symbol, std::size_t size) const;
+
+ private:
+  struct TickSymbols {
+    std::uint32_t input, output, end;
+  };
+
+  explicit H8Mcu(h8s::Chip chip);
+  void connect();
+  void output_changed(const h8s::OutputChange& change);
+  void read_all_pins();
+  void read_port(h8s::Port port);
+  void read_pwm(int channel);
+  void read_timer(int timer);
+  void tick_ended();
+
+  h8s::Chip chip_;
+  States base_ = 0;  // our time minus the chip's, which starts anew when power is applied
+  PinLevels pins_;
+  std::optional<TickSymbols> symbols_;
+  std::vector<SerialByte> transmitted_;
+  std::optional<Error> wiring_error_;
+  std::function<void(States, const PinLevels&)> on_pins_;
+  std::function<void(const TickRecord&)> on_tick_;
+  std::function<void(States)> on_reset_;
+};
+
+}  // namespace kaz::sim

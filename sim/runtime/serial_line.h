@@ -1,0 +1,43 @@
+// The wire between host and board: a byte each way every 1,600 states at most, 115,200 baud 8N1.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "sim/mcu/mcu.h"
+
+namespace kaz::sim {
+
+// The host's side of the line with its adapter: bytes queue there until the wire is free. Time in
+// states.
+class SerialLine {
+ public:
+  // Bytes that the host gives at `now`. The first starts then, or when the byte before it has left.
+  void write(std::span<const std::uint8_t> bytes, States now);
+  // The same with every byte damaged: what the board sees when the host talks at another speed.
+  void write_garbled(std::span<const std::uint8_t> bytes, States now);
+  // Bytes written whose stop bit has not passed by `now`: full adapters make their writers wait.
+  std::size_t waiting(States now) const;
+  // Takes what arrives at the board until `until`, to be handed to it.
+  std::vector<SerialByte> take_for_board(States until);
+
+  // What the board sent, in order of time.
+  void from_board(std::span<const SerialByte> bytes);
+  // Moves bytes whose stop bit has passed by `now` into `bytes`; returns how many.
+  std::size_t read(std::span<std::uint8_t> bytes, States now);
+  bool readable(States now) const;
+  // The host hung up: what it had not read is gone.
+  void drop_unread() { to_host_.clear(); }
+
+ private:
+  void queue(std::span<const std::uint8_t> bytes, States now, bool framing_error);
+
+  std::deque<SerialByte> to_board_, to_host_;
+  States wire_free_ = 0;
+};
+
+}  // namespace kaz::sim

@@ -1,0 +1,109 @@
+// The virtual right-hand side on one clock: servo board, body and world, eyes, serial line,
+// recorder. SPDX-License-Identifier: Apache-2.0
+//
+// Time goes on only in step(), by one millisecond: the board runs to the end of the step, its mean
+// drives move the world, the joints' angles go back to the potentiometers. Nothing here reads the
+// wall clock; the same options and the same calls give the same recording, byte for byte
+// (docs/time.md).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "shared/base/result.hpp"
+#include "sim/board/servo_board.h"
+#include "sim/body/world.h"
+#include "sim/mcu/mcu.h"
+#include "sim/runtime/eyes.h"
+#include "sim/runtime/mcap_writer.h"
+#include "sim/runtime/serial_line.h"
+#include "sim/runtime/time.h"
+#include "sim/view/renderer.h"
+#include "vision/frame.h"
+
+namespace kaz::sim {
+
+class Recorder;
+
+struct SimulationOptions {
+  std::string engine = "native";  // "h8" or "native"
+  std::string image_path;         // firmware, for "h8"
+  std::string world_path;         // SDF
+  std::string robot_path;         // URDF
+  std::string camera_path;        // camera.json beside the URDF
+  std::uint64_t seed = 1;
+  std::string stepper = "quick50";  // sim/body/world.h
+  bool pot_noise = true;
+  double supply_volts = 10.0;
+  FramePolicy frames = FramePolicy::wait;
+  std::string recording_path;            // none if empty
+  McapWriter::Metadata recording_facts;  // versions and the like, for the recording's header
+  RendererFactory renderer = make_osmesa_renderer;
+};
+
+class Simulation {
+ public:
+  // Errors: a file that is missing or wrong, an unknown engine.
+  static Result<std::unique_ptr<Simulation>> create(const SimulationOptions& options);
+  // The two parts given: for tests and for other boards.
+  static Result<std::unique_ptr<Simulation>> assemble(const SimulationOptions& options,
+                                                      std::unique_ptr<Mcu> mcu,
+                                                      std::unique_ptr<World> world,
+                                                      const CameraFile& camera);
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  // One millisecond. Errors (the chip stopped, no pictures, disk full) repeat at each further call.
+  Result<void> step();
+  // End of the last step. A whole number of milliseconds.
+  States now() const { return now_; }
+  Time time() const { return time_of(now_); }
+
+  // The host's end of the serial line.
+  void write(std::span<const std::uint8_t> bytes) { line_.write(bytes, now_); }
+  std::size_t read(std::span<std::uint8_t> bytes) { return line_.read(bytes, now_); }
+  SerialLine& line() { return line_; }
+
+  // Nothing is drawn before the first call of open_eyes().
+  void open_eyes();
+  const CameraFile& camera() const { return camera_; }
+  // The next pair that has reached the host by now, oldest first.
+  std::optional<vision::StereoPair> next_pair();
+  std::uint64_t pairs_left_out() const;
+  // A picture of the world as it stands now, by an onlooker.
+  Result<Picture> picture(const View& view);
+
+  ServoBoard& board() { return board_; }
+  const ServoBoard& board() const { return board_; }
+  World& world() { return *world_; }
+  const World& world() const { return *world_; }
+
+  // Enters what the behaviour thinks (one JSON object) into the recording, at the present time.
+  void record_behavior(std::string_view json);
+  // Ends the recording; its SHA-256. Empty if there is none.
+  Result<std::string> finish_recording();
+
+ private:
+  Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mcu,
+             std::unique_ptr<World> world, const CameraFile& camera);
+  Result<void> advance();
+  std::unique_ptr<Eyes> make_eyes();
+
+  SimulationOptions options_;
+  CameraFile camera_;
+  std::unique_ptr<World> world_;
+  ServoBoard board_;
+  SerialLine line_;
+  std::unique_ptr<Eyes> eyes_;
+  bool eyes_open_ = false;
+  std::unique_ptr<Recorder> recorder_;
+  States now_ = 0;
+  std::optional<Error> error_;
+};
+
+}  // namespace kaz::sim

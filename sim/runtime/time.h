@@ -1,0 +1,24 @@
+// Simulated time: states of the board's crystal, steps of the world, nanoseconds of the host.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "shared/board/board.h"
+#include "sim/mcu/mcu.h"
+#include "vision/frame.h"  // Time
+
+namespace kaz::sim {
+
+// 1e9 / 18,432,000 = 15,625 / 288, so a millisecond is exact in both.
+constexpr Time time_of(States states) {
+  return Time(states * 15625 / 288);
+}
+// The first state at or after `t`.
+constexpr States states_of(Time t) {
+  return (t.count() * 288 + 15624) / 15625;
+}
+
+static_assert(15625 * (KZ_CLOCK_HZ / 1000) == 288 * 1000000L);
+
+}  // namespace kaz::sim
