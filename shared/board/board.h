@@ -12,31 +12,37 @@
 #define KZ_TICK_HZ 1000
 #define KZ_STATES_PER_TICK 18432L
 #define KZ_BAUD 115200L
-#define KZ_STATES_PER_BIT 160     // KZ_CLOCK_HZ / KZ_BAUD
-#define KZ_STATES_PER_BYTE 1600   // 8N1
+#define KZ_STATES_PER_BIT 160    // KZ_CLOCK_HZ / KZ_BAUD
+#define KZ_STATES_PER_BYTE 1600  // 8N1
 
 // Index into kz_tick_input.analog: multiplexer * 8 + input.
 #define KZ_MUXES 3
 #define KZ_MUX_INPUTS 8
 #define KZ_ANALOG (KZ_MUXES * KZ_MUX_INPUTS)
-#define KZ_ANALOG_SUPPLY 6        // supply voltage through a divider: full scale is KZ_SUPPLY_FULL_MV
-#define KZ_ANALOG_REFERENCE 7     // half of AVCC: code 512 if the converter is sound
-#define KZ_ANALOG_TEMPERATURE 14  // motor drivers: 0 °C at code 0, KZ_TEMPERATURE_FULL_DC at full scale
-#define KZ_SUPPLY_FULL_MV 15360   // 15 mV a code
+// Supply voltage through a divider: full scale is KZ_SUPPLY_FULL_MV.
+#define KZ_ANALOG_SUPPLY 6
+// Half of AVCC: code 512 if the converter is sound.
+#define KZ_ANALOG_REFERENCE 7
+// Motor drivers: 0 °C at code 0, KZ_TEMPERATURE_FULL_DC at full scale.
+#define KZ_ANALOG_TEMPERATURE 14
+#define KZ_SUPPLY_FULL_MV 15360      // 15 mV a code
 #define KZ_TEMPERATURE_FULL_DC 1024  // 0.1 °C a code: 102.4 °C
 
-// A/D codes are 10 bits. A potentiometer's whole range is 190 degrees (Futaba S9204, design section 4).
+// A/D codes are 10 bits. A potentiometer's whole range is 190 degrees (Futaba S9204, design section
+// 4).
 #define KZ_POT_CODES 1024
 #define KZ_POT_RANGE_DECIDEG 1900
 
-// Outputs that are not joint directions. P40..P42 select the multiplexer input (pull-ups on the board:
-// boot mode wants them high), P45 enables all motor drivers (pull-down: off while the pin floats).
+// Outputs that are not joint directions. P40..P42 select the multiplexer input (pull-ups on the
+// board: boot mode wants them high), P45 enables all motor drivers (pull-down: off while the pin
+// floats).
 #define KZ_P4_MUX_MASK 0x07
 #define KZ_P4_ENABLE 0x20
 
 // Angles on the wire and in the firmware are signed 16-bit numbers of 100 microradians.
 #define KZ_ANGLE_PER_RAD 10000L
-// Tenths of a degree to 100 microradians, exact in integers on both compilers: pi/1800 * 1e4 = 17.453293.
-#define KZ_DECIDEG(d) ((s16)((s32)(d) * 17453L / 1000L))
+// Tenths of a degree to 100 microradians, exact in integers on both compilers: pi/1800 * 1e4
+// = 17.453293.
+#define KZ_DECIDEG(d) ((s16)((s32)(d)*17453L / 1000L))
 
 #endif

@@ -1,9 +1,10 @@
-// The servo tick: everything the board computes, once a millisecond, from a snapshot and its state alone.
-// SPDX-License-Identifier: Apache-2.0
+// The servo tick: everything the board computes, once a millisecond, from a snapshot and its state
+// alone. SPDX-License-Identifier: Apache-2.0
 //
-// Equal sequences of kz_tick_input give equal sequences of kz_tick_output and equal state, on the H8S/2128
-// and on the PC (design, section 3). So nothing here reads a register, a clock or memory it does not own:
-// whatever is measured (how long the last tick took, the CRC of the image) comes in through the snapshot.
+// Equal sequences of kz_tick_input give equal sequences of kz_tick_output and equal state, on the
+// H8S/2128 and on the PC (design, section 3). So nothing here reads a register, a clock or memory
+// it does not own: whatever is measured (how long the last tick took, the CRC of the image) comes
+// in through the snapshot.
 #ifndef KAZ_SHARED_SERVO_TICK_H
 #define KAZ_SHARED_SERVO_TICK_H
 
@@ -44,10 +45,11 @@ typedef struct kz_tick_input {
 
 // What goes to the pins and to the serial line at the start of the next tick.
 typedef struct kz_tick_output {
-  u8 pw[16];   // PWDR0..15: high counts out of 256
-  u8 tmo[2];   // the same for TMO0, TMO1
-  u8 p3;       // port data: direction bits (joints.def), other bits 0
-  u8 p4;       // direction bits and KZ_P4_ENABLE; the multiplexer bits are 0 here, the A/D driver adds them
+  u8 pw[16];  // PWDR0..15: high counts out of 256
+  u8 tmo[2];  // the same for TMO0, TMO1
+  u8 p3;      // port data: direction bits (joints.def), other bits 0
+  u8 p4;  // direction bits and KZ_P4_ENABLE; the multiplexer bits are 0 here, the A/D driver adds
+          // them
   u8 p5;
   u8 p6;
   u8 tx_count;  // bytes in tx, 0..KZ_TX_PER_TICK, never more than tx_room
@@ -57,11 +59,11 @@ typedef struct kz_tick_output {
 struct kz_servo;
 
 // Brings the state to that after reset: motors off, nothing received. Writes the outputs for it.
-void kz_servo_init(struct kz_servo *servo, kz_tick_output *output);
+void kz_servo_init(struct kz_servo* servo, kz_tick_output* output);
 
-// One tick. `output` is written whole. Motors are off (enable bit 0, all duties 0) until the host enables
-// a joint, and again after any fault.
-void kz_tick(struct kz_servo *servo, const kz_tick_input *input, kz_tick_output *output);
+// One tick. `output` is written whole. Motors are off (enable bit 0, all duties 0) until the host
+// enables a joint, and again after any fault.
+void kz_tick(struct kz_servo* servo, const kz_tick_input* input, kz_tick_output* output);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,159 @@
+// The joints of the servo: measuring, ramps, position loop.
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/servo/joints.h"
+
+#include "shared/board/pot.h"
+
+// Fastest change of angle in a tick that is believed: 51 rad/s, four times what the motor can.
+// Keeps the filtered rate inside 16 bits: 64 * 511 = 32704.
+#define DELTA_MAX 511
+#define DUTY_MAX 255
+#define DRIVE_SHIFT 12
+#define ERROR_MAX 32767
+
+// Duty is 255 at full drive. With kp in 1/256 per rad, the error in 1e-4 rad and the drive in
+// 1/4096 of a count: 255 * 4096 / (256 * 1e4) = 0.408; here times 2^16.
+#define KP_SCALE 26739
+// With kd in 1/4096 s/rad and the rate in 1/640 rad/s: 255 * 4096 / (4096 * 640) = 0.3984375.
+#define KD_SCALE 26112
+
+static s16 scaled(u16 gain, u16 scale) {
+  return (s16)(((u32)gain * scale + 0x8000) >> 16);
+}
+
+s16 kz_scaled_kp(u16 kp) {
+  return scaled(kp, KP_SCALE);
+}
+
+s16 kz_scaled_kd(u16 kd) {
+  return scaled(kd, KD_SCALE);
+}
+
+void kz_joints_init(kz_servo* servo) {
+  // The hands are the joints on the two timer outputs.
+  static const u16 kp[KZ_JOINTS] = {
+#define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) \
+  [index] = (pwm) < 16 ? KZ_KP_DEFAULT : KZ_KP_HAND,
+#include "shared/board/joints.def"
+#undef KZ_JOINT
+  };
+  u8 i;
+  for (i = 0; i < KZ_JOINTS; ++i) {
+    servo->joint[i].kp = kz_scaled_kp(kp[i]);
+    servo->joint[i].kd = kz_scaled_kd(KZ_KD_DEFAULT);
+    servo->joint[i].ramp_limit = KZ_RAMP_DEFAULT;
+  }
+}
+
+void kz_joint_hold(kz_joint* joint) {
+  joint->command = joint->angle;
+  joint->ramp_left = 0;
+}
+
+void kz_joint_go(kz_joint* joint, s16 target, u16 duration_ms) {
+  const u8 down = (u8)(target < joint->command);
+  const u16 from = (u16)joint->command;
+  // Two limits can be further apart than 32767, but not than 65535.
+  const u16 distance = (u16)(down ? from - (u16)target : (u16)target - from);
+  if (distance == 0) {
+    joint->ramp_left = 0;
+    return;
+  }
+  if ((u32)joint->ramp_limit * duration_ms < distance) {
+    duration_ms = (u16)((u16)(distance - 1) / joint->ramp_limit + 1);
+  }
+  joint->ramp_down = down;
+  joint->ramp_left = duration_ms;
+  joint->ramp_time = duration_ms;
+  joint->ramp_whole = (u16)(distance / duration_ms);
+  joint->ramp_rest = (u16)(distance % duration_ms);
+  joint->ramp_phase = 0;
+}
+
+// `left` steps remain; after the last the command is exactly the target.
+static inline void follow_ramp(kz_joint* joint, u16 left) {
+  u16 step = joint->ramp_whole;
+  const u16 room = (u16)(joint->ramp_time - joint->ramp_phase);
+  const u16 rest = joint->ramp_rest;
+  if (rest >= room) {
+    joint->ramp_phase = (u16)(rest - room);
+    ++step;
+  } else {
+    joint->ramp_phase = (u16)(joint->ramp_phase + rest);
+  }
+  joint->ramp_left = (u16)(left - 1);
+  joint->command =
+      (s16)(joint->ramp_down ? (u16)joint->command - step : (u16)joint->command + step);
+}
+
+static inline void measure(kz_joint* joint, s16 angle) {
+  s16 delta = (s16)((u16)angle - (u16)joint->angle);
+  const s16 rate = joint->rate;
+  if (delta > DELTA_MAX) delta = DELTA_MAX;
+  if (delta < -DELTA_MAX) delta = -DELTA_MAX;
+  joint->rate = (s16)(rate - (s16)(rate >> 3) + (s16)(delta * 8));
+  joint->angle = angle;
+}
+
+// d = kp * (command - angle) - kd * rate, limited to full duty.
+static inline void control(kz_joint* joint, u8 mirrored) {
+  s32 error = (s32)joint->command - joint->angle;
+  s32 drive;
+  u32 strength;
+  u8 forward = mirrored;
+  if (error > ERROR_MAX) error = ERROR_MAX;
+  if (error < -ERROR_MAX) error = -ERROR_MAX;
+  drive = (s32)(s16)error * joint->kp - (s32)joint->rate * joint->kd;
+  if (drive > 0) {
+    strength = (u32)drive;
+    forward ^= 1;
+  } else {
+    strength = (u32)-drive;
+  }
+  strength += (u32)1 << (DRIVE_SHIFT - 1);
+  if (strength >= (u32)DUTY_MAX << DRIVE_SHIFT) {
+    joint->duty = DUTY_MAX;
+  } else {
+    joint->duty = (u8)(strength << (16 - DRIVE_SHIFT) >> 16);  // the upper half: no shift on the H8
+  }
+  joint->forward = forward;
+}
+
+u8 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
+  kz_joint* joint = servo->joint;
+  const kz_board_joint* wiring = kz_board_joints;
+  u32 enabled = servo->enabled;
+  u8 moving = 0;
+  u8 fault = 0;
+  u8 i;
+  for (i = 0; i < KZ_JOINTS; ++i) {
+    const u16 code = input->analog[wiring->analog];
+    u8 drive = (u8)(enabled & 1);
+    if ((u16)(code - KZ_POT_LOWEST) <= KZ_POT_HIGHEST - KZ_POT_LOWEST) {
+      joint->pot_bad_ms = 0;
+      measure(joint, kz_pot_angle_of(wiring, code));
+    } else {
+      // Nobody knows where the joint is: the last angle stays, and the motor gets no power.
+      joint->rate = 0;
+      if (joint->pot_bad_ms < KZ_POT_FAULT_MS) ++joint->pot_bad_ms;
+      if (joint->pot_bad_ms == KZ_POT_FAULT_MS) fault |= drive;
+      drive = 0;
+    }
+    if (drive) {
+      const u16 left = joint->ramp_left;
+      if (left != 0) {
+        moving = 1;
+        follow_ramp(joint, left);
+      }
+      control(joint, wiring->mirrored);
+    } else {
+      joint->duty = 0;
+      joint->forward = 0;
+    }
+    enabled >>= 1;
+    ++joint;
+    ++wiring;
+  }
+  servo->moving = moving;
+  return fault;
+}

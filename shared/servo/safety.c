@@ -1,0 +1,57 @@
+// What switches the motors off without being asked.
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/servo/safety.h"
+
+#include "shared/protocol/messages.h"
+
+#define COUNTER_MAX 0xFFFF
+#define SUPPLY_MV_PER_CODE (KZ_SUPPLY_FULL_MV / KZ_POT_CODES)
+
+void kz_safety_trip(kz_servo* servo, u16 fault) {
+  servo->enabled = 0;
+  servo->faults |= fault;
+}
+
+static void watch_link(kz_servo* servo) {
+  if (servo->silent_ms < COUNTER_MAX) ++servo->silent_ms;
+  if (servo->enabled != 0 && servo->silent_ms > servo->watchdog_ms) {
+    kz_safety_trip(servo, KZ_STATUS_LINK_WATCHDOG);
+  }
+}
+
+static void watch_supply(kz_servo* servo, u16 code) {
+  servo->supply_mv = (u16)(code * SUPPLY_MV_PER_CODE);
+  if (servo->supply_mv >= KZ_SUPPLY_LOWEST_MV && servo->supply_mv <= KZ_SUPPLY_HIGHEST_MV) {
+    servo->supply_bad_ms = 0;
+    return;
+  }
+  if (servo->supply_bad_ms < KZ_SUPPLY_FAULT_MS) ++servo->supply_bad_ms;
+  if (servo->enabled != 0 && servo->supply_bad_ms == KZ_SUPPLY_FAULT_MS) {
+    kz_safety_trip(servo, KZ_STATUS_SUPPLY_FAULT);
+  }
+}
+
+static void count_missed_ticks(kz_servo* servo, u8 missed) {
+  if (missed == 0) return;
+  servo->faults |= KZ_STATUS_MISSED_TICK;
+  if (servo->missed_ticks > COUNTER_MAX - missed) {
+    servo->missed_ticks = COUNTER_MAX;
+  } else {
+    servo->missed_ticks = (u16)(servo->missed_ticks + missed);
+  }
+}
+
+void kz_safety_update(kz_servo* servo, const kz_tick_input* input) {
+  count_missed_ticks(servo, input->missed);
+  watch_link(servo);
+  watch_supply(servo, input->analog[KZ_ANALOG_SUPPLY]);
+}
+
+u16 kz_status(const kz_servo* servo) {
+  u16 status = servo->faults;
+  if (servo->enabled != 0) {
+    status |= KZ_STATUS_ENABLED;
+    if (servo->moving) status |= KZ_STATUS_MOVING;
+  }
+  return status;
+}

@@ -1,0 +1,111 @@
+// State of the servo tick. Only shared/servo writes it; the fields are public so that the PC can
+// compare the state of both engines by name (fields.h). SPDX-License-Identifier: Apache-2.0
+#ifndef KAZ_SHARED_SERVO_SERVO_H
+#define KAZ_SHARED_SERVO_SERVO_H
+
+#include "shared/base/types.h"
+#include "shared/board/board.h"
+#include "shared/protocol/frame.h"
+#include "shared/servo/tick.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define KZ_FIRMWARE_VERSION 0x0001  // major * 256 + minor
+
+// Values after reset.
+#define KZ_KP_DEFAULT 5120  // 1/256 /rad: 20 /rad (kaz-model: stands and walks)
+#define KZ_KP_HAND 205      // 0.8 /rad: a jaw gives way
+#define KZ_KD_DEFAULT 614   // 1/4096 s/rad: 0.15 s/rad
+#define KZ_RAMP_DEFAULT 60  // 100 urad/ms: 6 rad/s
+#define KZ_WATCHDOG_DEFAULT_MS 200
+
+// Protection.
+#define KZ_POT_LOWEST 4      // below: short or open
+#define KZ_POT_HIGHEST 1019  // above: open or short
+#define KZ_POT_FAULT_MS 20
+#define KZ_SUPPLY_LOWEST_MV 4000    // the servos' original supply is 4.8 V
+#define KZ_SUPPLY_HIGHEST_MV 13000  // the motor drivers take 12 V
+#define KZ_SUPPLY_FAULT_MS 20
+
+// No field needs padding before it on either machine (the H8 aligns everything to 2 bytes), so that
+// the offsets are the same on both; a test holds the PC's layout against this.
+//
+//   angle       measured joint angle, 100 urad
+//   rate        speed, 1/64 of 100 urad/ms, first-order filter with coefficient 1/8 a tick
+//   command     angle that the loop controls to, 100 urad
+//   ramp_*      straight way of `command` to the target: `left` of `time` ticks to go, each of them
+//   moves
+//               it by `whole`, and by one more whenever `phase`, which grows by `rest`, reaches
+//               `time`
+//   ramp_limit  most that `command` moves in a tick, for ramps that start from now on
+//   kp, kd      gains, scaled to 1/4096 duty per unit of error and rate
+//   duty        high counts of the PWM, 0..255
+//   forward     direction output
+//   pot_bad_ms  for how long the potentiometer's code has made no sense
+#define KZ_JOINT_FIELDS(FIELD) \
+  FIELD(s16, angle)            \
+  FIELD(s16, rate)             \
+  FIELD(s16, command)          \
+  FIELD(u16, ramp_left)        \
+  FIELD(u16, ramp_time)        \
+  FIELD(u16, ramp_whole)       \
+  FIELD(u16, ramp_rest)        \
+  FIELD(u16, ramp_phase)       \
+  FIELD(u16, ramp_limit)       \
+  FIELD(s16, kp)               \
+  FIELD(s16, kd)               \
+  FIELD(u8, ramp_down)         \
+  FIELD(u8, duty)              \
+  FIELD(u8, forward)           \
+  FIELD(u8, pot_bad_ms)
+
+//   enabled         joints that are on, bit n: joint n
+//   faults          latched KZ_STATUS_* flags
+//   silent_ms       since the last sound frame for this board
+//   watchdog_ms     limit for it
+//   last_*          the request that was done last; its CRC tells a repetition from a new request
+//   that
+//                   happens to have the same number
+//   outcome         0 or the KZ_REFUSED_* of that request, outcome_detail with it
+//   busy_*          a request that came while a reply was being sent and will be refused; type 0:
+//   none
+#define KZ_SERVO_FIELDS(FIELD) \
+  FIELD(u32, enabled)          \
+  FIELD(u16, faults)           \
+  FIELD(u16, silent_ms)        \
+  FIELD(u16, watchdog_ms)      \
+  FIELD(u16, supply_mv)        \
+  FIELD(u16, bad_frames)       \
+  FIELD(u16, missed_ticks)     \
+  FIELD(u16, last_crc)         \
+  FIELD(u8, supply_bad_ms)     \
+  FIELD(u8, moving)            \
+  FIELD(u8, address)           \
+  FIELD(u8, last_type)         \
+  FIELD(u8, last_sequence)     \
+  FIELD(u8, outcome)           \
+  FIELD(u8, outcome_detail)    \
+  FIELD(u8, busy_type)         \
+  FIELD(u8, busy_sequence)     \
+  FIELD(u8, spare)
+
+#define KZ_DECLARE_FIELD(type, name) type name;
+
+typedef struct kz_joint {
+  KZ_JOINT_FIELDS(KZ_DECLARE_FIELD)
+} kz_joint;
+
+typedef struct kz_servo {
+  KZ_SERVO_FIELDS(KZ_DECLARE_FIELD)
+  kz_joint joint[KZ_JOINTS];
+  kz_receiver receiver;
+  kz_sender sender;
+} kz_servo;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
