@@ -1,9 +1,9 @@
-// The virtual world: the robot, what it stands on, and what it plays with. Rigid bodies, joints, motors and
-// contacts; the robot is moved by its motors, gravity and contacts alone.
+// The virtual world: the robot, what it stands on, and what it plays with. Rigid bodies, joints,
+// motors and contacts; the robot is moved by its motors, gravity and contacts alone.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Units m, kg, s, rad, N. World frame: x forward from where the robot starts, y left, z up, ground at z = 0.
-// Joint order everywhere: shared/board/joints.def.
+// Units m, kg, s, rad, N. World frame: x forward from where the robot starts, y left, z up, ground
+// at z = 0. Joint order everywhere: shared/board/joints.def.
 #pragma once
 
 #include <array>
@@ -36,12 +36,14 @@ struct WorldOptions {
   std::uint64_t seed = 1;
   double step_s = 0.001;
   std::string stepper = "quick50";  // "exact", or "quickN" with N iterations
+  std::string motor;  // a motor of motor.xml, which stands beside the URDF; "": the file's default
 };
 
 class World {
  public:
   // world_path: SDF; robot_path: URDF. Errors name file and line.
-  static Result<std::unique_ptr<World>> load(const std::string& world_path, const std::string& robot_path,
+  static Result<std::unique_ptr<World>> load(const std::string& world_path,
+                                             const std::string& robot_path,
                                              const WorldOptions& options);
   virtual ~World() = default;
 

@@ -1,0 +1,30 @@
+// The motor file: figures of the gear motor that drives each joint.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::sim {
+
+// All at the output shaft. Motor line: torque = stall_slope V duty - back_emf w - friction.
+struct MotorFigures {
+  std::string name;
+  double stall_slope_nm_per_v = 0;
+  double friction_nm = 0;           // Coulomb, gear and brushes together
+  double back_emf_nms_per_rad = 0;  // loss of torque with speed
+  double stiction_ratio = 1;        // breakaway torque / friction_nm
+  double rotor_inertia_kgm2 = 0;
+  double max_supply_v = 0;  // the driver gives the motor no more than this
+
+  // Follow from the above with a gear whose only losses are `friction_nm`: then the torque constant
+  // (Nm/A) equals the back-EMF constant (Vs/rad), and slope = K / R, back_emf = K^2 / R.
+  double torque_constant() const { return back_emf_nms_per_rad / stall_slope_nm_per_v; }
+  double resistance_ohm() const { return torque_constant() / stall_slope_nm_per_v; }
+};
+
+// The motor called `name`, or the file's default where `name` is empty. Errors name file and line.
+Result<MotorFigures> load_motor_file(const std::string& path, const std::string& name);
+
+}  // namespace kaz::sim

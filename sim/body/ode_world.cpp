@@ -1,0 +1,279 @@
+// World on the Open Dynamics Engine, double precision.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/ode_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+namespace kaz::sim {
+namespace {
+
+// Settings with which the gait was found (docs/robot.md, "Dynamics").
+constexpr double kErp = 0.2;
+constexpr double kCfm = 1e-8;
+constexpr double kQuickStepOverRelaxation = 1.3;
+constexpr double kContactLayer = 2e-4;         // m
+constexpr double kContactMaxCorrection = 0.2;  // m/s
+constexpr double kMotorTorqueBound = 1e3;      // Nm; the row's softness is what limits it
+constexpr double kStopMargin = 0.0174533;      // rad, mechanical stop beyond the firmware's limit
+
+// Objects lie still below these for a moment, and are then left out until something touches them.
+constexpr double kSleepLinear = 0.003;  // m/s
+constexpr double kSleepAngular = 0.15;  // rad/s
+constexpr double kSleepAfter = 0.25;    // s
+
+std::mutex& ode_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+// ODE wants to be told of each thread that uses it.
+void enter_ode() {
+  static const int once = dInitODE2(0);
+  thread_local const int thread = dAllocateODEDataForThread(dAllocateMaskAll);
+  static_cast<void>(once);
+  static_cast<void>(thread);
+}
+
+OdeWorldHandle make_world(const Eigen::Vector3d& gravity, int iterations) {
+  enter_ode();
+  OdeWorldHandle world(dWorldCreate());
+  dWorldSetGravity(world.get(), gravity.x(), gravity.y(), gravity.z());
+  dWorldSetERP(world.get(), kErp);
+  dWorldSetCFM(world.get(), kCfm);
+  dWorldSetContactSurfaceLayer(world.get(), kContactLayer);
+  dWorldSetContactMaxCorrectingVel(world.get(), kContactMaxCorrection);
+  if (iterations > 0) {
+    dWorldSetQuickStepNumIterations(world.get(), iterations);
+    dWorldSetQuickStepW(world.get(), kQuickStepOverRelaxation);
+  }
+  dWorldSetAutoDisableFlag(world.get(), 0);
+  dWorldSetAutoDisableLinearThreshold(world.get(), kSleepLinear);
+  dWorldSetAutoDisableAngularThreshold(world.get(), kSleepAngular);
+  dWorldSetAutoDisableTime(world.get(), kSleepAfter);
+  dWorldSetAutoDisableSteps(world.get(), 0);
+  return world;
+}
+
+}  // namespace
+
+OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const MotorFigures& motor,
+                   const WorldOptions& options, int iterations)
+    : step_s_(options.step_s),
+      iterations_(iterations),
+      // ODE's generator has 32 bits.
+      random_state_((options.seed ^ (options.seed >> 32)) & 0xffffffffu),
+      ode_(make_world(world.gravity, iterations)),
+      contacts_(ode_.get(), robot),
+      motors_(KZ_JOINTS, JointMotor(motor, options.step_s)) {
+  scene_.frames.push_back("world");
+  // The root's origin hangs above the point between the soles.
+  const Eigen::Vector3d lift(0, 0, -robot.extent().min().z());
+  build_robot(robot, world.robot_start * Eigen::Translation3d(lift));
+  for (const WorldBody& object : world.bodies) build_object(object);
+  // Latest first, so that the next one is taken from the end; equal times keep the order of the
+  // file.
+  std::reverse(kicks_.begin(), kicks_.end());
+  std::stable_sort(kicks_.begin(), kicks_.end(),
+                   [](const PendingKick& a, const PendingKick& b) { return a.step > b.step; });
+  read_joints();
+}
+
+OdeWorld::~OdeWorld() = default;
+
+OdeWorld::Body OdeWorld::make_body(const RigidLink& link, const Eigen::Isometry3d& pose) {
+  Body body{dBodyCreate(ode_.get()), link.com};
+  dMass mass;
+  const Eigen::Matrix3d& i = link.inertia;
+  dMassSetParameters(&mass, link.mass, 0, 0, 0, i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2),
+                     i(1, 2));
+  dBodySetMass(body.id, &mass);
+  const Eigen::Vector3d at = pose * link.com;
+  dBodySetPosition(body.id, at.x(), at.y(), at.z());
+  dMatrix3 rotation;
+  to_ode(pose.linear(), rotation);
+  dBodySetRotation(body.id, rotation);
+  return body;
+}
+
+int OdeWorld::add_frame(const std::string& name, const Body& body) {
+  frames_.push_back(body);
+  scene_.frames.push_back(name);
+  return static_cast<int>(scene_.frames.size()) - 1;
+}
+
+void OdeWorld::add_visuals(const RigidLink& link, int frame, const Eigen::Isometry3d& in_frame) {
+  for (Visual visual : link.visuals) {
+    visual.frame = frame;
+    visual.in_frame = in_frame * visual.in_frame;
+    scene_.visuals.push_back(std::move(visual));
+  }
+}
+
+void OdeWorld::build_robot(const RobotModel& robot, const Eigen::Isometry3d& root) {
+  link_frames_ = robot.frames;
+  for (std::size_t i = 0; i < robot.links.size(); ++i) {
+    const RobotLink& link = robot.links[i];
+    const Body body = make_body(link.rigid, root * link.at_zero);
+    robot_bodies_.push_back(body);
+    contacts_.add_robot_link(link.rigid, static_cast<int>(i), body.id);
+    const int frame = add_frame(link.rigid.name, body);
+    add_visuals(link.rigid, frame, Eigen::Isometry3d::Identity());
+    if (link.joint >= 0 && joint_names()[static_cast<std::size_t>(link.joint)] == "neck_tilt") {
+      head_frame_ = frame;
+    }
+  }
+  for (int number = 0; number < KZ_JOINTS; ++number) build_joint(robot, number, root);
+}
+
+void OdeWorld::build_joint(const RobotModel& robot, int number, const Eigen::Isometry3d& root) {
+  const RobotJoint& joint = robot.joints[static_cast<std::size_t>(number)];
+  const RobotLink& link = robot.links[static_cast<std::size_t>(joint.child)];
+  Joint& out = ode_joints_[static_cast<std::size_t>(number)];
+  out.child = robot_bodies_[static_cast<std::size_t>(joint.child)].id;
+  const dBodyID parent = robot_bodies_[static_cast<std::size_t>(link.parent)].id;
+  const Eigen::Vector3d anchor = root * link.at_zero.translation();
+  const Eigen::Vector3d axis = root.linear() * joint.axis;
+  out.axis = link.at_zero.linear().transpose() * joint.axis;
+
+  out.hinge = dJointCreateHinge(ode_.get(), nullptr);
+  dJointAttach(out.hinge, out.child, parent);
+  dJointSetHingeAnchor(out.hinge, anchor.x(), anchor.y(), anchor.z());
+  dJointSetHingeAxis(out.hinge, axis.x(), axis.y(), axis.z());
+  dJointSetHingeParam(out.hinge, dParamHiStop, joint.upper + kStopMargin);
+  dJointSetHingeParam(out.hinge, dParamLoStop, joint.lower - kStopMargin);
+
+  // The motor is a row of its own: ODE would replace a hinge's motor by its stop, and push without
+  // limit.
+  out.motor = dJointCreateAMotor(ode_.get(), nullptr);
+  dJointAttach(out.motor, out.child, parent);
+  dJointSetAMotorMode(out.motor, dAMotorUser);
+  dJointSetAMotorNumAxes(out.motor, 1);
+  dJointSetAMotorAxis(out.motor, 0, 1, axis.x(), axis.y(), axis.z());
+  dJointSetAMotorParam(out.motor, dParamFMax, kMotorTorqueBound);
+  dJointSetFeedback(out.motor, &out.feedback);
+}
+
+void OdeWorld::build_object(const WorldBody& object) {
+  if (object.fixed) {
+    contacts_.add_object(object.rigid, nullptr, object.pose);
+    add_visuals(object.rigid, 0, object.pose);
+    fixed_objects_.emplace(object.model, object.pose);
+    return;
+  }
+  const Body body = make_body(object.rigid, object.pose);
+  dBodySetAutoDisableFlag(body.id, 1);
+  contacts_.add_object(object.rigid, body.id, object.pose);
+  add_visuals(object.rigid, add_frame(object.rigid.name, body), Eigen::Isometry3d::Identity());
+  objects_.emplace(object.model, body);
+  for (const Kick& kick : object.kicks) {
+    kicks_.push_back({std::llround(kick.time_s / step_s_), body.id, kick.velocity});
+  }
+}
+
+void OdeWorld::kick_due() {
+  while (!kicks_.empty() && kicks_.back().step <= steps_) {
+    const PendingKick& kick = kicks_.back();
+    const Eigen::Vector3d v = to_eigen(dBodyGetLinearVel(kick.body)) + kick.velocity;
+    dBodyEnable(kick.body);
+    dBodySetLinearVel(kick.body, v.x(), v.y(), v.z());
+    kicks_.pop_back();
+  }
+}
+
+void OdeWorld::drive_motors(std::span<const MotorDrive, KZ_JOINTS> drives, double supply_volts) {
+  for (std::size_t i = 0; i < KZ_JOINTS; ++i) {
+    const JointMotor::Row row = motors_[i].prepare(drives[i], supply_volts, joint_states_[i].angle,
+                                                   joint_states_[i].velocity);
+    dJointSetAMotorParam(ode_joints_[i].motor, dParamVel, row.velocity);
+    dJointSetAMotorParam(ode_joints_[i].motor, dParamCFM, row.softness);
+  }
+}
+
+void OdeWorld::solve() {
+  if (iterations_ == 0) {
+    dWorldStep(ode_.get(), step_s_);
+    return;
+  }
+  const std::lock_guard<std::mutex> lock(ode_mutex());
+  const unsigned long others = dRandGetSeed();
+  dRandSetSeed(random_state_);
+  dWorldQuickStep(ode_.get(), step_s_);
+  random_state_ = dRandGetSeed();
+  dRandSetSeed(others);
+}
+
+void OdeWorld::step(std::span<const MotorDrive, KZ_JOINTS> drives, double supply_volts) {
+  enter_ode();
+  kick_due();
+  contacts_.update();
+  drive_motors(drives, supply_volts);
+  solve();
+  ++steps_;
+  read_joints();
+  current_ = 0;
+  for (std::size_t i = 0; i < KZ_JOINTS; ++i) {
+    motors_[i].finish(joint_states_[i].velocity, joint_states_[i].torque);
+    current_ += motors_[i].supply_current();
+  }
+}
+
+void OdeWorld::read_joints() {
+  for (std::size_t i = 0; i < KZ_JOINTS; ++i) {
+    Joint& joint = ode_joints_[i];
+    JointState& state = joint_states_[i];
+    state.angle = dJointGetHingeAngle(joint.hinge);
+    state.velocity = dJointGetHingeAngleRate(joint.hinge);
+    const Eigen::Vector3d axis = rotation_to_eigen(dBodyGetRotation(joint.child)) * joint.axis;
+    state.torque = axis.dot(to_eigen(joint.feedback.t1));
+    dVector3 a, b;
+    dJointGetHingeAnchor(joint.hinge, a);
+    dJointGetHingeAnchor2(joint.hinge, b);
+    largest_gap_ = std::max(largest_gap_, (to_eigen(a) - to_eigen(b)).norm());
+  }
+}
+
+Eigen::Isometry3d OdeWorld::pose_of(const Body& body) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = rotation_to_eigen(dBodyGetRotation(body.id));
+  pose.translation() = to_eigen(dBodyGetPosition(body.id)) - pose.linear() * body.com;
+  return pose;
+}
+
+ScenePose OdeWorld::pose() const {
+  ScenePose pose;
+  pose.frames.reserve(frames_.size() + 1);
+  pose.frames.push_back(Eigen::Isometry3d::Identity());
+  for (const Body& body : frames_) pose.frames.push_back(pose_of(body));
+  return pose;
+}
+
+Eigen::Isometry3d OdeWorld::link_pose(const std::string& link) const {
+  const auto frame = link_frames_.find(link);
+  if (frame == link_frames_.end()) return Eigen::Isometry3d::Identity();
+  return pose_of(robot_bodies_[static_cast<std::size_t>(frame->second.link)]) *
+         frame->second.in_link;
+}
+
+Result<Eigen::Vector3d> OdeWorld::object_position(const std::string& model) const {
+  if (const auto object = objects_.find(model); object != objects_.end()) {
+    return pose_of(object->second).translation();
+  }
+  if (const auto object = fixed_objects_.find(model); object != fixed_objects_.end()) {
+    return Eigen::Vector3d(object->second.translation());
+  }
+  std::string known;
+  for (const auto& [name, body] : objects_) {
+    if (!known.empty()) known += ", ";
+    known += name;
+  }
+  return fail(Fault::usage, "the world has no object `" + model +
+                                "`; those that can move: " + (known.empty() ? "none" : known));
+}
+
+std::string OdeWorld::stepper() const {
+  return iterations_ == 0 ? "exact" : "quick" + std::to_string(iterations_);
+}
+
+}  // namespace kaz::sim

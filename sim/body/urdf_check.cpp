@@ -1,0 +1,277 @@
+// Finds what is wrong with a URDF before the parser sees it: that one reports no lines.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/urdf_check.h"
+
+#include <map>
+#include <set>
+#include <vector>
+
+#include "sim/body/robot_model.h"
+#include "sim/body/xml_file.h"
+
+namespace kaz::sim {
+namespace {
+
+using Element = tinyxml2::XMLElement;
+
+// Elements a robot file may hold, by parent. Those with an empty entry are leaves or are not looked
+// into.
+const std::map<std::string, std::set<std::string>> kChildren{
+    {"robot", {"link", "joint", "material", "transmission", "gazebo"}},
+    {"link", {"inertial", "visual", "collision"}},
+    {"inertial", {"origin", "mass", "inertia"}},
+    {"visual", {"origin", "geometry", "material"}},
+    {"collision", {"origin", "geometry"}},
+    {"geometry", {"box", "cylinder", "sphere", "mesh"}},
+    {"material", {"color"}},
+    {"joint", {"parent", "child", "origin", "axis", "limit"}},
+};
+
+struct VectorAttribute {
+  const char* element;
+  const char* attribute;
+  std::size_t count;
+  bool needed;
+};
+constexpr VectorAttribute kVectors[] = {
+    {"origin", "xyz", 3, false}, {"origin", "rpy", 3, false}, {"axis", "xyz", 3, true},
+    {"box", "size", 3, true},    {"color", "rgba", 4, true},  {"mesh", "scale", 3, false},
+};
+struct NumberAttribute {
+  const char* element;
+  const char* attribute;
+};
+constexpr NumberAttribute kNumbers[] = {
+    {"cylinder", "radius"}, {"cylinder", "length"}, {"sphere", "radius"}, {"mass", "value"},
+    {"inertia", "ixx"},     {"inertia", "iyy"},     {"inertia", "izz"},   {"inertia", "ixy"},
+    {"inertia", "ixz"},     {"inertia", "iyz"},     {"limit", "lower"},   {"limit", "upper"},
+    {"limit", "effort"},    {"limit", "velocity"},
+};
+
+class Check {
+ public:
+  explicit Check(const XmlFile& file) : file_(file) {}
+
+  Result<void> run() {
+    if (auto ok = elements(file_.root()); !ok) return ok;
+    if (auto ok = collect(); !ok) return ok;
+    for (const Element* joint : joints_) {
+      if (auto ok = check_joint(*joint); !ok) return ok;
+    }
+    if (auto ok = check_tree(); !ok) return ok;
+    for (const auto& [name, link] : links_) {
+      if (auto ok = check_link(name, *link); !ok) return ok;
+    }
+    return check_table();
+  }
+
+ private:
+  Result<void> elements(const Element& parent) {
+    const std::string name = parent.Name();
+    if (auto ok = numbers(parent); !ok) return ok;
+    const auto allowed = kChildren.find(name);
+    if (allowed == kChildren.end()) return {};
+    for (const Element* e = parent.FirstChildElement(); e; e = e->NextSiblingElement()) {
+      if (name == "joint" && std::string(e->Name()) == "mimic") return mimic(*e);
+      if (!allowed->second.count(e->Name())) {
+        return file_.error(*e, std::string("unknown element <") + e->Name() + "> in <" + name +
+                                   ">; docs/robot.md lists those that are taken");
+      }
+      if (auto ok = elements(*e); !ok) return ok;
+    }
+    return {};
+  }
+
+  Result<void> numbers(const Element& e) {
+    const std::string name = e.Name();
+    for (const VectorAttribute& v : kVectors) {
+      if (name != v.element) continue;
+      const char* text = e.Attribute(v.attribute);
+      if (text == nullptr && !v.needed) continue;
+      if (text == nullptr || !parse_numbers(text, v.count)) {
+        return file_.error(e, std::string("attribute `") + v.attribute + "` of <" + name +
+                                  "> must be " + std::to_string(v.count) + " numbers");
+      }
+    }
+    for (const NumberAttribute& n : kNumbers) {
+      if (name != n.element) continue;
+      if (const auto value = file_.number(e, n.attribute); !value) {
+        return tl::unexpected(value.error());
+      }
+    }
+    return {};
+  }
+
+  Result<void> mimic(const Element& e) {
+    const auto target = file_.attribute(e, "joint");
+    if (!target) return tl::unexpected(target.error());
+    for (auto* j = file_.root().FirstChildElement("joint"); j; j = j->NextSiblingElement("joint")) {
+      const char* name = j->Attribute("name");
+      if (name != nullptr && *target == name) {
+        return file_.error(e, "<mimic> is not taken: every joint has a motor of its own");
+      }
+    }
+    return file_.error(e, "<mimic> names the joint `" + *target + "`, which does not exist");
+  }
+
+  Result<void> collect() {
+    for (auto* e = file_.root().FirstChildElement(); e; e = e->NextSiblingElement()) {
+      const std::string kind = e->Name();
+      if (kind != "link" && kind != "joint") continue;
+      const auto name = file_.attribute(*e, "name");
+      if (!name) return tl::unexpected(name.error());
+      if (kind == "joint") {
+        if (!joint_by_name_.emplace(*name, e).second) {
+          return file_.error(*e, "there is another joint `" + *name + "` above");
+        }
+        joints_.push_back(e);
+      } else if (!links_.emplace(*name, e).second) {
+        return file_.error(*e, "there is another link `" + *name + "` above");
+      }
+    }
+    if (links_.empty()) return file_.error(file_.root(), "<robot> has no <link>");
+    return {};
+  }
+
+  Result<std::string> end_of(const Element& joint, const char* which) {
+    const Element* e = joint.FirstChildElement(which);
+    const std::string name = joint.Attribute("name");
+    if (e == nullptr) return file_.error(joint, "joint `" + name + "` lacks <" + which + ">");
+    auto link = file_.attribute(*e, "link");
+    if (link && !links_.count(*link)) {
+      return file_.error(*e, std::string(which) + " link `" + *link + "` of joint `" + name +
+                                 "` does not exist; check the spelling");
+    }
+    return link;
+  }
+
+  Result<void> check_joint(const Element& joint) {
+    const std::string name = joint.Attribute("name");
+    const auto type = file_.attribute(joint, "type");
+    if (!type) return tl::unexpected(type.error());
+    if (*type != "revolute" && *type != "fixed") {
+      return file_.error(joint, "joint `" + name + "` has type \"" + *type +
+                                    "\"; only revolute and fixed joints are taken");
+    }
+    const auto parent = end_of(joint, "parent");
+    if (!parent) return tl::unexpected(parent.error());
+    const auto child = end_of(joint, "child");
+    if (!child) return tl::unexpected(child.error());
+    if (const auto [it, fresh] = joint_to_.emplace(*child, &joint); !fresh) {
+      return file_.error(joint, "link `" + *child + "` already hangs on joint `" +
+                                    it->second->Attribute("name") + "`");
+    }
+    parent_of_[*child] = *parent;
+    if (*type == "fixed") return {};
+
+    const Element* limit = joint.FirstChildElement("limit");
+    if (limit == nullptr) return file_.error(joint, "joint `" + name + "` lacks <limit>");
+    if (!(limit->DoubleAttribute("lower") < limit->DoubleAttribute("upper"))) {
+      return file_.error(*limit, "lower limit of joint `" + name + "` is not below the upper one");
+    }
+    if (limit->DoubleAttribute("lower") <= -3.1 || limit->DoubleAttribute("upper") >= 3.1) {
+      return file_.error(*limit, "limits of joint `" + name + "` reach beyond half a turn");
+    }
+    if (const Element* axis = joint.FirstChildElement("axis")) {
+      const auto xyz = parse_numbers(axis->Attribute("xyz"), 3);
+      if ((*xyz)[0] == 0 && (*xyz)[1] == 0 && (*xyz)[2] == 0) {
+        return file_.error(*axis, "axis of joint `" + name + "` is zero");
+      }
+    }
+    return {};
+  }
+
+  Result<void> check_tree() {
+    std::string root;
+    for (const auto& [name, link] : links_) {
+      if (parent_of_.count(name)) continue;
+      if (!root.empty()) {
+        return file_.error(*link, "links `" + root + "` and `" + name +
+                                      "` both hang on no joint; a robot has one root");
+      }
+      root = name;
+    }
+    for (const auto& [name, link] : links_) {
+      std::string at = name;
+      for (std::size_t steps = 0; parent_of_.count(at); ++steps) {
+        if (steps > links_.size()) {
+          return file_.error(*joint_to_.at(at), std::string("joint `") +
+                                                    joint_to_.at(at)->Attribute("name") +
+                                                    "` closes a loop; links must form a tree");
+        }
+        at = parent_of_.at(at);
+      }
+    }
+    return {};
+  }
+
+  Result<void> check_link(const std::string& name, const Element& link) {
+    const auto joint = joint_to_.find(name);
+    const bool welded =
+        joint != joint_to_.end() && std::string(joint->second->Attribute("type")) == "fixed";
+    const Element* inertial = link.FirstChildElement("inertial");
+    if (inertial == nullptr) {
+      if (welded) return {};
+      return file_.error(link, "link `" + name + "` moves but has no <inertial>");
+    }
+    const Element* mass = inertial->FirstChildElement("mass");
+    const Element* inertia = inertial->FirstChildElement("inertia");
+    if (mass == nullptr || inertia == nullptr) {
+      return file_.error(*inertial, "<inertial> of link `" + name + "` needs <mass> and <inertia>");
+    }
+    const auto of = [&](const char* a) { return inertia->DoubleAttribute(a); };
+    if (!(mass->DoubleAttribute("value") > 0)) {
+      return file_.error(*mass, "mass of link `" + name + "` is not above zero");
+    }
+    Eigen::Matrix3d tensor;
+    tensor << of("ixx"), of("ixy"), of("ixz"),  //
+        of("ixy"), of("iyy"), of("iyz"),        //
+        of("ixz"), of("iyz"), of("izz");
+    if (!physical(mass->DoubleAttribute("value"), tensor)) {
+      return file_.error(*inertia, "no body can have the inertia of link `" + name +
+                                       "`: moments must be positive and each at most the sum of "
+                                       "the other two");
+    }
+    return {};
+  }
+
+  Result<void> check_table() {
+    std::set<std::string> table;
+    for (const std::string& name : joint_names()) {
+      table.insert(name);
+      const auto joint = joint_by_name_.find(name);
+      if (joint == joint_by_name_.end()) {
+        return file_.error(file_.root(), "robot has no joint `" + name +
+                                             "`, which the servo board drives "
+                                             "(shared/board/joints.def)");
+      }
+      if (std::string(joint->second->Attribute("type")) != "revolute") {
+        return file_.error(*joint->second, "joint `" + name + "` has a motor and must be revolute");
+      }
+    }
+    for (const Element* joint : joints_) {
+      const std::string name = joint->Attribute("name");
+      if (std::string(joint->Attribute("type")) == "revolute" && !table.count(name)) {
+        return file_.error(*joint, "joint `" + name +
+                                       "` is not wired to the servo board; see "
+                                       "shared/board/joints.def, or make it fixed");
+      }
+    }
+    return {};
+  }
+
+  const XmlFile& file_;
+  std::map<std::string, const Element*> links_, joint_by_name_, joint_to_;
+  std::vector<const Element*> joints_;  // in the order of the file
+  std::map<std::string, std::string> parent_of_;
+};
+
+}  // namespace
+
+Result<void> check_urdf(const std::string& path) {
+  const Result<XmlFile> file = XmlFile::load(path, "robot");
+  if (!file) return tl::unexpected(file.error());
+  return Check(*file).run();
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,50 @@
+// Loads robot and world, and puts them on a dynamics engine.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/world.h"
+
+#include <charconv>
+#include <filesystem>
+
+#include "sim/body/ode_world.h"
+
+namespace kaz::sim {
+namespace {
+
+// "exact": 0; "quickN": N.
+Result<int> iterations_of(const std::string& stepper) {
+  if (stepper == "exact") return 0;
+  const std::string quick = "quick";
+  int iterations = 0;
+  if (stepper.compare(0, quick.size(), quick) == 0) {
+    const char* end = stepper.data() + stepper.size();
+    const auto [next, status] = std::from_chars(stepper.data() + quick.size(), end, iterations);
+    if (status == std::errc() && next == end && iterations >= 1 && iterations <= 1000) {
+      return iterations;
+    }
+  }
+  return fail(Fault::usage, "stepper \"" + stepper +
+                                "\" is unknown; use \"exact\", or \"quick50\" for 50 iterations");
+}
+
+}  // namespace
+
+Result<std::unique_ptr<World>> World::load(const std::string& world_path,
+                                           const std::string& robot_path,
+                                           const WorldOptions& options) {
+  const Result<int> iterations = iterations_of(options.stepper);
+  if (!iterations) return tl::unexpected(iterations.error());
+  if (!(options.step_s > 0 && options.step_s <= 0.01)) {
+    return fail(Fault::usage, "physics step of " + std::to_string(options.step_s) +
+                                  " s is outside 0..0.01 s; 0.001 is what all is tuned for");
+  }
+  const Result<RobotModel> robot = load_robot(robot_path);
+  if (!robot) return tl::unexpected(robot.error());
+  const std::string motor_path = std::filesystem::path(robot_path).replace_filename("motor.xml");
+  const Result<MotorFigures> motor = load_motor_file(motor_path, options.motor);
+  if (!motor) return tl::unexpected(motor.error());
+  const Result<WorldModel> world = load_world(world_path);
+  if (!world) return tl::unexpected(world.error());
+  return std::make_unique<OdeWorld>(*world, *robot, *motor, options, *iterations);
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,44 @@
+// Reads an XML file so that whatever is wrong with it can be said with file and line.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tinyxml2.h>
+#include <Eigen/Core>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::sim {
+
+class XmlFile {
+ public:
+  // Fails where the file cannot be read, is no well-formed XML, or has another root element.
+  static Result<XmlFile> load(const std::string& path, const std::string& root_name);
+
+  const std::string& path() const { return path_; }
+  const tinyxml2::XMLElement& root() const { return *document_->RootElement(); }
+
+  // "path:line: message", an unusable input file.
+  tl::unexpected<Error> error(int line, const std::string& message) const;
+  tl::unexpected<Error> error(const tinyxml2::XMLElement& at, const std::string& message) const {
+    return error(at.GetLineNum(), message);
+  }
+
+  // Attribute that must be there.
+  Result<std::string> attribute(const tinyxml2::XMLElement& element, const char* name) const;
+  // Attribute that must be there and hold one finite number.
+  Result<double> number(const tinyxml2::XMLElement& element, const char* name) const;
+
+ private:
+  std::string path_;
+  std::unique_ptr<tinyxml2::XMLDocument> document_;
+};
+
+// Exactly `count` finite numbers separated by blanks, or nothing. Independent of the locale.
+std::optional<std::vector<double>> parse_numbers(const std::string& text, std::size_t count);
+
+}  // namespace kaz::sim
