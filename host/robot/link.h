@@ -17,7 +17,8 @@ class Clock {
  public:
   virtual ~Clock() = default;
   virtual Time now() const = 0;
-  // Returns at `t` or, in real time, a little later. Fails if the simulation under it failed.
+  // Returns at `t` or, in real time, a little later. Fails if the simulation under it failed, or if
+  // the program was interrupted (interrupt.h).
   virtual Result<void> sleep_until(Time t) = 0;
 };
 
@@ -26,10 +27,14 @@ class Link {
  public:
   virtual ~Link() = default;
   virtual std::string name() const = 0;  // for messages: "/dev/ttyUSB0", "can0", "lockstep"
+  // How long one byte takes on the wire at the least; zero if that is not known. Sharpens the
+  // relation of the board's clock to the host's (clock_relation.h).
+  virtual Time byte_time() const { return Time::zero(); }
   // Queues bytes for the wire; does not wait for them to leave.
   virtual Result<void> write(std::span<const std::uint8_t> bytes) = 0;
-  // Waits until at least one byte is there or `deadline` has come; returns how many were stored (0: none
-  // came). Fails when the link is gone for good (port closed or unplugged).
+  // Waits until at least one byte is there or `deadline` has come; returns how many were stored (0:
+  // none came). Fails when the link is gone for good (port closed or unplugged) or the program was
+  // interrupted.
   virtual Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) = 0;
 };
 

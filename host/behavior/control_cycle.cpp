@@ -1,0 +1,55 @@
+// One round trip and one look a beat.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/behavior/control_cycle.h"
+
+#include <algorithm>
+
+namespace kaz::behavior {
+
+namespace {
+
+constexpr std::uint16_t kMotorsOff =
+    KZ_STATUS_LINK_WATCHDOG | KZ_STATUS_POT_FAULT | KZ_STATUS_SUPPLY_FAULT;
+
+}  // namespace
+
+ControlCycle::ControlCycle(Context& context)
+    : context_(context), beat_(context.clock.now()), last_picture_(beat_) {}
+
+Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget> targets) {
+  Input input;
+  const auto posture = context_.robot.exchange(targets, kRamp);
+  if (!posture) return tl::unexpected(posture.error());
+  if (posture->status & kMotorsOff) {
+    return fail(Fault::environment, *host::fault_sentence(posture->status));
+  }
+  input.posture = *posture;
+
+  // A late beat is not made up for.
+  beat_ = std::max(beat_ + kPeriod, context_.clock.now());
+  if (auto slept = context_.clock.sleep_until(beat_); !slept) return tl::unexpected(slept.error());
+  input.now = context_.clock.now();
+  if (!context_.sight) return input;
+
+  auto seen = context_.sight->poll(input.now);
+  if (!seen) return tl::unexpected(seen.error());
+  input.seen = std::move(*seen);
+  if (!input.seen.empty()) last_picture_ = input.now;
+  if (input.now - last_picture_ > kBlind) {
+    return fail(Fault::environment, "no picture came for 2 s: check the camera");
+  }
+  return input;
+}
+
+Result<void> hold_still(host::Robot& robot) {
+  constexpr std::uint32_t kHands = 1u << host::l_hand | 1u << host::r_hand;
+  constexpr host::Gains kBody, kJaws{.kp_per_rad = 0.8};
+  if (auto set = robot.heartbeat(std::chrono::milliseconds(500)); !set) {
+    return tl::unexpected(set.error());
+  }
+  if (auto set = robot.set_gains(host::kAllJoints & ~kHands, kBody); !set) return set;
+  if (auto set = robot.set_gains(kHands, kJaws); !set) return set;
+  return robot.enable(host::kAllJoints);
+}
+
+}  // namespace kaz::behavior

@@ -1,0 +1,70 @@
+// Targets out, observations in, both logged.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/behavior/head_control.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kaz::behavior {
+
+HeadControl::HeadControl(Context& context, std::string_view behavior)
+    : context_(&context), behavior_(behavior), cycle_(context) {}
+
+Result<HeadControl> HeadControl::begin(Context& context, std::string_view behavior) {
+  if (!context.sight) {
+    return fail(Fault::usage, std::string(behavior) + " needs a camera: give one with --camera");
+  }
+  if (auto held = hold_still(context.robot); !held) return tl::unexpected(held.error());
+  HeadControl head(context, behavior);
+  auto input = head.cycle_.next({});
+  if (!input) return tl::unexpected(input.error());
+  head.input_ = std::move(*input);
+  head.take_in(head.input_.seen);
+  return head;
+}
+
+Result<void> HeadControl::step(const host::Gaze& target) {
+  const host::Gaze reachable = host::within_limits(target, kMargin);
+  CycleRow row;
+  row.time = now();
+  row.pan_target = reachable.pan_rad;
+  row.tilt_target = reachable.tilt_rad;
+  row.pan_measured = measured().pan_rad;
+  row.tilt_measured = measured().tilt_rad;
+  row.ball_known = tracker_.known();
+  if (row.ball_known) {
+    const host::Gaze ball = tracker_.at(now());
+    row.ball_pan = ball.pan_rad;
+    row.ball_tilt = ball.tilt_rad;
+  }
+  context_->sink.cycle(row);
+
+  const host::JointTarget targets[] = {{host::neck_pan, reachable.pan_rad},
+                                       {host::neck_tilt, reachable.tilt_rad}};
+  auto input = cycle_.next(targets);
+  if (!input) return tl::unexpected(input.error());
+  input_ = std::move(*input);
+  take_in(input_.seen);
+  return {};
+}
+
+void HeadControl::take_in(const std::vector<vision::BallObservation>& seen) {
+  for (const vision::BallObservation& observation : seen) {
+    PictureRow row;
+    row.exposure = observation.info.exposure;
+    row.known_at = now();
+    row.found = observation.found;
+    if (observation.found) {
+      row.error_rad = std::acos(std::clamp(observation.direction.z(), -1.0, 1.0));
+      row.distance_m = observation.distance_m;
+      ball_ = observation;
+    }
+    seen_in_a_row_ = observation.found ? seen_in_a_row_ + 1 : 0;
+    newest_exposure_ = observation.info.exposure;
+    tracker_.observe(observation);
+    pictures_.push_back(row);
+    context_->sink.picture(row);
+  }
+}
+
+}  // namespace kaz::behavior

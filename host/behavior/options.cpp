@@ -1,0 +1,75 @@
+// Checks option values and says what would have been right.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/behavior/options.h"
+
+#include <algorithm>
+#include <charconv>
+
+namespace kaz::behavior {
+
+namespace {
+
+std::string known_names(std::span<const Option> options) {
+  std::string names;
+  for (const Option& option : options) {
+    names += (names.empty() ? "" : ", ") + std::string(option.name);
+  }
+  return names.empty() ? "it has no options" : "its options are " + names;
+}
+
+bool is_choice(std::string_view choices, std::string_view value) {
+  while (!value.empty()) {
+    const auto end = choices.find('|');
+    if (choices.substr(0, end) == value) return true;
+    if (end == std::string_view::npos) return false;
+    choices.remove_prefix(end + 1);
+  }
+  return false;
+}
+
+std::string short_number(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", number);
+  return text;
+}
+
+}  // namespace
+
+Result<OptionValues> OptionValues::parse(std::span<const Option> options,
+                                         const std::map<std::string, std::string>& given) {
+  for (const auto& [name, value] : given) {
+    const bool known = std::any_of(options.begin(), options.end(),
+                                   [&, &key = name](const Option& o) { return o.name == key; });
+    if (!known) {
+      return fail(Fault::usage,
+                  "the behaviour has no option `" + name + "`: " + known_names(options));
+    }
+  }
+
+  OptionValues values;
+  for (const Option& option : options) {
+    const std::string name(option.name);
+    const auto found = given.find(name);
+    const std::string text = found == given.end() ? std::string(option.initial) : found->second;
+    if (!option.choices.empty()) {
+      if (!is_choice(option.choices, text)) {
+        return fail(Fault::usage, "`" + text + "` is no value of the option `" + name +
+                                      "`: it is one of " + std::string(option.choices));
+      }
+      values.choices_[name] = text;
+      continue;
+    }
+    double number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size() || !(number >= option.least) ||
+        !(number <= option.most)) {
+      return fail(Fault::usage, "`" + text + "` is no value of the option `" + name +
+                                    "`: it is a number from " + short_number(option.least) +
+                                    " to " + short_number(option.most));
+    }
+    values.numbers_[name] = number;
+  }
+  return values;
+}
+
+}  // namespace kaz::behavior

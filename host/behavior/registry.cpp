@@ -1,0 +1,27 @@
+// All behaviours there are.
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+
+#include "host/behavior/behavior.h"
+#include "host/behavior/search_ball.h"
+#include "host/behavior/stand.h"
+#include "host/behavior/track_ball.h"
+
+namespace kaz::behavior {
+
+std::span<const Behavior> behaviors() {
+  static const std::array all{kSearchBall, kStand, kTrackBall};
+  return all;
+}
+
+Result<Behavior> find_behavior(std::string_view name) {
+  std::string names;
+  for (const Behavior& behavior : behaviors()) {
+    if (behavior.name == name) return behavior;
+    names += (names.empty() ? "" : ", ") + std::string(behavior.name);
+  }
+  return fail(Fault::usage,
+              "there is no behaviour `" + std::string(name) + "`: it is one of " + names);
+}
+
+}  // namespace kaz::behavior

@@ -1,0 +1,98 @@
+// stand: all joints along straight lines to the posture, together, no joint faster than 0.5 rad/s.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/behavior/stand.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "host/behavior/control_cycle.h"
+
+namespace kaz::behavior {
+
+namespace {
+
+using host::JointAngles;
+
+constexpr Option kOptions[] = {
+    {"posture", "keep", "keep|straight|home", 0, 0,
+     "keep: as it is; straight: all joints zero; home: the crouch that walking starts from"}};
+
+constexpr double kSpeed = 0.5;  // rad/s, of the joint that has farthest to go
+constexpr Time kSettle = std::chrono::milliseconds(500);   // after the ramps
+constexpr double kTolerance = 5 * std::numbers::pi / 180;  // of each joint under load
+
+// Walking-ready crouch: docs/robot.md, table of joints, column home.
+JointAngles home() {
+  constexpr double kDegree = std::numbers::pi / 180;
+  JointAngles angle{};
+  angle[host::l_sh_pitch] = angle[host::r_sh_pitch] = 10 * kDegree;
+  angle[host::l_sh_roll] = 12 * kDegree;
+  angle[host::r_sh_roll] = -12 * kDegree;
+  angle[host::l_elbow] = angle[host::r_elbow] = -40 * kDegree;
+  angle[host::l_hip_pitch] = angle[host::r_hip_pitch] = -30.8 * kDegree;
+  angle[host::l_knee] = angle[host::r_knee] = 55.6 * kDegree;
+  angle[host::l_ankle_pitch] = angle[host::r_ankle_pitch] = -27.8 * kDegree;
+  return angle;
+}
+
+struct Worst {
+  std::size_t joint = 0;
+  double error_rad = 0;
+};
+
+Worst farthest(const JointAngles& from, const JointAngles& to) {
+  Worst worst;
+  for (std::size_t j = 0; j < from.size(); ++j) {
+    if (std::abs(to[j] - from[j]) >= std::abs(worst.error_rad)) worst = {j, to[j] - from[j]};
+  }
+  return worst;
+}
+
+Result<Outcome> run(Context& context) {
+  if (auto held = hold_still(context.robot); !held) return tl::unexpected(held.error());
+  const auto start = context.robot.state();
+  if (!start) return tl::unexpected(start.error());
+  const std::string& posture = context.options.choice("posture");
+  context.sink.phase(context.clock.now(), kStand.name, "move");
+
+  JointAngles goal = start->angle;
+  Time duration = Time::zero();
+  if (posture != "keep") {
+    goal = posture == "home" ? home() : JointAngles{};
+    duration = from_seconds(std::abs(farthest(start->angle, goal).error_rad) / kSpeed);
+    std::vector<host::JointTarget> targets;
+    for (int j = 0; j < KZ_JOINTS; ++j) targets.push_back({j, goal[static_cast<std::size_t>(j)]});
+    if (auto sent = context.robot.set_targets(targets, duration); !sent) {
+      return tl::unexpected(sent.error());
+    }
+  }
+
+  ControlCycle cycle(context);
+  const Time end = context.clock.now() + duration + kSettle;
+  host::Posture last = *start;
+  while (context.clock.now() < end) {
+    const auto input = cycle.next({});
+    if (!input) return tl::unexpected(input.error());
+    last = input->posture;
+  }
+
+  const Worst worst = farthest(last.angle, goal);
+  const double degrees = std::abs(worst.error_rad) * 180 / std::numbers::pi;
+  Outcome outcome;
+  outcome.success = std::abs(worst.error_rad) <= kTolerance;
+  char text[120];
+  std::snprintf(text, sizeof text, "%s: %s is farthest from its place, by %.1f degrees",
+                outcome.success ? "the robot stands" : "the robot does not stand as it should",
+                host::joint_table()[worst.joint].name, degrees);
+  outcome.sentence = text;
+  outcome.figures = {{"largest_joint_error_deg", degrees}};
+  return outcome;
+}
+
+}  // namespace
+
+constinit const Behavior kStand{"stand", "all motors on, then slowly into a posture", false,
+                                kOptions, run};
+
+}  // namespace kaz::behavior

@@ -1,0 +1,111 @@
+// track-ball: search, then keep the ball in the middle of the left eye; search again when it is
+// lost. SPDX-License-Identifier: Apache-2.0
+#include "host/behavior/track_ball.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <numbers>
+
+#include "host/behavior/search_ball.h"
+
+namespace kaz::behavior {
+
+namespace {
+
+constexpr Option kOptions[] = {
+    {"seconds", "20", "", 0.1, 86400, "for how long the ball is tracked once it was found, s"},
+    {"search-seconds", "20", "", 0.1, 3600, "gives up if the ball is not found in this time, s"}};
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kWithin = 3 * kDegree;
+constexpr double kShare = 0.9;
+constexpr Time kLostAfter = std::chrono::milliseconds(500);
+
+bool lost(HeadControl& head) {
+  return head.newest_exposure() - head.tracker().last_seen() > kLostAfter;
+}
+
+// Follows until `end`, searching anew after each loss. Returns how often it was lost.
+Result<int> follow(HeadControl& head, Time end, bool left_first) {
+  int losses = 0;
+  head.phase("track");
+  while (head.now() < end) {
+    if (lost(head)) {
+      ++losses;
+      const auto again = search(head, end - head.now(), left_first);
+      if (!again) return tl::unexpected(again.error());
+      if (!*again) break;
+      head.phase("track");
+    }
+    const host::Gaze ahead = head.tracker().at(head.now() + HeadControl::kLead);
+    if (auto stepped = head.step(ahead); !stepped) return tl::unexpected(stepped.error());
+  }
+  return losses;
+}
+
+// Quantile of sorted values.
+double quantile(const std::vector<double>& sorted, double q) {
+  if (sorted.empty()) return 0;
+  return sorted[std::min(sorted.size() - 1,
+                         static_cast<std::size_t>(q * static_cast<double>(sorted.size())))];
+}
+
+// Of the pictures since the ball was found: those without the ball count as misses.
+Outcome score(const std::vector<PictureRow>& pictures, Time found_at, double found_s, int losses) {
+  std::size_t taken = 0, within = 0;
+  std::vector<double> errors;
+  for (const PictureRow& row : pictures) {
+    if (row.exposure < found_at) continue;
+    ++taken;
+    if (!row.found) continue;
+    errors.push_back(row.error_rad / kDegree);
+    if (row.error_rad <= kWithin) ++within;
+  }
+  std::sort(errors.begin(), errors.end());
+  const double share = taken ? static_cast<double>(within) / static_cast<double>(taken) : 0;
+
+  Outcome outcome;
+  outcome.success = share >= kShare;
+  char text[160];
+  std::snprintf(
+      text, sizeof text,
+      "the ball was found after %.1f s and then within 3 degrees of the middle in %.0f %% of "
+      "%zu pictures",
+      found_s, std::min(share * 100, 100.0), taken);
+  outcome.sentence = text;
+  outcome.figures = {{"found_s", found_s},
+                     {"tracking_within_3deg", share},
+                     {"tracking_error_median_deg", quantile(errors, 0.5)},
+                     {"tracking_error_p95_deg", quantile(errors, 0.95)},
+                     {"pictures", static_cast<double>(taken)},
+                     {"pictures_with_ball", static_cast<double>(errors.size())},
+                     {"losses", static_cast<double>(losses)}};
+  return outcome;
+}
+
+Result<Outcome> run(Context& context) {
+  auto head = HeadControl::begin(context, kTrackBall.name);
+  if (!head) return tl::unexpected(head.error());
+  const Time start = head->now();
+  const bool left_first = context.seed & 1;
+  const double patience = context.options.number("search-seconds");
+  const auto found = search(*head, from_seconds(patience), left_first);
+  if (!found) return tl::unexpected(found.error());
+  if (!*found) {
+    char text[80];
+    std::snprintf(text, sizeof text, "no ball was found in %g s", patience);
+    return Outcome{false, text, {}};
+  }
+  const Time found_at = head->now();
+  const Time end = found_at + from_seconds(context.options.number("seconds"));
+  const auto losses = follow(*head, end, left_first);
+  if (!losses) return tl::unexpected(losses.error());
+  return score(head->pictures(), found_at, seconds(found_at - start), *losses);
+}
+
+}  // namespace
+
+constinit const Behavior kTrackBall{"track-ball", "find a ball and follow it with the head", true,
+                                    kOptions, run};
+
+}  // namespace kaz::behavior

@@ -1,0 +1,76 @@
+// The first exchange with a board, and what is wrong when it fails.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/robot/connect.h"
+
+#include "shared/protocol/messages.h"
+
+namespace kaz::host {
+
+namespace {
+
+// Place of the protocol version in identify_reply, behind the tick. The same in every version, so
+// that a program recognises a board of another one.
+constexpr std::size_t kVersionAt = 4;
+
+Error no_board(const Requester& requester, const std::string& port) {
+  const LinkStatistics& statistics = requester.statistics();
+  if (requester.heard_echo()) {
+    return {Fault::environment,
+            port +
+                " sends back what is written to it, and no board answers: check "
+                "for a loop-back plug or a modem in echo mode"};
+  }
+  if (statistics.bytes_in == 0) {
+    return {Fault::environment, "nothing answers on " + port +
+                                    ": check that the robot is powered, the cable plugged in, no "
+                                    "other program has the port "
+                                    "open, and the baud rate is the board's (115200)"};
+  }
+  if (statistics.ignored > 0) {
+    return {Fault::environment,
+            "a Kaz board is on " + port + ", but none answers to the address asked for"};
+  }
+  return {Fault::environment,
+          "what answers on " + port + " is no Kaz board, or its baud rate is another: " +
+              std::to_string(statistics.bytes_in) + " bytes came, none of them a reply" +
+              (requester.noise().empty() ? "" : ": " + hex(requester.noise(), 16))};
+}
+
+}  // namespace
+
+Result<void> identify_board(Requester& requester) {
+  const std::string port = requester.link().name();
+  Request request;
+  request.type = KZ_TYPE_identify;
+  const auto replies = requester.ask({&request, 1});
+  if (!replies) {
+    return tl::unexpected(requester.timed_out() ? no_board(requester, port) : replies.error());
+  }
+
+  const Reply& reply = replies->front();
+  const int version = reply.fields.length > kVersionAt ? reply.fields.bytes[kVersionAt] : -1;
+  kz_identify_reply identity{};
+  const bool whole =
+      kz_unpack_identify_reply(&identity, reply.fields.bytes.data(), reply.fields.length);
+  if (reply.refused || version < 0 || (version == KZ_PROTOCOL_VERSION && !whole)) {
+    return fail(Fault::environment,
+                "what answers on " + port +
+                    " frames its bytes like a Kaz board but does not identify itself: " +
+                    hex({reply.fields.bytes.data(), reply.fields.length}, 16));
+  }
+  if (version != KZ_PROTOCOL_VERSION) {
+    return fail(Fault::environment,
+                "the board on " + port + " speaks protocol version " + std::to_string(version) +
+                    " and this program version " + std::to_string(KZ_PROTOCOL_VERSION) +
+                    ": flash firmware of this release, or use the program of that one");
+  }
+  if (identity.joints != KZ_JOINTS) {
+    return fail(Fault::environment, "the board on " + port + " drives " +
+                                        std::to_string(identity.joints) + " joints and Kaz has " +
+                                        std::to_string(KZ_JOINTS) +
+                                        ": this is another robot's board");
+  }
+  return {};
+}
+
+}  // namespace kaz::host

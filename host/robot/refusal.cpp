@@ -1,0 +1,92 @@
+// Refusal codes and status flags as sentences that name the joint and the way out.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/robot/refusal.h"
+
+#include <cstdio>
+#include <numbers>
+
+#include "host/robot/frame_log.h"
+
+namespace kaz::host {
+
+namespace {
+
+std::string degrees(double rad) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", rad * 180 / std::numbers::pi);
+  return text;
+}
+
+std::string joint_name(int joint) {
+  return joint < KZ_JOINTS ? joint_table()[static_cast<std::size_t>(joint)].name
+                           : "joint " + std::to_string(joint);
+}
+
+std::string outside_limits(int joint, std::span<const JointTarget> targets) {
+  std::string text = joint_name(joint) + " was not moved: its target";
+  for (const JointTarget& target : targets) {
+    if (target.joint == joint) text += " of " + degrees(target.angle_rad) + " degrees";
+  }
+  text += " lies outside its limits";
+  if (joint < KZ_JOINTS) {
+    const JointInfo& info = joint_table()[static_cast<std::size_t>(joint)];
+    text += " of " + degrees(info.lower_rad) + " to " + degrees(info.upper_rad) + " degrees";
+  }
+  return text;
+}
+
+}  // namespace
+
+Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targets) {
+  const std::string request = std::string("`") + message_name(refusal.request) + "`";
+  switch (refusal.reason) {
+    case KZ_REFUSED_UNKNOWN_TYPE:
+      return {Fault::environment, "the board does not know the request " + request +
+                                      ": its firmware is older than this program"};
+    case KZ_REFUSED_LENGTH:
+      return {Fault::environment,
+              "the board refused " + request +
+                  " for its length: firmware and program do not fit each other"};
+    case KZ_REFUSED_RANGE:
+      return {Fault::failed, "the board refused " + request + ": joint or field number " +
+                                 std::to_string(refusal.detail) + " is out of range"};
+    case KZ_REFUSED_LIMIT:
+      return {Fault::failed, outside_limits(refusal.detail, targets)};
+    case KZ_REFUSED_DISABLED:
+      return {Fault::failed,
+              joint_name(refusal.detail) +
+                  " was not moved: its motor is off; enable it first (after a fault, again)"};
+    case KZ_REFUSED_FAULT:
+      return {
+          Fault::environment,
+          "the board refused " + request + ": " +
+              (refusal.detail < KZ_JOINTS
+                   ? "the potentiometer of " + joint_name(refusal.detail) +
+                         " is open or short; check its cable"
+                   : std::string("the supply of the motors is out of range; check the battery"))};
+    case KZ_REFUSED_BUSY:
+      return {Fault::environment,
+              "the board refused " + request + ": it is still sending the previous reply"};
+    default:
+      return {Fault::environment, "the board refused " + request + " for reason " +
+                                      std::to_string(refusal.reason) +
+                                      ", which this program does not know"};
+  }
+}
+
+std::optional<std::string> fault_sentence(std::uint16_t status) {
+  std::string faults;
+  const auto name = [&](std::uint16_t flag, const char* text) {
+    if (status & flag) faults += (faults.empty() ? "" : "; ") + std::string(text);
+  };
+  name(KZ_STATUS_LINK_WATCHDOG, "motors went off because the host was silent for too long");
+  name(KZ_STATUS_POT_FAULT,
+       "motors went off because a potentiometer is open or short: check its cable");
+  name(KZ_STATUS_SUPPLY_FAULT,
+       "motors went off because their supply is out of range: check battery");
+  name(KZ_STATUS_MISSED_TICK, "a control cycle took longer than 1 ms");
+  if (faults.empty()) return std::nullopt;
+  return "the board reports: " + faults;
+}
+
+}  // namespace kaz::host

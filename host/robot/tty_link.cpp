@@ -1,0 +1,97 @@
+// Non-blocking reads and writes on a serial port, waiting in poll().
+// SPDX-License-Identifier: Apache-2.0
+#include "host/robot/tty_link.h"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "host/robot/serial_port.h"
+#include "host/robot/wall_clock.h"
+
+namespace kaz::host {
+
+namespace {
+
+constexpr std::size_t kMostPending = 65536;
+
+}  // namespace
+
+Result<std::unique_ptr<TtyLink>> TtyLink::open(const std::string& path, int baud,
+                                               const Interrupt* interrupt) {
+  const auto fd = open_serial_port(path, baud);
+  if (!fd) return tl::unexpected(fd.error());
+  return std::unique_ptr<TtyLink>(new TtyLink(path, baud, *fd, interrupt));
+}
+
+TtyLink::TtyLink(std::string path, int baud, int fd, const Interrupt* interrupt)
+    : path_(std::move(path)), baud_(baud), fd_(fd), interrupt_(interrupt) {}
+
+TtyLink::~TtyLink() {
+  close(fd_);
+}
+
+Time TtyLink::byte_time() const {
+  return Time(10'000'000'000 / baud_);  // start bit, 8 data bits, stop bit
+}
+
+Error TtyLink::closed() const {
+  return Error{Fault::environment,
+               "port " + path_ + " was closed: the board was unplugged or the simulator ended"};
+}
+
+Result<void> TtyLink::write(std::span<const std::uint8_t> bytes) {
+  if (pending_.size() + bytes.size() > kMostPending) {
+    return fail(Fault::environment, "port " + path_ + " takes no bytes: check the adapter");
+  }
+  pending_.insert(pending_.end(), bytes.begin(), bytes.end());
+  return flush();
+}
+
+Result<void> TtyLink::flush() {
+  std::size_t done = 0;
+  while (done < pending_.size()) {
+    const ssize_t n = ::write(fd_, pending_.data() + done, pending_.size() - done);
+    if (n > 0) {
+      done += static_cast<std::size_t>(n);
+    } else if (n < 0 && errno == EAGAIN) {
+      break;
+    } else if (n < 0 && errno != EINTR) {
+      return tl::unexpected(closed());
+    }
+  }
+  pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(done));
+  return {};
+}
+
+Result<std::size_t> TtyLink::read(std::span<std::uint8_t> bytes, Time deadline) {
+  const WallClock clock;
+  while (true) {
+    if (interrupt_ && interrupt_->requested()) return tl::unexpected(Interrupt::error());
+    const Time left = std::max(deadline - clock.now(), Time::zero());
+    const timespec wait{static_cast<time_t>(left.count() / 1'000'000'000),
+                        static_cast<long>(left.count() % 1'000'000'000)};
+    pollfd watched[2] = {{fd_, static_cast<short>(pending_.empty() ? POLLIN : POLLIN | POLLOUT), 0},
+                         {interrupt_ ? interrupt_->descriptor() : -1, POLLIN, 0}};
+    const int ready = ppoll(watched, 2, &wait, nullptr);
+    if (ready < 0 && errno != EINTR) {
+      return fail(Fault::environment, "cannot wait for " + path_ + ": " + std::strerror(errno));
+    }
+    if (ready == 0) return 0;
+    if (ready < 0) continue;
+
+    if (watched[0].revents & POLLOUT) {
+      if (auto flushed = flush(); !flushed) return tl::unexpected(flushed.error());
+    }
+    if (watched[0].revents & (POLLIN | POLLHUP | POLLERR | POLLNVAL)) {
+      const ssize_t n = ::read(fd_, bytes.data(), bytes.size());
+      if (n > 0) return static_cast<std::size_t>(n);
+      if (n == 0 || (errno != EAGAIN && errno != EINTR)) return tl::unexpected(closed());
+    }
+  }
+}
+
+}  // namespace kaz::host
