@@ -1,6 +1,5 @@
-// The command line's manners: each mistake gets one sentence, the exit status of the table, and leaves
-// nothing behind.
-// SPDX-License-Identifier: Apache-2.0
+// The command line's manners: each mistake gets one sentence, the exit status of the table, and
+// leaves nothing behind. SPDX-License-Identifier: Apache-2.0
 #include <pty.h>
 #include <unistd.h>
 
@@ -65,8 +64,8 @@ TEST(Cli, WrongOption) {
   EXPECT_TRUE(one_sentence(run(kaz({})), 2, {"kaz --help"}));
   EXPECT_TRUE(one_sentence(run(kaz({"run", "fly"})), 2, {"fly", "track-ball"}));
   EXPECT_TRUE(one_sentence(run(kaz({"demo", "--mcu", "z80"})), 2, {"z80", "h8", "native"}));
-  EXPECT_TRUE(one_sentence(run(kaz({"run", "track-ball", "--robot", "usb:1"})), 2,
-                           {"usb:1", "serial:"}));
+  EXPECT_TRUE(
+      one_sentence(run(kaz({"run", "track-ball", "--robot", "usb:1"})), 2, {"usb:1", "serial:"}));
 }
 
 TEST(Cli, MissingPort) {

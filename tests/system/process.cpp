@@ -78,7 +78,8 @@ void Process::drain(int milliseconds) {
 bool Process::wait_for_output(const std::string& text, std::chrono::seconds at_most) {
   const auto until = Steady::now() + at_most;
   const auto seen = [&] {
-    return result_.out.find(text) != std::string::npos || result_.err.find(text) != std::string::npos;
+    return result_.out.find(text) != std::string::npos ||
+           result_.err.find(text) != std::string::npos;
   };
   while (!seen() && !ended_ && Steady::now() < until) drain(20);
   drain(0);

@@ -26,7 +26,8 @@ class Process {
   void signal(int number);
   // Waits until standard output or standard error holds `text`; false if it ended or took too long.
   bool wait_for_output(const std::string& text, std::chrono::seconds at_most);
-  // Waits for the end. A process that does not end in time is killed, and its exit code says so (137).
+  // Waits for the end. A process that does not end in time is killed, and its exit code says so
+  // (137).
   Finished wait(std::chrono::seconds at_most);
 
  private:

@@ -1,5 +1,5 @@
-// The virtual robot in one process, the behaviour in another, a real pty between them, in real time.
-// SPDX-License-Identifier: Apache-2.0
+// The virtual robot in one process, the behaviour in another, a real pty between them, in real
+// time. SPDX-License-Identifier: Apache-2.0
 #include <csignal>
 #include <filesystem>
 
@@ -24,7 +24,9 @@ std::vector<std::string> behaviour(const TemporaryFolder& folder, const std::str
               folder / "eyes", "--duration", duration, "--out", folder / "out"});
 }
 
-bool ready(Process& sim) { return sim.wait_for_output("ready", seconds(30)); }
+bool ready(Process& sim) {
+  return sim.wait_for_output("ready", seconds(30));
+}
 
 class Engines : public ::testing::TestWithParam<const char*> {};
 

@@ -18,13 +18,20 @@ namespace {
 const char* name_of(h8s::Stop::Reason reason) {
   using Reason = h8s::Stop::Reason;
   switch (reason) {
-    case Reason::reached: return "reached the limit";
-    case Reason::breakpoint: return "breakpoint";
-    case Reason::undefined_instruction: return "undefined instruction";
-    case Reason::unmapped_access: return "unmapped access";
-    case Reason::stack_outside_ram: return "stack outside RAM";
-    case Reason::undefined_register_use: return "undefined register use";
-    case Reason::asleep_forever: return "asleep with nothing to wake it";
+    case Reason::reached:
+      return "reached the limit";
+    case Reason::breakpoint:
+      return "breakpoint";
+    case Reason::undefined_instruction:
+      return "undefined instruction";
+    case Reason::unmapped_access:
+      return "unmapped access";
+    case Reason::stack_outside_ram:
+      return "stack outside RAM";
+    case Reason::undefined_register_use:
+      return "undefined register use";
+    case Reason::asleep_forever:
+      return "asleep with nothing to wake it";
   }
   return "unknown";
 }

@@ -16,8 +16,8 @@ struct McuRunOptions {
   bool json = false;
 };
 
-// What the program sends on SCI0 goes to standard output, the summary to standard error. False where the
-// chip stopped on an error. Runs at 18.432 MHz; every input pin is low.
+// What the program sends on SCI0 goes to standard output, the summary to standard error. False
+// where the chip stopped on an error. Runs at 18.432 MHz; every input pin is low.
 Result<bool> run_mcu(const McuRunOptions& options);
 
 }  // namespace kaz::tools

@@ -13,6 +13,18 @@ namespace kaz::tools {
 
 namespace fs = std::filesystem;
 
+Result<void> OutputFolder::check(const std::string& path) {
+  if (path.empty()) return {};
+  std::error_code error;
+  if (fs::exists(path, error)) {
+    if (fs::is_directory(path, error) && ::access(path.c_str(), W_OK) == 0) return {};
+    return fail(Fault::usage, "cannot put results into '" + path +
+                                  "': it is no folder that can be written to; choose another with "
+                                  "--out");
+  }
+  return {};
+}
+
 Result<OutputFolder> OutputFolder::open(const std::string& path) {
   std::error_code error;
   fs::create_directories(path, error);
@@ -23,9 +35,6 @@ Result<OutputFolder> OutputFolder::open(const std::string& path) {
   }
   OutputFolder folder(path);
   fs::remove(folder.path("result.json"), error);
-  if (::access(path.c_str(), W_OK) != 0) {
-    return fail(Fault::usage, "cannot write into '" + path + "'; choose another folder with --out");
-  }
   return folder;
 }
 
@@ -49,7 +58,9 @@ Result<void> OutputFolder::write_json(const std::string& name,
 Progress::Progress(std::string label, bool quiet)
     : label_(std::move(label)), quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
 
-Progress::~Progress() { done(); }
+Progress::~Progress() {
+  done();
+}
 
 void Progress::update(double share, const std::string& note) {
   if (quiet_) return;
@@ -72,9 +83,40 @@ void Progress::update(double share, const std::string& note) {
   std::fprintf(stderr, "%s %3d %%  %s\n", label_.c_str(), decile * 10, note.c_str());
 }
 
+void Progress::announce(double at_s, const std::string& phase) {
+  if (quiet_) return;
+  done();
+  std::fprintf(stderr, "%s: %.2f s: %s\n", label_.c_str(), at_s, phase.c_str());
+}
+
 void Progress::done() {
   if (line_open_) std::fprintf(stderr, "\r\033[K");
   line_open_ = false;
+}
+
+std::string temporary_file(const std::string& name) {
+  std::error_code error;
+  fs::path folder = fs::temp_directory_path(error);
+  if (error) folder = ".";
+  return (folder / ("kaz-" + std::to_string(::getpid()) + "-" + name)).string();
+}
+
+Result<void> move_file(const std::string& from, const std::string& to) {
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (!error) return {};
+  error.clear();
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  if (error) {
+    return fail(Fault::environment, "cannot write '" + to + "': " + error.message());
+  }
+  fs::remove(from, error);
+  return {};
+}
+
+FileRemover::~FileRemover() {
+  std::error_code error;
+  if (!path_.empty()) fs::remove(path_, error);
 }
 
 }  // namespace kaz::tools

@@ -14,9 +14,11 @@ namespace kaz::tools {
 // A folder for results. Each file appears whole or not at all.
 class OutputFolder {
  public:
-  // Makes the folder if need be. Files of an earlier run are replaced one by one, others left alone;
-  // an old result.json goes first, so that it never stands beside newer pictures.
+  // Makes the folder if need be. Files of an earlier run are replaced one by one, others left
+  // alone; an old result.json goes first, so that it never stands beside newer pictures.
   static Result<OutputFolder> open(const std::string& path);
+  // Whether open() can succeed, without making anything. An empty path is fine: no results wanted.
+  static Result<void> check(const std::string& path);
 
   std::string path(const std::string& name) const { return folder_ + "/" + name; }
   const std::string& folder() const { return folder_; }
@@ -27,8 +29,8 @@ class OutputFolder {
   std::string folder_;
 };
 
-// A bar on a terminal; in a pipe a plain line every ten per cent. Goes to standard error, so that results
-// on standard output stay clean. Says nothing when quiet.
+// A bar on a terminal; in a pipe a plain line every ten per cent. Goes to standard error, so that
+// results on standard output stay clean. Says nothing when quiet.
 class Progress {
  public:
   Progress(std::string label, bool quiet);
@@ -38,6 +40,8 @@ class Progress {
 
   // share: 0..1 done; note: a few words on what is going on.
   void update(double share, const std::string& note);
+  // A new phase of the work: a line of its own.
+  void announce(double at_s, const std::string& phase);
   void done();
 
  private:
@@ -47,6 +51,24 @@ class Progress {
   int last_decile_ = -1;
   bool line_open_ = false;
   std::chrono::steady_clock::time_point last_draw_{};
+};
+
+// A name in the folder for temporary files that no other process uses.
+std::string temporary_file(const std::string& name);
+
+// Moves a file, across file systems too.
+Result<void> move_file(const std::string& from, const std::string& to);
+
+// Removes a file, if it is there, when the object goes.
+class FileRemover {
+ public:
+  explicit FileRemover(std::string path) : path_(std::move(path)) {}
+  ~FileRemover();
+  FileRemover(const FileRemover&) = delete;
+  FileRemover& operator=(const FileRemover&) = delete;
+
+ private:
+  std::string path_;
 };
 
 }  // namespace kaz::tools

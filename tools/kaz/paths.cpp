@@ -12,7 +12,8 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path data_folder() {
-  if (const char* folder = std::getenv("KAZ_DATA"); folder != nullptr && *folder != '\0') return folder;
+  if (const char* folder = std::getenv("KAZ_DATA"); folder != nullptr && *folder != '\0')
+    return folder;
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   return program.parent_path().parent_path() / "share" / "kaz";
@@ -36,21 +37,23 @@ Result<std::string> data_file(const std::string& name) {
   const fs::path path = data_folder() / name;
   std::error_code error;
   if (fs::exists(path, error)) return path.string();
-  return fail(Fault::environment, "'" + path.string() +
-                                      "' is missing: the installation is incomplete; set KAZ_DATA to "
-                                      "the folder that holds 'robot' and 'worlds', or install again");
+  return fail(Fault::environment,
+              "'" + path.string() +
+                  "' is missing: the installation is incomplete; set KAZ_DATA to "
+                  "the folder that holds 'robot' and 'worlds', or install again");
 }
 
 Result<std::string> world_file(const std::string& name) {
   std::error_code error;
   if (fs::is_regular_file(name, error)) return name;
-  const bool plain_name = name.find('/') == std::string::npos && name.find('.') == std::string::npos;
+  const bool plain_name =
+      name.find('/') == std::string::npos && name.find('.') == std::string::npos;
   if (plain_name) {
     const fs::path path = data_folder() / "worlds" / (name + ".sdf");
     if (fs::exists(path, error)) return path.string();
   }
-  return fail(Fault::usage, "no world '" + name + "': give the path of an SDF file, or one of: " +
-                                known_worlds());
+  return fail(Fault::usage, "no world '" + name +
+                                "': give the path of an SDF file, or one of: " + known_worlds());
 }
 
 Result<std::string> firmware_image(const std::string& given) {

@@ -9,15 +9,16 @@
 
 namespace kaz::tools {
 
-// Path of a file under share/kaz, e.g. "robot/kaz/kaz.urdf". The folder is $KAZ_DATA if that is set, else
+// Path of a file under share/kaz, e.g. "robot/kaz/kaz.urdf". The folder is $KAZ_DATA if that is
+// set, else
 // ../share/kaz seen from the program. Fails where the file is not there.
 Result<std::string> data_file(const std::string& name);
 
 // A world by path, or by the name of one that comes with Kaz ("ball").
 Result<std::string> world_file(const std::string& name);
 
-// The firmware image to emulate: `given` if not empty, else the one built with the program. Where there is
-// none the error says what to install.
+// The firmware image to emulate: `given` if not empty, else the one built with the program. Where
+// there is none the error says what to install.
 Result<std::string> firmware_image(const std::string& given);
 
 }  // namespace kaz::tools

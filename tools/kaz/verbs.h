@@ -10,8 +10,8 @@
 
 namespace kaz::tools {
 
-// Runs after the whole command line was read. Returns whether the task succeeded; an Error has its own
-// exit code (shared/base/result.hpp).
+// Runs after the whole command line was read. Returns whether the task succeeded; an Error has its
+// own exit code (shared/base/result.hpp).
 using Action = std::function<Result<bool>()>;
 
 void add_demo(CLI::App& program, Action& action);

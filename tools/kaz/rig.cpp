@@ -1,0 +1,157 @@
+// What a behaviour runs on: the virtual robot in lockstep, or a board on a serial port.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/kaz/rig.h"
+
+#include <charconv>
+
+#include "host/robot/published_camera.h"
+#include "host/robot/tty_link.h"
+#include "host/robot/wall_clock.h"
+#include "tools/kaz/paths.h"
+#include "tools/kaz/version.h"
+#include "tools/lockstep/lockstep.h"
+
+namespace kaz::tools {
+namespace {
+
+constexpr std::string_view kSerial = "serial:";
+
+// A clock that an interrupt stops, so that Ctrl-C works in lockstep as it does in real time.
+class InterruptibleClock final : public host::Clock {
+ public:
+  InterruptibleClock(host::Clock& clock, const host::Interrupt& interrupt)
+      : clock_(clock), interrupt_(interrupt) {}
+  Time now() const override { return clock_.now(); }
+  Result<void> sleep_until(Time t) override {
+    if (interrupt_.requested()) return tl::unexpected(host::Interrupt::error());
+    return clock_.sleep_until(t);
+  }
+
+ private:
+  host::Clock& clock_;
+  const host::Interrupt& interrupt_;
+};
+
+class LockstepRig final : public Rig {
+ public:
+  LockstepRig(std::unique_ptr<sim::Simulation> simulation, const host::Interrupt& interrupt)
+      : simulation_(std::move(simulation)), clock_(raw_clock_, interrupt) {}
+  host::Link& link() override { return link_; }
+  host::Clock& clock() override { return clock_; }
+  vision::Camera& camera() override { return camera_; }
+  vision::Executor& executor() override { return *executor_; }
+  Time camera_latency() const override { return from_seconds(simulation_->camera().latency_s); }
+  sim::Simulation* simulation() override { return simulation_.get(); }
+
+ private:
+  std::unique_ptr<sim::Simulation> simulation_;
+  lockstep::LockstepClock raw_clock_{*simulation_};
+  InterruptibleClock clock_;
+  lockstep::LockstepLink link_{*simulation_};
+  lockstep::LockstepCamera camera_{*simulation_};
+  std::unique_ptr<vision::Executor> executor_ = vision::make_lockstep_executor();
+};
+
+class RealRig final : public Rig {
+ public:
+  RealRig(std::unique_ptr<host::TtyLink> link, std::unique_ptr<host::PublishedCamera> camera,
+          const host::Interrupt& interrupt)
+      : link_(std::move(link)), camera_(std::move(camera)), clock_(&interrupt) {}
+  host::Link& link() override { return *link_; }
+  host::Clock& clock() override { return clock_; }
+  vision::Camera& camera() override { return *camera_; }
+  vision::Executor& executor() override { return *executor_; }
+  Time camera_latency() const override { return camera_->latency(); }
+  sim::Simulation* simulation() override { return nullptr; }
+
+ private:
+  std::unique_ptr<host::TtyLink> link_;
+  std::unique_ptr<host::PublishedCamera> camera_;
+  host::WallClock clock_;
+  std::unique_ptr<vision::Executor> executor_ = vision::make_realtime_executor();
+};
+
+struct SerialAddress {
+  std::string path;
+  int baud = 115200;
+};
+
+Result<SerialAddress> parse_robot(const std::string& text) {
+  const auto wrong = [&](const std::string& why) {
+    return fail(Fault::usage, "--robot " + text + ": " + why +
+                                  "; give sim, or serial:PATH[@BAUD] as in serial:/dev/ttyUSB0");
+  };
+  if (text.rfind(kSerial, 0) != 0) return wrong("no such kind of robot");
+  SerialAddress address;
+  address.path = text.substr(kSerial.size());
+  if (const auto at = address.path.rfind('@'); at != std::string::npos) {
+    const std::string baud = address.path.substr(at + 1);
+    const auto end = baud.data() + baud.size();
+    const auto [stop, error] = std::from_chars(baud.data(), end, address.baud);
+    if (error != std::errc() || stop != end || address.baud <= 0) {
+      return wrong("'" + baud + "' is no baud rate");
+    }
+    address.path.resize(at);
+  }
+  if (address.path.empty()) return wrong("the path of the port is missing");
+  return address;
+}
+
+}  // namespace
+
+Result<void> check(const RigOptions& options) {
+  const bool sim_robot = options.robot == "sim";
+  if (!sim_robot) {
+    if (auto address = parse_robot(options.robot); !address) {
+      return tl::unexpected(address.error());
+    }
+  }
+  if (sim_robot != (options.camera == "sim")) {
+    return fail(Fault::usage,
+                sim_robot ? "--robot sim sees through its own eyes: leave --camera out"
+                          : "--camera is missing: a robot on a serial port needs the path of a "
+                            "camera socket, as `kaz sim --cameras PATH` makes it");
+  }
+  return {};
+}
+
+Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& options,
+                                                         sim::FramePolicy frames) {
+  sim::SimulationOptions sim;
+  sim.engine = options.engine;
+  sim.seed = options.seed;
+  sim.frames = frames;
+  sim.recording_path = options.recording;
+  sim.recording_facts = {{"kaz", kVersion},
+                         {"engine", options.engine},
+                         {"world", options.world},
+                         {"seed", std::to_string(options.seed)}};
+  const auto find = [](Result<std::string> path, std::string& to) -> Result<void> {
+    if (!path) return tl::unexpected(path.error());
+    to = *path;
+    return {};
+  };
+  Result<void> found = find(world_file(options.world), sim.world_path);
+  if (found) found = find(data_file("robot/kaz/kaz.urdf"), sim.robot_path);
+  if (found) found = find(data_file("robot/kaz/camera.json"), sim.camera_path);
+  if (found && options.engine == "h8") found = find(firmware_image(options.image), sim.image_path);
+  if (!found) return tl::unexpected(found.error());
+  return sim::Simulation::create(sim);
+}
+
+Result<std::unique_ptr<Rig>> Rig::open(const RigOptions& options, host::Interrupt& interrupt) {
+  if (auto sound = check(options); !sound) return tl::unexpected(sound.error());
+  if (options.robot == "sim") {
+    auto simulation = make_simulation(options, sim::FramePolicy::wait);
+    if (!simulation) return tl::unexpected(simulation.error());
+    return std::make_unique<LockstepRig>(std::move(*simulation), interrupt);
+  }
+  const auto address = parse_robot(options.robot);
+  auto link = host::TtyLink::open(address->path, address->baud, &interrupt);
+  if (!link) return tl::unexpected(link.error());
+  auto camera = host::PublishedCamera::connect(options.camera);
+  if (!camera) return tl::unexpected(camera.error());
+  return std::make_unique<RealRig>(std::move(*link), std::move(*camera), interrupt);
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,54 @@
+// What a behaviour runs on: the virtual robot in lockstep, or a board on a serial port with a
+// published camera. Behind the same three interfaces, so that nothing further up can tell.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "host/robot/interrupt.h"
+#include "host/robot/link.h"
+#include "shared/base/result.hpp"
+#include "sim/runtime/simulation.h"
+#include "vision/frame.h"
+#include "vision/pipeline.h"
+
+namespace kaz::tools {
+
+struct RigOptions {
+  std::string robot = "sim";   // "sim" or "serial:PATH[@BAUD]"
+  std::string camera = "sim";  // "sim" or the path of a camera socket
+  std::string world = "ball";  // the rest for "sim" only
+  std::string engine = "h8";   // "h8" or "native"
+  std::string image;           // firmware image; the built one if empty
+  std::uint64_t seed = 1;
+  std::string recording;  // path of the recording; none if empty
+};
+
+class Rig {
+ public:
+  // Errors: wrong or missing files (usage), ports and cameras that are not there (environment).
+  // `interrupt` ends waiting and must outlive the rig.
+  static Result<std::unique_ptr<Rig>> open(const RigOptions& options, host::Interrupt& interrupt);
+  virtual ~Rig() = default;
+
+  virtual host::Link& link() = 0;
+  virtual host::Clock& clock() = 0;
+  virtual vision::Camera& camera() = 0;
+  virtual vision::Executor& executor() = 0;
+  // From exposure to arrival at the host.
+  virtual Time camera_latency() const = 0;
+  // For recording, pictures and scoring; null where the robot is not simulated in this process.
+  // Behaviours never see it.
+  virtual sim::Simulation* simulation() = 0;
+};
+
+// Checks what can be checked without opening anything.
+Result<void> check(const RigOptions& options);
+
+// The virtual robot of `kaz demo`, `kaz run` and `kaz sim`: finds its files and loads them.
+Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& options,
+                                                         sim::FramePolicy frames);
+
+}  // namespace kaz::tools

@@ -1,0 +1,42 @@
+// result.json and the pictures of a run.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "host/behavior/behavior.h"
+#include "host/robot/link_statistics.h"
+#include "tools/kaz/album.h"
+#include "tools/kaz/rig.h"
+#include "tools/kaz/score.h"
+
+namespace kaz::tools {
+
+struct RunReport {
+  std::string behavior;
+  RigOptions rig;
+  behavior::Outcome outcome;
+  double run_s = 0;  // time of the robot
+  double rtf = 0;    // run_s over wall time
+  Score score;
+  kz_identify_reply identity{};
+  kz_heartbeat_reply health{};
+  host::LinkStatistics link;
+  Time start{};
+  const behavior::Recording& recording;
+  const TruthProbe* probe = nullptr;
+};
+
+// Ends the recording and, where `out` is not empty, makes the folder and fills it, result.json
+// last. `partial_recording` moves in as recording.mcap. Returns what stands in result.json.
+Result<nlohmann::ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
+                                            const Album& album, const std::string& out,
+                                            const std::string& partial_recording);
+
+// A few lines for people, or the whole result as JSON, on standard output.
+void print_report(const nlohmann::ordered_json& result, const RunReport& report,
+                  const std::string& out, bool json);
+
+}  // namespace kaz::tools

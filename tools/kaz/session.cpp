@@ -1,0 +1,164 @@
+// One behaviour from start to end on a rig, with everything that is kept of it.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/kaz/session.h"
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+
+#include "host/behavior/ball_finder_sight.h"
+#include "host/behavior/behavior.h"
+#include "host/robot/capture.h"
+#include "host/robot/robot.h"
+#include "tools/kaz/album.h"
+#include "tools/kaz/interrupt_signals.h"
+#include "tools/kaz/output.h"
+#include "tools/kaz/run_report.h"
+#include "tools/kaz/score.h"
+
+namespace kaz::tools {
+namespace {
+
+// Listens to the behaviour: progress for the user, truth for the score, moments for the album, a
+// record.
+class Listener final : public behavior::Sink {
+ public:
+  Listener(Rig& rig, Album& album, Progress& progress, Time start, double expected_s)
+      : rig_(rig), album_(album), progress_(progress), start_(start), expected_s_(expected_s) {
+    if (rig.simulation() != nullptr) probe_.emplace(*rig.simulation());
+  }
+
+  void phase(Time time, std::string_view behavior, std::string_view phase) override {
+    recording_.phase(time, behavior, phase);
+    phase_ = phase;
+    record({{"behavior", behavior}, {"phase", phase}});
+    progress_.announce(seconds(time - start_), phase_);
+  }
+
+  void cycle(const behavior::CycleRow& row) override {
+    recording_.cycle(row);
+    if (probe_) probe_->sample();
+    record({{"pan_target", row.pan_target}, {"tilt_target", row.tilt_target}});
+    const double elapsed = seconds(row.time - start_);
+    progress_.update(elapsed / expected_s_, phase_);
+    if (phase_ == "track" && elapsed >= next_moment_s()) take_moment(row.time);
+  }
+
+  void picture(const behavior::PictureRow& row) override {
+    recording_.picture(row);
+    record({{"exposure_ns", row.exposure.count()}, {"found", row.found}, {"error", row.error_rad}});
+  }
+
+  const behavior::Recording& recording() const { return recording_; }
+  const TruthProbe* probe() const { return probe_ ? &*probe_ : nullptr; }
+  const std::optional<Error>& album_error() const { return album_error_; }
+
+ private:
+  static constexpr int kMoments = 4;
+
+  // Moments are spread evenly over the time from the first sight of the ball to the expected end.
+  double next_moment_s() const {
+    const double first = seconds(track_began() - start_) + 0.3;
+    return first + (expected_s_ - first) * moments_ / kMoments;
+  }
+  Time track_began() const {
+    for (const auto& phase : recording_.phases) {
+      if (phase.phase == "track") return phase.time;
+    }
+    return start_;
+  }
+  void take_moment(Time now) {
+    if (moments_ == kMoments || album_error_) return;
+    ++moments_;
+    if (auto taken = album_.take(now); !taken) album_error_ = taken.error();
+  }
+  void record(const nlohmann::ordered_json& value) {
+    if (rig_.simulation() != nullptr) rig_.simulation()->record_behavior(value.dump());
+  }
+
+  Rig& rig_;
+  Album& album_;
+  Progress& progress_;
+  Time start_;
+  double expected_s_;
+  std::string phase_;
+  int moments_ = 0;
+  std::optional<TruthProbe> probe_;
+  std::optional<Error> album_error_;
+  behavior::Recording recording_;
+};
+
+double expected_seconds(const behavior::OptionValues& values,
+                        std::span<const behavior::Option> options) {
+  for (const auto& option : options) {
+    if (option.name == "seconds") return values.number("seconds");
+  }
+  return 10;
+}
+
+}  // namespace
+
+Result<bool> run_session(SessionOptions options) {
+  const auto behavior = behavior::find_behavior(options.behavior);
+  if (!behavior) return tl::unexpected(behavior.error());
+  const auto values = behavior::OptionValues::parse(behavior->options, options.settings);
+  if (!values) return tl::unexpected(values.error());
+  if (auto sound = check(options.rig); !sound) return tl::unexpected(sound.error());
+  if (auto usable = OutputFolder::check(options.out); !usable)
+    return tl::unexpected(usable.error());
+
+  // The recording grows elsewhere and moves in with the results when the run has ended.
+  const std::string partial = options.out.empty() ? "" : temporary_file("recording.mcap");
+  if (options.rig.robot == "sim") options.rig.recording = partial;
+  const FileRemover remove_partial(partial);
+
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  auto rig = Rig::open(options.rig, interrupt);
+  if (!rig) return tl::unexpected(rig.error());
+  auto robot = host::Robot::connect((*rig)->link(), (*rig)->clock());
+  if (!robot) return tl::unexpected(robot.error());
+
+  RememberingCamera camera((*rig)->camera());
+  host::Capture capture(camera, *robot);
+  vision::BallFinderOptions finder_options;
+  finder_options.camera_latency = (*rig)->camera_latency();
+  vision::BallFinder finder((*rig)->executor(), finder_options);
+  behavior::BallFinderSight sight(capture, finder);
+  Album album(camera, (*rig)->simulation());
+  Progress progress(options.label, options.json);
+  const Time start = (*rig)->clock().now();
+  Listener listener(**rig, album, progress, start, expected_seconds(*values, behavior->options));
+
+  const auto wall_start = std::chrono::steady_clock::now();
+  behavior::Context context{*robot, (*rig)->clock(), &sight, listener, *values, options.rig.seed};
+  const Result<behavior::Outcome> outcome = behavior->run(context);
+  const double wall_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
+  const double run_s = seconds((*rig)->clock().now() - start);
+  const auto health = outcome ? robot->heartbeat() : Result<kz_heartbeat_reply>{};
+  robot->disable_all();
+  progress.done();
+  if (!outcome) return tl::unexpected(outcome.error());
+  if (!health) return tl::unexpected(health.error());
+  if (listener.album_error()) return tl::unexpected(*listener.album_error());
+
+  RunReport report{options.behavior,
+                   options.rig,
+                   *outcome,
+                   run_s,
+                   run_s / wall_s,
+                   score(listener.recording(), listener.probe(), start),
+                   robot->identity(),
+                   *health,
+                   robot->statistics(),
+                   start,
+                   listener.recording(),
+                   listener.probe()};
+  auto written = write_report(report, (*rig)->simulation(), album, options.out, partial);
+  if (!written) return tl::unexpected(written.error());
+  print_report(*written, report, options.out, options.json);
+  return outcome->success;
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,26 @@
+// One behaviour from start to end on a rig, with everything that is kept of it.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "shared/base/result.hpp"
+#include "tools/kaz/rig.h"
+
+namespace kaz::tools {
+
+struct SessionOptions {
+  RigOptions rig;
+  std::string behavior = "track-ball";
+  std::map<std::string, std::string> settings;  // the behaviour's options
+  std::string out;                              // folder for results; none if empty
+  bool json = false;                            // result.json on standard output, no progress
+  std::string label = "kaz run";                // begins progress lines
+};
+
+// False where the behaviour did not succeed. Motors are off afterwards, whatever happened. Nothing
+// is left in the folder unless the run came to its end.
+Result<bool> run_session(SessionOptions options);
+
+}  // namespace kaz::tools

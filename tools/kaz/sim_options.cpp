@@ -1,0 +1,20 @@
+// The options that say which virtual robot in which world.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/kaz/sim_options.h"
+
+namespace kaz::tools {
+
+void add_sim_options(CLI::App& verb, RigOptions& options) {
+  verb.add_option("--world", options.world, "a world of Kaz by name, or an SDF file")
+      ->capture_default_str();
+  verb.add_option("--mcu", options.engine,
+                  "engine of the servo board: h8 executes the firmware image, native runs the "
+                  "same C compiled for this machine")
+      ->check(CLI::IsMember({"h8", "native"}))
+      ->capture_default_str();
+  verb.add_option("--image", options.image, "firmware image for h8: S-record or COFF");
+  verb.add_option("--seed", options.seed, "of all noise; the same seed gives the same bytes")
+      ->capture_default_str();
+}
+
+}  // namespace kaz::tools

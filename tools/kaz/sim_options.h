@@ -1,0 +1,14 @@
+// The options that say which virtual robot in which world.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "tools/kaz/rig.h"
+
+namespace kaz::tools {
+
+// --world, --mcu, --image, --seed.
+void add_sim_options(CLI::App& verb, RigOptions& options);
+
+}  // namespace kaz::tools

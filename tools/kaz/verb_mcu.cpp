@@ -1,0 +1,109 @@
+// `kaz mcu`: the servo board's chip by itself.
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "sim/mcu/compare.h"
+#include "tools/kaz/mcu_run.h"
+#include "tools/kaz/output.h"
+#include "tools/kaz/paths.h"
+#include "tools/kaz/verbs.h"
+
+namespace kaz::tools {
+namespace {
+
+struct CompareArguments {
+  sim::CompareOptions options;
+  bool json = false;
+};
+
+nlohmann::ordered_json to_json(const sim::CompareReport& report) {
+  nlohmann::ordered_json result{{"equal", report.equal()},
+                                {"ticks", report.ticks},
+                                {"bytes_received", report.bytes_received},
+                                {"bytes_sent", report.bytes_sent},
+                                {"frames", report.frames_sent_to_board},
+                                {"worst_tick_8states", report.worst_busy_8states},
+                                {"missed_ticks", report.missed_ticks},
+                                {"differences", nlohmann::ordered_json::array()}};
+  if (report.tick) result["tick"] = *report.tick;
+  if (!report.equal()) result["input_hex"] = report.input_hex;
+  for (const auto& difference : report.differences) {
+    result["differences"].push_back(
+        {{"field", difference.field}, {"native", difference.native}, {"h8", difference.h8}});
+  }
+  return result;
+}
+
+Result<bool> compare(CompareArguments arguments) {
+  auto image = firmware_image(arguments.options.image_path);
+  if (!image) return tl::unexpected(image.error());
+  arguments.options.image_path = *image;
+  Progress progress("kaz mcu compare", arguments.json);
+  arguments.options.progress = [&](std::int64_t done, std::int64_t total) {
+    progress.update(static_cast<double>(done) / static_cast<double>(total),
+                    std::to_string(done) + " ticks");
+  };
+  const auto report = sim::compare_engines(arguments.options);
+  progress.done();
+  if (!report) return tl::unexpected(report.error());
+  if (arguments.json) {
+    std::printf("%s\n", to_json(*report).dump(2).c_str());
+  } else {
+    std::printf("%s\n", report->text().c_str());
+  }
+  return report->equal();
+}
+
+void add_compare(CLI::App& mcu, Action& action) {
+  auto* verb = mcu.add_subcommand(
+      "compare", "native against h8: equal inputs of the servo tick must give equal outputs");
+  auto arguments = std::make_shared<CompareArguments>();
+  verb->add_option("--ticks", arguments->options.ticks, "how many ticks of 1 ms")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_option("--seed", arguments->options.seed, "of host traffic and potentiometers")
+      ->capture_default_str();
+  verb->add_option("--image", arguments->options.image_path,
+                   "firmware image, with its .coff beside it; the built one if not given");
+  verb->add_flag("--json", arguments->json, "print the report as JSON, no progress");
+  verb->footer(
+      "The firmware runs in the emulator under random traffic, legal and illegal. Each tick's\n"
+      "input is fed to the native build; outputs and state must be equal. Exit status 1 and the\n"
+      "first difference side by side where they are not.\n"
+      "Examples:\n"
+      "  kaz mcu compare\n"
+      "  kaz mcu compare --ticks 1000000 --seed 7");
+  verb->callback([&action, arguments] { action = [arguments] { return compare(*arguments); }; });
+}
+
+void add_bare_run(CLI::App& mcu, Action& action) {
+  auto* verb = mcu.add_subcommand("run", "the bare emulator on any image, no board around it");
+  auto options = std::make_shared<McuRunOptions>();
+  verb->add_option("IMAGE", options->image, "S-record or COFF")->required()->type_name("");
+  verb->add_option("--max-states", options->max_states, "stop there; 18432000 are one second")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_flag("--trace", options->trace, "each instruction on standard error");
+  verb->add_flag("--json", options->json, "print the summary as JSON on standard output");
+  verb->footer(
+      "Starts at the reset vector, as the chip does. What the program sends on SCI0 goes to\n"
+      "standard output. Exit status 1 where the chip stops on an error, with a report.\n"
+      "Examples:\n"
+      "  kaz mcu run build/release/firmware/kaz.mot\n"
+      "  kaz mcu run build/release/firmware/kaz.coff --max-states 2000 --trace");
+  verb->callback([&action, options] { action = [options] { return run_mcu(*options); }; });
+}
+
+}  // namespace
+
+void add_mcu(CLI::App& program, Action& action) {
+  auto* mcu = program.add_subcommand("mcu", "the servo board's chip by itself: run, compare");
+  mcu->require_subcommand(1);
+  mcu->footer("Examples:\n  kaz mcu run IMAGE\n  kaz mcu compare");
+  add_bare_run(*mcu, action);
+  add_compare(*mcu, action);
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,104 @@
+// `kaz demo` and `kaz run`: one behaviour on a robot.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/behavior/behavior.h"
+#include "tools/kaz/session.h"
+#include "tools/kaz/sim_options.h"
+#include "tools/kaz/verbs.h"
+
+namespace kaz::tools {
+namespace {
+
+std::string behavior_names() {
+  std::string names;
+  for (const auto& behavior : behavior::behaviors()) {
+    names += (names.empty() ? "" : ", ") + std::string(behavior.name);
+  }
+  return names;
+}
+
+// Behaviours and their options, for the help text.
+std::string behavior_list() {
+  std::string list = "Behaviours and their options (--set NAME=VALUE):\n";
+  for (const auto& behavior : behavior::behaviors()) {
+    list += "  " + std::string(behavior.name) + ": " + std::string(behavior.text) + "\n";
+    for (const auto& option : behavior.options) {
+      list += "      " + std::string(option.name) + " (" + std::string(option.initial) +
+              "): " + std::string(option.text) + "\n";
+    }
+  }
+  return list;
+}
+
+// What both verbs have in common.
+struct RunArguments {
+  SessionOptions session;
+  std::vector<std::string> settings;
+  std::string duration;
+};
+
+void add_common(CLI::App& verb, RunArguments& arguments) {
+  add_sim_options(verb, arguments.session.rig);
+  verb.add_option("--duration", arguments.duration, "length of the run in seconds of the robot");
+  verb.add_option("--set", arguments.settings, "an option of the behaviour: NAME=VALUE")
+      ->type_name("NAME=VALUE");
+  verb.add_flag("--json", arguments.session.json,
+                "print the result as JSON on standard output, no progress");
+}
+
+Result<bool> start(RunArguments arguments) {
+  for (const auto& setting : arguments.settings) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      return fail(Fault::usage, "--set " + setting + ": give NAME=VALUE, as in --set seconds=20");
+    }
+    arguments.session.settings[setting.substr(0, equals)] = setting.substr(equals + 1);
+  }
+  if (!arguments.duration.empty()) arguments.session.settings["seconds"] = arguments.duration;
+  return run_session(arguments.session);
+}
+
+}  // namespace
+
+void add_demo(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand(
+      "demo", "the main job in lockstep: the robot searches the ball and keeps its head on it");
+  auto arguments = std::make_shared<RunArguments>();
+  arguments->session.label = "kaz demo";
+  arguments->session.out = "kaz-demo";
+  verb->add_option("--out", arguments->session.out, "folder for pictures and result.json")
+      ->capture_default_str();
+  add_common(*verb, *arguments);
+  verb->footer(
+      "Leaves left_eye.png, color_extraction.png, outside.png, moments.png, pan_tilt.png,\n"
+      "recording.mcap and result.json.\n"
+      "Examples:\n"
+      "  kaz demo\n"
+      "  kaz demo --seed 7 --out seven\n"
+      "  kaz demo --mcu native --duration 10 --json");
+  verb->callback([&action, arguments] { action = [arguments] { return start(*arguments); }; });
+}
+
+void add_run(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand("run", "one behaviour on a real or virtual robot");
+  auto arguments = std::make_shared<RunArguments>();
+  auto& session = arguments->session;
+  verb->add_option("BEHAVIOUR", session.behavior, "one of: " + behavior_names())
+      ->required()
+      ->type_name("");
+  verb->add_option("--robot", session.rig.robot, "sim, or serial:PATH[@BAUD]")
+      ->capture_default_str();
+  verb->add_option("--camera", session.rig.camera, "sim, or the path of a camera socket")
+      ->capture_default_str();
+  verb->add_option("--out", session.out, "folder for pictures and result.json; none if not given");
+  add_common(*verb, *arguments);
+  verb->footer(behavior_list() +
+               "Examples:\n"
+               "  kaz run search-ball\n"
+               "  kaz run track-ball --seed 3 --duration 12 --out three\n"
+               "  kaz run track-ball --robot serial:/dev/ttyUSB0 --camera /tmp/kaz0.eyes\n"
+               "With a port nothing of the simulator is used; --world, --mcu, --image and --seed "
+               "are then\nwithout effect.");
+  verb->callback([&action, arguments] { action = [arguments] { return start(*arguments); }; });
+}
+
+}  // namespace kaz::tools

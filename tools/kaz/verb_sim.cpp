@@ -1,0 +1,94 @@
+// `kaz sim`: a virtual robot for other processes.
+// SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <cstdio>
+#include <thread>
+
+#include <poll.h>
+
+#include "sim/runtime/real_time.h"
+#include "tools/kaz/interrupt_signals.h"
+#include "tools/kaz/sim_options.h"
+#include "tools/kaz/verbs.h"
+
+namespace kaz::tools {
+namespace {
+
+struct SimArguments {
+  RigOptions rig;
+  sim::RealTimeOptions real_time;
+};
+
+// Sets a flag when the interrupt comes, for code that looks at a flag and not at a descriptor.
+class StopFlag {
+ public:
+  explicit StopFlag(host::Interrupt& interrupt)
+      : interrupt_(interrupt), thread_([this] {
+          pollfd watched{interrupt_.descriptor(), POLLIN, 0};
+          while (poll(&watched, 1, -1) < 0) continue;
+          stop_ = true;
+        }) {}
+  ~StopFlag() {
+    interrupt_.request();
+    thread_.join();
+  }
+  const std::atomic<bool>& flag() const { return stop_; }
+
+ private:
+  host::Interrupt& interrupt_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+Result<bool> serve(SimArguments arguments) {
+  auto simulation = make_simulation(arguments.rig, sim::FramePolicy::drop);
+  if (!simulation) return tl::unexpected(simulation.error());
+  arguments.real_time.report = [](const std::string& line) {
+    std::printf("%s\n", line.c_str());
+    std::fflush(stdout);
+  };
+  auto server = sim::RealTimeServer::open(**simulation, arguments.real_time);
+  if (!server) return tl::unexpected(server.error());
+  std::printf("ready: servo board (%s) on %s, control on %s.ctl%s%s; Ctrl-C ends\n",
+              arguments.rig.engine.c_str(), arguments.real_time.serial_path.c_str(),
+              arguments.real_time.serial_path.c_str(),
+              arguments.real_time.cameras_path.empty() ? "" : ", cameras on ",
+              arguments.real_time.cameras_path.c_str());
+  std::fflush(stdout);
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  const StopFlag stop(interrupt);
+  const auto statistics = (*server)->run(stop.flag());
+  if (!statistics) return tl::unexpected(statistics.error());
+  std::printf("ended after %.1f s; overruns %llu, worst %.1f ms late, pairs left out %llu\n",
+              statistics->simulated_s, static_cast<unsigned long long>(statistics->overruns),
+              1e3 * statistics->worst_late_s,
+              static_cast<unsigned long long>(statistics->pairs_left_out));
+  return true;
+}
+
+}  // namespace
+
+void add_sim(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand(
+      "sim", "a virtual robot in real time for other processes: pty, camera and control socket");
+  auto arguments = std::make_shared<SimArguments>();
+  verb->add_option("--serial", arguments->real_time.serial_path,
+                   "where to put the link to the board's serial port (a pty)")
+      ->required()
+      ->type_name("PATH");
+  verb->add_option("--cameras", arguments->real_time.cameras_path,
+                   "where to publish the stereo pairs (a Unix socket)")
+      ->type_name("PATH");
+  verb->add_flag("--fast", arguments->real_time.fast, "as fast as the machine can, not real time");
+  add_sim_options(*verb, arguments->rig);
+  verb->footer(
+      "The link behaves as a port with a board at the other end. PATH.ctl takes commands: reset,\n"
+      "power off, power on, status, one a line. Ends with Ctrl-C and removes what it made.\n"
+      "Examples:\n"
+      "  kaz sim --serial /tmp/kaz0 --cameras /tmp/kaz0.eyes\n"
+      "  kaz run track-ball --robot serial:/tmp/kaz0 --camera /tmp/kaz0.eyes   (elsewhere)");
+  verb->callback([&action, arguments] { action = [arguments] { return serve(*arguments); }; });
+}
+
+}  // namespace kaz::tools
