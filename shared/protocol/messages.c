@@ -7,36 +7,36 @@
   typedef char name##_fits_a_frame[KZ_SIZE_##name <= KZ_PAYLOAD_MAX ? 1 : -1];
 #include "shared/protocol/messages.def"
 
-static u8* put_u8(u8* to, u8 value) {
+static inline u8* put_u8(u8* to, u8 value) {
   to[0] = value;
   return to + 1;
 }
 
-static u8* put_u16(u8* to, u16 value) {
+static inline u8* put_u16(u8* to, u16 value) {
   to[0] = (u8)(value >> 8);
   to[1] = (u8)value;
   return to + 2;
 }
 
-static u8* put_s16(u8* to, s16 value) {
+static inline u8* put_s16(u8* to, s16 value) {
   return put_u16(to, (u16)value);
 }
 
-static u8* put_u32(u8* to, u32 value) {
+static inline u8* put_u32(u8* to, u32 value) {
   to = put_u16(to, (u16)(value >> 16));
   return put_u16(to, (u16)value);
 }
 
-static u8 get_u8(const u8* from) {
+static inline u8 get_u8(const u8* from) {
   return from[0];
 }
-static u16 get_u16(const u8* from) {
+static inline u16 get_u16(const u8* from) {
   return (u16)((u16)((u16)from[0] << 8) | from[1]);
 }
-static s16 get_s16(const u8* from) {
+static inline s16 get_s16(const u8* from) {
   return (s16)get_u16(from);
 }
-static u32 get_u32(const u8* from) {
+static inline u32 get_u32(const u8* from) {
   return (u32)get_u16(from) << 16 | get_u16(from + 2);
 }
 

@@ -1,7 +1,87 @@
-# What the firmware is made of.
+# Cross-builds the firmware for the H8S/2128.
 
 # Sources of shared/servo that run on the H8 too, relative to shared/.
 function(kaz_servo_sources out)
   set(${out} servo/tick.c servo/joints.c servo/requests.c servo/commands.c servo/safety.c
              servo/outputs.c PARENT_SCOPE)
+endfunction()
+
+find_program(KAZ_H8_GCC h8300-hms-gcc)
+find_program(KAZ_H8_LD h8300-hms-ld)
+find_program(KAZ_H8_OBJCOPY h8300-hms-objcopy)
+find_program(KAZ_H8_OBJDUMP h8300-hms-objdump)
+
+# -fno-strict-aliasing avoids known wrong code of this compiler; no frame pointer, no library.
+set(KAZ_H8_FLAGS -ms -O2 -g -Wall -Werror -ffreestanding -std=gnu99 -fomit-frame-pointer
+                 -fno-strict-aliasing)
+
+# kaz_firmware_image(NAME name SHARED_DIR dir OUTPUT_DIR dir [FLAGS flag ...] [ALL])
+# Target NAME_firmware: OUTPUT_DIR/NAME.coff (with symbols) and NAME.mot (S-records), from the sources in
+# firmware/ and those of a folder that is, or is a copy of, shared/: so a test can build a patched copy.
+# Joint limits and build id are those of the main build. FLAGS come after KAZ_H8_FLAGS.
+# Without a cross compiler the target does not exist.
+function(kaz_firmware_image)
+  cmake_parse_arguments(ARG "ALL" "NAME;SHARED_DIR;OUTPUT_DIR" "FLAGS" ${ARGN})
+  if(NOT (KAZ_H8_GCC AND KAZ_H8_LD AND KAZ_H8_OBJCOPY AND KAZ_H8_OBJDUMP))
+    return()
+  endif()
+  find_package(Python3 REQUIRED COMPONENTS Interpreter)
+  set(firmware ${PROJECT_SOURCE_DIR}/firmware)
+  set(generators ${PROJECT_SOURCE_DIR}/tools/gen)
+  set(generated ${PROJECT_BINARY_DIR}/generated)
+  get_filename_component(shared_root ${ARG_SHARED_DIR} DIRECTORY)
+  kaz_servo_sources(servo)
+  list(TRANSFORM servo PREPEND ${ARG_SHARED_DIR}/)
+  set(sources
+    ${firmware}/vectors.S ${firmware}/image_header.c
+    ${firmware}/start.S ${firmware}/main.c ${firmware}/clock.c ${firmware}/pins.c
+    ${firmware}/serial.c ${firmware}/analog.c
+    ${ARG_SHARED_DIR}/protocol/crc16.c ${ARG_SHARED_DIR}/protocol/frame.c
+    ${ARG_SHARED_DIR}/protocol/messages.c ${ARG_SHARED_DIR}/board/table.c ${servo})
+  set(loader_sources
+    ${firmware}/loader_start.S ${firmware}/loader.c ${firmware}/loader_crc16.c)
+
+  set(objects_dir ${ARG_OUTPUT_DIR}/${ARG_NAME}.objects)
+  file(MAKE_DIRECTORY ${objects_dir})
+  set(objects)
+  foreach(source IN LISTS sources loader_sources)
+    get_filename_component(stem ${source} NAME_WE)
+    set(object ${objects_dir}/${stem}.o)
+    set(to_loader)
+    if(source IN_LIST loader_sources)
+      # The loader has sections of its own: this linker cannot place an input file by a pattern.
+      set(to_loader COMMAND ${KAZ_H8_OBJCOPY} --rename-section .text=.ltext
+                            --rename-section .rodata=.lconst ${object})
+    endif()
+    add_custom_command(
+      OUTPUT ${object}
+      COMMAND ${KAZ_H8_GCC} ${KAZ_H8_FLAGS} ${ARG_FLAGS} -I${shared_root} -I${PROJECT_SOURCE_DIR}
+              -I${generated} -MMD -MF ${object}.d -MT ${object} -c ${source} -o ${object}
+      ${to_loader}
+      DEPENDS ${source} ${generated}/kz_limits.h ${generated}/kz_build_id.h kaz_generated_headers
+      DEPFILE ${object}.d
+      COMMENT "H8 ${ARG_NAME}: ${stem}" VERBATIM)
+    list(APPEND objects ${object})
+  endforeach()
+
+  set(coff ${ARG_OUTPUT_DIR}/${ARG_NAME}.coff)
+  set(mot ${ARG_OUTPUT_DIR}/${ARG_NAME}.mot)
+  # No -lgcc: that library is for another CPU. What it would have to supply is an undefined symbol here.
+  add_custom_command(
+    OUTPUT ${coff} ${mot}
+    COMMAND ${KAZ_H8_LD} -m h8300s --fatal-warnings -T ${firmware}/kaz.ld -o ${coff} ${objects}
+    COMMAND Python3::Interpreter ${generators}/stamp_image.py ${coff}
+    # By its bare name, which becomes the first record.
+    COMMAND ${KAZ_H8_OBJCOPY} -O srec ${ARG_NAME}.coff ${ARG_NAME}.mot
+    COMMAND Python3::Interpreter ${generators}/firmware_report.py ${KAZ_H8_OBJDUMP}
+            ${ARG_NAME}.coff
+    WORKING_DIRECTORY ${ARG_OUTPUT_DIR}
+    DEPENDS ${objects} ${firmware}/kaz.ld ${generators}/stamp_image.py ${generators}/coff.py
+            ${generators}/stack_bound.py ${generators}/firmware_report.py
+    COMMENT "H8 ${ARG_NAME}: link" VERBATIM)
+  set(all)
+  if(ARG_ALL)
+    set(all ALL)
+  endif()
+  add_custom_target(${ARG_NAME}_firmware ${all} DEPENDS ${coff} ${mot})
 endfunction()

@@ -1,0 +1,54 @@
+// A/D conversion: AN0, AN1, AN2 in scan mode, once for each input of the multiplexers.
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/analog.h"
+
+#include "firmware/h8s2128.h"
+#include "firmware/pins.h"
+
+// The slow, exact conversion (CKS = 0). The input that was just selected has 63 states to settle
+// before AN0's sample is taken.
+#define SCAN_STOPPED (ADCSR_ADIE | ADCSR_SCAN | ADCSR_AN0_TO_2)
+#define SCAN_RUNNING (SCAN_STOPPED | ADCSR_ADST)
+#define CODE_SHIFT 6
+
+static u16 code[KZ_ANALOG];
+static volatile u8 selected;
+
+void kz_analog_init(void) {
+  ADCSR = SCAN_STOPPED;
+  selected = KZ_MUX_INPUTS;
+}
+
+void kz_analog_start(void) {
+  KZ_INTERRUPTS_OFF();
+  ADCSR = SCAN_STOPPED;
+  selected = 0;
+  kz_pins_select(0);
+  ADCSR = SCAN_RUNNING;
+  KZ_INTERRUPTS_ON();
+}
+
+u8 kz_analog_ready(void) {
+  return (u8)(selected == KZ_MUX_INPUTS);
+}
+
+void kz_analog_take(u16* codes) {
+  const u16* from = code;
+  u8 i;
+  for (i = 0; i < KZ_ANALOG; ++i) *codes++ = *from++;
+}
+
+KZ_INTERRUPT void kz_analog_interrupt(void) {
+  const u8 input = selected;
+  u16* to = &code[input];
+  (void)ADCSR;  // reads ADF as 1, so that the next write clears it
+  ADCSR = SCAN_STOPPED;
+  to[0] = ADDRA >> CODE_SHIFT;
+  to[KZ_MUX_INPUTS] = ADDRB >> CODE_SHIFT;
+  to[2 * KZ_MUX_INPUTS] = ADDRC >> CODE_SHIFT;
+  selected = (u8)(input + 1);
+  if (input < KZ_MUX_INPUTS - 1) {
+    kz_pins_select((u8)(input + 1));
+    ADCSR = SCAN_RUNNING;
+  }
+}

@@ -1,0 +1,19 @@
+// The 1 kHz tick, sleep between ticks, measured length of a tick, and the watchdog.
+// SPDX-License-Identifier: Apache-2.0
+#ifndef KAZ_FIRMWARE_CLOCK_H
+#define KAZ_FIRMWARE_CLOCK_H
+
+#include "shared/base/types.h"
+
+// Starts the tick.
+void kz_clock_init(void);
+// Sleeps until the next tick is due. Returns how many are due: more than 1 if some were missed.
+u8 kz_clock_wait(void);
+// Time since the tick that was waited for last became due, in units of 8 states.
+u16 kz_clock_busy_8states(void);
+
+void kz_watchdog_start(void);
+// Not fed for 7.1 ms, the watchdog resets the chip.
+void kz_watchdog_feed(void);
+
+#endif

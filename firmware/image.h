@@ -1,0 +1,28 @@
+// The application's header in flash: by it the loader knows whether what lies there is whole.
+// SPDX-License-Identifier: Apache-2.0
+#ifndef KAZ_FIRMWARE_IMAGE_H
+#define KAZ_FIRMWARE_IMAGE_H
+
+#include "shared/base/types.h"
+
+// Flash map: kaz.ld. The application starts with the jump table, whose first entry is its start.
+#define KZ_APPLICATION 0x1000UL
+#define KZ_APPLICATION_HEADER 0x11E0UL
+#define KZ_APPLICATION_CODE 0x1200UL
+#define KZ_APPLICATION_MAX 0xB000UL  // up to the loader's block
+
+#define KZ_IMAGE_ID 0x4B415A41UL  // "KAZA"
+#define KZ_BOARD_ID 0x2128
+
+// 32 bytes. tools/gen/stamp_image.py fills in `length` and `crc` after linking.
+typedef struct kz_image_header {
+  u32 image_id;
+  u16 board_id;
+  u16 version;
+  u32 build_id;
+  u32 length;  // bytes from KZ_APPLICATION on
+  u8 unused[14];
+  u16 crc;  // kz_crc16, start 0xFFFF, over all `length` bytes but these two
+} kz_image_header;
+
+#endif

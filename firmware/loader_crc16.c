@@ -1,0 +1,4 @@
+// The loader's own copy of the CRC: it must not depend on the application that it checks.
+// SPDX-License-Identifier: Apache-2.0
+#define kz_crc16 kz_loader_crc16
+#include "shared/protocol/crc16.c"

@@ -1,0 +1,108 @@
+// The host line: rings between the tick and the interrupts of SCI0.
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/serial.h"
+
+#include "firmware/h8s2128.h"
+
+#define RING 64  // a power of two; one place stays empty
+#define NEXT(place) ((u8)(((place) + 1) & (RING - 1)))
+#define BRR_115200 (KZ_STATES_PER_BIT / 32 - 1)
+#define SCR_LISTENING (SCR_RIE | SCR_TE | SCR_RE)
+
+// `in` is only moved by who fills the ring, `out` only by who empties it.
+static volatile struct {
+  u8 byte[RING];
+  u8 flags[RING];
+  u8 in;
+  u8 out;
+} received;
+static u8 lost;
+
+static volatile struct {
+  u8 byte[RING];
+  u8 in;
+  u8 out;
+} queued;
+
+void kz_serial_init(void) {
+  u8 wait;
+  SCI0_SCR = 0;
+  SCI0_SMR = 0;
+  SCI0_BRR = BRR_115200;
+  for (wait = 0; wait < KZ_STATES_PER_BIT; ++wait) (void)SCI0_SSR;  // longer than one bit
+  SCI0_SCR = SCR_LISTENING;
+}
+
+void kz_serial_send(const u8* bytes, u8 count) {
+  u8 in = queued.in;
+  if (count == 0) return;
+  for (; count != 0; --count) {
+    queued.byte[in] = *bytes++;
+    in = NEXT(in);
+  }
+  queued.in = in;
+  SCI0_SCR = SCR_LISTENING | SCR_TIE;
+}
+
+u8 kz_serial_room(void) {
+  return (u8)((queued.out - queued.in - 1) & (RING - 1));
+}
+
+void kz_serial_take(kz_tick_input* input) {
+  u8* byte = input->rx;
+  u8* flags = input->rx_flags;
+  const u8 in = received.in;
+  u8 out = received.out;
+  u8 count = 0;
+  u8 i;
+  while (out != in && count < KZ_RX_PER_TICK) {
+    *byte++ = received.byte[out];
+    *flags++ = received.flags[out];
+    out = NEXT(out);
+    ++count;
+  }
+  received.out = out;
+  input->rx_count = count;
+  for (i = count; i < KZ_RX_PER_TICK; ++i) {
+    *byte++ = 0;
+    *flags++ = 0;
+  }
+}
+
+static inline void keep(u8 byte, u8 flags) {
+  const u8 in = received.in;
+  const u8 next = NEXT(in);
+  if (next == received.out) {
+    lost = KZ_RX_LOST;
+    return;
+  }
+  received.byte[in] = byte;
+  received.flags[in] = (u8)(flags | lost);
+  lost = 0;
+  received.in = next;
+}
+
+KZ_INTERRUPT void kz_serial_received(void) {
+  const u8 byte = SCI0_RDR;
+  SCI0_SSR &= (u8)~SSR_RDRF;  // reads the flag as 1, then writes 0: the chip wants both
+  keep(byte, 0);
+}
+
+// After an overrun the byte in RDR is the last sound one; after the others it is the damaged one.
+KZ_INTERRUPT void kz_serial_receive_error(void) {
+  const u8 flags = (u8)(SCI0_SSR & (SSR_ORER | SSR_FER | SSR_PER));
+  const u8 byte = SCI0_RDR;
+  SCI0_SSR &= (u8) ~(SSR_ORER | SSR_FER | SSR_PER | SSR_RDRF);
+  keep(byte, flags);
+}
+
+KZ_INTERRUPT void kz_serial_transmit(void) {
+  const u8 out = queued.out;
+  if (out == queued.in) {
+    SCI0_SCR = SCR_LISTENING;
+    return;
+  }
+  SCI0_TDR = queued.byte[out];
+  SCI0_SSR &= (u8)~SSR_TDRE;
+  queued.out = NEXT(out);
+}

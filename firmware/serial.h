@@ -1,0 +1,17 @@
+// The host line: SCI0 at 115,200 baud, 8N1, interrupt-driven.
+// SPDX-License-Identifier: Apache-2.0
+#ifndef KAZ_FIRMWARE_SERIAL_H
+#define KAZ_FIRMWARE_SERIAL_H
+
+#include "shared/servo/tick.h"
+
+void kz_serial_init(void);
+// Queues the bytes of a tick's output; the caller kept to kz_serial_room().
+void kz_serial_send(const u8* bytes, u8 count);
+// Bytes that kz_serial_send can take.
+u8 kz_serial_room(void);
+// Moves at most KZ_RX_PER_TICK received bytes with their error flags (KZ_RX_*) to the snapshot; the
+// rest of its receive fields becomes 0.
+void kz_serial_take(kz_tick_input* input);
+
+#endif

@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+# Prints how much flash, RAM and stack a firmware image takes; fails if it is too much.
+# SPDX-License-Identifier: Apache-2.0
+"""usage: firmware_report.py OBJDUMP COFF"""
+import subprocess
+import sys
+
+from coff import Coff, CoffError
+from stack_bound import Unbounded, stack_bound
+
+APPLICATION, APPLICATION_END = 0x1000, 0x8000  # erase block EB4
+LOADER, LOADER_END = 0xC000, 0xE000  # EB6
+RAM_SIZE = 0xF80
+
+
+def used(coff, first, end):
+    sections = coff.flash(first, end)
+    return sections[-1].load + sections[-1].size - first if sections else 0
+
+
+def line(what, size, limit):
+    return f"  {what:<12}{size:6} of {limit:6} bytes ({100 * size / limit:.0f} %)"
+
+
+def report(objdump, path):
+    coff = Coff(path)
+    data = coff.section(".data").size + coff.section(".bss").size
+    stack, names = stack_bound(objdump, path, "_kz_start")
+    sizes = [("application", used(coff, APPLICATION, APPLICATION_END), APPLICATION_END - APPLICATION),
+             ("loader", used(coff, LOADER, LOADER_END), LOADER_END - LOADER),
+             ("data", data, RAM_SIZE),
+             ("data + stack", data + stack, RAM_SIZE)]
+    print(f"Firmware {path}")
+    for what, size, limit in sizes:
+        print(line(what, size, limit))
+    print(f"  stack at most {stack} bytes: " + " > ".join(name.lstrip("_") for name in names))
+    return [what for what, size, limit in sizes if size > limit]
+
+
+def main(arguments):
+    if len(arguments) != 2:
+        print(__doc__, file=sys.stderr)
+        return 2
+    try:
+        over = report(*arguments)
+    except (CoffError, Unbounded, OSError, subprocess.CalledProcessError) as error:
+        print(f"firmware_report.py: {error}", file=sys.stderr)
+        return 1
+    for what in over:
+        print(f"firmware_report.py: {what} is over its limit", file=sys.stderr)
+    return 1 if over else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
