@@ -1,0 +1,49 @@
+# Runs each command that README.md and docs/ show in a block marked `sh`, in a folder of its own, with the
+# program on the PATH. A block marked `sh background` runs beside those that follow it in the same file.
+# SPDX-License-Identifier: Apache-2.0
+"""usage: examples.py ROOT BIN"""
+
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT, BIN = pathlib.Path(sys.argv[1]), sys.argv[2]
+BLOCK = re.compile(r"^```sh( background)?\n(.*?)^```$", re.M | re.S)
+
+
+def run_file(path, folder):
+    environment = dict(os.environ, PATH=f"{BIN}:{os.environ['PATH']}", KAZ_SOURCE=str(ROOT))
+    background = []
+    ran = 0
+    try:
+        for mode, block in BLOCK.findall(path.read_text()):
+            print(f"{path.relative_to(ROOT)}:\n{block}", flush=True)
+            command = ["bash", "-euo", "pipefail", "-c", block]
+            ran += 1
+            if mode:
+                background.append(subprocess.Popen(command, cwd=folder, env=environment,
+                                                   start_new_session=True))
+                time.sleep(3)
+                continue
+            done = subprocess.run(command, cwd=folder, env=environment, timeout=300)
+            if done.returncode != 0:
+                sys.exit(f"{path.relative_to(ROOT)}: the example above ended with "
+                         f"{done.returncode}")
+    finally:
+        for process in background:
+            os.killpg(process.pid, signal.SIGINT)
+            process.wait(timeout=30)
+    return ran
+
+
+total = 0
+for document in sorted([ROOT / "README.md", *ROOT.glob("docs/*.md")]):
+    with tempfile.TemporaryDirectory() as scratch:
+        total += run_file(document, scratch)
+print(f"{total} examples ran")
+sys.exit(0 if total else "no example was found")

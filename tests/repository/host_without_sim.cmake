@@ -1,0 +1,6 @@
+# Configures and builds shared, vision and host alone.
+execute_process(
+  COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${BINARY} -G Ninja -DCMAKE_BUILD_TYPE=${BUILD_TYPE}
+          "-DKAZ_PARTS=shared;vision;host" -DBUILD_TESTING=OFF
+  COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${BINARY} -j 1 COMMAND_ERROR_IS_FATAL ANY)

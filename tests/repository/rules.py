@@ -1,0 +1,82 @@
+# Promises about the tree itself that no compiler checks.
+# SPDX-License-Identifier: Apache-2.0
+"""usage: rules.py ROOT"""
+
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(sys.argv[1])
+COMMENT = re.compile(r"^\s*(//|#|;|/\*|<!--|\*)")
+faults = []
+
+
+def fault(path, text):
+    faults.append(f"{path}: {text}")
+
+
+def files(*patterns):
+    listed = subprocess.run(["git", "-C", ROOT, "ls-files", "-co", "--exclude-standard", *patterns],
+                            capture_output=True, text=True)
+    if listed.returncode == 0:
+        return [ROOT / name for name in listed.stdout.split() if (ROOT / name).exists()]
+    return [path for pattern in patterns for path in ROOT.rglob(pattern)
+            if "build" not in path.relative_to(ROOT).parts]
+
+
+def check_packages():
+    lines = (ROOT / "tools/packages.txt").read_text().splitlines()
+    installed = [line for line in lines if line and not line.startswith("#")]
+    table = (ROOT / "docs/dependencies.md").read_text()
+    explained = re.findall(r"^\| `([^`]+)` \|", table, re.M)
+    for name in sorted(set(installed) ^ set(explained)):
+        fault("tools/packages.txt, docs/dependencies.md", f"'{name}' stands in only one of them")
+
+
+def check_sources():
+    for path in files("*.c", "*.h", "*.cpp", "*.hpp", "*.S", "*.def", "*.py"):
+        text = path.read_text()
+        lines = text.splitlines()
+        name = path.relative_to(ROOT)
+        if not lines or not COMMENT.match(lines[0]):
+            fault(name, "the first line does not say what the file is for")
+        if not any(re.match(r"^\s*\S{1,4} SPDX-License-Identifier: Apache-2.0$", line)
+                   for line in lines[:4]):
+            fault(name, "no SPDX line of its own near the top")
+        if len(lines) > 800:
+            fault(name, f"{len(lines)} lines: split it")
+        for number, line in enumerate(lines, 1):
+            if len(line) > 110:
+                fault(f"{name}:{number}", f"{len(line)} columns")
+
+
+def check_directions():
+    """vision and host never include the simulator; shared includes nothing of ours but shared."""
+    forbidden = {"vision": ("sim/", "host/", "tools/"), "host": ("sim/", "tools/"),
+                 "shared": ("sim/", "host/", "vision/", "tools/"),
+                 "sim/h8s": ("shared/", "host/", "vision/", "tools/", "sim/mcu"),
+                 "sim": ("tools/",)}
+    for path in files("*.c", "*.h", "*.cpp", "*.hpp"):
+        name = path.relative_to(ROOT).as_posix()
+        for folder, others in forbidden.items():
+            if not name.startswith(folder + "/"):
+                continue
+            for include in re.findall(r'^#include "([^"]+)"', path.read_text(), re.M):
+                if include.startswith(others):
+                    fault(name, f"must not include {include}")
+
+
+def check_links():
+    for path in files("*.md"):
+        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", path.read_text()):
+            if not (path.parent / target).exists():
+                fault(path.relative_to(ROOT), f"links to '{target}', which is not there")
+
+
+check_packages()
+check_sources()
+check_directions()
+check_links()
+print("\n".join(faults) if faults else "the tree keeps its rules")
+sys.exit(1 if faults else 0)
