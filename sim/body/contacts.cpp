@@ -14,6 +14,11 @@ constexpr int kContactsPerPair = 4;
 // Parts up to so many joints apart do not collide: a thigh with the foot, a forearm with the trunk.
 constexpr int kExemptGenerations = 3;
 constexpr double kErp = 0.2;
+constexpr double kMotionToAlign = 1e-4;  // m/s
+
+Eigen::Vector3d velocity_of(dBodyID body) {
+  return body ? to_eigen(dBodyGetLinearVel(body)) : Eigen::Vector3d::Zero().eval();
+}
 
 // Shape of ours as ODE's, without a place yet; null for kinds that do not collide.
 dGeomID make_geom(dSpaceID space, const Shape& shape) {
@@ -144,6 +149,16 @@ void Contacts::touch(dGeomID a, dGeomID b) {
     contact.surface.rho = rolling;
     contact.surface.rho2 = rolling;
     contact.surface.rhoN = rolling;
+    // ODE bounds each axis of the contact by itself: along the motion, or the path would bend.
+    const Eigen::Vector3d motion = velocity_of(body_a) - velocity_of(body_b);
+    if (motion.norm() > kMotionToAlign) {
+      contact.surface.mode |= dContactFDir1;
+      const Eigen::Vector3d normal = to_eigen(found[0].normal);
+      Eigen::Vector3d along = motion - normal * normal.dot(motion);
+      if (along.norm() < kMotionToAlign) along = normal.unitOrthogonal();
+      along.normalize();
+      for (int k = 0; k < 3; ++k) contact.fdir1[k] = along[k];
+    }
   }
   for (int i = 0; i < count; ++i) {
     contact.geom = found[static_cast<std::size_t>(i)];
