@@ -34,6 +34,10 @@ struct Options {
   bool floating_level = false;
   // States that a watchdog holds the chip in reset.
   int watchdog_reset_states = 518;
+  // Period of the subclock on EXCL in states of the system clock; 0: none fitted.
+  int subclock_states = 0;
+  // STC to memory writes the register into the low byte of the word too (else 0).
+  bool stc_copies = false;
   // Treat each register misuse as fatal instead of counting it.
   bool stop_on_misuse = false;
 };

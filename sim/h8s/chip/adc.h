@@ -1,0 +1,46 @@
+// The 10-bit A/D converter: single and scan mode, sampling at the exact state.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sim/h8s/chip/sticky.h"
+#include "sim/h8s/cpu/cpu.h"
+
+namespace kaz::h8s {
+
+class Adc {
+ public:
+  // FFE0..FFE9 and KBCOMP at FEE4.
+  std::uint8_t read(Machine& m, std::uint32_t address, States at);
+  void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
+  std::uint8_t peek(std::uint32_t address) const;
+  void reset(Machine& m, States at);
+
+  States next_event() const { return next_; }
+  void advance(Machine& m, States to);
+  // Start from outside: 2 is the 8-bit timer, 3 the ADTRG pin, as ADCR.TRGS says.
+  void trigger(Machine& m, unsigned source, States at);
+
+ private:
+  bool scan() const { return (adcsr_ & 0x10) != 0; }
+  bool fast() const { return (adcsr_ & 0x08) != 0; }
+  unsigned first_channel() const { return scan() ? adcsr_ & 4u : adcsr_ & 7u; }
+  int source() const;
+  void start(Machine& m, States at);
+  void finish(Machine& m);
+  void update(Machine& m, States at);
+
+  std::uint8_t adcsr_ = 0;  // without ADF
+  std::uint8_t adcr_ = 0x3f, kbcomp_ = 0, temp_ = 0;
+  StickyFlags adf_;
+  std::array<std::uint16_t, 4> data_{};  // result << 6
+  unsigned channel_ = 0;
+  bool sampled_ = false;
+  std::uint16_t held_ = 0;
+  States next_ = kNever;  // the sampling, or the end of the conversion
+  States end_ = kNever;
+};
+
+}  // namespace kaz::h8s

@@ -1,0 +1,213 @@
+// Free-running timer: counting in closed form, matches, captures and registers.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/chip/frt.h"
+
+#include <algorithm>
+
+#include "sim/h8s/chip/machine.h"
+
+namespace kaz::h8s {
+namespace {
+
+constexpr std::uint8_t kOvf = 0x02, kOcfb = 0x04, kOcfa = 0x08;
+constexpr std::uint8_t kFlags = 0xfe;
+
+}  // namespace
+
+States Frt::divisor() const {
+  constexpr States table[] = {2, 8, 32, 0};
+  return table[tcr_ & 3];
+}
+
+// Ticks until the counter leaves `value`: that is when a match takes effect.
+std::int64_t Frt::to_count(std::uint32_t value) const {
+  return static_cast<std::int64_t>((value - count_) & 0xffff) + 1;
+}
+
+std::int64_t Frt::to_next() const {
+  return std::min({to_count(ocr_[0]), to_count(ocr_[1]), to_count(0xffff)});
+}
+
+void Frt::update(Machine& m, States at) {
+  const unsigned active = flags_.value() & tier_ & kFlags;
+  for (unsigned n = 0; n < 7; ++n) m.irq.set(vec::icia + n, (active >> (7 - n) & 1) != 0, at);
+}
+
+void Frt::match(Machine& m, unsigned n, States at) {
+  flags_.raise(n == 0 ? kOcfa : kOcfb);
+  const bool to = (tocr_ & (n == 0 ? 2 : 1)) != 0;
+  if (level_[n] != to) {
+    level_[n] = to;
+    if (drives(n)) m.notify(OutputChange::Unit::port, 6, at);
+  }
+  if (n == 0 && (tocr_ & 0x40)) {
+    ocr_[0] = static_cast<std::uint16_t>(ocr_[0] + (use_af_ ? ocraf_ : ocrar_));
+    use_af_ = !use_af_;
+  }
+}
+
+// `counts` does not go beyond the next match.
+void Frt::step(Machine& m, std::int64_t counts, States at) {
+  const bool a = counts == to_count(ocr_[0]), b = counts == to_count(ocr_[1]);
+  const bool wraps = counts == to_count(0xffff);
+  count_ = static_cast<std::uint16_t>(count_ + counts);
+  if (wraps && !(a && clear_on_a_)) flags_.raise(kOvf);
+  if (b) match(m, 1, at);
+  if (a) {
+    match(m, 0, at);
+    if (clear_on_a_) count_ = 0;
+  }
+}
+
+void Frt::advance(Machine& m, States to) {
+  const States d = divisor();
+  if (d == 0) return;
+  const States target = (to - m.epoch) / d;
+  const bool stopped = m.stopped(Stop_frt);
+  if (stopped) {
+    tick_ = target;
+    return;
+  }
+  bool changed = false;
+  while (tick_ < target) {
+    const std::int64_t counts = std::min<std::int64_t>(to_next(), target - tick_);
+    tick_ += counts;
+    const std::uint8_t before = flags_.value();
+    step(m, counts, m.epoch + tick_ * d);
+    if (flags_.value() != before) {
+      update(m, m.epoch + tick_ * d);
+      changed = true;
+    }
+    // Everything that can be flagged is: whole turns of a plain counter leave no trace.
+    const std::int64_t turn = clear_on_a_ ? ocr_[0] + 1 : 0x10000;
+    if (before == flags_.value() && !(tocr_ & 0x4c) && count_ < turn && target - tick_ > 2 * turn)
+      tick_ += ((target - tick_) / turn - 1) * turn;
+  }
+  if (changed) update(m, to);
+}
+
+States Frt::next_event(States epoch) const {
+  const States d = divisor();
+  if (d == 0) return kNever;
+  // Flags that are set already cannot be noticed again; pins can.
+  const std::uint8_t wanted = static_cast<std::uint8_t>(tier_ & ~flags_.value());
+  std::int64_t counts = kNever;
+  if ((wanted & kOcfa) || drives(0)) counts = std::min(counts, to_count(ocr_[0]));
+  if ((wanted & kOcfb) || drives(1)) counts = std::min(counts, to_count(ocr_[1]));
+  if (wanted & kOvf) counts = std::min(counts, to_count(0xffff));
+  if (counts == kNever) return kNever;
+  // A clear at A may come first and hide the rest: look again then.
+  if (clear_on_a_) counts = std::min(counts, to_count(ocr_[0]));
+  return epoch + (tick_ + counts) * d;
+}
+
+void Frt::clock_edge(Machine& m, States at) {
+  if (divisor() != 0 || m.stopped(Stop_frt)) return;
+  step(m, 1, at);
+  update(m, at);
+}
+
+void Frt::capture_edge(Machine& m, unsigned n, bool rising, States at) {
+  if (m.stopped(Stop_frt)) return;
+  if (((tcr_ >> (7 - n) & 1) != 0) != rising) return;
+  advance(m, at);
+  if (n == 0 && (tcr_ & 8)) icr_[2] = icr_[0];
+  if (n == 1 && (tcr_ & 4)) icr_[3] = icr_[1];
+  const bool buffer = (n == 2 && (tcr_ & 8)) || (n == 3 && (tcr_ & 4));
+  if (!buffer) icr_[n] = count_;
+  flags_.raise(static_cast<std::uint8_t>(0x80u >> n));
+  update(m, at);
+}
+
+std::uint8_t Frt::peek(std::uint32_t address) const {
+  const auto half = [address](std::uint16_t v) {
+    return static_cast<std::uint8_t>(address & 1 ? v : v >> 8);
+  };
+  const bool second = (tocr_ & 0x20) != 0;
+  switch (address) {
+    case 0xff90:
+      return tier_;
+    case 0xff91:
+      return static_cast<std::uint8_t>(flags_.value() | (clear_on_a_ ? 1 : 0));
+    case 0xff92:
+    case 0xff93:
+      return half(count_);
+    case 0xff94:
+    case 0xff95:
+      return half(ocr_[tocr_ & 0x10 ? 1 : 0]);
+    case 0xff96:
+      return tcr_;
+    case 0xff97:
+      return tocr_;
+    case 0xff98:
+    case 0xff99:
+      return half(second ? ocrar_ : icr_[0]);
+    case 0xff9a:
+    case 0xff9b:
+      return half(second ? ocraf_ : icr_[1]);
+    case 0xff9c:
+    case 0xff9d:
+      return half(second ? ocrdm_ : icr_[2]);
+    default:
+      return half(icr_[3]);
+  }
+}
+
+std::uint8_t Frt::read(Machine& m, std::uint32_t address, States at) {
+  advance(m, at);
+  if (address == 0xff91) flags_.read();
+  const std::uint8_t value = peek(address);
+  // Reading an upper byte latches the lower; OCR is read directly.
+  const bool latched =
+      address == 0xff92 || (address >= 0xff98 && !(tocr_ & 0x20)) || address >= 0xff9e;
+  if (latched && !(address & 1)) temp_ = peek(address + 1);
+  const bool through_temp = address == 0xff93 || ((address & 1) && address >= 0xff99 &&
+                                                  (!(tocr_ & 0x20) || address == 0xff9f));
+  return through_temp ? temp_ : value;
+}
+
+void Frt::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
+  advance(m, at);
+  const auto word = static_cast<std::uint16_t>(temp_ << 8 | value);
+  switch (address) {
+    case 0xff90:
+      tier_ = static_cast<std::uint8_t>(value | 1);
+      break;
+    case 0xff91:
+      flags_.write(static_cast<std::uint8_t>(value | 1));
+      clear_on_a_ = (value & 1) != 0;
+      break;
+    case 0xff93:
+      count_ = word;
+      break;
+    case 0xff95:
+      ocr_[tocr_ & 0x10 ? 1 : 0] = word;
+      break;
+    case 0xff96:
+      tcr_ = value;
+      if (divisor() != 0) tick_ = (at - m.epoch) / divisor();
+      break;
+    case 0xff97:
+      tocr_ = value;
+      m.notify(OutputChange::Unit::port, 6, at);
+      break;
+    case 0xff99:
+    case 0xff9b:
+    case 0xff9d:
+      if (!(tocr_ & 0x20)) {
+        m.misuse(address, "write to an input capture register of the FRT, which is read-only");
+      } else {
+        (address == 0xff99 ? ocrar_ : address == 0xff9b ? ocraf_ : ocrdm_) = word;
+      }
+      break;
+    case 0xff9f:
+      m.misuse(address, "write to ICRD of the FRT, which is read-only");
+      break;
+    default:
+      temp_ = value;
+      break;  // upper bytes
+  }
+  update(m, at);
+}
+
+}  // namespace kaz::h8s

@@ -1,0 +1,57 @@
+// The 16-bit free-running timer, computed when looked at.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sim/h8s/chip/sticky.h"
+#include "sim/h8s/cpu/cpu.h"
+
+namespace kaz::h8s {
+
+class Frt {
+ public:
+  // `address` is the low 16 bits: FF90..FF9F. `at` is when the bus cycle ends.
+  std::uint8_t read(Machine& m, std::uint32_t address, States at);
+  void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
+  // As of the last advance().
+  std::uint8_t peek(std::uint32_t address) const;
+
+  // When something happens that the program or the board would notice without looking.
+  States next_event(States epoch) const;
+  // Brings count, flags and requests up to `to`.
+  void advance(Machine& m, States to);
+
+  // Input capture pins FTIA..FTID (0..3) and the clock input FTCI.
+  void capture_edge(Machine& m, unsigned n, bool rising, States at);
+  void clock_edge(Machine& m, States at);
+
+  bool drives(unsigned output) const { return (tocr_ & (output ? 4 : 8)) != 0; }
+  bool level(unsigned output) const { return level_[output]; }
+  bool waits_for_input() const {
+    return (tier_ & 0xf0) != 0 || ((tcr_ & 3) == 3 && (tier_ & 0x0e));
+  }
+
+ private:
+  States divisor() const;  // 0: external clock
+  // Counts from now to the next match or overflow.
+  std::int64_t to_next() const;
+  std::int64_t to_count(std::uint32_t value) const;
+  void step(Machine& m, std::int64_t counts, States at);
+  void match(Machine& m, unsigned n, States at);
+  void update(Machine& m, States at);
+
+  std::uint16_t count_ = 0;
+  States tick_ = 0;  // clock ticks up to which count_ is right
+  StickyFlags flags_;
+  std::uint8_t tier_ = 1, tcr_ = 0, tocr_ = 0, temp_ = 0;
+  bool clear_on_a_ = false;
+  bool use_af_ = false;  // OCRAMS: OCRAF is added next, else OCRAR
+  std::array<std::uint16_t, 2> ocr_{0xffff, 0xffff};
+  std::array<std::uint16_t, 4> icr_{};
+  std::uint16_t ocrar_ = 0xffff, ocraf_ = 0xffff, ocrdm_ = 0;
+  std::array<bool, 2> level_{};
+};
+
+}  // namespace kaz::h8s

@@ -1,0 +1,178 @@
+// Choosing among requests, and the registers of the interrupt controller.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/chip/interrupts.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace kaz::h8s {
+namespace {
+
+// ICR register (0..2 for A..C) and bit of each vector; 0xff: none.
+constexpr std::array<std::uint8_t, vec::count> icr_bits() {
+  std::array<std::uint8_t, vec::count> t{};
+  for (auto& e : t) e = 0xff;
+  auto give = [&t](unsigned from, unsigned to, unsigned reg, unsigned bit) {
+    for (unsigned v = from; v <= to; ++v) t[v] = static_cast<std::uint8_t>(reg * 8 + bit);
+  };
+  give(16, 16, 0, 7), give(17, 17, 0, 6), give(18, 19, 0, 5), give(20, 21, 0, 4),
+      give(22, 23, 0, 3);
+  give(24, 24, 0, 2), give(25, 25, 0, 1), give(26, 26, 0, 0);
+  give(28, 28, 1, 7), give(48, 54, 1, 6), give(64, 66, 1, 3), give(68, 70, 1, 2),
+      give(72, 75, 1, 1);
+  give(80, 83, 2, 7), give(84, 87, 2, 6), give(92, 93, 2, 4), give(94, 94, 2, 3);
+  return t;
+}
+constexpr auto kIcrBits = icr_bits();
+
+}  // namespace
+
+void Interrupts::reset() {
+  const std::uint8_t irq = irq_level_;
+  const bool nmi = nmi_level_;
+  *this = Interrupts{};
+  irq_level_ = irq;
+  nmi_level_ = nmi;
+}
+
+void Interrupts::set(unsigned vector, bool level, States at) {
+  const std::uint64_t bit = 1ull << (vector % 64);
+  if (level == ((pending_[vector / 64] & bit) != 0)) return;
+  pending_[vector / 64] ^= bit;
+  since_[vector] = level ? at : kNever;
+}
+
+bool Interrupts::priority(unsigned vector) const {
+  const unsigned bit = kIcrBits[vector];
+  return bit != 0xff && (icr_[bit / 8] >> (bit % 8) & 1) != 0;
+}
+
+bool Interrupts::acceptable(unsigned vector, std::uint8_t control, bool two_level) const {
+  if (vector == vec::nmi) return true;
+  if (!(control & 0x80)) return true;
+  return two_level && !(control & 0x40) && priority(vector);
+}
+
+std::optional<unsigned> Interrupts::choose(States boundary, std::uint8_t control, bool two_level,
+                                           int decision) const {
+  std::optional<unsigned> low;
+  for (unsigned half = 0; half < 2; ++half) {
+    for (std::uint64_t left = pending_[half]; left != 0; left &= left - 1) {
+      const unsigned v = half * 64 + static_cast<unsigned>(std::countr_zero(left));
+      if (boundary <= since_[v] + decision || !acceptable(v, control, two_level)) continue;
+      if (v == vec::nmi || priority(v)) return v;
+      if (!low) low = v;
+    }
+  }
+  return low;
+}
+
+States Interrupts::earliest(std::uint8_t control, bool two_level, int decision) const {
+  States first = kNever;
+  for (unsigned half = 0; half < 2; ++half) {
+    for (std::uint64_t left = pending_[half]; left != 0; left &= left - 1) {
+      const unsigned v = half * 64 + static_cast<unsigned>(std::countr_zero(left));
+      if (acceptable(v, control, two_level)) first = std::min(first, since_[v] + decision + 1);
+    }
+  }
+  return first;
+}
+
+void Interrupts::accepted(unsigned vector, States at) {
+  if (vector == vec::nmi) set(vector, false, at);
+  if (vector < vec::irq0 || vector >= vec::irq0 + 3) return;
+  const unsigned n = vector - vec::irq0;
+  if (sense(n) != 0 || (irq_level_ >> n & 1)) isr_.drop(static_cast<std::uint8_t>(1u << n));
+  update_irq(at);
+}
+
+void Interrupts::update_irq(States at) {
+  for (unsigned n = 0; n < 3; ++n) {
+    const auto bit = static_cast<std::uint8_t>(1u << n);
+    if (sense(n) == 0 && !(irq_level_ & bit)) isr_.raise(bit);
+    set(vec::irq0 + n, (isr_.value() & ier_ & bit) != 0, at);
+  }
+}
+
+void Interrupts::set_irq_pin(unsigned n, bool level, States at) {
+  const auto bit = static_cast<std::uint8_t>(1u << n);
+  const bool before = (irq_level_ & bit) != 0;
+  irq_level_ = static_cast<std::uint8_t>(level ? irq_level_ | bit : irq_level_ & ~bit);
+  const unsigned edge = sense(n);
+  if (before && !level && (edge == 1 || edge == 3)) isr_.raise(bit);
+  if (!before && level && (edge == 2 || edge == 3)) isr_.raise(bit);
+  update_irq(at);
+}
+
+void Interrupts::set_nmi_pin(bool level, bool rising_edge, States at) {
+  if (level != nmi_level_ && level == rising_edge) set(vec::nmi, true, at);
+  nmi_level_ = level;
+}
+
+std::optional<std::uint8_t> Interrupts::peek(std::uint32_t address) const {
+  switch (address) {
+    case 0xfee8:
+    case 0xfee9:
+    case 0xfeea:
+      return icr_[address - 0xfee8];
+    case 0xfeeb:
+      return isr_.value();
+    case 0xfeec:
+      return iscrh_;
+    case 0xfeed:
+      return iscrl_;
+    case 0xfef4:
+      return abrkcr_;
+    case 0xfef5:
+    case 0xfef6:
+    case 0xfef7:
+      return bar_[address - 0xfef5];
+    case 0xffc2:
+      return ier_;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<std::uint8_t> Interrupts::read(std::uint32_t address) {
+  if (address == 0xfeeb) return isr_.read();
+  return peek(address);
+}
+
+bool Interrupts::write(std::uint32_t address, std::uint8_t value, States at) {
+  switch (address) {
+    case 0xfee8:
+    case 0xfee9:
+    case 0xfeea:
+      icr_[address - 0xfee8] = value;
+      break;
+    case 0xfeeb:
+      isr_.write(value);
+      break;
+    case 0xfeec:
+      iscrh_ = value;
+      break;
+    case 0xfeed:
+      iscrl_ = value;
+      break;
+    case 0xfef4:
+      abrkcr_ = value & 1;
+      break;
+    case 0xfef5:
+    case 0xfef6:
+      bar_[address - 0xfef5] = value;
+      break;
+    case 0xfef7:
+      bar_[2] = value & 0xfe;
+      break;
+    case 0xffc2:
+      ier_ = value;
+      break;
+    default:
+      return false;
+  }
+  update_irq(at);
+  return true;
+}
+
+}  // namespace kaz::h8s

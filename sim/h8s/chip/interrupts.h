@@ -1,0 +1,69 @@
+// The interrupt controller: requests of all sources, their priorities, the IRQ and NMI pins.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "sim/h8s/chip/sticky.h"
+#include "sim/h8s/cpu/cpu.h"
+
+namespace kaz::h8s {
+
+// Vector numbers (h8s2128, vector table).
+namespace vec {
+inline constexpr unsigned nmi = 7, irq0 = 16, swdtend = 24, wovi0 = 25, wovi1 = 26,
+                          address_break = 27, adi = 28, icia = 48, ocia = 52, ocib = 53, fovi = 54,
+                          cmia0 = 64, cmia1 = 68, cmiay = 72, icix = 75, eri0 = 80, eri1 = 84;
+inline constexpr unsigned count = 104;
+}  // namespace vec
+
+class Interrupts {
+ public:
+  void reset();
+
+  // A source raises or drops its request; `at` counts when it rises.
+  void set(unsigned vector, bool level, States at);
+  bool requested(unsigned vector) const { return since_[vector] != kNever; }
+
+  // The request to accept at an instruction boundary, by mask bits I and UI of `control`.
+  std::optional<unsigned> choose(States boundary, std::uint8_t control, bool two_level,
+                                 int decision) const;
+  // First boundary at which choose() would give something; kNever if nothing is pending and unmasked.
+  States earliest(std::uint8_t control, bool two_level, int decision) const;
+  // Edge requests end as the CPU takes them.
+  void accepted(unsigned vector, States at);
+
+  void set_irq_pin(unsigned n, bool level, States at);
+  void set_nmi_pin(bool level, bool rising_edge, States at);
+  bool any_irq_enabled() const { return (ier_ & 7) != 0; }
+
+  // Registers by the low 16 bits of their address; nullopt or false where there is none.
+  std::optional<std::uint8_t> read(std::uint32_t address);
+  std::optional<std::uint8_t> peek(std::uint32_t address) const;
+  bool write(std::uint32_t address, std::uint8_t value, States at);
+
+ private:
+  bool acceptable(unsigned vector, std::uint8_t control, bool two_level) const;
+  bool priority(unsigned vector) const;
+  unsigned sense(unsigned n) const { return iscrl_ >> (2 * n) & 3u; }
+  void update_irq(States at);
+
+  std::array<States, vec::count> since_ = filled();
+  std::array<std::uint64_t, 2> pending_{};
+  std::array<std::uint8_t, 3> icr_{};
+  StickyFlags isr_;
+  std::uint8_t iscrh_ = 0, iscrl_ = 0, ier_ = 0, abrkcr_ = 0;
+  std::array<std::uint8_t, 3> bar_{};
+  std::uint8_t irq_level_ = 0;
+  bool nmi_level_ = true;
+
+  static std::array<States, vec::count> filled() {
+    std::array<States, vec::count> a;
+    a.fill(kNever);
+    return a;
+  }
+};
+
+}  // namespace kaz::h8s

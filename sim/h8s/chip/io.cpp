@@ -1,0 +1,283 @@
+// Register addresses: which module answers, module stop, register banks, peeking.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/chip/machine.h"
+
+namespace kaz::h8s {
+namespace {
+
+enum class Unit {
+  none,
+  absent,
+  interrupts,
+  system,
+  ports,
+  frt,
+  tmr,
+  pwm,
+  sci,
+  adc,
+  wdt,
+  flash,
+  pwm_clock
+};
+
+struct Place {
+  Unit unit = Unit::none;
+  int stop = -1;   // bit of MSTPCR
+  unsigned n = 0;  // channel
+};
+
+bool within(std::uint32_t a, std::uint32_t first, std::uint32_t last) {
+  return a >= first && a <= last;
+}
+
+// The banks that STCR and others switch are resolved here (h8s2128, access multiplexing).
+Place place_of(std::uint32_t a, std::uint8_t stcr) {
+  const bool iice = (stcr & 0x10) != 0, flshe = (stcr & 0x08) != 0;
+  if (a == 0xfee4) return {Unit::adc, Stop_adc};
+  if (within(a, 0xfee8, 0xfeed) || within(a, 0xfef4, 0xfef7) || a == 0xffc2)
+    return {Unit::interrupts};
+  if (within(a, 0xff80, 0xff87)) {
+    if (flshe) return {a <= 0xff83 ? Unit::flash : Unit::none};
+    if (a == 0xff82) return {Unit::pwm_clock, Stop_pwm};
+    return {a >= 0xff83 ? Unit::system : Unit::none};
+  }
+  if (within(a, 0xff88, 0xff8f) || within(a, 0xffd8, 0xffdf)) {
+    const unsigned n = a >= 0xffd8 ? 0 : 1, offset = a & 7;
+    const bool iic = iice && (offset <= 1 || offset >= 6);
+    if (iic || offset == 7) return {Unit::absent};
+    return {Unit::sci, n == 0 ? static_cast<int>(Stop_sci0) : static_cast<int>(Stop_sci1), n};
+  }
+  if (within(a, 0xff90, 0xff9f)) return {Unit::frt, Stop_frt};
+  if (within(a, 0xffa8, 0xffa9)) return {Unit::wdt, -1, 0};
+  if (within(a, 0xffea, 0xffeb)) return {Unit::wdt, -1, 1};
+  if (within(a, 0xffac, 0xffae) || within(a, 0xffb0, 0xffbb) || a == 0xffbe) return {Unit::ports};
+  if (within(a, 0xffc3, 0xffc7)) return {Unit::system};
+  if (within(a, 0xffc8, 0xffd1)) return {Unit::tmr, Stop_tmr};
+  if (within(a, 0xffd2, 0xffd7)) return {Unit::pwm, Stop_pwm};
+  if (within(a, 0xffe0, 0xffe9)) return {Unit::adc, Stop_adc};
+  if (within(a, 0xfee6, 0xfee6) || within(a, 0xfeee, 0xfef3) || within(a, 0xffa0, 0xffa7) ||
+      within(a, 0xfff0, 0xfff7) || within(a, 0xfffc, 0xffff))
+    return {Unit::absent};
+  return {};
+}
+
+}  // namespace
+
+bool Machine::is_io(std::uint32_t address) const {
+  const std::uint32_t a = address & 0xffff;
+  return (address & cpu.mask) >= (cpu.mask & 0xfffe50) &&
+         (within(a, 0xfe50, 0xfeff) || a >= 0xff80);
+}
+
+// Modules on the 16-bit internal bus.
+bool Machine::wide(std::uint32_t address) const {
+  const Unit unit = place_of(address & 0xffff, system.stcr).unit;
+  return options.wide_timer_bus && (unit == Unit::frt || unit == Unit::tmr || unit == Unit::wdt);
+}
+
+std::uint8_t Machine::io_read(std::uint32_t address) {
+  const std::uint32_t a = address & 0xffff;
+  const Place p = place_of(a, system.stcr);
+  const States at = time();
+  if (p.stop >= 0 && stopped(static_cast<unsigned>(p.stop))) {
+    misuse(a, "read of a register whose module is stopped (MSTPCR)");
+    return options.undefined_read;
+  }
+  switch (p.unit) {
+    case Unit::interrupts:
+      return irq.read(a).value_or(options.undefined_read);
+    case Unit::frt:
+      return frt.read(*this, a, at);
+    case Unit::tmr:
+      return tmr.read(*this, a, at);
+    case Unit::sci:
+      return sci[p.n].read(*this, p.n, a & 7, at);
+    case Unit::adc:
+      return adc.read(*this, a, at);
+    case Unit::wdt:
+      return wdt[p.n].read(*this, p.n, (a & 1) != 0, at);
+    case Unit::absent:
+      misuse(a, "read of a register of a module that this emulator lacks");
+      break;
+    case Unit::none:
+      misuse(a, "read of an address without a register");
+      break;
+    case Unit::ports:
+      if (within(a, 0xffb0, 0xffb9) && !within(a, 0xffb2, 0xffb3) && !within(a, 0xffb6, 0xffb7))
+        misuse(a, "read of a data direction register, which is write-only");
+      break;
+    default:
+      break;
+  }
+  return io_peek(address).value_or(options.undefined_read);
+}
+
+std::optional<std::uint8_t> Machine::io_peek(std::uint32_t address) {
+  const std::uint32_t a = address & 0xffff;
+  const Place p = place_of(a, system.stcr);
+  switch (p.unit) {
+    case Unit::interrupts:
+      return irq.peek(a);
+    case Unit::ports:
+      return ports.read(*this, a);
+    case Unit::frt:
+      frt.advance(*this, time());
+      return frt.peek(a);
+    case Unit::tmr:
+      tmr.advance(*this, time());
+      return tmr.peek(a);
+    case Unit::pwm:
+    case Unit::pwm_clock:
+      return pwm.peek(a);
+    case Unit::sci:
+      return sci[p.n].peek(a & 7);
+    case Unit::adc:
+      return adc.peek(a);
+    case Unit::wdt:
+      return wdt[p.n].peek(*this, p.n, (a & 1) != 0, time());
+    case Unit::flash:
+      return flash_control.peek(a);
+    case Unit::system:
+      break;
+    default:
+      return std::nullopt;
+  }
+  switch (a) {
+    case 0xff83:
+      return system.syscr2;
+    case 0xff84:
+      return system.sbycr;
+    case 0xff85:
+      return system.lpwrcr;
+    case 0xff86:
+      return static_cast<std::uint8_t>(system.mstpcr >> 8);
+    case 0xff87:
+      return static_cast<std::uint8_t>(system.mstpcr);
+    case 0xffc3:
+      return system.stcr;
+    case 0xffc4:
+      return system.syscr;
+    case 0xffc5:
+      return system.mdcr;
+    case 0xffc6:
+      return system.bcr;
+    default:
+      return system.wscr;
+  }
+}
+
+void Machine::io_write(std::uint32_t address, std::uint8_t value) {
+  const std::uint32_t a = address & 0xffff;
+  const Place p = place_of(a, system.stcr);
+  const States at = time();
+  if (p.stop >= 0 && stopped(static_cast<unsigned>(p.stop))) {
+    misuse(a, "write to a register whose module is stopped (MSTPCR); it has no effect");
+    return;
+  }
+  switch (p.unit) {
+    case Unit::interrupts:
+      irq.write(a, value, at);
+      return;
+    case Unit::ports:
+      ports.write(*this, a, value, at);
+      return;
+    case Unit::frt:
+      frt.write(*this, a, value, at);
+      return;
+    case Unit::tmr:
+      tmr.write(*this, a, value, at);
+      return;
+    case Unit::pwm:
+    case Unit::pwm_clock:
+      pwm.write(*this, a, value, at);
+      return;
+    case Unit::sci:
+      sci[p.n].write(*this, p.n, a & 7, value, at);
+      return;
+    case Unit::adc:
+      adc.write(*this, a, value, at);
+      return;
+    case Unit::wdt:
+      misuse(a, "byte write to a watchdog register: only keyed words count");
+      return;
+    case Unit::flash:
+      flash_control.write(*this, a, value, at);
+      return;
+    case Unit::system:
+      write_system(a, value, at);
+      return;
+    case Unit::absent:
+      misuse(a, "write to a register of a module that this emulator lacks");
+      return;
+    case Unit::none:
+      misuse(a, "write to an address without a register");
+      return;
+  }
+}
+
+void Machine::io_write_word(std::uint32_t address, std::uint16_t value) {
+  const Place p = place_of(address & 0xffff, system.stcr);
+  if (p.unit == Unit::wdt) {
+    wdt[p.n].write_word(*this, p.n, value, time());
+    return;
+  }
+  io_write(address, static_cast<std::uint8_t>(value >> 8));
+  io_write(address + 1, static_cast<std::uint8_t>(value));
+}
+
+void Machine::write_system(std::uint32_t a, std::uint8_t value, States at) {
+  switch (a) {
+    case 0xff83:
+      system.syscr2 = value;
+      break;
+    case 0xff84:
+      system.sbycr = value & 0xf7;
+      break;
+    case 0xff85:
+      system.lpwrcr = value & 0xf0;
+      break;
+    case 0xff86:
+      set_module_stop(static_cast<std::uint16_t>(value << 8 | (system.mstpcr & 0xff)), at);
+      break;
+    case 0xff87:
+      set_module_stop(static_cast<std::uint16_t>((system.mstpcr & 0xff00) | value), at);
+      break;
+    case 0xffc3:
+      tmr.advance(*this, at);
+      system.stcr = value & 0xfb;
+      tmr.clock_changed(*this, at);
+      break;
+    case 0xffc4:
+      system.syscr = static_cast<std::uint8_t>((value & 0xf7) | (system.syscr & 0x08));
+      if (value & 0x20) misuse(a, "SYSCR.INTM1 set: interrupt control modes 2 and 3 do not exist");
+      cpu.two_level = (value & 0x10) != 0;
+      set_ram_enabled((value & 1) != 0);
+      break;
+    case 0xffc5:
+      system.mdcr = static_cast<std::uint8_t>((value & 0x80) | (system.mdcr & 0x03));
+      break;
+    case 0xffc6:
+      system.bcr = value;
+      break;
+    default:
+      system.wscr = value;
+      break;
+  }
+}
+
+// Entering module stop resets SCI, A/D and PWM; timers keep their state.
+void Machine::set_module_stop(std::uint16_t value, States at) {
+  run_modules(at);
+  const auto entered = static_cast<std::uint16_t>(value & ~system.mstpcr);
+  system.mstpcr = value;
+  if (entered >> Stop_sci0 & 1) sci[0].reset(*this, 0, at);
+  if (entered >> Stop_sci1 & 1) sci[1].reset(*this, 1, at);
+  if (entered >> Stop_adc & 1) adc.reset(*this, at);
+  if (entered >> Stop_pwm & 1) {
+    pwm.reset();
+    notify(OutputChange::Unit::pwm, -1, at);
+  }
+}
+
+}  // namespace kaz::h8s

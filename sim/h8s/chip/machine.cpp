@@ -1,0 +1,225 @@
+// The machine as a whole: making, copying, resetting, and its links to the CPU core.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/chip/machine.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <new>
+
+#include "sim/h8s/cpu/access.h"
+
+namespace kaz::h8s {
+namespace {
+
+// All zero is "not decoded"; fresh pages cost nothing until touched.
+Insn* allocate_code() {
+  void* p = std::calloc(kCodeSize, sizeof(Insn));
+  if (!p) throw std::bad_alloc();
+  return static_cast<Insn*>(p);
+}
+
+constexpr std::size_t kMaxMisuses = 256;
+
+}  // namespace
+
+void CodeFree::operator()(Insn* p) const {
+  std::free(p);
+}
+
+Machine::Machine(const Options& chosen)
+    : options(chosen), flash_(kFlashSize, 0xff), code_(allocate_code()) {
+  attach();
+  power_on(0xa5);
+}
+
+Machine::Machine(const Machine& other)
+    : options(other.options), symbols(other.symbols), flash_(kFlashSize), code_(allocate_code()) {
+  take_state(other);
+}
+
+void Machine::attach() {
+  cpu.machine = this;
+  cpu.flash = flash_.data();
+  cpu.block = block_.data();
+  cpu.code = code_.get();
+  cpu.hooks = !hooks.empty();
+}
+
+void Machine::take_state(const Machine& other) {
+  if (this == &other) return;
+  flash_ = other.flash_;
+  block_ = other.block_;
+  cpu = other.cpu;
+  irq = other.irq;
+  ports = other.ports;
+  frt = other.frt;
+  tmr = other.tmr;
+  pwm = other.pwm;
+  sci = other.sci;
+  adc = other.adc;
+  wdt = other.wdt;
+  flash_control = other.flash_control;
+  system = other.system;
+  epoch = other.epoch;
+  cause = other.cause;
+  watchdog_reset = other.watchdog_reset;
+  misuses = other.misuses;
+  dead = other.dead;
+  hook_done_ = kNoAddress;
+  first_after_reset_ = other.first_after_reset_;
+  options = other.options;
+  attach();
+  // Pointers into the decoded code lead to the same place in this machine's.
+  const auto moved = [&](const Insn* p) -> const Insn* {
+    if (p == nullptr) return nullptr;
+    if (p == &other.cpu.outside) return &cpu.outside;
+    return cpu.code + (p - other.cpu.code);
+  };
+  cpu.ip = moved(other.cpu.ip);
+  for (std::size_t k = 0; k < kTrail; ++k)
+    cpu.trail[k] = {moved(other.cpu.trail[k].from), moved(other.cpu.trail[k].to)};
+  forget_all_code();
+}
+
+void Machine::forget_all_code() {
+  const std::uint32_t at =
+      cpu.ip == &cpu.outside ? kNoAddress : static_cast<std::uint32_t>(cpu.ip - cpu.code);
+  std::array<std::int64_t, 2 * kTrail> places{};
+  const auto place = [&](const Insn* p) -> std::int64_t {
+    return p == nullptr ? -2 : p == &cpu.outside ? -1 : p - cpu.code;
+  };
+  for (std::size_t k = 0; k < kTrail; ++k) {
+    places[2 * k] = place(cpu.trail[k].from);
+    places[2 * k + 1] = place(cpu.trail[k].to);
+  }
+  code_.reset(allocate_code());
+  cpu.code = code_.get();
+  const auto back = [&](std::int64_t p) -> const Insn* {
+    return p == -2 ? nullptr : p == -1 ? &cpu.outside : cpu.code + p;
+  };
+  for (std::size_t k = 0; k < kTrail; ++k)
+    cpu.trail[k] = {back(places[2 * k]), back(places[2 * k + 1])};
+  if (at != kNoAddress) cpu.ip = cpu.code + at;
+  cpu.has_code.fill(0);
+}
+
+void Machine::power_on(std::uint8_t ram_fill) {
+  block_.fill(ram_fill);
+  const std::array<Sci, 2> fresh{};
+  sci = fresh;
+  cpu.now = cpu.stall = 0;
+  cpu.executed = 0;
+  cpu.er.fill(0);
+  misuses.clear();
+  reset(ResetCause::power_on, 0);
+}
+
+void Machine::reset(ResetCause why, States at) {
+  cause = why;
+  epoch = at;
+  dead.reset();
+  watchdog_reset = false;
+  cpu.now = at;
+  cpu.stall = 0;
+  cpu.normal = options.mode == 3;
+  cpu.mask = cpu.normal ? 0xffff : 0xffffff;
+  cpu.flash_size = cpu.normal ? 0xe000 : kFlashSize;
+  cpu.ram_size = kRamSize;
+  cpu.ram_base = cpu.mask & (kBlock + kRam);
+  cpu.exr = 0x7f;
+  set_ccr(cpu, options.reset_ccr | 0x80u);
+  cpu.two_level = cpu.hold_off = cpu.asleep = cpu.moving = false;
+  cpu.fault = Fault::none;
+  cpu.stc_copies = options.stc_copies;
+  cpu.rte_holds_off = options.rte_holds_off;
+  cpu.trail = {};
+  cpu.jumps = 0;
+  irq.reset();
+  ports.reset();
+  frt = {};
+  tmr = {};
+  pwm = {};
+  wdt = {};
+  flash_control = {};
+  system = {};
+  system.mdcr = static_cast<std::uint8_t>(options.mode);
+  if (why != ResetCause::watchdog) system.syscr |= 0x08;
+  if (why == ResetCause::watchdog) system.syscr = 0x01;
+  adc = {};
+  for (unsigned n = 0; n < 2; ++n) sci[n].reset(*this, n, at);
+  cpu.ip = cpu.code;
+  forget_all_code();
+  set_pc(cpu.normal ? big16(flash_.data()) : big32(flash_.data()));
+  record_jump(cpu, nullptr, cpu.ip);
+  first_after_reset_ = true;
+  notify(OutputChange::Unit::port, 0, at);
+}
+
+void Machine::set_pc(std::uint32_t address) {
+  cpu.ip = at_address(cpu, address);
+  hook_done_ = kNoAddress;
+}
+
+void Machine::misuse(std::uint32_t address, const char* text) {
+  if (address >= 0xfe50 && address <= 0xffff) address |= cpu.mask & 0xff0000;
+  const std::uint32_t at = pc();
+  const auto same = [&](const Misuse& m) {
+    return m.address == address && m.pc == at && m.text == text;
+  };
+  const auto found = std::find_if(misuses.begin(), misuses.end(), same);
+  if (found != misuses.end())
+    ++found->count;
+  else if (misuses.size() < kMaxMisuses)
+    misuses.push_back({address, at, text, 1, time()});
+  if (options.stop_on_misuse) raise_fault(cpu, Fault::misuse, address);
+}
+
+void Machine::pin_edge(unsigned port, unsigned bit, bool rising, States at) {
+  if (port == 4 && bit <= 2) {
+    irq.set_irq_pin(2 - bit, rising, at);
+    if (bit == 0 && !rising) adc.trigger(*this, 3, at);
+  }
+  if (port != 6) return;
+  switch (bit) {
+    case 0:
+      if (rising) frt.clock_edge(*this, at);
+      tmr.clock_edge(*this, 0, rising, at);
+      break;
+    case 2:
+      frt.capture_edge(*this, 0, rising, at);
+      break;
+    case 3:
+      frt.capture_edge(*this, 1, rising, at);
+      tmr.reset_edge(*this, 0, rising, at);
+      break;
+    case 4:
+      frt.capture_edge(*this, 2, rising, at);
+      break;
+    case 5:
+      frt.capture_edge(*this, 3, rising, at);
+      tmr.clock_edge(*this, 1, rising, at);
+      break;
+    case 6:
+      tmr.reset_edge(*this, 1, rising, at);
+      break;
+    default:
+      break;
+  }
+}
+
+void Machine::set_hook(std::uint32_t address, Chip::CodeHook hook) {
+  clear_hook(address);
+  hooks[address] = std::move(hook);
+  cpu.hooks = true;
+  Insn* slot = const_cast<Insn*>(at_address(cpu, address));
+  slot->run = nullptr;
+}
+
+void Machine::clear_hook(std::uint32_t address) {
+  hooks.erase(address);
+  cpu.hooks = !hooks.empty();
+  const Insn* slot = at_address(cpu, address);
+  if (slot != &cpu.outside) const_cast<Insn*>(slot)->run = nullptr;
+}
+
+}  // namespace kaz::h8s

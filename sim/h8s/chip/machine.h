@@ -1,0 +1,157 @@
+// Everything on the chip, and the loop that runs it. Internal; chip.h is the public face.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/adc.h"
+#include "sim/h8s/chip/flash.h"
+#include "sim/h8s/chip/frt.h"
+#include "sim/h8s/chip/interrupts.h"
+#include "sim/h8s/chip/ports.h"
+#include "sim/h8s/chip/pwm.h"
+#include "sim/h8s/chip/sci.h"
+#include "sim/h8s/chip/tmr.h"
+#include "sim/h8s/chip/wdt.h"
+#include "sim/h8s/cpu/cpu.h"
+
+namespace kaz::h8s {
+
+// Bits of MSTPCR, module by module.
+inline constexpr unsigned Stop_frt = 13, Stop_tmr = 12, Stop_pwm = 11, Stop_adc = 9, Stop_tmrxy = 8,
+                          Stop_sci0 = 7, Stop_sci1 = 6;
+
+struct Listeners {
+  std::function<void(const OutputChange&)> output;
+  std::function<void(int, const TransmittedByte&)> transmitted;
+  std::function<void(States)> watchdog;
+  std::function<double(int, States)> analog;
+};
+
+// System registers without a class of their own.
+struct SystemRegisters {
+  std::uint8_t stcr = 0, syscr = 0x09, mdcr = 0, bcr = 0xd7, wscr = 0x33;
+  std::uint8_t syscr2 = 0, sbycr = 0, lpwrcr = 0;
+  std::uint16_t mstpcr = 0x3fff;
+};
+
+struct CodeFree {
+  void operator()(Insn* p) const;
+};
+
+class Machine {
+ public:
+  explicit Machine(const Options& options);
+  // State without listeners and hooks.
+  Machine(const Machine& other);
+  Machine& operator=(const Machine&) = delete;
+
+  // Takes over the state of another one; listeners and hooks stay.
+  void take_state(const Machine& other);
+
+  void power_on(std::uint8_t ram_fill);
+  void reset(ResetCause cause, States at);
+  // Takes back an error stop.
+  void revive() {
+    dead.reset();
+    cpu.fault = Fault::none;
+  }
+  Stop run(Chip& chip, States until, bool single);
+
+  // --- for the modules -----------------------------------------------------------------------------
+  // End of the access that runs, or the event's time.
+  States time() const { return cpu.now + cpu.stall; }
+  bool stopped(unsigned bit) const { return (system.mstpcr >> bit & 1) != 0; }
+  std::uint8_t stcr() const { return system.stcr; }
+  void notify(OutputChange::Unit unit, int index, States at) const {
+    if (listeners.output) listeners.output({unit, index, at});
+  }
+  void misuse(std::uint32_t address, const char* text);
+  void pin_edge(unsigned port, unsigned bit, bool rising, States at);
+
+  // --- memory --------------------------------------------------------------------------------------
+  std::uint8_t* memory_at(std::uint32_t address);
+  const std::uint8_t* memory_at(std::uint32_t address) const;
+  std::uint8_t io_read(std::uint32_t address);
+  void io_write(std::uint32_t address, std::uint8_t value);
+  void io_write_word(std::uint32_t address, std::uint16_t value);
+  // Without side effects; timers are brought up to date.
+  std::optional<std::uint8_t> io_peek(std::uint32_t address);
+  bool is_io(std::uint32_t address) const;
+  bool wide(std::uint32_t address) const;
+  void forget_flash(std::uint32_t address, std::uint32_t size);
+  void set_ram_enabled(bool on);
+  void forget_all_code();
+  // The instruction at `pc` is to be announced before it runs.
+  bool hooked(std::uint32_t pc) const { return pc != unhooked_ && hooks.contains(pc); }
+  void set_hook(std::uint32_t pc, Chip::CodeHook hook);
+  void clear_hook(std::uint32_t pc);
+  void set_pc(std::uint32_t pc);
+  std::uint32_t pc() const { return pc_of(cpu, cpu.ip); }
+
+  void forget_code_at(std::uint32_t address);
+
+  bool pw_driven(int channel) const;
+  int pw_high_counts(int channel) const;
+  bool tmo_driven(int timer) const;
+  double tmo_high_share(int timer);
+
+  std::string report(const std::string& headline) const;
+  std::string disassemble(std::uint32_t address, int* length) const;
+
+  Options options;
+  Cpu cpu;
+  Interrupts irq;
+  Ports ports;
+  Frt frt;
+  Tmr tmr;
+  Pwm pwm;
+  std::array<Sci, 2> sci;
+  Adc adc;
+  std::array<Wdt, 2> wdt;
+  FlashControl flash_control;
+  SystemRegisters system;
+
+  States epoch = 0;  // of the last reset: prescalers count from there
+  ResetCause cause = ResetCause::power_on;
+  bool watchdog_reset = false;  // requested by a watchdog
+  std::vector<Misuse> misuses;
+  std::optional<Stop> dead;  // an error stop, until reset
+
+  Listeners listeners;
+  std::map<std::uint32_t, Chip::CodeHook> hooks;
+  std::shared_ptr<const SymbolTable> symbols = std::make_shared<SymbolTable>();
+
+ private:
+  void attach();
+  void write_system(std::uint32_t address, std::uint8_t value, States at);
+  void set_module_stop(std::uint16_t value, States at);
+  void run_modules(States to);
+  States next_event();
+  void run_events();
+  bool take_interrupt();
+  bool could_wake() const;
+  void stretch(States stop, bool one);
+  Stop error_stop(Stop::Reason reason, const std::string& headline);
+  Stop stop_for_fault();
+  enum class Hooked { none, ran, stop };
+  Hooked run_hook(Chip& chip);
+
+  std::vector<std::uint8_t> flash_;
+  std::array<std::uint8_t, 0x2000> block_{};
+  std::unique_ptr<Insn, CodeFree> code_;
+  static constexpr std::uint32_t kNoAddress = 0xffffffff;
+  std::uint32_t hook_done_ =
+      kNoAddress;  // its hook has been called, the instruction has not run yet
+  std::uint32_t unhooked_ = kNoAddress;  // decoded as it is, whatever hooks there are
+  bool first_after_reset_ = false;
+};
+
+}  // namespace kaz::h8s

@@ -1,0 +1,140 @@
+// The slow path of memory accesses: short RAM, registers, and what is neither.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "sim/h8s/chip/machine.h"
+#include "sim/h8s/cpu/access.h"
+#include "sim/h8s/cpu/opcode.h"
+
+namespace kaz::h8s {
+namespace {
+
+// Offset into the block of a byte in either RAM window; 0 is none (offset 0 is not RAM).
+std::uint32_t ram_offset(const Cpu& c, std::uint32_t address) {
+  const std::uint32_t offset = (address & c.mask) - (c.mask & kBlock);
+  if (c.ram_size == 0) return 0;
+  if (offset - kRam < kRamSize || offset - kShortRam < kShortRamSize) return offset;
+  return 0;
+}
+
+// The access touches a register: it takes longer, and what it does may concern interrupts.
+void register_access(Cpu& c, int further_states) {
+  c.stall += further_states;
+  end_stretch(c);
+}
+
+}  // namespace
+
+void raise_fault(Cpu& c, Fault fault, std::uint32_t address) {
+  if (c.fault == Fault::none) {
+    c.fault = fault;
+    c.fault_address = address;
+    c.fault_pc = pc_of(c, c.ip);
+  }
+  end_stretch(c);
+}
+
+bool check_stack(Cpu& c, std::uint32_t address) {
+  if (ram_offset(c, address) != 0) return true;
+  raise_fault(c, Fault::stack, address & c.mask);
+  return false;
+}
+
+std::uint8_t slow_load8(Cpu& c, std::uint32_t address) {
+  if (const std::uint32_t offset = ram_offset(c, address)) return c.block[offset];
+  if (!c.machine->is_io(address)) {
+    raise_fault(c, Fault::unmapped, address);
+    return 0xff;
+  }
+  register_access(c, 1);
+  return c.machine->io_read(address);
+}
+
+std::uint16_t slow_load16(Cpu& c, std::uint32_t address) {
+  if (address & 1) {
+    c.machine->misuse(address, "word access at an odd address; the chip takes the even one below");
+    return load16(c, address - 1);
+  }
+  if (const std::uint32_t offset = ram_offset(c, address)) return big16(c.block + offset);
+  if (!c.machine->is_io(address)) {
+    raise_fault(c, Fault::unmapped, address);
+    return 0xffff;
+  }
+  const bool wide = c.machine->wide(address);
+  register_access(c, 1);
+  const unsigned high = c.machine->io_read(address);
+  if (!wide) c.stall += 2;
+  return static_cast<std::uint16_t>(high << 8 | c.machine->io_read(address + 1));
+}
+
+void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value) {
+  if (const std::uint32_t offset = ram_offset(c, address)) {
+    c.block[offset] = value;
+    note_ram_write(c, offset);
+  } else if (address < c.flash_size) {
+    c.machine->flash_control.latch(*c.machine, address, value);
+  } else if (c.machine->is_io(address)) {
+    register_access(c, 1);
+    c.machine->io_write(address, value);
+  } else {
+    raise_fault(c, Fault::unmapped, address);
+  }
+}
+
+void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value) {
+  if (address & 1) {
+    c.machine->misuse(address, "word access at an odd address; the chip takes the even one below");
+    store16(c, address - 1, value);
+  } else if (const std::uint32_t offset = ram_offset(c, address)) {
+    put_big16(c.block + offset, value);
+    note_ram_write(c, offset);
+  } else if (address < c.flash_size) {
+    c.machine->flash_control.latch(*c.machine, address, static_cast<std::uint8_t>(value >> 8));
+    c.machine->flash_control.latch(*c.machine, address + 1, static_cast<std::uint8_t>(value));
+  } else if (c.machine->is_io(address)) {
+    register_access(c, c.machine->wide(address) ? 1 : 3);
+    c.machine->io_write_word(address, value);
+  } else {
+    raise_fault(c, Fault::unmapped, address);
+  }
+}
+
+bool hooked_here(const Cpu& c, std::uint32_t pc) {
+  return c.machine->hooked(pc);
+}
+
+std::uint8_t* Machine::memory_at(std::uint32_t address) {
+  address &= cpu.mask;
+  if (address < cpu.flash_size) return flash_.data() + address;
+  const std::uint32_t offset = address - (cpu.mask & kBlock);
+  if (offset - kRam < kRamSize || offset - kShortRam < kShortRamSize) return block_.data() + offset;
+  return nullptr;
+}
+
+const std::uint8_t* Machine::memory_at(std::uint32_t address) const {
+  return const_cast<Machine*>(this)->memory_at(address);
+}
+
+void Machine::forget_flash(std::uint32_t address, std::uint32_t size) {
+  const std::uint32_t first = address / 2 > kMaxUnits ? address / 2 - kMaxUnits : 0;
+  const std::uint32_t end = std::min((address + size + 1) / 2, cpu.flash_size / 2);
+  for (std::uint32_t k = first; k < end; ++k) cpu.code[kFlashCode + k].run = nullptr;
+}
+
+void Machine::forget_code_at(std::uint32_t address) {
+  address &= cpu.mask;
+  if (address < cpu.flash_size) {
+    forget_flash(address, 1);
+  } else {
+    forget_code(cpu, (address - (cpu.mask & kBlock)) & ~1u);
+  }
+}
+
+void Machine::set_ram_enabled(bool on) {
+  const std::uint32_t size = on ? kRamSize : 0;
+  if (cpu.ram_size == size) return;
+  cpu.ram_size = size;
+  for (std::uint32_t k = kRamCode; k < kCodeSize; ++k) cpu.code[k].run = nullptr;
+}
+
+}  // namespace kaz::h8s

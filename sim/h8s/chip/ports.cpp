@@ -1,0 +1,151 @@
+// Ports: levels at the pins and the registers behind them.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/chip/ports.h"
+
+#include "sim/h8s/chip/machine.h"
+
+namespace kaz::h8s {
+namespace {
+
+enum class Kind { ddr, dr, pcr, pins };
+struct PortRegister {
+  Kind kind;
+  unsigned port;
+};
+
+std::optional<PortRegister> port_register(std::uint32_t address) {
+  switch (address) {
+    case 0xffac:
+      return PortRegister{Kind::pcr, 1};
+    case 0xffad:
+      return PortRegister{Kind::pcr, 2};
+    case 0xffae:
+      return PortRegister{Kind::pcr, 3};
+    case 0xffb0:
+      return PortRegister{Kind::ddr, 1};
+    case 0xffb1:
+      return PortRegister{Kind::ddr, 2};
+    case 0xffb2:
+      return PortRegister{Kind::dr, 1};
+    case 0xffb3:
+      return PortRegister{Kind::dr, 2};
+    case 0xffb4:
+      return PortRegister{Kind::ddr, 3};
+    case 0xffb5:
+      return PortRegister{Kind::ddr, 4};
+    case 0xffb6:
+      return PortRegister{Kind::dr, 3};
+    case 0xffb7:
+      return PortRegister{Kind::dr, 4};
+    case 0xffb8:
+      return PortRegister{Kind::ddr, 5};
+    case 0xffb9:
+      return PortRegister{Kind::ddr, 6};
+    case 0xffba:
+      return PortRegister{Kind::dr, 5};
+    case 0xffbb:
+      return PortRegister{Kind::dr, 6};
+    case 0xffbe:
+      return PortRegister{Kind::pins, 7};
+    default:
+      return std::nullopt;
+  }
+}
+
+// Bits that exist.
+constexpr std::uint8_t width(unsigned port) {
+  return port == 5 ? 0x07 : 0xff;
+}
+
+}  // namespace
+
+void Ports::reset() {
+  ddr_ = dr_ = pcr_ = {};
+}
+
+PortOutput Ports::output(const Machine& m, unsigned port, States at) const {
+  PortOutput out{dr_[port], ddr_[port]};
+  const auto own = [&out](unsigned bit, bool level) {
+    const auto mask = static_cast<std::uint8_t>(1u << bit);
+    out.driven = static_cast<std::uint8_t>(out.driven | mask);
+    out.level = static_cast<std::uint8_t>(level ? out.level | mask : out.level & ~mask);
+  };
+  if (port == 1 || port == 2) {
+    for (unsigned bit = 0; bit < 8; ++bit) {
+      const unsigned channel = bit + (port == 2 ? 8 : 0);
+      if ((ddr_[port] >> bit & 1) && m.pwm.enabled(channel))
+        own(bit, m.pwm.level(channel, at, m.options.pwm_right_aligned));
+    }
+    if (port == 2 && m.sci[1].drives_txd()) own(5, m.sci[1].txd(at));
+  } else if (port == 4) {
+    if (ddr_[4] & 0x40) own(6, false);  // the clock itself, not a level
+  } else if (port == 5) {
+    if (m.sci[0].drives_txd()) own(0, m.sci[0].txd(at));
+  } else if (port == 6) {
+    if (m.frt.drives(0)) own(1, m.frt.level(0));
+    if (m.frt.drives(1)) own(6, m.frt.level(1));
+    if (m.tmr.drives(0)) own(4, m.tmr.level(0));
+    if (m.tmr.drives(1)) own(7, m.tmr.level(1));
+  }
+  out.driven &= width(port);
+  out.level &= out.driven;
+  return out;
+}
+
+std::uint8_t Ports::pins(const Machine& m, unsigned port, States at) const {
+  const PortOutput out = output(m, port, at);
+  const auto pulled = static_cast<std::uint8_t>(pcr_[port] | (m.options.floating_level ? 0xff : 0));
+  const auto outside =
+      static_cast<std::uint8_t>((level_[port] & given_[port]) | (pulled & ~given_[port]));
+  return static_cast<std::uint8_t>(out.level | (outside & ~out.driven));
+}
+
+void Ports::set_input(Machine& m, unsigned port, unsigned bit, std::optional<bool> level,
+                      States at) {
+  const auto mask = static_cast<std::uint8_t>(1u << bit);
+  const std::uint8_t before = pins(m, port, at);
+  given_[port] = static_cast<std::uint8_t>(level ? given_[port] | mask : given_[port] & ~mask);
+  level_[port] =
+      static_cast<std::uint8_t>(level.value_or(false) ? level_[port] | mask : level_[port] & ~mask);
+  const std::uint8_t after = pins(m, port, at);
+  if ((before ^ after) & mask) m.pin_edge(port, bit, (after & mask) != 0, at);
+}
+
+std::optional<std::uint8_t> Ports::read(const Machine& m, std::uint32_t address) const {
+  const auto r = port_register(address);
+  if (!r) return std::nullopt;
+  const unsigned port = r->port;
+  const States at = m.time();
+  switch (r->kind) {
+    case Kind::pcr:
+      return pcr_[port];
+    case Kind::ddr:
+      return m.options.undefined_read;
+    case Kind::pins:
+      return pins(m, port, at);
+    case Kind::dr: {
+      std::uint8_t ddr = ddr_[port];
+      if (port == 4) ddr &= 0xbf;  // P46 reads the pin
+      const auto mixed = static_cast<std::uint8_t>((dr_[port] & ddr) | (pins(m, port, at) & ~ddr));
+      return static_cast<std::uint8_t>((mixed & width(port)) | (0xff & ~width(port)));
+    }
+  }
+  return std::nullopt;
+}
+
+bool Ports::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
+  const auto r = port_register(address);
+  if (!r) return false;
+  if (r->kind == Kind::pins) {
+    m.misuse(address, "write to P7PIN: port 7 is input only");
+    return true;
+  }
+  auto& bank = r->kind == Kind::ddr ? ddr_ : r->kind == Kind::dr ? dr_ : pcr_;
+  const auto kept = static_cast<std::uint8_t>(value & width(r->port));
+  if (bank[r->port] == kept) return true;
+  bank[r->port] = kept;
+  if (r->kind != Kind::pcr) m.notify(OutputChange::Unit::port, static_cast<int>(r->port), at);
+  return true;
+}
+
+}  // namespace kaz::h8s

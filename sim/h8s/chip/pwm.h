@@ -1,0 +1,41 @@
+// The 8-bit PWM timer: sixteen channels on one counter, with pulse division.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sim/h8s/cpu/cpu.h"
+
+namespace kaz::h8s {
+
+class Pwm {
+ public:
+  // FFD2..FFD7, and PCSR at FF82.
+  std::uint8_t peek(std::uint32_t address) const;
+  void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
+  // Module stop; PCSR too.
+  void reset() { *this = Pwm{}; }
+
+  bool enabled(unsigned channel) const { return (oe_ >> channel & 1) != 0; }
+  // High counts out of 256; with the clock stopped 0 or 256, as the comparator stands.
+  int high_counts(unsigned channel, States at) const;
+  // The waveform itself.
+  bool level(unsigned channel, States at, bool right_aligned) const;
+
+ private:
+  States divisor() const;  // 0: stopped
+  unsigned counter(States at) const;
+
+  std::uint16_t oe_ = 0, os_ = 0;
+  std::uint8_t select_ = 0x20, pcsr_ = 0;
+  std::array<std::uint8_t, 16> data_{};
+  // The counter stood at `base_count_` at time `base_`.
+  States base_ = 0;
+  unsigned base_count_ = 0;
+};
+
+// High in count 0..255 of the conversion period for PWDR = data, before the output sense is applied.
+bool pwm_pulse(std::uint8_t data, unsigned count, bool right_aligned);
+
+}  // namespace kaz::h8s

@@ -1,0 +1,163 @@
+// The outer loop: events, interrupts, sleep, hooks and stops around the CPU's inner loop.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "sim/h8s/chip/machine.h"
+#include "sim/h8s/cpu/exception.h"
+
+namespace kaz::h8s {
+namespace {
+
+std::string hex6(std::uint32_t value) {
+  char text[16];
+  std::snprintf(text, sizeof text, "0x%06x", value & 0xffffff);
+  return text;
+}
+
+}  // namespace
+
+States Machine::next_event() {
+  States first = std::min({sci[0].next_event(), sci[1].next_event(), adc.next_event(),
+                           wdt[0].next_event(*this, 0), wdt[1].next_event(*this, 1)});
+  if (!stopped(Stop_frt)) first = std::min(first, frt.next_event(epoch));
+  if (!stopped(Stop_tmr)) first = std::min(first, tmr.next_event(*this));
+  return first;
+}
+
+void Machine::run_modules(States to) {
+  for (unsigned n = 0; n < 2; ++n) {
+    sci[n].advance(*this, n, to);
+    wdt[n].advance(*this, n, to);
+  }
+  adc.advance(*this, to);
+  frt.advance(*this, to);
+  tmr.advance(*this, to);
+}
+
+// Events in the order of their times, so that one may lead to the next.
+void Machine::run_events() {
+  for (States at = next_event(); at <= cpu.now; at = next_event()) run_modules(at);
+}
+
+bool Machine::take_interrupt() {
+  const auto vector =
+      irq.choose(cpu.now, cpu.control, cpu.two_level, options.interrupt_decision_states);
+  if (!vector) return false;
+  irq.accepted(*vector, cpu.now);
+  // EEPMOV.W left in the middle: the program finds R4 not 0 and starts it again.
+  const std::uint32_t back = pc() + (cpu.moving ? 4 : 0);
+  cpu.moving = false;
+  cpu.asleep = false;
+  // Stacking 2, vector 2 (1 in normal mode), first fetch 2, internal.
+  cpu.now += 4 + (cpu.normal ? 1 : 2) + options.exception_internal_states;
+  cpu.ip = enter_exception(cpu, cpu.ip, back, *vector);
+  hook_done_ = kNoAddress;
+  return true;
+}
+
+// Something outside may still end the sleep: an enabled pin or a byte on the line.
+bool Machine::could_wake() const {
+  if ((cpu.control & 0x80) && !(cpu.two_level && !(cpu.control & 0x40))) return false;
+  return irq.any_irq_enabled() || sci[0].waits_for_input() || sci[1].waits_for_input() ||
+         frt.waits_for_input() || tmr.waits_for_input();
+}
+
+Stop Machine::error_stop(Stop::Reason reason, const std::string& headline) {
+  dead = Stop{reason, report(headline)};
+  return *dead;
+}
+
+Stop Machine::stop_for_fault() {
+  const std::string at = " at " + symbols->describe(cpu.fault_pc);
+  const std::string where = hex6(cpu.fault_address);
+  // Show the instruction that failed, not the one after.
+  if (cpu.fault != Fault::fetch) cpu.ip = at_address(cpu, cpu.fault_pc);
+  switch (cpu.fault) {
+    case Fault::undefined:
+      return error_stop(Stop::Reason::undefined_instruction,
+                        "undefined instruction " + disassemble(cpu.fault_pc, nullptr) + at);
+    case Fault::fetch:
+      return error_stop(Stop::Reason::undefined_instruction,
+                        "instruction fetch outside flash and RAM, at " + where);
+    case Fault::stack:
+      return error_stop(Stop::Reason::stack_outside_ram,
+                        "stack access outside RAM, to " + where + at);
+    case Fault::misuse:
+      return error_stop(
+          Stop::Reason::undefined_register_use,
+          (misuses.empty() ? std::string("misuse") : misuses.back().text) + ", " + where + at);
+    default:
+      return error_stop(Stop::Reason::unmapped_access,
+                        "access outside flash, RAM and registers, to " + where + at);
+  }
+}
+
+void Machine::stretch(States stop, bool one) {
+  cpu.stop = one || stop <= cpu.now ? cpu.now + 1 : stop;
+  cpu.hold_off = false;
+  first_after_reset_ = false;
+  run_stretch(cpu);
+  cpu.now += cpu.stall;
+  cpu.stall = 0;
+}
+
+// Calls the hook of the next instruction, if there is one, and runs that instruction.
+Machine::Hooked Machine::run_hook(Chip& chip) {
+  const std::uint32_t at = pc();
+  const auto found = hooks.find(at);
+  if (found == hooks.end() || cpu.moving) return Hooked::none;
+  if (hook_done_ != at) {
+    hook_done_ = at;
+    const Chip::CodeHook hook = found->second;  // it may remove itself
+    const HookAction action = hook(chip);
+    if (pc() != at) hook_done_ = kNoAddress;
+    if (action == HookAction::stop) return Hooked::stop;
+    return Hooked::ran;  // look at everything again: the hook may have changed registers
+  }
+  Insn* slot = const_cast<Insn*>(cpu.ip);
+  if (slot != &cpu.outside) slot->run = nullptr;
+  unhooked_ = at;
+  stretch(0, true);
+  unhooked_ = kNoAddress;
+  hook_done_ = kNoAddress;
+  if (slot != &cpu.outside) slot->run = nullptr;
+  return Hooked::ran;
+}
+
+Stop Machine::run(Chip& chip, States until, bool single) {
+  const std::int64_t executed = cpu.executed;
+  const States began = cpu.now;
+  for (;;) {
+    if (dead) return *dead;
+    if (cpu.fault != Fault::none) return stop_for_fault();
+    run_events();
+    if (watchdog_reset) {
+      reset(ResetCause::watchdog, cpu.now + options.watchdog_reset_states);
+      if (listeners.watchdog) listeners.watchdog(cpu.now);
+    }
+    if (single ? cpu.executed != executed || cpu.now != began : cpu.now >= until) return {};
+    const bool guarded = cpu.hold_off || first_after_reset_;
+    if (!guarded && take_interrupt()) continue;
+    const States wake = irq.earliest(cpu.control, cpu.two_level, options.interrupt_decision_states);
+    const States event = std::min(next_event(), wake);
+    if (cpu.asleep) {
+      if (event == kNever && !could_wake())
+        return error_stop(
+            Stop::Reason::asleep_forever,
+            "SLEEP with nothing enabled that could wake it, before " + symbols->describe(pc()));
+      cpu.now = std::max(cpu.now, std::min(event, until));
+      if (single && event == kNever) return {};
+      cpu.hold_off = first_after_reset_ = false;
+      continue;
+    }
+    if (!hooks.empty()) {
+      const Hooked hooked = run_hook(chip);
+      if (hooked == Hooked::stop)
+        return {Stop::Reason::breakpoint, report("breakpoint at " + symbols->describe(pc()))};
+      if (hooked == Hooked::ran) continue;
+    }
+    stretch(std::min(event, until), single || guarded);
+  }
+}
+
+}  // namespace kaz::h8s

@@ -1,0 +1,35 @@
+// The watchdog timers WDT0 and WDT1: interval timer or watchdog, with the write key.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "sim/h8s/chip/sticky.h"
+#include "sim/h8s/cpu/cpu.h"
+
+namespace kaz::h8s {
+
+class Wdt {
+ public:
+  // Even address: TCSR, odd: TCNT.
+  std::uint8_t read(Machine& m, unsigned n, bool counter, States at);
+  std::uint8_t peek(const Machine& m, unsigned n, bool counter, States at) const;
+  void write_word(Machine& m, unsigned n, std::uint16_t value, States at);
+
+  States next_event(const Machine& m, unsigned n) const;
+  void advance(Machine& m, unsigned n, States to);
+  bool running() const { return (tcsr_ & 0x20) != 0; }
+  bool watchdog() const { return (tcsr_ & 0x60) == 0x60; }
+
+ private:
+  States divisor(const Machine& m, unsigned n) const;  // 0: no clock
+  std::int64_t ticks(const Machine& m, unsigned n, States at) const;
+  void update(Machine& m, unsigned n, States at);
+
+  std::uint8_t tcsr_ = 0;  // without OVF
+  StickyFlags ovf_;
+  std::uint8_t count_ = 0;
+  std::int64_t tick_ = 0;
+};
+
+}  // namespace kaz::h8s

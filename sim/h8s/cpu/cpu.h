@@ -1,0 +1,156 @@
+// The CPU's state and the decoded instruction: what every instruction handler works on.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+
+namespace kaz::h8s {
+
+using States = std::int64_t;
+inline constexpr States kNever = std::numeric_limits<States>::max();
+
+class Machine;
+struct Cpu;
+struct Insn;
+
+// Runs one instruction and returns the next one.
+using Handler = const Insn* (*)(Cpu&, const Insn*);
+
+// One decoded instruction; one stands for each even address of flash and RAM. `run` is null until it
+// has been decoded. Sequential flow is pointer arithmetic: the next instruction is `this + units`.
+struct Insn {
+  Handler run;
+  std::uint32_t imm;    // immediate, absolute address or displacement; branches: units to add
+  std::uint8_t rs, rd;  // byte offsets into the register file, bit numbers or vector numbers
+  std::uint8_t states;  // with all accesses on chip memory; I/O adds to Cpu::stall
+  std::uint8_t units;   // length in 16-bit units
+};
+static_assert(sizeof(void*) != 8 || sizeof(Insn) == 16);
+
+enum class Fault : std::uint8_t { none, undefined, fetch, unmapped, stack, misuse };
+
+// Address layout, as seen by the CPU. RAM lies in two windows of one 8 KiB block below the top.
+inline constexpr std::uint32_t kFlashSize = 0x20000;
+inline constexpr std::uint32_t kBlock = 0xffe000;  // what ram[0] would be
+inline constexpr std::uint32_t kRam = 0x0080;      // offsets into the block
+inline constexpr std::uint32_t kRamSize = 0x0f80;
+inline constexpr std::uint32_t kShortRam = 0x1f00;
+inline constexpr std::uint32_t kShortRamSize = 0x80;
+// Decoded instructions: flash, then the two RAM windows, each followed by a few that lead outside.
+inline constexpr std::uint32_t kGap = 8;
+inline constexpr std::uint32_t kFlashCode = 0;
+inline constexpr std::uint32_t kRamCode = kFlashSize / 2 + kGap;
+inline constexpr std::uint32_t kShortRamCode = kRamCode + kRamSize / 2 + kGap;
+inline constexpr std::uint32_t kCodeSize = kShortRamCode + kShortRamSize / 2 + kGap;
+
+struct Jump {
+  const Insn* from;
+  const Insn* to;
+};
+inline constexpr std::uint32_t kTrail = 32;
+
+// Flags are kept as the values they follow from; ccr() packs them. Operands of 8 and 16 bits are shifted
+// up so that the same bits serve all three sizes.
+struct Flags {
+  std::uint32_t n = 0;  // N is bit 31
+  std::uint32_t z = 1;  // Z is set when this is 0
+  std::uint32_t v = 0;  // V is bit 31
+  std::uint32_t h = 0;  // H is bit 28: carry out of bit 3, 11 or 27
+  std::uint32_t c = 0;  // 0 or 1
+};
+
+struct Cpu {
+  // The part that the inner loop touches.
+  std::array<std::uint32_t, 8> er{};
+  Flags flags;
+  const Insn* ip = nullptr;  // the instruction that runs, or runs next
+  States now = 0;            // end of that instruction, without `stall`
+  States stop = 0;           // the inner loop ends at the first boundary at or after this
+  States stall = 0;          // further states: I/O accesses, block moves
+  std::int64_t executed = 0;
+
+  std::uint8_t* flash = nullptr;
+  std::uint8_t* block = nullptr;  // 8 KiB, RAM windows inside
+  Insn* code = nullptr;
+  std::uint32_t ram_size = kRamSize;  // 0 while SYSCR.RAME = 0
+  std::uint32_t flash_size = kFlashSize;
+  std::uint32_t mask = 0xffffff;  // of addresses: 0xffff in normal mode
+  std::uint32_t ram_base = kBlock + kRam;
+  Machine* machine = nullptr;
+  bool hooks = false;  // any code hooks set
+
+  std::uint8_t control = 0x80;  // bits I, UI, U of CCR in their places
+  std::uint8_t exr = 0x7f;
+  bool normal = false;      // 16-bit mode
+  bool two_level = false;   // interrupt control mode 1: exceptions set UI too
+  bool stc_copies = false;  // Options
+  bool rte_holds_off = false;
+  bool hold_off = false;  // no interrupt before one more instruction has run
+  bool asleep = false;
+  bool moving = false;  // EEPMOV.W interrupted between two bytes
+  Fault fault = Fault::none;
+  std::uint32_t fault_address = 0;
+  std::uint32_t fault_pc = 0;
+  Insn outside{};  // stands for any address without memory; imm is the address
+
+  // RAM units that may hold decoded instructions, one flag a 64-byte line of the block.
+  std::array<std::uint8_t, 0x2000 / 64> has_code{};
+
+  std::array<Jump, kTrail> trail{};
+  std::uint32_t jumps = 0;
+};
+
+inline void end_stretch(Cpu& c) {
+  c.stop = std::numeric_limits<States>::min();
+}
+
+inline std::uint8_t ccr(const Cpu& c) {
+  const Flags& f = c.flags;
+  return static_cast<std::uint8_t>(c.control | (f.h >> 28 & 1) << 5 | (f.n >> 31) << 3 |
+                                   (f.z == 0 ? 4u : 0u) | (f.v >> 31) << 1 | f.c);
+}
+
+inline void set_ccr(Cpu& c, std::uint32_t value) {
+  c.control = static_cast<std::uint8_t>(value & 0xd0);
+  c.flags.h = (value >> 5 & 1) << 28;
+  c.flags.n = value >> 3 << 31;
+  c.flags.z = (value >> 2 & 1) ^ 1;
+  c.flags.v = value >> 1 << 31;
+  c.flags.c = value & 1;
+}
+
+// Address of a decoded instruction.
+inline std::uint32_t pc_of(const Cpu& c, const Insn* ip) {
+  if (ip == &c.outside) return ip->imm;
+  const auto index = static_cast<std::uint32_t>(ip - c.code);
+  if (index < kRamCode) return index * 2;
+  if (index < kShortRamCode) return (c.mask & (kBlock + kRam)) + (index - kRamCode) * 2;
+  return (c.mask & (kBlock + kShortRam)) + (index - kShortRamCode) * 2;
+}
+
+// The decoded instruction of an address, `outside` where there is no memory. Odd addresses: report_odd_pc.
+const Insn* at_address(Cpu& c, std::uint32_t address);
+
+inline const Insn* record_jump(Cpu& c, const Insn* from, const Insn* to) {
+  c.trail[c.jumps++ % kTrail] = {from, to};
+  return to;
+}
+
+inline const Insn* jump_to(Cpu& c, const Insn* from, std::uint32_t address) {
+  return record_jump(c, from, at_address(c, address));
+}
+
+// Decodes the instruction at `ip` in place and gives its handler.
+Handler decode_in_place(Cpu& c, const Insn* ip);
+
+// Runs instructions until now >= stop.
+void run_stretch(Cpu& c);
+
+// Whether Machine keeps a code hook for this address.
+bool hooked_here(const Cpu& c, std::uint32_t pc);
+
+void raise_fault(Cpu& c, Fault fault, std::uint32_t address);
+
+}  // namespace kaz::h8s

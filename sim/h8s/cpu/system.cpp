@@ -1,0 +1,253 @@
+// Control registers, exceptions, sleep, block moves and multiple register transfers.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/cpu/access.h"
+#include "sim/h8s/cpu/exception.h"
+#include "sim/h8s/cpu/flags.h"
+#include "sim/h8s/cpu/opcode.h"
+
+namespace kaz::h8s {
+
+const Insn* enter_exception(Cpu& c, const Insn* from, std::uint32_t return_pc, unsigned vector) {
+  const u32 saved = ccr(c);
+  if (c.normal) {
+    push<u16>(c, static_cast<u16>(return_pc));
+    push<u16>(c, static_cast<u16>(saved << 8 | saved));
+  } else {
+    push<u16>(c, static_cast<u16>(return_pc));
+    push<u16>(c, static_cast<u16>(saved << 8 | (return_pc >> 16 & 0xff)));
+  }
+  c.control = static_cast<u8>(c.control | 0x80 | (c.two_level ? 0x40 : 0));
+  if (c.fault == Fault::stack) return from;
+  return jump_to(c, from, c.normal ? load16(c, vector * 2) : load32(c, vector * 4));
+}
+
+namespace {
+
+enum class Target { ccr, exr };
+
+template <Target target>
+void write_control(Cpu& c, u32 value) {
+  if constexpr (target == Target::ccr)
+    set_ccr(c, value & 0xff);
+  else
+    c.exr = static_cast<u8>(value | 0x78);
+  c.hold_off = true;
+  end_stretch(c);
+}
+
+template <Target target>
+u8 read_control(const Cpu& c) {
+  return target == Target::ccr ? ccr(c) : c.exr;
+}
+
+enum class Change { load, bit_or, bit_xor, bit_and };
+
+template <Target target, Change change>
+const Insn* control_immediate(Cpu& c, const Insn* i) {
+  const u32 old = read_control<target>(c);
+  u32 value = i->imm;
+  if constexpr (change == Change::bit_or) value |= old;
+  if constexpr (change == Change::bit_xor) value ^= old;
+  if constexpr (change == Change::bit_and) value &= old;
+  write_control<target>(c, value);
+  return i + i->units;
+}
+
+template <Target target>
+const Insn* ldc_register(Cpu& c, const Insn* i) {
+  write_control<target>(c, reg<u8>(c, i->rs));
+  return i + 1;
+}
+
+template <Target target>
+const Insn* stc_register(Cpu& c, const Insn* i) {
+  set_reg<u8>(c, i->rd, read_control<target>(c));
+  return i + 1;
+}
+
+template <Target target>
+const Insn* ldc_memory(Cpu& c, const Insn* i) {
+  write_control<target>(c, load16(c, ereg(c, i->rs) + i->imm) >> 8u);
+  return i + i->units;
+}
+
+template <Target target>
+const Insn* ldc_increment(Cpu& c, const Insn* i) {
+  const u32 address = ereg(c, i->rs);
+  if (i->rs == 4 * 7 && !stack_ok(c, address)) return i + i->units;
+  set_reg<u32>(c, i->rs, address + 2);
+  write_control<target>(c, load16(c, address) >> 8u);
+  return i + i->units;
+}
+
+template <Target target>
+const Insn* ldc_absolute(Cpu& c, const Insn* i) {
+  write_control<target>(c, load16(c, i->imm) >> 8u);
+  return i + i->units;
+}
+
+// The register stands in the high byte of the word.
+template <Target target>
+u16 control_word(const Cpu& c) {
+  const unsigned value = read_control<target>(c);
+  return static_cast<u16>(value << 8 | (c.stc_copies ? value : 0u));
+}
+
+template <Target target>
+const Insn* stc_memory(Cpu& c, const Insn* i) {
+  store16(c, ereg(c, i->rd) + i->imm, control_word<target>(c));
+  return i + i->units;
+}
+
+template <Target target>
+const Insn* stc_decrement(Cpu& c, const Insn* i) {
+  const u32 address = ereg(c, i->rd) - 2;
+  set_reg<u32>(c, i->rd, address);
+  if (i->rd == 4 * 7 && !stack_ok(c, address)) return i + i->units;
+  store16(c, address, control_word<target>(c));
+  return i + i->units;
+}
+
+template <Target target>
+const Insn* stc_absolute(Cpu& c, const Insn* i) {
+  store16(c, i->imm, control_word<target>(c));
+  return i + i->units;
+}
+
+const Insn* nop(Cpu&, const Insn* i) {
+  return i + 1;
+}
+
+const Insn* trapa(Cpu& c, const Insn* i) {
+  return enter_exception(c, i, pc_of(c, i) + 2, 8u + i->rs);
+}
+
+const Insn* rte(Cpu& c, const Insn* i) {
+  const u32 high = pop<u16>(c);
+  const u32 low = c.fault == Fault::stack ? 0 : pop<u16>(c);
+  if (c.fault == Fault::stack) return i + 1;
+  set_ccr(c, high >> 8);
+  c.hold_off = c.rte_holds_off;
+  end_stretch(c);
+  return jump_to(c, i, c.normal ? low : (high & 0xff) << 16 | low);
+}
+
+const Insn* sleep(Cpu& c, const Insn* i) {
+  c.asleep = true;
+  end_stretch(c);
+  return i + 1;
+}
+
+// Moves one byte; two states beyond what I/O adds.
+void move_byte(Cpu& c) {
+  store8(c, c.er[6], load8(c, c.er[5]));
+  ++c.er[5];
+  ++c.er[6];
+  c.stall += 2;
+}
+
+const Insn* eepmov_b(Cpu& c, const Insn* i) {
+  for (u32 n = c.er[4] & 0xff; n != 0 && c.fault == Fault::none; --n) move_byte(c);
+  c.er[4] &= ~0xffu;
+  end_stretch(c);
+  return i + 2;
+}
+
+// May be left between two bytes: by an interrupt (the next instruction is stacked, so that the rest of the
+// block is the program's business) or just because an event is due, after which it goes on.
+const Insn* eepmov_w(Cpu& c, const Insn* i) {
+  if (c.moving) c.stall -= i->states;
+  c.moving = false;
+  while ((c.er[4] & 0xffff) != 0 && c.fault == Fault::none) {
+    if (c.now + c.stall >= c.stop) {
+      c.moving = true;
+      --c.executed;
+      end_stretch(c);
+      return i;
+    }
+    move_byte(c);
+    c.er[4] = (c.er[4] & ~0xffffu) | ((c.er[4] - 1) & 0xffff);
+  }
+  end_stretch(c);
+  return i + 2;
+}
+
+// Flags of the old byte, then bit 7 set.
+const Insn* tas(Cpu& c, const Insn* i) {
+  const u32 address = ereg(c, i->rd);
+  const u8 byte = flags_logic<u8>(c, load8(c, address));
+  store8(c, address, static_cast<u8>(byte | 0x80));
+  return i + 2;
+}
+
+template <int first, int count>
+const Insn* stm(Cpu& c, const Insn* i) {
+  for (u32 r = first; r < first + count && c.fault == Fault::none; ++r) push<u32>(c, c.er[r]);
+  return i + 2;
+}
+
+template <int last, int count>
+const Insn* ldm(Cpu& c, const Insn* i) {
+  for (u32 n = 0; n < count && c.fault == Fault::none; ++n) {
+    const u32 value = pop<u32>(c);
+    if (c.fault == Fault::none) c.er[last - n] = value;
+  }
+  return i + 2;
+}
+
+#define KAZ_CONTROL(t, name, prefix, byte_prefix, x, units)                                      \
+  {byte_prefix "04ii", "orc", "#%i," name, control_immediate<t, Change::bit_or>, {units}},       \
+      {byte_prefix "05ii", "xorc", "#%i," name, control_immediate<t, Change::bit_xor>, {units}}, \
+      {byte_prefix "06ii", "andc", "#%i," name, control_immediate<t, Change::bit_and>, {units}}, \
+      {byte_prefix "07ii", "ldc", "#%i," name, control_immediate<t, Change::load>, {units}},     \
+      {"03" x "r", "ldc", "%r," name, ldc_register<t>, {1}},                                     \
+      {"02" x "s", "stc", name ",%s", stc_register<t>, {1}},                                     \
+      {prefix " 69m0", "ldc", "@%m," name, ldc_memory<t>, {2, 0, 0, 0, 1}},                      \
+      {prefix " 6Fm0 dddd", "ldc", "@(%d,%m)," name, ldc_memory<t>, {3, 0, 0, 0, 1}},            \
+      {prefix " 78Y0 6B20 dddd dddd", "ldc", "@(%d,%Y)," name, ldc_memory<t>, {5, 0, 0, 0, 1}},  \
+      {prefix " 6Dm0", "ldc", "@%m+," name, ldc_increment<t>, {2, 0, 0, 0, 1, 1}},               \
+      {prefix " 6B00 aaaa", "ldc", "@%a," name, ldc_absolute<t>, {3, 0, 0, 0, 1}},               \
+      {prefix " 6B20 aaaa aaaa", "ldc", "@%a," name, ldc_absolute<t>, {4, 0, 0, 0, 1}},          \
+      {prefix " 69N0", "stc", name ",@%N", stc_memory<t>, {2, 0, 0, 0, 1}},                      \
+      {prefix " 6FN0 dddd", "stc", name ",@(%d,%N)", stc_memory<t>, {3, 0, 0, 0, 1}},            \
+      {prefix " 78X0 6BA0 dddd dddd", "stc", name ",@(%d,%X)", stc_memory<t>, {5, 0, 0, 0, 1}},  \
+      {prefix " 6DN0", "stc", name ",@-%N", stc_decrement<t>, {2, 0, 0, 0, 1, 1}},               \
+      {prefix " 6B80 aaaa", "stc", name ",@%a", stc_absolute<t>, {3, 0, 0, 0, 1}}, {             \
+    prefix " 6BA0 aaaa aaaa", "stc", name ",@%a", stc_absolute<t>, {                             \
+      4, 0, 0, 0, 1                                                                              \
+    }                                                                                            \
+  }
+
+const Opcode kSystem[] = {
+    {"0000", "nop", "", nop, {1}},
+    KAZ_CONTROL(Target::ccr, "ccr", "0140", "", "0", 1),
+    KAZ_CONTROL(Target::exr, "exr", "0141", "0141 ", "1", 2),
+    {"57p0", "trapa", "#%p", trapa, {2, 2, 2, 0, 0, 2, true}},
+    {"5670", "rte", "", rte, {2, 0, 2, 0, 0, 1, true}},
+    {"0180", "sleep", "", sleep, {1, 0, 0, 0, 0, 1}},
+    {"7B5C 598F", "eepmov.b", "", eepmov_b, {2, 0, 0, 2}},
+    {"7BD4 598F", "eepmov.w", "", eepmov_w, {2, 0, 0, 2}},
+    {"01E0 7BnC", "tas", "@%n", tas, {2, 0, 0, 2}},
+    {"0110 6DF0", "stm.l", "(er0-er1),@-er7", stm<0, 2>, {2, 0, 4, 0, 0, 1, true}},
+    {"0110 6DF2", "stm.l", "(er2-er3),@-er7", stm<2, 2>, {2, 0, 4, 0, 0, 1, true}},
+    {"0110 6DF4", "stm.l", "(er4-er5),@-er7", stm<4, 2>, {2, 0, 4, 0, 0, 1, true}},
+    {"0120 6DF0", "stm.l", "(er0-er2),@-er7", stm<0, 3>, {2, 0, 6, 0, 0, 1, true}},
+    {"0120 6DF4", "stm.l", "(er4-er6),@-er7", stm<4, 3>, {2, 0, 6, 0, 0, 1, true}},
+    {"0130 6DF0", "stm.l", "(er0-er3),@-er7", stm<0, 4>, {2, 0, 8, 0, 0, 1, true}},
+    {"0110 6D71", "ldm.l", "@er7+,(er0-er1)", ldm<1, 2>, {2, 0, 4, 0, 0, 1, true}},
+    {"0110 6D73", "ldm.l", "@er7+,(er2-er3)", ldm<3, 2>, {2, 0, 4, 0, 0, 1, true}},
+    {"0110 6D75", "ldm.l", "@er7+,(er4-er5)", ldm<5, 2>, {2, 0, 4, 0, 0, 1, true}},
+    {"0120 6D72", "ldm.l", "@er7+,(er0-er2)", ldm<2, 3>, {2, 0, 6, 0, 0, 1, true}},
+    {"0120 6D76", "ldm.l", "@er7+,(er4-er6)", ldm<6, 3>, {2, 0, 6, 0, 0, 1, true}},
+    {"0130 6D73", "ldm.l", "@er7+,(er0-er3)", ldm<3, 4>, {2, 0, 8, 0, 0, 1, true}},
+};
+
+#undef KAZ_CONTROL
+
+}  // namespace
+
+std::span<const Opcode> system_opcodes() {
+  return kSystem;
+}
+
+}  // namespace kaz::h8s
