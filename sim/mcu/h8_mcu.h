@@ -31,12 +31,12 @@ class H8Mcu final : public Mcu {
   void receive(const SerialByte& byte) override;
   std::vector<SerialByte> take_transmitted() override;
   void on_tick(std::function<void(const TickRecord&)> listener) override;
+  void on_watchdog_reset(std::function<void(States)> listener) override {
+    on_reset_ = std::move(listener);
+  }
 
   h8s::Chip& chip() { return chip_; }
   const h8s::Chip& chip() const { return chip_; }
-
-  // Called with the time at each reset by the chip's own watchdog.
-  void on_watchdog_reset(std::function<void(States)> listener) { on_reset_ = std::move(listener); }
 
   // Whether the image has the symbols that ticks are recorded by: kz_input, kz_output, kz_tick_end.
   bool has_tick_symbols() const { return symbols_.has_value(); }

@@ -72,6 +72,9 @@ class Mcu {
 
   // Called after each tick's computation. Used to compare the engines and to record.
   virtual void on_tick(std::function<void(const TickRecord&)> listener) = 0;
+
+  // Called when the chip's own watchdog has reset it. The native engine has none.
+  virtual void on_watchdog_reset(std::function<void(States)> listener) { (void)listener; }
 };
 
 // The firmware image: S-record or COFF. With symbols (COFF) reports are readable and `on_tick`

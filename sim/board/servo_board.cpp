@@ -1,0 +1,199 @@
+// Multiplexers, potentiometers, motor drivers and supply of the servo board.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/board/servo_board.h"
+
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+#include "sim/mcu/random.h"
+
+namespace kaz::sim {
+namespace {
+
+struct Wiring {
+  int pwm, port, bit, mux, input, sign, pot_centre_decideg;
+};
+
+constexpr Wiring wiring[KZ_JOINTS] = {
+#define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) \
+  {pwm, port, bit, mux, input, sign, pot_centre},
+#include "shared/board/joints.def"
+#undef KZ_JOINT
+};
+
+constexpr double rad_per_decideg = std::numbers::pi / 1800.0;
+constexpr double pot_range_rad = KZ_POT_RANGE_DECIDEG * rad_per_decideg;
+
+// Which joint's potentiometer stands at an input of a multiplexer; -1 if none.
+constexpr std::array<int, KZ_ANALOG> joints_by_input() {
+  std::array<int, KZ_ANALOG> table{};
+  table.fill(-1);
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j)
+    table[static_cast<std::size_t>(wiring[j].mux * KZ_MUX_INPUTS + wiring[j].input)] =
+        static_cast<int>(j);
+  return table;
+}
+constexpr auto joint_at_input = joints_by_input();
+
+std::uint8_t port_level(const PinLevels& pins, int port) {
+  switch (port) {
+    case 3:
+      return pins.p3;
+    case 4:
+      return pins.p4;
+    case 5:
+      return pins.p5;
+    default:
+      return pins.p6;
+  }
+}
+
+// High counts out of 256, signed by direction and mounting.
+int signed_counts(const PinLevels& pins, const Wiring& wire) {
+  const auto pwm = static_cast<std::size_t>(wire.pwm);
+  const int counts = pwm < 16 ? pins.pw[pwm] : pins.tmo[pwm - 16];
+  const bool forward = (port_level(pins, wire.port) >> wire.bit & 1) != 0;
+  return (forward ? counts : -counts) * wire.sign;
+}
+
+}  // namespace
+
+double pot_ratio(int joint, double angle_rad) {
+  const Wiring& wire = wiring[static_cast<std::size_t>(joint)];
+  const double centre = wire.pot_centre_decideg * rad_per_decideg;
+  return std::clamp(0.5 + wire.sign * (angle_rad - centre) / pot_range_rad, 0.0, 1.0);
+}
+
+ServoBoard::ServoBoard(std::unique_ptr<Mcu> mcu, const ServoBoardOptions& options)
+    : mcu_(std::move(mcu)), options_(options), pins_(mcu_->pins()) {
+  for (int j = 0; j < KZ_JOINTS; ++j) pot_[static_cast<std::size_t>(j)] = pot_ratio(j, 0.0);
+  mcu_->on_pins(
+      [this](States at, const PinLevels& levels) { pins_changed(at + off_time_, levels); });
+  mcu_->set_analog([this](int channel, const PinLevels& levels, States at) {
+    return analog(channel, levels, at + off_time_);
+  });
+}
+
+Result<void> ServoBoard::run_until(States until) {
+  if (power_) {
+    if (auto done = mcu_->run_until(until - off_time_); !done) return done;
+    now_ = mcu_->now() + off_time_;
+  } else if (until > now_) {
+    off_time_ += until - now_;
+    now_ = until;
+  }
+  integrate(std::min(until, now_));
+  return {};
+}
+
+void ServoBoard::set_joint_angles(std::span<const double, KZ_JOINTS> angles_rad) {
+  for (int j = 0; j < KZ_JOINTS; ++j) {
+    const auto i = static_cast<std::size_t>(j);
+    pot_[i] = pot_ratio(j, angles_rad[i]);
+  }
+}
+
+double ServoBoard::supply_volts() const {
+  if (!power_) return 0;
+  return std::max(0.0, options_.supply_volts - options_.supply_ohms * supply_current_);
+}
+
+double ServoBoard::noise_free(unsigned input) const {
+  switch (input) {
+    case KZ_ANALOG_SUPPLY:
+      return supply_volts() * 1000.0 / KZ_SUPPLY_FULL_MV;
+    case KZ_ANALOG_REFERENCE:
+      return 0.5;
+    case KZ_ANALOG_TEMPERATURE:
+      return options_.driver_celsius * 10.0 / KZ_TEMPERATURE_FULL_DC;
+    default:
+      break;
+  }
+  const int joint = joint_at_input[input];
+  return joint < 0 ? 0.0 : pot_[static_cast<std::size_t>(joint)];
+}
+
+double ServoBoard::analog(int channel, const PinLevels& levels, States at) const {
+  if (channel < 0 || channel >= KZ_MUXES)
+    return 0.0;  // AN3..AN7 are grounded without the gyro option
+  const unsigned input =
+      static_cast<unsigned>(channel) * KZ_MUX_INPUTS + (levels.p4 & KZ_P4_MUX_MASK);
+  double ratio = noise_free(input);
+  if (options_.noise) {
+    const auto tick = static_cast<std::uint64_t>(at / KZ_STATES_PER_TICK);
+    ratio += options_.noise_codes / KZ_POT_CODES * keyed_normal(options_.seed, tick, input);
+  }
+  return std::clamp(ratio, 0.0, 1.0);
+}
+
+void ServoBoard::pins_changed(States at, const PinLevels& levels) {
+  PinLevels motor_pins = levels;
+  // Multiplexer selects change many times a tick and drive no motor.
+  motor_pins.p4 =
+      static_cast<std::uint8_t>((levels.p4 & ~KZ_P4_MUX_MASK) | (pins_.p4 & KZ_P4_MUX_MASK));
+  if (motor_pins != pins_) integrate(at);
+  pins_ = levels;
+}
+
+void ServoBoard::integrate(States until) {
+  if (until <= integrated_to_) return;
+  const States length = until - integrated_to_;
+  if (power_ && drivers_enabled()) {
+    enabled_states_ += length;
+    for (std::size_t j = 0; j < KZ_JOINTS; ++j)
+      duty_states_[j] += signed_counts(pins_, wiring[j]) * length;
+  }
+  integrated_to_ = until;
+}
+
+std::array<MeanDrive, KZ_JOINTS> ServoBoard::take_drives() {
+  std::array<MeanDrive, KZ_JOINTS> drives{};
+  const States length = integrated_to_ - integrated_from_;
+  if (length > 0) {
+    const bool powered = 2 * enabled_states_ > length;
+    for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+      drives[j].duty = static_cast<double>(duty_states_[j]) / (256.0 * static_cast<double>(length));
+      drives[j].powered = powered;
+    }
+  }
+  integrated_from_ = integrated_to_;
+  enabled_states_ = 0;
+  duty_states_.fill(0);
+  return drives;
+}
+
+void ServoBoard::receive(const SerialByte& byte) {
+  if (!power_) return;
+  SerialByte at_chip = byte;
+  // The last instruction may have run beyond the step in which the byte arrived.
+  at_chip.at = std::max(at_chip.at - off_time_, mcu_->now());
+  mcu_->receive(at_chip);
+}
+
+std::vector<SerialByte> ServoBoard::take_transmitted() {
+  std::vector<SerialByte> bytes = mcu_->take_transmitted();
+  if (!power_) bytes.clear();
+  for (SerialByte& byte : bytes) byte.at += off_time_;
+  return bytes;
+}
+
+void ServoBoard::set_power(bool on) {
+  if (on == power_) return;
+  integrate(now_);
+  power_ = on;
+  if (on) {
+    mcu_->power_cycle();
+    pins_ = mcu_->pins();
+  } else {
+    pins_ = PinLevels{};
+  }
+}
+
+void ServoBoard::reset() {
+  integrate(now_);
+  mcu_->reset();
+  pins_ = mcu_->pins();
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,214 @@
+// Each tick of the emulated firmware, computed again by the native build.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/mcu/compare.h"
+
+#include <array>
+#include <cstdio>
+#include <cstring>
+
+#include "shared/servo/fields.h"
+#include "shared/servo/servo.h"
+#include "shared/servo/tick.h"
+#include "sim/mcu/h8_layout.h"
+#include "sim/mcu/h8_mcu.h"
+#include "sim/mcu/traffic.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr int longest_start_ms = 2000;  // from reset to the first tick
+constexpr int most_without_tick_ms = 100;
+
+// "joint.angle" is an element of joint, "receiver.body" an array in receiver.
+std::string element(const std::string& prefix, const std::string& name, std::size_t index) {
+  const std::string subscript = std::string("[").append(std::to_string(index)).append("]");
+  if (name.starts_with("joint.")) return prefix + "joint" + subscript + name.substr(5);
+  return prefix + name + subscript;
+}
+
+std::int64_t sign_extended(std::uint32_t value, const kz_state_field& field) {
+  if (!field.is_signed) return value;
+  const int shift = 32 - 8 * field.size;
+  return static_cast<std::int32_t>(value << shift) >> shift;
+}
+
+std::uint32_t native_number(const std::uint8_t* at, std::size_t size) {
+  if (size == 1) return *at;
+  if (size == 2) {
+    std::uint16_t value = 0;
+    std::memcpy(&value, at, sizeof value);
+    return value;
+  }
+  std::uint32_t value = 0;
+  std::memcpy(&value, at, sizeof value);
+  return value;
+}
+
+class Comparison {
+ public:
+  Comparison(const CompareOptions& options, H8Mcu& h8)
+      : options_(options), h8_(h8), host_(options.seed), analog_(mix64(options.seed)) {
+    start_native();
+    h8_.on_tick([this](const TickRecord& record) { tick(record); });
+    h8_.on_watchdog_reset([this](States) {
+      ++report_.watchdog_resets;
+      start_native();
+    });
+    h8_.set_analog([this](int channel, const PinLevels& levels, States at) {
+      if (channel >= KZ_MUXES) return 0.0;
+      const auto input =
+          static_cast<unsigned>(channel) * KZ_MUX_INPUTS + (levels.p4 & KZ_P4_MUX_MASK);
+      return analog_.ratio(input, at);
+    });
+  }
+
+  Result<CompareReport> run() {
+    int without_tick_ms = -longest_start_ms;
+    while (report_.ticks < options_.ticks && report_.equal()) {
+      const States start = h8_.now();
+      const auto before = report_.ticks;
+      if (before > 0) {
+        for (const SerialByte& byte : host_.millisecond(start)) h8_.receive(byte);
+      }
+      analog_.millisecond();
+      if (auto ran = h8_.run_until(start + KZ_STATES_PER_TICK); !ran)
+        return tl::unexpected(ran.error());
+      report_.bytes_sent += static_cast<std::int64_t>(h8_.take_transmitted().size());
+      if (report_.ticks != before) {
+        without_tick_ms = 0;
+      } else if (++without_tick_ms > most_without_tick_ms) {
+        return fail(Fault::failed,
+                    options_.image_path + " does no tick (" + std::to_string(report_.ticks) +
+                        " so far): is it the servo firmware?\n" + h8_.chip().report());
+      }
+      if (options_.progress && report_.ticks / 1000 != before / 1000)
+        options_.progress(report_.ticks, options_.ticks);
+    }
+    report_.frames_sent_to_board = host_.frames();
+    report_.chip_s = static_cast<double>(h8_.now()) / KZ_CLOCK_HZ;
+    return report_;
+  }
+
+ private:
+  void start_native() {
+    native_ = {};
+    kz_tick_output ignored;
+    kz_servo_init(&native_, &ignored);
+  }
+
+  void tick(const TickRecord& record) {
+    if (!report_.equal() || report_.ticks >= options_.ticks) return;
+    kz_tick_output output{};
+    kz_tick(&native_, &record.input, &output);
+    ++report_.ticks;
+    report_.bytes_received += record.input.rx_count;
+    report_.missed_ticks += record.input.missed;
+    report_.worst_busy_8states =
+        std::max<std::uint16_t>(report_.worst_busy_8states, record.input.worst_8states);
+
+    compare_output(output, record.output);
+    if (report_.ticks % options_.state_every == 0 || !report_.equal()) compare_state();
+    if (!report_.equal()) {
+      report_.tick = record.input.tick;
+      report_.input_hex = hex_of(h8_.global("kz_input", h8_layout::input_size));
+    }
+  }
+
+  void differ(std::string field, std::int64_t native, std::int64_t h8) {
+    report_.differences.push_back({std::move(field), native, h8});
+  }
+
+  void check(const char* name, std::int64_t native, std::int64_t h8) {
+    if (native != h8) differ(std::string("output.") + name, native, h8);
+  }
+
+  template <std::size_t N>
+  void check_array(const char* name, const u8 (&native)[N], const u8 (&h8)[N], std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i)
+      if (native[i] != h8[i]) differ(element("output.", name, i), native[i], h8[i]);
+  }
+
+  void compare_output(const kz_tick_output& native, const kz_tick_output& h8) {
+    check_array("pw", native.pw, h8.pw, std::size(native.pw));
+    check_array("tmo", native.tmo, h8.tmo, std::size(native.tmo));
+    check("p3", native.p3, h8.p3);
+    check("p4", native.p4, h8.p4);
+    check("p5", native.p5, h8.p5);
+    check("p6", native.p6, h8.p6);
+    check("tx_count", native.tx_count, h8.tx_count);
+    check_array("tx", native.tx, h8.tx,
+                std::min<std::size_t>(std::min(native.tx_count, h8.tx_count), KZ_TX_PER_TICK));
+  }
+
+  void compare_state() {
+    const auto h8 = h8_.global("kz_servo_state", kz_state_size_h8);
+    if (h8.empty()) return;  // load() has made sure of the symbol
+    const auto* native = reinterpret_cast<const std::uint8_t*>(&native_);
+    for (std::size_t f = 0; f < kz_state_field_count; ++f) {
+      const kz_state_field& field = kz_state_fields[f];
+      for (std::size_t i = 0; i < field.count; ++i) {
+        const std::size_t at = field.offset + i * field.stride;
+        const std::uint32_t ours = native_number(native + at, field.size);
+        const std::uint32_t theirs = h8_layout::number(h8, at, field.size);
+        if (ours != theirs)
+          differ(field.count > 1 ? element("state.", field.name, i)
+                                 : std::string("state.") + field.name,
+                 sign_extended(ours, field), sign_extended(theirs, field));
+      }
+    }
+  }
+
+  static std::string hex_of(const std::vector<std::uint8_t>& bytes) {
+    std::string text;
+    char digits[4];
+    for (const std::uint8_t byte : bytes) {
+      std::snprintf(digits, sizeof digits, "%02x", byte);
+      text += digits;
+    }
+    return text;
+  }
+
+  const CompareOptions& options_;
+  H8Mcu& h8_;
+  RandomHost host_;
+  RandomAnalog analog_;
+  kz_servo native_{};
+  CompareReport report_;
+};
+
+}  // namespace
+
+std::string CompareReport::text() const {
+  char line[160];
+  if (equal()) {
+    std::snprintf(line, sizeof line,
+                  "no difference in %lld ticks (%lld frames, %lld bytes in, %lld bytes out)",
+                  static_cast<long long>(ticks), static_cast<long long>(frames_sent_to_board),
+                  static_cast<long long>(bytes_received), static_cast<long long>(bytes_sent));
+    return line;
+  }
+  std::snprintf(line, sizeof line, "first difference at tick %u:\n  %-32s %12s %12s",
+                static_cast<unsigned>(*tick), "field", "native", "h8");
+  std::string text = line;
+  for (const CompareDifference& difference : differences) {
+    std::snprintf(line, sizeof line, "\n  %-32s %12lld %12lld", difference.field.c_str(),
+                  static_cast<long long>(difference.native), static_cast<long long>(difference.h8));
+    text += line;
+  }
+  return text + "\n  input of that tick, as the H8 has it: " + input_hex;
+}
+
+Result<CompareReport> compare_engines(const CompareOptions& options) {
+  if (options.ticks < 1 || options.state_every < 1)
+    return fail(Fault::usage, "the comparison takes at least one tick");
+  auto h8 = H8Mcu::load(options.image_path);
+  if (!h8) return tl::unexpected(h8.error());
+  if (!(*h8)->has_tick_symbols() || (*h8)->global("kz_servo_state", 1).empty())
+    return fail(Fault::usage,
+                options.image_path +
+                    " has no symbols of the servo's tick; put the .coff of the same " +
+                    "build beside it");
+  return Comparison(options, **h8).run();
+}
+
+}  // namespace kaz::sim

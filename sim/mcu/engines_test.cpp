@@ -1,0 +1,163 @@
+// The firmware image in the emulator, beside the native engine.
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+#include <filesystem>
+
+#include "sim/mcu/compare.h"
+#include "sim/mcu/h8_mcu.h"
+#include "sim/mcu/test_host.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr States ms = KZ_STATES_PER_TICK;
+
+std::unique_ptr<Mcu> started(Result<std::unique_ptr<Mcu>> mcu) {
+  EXPECT_TRUE(mcu) << mcu.error().message;
+  (*mcu)->set_analog(quiet_board);
+  EXPECT_TRUE((*mcu)->run_until(100 * ms));
+  return std::move(*mcu);
+}
+
+std::unique_ptr<Mcu> h8() {
+  return started(make_h8(KAZ_FIRMWARE_IMAGE));
+}
+std::unique_ptr<Mcu> native() {
+  return started(make_native());
+}
+
+// Motor pins after the same requests, without multiplexer selects.
+PinLevels after_requests(Mcu& mcu) {
+  send(mcu, enable_frame(1, 0x3ffff));
+  EXPECT_TRUE(mcu.run_until(mcu.now() + 10 * ms));
+  for (int j = 0; j < KZ_JOINTS; ++j) {
+    send(mcu, target_frame(static_cast<std::uint8_t>(2 + j), j, 100 * (j % 3)));
+    EXPECT_TRUE(mcu.run_until(mcu.now() + 10 * ms));
+  }
+  EXPECT_TRUE(mcu.run_until(mcu.now() + 100 * ms));
+  PinLevels pins = mcu.pins();
+  pins.p4 &= static_cast<std::uint8_t>(~KZ_P4_MUX_MASK);
+  return pins;
+}
+
+TEST(Engines, PinsAgree) {
+  const PinLevels from_h8 = after_requests(*h8()), from_native = after_requests(*native());
+  EXPECT_EQ(from_h8.pw, from_native.pw);
+  EXPECT_EQ(from_h8.tmo, from_native.tmo);
+  EXPECT_EQ(from_h8.p3, from_native.p3);
+  EXPECT_EQ(from_h8.p4, from_native.p4);
+  EXPECT_EQ(from_h8.p5, from_native.p5);
+  EXPECT_EQ(from_h8.p6, from_native.p6);
+  EXPECT_TRUE(from_h8.p4 & KZ_P4_ENABLE);
+  EXPECT_NE(from_h8.pw, (std::array<std::uint16_t, 16>{})) << "nothing was driven";
+}
+
+TEST(Engines, BytesTakeTheSameTime) {
+  for (const auto& mcu : {h8(), native()}) {
+    send(*mcu, frame_of(KZ_TYPE_state, 7, {}));
+    ASSERT_TRUE(mcu->run_until(mcu->now() + 20 * ms));
+    const auto bytes = mcu->take_transmitted();
+    ASSERT_EQ(bytes.size(), 53u) << mcu->engine();
+    for (std::size_t i = 1; i < bytes.size(); ++i)
+      EXPECT_EQ(bytes[i].at - bytes[i - 1].at, KZ_STATES_PER_BYTE) << mcu->engine() << ' ' << i;
+    ASSERT_EQ(bodies_of(bytes).size(), 1u);
+  }
+}
+
+TEST(Engines, SampleEveryInputWithItsSelect) {
+  for (const auto& mcu : {h8(), native()}) {
+    mcu->set_analog([](int channel, const PinLevels& levels, States) {
+      return channel < KZ_MUXES ? (channel * 8 + (levels.p4 & 7) + 0.5) / KZ_POT_CODES : 0.0;
+    });
+    kz_tick_input last{};
+    mcu->on_tick([&last](const TickRecord& record) { last = record.input; });
+    ASSERT_TRUE(mcu->run_until(mcu->now() + 5 * ms));
+    for (unsigned i = 0; i < KZ_ANALOG; ++i) EXPECT_EQ(last.analog[i], i) << mcu->engine();
+    mcu->on_tick(nullptr);
+  }
+}
+
+TEST(Engines, MotorsAreOffFromPowerOnUntilEnabled) {
+  auto mcu = make_h8(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(mcu);
+  (*mcu)->set_analog(quiet_board);
+  bool enabled = false;
+  (*mcu)->on_pins([&enabled](States, const PinLevels& pins) {
+    enabled = enabled || (pins.p4 & KZ_P4_ENABLE) != 0;
+  });
+  ASSERT_TRUE((*mcu)->run_until(500 * ms));
+  EXPECT_FALSE(enabled);
+}
+
+TEST(Engines, PowerCycleStartsAnewAtTheSameTime) {
+  auto mcu = h8();
+  send(*mcu, enable_frame(1, 1));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 10 * ms));
+  ASSERT_TRUE(mcu->pins().p4 & KZ_P4_ENABLE);
+  const States before = mcu->now();
+  mcu->power_cycle();
+  EXPECT_EQ(mcu->now(), before);
+  EXPECT_FALSE(mcu->pins().p4 & KZ_P4_ENABLE);
+  ASSERT_TRUE(mcu->run_until(before + 100 * ms));
+  send(*mcu, frame_of(KZ_TYPE_state, 1, {}));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 20 * ms));
+  const auto bytes = mcu->take_transmitted();
+  ASSERT_FALSE(bytes.empty());
+  EXPECT_GT(bytes.front().at, before);
+}
+
+TEST(Compare, FindsNoDifference) {
+  CompareOptions options;
+  options.image_path = KAZ_FIRMWARE_IMAGE;
+  options.ticks = 20000;
+  std::int64_t progress = 0;
+  options.progress = [&progress](std::int64_t done, std::int64_t) { progress = done; };
+  const auto report = compare_engines(options);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->equal()) << report->text();
+  EXPECT_EQ(report->ticks, 20000);
+  EXPECT_EQ(progress, 20000);
+  // The comparison has seen something: see the phases of RandomHost.
+  EXPECT_GT(report->frames_sent_to_board, 500);
+  EXPECT_GT(report->bytes_received, 10000);
+  EXPECT_GT(report->bytes_sent, 5000);
+}
+
+TEST(Compare, IsRepeatable) {
+  CompareOptions options;
+  options.image_path = KAZ_FIRMWARE_IMAGE;
+  options.ticks = 2000;
+  const auto first = compare_engines(options), second = compare_engines(options);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->bytes_received, second->bytes_received);
+  EXPECT_EQ(first->bytes_sent, second->bytes_sent);
+  EXPECT_EQ(first->worst_busy_8states, second->worst_busy_8states);
+}
+
+TEST(Compare, NeedsSymbols) {
+  const auto alone =
+      std::filesystem::temp_directory_path() / ("kaz-alone-" + std::to_string(::getpid()) + ".mot");
+  std::filesystem::copy_file(KAZ_FIRMWARE_IMAGE, alone,
+                             std::filesystem::copy_options::overwrite_existing);
+  CompareOptions options;
+  options.image_path = alone.string();
+  const auto report = compare_engines(options);
+  std::filesystem::remove(alone);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().fault, Fault::usage);
+  EXPECT_NE(report.error().message.find(".coff"), std::string::npos);
+}
+
+TEST(Compare, SaysWhatIsWrongWithAFile) {
+  CompareOptions options;
+  options.image_path = "/nonexistent/kaz.mot";
+  const auto report = compare_engines(options);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().fault, Fault::usage);
+  EXPECT_NE(report.error().message.find("/nonexistent/kaz.mot"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kaz::sim

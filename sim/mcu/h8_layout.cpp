@@ -1,0 +1,70 @@
+// Decoding of the tick's structures from the memory of the H8.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/mcu/h8_layout.h"
+
+#include <algorithm>
+
+namespace kaz::sim::h8_layout {
+namespace {
+
+class Reader {
+ public:
+  explicit Reader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+  std::uint32_t take(std::size_t size) {
+    const std::uint32_t value = number(bytes_, at_, size);
+    at_ += size;
+    return value;
+  }
+  void read(u8& value) { value = static_cast<u8>(take(1)); }
+  void read(u16& value) { value = static_cast<u16>(take(2)); }
+  void read(u32& value) { value = take(4); }
+  template <class T, std::size_t N>
+  void read(T (&values)[N]) {
+    for (T& value : values) read(value);
+  }
+
+ private:
+  std::span<const std::uint8_t> bytes_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace
+
+std::uint32_t number(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t size) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < size; ++i) value = value << 8 | bytes[at + i];
+  return value;
+}
+
+kz_tick_input decode_input(std::span<const std::uint8_t, input_size> bytes) {
+  Reader reader(bytes);
+  kz_tick_input input{};
+  reader.read(input.tick);
+  reader.read(input.busy_8states);
+  reader.read(input.worst_8states);
+  reader.read(input.image_crc);
+  reader.read(input.analog);
+  reader.read(input.missed);
+  reader.read(input.reset_cause);
+  reader.read(input.tx_room);
+  reader.read(input.rx_count);
+  reader.read(input.rx);
+  reader.read(input.rx_flags);
+  return input;
+}
+
+kz_tick_output decode_output(std::span<const std::uint8_t, output_size> bytes) {
+  Reader reader(bytes);
+  kz_tick_output output{};
+  reader.read(output.pw);
+  reader.read(output.tmo);
+  reader.read(output.p3);
+  reader.read(output.p4);
+  reader.read(output.p5);
+  reader.read(output.p6);
+  reader.read(output.tx_count);
+  reader.read(output.tx);
+  return output;
+}
+
+}  // namespace kaz::sim::h8_layout

@@ -1,0 +1,22 @@
+// How the H8 compiler lays out the structures of shared/servo/tick.h: big-endian, no padding but an
+// even start of each number of more than a byte. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "shared/servo/tick.h"
+
+namespace kaz::sim::h8_layout {
+
+inline constexpr std::size_t input_size = 4 + 3 * 2 + 2 * KZ_ANALOG + 4 + 2 * KZ_RX_PER_TICK;
+inline constexpr std::size_t output_size = 16 + 2 + 4 + 1 + KZ_TX_PER_TICK;
+
+kz_tick_input decode_input(std::span<const std::uint8_t, input_size> bytes);
+kz_tick_output decode_output(std::span<const std::uint8_t, output_size> bytes);
+
+// Big-endian number of 1, 2 or 4 bytes at `at`.
+std::uint32_t number(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t size);
+
+}  // namespace kaz::sim::h8_layout

@@ -1,0 +1,195 @@
+// The native engine: shared/servo compiled for this machine behind the same pins, byte times and
+// A/D readings as the firmware gives it, but with no CPU that takes time. SPDX-License-Identifier:
+// Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <utility>
+
+#include "shared/servo/servo.h"
+#include "sim/mcu/mcu.h"
+
+namespace kaz::sim {
+namespace {
+
+// As firmware/ does it; the engines' timing need not agree to the state (design, section 3).
+constexpr States start_states = 20 * KZ_STATES_PER_TICK;  // from reset to the first tick
+constexpr std::size_t receive_ring = 63;                  // bytes that its receive buffer holds
+constexpr std::size_t transmit_ring = 63;                 // bytes that its transmit buffer holds
+constexpr States scan_start = 2000;                       // from a tick's start to the first sample
+constexpr States scan_interval = 900;   // from one multiplexer setting to the next
+constexpr States convert_states = 256;  // from one of AN0..AN2 to the next
+
+class NativeMcu final : public Mcu {
+ public:
+  NativeMcu() { power_cycle(); }
+
+  std::string engine() const override { return "native"; }
+  States now() const override { return now_; }
+
+  Result<void> run_until(States until) override {
+    while (true) {
+      const States sample_at = sample_time();
+      if (std::min(tick_at_, sample_at) > until) break;
+      if (sample_at < tick_at_) {
+        now_ = std::max(now_, sample_at);
+        sample();
+      } else {
+        now_ = std::max(now_, tick_at_);
+        tick();
+      }
+    }
+    now_ = std::max(now_, until);
+    return {};
+  }
+
+  void reset() override {
+    kz_servo_init(&servo_, &output_);
+    output_.tx_count = 0;
+    input_ = {};
+    input_.reset_cause = KZ_RESET_POWER;
+    tick_at_ = now_ + start_states;
+    setting_ = KZ_MUX_INPUTS;
+    received_.clear();
+    ring_.clear();
+    lost_ = false;
+    while (!wire_.empty() && wire_.back().at > now_) wire_.pop_back();
+    wire_free_ = now_;
+    show({});
+  }
+
+  // The native engine has no RAM that could outlive its servo's state.
+  void power_cycle() override { reset(); }
+
+  const PinLevels& pins() const override { return pins_; }
+  void on_pins(std::function<void(States, const PinLevels&)> listener) override {
+    on_pins_ = std::move(listener);
+  }
+  void set_analog(AnalogSource source) override { analog_ = std::move(source); }
+  void receive(const SerialByte& byte) override { received_.push_back(byte); }
+  void on_tick(std::function<void(const TickRecord&)> listener) override {
+    on_tick_ = std::move(listener);
+  }
+
+  std::vector<SerialByte> take_transmitted() override {
+    std::vector<SerialByte> left;
+    while (!wire_.empty() && wire_.front().at <= now_) {
+      left.push_back(wire_.front());
+      wire_.pop_front();
+    }
+    return left;
+  }
+
+ private:
+  void tick() {
+    const States start = tick_at_;
+    tick_at_ += KZ_STATES_PER_TICK;
+
+    show(levels_of(output_));
+    transmit(start);
+    gather(start);
+
+    kz_tick(&servo_, &input_, &output_);
+    if (on_tick_) on_tick_({input_, output_});
+    input_.tick += 1;
+    setting_ = 0;
+  }
+
+  // The bytes that the previous tick queued go to the wire back to back.
+  void transmit(States start) {
+    wire_free_ = std::max(wire_free_, start);
+    for (int i = 0; i < output_.tx_count; ++i) {
+      wire_free_ += KZ_STATES_PER_BYTE;
+      wire_.push_back({output_.tx[i], wire_free_, false});
+    }
+  }
+
+  // The snapshot that the tick computes from. A/D codes are in it already.
+  void gather(States start) {
+    while (!received_.empty() && received_.front().at <= start) {
+      if (ring_.size() < receive_ring) {
+        const auto flags =
+            (received_.front().framing_error ? KZ_RX_FRAMING : 0) | (lost_ ? KZ_RX_LOST : 0);
+        ring_.emplace_back(received_.front().value, static_cast<u8>(flags));
+        lost_ = false;
+      } else {
+        lost_ = true;
+      }
+      received_.pop_front();
+    }
+    std::fill(std::begin(input_.rx), std::end(input_.rx), u8{0});
+    std::fill(std::begin(input_.rx_flags), std::end(input_.rx_flags), u8{0});
+    input_.rx_count = static_cast<u8>(std::min<std::size_t>(ring_.size(), KZ_RX_PER_TICK));
+    for (std::size_t i = 0; i < input_.rx_count; ++i) {
+      input_.rx[i] = ring_.front().first;
+      input_.rx_flags[i] = ring_.front().second;
+      ring_.pop_front();
+    }
+    const States queued = (wire_free_ - start + KZ_STATES_PER_BYTE - 1) / KZ_STATES_PER_BYTE;
+    const States room = static_cast<States>(transmit_ring) - std::max<States>(queued, 0);
+    input_.tx_room = static_cast<u8>(std::clamp<States>(room, 0, 255));
+  }
+
+  States sample_time() const {
+    if (setting_ >= KZ_MUX_INPUTS) return tick_at_ + 1;  // the tick comes first
+    return tick_at_ - KZ_STATES_PER_TICK + scan_start + setting_ * scan_interval;
+  }
+
+  // One multiplexer setting: AN0, AN1, AN2 in turn.
+  void sample() {
+    PinLevels selected = pins_;
+    selected.p4 = static_cast<std::uint8_t>((pins_.p4 & ~KZ_P4_MUX_MASK) | setting_);
+    show(selected);
+    for (int mux = 0; mux < KZ_MUXES; ++mux) {
+      const double ratio = analog_ ? analog_(mux, pins_, now_ + mux * convert_states) : 0.0;
+      const int code = static_cast<int>(std::floor(KZ_POT_CODES * ratio));
+      input_.analog[mux * KZ_MUX_INPUTS + setting_] =
+          static_cast<u16>(std::clamp(code, 0, KZ_POT_CODES - 1));
+    }
+    ++setting_;
+  }
+
+  PinLevels levels_of(const kz_tick_output& output) const {
+    PinLevels levels;
+    for (std::size_t i = 0; i < 16; ++i) levels.pw[i] = output.pw[i];
+    for (std::size_t i = 0; i < 2; ++i) levels.tmo[i] = output.tmo[i];
+    levels.p3 = output.p3;
+    levels.p4 =
+        static_cast<std::uint8_t>((output.p4 & ~KZ_P4_MUX_MASK) | (pins_.p4 & KZ_P4_MUX_MASK));
+    levels.p5 = output.p5;
+    levels.p6 = output.p6;
+    return levels;
+  }
+
+  void show(const PinLevels& levels) {
+    if (levels == pins_) return;
+    pins_ = levels;
+    if (on_pins_) on_pins_(now_, pins_);
+  }
+
+  kz_servo servo_{};
+  kz_tick_input input_{};
+  kz_tick_output output_{};  // of the last tick: for the pins and the wire at the next
+  States now_ = 0;
+  States tick_at_ = 0;
+  int setting_ = KZ_MUX_INPUTS;  // of the multiplexers, to be sampled next
+  PinLevels pins_;
+
+  std::deque<SerialByte> received_;     // on the wire to us
+  std::deque<std::pair<u8, u8>> ring_;  // received and not yet taken: value, KZ_RX_*
+  bool lost_ = false;
+  std::deque<SerialByte> wire_;  // on the wire from us
+  States wire_free_ = 0;
+
+  std::function<void(States, const PinLevels&)> on_pins_;
+  AnalogSource analog_;
+  std::function<void(const TickRecord&)> on_tick_;
+};
+
+}  // namespace
+
+std::unique_ptr<Mcu> make_native() {
+  return std::make_unique<NativeMcu>();
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,168 @@
+// The native engine alone, seen from its pins.
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim/mcu/mcu.h"
+#include "sim/mcu/test_host.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr States ms = KZ_STATES_PER_TICK;
+
+bool motors_on(const Mcu& mcu) {
+  return (mcu.pins().p4 & KZ_P4_ENABLE) != 0;
+}
+
+std::unique_ptr<Mcu> started() {
+  auto mcu = make_native();
+  mcu->set_analog(quiet_board);
+  EXPECT_TRUE(mcu->run_until(30 * ms));
+  return mcu;
+}
+
+TEST(Native, EnablesAndDrivesTowardsATarget) {
+  auto mcu = started();
+  EXPECT_FALSE(motors_on(*mcu));
+  EXPECT_EQ(mcu->pins().pw[0], 0);
+
+  const States sent = send(*mcu, enable_frame(1, 1));
+  ASSERT_TRUE(mcu->run_until(sent + 3 * ms));
+  EXPECT_TRUE(motors_on(*mcu));
+  EXPECT_LE(mcu->pins().pw[0], 3);  // it holds where it stands
+
+  // 0.2 rad ahead at kp 20/rad is four times full duty; the ramp of 6 rad/s gets there in 34 ms.
+  const States targeted = send(*mcu, target_frame(2, 0, 2000));
+  ASSERT_TRUE(mcu->run_until(targeted + 50 * ms));
+  EXPECT_EQ(mcu->pins().pw[0], 255);
+  EXPECT_TRUE(mcu->pins().p3 & 1);  // neck_pan: P30 high is forward, mounted with sign +1
+
+  const States back = send(*mcu, target_frame(3, 0, -2000));
+  ASSERT_TRUE(mcu->run_until(back + 100 * ms));
+  EXPECT_EQ(mcu->pins().pw[0], 255);
+  EXPECT_FALSE(mcu->pins().p3 & 1);
+}
+
+TEST(Native, SilentHostTurnsMotorsOffAfter200Milliseconds) {
+  auto mcu = started();
+  const States sent = send(*mcu, enable_frame(1, 1));
+  ASSERT_TRUE(mcu->run_until(sent + 195 * ms));
+  EXPECT_TRUE(motors_on(*mcu));
+  ASSERT_TRUE(mcu->run_until(sent + 205 * ms));
+  EXPECT_FALSE(motors_on(*mcu));
+}
+
+TEST(Native, BytesLeaveBackToBack) {
+  auto mcu = started();
+  send(*mcu, frame_of(KZ_TYPE_state, 7, {}));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 20 * ms));
+  const auto bytes = mcu->take_transmitted();
+  // Status: tick 4, status 2, supply 2, 18 angles; header 3, stuffing 1, check 3, two zeros.
+  ASSERT_EQ(bytes.size(), 8u + 36 + 3 + 1 + 3 + 2);
+  EXPECT_EQ((bytes.front().at - KZ_STATES_PER_BYTE) % ms, 0) << "the first starts with a tick";
+  for (std::size_t i = 1; i < bytes.size(); ++i)
+    EXPECT_EQ(bytes[i].at - bytes[i - 1].at, KZ_STATES_PER_BYTE);
+  const auto bodies = bodies_of(bytes);
+  ASSERT_EQ(bodies.size(), 1u);
+  EXPECT_EQ(bodies[0][1], KZ_TYPE_state_reply);
+  EXPECT_EQ(bodies[0][2], 7);
+  EXPECT_TRUE(mcu->take_transmitted().empty());
+}
+
+TEST(Native, ByteIsNotThereBeforeItsStopBit) {
+  auto mcu = started();
+  send(*mcu, frame_of(KZ_TYPE_state, 1, {}));
+  States first = 0;
+  while (first == 0) {
+    ASSERT_TRUE(mcu->run_until(mcu->now() + 100));
+    const auto bytes = mcu->take_transmitted();
+    if (!bytes.empty()) {
+      first = bytes.front().at;
+      EXPECT_EQ(bytes.size(), 1u);
+      EXPECT_LE(first, mcu->now());
+      EXPECT_GT(first, mcu->now() - 100);
+    }
+  }
+}
+
+TEST(Native, SamplesEveryInputWithItsSelect) {
+  auto mcu = make_native();
+  mcu->set_analog([](int channel, const PinLevels& levels, States) {
+    return (channel * 8 + (levels.p4 & 7) + 0.5) / KZ_POT_CODES;
+  });
+  kz_tick_input last{};
+  mcu->on_tick([&last](const TickRecord& record) { last = record.input; });
+  ASSERT_TRUE(mcu->run_until(30 * ms));
+  for (unsigned i = 0; i < KZ_ANALOG; ++i) EXPECT_EQ(last.analog[i], i);
+}
+
+TEST(Native, ConverterClips) {
+  auto mcu = make_native();
+  mcu->set_analog([](int channel, const PinLevels&, States) {
+    return channel == 0 ? 1.0 : channel == 1 ? -0.1 : 1023.0 / 1024.0;
+  });
+  kz_tick_input last{};
+  mcu->on_tick([&last](const TickRecord& record) { last = record.input; });
+  ASSERT_TRUE(mcu->run_until(30 * ms));
+  EXPECT_EQ(last.analog[0], 1023);
+  EXPECT_EQ(last.analog[8], 0);
+  EXPECT_EQ(last.analog[16], 1023);
+}
+
+TEST(Native, FramingErrorReachesTheTick) {
+  auto mcu = started();
+  std::vector<u8> flags;
+  mcu->on_tick([&flags](const TickRecord& record) {
+    for (int i = 0; i < record.input.rx_count; ++i) flags.push_back(record.input.rx_flags[i]);
+  });
+  mcu->receive({0x55, mcu->now() + 1600, false});
+  mcu->receive({0x55, mcu->now() + 3200, true});
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 3 * ms));
+  EXPECT_EQ(flags, (std::vector<u8>{0, KZ_RX_FRAMING}));
+}
+
+TEST(Native, TakesSixteenBytesATick) {
+  auto mcu = started();
+  std::vector<int> counts;
+  mcu->on_tick([&counts](const TickRecord& record) { counts.push_back(record.input.rx_count); });
+  for (int i = 0; i < 40; ++i) mcu->receive({0x55, mcu->now() + 1, false});
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 4 * ms));
+  EXPECT_EQ(counts, (std::vector<int>{16, 16, 8, 0}));
+}
+
+TEST(Native, PinsChangeOnlyAtTicksButForTheSelects) {
+  auto mcu = started();
+  PinLevels before = mcu->pins();
+  mcu->on_pins([&before](States at, const PinLevels& now) {
+    PinLevels masked = now;
+    masked.p4 = static_cast<std::uint8_t>((now.p4 & ~7) | (before.p4 & 7));
+    if (masked != before) {
+      EXPECT_EQ(at % ms, 0);
+    }
+    before = now;
+  });
+  send(*mcu, enable_frame(1, 0x3ffff));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 20 * ms));
+  EXPECT_TRUE(motors_on(*mcu));
+}
+
+TEST(Native, ResetLetsGoOfThePins) {
+  auto mcu = started();
+  send(*mcu, enable_frame(1, 1));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 10 * ms));
+  ASSERT_TRUE(motors_on(*mcu));
+  mcu->reset();
+  EXPECT_EQ(mcu->pins(), PinLevels{});
+  u32 first_tick = 99;
+  mcu->on_tick([&first_tick](const TickRecord& record) {
+    if (first_tick == 99) first_tick = record.input.tick;
+  });
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 30 * ms));
+  EXPECT_EQ(first_tick, 0u);
+  EXPECT_FALSE(motors_on(*mcu));
+}
+
+}  // namespace
+}  // namespace kaz::sim

@@ -1,0 +1,70 @@
+// For tests: a host that speaks to a microcontroller through its pins.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "shared/protocol/frame.h"
+#include "shared/protocol/messages.h"
+#include "sim/mcu/mcu.h"
+
+namespace kaz::sim {
+
+inline std::vector<std::uint8_t> frame_of(std::uint8_t type, std::uint8_t sequence,
+                                          const std::vector<std::uint8_t>& fields) {
+  std::vector<std::uint8_t> body{KZ_ADDRESS_DEFAULT, type, sequence};
+  body.insert(body.end(), fields.begin(), fields.end());
+  std::vector<std::uint8_t> wire(KZ_FRAME_MAX);
+  wire.resize(kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire.data()));
+  return wire;
+}
+
+inline std::vector<std::uint8_t> enable_frame(std::uint8_t sequence, std::uint32_t mask) {
+  std::vector<std::uint8_t> fields(KZ_PAYLOAD_MAX);
+  const kz_enable message{mask};
+  fields.resize(kz_pack_enable(&message, fields.data()));
+  return frame_of(KZ_TYPE_enable, sequence, fields);
+}
+
+// One joint, as fast as its ramp allows; 100 urad.
+inline std::vector<std::uint8_t> target_frame(std::uint8_t sequence, int joint, int angle) {
+  std::vector<std::uint8_t> fields(KZ_PAYLOAD_MAX);
+  kz_targets message{};
+  message.mask = 1u << joint;
+  message.angle[joint] = static_cast<s16>(angle);
+  fields.resize(kz_pack_targets(&message, fields.data()));
+  return frame_of(KZ_TYPE_targets, sequence, fields);
+}
+
+// Sends from now on, back to back. Returns when the last stop bit has passed.
+inline States send(Mcu& mcu, const std::vector<std::uint8_t>& bytes) {
+  States at = mcu.now();
+  for (const std::uint8_t value : bytes) {
+    at += KZ_STATES_PER_BYTE;
+    mcu.receive({value, at, false});
+  }
+  return at;
+}
+
+// Bodies of the sound frames in what the board sent.
+inline std::vector<std::vector<std::uint8_t>> bodies_of(const std::vector<SerialByte>& bytes) {
+  std::vector<std::vector<std::uint8_t>> bodies;
+  kz_receiver receiver;
+  kz_receiver_init(&receiver);
+  for (const SerialByte& byte : bytes) {
+    if (kz_receive(&receiver, byte.value, 0) == KZ_RECEIVE_FRAME)
+      bodies.emplace_back(receiver.body, receiver.body + receiver.length);
+  }
+  return bodies;
+}
+
+// All potentiometers at mid-scale, supply at 10 V, nothing else.
+inline double quiet_board(int channel, const PinLevels& levels, States) {
+  const int input = channel * KZ_MUX_INPUTS + (levels.p4 & KZ_P4_MUX_MASK);
+  if (input == KZ_ANALOG_SUPPLY) return 10000.0 / KZ_SUPPLY_FULL_MV;
+  return 0.5;
+}
+
+}  // namespace kaz::sim

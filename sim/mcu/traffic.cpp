@@ -1,0 +1,215 @@
+// Random requests made by the codec, damage, and random joints.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/mcu/traffic.h"
+
+#include <algorithm>
+
+#include "shared/protocol/frame.h"
+#include "shared/protocol/messages.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr std::uint32_t all_joints = (1u << KZ_JOINTS) - 1;
+
+std::vector<std::uint8_t> encode(const std::vector<std::uint8_t>& body) {
+  std::vector<std::uint8_t> wire(KZ_FRAME_MAX);
+  wire.resize(kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire.data()));
+  return wire;
+}
+
+}  // namespace
+
+std::vector<SerialByte> RandomHost::millisecond(States now) {
+  std::vector<SerialByte> bytes;
+  if (--phase_left_ms_ <= 0) next_phase();
+  if (phase_ == Phase::silent || wire_free_ > now) return bytes;
+  if (phase_ != Phase::burst && --pause_ms_ > 0) return bytes;
+  pause_ms_ = static_cast<int>(random_.below(20));
+
+  std::vector<std::uint8_t> frame;
+  if (phase_ == Phase::faulty) {
+    frame = any_frame();
+    damage(frame);
+  } else {
+    frame = request();
+  }
+  ++frames_;
+  // Some milliseconds begin within a frame: the start falls anywhere.
+  wire_free_ = now + random_.below(KZ_STATES_PER_TICK);
+  for (const std::uint8_t value : frame) {
+    // A host's driver may pause between two bytes.
+    if (random_.chance(0.02)) wire_free_ += random_.below(3 * KZ_STATES_PER_BYTE);
+    wire_free_ += KZ_STATES_PER_BYTE;
+    const bool framing_error = phase_ == Phase::faulty && random_.chance(0.002);
+    bytes.push_back({value, wire_free_, framing_error});
+  }
+  return bytes;
+}
+
+void RandomHost::next_phase() {
+  static constexpr Phase phases[] = {Phase::orderly, Phase::orderly, Phase::orderly, Phase::burst,
+                                     Phase::burst,   Phase::faulty,  Phase::silent};
+  phase_ = phases[random_.below(std::size(phases))];
+  phase_left_ms_ = 50 + static_cast<int>(random_.below(1450));
+}
+
+std::uint32_t RandomHost::mask() {
+  switch (random_.below(8)) {
+    case 0:
+      return static_cast<std::uint32_t>(random_.next());  // bits beyond the joints as well
+    case 1:
+      return 0;
+    case 2:
+      return static_cast<std::uint32_t>(random_.next()) & all_joints;
+    case 3:
+      return 1u << random_.below(KZ_JOINTS);
+    default:
+      return all_joints;
+  }
+}
+
+// Mostly near the middle of the potentiometer, which every joint can reach.
+std::int16_t RandomHost::angle(int joint) {
+  static constexpr std::int16_t centre[KZ_JOINTS] = {
+#define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) KZ_DECIDEG(pot_centre),
+#include "shared/board/joints.def"
+#undef KZ_JOINT
+  };
+  if (random_.chance(0.01)) return static_cast<std::int16_t>(random_.next());
+  const int spread = random_.chance(0.05) ? 20000 : 4000;
+  return static_cast<std::int16_t>(centre[joint] - spread / 2 +
+                                   static_cast<int>(random_.below(static_cast<u16>(spread))));
+}
+
+// One of the six requests, with legal values most of the time.
+std::vector<std::uint8_t> RandomHost::request() {
+  if (!last_.empty() && random_.chance(0.03)) return last_;  // its reply was lost
+  std::uint8_t fields[KZ_PAYLOAD_MAX] = {};
+  std::uint8_t type = KZ_TYPE_state, length = 0;
+  switch (random_.below(12)) {
+    case 0:
+      type = KZ_TYPE_identify;
+      break;
+    case 1: {
+      type = KZ_TYPE_enable;
+      const kz_enable enable{mask()};
+      length = kz_pack_enable(&enable, fields);
+      break;
+    }
+    case 2: {
+      type = KZ_TYPE_gains;
+      kz_gains gains{};
+      gains.mask = mask();
+      const bool wild = random_.chance(0.2);
+      gains.kp = static_cast<u16>(wild ? random_.next() : random_.below(8000));
+      gains.kd = static_cast<u16>(wild ? random_.next() : random_.below(1000));
+      gains.ramp = static_cast<u16>(wild ? random_.next() : 1 + random_.below(200));
+      length = kz_pack_gains(&gains, fields);
+      break;
+    }
+    case 3: {
+      type = KZ_TYPE_heartbeat;
+      const bool legal = random_.chance(0.8);
+      const kz_heartbeat heartbeat{static_cast<u8>(legal ? random_.below(101) : random_.next())};
+      length = kz_pack_heartbeat(&heartbeat, fields);
+      break;
+    }
+    case 4:
+    case 5:
+      break;
+    default: {
+      type = KZ_TYPE_targets;
+      kz_targets targets{};
+      targets.mask = mask();
+      targets.duration_ms =
+          static_cast<u16>(random_.chance(0.1) ? random_.next() : random_.below(1000));
+      for (int j = 0; j < KZ_JOINTS; ++j) targets.angle[j] = angle(j);
+      length = kz_pack_targets(&targets, fields);
+      break;
+    }
+  }
+  const std::uint8_t address = random_.chance(0.05) ? KZ_ADDRESS_ALL : KZ_ADDRESS_DEFAULT;
+  std::vector<std::uint8_t> body{address, type, ++sequence_};
+  body.insert(body.end(), fields, fields + length);
+  last_ = encode(body);
+  return last_;
+}
+
+// A frame with a sound check, and anything in it.
+std::vector<std::uint8_t> RandomHost::any_frame() {
+  if (random_.chance(0.5)) return request();
+  std::vector<std::uint8_t> body(random_.below(KZ_BODY_MAX + 1));
+  for (std::uint8_t& byte : body) byte = static_cast<std::uint8_t>(random_.next());
+  if (body.size() >= KZ_HEADER_SIZE && random_.chance(0.7)) {
+    body[0] = KZ_ADDRESS_DEFAULT;
+    body[1] = static_cast<std::uint8_t>(random_.below(10));
+  }
+  return encode(body);
+}
+
+void RandomHost::damage(std::vector<std::uint8_t>& frame) {
+  const auto place = [this, &frame] {
+    return frame.begin() + random_.below(static_cast<std::uint32_t>(frame.size()));
+  };
+  switch (random_.below(6)) {
+    case 0:
+      *place() ^= static_cast<std::uint8_t>(1u << random_.below(8));
+      break;
+    case 1:
+      frame.erase(place());
+      break;
+    case 2:
+      frame.insert(place(), static_cast<std::uint8_t>(random_.next()));
+      break;
+    case 3:
+      frame.resize(random_.below(static_cast<std::uint32_t>(frame.size())));
+      break;
+    case 4:
+      frame.resize(random_.below(200));  // longer than any frame, at times
+      for (std::uint8_t& byte : frame) byte = static_cast<std::uint8_t>(random_.next());
+      break;
+    default:
+      break;
+  }
+}
+
+RandomAnalog::RandomAnalog(std::uint64_t seed) : seed_(seed), random_(seed) {
+  inputs_[KZ_ANALOG_SUPPLY].value = 10000.0 / KZ_SUPPLY_FULL_MV;
+  inputs_[KZ_ANALOG_TEMPERATURE].value = 0.25;
+}
+
+void RandomAnalog::millisecond() {
+  if (--calm_ms_ < -500) calm_ms_ = 1000 + static_cast<int>(random_.below(5000));
+  for (unsigned i = 0; i < KZ_ANALOG; ++i) {
+    Input& input = inputs_[i];
+    if (input.broken_ms > 0) {
+      --input.broken_ms;
+      continue;
+    }
+    if (i == KZ_ANALOG_SUPPLY || i == KZ_ANALOG_TEMPERATURE) {
+      input.value += 2e-4 * (random_.uniform() - 0.5);
+      input.value = std::clamp(input.value, 0.5, 0.8);
+    } else if (i != KZ_ANALOG_REFERENCE) {
+      // Up to 30 rad/s, 9 in 10 of them under 6: faster than any joint.
+      input.velocity = 0.99 * input.velocity + 2e-4 * (random_.uniform() - 0.5);
+      input.value += input.velocity;
+      if (input.value < 0.05 || input.value > 0.95) input.velocity = -input.velocity;
+      if (random_.chance(0.0002)) input.value = random_.uniform();
+      input.value = std::clamp(input.value, 0.04, 0.96);
+    }
+    if (calm_ms_ < 0 && random_.chance(0.0002)) {
+      input.broken_ms = 1 + static_cast<int>(random_.below(60));
+      input.high = random_.chance(0.5);
+    }
+  }
+}
+
+double RandomAnalog::ratio(unsigned input, States at) const {
+  const Input& source = inputs_[input];
+  if (source.broken_ms > 0) return source.high ? 1.0 : 0.0;
+  const auto tick = static_cast<std::uint64_t>(at / KZ_STATES_PER_TICK);
+  return source.value + 0.5 / KZ_POT_CODES * keyed_normal(seed_, tick, input);
+}
+
+}  // namespace kaz::sim
