@@ -70,10 +70,10 @@ function(kaz_firmware_image)
   add_custom_command(
     OUTPUT ${coff} ${mot}
     COMMAND ${KAZ_H8_LD} -m h8300s --fatal-warnings -T ${firmware}/kaz.ld -o ${coff} ${objects}
-    COMMAND Python3::Interpreter ${generators}/stamp_image.py ${coff}
+    COMMAND Python3::Interpreter -B ${generators}/stamp_image.py ${coff}
     # By its bare name, which becomes the first record.
     COMMAND ${KAZ_H8_OBJCOPY} -O srec ${ARG_NAME}.coff ${ARG_NAME}.mot
-    COMMAND Python3::Interpreter ${generators}/firmware_report.py ${KAZ_H8_OBJDUMP}
+    COMMAND Python3::Interpreter -B ${generators}/firmware_report.py ${KAZ_H8_OBJDUMP}
             ${ARG_NAME}.coff
     WORKING_DIRECTORY ${ARG_OUTPUT_DIR}
     DEPENDS ${objects} ${firmware}/kaz.ld ${generators}/stamp_image.py ${generators}/coff.py

@@ -1,3 +1,33 @@
-# `cmake --install` puts libraries, headers, data and the program where find_package(kaz) looks for them.
+# `cmake --install` puts the program, its data, the libraries and their headers where the program and
+# find_package(kaz) look for them.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
+
+foreach(part IN LISTS KAZ_PARTS)
+  if(part STREQUAL "tests" OR part STREQUAL "firmware")
+    continue()
+  endif()
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kaz
+          FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp" PATTERN "*.def"
+          PATTERN testdata EXCLUDE PATTERN kaz EXCLUDE)
+endforeach()
+install(FILES ${PROJECT_BINARY_DIR}/generated/kz_limits.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kaz)
+
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/shared/robot DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz)
+if(TARGET kaz)
+  install(TARGETS kaz)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/sim/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz)
+endif()
+if(TARGET kaz_firmware)
+  install(FILES ${PROJECT_BINARY_DIR}/firmware/kaz.mot ${PROJECT_BINARY_DIR}/firmware/kaz.coff
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz/firmware)
+endif()
+
+set(config ${CMAKE_INSTALL_LIBDIR}/cmake/kaz)
+install(EXPORT kaz NAMESPACE kaz:: DESTINATION ${config})
+configure_package_config_file(${PROJECT_SOURCE_DIR}/tools/cmake/kazConfig.cmake.in
+                              ${PROJECT_BINARY_DIR}/kazConfig.cmake INSTALL_DESTINATION ${config})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/kazConfigVersion.cmake
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/kazConfig.cmake ${PROJECT_BINARY_DIR}/kazConfigVersion.cmake
+        DESTINATION ${config})

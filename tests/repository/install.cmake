@@ -1,0 +1,13 @@
+# Installs the build into a scratch folder, builds a project of somebody else against it, and runs the
+# installed program far from the tree.
+set(prefix ${BINARY}/prefix)
+file(REMOVE_RECURSE ${BINARY})
+execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix}
+                COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/tests/repository/consumer -B ${BINARY}/consumer -G Ninja
+                        -DCMAKE_PREFIX_PATH=${prefix}
+                COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${BINARY}/consumer COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${BINARY}/consumer/consumer COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${prefix}/bin/kaz run stand --mcu native WORKING_DIRECTORY ${prefix}
+                COMMAND_ERROR_IS_FATAL ANY)
