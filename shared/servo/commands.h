@@ -5,6 +5,10 @@
 
 #include "shared/servo/servo.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define KZ_NO_DETAIL 255
 
 // 0 or a KZ_REFUSED_* reason, with what was wrong.
@@ -15,5 +19,9 @@ typedef struct kz_outcome {
 
 // Does the request of this type whose fields are given. Either all of it is done or nothing.
 kz_outcome kz_command(kz_servo* servo, u8 type, const u8* fields, u8 length);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -12,10 +12,11 @@
   {#member, offsetof(kz_servo, element), sizeof(type), sizeof(type), SIGNED_##type, (times)},
 #define PART(type, member) NUMBERS(type, member, member, 1)
 #define SERVO_FIELD(type, name) PART(type, name)
-#define JOINT_FIELD(type, name)                         \
-  {"joint." #name,   offsetof(kz_servo, joint[0].name), \
-   sizeof(kz_joint), sizeof(type),                      \
-   SIGNED_##type,  KZ_JOINTS},
+#define JOINT_FIELD(type, name)                            \
+  {                                                        \
+      "joint." #name,   offsetof(kz_servo, joint[0].name), \
+      sizeof(kz_joint), sizeof(type),                      \
+      SIGNED_##type,    KZ_JOINTS},
 
 const kz_state_field kz_state_fields[] = {
     KZ_SERVO_FIELDS(SERVO_FIELD)                               //

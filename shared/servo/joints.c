@@ -42,6 +42,7 @@ void kz_joints_init(kz_servo* servo) {
     servo->joint[i].kp = kz_scaled_kp(kp[i]);
     servo->joint[i].kd = kz_scaled_kd(KZ_KD_DEFAULT);
     servo->joint[i].ramp_limit = KZ_RAMP_DEFAULT;
+    servo->joint[i].pot_bad_ms = 1;  // not measured yet
   }
 }
 
@@ -130,8 +131,13 @@ u8 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
     const u16 code = input->analog[wiring->analog];
     u8 drive = (u8)(enabled & 1);
     if ((u16)(code - KZ_POT_LOWEST) <= KZ_POT_HIGHEST - KZ_POT_LOWEST) {
-      joint->pot_bad_ms = 0;
-      measure(joint, kz_pot_angle_of(wiring, code));
+      const s16 angle = kz_pot_angle_of(wiring, code);
+      if (joint->pot_bad_ms == 0) {
+        measure(joint, angle);
+      } else {
+        joint->pot_bad_ms = 0;
+        joint->angle = angle;
+      }
     } else {
       // Nobody knows where the joint is: the last angle stays, and the motor gets no power.
       joint->rate = 0;

@@ -5,7 +5,11 @@
 
 #include "shared/servo/servo.h"
 
-// Gains and ramp after reset.
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Gains and ramp after reset; `servo` is all zeros before.
 void kz_joints_init(kz_servo* servo);
 
 // One millisecond of all joints: angles and rates from the A/D codes; for those that are on also
@@ -23,5 +27,9 @@ void kz_joint_go(kz_joint* joint, s16 target, u16 duration_ms);
 // `kp` and `kd` as in the message `gains`, scaled as the loop wants them.
 s16 kz_scaled_kp(u16 kp);
 s16 kz_scaled_kd(u16 kd);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

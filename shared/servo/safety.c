@@ -14,7 +14,7 @@ void kz_safety_trip(kz_servo* servo, u16 fault) {
 
 static void watch_link(kz_servo* servo) {
   if (servo->silent_ms < COUNTER_MAX) ++servo->silent_ms;
-  if (servo->enabled != 0 && servo->silent_ms > servo->watchdog_ms) {
+  if (servo->enabled != 0 && servo->silent_ms >= servo->watchdog_ms) {
     kz_safety_trip(servo, KZ_STATUS_LINK_WATCHDOG);
   }
 }

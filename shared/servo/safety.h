@@ -5,6 +5,10 @@
 
 #include "shared/servo/servo.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 // All motors off, because of `fault` (a latched KZ_STATUS_* flag).
 void kz_safety_trip(kz_servo* servo, u16 fault);
 
@@ -12,5 +16,9 @@ void kz_safety_trip(kz_servo* servo, u16 fault);
 void kz_safety_update(kz_servo* servo, const kz_tick_input* input);
 
 u16 kz_status(const kz_servo* servo);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

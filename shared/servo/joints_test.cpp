@@ -1,0 +1,223 @@
+// Ramps and the position loop: timing, gains, saturation, signs; and the loop around a motor.
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/servo/joints.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "shared/servo/test_board.h"
+
+namespace kaz::test {
+namespace {
+
+constexpr int neck_pan = 0, r_sh_pitch = 6, l_hand = 5;
+
+// A ramp that starts with the next tick.
+void go(TestBoard& board, int joint, int angle, int duration_ms) {
+  kz_joint_go(&board.servo.joint[joint], static_cast<s16>(angle), static_cast<u16>(duration_ms));
+}
+
+// Ticks during which the host says now and then that it is there.
+void run(TestBoard& board, int ticks) {
+  for (int i = 0; i < ticks; ++i) {
+    if (i % 100 == 0) board.send(KZ_TYPE_heartbeat, ++board.sequence, {0});
+    board.tick();
+  }
+}
+
+TEST(Ramp, IsStraightAndEndsInTimeOnTheTarget) {
+  TestBoard board;
+  ASSERT_EQ(board.enable(1), 0);
+  for (const int target : {5000, -1234, 7, 15707}) {
+    for (const int duration : {1000, 333, 700}) {
+      const kz_joint& joint = board.servo.joint[neck_pan];
+      const int start = joint.command;
+      go(board, neck_pan, target, duration);
+      for (int i = 1; i <= duration; ++i) {
+        run(board, 1);
+        const double line = start + double(target - start) * i / duration;
+        ASSERT_NEAR(joint.command, line, 1.0) << "to " << target << " at " << i;
+      }
+      EXPECT_EQ(joint.command, target);
+      EXPECT_EQ(joint.ramp_left, 0);
+      go(board, neck_pan, 0, 400);
+      run(board, 400);
+      ASSERT_EQ(joint.command, 0);
+    }
+  }
+}
+
+TEST(Ramp, TheJointsRampIsItsHighestSpeed) {
+  TestBoard board;
+  ASSERT_EQ(board.enable(1), 0);
+  ASSERT_EQ(board.gains(1, 0, 0, 60), 0);
+  const kz_joint& joint = board.servo.joint[neck_pan];
+  for (const int duration : {0, 1, 83}) {
+    ASSERT_EQ(joint.command, 0);
+    go(board, neck_pan, 5000, duration);
+    EXPECT_EQ(joint.ramp_left, 84);  // 5000 / 60 = 83.3
+    int before = 0;
+    for (int i = 0; i < 84; ++i) {
+      run(board, 1);
+      ASSERT_LE(joint.command - before, 60);
+      before = joint.command;
+    }
+    EXPECT_EQ(joint.command, 5000);
+    go(board, neck_pan, 0, 100);
+    run(board, 100);
+  }
+}
+
+TEST(Ramp, ANewTargetStartsFromWhereTheRampIs) {
+  TestBoard board;
+  ASSERT_EQ(board.enable(1), 0);
+  go(board, neck_pan, 4000, 100);
+  board.ticks(50);
+  ASSERT_EQ(board.servo.joint[neck_pan].command, 2000);
+  go(board, neck_pan, 0, 100);
+  board.tick();
+  EXPECT_EQ(board.servo.joint[neck_pan].command, 1980);
+  EXPECT_EQ(board.status() & KZ_STATUS_MOVING, KZ_STATUS_MOVING);
+  board.ticks(100);
+  EXPECT_EQ(board.status(), KZ_STATUS_ENABLED);
+}
+
+TEST(Ramp, TheWidestWayDoesNotOverflow) {
+  kz_joint joint = {};
+  joint.ramp_limit = 1;
+  joint.command = -32768;
+  kz_joint_go(&joint, 32767, 0);
+  EXPECT_EQ(joint.ramp_left, 65535);
+  EXPECT_EQ(joint.ramp_whole, 1);
+  joint.ramp_limit = 65535;
+  kz_joint_go(&joint, 32767, 65535);
+  EXPECT_EQ(joint.ramp_left, 65535);
+  kz_joint_go(&joint, 32767, 0);
+  EXPECT_EQ(joint.ramp_left, 1);
+  EXPECT_EQ(joint.ramp_whole, 65535);
+}
+
+TEST(PositionLoop, DutyIsGainTimesError) {
+  TestBoard board;
+  ASSERT_EQ(board.enable(1), 0);
+  ASSERT_EQ(board.target(neck_pan, 100, 0), 0);  // 0.01 rad at 20 /rad: 0.2 of 255
+  board.ticks(20);
+  EXPECT_EQ(board.output.pw[0], 51);
+  EXPECT_EQ(board.output.p3 & 1, 1);
+  ASSERT_EQ(board.target(neck_pan, -100, 0), 0);
+  board.ticks(20);
+  EXPECT_EQ(board.output.pw[0], 51);
+  EXPECT_EQ(board.output.p3 & 1, 0);
+}
+
+TEST(PositionLoop, AMirroredServoTurnsTheOtherWay) {
+  TestBoard board;
+  ASSERT_EQ(board.enable(1u << r_sh_pitch), 0);
+  const s16 here = KZ_DECIDEG(-500);
+  EXPECT_EQ(board.servo.joint[r_sh_pitch].angle, here);
+  ASSERT_EQ(board.target(r_sh_pitch, static_cast<s16>(here + 100), 0), 0);
+  board.ticks(20);
+  EXPECT_EQ(board.output.pw[5], 51);
+  EXPECT_EQ(board.output.p3 >> 6 & 1, 0);  // backward shaft, forward joint
+}
+
+TEST(PositionLoop, HandsAreOnTheTimersAndGiveWay) {
+  TestBoard board;
+  ASSERT_EQ(board.enable(1u << l_hand), 0);
+  const s16 here = board.servo.joint[l_hand].angle;
+  ASSERT_EQ(board.target(l_hand, static_cast<s16>(here + 1000), 0), 0);
+  board.ticks(50);
+  EXPECT_NEAR(board.output.tmo[0], 20.4, 1.0);  // 0.1 rad at 0.8 /rad: 0.08 of 255
+}
+
+TEST(PositionLoop, DutySaturatesAtFull) {
+  TestBoard board;
+  ASSERT_EQ(board.enable(1), 0);
+  for (const u16 kp : {5120, 65535}) {
+    ASSERT_EQ(board.gains(1, kp, 65535, 1000), 0);
+    ASSERT_EQ(board.target(neck_pan, 15707, 0), 0);
+    board.ticks(40);
+    EXPECT_EQ(board.output.pw[0], 255);
+    EXPECT_EQ(board.output.p3 & 1, 1);
+    ASSERT_EQ(board.target(neck_pan, -15707, 0), 0);
+    board.ticks(60);
+    EXPECT_EQ(board.output.pw[0], 255);
+    EXPECT_EQ(board.output.p3 & 1, 0);
+  }
+}
+
+TEST(PositionLoop, DampingIsGainTimesSpeed) {
+  TestBoard board;
+  board.set_pot(neck_pan, 300);
+  board.tick();
+  ASSERT_EQ(board.enable(1), 0);
+  ASSERT_EQ(board.gains(1, 0, 410, 60), 0);  // 0.1 s/rad
+  for (int i = 0; i < 150; ++i) {
+    board.set_pot(neck_pan, static_cast<u16>(300 + i));
+    board.tick();
+  }
+  // One code a millisecond: 190 / 1024 degrees in 1 ms = 3.238 rad/s; times 0.1 of 255 counts.
+  EXPECT_NEAR(board.output.pw[0], 82.7, 1.0);
+  EXPECT_EQ(board.output.p3 & 1, 0);  // against the motion
+}
+
+TEST(PositionLoop, TheRateFilterSettlesIn8Ms) {
+  // Step of the speed: after n ticks 1 - (7/8)^n of it is seen.
+  TestBoard board;
+  board.ticks(2);
+  for (int i = 1; i <= 8; ++i) {
+    board.set_pot(neck_pan, static_cast<u16>(512 + i));
+    board.tick();
+  }
+  const double speed = KZ_POT_SPAN / 1024.0 * 64;  // 1/64 of 100 urad/ms
+  EXPECT_NEAR(board.servo.joint[neck_pan].rate, speed * (1 - std::pow(7.0 / 8, 8)), 32 + 8);
+}
+
+TEST(Gains, AreScaledWithoutOverflow) {
+  EXPECT_EQ(kz_scaled_kp(0), 0);
+  EXPECT_NEAR(kz_scaled_kp(65535), 26738, 1);  // * 0.408 = 26738.3
+  EXPECT_EQ(kz_scaled_kp(5120), 2089);         // 2088.96
+  EXPECT_EQ(kz_scaled_kd(65535), 26112);       // * 0.3984375 = 26111.6
+  EXPECT_EQ(kz_scaled_kd(614), 245);           // 244.6
+}
+
+// A gear motor with a link: kaz-model, section 3. One millisecond, back-EMF implicit.
+struct Motor {
+  double angle = 0, speed = 0;
+  void step(double duty) {
+    constexpr double dt = 0.001, stall = 2.16, damping = 0.1885, friction = 0.05, inertia = 2e-3;
+    double next = (speed + dt / inertia * stall * duty) / (1 + dt / inertia * damping);
+    const double brake = dt / inertia * friction;
+    next = std::abs(next) < brake ? 0 : next - std::copysign(brake, next);
+    speed = next;
+    angle += dt * speed;
+  }
+};
+
+TEST(ClosedLoop, TheMotorGoesToTheTargetAndStays) {
+  TestBoard board;
+  ASSERT_EQ(board.heartbeat(100), 0);
+  ASSERT_EQ(board.enable(1), 0);
+  ASSERT_EQ(board.target(neck_pan, 8000, 300), 0);
+  Motor motor;
+  double highest = 0;
+  for (int ms = 0; ms < 800; ++ms) {
+    const double code = 512 + motor.angle * 180 / std::numbers::pi * KZ_POT_CODES / 190;
+    board.set_pot(neck_pan, static_cast<u16>(std::floor(code)));
+    board.tick();
+    const double sign = (board.output.p3 & 1) ? 1 : -1;
+    motor.step(sign * board.output.pw[0] / 256.0);
+    highest = std::max(highest, motor.angle);
+    // Friction over stiffness (1.2 mrad), half a code (1.6) and the floor of the converter (3.2).
+    if (ms > 500) {
+      ASSERT_NEAR(motor.angle, 0.8, 0.008) << ms;
+    }
+  }
+  EXPECT_LT(highest, 0.8 + 0.02);
+}
+
+}  // namespace
+}  // namespace kaz::test

@@ -1,0 +1,214 @@
+// What the board answers: each reply, each refusal, repetitions, other addresses.
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "shared/servo/test_board.h"
+
+namespace kaz::test {
+namespace {
+
+constexpr u32 all_joints = (1u << KZ_JOINTS) - 1;
+
+template <class Message, u8 (*unpack)(Message*, const u8*, u8)>
+Message fields_of(const Reply& reply) {
+  Message message = {};
+  EXPECT_EQ(unpack(&message, reply.fields.data(), static_cast<u8>(reply.fields.size())), 1);
+  return message;
+}
+
+TEST(Requests, IdentifyTellsWhatTheBoardIs) {
+  TestBoard board;
+  board.input.image_crc = 0xABCD;
+  board.input.reset_cause = KZ_RESET_WATCHDOG;
+  board.input.tick = 100000;
+  const auto reply = board.exchange(KZ_TYPE_identify, {});
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->address, KZ_ADDRESS_DEFAULT);
+  EXPECT_EQ(reply->type, KZ_TYPE_identify_reply);
+  EXPECT_EQ(reply->sequence, board.sequence);
+  const auto identity = fields_of<kz_identify_reply, kz_unpack_identify_reply>(*reply);
+  EXPECT_EQ(identity.protocol_version, KZ_PROTOCOL_VERSION);
+  EXPECT_EQ(identity.joints, 18);
+  EXPECT_EQ(identity.image_crc, 0xABCD);
+  EXPECT_EQ(identity.reset_cause, KZ_RESET_WATCHDOG);
+  EXPECT_EQ(identity.watchdog_ms_10, 20);
+  EXPECT_GE(identity.tick, 100000u);
+}
+
+TEST(Requests, StateReplyHasTheAnglesAndTheTickOfTheirMeasurement) {
+  TestBoard board;
+  board.ticks(5);
+  board.send(KZ_TYPE_state, 9, {});
+  board.tick();  // all 9 bytes of the request come in this tick, number 5
+  board.set_pot(0, 1000);
+  board.ticks(10);
+  ASSERT_EQ(board.replies.size(), 1u);
+  const auto state = fields_of<kz_state_reply, kz_unpack_state_reply>(board.replies[0]);
+  EXPECT_EQ(state.tick, 5u);
+  EXPECT_EQ(state.angle[0], 0);  // mid-scale
+  EXPECT_EQ(state.supply_mv, 667 * 15);
+}
+
+TEST(Requests, HeartbeatTellsTheBoardsHealth) {
+  TestBoard board;
+  board.input.busy_8states = 800;
+  board.input.worst_8states = 900;
+  board.input.missed = 3;
+  board.tick();
+  board.input.missed = 0;
+  board.put_on_wire({0, 1, 2, 3, 4, 5, 6, 7, 8, 0});  // no sound frame
+  const auto reply = board.exchange(KZ_TYPE_heartbeat, {0});
+  ASSERT_TRUE(reply);
+  const auto health = fields_of<kz_heartbeat_reply, kz_unpack_heartbeat_reply>(*reply);
+  EXPECT_EQ(health.busy_8states, 800);
+  EXPECT_EQ(health.worst_8states, 900);
+  EXPECT_EQ(health.missed_ticks, 3);
+  EXPECT_EQ(health.bad_frames, 1);
+  EXPECT_EQ(health.status, KZ_STATUS_MISSED_TICK);
+}
+
+TEST(Requests, RefusesAnUnknownType) {
+  TestBoard board;
+  EXPECT_EQ(board.outcome(0x55, {1, 2}), KZ_REFUSED_UNKNOWN_TYPE);
+  EXPECT_EQ(board.detail, 255);
+}
+
+TEST(Requests, RefusesAWrongLength) {
+  TestBoard board;
+  EXPECT_EQ(board.outcome(KZ_TYPE_state, {0}), KZ_REFUSED_LENGTH);
+  EXPECT_EQ(board.outcome(KZ_TYPE_enable, {0, 0, 1}), KZ_REFUSED_LENGTH);
+  EXPECT_EQ(board.outcome(KZ_TYPE_targets, {0, 0, 0, 1, 0, 0, 0}), KZ_REFUSED_LENGTH);
+  EXPECT_EQ(board.outcome(KZ_TYPE_targets, {0, 0, 0, 1, 0, 0, 0, 0, 0}), KZ_REFUSED_LENGTH);
+}
+
+TEST(Requests, RefusesAJointThatDoesNotExist) {
+  TestBoard board;
+  EXPECT_EQ(board.enable(1u << 20), KZ_REFUSED_RANGE);
+  EXPECT_EQ(board.detail, 20);
+  EXPECT_EQ(board.gains(1u << 18, 100, 0, 10), KZ_REFUSED_RANGE);
+  EXPECT_EQ(board.detail, 18);
+}
+
+TEST(Requests, RefusesARampOfZeroAndATooLongWatchdog) {
+  TestBoard board;
+  EXPECT_EQ(board.gains(1, 100, 0, 0), KZ_REFUSED_RANGE);
+  EXPECT_EQ(board.detail, 3);
+  EXPECT_EQ(board.heartbeat(101), KZ_REFUSED_RANGE);
+  EXPECT_EQ(board.heartbeat(100), 0);
+}
+
+TEST(Requests, RefusesATargetOutsideTheLimitsAsAWhole) {
+  TestBoard board;
+  ASSERT_EQ(board.enable(0b11), 0);
+  kz_targets request = {};
+  request.mask = 0b11;
+  request.angle[0] = 100;
+  request.angle[1] = static_cast<s16>(kz_board_joints[1].upper + 1);
+  EXPECT_EQ(board.targets(request), KZ_REFUSED_LIMIT);
+  EXPECT_EQ(board.detail, 1);
+  EXPECT_EQ(board.servo.joint[0].ramp_left, 0);  // nothing of it was done
+  EXPECT_EQ(board.servo.joint[0].command, 0);
+  request.angle[1] = kz_board_joints[1].upper;
+  EXPECT_EQ(board.targets(request), 0);
+  request.angle[0] = static_cast<s16>(kz_board_joints[0].lower - 1);
+  EXPECT_EQ(board.targets(request), KZ_REFUSED_LIMIT);
+  EXPECT_EQ(board.detail, 0);
+}
+
+TEST(Requests, RefusesATargetForAJointThatIsOff) {
+  TestBoard board;
+  ASSERT_EQ(board.enable(0b10111), 0);
+  kz_targets request = {};
+  request.mask = 0b11111;
+  for (int i = 0; i < 5; ++i)
+    request.angle[i] = static_cast<s16>((kz_board_joints[i].lower + kz_board_joints[i].upper) / 2);
+  EXPECT_EQ(board.targets(request), KZ_REFUSED_DISABLED);
+  EXPECT_EQ(board.detail, 3);
+}
+
+TEST(Requests, RefusesToEnableWhileAFaultIsPresent) {
+  TestBoard board;
+  board.set_pot(7, 0);
+  EXPECT_EQ(board.enable(all_joints), KZ_REFUSED_FAULT);
+  EXPECT_EQ(board.detail, 7);
+  EXPECT_EQ(board.enable(0b1), 0);  // the other joints are sound
+  board.enable(0);
+  board.input.analog[KZ_ANALOG_SUPPLY] = 100;  // 1.5 V
+  EXPECT_EQ(board.enable(0b1), KZ_REFUSED_FAULT);
+  EXPECT_EQ(board.detail, 255);
+  EXPECT_FALSE(board.drivers_on());
+}
+
+TEST(Requests, RefusesWhileTheReplyBeforeIsBeingSent) {
+  TestBoard board;
+  board.send(KZ_TYPE_state, 1, {});
+  board.send(KZ_TYPE_identify, 2, {});
+  board.ticks(20);
+  ASSERT_EQ(board.replies.size(), 2u);
+  EXPECT_EQ(board.replies[0].type, KZ_TYPE_state_reply);
+  EXPECT_EQ(board.replies[1].type, KZ_TYPE_refused);
+  EXPECT_EQ(board.replies[1].sequence, 2);
+  const auto refused = fields_of<kz_refused, kz_unpack_refused>(board.replies[1]);
+  EXPECT_EQ(refused.reason, KZ_REFUSED_BUSY);
+  EXPECT_EQ(refused.request, KZ_TYPE_identify);
+}
+
+TEST(Requests, ARepetitionIsAnsweredButNotDoneTwice) {
+  TestBoard board;
+  ASSERT_EQ(board.enable(1), 0);
+  ASSERT_EQ(board.target(0, 5000, 1000), 0);
+  const Bytes fields = {0, 0, 0, 1, 0x03, 0xE8, 0x13, 0x88};  // the same request: 1000 ms, 5000
+  const u16 left = board.servo.joint[0].ramp_left;
+  board.replies.clear();
+  board.send(KZ_TYPE_targets, board.sequence, fields);
+  board.ticks(10);
+  ASSERT_EQ(board.replies.size(), 1u);
+  EXPECT_EQ(board.replies[0].type, KZ_TYPE_targets_reply);
+  EXPECT_EQ(board.servo.joint[0].ramp_left, left - 10);  // had it been done again: about 1000
+}
+
+TEST(Requests, ARepetitionOfARefusedRequestIsRefusedAgain) {
+  TestBoard board;
+  ASSERT_EQ(board.target(0, 0, 0), KZ_REFUSED_DISABLED);
+  board.replies.clear();
+  board.send(KZ_TYPE_targets, board.sequence, {0, 0, 0, 1, 0, 0, 0, 0});
+  board.ticks(10);
+  ASSERT_EQ(board.replies.size(), 1u);
+  EXPECT_EQ(board.replies[0].type, KZ_TYPE_refused);
+}
+
+TEST(Requests, ANewRequestWithTheNumberOfTheLastIsDone) {
+  TestBoard board;
+  ASSERT_EQ(board.enable(0b01), 0);
+  board.send(KZ_TYPE_enable, board.sequence, {0, 0, 0, 0b10});
+  board.ticks(10);
+  EXPECT_EQ(board.servo.enabled, 0b10u);
+}
+
+TEST(Requests, OtherAddressesAreNotHeardAndAllIsNotAnswered) {
+  TestBoard board;
+  EXPECT_FALSE(board.exchange(KZ_TYPE_enable, {0, 0, 0, 1}, KZ_ADDRESS_DEFAULT + 1));
+  EXPECT_EQ(board.servo.enabled, 0u);
+  EXPECT_FALSE(board.exchange(KZ_TYPE_enable, {0, 0, 0, 1}, KZ_ADDRESS_ALL));
+  EXPECT_EQ(board.servo.enabled, 1u);
+}
+
+TEST(Requests, RepliesOfOthersAreNotAnswered) {
+  TestBoard board;
+  EXPECT_FALSE(board.exchange(KZ_TYPE_state_reply, Bytes(KZ_SIZE_state_reply)));
+  EXPECT_FALSE(board.exchange(KZ_TYPE_refused, Bytes(KZ_SIZE_refused)));
+}
+
+TEST(Requests, NeverMoreThanTheRoomOfTheTransmitter) {
+  TestBoard board;
+  board.input.tx_room = 3;
+  board.send(KZ_TYPE_state, 1, {});
+  for (int i = 0; i < 40; ++i) {
+    board.tick();
+    ASSERT_LE(board.output.tx_count, 3);
+  }
+  EXPECT_EQ(board.replies.size(), 1u);
+}
+
+}  // namespace
+}  // namespace kaz::test

@@ -1,0 +1,134 @@
+// A board for tests: the tick with a host line, potentiometers and a supply around it.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "shared/board/table.h"
+#include "shared/protocol/messages.h"
+#include "shared/servo/servo.h"
+
+namespace kaz::test {
+
+using Bytes = std::vector<u8>;
+
+struct Reply {
+  u8 address, type, sequence;
+  Bytes fields;
+};
+
+class TestBoard {
+ public:
+  static constexpr u16 centre_code = 512;
+  static constexpr u16 sound_supply_code = 667;  // 10.005 V at 15 mV a code
+
+  TestBoard() {
+    kz_servo_init(&servo, &output);
+    kz_receiver_init(&host_receiver_);
+    for (int joint = 0; joint < KZ_JOINTS; ++joint) set_pot(joint, centre_code);
+    input.analog[KZ_ANALOG_SUPPLY] = sound_supply_code;
+    input.tx_room = 63;
+  }
+
+  void set_pot(int joint, u16 code) { input.analog[kz_board_joints[joint].analog] = code; }
+
+  // One millisecond, with as many bytes from the host as the snapshot takes.
+  void tick() {
+    input.rx_count = 0;
+    while (input.rx_count < KZ_RX_PER_TICK && !to_board_.empty()) {
+      input.rx[input.rx_count++] = to_board_.front();
+      to_board_.pop_front();
+    }
+    kz_tick(&servo, &input, &output);
+    ++input.tick;
+    for (int i = 0; i < output.tx_count; ++i) {
+      if (kz_receive(&host_receiver_, output.tx[i], 0) != KZ_RECEIVE_FRAME) continue;
+      const u8* body = host_receiver_.body;
+      replies.push_back(
+          {body[0], body[1], body[2], Bytes(body + KZ_HEADER_SIZE, body + host_receiver_.length)});
+    }
+  }
+  void ticks(int count) {
+    for (int i = 0; i < count; ++i) tick();
+  }
+
+  void send(u8 type, u8 number, const Bytes& fields, u8 address = KZ_ADDRESS_DEFAULT) {
+    Bytes body = {address, type, number};
+    body.insert(body.end(), fields.begin(), fields.end());
+    Bytes wire(KZ_FRAME_MAX);
+    wire.resize(kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire.data()));
+    to_board_.insert(to_board_.end(), wire.begin(), wire.end());
+  }
+
+  // Sends and runs until the reply is there, at most 50 ms.
+  std::optional<Reply> exchange(u8 type, const Bytes& fields, u8 address = KZ_ADDRESS_DEFAULT) {
+    replies.clear();
+    send(type, ++sequence, fields, address);
+    for (int i = 0; i < 50 && replies.empty(); ++i) tick();
+    if (replies.empty()) return std::nullopt;
+    return replies.front();
+  }
+
+  // The reason of the refusal of a request, 0 if it was done, -1 if nothing came. `detail` is kept.
+  int outcome(u8 type, const Bytes& fields) {
+    const auto reply = exchange(type, fields);
+    if (!reply) return -1;
+    if (reply->type == (type | KZ_REPLY)) return 0;
+    kz_refused refused;
+    if (!kz_unpack_refused(&refused, reply->fields.data(), static_cast<u8>(reply->fields.size())))
+      return -1;
+    detail = refused.detail;
+    return refused.request == type ? refused.reason : -1;
+  }
+  int enable(u32 mask) {
+    const kz_enable request = {.mask = mask};
+    Bytes fields(KZ_SIZE_enable);
+    kz_pack_enable(&request, fields.data());
+    return outcome(KZ_TYPE_enable, fields);
+  }
+  int target(int joint, s16 angle, u16 duration_ms) {
+    kz_targets request = {};
+    request.mask = 1u << joint;
+    request.duration_ms = duration_ms;
+    request.angle[joint] = angle;
+    return targets(request);
+  }
+  int targets(const kz_targets& request) {
+    Bytes fields(KZ_SIZE_targets);
+    fields.resize(kz_pack_targets(&request, fields.data()));
+    return outcome(KZ_TYPE_targets, fields);
+  }
+  int gains(u32 mask, u16 kp, u16 kd, u16 ramp) {
+    const kz_gains request = {.mask = mask, .kp = kp, .kd = kd, .ramp = ramp};
+    Bytes fields(KZ_SIZE_gains);
+    kz_pack_gains(&request, fields.data());
+    return outcome(KZ_TYPE_gains, fields);
+  }
+  int heartbeat(u8 watchdog_ms_10 = 0) { return outcome(KZ_TYPE_heartbeat, {watchdog_ms_10}); }
+  u16 status() {
+    const auto reply = exchange(KZ_TYPE_state, {});
+    kz_state_reply state = {};
+    if (reply)
+      kz_unpack_state_reply(&state, reply->fields.data(), static_cast<u8>(reply->fields.size()));
+    return state.status;
+  }
+  bool drivers_on() const { return (output.p4 & KZ_P4_ENABLE) != 0; }
+  void put_on_wire(const Bytes& bytes) {
+    to_board_.insert(to_board_.end(), bytes.begin(), bytes.end());
+  }
+
+  kz_servo servo;
+  kz_tick_input input = {};
+  kz_tick_output output;
+  std::vector<Reply> replies;
+  u8 sequence = 0;
+  u8 detail = 0;
+
+ private:
+  kz_receiver host_receiver_;
+  std::deque<u8> to_board_;
+};
+
+}  // namespace kaz::test
