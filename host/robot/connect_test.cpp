@@ -1,0 +1,121 @@
+// What Robot::connect says about each way not to find a board.
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "host/robot/robot.h"
+#include "host/robot/test_board.h"
+
+namespace kaz::host {
+namespace {
+
+std::string connect_error(TestBoard& board, const ConnectOptions& options = {}) {
+  const auto robot = Robot::connect(board, board, options);
+  if (robot) return "connected";
+  EXPECT_EQ(robot.error().fault, Fault::environment);
+  return robot.error().message;
+}
+
+TestBoard::Bytes framed(TestBoard::Bytes body) {
+  TestBoard::Bytes wire(KZ_FRAME_MAX);
+  wire.resize(kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire.data()));
+  return wire;
+}
+
+// A board whose identify_reply is `change`d.
+void answer_with(TestBoard& board, std::function<void(kz_identify_reply&)> change) {
+  board.to_host = [change](TestBoard::Bytes frame) {
+    kz_receiver receiver;
+    kz_receiver_init(&receiver);
+    for (const std::uint8_t byte : frame) kz_receive(&receiver, byte, 0);
+    kz_identify_reply reply{};
+    EXPECT_TRUE(kz_unpack_identify_reply(&reply, receiver.body + KZ_HEADER_SIZE,
+                                         static_cast<u8>(receiver.length - KZ_HEADER_SIZE)));
+    change(reply);
+    TestBoard::Bytes body(receiver.body, receiver.body + receiver.length);
+    kz_pack_identify_reply(&reply, body.data() + KZ_HEADER_SIZE);
+    return framed(body);
+  };
+}
+
+TEST(Connect, NothingAnswers) {
+  TestBoard board;
+  board.mute = true;
+  EXPECT_EQ(
+      connect_error(board),
+      "nothing answers on test-port: check that the robot is powered, the cable plugged in, no "
+      "other program has the port open, and the baud rate is the board's (115200)");
+}
+
+TEST(Connect, SomethingElseAnswers) {
+  TestBoard board;
+  board.mute = true;
+  board.to_board = [&](TestBoard::Bytes) {
+    const std::uint8_t greeting[] = {'o', 'k', '\r', '\n'};
+    board.inject(greeting);
+    return TestBoard::Bytes{};
+  };
+  const std::string message = connect_error(board);
+  EXPECT_NE(message.find("what answers on test-port is no Kaz board"), std::string::npos);
+  EXPECT_NE(message.find("24 bytes came"), std::string::npos) << message;  // 6 tries of 4
+  EXPECT_NE(message.find("6f 6b 0d 0a 6f 6b"), std::string::npos) << message;
+}
+
+TEST(Connect, TheLineEchoes) {
+  TestBoard board;
+  board.mute = true;
+  board.to_board = [&](TestBoard::Bytes bytes) {
+    board.inject(bytes);
+    return bytes;
+  };
+  EXPECT_NE(connect_error(board).find("sends back what is written to it"), std::string::npos);
+}
+
+TEST(Connect, AnotherAddress) {
+  TestBoard board;
+  ConnectOptions options;
+  options.address = 3;
+  EXPECT_NE(connect_error(board, options).find("nothing answers"), std::string::npos);
+}
+
+TEST(Connect, AnotherProtocolVersion) {
+  TestBoard board;
+  answer_with(board, [](kz_identify_reply& reply) { reply.protocol_version = 9; });
+  EXPECT_EQ(
+      connect_error(board),
+      "the board on test-port speaks protocol version 9 and this program version 1: flash firmware "
+      "of this release, or use the program of that one");
+}
+
+// A later version may have a longer reply; its version is still where it was.
+TEST(Connect, AnotherProtocolVersionWithAnotherReply) {
+  TestBoard board;
+  board.mute = true;
+  board.to_board = [&](TestBoard::Bytes request) {
+    const std::uint8_t sequence = request[4];  // 00, stuffing, address, type, sequence
+    board.inject(framed({1, 0x81, sequence, 0, 0, 0, 7, 2, 99, 99}));
+    return TestBoard::Bytes{};
+  };
+  EXPECT_NE(connect_error(board).find("speaks protocol version 2"), std::string::npos);
+}
+
+TEST(Connect, AnotherRobot) {
+  TestBoard board;
+  answer_with(board, [](kz_identify_reply& reply) { reply.joints = 24; });
+  EXPECT_NE(connect_error(board).find("drives 24 joints and Kaz has 18"), std::string::npos);
+}
+
+TEST(Connect, LinkFails) {
+  TestBoard board;
+  board.link_failure = Error{Fault::environment, "port test-port was closed"};
+  EXPECT_EQ(connect_error(board), "port test-port was closed");
+}
+
+TEST(Connect, FindsTheBoardThroughNoise) {
+  TestBoard board;
+  const std::uint8_t noise[] = {0x12, 0x00, 0xff, 0x80, 0x00, 0x33};
+  board.inject(noise);
+  EXPECT_EQ(connect_error(board), "connected");
+}
+
+}  // namespace
+}  // namespace kaz::host

@@ -1,0 +1,241 @@
+// Robot against the real servo code over a simulated line.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/robot/robot.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "host/robot/test_board.h"
+#include "shared/protocol/frame.h"
+
+namespace kaz::host {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr double kDegree = std::numbers::pi / 180;
+
+Robot connected(TestBoard& board) {
+  auto robot = Robot::connect(board, board);
+  if (!robot) throw std::runtime_error(robot.error().message);
+  return std::move(*robot);
+}
+
+void wait(TestBoard& board, Time time) {
+  ASSERT_TRUE(board.sleep_until(board.now() + time));
+}
+
+TEST(Robot, IdentifiesTheBoard) {
+  TestBoard board;
+  const Robot robot = connected(board);
+  EXPECT_EQ(robot.identity().protocol_version, KZ_PROTOCOL_VERSION);
+  EXPECT_EQ(robot.identity().joints, KZ_JOINTS);
+  EXPECT_EQ(robot.statistics().timeouts, 0u);
+}
+
+TEST(Robot, MovesAJointAndSeesItThere) {
+  TestBoard board;
+  Robot robot = connected(board);
+  ASSERT_TRUE(robot.enable(kAllJoints));
+  EXPECT_TRUE(board.motors_on() || (wait(board, 2ms), board.motors_on()));
+  const JointTarget target{neck_pan, 0.5};
+  ASSERT_TRUE(robot.set_targets({&target, 1}, 150ms));
+  for (int i = 0; i < 6; ++i) {
+    wait(board, 50ms);
+    ASSERT_TRUE(robot.state());
+  }
+  const auto posture = robot.state();
+  ASSERT_TRUE(posture);
+  // A position loop of kp 20 on a motor without load stops within a code of the potentiometer (0.19
+  // degrees) and the duty step that still turns it.
+  EXPECT_NEAR(posture->angle[neck_pan], 0.5, 0.006);
+  EXPECT_NEAR(board.angles_at(board.now())[neck_pan], 0.5, 0.006);
+  EXPECT_NEAR(posture->supply_volts, 10, 0.02);
+}
+
+TEST(Robot, EnablingDoesNotMoveAJoint) {
+  TestBoard board;
+  board.set_angle(neck_tilt, 20 * kDegree);
+  Robot robot = connected(board);
+  ASSERT_TRUE(robot.enable(kAllJoints));
+  wait(board, 100ms);
+  EXPECT_NEAR(board.angles_at(board.now())[neck_tilt], 20 * kDegree, 0.4 * kDegree);
+}
+
+TEST(Robot, RefusalsNameJointAndReason) {
+  TestBoard board;
+  Robot robot = connected(board);
+  const JointTarget small{neck_tilt, 0.1}, large{neck_tilt, 100 * kDegree}, absurd{neck_tilt, 99};
+
+  auto off = robot.set_targets({&small, 1}, 10ms);
+  ASSERT_FALSE(off);
+  EXPECT_NE(off.error().message.find("neck_tilt"), std::string::npos);
+  EXPECT_NE(off.error().message.find("its motor is off"), std::string::npos);
+
+  ASSERT_TRUE(robot.enable(kAllJoints));
+  for (const JointTarget& target : {large, absurd}) {
+    const auto beyond = robot.set_targets({&target, 1}, 10ms);
+    ASSERT_FALSE(beyond);
+    EXPECT_NE(beyond.error().message.find("neck_tilt"), std::string::npos);
+    EXPECT_NE(beyond.error().message.find("limits of -44.99 to 74.99 degrees"), std::string::npos)
+        << beyond.error().message;
+  }
+  const JointTarget nobody{KZ_JOINTS, 0};
+  EXPECT_EQ(robot.set_targets({&nobody, 1}, 10ms).error().fault, Fault::usage);
+  EXPECT_EQ(robot.set_targets({&small, 1}, 100s).error().fault, Fault::usage);
+  EXPECT_EQ(robot.set_gains(1, {.kp_per_rad = 1000}).error().fault, Fault::usage);
+
+  board.supply_volts = 3;
+  wait(board, 40ms);
+  const auto weak = robot.enable(kAllJoints);
+  ASSERT_FALSE(weak);
+  EXPECT_NE(weak.error().message.find("supply"), std::string::npos) << weak.error().message;
+}
+
+TEST(Robot, AsksAgainWhenFramesAreLostOrDamaged) {
+  TestBoard board;
+  Robot robot = connected(board);
+  int count = 0;
+  board.to_board = [&](TestBoard::Bytes bytes) {
+    if (++count % 5 == 1) return TestBoard::Bytes{};
+    if (count % 5 == 2) bytes[bytes.size() / 2] ^= 0x10;
+    return bytes;
+  };
+  board.to_host = [&](TestBoard::Bytes bytes) {
+    if (count % 5 == 3) bytes[bytes.size() / 2] ^= 0x04;
+    return bytes;
+  };
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(robot.state());
+  // Of each five transmissions one is lost, one damaged on the way there, one on the way back: 125 for 50.
+  const LinkStatistics& statistics = robot.statistics();
+  EXPECT_EQ(count, 125);
+  EXPECT_EQ(statistics.retries, 75u);
+  EXPECT_EQ(statistics.timeouts, 75u);
+  EXPECT_EQ(statistics.bad_frames, 25u);
+  EXPECT_EQ(statistics.replies, 50u + 2u);  // and two to identify
+  const auto heartbeat = robot.heartbeat();
+  ASSERT_TRUE(heartbeat);
+  EXPECT_EQ(heartbeat->bad_frames, 26u);  // the heartbeat itself was damaged once
+}
+
+TEST(Robot, SaysWhenTheBoardStopsAnswering) {
+  TestBoard board;
+  Robot robot = connected(board);
+  ASSERT_TRUE(robot.state());
+  board.mute = true;
+  const Time before = board.now();
+  const auto state = robot.state();
+  ASSERT_FALSE(state);
+  EXPECT_EQ(state.error().fault, Fault::environment);
+  EXPECT_EQ(
+      state.error().message,
+      "the board on test-port stopped answering: no reply to `state` in 6 tries of 50 ms; check "
+      "its power and the cable");
+  EXPECT_NEAR(seconds(board.now() - before), 0.3, 0.001);
+  EXPECT_NE(robot.recent_frames().find("out  state"), std::string::npos);
+}
+
+TEST(Robot, IgnoresLateAndDoubledReplies) {
+  TestBoard board;
+  Robot robot = connected(board);
+  board.to_host = [](TestBoard::Bytes frame) {
+    TestBoard::Bytes twice = frame;
+    twice.insert(twice.end(), frame.begin(), frame.end());
+    return twice;
+  };
+  std::uint32_t last_tick = 0;
+  for (int i = 0; i < 20; ++i) {
+    const auto state = robot.state();
+    ASSERT_TRUE(state);
+    EXPECT_GT(state->tick, last_tick);  // an old reply would repeat an old tick
+    last_tick = state->tick;
+  }
+  EXPECT_GE(robot.statistics().ignored, 19u);
+  EXPECT_EQ(robot.statistics().retries, 0u);
+}
+
+TEST(Robot, ExchangeIsOneRoundTrip) {
+  TestBoard board;
+  Robot robot = connected(board);
+  ASSERT_TRUE(robot.enable(kAllJoints));
+  const JointTarget targets[] = {{neck_pan, 0.1}, {neck_tilt, 0.2}};
+  for (int i = 0; i < 100; ++i) {
+    const Time before = board.now();
+    ASSERT_TRUE(robot.exchange(targets, 12ms));
+    // 19 bytes out, a gap of a tick, then at most two ticks and 53 bytes back.
+    EXPECT_LT(seconds(board.now() - before), 0.0100);
+    wait(board, Time(1234567));
+  }
+  EXPECT_EQ(robot.statistics().refused, 0u);
+  EXPECT_EQ(robot.statistics().retries, 0u);
+}
+
+TEST(Robot, WaitsForABusyBoard) {
+  TestBoard board;
+  Robot robot = connected(board);
+  // A state request that nobody waits for, so that the board is sending when the next request comes.
+  std::uint8_t body[] = {KZ_ADDRESS_DEFAULT, KZ_TYPE_state, 77};
+  std::uint8_t wire[KZ_FRAME_MAX];
+  const std::uint8_t length = kz_frame_encode(body, sizeof body, wire);
+  ASSERT_TRUE(board.write({wire, length}));
+  wait(board, 3ms);
+  ASSERT_TRUE(robot.heartbeat());
+  EXPECT_EQ(robot.statistics().timeouts, 0u);
+}
+
+TEST(Robot, ReportsMotorsThatWentOff) {
+  TestBoard board;
+  Robot robot = connected(board);
+  ASSERT_TRUE(robot.enable(kAllJoints));
+  wait(board, 300ms);  // longer than the link watchdog's 200 ms
+  EXPECT_FALSE(board.motors_on());
+  const auto state = robot.state();
+  ASSERT_TRUE(state);
+  const auto sentence = fault_sentence(state->status);
+  ASSERT_TRUE(sentence);
+  EXPECT_NE(sentence->find("the host was silent"), std::string::npos);
+  EXPECT_FALSE(fault_sentence(KZ_STATUS_ENABLED | KZ_STATUS_MOVING));
+}
+
+TEST(Robot, DisablesAllEvenWhenInterrupted) {
+  TestBoard board;
+  Robot robot = connected(board);
+  ASSERT_TRUE(robot.enable(kAllJoints));
+  wait(board, 5ms);
+  EXPECT_TRUE(board.motors_on());
+  robot.disable_all();
+  wait(board, 5ms);
+  EXPECT_FALSE(board.motors_on());
+
+  board.link_failure = Error{Fault::environment, "gone"};
+  robot.disable_all();  // must not throw
+  EXPECT_EQ(robot.state().error().message, "gone");
+}
+
+TEST(Robot, PostureAtInterpolates) {
+  TestBoard board;
+  Robot robot = connected(board);
+  ASSERT_TRUE(robot.enable(kAllJoints));
+  const JointTarget target{neck_pan, 1.0};
+  ASSERT_TRUE(robot.set_targets({&target, 1}, 1s));  // 1 rad/s
+  std::vector<Time> moments;
+  for (int i = 0; i < 100; ++i) {
+    wait(board, 10ms);
+    ASSERT_TRUE(robot.state());
+    moments.push_back(board.now() - 20ms);
+  }
+  for (const Time t : moments) {
+    const auto posture = robot.posture_at(t);
+    if (t < moments.front() + 20ms) continue;
+    ASSERT_TRUE(posture);
+    EXPECT_EQ(posture->time, t);
+    // A code of the potentiometer (3.2 mrad) and the error in time (1 mrad a millisecond).
+    EXPECT_NEAR(posture->angle[neck_pan], board.angles_at(t)[neck_pan], 0.0032 + 0.001);
+  }
+  EXPECT_FALSE(robot.posture_at(board.now() + 1ms));
+  EXPECT_FALSE(robot.posture_at(board.now() - 6s));
+}
+
+}  // namespace
+}  // namespace kaz::host
