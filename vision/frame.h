@@ -23,8 +23,12 @@ namespace kaz {
 // Host time: nanoseconds on the one clock of the host (simulated in lockstep, CLOCK_MONOTONIC otherwise).
 using Time = std::chrono::nanoseconds;
 
-inline double seconds(Time t) { return std::chrono::duration<double>(t).count(); }
-inline Time from_seconds(double s) { return Time(static_cast<std::int64_t>(s * 1e9 + (s < 0 ? -0.5 : 0.5))); }
+inline double seconds(Time t) {
+  return std::chrono::duration<double>(t).count();
+}
+inline Time from_seconds(double s) {
+  return Time(static_cast<std::int64_t>(s * 1e9 + (s < 0 ? -0.5 : 0.5)));
+}
 
 }  // namespace kaz
 
@@ -50,10 +54,10 @@ struct StereoImages {
 // The moment of a picture.
 struct FrameInfo {
   std::uint64_t sequence = 0;
-  Time exposure{};                       // middle of the exposure
-  CameraModel camera;                    // of the left eye
-  bool posture_known = false;            // false where the board's state at that time is not known
-  std::vector<double> joint_rad;         // measured angles at `exposure`, by joint number
+  Time exposure{};                // middle of the exposure
+  CameraModel camera;             // of the left eye
+  bool posture_known = false;     // false where the board's state at that time is not known
+  std::vector<double> joint_rad;  // measured angles at `exposure`, by joint number
   Eigen::Isometry3d foot_from_eye = Eigen::Isometry3d::Identity();  // left optical frame
 };
 

@@ -20,8 +20,8 @@ struct Picture {
   std::vector<std::uint8_t> rgb;
 };
 
-// Pinhole: pixel (u, v) = (fx x/z + cx, fy y/z + cy) in the optical frame (x right, y down, z forward);
-// pixel centres at integer coordinates.
+// Pinhole: pixel (u, v) = (fx x/z + cx, fy y/z + cy) in the optical frame (x right, y down, z
+// forward); pixel centres at integer coordinates.
 struct Pinhole {
   int width = 320, height = 240;
   double fx = 0, fy = 0, cx = 0, cy = 0;
@@ -31,18 +31,25 @@ struct Pinhole {
 struct View {
   Pinhole camera;
   Eigen::Isometry3d world_from_optical = Eigen::Isometry3d::Identity();
+  // n x n samples a pixel, 1..4. A camera's picture takes 1; one for documentation 2 (smooth
+  // edges).
+  int samples_per_axis = 1;
 };
 
 class Renderer {
  public:
   virtual ~Renderer() = default;
-  // Uploads shapes and textures; once, before the first picture.
+  // Builds meshes; once, before the first picture. Fails where a mesh file cannot be read or a
+  // visual names a texture or frame that does not exist.
   virtual Result<void> set_scene(const Scene& scene) = 0;
-  // Same scene, pose and view: same bytes. Call from one thread only (the one that made the renderer).
+  // Same scene, pose and view: same bytes. The first call starts OpenGL (some 0.1 s) and fails with
+  // a reason where that cannot be had. Calls may come from any thread, but only one at a time.
   virtual Result<void> render(const ScenePose& pose, const View& view, Picture& picture) = 0;
 };
 
-// Off-screen Mesa (llvmpipe). Fails with a reason where the context cannot be made.
+// Off-screen Mesa (llvmpipe), rasterising in the calling thread. Sets Mesa's environment variables
+// for the process, so that its pictures do not hang on the user's: call it before threads that read
+// the environment.
 Result<std::unique_ptr<Renderer>> make_osmesa_renderer();
 
 }  // namespace kaz::sim

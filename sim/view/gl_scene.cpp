@@ -1,0 +1,243 @@
+// Scene drawing: shadow map once a pose, then near to far, the background last.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/view/gl_scene.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "sim/view/shaders.h"
+
+namespace kaz::sim {
+
+namespace {
+
+// For the eyes, 4 ms a pair allow no more. Both sizes include the free ring.
+constexpr int kEyeShadowTexels = 512, kPictureShadowTexels = 2048;
+
+const void* offset(std::size_t bytes) {
+  return reinterpret_cast<const void*>(bytes);
+}
+
+}  // namespace
+
+Result<GlScene> GlScene::create(const Gl& gl, const SceneModel& model) {
+  GlScene scene(gl, model);
+  if (Result<void> built = scene.build_programs(); !built) return tl::unexpected(built.error());
+  scene.upload_geometry();
+  scene.upload_textures();
+  for (const int texels : {kEyeShadowTexels, kPictureShadowTexels}) {
+    Result<void> made = scene.make_shadow_map(texels);
+    if (!made) return tl::unexpected(made.error());
+  }
+  gl.Enable(GL_CULL_FACE);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_LEQUAL);
+  gl.Disable(GL_DITHER);
+  return scene;
+}
+
+Result<void> GlScene::build_programs() {
+  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+    const SurfaceVariant variant{i % 2 == 1, i >= 2};
+    Result<GlProgram> program =
+        GlProgram::build(*gl_, surface_vertex_shader(variant), surface_fragment_shader(variant));
+    if (!program) return tl::unexpected(program.error());
+    surfaces_[i] = {*program, program->location("world_from_model")};
+    program->use();
+    program->set_sampler("pattern", 0);
+    program->set_sampler("shadow_map", 1);
+    program->set("shadow_texel", 1.0 / kPictureShadowTexels);
+    program->set("to_key", Eigen::Vector3d(Eigen::Vector3d::Map(kKeyLight).normalized()));
+  }
+  Result<GlProgram> depth = GlProgram::build(*gl_, depth_vertex_shader(), depth_fragment_shader());
+  if (!depth) return tl::unexpected(depth.error());
+  depth_ = *depth;
+  Result<GlProgram> background =
+      GlProgram::build(*gl_, background_vertex_shader(), background_fragment_shader());
+  if (!background) return tl::unexpected(background.error());
+  background_ = *background;
+  return {};
+}
+
+void GlScene::upload_geometry() {
+  gl_->GenVertexArrays(1, &empty_vertex_array_);
+  gl_->GenVertexArrays(1, &vertex_array_);
+  gl_->BindVertexArray(vertex_array_);
+  std::array<GLuint, 2> buffers{};
+  gl_->GenBuffers(2, buffers.data());
+  gl_->BindBuffer(GL_ARRAY_BUFFER, buffers[0]);
+  gl_->BufferData(GL_ARRAY_BUFFER,
+                  static_cast<GLsizeiptr>(model_->vertices.size() * sizeof(ColoredVertex)),
+                  model_->vertices.data(), GL_STATIC_DRAW);
+  gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[1]);
+  gl_->BufferData(GL_ELEMENT_ARRAY_BUFFER,
+                  static_cast<GLsizeiptr>(model_->indices.size() * sizeof(std::uint32_t)),
+                  model_->indices.data(), GL_STATIC_DRAW);
+  constexpr GLsizei kStride = sizeof(ColoredVertex);
+  gl_->VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, kStride, offset(offsetof(Vertex, position)));
+  gl_->VertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, kStride, offset(offsetof(Vertex, normal)));
+  gl_->VertexAttribPointer(2, 2, GL_FLOAT, GL_FALSE, kStride, offset(offsetof(Vertex, uv)));
+  gl_->VertexAttribPointer(3, 4, GL_UNSIGNED_BYTE, GL_TRUE, kStride,
+                           offset(offsetof(ColoredVertex, color)));
+  for (GLuint i = 0; i < 4; ++i) gl_->EnableVertexAttribArray(i);
+}
+
+void GlScene::upload_textures() {
+  gl_->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl_->ActiveTexture(GL_TEXTURE0);
+  for (const Texture& texture : model_->textures) {
+    GLuint id = 0;
+    gl_->GenTextures(1, &id);
+    gl_->BindTexture(GL_TEXTURE_2D, id);
+    int size = texture.size;
+    for (std::size_t level = 0; level < texture.levels.size(); ++level, size /= 2) {
+      gl_->TexImage2D(GL_TEXTURE_2D, static_cast<GLint>(level), GL_RGBA8, size, size, 0, GL_RGBA,
+                      GL_UNSIGNED_BYTE, texture.levels[level].data());
+    }
+    gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    textures_.push_back(id);
+  }
+}
+
+Result<void> GlScene::make_shadow_map(int texels) {
+  ShadowMap map;
+  map.texels = texels;
+  gl_->ActiveTexture(GL_TEXTURE1);
+  gl_->GenTextures(1, &map.texture);
+  gl_->BindTexture(GL_TEXTURE_2D, map.texture);
+  gl_->TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT16, texels, texels, 0, GL_DEPTH_COMPONENT,
+                  GL_UNSIGNED_SHORT, nullptr);
+  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  gl_->GenFramebuffers(1, &map.framebuffer);
+  gl_->BindFramebuffer(GL_FRAMEBUFFER, map.framebuffer);
+  gl_->FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, map.texture, 0);
+  gl_->DrawBuffer(GL_NONE);
+  gl_->ReadBuffer(GL_NONE);
+  if (gl_->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    return fail(Fault::environment,
+                "this OpenGL cannot draw into a depth texture: install Mesa 22.3 or newer");
+  }
+  shadow_maps_.push_back(std::move(map));
+  return {};
+}
+
+void GlScene::draw_piece(const Piece& piece) const {
+  gl_->DrawElements(GL_TRIANGLES, static_cast<GLsizei>(piece.index_count), GL_UNSIGNED_INT,
+                    offset(piece.first_index * sizeof(std::uint32_t)));
+}
+
+void GlScene::draw_shadow_map(const ScenePose& pose, ShadowMap& map) {
+  const auto same = [](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+    return a.matrix() == b.matrix();
+  };
+  if (std::equal(pose.frames.begin(), pose.frames.end(), map.pose.begin(), map.pose.end(), same)) {
+    return;  // the other eye of a pair
+  }
+  map.pose = pose.frames;
+  map.view = fit_shadow_view(model_->casters, pose, map.texels);
+  gl_->BindFramebuffer(GL_FRAMEBUFFER, map.framebuffer);
+  gl_->Viewport(0, 0, map.texels, map.texels);
+  gl_->Clear(GL_DEPTH_BUFFER_BIT);
+  gl_->Viewport(1, 1, map.texels - 2, map.texels - 2);
+  // Far sides only: a lit surface is then never behind itself, whatever the rounding.
+  gl_->FrontFace(GL_CCW);
+  gl_->CullFace(GL_FRONT);
+  gl_->BindVertexArray(vertex_array_);
+  depth_.use();
+  const int clip_from_model = depth_.location("clip_from_model");
+  for (const Piece& piece : model_->casters) {
+    const Eigen::Matrix4d& world_from_model =
+        pose.frames[static_cast<std::size_t>(piece.frame)].matrix();
+    depth_.set(clip_from_model, map.view.clip_from_world * world_from_model);
+    draw_piece(piece);
+  }
+  gl_->CullFace(GL_BACK);
+}
+
+void GlScene::draw_surfaces(const ScenePose& pose, const View& view, const ShadowMap& map,
+                            const Eigen::Matrix4d& clip_from_world) {
+  const Eigen::Isometry3d optical_from_world = view.world_from_optical.inverse();
+  struct Visible {
+    bool textured;
+    bool plane;
+    double distance;
+    const Piece* piece;
+  };
+  std::vector<Visible> visible;
+  visible.reserve(model_->pieces.size());
+  for (const Piece& piece : model_->pieces) {
+    const Eigen::Vector3d center =
+        optical_from_world * (pose.frames[static_cast<std::size_t>(piece.frame)] * piece.center);
+    if (!may_be_seen(view.camera, center, piece.radius)) continue;
+    visible.push_back({piece.texture >= 0, piece.ground, center.norm() - piece.radius, &piece});
+  }
+  // Near to far, so that hidden pixels are not shaded; grounds last, they are behind everything.
+  std::stable_sort(visible.begin(), visible.end(), [](const Visible& a, const Visible& b) {
+    if (a.plane != b.plane) return b.plane;
+    if (a.textured != b.textured) return b.textured;
+    return a.distance < b.distance;
+  });
+  gl_->BindVertexArray(vertex_array_);
+  gl_->ActiveTexture(GL_TEXTURE1);
+  gl_->BindTexture(GL_TEXTURE_2D, map.texture);
+  gl_->ActiveTexture(GL_TEXTURE0);
+  const Surface* in_use = nullptr;
+  const std::size_t soft = view.samples_per_axis > 1 ? 2 : 0;
+  for (const Visible& v : visible) {
+    const Surface& surface = surfaces_[(v.textured ? 1 : 0) + soft];
+    if (in_use != &surface) {
+      surface.program.use();
+      surface.program.set("clip_from_world", clip_from_world);
+      surface.program.set("shadow_from_world", map.view.texture_from_world);
+      surface.program.set("eye", Eigen::Vector3d(view.world_from_optical.translation()));
+      in_use = &surface;
+    }
+    if (v.textured) {
+      const auto texture = static_cast<std::size_t>(v.piece->texture);
+      gl_->BindTexture(GL_TEXTURE_2D, textures_[texture]);
+      // Blending two mip levels costs an eighth of an eye's picture.
+      gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER,
+                         soft > 0 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR_MIPMAP_NEAREST);
+      surface.program.set("repeats_per_m", 1 / model_->textures[texture].repeat_m);
+    }
+    surface.program.set(surface.world_from_model,
+                        pose.frames[static_cast<std::size_t>(v.piece->frame)].matrix());
+    draw_piece(*v.piece);
+  }
+}
+
+void GlScene::draw(const ScenePose& pose, const View& view, GLuint framebuffer) {
+  const int n = view.samples_per_axis;
+  ShadowMap& map = shadow_maps_[n > 1 ? 1 : 0];
+  draw_shadow_map(pose, map);
+  gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  gl_->Viewport(0, 0, view.camera.width * n, view.camera.height * n);
+  gl_->Clear(GL_DEPTH_BUFFER_BIT);
+  // y points down in clip space, which mirrors the sense of rotation.
+  gl_->FrontFace(GL_CW);
+  const Eigen::Matrix4d projection = clip_from_optical(view.camera);
+  const Eigen::Matrix4d clip_from_world = projection * view.world_from_optical.inverse().matrix();
+  draw_surfaces(pose, view, map, clip_from_world);
+
+  Eigen::Matrix4d ray_from_clip = Eigen::Matrix4d::Zero();
+  ray_from_clip.topLeftCorner<3, 3>() = view.world_from_optical.linear();
+  Eigen::Matrix4d optical_from_clip = Eigen::Matrix4d::Zero();
+  optical_from_clip(0, 0) = 1 / projection(0, 0);
+  optical_from_clip(0, 2) = -projection(0, 2) / projection(0, 0);
+  optical_from_clip(1, 1) = 1 / projection(1, 1);
+  optical_from_clip(1, 2) = -projection(1, 2) / projection(1, 1);
+  optical_from_clip(2, 2) = 1;
+  gl_->BindVertexArray(empty_vertex_array_);
+  gl_->Disable(GL_CULL_FACE);
+  background_.use();
+  background_.set("ray_from_clip", Eigen::Matrix4d(ray_from_clip * optical_from_clip));
+  gl_->DrawArrays(GL_TRIANGLES, 0, 3);
+  gl_->Enable(GL_CULL_FACE);
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,57 @@
+// Draws a scene into the current framebuffer with OpenGL 3.3.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sim/view/gl_program.h"
+#include "sim/view/projection.h"
+#include "sim/view/scene_model.h"
+
+namespace kaz::sim {
+
+// The context must be current in every call. What it makes lives as long as the context.
+class GlScene {
+ public:
+  // `gl` and `model` must outlive this.
+  static Result<GlScene> create(const Gl& gl, const SceneModel& model);
+
+  // Into `framebuffer`, whose size is that of the picture times `samples_per_axis`.
+  void draw(const ScenePose& pose, const View& view, GLuint framebuffer);
+
+ private:
+  GlScene(const Gl& gl, const SceneModel& model) : gl_(&gl), model_(&model) {}
+
+  struct Surface {
+    GlProgram program;
+    int world_from_model = -1;
+  };
+
+  struct ShadowMap {
+    int texels = 0;
+    GLuint framebuffer = 0, texture = 0;
+    ShadowView view{};
+    std::vector<Eigen::Isometry3d> pose;  // for which it was drawn; empty: never
+  };
+
+  void upload_geometry();
+  void upload_textures();
+  Result<void> make_shadow_map(int texels);
+  Result<void> build_programs();
+  void draw_shadow_map(const ScenePose& pose, ShadowMap& map);
+  void draw_surfaces(const ScenePose& pose, const View& view, const ShadowMap& map,
+                     const Eigen::Matrix4d& clip_from_world);
+  void draw_piece(const Piece& piece) const;
+
+  const Gl* gl_;
+  const SceneModel* model_;
+  GLuint vertex_array_ = 0, empty_vertex_array_ = 0;
+  std::vector<GLuint> textures_;
+
+  std::array<Surface, 4> surfaces_;  // plain and textured, then both with soft shadows
+  GlProgram depth_, background_;
+  std::vector<ShadowMap> shadow_maps_;  // for the eyes, and for supersampled pictures
+};
+
+}  // namespace kaz::sim

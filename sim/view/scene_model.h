@@ -1,0 +1,44 @@
+// A scene as the graphics card wants it: one vertex buffer, pieces that are drawn with one call
+// each. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "shared/base/result.hpp"
+#include "sim/body/scene.h"
+#include "sim/view/mesh.h"
+#include "sim/view/texture.h"
+
+namespace kaz::sim {
+
+struct ColoredVertex {
+  Vertex vertex;                      // in the frame of its piece
+  std::array<std::uint8_t, 4> color;  // RGB codes, alpha unused
+};
+
+// Visuals of one frame and texture. Some hundred triangles: larger ones are slower in llvmpipe.
+struct Piece {
+  int frame = 0;
+  int texture = -1;     // index into SceneModel::textures, -1 none
+  bool ground = false;  // planes: drawn last, cast no shadow
+  std::uint32_t first_index = 0, index_count = 0;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of a sphere around it, in the frame
+  double radius = 0;
+};
+
+struct SceneModel {
+  std::vector<ColoredVertex> vertices;
+  std::vector<std::uint32_t> indices;
+  std::vector<Piece> pieces;
+  std::vector<Piece> casters;  // coarse meshes for the shadow map, one or more a frame
+  std::vector<Texture> textures;
+  std::size_t frames = 0;
+};
+
+Result<SceneModel> build_scene_model(const Scene& scene);
+
+}  // namespace kaz::sim

@@ -1,0 +1,31 @@
+// The shading programs, in GLSL 3.30.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Colours in a scene and in pictures are codes c of which the light is c^2 (close to sRGB, and
+// cheap). Light adds up as light: a key light from the upper right front with a shadow, a hemisphere
+// of ambient light, a weak fill light from the left, a small highlight. Distance fades to the
+// horizon's colour.
+#pragma once
+
+#include <string>
+
+namespace kaz::sim {
+
+struct SurfaceVariant {
+  bool textured = false;
+  bool soft_shadow = false;  // twelve taps in place of one: for pictures, not for the eyes
+};
+
+std::string surface_vertex_shader(const SurfaceVariant& variant);
+std::string surface_fragment_shader(const SurfaceVariant& variant);
+// Positions alone, for the shadow map.
+std::string depth_vertex_shader();
+std::string depth_fragment_shader();
+// One triangle over the whole picture, at the far end.
+std::string background_vertex_shader();
+std::string background_fragment_shader();
+
+// Towards the key light, world frame, not normalised.
+inline constexpr double kKeyLight[3] = {0.55, -0.50, 1.0};
+
+}  // namespace kaz::sim

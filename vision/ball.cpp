@@ -1,0 +1,169 @@
+// Ball detection: colour, regions from the largest, outline, cone.
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/ball.h"
+
+#include <algorithm>
+#include <bitset>
+#include <cmath>
+
+#include "vision/cone.h"
+#include "vision/outline.h"
+
+namespace kaz::vision {
+
+namespace {
+
+Eigen::Vector3d ray(const CameraModel& camera, double u, double v) {
+  return Eigen::Vector3d((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1).normalized();
+}
+
+double focal(const CameraModel& camera) {
+  return std::sqrt(camera.fx * camera.fy);
+}
+
+std::vector<Eigen::Vector3d> rays_of(const CameraModel& camera,
+                                     const std::vector<OutlinePoint>& points) {
+  std::vector<Eigen::Vector3d> rays;
+  rays.reserve(points.size());
+  for (const OutlinePoint& p : points) rays.push_back(ray(camera, p.u, p.v));
+  return rays;
+}
+
+// A line along which the outline runs says little about where it is: rows serve at the left and right,
+// columns at the top and bottom. `center` is the middle of the first fit.
+std::vector<OutlinePoint> well_crossed(const Image& image, const std::vector<OutlinePoint>& points,
+                                       const Eigen::Vector2d& center) {
+  std::vector<OutlinePoint> chosen;
+  for (const OutlinePoint& p : points) {
+    const Eigen::Vector2d outward = Eigen::Vector2d(p.u, p.v) - center;
+    const double across = outward.x() * p.step_u + outward.y() * p.step_v;
+    if (across > 0.64 * outward.norm()) chosen.push_back(refined(image, p));
+  }
+  return chosen;
+}
+
+// Share of the outline on the cone, and how many of 16 directions around the axis it covers.
+struct Support {
+  double share = 0;
+  std::size_t sectors = 0;
+};
+
+Support support_of(const Cone& cone, const std::vector<Eigen::Vector3d>& rays,
+                   double tolerance_rad) {
+  const Eigen::Vector3d x = cone.axis.cross(Eigen::Vector3d::UnitY()).normalized();
+  const Eigen::Vector3d y = cone.axis.cross(x);
+  std::bitset<16> sectors;
+  std::size_t on = 0;
+  for (const Eigen::Vector3d& r : rays) {
+    if (std::abs(angle_outside(cone, r)) > tolerance_rad) continue;
+    ++on;
+    const double turn = std::atan2(r.dot(y), r.dot(x)) / (2 * 3.14159265358979323846) + 0.5;
+    sectors.set(static_cast<std::size_t>(turn * 16) % 16);
+  }
+  if (rays.empty()) return {};
+  return {static_cast<double>(on) / static_cast<double>(rays.size()), sectors.count()};
+}
+
+// Pixels of the picture that lie within the cone. Of large balls every n-th in both directions counts.
+double pixels_within(const Cone& cone, const EllipseAxes& axes, const CameraModel& camera) {
+  const double u = camera.fx * cone.axis.x() / cone.axis.z() + camera.cx;
+  const double v = camera.fy * cone.axis.y() / cone.axis.z() + camera.cy;
+  // The cone's axis is not the middle of the ellipse, but within it: twice its longer half axis suffices.
+  const double reach = 2 * focal(camera) * std::max(axes.across, axes.along) + 1;
+  const int step = std::max(1, static_cast<int>(reach / 80));
+  const auto bounds = [reach](double center, int size) {
+    return std::pair(std::clamp(static_cast<int>(std::max(center - reach, 0.0)), 0, size - 1),
+                     static_cast<int>(std::clamp(center + reach, 0.0, size - 1.0)));
+  };
+  const auto [left, right] = bounds(u, camera.width);
+  const auto [top, bottom] = bounds(v, camera.height);
+  const double cosine = std::cos(cone.half_angle);
+  int count = 0;
+  for (int y = top; y <= bottom; y += step) {
+    for (int x = left; x <= right; x += step) {
+      if (ray(camera, x, y).dot(cone.axis) >= cosine) ++count;
+    }
+  }
+  return static_cast<double>(count) * step * step;
+}
+
+std::optional<BallObservation> measure(const Image& image, const CameraModel& camera,
+                                       const Region& region, const BallOptions& options) {
+  const double pixel = 1 / focal(camera);
+  const std::vector<OutlinePoint> crossings = outline_of(region, image.width, image.height);
+  std::vector<Eigen::Vector3d> rays = rays_of(camera, crossings);
+  std::optional<Cone> cone = fit_cone(rays, 0.4 * pixel);
+  if (!cone || !(cone->axis.z() > 0.05)) return std::nullopt;
+  const auto center_of = [&](const Cone& c) {
+    return Eigen::Vector2d(camera.fx * c.axis.x() / c.axis.z() + camera.cx,
+                           camera.fy * c.axis.y() / c.axis.z() + camera.cy);
+  };
+  const std::vector<OutlinePoint> fine = well_crossed(image, crossings, center_of(*cone));
+  const std::vector<Eigen::Vector3d> fine_rays = rays_of(camera, fine);
+  if (const std::optional<Cone> better = fit_cone(fine_rays, 0.2 * pixel)) cone = better;
+  const std::optional<EllipseAxes> axes = ellipse_axes(*cone);
+  if (!axes) return std::nullopt;
+
+  BallObservation ball;
+  const Eigen::Vector2d center = center_of(*cone);
+  ball.center_u = center.x();
+  ball.center_v = center.y();
+  ball.radius_px = focal(camera) * std::sqrt(axes->across * axes->along);
+  ball.direction = cone->axis;
+  ball.distance_m = options.radius_m / std::sin(cone->half_angle);
+  // A pixel, or for large balls a twentieth of the radius.
+  const Support support = support_of(*cone, rays, std::max(pixel, 0.05 * cone->half_angle));
+  const double within = pixels_within(*cone, *axes, camera);
+  constexpr double kEnoughSectors = 5;  // a third of the circumference
+  ball.confidence = support.share * std::min(1.0, region.area / std::max(within, 1.0)) *
+                    std::min(1.0, static_cast<double>(support.sectors) / kEnoughSectors);
+  return ball;
+}
+
+std::optional<Error> unfit(const Image& image, const CameraModel& camera) {
+  const auto pixels = static_cast<std::size_t>(std::max(image.width, 0)) *
+                      static_cast<std::size_t>(std::max(image.height, 0));
+  if (pixels == 0 || image.rgb.size() != 3 * pixels) {
+    return Error{Fault::environment, "a picture of " + std::to_string(image.width) + " x " +
+                                         std::to_string(image.height) + " came with " +
+                                         std::to_string(image.rgb.size()) +
+                                         " bytes: check the camera or the file it came from"};
+  }
+  if (camera.width != image.width || camera.height != image.height) {
+    return Error{Fault::usage, "a picture of " + std::to_string(image.width) + " x " +
+                                   std::to_string(image.height) +
+                                   " does not fit its camera model of " +
+                                   std::to_string(camera.width) + " x " +
+                                   std::to_string(camera.height) + ": check the calibration"};
+  }
+  if (!(camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx + camera.fy)) ||
+      !std::isfinite(camera.cx + camera.cy)) {
+    return Error{Fault::usage,
+                 "the camera model has no positive focal length: check the calibration"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+BallObservation BallDetector::detect(const Image& image, const FrameInfo& info) {
+  BallObservation none;
+  none.info = info;
+  none.error = unfit(image, info.camera);
+  mask_ = {};
+  if (none.error) return none;
+  extractor_.extract(image, mask_);
+  // Something else of that colour may be larger than the ball, but is hardly as round.
+  constexpr std::size_t kCandidates = 4;
+  const std::span<const Region> regions = regions_.find(mask_, options_.min_area);
+  for (const Region& region : regions.first(std::min(regions.size(), kCandidates))) {
+    std::optional<BallObservation> ball = measure(image, info.camera, region, options_);
+    if (!ball || ball->confidence < options_.min_confidence) continue;
+    ball->info = info;
+    ball->found = true;
+    return *ball;
+  }
+  return none;
+}
+
+}  // namespace kaz::vision
