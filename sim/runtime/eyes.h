@@ -90,7 +90,6 @@ class Eyes {
   FramePolicy policy_;
   bool digests_;
   std::uint64_t sequence_ = 0, left_out_ = 0;
-  bool started_ = false;
   std::deque<std::shared_future<Drawn>> under_way_;
   std::deque<std::pair<Time, vision::StereoPair>> arriving_;  // with the time of arrival
   std::deque<Exposed> to_digest_;

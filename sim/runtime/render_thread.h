@@ -39,6 +39,7 @@ class RenderThread {
 
   Scene scene_;
   RendererFactory factory_;
+  Result<std::unique_ptr<Renderer>> renderer_ = nullptr;  // of the thread, once that runs
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Job> jobs_;

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -20,6 +21,7 @@
 #include "sim/mcu/mcu.h"
 #include "sim/runtime/eyes.h"
 #include "sim/runtime/mcap_writer.h"
+#include "sim/runtime/render_thread.h"
 #include "sim/runtime/serial_line.h"
 #include "sim/runtime/time.h"
 #include "sim/view/renderer.h"
@@ -60,6 +62,7 @@ class Simulation {
 
   // One millisecond. Errors (the chip stopped, no pictures, disk full) repeat at each further call.
   Result<void> step();
+  const std::optional<Error>& error() const { return error_; }
   // End of the last step. A whole number of milliseconds.
   States now() const { return now_; }
   Time time() const { return time_of(now_); }
@@ -69,11 +72,14 @@ class Simulation {
   std::size_t read(std::span<std::uint8_t> bytes) { return line_.read(bytes, now_); }
   SerialLine& line() { return line_; }
 
-  // Nothing is drawn before the first call of open_eyes().
+  // The eyes are closed at first: nothing is drawn for nobody.
   void open_eyes();
+  void close_eyes() { eyes_open_ = false; }
   const CameraFile& camera() const { return camera_; }
   // The next pair that has reached the host by now, oldest first.
   std::optional<vision::StereoPair> next_pair();
+  // The same without the declared latency: for a publisher, whose readers wait for it themselves.
+  std::optional<vision::StereoPair> next_exposed_pair();
   std::uint64_t pairs_left_out() const;
   // A picture of the world as it stands now, by an onlooker.
   Result<Picture> picture(const View& view);
@@ -92,16 +98,19 @@ class Simulation {
   Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mcu,
              std::unique_ptr<World> world, const CameraFile& camera);
   Result<void> advance();
-  std::unique_ptr<Eyes> make_eyes();
+  void record(States start, std::span<const SerialByte> to_board,
+              std::span<const SerialByte> from_board);
 
   SimulationOptions options_;
   CameraFile camera_;
   std::unique_ptr<World> world_;
   ServoBoard board_;
   SerialLine line_;
-  std::unique_ptr<Eyes> eyes_;
-  bool eyes_open_ = false;
   std::unique_ptr<Recorder> recorder_;
+  // Drawing goes on in its thread until `draws_` is destroyed; the eyes outlive it for that.
+  std::unique_ptr<Eyes> eyes_;
+  RenderThread draws_;
+  bool eyes_open_ = false;
   States now_ = 0;
   std::optional<Error> error_;
 };

@@ -1,0 +1,134 @@
+// Exposures on the step grid, drawn by the render thread, delivered by simulated time.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/eyes.h"
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "sim/runtime/sha256.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr std::size_t most_under_way = 3;  // drawings submitted and not done
+constexpr std::size_t most_kept = 8;       // pairs that wait for the host
+
+vision::Image take_image(Picture& picture) {
+  return {picture.width, picture.height, std::move(picture.rgb)};
+}
+
+// What is delivered when drawing failed; the reason comes out of the simulation's next step.
+vision::Image black(const Pinhole& camera) {
+  const auto bytes = static_cast<std::size_t>(camera.width) * camera.height * 3;
+  return {camera.width, camera.height, std::vector<std::uint8_t>(bytes)};
+}
+
+bool done(const auto& future) {
+  return future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+}  // namespace
+
+Eyes::Eyes(RenderThread& draws, const CameraFile& camera, const Mounting& mounting,
+           FramePolicy policy, bool digests)
+    : draws_(draws),
+      camera_(camera),
+      model_(camera.model()),
+      mounting_(mounting),
+      policy_(policy),
+      digests_(digests) {}
+
+Time Eyes::exposure_time(std::uint64_t sequence) const {
+  const double ms = std::round(1000.0 * static_cast<double>(sequence) / camera_.rate_hz);
+  return std::chrono::milliseconds(static_cast<std::int64_t>(ms));
+}
+
+Result<void> Eyes::look(Time now, const std::function<ScenePose()>& pose) {
+  if (auto error = draws_.error()) return tl::unexpected(*error);
+  while (exposure_time(sequence_) < now) ++sequence_;  // nobody looked
+  while (!under_way_.empty() && done(under_way_.front())) under_way_.pop_front();
+  if (now < exposure_time(sequence_)) return {};
+
+  if (under_way_.size() >= most_under_way) {
+    if (policy_ == FramePolicy::drop) {
+      ++left_out_;
+      ++sequence_;
+      return {};
+    }
+    under_way_.front().wait();
+    under_way_.pop_front();
+  }
+  expose(now, pose());
+  return {};
+}
+
+void Eyes::expose(Time now, ScenePose pose) {
+  const Eigen::Isometry3d head = pose.frames[static_cast<std::size_t>(mounting_.head_frame)];
+  const View left{camera_.pinhole(), head * mounting_.left};
+  const View right{camera_.pinhole(), head * mounting_.right};
+
+  auto drawn = std::make_shared<std::promise<Drawn>>();
+  auto images = std::make_shared<std::promise<std::shared_ptr<const vision::StereoImages>>>();
+  draws_.submit([this, left, right, drawn, images, hashed = digests_,
+                 pose = std::move(pose)](const Result<Renderer*>& renderer) {
+    auto pair = std::make_shared<vision::StereoImages>();
+    Picture pictures[2];
+    Result<void> result;
+    if (renderer) {
+      result = (*renderer)->render(pose, left, pictures[0]);
+      if (result) result = (*renderer)->render(pose, right, pictures[1]);
+    } else {
+      result = tl::unexpected(renderer.error());
+    }
+    Drawn outcome;
+    if (result) {
+      pair->left = take_image(pictures[0]);
+      pair->right = take_image(pictures[1]);
+      if (hashed) {
+        outcome.left_digest = sha256_hex(pair->left.rgb);
+        outcome.right_digest = sha256_hex(pair->right.rgb);
+      }
+    } else {
+      draws_.set_error(result.error());
+      pair->left = black(left.camera);
+      pair->right = black(right.camera);
+    }
+    outcome.images = pair;
+    images->set_value(pair);
+    drawn->set_value(std::move(outcome));
+  });
+
+  vision::StereoPair pair;
+  pair.info.sequence = sequence_;
+  pair.info.exposure = now;
+  pair.info.camera = model_;
+  pair.images = images->get_future().share();
+  arriving_.emplace_back(now + from_seconds(camera_.latency_s), std::move(pair));
+  if (arriving_.size() > most_kept) arriving_.pop_front();
+
+  const std::shared_future<Drawn> outcome = drawn->get_future().share();
+  under_way_.push_back(outcome);
+  if (digests_) to_digest_.push_back({sequence_, now, outcome});
+  ++sequence_;
+}
+
+std::optional<vision::StereoPair> Eyes::next_pair(Time now) {
+  if (arriving_.empty() || arriving_.front().first > now) return std::nullopt;
+  vision::StereoPair pair = std::move(arriving_.front().second);
+  arriving_.pop_front();
+  return pair;
+}
+
+std::vector<Eyes::Digest> Eyes::take_digests(bool all) {
+  std::vector<Digest> digests;
+  while (!to_digest_.empty() && (all || to_digest_.front().sequence + 2 < sequence_)) {
+    const Exposed& exposed = to_digest_.front();
+    const Drawn& drawn = exposed.drawn.get();
+    digests.push_back({exposed.sequence, exposed.exposure, drawn.left_digest, drawn.right_digest});
+    to_digest_.pop_front();
+  }
+  return digests;
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,107 @@
+// Opening a pseudo-terminal and telling whether the host is there.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/pty.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <termios.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+namespace kaz::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+tl::unexpected<Error> no_pty(const char* what) {
+  return fail(Fault::environment, std::string("cannot make a pseudo-terminal: ") + what + ": " +
+                                      std::strerror(errno) + "; is /dev/pts mounted?");
+}
+
+Result<void> make_link(const std::string& target, const std::string& link) {
+  std::error_code error;
+  const auto status = fs::symlink_status(link, error);
+  if (fs::is_symlink(status)) {
+    fs::remove(link, error);
+  } else if (fs::exists(status)) {
+    return fail(Fault::usage, link + " exists and is no symbolic link; choose another path for " +
+                                  "the serial port, or remove it");
+  }
+  fs::create_symlink(target, link, error);
+  if (error)
+    return fail(Fault::environment,
+                "cannot link " + link + " to the serial port " + target + ": " + error.message());
+  return {};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Pty>> Pty::open(const std::string& link_path) {
+  std::unique_ptr<Pty> pty(new Pty);
+  pty->master_ = Descriptor(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  const int master = pty->master_.get();
+  if (master < 0) return no_pty("posix_openpt");
+  char name[128];
+  if (grantpt(master) != 0 || unlockpt(master) != 0 || ptsname_r(master, name, sizeof name) != 0)
+    return no_pty("unlocking it");
+  pty->port_ = name;
+
+  // Opened and closed once: from then on the master reports a hang-up exactly while no host is
+  // there.
+  const Descriptor slave(::open(name, O_RDWR | O_NOCTTY | O_CLOEXEC));
+  termios settings{};
+  if (!slave || tcgetattr(slave.get(), &settings) != 0) return no_pty(name);
+  cfmakeraw(&settings);
+  cfsetspeed(&settings, B115200);
+  if (tcsetattr(slave.get(), TCSANOW, &settings) != 0) return no_pty(name);
+
+  if (auto linked = make_link(pty->port_, link_path); !linked)
+    return tl::unexpected(linked.error());
+  pty->link_ = link_path;
+  return pty;
+}
+
+Pty::~Pty() {
+  if (link_.empty()) return;
+  std::error_code error;
+  if (fs::read_symlink(link_, error) == port_) fs::remove(link_, error);
+}
+
+bool Pty::host_present() const {
+  pollfd poll_master{master_.get(), POLLIN, 0};
+  return poll(&poll_master, 1, 0) >= 0 && (poll_master.revents & POLLHUP) == 0;
+}
+
+long Pty::baud() const {
+  termios settings{};
+  if (tcgetattr(master_.get(), &settings) != 0) return 0;  // the master shares the slave's settings
+  static constexpr struct {
+    speed_t code;
+    long baud;
+  } speeds[] = {{B1200, 1200},     {B2400, 2400},     {B4800, 4800},     {B9600, 9600},
+                {B19200, 19200},   {B38400, 38400},   {B57600, 57600},   {B115200, 115200},
+                {B230400, 230400}, {B460800, 460800}, {B921600, 921600}, {B1000000, 1000000}};
+  for (const auto& speed : speeds)
+    if (speed.code == cfgetospeed(&settings)) return speed.baud;
+  return 0;
+}
+
+std::size_t Pty::read(std::span<std::uint8_t> bytes) {
+  const ssize_t count = ::read(master_.get(), bytes.data(), bytes.size());
+  return count > 0 ? static_cast<std::size_t>(count) : 0;  // EIO: no host; EAGAIN: nothing there
+}
+
+std::size_t Pty::write(std::span<const std::uint8_t> bytes) {
+  const ssize_t count = ::write(master_.get(), bytes.data(), bytes.size());
+  return count > 0 ? static_cast<std::size_t>(count) : 0;
+}
+
+void Pty::discard() {
+  tcflush(master_.get(), TCIOFLUSH);
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,42 @@
+// A pseudo-terminal that stands for the serial port of a virtual board.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "shared/base/result.hpp"
+#include "sim/runtime/descriptor.h"
+
+namespace kaz::sim {
+
+// Never waits. The port is raw, 115,200 baud, until the host sets it otherwise.
+class Pty {
+ public:
+  // `link_path` becomes a symbolic link to the port; one that is there is replaced, anything else
+  // is not.
+  static Result<std::unique_ptr<Pty>> open(const std::string& link_path);
+  ~Pty();  // removes the link, if it is still ours
+
+  // Whether some process has the port open.
+  bool host_present() const;
+  // Speed that the host has set, baud; 0 if it is none of the standard ones.
+  long baud() const;
+  std::size_t read(std::span<std::uint8_t> bytes);         // what the host wrote
+  std::size_t write(std::span<const std::uint8_t> bytes);  // how many it can take
+  void discard();                                          // what either side has not read yet
+
+  const std::string& port() const { return port_; }  // "/dev/pts/7"
+  const std::string& link() const { return link_; }
+
+ private:
+  Pty() = default;
+
+  Descriptor master_;
+  std::string port_, link_;
+};
+
+}  // namespace kaz::sim

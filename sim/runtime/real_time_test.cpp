@@ -1,0 +1,138 @@
+// The whole server with a host of its own on pty and sockets. Runs unpaced: nothing here waits for a time.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/real_time.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/wait.h>
+
+#include <csignal>
+#include <mutex>
+#include <thread>
+
+#include "sim/mcu/test_host.h"
+#include "sim/runtime/descriptor.h"
+#include "sim/runtime/test_world.h"
+
+namespace kaz::sim {
+namespace {
+
+// The server in a thread, and what it said.
+class Running {
+ public:
+  explicit Running(const TestFolder& folder) : port(folder.file("port")) {
+    RealTimeOptions options;
+    options.serial_path = port;
+    options.cameras_path = folder.file("cameras");
+    options.fast = true;
+    options.report = [this](const std::string& line) {
+      const std::lock_guard lock(mutex_);
+      lines_.push_back(line);
+    };
+    auto server = RealTimeServer::open(*simulation_, options);
+    EXPECT_TRUE(server) << server.error().message;
+    server_ = std::move(*server);
+    thread_ = std::thread([this] { EXPECT_TRUE(server_->run(stop_)); });
+  }
+  ~Running() {
+    stop_ = true;
+    thread_.join();
+  }
+
+  // Waits until a line that contains `text` was said.
+  void wait_for(const std::string& text) {
+    while (true) {
+      {
+        const std::lock_guard lock(mutex_);
+        for (const std::string& line : lines_)
+          if (line.find(text) != std::string::npos) return;
+      }
+      std::this_thread::yield();
+    }
+  }
+
+  std::string port;
+
+ private:
+  std::unique_ptr<Simulation> simulation_ = test_simulation();
+  std::unique_ptr<RealTimeServer> server_;
+  std::atomic<bool> stop_ = false;
+  std::mutex mutex_;
+  std::vector<std::string> lines_;
+  std::thread thread_;
+};
+
+void write_all(int fd, const std::vector<std::uint8_t>& bytes) {
+  ASSERT_EQ(::write(fd, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+}
+
+// The next sound frame's body.
+std::vector<std::uint8_t> read_frame(int fd) {
+  kz_receiver receiver;
+  kz_receiver_init(&receiver);
+  while (true) {
+    pollfd readable{fd, POLLIN, 0};
+    std::uint8_t byte = 0;
+    if (::poll(&readable, 1, 10000) <= 0 || ::read(fd, &byte, 1) != 1) return {};
+    if (kz_receive(&receiver, byte, 0) == KZ_RECEIVE_FRAME)
+      return {receiver.body, receiver.body + receiver.length};
+  }
+}
+
+TEST(RealTimeServer, HostTalksThroughThePty) {
+  const TestFolder folder;
+  Running server(folder);
+  const Descriptor host(::open(server.port.c_str(), O_RDWR | O_NOCTTY));
+  ASSERT_TRUE(host);
+  server.wait_for("host opened");
+  std::vector<std::uint8_t> reply;
+  // The board may still be starting: as a client does, ask again.
+  for (std::uint8_t n = 1; reply.empty() && n < 100; ++n) {
+    write_all(host.get(), frame_of(KZ_TYPE_identify, n, {}));
+    pollfd readable{host.get(), POLLIN, 0};
+    if (::poll(&readable, 1, 100) > 0) reply = read_frame(host.get());
+  }
+  ASSERT_GT(reply.size(), 3u);
+  EXPECT_EQ(reply[1], KZ_TYPE_identify_reply);
+}
+
+TEST(RealTimeServer, KilledHostLeavesMotorsOff) {
+  const TestFolder folder;
+  Running server(folder);
+  const auto frame = enable_frame(1, 1);  // again and again: a repetition is a sign of life too
+  const pid_t host = ::fork();
+  ASSERT_GE(host, 0);
+  if (host == 0) {
+    const int fd = ::open(server.port.c_str(), O_RDWR | O_NOCTTY);
+    while (fd >= 0 && ::write(fd, frame.data(), frame.size()) >= 0) continue;
+    ::_exit(1);
+  }
+  server.wait_for("motors on");
+  ::kill(host, SIGKILL);
+  ::waitpid(host, nullptr, 0);
+  server.wait_for("host closed");
+  server.wait_for("motors off");
+}
+
+TEST(RealTimeServer, LeavesNothingBehind) {
+  const TestFolder folder;
+  { Running server(folder); }
+  EXPECT_TRUE(std::filesystem::is_empty(std::filesystem::path(folder.file("x")).parent_path()));
+}
+
+TEST(RealTimeServer, SecondServerOfTheSamePathsIsRefused) {
+  const TestFolder folder;
+  Running server(folder);
+  const auto link = std::filesystem::read_symlink(server.port);
+  auto simulation = test_simulation();
+  RealTimeOptions options;
+  options.serial_path = server.port;
+  const auto second = RealTimeServer::open(*simulation, options);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().fault, Fault::environment);
+  EXPECT_EQ(std::filesystem::read_symlink(server.port), link);
+}
+
+}  // namespace
+}  // namespace kaz::sim

@@ -1,0 +1,121 @@
+// Messages of the recording. Numbers in the ROS 1 encoding (fields in order, little-endian, no
+// padding), which viewers decode by the schema text that stands in the file.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/recorder.h"
+
+#include <utility>
+
+#include "sim/runtime/little_endian.h"
+#include "sim/runtime/time.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr char wire_schema[] =
+    "# Bytes whose last stop bit passed within one millisecond, which ends at the message's time.\n"
+    "uint8[] value\n"
+    "uint16[] state  # crystal periods from the beginning of that millisecond to the stop bit\n"
+    "uint8[] framing_error\n";
+constexpr char pins_schema[] =
+    "# High counts out of 256 of the PWM pins, levels of the ports without multiplexer selects.\n"
+    "uint16[16] pw\nuint16[2] tmo\nuint8 p3\nuint8 p4\nuint8 p5\nuint8 p6\n";
+constexpr char analog_schema[] =
+    "# A/D codes 0..1023 of one tick of the firmware, by multiplexer * 8 + input.\n"
+    "uint32 tick\nuint16[24] code\n";
+constexpr char joints_schema[] =
+    "# True joint states, by joint number: rad, Nm.\nfloat64[18] angle\nfloat64[18] torque\n";
+constexpr char point_schema[] = "# World frame, m.\nfloat64 x\nfloat64 y\nfloat64 z\n";
+constexpr char eyes_schema[] =
+    "# SHA-256 of the RGB bytes of a stereo pair; the message's time is the exposure.\n"
+    "uint64 sequence\nstring left_sha256\nstring right_sha256\n";
+constexpr char behavior_schema[] = R"({"type": "object"})";
+
+}  // namespace
+
+Result<std::unique_ptr<Recorder>> Recorder::create(const std::string& path,
+                                                   const McapWriter::Metadata& facts) {
+  auto file = McapWriter::create(path, "kaz");
+  if (!file) return tl::unexpected(file.error());
+  (*file)->add_metadata("kaz", facts);
+  return std::unique_ptr<Recorder>(new Recorder(std::move(*file)));
+}
+
+Recorder::Recorder(std::unique_ptr<McapWriter> file) : file_(std::move(file)) {
+  const auto numbers = [this](const char* topic, std::uint16_t schema) {
+    return file_->add_channel(schema, topic, "ros1");
+  };
+  const auto wire_bytes = file_->add_schema("kaz/WireBytes", "ros1msg", wire_schema);
+  to_board_ = numbers("/wire/to_board", wire_bytes);
+  to_host_ = numbers("/wire/to_host", wire_bytes);
+  pins_ = numbers("/board/pins", file_->add_schema("kaz/Pins", "ros1msg", pins_schema));
+  analog_ = numbers("/board/analog", file_->add_schema("kaz/Analog", "ros1msg", analog_schema));
+  joints_ = numbers("/truth/joints", file_->add_schema("kaz/Joints", "ros1msg", joints_schema));
+  ball_ = numbers("/truth/ball", file_->add_schema("kaz/Point", "ros1msg", point_schema));
+  eyes_ = numbers("/eyes", file_->add_schema("kaz/StereoDigest", "ros1msg", eyes_schema));
+  behavior_ = file_->add_channel(file_->add_schema("kaz/Behavior", "jsonschema", behavior_schema),
+                                 "/behavior", "json");
+}
+
+void Recorder::put(std::uint16_t channel, Time time) {
+  file_->add_message(channel, static_cast<std::uint64_t>(time.count()), data_);
+}
+
+void Recorder::wire(Direction direction, States step_start, std::span<const SerialByte> bytes) {
+  if (bytes.empty()) return;
+  data_.clear();
+  LittleEndian to(data_);
+  const auto count = static_cast<std::uint32_t>(bytes.size());
+  to.number(count);
+  for (const SerialByte& byte : bytes) to.number(byte.value);
+  to.number(count);
+  for (const SerialByte& byte : bytes) to.number(static_cast<std::uint16_t>(byte.at - step_start));
+  to.number(count);
+  for (const SerialByte& byte : bytes) to.number(static_cast<std::uint8_t>(byte.framing_error));
+  put(direction == Direction::to_board ? to_board_ : to_host_,
+      time_of(step_start + KZ_STATES_PER_TICK));
+}
+
+void Recorder::pins(States at, const PinLevels& pins) {
+  data_.clear();
+  LittleEndian to(data_);
+  for (const std::uint16_t counts : pins.pw) to.number(counts);
+  for (const std::uint16_t counts : pins.tmo) to.number(counts);
+  const auto p4 = static_cast<std::uint8_t>(pins.p4 & ~KZ_P4_MUX_MASK);
+  to.number(pins.p3).number(p4).number(pins.p5).number(pins.p6);
+  put(pins_, time_of(at));
+}
+
+void Recorder::analog(States at, const kz_tick_input& input) {
+  data_.clear();
+  LittleEndian to(data_);
+  to.number(std::uint32_t{input.tick});
+  for (const u16 code : input.analog) to.number(std::uint16_t{code});
+  put(analog_, time_of(at));
+}
+
+void Recorder::joints(States at, std::span<const JointState, KZ_JOINTS> joints) {
+  data_.clear();
+  LittleEndian to(data_);
+  for (const JointState& joint : joints) to.real(joint.angle);
+  for (const JointState& joint : joints) to.real(joint.torque);
+  put(joints_, time_of(at));
+}
+
+void Recorder::ball(States at, const Eigen::Vector3d& position) {
+  data_.clear();
+  LittleEndian(data_).real(position.x()).real(position.y()).real(position.z());
+  put(ball_, time_of(at));
+}
+
+void Recorder::eyes(const Eyes::Digest& digest) {
+  data_.clear();
+  LittleEndian(data_).number(digest.sequence).text(digest.left).text(digest.right);
+  put(eyes_, digest.exposure);
+}
+
+void Recorder::behavior(States at, std::string_view json) {
+  data_.assign(json.begin(), json.end());
+  put(behavior_, time_of(at));
+}
+
+}  // namespace kaz::sim

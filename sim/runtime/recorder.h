@@ -1,0 +1,49 @@
+// Everything that passed between the parts, with simulated time only, as an MCAP file. The channels
+// are described in docs/time.md. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "shared/base/result.hpp"
+#include "sim/body/world.h"
+#include "sim/mcu/mcu.h"
+#include "sim/runtime/eyes.h"
+#include "sim/runtime/mcap_writer.h"
+#include "vision/frame.h"
+
+namespace kaz::sim {
+
+class Recorder {
+ public:
+  static Result<std::unique_ptr<Recorder>> create(const std::string& path,
+                                                  const McapWriter::Metadata& facts);
+
+  enum class Direction { to_board, to_host };
+  // Bytes whose last stop bit passed in the step that began at `step_start`.
+  void wire(Direction direction, States step_start, std::span<const SerialByte> bytes);
+  void pins(States at, const PinLevels& pins);
+  // A/D codes that a tick computed from.
+  void analog(States at, const kz_tick_input& input);
+  void joints(States at, std::span<const JointState, KZ_JOINTS> joints);
+  void ball(States at, const Eigen::Vector3d& position);
+  void eyes(const Eyes::Digest& digest);
+  void behavior(States at, std::string_view json);
+
+  // SHA-256 of the file.
+  Result<std::string> finish() { return file_->finish(); }
+
+ private:
+  explicit Recorder(std::unique_ptr<McapWriter> file);
+  void put(std::uint16_t channel, Time time);
+
+  std::unique_ptr<McapWriter> file_;
+  std::uint16_t to_board_, to_host_, pins_, analog_, joints_, ball_, eyes_, behavior_;
+  std::vector<std::uint8_t> data_;  // of the message being made
+};
+
+}  // namespace kaz::sim

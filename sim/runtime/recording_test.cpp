@@ -1,0 +1,214 @@
+// The recording's file format, read back by the letter of https://mcap.dev/spec.
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "sim/runtime/mcap_writer.h"
+#include "sim/runtime/recorder.h"
+#include "sim/runtime/sha256.h"
+#include "sim/runtime/test_world.h"
+
+namespace kaz::sim {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+Bytes contents(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// Reads numbers and strings from a record's content.
+class Reader {
+ public:
+  explicit Reader(Bytes bytes) : bytes_(std::move(bytes)) {}
+  std::uint64_t number(std::size_t size) {
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < size; ++i) value |= std::uint64_t{bytes_.at(at_++)} << (8 * i);
+    return value;
+  }
+  std::string text() {
+    const auto size = number(4);
+    std::string value(bytes_.begin() + at_, bytes_.begin() + at_ + size);
+    at_ += size;
+    return value;
+  }
+  Bytes rest() const { return {bytes_.begin() + at_, bytes_.end()}; }
+
+ private:
+  Bytes bytes_;
+  std::size_t at_ = 0;
+};
+
+struct Record {
+  int opcode;
+  Bytes content;
+};
+
+const Bytes magic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+
+std::vector<Record> records_of(const Bytes& file) {
+  EXPECT_EQ(Bytes(file.begin(), file.begin() + 8), magic);
+  EXPECT_EQ(Bytes(file.end() - 8, file.end()), magic);
+  std::vector<Record> records;
+  std::size_t at = 8;
+  while (at < file.size() - 8) {
+    Reader head(Bytes(file.begin() + at + 1, file.begin() + at + 9));
+    const auto length = head.number(8);
+    records.push_back({file[at], Bytes(file.begin() + at + 9, file.begin() + at + 9 + length)});
+    at += 9 + length;
+  }
+  EXPECT_EQ(at, file.size() - 8);
+  return records;
+}
+
+// Messages of each topic.
+std::map<std::string, std::vector<Bytes>> messages_of(const std::vector<Record>& records) {
+  std::map<std::uint64_t, std::string> topics;
+  std::map<std::string, std::vector<Bytes>> messages;
+  for (const Record& record : records) {
+    Reader reader(record.content);
+    if (record.opcode == 0x04) {
+      const auto id = reader.number(2);
+      reader.number(2);
+      topics[id] = reader.text();
+    } else if (record.opcode == 0x05) {
+      const auto id = reader.number(2);
+      reader.number(4 + 0);
+      reader.number(8);
+      reader.number(8);
+      messages[topics.at(id)].push_back(reader.rest());
+    }
+  }
+  return messages;
+}
+
+TEST(Sha256, OfAbc) {  // FIPS 180-2, appendix B.1
+  EXPECT_EQ(sha256_hex(Bytes{'a', 'b', 'c'}),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(McapWriter, WritesRecordsInOrder) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.mcap");
+  auto writer = McapWriter::create(path, "kaz 1");
+  ASSERT_TRUE(writer);
+  (*writer)->add_metadata("facts", {{"seed", "1"}});
+  const auto schema = (*writer)->add_schema("S", "ros1msg", "uint8 a\n");
+  const auto channel = (*writer)->add_channel(schema, "/a", "ros1");
+  (*writer)->add_message(channel, 5, Bytes{9});
+  (*writer)->add_message(channel, 6, Bytes{10});
+  const auto hash = (*writer)->finish();
+  ASSERT_TRUE(hash);
+
+  const Bytes file = contents(path);
+  EXPECT_EQ(*hash, sha256_hex(file));
+  const auto records = records_of(file);
+  std::vector<int> opcodes;
+  for (const Record& record : records) opcodes.push_back(record.opcode);
+  EXPECT_EQ(opcodes, (std::vector<int>{0x01, 0x0C, 0x03, 0x04, 0x05, 0x05, 0x0F, 0x02}));
+
+  Reader header(records[0].content);
+  EXPECT_EQ(header.text(), "");
+  EXPECT_EQ(header.text(), "kaz 1");
+  Reader facts(records[1].content);
+  EXPECT_EQ(facts.text(), "facts");
+  EXPECT_EQ(facts.number(4), 4u + 4 + 4 + 1);
+  EXPECT_EQ(facts.text(), "seed");
+  EXPECT_EQ(facts.text(), "1");
+  Reader made_schema(records[2].content);
+  EXPECT_EQ(made_schema.number(2), schema);
+  EXPECT_EQ(made_schema.text(), "S");
+  EXPECT_EQ(made_schema.text(), "ros1msg");
+  EXPECT_EQ(made_schema.text(), "uint8 a\n");
+  Reader second(records[5].content);
+  EXPECT_EQ(second.number(2), channel);
+  EXPECT_EQ(second.number(4), 1u);
+  EXPECT_EQ(second.number(8), 6u);
+  EXPECT_EQ(second.number(8), 6u);
+  EXPECT_EQ(second.rest(), Bytes{10});
+  EXPECT_EQ(records[6].content.size(), 4u);
+  EXPECT_EQ(records[7].content, Bytes(20, 0));
+}
+
+TEST(McapWriter, SaysWhereItCannotWrite) {
+  const auto writer = McapWriter::create("/nonexistent/a.mcap", "kaz");
+  ASSERT_FALSE(writer);
+  EXPECT_EQ(writer.error().fault, Fault::environment);
+  EXPECT_NE(writer.error().message.find("/nonexistent/a.mcap"), std::string::npos);
+}
+
+TEST(Recorder, MessagesHaveTheSizeOfTheirSchema) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.mcap");
+  auto recorder = Recorder::create(path, {{"seed", "1"}});
+  ASSERT_TRUE(recorder);
+  const TestWorld world;
+  const SerialByte bytes[] = {{1, 100, false}, {2, 1700, true}};
+  (*recorder)->wire(Recorder::Direction::to_board, 0, bytes);
+  (*recorder)->wire(Recorder::Direction::to_host, 0, {});
+  (*recorder)->pins(18432, {});
+  (*recorder)->analog(18432, {});
+  (*recorder)->joints(18432, world.joints());
+  (*recorder)->ball(18432, {1, 2, 3});
+  (*recorder)->eyes({1, Time(5), std::string(64, 'a'), std::string(64, 'b')});
+  (*recorder)->behavior(18432, "{}");
+  ASSERT_TRUE((*recorder)->finish());
+
+  const auto messages = messages_of(records_of(contents(path)));
+  EXPECT_EQ(messages.at("/wire/to_board").at(0),
+            (Bytes{2, 0, 0, 0, 1, 2, 2, 0, 0, 0, 100, 0, 0xa4, 0x06, 2, 0, 0, 0, 0, 1}));
+  EXPECT_EQ(messages.count("/wire/to_host"), 0u);  // nothing sent, nothing written
+  EXPECT_EQ(messages.at("/board/pins").at(0).size(), 2u * 18 + 4);
+  EXPECT_EQ(messages.at("/board/analog").at(0).size(), 4u + 2 * 24);
+  EXPECT_EQ(messages.at("/truth/joints").at(0).size(), 8u * 36);
+  EXPECT_EQ(messages.at("/truth/ball").at(0).size(), 24u);
+  EXPECT_EQ(messages.at("/eyes").at(0).size(), 8u + 2 * (4 + 64));
+  EXPECT_EQ(messages.at("/behavior").at(0), (Bytes{'{', '}'}));
+}
+
+// A second of life with a moving joint, eyes open.
+std::string recorded(std::uint64_t seed, const std::string& path) {
+  SimulationOptions options;
+  options.seed = seed;
+  options.recording_path = path;
+  auto simulation = test_simulation(options);
+  EXPECT_NE(simulation, nullptr);
+  simulation->open_eyes();
+  for (int t = 0; t < 1000; ++t) {
+    if (t % 100 == 0) simulation->write(Bytes{0, 3, 1, 5, static_cast<std::uint8_t>(t), 0});
+    EXPECT_TRUE(simulation->step());
+    while (simulation->next_pair()) {
+    }
+  }
+  simulation->record_behavior(R"({"state": "done"})");
+  const auto hash = simulation->finish_recording();
+  EXPECT_TRUE(hash);
+  return hash.value_or("");
+}
+
+TEST(Recorder, SameSeedSameBytes) {
+  const TestFolder folder;
+  const std::string first = recorded(1, folder.file("1.mcap"));
+  EXPECT_EQ(first, recorded(1, folder.file("2.mcap")));
+  EXPECT_NE(first, recorded(2, folder.file("3.mcap")));
+  EXPECT_EQ(contents(folder.file("1.mcap")), contents(folder.file("2.mcap")));
+}
+
+TEST(Recorder, HoldsEveryMillisecondAndEveryPicture) {
+  const TestFolder folder;
+  recorded(1, folder.file("1.mcap"));
+  const auto messages = messages_of(records_of(contents(folder.file("1.mcap"))));
+  EXPECT_EQ(messages.at("/board/pins").size(), 1000u);
+  EXPECT_EQ(messages.at("/truth/joints").size(), 1000u);
+  EXPECT_EQ(messages.at("/truth/ball").size(), 1000u);
+  EXPECT_EQ(messages.at("/eyes").size(), 30u);  // exposures 1..30 of 30 a second
+  EXPECT_EQ(messages.at("/behavior").size(), 1u);
+  EXPECT_EQ(messages.at("/wire/to_board").size(), 10u);
+}
+
+}  // namespace
+}  // namespace kaz::sim

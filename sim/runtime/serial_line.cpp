@@ -1,0 +1,57 @@
+// Timing of the bytes on the line.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/serial_line.h"
+
+#include <algorithm>
+
+namespace kaz::sim {
+
+void SerialLine::queue(std::span<const std::uint8_t> bytes, States now, bool framing_error) {
+  wire_free_ = std::max(wire_free_, now);
+  for (const std::uint8_t value : bytes) {
+    wire_free_ += KZ_STATES_PER_BYTE;
+    to_board_.push_back({value, wire_free_, framing_error});
+  }
+}
+
+void SerialLine::write(std::span<const std::uint8_t> bytes, States now) {
+  queue(bytes, now, false);
+}
+
+void SerialLine::write_garbled(std::span<const std::uint8_t> bytes, States now) {
+  queue(bytes, now, true);
+}
+
+std::size_t SerialLine::waiting(States now) const {
+  if (wire_free_ <= now) return 0;
+  const States left = wire_free_ - now;
+  return static_cast<std::size_t>((left + KZ_STATES_PER_BYTE - 1) / KZ_STATES_PER_BYTE);
+}
+
+std::vector<SerialByte> SerialLine::take_for_board(States until) {
+  std::vector<SerialByte> arrived;
+  while (!to_board_.empty() && to_board_.front().at <= until) {
+    arrived.push_back(to_board_.front());
+    to_board_.pop_front();
+  }
+  return arrived;
+}
+
+void SerialLine::from_board(std::span<const SerialByte> bytes) {
+  to_host_.insert(to_host_.end(), bytes.begin(), bytes.end());
+}
+
+std::size_t SerialLine::read(std::span<std::uint8_t> bytes, States now) {
+  std::size_t count = 0;
+  while (count < bytes.size() && readable(now)) {
+    bytes[count++] = to_host_.front().value;
+    to_host_.pop_front();
+  }
+  return count;
+}
+
+bool SerialLine::readable(States now) const {
+  return !to_host_.empty() && to_host_.front().at <= now;
+}
+
+}  // namespace kaz::sim

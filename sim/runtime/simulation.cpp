@@ -1,0 +1,183 @@
+// The step: board, motors, bodies, potentiometers, eyes, recording.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/simulation.h"
+
+#include <utility>
+
+#include "sim/runtime/recorder.h"
+
+namespace kaz::sim {
+namespace {
+
+Result<std::unique_ptr<Mcu>> make_engine(const SimulationOptions& options) {
+  if (options.engine == "h8") return make_h8(options.image_path);
+  if (options.engine == "native") return make_native();
+  return fail(Fault::usage,
+              "there is no engine \"" + options.engine + "\"; use \"h8\" or \"native\"");
+}
+
+Eyes::Mounting eye_mounting(const World& world) {
+  const ScenePose pose = world.pose();
+  const int frame = world.head_frame();
+  const Eigen::Isometry3d world_from_head = pose.frames[static_cast<std::size_t>(frame)];
+  const Eigen::Isometry3d head_from_world = world_from_head.inverse();
+  return {frame, head_from_world * world.link_pose("left_eye"),
+          head_from_world * world.link_pose("right_eye")};
+}
+
+McapWriter::Metadata facts_of(const SimulationOptions& options, const World& world) {
+  McapWriter::Metadata facts = options.recording_facts;
+  facts.emplace_back("engine", options.engine);
+  facts.emplace_back("seed", std::to_string(options.seed));
+  facts.emplace_back("stepper", world.stepper());
+  facts.emplace_back("pot_noise", options.pot_noise ? "true" : "false");
+  return facts;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& options) {
+  const auto camera = CameraFile::load(options.camera_path);
+  if (!camera) return tl::unexpected(camera.error());
+  auto mcu = make_engine(options);
+  if (!mcu) return tl::unexpected(mcu.error());
+  WorldOptions world_options;
+  world_options.seed = options.seed;
+  world_options.stepper = options.stepper;
+  auto world = World::load(options.world_path, options.robot_path, world_options);
+  if (!world) return tl::unexpected(world.error());
+  return assemble(options, std::move(*mcu), std::move(*world), *camera);
+}
+
+Result<std::unique_ptr<Simulation>> Simulation::assemble(const SimulationOptions& options,
+                                                         std::unique_ptr<Mcu> mcu,
+                                                         std::unique_ptr<World> world,
+                                                         const CameraFile& camera) {
+  std::unique_ptr<Simulation> simulation(
+      new Simulation(options, std::move(mcu), std::move(world), camera));
+  if (!options.recording_path.empty()) {
+    auto recorder =
+        Recorder::create(options.recording_path, facts_of(options, *simulation->world_));
+    if (!recorder) return tl::unexpected(recorder.error());
+    simulation->recorder_ = std::move(*recorder);
+    simulation->board_.mcu().on_tick([s = simulation.get()](const TickRecord& tick) {
+      s->recorder_->analog(s->now_ + KZ_STATES_PER_TICK, tick.input);
+    });
+  }
+  return simulation;
+}
+
+Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mcu,
+                       std::unique_ptr<World> world, const CameraFile& camera)
+    : options_(options),
+      camera_(camera),
+      world_(std::move(world)),
+      board_(
+          std::move(mcu),
+          {.seed = options.seed, .noise = options.pot_noise, .supply_volts = options.supply_volts}),
+      draws_(world_->scene(), options.renderer) {
+  std::array<double, KZ_JOINTS> angles{};
+  const auto joints = world_->joints();
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j) angles[j] = joints[j].angle;
+  board_.set_joint_angles(angles);
+}
+
+Simulation::~Simulation() = default;
+
+Result<void> Simulation::step() {
+  if (!error_) {
+    if (auto done = advance(); !done) error_ = done.error();
+  }
+  if (error_) return tl::unexpected(*error_);
+  return {};
+}
+
+Result<void> Simulation::advance() {
+  const States start = now_;
+  const States end = start + KZ_STATES_PER_TICK;
+
+  const auto to_board = line_.take_for_board(end);
+  for (const SerialByte& byte : to_board) board_.receive(byte);
+  if (auto ran = board_.run_until(end); !ran) return ran;
+  const auto from_board = board_.take_transmitted();
+  line_.from_board(from_board);
+
+  std::array<MotorDrive, KZ_JOINTS> drives{};
+  const auto means = board_.take_drives();
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j) drives[j] = {means[j].duty, means[j].powered};
+  world_->step(drives, board_.supply_volts());
+
+  std::array<double, KZ_JOINTS> angles{};
+  const auto joints = world_->joints();
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j) angles[j] = joints[j].angle;
+  board_.set_joint_angles(angles);
+  board_.set_supply_current(world_->supply_current_a());
+  now_ = end;
+
+  if (eyes_open_) {
+    if (auto looked = eyes_->look(time(), [this] { return world_->pose(); }); !looked)
+      return looked;
+  }
+  if (recorder_) record(start, to_board, from_board);
+  return {};
+}
+
+void Simulation::record(States start, std::span<const SerialByte> to_board,
+                        std::span<const SerialByte> from_board) {
+  recorder_->wire(Recorder::Direction::to_board, start, to_board);
+  recorder_->wire(Recorder::Direction::to_host, start, from_board);
+  recorder_->pins(now_, board_.pins());
+  recorder_->joints(now_, world_->joints());
+  if (const auto ball = world_->object_position("ball")) recorder_->ball(now_, *ball);
+  if (eyes_) {
+    for (const auto& digest : eyes_->take_digests(false)) recorder_->eyes(digest);
+  }
+}
+
+void Simulation::open_eyes() {
+  eyes_open_ = true;
+  if (eyes_) return;
+  eyes_ = std::make_unique<Eyes>(draws_, camera_, eye_mounting(*world_), options_.frames,
+                                 recorder_ != nullptr);
+}
+
+std::optional<vision::StereoPair> Simulation::next_pair() {
+  return eyes_ ? eyes_->next_pair(time()) : std::nullopt;
+}
+
+std::optional<vision::StereoPair> Simulation::next_exposed_pair() {
+  return eyes_ ? eyes_->next_pair(Time::max()) : std::nullopt;
+}
+
+std::uint64_t Simulation::pairs_left_out() const {
+  return eyes_ ? eyes_->left_out() : 0;
+}
+
+Result<Picture> Simulation::picture(const View& view) {
+  std::promise<Result<Picture>> promise;
+  auto future = promise.get_future();
+  draws_.submit([&promise, &view, pose = world_->pose()](const Result<Renderer*>& renderer) {
+    Picture picture;
+    if (!renderer) return promise.set_value(tl::unexpected(renderer.error()));
+    if (auto drawn = (*renderer)->render(pose, view, picture); !drawn)
+      return promise.set_value(tl::unexpected(drawn.error()));
+    promise.set_value(std::move(picture));
+  });
+  return future.get();
+}
+
+void Simulation::record_behavior(std::string_view json) {
+  if (recorder_) recorder_->behavior(now_, json);
+}
+
+Result<std::string> Simulation::finish_recording() {
+  if (!recorder_) return std::string();
+  if (eyes_) {
+    for (const auto& digest : eyes_->take_digests(true)) recorder_->eyes(digest);
+  }
+  board_.mcu().on_tick(nullptr);
+  const auto recorder = std::exchange(recorder_, nullptr);
+  return recorder->finish();
+}
+
+}  // namespace kaz::sim
