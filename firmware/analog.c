@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/analog.h"
 
+#include "firmware/copy.h"
 #include "firmware/h8s2128.h"
 #include "firmware/pins.h"
 
@@ -33,9 +34,7 @@ u8 kz_analog_ready(void) {
 }
 
 void kz_analog_take(u16* codes) {
-  const u16* from = code;
-  u8 i;
-  for (i = 0; i < KZ_ANALOG; ++i) *codes++ = *from++;
+  kz_copy(codes, code, sizeof code);
 }
 
 KZ_INTERRUPT void kz_analog_interrupt(void) {

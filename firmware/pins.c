@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/pins.h"
 
-#include "firmware/h8s2128.h"
-
 // phi/16, the slowest: 256 counts last 222 us, in 16 pulses of 72 kHz.
 #define PWSL_RUN (PWSL_PWCKE | PWSL_PWCKS | PWSL_ONE)
 #define P4_NOT_CLOCK_OUTPUT 0xBF  // P46 as an output would be the system clock
@@ -11,9 +9,8 @@
 #define P5_OUTPUTS 0x05  // TxD0, P52
 #define TMR_PERIOD 256   // counts of phi/2: 36 kHz
 
-// What P4 shows besides the multiplexer selects, which belong to the A/D driver.
-static u8 p4;
-static u8 selects;
+volatile u8 kz_pins_p4;
+volatile u8 kz_pins_selects;
 
 static void init_pwm(void) {
   u8 channel;
@@ -52,8 +49,8 @@ void kz_pins_init(void) {
   P4DDR = P4_NOT_CLOCK_OUTPUT;
   P5DDR = P5_OUTPUTS;
   P6DDR = 0xFF;
-  p4 = 0;
-  selects = KZ_P4_MUX_MASK;
+  kz_pins_p4 = 0;
+  kz_pins_selects = KZ_P4_MUX_MASK;
   init_pwm();
   init_timers();
 }
@@ -82,16 +79,11 @@ void kz_pins_write(const kz_tick_output* output) {
   P5DR = (u8)(output->p5 | P5_TXD);
   P6DR = output->p6;
   KZ_INTERRUPTS_OFF();
-  p4 = output->p4;
-  P4DR = (u8)(p4 | selects);
+  kz_pins_p4 = output->p4;
+  P4DR = (u8)(output->p4 | kz_pins_selects);
   KZ_INTERRUPTS_ON();
 }
 
 void kz_pins_off(void) {
   P4DR = KZ_P4_MUX_MASK;
-}
-
-void kz_pins_select(u8 input) {
-  selects = input;
-  P4DR = (u8)(p4 | input);
 }

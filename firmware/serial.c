@@ -54,7 +54,7 @@ void kz_serial_take(kz_tick_input* input) {
   const u8 in = received.in;
   u8 out = received.out;
   u8 count = 0;
-  u8 i;
+  u8 stale;
   while (out != in && count < KZ_RX_PER_TICK) {
     *byte++ = received.byte[out];
     *flags++ = received.flags[out];
@@ -62,11 +62,11 @@ void kz_serial_take(kz_tick_input* input) {
     ++count;
   }
   received.out = out;
-  input->rx_count = count;
-  for (i = count; i < KZ_RX_PER_TICK; ++i) {
+  for (stale = count; stale < input->rx_count; ++stale) {
     *byte++ = 0;
     *flags++ = 0;
   }
+  input->rx_count = count;
 }
 
 static inline void keep(u8 byte, u8 flags) {

@@ -5,17 +5,14 @@
 #include "kz_limits.h"
 #include "shared/board/pot.h"
 
-#define HALF_SPAN (KZ_POT_SPAN / 2)
-
 const kz_board_joint kz_board_joints[KZ_JOINTS] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre)               \
-  [index] = {(s16)(KZ_DECIDEG(pot_centre) - ((sign) > 0 ? HALF_SPAN : -HALF_SPAN)),       \
-             KZ_LIMIT_LOWER_##name, KZ_LIMIT_UPPER_##name, (mux)*KZ_MUX_INPUTS + (input), \
-             (sign) < 0},
+  [index] = {KZ_POT_BASE(sign, pot_centre), KZ_LIMIT_LOWER_##name, KZ_LIMIT_UPPER_##name, \
+             (mux)*KZ_MUX_INPUTS + (input), (sign) < 0},
 #include "shared/board/joints.def"
 #undef KZ_JOINT
 };
 
 s16 kz_pot_angle(const kz_board_joint* joint, u16 code) {
-  return kz_pot_angle_of(joint, code);
+  return kz_pot_angle_from(code, joint->pot_base, joint->mirrored);
 }

@@ -1,9 +1,11 @@
 // CRC-16 of frames and flash images: polynomial 0x1021, most significant bit first.
 // SPDX-License-Identifier: Apache-2.0
+#include "shared/protocol/crc16.h"
+
 #include "shared/protocol/frame.h"
 
-// Entry n is the remainder of n * x^16; a test derives every entry from the polynomial.
-static const u16 table[256] = {
+// A test derives every entry from the polynomial.
+const u16 kz_crc16_table[256] = {
     0x0000, 0x1021, 0x2042, 0x3063, 0x4084, 0x50a5, 0x60c6, 0x70e7, 0x8108, 0x9129, 0xa14a, 0xb16b,
     0xc18c, 0xd1ad, 0xe1ce, 0xf1ef, 0x1231, 0x0210, 0x3273, 0x2252, 0x52b5, 0x4294, 0x72f7, 0x62d6,
     0x9339, 0x8318, 0xb37b, 0xa35a, 0xd3bd, 0xc39c, 0xf3ff, 0xe3de, 0x2462, 0x3443, 0x0420, 0x1401,
@@ -29,5 +31,5 @@ static const u16 table[256] = {
 };
 
 u16 kz_crc16(u16 crc, u8 byte) {
-  return (u16)((u16)(crc << 8) ^ table[(u8)((crc >> 8) ^ byte)]);
+  return kz_crc16_step(crc, byte);
 }

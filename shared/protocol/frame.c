@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/protocol/frame.h"
 
+#include "shared/protocol/crc16.h"
+
 #define CRC_START 0xFFFF
 #define CHECK_SIZE 3
 
@@ -46,28 +48,27 @@ static void begin_frame(kz_receiver* receiver, u8 state) {
   receiver->state = state;
 }
 
-static void store(kz_receiver* receiver, u8 byte) {
-  if (receiver->length < KZ_BODY_MAX) {
-    receiver->body[receiver->length++] = byte;
+// One byte of the stuffed body.
+static inline void unstuff(kz_receiver* receiver, u8 byte) {
+  const u8 run = receiver->run;
+  const u8 length = receiver->length;
+  receiver->crc = kz_crc16_step(receiver->crc, byte);
+  if (run == 0) {
+    receiver->run = (u8)(byte - 1);
+    if (receiver->state == FIRST_BLOCK) {
+      receiver->state = IN_FRAME;
+      return;
+    }
+    byte = 0;  // each block but the last stands for its bytes and a zero
+  } else {
+    receiver->run = (u8)(run - 1);
+  }
+  if (length < KZ_BODY_MAX) {
+    receiver->body[length] = byte;
+    receiver->length = (u8)(length + 1);
   } else {
     receiver->state = TOO_LONG;
   }
-}
-
-// One byte of the stuffed body.
-static void unstuff(kz_receiver* receiver, u8 byte) {
-  receiver->crc = kz_crc16(receiver->crc, byte);
-  if (receiver->run != 0) {
-    --receiver->run;
-    store(receiver, byte);
-    return;
-  }
-  if (receiver->state == FIRST_BLOCK) {
-    receiver->state = IN_FRAME;
-  } else {
-    store(receiver, 0);  // each block but the last stands for its bytes and a zero
-  }
-  receiver->run = (u8)(byte - 1);
 }
 
 // The zero after a frame has come.
@@ -157,11 +158,6 @@ static u8 block_run(const kz_sender* sender) {
   return run;
 }
 
-static u8 covered(kz_sender* sender, u8 byte) {
-  sender->crc = kz_crc16(sender->crc, byte);
-  return byte;
-}
-
 // After a block: the zero it stands for is skipped; at the end of the body the check follows.
 static void end_block(kz_sender* sender) {
   if (sender->next >= sender->length) {
@@ -172,7 +168,27 @@ static void end_block(kz_sender* sender) {
   }
 }
 
-static u8 next_byte(kz_sender* sender) {
+// The rest of the current block, as far as there is room. Returns how many bytes.
+static u8 copy_block(kz_sender* sender, u8* wire, u8 room) {
+  const u8* from = sender->body + sender->next;
+  const u8 count = sender->run < room ? sender->run : room;
+  u16 crc = sender->crc;
+  u8 left = count;
+  while (left != 0) {
+    const u8 byte = *from++;
+    *wire++ = byte;
+    crc = kz_crc16_step(crc, byte);
+    --left;
+  }
+  sender->crc = crc;
+  sender->next = (u8)(sender->next + count);
+  sender->run = (u8)(sender->run - count);
+  if (sender->run == 0) end_block(sender);
+  return count;
+}
+
+// Every byte that is not copied from the body.
+static u8 other_byte(kz_sender* sender) {
   u8 byte = 0;
   switch (sender->stage) {
     case OPENING:
@@ -180,14 +196,9 @@ static u8 next_byte(kz_sender* sender) {
       break;
     case BLOCK:
       sender->run = block_run(sender);
-      byte = covered(sender, (u8)(sender->run + 1));
+      byte = (u8)(sender->run + 1);
+      sender->crc = kz_crc16_step(sender->crc, byte);
       sender->stage = COPYING;
-      if (sender->run == 0) end_block(sender);
-      break;
-    case COPYING:
-      byte = covered(sender, sender->body[sender->next]);
-      ++sender->next;
-      --sender->run;
       if (sender->run == 0) end_block(sender);
       break;
     case CHECK_HIGH:
@@ -212,6 +223,12 @@ static u8 next_byte(kz_sender* sender) {
 
 u8 kz_sender_take(kz_sender* sender, u8* wire, u8 room) {
   u8 count = 0;
-  while (count < room && sender->stage != IDLE) wire[count++] = next_byte(sender);
+  while (count < room && sender->stage != IDLE) {
+    if (sender->stage == COPYING) {
+      count = (u8)(count + copy_block(sender, wire + count, (u8)(room - count)));
+    } else {
+      wire[count++] = other_byte(sender);
+    }
+  }
   return count;
 }

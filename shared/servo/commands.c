@@ -33,7 +33,6 @@ static u32 beyond(u32 mask) {
 }
 
 static kz_outcome enable(kz_servo* servo, const kz_enable* request) {
-  const u32 fresh = request->mask & ~servo->enabled;
   u32 bits;
   u8 i;
   if (beyond(request->mask)) return refuse(KZ_REFUSED_RANGE, lowest_bit(beyond(request->mask)));
@@ -44,10 +43,7 @@ static kz_outcome enable(kz_servo* servo, const kz_enable* request) {
     }
     servo->faults = 0;
   }
-  for (i = 0, bits = fresh; i < KZ_JOINTS; ++i, bits >>= 1) {
-    if (bits & 1) kz_joint_hold(&servo->joint[i]);
-  }
-  servo->enabled = request->mask;
+  kz_joints_enable(servo, request->mask);
   return done;
 }
 

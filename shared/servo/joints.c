@@ -8,14 +8,13 @@
 // Keeps the filtered rate inside 16 bits: 64 * 511 = 32704.
 #define DELTA_MAX 511
 #define DUTY_MAX 255
-#define DRIVE_SHIFT 12
-#define ERROR_MAX 32767
+#define DRIVE_SHIFT 11
 
-// Duty is 255 at full drive. With kp in 1/256 per rad, the error in 1e-4 rad and the drive in
-// 1/4096 of a count: 255 * 4096 / (256 * 1e4) = 0.408; here times 2^16.
+// Duty is 255 at full drive. With kp in 1/256 per rad, half the error in 1e-4 rad and the drive in 1/2048 of
+// a count: 255 * 2048 * 2 / (256 * 1e4) = 0.408; here times 2^16.
 #define KP_SCALE 26739
-// With kd in 1/4096 s/rad and the rate in 1/640 rad/s: 255 * 4096 / (4096 * 640) = 0.3984375.
-#define KD_SCALE 26112
+// With kd in 1/4096 s/rad and the rate in 1/640 rad/s: 255 * 2048 / (4096 * 640) = 0.19921875.
+#define KD_SCALE 13056
 
 static s16 scaled(u16 gain, u16 scale) {
   return (s16)(((u32)gain * scale + 0x8000) >> 16);
@@ -43,12 +42,26 @@ void kz_joints_init(kz_servo* servo) {
     servo->joint[i].kd = kz_scaled_kd(KZ_KD_DEFAULT);
     servo->joint[i].ramp_limit = KZ_RAMP_DEFAULT;
     servo->joint[i].pot_bad_ms = 1;  // not measured yet
+    servo->joint[i].pot_base = kz_board_joints[i].pot_base;
+    servo->joint[i].pot_input = kz_board_joints[i].analog;
+    servo->joint[i].mirrored = kz_board_joints[i].mirrored;
   }
 }
 
-void kz_joint_hold(kz_joint* joint) {
-  joint->command = joint->angle;
-  joint->ramp_left = 0;
+void kz_joints_enable(kz_servo* servo, u32 mask) {
+  kz_joint* joint = servo->joint;
+  u8 i;
+  servo->enabled = mask;
+  for (i = 0; i < KZ_JOINTS; ++i) {
+    const u8 on = (u8)(mask & 1);
+    if (on && !joint->on) {
+      joint->command = joint->angle;
+      joint->ramp_left = 0;
+    }
+    joint->on = on;
+    mask >>= 1;
+    ++joint;
+  }
 }
 
 void kz_joint_go(kz_joint* joint, s16 target, u16 duration_ms) {
@@ -90,6 +103,10 @@ static inline void follow_ramp(kz_joint* joint, u16 left) {
 static inline void measure(kz_joint* joint, s16 angle) {
   s16 delta = (s16)((u16)angle - (u16)joint->angle);
   const s16 rate = joint->rate;
+  if (joint->pot_bad_ms != 0) {  // the angle before means nothing
+    joint->pot_bad_ms = 0;
+    delta = 0;
+  }
   if (delta > DELTA_MAX) delta = DELTA_MAX;
   if (delta < -DELTA_MAX) delta = -DELTA_MAX;
   joint->rate = (s16)(rate - (s16)(rate >> 3) + (s16)(delta * 8));
@@ -97,13 +114,12 @@ static inline void measure(kz_joint* joint, s16 angle) {
 }
 
 // d = kp * (command - angle) - kd * rate, limited to full duty.
-static inline void control(kz_joint* joint, u8 mirrored) {
-  s32 error = (s32)joint->command - joint->angle;
+static inline void control(kz_joint* joint) {
+  // Halved, so that the widest error fits 16 bits; the resolution of the potentiometer is 16 times coarser.
+  const s32 error = ((s32)joint->command - joint->angle) >> 1;
   s32 drive;
   u32 strength;
-  u8 forward = mirrored;
-  if (error > ERROR_MAX) error = ERROR_MAX;
-  if (error < -ERROR_MAX) error = -ERROR_MAX;
+  u8 forward = joint->mirrored;
   drive = (s32)(s16)error * joint->kp - (s32)joint->rate * joint->kd;
   if (drive > 0) {
     strength = (u32)drive;
@@ -122,43 +138,33 @@ static inline void control(kz_joint* joint, u8 mirrored) {
 
 u8 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
   kz_joint* joint = servo->joint;
-  const kz_board_joint* wiring = kz_board_joints;
-  u32 enabled = servo->enabled;
   u8 moving = 0;
   u8 fault = 0;
   u8 i;
   for (i = 0; i < KZ_JOINTS; ++i) {
-    const u16 code = input->analog[wiring->analog];
-    u8 drive = (u8)(enabled & 1);
+    const u16 code = input->analog[joint->pot_input];
     if ((u16)(code - KZ_POT_LOWEST) <= KZ_POT_HIGHEST - KZ_POT_LOWEST) {
-      const s16 angle = kz_pot_angle_of(wiring, code);
-      if (joint->pot_bad_ms == 0) {
-        measure(joint, angle);
+      measure(joint, kz_pot_angle_from(code, joint->pot_base, joint->mirrored));
+      if (joint->on) {
+        const u16 left = joint->ramp_left;
+        if (left != 0) {
+          moving = 1;
+          follow_ramp(joint, left);
+        }
+        control(joint);
       } else {
-        joint->pot_bad_ms = 0;
-        joint->angle = angle;
+        joint->duty = 0;
+        joint->forward = 0;
       }
     } else {
       // Nobody knows where the joint is: the last angle stays, and the motor gets no power.
       joint->rate = 0;
-      if (joint->pot_bad_ms < KZ_POT_FAULT_MS) ++joint->pot_bad_ms;
-      if (joint->pot_bad_ms == KZ_POT_FAULT_MS) fault |= drive;
-      drive = 0;
-    }
-    if (drive) {
-      const u16 left = joint->ramp_left;
-      if (left != 0) {
-        moving = 1;
-        follow_ramp(joint, left);
-      }
-      control(joint, wiring->mirrored);
-    } else {
       joint->duty = 0;
       joint->forward = 0;
+      if (joint->pot_bad_ms < KZ_POT_FAULT_MS) ++joint->pot_bad_ms;
+      if (joint->pot_bad_ms == KZ_POT_FAULT_MS) fault |= joint->on;
     }
-    enabled >>= 1;
     ++joint;
-    ++wiring;
   }
   servo->moving = moving;
   return fault;

@@ -17,8 +17,8 @@ void kz_joints_init(kz_servo* servo);
 // for too long.
 u8 kz_joints_update(kz_servo* servo, const kz_tick_input* input);
 
-// The joint goes on from where it stands.
-void kz_joint_hold(kz_joint* joint);
+// Switches the joints of the mask on and all others off. One that was off holds where it stands.
+void kz_joints_enable(kz_servo* servo, u32 mask);
 
 // Straight way to `target` (100 urad) in `duration_ms`, or more slowly if the joint's ramp demands
 // that; 0: as fast as the ramp allows.

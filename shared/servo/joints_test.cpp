@@ -180,8 +180,8 @@ TEST(Gains, AreScaledWithoutOverflow) {
   EXPECT_EQ(kz_scaled_kp(0), 0);
   EXPECT_NEAR(kz_scaled_kp(65535), 26738, 1);  // * 0.408 = 26738.3
   EXPECT_EQ(kz_scaled_kp(5120), 2089);         // 2088.96
-  EXPECT_EQ(kz_scaled_kd(65535), 26112);       // * 0.3984375 = 26111.6
-  EXPECT_EQ(kz_scaled_kd(614), 245);           // 244.6
+  EXPECT_EQ(kz_scaled_kd(65535), 13056);  // * 0.19921875 = 13055.8
+  EXPECT_EQ(kz_scaled_kd(614), 122);      // 122.3
 }
 
 // A gear motor with a link: kaz-model, section 3. One millisecond, back-EMF implicit.

@@ -3,12 +3,13 @@
 #include "shared/servo/safety.h"
 
 #include "shared/protocol/messages.h"
+#include "shared/servo/joints.h"
 
 #define COUNTER_MAX 0xFFFF
 #define SUPPLY_MV_PER_CODE (KZ_SUPPLY_FULL_MV / KZ_POT_CODES)
 
 void kz_safety_trip(kz_servo* servo, u16 fault) {
-  servo->enabled = 0;
+  kz_joints_enable(servo, 0);
   servo->faults |= fault;
 }
 

@@ -32,6 +32,7 @@ extern "C" {
 // No field needs padding before it on either machine (the H8 aligns everything to 2 bytes), so that
 // the offsets are the same on both; a test holds the PC's layout against this.
 //
+//   pot_base    joint angle at code 0 of the potentiometer, 100 urad
 //   angle       measured joint angle, 100 urad
 //   rate        speed, 1/64 of 100 urad/ms, first-order filter with coefficient 1/8 a tick
 //   command     angle that the loop controls to, 100 urad
@@ -40,11 +41,15 @@ extern "C" {
 //               it by `whole`, and by one more whenever `phase`, which grows by `rest`, reaches
 //               `time`
 //   ramp_limit  most that `command` moves in a tick, for ramps that start from now on
-//   kp, kd      gains, scaled to 1/4096 duty per unit of error and rate
+//   kp, kd      gains, scaled to 1/2048 of a count of duty for half a unit of error, a unit of rate
 //   duty        high counts of the PWM, 0..255
 //   forward     direction output
 //   pot_bad_ms  for how long the potentiometer's code has made no sense
+//   pot_input   index into kz_tick_input.analog
+//   mirrored    a forward shaft is a negative joint angle
+//   on          bit of `enabled`
 #define KZ_JOINT_FIELDS(FIELD) \
+  FIELD(s16, pot_base)         \
   FIELD(s16, angle)            \
   FIELD(s16, rate)             \
   FIELD(s16, command)          \
@@ -59,7 +64,11 @@ extern "C" {
   FIELD(u8, ramp_down)         \
   FIELD(u8, duty)              \
   FIELD(u8, forward)           \
-  FIELD(u8, pot_bad_ms)
+  FIELD(u8, pot_bad_ms)        \
+  FIELD(u8, pot_input)         \
+  FIELD(u8, mirrored)          \
+  FIELD(u8, on)                \
+  FIELD(u8, spare)
 
 //   enabled         joints that are on, bit n: joint n
 //   faults          latched KZ_STATUS_* flags

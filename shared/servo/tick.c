@@ -38,10 +38,12 @@ static void receive(kz_servo* servo, const kz_tick_input* input) {
 
 static void transmit(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output) {
   const u8 room = input->tx_room < KZ_TX_PER_TICK ? input->tx_room : KZ_TX_PER_TICK;
-  u8 i;
+  u8* unused = output->tx;
+  u8 left;
   if (!kz_sender_busy(&servo->sender)) kz_refuse_busy(servo, input);
   output->tx_count = kz_sender_take(&servo->sender, output->tx, room);
-  for (i = output->tx_count; i < KZ_TX_PER_TICK; ++i) output->tx[i] = 0;
+  unused += output->tx_count;
+  for (left = (u8)(KZ_TX_PER_TICK - output->tx_count); left != 0; --left) *unused++ = 0;
 }
 
 void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output) {

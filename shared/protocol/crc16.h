@@ -1,0 +1,23 @@
+// The CRC's step, inline for those who run it on every byte.
+// SPDX-License-Identifier: Apache-2.0
+#ifndef KAZ_SHARED_PROTOCOL_CRC16_H
+#define KAZ_SHARED_PROTOCOL_CRC16_H
+
+#include "shared/base/types.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Entry n is the remainder of n * x^16.
+extern const u16 kz_crc16_table[256];
+
+static inline u16 kz_crc16_step(u16 crc, u8 byte) {
+  return (u16)((u16)(crc << 8) ^ kz_crc16_table[(u8)((crc >> 8) ^ byte)]);
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
