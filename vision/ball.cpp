@@ -37,7 +37,7 @@ std::vector<OutlinePoint> well_crossed(const Image& image, const std::vector<Out
   for (const OutlinePoint& p : points) {
     const Eigen::Vector2d outward = Eigen::Vector2d(p.u, p.v) - center;
     const double across = outward.x() * p.step_u + outward.y() * p.step_v;
-    if (across > 0.64 * outward.norm()) chosen.push_back(refined(image, p));
+    if (across > 0.45 * outward.norm()) chosen.push_back(refined(image, p));
   }
   return chosen;
 }

@@ -1,0 +1,32 @@
+// Cairo surfaces that close themselves, and the way between them and our images.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cairo.h>
+
+#include <memory>
+
+#include "tools/figure/figure.h"
+
+namespace kaz::figure {
+
+struct CairoDeleter {
+  void operator()(cairo_surface_t* s) const { cairo_surface_destroy(s); }
+  void operator()(cairo_t* c) const { cairo_destroy(c); }
+};
+using Surface = std::unique_ptr<cairo_surface_t, CairoDeleter>;
+using Context = std::unique_ptr<cairo_t, CairoDeleter>;
+
+// 24-bit RGB surfaces.
+Surface blank_surface(int width, int height, Color color);
+Surface surface_from(const Image& image);
+Image image_from(cairo_surface_t* surface);
+Result<void> write_surface_png(const std::string& path, cairo_surface_t* surface);
+
+inline void set_color(cairo_t* c, Color color, double alpha = 1) {
+  cairo_set_source_rgba(c, color.r, color.g, color.b, alpha);
+}
+inline constexpr const char* kFont = "DejaVu Sans";
+void set_font(cairo_t* c, double size_px, bool bold = false);
+
+}  // namespace kaz::figure
