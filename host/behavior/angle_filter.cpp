@@ -39,4 +39,10 @@ void AngleFilter::observe(Time t, double angle_rad) {
   latest_ = t;
 }
 
+double AngleFilter::aim(Time t) const {
+  const double power = rate_ * rate_;
+  if (power == 0) return angle_;
+  return angle_ + rate_ * power / (power + p_rate_) * seconds(t - latest_);
+}
+
 }  // namespace kaz::behavior

@@ -30,8 +30,11 @@ class AngleFilter {
   bool known() const { return known_; }
   Time latest() const { return latest_; }
   double rate() const { return rate_; }  // rad/s
-  // Straight on with the present speed. known() must hold.
+  // The most likely angle at `t`: straight on with the present speed. known() must hold.
   double at(Time t) const { return angle_ + rate_ * seconds(t - latest_); }
+  // The same for aiming: a speed that may as well be noise is believed less, by the factor
+  // rate^2 / (rate^2 + variance of rate), so that something at rest is not chased about. known() must hold.
+  double aim(Time t) const;
 
  private:
   void start(Time t, double angle_rad);

@@ -42,7 +42,7 @@ void BallTracker::forget() {
 
 host::Gaze BallTracker::at(Time t) const {
   const Time until = std::min(t, last_seen() + kBelieved);
-  return {pan_.at(until), tilt_.at(until)};
+  return {pan_.aim(until), tilt_.aim(until)};
 }
 
 }  // namespace kaz::behavior

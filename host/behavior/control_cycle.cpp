@@ -6,13 +6,6 @@
 
 namespace kaz::behavior {
 
-namespace {
-
-constexpr std::uint16_t kMotorsOff =
-    KZ_STATUS_LINK_WATCHDOG | KZ_STATUS_POT_FAULT | KZ_STATUS_SUPPLY_FAULT;
-
-}  // namespace
-
 ControlCycle::ControlCycle(Context& context)
     : context_(context), beat_(context.clock.now()), last_picture_(beat_) {}
 
@@ -20,7 +13,7 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
   Input input;
   const auto posture = context_.robot.exchange(targets, kRamp);
   if (!posture) return tl::unexpected(posture.error());
-  if (posture->status & kMotorsOff) {
+  if (posture->status & host::kMotorsOffFaults) {
     return fail(Fault::environment, *host::fault_sentence(posture->status));
   }
   input.posture = *posture;

@@ -209,7 +209,13 @@ Result<Posture> Robot::exchange(std::span<const JointTarget> targets, Time durat
   const auto taken = read_reply((*replies)[0], kz_unpack_targets_reply, targets);
   if (taken) parts_->relate((*replies)[0], taken->tick);
   auto posture = parts_->take_state((*replies)[1]);
-  if (!taken) return tl::unexpected(taken.error());
+  if (!taken) {
+    // Why the targets were refused the state may tell better.
+    if (posture && (posture->status & kMotorsOffFaults)) {
+      return fail(Fault::environment, *fault_sentence(posture->status));
+    }
+    return tl::unexpected(taken.error());
+  }
   return posture;
 }
 

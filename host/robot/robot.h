@@ -86,6 +86,10 @@ class Robot {
   std::unique_ptr<Parts> parts_;
 };
 
+// Faults after which the motors are off until they are enabled again.
+inline constexpr std::uint16_t kMotorsOffFaults =
+    KZ_STATUS_LINK_WATCHDOG | KZ_STATUS_POT_FAULT | KZ_STATUS_SUPPLY_FAULT;
+
 // Nothing if no fault is latched in `status`; else a sentence that names them and what to do.
 std::optional<std::string> fault_sentence(std::uint16_t status);
 

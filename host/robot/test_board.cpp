@@ -139,15 +139,18 @@ void TestBoard::transmit(Time start) {
 }
 
 void TestBoard::move_joints() {
-  constexpr double kStall = 2.16, kBack = 0.1885, kRotor = 5e-4;  // Nm, Nms/rad, kg m^2 at 10 V
+  // At 10 V: torque at stall before friction Nm, back-EMF Nms/rad, Coulomb friction Nm; rotor and a head on
+  // top, kg m^2.
+  constexpr double kStall = 2.288, kBack = 0.1885, kFriction = 0.128, kInertia = 5e-4 + 2e-4;
+  constexpr double kResistance = kBack + kInertia / kTickSeconds;
   const std::uint8_t ports[8] = {0, 0, 0, output_.p3, output_.p4, output_.p5, output_.p6, 0};
   for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
     const Wiring& wiring = kWiring[j];
     const int counts = wiring.pwm < 16 ? output_.pw[wiring.pwm] : output_.tmo[wiring.pwm - 16];
     const bool forward = ports[wiring.port] >> wiring.bit & 1;
     const double duty = motors_on_ ? counts / 256.0 * (forward ? 1 : -1) * wiring.sign : 0;
-    speed_[j] =
-        (kStall * duty + kRotor / kTickSeconds * speed_[j]) / (kBack + kRotor / kTickSeconds);
+    const double free = (kStall * duty + kInertia / kTickSeconds * speed_[j]) / kResistance;
+    speed_[j] = std::copysign(std::max(std::abs(free) - kFriction / kResistance, 0.0), free);
     angle_[j] += speed_[j] * kTickSeconds;
   }
 }

@@ -16,7 +16,7 @@
 namespace kaz::host {
 
 // A clock, a link and a board. Time passes when somebody waits. Motors are first-order: speed follows duty
-// by the motor's line with the inertia of its rotor (kaz-model.md, section 3), no load, no friction.
+// by the motor's line, with Coulomb friction (design, section 4) and the inertia of rotor and head.
 class TestBoard final : public Clock, public Link {
  public:
   struct Options {

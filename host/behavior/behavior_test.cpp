@@ -1,0 +1,192 @@
+// Registry, options, filter, search pattern, and stand.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/behavior/behavior.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "host/behavior/angle_filter.h"
+#include "host/behavior/search_pattern.h"
+#include "host/robot/test_board.h"
+
+namespace kaz::behavior {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr double kDegree = std::numbers::pi / 180;
+
+TEST(Registry, NamesAreUniqueAndFound) {
+  std::set<std::string_view> names;
+  for (const Behavior& behavior : behaviors()) {
+    EXPECT_TRUE(names.insert(behavior.name).second);
+    ASSERT_TRUE(find_behavior(behavior.name));
+    EXPECT_FALSE(behavior.text.empty());
+    EXPECT_TRUE(OptionValues::parse(behavior.options, {}))
+        << behavior.name << ": defaults are legal";
+  }
+  EXPECT_TRUE(names.count("search-ball") && names.count("track-ball") && names.count("stand"));
+  const auto none = find_behavior("dance");
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().fault, Fault::usage);
+  EXPECT_NE(none.error().message.find("search-ball, stand, track-ball"), std::string::npos);
+}
+
+TEST(Options, AreCheckedAgainstRangeAndChoices) {
+  constexpr Option options[] = {{"seconds", "5", "", 1, 10, "how long, s"},
+                                {"side", "left", "left|right", 0, 0, "which"}};
+  const auto good = OptionValues::parse(options, {{"side", "right"}, {"seconds", "2.5"}});
+  ASSERT_TRUE(good);
+  EXPECT_DOUBLE_EQ(good->number("seconds"), 2.5);
+  EXPECT_EQ(good->choice("side"), "right");
+  EXPECT_DOUBLE_EQ(OptionValues::parse(options, {})->number("seconds"), 5);
+
+  for (const auto& [name, value, hint] : std::initializer_list<std::array<const char*, 3>>{
+           {"seconds", "11", "a number from 1 to 10"},
+           {"seconds", "2x", "a number from 1 to 10"},
+           {"seconds", "nan", "a number from 1 to 10"},
+           {"seconds", "", "a number from 1 to 10"},
+           {"side", "up", "one of left|right"},
+           {"side", "", "one of left|right"},
+           {"side", "left|right", "one of left|right"},
+           {"sid", "left", "its options are seconds, side"}}) {
+    const auto bad = OptionValues::parse(options, {{name, value}});
+    ASSERT_FALSE(bad) << name << "=" << value;
+    EXPECT_EQ(bad.error().fault, Fault::usage);
+    EXPECT_NE(bad.error().message.find(hint), std::string::npos) << bad.error().message;
+  }
+}
+
+constexpr AngleFilter::Noise kNoise{
+    .measurement_rad = 0.01, .acceleration_psd = 1, .initial_rate = 1, .jump_rad = 0.5};
+
+TEST(AngleFilter, LearnsASteadyMotionExactly) {
+  AngleFilter filter(kNoise);
+  EXPECT_FALSE(filter.known());
+  for (int i = 0; i <= 60; ++i) filter.observe(i * 33ms, 0.1 + 0.7 * i * 0.033);
+  EXPECT_NEAR(filter.rate(), 0.7, 1e-6);
+  EXPECT_NEAR(filter.at(60 * 33ms + 100ms), 0.1 + 0.7 * (60 * 0.033 + 0.1), 1e-6);
+}
+
+TEST(AngleFilter, AimsAtWhatIsAtRest) {
+  AngleFilter filter(kNoise);
+  for (int i = 0; i < 100; ++i)
+    filter.observe(i * 33ms, i % 2 ? 0.005 : -0.005);  // noise about zero
+  const Time ahead = filter.latest() + 100ms;
+  EXPECT_LT(std::abs(filter.aim(ahead)), std::abs(filter.at(ahead)) / 2);
+  for (int i = 0; i < 100; ++i) filter.observe(4s + i * 33ms, i * 0.033);  // 1 rad/s
+  EXPECT_NEAR(filter.aim(filter.latest() + 100ms), 99 * 0.033 + 0.1, 0.01);
+}
+
+// The steady gains of this filter are known in closed form: with the tracking index L = T^1.5 sqrt(q) / r,
+// alpha and beta satisfy beta^2 / (1 - alpha) = L^2 and
+// alpha = -beta/2 + sqrt(beta (1 + beta/12))... (white-noise acceleration in continuous time: alpha =
+// sqrt(2 beta + beta^2/12) - beta/2, Bar-Shalom et al., section 6.5.4 gives the discrete form).
+TEST(AngleFilter, SteadyGainsFollowTheTrackingIndex) {
+  AngleFilter filter(kNoise);
+  for (int i = 0; i < 300; ++i) filter.observe(i * 33ms, 0);
+  const double rate_before = filter.rate();
+  filter.observe(300 * 33ms, 0.1);  // one step: the answer shows the gains
+  const double alpha = filter.at(filter.latest()) / 0.1;
+  const double beta = (filter.rate() - rate_before) * 0.033 / 0.1;
+  const double index_squared = std::pow(0.033, 3) * 1 / (0.01 * 0.01);
+  EXPECT_NEAR(beta * beta / (1 - alpha), index_squared, 0.001 * index_squared);
+  EXPECT_NEAR(alpha, std::sqrt(2 * beta + beta * beta / 12) - beta / 2, 0.001);
+}
+
+TEST(AngleFilter, StartsAnewAfterAJumpAndIgnoresThePast) {
+  AngleFilter filter(kNoise);
+  filter.observe(0ms, 0);
+  filter.observe(100ms, 0.1);
+  filter.observe(50ms, 0.4);
+  EXPECT_EQ(filter.latest(), 100ms);
+  filter.observe(200ms, 2);
+  EXPECT_DOUBLE_EQ(filter.at(200ms), 2);
+  EXPECT_DOUBLE_EQ(filter.rate(), 0);
+}
+
+// Every direction that the head can see comes into the middle part of the view during the first round. The
+// eyes see 40 degrees to each side and 32 up and down; asked for are 36 and 29.
+TEST(SearchPattern, CoversTheViewSphere) {
+  for (const double start_pan : {-60.0, 0.0, 30.0}) {
+    for (const double start_tilt : {-40.0, 0.0, 70.0}) {
+      const SearchPattern pattern({start_pan * kDegree, start_tilt * kDegree}, 90 * kDegree, true);
+      for (double pan = -115; pan <= 115; pan += 5) {
+        for (double tilt = -43; tilt <= 80; tilt += 3) {
+          bool seen = false;
+          for (double t = 0; t <= pattern.once() && !seen; t += 0.01) {
+            const host::Gaze gaze = pattern.at(t);
+            seen = std::abs(gaze.pan_rad / kDegree - pan) <= 36 &&
+                   std::abs(gaze.tilt_rad / kDegree - tilt) <= 29;
+          }
+          ASSERT_TRUE(seen) << pan << ", " << tilt;
+        }
+      }
+    }
+  }
+}
+
+TEST(SearchPattern, MovesSteadilyAndStaysInReach) {
+  const SearchPattern pattern({1.2, -0.5}, 1.5, false);
+  EXPECT_DOUBLE_EQ(pattern.at(0).pan_rad, 1.2);
+  EXPECT_DOUBLE_EQ(pattern.at(0).tilt_rad, -0.5);
+  EXPECT_LT(pattern.once(), 8);
+  host::Gaze last = pattern.at(0);
+  for (double t = 0.01; t < 40; t += 0.01) {
+    const host::Gaze gaze = pattern.at(t);
+    EXPECT_LE(std::abs(gaze.pan_rad - last.pan_rad), 0.015 + 1e-9) << t;
+    EXPECT_LE(std::abs(gaze.tilt_rad - last.tilt_rad), 0.015 + 1e-9) << t;
+    const host::Gaze inside = host::within_limits(gaze, 0.05);
+    EXPECT_DOUBLE_EQ(gaze.pan_rad, inside.pan_rad);
+    EXPECT_DOUBLE_EQ(gaze.tilt_rad, inside.tilt_rad);
+    last = gaze;
+  }
+}
+
+struct Stand : ::testing::Test {
+  host::TestBoard board;
+  host::Robot robot = std::move(*host::Robot::connect(board, board));
+  Recording recording;
+
+  Result<Outcome> run(const char* posture) {
+    const auto behavior = find_behavior("stand");
+    Context context{robot, board, nullptr, recording,
+                    *OptionValues::parse(behavior->options, {{"posture", posture}})};
+    return behavior->run(context);
+  }
+};
+
+TEST_F(Stand, GoesHomeSlowly) {
+  double fastest = 0;
+  host::JointAngles last{};
+  board.after_tick = [&](Time start) {
+    const host::JointAngles angle = board.angles_at(start);
+    for (std::size_t j = 0; j < angle.size(); ++j) {
+      fastest = std::max(fastest, std::abs(angle[j] - last[j]) / 1e-3);
+    }
+    last = angle;
+  };
+  const auto outcome = run("home");
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  EXPECT_TRUE(outcome->success) << outcome->sentence;
+  const host::JointAngles angle = board.angles_at(board.now());
+  EXPECT_NEAR(angle[host::l_knee] / kDegree, 55.6, 1);
+  EXPECT_NEAR(angle[host::r_hip_pitch] / kDegree, -30.8, 1);
+  EXPECT_NEAR(angle[host::r_sh_roll] / kDegree, -12, 1);
+  EXPECT_TRUE(board.motors_on());
+  EXPECT_LT(fastest, 1.5);  // 0.5 rad/s of the ramp, and the steps of a potentiometer's code
+}
+
+TEST_F(Stand, KeepsWhatItFinds) {
+  for (int j = 0; j < KZ_JOINTS; ++j) board.set_angle(j, j == host::l_elbow ? -0.7 : 0.05);
+  ASSERT_TRUE(board.sleep_until(board.now() + 5ms));
+  const auto outcome = run("keep");
+  ASSERT_TRUE(outcome);
+  EXPECT_TRUE(outcome->success);
+  EXPECT_NEAR(board.angles_at(board.now())[host::l_elbow], -0.7, 0.01);
+}
+
+}  // namespace
+}  // namespace kaz::behavior

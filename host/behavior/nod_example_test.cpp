@@ -1,0 +1,42 @@
+// The example of docs/host.md works, and stands there as it is compiled.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/behavior/nod_example.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "host/robot/test_board.h"
+
+namespace kaz::behavior {
+namespace {
+
+std::string contents(const char* path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+TEST(NodExample, Nods) {
+  host::TestBoard board;
+  host::Robot robot = std::move(*host::Robot::connect(board, board));
+  Recording recording;
+  Context context{robot, board, nullptr, recording,
+                  *OptionValues::parse(kNod.options, {{"times", "1"}})};
+  const auto outcome = kNod.run(context);
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  EXPECT_TRUE(outcome->success);
+  EXPECT_NEAR(outcome->figures.at(0).second, 0.3, 0.02);
+  EXPECT_NEAR(board.angles_at(board.now())[host::neck_tilt], 0, 0.02);
+}
+
+TEST(NodExample, IsTheOneInTheDocumentation) {
+  const std::string code = contents("host/behavior/nod_example.cpp");
+  ASSERT_FALSE(code.empty());
+  EXPECT_NE(contents("docs/host.md").find("```cpp\n" + code + "```"), std::string::npos)
+      << "copy host/behavior/nod_example.cpp into docs/host.md";
+}
+
+}  // namespace
+}  // namespace kaz::behavior
