@@ -36,7 +36,8 @@ struct WorldOptions {
   std::uint64_t seed = 1;
   double step_s = 0.001;
   std::string stepper = "quick50";  // "exact", or "quickN" with N iterations
-  std::string motor;  // a motor of motor.xml, which stands beside the URDF; "": the file's default
+  std::string motor =
+      "";  // a motor of motor.xml, which stands beside the URDF; "": the file's default
 };
 
 class World {

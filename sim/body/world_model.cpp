@@ -3,7 +3,6 @@
 #include "sim/body/world_model.h"
 
 #include <algorithm>
-#include <set>
 
 #include <sdf/sdf.hh>
 
@@ -12,8 +11,6 @@
 
 namespace kaz::sim {
 namespace {
-
-const std::set<std::string> kTextures{"checker", "wood", "carpet"};
 
 Eigen::Vector3d vector_of(const ignition::math::Vector3d& v) {
   return {v.X(), v.Y(), v.Z()};
@@ -37,228 +34,163 @@ double value_at(sdf::ElementPtr element, std::initializer_list<const char*> path
   return element->Get<double>();
 }
 
-class Reader {
- public:
-  explicit Reader(std::string path) : path_(std::move(path)) {}
+// Attributes of our own elements. The parser keeps them as text; check_sdf has found them sound.
+std::vector<double> numbers(const sdf::ElementPtr& element, const char* attribute,
+                            std::size_t count) {
+  return parse_numbers(element->GetAttribute(attribute)->GetAsString(), count).value();
+}
 
-  Result<WorldModel> read() {
-    sdf::ParserConfig config;
-    config.SetUnrecognizedElementsPolicy(sdf::EnforcementPolicy::ERR);
-    config.SetWarningsPolicy(sdf::EnforcementPolicy::ERR);
-    config.SetDeprecatedElementsPolicy(sdf::EnforcementPolicy::ERR);
-    // Nothing is looked for outside the file: no model paths, no downloads.
-    config.SetFindCallback([](const std::string&) { return std::string(); });
-    sdf::Root root;
-    if (const sdf::Errors errors = root.Load(path_, config); !errors.empty()) {
-      return first_of(errors);
-    }
-    if (root.WorldCount() != 1) return error(1, "holds no single <world>");
-    const sdf::World& world = *root.WorldByIndex(0);
-    out_.gravity = vector_of(world.Gravity());
-    if (auto ok = robot_start(world.Element()); !ok) return tl::unexpected(ok.error());
-    for (std::uint64_t i = 0; i < world.ModelCount(); ++i) {
-      if (auto ok = add(*world.ModelByIndex(i)); !ok) return tl::unexpected(ok.error());
-    }
-    return std::move(out_);
+Shape shape_of(const sdf::Geometry& geometry) {
+  Shape shape;
+  switch (geometry.Type()) {
+    case sdf::GeometryType::SPHERE:
+      shape.kind = Shape::Kind::sphere;
+      shape.size.x() = geometry.SphereShape()->Radius();
+      break;
+    case sdf::GeometryType::CYLINDER:
+      shape.kind = Shape::Kind::cylinder;
+      shape.size = {geometry.CylinderShape()->Radius(), geometry.CylinderShape()->Length(), 0};
+      break;
+    case sdf::GeometryType::CAPSULE:
+      shape.kind = Shape::Kind::capsule;
+      shape.size = {geometry.CapsuleShape()->Radius(), geometry.CapsuleShape()->Length(), 0};
+      break;
+    case sdf::GeometryType::PLANE:
+      shape.kind = Shape::Kind::plane;
+      shape.size = {geometry.PlaneShape()->Size().X(), geometry.PlaneShape()->Size().Y(), 0};
+      break;
+    default:
+      shape.kind = Shape::Kind::box;
+      shape.size = vector_of(geometry.BoxShape()->Size());
+      break;
   }
+  return shape;
+}
 
- private:
-  tl::unexpected<Error> error(int line, const std::string& message) const {
-    return fail(Fault::usage, path_ + ":" + std::to_string(line) + ": " + message);
+// Our planes have their normal along z.
+Eigen::Isometry3d turn_of(const sdf::Geometry& geometry) {
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  if (geometry.Type() == sdf::GeometryType::PLANE) {
+    turn.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(),
+                                                       vector_of(geometry.PlaneShape()->Normal()))
+                        .toRotationMatrix();
   }
-  tl::unexpected<Error> error(const sdf::ElementPtr& at, const std::string& message) const {
-    return error(at->LineNumber().value_or(1), message);
-  }
-  tl::unexpected<Error> first_of(const sdf::Errors& errors) const {
-    // The parser wraps a precise error in vaguer ones; the precise one knows its line.
-    for (const sdf::Error& e : errors) {
-      if (e.LineNumber()) return error(*e.LineNumber(), e.Message());
-    }
-    return error(1, errors.front().Message());
-  }
+  return turn;
+}
 
-  // Attribute of one of our own elements; the parser keeps those as text.
-  Result<std::vector<double>> numbers(const sdf::ElementPtr& element, const char* attribute,
-                                      std::size_t count) const {
-    const sdf::ParamPtr param = element->GetAttribute(attribute);
-    const auto values =
-        param ? parse_numbers(param->GetAsString(), count) : std::optional<std::vector<double>>();
-    if (!values) {
-      return error(element, "<" + element->GetName() + "> needs the attribute `" + attribute +
-                                "` with " + std::to_string(count) +
-                                (count == 1 ? " number" : " numbers"));
-    }
-    return *values;
+Surface surface_of(const sdf::ElementPtr& collision) {
+  Surface surface;
+  if (!collision->HasElement("surface")) return surface;
+  const sdf::ElementPtr e = collision->GetElement("surface");
+  surface.mu = value_at(e, {"friction", "ode", "mu"}, surface.mu);
+  surface.softness = value_at(e, {"contact", "ode", "soft_cfm"}, surface.softness);
+  surface.restitution = value_at(e, {"bounce", "restitution_coefficient"}, surface.restitution);
+  surface.bounce_threshold = value_at(e, {"bounce", "threshold"}, surface.bounce_threshold);
+  if (e->HasElement("kaz:rolling_resistance")) {
+    surface.rolling_resistance =
+        numbers(e->GetElement("kaz:rolling_resistance"), "metres", 1).front();
   }
+  return surface;
+}
 
-  Result<void> robot_start(const sdf::ElementPtr& world) {
-    if (!world->HasElement("kaz:robot")) return {};
-    const auto pose = numbers(world->GetElement("kaz:robot"), "pose", 6);
-    if (!pose) return tl::unexpected(pose.error());
-    const std::vector<double>& p = *pose;
-    out_.robot_start = pose_of(ignition::math::Pose3d(p[0], p[1], p[2], p[3], p[4], p[5]));
-    return {};
+Visual look_of(const sdf::Visual& visual, const std::string& link) {
+  Visual look;
+  look.name = link + "/" + visual.Name();
+  look.shape = shape_of(*visual.Geom());
+  look.in_frame = pose_of(visual.RawPose()) * turn_of(*visual.Geom());
+  if (const sdf::Material* material = visual.Material()) {
+    const auto& color = material->Diffuse();
+    look.color = {color.R(), color.G(), color.B()};
   }
-
-  Result<void> add(const sdf::Model& model) {
-    auto kicks = kicks_of(model);
-    if (!kicks) return tl::unexpected(kicks.error());
-    for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
-      const sdf::Link& link = *model.LinkByIndex(i);
-      WorldBody body;
-      body.model = model.Name();
-      body.fixed = model.Static();
-      body.pose = pose_of(model.RawPose()) * pose_of(link.RawPose());
-      body.rigid.name = model.Name() + "/" + link.Name();
-      if (i == 0) body.kicks = *kicks;
-      const ignition::math::Inertiald& in = link.Inertial();
-      const ignition::math::Matrix3d tensor = in.Moi();
-      body.rigid.mass = in.MassMatrix().Mass();
-      body.rigid.com = vector_of(in.Pose().Pos());
-      for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c) {
-          body.rigid.inertia(r, c) =
-              tensor(static_cast<std::size_t>(r), static_cast<std::size_t>(c));
-        }
-      }
-      if (!body.fixed && !physical(body.rigid.mass, body.rigid.inertia)) {
-        return error(link.Element(),
-                     "no body can have the mass and inertia of link `" + body.rigid.name + "`");
-      }
-      for (std::uint64_t c = 0; c < link.CollisionCount(); ++c) {
-        const sdf::Collision& collision = *link.CollisionByIndex(c);
-        auto shape = shape_of(*collision.Geom(), collision.Element(), body.fixed);
-        if (!shape) return tl::unexpected(shape.error());
-        CollisionShape out;
-        out.in_link = pose_of(collision.RawPose()) * plane_turn(*collision.Geom());
-        out.shape = *shape;
-        auto surface = surface_of(collision.Element());
-        if (!surface) return tl::unexpected(surface.error());
-        out.surface = *surface;
-        body.rigid.collisions.push_back(out);
-      }
-      for (std::uint64_t v = 0; v < link.VisualCount(); ++v) {
-        auto look = look_of(*link.VisualByIndex(v), body.rigid.name);
-        if (!look) return tl::unexpected(look.error());
-        body.rigid.visuals.push_back(*look);
-      }
-      out_.bodies.push_back(std::move(body));
-    }
-    return {};
+  if (visual.Element()->HasElement("kaz:texture")) {
+    look.texture = visual.Element()->GetElement("kaz:texture")->GetAttribute("name")->GetAsString();
   }
+  return look;
+}
 
-  Result<std::vector<Kick>> kicks_of(const sdf::Model& model) const {
-    std::vector<Kick> kicks;
-    for (auto e = model.Element()->GetFirstElement(); e; e = e->GetNextElement()) {
-      if (e->GetName() != "kaz:kick") continue;
-      if (model.Static()) {
-        return error(e, "model `" + model.Name() + "` is static, so <kaz:kick> cannot move it");
-      }
-      const auto time = numbers(e, "time", 1);
-      if (!time) return tl::unexpected(time.error());
-      const auto velocity = numbers(e, "velocity", 3);
-      if (!velocity) return tl::unexpected(velocity.error());
-      kicks.push_back({time->front(), {(*velocity)[0], (*velocity)[1], (*velocity)[2]}});
-    }
-    std::stable_sort(kicks.begin(), kicks.end(),
-                     [](const Kick& a, const Kick& b) { return a.time_s < b.time_s; });
-    return kicks;
+std::vector<Kick> kicks_of(const sdf::Model& model) {
+  std::vector<Kick> kicks;
+  for (auto e = model.Element()->GetFirstElement(); e; e = e->GetNextElement()) {
+    if (e->GetName() != "kaz:kick") continue;
+    const std::vector<double> v = numbers(e, "velocity", 3);
+    kicks.push_back({numbers(e, "time", 1).front(), {v[0], v[1], v[2]}});
   }
+  std::stable_sort(kicks.begin(), kicks.end(),
+                   [](const Kick& a, const Kick& b) { return a.time_s < b.time_s; });
+  return kicks;
+}
 
-  Result<Shape> shape_of(const sdf::Geometry& geometry, const sdf::ElementPtr& at,
-                         bool fixed) const {
-    Shape shape;
-    switch (geometry.Type()) {
-      case sdf::GeometryType::BOX:
-        shape.kind = Shape::Kind::box;
-        shape.size = vector_of(geometry.BoxShape()->Size());
-        break;
-      case sdf::GeometryType::SPHERE:
-        shape.kind = Shape::Kind::sphere;
-        shape.size.x() = geometry.SphereShape()->Radius();
-        break;
-      case sdf::GeometryType::CYLINDER:
-        shape.kind = Shape::Kind::cylinder;
-        shape.size = {geometry.CylinderShape()->Radius(), geometry.CylinderShape()->Length(), 0};
-        break;
-      case sdf::GeometryType::CAPSULE:
-        shape.kind = Shape::Kind::capsule;
-        shape.size = {geometry.CapsuleShape()->Radius(), geometry.CapsuleShape()->Length(), 0};
-        break;
-      case sdf::GeometryType::PLANE:
-        if (!fixed) return error(at, "a plane can only be part of a static model");
-        shape.kind = Shape::Kind::plane;
-        shape.size = {geometry.PlaneShape()->Size().X(), geometry.PlaneShape()->Size().Y(), 0};
-        break;
-      default:
-        return error(at, "<geometry> holds no shape");
+RigidLink rigid_of(const sdf::Link& link, const std::string& name) {
+  RigidLink rigid;
+  rigid.name = name;
+  const ignition::math::Inertiald& in = link.Inertial();
+  const ignition::math::Matrix3d tensor = in.Moi();
+  rigid.mass = in.MassMatrix().Mass();
+  rigid.com = vector_of(in.Pose().Pos());
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) {
+      rigid.inertia(r, c) = tensor(static_cast<std::size_t>(r), static_cast<std::size_t>(c));
     }
-    return shape;
   }
-
-  // Our planes have their normal along z.
-  static Eigen::Isometry3d plane_turn(const sdf::Geometry& geometry) {
-    Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
-    if (geometry.Type() == sdf::GeometryType::PLANE) {
-      turn.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(),
-                                                         vector_of(geometry.PlaneShape()->Normal()))
-                          .toRotationMatrix();
-    }
-    return turn;
+  for (std::uint64_t i = 0; i < link.CollisionCount(); ++i) {
+    const sdf::Collision& collision = *link.CollisionByIndex(i);
+    rigid.collisions.push_back({pose_of(collision.RawPose()) * turn_of(*collision.Geom()),
+                                shape_of(*collision.Geom()), surface_of(collision.Element())});
   }
-
-  Result<Surface> surface_of(const sdf::ElementPtr& collision) const {
-    Surface surface;
-    if (!collision->HasElement("surface")) return surface;
-    const sdf::ElementPtr e = collision->GetElement("surface");
-    surface.mu = value_at(e, {"friction", "ode", "mu"}, surface.mu);
-    surface.softness = value_at(e, {"contact", "ode", "soft_cfm"}, surface.softness);
-    surface.restitution = value_at(e, {"bounce", "restitution_coefficient"}, surface.restitution);
-    surface.bounce_threshold = value_at(e, {"bounce", "threshold"}, surface.bounce_threshold);
-    if (e->HasElement("kaz:rolling_resistance")) {
-      const sdf::ElementPtr own = e->GetElement("kaz:rolling_resistance");
-      const auto rolling = numbers(own, "metres", 1);
-      if (!rolling) return tl::unexpected(rolling.error());
-      surface.rolling_resistance = rolling->front();
-    }
-    if (surface.mu < 0 || surface.softness < 0 || surface.restitution < 0 ||
-        surface.restitution > 1 || surface.rolling_resistance < 0) {
-      return error(e, "<surface> holds a figure below zero or a restitution above one");
-    }
-    return surface;
+  for (std::uint64_t i = 0; i < link.VisualCount(); ++i) {
+    rigid.visuals.push_back(look_of(*link.VisualByIndex(i), name));
   }
+  return rigid;
+}
 
-  Result<Visual> look_of(const sdf::Visual& visual, const std::string& link) const {
-    Visual look;
-    look.name = link + "/" + visual.Name();
-    auto shape = shape_of(*visual.Geom(), visual.Element(), true);
-    if (!shape) return tl::unexpected(shape.error());
-    look.shape = *shape;
-    look.in_frame = pose_of(visual.RawPose()) * plane_turn(*visual.Geom());
-    if (const sdf::Material* material = visual.Material()) {
-      const auto& color = material->Diffuse();
-      look.color = {color.R(), color.G(), color.B()};
-    }
-    if (visual.Element()->HasElement("kaz:texture")) {
-      const sdf::ElementPtr e = visual.Element()->GetElement("kaz:texture");
-      const sdf::ParamPtr name = e->GetAttribute("name");
-      look.texture = name ? name->GetAsString() : "";
-      if (!kTextures.count(look.texture)) {
-        return error(e, "<kaz:texture> names no known texture: checker, wood or carpet");
-      }
-    }
-    return look;
+void add(const sdf::Model& model, WorldModel& out) {
+  for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
+    const sdf::Link& link = *model.LinkByIndex(i);
+    WorldBody body;
+    body.model = model.Name();
+    body.fixed = model.Static();
+    body.pose = pose_of(model.RawPose()) * pose_of(link.RawPose());
+    body.rigid = rigid_of(link, model.Name() + "/" + link.Name());
+    if (i == 0) body.kicks = kicks_of(model);
+    out.bodies.push_back(std::move(body));
   }
+}
 
-  std::string path_;
-  WorldModel out_;
-};
+// One sentence of the parser's list: the first that knows its line, since those are the precise ones.
+tl::unexpected<Error> first_of(const sdf::Errors& errors, const std::string& path) {
+  for (const sdf::Error& e : errors) {
+    if (e.LineNumber()) {
+      return fail(Fault::usage, path + ":" + std::to_string(*e.LineNumber()) + ": " + e.Message());
+    }
+  }
+  return fail(Fault::usage, path + ": " + errors.front().Message());
+}
 
 }  // namespace
 
 Result<WorldModel> load_world(const std::string& sdf_path) {
   if (const Result<void> ok = check_sdf(sdf_path); !ok) return tl::unexpected(ok.error());
-  return Reader(sdf_path).read();
+  sdf::ParserConfig config;
+  config.SetUnrecognizedElementsPolicy(sdf::EnforcementPolicy::ERR);
+  config.SetWarningsPolicy(sdf::EnforcementPolicy::ERR);
+  config.SetDeprecatedElementsPolicy(sdf::EnforcementPolicy::ERR);
+  // Nothing is looked for outside the file: no model paths, no downloads.
+  config.SetFindCallback([](const std::string&) { return std::string(); });
+  // It prints what it also returns.
+  sdf::Console::Instance()->SetQuiet(true);
+  sdf::Root root;
+  if (const sdf::Errors errors = root.Load(sdf_path, config); !errors.empty()) {
+    return first_of(errors, sdf_path);
+  }
+  const sdf::World& world = *root.WorldByIndex(0);
+  WorldModel out;
+  out.gravity = vector_of(world.Gravity());
+  if (world.Element()->HasElement("kaz:robot")) {
+    const auto p = numbers(world.Element()->GetElement("kaz:robot"), "pose", 6);
+    out.robot_start = pose_of(ignition::math::Pose3d(p[0], p[1], p[2], p[3], p[4], p[5]));
+  }
+  for (std::uint64_t i = 0; i < world.ModelCount(); ++i) add(*world.ModelByIndex(i), out);
+  return out;
 }
 
 }  // namespace kaz::sim

@@ -1,0 +1,201 @@
+// Broken robot and world files: one sentence with file and line, and no crash.
+// SPDX-License-Identifier: Apache-2.0
+#include <ostream>
+
+#include "sim/body/robot_model.h"
+#include "sim/body/test_files.h"
+#include "sim/body/world_model.h"
+
+namespace kaz::sim {
+namespace {
+
+struct Case {
+  const char* name;
+  const char* find;  // in the sound file, once or first
+  const char* replace;
+  int lines_down;       // the error is that many lines below the change
+  const char* message;  // part of the sentence
+};
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
+
+// The text changed, and the line on which the change begins.
+std::pair<std::string, int> changed(std::string text, const Case& c) {
+  const std::size_t at = text.find(c.find);
+  if (at == std::string::npos) {
+    ADD_FAILURE() << "the sound file has no " << c.find;
+    return {text, 0};
+  }
+  text.replace(at, std::string(c.find).size(), c.replace);
+  return {text, 1 + static_cast<int>(std::count(
+                        text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'))};
+}
+
+void expect_error(const Error& error, const std::string& path, int line, const Case& c) {
+  EXPECT_EQ(error.fault, Fault::usage);
+  EXPECT_EQ(error.message.find(path + ":" + std::to_string(line) + ": "), 0u) << error.message;
+  EXPECT_NE(error.message.find(c.message), std::string::npos) << error.message;
+  EXPECT_EQ(error.message.find('\n'), std::string::npos) << error.message;
+}
+
+class BadRobot : public testing::TestWithParam<Case> {};
+
+TEST_P(BadRobot, IsNamedWithFileAndLine) {
+  const test::Folder folder;
+  const auto [text, line] = changed(test::read_text(test::kRobot), GetParam());
+  const std::string path = folder.write("robot.urdf", text);
+  const auto robot = load_robot(path);
+  ASSERT_FALSE(robot);
+  expect_error(robot.error(), path, line + GetParam().lines_down, GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, BadRobot,
+    testing::Values(
+        Case{"xml", "<mass value=\"0.060\"/>", "<mass value=0.060/>", 0, "well-formed"},
+        Case{"other_root", "<robot name=\"kaz\">", "<model name=\"kaz\"/><!--", 0, ""},
+        Case{"typing_error", "<visual name=\"pelvis\">", "<visuel/><visual name=\"pelvis\">", 0,
+             "unknown element <visuel> in <link>"},
+        Case{"zero_mass", "<mass value=\"0.550\"/>", "<mass value=\"0\"/>", 0,
+             "mass of link `trunk` is not above zero"},
+        Case{"no_number", "<mass value=\"0.550\"/>", "<mass value=\"half\"/>", 0,
+             "attribute `value` of <mass> is \"half\""},
+        Case{"two_numbers", "size=\"0.05 0.084 0.02\"", "size=\"0.05 0.084\"", 0,
+             "attribute `size` of <box> must be 3 numbers"},
+        Case{"impossible_inertia", "<inertia ixx=\"0.000872\"", "<inertia ixx=\"0.1\"", 0,
+             "no body can have the inertia of link `trunk`"},
+        Case{"unknown_child", "<child link=\"neck_pan\"/>", "<child link=\"neck_pam\"/>", 0,
+             "child link `neck_pam` of joint `neck_pan` does not exist"},
+        Case{"loop", "<parent link=\"trunk\"/><child link=\"neck_pan\"/>",
+             "<parent link=\"neck_tilt\"/><child link=\"neck_pan\"/>", -1, "closes a loop"},
+        Case{"second_parent", "<child link=\"neck_tilt\"/>", "<child link=\"neck_pan\"/>", -1,
+             "link `neck_pan` already hangs on joint `neck_pan`"},
+        Case{"mimic", "<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 1\"/><mimic joint=\"waist\"/>", 0,
+             "names the joint `waist`, which does not exist"},
+        Case{"zero_axis", "<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 0\"/>", 0,
+             "axis of joint `neck_pan` is zero"},
+        Case{"swapped_limits", "<limit lower=\"-1.5707\" upper=\"1.5707\"",
+             "<limit lower=\"1.5707\" upper=\"-1.5707\"", 0, "is not below the upper one"},
+        Case{"prismatic", "<joint name=\"neck_pan\" type=\"revolute\">",
+             "<joint name=\"neck_pan\" type=\"prismatic\">", 0, "type \"prismatic\""},
+        Case{"moving_without_mass",
+             "<link name=\"left_eye\"/>\n  <joint name=\"left_eye\" type=\"fixed\">",
+             "<link name=\"left_eye\"/>\n  <joint name=\"waist\" type=\"revolute\">"
+             "<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/>",
+             0, "link `left_eye` moves but has no <inertial>"},
+        Case{"not_wired", "<link name=\"left_eye\"/>\n  <joint name=\"left_eye\" type=\"fixed\">",
+             "<link name=\"left_eye\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" "
+             "izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\n"
+             "  <joint name=\"waist\" type=\"revolute\">"
+             "<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/>",
+             1, "joint `waist` is not wired to the servo board"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(BadRobotFile, LacksAJointOfTheBoard) {
+  const test::Folder folder;
+  std::string text = test::read_text(test::kRobot);
+  for (std::size_t at; (at = text.find("\"r_hand\"")) != std::string::npos;) {
+    text.replace(at, 8, "\"r_claw\"");
+  }
+  const std::string path = folder.write("robot.urdf", text);
+  const auto robot = load_robot(path);
+  ASSERT_FALSE(robot);
+  EXPECT_NE(robot.error().message.find("robot has no joint `r_hand`"), std::string::npos)
+      << robot.error().message;
+}
+
+TEST(BadRobotFile, DoesNotExist) {
+  const auto robot = load_robot("no/such.urdf");
+  ASSERT_FALSE(robot);
+  EXPECT_EQ(robot.error().message, "no/such.urdf: cannot be read; check the path");
+}
+
+class BadWorld : public testing::TestWithParam<Case> {};
+
+TEST_P(BadWorld, IsNamedWithFileAndLine) {
+  const test::Folder folder;
+  const auto [text, line] = changed(test::read_text(test::kBall), GetParam());
+  const std::string path = folder.write("world.sdf", text);
+  const auto world = load_world(path);
+  ASSERT_FALSE(world);
+  expect_error(world.error(), path, line + GetParam().lines_down, GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, BadWorld,
+    testing::Values(
+        Case{"xml", "<mass>0.015</mass>", "<mass 0.015</mass>", 0, "well-formed"},
+        Case{"typing_error", "<mass>0.015</mass>", "<mas>0.015</mas>", 0,
+             "unknown element <mas> in <inertial>, which takes inertia, mass, pose"},
+        Case{"not_taken", "<kaz:robot", "<light name=\"sun\" type=\"point\"/><kaz:robot", 0,
+             "unknown element <light> in <world>"},
+        Case{"no_number", "<mass>0.015</mass>", "<mass>light</mass>", 0,
+             "<mass> must hold 1 number not below 0, not \"light\""},
+        Case{"five_numbers", "<pose>0.171 0.47 0.02 0 0 0</pose>",
+             "<pose>0.171 0.47 0.02 0 0</pose>", 0, "<pose> must hold 6 numbers"},
+        Case{"flat_ball", "<radius>0.02</radius>", "<radius>0</radius>", 0,
+             "<radius> must hold 1 number above 0"},
+        Case{"no_mass", "<mass>0.015</mass>", "", -1, "<inertial> lacks <mass>"},
+        Case{"impossible_inertia", "<ixx>2.4e-6</ixx>", "<ixx>2.4e-3</ixx>", -1,
+             "no body can have this mass and inertia"},
+        Case{"kick_without_time", "<kaz:kick time=\"7.0\"", "<kaz:kick tiem=\"7.0\"", 0,
+             "<kaz:kick> needs the attribute `time` with 1 number"},
+        Case{"kick_of_two_numbers", "velocity=\"0.34 -0.2 0\"", "velocity=\"0.34 -0.2\"", 0,
+             "<kaz:kick> needs the attribute `velocity` with 3 numbers"},
+        Case{"robot_pose", "<kaz:robot pose=\"0 0 0 0 0 0\"/>", "<kaz:robot pose=\"0 0 0\"/>", 0,
+             "<kaz:robot> needs the attribute `pose` with 6 numbers"},
+        Case{"texture", "<kaz:texture name=\"wood\"/>", "<kaz:texture name=\"oak\"/>", 0,
+             "<kaz:texture> needs a `name` of checker, wood or carpet"},
+        Case{"frozen_ball", "<kaz:kick time=\"7.0\"", "<static>true</static><kaz:kick time=\"7.0\"",
+             0, "model `ball` is static, so <kaz:kick> cannot move it"},
+        Case{"restitution", "<restitution_coefficient>0.7</restitution_coefficient>",
+             "<restitution_coefficient>1.7</restitution_coefficient>", 0,
+             "<restitution_coefficient> must hold 1 number from 0 to 1"},
+        Case{"same_name_twice", "<model name=\"pen\">", "<model name=\"ball\">", 0,
+             "there is another model `ball` above"},
+        Case{"no_shape", "<geometry><sphere><radius>0.02</radius></sphere></geometry>",
+             "<geometry></geometry>", -1, "<collision> must hold one <geometry> with one shape"},
+        Case{"no_truth", "<static>true</static>", "<static>maybe</static>", 0,
+             "<static> must hold true or false"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+// Known to the parser alone, which gives no line.
+TEST(BadWorldFile, HasAReservedName) {
+  const test::Folder folder;
+  std::string text = test::read_text(test::kBall);
+  text.replace(text.find("\"pen\""), 5, "\"__pen__\"");
+  const std::string path = folder.write("world.sdf", text);
+  const auto world = load_world(path);
+  ASSERT_FALSE(world);
+  EXPECT_EQ(world.error().message.find(path + ": "), 0u) << world.error().message;
+  EXPECT_NE(world.error().message.find("[__pen__] is reserved"), std::string::npos);
+}
+
+TEST(Load, NamesAnUnknownStepper) {
+  WorldOptions options;
+  options.stepper = "fast";
+  const auto world = World::load(test::kEmpty, test::kRobot, options);
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().message.find("stepper \"fast\" is unknown"), std::string::npos);
+}
+
+TEST(Load, NamesAnUnknownMotor) {
+  WorldOptions options;
+  options.motor = "s3003";
+  const auto world = World::load(test::kEmpty, test::kRobot, options);
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().message.find("has no motor `s3003`"), std::string::npos);
+}
+
+TEST(Load, NamesAnUnknownObject) {
+  const auto world = test::load_or_fail(test::kBall, {});
+  ASSERT_TRUE(world);
+  const auto cube = world->object_position("cube");
+  ASSERT_FALSE(cube);
+  EXPECT_EQ(cube.error().message, "the world has no object `cube`; those that can move: ball");
+}
+
+}  // namespace
+}  // namespace kaz::sim

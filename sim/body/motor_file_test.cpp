@@ -1,0 +1,63 @@
+// The motor file: its figures give what the paper measured; errors name file and line.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/motor_file.h"
+
+#include "sim/body/test_files.h"
+
+namespace kaz::sim {
+namespace {
+
+TEST(MotorFile, GivesTheTorquesThePaperMeasured) {
+  for (const char* name : {"", "s9204-original"}) {
+    const auto motor = load_motor_file("shared/robot/kaz/motor.xml", name);
+    ASSERT_TRUE(motor) << motor.error().message;
+    EXPECT_NEAR(motor->stall_slope_nm_per_v * 4.8 - motor->friction_nm, 0.97, 0.005);
+    EXPECT_NEAR(motor->stall_slope_nm_per_v * 10 - motor->friction_nm, 2.16, 0.005);
+    // 0.19 s for 60 degrees at 4.8 V.
+    const double speed =
+        (motor->stall_slope_nm_per_v * 4.8 - motor->friction_nm) / motor->back_emf_nms_per_rad;
+    EXPECT_NEAR(1.0472 / speed, 0.19, 0.001);
+  }
+}
+
+struct Case {
+  const char* name;
+  const char* motors;
+  const char* message;
+};
+
+class BadMotorFile : public testing::TestWithParam<Case> {};
+
+TEST_P(BadMotorFile, IsNamedWithFileAndLine) {
+  const test::Folder folder;
+  const std::string path = folder.write("motor.xml", GetParam().motors);
+  const auto motor = load_motor_file(path, "");
+  ASSERT_FALSE(motor);
+  EXPECT_EQ(motor.error().message, path + GetParam().message);
+  EXPECT_EQ(motor.error().fault, Fault::usage);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, BadMotorFile,
+    testing::Values(
+        Case{"typing_error",
+             "<motors default='a'>\n<motor name='a'>\n<fricton value='1'/>\n"
+             "</motor></motors>",
+             ":3: unknown element <fricton> in <motor>; see docs/robot.md for those it takes"},
+        Case{"no_number",
+             "<motors default='a'>\n<motor name='a'>\n<friction value='0,1'/>\n"
+             "</motor></motors>",
+             ":3: attribute `value` of <friction> is \"0,1\", expected a number"},
+        Case{"negative",
+             "<motors default='a'><motor name='a'>\n\n<friction value='-1'/>"
+             "</motor></motors>",
+             ":3: <friction> must be at least 0"},
+        Case{"incomplete",
+             "<motors default='a'>\n<motor name='a'><friction value='1'/></motor>"
+             "</motors>",
+             ":2: <motor> lacks <stall_slope>"},
+        Case{"no_default", "\n<motors></motors>", ":2: <motors> lacks the attribute `default`"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+}  // namespace
+}  // namespace kaz::sim

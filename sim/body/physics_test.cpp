@@ -1,0 +1,139 @@
+// Objects against school mechanics: fall, bounce, rolling, friction, flicks.
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "sim/body/test_files.h"
+
+namespace kaz::sim {
+namespace {
+
+using test::Drives;
+using test::run;
+
+constexpr double kG = 9.81, kRadius = 0.02;
+
+std::string ball(const std::string& z, const std::string& surface, const std::string& extra = "") {
+  return R"(<model name="ball"><pose>0 0 )" + z + R"( 0 0 0</pose><link name="l">
+<inertial><mass>0.015</mass><inertia><ixx>2.4e-6</ixx><iyy>2.4e-6</iyy><izz>2.4e-6</izz>
+</inertia></inertial><collision name="c"><geometry><sphere><radius>0.02</radius></sphere></geometry>
+<surface>)" +
+         surface + "</surface></collision></link>" + extra + "</model>";
+}
+
+class Objects : public testing::TestWithParam<const char*> {
+ protected:
+  std::unique_ptr<World> load(const std::string& gravity, const std::string& models) {
+    WorldOptions options;
+    options.stepper = GetParam();
+    return test::load_or_fail(folder_.write("w.sdf", test::world_text(gravity, models)), options);
+  }
+  static Eigen::Vector3d at(const World& world, const char* model) {
+    return world.object_position(model).value();
+  }
+  test::Folder folder_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Steppers, Objects, testing::Values("quick10", "exact"));
+
+TEST_P(Objects, FallAndBounce) {
+  const double height = 0.5, restitution = 0.7;
+  const auto world = load("0 0 -9.81", ball("0.52",
+                                            "<bounce><restitution_coefficient>0.7"
+                                            "</restitution_coefficient><threshold>0.05"
+                                            "</threshold></bounce>"));
+  ASSERT_TRUE(world);
+  const Drives drives{};
+  double last = 1, landed = 0, top = 0;
+  while (world->time_s() < 0.75) {
+    world->step(drives, 10);
+    const double z = at(*world, "ball").z();
+    if (landed == 0 && z > last) landed = world->time_s();
+    if (landed > 0) top = std::max(top, z);
+    last = z;
+  }
+  EXPECT_NEAR(landed, std::sqrt(2 * height / kG), 0.002);
+  EXPECT_NEAR(top - kRadius, restitution * restitution * height, 0.02 * height);
+}
+
+TEST_P(Objects, FlickedBallEndsRollingAtFiveSevenths) {
+  // Friction spins a uniform sphere up until it rolls; angular momentum about the contact stays.
+  const auto world = load("0 0 -9.81", ball("0.02", "<friction><ode><mu>1</mu></ode></friction>",
+                                            R"(<kaz:kick time="0.1" velocity="0.28 0.21 0"/>)"));
+  ASSERT_TRUE(world);
+  run(*world, 0.5);
+  const Eigen::Vector3d before = at(*world, "ball");
+  run(*world, 0.5);
+  const Eigen::Vector3d v = (at(*world, "ball") - before) / 0.5;
+  EXPECT_NEAR(v.x(), 5.0 / 7 * 0.28, 0.003);
+  EXPECT_NEAR(v.y(), 5.0 / 7 * 0.21, 0.003);
+}
+
+TEST_P(Objects, RollingResistanceStopsTheBall) {
+  // Moment rho N against a rolling sphere: a = rho g / (7/5 r).
+  const double rho = 0.0005, a = rho * kG / (1.4 * kRadius);
+  const auto world = load("0 0 -9.81", ball("0.02", R"(<kaz:rolling_resistance metres="0.0005"/>)",
+                                            R"(<kaz:kick time="0.1" velocity="0.28 0.21 0"/>)"));
+  ASSERT_TRUE(world);
+  run(*world, 0.3);
+  const Eigen::Vector3d p0 = at(*world, "ball");
+  run(*world, 0.2);
+  const Eigen::Vector3d p1 = at(*world, "ball");
+  run(*world, 0.5);
+  const Eigen::Vector3d p2 = at(*world, "ball");
+  run(*world, 0.2);
+  const Eigen::Vector3d p3 = at(*world, "ball");
+  const double v0 = (p1 - p0).norm() / 0.2, v1 = (p3 - p2).norm() / 0.2;
+  EXPECT_NEAR((v0 - v1) / 0.7, a, 0.05 * a);
+  // It keeps its direction: 0.21 / 0.28.
+  EXPECT_NEAR((p3 - p0).y() / (p3 - p0).x(), 0.75, 0.02);
+  run(*world, 0.8);
+  const Eigen::Vector3d rest = at(*world, "ball");
+  run(*world, 0.2);
+  EXPECT_EQ(at(*world, "ball"), rest);
+}
+
+std::string block() {
+  return R"(<model name="block"><pose>0 0 0.01 0 0 0</pose><link name="l">
+<inertial><mass>0.1</mass><inertia><ixx>3e-5</ixx><iyy>3e-5</iyy><izz>5e-5</izz></inertia></inertial>
+<collision name="c"><geometry><box><size>0.06 0.06 0.02</size></box></geometry></collision>
+</link></model>)";
+}
+
+// A slope is a floor with gravity turned; mu is 0.5, so the angle of repose is 26.6 degrees.
+std::string slope(double degrees) {
+  const double a = degrees * 3.14159265358979323846 / 180;
+  return std::to_string(kG * std::sin(a)) + " 0 " + std::to_string(-kG * std::cos(a));
+}
+
+TEST_P(Objects, BlockStaysBelowTheAngleOfRepose) {
+  const auto world = load(slope(25), block());
+  ASSERT_TRUE(world);
+  run(*world, 1.0);
+  EXPECT_NEAR(at(*world, "block").x(), 0, 0.001);
+}
+
+TEST_P(Objects, BlockSlidesAboveTheAngleOfRepose) {
+  const auto world = load(slope(30), block());
+  ASSERT_TRUE(world);
+  run(*world, 1.0);
+  const double a = 30 * 3.14159265358979323846 / 180;
+  const double acceleration = kG * (std::sin(a) - 0.5 * std::cos(a));
+  EXPECT_NEAR(at(*world, "block").x(), 0.5 * acceleration, 0.03 * acceleration);
+}
+
+TEST_P(Objects, KickComesAtItsTimeAndAddsItsVelocity) {
+  const auto world = load("0 0 0", ball("1", "", R"(<kaz:kick time="0.2" velocity="0.3 0 0"/>
+<kaz:kick time="0.1" velocity="0 0.5 0"/>)"));
+  ASSERT_TRUE(world);
+  run(*world, 0.1);
+  EXPECT_EQ(at(*world, "ball"), Eigen::Vector3d(0, 0, 1));
+  run(*world, 0.1);
+  EXPECT_NEAR(at(*world, "ball").y(), 0.05, 1e-9);
+  EXPECT_EQ(at(*world, "ball").x(), 0);
+  run(*world, 0.1);
+  EXPECT_NEAR(at(*world, "ball").x(), 0.03, 1e-9);
+  EXPECT_NEAR(at(*world, "ball").y(), 0.10, 1e-9);
+}
+
+}  // namespace
+}  // namespace kaz::sim
