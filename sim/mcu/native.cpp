@@ -16,8 +16,8 @@ namespace {
 constexpr States start_states = 20 * KZ_STATES_PER_TICK;  // from reset to the first tick
 constexpr std::size_t receive_ring = 63;                  // bytes that its receive buffer holds
 constexpr std::size_t transmit_ring = 63;                 // bytes that its transmit buffer holds
-constexpr States scan_start = 2000;                       // from a tick's start to the first sample
-constexpr States scan_interval = 900;   // from one multiplexer setting to the next
+constexpr States scan_start = 4400;                       // from a tick's start to the first sample
+constexpr States scan_interval = 894;   // from one multiplexer setting to the next
 constexpr States convert_states = 256;  // from one of AN0..AN2 to the next
 
 class NativeMcu final : public Mcu {
@@ -49,7 +49,7 @@ class NativeMcu final : public Mcu {
     input_ = {};
     input_.reset_cause = KZ_RESET_POWER;
     tick_at_ = now_ + start_states;
-    setting_ = KZ_MUX_INPUTS;
+    setting_ = 0;  // like the firmware, it converts once before the first tick
     received_.clear();
     ring_.clear();
     lost_ = false;

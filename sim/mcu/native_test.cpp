@@ -98,6 +98,18 @@ TEST(Native, SamplesEveryInputWithItsSelect) {
   for (unsigned i = 0; i < KZ_ANALOG; ++i) EXPECT_EQ(last.analog[i], i);
 }
 
+TEST(Native, ConvertsOnceBeforeTheFirstTick) {
+  auto mcu = make_native();
+  mcu->set_analog(quiet_board);
+  std::vector<u16> supply;
+  mcu->on_tick([&supply](const TickRecord& record) {
+    supply.push_back(record.input.analog[KZ_ANALOG_SUPPLY]);
+  });
+  ASSERT_TRUE(mcu->run_until(30 * ms));
+  ASSERT_FALSE(supply.empty());
+  EXPECT_EQ(supply.front(), 666);  // floor(1024 * 10 / 15.36)
+}
+
 TEST(Native, ConverterClips) {
   auto mcu = make_native();
   mcu->set_analog([](int channel, const PinLevels&, States) {

@@ -100,8 +100,10 @@ std::size_t Pty::write(std::span<const std::uint8_t> bytes) {
   return count > 0 ? static_cast<std::size_t>(count) : 0;
 }
 
-void Pty::discard() {
-  tcflush(master_.get(), TCIOFLUSH);
+void Pty::discard_unread() {
+  // What the host has not read stands on the other side of the terminal.
+  const Descriptor slave(::open(port_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK));
+  if (slave) tcflush(slave.get(), TCIFLUSH);
 }
 
 }  // namespace kaz::sim

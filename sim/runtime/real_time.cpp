@@ -19,6 +19,8 @@ namespace kaz::sim {
 namespace {
 
 constexpr Time tolerance = std::chrono::milliseconds(20);
+// How long the terminal may still come up with bytes for a host that has gone.
+constexpr Time echo_of_a_host = std::chrono::milliseconds(50);
 // As much as a USB adapter takes before it makes its writer wait.
 constexpr std::size_t adapter_bytes = 256;
 
@@ -52,7 +54,7 @@ struct RealTimeServer::Parts {
   RealTimeOptions options;
   HostWatch watch;
   Pacer pacer{tolerance};
-  Time overruns_reported_at{};
+  Time overruns_reported_at{}, discard_until{};
   std::uint64_t overruns_reported = 0;
   // The control socket comes first: it tells whether another simulator serves the same paths.
   std::unique_ptr<ControlServer> control;
@@ -124,7 +126,6 @@ Result<RealTimeStatistics> RealTimeServer::run(const std::atomic<bool>& stop) {
 
 void RealTimeServer::Parts::host_to_board() {
   const Time now = simulation.time();
-  const bool was_present = watch.present();
   const bool present = pty->host_present();
   const long baud = present ? pty->baud() : 115200;
   watch.presence(now, present, baud);
@@ -144,7 +145,11 @@ void RealTimeServer::Parts::host_to_board() {
     }
   }
   watch.check_silence(now);
-  if (was_present && !present) pty->discard();
+  if (present) {
+    discard_until = now + echo_of_a_host;
+  } else if (now < discard_until) {
+    pty->discard_unread();
+  }
 }
 
 void RealTimeServer::Parts::board_to_host() {

@@ -37,10 +37,10 @@ McapWriter::Metadata facts_of(const SimulationOptions& options, const World& wor
 }  // namespace
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& options) {
-  const auto camera = CameraFile::load(options.camera_path);
-  if (!camera) return tl::unexpected(camera.error());
   auto mcu = make_engine(options);
   if (!mcu) return tl::unexpected(mcu.error());
+  const auto camera = CameraFile::load(options.camera_path);
+  if (!camera) return tl::unexpected(camera.error());
   WorldOptions world_options;
   world_options.seed = options.seed;
   world_options.stepper = options.stepper;

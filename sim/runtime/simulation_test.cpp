@@ -134,10 +134,8 @@ TEST(Simulation, ErrorOfTheChipComesOutOfEveryFurtherStep) {
 }
 
 TEST(Simulation, UnknownEngineIsAUsageError) {
-  const TestFolder folder;
   SimulationOptions options;
   options.engine = "avr";
-  options.camera_path = "shared/robot/kaz/camera.json";
   const auto simulation = Simulation::create(options);
   ASSERT_FALSE(simulation);
   EXPECT_EQ(simulation.error().fault, Fault::usage);
