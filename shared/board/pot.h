@@ -5,16 +5,15 @@
 
 #include "shared/board/table.h"
 
-// Joint angle at code 0, from the last two columns of joints.def.
-#define KZ_POT_BASE(sign, pot_centre) \
-  ((s16)(KZ_DECIDEG(pot_centre) - ((sign) > 0 ? KZ_POT_SPAN / 2 : -(KZ_POT_SPAN / 2))))
+// Angle of 2^15 shares of a turn of the potentiometer: half its range, signed. A code is 64 shares.
+#define KZ_POT_SCALE(sign) ((s16)((sign) > 0 ? KZ_POT_HALF_SPAN : -KZ_POT_HALF_SPAN))
 
-// See kz_pot_angle. The product of a code, taken as a share of 2^16, and the span has the angle in its
-// upper half: one multiplication, no shift.
-static inline s16 kz_pot_angle_from(u16 code, s16 base, u8 mirrored) {
-  const u16 share = (u16)(code << 6);
-  const u16 turned = (u16)((u32)share * (u16)KZ_POT_SPAN >> 16);
-  return (s16)(mirrored ? (u16)((u16)base - turned) : (u16)((u16)base + turned));
+// See kz_pot_angle. `code` counts as signed around mid-scale in shares of 2^15 of half the range; so one
+// multiplication has the angle in its upper half, and no shift is left.
+static inline s16 kz_pot_angle_from(u16 code, s16 centre, s16 scale) {
+  const s16 share = (s16)((s16)(code - KZ_POT_CODES / 2) * 64);
+  const s16 turned = (s16)((s32)share * scale * 2 >> 16);
+  return (s16)(centre + turned);
 }
 
 #endif

@@ -10,12 +10,13 @@
 extern "C" {
 #endif
 
-// The whole range of a potentiometer, 190 degrees, in 100 urad.
-#define KZ_POT_SPAN 33161
+// Half the range of a potentiometer, 95 degrees, in 100 urad.
+#define KZ_POT_HALF_SPAN 16581
 
 typedef struct kz_board_joint {
-  s16 pot_base;  // joint angle at code 0, 100 urad
-  s16 lower;     // limits of the joint (URDF), 100 urad
+  s16 pot_centre;  // joint angle at code 512, 100 urad
+  s16 pot_scale;   // +-KZ_POT_HALF_SPAN: angle of half the range of codes
+  s16 lower;       // limits of the joint (URDF), 100 urad
   s16 upper;
   u8 analog;    // index into kz_tick_input.analog
   u8 mirrored;  // 1: a forward shaft is a negative joint angle

@@ -40,16 +40,14 @@ u16 kz_crc16(u16 crc, u8 byte);
 #define KZ_RECEIVE_TOO_LONG 5
 #define KZ_RECEIVE_LINE_ERROR 6  // a byte of the frame had a framing, parity or overrun error
 
-// Decodes as the bytes come, a bounded amount of work for each. Owns its buffer; no length from the
-// wire is ever trusted.
+// Takes bytes as they come: a few instructions for each, and one pass over the frame at its end. Owns its
+// buffer; no length from the wire is ever trusted.
 typedef struct kz_receiver {
-  u16 crc;
-  u8 length;  // bytes of body so far
-  u8 run;     // bytes left in the current stuffed block
+  u16 crc;    // of all bytes of the frame but the last three, which may be its check
+  u8 length;  // bytes of the frame so far; of the body once KZ_RECEIVE_FRAME has come
   u8 state;
-  u8 held;  // bytes in `hold`: the check is the last three bytes before the zero
-  u8 hold[3];
-  u8 body[KZ_BODY_MAX];
+  u8 body[KZ_BODY_MAX + 4];  // while it comes: stuffed, and with its check
+  u8 spare;                  // the size is even without padding
 } kz_receiver;
 
 void kz_receiver_init(kz_receiver* receiver);
@@ -64,9 +62,9 @@ typedef struct kz_sender {
   u16 crc;
   u8 length;  // of body, 0 if nothing is being sent
   u8 next;    // next byte of body
-  u8 run;     // bytes of the current block still to copy
+  u8 first;   // the stuffing byte before the body
   u8 stage;
-  u8 body[KZ_BODY_MAX];
+  u8 body[KZ_BODY_MAX];  // stuffed in place by kz_sender_start
 } kz_sender;
 
 void kz_sender_init(kz_sender* sender);

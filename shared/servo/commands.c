@@ -64,10 +64,13 @@ static kz_outcome go_to_targets(kz_servo* servo, const kz_targets* request) {
     ++board;
     ++angle;
   }
+  if (servo->fresh_targets != 0) kz_joints_start_ramps(servo);  // a second message in one tick
+  servo->fresh_targets = request->mask;
+  servo->target_ms = request->duration_ms;
   bits = request->mask;
   angle = request->angle;
   for (i = 0; i < KZ_JOINTS; ++i) {
-    if (bits & 1) kz_joint_go(joint, *angle, request->duration_ms);
+    if (bits & 1) joint->target = *angle;
     bits >>= 1;
     ++joint;
     ++angle;

@@ -42,7 +42,8 @@ void kz_joints_init(kz_servo* servo) {
     servo->joint[i].kd = kz_scaled_kd(KZ_KD_DEFAULT);
     servo->joint[i].ramp_limit = KZ_RAMP_DEFAULT;
     servo->joint[i].pot_bad_ms = 1;  // not measured yet
-    servo->joint[i].pot_base = kz_board_joints[i].pot_base;
+    servo->joint[i].pot_centre = kz_board_joints[i].pot_centre;
+    servo->joint[i].pot_scale = kz_board_joints[i].pot_scale;
     servo->joint[i].pot_input = kz_board_joints[i].analog;
     servo->joint[i].mirrored = kz_board_joints[i].mirrored;
   }
@@ -52,6 +53,7 @@ void kz_joints_enable(kz_servo* servo, u32 mask) {
   kz_joint* joint = servo->joint;
   u8 i;
   servo->enabled = mask;
+  servo->fresh_targets &= mask;
   for (i = 0; i < KZ_JOINTS; ++i) {
     const u8 on = (u8)(mask & 1);
     if (on && !joint->on) {
@@ -64,11 +66,14 @@ void kz_joints_enable(kz_servo* servo, u32 mask) {
   }
 }
 
-void kz_joint_go(kz_joint* joint, s16 target, u16 duration_ms) {
+// Straight way to the joint's target in `duration_ms`, or more slowly if the joint's ramp demands that.
+static inline void start_ramp(kz_joint* joint, u16 duration_ms) {
+  const s16 target = joint->target;
   const u8 down = (u8)(target < joint->command);
   const u16 from = (u16)joint->command;
   // Two limits can be further apart than 32767, but not than 65535.
   const u16 distance = (u16)(down ? from - (u16)target : (u16)target - from);
+  u16 whole;
   if (distance == 0) {
     joint->ramp_left = 0;
     return;
@@ -76,28 +81,42 @@ void kz_joint_go(kz_joint* joint, s16 target, u16 duration_ms) {
   if ((u32)joint->ramp_limit * duration_ms < distance) {
     duration_ms = (u16)((u16)(distance - 1) / joint->ramp_limit + 1);
   }
-  joint->ramp_down = down;
+  whole = (u16)(distance / duration_ms);
   joint->ramp_left = duration_ms;
   joint->ramp_time = duration_ms;
-  joint->ramp_whole = (u16)(distance / duration_ms);
   joint->ramp_rest = (u16)(distance % duration_ms);
-  joint->ramp_phase = 0;
+  joint->ramp_room = duration_ms;
+  // Negative steps as what they are modulo 2^16.
+  joint->ramp_whole = down ? (u16)-whole : whole;
+  joint->ramp_extra = down ? (u16)-1 : 1;
+}
+
+void kz_joints_start_ramps(kz_servo* servo) {
+  kz_joint* joint = servo->joint;
+  u32 fresh = servo->fresh_targets;
+  const u16 duration_ms = servo->target_ms;
+  u8 i;
+  servo->fresh_targets = 0;
+  for (i = 0; i < KZ_JOINTS; ++i) {
+    if (fresh & 1) start_ramp(joint, duration_ms);
+    fresh >>= 1;
+    ++joint;
+  }
 }
 
 // `left` steps remain; after the last the command is exactly the target.
 static inline void follow_ramp(kz_joint* joint, u16 left) {
-  u16 step = joint->ramp_whole;
-  const u16 room = (u16)(joint->ramp_time - joint->ramp_phase);
+  u16 command = (u16)((u16)joint->command + joint->ramp_whole);
+  const u16 room = joint->ramp_room;
   const u16 rest = joint->ramp_rest;
-  if (rest >= room) {
-    joint->ramp_phase = (u16)(rest - room);
-    ++step;
+  if (rest < room) {
+    joint->ramp_room = (u16)(room - rest);
   } else {
-    joint->ramp_phase = (u16)(joint->ramp_phase + rest);
+    joint->ramp_room = (u16)(room + (u16)(joint->ramp_time - rest));
+    command = (u16)(command + joint->ramp_extra);
   }
   joint->ramp_left = (u16)(left - 1);
-  joint->command =
-      (s16)(joint->ramp_down ? (u16)joint->command - step : (u16)joint->command + step);
+  joint->command = (s16)command;
 }
 
 static inline void measure(kz_joint* joint, s16 angle) {
@@ -144,7 +163,7 @@ u8 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
   for (i = 0; i < KZ_JOINTS; ++i) {
     const u16 code = input->analog[joint->pot_input];
     if ((u16)(code - KZ_POT_LOWEST) <= KZ_POT_HIGHEST - KZ_POT_LOWEST) {
-      measure(joint, kz_pot_angle_from(code, joint->pot_base, joint->mirrored));
+      measure(joint, kz_pot_angle_from(code, joint->pot_centre, joint->pot_scale));
       if (joint->on) {
         const u16 left = joint->ramp_left;
         if (left != 0) {

@@ -20,9 +20,9 @@ u8 kz_joints_update(kz_servo* servo, const kz_tick_input* input);
 // Switches the joints of the mask on and all others off. One that was off holds where it stands.
 void kz_joints_enable(kz_servo* servo, u32 mask);
 
-// Straight way to `target` (100 urad) in `duration_ms`, or more slowly if the joint's ramp demands
-// that; 0: as fast as the ramp allows.
-void kz_joint_go(kz_joint* joint, s16 target, u16 duration_ms);
+// Starts the ramps to the targets that a request has left in the state (fresh_targets, target_ms and each
+// joint's target). So the tick that took the request has not to do this too.
+void kz_joints_start_ramps(kz_servo* servo);
 
 // `kp` and `kd` as in the message `gains`, scaled as the loop wants them.
 s16 kz_scaled_kp(u16 kp);

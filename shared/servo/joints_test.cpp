@@ -17,7 +17,10 @@ constexpr int neck_pan = 0, r_sh_pitch = 6, l_hand = 5;
 
 // A ramp that starts with the next tick.
 void go(TestBoard& board, int joint, int angle, int duration_ms) {
-  kz_joint_go(&board.servo.joint[joint], static_cast<s16>(angle), static_cast<u16>(duration_ms));
+  board.servo.joint[joint].target = static_cast<s16>(angle);
+  board.servo.target_ms = static_cast<u16>(duration_ms);
+  board.servo.fresh_targets = 1u << joint;
+  kz_joints_start_ramps(&board.servo);
 }
 
 // Ticks during which the host says now and then that it is there.
@@ -86,16 +89,17 @@ TEST(Ramp, ANewTargetStartsFromWhereTheRampIs) {
 }
 
 TEST(Ramp, TheWidestWayDoesNotOverflow) {
-  kz_joint joint = {};
+  TestBoard board;
+  kz_joint& joint = board.servo.joint[neck_pan];
   joint.ramp_limit = 1;
   joint.command = -32768;
-  kz_joint_go(&joint, 32767, 0);
+  go(board, neck_pan, 32767, 0);
   EXPECT_EQ(joint.ramp_left, 65535);
   EXPECT_EQ(joint.ramp_whole, 1);
   joint.ramp_limit = 65535;
-  kz_joint_go(&joint, 32767, 65535);
+  go(board, neck_pan, 32767, 65535);
   EXPECT_EQ(joint.ramp_left, 65535);
-  kz_joint_go(&joint, 32767, 0);
+  go(board, neck_pan, 32767, 0);
   EXPECT_EQ(joint.ramp_left, 1);
   EXPECT_EQ(joint.ramp_whole, 65535);
 }
@@ -172,7 +176,7 @@ TEST(PositionLoop, TheRateFilterSettlesIn8Ms) {
     board.set_pot(neck_pan, static_cast<u16>(512 + i));
     board.tick();
   }
-  const double speed = KZ_POT_SPAN / 1024.0 * 64;  // 1/64 of 100 urad/ms
+  const double speed = KZ_POT_HALF_SPAN / 512.0 * 64;  // 1/64 of 100 urad/ms
   EXPECT_NEAR(board.servo.joint[neck_pan].rate, speed * (1 - std::pow(7.0 / 8, 8)), 32 + 8);
 }
 
@@ -180,8 +184,8 @@ TEST(Gains, AreScaledWithoutOverflow) {
   EXPECT_EQ(kz_scaled_kp(0), 0);
   EXPECT_NEAR(kz_scaled_kp(65535), 26738, 1);  // * 0.408 = 26738.3
   EXPECT_EQ(kz_scaled_kp(5120), 2089);         // 2088.96
-  EXPECT_EQ(kz_scaled_kd(65535), 13056);  // * 0.19921875 = 13055.8
-  EXPECT_EQ(kz_scaled_kd(614), 122);      // 122.3
+  EXPECT_EQ(kz_scaled_kd(65535), 13056);       // * 0.19921875 = 13055.8
+  EXPECT_EQ(kz_scaled_kd(614), 122);           // 122.3
 }
 
 // A gear motor with a link: kaz-model, section 3. One millisecond, back-EMF implicit.

@@ -158,6 +158,7 @@ TEST(Requests, ARepetitionIsAnsweredButNotDoneTwice) {
   ASSERT_EQ(board.enable(1), 0);
   ASSERT_EQ(board.target(0, 5000, 1000), 0);
   const Bytes fields = {0, 0, 0, 1, 0x03, 0xE8, 0x13, 0x88};  // the same request: 1000 ms, 5000
+  board.tick();
   const u16 left = board.servo.joint[0].ramp_left;
   board.replies.clear();
   board.send(KZ_TYPE_targets, board.sequence, fields);

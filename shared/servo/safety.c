@@ -52,7 +52,7 @@ u16 kz_status(const kz_servo* servo) {
   u16 status = servo->faults;
   if (servo->enabled != 0) {
     status |= KZ_STATUS_ENABLED;
-    if (servo->moving) status |= KZ_STATUS_MOVING;
+    if (servo->moving || servo->fresh_targets != 0) status |= KZ_STATUS_MOVING;
   }
   return status;
 }

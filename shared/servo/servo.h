@@ -32,14 +32,14 @@ extern "C" {
 // No field needs padding before it on either machine (the H8 aligns everything to 2 bytes), so that
 // the offsets are the same on both; a test holds the PC's layout against this.
 //
-//   pot_base    joint angle at code 0 of the potentiometer, 100 urad
+//   pot_centre, pot_scale  calibration of the potentiometer (board/table.h)
 //   angle       measured joint angle, 100 urad
 //   rate        speed, 1/64 of 100 urad/ms, first-order filter with coefficient 1/8 a tick
+//   target      where the ramp goes, 100 urad
 //   command     angle that the loop controls to, 100 urad
-//   ramp_*      straight way of `command` to the target: `left` of `time` ticks to go, each of them
-//   moves
-//               it by `whole`, and by one more whenever `phase`, which grows by `rest`, reaches
-//               `time`
+//   ramp_*      straight way of `command` to the target: `left` of `time` ticks to go, each of them adds
+//               `whole`, and also `extra` (+1 or -1) whenever `rest` has used up `room`, which starts at
+//               `time` each time; sums modulo 2^16
 //   ramp_limit  most that `command` moves in a tick, for ramps that start from now on
 //   kp, kd      gains, scaled to 1/2048 of a count of duty for half a unit of error, a unit of rate
 //   duty        high counts of the PWM, 0..255
@@ -49,28 +49,30 @@ extern "C" {
 //   mirrored    a forward shaft is a negative joint angle
 //   on          bit of `enabled`
 #define KZ_JOINT_FIELDS(FIELD) \
-  FIELD(s16, pot_base)         \
+  FIELD(s16, pot_centre)       \
+  FIELD(s16, pot_scale)        \
   FIELD(s16, angle)            \
   FIELD(s16, rate)             \
+  FIELD(s16, target)           \
   FIELD(s16, command)          \
   FIELD(u16, ramp_left)        \
   FIELD(u16, ramp_time)        \
   FIELD(u16, ramp_whole)       \
+  FIELD(u16, ramp_extra)       \
   FIELD(u16, ramp_rest)        \
-  FIELD(u16, ramp_phase)       \
+  FIELD(u16, ramp_room)        \
   FIELD(u16, ramp_limit)       \
   FIELD(s16, kp)               \
   FIELD(s16, kd)               \
-  FIELD(u8, ramp_down)         \
   FIELD(u8, duty)              \
   FIELD(u8, forward)           \
   FIELD(u8, pot_bad_ms)        \
   FIELD(u8, pot_input)         \
   FIELD(u8, mirrored)          \
-  FIELD(u8, on)                \
-  FIELD(u8, spare)
+  FIELD(u8, on)
 
 //   enabled         joints that are on, bit n: joint n
+//   fresh_targets   joints whose ramp to `target`, in target_ms, has not started yet
 //   faults          latched KZ_STATUS_* flags
 //   silent_ms       since the last sound frame for this board
 //   watchdog_ms     limit for it
@@ -82,6 +84,7 @@ extern "C" {
 //   none
 #define KZ_SERVO_FIELDS(FIELD) \
   FIELD(u32, enabled)          \
+  FIELD(u32, fresh_targets)    \
   FIELD(u16, faults)           \
   FIELD(u16, silent_ms)        \
   FIELD(u16, watchdog_ms)      \
@@ -89,6 +92,7 @@ extern "C" {
   FIELD(u16, bad_frames)       \
   FIELD(u16, missed_ticks)     \
   FIELD(u16, last_crc)         \
+  FIELD(u16, target_ms)        \
   FIELD(u8, supply_bad_ms)     \
   FIELD(u8, moving)            \
   FIELD(u8, address)           \

@@ -48,6 +48,7 @@ static void transmit(kz_servo* servo, const kz_tick_input* input, kz_tick_output
 
 void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output) {
   kz_safety_update(servo, input);
+  if (servo->fresh_targets != 0) kz_joints_start_ramps(servo);
   if (kz_joints_update(servo, input)) kz_safety_trip(servo, KZ_STATUS_POT_FAULT);
   receive(servo, input);
   transmit(servo, input, output);
