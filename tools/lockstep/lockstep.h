@@ -27,6 +27,7 @@ class LockstepLink final : public host::Link {
  public:
   explicit LockstepLink(sim::Simulation& simulation) : simulation_(simulation) {}
   std::string name() const override { return "lockstep"; }
+  Time byte_time() const override;
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
 
@@ -34,10 +35,11 @@ class LockstepLink final : public host::Link {
   sim::Simulation& simulation_;
 };
 
-// Opens the simulation's eyes.
+// Keeps the simulation's eyes open.
 class LockstepCamera final : public vision::Camera {
  public:
   explicit LockstepCamera(sim::Simulation& simulation);
+  ~LockstepCamera() override;
   const vision::CameraModel& model() const override { return model_; }
   Result<std::optional<vision::StereoPair>> poll() override;
 
