@@ -13,24 +13,24 @@
 #define CODE_SHIFT 6
 
 static u16 code[KZ_ANALOG];
-static volatile u8 selected;
+static volatile u8 scanning;
 
 void kz_analog_init(void) {
   ADCSR = SCAN_STOPPED;
-  selected = KZ_MUX_INPUTS;
+  scanning = 0;
 }
 
 void kz_analog_start(void) {
   KZ_INTERRUPTS_OFF();
   ADCSR = SCAN_STOPPED;
-  selected = 0;
+  scanning = 1;
   kz_pins_select(0);
   ADCSR = SCAN_RUNNING;
   KZ_INTERRUPTS_ON();
 }
 
 u8 kz_analog_ready(void) {
-  return (u8)(selected == KZ_MUX_INPUTS);
+  return (u8)!scanning;
 }
 
 void kz_analog_take(u16* codes) {
@@ -38,16 +38,17 @@ void kz_analog_take(u16* codes) {
 }
 
 KZ_INTERRUPT void kz_analog_interrupt(void) {
-  const u8 input = selected;
+  const u8 input = kz_pins_selects;
   u16* to = &code[input];
   (void)ADCSR;  // reads ADF as 1, so that the next write clears it
   ADCSR = SCAN_STOPPED;
   to[0] = ADDRA >> CODE_SHIFT;
   to[KZ_MUX_INPUTS] = ADDRB >> CODE_SHIFT;
   to[2 * KZ_MUX_INPUTS] = ADDRC >> CODE_SHIFT;
-  selected = (u8)(input + 1);
   if (input < KZ_MUX_INPUTS - 1) {
     kz_pins_select((u8)(input + 1));
     ADCSR = SCAN_RUNNING;
+  } else {
+    scanning = 0;
   }
 }

@@ -11,12 +11,11 @@
 
 // `in` is only moved by who fills the ring, `out` only by who empties it.
 static volatile struct {
-  u8 byte[RING];
-  u8 flags[RING];
+  u16 entry[RING];  // error flags, byte
   u8 in;
   u8 out;
 } received;
-static u8 lost;
+static volatile u8 lost;
 
 static volatile struct {
   u8 byte[RING];
@@ -54,38 +53,36 @@ void kz_serial_take(kz_tick_input* input) {
   const u8 in = received.in;
   u8 out = received.out;
   u8 count = 0;
-  u8 stale;
   while (out != in && count < KZ_RX_PER_TICK) {
-    *byte++ = received.byte[out];
-    *flags++ = received.flags[out];
+    const u16 entry = received.entry[out];
+    *byte++ = (u8)entry;
+    *flags++ = (u8)(entry >> 8);
     out = NEXT(out);
     ++count;
   }
   received.out = out;
-  for (stale = count; stale < input->rx_count; ++stale) {
-    *byte++ = 0;
-    *flags++ = 0;
-  }
   input->rx_count = count;
 }
 
-static inline void keep(u8 byte, u8 flags) {
+static inline void keep(u16 entry) {
   const u8 in = received.in;
   const u8 next = NEXT(in);
   if (next == received.out) {
-    lost = KZ_RX_LOST;
+    lost = 1;
     return;
   }
-  received.byte[in] = byte;
-  received.flags[in] = (u8)(flags | lost);
-  lost = 0;
+  if (lost) {
+    lost = 0;
+    entry |= KZ_RX_LOST << 8;
+  }
+  received.entry[in] = entry;
   received.in = next;
 }
 
 KZ_INTERRUPT void kz_serial_received(void) {
   const u8 byte = SCI0_RDR;
   SCI0_SSR &= (u8)~SSR_RDRF;  // reads the flag as 1, then writes 0: the chip wants both
-  keep(byte, 0);
+  keep(byte);
 }
 
 // After an overrun the byte in RDR is the last sound one; after the others it is the damaged one.
@@ -93,7 +90,7 @@ KZ_INTERRUPT void kz_serial_receive_error(void) {
   const u8 flags = (u8)(SCI0_SSR & (SSR_ORER | SSR_FER | SSR_PER));
   const u8 byte = SCI0_RDR;
   SCI0_SSR &= (u8) ~(SSR_ORER | SSR_FER | SSR_PER | SSR_RDRF);
-  keep(byte, flags);
+  keep((u16)((u16)flags << 8 | byte));
 }
 
 KZ_INTERRUPT void kz_serial_transmit(void) {
