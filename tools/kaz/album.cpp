@@ -15,14 +15,15 @@ constexpr int kOutsideWidth = 960, kOutsideHeight = 720;
 // Where an onlooker stands, in front of the robot and to its right, looking at its chest and the
 // floor before it. World frame, m.
 sim::View onlooker() {
-  const Eigen::Vector3d eye(1.05, -0.85, 0.62), target(0.18, 0.08, 0.12);
+  const Eigen::Vector3d eye(1.62, -0.62, 0.88), target(0.26, 0.02, 0.07);
   const Eigen::Vector3d forward = (target - eye).normalized();
   const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
   Eigen::Matrix3d axes;
   axes << right, forward.cross(right), forward;
   sim::View view;
-  view.camera = sim::Pinhole::from_horizontal_view(kOutsideWidth, kOutsideHeight, 0.72);
-  view.world_from_optical = Eigen::Translation3d(eye) * axes;
+  view.camera = sim::Pinhole::from_horizontal_view(kOutsideWidth, kOutsideHeight, 0.78);
+  view.world_from_optical.linear() = axes;
+  view.world_from_optical.translation() = eye;
   return view;
 }
 

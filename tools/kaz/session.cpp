@@ -56,10 +56,10 @@ class Listener final : public behavior::Sink {
  private:
   static constexpr int kMoments = 4;
 
-  // Moments are spread evenly over the time from the first sight of the ball to the expected end.
+  // Moments are spread evenly over the time of tracking, which begins with the first sight of the ball.
   double next_moment_s() const {
-    const double first = seconds(track_began() - start_) + 0.3;
-    return first + (expected_s_ - first) * moments_ / kMoments;
+    const double began = seconds(track_began() - start_);
+    return began + 0.4 + (expected_s_ - 0.4) * moments_ / kMoments;
   }
   Time track_began() const {
     for (const auto& phase : recording_.phases) {
