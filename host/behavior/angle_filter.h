@@ -32,8 +32,8 @@ class AngleFilter {
   double rate() const { return rate_; }  // rad/s
   // The most likely angle at `t`: straight on with the present speed. known() must hold.
   double at(Time t) const { return angle_ + rate_ * seconds(t - latest_); }
-  // The same for aiming: a speed that may as well be noise is believed less, by the factor
-  // rate^2 / (rate^2 + variance of rate), so that something at rest is not chased about. known() must hold.
+  // The same for aiming: a speed that may as well be noise is believed less, by the factor rate^2 /
+  // (rate^2 + variance of rate), so that something at rest is not chased about. known() must hold.
   double aim(Time t) const;
 
  private:

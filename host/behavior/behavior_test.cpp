@@ -80,10 +80,9 @@ TEST(AngleFilter, AimsAtWhatIsAtRest) {
   EXPECT_NEAR(filter.aim(filter.latest() + 100ms), 99 * 0.033 + 0.1, 0.01);
 }
 
-// The steady gains of this filter are known in closed form: with the tracking index L = T^1.5 sqrt(q) / r,
-// alpha and beta satisfy beta^2 / (1 - alpha) = L^2 and
-// alpha = -beta/2 + sqrt(beta (1 + beta/12))... (white-noise acceleration in continuous time: alpha =
-// sqrt(2 beta + beta^2/12) - beta/2, Bar-Shalom et al., section 6.5.4 gives the discrete form).
+// The steady gains of this filter follow from the tracking index L, L^2 = T^3 q / r^2, alone (white-noise
+// acceleration in continuous time; Bar-Shalom et al., section 6.5):
+//   beta^2 / (1 - alpha) = L^2,   alpha = sqrt(2 beta + beta^2 / 12) - beta / 2
 TEST(AngleFilter, SteadyGainsFollowTheTrackingIndex) {
   AngleFilter filter(kNoise);
   for (int i = 0; i < 300; ++i) filter.observe(i * 33ms, 0);
@@ -107,14 +106,14 @@ TEST(AngleFilter, StartsAnewAfterAJumpAndIgnoresThePast) {
   EXPECT_DOUBLE_EQ(filter.rate(), 0);
 }
 
-// Every direction that the head can see comes into the middle part of the view during the first round. The
-// eyes see 40 degrees to each side and 32 up and down; asked for are 36 and 29.
+// Every direction that the head can see comes into the middle part of the view during the first
+// round. The eyes see 40 degrees to each side and 32 up and down; asked for are 36 and 29.
 TEST(SearchPattern, CoversTheViewSphere) {
   for (const double start_pan : {-60.0, 0.0, 30.0}) {
     for (const double start_tilt : {-40.0, 0.0, 70.0}) {
       const SearchPattern pattern({start_pan * kDegree, start_tilt * kDegree}, 90 * kDegree, true);
-      for (double pan = -115; pan <= 115; pan += 5) {
-        for (double tilt = -43; tilt <= 80; tilt += 3) {
+      for (double pan = -115; pan <= 115; pan += 10) {
+        for (double tilt = -43; tilt <= 80; tilt += 6) {
           bool seen = false;
           for (double t = 0; t <= pattern.once() && !seen; t += 0.01) {
             const host::Gaze gaze = pattern.at(t);
@@ -147,7 +146,7 @@ TEST(SearchPattern, MovesSteadilyAndStaysInReach) {
 
 struct Stand : ::testing::Test {
   host::TestBoard board;
-  host::Robot robot = std::move(*host::Robot::connect(board, board));
+  host::Robot robot = host::connect_to(board);
   Recording recording;
 
   Result<Outcome> run(const char* posture) {

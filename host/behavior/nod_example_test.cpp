@@ -20,7 +20,7 @@ std::string contents(const char* path) {
 
 TEST(NodExample, Nods) {
   host::TestBoard board;
-  host::Robot robot = std::move(*host::Robot::connect(board, board));
+  host::Robot robot = host::connect_to(board);
   Recording recording;
   Context context{robot, board, nullptr, recording,
                   *OptionValues::parse(kNod.options, {{"times", "1"}})};

@@ -10,8 +10,9 @@
 
 namespace kaz::behavior {
 
-// Pictures at 30 Hz, 320 x 240, 80 degrees wide, seen from where the head truly was at the exposure. Each is
-// known `latency` after its exposure and stamped with the posture that the robot's history has for it.
+// Pictures at 30 Hz, 320 x 240, 80 degrees wide, seen from where the head truly was at the
+// exposure. Each is known `latency` after its exposure and stamped with the posture that the
+// robot's history has for it.
 class TestBall final : public BallSight {
  public:
   struct Options {

@@ -31,14 +31,15 @@ Vector3d swinging(Time t) {
   return at_angles(0.6, pan, 25 * kDegree);
 }
 
-// Rolls on the floor (0.16 below the hips) past the robot, 0.45 m in front of it, back and forth: 0.35 m/s,
-// up to 45 degrees/s as seen from above the feet, and turns round in no time.
+// Rolls on the floor (0.16 below the hips) past the robot, 0.45 m in front of it, back and forth:
+// 0.35 m/s, up to 45 degrees/s as seen from above the feet, and turns round in no time.
 Vector3d rolling(Time t) {
   const double way = std::fmod(0.35 * seconds(t), 1.6);
   return {0.45, way < 0.8 ? way - 0.4 : 1.2 - way, -0.14};
 }
 
-// Bounces on the floor 0.6 m ahead, 8 mm high (0.4 m/s at the bottom, 37 degrees/s), and drifts sideways.
+// Bounces on the floor 0.6 m ahead, 8 mm high (0.4 m/s at the bottom, 37 degrees/s), and drifts
+// sideways.
 Vector3d bouncing(Time t) {
   const double up = 0.4, period = 2 * up / 9.81;
   const double s = std::fmod(seconds(t), period);
@@ -47,7 +48,7 @@ Vector3d bouncing(Time t) {
 
 struct TrackBall : ::testing::Test {
   host::TestBoard board;
-  host::Robot robot = std::move(*host::Robot::connect(board, board));
+  host::Robot robot = host::connect_to(board);
   Recording recording;
   std::uint64_t seed = 1;
 
@@ -102,7 +103,8 @@ INSTANTIATE_TEST_SUITE_P(Paths, TrackPath,
                                            Case{"bouncing", bouncing, 0.95}),
                          [](const auto& tested) { return tested.param.name; });
 
-// However late the pictures, a still ball is aimed at exactly: what counts is the posture of the exposure.
+// However late the pictures, a still ball is aimed at exactly: what counts is the posture of the
+// exposure.
 TEST_F(TrackBall, LatencyDoesNotMatterForAStillBall) {
   TestBall::Options late;
   late.latency = 150ms;
@@ -162,7 +164,8 @@ TEST_P(SearchFrom, FindsTheBall) {
   const auto outcome = run(ball, "search-ball", 8);
   ASSERT_TRUE(outcome) << outcome.error().message;
   ASSERT_TRUE(outcome->success) << outcome->sentence;
-  // Half a code of the potentiometer, a third of a pixel, and 3 % of the distance seen from 4 cm aside.
+  // Half a code of the potentiometer, a third of a pixel, and 3 % of the distance seen from 4 cm
+  // aside.
   const host::Gaze gaze = host::gaze_at(at_angles(0.5, pan * kDegree, tilt * kDegree));
   EXPECT_NEAR(figure(*outcome, "ball_pan_deg"), gaze.pan_rad / kDegree, 1);
   EXPECT_NEAR(figure(*outcome, "ball_tilt_deg"), gaze.tilt_rad / kDegree, 1);

@@ -39,7 +39,7 @@ class HandFedCamera final : public vision::Camera {
 
 struct CaptureTest : ::testing::Test {
   TestBoard board;
-  Robot robot = std::move(*Robot::connect(board, board));
+  Robot robot = connect_to(board);
   HandFedCamera camera;
   Capture capture{camera, robot};
 

@@ -16,8 +16,8 @@ using namespace std::chrono_literals;
 TEST(ClockRelation, OneExchange) {
   ClockRelation relation(100us);
   EXPECT_FALSE(relation.known());
-  // Arrives at 1 ms + 1 ms = 2 ms at the earliest; the reply left at 12 ms - 2 ms = 10 ms at the latest, so
-  // the tick began at 9 ms at the latest.
+  // Arrives at 1 ms + 1 ms = 2 ms at the earliest; the reply left at 12 ms - 2 ms = 10 ms at the
+  // latest, so the tick began at 9 ms at the latest.
   relation.add({.sent = 1ms, .received = 12ms, .bytes_out = 10, .bytes_in = 20, .tick = 50});
   ASSERT_TRUE(relation.known());
   EXPECT_EQ(relation.host_time(50), 5500us);
@@ -29,8 +29,8 @@ TEST(ClockRelation, OneExchange) {
 TEST(ClockRelation, IntersectsAndAges) {
   ClockRelation relation(0us);
   relation.add({.sent = 0ms, .received = 11ms, .bytes_out = 1, .bytes_in = 1, .tick = 100});
-  // Tick 100 in 0..10 ms. One second later tick 1100 in 1004..1014 ms: together 1004..1010, and 200 ppm of
-  // the 1.004 s between the two answers more above.
+  // Tick 100 in 0..10 ms. One second later tick 1100 in 1004..1014 ms: together 1004..1010, and 200
+  // ppm of the 1.004 s between the two answers more above.
   relation.add({.sent = 1004ms, .received = 1015ms, .bytes_out = 1, .bytes_in = 1, .tick = 1100});
   EXPECT_NEAR(seconds(relation.host_time(1100)), (1.004 + 1.010 + 200e-6 * 1.004) / 2, 1e-8);
   EXPECT_NEAR(seconds(relation.error_bound()), (0.006 + 200e-6 * 1.004) / 2, 1e-8);
@@ -64,8 +64,8 @@ struct Line {
 
 class ClockUnderJitter : public ::testing::TestWithParam<Line> {};
 
-// The bound must hold at every moment, for crystals within the bound of the drift and any delays. (What the
-// drift does to the one millisecond of the formula is below a microsecond.)
+// The bound must hold at every moment, for crystals within the bound of the drift and any delays.
+// (What the drift does to the one millisecond of the formula is below a microsecond.)
 TEST_P(ClockUnderJitter, BoundHolds) {
   TestBoard::Options options;
   options.latency_to_board = GetParam().to_board;
@@ -73,16 +73,15 @@ TEST_P(ClockUnderJitter, BoundHolds) {
   options.crystal_ppm = GetParam().ppm;
   options.state_byte_time = GetParam().byte_time;
   TestBoard board(options);
-  auto robot = Robot::connect(board, board);
-  ASSERT_TRUE(robot);
+  Robot robot = connect_to(board);
   for (int i = 0; i < 300; ++i) {
     ASSERT_TRUE(board.sleep_until(board.now() + 9ms + Time(i % 7 * 311'000)));
-    const auto state = robot->state();
+    const auto state = robot.state();
     ASSERT_TRUE(state);
     const Time error = state->time - board.start_of_tick(state->tick);
-    ASSERT_LE(std::abs(seconds(error)), seconds(robot->clock_error()) + 1e-6) << "after " << i;
+    ASSERT_LE(std::abs(seconds(error)), seconds(robot.clock_error()) + 1e-6) << "after " << i;
   }
-  EXPECT_LT(seconds(robot->clock_error()) * 1e3, GetParam().bound_ms);
+  EXPECT_LT(seconds(robot.clock_error()) * 1e3, GetParam().bound_ms);
 }
 
 INSTANTIATE_TEST_SUITE_P(Lines, ClockUnderJitter,

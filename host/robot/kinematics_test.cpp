@@ -70,7 +70,8 @@ TEST(Kinematics, EyesAndFeetStandWhereTheUrdfSays) {
   }
 }
 
-// Standing straight: hips 0.160 above the sole, neck 0.118 and 0.018 above them, lens 0.022 above that.
+// Standing straight: hips 0.160 above the sole, neck 0.118 and 0.018 above them, lens 0.022 above
+// that.
 TEST(Kinematics, EyeAboveTheFoot) {
   const Eigen::Isometry3d pose = foot_from_eye(JointAngles{});
   EXPECT_TRUE(pose.translation().isApprox(Eigen::Vector3d(0.030, 0.020 - 0.033, 0.318), 1e-9))

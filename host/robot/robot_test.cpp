@@ -16,19 +16,13 @@ namespace {
 using namespace std::chrono_literals;
 constexpr double kDegree = std::numbers::pi / 180;
 
-Robot connected(TestBoard& board) {
-  auto robot = Robot::connect(board, board);
-  if (!robot) throw std::runtime_error(robot.error().message);
-  return std::move(*robot);
-}
-
 void wait(TestBoard& board, Time time) {
   ASSERT_TRUE(board.sleep_until(board.now() + time));
 }
 
 TEST(Robot, IdentifiesTheBoard) {
   TestBoard board;
-  const Robot robot = connected(board);
+  const Robot robot = connect_to(board);
   EXPECT_EQ(robot.identity().protocol_version, KZ_PROTOCOL_VERSION);
   EXPECT_EQ(robot.identity().joints, KZ_JOINTS);
   EXPECT_EQ(robot.statistics().timeouts, 0u);
@@ -36,7 +30,7 @@ TEST(Robot, IdentifiesTheBoard) {
 
 TEST(Robot, MovesAJointAndSeesItThere) {
   TestBoard board;
-  Robot robot = connected(board);
+  Robot robot = connect_to(board);
   ASSERT_TRUE(robot.enable(kAllJoints));
   EXPECT_TRUE(board.motors_on() || (wait(board, 2ms), board.motors_on()));
   const JointTarget target{neck_pan, 0.5};
@@ -57,7 +51,7 @@ TEST(Robot, MovesAJointAndSeesItThere) {
 TEST(Robot, EnablingDoesNotMoveAJoint) {
   TestBoard board;
   board.set_angle(neck_tilt, 20 * kDegree);
-  Robot robot = connected(board);
+  Robot robot = connect_to(board);
   ASSERT_TRUE(robot.enable(kAllJoints));
   wait(board, 100ms);
   EXPECT_NEAR(board.angles_at(board.now())[neck_tilt], 20 * kDegree, 0.4 * kDegree);
@@ -65,7 +59,7 @@ TEST(Robot, EnablingDoesNotMoveAJoint) {
 
 TEST(Robot, RefusalsNameJointAndReason) {
   TestBoard board;
-  Robot robot = connected(board);
+  Robot robot = connect_to(board);
   const JointTarget small{neck_tilt, 0.1}, large{neck_tilt, 100 * kDegree}, absurd{neck_tilt, 99};
 
   auto off = robot.set_targets({&small, 1}, 10ms);
@@ -95,7 +89,7 @@ TEST(Robot, RefusalsNameJointAndReason) {
 
 TEST(Robot, AsksAgainWhenFramesAreLostOrDamaged) {
   TestBoard board;
-  Robot robot = connected(board);
+  Robot robot = connect_to(board);
   int count = 0;
   board.to_board = [&](TestBoard::Bytes bytes) {
     if (++count % 5 == 1) return TestBoard::Bytes{};
@@ -107,7 +101,8 @@ TEST(Robot, AsksAgainWhenFramesAreLostOrDamaged) {
     return bytes;
   };
   for (int i = 0; i < 50; ++i) ASSERT_TRUE(robot.state());
-  // Of each five transmissions one is lost, one damaged on the way there, one on the way back: 125 for 50.
+  // Of each five transmissions one is lost, one damaged on the way there, one on the way back: 125
+  // for 50.
   const LinkStatistics& statistics = robot.statistics();
   EXPECT_EQ(count, 125);
   EXPECT_EQ(statistics.retries, 75u);
@@ -121,7 +116,7 @@ TEST(Robot, AsksAgainWhenFramesAreLostOrDamaged) {
 
 TEST(Robot, SaysWhenTheBoardStopsAnswering) {
   TestBoard board;
-  Robot robot = connected(board);
+  Robot robot = connect_to(board);
   ASSERT_TRUE(robot.state());
   board.mute = true;
   const Time before = board.now();
@@ -138,7 +133,7 @@ TEST(Robot, SaysWhenTheBoardStopsAnswering) {
 
 TEST(Robot, IgnoresLateAndDoubledReplies) {
   TestBoard board;
-  Robot robot = connected(board);
+  Robot robot = connect_to(board);
   board.to_host = [](TestBoard::Bytes frame) {
     TestBoard::Bytes twice = frame;
     twice.insert(twice.end(), frame.begin(), frame.end());
@@ -157,7 +152,7 @@ TEST(Robot, IgnoresLateAndDoubledReplies) {
 
 TEST(Robot, ExchangeIsOneRoundTrip) {
   TestBoard board;
-  Robot robot = connected(board);
+  Robot robot = connect_to(board);
   ASSERT_TRUE(robot.enable(kAllJoints));
   const JointTarget targets[] = {{neck_pan, 0.1}, {neck_tilt, 0.2}};
   for (int i = 0; i < 100; ++i) {
@@ -173,8 +168,9 @@ TEST(Robot, ExchangeIsOneRoundTrip) {
 
 TEST(Robot, WaitsForABusyBoard) {
   TestBoard board;
-  Robot robot = connected(board);
-  // A state request that nobody waits for, so that the board is sending when the next request comes.
+  Robot robot = connect_to(board);
+  // A state request that nobody waits for, so that the board is sending when the next request
+  // comes.
   std::uint8_t body[] = {KZ_ADDRESS_DEFAULT, KZ_TYPE_state, 77};
   std::uint8_t wire[KZ_FRAME_MAX];
   const std::uint8_t length = kz_frame_encode(body, sizeof body, wire);
@@ -186,7 +182,7 @@ TEST(Robot, WaitsForABusyBoard) {
 
 TEST(Robot, ReportsMotorsThatWentOff) {
   TestBoard board;
-  Robot robot = connected(board);
+  Robot robot = connect_to(board);
   ASSERT_TRUE(robot.enable(kAllJoints));
   wait(board, 300ms);  // longer than the link watchdog's 200 ms
   EXPECT_FALSE(board.motors_on());
@@ -200,7 +196,7 @@ TEST(Robot, ReportsMotorsThatWentOff) {
 
 TEST(Robot, DisablesAllEvenWhenInterrupted) {
   TestBoard board;
-  Robot robot = connected(board);
+  Robot robot = connect_to(board);
   ASSERT_TRUE(robot.enable(kAllJoints));
   wait(board, 5ms);
   EXPECT_TRUE(board.motors_on());
@@ -215,7 +211,7 @@ TEST(Robot, DisablesAllEvenWhenInterrupted) {
 
 TEST(Robot, PostureAtInterpolates) {
   TestBoard board;
-  Robot robot = connected(board);
+  Robot robot = connect_to(board);
   ASSERT_TRUE(robot.enable(kAllJoints));
   const JointTarget target{neck_pan, 1.0};
   ASSERT_TRUE(robot.set_targets({&target, 1}, 1s));  // 1 rad/s

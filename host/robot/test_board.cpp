@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 namespace kaz::host {
 
@@ -139,8 +140,8 @@ void TestBoard::transmit(Time start) {
 }
 
 void TestBoard::move_joints() {
-  // At 10 V: torque at stall before friction Nm, back-EMF Nms/rad, Coulomb friction Nm; rotor and a head on
-  // top, kg m^2.
+  // At 10 V: torque at stall before friction Nm, back-EMF Nms/rad, Coulomb friction Nm; rotor and a
+  // head on top, kg m^2.
   constexpr double kStall = 2.288, kBack = 0.1885, kFriction = 0.128, kInertia = 5e-4 + 2e-4;
   constexpr double kResistance = kBack + kInertia / kTickSeconds;
   const std::uint8_t ports[8] = {0, 0, 0, output_.p3, output_.p4, output_.p5, output_.p6, 0};
@@ -174,6 +175,12 @@ JointAngles TestBoard::angles_at(Time t) const {
                (index - static_cast<double>(before)) * (past_[after][j] - past_[before][j]);
   }
   return angle;
+}
+
+Robot connect_to(TestBoard& board) {
+  auto robot = Robot::connect(board, board);
+  if (!robot) throw std::runtime_error(robot.error().message);
+  return std::move(*robot);
 }
 
 }  // namespace kaz::host

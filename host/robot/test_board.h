@@ -10,19 +10,21 @@
 #include <vector>
 
 #include "host/robot/link.h"
-#include "host/robot/posture.h"
+#include "host/robot/robot.h"
 #include "shared/servo/servo.h"
 
 namespace kaz::host {
 
-// A clock, a link and a board. Time passes when somebody waits. Motors are first-order: speed follows duty
-// by the motor's line, with Coulomb friction (design, section 4) and the inertia of rotor and head.
+// A clock, a link and a board. Time passes when somebody waits. Motors are first-order: speed
+// follows duty by the motor's line, with Coulomb friction (design, section 4) and the inertia of
+// rotor and head.
 class TestBoard final : public Clock, public Link {
  public:
   struct Options {
     Time tick_offset = std::chrono::microseconds(123456);  // host time of tick 0
     double crystal_ppm = 0;                                // board's millisecond longer by this
-    // Added to each chunk of bytes on its way: uniform in 0..this, from a generator seeded with `seed`.
+    // Added to each chunk of bytes on its way: uniform in 0..this, from a generator seeded with
+    // `seed`.
     Time latency_to_board{}, latency_to_host{};
     std::uint64_t seed = 1;
     bool state_byte_time = true;  // link tells how long a byte takes
@@ -82,5 +84,8 @@ class TestBoard final : public Clock, public Link {
   Time line_to_board_free_{}, line_to_host_free_{};
   Bytes frame_from_board_;
 };
+
+// Throws std::runtime_error if that fails.
+Robot connect_to(TestBoard& board);
 
 }  // namespace kaz::host
