@@ -9,6 +9,49 @@
 namespace kaz::sim {
 namespace {
 
+// A sound world with one of everything.
+const char* const kSoundWorld = R"(<?xml version="1.0"?>
+<sdf version="1.9" xmlns:kaz="urn:kaz:sdf">
+  <world name="sound">
+    <kaz:robot pose="0 0 0 0 0 0"/>
+    <gravity>0 0 -9.81</gravity>
+    <model name="floor">
+      <static>true</static>
+      <link name="slab">
+        <visual name="wood">
+          <geometry><plane><normal>0 0 1</normal><size>8 8</size></plane></geometry>
+          <material><diffuse>0.7 0.6 0.4 1</diffuse></material>
+          <kaz:texture name="wood"/>
+        </visual>
+      </link>
+    </model>
+    <model name="ball">
+      <pose>0.3 0.5 0.02 0 0 0</pose>
+      <link name="ball">
+        <inertial>
+          <mass>0.015</mass>
+          <inertia>
+            <ixx>2.4e-6</ixx><iyy>2.4e-6</iyy><izz>2.4e-6</izz>
+          </inertia>
+        </inertial>
+        <collision name="skin">
+          <geometry><sphere><radius>0.02</radius></sphere></geometry>
+          <surface>
+            <friction><ode><mu>1.0</mu></ode></friction>
+            <bounce><restitution_coefficient>0.7</restitution_coefficient></bounce>
+            <kaz:rolling_resistance metres="0.0002"/>
+          </surface>
+        </collision>
+      </link>
+      <kaz:kick time="7.0" velocity="0.34 -0.2 0"/>
+    </model>
+    <model name="pen">
+      <static>true</static>
+    </model>
+  </world>
+</sdf>
+)";
+
 struct Case {
   const char* name;
   const char* find;  // in the sound file, once or first
@@ -116,7 +159,7 @@ class BadWorld : public testing::TestWithParam<Case> {};
 
 TEST_P(BadWorld, IsNamedWithFileAndLine) {
   const test::Folder folder;
-  const auto [text, line] = changed(test::read_text(test::kBall), GetParam());
+  const auto [text, line] = changed(kSoundWorld, GetParam());
   const std::string path = folder.write("world.sdf", text);
   const auto world = load_world(path);
   ASSERT_FALSE(world);
@@ -133,8 +176,8 @@ INSTANTIATE_TEST_SUITE_P(
              "unknown element <light> in <world>"},
         Case{"no_number", "<mass>0.015</mass>", "<mass>light</mass>", 0,
              "<mass> must hold 1 number not below 0, not \"light\""},
-        Case{"five_numbers", "<pose>0.171 0.47 0.02 0 0 0</pose>",
-             "<pose>0.171 0.47 0.02 0 0</pose>", 0, "<pose> must hold 6 numbers"},
+        Case{"five_numbers", "<pose>0.3 0.5 0.02 0 0 0</pose>", "<pose>0.3 0.5 0.02 0 0</pose>", 0,
+             "<pose> must hold 6 numbers"},
         Case{"flat_ball", "<radius>0.02</radius>", "<radius>0</radius>", 0,
              "<radius> must hold 1 number above 0"},
         Case{"no_mass", "<mass>0.015</mass>", "", -1, "<inertial> lacks <mass>"},
@@ -162,9 +205,25 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return std::string(test.param.name); });
 
 // Known to the parser alone, which gives no line.
+TEST(SoundWorldFile, IsTaken) {
+  const test::Folder folder;
+  const auto world = load_world(folder.write("world.sdf", kSoundWorld));
+  ASSERT_TRUE(world) << world.error().message;
+  ASSERT_EQ(world->bodies.size(), 2u);
+  const WorldBody& ball = world->bodies[1];
+  EXPECT_EQ(ball.model, "ball");
+  EXPECT_EQ(ball.rigid.mass, 0.015);
+  ASSERT_EQ(ball.kicks.size(), 1u);
+  EXPECT_EQ(ball.kicks[0].velocity, Eigen::Vector3d(0.34, -0.2, 0));
+  ASSERT_EQ(ball.rigid.collisions.size(), 1u);
+  EXPECT_EQ(ball.rigid.collisions[0].surface.restitution, 0.7);
+  EXPECT_EQ(ball.rigid.collisions[0].surface.rolling_resistance, 0.0002);
+  EXPECT_EQ(world->bodies[0].rigid.visuals[0].texture, "wood");
+}
+
 TEST(BadWorldFile, HasAReservedName) {
   const test::Folder folder;
-  std::string text = test::read_text(test::kBall);
+  std::string text = kSoundWorld;
   text.replace(text.find("\"pen\""), 5, "\"__pen__\"");
   const std::string path = folder.write("world.sdf", text);
   const auto world = load_world(path);

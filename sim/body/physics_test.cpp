@@ -94,7 +94,8 @@ TEST_P(Objects, RollingResistanceStopsTheBall) {
 
 std::string block() {
   return R"(<model name="block"><pose>0 0 0.01 0 0 0</pose><link name="l">
-<inertial><mass>0.1</mass><inertia><ixx>3e-5</ixx><iyy>3e-5</iyy><izz>5e-5</izz></inertia></inertial>
+<inertial><mass>0.1</mass>
+<inertia><ixx>3e-5</ixx><iyy>3e-5</iyy><izz>5e-5</izz></inertia></inertial>
 <collision name="c"><geometry><box><size>0.06 0.06 0.02</size></box></geometry></collision>
 </link></model>)";
 }

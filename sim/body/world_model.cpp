@@ -156,7 +156,7 @@ void add(const sdf::Model& model, WorldModel& out) {
   }
 }
 
-// One sentence of the parser's list: the first that knows its line, since those are the precise ones.
+// One sentence of the parser's list: the first that knows its line, since that is a precise one.
 tl::unexpected<Error> first_of(const sdf::Errors& errors, const std::string& path) {
   for (const sdf::Error& e : errors) {
     if (e.LineNumber()) {
