@@ -30,7 +30,8 @@ class Interrupts {
   // The request to accept at an instruction boundary, by mask bits I and UI of `control`.
   std::optional<unsigned> choose(States boundary, std::uint8_t control, bool two_level,
                                  int decision) const;
-  // First boundary at which choose() would give something; kNever if nothing is pending and unmasked.
+  // First boundary at which choose() would give something; kNever if nothing is pending and
+  // unmasked.
   States earliest(std::uint8_t control, bool two_level, int decision) const;
   // Edge requests end as the CPU takes them.
   void accepted(unsigned vector, States at);
@@ -56,7 +57,7 @@ class Interrupts {
   StickyFlags isr_;
   std::uint8_t iscrh_ = 0, iscrl_ = 0, ier_ = 0, abrkcr_ = 0;
   std::array<std::uint8_t, 3> bar_{};
-  std::uint8_t irq_level_ = 0;
+  std::uint8_t irq_level_ = 7;  // an input that the board leaves alone requests nothing
   bool nmi_level_ = true;
 
   static std::array<States, vec::count> filled() {

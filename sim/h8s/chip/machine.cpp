@@ -175,10 +175,7 @@ void Machine::misuse(std::uint32_t address, const char* text) {
 }
 
 void Machine::pin_edge(unsigned port, unsigned bit, bool rising, States at) {
-  if (port == 4 && bit <= 2) {
-    irq.set_irq_pin(2 - bit, rising, at);
-    if (bit == 0 && !rising) adc.trigger(*this, 3, at);
-  }
+  if (port == 4 && bit == 0 && !rising) adc.trigger(*this, 3, at);
   if (port != 6) return;
   switch (bit) {
     case 0:

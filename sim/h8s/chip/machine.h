@@ -65,7 +65,7 @@ class Machine {
   }
   Stop run(Chip& chip, States until, bool single);
 
-  // --- for the modules -----------------------------------------------------------------------------
+  // --- for the modules ---------------------------------------------------------------------------
   // End of the access that runs, or the event's time.
   States time() const { return cpu.now + cpu.stall; }
   bool stopped(unsigned bit) const { return (system.mstpcr >> bit & 1) != 0; }
@@ -76,7 +76,7 @@ class Machine {
   void misuse(std::uint32_t address, const char* text);
   void pin_edge(unsigned port, unsigned bit, bool rising, States at);
 
-  // --- memory --------------------------------------------------------------------------------------
+  // --- memory ------------------------------------------------------------------------------------
   std::uint8_t* memory_at(std::uint32_t address);
   const std::uint8_t* memory_at(std::uint32_t address) const;
   std::uint8_t io_read(std::uint32_t address);

@@ -108,7 +108,9 @@ void Ports::set_input(Machine& m, unsigned port, unsigned bit, std::optional<boo
   level_[port] =
       static_cast<std::uint8_t>(level.value_or(false) ? level_[port] | mask : level_[port] & ~mask);
   const std::uint8_t after = pins(m, port, at);
-  if ((before ^ after) & mask) m.pin_edge(port, bit, (after & mask) != 0, at);
+  const bool now_high = (after & mask) != 0;
+  if (port == 4 && bit <= 2) m.irq.set_irq_pin(2 - bit, now_high, at);
+  if ((before ^ after) & mask) m.pin_edge(port, bit, now_high, at);
 }
 
 std::optional<std::uint8_t> Ports::read(const Machine& m, std::uint32_t address) const {

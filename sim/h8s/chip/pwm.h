@@ -35,7 +35,8 @@ class Pwm {
   unsigned base_count_ = 0;
 };
 
-// High in count 0..255 of the conversion period for PWDR = data, before the output sense is applied.
+// High in count 0..255 of the conversion period for PWDR = data, before the output sense is
+// applied.
 bool pwm_pulse(std::uint8_t data, unsigned count, bool right_aligned);
 
 }  // namespace kaz::h8s

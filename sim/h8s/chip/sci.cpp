@@ -72,7 +72,8 @@ void Sci::end_of_frame(Machine& m, unsigned n, States at) {
     tend_ = true;
 }
 
-// Rules of reception: errors block, an overrun loses the new byte, a bad frame is copied without RDRF.
+// Rules of reception: errors block, an overrun loses the new byte, a bad frame is copied without
+// RDRF.
 void Sci::take(Machine& m, unsigned n, const ReceivedByte& byte) {
   const unsigned stop = n == 0 ? Stop_sci0 : Stop_sci1;
   if (!(scr_ & kRe) || m.stopped(stop) || flags_.has(kErrors)) return;

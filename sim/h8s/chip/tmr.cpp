@@ -86,8 +86,8 @@ void Tmr::advance_one(Machine& m, unsigned n, States to) {
     const States at = m.epoch + t.tick * d;
     const std::uint8_t before = t.flags.value();
     pass_on(m, n, step(m, n, counts, at), at);
-    // A long time unobserved: whole turns change nothing once every flag that can be is set. Toggled
-    // outputs repeat after two turns.
+    // A long time unobserved: whole turns change nothing once every flag that can be is set.
+    // Toggled outputs repeat after two turns.
     const unsigned clear = t.tcr >> 3 & 3u;
     const std::int64_t turn = clear == 1 ? t.tcora + 1 : clear == 2 ? t.tcorb + 1 : 0x100;
     if (before == t.flags.value() && !chained && t.count < turn && target - t.tick > 8 * turn)
@@ -145,7 +145,8 @@ bool Tmr::waits_for_input() const {
                      [](const Timer& t) { return (t.tcr & 7) > 4 && (t.tcr & 0xe0); });
 }
 
-// One turn after another from the present level; two turns are a whole number of periods, also of a toggle.
+// One turn after another from the present level; two turns are a whole number of periods, also of a
+// toggle.
 double Tmr::high_share(Machine& m, unsigned n) const {
   const Timer& t = timer_[n];
   if (divisor(m, n) == 0 || m.stopped(Stop_tmr)) return t.level ? 1 : 0;

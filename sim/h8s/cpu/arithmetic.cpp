@@ -118,8 +118,8 @@ const Insn* mulxs(Cpu& c, const Insn* i) {
   return i + 2;
 }
 
-// Rd := remainder : quotient, each half as wide as Rd. Division by 0 leaves Rd as it is; a quotient that
-// does not fit is cut (the manual leaves both undefined).
+// Rd := remainder : quotient, each half as wide as Rd. Division by 0 leaves Rd as it is; a quotient
+// that does not fit is cut (the manual leaves both undefined).
 template <class T, class Wide>
 const Insn* divxu(Cpu& c, const Insn* i) {
   const Wide a = reg<Wide>(c, i->rd);
@@ -150,7 +150,8 @@ const Insn* divxs(Cpu& c, const Insn* i) {
   return i + 2;
 }
 
-// Only sums and differences of two packed decimal bytes are defined; the rest follows the same rule.
+// Only sums and differences of two packed decimal bytes are defined; the rest follows the same
+// rule.
 const Insn* daa(Cpu& c, const Insn* i) {
   const u8 a = reg<u8>(c, i->rd);
   const u32 high = a >> 4, low = a & 15, half = c.flags.h >> 28 & 1;

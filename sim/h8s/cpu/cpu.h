@@ -18,8 +18,9 @@ struct Insn;
 // Runs one instruction and returns the next one.
 using Handler = const Insn* (*)(Cpu&, const Insn*);
 
-// One decoded instruction; one stands for each even address of flash and RAM. `run` is null until it
-// has been decoded. Sequential flow is pointer arithmetic: the next instruction is `this + units`.
+// One decoded instruction; one stands for each even address of flash and RAM. `run` is null until
+// it has been decoded. Sequential flow is pointer arithmetic: the next instruction is `this +
+// units`.
 struct Insn {
   Handler run;
   std::uint32_t imm;    // immediate, absolute address or displacement; branches: units to add
@@ -51,8 +52,8 @@ struct Jump {
 };
 inline constexpr std::uint32_t kTrail = 32;
 
-// Flags are kept as the values they follow from; ccr() packs them. Operands of 8 and 16 bits are shifted
-// up so that the same bits serve all three sizes.
+// Flags are kept as the values they follow from; ccr() packs them. Operands of 8 and 16 bits are
+// shifted up so that the same bits serve all three sizes.
 struct Flags {
   std::uint32_t n = 0;  // N is bit 31
   std::uint32_t z = 1;  // Z is set when this is 0
@@ -130,7 +131,8 @@ inline std::uint32_t pc_of(const Cpu& c, const Insn* ip) {
   return (c.mask & (kBlock + kShortRam)) + (index - kShortRamCode) * 2;
 }
 
-// The decoded instruction of an address, `outside` where there is no memory. Odd addresses: report_odd_pc.
+// The decoded instruction of an address, `outside` where there is no memory. Odd addresses:
+// report_odd_pc.
 const Insn* at_address(Cpu& c, std::uint32_t address);
 
 inline const Insn* record_jump(Cpu& c, const Insn* from, const Insn* to) {

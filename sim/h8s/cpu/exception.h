@@ -6,7 +6,8 @@
 
 namespace kaz::h8s {
 
-// Stacks PC and CCR, sets the mask bits and gives the handler's first instruction. Takes no time itself.
+// Stacks PC and CCR, sets the mask bits and gives the handler's first instruction. Takes no time
+// itself.
 const Insn* enter_exception(Cpu& c, const Insn* from, std::uint32_t return_pc, unsigned vector);
 
 }  // namespace kaz::h8s

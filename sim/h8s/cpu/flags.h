@@ -46,8 +46,8 @@ T flags_sub(Cpu& c, T a, T b) {
   return r;
 }
 
-// H is a carry for additions and a borrow for subtractions: a ^ b ^ r shows both at the next bit. Bit 4,
-// 12 or 28 of it is the carry out of bit 3, 11 or 27, and lands in bit 28.
+// H is a carry for additions and a borrow for subtractions: a ^ b ^ r shows both at the next bit.
+// Bit 4, 12 or 28 of it is the carry out of bit 3, 11 or 27, and lands in bit 28.
 
 // With carry; Z is only ever cleared, so that a chain over several bytes tests the whole number.
 inline u8 flags_addx(Cpu& c, u8 a, u8 b) {

@@ -7,7 +7,8 @@
 namespace kaz::h8s {
 namespace {
 
-// rs: source register or address register of a load; rd: destination or address register of a store.
+// rs: source register or address register of a load; rd: destination or address register of a
+// store.
 
 template <class T>
 const Insn* mov_immediate(Cpu& c, const Insn* i) {

@@ -1,4 +1,4 @@
-// One row of the opcode table: encoding, text, handler and state counts of one form of an instruction.
+// One row of the opcode table: encoding, text, handler and state counts of an instruction's form.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,8 @@
 
 namespace kaz::h8s {
 
-// Accesses of an instruction as the manual counts them: states = I + J + K + L + M + N on chip memory.
+// Accesses of an instruction as the manual counts them: states = I + J + K + L + M + N on chip
+// memory.
 struct Counts {
   std::uint8_t i = 1;  // instruction fetches
   std::uint8_t j = 0;  // branch address reads, for advanced mode (half of it in normal mode)
@@ -22,9 +23,11 @@ struct Counts {
 
 // `pattern` holds one character a nibble, spaces apart. 0-9 A-F stand for themselves; fields are
 //   r s  byte register, source and destination     u w  word register
-//   m n  long or address register, top bit 0       M N  the same, top bit 1      Y X  the same, any top bit
+//   m n  long or address register, top bit 0       M N  the same, top bit 1
+//   Y X  the same, any top bit
 //   t T  bit number, top bit 0 and 1               p    vector number 0..3
-//   i    immediate   a  absolute address   d  displacement   j  branch displacement   v  vector address
+//   i    immediate            a  absolute address          d  displacement
+//   j    branch displacement  v  vector address
 // `operands` is the assembler text, `%` and a letter standing for the field.
 struct Opcode {
   const char* pattern;
@@ -44,7 +47,8 @@ inline constexpr int kMaxUnits = 5;
 // `units` holds what stands at the address and behind it, `available` of them.
 Decoded decode(std::span<const std::uint16_t> units, bool normal);
 
-// "mov.l @(0x10:16,er6),er0"; `address` resolves branches. Undefined: ".word 0x0001". `bytes` gets its length.
+// "mov.l @(0x10:16,er6),er0"; `address` resolves branches. Undefined: ".word 0x0001". `bytes` gets
+// its length.
 std::string disassemble(std::span<const std::uint16_t> units, std::uint32_t address, int* bytes);
 
 std::span<const Opcode> move_opcodes();

@@ -153,8 +153,8 @@ const Insn* eepmov_b(Cpu& c, const Insn* i) {
   return i + 2;
 }
 
-// May be left between two bytes: by an interrupt (the next instruction is stacked, so that the rest of the
-// block is the program's business) or just because an event is due, after which it goes on.
+// May be left between two bytes: by an interrupt (the next instruction is stacked, so that the rest
+// of the block is the program's business) or just because an event is due, after which it goes on.
 const Insn* eepmov_w(Cpu& c, const Insn* i) {
   if (c.moving) c.stall -= i->states;
   c.moving = false;

@@ -1,0 +1,88 @@
+// A/D converter: sampling instant, conversion time, single and scan mode, result format.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/testing.h"
+
+namespace kaz::h8s::testing {
+namespace {
+
+constexpr std::uint32_t kAddra = 0xffffe0, kAdcsr = 0xffffe8;
+
+struct Sample {
+  int channel;
+  States at;
+};
+
+struct Conversion {
+  Chip chip;
+  States start;  // end of the write that set ADST
+};
+
+Conversion started(std::uint8_t adcsr, std::vector<Sample>& samples) {
+  Program p;
+  p.modules_on().out8(kAdcsr, adcsr);
+  const std::uint32_t at = end_of(p);
+  p.stay();
+  Chip chip = make_chip(p);
+  chip.set_analog([&samples](int channel, States when) {
+    samples.push_back({channel, when});
+    return 0.125 * channel + 0.0625;
+  });
+  EXPECT_TRUE(run_to(chip, at));
+  const States start = chip.now();
+  return {std::move(chip), start};
+}
+
+TEST(Adc, SingleConversionSamplesAndEndsOnTime) {
+  struct Case {
+    std::uint8_t cks;
+    States sample, end;
+  };
+  for (const Case c : {Case{0x00, 17 + 63, 266}, Case{0x08, 9 + 31, 134}}) {
+    std::vector<Sample> samples;
+    Conversion run = started(static_cast<std::uint8_t>(0x23 | c.cks), samples);
+    run.chip.run_until(run.start + c.end - 2);
+    EXPECT_EQ(run.chip.peek(kAdcsr).value() & 0xa0, 0x20);
+    run.chip.run_until(run.start + c.end + 2);
+    EXPECT_EQ(run.chip.peek(kAdcsr).value() & 0xa0, 0x80);
+    ASSERT_EQ(samples.size(), 1u);
+    EXPECT_EQ(samples[0].channel, 3);
+    EXPECT_EQ(samples[0].at, run.start + c.sample);
+    // 0.4375 * 1024 = 448, left-aligned, in ADDRD.
+    EXPECT_EQ(run.chip.peek16(kAddra + 6), 448 << 6);
+  }
+}
+
+TEST(Adc, ScanGoesRoundAndFlagsAfterTheLast) {
+  std::vector<Sample> samples;
+  Conversion run = started(0x3a, samples);  // scan AN0..AN2, fast
+  run.chip.run_until(run.start + 134 + 128 + 120);
+  EXPECT_EQ(run.chip.peek(kAdcsr).value() & 0x80, 0x00);
+  run.chip.run_until(run.start + 134 + 2 * 128 + 4);
+  EXPECT_EQ(run.chip.peek(kAdcsr).value() & 0x80, 0x80);
+  run.chip.run_until(run.start + 134 + 5 * 128 + 4);
+  ASSERT_GE(samples.size(), 6u);
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(samples[k].channel, static_cast<int>(k % 3));
+  EXPECT_EQ(samples[2].at - samples[1].at, 128);
+}
+
+TEST(Adc, InterruptAtTheEnd) {
+  Program p;
+  p.modules_on().out8(kAdcsr, 0x68).enable_interrupts().stay();
+  Chip chip = make_chip(p);
+  ASSERT_TRUE(run_to(chip, handler(28)));
+}
+
+TEST(Adc, ResultIsCutDownAndClipped) {
+  for (const auto& [share, code] :
+       {std::pair{-0.5, 0}, {0.9999, 1023}, {1.5, 1023}, {0.5, 512}, {0.49999, 511}}) {
+    Program p;
+    p.modules_on().out8(kAdcsr, 0x28).stay();
+    Chip chip = make_chip(p);
+    chip.set_analog([v = share](int, States) { return v; });
+    chip.run_until(400);
+    EXPECT_EQ(chip.peek16(kAddra).value() >> 6, code);
+  }
+}
+
+}  // namespace
+}  // namespace kaz::h8s::testing
