@@ -5,16 +5,6 @@
 #include <utility>
 
 namespace kaz::sim {
-namespace {
-
-Result<std::unique_ptr<Renderer>> make(const RendererFactory& factory, const Scene& scene) {
-  auto renderer = factory();
-  if (!renderer) return renderer;
-  if (auto set = (*renderer)->set_scene(scene); !set) return tl::unexpected(set.error());
-  return renderer;
-}
-
-}  // namespace
 
 RenderThread::RenderThread(Scene scene, RendererFactory factory)
     : scene_(std::move(scene)), factory_(std::move(factory)) {}
@@ -35,13 +25,19 @@ void RenderThread::submit(Job job) {
   }
   wake_.notify_one();
   if (thread_.joinable()) return;
-  // Made by the caller's thread because it may set environment variables; it draws in ours.
-  renderer_ = make(factory_, scene_);
+  // Made by the caller's thread because it may set environment variables; all the rest is done in ours.
+  renderer_ = factory_();
   if (!renderer_) set_error(renderer_.error());
   thread_ = std::thread([this] { run(); });
 }
 
 void RenderThread::run() {
+  if (renderer_) {
+    if (auto set = (*renderer_)->set_scene(scene_); !set) {
+      renderer_ = tl::unexpected(set.error());
+      set_error(set.error());
+    }
+  }
   const Result<Renderer*> for_jobs =
       renderer_ ? Result<Renderer*>(renderer_->get()) : tl::unexpected(renderer_.error());
   while (true) {
@@ -49,12 +45,13 @@ void RenderThread::run() {
     {
       std::unique_lock lock(mutex_);
       wake_.wait(lock, [this] { return stop_ || !jobs_.empty(); });
-      if (jobs_.empty()) return;
+      if (jobs_.empty()) break;
       job = std::move(jobs_.front());
       jobs_.pop_front();
     }
     job(for_jobs);
   }
+  renderer_ = nullptr;  // its context ends in the thread that drew with it
 }
 
 void RenderThread::set_error(Error error) {
