@@ -23,17 +23,17 @@ extern "C" {
 #define KZ_STATUS_MISSED_TICK 0x0200    // latched: a tick took too long
 #define KZ_STATUS_POT_FAULT 0x0400     // latched: a potentiometer is open or short, motors went off
 #define KZ_STATUS_SUPPLY_FAULT 0x0800  // latched: motor supply out of range, motors went off
-#define KZ_STATUS_FAULTS \
-  0xFF00  // an enable message with a non-empty mask clears these if the cause is gone
+// The latched ones: an enable message with a non-empty mask clears them if their cause is gone.
+#define KZ_STATUS_FAULTS 0xFF00
 
 // Reasons of a refusal.
-#define KZ_REFUSED_UNKNOWN_TYPE 1
-#define KZ_REFUSED_LENGTH 2
-#define KZ_REFUSED_RANGE 3     // a value out of its range; detail: joint number or field
-#define KZ_REFUSED_LIMIT 4     // a target outside the joint's limits; detail: joint number
-#define KZ_REFUSED_DISABLED 5  // a target for a joint that is off; detail: joint number
-#define KZ_REFUSED_FAULT 6     // a fault is present that must go away first
-#define KZ_REFUSED_BUSY 7      // the previous reply is still being sent
+#define KZ_REFUSED_UNKNOWN_TYPE 1  // no request has this type
+#define KZ_REFUSED_LENGTH 2        // more or fewer bytes than the type's fields
+#define KZ_REFUSED_RANGE 3         // a value out of its range; detail: joint number or field
+#define KZ_REFUSED_LIMIT 4         // a target outside the joint's limits; detail: joint number
+#define KZ_REFUSED_DISABLED 5      // a target for a joint that is off; detail: joint number
+#define KZ_REFUSED_FAULT 6         // a fault is present that must go away first
+#define KZ_REFUSED_BUSY 7          // the previous reply is still being sent
 
 // Codes: KZ_TYPE_<name>.
 enum kz_type {

@@ -10,6 +10,10 @@ find_program(KAZ_H8_GCC h8300-hms-gcc)
 find_program(KAZ_H8_LD h8300-hms-ld)
 find_program(KAZ_H8_OBJCOPY h8300-hms-objcopy)
 find_program(KAZ_H8_OBJDUMP h8300-hms-objdump)
+set(KAZ_H8_TOOLS FALSE)
+if(KAZ_H8_GCC AND KAZ_H8_LD AND KAZ_H8_OBJCOPY AND KAZ_H8_OBJDUMP)
+  set(KAZ_H8_TOOLS TRUE)
+endif()
 
 # -fno-strict-aliasing avoids known wrong code of this compiler; no frame pointer, no library.
 set(KAZ_H8_FLAGS -ms -O2 -g -Wall -Werror -ffreestanding -std=gnu99 -fomit-frame-pointer
@@ -22,7 +26,7 @@ set(KAZ_H8_FLAGS -ms -O2 -g -Wall -Werror -ffreestanding -std=gnu99 -fomit-frame
 # Without a cross compiler the target does not exist.
 function(kaz_firmware_image)
   cmake_parse_arguments(ARG "ALL" "NAME;SHARED_DIR;OUTPUT_DIR" "FLAGS" ${ARGN})
-  if(NOT (KAZ_H8_GCC AND KAZ_H8_LD AND KAZ_H8_OBJCOPY AND KAZ_H8_OBJDUMP))
+  if(NOT KAZ_H8_TOOLS)
     return()
   endif()
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
@@ -68,13 +72,13 @@ function(kaz_firmware_image)
   set(mot ${ARG_OUTPUT_DIR}/${ARG_NAME}.mot)
   # No -lgcc: that library is for another CPU. What it would have to supply is an undefined symbol here.
   add_custom_command(
-    OUTPUT ${coff} ${mot}
+    OUTPUT ${coff} ${mot} ${ARG_OUTPUT_DIR}/${ARG_NAME}.sizes
     COMMAND ${KAZ_H8_LD} -m h8300s --fatal-warnings -T ${firmware}/kaz.ld -o ${coff} ${objects}
     COMMAND Python3::Interpreter -B ${generators}/stamp_image.py ${coff}
     # By its bare name, which becomes the first record.
     COMMAND ${KAZ_H8_OBJCOPY} -O srec ${ARG_NAME}.coff ${ARG_NAME}.mot
     COMMAND Python3::Interpreter -B ${generators}/firmware_report.py ${KAZ_H8_OBJDUMP}
-            ${ARG_NAME}.coff
+            ${ARG_NAME}.coff ${ARG_NAME}.sizes
     WORKING_DIRECTORY ${ARG_OUTPUT_DIR}
     DEPENDS ${objects} ${firmware}/kaz.ld ${generators}/stamp_image.py ${generators}/coff.py
             ${generators}/stack_bound.py ${generators}/firmware_report.py

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # Prints how much flash, RAM and stack a firmware image takes; fails if it is too much.
 # SPDX-License-Identifier: Apache-2.0
-"""usage: firmware_report.py OBJDUMP COFF"""
+"""usage: firmware_report.py OBJDUMP COFF SIZES
+
+SIZES gets one line for each figure: name and bytes."""
 import subprocess
 import sys
 
@@ -22,7 +24,7 @@ def line(what, size, limit):
     return f"  {what:<12}{size:6} of {limit:6} bytes ({100 * size / limit:.0f} %)"
 
 
-def report(objdump, path):
+def report(objdump, path, sizes_path):
     coff = Coff(path)
     data = coff.section(".data").size + coff.section(".bss").size
     stack, names = stack_bound(objdump, path, "_kz_start")
@@ -34,11 +36,14 @@ def report(objdump, path):
     for what, size, limit in sizes:
         print(line(what, size, limit))
     print(f"  stack at most {stack} bytes: " + " > ".join(name.lstrip("_") for name in names))
+    with open(sizes_path, "w", encoding="utf-8") as out:
+        out.writelines(f"{what.replace(' + ', '_')} {size}\n" for what, size, _ in sizes)
+        out.write(f"stack {stack}\n")
     return [what for what, size, limit in sizes if size > limit]
 
 
 def main(arguments):
-    if len(arguments) != 2:
+    if len(arguments) != 3:
         print(__doc__, file=sys.stderr)
         return 2
     try:
