@@ -131,8 +131,7 @@ inline std::uint32_t pc_of(const Cpu& c, const Insn* ip) {
   return (c.mask & (kBlock + kShortRam)) + (index - kShortRamCode) * 2;
 }
 
-// The decoded instruction of an address, `outside` where there is no memory. Odd addresses:
-// report_odd_pc.
+// The decoded instruction of an address, `outside` where there is no memory. Bit 0 is ignored.
 const Insn* at_address(Cpu& c, std::uint32_t address);
 
 inline const Insn* record_jump(Cpu& c, const Insn* from, const Insn* to) {

@@ -109,8 +109,9 @@ const Row kRows[] = {
     {"divxu_b", {0x5190}, 0x00000064, 7, kN, 0x0000020e, 0},
     {"divxu_b_sign", {0x5190}, 0x00000100, 0x80, 0, 0x00000002, kN},
     {"divxu_w", {0x5310}, 100000, 300, kZ, (100000 % 300) << 16 | 100000 / 300, 0},
-    {"divxs_b", {0x01d0, 0x5190}, 0x0000ff9c, 7, 0, 0x0000fef2, kN},  // -100 / 7 = -14, remainder -2
-    {"divxs_w", {0x01d0, 0x5310}, 0xffffff9c, 0xfff9, kN, 0xfffe000e, 0},  // -100 / -7 = 14, remainder -2
+    // -100 / 7 = -14, remainder -2; -100 / -7 = 14, remainder -2.
+    {"divxs_b", {0x01d0, 0x5190}, 0x0000ff9c, 7, 0, 0x0000fef2, kN},
+    {"divxs_w", {0x01d0, 0x5310}, 0xffffff9c, 0xfff9, kN, 0xfffe000e, 0},
     // Decimal: 19 + 28 = 47, 99 + 01 = 100.
     {"daa_half", {0x0f08}, 0x41, 0, kH, 0x47, kH},
     {"daa_carry", {0x0f08}, 0x9a, 0, 0, 0x00, kZ | kC},
