@@ -60,7 +60,7 @@ struct PortOutput {
 struct OutputChange {
   enum class Unit { port, pwm, timer };
   Unit unit = Unit::port;
-  // port: 1..6, or 0 for all at a reset; pwm: channel 0..15, or -1 for all; timer: 0, 1 (TMO0, TMO1)
+  // port: 1..6, 0 for all (reset); pwm: channel 0..15, -1 for all; timer: 0, 1 (TMO0, TMO1)
   int index = 0;
   States at = 0;
 };
