@@ -109,7 +109,8 @@ TEST(BallFinderSight, PlacesTheBallWhileTheHeadMoves) {
               .norm(),
           0.03);
       ASSERT_TRUE(tracker.observe(observation));
-      // Half a millisecond at 40 degrees/s, a code of the potentiometers, a fifth of a pixel, parallax.
+      // Half a millisecond at 40 degrees/s, a code of the potentiometers, a fifth of a pixel,
+      // parallax.
       EXPECT_NEAR(tracker.at(observation.info.exposure).pan_rad, expected.pan_rad, 0.5 * kDegree);
       EXPECT_NEAR(tracker.at(observation.info.exposure).tilt_rad, expected.tilt_rad, 0.5 * kDegree);
       ++observations;

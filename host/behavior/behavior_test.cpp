@@ -80,8 +80,8 @@ TEST(AngleFilter, AimsAtWhatIsAtRest) {
   EXPECT_NEAR(filter.aim(filter.latest() + 100ms), 99 * 0.033 + 0.1, 0.01);
 }
 
-// The steady gains of this filter follow from the tracking index L, L^2 = T^3 q / r^2, alone (white-noise
-// acceleration in continuous time; Bar-Shalom et al., section 6.5):
+// The steady gains of this filter follow from the tracking index L, L^2 = T^3 q / r^2, alone
+// (white-noise acceleration in continuous time; Bar-Shalom et al., section 6.5):
 //   beta^2 / (1 - alpha) = L^2,   alpha = sqrt(2 beta + beta^2 / 12) - beta / 2
 TEST(AngleFilter, SteadyGainsFollowTheTrackingIndex) {
   AngleFilter filter(kNoise);

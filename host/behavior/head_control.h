@@ -1,5 +1,5 @@
-// The head as behaviours move it: one target a cycle, with what was seen going into the tracker and
-// the log. SPDX-License-Identifier: Apache-2.0
+// The head as behaviours move it: one target a cycle, with tracker and log.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <vector>
@@ -13,9 +13,10 @@ namespace kaz::behavior {
 class HeadControl {
  public:
   // How long after a behaviour has decided on a target the head is there, if the target moves
-  // steadily: sending, the ramp, and the lag of the position loop. That loop drives with kp * error
-  // - kd * rate of full duty, and a motor at no load runs at duty * w0 (kaz-model, section 3), so
-  // error / rate at a steady rate is (kd + 1/w0) / kp = (0.15 + 1/11.46) / 20 = 12 ms at 10 V.
+  // steadily: sending, the ramp, and the lag of the position loop. That loop drives with the share
+  // kp * error - kd * rate of full duty, and a motor without load runs at duty * w0, w0 = 11.46
+  // rad/s at 10 V (design, section 4). So error / rate = (kd + 1/w0) / kp = (0.15 + 1/11.46) / 20 =
+  // 12 ms.
   static constexpr Time kServoLag = std::chrono::milliseconds(12);
   static constexpr Time kLead = ControlCycle::kSendDelay + ControlCycle::kRamp + kServoLag;
   // Targets stay this far inside the joints' limits.

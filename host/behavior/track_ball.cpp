@@ -1,5 +1,5 @@
-// track-ball: search, then keep the ball in the middle of the left eye; search again when it is
-// lost. SPDX-License-Identifier: Apache-2.0
+// track-ball: search, keep the ball in the middle of the left eye, search again when it is lost.
+// SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/track_ball.h"
 
 #include <algorithm>

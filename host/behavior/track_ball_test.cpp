@@ -16,7 +16,6 @@ namespace {
 using namespace std::chrono_literals;
 using Eigen::Vector3d;
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kTurn = 2 * std::numbers::pi;
 
 // Direction from the neck, as head angles would be without the eye's offset.
 Vector3d at_angles(double distance, double pan, double tilt) {

@@ -5,8 +5,7 @@
 // (design, section 3: a tick reads the bytes that came before it, and what it answers leaves from
 // the next tick on):
 //
-//   sent + (bytes of the request) * byte_time  <=  s  <=  received - 1 ms - (bytes of the reply) *
-//   byte_time
+//   sent + request_bytes * byte_time  <=  s  <=  received - 1 ms - reply_bytes * byte_time
 //
 // so offset = s - tick * 1 ms lies in an interval [lo, hi]. Intervals of successive exchanges
 // intersect (K. Marzullo, "Maintaining the time in a distributed system", 1983): the exchanges that
@@ -14,8 +13,7 @@
 // times the time that passed, for the crystals of board and host differ. With q = (hi - lo) / 2 the
 // answer is
 //
-//   host time of a tick = (lo + hi) / 2 + tick * 1 ms,   wrong by at most q + kDriftBound *
-//   |distance|
+//   host time of tick = (lo + hi) / 2 + tick * 1 ms, wrong by at most q + kDriftBound * |distance|
 //
 // with `distance` the time between that tick and the latest exchange. If the intersection is empty
 // the board has been reset, or its clock is no crystal (a simulator that lost time): the relation
@@ -34,8 +32,7 @@ class ClockRelation {
   // Crystals of 100 ppm at either end.
   static constexpr double kDriftBound = 200e-6;
 
-  // byte_time: how long one byte takes on the wire, zero if that is not known (the bound is then
-  // wider).
+  // byte_time: how long one byte takes on the wire; zero if unknown (the bound is then wider).
   explicit ClockRelation(Time byte_time) : byte_time_(byte_time) {}
 
   struct Exchange {

@@ -81,7 +81,7 @@ Gaze gaze_at(const Vector3d& point) {
 
 Gaze within_limits(const Gaze& gaze, double margin_rad) {
   const auto inside = [&](double angle, Joint joint) {
-    const JointInfo& info = joint_table()[joint];
+    const JointInfo& info = joint_table()[static_cast<std::size_t>(joint)];
     return std::clamp(angle, info.lower_rad + margin_rad, info.upper_rad - margin_rad);
   };
   return {inside(gaze.pan_rad, neck_pan), inside(gaze.tilt_rad, neck_tilt)};

@@ -1,5 +1,5 @@
-// Where the eyes and feet are, from joint angles; and the joint angles that point an eye at
-// something. SPDX-License-Identifier: Apache-2.0
+// Where the eyes and feet are, from joint angles; and the head angles that point an eye.
+// SPDX-License-Identifier: Apache-2.0
 //
 // Link frames as in shared/robot/kaz/kaz.urdf: parallel to the trunk's (x forward, y left, z up) at
 // the zero posture, origin on the link's own joint. "eye" is the optical frame of a camera

@@ -1,6 +1,7 @@
-// The common interface: a robot to which behaviours talk. The same whether the board at the other
-// end of the link is real or emulated (paper, section 3). SPDX-License-Identifier: Apache-2.0
+// The common interface: a robot to which behaviours talk.
+// SPDX-License-Identifier: Apache-2.0
 //
+// The same whether the board at the other end of the link is real or emulated (paper, section 3).
 // Every call that asks the board waits for its answer, up to ConnectOptions::timeout for each of
 // its tries. Errors are one sentence each: the board stopped answering, the link is gone, the
 // program was interrupted, or the board refused (then the sentence names the joint and the reason).

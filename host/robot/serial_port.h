@@ -1,5 +1,5 @@
-// Opening a serial port the way the wire wants it: raw 8N1, ours alone, as quick as the adapter can
-// be. SPDX-License-Identifier: Apache-2.0
+// Opening a serial port: raw 8N1, ours alone, as quick as the adapter can be.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
