@@ -1,5 +1,6 @@
 // One rigid part as the files describe it: what it weighs, what it touches with, what it looks
-// like. SPDX-License-Identifier: Apache-2.0
+// like.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
-// Finds elements of a world file that this simulator does not take, so that none is ignored in
-// silence. SPDX-License-Identifier: Apache-2.0
+// Finds elements of a world file that this simulator does not take, so that none is
+// ignored in silence.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
 // What stands around the robot, as the SDF world describes it. The subset that is taken:
-// docs/worlds.md. SPDX-License-Identifier: Apache-2.0
+// docs/worlds.md.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
 // The command line's manners: each mistake gets one sentence, the exit status of the table, and
-// leaves nothing behind. SPDX-License-Identifier: Apache-2.0
+// leaves nothing behind.
+// SPDX-License-Identifier: Apache-2.0
 #include <pty.h>
 #include <unistd.h>
 

@@ -1,5 +1,6 @@
 // The virtual robot in one process, the behaviour in another, a real pty between them, in real
-// time. SPDX-License-Identifier: Apache-2.0
+// time.
+// SPDX-License-Identifier: Apache-2.0
 #include <csignal>
 #include <filesystem>
 
