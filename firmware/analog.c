@@ -12,19 +12,26 @@
 #define SCAN_RUNNING (SCAN_STOPPED | ADCSR_ADST)
 #define CODE_SHIFT 6
 
+// The potentiometers' inputs are converted each time, of the supplies' two one, in turn, first.
+#define LAST_POT_INPUT 5
+#define OTHER_SUPPLY_INPUT(input) ((u8)((input) ^ 1))
+
 static u16 code[KZ_ANALOG];
+static u8 supply_input;
 static volatile u8 scanning;
 
 void kz_analog_init(void) {
   ADCSR = SCAN_STOPPED;
+  supply_input = KZ_ANALOG_REFERENCE;
   scanning = 0;
 }
 
 void kz_analog_start(void) {
+  supply_input = OTHER_SUPPLY_INPUT(supply_input);
   KZ_INTERRUPTS_OFF();
   ADCSR = SCAN_STOPPED;
   scanning = 1;
-  kz_pins_select(0);
+  kz_pins_select(supply_input);
   ADCSR = SCAN_RUNNING;
   KZ_INTERRUPTS_ON();
 }
@@ -45,10 +52,10 @@ KZ_INTERRUPT void kz_analog_interrupt(void) {
   to[0] = ADDRA >> CODE_SHIFT;
   to[KZ_MUX_INPUTS] = ADDRB >> CODE_SHIFT;
   to[2 * KZ_MUX_INPUTS] = ADDRC >> CODE_SHIFT;
-  if (input < KZ_MUX_INPUTS - 1) {
-    kz_pins_select((u8)(input + 1));
-    ADCSR = SCAN_RUNNING;
-  } else {
+  if (input == LAST_POT_INPUT) {
     scanning = 0;
+    return;
   }
+  kz_pins_select(input < LAST_POT_INPUT ? (u8)(input + 1) : 0);
+  ADCSR = SCAN_RUNNING;
 }

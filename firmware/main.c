@@ -46,6 +46,7 @@ static void run_tick(u8 ticks) {
 }
 
 void kz_main(u16 image_crc) {
+  u8 scan;
   start_modules();
   kz_pins_init();
   kz_serial_init();
@@ -56,8 +57,10 @@ void kz_main(u16 image_crc) {
   kz_input.tick = 0xFFFFFFFFUL;  // the first tick is number 0
 
   kz_watchdog_start();
-  kz_analog_start();
-  while (!kz_analog_ready()) continue;
+  for (scan = 0; scan < 2; ++scan) {  // then every input has been converted
+    kz_analog_start();
+    while (!kz_analog_ready()) continue;
+  }
   kz_clock_init();
   for (;;) run_tick(kz_clock_wait());
 }

@@ -157,7 +157,6 @@ static inline void control(kz_joint* joint) {
 
 u8 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
   kz_joint* joint = servo->joint;
-  u8 moving = 0;
   u8 fault = 0;
   u8 i;
   for (i = 0; i < KZ_JOINTS; ++i) {
@@ -166,10 +165,7 @@ u8 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
       measure(joint, kz_pot_angle_from(code, joint->pot_centre, joint->pot_scale));
       if (joint->on) {
         const u16 left = joint->ramp_left;
-        if (left != 0) {
-          moving = 1;
-          follow_ramp(joint, left);
-        }
+        if (left != 0) follow_ramp(joint, left);
         control(joint);
       } else {
         joint->duty = 0;
@@ -185,6 +181,5 @@ u8 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
     }
     ++joint;
   }
-  servo->moving = moving;
   return fault;
 }

@@ -12,8 +12,6 @@
 #define TYPE 1
 #define SEQUENCE 2
 
-#define TYPE_NONE 0  // no message has this code
-
 // Each writes the fields of a reply, and returns how many bytes.
 
 static u8 reply_identify(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
@@ -147,9 +145,8 @@ void kz_request_received(kz_servo* servo, const kz_tick_input* input) {
 
 void kz_refuse_busy(kz_servo* servo, const kz_tick_input* input) {
   kz_outcome outcome;
-  if (servo->busy_type == TYPE_NONE) return;
   outcome.reason = KZ_REFUSED_BUSY;
   outcome.detail = KZ_NO_DETAIL;
   send_refusal(servo, input, servo->busy_type, servo->busy_sequence, outcome);
-  servo->busy_type = TYPE_NONE;
+  servo->busy_type = 0;
 }

@@ -13,8 +13,8 @@ extern "C" {
 // this board; each request is answered by its reply or by `refused`, unless it went to all boards.
 void kz_request_received(kz_servo* servo, const kz_tick_input* input);
 
-// Starts the refusal of a request that came while another reply was being sent. To be called when
-// the sender is idle.
+// Starts the refusal of the request that came while another reply was being sent. To be called when
+// there is one (busy_type) and the sender is idle.
 void kz_refuse_busy(kz_servo* servo, const kz_tick_input* input);
 
 #ifdef __cplusplus

@@ -48,11 +48,22 @@ void kz_safety_update(kz_servo* servo, const kz_tick_input* input) {
   watch_supply(servo, input->analog[KZ_ANALOG_SUPPLY]);
 }
 
+static u8 moving(const kz_servo* servo) {
+  const kz_joint* joint = servo->joint;
+  u8 i;
+  if (servo->fresh_targets != 0) return 1;
+  for (i = 0; i < KZ_JOINTS; ++i) {
+    if (joint->on && joint->ramp_left != 0) return 1;
+    ++joint;
+  }
+  return 0;
+}
+
 u16 kz_status(const kz_servo* servo) {
   u16 status = servo->faults;
   if (servo->enabled != 0) {
     status |= KZ_STATUS_ENABLED;
-    if (servo->moving || servo->fresh_targets != 0) status |= KZ_STATUS_MOVING;
+    if (moving(servo)) status |= KZ_STATUS_MOVING;
   }
   return status;
 }

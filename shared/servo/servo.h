@@ -94,15 +94,13 @@ extern "C" {
   FIELD(u16, last_crc)         \
   FIELD(u16, target_ms)        \
   FIELD(u8, supply_bad_ms)     \
-  FIELD(u8, moving)            \
   FIELD(u8, address)           \
   FIELD(u8, last_type)         \
   FIELD(u8, last_sequence)     \
   FIELD(u8, outcome)           \
   FIELD(u8, outcome_detail)    \
   FIELD(u8, busy_type)         \
-  FIELD(u8, busy_sequence)     \
-  FIELD(u8, spare)
+  FIELD(u8, busy_sequence)
 
 #define KZ_DECLARE_FIELD(type, name) type name;
 

@@ -40,7 +40,7 @@ static void transmit(kz_servo* servo, const kz_tick_input* input, kz_tick_output
   const u8 room = input->tx_room < KZ_TX_PER_TICK ? input->tx_room : KZ_TX_PER_TICK;
   u8* unused = output->tx;
   u8 left;
-  if (!kz_sender_busy(&servo->sender)) kz_refuse_busy(servo, input);
+  if (servo->busy_type != 0 && !kz_sender_busy(&servo->sender)) kz_refuse_busy(servo, input);
   output->tx_count = kz_sender_take(&servo->sender, output->tx, room);
   unused += output->tx_count;
   for (left = (u8)(KZ_TX_PER_TICK - output->tx_count); left != 0; --left) *unused++ = 0;
