@@ -111,11 +111,13 @@ std::optional<BallObservation> measure(const Image& image, const CameraModel& ca
   ball.radius_px = focal(camera) * std::sqrt(axes->across * axes->along);
   ball.direction = cone->axis;
   ball.distance_m = options.radius_m / std::sin(cone->half_angle);
-  // A pixel, or for large balls a twentieth of the radius.
-  const Support support = support_of(*cone, rays, std::max(pixel, 0.05 * cone->half_angle));
+  // What a raster of pixels explains, or for large balls a twentieth of the radius.
+  const Support support = support_of(*cone, rays, std::max(0.6 * pixel, 0.05 * cone->half_angle));
   const double within = pixels_within(*cone, *axes, camera);
   constexpr double kEnoughSectors = 5;  // a third of the circumference
-  ball.confidence = support.share * std::min(1.0, region.area / std::max(within, 1.0)) *
+  const double area = region.area;
+  const double filled = std::min(area / std::max(within, 1.0), within / area);
+  ball.confidence = std::sqrt(support.share * filled) *
                     std::min(1.0, static_cast<double>(support.sectors) / kEnoughSectors);
   return ball;
 }

@@ -20,21 +20,21 @@ namespace kaz::vision {
 struct BallOptions {
   double radius_m = 0.020;
   ColorRange color = ColorRange::red_ball();
-  int min_area = 9;             // pixels; smaller regions are noise
-  double min_confidence = 0.5;  // less is not reported as found
+  int min_area = 12;            // pixels; smaller regions are noise
+  double min_confidence = 0.6;  // less is not reported as found
 };
 
 struct BallObservation {
   FrameInfo info;      // of the picture it was seen in
   bool found = false;  // the rest means nothing where false
-  double center_u = 0,
-         center_v = 0;   // px, projection of the ball's centre (not the middle of the ellipse)
+  // px, projection of the ball's centre, which is not the middle of the ellipse.
+  double center_u = 0, center_v = 0;
   double radius_px = 0;  // px, geometric mean of the outline's half axes
-  Eigen::Vector3d direction =
-      Eigen::Vector3d::UnitZ();  // unit, optical frame, to the ball's centre
-  double distance_m = 0;         // lens to centre
-  // 0..1: share of the outline that lies on the fitted cone, times the share of the outline's inside that
-  // has the ball's colour (a highlight or a hand in front lowers it).
+  // Unit vector to the ball's centre, optical frame.
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
+  double distance_m = 0;  // lens to centre
+  // 0..1: geometric mean of the share of the region's outline that lies on the fitted cone and the share
+  // of the cone that the region fills; less where under a third of the circumference was seen.
   double confidence = 0;
   // Why the picture could not be looked at (camera gone, no pixels, wrong size): `found` is false then.
   std::optional<Error> error;

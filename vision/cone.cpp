@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -20,27 +22,56 @@ bool usable(const Cone& cone) {
          cone.half_angle < kLargest && cone.axis.allFinite();
 }
 
-std::optional<Cone> linear_fit(std::span<const Eigen::Vector3d> rays) {
-  // Relative to the mean ray, for a narrow cone is nearly a plane through it.
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& r : rays) mean += r;
-  mean /= static_cast<double>(rays.size());
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& r : rays) scatter += (r - mean) * (r - mean).transpose();
-  // The rays of a cone end on a plane: its normal is the direction of least scatter.
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The cone through three rays: they end on a plane across its axis.
+std::optional<Cone> through(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                            const Eigen::Vector3d& c) {
+  const Eigen::Vector3d across = (b - a).cross(c - a);
+  if (!(across.norm() > 0)) return std::nullopt;
   Cone cone;
-  cone.axis = eigen.eigenvectors().col(0);
-  if (cone.axis.dot(mean) < 0) cone.axis = -cone.axis;
-  cone.half_angle = std::acos(std::clamp(cone.axis.dot(mean), -1.0, 1.0));
+  cone.axis = across.normalized();
+  if (cone.axis.dot(a) < 0) cone.axis = -cone.axis;
+  cone.half_angle = std::atan2(cone.axis.cross(a).norm(), cone.axis.dot(a));
   if (!usable(cone)) return std::nullopt;
   return cone;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+// Of some cones through three rays each, the one with the least median distance (Rousseeuw 1984): up to
+// half of the rays may be wrong. The choice of rays is always the same.
+std::optional<Cone> least_median(std::span<const Eigen::Vector3d> rays) {
+  constexpr int kTrials = 48;
+  constexpr std::size_t kJudges = 64;
+  std::uint64_t state = 0;
+  const auto pick = [&] {
+    state = state * 6364136223846793005U + 1442695040888963407U;  // Knuth's LCG for 64 bits
+    return rays[(state >> 33) % rays.size()];
+  };
+  const std::size_t stride = std::max<std::size_t>(1, rays.size() / kJudges);
+  std::optional<Cone> best;
+  double best_median = std::numeric_limits<double>::infinity();
+  std::vector<double> distance;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Eigen::Vector3d a = pick(), b = pick(), c = pick();
+    const std::optional<Cone> cone = through(a, b, c);
+    if (!cone) continue;
+    // To first order the angle from the cone.
+    const double cosine = std::cos(cone->half_angle), per_sine = 1 / std::sin(cone->half_angle);
+    distance.clear();
+    for (std::size_t i = 0; i < rays.size(); i += stride) {
+      distance.push_back(std::abs(cone->axis.dot(rays[i]) - cosine) * per_sine);
+    }
+    const double m = median(distance);
+    if (m < best_median) {
+      best_median = m;
+      best = cone;
+    }
+  }
+  return best;
 }
 
 Eigen::Matrix<double, 3, 2> tangents(const Eigen::Vector3d& axis) {
@@ -95,7 +126,7 @@ double angle_outside(const Cone& cone, const Eigen::Vector3d& unit_ray) {
 std::optional<Cone> fit_cone(std::span<const Eigen::Vector3d> unit_rays, double noise_rad) {
   constexpr std::size_t kFewest = 5;
   if (unit_rays.size() < kFewest) return std::nullopt;
-  std::optional<Cone> cone = linear_fit(unit_rays);
+  std::optional<Cone> cone = least_median(unit_rays);
   if (!cone) return std::nullopt;
   for (int i = 0; i < 12; ++i) {
     const std::optional<double> step = improve(*cone, unit_rays, noise_rad);

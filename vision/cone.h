@@ -14,7 +14,7 @@ struct Cone {
   double half_angle = 0;                            // rad
 };
 
-// Start: linear least squares of a . r = 1 (a = axis / cos(half_angle)). Then Gauss-Newton on the angles
+// Start: least median of the distances over cones through three rays each. Then Gauss-Newton on the angles
 // between rays and cone, with Tukey's weights: rays off by more than about five times the spread (at least
 // `noise_rad`) do not count. Nothing where the rays determine no cone of 0.05 to 85 degrees.
 std::optional<Cone> fit_cone(std::span<const Eigen::Vector3d> unit_rays, double noise_rad);

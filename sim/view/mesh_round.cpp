@@ -53,7 +53,7 @@ Mesh turned(const std::vector<ProfilePoint>& profile, int segments) {
 
 // Small parts need fewer segments: none is ever seen large.
 int segments_for(double radius, Detail detail) {
-  return detail == Detail::fine ? std::clamp(static_cast<int>(16 + radius * 800), 16, 48) : 12;
+  return detail == Detail::fine ? std::clamp(static_cast<int>(14 + radius * 600), 16, 40) : 12;
 }
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;

@@ -42,7 +42,7 @@ class Renderer {
   // Builds meshes; once, before the first picture. Fails where a mesh file cannot be read or a
   // visual names a texture or frame that does not exist.
   virtual Result<void> set_scene(const Scene& scene) = 0;
-  // Same scene, pose and view: same bytes. The first call starts OpenGL (some 0.1 s) and fails with
+  // Same scene, pose and view: same bytes. The first call starts OpenGL (some 0.3 s) and fails with
   // a reason where that cannot be had. Calls may come from any thread, but only one at a time.
   virtual Result<void> render(const ScenePose& pose, const View& view, Picture& picture) = 0;
 };
