@@ -7,7 +7,8 @@
 
 void kz_analog_init(void);
 // Starts a scan, which goes on by interrupts and takes about 6,000 states: the inputs of the
-// potentiometers, and of inputs 6 and 7 (supply, temperature, reference) the one or the other in turn.
+// potentiometers, and of inputs 6 and 7 (supply, temperature, reference) the one or the other in
+// turn.
 void kz_analog_start(void);
 // The last scan is done.
 u8 kz_analog_ready(void);

@@ -1,4 +1,4 @@
-// The firmware image on the emulated chip: start, tick, line, loader, watchdog, and what a tick costs.
+// The firmware on the emulated chip: start, tick, line, loader, watchdog, what a tick costs.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
@@ -86,7 +86,8 @@ TEST_F(Firmware, TicksEveryMillisecondToTheState) {
   });
   run(200 * ms);
   ASSERT_GT(at.size(), 100u);
-  // The requests are 18,432 states apart; each waits for the end of an instruction, or wakes the CPU.
+  // The requests are 18,432 states apart; each waits for the end of an instruction, or wakes the
+  // CPU.
   for (std::size_t i = 1; i < at.size(); ++i)
     EXPECT_NEAR(static_cast<double>(at[i] - at[0]),
                 static_cast<double>(ms) * static_cast<double>(i), 40);
@@ -179,7 +180,8 @@ TEST_F(Firmware, AHangingTickIsResetWithTheMotorsOff) {
   EXPECT_EQ(cause, KZ_RESET_WATCHDOG);
 }
 
-// The walking load of design, section 10: 18 loops on ramps, 100 Hz targets and states, all joints moving.
+// The walking load of design, section 10: 18 loops on ramps, 100 Hz targets and states, all joints
+// moving.
 TEST_F(Firmware, WalkingLoadFitsTheTick) {
   swing = 0.2;
   run(100 * ms);
@@ -220,7 +222,8 @@ TEST_F(Firmware, TheStackStaysInsideTheBoundOfTheBuild) {
     send(KZ_TYPE_state, {});
     run(10 * ms);
   }
-  // RAM was filled with 0xa5 at power-on: the lowest byte that changed is the deepest the stack was.
+  // RAM was filled with 0xa5 at power-on: the lowest byte that changed is the deepest the stack
+  // was.
   constexpr u32 ram = 0xFFE080, top = 0xFFF000;
   u32 lowest = ram + sizes["data"];
   while (lowest < top && chip().peek(lowest) == 0xA5) ++lowest;

@@ -10,8 +10,8 @@ void kz_serial_init(void);
 void kz_serial_send(const u8* bytes, u8 count);
 // Bytes that kz_serial_send can take.
 u8 kz_serial_room(void);
-// Moves at most KZ_RX_PER_TICK received bytes with their error flags (KZ_RX_*) to the snapshot; behind
-// rx_count old ones stay.
+// Moves at most KZ_RX_PER_TICK received bytes with their error flags (KZ_RX_*) to the snapshot;
+// behind rx_count old ones stay.
 void kz_serial_take(kz_tick_input* input);
 
 #endif

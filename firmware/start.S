@@ -35,9 +35,9 @@ cleared:
 	mov.w	r4,r0
 	jsr	@_kz_main		; does not return
 
-; Two labels around the tick's computation, for whoever watches it from outside: at kz_tick_begin the
-; snapshot kz_input is complete and kz_servo_state as the last tick left it, at kz_tick_end kz_output and
-; kz_servo_state are new.
+; Two labels around the tick's computation, for whoever watches it from outside: at kz_tick_begin
+; the snapshot kz_input is complete and kz_servo_state as the last tick left it, at kz_tick_end
+; kz_output and kz_servo_state are new.
 	.global _kz_tick_begin
 	.global _kz_tick_end
 _kz_tick_begin:

@@ -1,5 +1,4 @@
-; The chip's vectors in block EB0, which are never rewritten in the field, and the application's jump table
-; that all of them but reset point into.
+; The chip's vectors in block EB0, which is never rewritten in the field, and the jump table.
 ; SPDX-License-Identifier: Apache-2.0
 ;
 ; Vector numbers: hardware manual, section 5 (exceptions and interrupts); the part ends at 103.

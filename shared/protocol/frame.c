@@ -38,7 +38,8 @@ void kz_receiver_init(kz_receiver* receiver) {
   for (i = 0; i < sizeof receiver->body; ++i) receiver->body[i] = 0;
 }
 
-// Takes the stuffing out of body[0..stuffed-1], in place. Returns 0 if a block is longer than the rest.
+// Takes the stuffing out of body[0..stuffed-1], in place. Returns 0 if a block is longer than the
+// rest.
 static u8 unstuff(kz_receiver* receiver, u8 stuffed) {
   const u8* from = receiver->body;
   u8* to = receiver->body;

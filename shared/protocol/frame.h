@@ -40,8 +40,8 @@ u16 kz_crc16(u16 crc, u8 byte);
 #define KZ_RECEIVE_TOO_LONG 5
 #define KZ_RECEIVE_LINE_ERROR 6  // a byte of the frame had a framing, parity or overrun error
 
-// Takes bytes as they come: a few instructions for each, and one pass over the frame at its end. Owns its
-// buffer; no length from the wire is ever trusted.
+// Takes bytes as they come: a few instructions for each, and one pass over the frame at its end.
+// Owns its buffer; no length from the wire is ever trusted.
 typedef struct kz_receiver {
   u16 crc;    // of all bytes of the frame but the last three, which may be its check
   u8 length;  // bytes of the frame so far; of the body once KZ_RECEIVE_FRAME has come

@@ -1,5 +1,5 @@
-// The state of the servo as a list of fields with names and places: to compare, print and record
-// it. SPDX-License-Identifier: Apache-2.0
+// The state of the servo as a list of fields, to compare, print and record it.
+// SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_FIELDS_H
 #define KAZ_SHARED_SERVO_FIELDS_H
 

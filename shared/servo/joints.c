@@ -10,8 +10,8 @@
 #define DUTY_MAX 255
 #define DRIVE_SHIFT 11
 
-// Duty is 255 at full drive. With kp in 1/256 per rad, half the error in 1e-4 rad and the drive in 1/2048 of
-// a count: 255 * 2048 * 2 / (256 * 1e4) = 0.408; here times 2^16.
+// Duty is 255 at full drive. With kp in 1/256 per rad, half the error in 1e-4 rad and the drive in
+// 1/2048 of a count: 255 * 2048 * 2 / (256 * 1e4) = 0.408; here times 2^16.
 #define KP_SCALE 26739
 // With kd in 1/4096 s/rad and the rate in 1/640 rad/s: 255 * 2048 / (4096 * 640) = 0.19921875.
 #define KD_SCALE 13056
@@ -66,7 +66,8 @@ void kz_joints_enable(kz_servo* servo, u32 mask) {
   }
 }
 
-// Straight way to the joint's target in `duration_ms`, or more slowly if the joint's ramp demands that.
+// Straight way to the joint's target in `duration_ms`, or more slowly if the joint's ramp demands
+// that.
 static inline void start_ramp(kz_joint* joint, u16 duration_ms) {
   const s16 target = joint->target;
   const u8 down = (u8)(target < joint->command);
@@ -134,7 +135,8 @@ static inline void measure(kz_joint* joint, s16 angle) {
 
 // d = kp * (command - angle) - kd * rate, limited to full duty.
 static inline void control(kz_joint* joint) {
-  // Halved, so that the widest error fits 16 bits; the resolution of the potentiometer is 16 times coarser.
+  // Halved, so that the widest error fits 16 bits; the resolution of the potentiometer is 16 times
+  // coarser.
   const s32 error = ((s32)joint->command - joint->angle) >> 1;
   s32 drive;
   u32 strength;

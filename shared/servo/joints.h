@@ -20,8 +20,8 @@ u8 kz_joints_update(kz_servo* servo, const kz_tick_input* input);
 // Switches the joints of the mask on and all others off. One that was off holds where it stands.
 void kz_joints_enable(kz_servo* servo, u32 mask);
 
-// Starts the ramps to the targets that a request has left in the state (fresh_targets, target_ms and each
-// joint's target). So the tick that took the request has not to do this too.
+// Starts the ramps to the targets that a request has left in the state (fresh_targets, target_ms
+// and each joint's target). So the tick that took the request has not to do this too.
 void kz_joints_start_ramps(kz_servo* servo);
 
 // `kp` and `kd` as in the message `gains`, scaled as the loop wants them.

@@ -1,5 +1,5 @@
-// State of the servo tick. Only shared/servo writes it; the fields are public so that the PC can
-// compare the state of both engines by name (fields.h). SPDX-License-Identifier: Apache-2.0
+// State of the servo tick, written by shared/servo alone; public for comparison (fields.h).
+// SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_SERVO_H
 #define KAZ_SHARED_SERVO_SERVO_H
 
@@ -37,9 +37,9 @@ extern "C" {
 //   rate        speed, 1/64 of 100 urad/ms, first-order filter with coefficient 1/8 a tick
 //   target      where the ramp goes, 100 urad
 //   command     angle that the loop controls to, 100 urad
-//   ramp_*      straight way of `command` to the target: `left` of `time` ticks to go, each of them adds
-//               `whole`, and also `extra` (+1 or -1) whenever `rest` has used up `room`, which starts at
-//               `time` each time; sums modulo 2^16
+//   ramp_*      straight way of `command` to the target: `left` of `time` ticks to go, each of them
+//               adds `whole`, and also `extra` (+1 or -1) whenever `rest` has used up `room`, which
+//               starts at `time` each time; sums modulo 2^16
 //   ramp_limit  most that `command` moves in a tick, for ramps that start from now on
 //   kp, kd      gains, scaled to 1/2048 of a count of duty for half a unit of error, a unit of rate
 //   duty        high counts of the PWM, 0..255

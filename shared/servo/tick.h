@@ -1,5 +1,5 @@
-// The servo tick: everything the board computes, once a millisecond, from a snapshot and its state
-// alone. SPDX-License-Identifier: Apache-2.0
+// The servo tick: all that the board computes each millisecond, from snapshot and state alone.
+// SPDX-License-Identifier: Apache-2.0
 //
 // Equal sequences of kz_tick_input give equal sequences of kz_tick_output and equal state, on the
 // H8S/2128 and on the PC (design, section 3). So nothing here reads a register, a clock or memory

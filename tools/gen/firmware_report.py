@@ -28,7 +28,8 @@ def report(objdump, path, sizes_path):
     coff = Coff(path)
     data = coff.section(".data").size + coff.section(".bss").size
     stack, names = stack_bound(objdump, path, "_kz_start")
-    sizes = [("application", used(coff, APPLICATION, APPLICATION_END), APPLICATION_END - APPLICATION),
+    sizes = [("application", used(coff, APPLICATION, APPLICATION_END),
+              APPLICATION_END - APPLICATION),
              ("loader", used(coff, LOADER, LOADER_END), LOADER_END - LOADER),
              ("data", data, RAM_SIZE),
              ("data + stack", data + stack, RAM_SIZE)]

@@ -3,8 +3,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: limits.py URDF JOINTS_DEF HEADER
 
-Every joint of JOINTS_DEF must stand in URDF with a <limit lower upper>, inside the range in which its
-potentiometer gives a sound code. Limits are rounded inwards.
+Every joint of JOINTS_DEF must stand in URDF with a <limit lower upper>, inside the range in which
+its potentiometer gives a sound code. Limits are rounded inwards.
 """
 import math
 import re
@@ -51,7 +51,8 @@ def parse_urdf(path):
         with open(path, "rb") as source:
             parser.ParseFile(source)
     except expat.ExpatError as error:
-        raise Refused(f"{path}:{error.lineno}: not well-formed XML: {expat.ErrorString(error.code)}")
+        reason = expat.ErrorString(error.code)
+        raise Refused(f"{path}:{error.lineno}: not well-formed XML: {reason}")
     return top.children[0]
 
 
@@ -107,14 +108,15 @@ def limits_of(path, root, joint):
     low, high = pot_window(sign, centre_deg)
     if lower < low or upper > high:
         raise Refused(
-            f"{path}:{limit.line}: limits {lower:.4f}..{upper:.4f} rad of '{name}' lie outside what its "
-            f"potentiometer sees, {low:.4f}..{high:.4f} rad; change them or pot_centre in joints.def")
+            f"{path}:{limit.line}: limits {lower:.4f}..{upper:.4f} rad of '{name}' lie outside what "
+            f"its potentiometer sees, {low:.4f}..{high:.4f} rad; change them or pot_centre in "
+            "joints.def")
     # The small term forgives the last digit of a decimal number such as 1.5707.
     return (math.ceil(lower * ANGLE_PER_RAD - 1e-6), math.floor(upper * ANGLE_PER_RAD + 1e-6))
 
 
 def header(urdf, joints, limits):
-    lines = ["// Joint limits in 100 microradians, made by tools/gen/limits.py from the robot's URDF.",
+    lines = ["// Joint limits in 100 microradians, made by tools/gen/limits.py from the URDF.",
              "// SPDX-License-Identifier: Apache-2.0",
              "#ifndef KAZ_GENERATED_LIMITS_H", "#define KAZ_GENERATED_LIMITS_H", ""]
     for (name, *_), (lower, upper) in zip(joints, limits):

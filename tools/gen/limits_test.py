@@ -8,7 +8,10 @@ import unittest
 
 import limits
 
-JOINTS = "// table\nKZ_JOINT( 0, pan, 0, 3, 0, 0, 0, 1, 0)\nKZ_JOINT( 1, tilt, 1, 3, 1, 0, 1, -1, 150)\n"
+JOINTS = """// table
+KZ_JOINT( 0, pan, 0, 3, 0, 0, 0, 1, 0)
+KZ_JOINT( 1, tilt, 1, 3, 1, 0, 1, -1, 150)
+"""
 ROBOT = """<robot name="r">
   <joint name="pan" type="revolute"><limit lower="-1.5707" upper="1.57079"/></joint>
   <joint name="tilt" type="revolute">

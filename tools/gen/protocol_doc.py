@@ -23,7 +23,7 @@ class Refused(Exception):
 
 
 def arguments_of(text, at, path):
-    """The macro's arguments, from behind its opening bracket; adjacent strings are joined as in C."""
+    """The macro's arguments, from behind its opening bracket; adjacent strings are joined."""
     depth, quoted, parts, current = 1, False, [], ""
     for i in range(at, len(text)):
         c = text[i]
@@ -134,11 +134,12 @@ def constant_rows(constants, prefix):
 
 def example(title, body, meaning):
     stuffed = stuff(body)
+    check = check_of(stuffed)
     return [f"{title}", "", "| part | bytes | |", "|---|---|---|",
             f"| body | `{hex_of(body)}` | {meaning} |",
             f"| stuffed | `{hex_of(stuffed)}` | |",
-            f"| check | `{hex_of(check_of(stuffed))}` | CRC of the stuffed bytes: 0x{crc16(stuffed):04x} |",
-            f"| on the wire | `{hex_of(b'%c' % 0 + stuffed + check_of(stuffed) + b'%c' % 0)}` | |", ""]
+            f"| check | `{hex_of(check)}` | CRC of the stuffed bytes: 0x{crc16(stuffed):04x} |",
+            f"| on the wire | `{hex_of(bytes([0]) + stuffed + check + bytes([0]))}` | |", ""]
 
 
 def document(root):
@@ -155,7 +156,8 @@ def document(root):
         "EXAMPLE_STATE": example("The request `state`, sequence number 5, to board 1:",
                                  bytes([1, 5, 5]), "address, type, sequence number"),
         "EXAMPLE_TARGETS": example(
-            "The request `targets`, sequence number 7: joints 0 and 1 to 0.1 and −0.0002 rad in 500 ms:",
+            "The request `targets`, sequence number 7: joints 0 and 1 to 0.1 and −0.0002 rad in "
+            "500 ms:",
             targets, "mask 00000003, 500 ms = 01f4, 1000 = 03e8, −2 = fffe"),
         "REQUESTS": [line for m in requests for line in message_section(m)],
         "REPLIES": [line for m in replies for line in message_section(m)],

@@ -1,7 +1,7 @@
 # Upper bound of the stack from the object code: the deepest path through the call tree.
 # SPDX-License-Identifier: Apache-2.0
-"""What no bound can be given for (recursion, calls through pointers, a stack pointer that is computed) is
-an error. Interrupts do not nest: each runs with the I bit set, so the deepest one counts once.
+"""What no bound can be given for (recursion, calls through pointers, a computed stack pointer) is an
+error. Interrupts do not nest: each runs with the I bit set, so the deepest one counts once.
 """
 import re
 import subprocess
@@ -40,7 +40,7 @@ def is_function(label):
 
 
 def pushed(mnemonic, operands):
-    """By how many bytes an instruction moves the stack down (negative: up); None: not predictable."""
+    """By how many bytes an instruction moves the stack down (negative: up); None: unknown."""
     if mnemonic.startswith("stm") or mnemonic.startswith("ldm"):
         first, last = re.search(r"er(\d)-er(\d)", operands).groups()
         size = 4 * (int(last) - int(first) + 1)
@@ -81,9 +81,8 @@ def parse(lines):
         change = pushed(mnemonic, operands)
         if change is None:
             raise Unbounded(f"{current.name}: '{mnemonic} {operands}' computes the stack pointer")
-        # Code after a return in the middle of a function starts with the frame still standing; gcc pops
-        # once at the end, so the running sum is only followed upwards.
-        depth = depth + change
+        # gcc pushes once at the start of a function and pops once at its end.
+        depth += change
         current.frame = max(current.frame, depth)
         if mnemonic == "rte":
             current.is_handler = True

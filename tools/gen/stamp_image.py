@@ -37,7 +37,8 @@ def application(coff):
 def stamp(coff):
     header = coff.section(".header")
     if header.size != HEADER_SIZE:
-        raise CoffError(f"{coff.path}: section '.header' has {header.size} bytes, not {HEADER_SIZE}")
+        raise CoffError(
+            f"{coff.path}: section '.header' has {header.size} bytes, not {HEADER_SIZE}")
     length = len(application(coff))
     struct.pack_into(">I", coff.data, header.offset + LENGTH_AT, length)
     image = application(coff)
