@@ -21,6 +21,13 @@ enum class Unit {
   pwm_clock
 };
 
+// Registers that have nothing to do with when something happens next. Port 6 is where timers count and
+// capture.
+bool timeless(Unit unit, std::uint32_t a) {
+  return unit == Unit::pwm || unit == Unit::pwm_clock ||
+         (unit == Unit::ports && a != 0xffb9 && a != 0xffbb);
+}
+
 struct Place {
   Unit unit = Unit::none;
   int stop = -1;   // bit of MSTPCR
@@ -80,6 +87,7 @@ std::uint8_t Machine::io_read(std::uint32_t address) {
   const std::uint32_t a = address & 0xffff;
   const Place p = place_of(a, system.stcr);
   const States at = time();
+  if (!timeless(p.unit, a)) next_event_known_ = false;
   if (p.stop >= 0 && stopped(static_cast<unsigned>(p.stop))) {
     misuse(a, "read of a register whose module is stopped (MSTPCR)");
     return options.undefined_read;
@@ -171,6 +179,7 @@ void Machine::io_write(std::uint32_t address, std::uint8_t value) {
   const std::uint32_t a = address & 0xffff;
   const Place p = place_of(a, system.stcr);
   const States at = time();
+  if (!timeless(p.unit, a)) next_event_known_ = false;
   if (p.stop >= 0 && stopped(static_cast<unsigned>(p.stop))) {
     misuse(a, "write to a register whose module is stopped (MSTPCR); it has no effect");
     return;

@@ -135,6 +135,7 @@ class Machine {
   void set_module_stop(std::uint16_t value, States at);
   void run_modules(States to);
   States next_event();
+  States earliest_event();
   void run_events();
   bool take_interrupt();
   bool could_wake() const;
@@ -152,6 +153,10 @@ class Machine {
       kNoAddress;  // its hook has been called, the instruction has not run yet
   std::uint32_t unhooked_ = kNoAddress;  // decoded as it is, whatever hooks there are
   bool first_after_reset_ = false;
+  // The modules' next event, worked out again only where a register access, an event, a hook or somebody
+  // outside may have moved it.
+  States next_event_ = 0;
+  bool next_event_known_ = false;
 };
 
 }  // namespace kaz::h8s

@@ -17,6 +17,12 @@ std::string hex6(std::uint32_t value) {
 }  // namespace
 
 States Machine::next_event() {
+  if (!next_event_known_) next_event_ = earliest_event();
+  next_event_known_ = true;
+  return next_event_;
+}
+
+States Machine::earliest_event() {
   States first = std::min({sci[0].next_event(), sci[1].next_event(), adc.next_event(),
                            wdt[0].next_event(*this, 0), wdt[1].next_event(*this, 1)});
   if (!stopped(Stop_frt)) first = std::min(first, frt.next_event(epoch));
@@ -25,6 +31,7 @@ States Machine::next_event() {
 }
 
 void Machine::run_modules(States to) {
+  next_event_known_ = false;
   for (unsigned n = 0; n < 2; ++n) {
     sci[n].advance(*this, n, to);
     wdt[n].advance(*this, n, to);
@@ -110,6 +117,7 @@ Machine::Hooked Machine::run_hook(Chip& chip) {
     hook_done_ = at;
     const Chip::CodeHook hook = found->second;  // it may remove itself
     const HookAction action = hook(chip);
+    next_event_known_ = false;
     if (pc() != at) hook_done_ = kNoAddress;
     if (action == HookAction::stop) return Hooked::stop;
     return Hooked::ran;  // look at everything again: the hook may have changed registers
@@ -127,12 +135,14 @@ Machine::Hooked Machine::run_hook(Chip& chip) {
 Stop Machine::run(Chip& chip, States until, bool single) {
   const std::int64_t executed = cpu.executed;
   const States began = cpu.now;
+  next_event_known_ = false;
   for (;;) {
     if (dead) return *dead;
     if (cpu.fault != Fault::none) return stop_for_fault();
     run_events();
     if (watchdog_reset) {
       reset(ResetCause::watchdog, cpu.now + options.watchdog_reset_states);
+      next_event_known_ = false;
       if (listeners.watchdog) listeners.watchdog(cpu.now);
     }
     if (single ? cpu.executed != executed || cpu.now != began : cpu.now >= until) return {};
