@@ -20,8 +20,8 @@ set(KAZ_H8_FLAGS -ms -O2 -g -Wall -Werror -ffreestanding -std=gnu99 -fomit-frame
                  -fno-strict-aliasing)
 
 # kaz_firmware_image(NAME name SHARED_DIR dir OUTPUT_DIR dir [FLAGS flag ...] [ALL])
-# Target NAME_firmware: OUTPUT_DIR/NAME.coff (with symbols) and NAME.mot (S-records), from the sources in
-# firmware/ and those of a folder that is, or is a copy of, shared/: so a test can build a patched copy.
+# Target NAME_firmware: OUTPUT_DIR/NAME.coff (with symbols) and NAME.mot (S-records), from the sources
+# in firmware/ and those of a folder that is, or is a copy of, shared/: a test can build a patched copy.
 # Joint limits and build id are those of the main build. FLAGS come after KAZ_H8_FLAGS.
 # Without a cross compiler the target does not exist.
 function(kaz_firmware_image)
@@ -70,7 +70,7 @@ function(kaz_firmware_image)
 
   set(coff ${ARG_OUTPUT_DIR}/${ARG_NAME}.coff)
   set(mot ${ARG_OUTPUT_DIR}/${ARG_NAME}.mot)
-  # No -lgcc: that library is for another CPU. What it would have to supply is an undefined symbol here.
+  # No -lgcc: that library is for another CPU. What it would have to supply is undefined here.
   add_custom_command(
     OUTPUT ${coff} ${mot} ${ARG_OUTPUT_DIR}/${ARG_NAME}.sizes
     COMMAND ${KAZ_H8_LD} -m h8300s --fatal-warnings -T ${firmware}/kaz.ld -o ${coff} ${objects}
