@@ -1,6 +1,8 @@
-// What is soldered around the microcontroller: multiplexers and potentiometers in front of the A/D
-// converter, motor drivers behind the PWM and direction pins, and the supply.
+// The servo board: what is soldered around the microcontroller.
 // SPDX-License-Identifier: Apache-2.0
+//
+// Multiplexers and potentiometers in front of the A/D converter, motor drivers behind the PWM and
+// direction pins, and the supply.
 #pragma once
 
 #include <array>

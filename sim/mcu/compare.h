@@ -1,7 +1,9 @@
-// Proof that the two engines are one program: the firmware image runs in the emulator under random
-// host traffic and potentiometers, each of its tick inputs goes to the native build of
-// shared/servo, and outputs and state must come out equal. Design, sections 1 and 3.
+// Proof that the two engines are one program.
 // SPDX-License-Identifier: Apache-2.0
+//
+// The firmware image runs in the emulator under random host traffic and potentiometers, each of its
+// tick inputs goes to the native build of shared/servo, and outputs and state must come out equal.
+// Design, sections 1 and 3.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,7 @@
-// How the H8 compiler lays out the structures of shared/servo/tick.h: big-endian, no padding but an
-// even start of each number of more than a byte. SPDX-License-Identifier: Apache-2.0
+// The structures of shared/servo/tick.h as the H8 compiler lays them out.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Big-endian, no padding but an even start of each number of more than a byte.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,8 @@
-// The microcontroller of the servo board, as its pins see it. Two engines implement it: `h8`
-// executes the firmware image instruction by instruction, `native` runs the same C compiled for the
-// PC. SPDX-License-Identifier: Apache-2.0
+// The microcontroller of the servo board, as its pins see it.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Two engines implement it: `h8` executes the firmware image instruction by instruction, `native`
+// runs the same C compiled for the PC.
 #pragma once
 
 #include <array>

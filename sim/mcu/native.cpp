@@ -1,6 +1,7 @@
-// The native engine: shared/servo compiled for this machine behind the same pins, byte times and
-// A/D readings as the firmware gives it, but with no CPU that takes time. SPDX-License-Identifier:
-// Apache-2.0
+// The native engine: shared/servo compiled for this machine, behind the same pins.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Byte times and A/D readings are as the firmware gives them, but there is no CPU that takes time.
 #include <algorithm>
 #include <cmath>
 #include <deque>

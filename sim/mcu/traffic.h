@@ -1,6 +1,8 @@
-// A host that does everything a host can do, right and wrong, and joints that move as joints do and
-// as none can: what the two engines are compared under. All from one seed. SPDX-License-Identifier:
-// Apache-2.0
+// What the two engines are compared under: a random host and random joints.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The host does everything a host can do, right and wrong; the joints move as joints do and as none
+// can. All from one seed.
 #pragma once
 
 #include <array>

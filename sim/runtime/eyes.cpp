@@ -70,7 +70,7 @@ void Eyes::expose(Time now, ScenePose pose) {
 
   auto drawn = std::make_shared<std::promise<Drawn>>();
   auto images = std::make_shared<std::promise<std::shared_ptr<const vision::StereoImages>>>();
-  draws_.submit([this, left, right, drawn, images, hashed = digests_,
+  draws_.submit([&draws = draws_, left, right, drawn, images, hashed = digests_,
                  pose = std::move(pose)](const Result<Renderer*>& renderer) {
     auto pair = std::make_shared<vision::StereoImages>();
     Picture pictures[2];
@@ -90,7 +90,7 @@ void Eyes::expose(Time now, ScenePose pose) {
         outcome.right_digest = sha256_hex(pair->right.rgb);
       }
     } else {
-      draws_.set_error(result.error());
+      draws.set_error(result.error());
       pair->left = black(left.camera);
       pair->right = black(right.camera);
     }

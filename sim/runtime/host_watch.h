@@ -1,5 +1,7 @@
-// Tells in words what the host on the serial line does, and when the motors go off. Time in
-// simulated ns. SPDX-License-Identifier: Apache-2.0
+// Tells in words what the host on the serial line does, and when motors go off.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Times are simulated.
 #pragma once
 
 #include <functional>

@@ -1,7 +1,8 @@
-// Writes MCAP files (https://mcap.dev/spec, version 0): channels of time-stamped messages, appended
-// as they come, readable up to the last whole record if the writer dies. Chunks and indexes, which
-// are optional, are left out. The same calls give the same bytes. SPDX-License-Identifier:
-// Apache-2.0
+// Writes MCAP files: channels of time-stamped messages, appended as they come.
+// SPDX-License-Identifier: Apache-2.0
+//
+// https://mcap.dev/spec, version 0. Readable up to the last whole record if the writer dies. Chunks
+// and indexes, which are optional, are left out. The same calls give the same bytes.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,7 @@
-// Pacing of simulated time by a clock on the wall. Pure arithmetic: the clock is read by the
-// caller. SPDX-License-Identifier: Apache-2.0
+// Pacing of simulated time by a clock on the wall.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Pure arithmetic: the clock is read by the caller.
 #pragma once
 
 #include <algorithm>

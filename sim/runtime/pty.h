@@ -27,8 +27,9 @@ class Pty {
   long baud() const;
   std::size_t read(std::span<std::uint8_t> bytes);         // what the host wrote
   std::size_t write(std::span<const std::uint8_t> bytes);  // how many it can take
-  // Throws away what we wrote and the host has not read, so that the next host does not hear it. The kernel
-  // moves bytes from side to side with some delay: call it for a while after a host has gone.
+  // Throws away what we wrote and the host has not read, so that the next host does not hear it.
+  // The kernel moves bytes from side to side with some delay: call it for a while after a host has
+  // gone.
   void discard_unread();
 
   const std::string& port() const { return port_; }  // "/dev/pts/7"

@@ -1,6 +1,8 @@
-// A simulation paced by the wall clock for other processes: serial line on a pty, stereo pairs on a
-// Unix socket, a control socket beside the pty. What `kaz sim` runs. SPDX-License-Identifier:
-// Apache-2.0
+// What `kaz sim` runs: a simulation paced by the wall clock for other processes.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The serial line is a pty, stereo pairs come from a Unix socket, a control socket stands beside
+// the pty. docs/simulator.md.
 #pragma once
 
 #include <atomic>

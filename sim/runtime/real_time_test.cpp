@@ -1,4 +1,4 @@
-// The whole server with a host of its own on pty and sockets. Runs unpaced: nothing here waits for a time.
+// The whole server with a host of its own on pty and sockets. Runs unpaced.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/real_time.h"
 

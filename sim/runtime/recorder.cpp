@@ -1,6 +1,8 @@
-// Messages of the recording. Numbers in the ROS 1 encoding (fields in order, little-endian, no
-// padding), which viewers decode by the schema text that stands in the file.
+// Messages of the recording.
 // SPDX-License-Identifier: Apache-2.0
+//
+// Numbers are in the ROS 1 encoding (fields in order, little-endian, no padding), which viewers
+// decode by the schema text that stands in the file.
 #include "sim/runtime/recorder.h"
 
 #include <utility>

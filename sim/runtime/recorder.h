@@ -1,5 +1,7 @@
-// Everything that passed between the parts, with simulated time only, as an MCAP file. The channels
-// are described in docs/time.md. SPDX-License-Identifier: Apache-2.0
+// Everything that passed between the parts, with simulated time only, as MCAP file.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The channels are described in docs/time.md.
 #pragma once
 
 #include <cstdint>

@@ -25,7 +25,8 @@ void RenderThread::submit(Job job) {
   }
   wake_.notify_one();
   if (thread_.joinable()) return;
-  // Made by the caller's thread because it may set environment variables; all the rest is done in ours.
+  // Made by the caller's thread because it may set environment variables; all the rest is done in
+  // ours.
   renderer_ = factory_();
   if (!renderer_) set_error(renderer_.error());
   thread_ = std::thread([this] { run(); });

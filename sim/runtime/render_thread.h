@@ -1,5 +1,7 @@
-// The one thread that owns the renderer. Started by the first picture, so that a simulation that
-// nobody looks at needs no OpenGL. SPDX-License-Identifier: Apache-2.0
+// The one thread that draws.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Started by the first picture, so that a simulation that nobody looks at needs no OpenGL.
 #pragma once
 
 #include <condition_variable>

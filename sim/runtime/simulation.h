@@ -1,5 +1,5 @@
-// The virtual right-hand side on one clock: servo board, body and world, eyes, serial line,
-// recorder. SPDX-License-Identifier: Apache-2.0
+// The virtual right-hand side on one clock: board, world, eyes, line, recorder.
+// SPDX-License-Identifier: Apache-2.0
 //
 // Time goes on only in step(), by one millisecond: the board runs to the end of the step, its mean
 // drives move the world, the joints' angles go back to the potentiometers. Nothing here reads the
@@ -107,9 +107,8 @@ class Simulation {
   ServoBoard board_;
   SerialLine line_;
   std::unique_ptr<Recorder> recorder_;
-  // Drawing goes on in its thread until `draws_` is destroyed; the eyes outlive it for that.
-  std::unique_ptr<Eyes> eyes_;
   RenderThread draws_;
+  std::unique_ptr<Eyes> eyes_;
   bool eyes_open_ = false;
   States now_ = 0;
   std::optional<Error> error_;

@@ -1,5 +1,7 @@
-// Host and simulation in one process: the host's Clock, Link and Camera over simulated time. The
-// only place where the two meet. SPDX-License-Identifier: Apache-2.0
+// Host and simulation in one process: the host's interfaces over simulated time.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The only place where the two meet.
 //
 // Whoever waits advances the world: sleep_until() and read() run the simulation by whole
 // milliseconds until the time has come or bytes have. Nothing reads the wall clock. One thread.
