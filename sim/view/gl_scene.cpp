@@ -14,6 +14,8 @@ namespace {
 // For the eyes, 4 ms a pair allow no more. Both sizes include the free ring.
 constexpr int kEyeShadowTexels = 512, kPictureShadowTexels = 2048;
 
+constexpr double kSmall = 14;  // samples, radius of a piece that is drawn coarsely
+
 const void* offset(std::size_t bytes) {
   return reinterpret_cast<const void*>(bytes);
 }
@@ -126,9 +128,9 @@ Result<void> GlScene::make_shadow_map(int texels) {
   return {};
 }
 
-void GlScene::draw_piece(const Piece& piece) const {
-  gl_->DrawElements(GL_TRIANGLES, static_cast<GLsizei>(piece.index_count), GL_UNSIGNED_INT,
-                    offset(piece.first_index * sizeof(std::uint32_t)));
+void GlScene::draw_triangles(std::uint32_t first_index, std::uint32_t count) const {
+  gl_->DrawElements(GL_TRIANGLES, static_cast<GLsizei>(count), GL_UNSIGNED_INT,
+                    offset(first_index * sizeof(std::uint32_t)));
 }
 
 void GlScene::draw_shadow_map(const ScenePose& pose, ShadowMap& map) {
@@ -139,7 +141,7 @@ void GlScene::draw_shadow_map(const ScenePose& pose, ShadowMap& map) {
     return;  // the other eye of a pair
   }
   map.pose = pose.frames;
-  map.view = fit_shadow_view(model_->casters, pose, map.texels);
+  map.view = fit_shadow_view(model_->pieces, pose, map.texels);
   gl_->BindFramebuffer(GL_FRAMEBUFFER, map.framebuffer);
   gl_->Viewport(0, 0, map.texels, map.texels);
   gl_->Clear(GL_DEPTH_BUFFER_BIT);
@@ -150,11 +152,12 @@ void GlScene::draw_shadow_map(const ScenePose& pose, ShadowMap& map) {
   gl_->BindVertexArray(vertex_array_);
   depth_.use();
   const int clip_from_model = depth_.location("clip_from_model");
-  for (const Piece& piece : model_->casters) {
+  for (const Piece& piece : model_->pieces) {
+    if (piece.caster_count == 0) continue;
     const Eigen::Matrix4d& world_from_model =
         pose.frames[static_cast<std::size_t>(piece.frame)].matrix();
     depth_.set(clip_from_model, map.view.clip_from_world * world_from_model);
-    draw_piece(piece);
+    draw_triangles(piece.coarse_first, piece.caster_count);
   }
   gl_->CullFace(GL_BACK);
 }
@@ -166,6 +169,7 @@ void GlScene::draw_surfaces(const ScenePose& pose, const View& view, const Shado
     bool textured;
     bool plane;
     double distance;
+    double depth;
     const Piece* piece;
   };
   std::vector<Visible> visible;
@@ -174,7 +178,8 @@ void GlScene::draw_surfaces(const ScenePose& pose, const View& view, const Shado
     const Eigen::Vector3d center =
         optical_from_world * (pose.frames[static_cast<std::size_t>(piece.frame)] * piece.center);
     if (!may_be_seen(view.camera, center, piece.radius)) continue;
-    visible.push_back({piece.texture >= 0, piece.ground, center.norm() - piece.radius, &piece});
+    visible.push_back(
+        {piece.texture >= 0, piece.ground, center.norm() - piece.radius, center.z(), &piece});
   }
   // Near to far, so that hidden pixels are not shaded; grounds last, they are behind everything.
   std::stable_sort(visible.begin(), visible.end(), [](const Visible& a, const Visible& b) {
@@ -207,7 +212,13 @@ void GlScene::draw_surfaces(const ScenePose& pose, const View& view, const Shado
     }
     surface.program.set(surface.world_from_model,
                         pose.frames[static_cast<std::size_t>(v.piece->frame)].matrix());
-    draw_piece(*v.piece);
+    // Samples that the piece's radius covers: a bevel or a facet of a small one is less than a pixel.
+    const double samples = view.samples_per_axis * view.camera.fx * v.piece->radius / v.depth;
+    if (v.depth > v.piece->radius && samples < kSmall) {
+      draw_triangles(v.piece->coarse_first, v.piece->coarse_count);
+    } else {
+      draw_triangles(v.piece->fine_first, v.piece->fine_count);
+    }
   }
 }
 

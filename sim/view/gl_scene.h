@@ -42,7 +42,7 @@ class GlScene {
   void draw_shadow_map(const ScenePose& pose, ShadowMap& map);
   void draw_surfaces(const ScenePose& pose, const View& view, const ShadowMap& map,
                      const Eigen::Matrix4d& clip_from_world);
-  void draw_piece(const Piece& piece) const;
+  void draw_triangles(std::uint32_t first_index, std::uint32_t count) const;
 
   const Gl* gl_;
   const SceneModel* model_;

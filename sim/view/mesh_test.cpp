@@ -224,10 +224,11 @@ TEST(SceneModel, GroupsByFrameAndTextureInSmallPieces) {
   ASSERT_TRUE(model);
   std::uint32_t indices = 0;
   for (const Piece& piece : model->pieces) {
-    EXPECT_LE(piece.index_count, 3U * 600);
-    indices += piece.index_count;
+    EXPECT_LE(piece.fine_count, 3U * 600);
+    indices += piece.fine_count;
   }
   EXPECT_EQ(indices, 21U * 3 * 44);
+  EXPECT_EQ(model->pieces[1].coarse_count + model->pieces[2].coarse_count, 20U * 3 * 12);
   EXPECT_EQ(model->pieces.size(), 3U);  // 13 boxes, 7 boxes, and the one of the world
 }
 

@@ -36,7 +36,7 @@ bool may_be_seen(const Pinhole& camera, const Eigen::Vector3d& center, double ra
          !outside(-center.y(), bottom);
 }
 
-ShadowView fit_shadow_view(std::span<const Piece> casters, const ScenePose& pose, int texels) {
+ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose, int texels) {
   const Eigen::Vector3d back =
       Eigen::Vector3d(kKeyLight[0], kKeyLight[1], kKeyLight[2]).normalized();
   Eigen::Matrix3d light_from_world;
@@ -48,13 +48,19 @@ ShadowView fit_shadow_view(std::span<const Piece> casters, const ScenePose& pose
   const auto in_light = [&](const Piece& piece) -> Eigen::Vector3d {
     return light_from_world * (pose.frames[static_cast<std::size_t>(piece.frame)] * piece.center);
   };
-  for (const Piece& piece : casters) mean += in_light(piece);
-  if (!casters.empty()) mean /= static_cast<double>(casters.size());
+  int casters = 0;
+  for (const Piece& piece : pieces) {
+    if (piece.caster_count == 0) continue;
+    mean += in_light(piece);
+    ++casters;
+  }
+  if (casters > 0) mean /= casters;
   // Most casters are parts of the robot, so their mean is near it. What stands further off than this casts
   // no shadow: the map would become too coarse.
   constexpr double kReach = 1.5, kStep = 0.125;
   Eigen::Array3d low = mean, high = mean;
-  for (const Piece& piece : casters) {
+  for (const Piece& piece : pieces) {
+    if (piece.caster_count == 0) continue;
     const Eigen::Array3d c = in_light(piece);
     low = low.min(c - piece.radius);
     high = high.max(c + piece.radius);

@@ -39,16 +39,16 @@ void append(SceneModel& model, const Visual& visual, const Mesh& mesh) {
 void bound(const SceneModel& model, Piece& piece) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
   const auto position = [&](std::uint32_t i) {
-    const auto& p = model.vertices[model.indices[piece.first_index + i]].vertex.position;
+    const auto& p = model.vertices[model.indices[piece.fine_first + i]].vertex.position;
     return Eigen::Vector3d(p[0], p[1], p[2]);
   };
-  for (std::uint32_t i = 0; i < piece.index_count; ++i) {
+  for (std::uint32_t i = 0; i < piece.fine_count; ++i) {
     low = low.cwiseMin(position(i));
     high = high.cwiseMax(position(i));
   }
   piece.center = 0.5 * (low + high);
   piece.radius = 0;
-  for (std::uint32_t i = 0; i < piece.index_count; ++i) {
+  for (std::uint32_t i = 0; i < piece.fine_count; ++i) {
     piece.radius = std::max(piece.radius, (position(i) - piece.center).norm());
   }
 }
@@ -66,9 +66,10 @@ double extent(const Mesh& mesh) {
 struct Prepared {
   const Visual* visual;
   Mesh mesh;
-  Mesh caster;  // empty: casts no shadow
+  Mesh coarse;
   int texture;
   bool plane;
+  bool caster;
 };
 
 Result<std::vector<Prepared>> prepare(const Scene& scene, SceneModel& model) {
@@ -98,43 +99,56 @@ Result<std::vector<Prepared>> prepare(const Scene& scene, SceneModel& model) {
       texture = at->second;
     }
     const bool plane = visual.shape.kind == Shape::Kind::plane;
-    Mesh caster;
-    if (!plane && extent(*mesh) > kSmallestCaster) {
-      Result<Mesh> coarse = make_mesh(visual.shape, Detail::coarse);
-      if (coarse) caster = std::move(*coarse);
-    }
-    all.push_back({&visual, std::move(*mesh), std::move(caster), texture, plane});
+    Mesh coarse = make_mesh(visual.shape, Detail::coarse).value_or(*mesh);
+    const bool caster = !plane && extent(*mesh) > kSmallestCaster;
+    all.push_back({&visual, std::move(*mesh), std::move(coarse), texture, plane, caster});
   }
   return all;
 }
 
-// Adds a mesh to the last piece if that has the same key and room, else to a new one.
-template <class Key>
-class PieceBuilder {
- public:
-  PieceBuilder(SceneModel& model, std::vector<Piece>& pieces) : model_(model), pieces_(pieces) {}
+using Group = std::vector<const Prepared*>;
 
-  void add(const Key& key, const Prepared& p, const Mesh& mesh) {
-    const auto count = static_cast<std::uint32_t>(mesh.indices.size());
-    if (count == 0) return;
-    if (pieces_.empty() || key != key_ || pieces_.back().index_count + count > kLargestPiece) {
-      Piece piece;
-      piece.frame = p.visual->frame;
-      piece.texture = p.texture;
-      piece.ground = p.plane;
-      piece.first_index = static_cast<std::uint32_t>(model_.indices.size());
-      pieces_.push_back(piece);
-      key_ = key;
+// By frame and texture, in the order of the scene, grounds last.
+std::vector<Group> grouped(std::vector<Prepared>& all) {
+  const auto key = [](const Prepared& p) {
+    return std::make_tuple(p.plane, p.texture, p.visual->frame);
+  };
+  std::stable_sort(all.begin(), all.end(),
+                   [&](const Prepared& a, const Prepared& b) { return key(a) < key(b); });
+  std::vector<Group> groups;
+  std::size_t indices = 0;
+  for (const Prepared& p : all) {
+    if (groups.empty() || key(*groups.back().back()) != key(p) ||
+        indices + p.mesh.indices.size() > kLargestPiece) {
+      groups.emplace_back();
+      indices = 0;
     }
-    append(model_, *p.visual, mesh);
-    pieces_.back().index_count += count;
+    groups.back().push_back(&p);
+    indices += p.mesh.indices.size();
   }
+  return groups;
+}
 
- private:
-  SceneModel& model_;
-  std::vector<Piece>& pieces_;
-  Key key_{};
-};
+Piece add_piece(SceneModel& model, const Group& group) {
+  const auto size = [&] { return static_cast<std::uint32_t>(model.indices.size()); };
+  Piece piece;
+  piece.frame = group[0]->visual->frame;
+  piece.texture = group[0]->texture;
+  piece.ground = group[0]->plane;
+  piece.fine_first = size();
+  for (const Prepared* p : group) append(model, *p->visual, p->mesh);
+  piece.fine_count = size() - piece.fine_first;
+  piece.coarse_first = size();
+  for (const bool caster : {true, false}) {
+    for (const Prepared* p : group) {
+      if (p->caster == caster) append(model, *p->visual, p->coarse);
+    }
+    if (caster) piece.caster_count = size() - piece.coarse_first;
+  }
+  piece.coarse_count = size() - piece.coarse_first;
+  bound(model, piece);
+  return piece;
+}
 
 }  // namespace
 
@@ -143,19 +157,7 @@ Result<SceneModel> build_scene_model(const Scene& scene) {
   model.frames = scene.frames.size();
   Result<std::vector<Prepared>> prepared = prepare(scene, model);
   if (!prepared) return tl::unexpected(prepared.error());
-  using Key = std::tuple<bool, int, int>;
-  const auto key = [](const Prepared& p) { return Key(p.plane, p.texture, p.visual->frame); };
-  std::stable_sort(prepared->begin(), prepared->end(),
-                   [&](const Prepared& a, const Prepared& b) { return key(a) < key(b); });
-  PieceBuilder<Key> pieces(model, model.pieces);
-  for (const Prepared& p : *prepared) pieces.add(key(p), p, p.mesh);
-  std::stable_sort(prepared->begin(), prepared->end(), [](const Prepared& a, const Prepared& b) {
-    return a.visual->frame < b.visual->frame;
-  });
-  PieceBuilder<int> casters(model, model.casters);
-  for (const Prepared& p : *prepared) casters.add(p.visual->frame, p, p.caster);
-  for (Piece& piece : model.pieces) bound(model, piece);
-  for (Piece& piece : model.casters) bound(model, piece);
+  for (const Group& group : grouped(*prepared)) model.pieces.push_back(add_piece(model, group));
   return model;
 }
 

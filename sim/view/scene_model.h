@@ -25,7 +25,10 @@ struct Piece {
   int frame = 0;
   int texture = -1;     // index into SceneModel::textures, -1 none
   bool ground = false;  // planes: drawn last, cast no shadow
-  std::uint32_t first_index = 0, index_count = 0;
+  // Ranges of SceneModel::indices. The coarse meshes are for pieces that look small, and the first
+  // `caster_count` of them, those of visuals large enough to matter, for the shadow map.
+  std::uint32_t fine_first = 0, fine_count = 0;
+  std::uint32_t coarse_first = 0, coarse_count = 0, caster_count = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of a sphere around it, in the frame
   double radius = 0;
 };
@@ -34,7 +37,6 @@ struct SceneModel {
   std::vector<ColoredVertex> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<Piece> pieces;
-  std::vector<Piece> casters;  // coarse meshes for the shadow map, one or more a frame
   std::vector<Texture> textures;
   std::size_t frames = 0;
 };
