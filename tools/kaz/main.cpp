@@ -24,6 +24,20 @@ std::string spoken_name(const CLI::App& program) {
   return name;
 }
 
+// A first word that is no verb, which the parser would report as a missing one; empty if there is none.
+std::string unknown_verb(const CLI::App& program, int argc, char** argv) {
+  const CLI::App* app = &program;
+  for (int i = 1; i < argc && !app->get_subcommands(nullptr).empty() && argv[i][0] != '-'; ++i) {
+    const CLI::App* next = nullptr;
+    for (const CLI::App* verb : app->get_subcommands(nullptr)) {
+      if (verb->get_name() == argv[i]) next = verb;
+    }
+    if (next == nullptr) return argv[i];
+    app = next;
+  }
+  return "";
+}
+
 int report(const std::string& name, const kaz::Error& error) {
   std::fprintf(stderr, "%s: %s\n", name.c_str(), error.message.c_str());
   return static_cast<int>(error.fault);
@@ -55,7 +69,9 @@ int parse_and_run(int argc, char** argv) {
     return program.exit(asked);
   } catch (const CLI::ParseError& wrong) {
     const std::string name = spoken_name(program);
-    std::fprintf(stderr, "%s: %s; see `%s --help`\n", name.c_str(), wrong.what(), name.c_str());
+    const std::string verb = unknown_verb(program, argc, argv);
+    const std::string what = verb.empty() ? wrong.what() : "there is no verb `" + verb + "`";
+    std::fprintf(stderr, "%s: %s; see `%s --help`\n", name.c_str(), what.c_str(), name.c_str());
     return kUsage;
   }
   const kaz::Result<bool> done = action();

@@ -38,6 +38,7 @@ class LockstepRig final : public Rig {
       : simulation_(std::move(simulation)), clock_(raw_clock_, interrupt) {}
   host::Link& link() override { return link_; }
   host::Clock& clock() override { return clock_; }
+  Result<void> open_camera() override { return {}; }
   vision::Camera& camera() override { return camera_; }
   vision::Executor& executor() override { return *executor_; }
   Time camera_latency() const override { return from_seconds(simulation_->camera().latency_s); }
@@ -54,11 +55,17 @@ class LockstepRig final : public Rig {
 
 class RealRig final : public Rig {
  public:
-  RealRig(std::unique_ptr<host::TtyLink> link, std::unique_ptr<host::PublishedCamera> camera,
+  RealRig(std::unique_ptr<host::TtyLink> link, std::string camera_path,
           const host::Interrupt& interrupt)
-      : link_(std::move(link)), camera_(std::move(camera)), clock_(&interrupt) {}
+      : link_(std::move(link)), camera_path_(std::move(camera_path)), clock_(&interrupt) {}
   host::Link& link() override { return *link_; }
   host::Clock& clock() override { return clock_; }
+  Result<void> open_camera() override {
+    auto camera = host::PublishedCamera::connect(camera_path_);
+    if (!camera) return tl::unexpected(camera.error());
+    camera_ = std::move(*camera);
+    return {};
+  }
   vision::Camera& camera() override { return *camera_; }
   vision::Executor& executor() override { return *executor_; }
   Time camera_latency() const override { return camera_->latency(); }
@@ -66,6 +73,7 @@ class RealRig final : public Rig {
 
  private:
   std::unique_ptr<host::TtyLink> link_;
+  std::string camera_path_;
   std::unique_ptr<host::PublishedCamera> camera_;
   host::WallClock clock_;
   std::unique_ptr<vision::Executor> executor_ = vision::make_realtime_executor();
@@ -149,9 +157,7 @@ Result<std::unique_ptr<Rig>> Rig::open(const RigOptions& options, host::Interrup
   const auto address = parse_robot(options.robot);
   auto link = host::TtyLink::open(address->path, address->baud, &interrupt);
   if (!link) return tl::unexpected(link.error());
-  auto camera = host::PublishedCamera::connect(options.camera);
-  if (!camera) return tl::unexpected(camera.error());
-  return std::make_unique<RealRig>(std::move(*link), std::move(*camera), interrupt);
+  return std::make_unique<RealRig>(std::move(*link), options.camera, interrupt);
 }
 
 }  // namespace kaz::tools

@@ -28,13 +28,16 @@ struct RigOptions {
 
 class Rig {
  public:
-  // Errors: wrong or missing files (usage), ports and cameras that are not there (environment).
+  // Errors: wrong or missing files (usage), ports that are not there (environment).
   // `interrupt` ends waiting and must outlive the rig.
   static Result<std::unique_ptr<Rig>> open(const RigOptions& options, host::Interrupt& interrupt);
   virtual ~Rig() = default;
 
   virtual host::Link& link() = 0;
   virtual host::Clock& clock() = 0;
+  // To be called once, before camera() and camera_latency(): apart from open(), so that a board that does
+  // not answer is reported before a camera that is not there.
+  virtual Result<void> open_camera() = 0;
   virtual vision::Camera& camera() = 0;
   virtual vision::Executor& executor() = 0;
   // From exposure to arrival at the host.

@@ -119,6 +119,7 @@ Result<bool> run_session(SessionOptions options) {
   auto robot = host::Robot::connect((*rig)->link(), (*rig)->clock());
   if (!robot) return tl::unexpected(robot.error());
 
+  if (auto seen = (*rig)->open_camera(); !seen) return tl::unexpected(seen.error());
   RememberingCamera camera((*rig)->camera());
   host::Capture capture(camera, *robot);
   vision::BallFinderOptions finder_options;
