@@ -142,7 +142,7 @@ Image compose(std::span<const Panel> panels, int columns, int height_px) {
       cairo_set_source_surface(c, picture.get(), 0, 0);
       // Camera pixels are shown as they are; large pictures are made smaller smoothly.
       cairo_pattern_set_filter(cairo_get_source(c),
-                               scale >= 2 ? CAIRO_FILTER_NEAREST : CAIRO_FILTER_BEST);
+                               scale >= 2 ? CAIRO_FILTER_NEAREST : CAIRO_FILTER_GOOD);
       cairo_pattern_set_extend(cairo_get_source(c), CAIRO_EXTEND_PAD);
       cairo_paint(c);
       cairo_restore(c);

@@ -1,5 +1,5 @@
-/* CRC-16 (polynomial 0x1021, start 0xFFFF) over 1 KiB, bit by bit, `rounds` times. */
-/* SPDX-License-Identifier: Apache-2.0 */
+// CRC-16 (polynomial 0x1021, start 0xFFFF) over 1 KiB, bit by bit, `rounds` times.
+// SPDX-License-Identifier: Apache-2.0
 volatile unsigned rounds;
 volatile unsigned result;
 static unsigned char data[1024];

@@ -1,5 +1,5 @@
-/* Product of two 16x16 matrices of 16-bit numbers into 32 bits, `rounds` times. */
-/* SPDX-License-Identifier: Apache-2.0 */
+// Product of two 16x16 matrices of 16-bit numbers into 32 bits, `rounds` times.
+// SPDX-License-Identifier: Apache-2.0
 volatile unsigned rounds;
 volatile long result;
 static int a[16][16];
