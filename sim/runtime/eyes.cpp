@@ -85,6 +85,7 @@ void Eyes::expose(Time now, ScenePose pose) {
     if (result) {
       pair->left = take_image(pictures[0]);
       pair->right = take_image(pictures[1]);
+      images->set_value(pair);  // vision begins while the pictures are hashed
       if (hashed) {
         outcome.left_digest = sha256_hex(pair->left.rgb);
         outcome.right_digest = sha256_hex(pair->right.rgb);
@@ -93,9 +94,9 @@ void Eyes::expose(Time now, ScenePose pose) {
       draws.set_error(result.error());
       pair->left = black(left.camera);
       pair->right = black(right.camera);
+      images->set_value(pair);
     }
     outcome.images = pair;
-    images->set_value(pair);
     drawn->set_value(std::move(outcome));
   });
 
