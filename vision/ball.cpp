@@ -29,8 +29,8 @@ std::vector<Eigen::Vector3d> rays_of(const CameraModel& camera,
   return rays;
 }
 
-// A line along which the outline runs says little about where it is: rows serve at the left and right,
-// columns at the top and bottom. `center` is the middle of the first fit.
+// A line along which the outline runs says little about where it is: rows serve at the left and
+// right, columns at the top and bottom. `center` is the middle of the first fit.
 std::vector<OutlinePoint> well_crossed(const Image& image, const std::vector<OutlinePoint>& points,
                                        const Eigen::Vector2d& center) {
   std::vector<OutlinePoint> chosen;
@@ -64,11 +64,13 @@ Support support_of(const Cone& cone, const std::vector<Eigen::Vector3d>& rays,
   return {static_cast<double>(on) / static_cast<double>(rays.size()), sectors.count()};
 }
 
-// Pixels of the picture that lie within the cone. Of large balls every n-th in both directions counts.
+// Pixels of the picture that lie within the cone. Of large balls every n-th in both directions
+// counts.
 double pixels_within(const Cone& cone, const EllipseAxes& axes, const CameraModel& camera) {
   const double u = camera.fx * cone.axis.x() / cone.axis.z() + camera.cx;
   const double v = camera.fy * cone.axis.y() / cone.axis.z() + camera.cy;
-  // The cone's axis is not the middle of the ellipse, but within it: twice its longer half axis suffices.
+  // The cone's axis is not the middle of the ellipse, but within it: twice its longer half axis
+  // suffices.
   const double reach = 2 * focal(camera) * std::max(axes.across, axes.along) + 1;
   const int step = std::max(1, static_cast<int>(reach / 80));
   const auto bounds = [reach](double center, int size) {

@@ -1,11 +1,11 @@
 // Finds a ball of known radius and colour in one picture: where it points and how far it is.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The outline of a sphere is a circle on the sphere of directions (a cone of rays), though an ellipse in a
-// wide picture. With unit rays r to points of the outline, axis n and half angle alpha, n . r = cos(alpha)
-// for all of them: a least-squares fit of three numbers, exact in perspective, that needs only part of the
-// outline, so that a ball cut off at the edge of the picture is measured as well.
-// Distance of the centre = radius / sin(alpha).
+// The outline of a sphere is a circle on the sphere of directions (a cone of rays), though an
+// ellipse in a wide picture. With unit rays r to points of the outline, axis n and half angle
+// alpha, n . r = cos(alpha) for all of them: a least-squares fit of three numbers, exact in
+// perspective, that needs only part of the outline, so that a ball cut off at the edge of the
+// picture is measured as well. Distance of the centre = radius / sin(alpha).
 #pragma once
 
 #include <optional>
@@ -33,10 +33,12 @@ struct BallObservation {
   // Unit vector to the ball's centre, optical frame.
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
   double distance_m = 0;  // lens to centre
-  // 0..1: geometric mean of the share of the region's outline that lies on the fitted cone and the share
-  // of the cone that the region fills; less where under a third of the circumference was seen.
+  // 0..1: geometric mean of the share of the region's outline that lies on the fitted cone and the
+  // share of the cone that the region fills; less where under a third of the circumference was
+  // seen.
   double confidence = 0;
-  // Why the picture could not be looked at (camera gone, no pixels, wrong size): `found` is false then.
+  // Why the picture could not be looked at (camera gone, no pixels, wrong size): `found` is false
+  // then.
   std::optional<Error> error;
 
   Eigen::Vector3d position() const { return direction * distance_m; }  // m, optical frame
@@ -47,8 +49,9 @@ class BallDetector {
   explicit BallDetector(const BallOptions& options)
       : options_(options), extractor_(options.color) {}
 
-  // The camera's width and height must be those of the image, its focal lengths positive; otherwise, and
-  // for an empty image, the answer carries an error. Frame information is copied into the answer.
+  // The camera's width and height must be those of the image, its focal lengths positive;
+  // otherwise, and for an empty image, the answer carries an error. Frame information is copied
+  // into the answer.
   BallObservation detect(const Image& image, const FrameInfo& info);
 
   // What the last call to detect() saw, for pictures.

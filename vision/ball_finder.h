@@ -23,8 +23,8 @@ class BallFinder {
 
   // Never waits, though the pair's pixels may still be on their way.
   void submit(StereoPair pair);
-  // Observations that have become ready since the last call, in order of exposure; those without a ball
-  // too (found is false), and those that failed (error is set).
+  // Observations that have become ready since the last call, in order of exposure; those without a
+  // ball too (found is false), and those that failed (error is set).
   std::vector<BallObservation> poll(Time now);
 
  private:

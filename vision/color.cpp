@@ -20,8 +20,8 @@ Row combine(double y, double i, double q) {
   return row;
 }
 
-// weights . (R, G, B) >= least, scaled so that neither the positive nor the negative weights add up to
-// more than 128: with components of at most 255 the sum then fits 16 bits.
+// weights . (R, G, B) >= least, scaled so that neither the positive nor the negative weights add up
+// to more than 128: with components of at most 255 the sum then fits 16 bits.
 ColorExtractor::HalfSpace quantised(const Row& weights, double least) {
   double positive = 0, negative = 0;
   for (const double w : weights) (w > 0 ? positive : negative) += std::abs(w);
@@ -36,8 +36,8 @@ ColorExtractor::HalfSpace quantised(const Row& weights, double least) {
 #define KAZ_X86 1
 #endif
 
-// One pass over the pixels for N half-spaces. Split into planes first, in blocks that stay in the cache:
-// the second loop then is plain 16-bit arithmetic, which every compiler turns into vectors.
+// One pass over the pixels for N half-spaces. Split into planes first, in blocks that stay in the
+// cache: the second loop then is plain 16-bit arithmetic, which every compiler turns into vectors.
 template <std::size_t N>
 [[gnu::always_inline]] inline void extract_all(const std::uint8_t* rgb, std::uint8_t* mask,
                                                std::size_t pixels,
@@ -88,7 +88,8 @@ struct Kernels {
   Kernel plain, fast;
 };
 
-// By number of half-spaces, 1 to 10. Not target_clones: its resolvers run before the thread sanitizer does.
+// By number of half-spaces, 1 to 10. Not target_clones: its resolvers run before the thread
+// sanitizer does.
 Kernels kernels_for(std::size_t count) {
 #ifdef KAZ_X86
   static const bool avx2 = __builtin_cpu_supports("avx2") != 0;

@@ -22,7 +22,8 @@ TEST(Yiq, PrimariesByHand) {
   EXPECT_NEAR(white.q, 0, 1e-9);
 }
 
-// What a range means, in real numbers; `margin` is how far inside (positive) a colour lies, in codes.
+// What a range means, in real numbers; `margin` is how far inside (positive) a colour lies, in
+// codes.
 double margin(const ColorRange& range, double r, double g, double b) {
   const Yiq c = yiq_from_rgb(r, g, b);
   double m = std::min({c.y - range.y_min, range.y_max - c.y, c.i - range.i_min, range.i_max - c.i,

@@ -1,9 +1,12 @@
-// Pictures and what is known of the moment they were taken. The frame information goes with every result
-// through all of vision, however slow, so that a result is placed where the eyes were, not where they are.
+// Pictures and what is known of the moment they were taken.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Frames: optical (x right, y down, z forward, origin at the lens), foot (x forward, y left, z up, origin
-// at the sole of the supporting foot). Units m, rad, s. Paper section 4.1, "Frame Information Messaging".
+// The frame information goes with every result through all of vision, however slow, so that a
+// result is placed where the eyes were, not where they are.
+//
+// Frames: optical (x right, y down, z forward, origin at the lens), foot (x forward, y left, z up,
+// origin at the sole of the supporting foot). Units m, rad, s. Paper section 4.1, "Frame
+// Information Messaging".
 #pragma once
 
 #include <array>
@@ -20,7 +23,8 @@
 
 namespace kaz {
 
-// Host time: nanoseconds on the one clock of the host (simulated in lockstep, CLOCK_MONOTONIC otherwise).
+// Host time: nanoseconds on the one clock of the host (simulated in lockstep, CLOCK_MONOTONIC
+// otherwise).
 using Time = std::chrono::nanoseconds;
 
 inline double seconds(Time t) {
@@ -61,19 +65,22 @@ struct FrameInfo {
   Eigen::Isometry3d foot_from_eye = Eigen::Isometry3d::Identity();  // left optical frame
 };
 
-// A pair as the camera delivers it. The pixels may still be on their way: `images.get()` waits for them.
+// A pair as the camera delivers it. The pixels may still be on their way: `images.get()` waits for
+// them.
 struct StereoPair {
   FrameInfo info;
   std::shared_future<std::shared_ptr<const StereoImages>> images;
 };
 
-// A source of stereo pairs. Simulated, published by another process, V4L2, or files: vision cannot tell.
+// A source of stereo pairs. Simulated, published by another process, V4L2, or files: vision cannot
+// tell.
 class Camera {
  public:
   virtual ~Camera() = default;
   virtual const CameraModel& model() const = 0;
-  // The next pair that has reached the host and was not yet taken, oldest first; nothing if there is none.
-  // Never waits. An error means that no more will come (camera gone); the message says why.
+  // The next pair that has reached the host and was not yet taken, oldest first; nothing if there
+  // is none. Never waits. An error means that no more will come (camera gone); the message says
+  // why.
   virtual Result<std::optional<StereoPair>> poll() = 0;
 };
 

@@ -53,7 +53,8 @@ OutlinePoint refined(const Image& image, const OutlinePoint& point) {
                    3];
     return Eigen::Vector3d(p[0], p[1], p[2]);
   };
-  // Pixels -1 and 2 are taken as pure; light that falls off towards the rim is continued to pixel 0.
+  // Pixels -1 and 2 are taken as pure; light that falls off towards the rim is continued to pixel
+  // 0.
   const Eigen::Vector3d outer = color(2), inner = 2 * color(-1) - color(-2);
   const Eigen::Vector3d contrast = inner - outer;
   constexpr double kLeastContrast = 24;  // of 255 in each component: below that noise decides

@@ -21,8 +21,9 @@ struct OutlinePoint {
 // touches the edge of the picture there is no outline.
 std::vector<OutlinePoint> outline_of(const Region& region, int width, int height);
 
-// Moves a point along its line to where the colour changes from that of the region to that of what is
-// beside it: mixed pixels count by their share. The point as it was, where there is no room or no contrast.
+// Moves a point along its line to where the colour changes from that of the region to that of what
+// is beside it: mixed pixels count by their share. The point as it was, where there is no room or
+// no contrast.
 OutlinePoint refined(const Image& image, const OutlinePoint& point);
 
 }  // namespace kaz::vision

@@ -1,8 +1,9 @@
 // Where vision runs: beside the control loop, with results delivered at a defined time.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Design section 3. In lockstep a result arrives exactly a declared latency after its picture, however long
-// the computation took; against the wall clock it arrives when it is done, and old pictures are skipped.
+// Design section 3. In lockstep a result arrives exactly a declared latency after its picture,
+// however long the computation took; against the wall clock it arrives when it is done, and old
+// pictures are skipped.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +20,8 @@ struct Work {
   const void* module =
       nullptr;  // whose work: of one module, the newest waiting frame wins in real time
   Time due{};   // when the result exists in simulated time
-  // On a worker thread. Must return soon once the token is stopped, and must not throw: run_guarded() of
-  // this header turns exceptions into an Error.
+  // On a worker thread. Must return soon once the token is stopped, and must not throw:
+  // run_guarded() of this header turns exceptions into an Error.
   std::function<void(std::stop_token)> run;
   std::function<void()> deliver;  // on the thread that calls poll(), after run() returned
 };
@@ -30,8 +31,8 @@ struct ExecutorStatistics {
   std::uint64_t dropped = 0;  // replaced by a newer frame before work on them began
 };
 
-// submit(), poll() and statistics() belong to one thread. The destructor stops and joins the workers; work
-// not delivered by then is forgotten.
+// submit(), poll() and statistics() belong to one thread. The destructor stops and joins the
+// workers; work not delivered by then is forgotten.
 class Executor {
  public:
   virtual ~Executor() = default;

@@ -26,8 +26,8 @@ struct Region {
 // Works on runs of pixels, not on pixels: the cost is that of reading the mask once.
 class RegionFinder {
  public:
-  // All regions of at least `min_area` pixels, largest first; of equal area, the one first met from the
-  // top first. Valid until the next call.
+  // All regions of at least `min_area` pixels, largest first; of equal area, the one first met from
+  // the top first. Valid until the next call.
   std::span<const Region> find(const Mask& mask, int min_area = 1);
 
  private:

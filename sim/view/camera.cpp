@@ -8,7 +8,8 @@ namespace kaz::sim {
 
 namespace {
 
-// Columns: where the optical axes x (right), y (down), z (forward) point in a frame x forward, z up.
+// Columns: where the optical axes x (right), y (down), z (forward) point in a frame x forward, z
+// up.
 Eigen::Isometry3d optical_in_link(const Eigen::Vector3d& lens) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() << 0, 0, 1,  //

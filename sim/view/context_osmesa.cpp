@@ -11,6 +11,15 @@
 
 #include "sim/view/gl_renderer.h"
 
+// Leaks of libraries, not ours, that the leak checker would report: Mesa keeps 160 bytes of each
+// context, fontconfig its patterns. Weak, for another library of ours may bring the same list.
+#if defined(__SANITIZE_ADDRESS__)
+extern "C" const char* __lsan_default_suppressions();
+extern "C" [[gnu::weak]] const char* __lsan_default_suppressions() {
+  return "leak:libOSMesa.so\nleak:libfontconfig.so\n";
+}
+#endif
+
 namespace kaz::sim {
 
 namespace {

@@ -62,7 +62,8 @@ TEST_P(Grounds, TheBallIsFoundWhereItIs) {
         ASSERT_TRUE(ball.found) << at.transpose();
         EXPECT_NEAR(ball.center_u, pixel.x(), 0.35) << at.transpose();
         EXPECT_NEAR(ball.center_v, pixel.y(), 0.35) << at.transpose();
-        // At 0.8 m the radius is 4.8 px; a raster without anti-aliasing leaves 0.05 px rms of it open.
+        // At 0.8 m the radius is 4.8 px; a raster without anti-aliasing leaves 0.05 px rms of it
+        // open.
         const double error = ball.distance_m / eye.norm() - 1;
         EXPECT_NEAR(error, 0, 0.04) << at.transpose();
         squares += error * error;

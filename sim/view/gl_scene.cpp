@@ -212,7 +212,8 @@ void GlScene::draw_surfaces(const ScenePose& pose, const View& view, const Shado
     }
     surface.program.set(surface.world_from_model,
                         pose.frames[static_cast<std::size_t>(v.piece->frame)].matrix());
-    // Samples that the piece's radius covers: a bevel or a facet of a small one is less than a pixel.
+    // Samples that the piece's radius covers: a bevel or a facet of a small one is less than a
+    // pixel.
     const double samples = view.samples_per_axis * view.camera.fx * v.piece->radius / v.depth;
     if (v.depth > v.piece->radius && samples < kSmall) {
       draw_triangles(v.piece->coarse_first, v.piece->coarse_count);

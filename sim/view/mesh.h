@@ -31,7 +31,8 @@ struct Mesh {
   void quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d);
 };
 
-// Fine meshes are for pictures, coarse ones (closed, about a quarter of the triangles) for the shadow map.
+// Fine meshes are for pictures, coarse ones (closed, about a quarter of the triangles) for the
+// shadow map.
 enum class Detail { fine, coarse };
 
 // Fine: edges are bevelled by min(2 mm, 12 % of the shortest side), shaded as if they were round.

@@ -12,8 +12,8 @@ double sign_of_bit(int bits, int bit) {
   return (bits >> bit & 1) != 0 ? 1.0 : -1.0;
 }
 
-// The 24 vertices of a bevelled box: each corner (bits x, y, z: 1 is the positive side) has one for each of
-// the three faces that meet there.
+// The 24 vertices of a bevelled box: each corner (bits x, y, z: 1 is the positive side) has one for
+// each of the three faces that meet there.
 struct BoxVertices {
   std::array<std::array<std::uint32_t, 3>, 8> of;  // [corner][axis of the face]
 };

@@ -1,8 +1,9 @@
 // Meshes from OBJ and STL files.
 // SPDX-License-Identifier: Apache-2.0
 //
-// STL: https://www.fabbers.com/tech/STL_Format; a binary file has 80 bytes of header, a count, and 50 bytes a
-// triangle, and is known by that its size fits its count. OBJ: v, vn and f lines; others are passed over.
+// STL: https://www.fabbers.com/tech/STL_Format; a binary file has 80 bytes of header, a count, and
+// 50 bytes a triangle, and is known by that its size fits its count. OBJ: v, vn and f lines; others
+// are passed over.
 #include <bit>
 #include <cstring>
 #include <fstream>

@@ -106,7 +106,8 @@ TEST(Box, BevelsItsEdges) {
   const Mesh fine = box_mesh({0.1, 0.1, 0.1});
   EXPECT_EQ(fine.vertices.size(), 24U);
   EXPECT_EQ(fine.indices.size(), 3U * 44);
-  // 2 mm off at each edge: twelve prisms of 2 x 2 / 2 mm^2 over 96 mm, eight corners of 2^3 * 5/6 mm^3.
+  // 2 mm off at each edge: twelve prisms of 2 x 2 / 2 mm^2 over 96 mm, eight corners of 2^3 * 5/6
+  // mm^3.
   const double expected = 1e6 - 12 * 0.5 * 4 * 96 - 8 * 8 * 5.0 / 6;
   EXPECT_NEAR(volume(fine) * 1e9, expected, 1);
   EXPECT_EQ(box_mesh({0.1, 0.1, 0.1}, Detail::coarse).indices.size(), 3U * 12);

@@ -55,8 +55,8 @@ ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose,
     ++casters;
   }
   if (casters > 0) mean /= casters;
-  // Most casters are parts of the robot, so their mean is near it. What stands further off than this casts
-  // no shadow: the map would become too coarse.
+  // Most casters are parts of the robot, so their mean is near it. What stands further off than
+  // this casts no shadow: the map would become too coarse.
   constexpr double kReach = 1.5, kStep = 0.125;
   Eigen::Array3d low = mean, high = mean;
   for (const Piece& piece : pieces) {

@@ -1,6 +1,7 @@
-// Pictures of a scene. One interface, so that another way to get an off-screen OpenGL context (EGL
-// surfaceless) can stand beside OSMesa.
+// Pictures of a scene, from the robot's eyes or from outside.
 // SPDX-License-Identifier: Apache-2.0
+//
+// An interface, so that other ways to get an off-screen OpenGL context can stand beside OSMesa.
 #pragma once
 
 #include <cstdint>

@@ -54,7 +54,8 @@ Blob red_blob(const Picture& p) {
   return blob;
 }
 
-// The outline of a sphere is an ellipse whose axes and centre follow from the cone of rays around it.
+// The outline of a sphere is an ellipse whose axes and centre follow from the cone of rays around
+// it.
 struct Outline {
   double u, v, mean_radius;
 };
@@ -151,7 +152,8 @@ TEST(Renderer, DisparityIsFocalLengthTimesBaselineOverDepth) {
   const Blob l = red_blob(draw(*renderer, s.pose, left)),
              r = red_blob(draw(*renderer, s.pose, right));
   const double depth = 0.5 - 0.030;
-  // 381.36 px * 0.040 m / 0.47 m = 32.5 px; the ellipses' middles differ from the centres by less than 0.1.
+  // 381.36 px * 0.040 m / 0.47 m = 32.5 px; the ellipses' middles differ from the centres by less
+  // than 0.1.
   EXPECT_NEAR(l.u - r.u, left.camera.fx * 0.040 / depth, 0.3);
   EXPECT_NEAR(l.v, r.v, 0.1);
 }
@@ -188,8 +190,9 @@ TEST(Renderer, ABallCastsAShadowOnTheGround) {
   const Picture on = draw(*renderer, s.pose, view);
   s.pose.frames[static_cast<std::size_t>(ball)].translation().z() = 5;
   const Picture off = draw(*renderer, s.pose, view);
-  // From the centre the key light's ray goes on (-0.55, 0.50, -1): it meets the ground 0.011 m behind and
-  // 0.010 m to the left. That is under the ball; a ray past its left side lands further left.
+  // From the centre the key light's ray goes on (-0.55, 0.50, -1): it meets the ground 0.011 m
+  // behind and 0.010 m to the left. That is under the ball; a ray past its left side lands further
+  // left.
   const Eigen::Vector2d at = project(view, {0.4 - 0.015, 0.03, 0});
   const auto brightness = [&](const Picture& p) {
     const auto u = static_cast<int>(std::lround(at.x())), v = static_cast<int>(std::lround(at.y()));

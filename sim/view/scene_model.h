@@ -1,5 +1,5 @@
-// A scene as the graphics card wants it: one vertex buffer, pieces that are drawn with one call
-// each. SPDX-License-Identifier: Apache-2.0
+// A scene as the graphics card wants it: one vertex buffer, and pieces drawn with one call each.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>

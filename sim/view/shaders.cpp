@@ -29,8 +29,8 @@ vec3 shaded_light(vec3 n) {
 }
 )";
 
-// Textured surfaces are flat and matt: their light is computed at the corners. It is the ground that
-// fills the pictures.
+// Textured surfaces are flat and matt: their light is computed at the corners. It is the ground
+// that fills the pictures.
 constexpr const char* kSurfaceVertex = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -46,8 +46,8 @@ out vec3 v_shadow;
 #ifdef TEXTURED
 uniform float repeats_per_m;
 out vec2 v_uv;
-out vec3 v_shaded;
-out vec3 v_key;
+flat out vec3 v_shaded;
+flat out vec3 v_key;
 #else
 out vec3 v_normal;
 out vec3 v_color;
@@ -77,8 +77,8 @@ uniform sampler2DShadow shadow_map;
 uniform float shadow_texel;
 #ifdef TEXTURED
 in vec2 v_uv;
-in vec3 v_shaded;
-in vec3 v_key;
+flat in vec3 v_shaded;
+flat in vec3 v_key;
 uniform sampler2D pattern;
 #else
 in vec3 v_normal;

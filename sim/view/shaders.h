@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Colours in a scene and in pictures are codes c of which the light is c^2 (close to sRGB, and
-// cheap). Light adds up as light: a key light from the upper right front with a shadow, a hemisphere
-// of ambient light, a weak fill light from the left, a small highlight. Distance fades to the
-// horizon's colour.
+// cheap). Light adds up as light: a key light from the upper right front with a shadow, a
+// hemisphere of ambient light, a weak fill light from the left, a small highlight. Distance fades
+// to the horizon's colour.
 #pragma once
 
 #include <string>

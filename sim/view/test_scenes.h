@@ -51,8 +51,7 @@ struct TestScene {
   }
 };
 
-// A table scene of the size in which the renderers of other projects were measured: 4,300 triangles, 23
-// pieces, checkered ground.
+// A table with twenty objects: 5,200 triangles in 22 pieces on a checkered ground.
 inline TestScene table_scene() {
   TestScene s;
   s.add_ground("checker");

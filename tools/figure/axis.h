@@ -15,8 +15,8 @@ struct Axis {
   std::string label(double value) const;  // as many decimals as the step needs
 };
 
-// About `count` ticks. With `widen`, the ends move out to whole steps; otherwise they stay. Ends that are
-// equal, in the wrong order or not finite give a range that can be drawn nevertheless.
+// About `count` ticks. With `widen`, the ends move out to whole steps; otherwise they stay. Ends
+// that are equal, in the wrong order or not finite give a range that can be drawn nevertheless.
 Axis make_axis(double low, double high, int count, bool widen);
 
 }  // namespace kaz::figure

@@ -1,4 +1,4 @@
-// Pictures and plots for results and documentation: files, overlays, panels with captions, line plots.
+// Pictures and plots for results: files, overlays, panels with captions, line plots.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -23,14 +23,16 @@ inline constexpr Color kBlue{0.12, 0.42, 0.75}, kRed{0.84, 0.19, 0.15}, kGreen{0
     kOrange{0.93, 0.53, 0.11}, kPurple{0.48, 0.32, 0.66}, kGrey{0.45, 0.47, 0.50},
     kYellow{0.98, 0.85, 0.20}, kWhite{1, 1, 1}, kBlack{0, 0, 0};
 
-// --- files -------------------------------------------------------------------------------------------
-// Every write goes to a temporary file beside the target that is then renamed: a reader sees the old file
+// --- files
+// ------------------------------------------------------------------------------------------- Every
+// write goes to a temporary file beside the target that is then renamed: a reader sees the old file
 // or the new one, never half of it. Errors name the path and the system's reason.
 
 Result<void> write_png(const std::string& path, const Image& image);
 Result<void> write_file(const std::string& path, std::span<const std::uint8_t> bytes);
 
-// --- pictures ----------------------------------------------------------------------------------------
+// --- pictures
+// ----------------------------------------------------------------------------------------
 // Coordinates are pixels with centres at integers, as in vision/frame.h.
 
 // White where the mask is set, on black; with `picture`, its own colours on a darkened grey copy.
@@ -55,7 +57,8 @@ struct Panel {
 // Side by side in rows of `columns`, each scaled to `height_px`, captions beneath.
 Image compose(std::span<const Panel> panels, int columns, int height_px);
 
-// --- plots -------------------------------------------------------------------------------------------
+// --- plots
+// -------------------------------------------------------------------------------------------
 
 struct Series {
   std::string label;
