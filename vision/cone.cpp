@@ -75,10 +75,10 @@ std::optional<Cone> least_median(std::span<const Eigen::Vector3d> rays) {
 }
 
 Eigen::Matrix<double, 3, 2> tangents(const Eigen::Vector3d& axis) {
-  const Eigen::Vector3d helper =
+  const Eigen::Vector3d aside =
       std::abs(axis.x()) < 0.6 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
   Eigen::Matrix<double, 3, 2> t;
-  t.col(0) = axis.cross(helper).normalized();
+  t.col(0) = axis.cross(aside).normalized();
   t.col(1) = axis.cross(t.col(0));
   return t;
 }
