@@ -153,10 +153,10 @@ std::uint64_t Simulation::pairs_left_out() const {
   return eyes_ ? eyes_->left_out() : 0;
 }
 
-Result<Picture> Simulation::picture(const View& view) {
+Result<Picture> Simulation::picture(const View& view, const ScenePose& pose) {
   std::promise<Result<Picture>> promise;
   auto future = promise.get_future();
-  draws_.submit([&promise, &view, pose = world_->pose()](const Result<Renderer*>& renderer) {
+  draws_.submit([&promise, &view, &pose](const Result<Renderer*>& renderer) {
     Picture picture;
     if (!renderer) return promise.set_value(tl::unexpected(renderer.error()));
     if (auto drawn = (*renderer)->render(pose, view, picture); !drawn)

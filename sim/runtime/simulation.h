@@ -81,8 +81,8 @@ class Simulation {
   // The same without the declared latency: for a publisher, whose readers wait for it themselves.
   std::optional<vision::StereoPair> next_exposed_pair();
   std::uint64_t pairs_left_out() const;
-  // A picture of the world as it stands now, by an onlooker.
-  Result<Picture> picture(const View& view);
+  // A picture of the world as it stood at `pose` (World::pose()), by an onlooker. Waits for it.
+  Result<Picture> picture(const View& view, const ScenePose& pose);
 
   ServoBoard& board() { return board_; }
   const ServoBoard& board() const { return board_; }

@@ -90,7 +90,7 @@ TEST(Simulation, OutsideViewShowsTheWorldAsItStands) {
   view.camera.width = 16;
   view.camera.height = 8;
   view.world_from_optical.translation() = Eigen::Vector3d(0.1, 0.05, 0);
-  const auto picture = simulation->picture(view);
+  const auto picture = simulation->picture(view, simulation->world().pose());
   ASSERT_TRUE(picture);
   EXPECT_EQ(picture->rgb.size(), 16u * 8 * 3);
   EXPECT_EQ(picture->rgb[0], 100);

@@ -22,6 +22,7 @@ sim::View onlooker() {
   axes << right, forward.cross(right), forward;
   sim::View view;
   view.camera = sim::Pinhole::from_horizontal_view(kOutsideWidth, kOutsideHeight, 0.78);
+  view.samples_per_axis = 2;
   view.world_from_optical.linear() = axes;
   view.world_from_optical.translation() = eye;
   return view;
@@ -50,16 +51,18 @@ LeftEye look(const vision::Image& left, const vision::FrameInfo& info) {
 
 }  // namespace
 
-Result<void> Album::take(Time now) {
-  if (!camera_.newest()) return {};
+void Album::take(Time now) {
+  if (!camera_.newest()) return;
   Moment moment{now, *camera_.newest(), {}};
-  if (simulation_ != nullptr) {
-    auto outside = simulation_->picture(onlooker());
-    if (!outside) return tl::unexpected(outside.error());
-    moment.outside = {outside->width, outside->height, std::move(outside->rgb)};
-  }
+  if (simulation_ != nullptr) moment.pose = simulation_->world().pose();
   moments_.push_back(std::move(moment));
-  return {};
+}
+
+Result<vision::Image> Album::outside(const Moment& moment) const {
+  if (simulation_ == nullptr) return vision::Image{};
+  auto picture = simulation_->picture(onlooker(), moment.pose);
+  if (!picture) return tl::unexpected(picture.error());
+  return vision::Image{picture->width, picture->height, std::move(picture->rgb)};
 }
 
 Result<std::vector<std::string>> Album::write(const OutputFolder& folder) const {
@@ -77,12 +80,14 @@ Result<std::vector<std::string>> Album::write(const OutputFolder& folder) const 
     LeftEye eye = look(images->left, moment.pair.info);
     char when[32];
     std::snprintf(when, sizeof when, "%.1f s", seconds(moment.time));
-    if (moment.outside.width > 0) panels.push_back({moment.outside, when});
+    auto outside_view = outside(moment);
+    if (!outside_view) return tl::unexpected(outside_view.error());
+    if (outside_view->width > 0) panels.push_back({*outside_view, when});
     panels.push_back({eye.marked, std::string("left eye, ") + when});
     panels.push_back({eye.extraction, "colour extraction"});
     if (eye.found || !best) {
       best = std::move(eye);
-      best_outside = moment.outside;
+      best_outside = std::move(*outside_view);
     }
   }
   if (!best) return names;

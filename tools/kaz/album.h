@@ -36,8 +36,8 @@ class Album {
   Album(const RememberingCamera& camera, sim::Simulation* simulation)
       : camera_(camera), simulation_(simulation) {}
 
-  // Keeps what is to be seen now. Fails only where drawing fails.
-  Result<void> take(Time now);
+  // Keeps what is to be seen now. The onlooker's view is drawn only by write().
+  void take(Time now);
 
   // left_eye.png, color_extraction.png, outside.png of the latest moment with a ball in sight, and
   // moments.png with all of them. Returns the names written.
@@ -47,8 +47,10 @@ class Album {
   struct Moment {
     Time time{};
     vision::StereoPair pair;
-    vision::Image outside;  // empty without a simulation
+    sim::ScenePose pose;  // of the world; empty without a simulation
   };
+  Result<vision::Image> outside(const Moment& moment) const;
+
   const RememberingCamera& camera_;
   sim::Simulation* simulation_;
   std::vector<Moment> moments_;

@@ -51,7 +51,6 @@ class Listener final : public behavior::Sink {
 
   const behavior::Recording& recording() const { return recording_; }
   const TruthProbe* probe() const { return probe_ ? &*probe_ : nullptr; }
-  const std::optional<Error>& album_error() const { return album_error_; }
 
  private:
   static constexpr int kMoments = 4;
@@ -68,9 +67,9 @@ class Listener final : public behavior::Sink {
     return start_;
   }
   void take_moment(Time now) {
-    if (moments_ == kMoments || album_error_) return;
+    if (moments_ == kMoments) return;
     ++moments_;
-    if (auto taken = album_.take(now); !taken) album_error_ = taken.error();
+    album_.take(now);
   }
   void record(const nlohmann::ordered_json& value) {
     if (rig_.simulation() != nullptr) rig_.simulation()->record_behavior(value.dump());
@@ -84,7 +83,6 @@ class Listener final : public behavior::Sink {
   std::string phase_;
   int moments_ = 0;
   std::optional<TruthProbe> probe_;
-  std::optional<Error> album_error_;
   behavior::Recording recording_;
 };
 
@@ -142,7 +140,6 @@ Result<bool> run_session(SessionOptions options) {
   progress.done();
   if (!outcome) return tl::unexpected(outcome.error());
   if (!health) return tl::unexpected(health.error());
-  if (listener.album_error()) return tl::unexpected(*listener.album_error());
 
   RunReport report{options.behavior,
                    options.rig,
