@@ -4,8 +4,7 @@ volatile unsigned rounds;
 volatile unsigned result;
 static unsigned char data[1024];
 
-static unsigned crc16(const unsigned char* p, unsigned n)
-{
+static unsigned crc16(const unsigned char* p, unsigned n) {
   unsigned crc = 0xffff;
   unsigned k;
   while (n-- != 0) {
@@ -15,8 +14,7 @@ static unsigned crc16(const unsigned char* p, unsigned n)
   return crc;
 }
 
-int main(void)
-{
+int main(void) {
   unsigned k;
   unsigned n;
   for (k = 0; k < sizeof data; k++) data[k] = (unsigned char)(k * 7 + (k >> 8));

@@ -6,8 +6,7 @@ static int a[16][16];
 static int b[16][16];
 static long c[16][16];
 
-static void multiply(void)
-{
+static void multiply(void) {
   int i;
   int j;
   int k;
@@ -19,8 +18,7 @@ static void multiply(void)
     }
 }
 
-int main(void)
-{
+int main(void) {
   unsigned n;
   int i;
   int j;
