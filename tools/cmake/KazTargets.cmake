@@ -14,9 +14,12 @@ if(KAZ_WERROR)
   target_compile_options(kaz_flags INTERFACE -Werror)
 endif()
 if(KAZ_SANITIZE)
-  # The instrumentation makes g++ 12 believe that library code uses uninitialised values.
   target_compile_options(kaz_flags INTERFACE -fsanitize=${KAZ_SANITIZE} -fno-omit-frame-pointer
-                                             -fno-sanitize-recover=all -Wno-maybe-uninitialized)
+                                             -fno-sanitize-recover=all)
+  # The instrumentation makes g++ 12 believe that library code uses uninitialised values.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(kaz_flags INTERFACE -Wno-maybe-uninitialized)
+  endif()
   target_link_options(kaz_flags INTERFACE -fsanitize=${KAZ_SANITIZE})
 endif()
 if(KAZ_COVERAGE)
