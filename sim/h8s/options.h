@@ -6,8 +6,21 @@
 
 namespace kaz::h8s {
 
+// How instructions are executed. The three give the same registers, memory and states at every
+// boundary; they differ in speed alone.
+enum class Engine {
+  reference,    // decodes each instruction anew from memory: slow, the judge of the others
+  interpreter,  // decodes once
+  translator,   // interpreter, and host code for what runs often; x86-64 with asmjit at build time,
+                // elsewhere the same as `interpreter`
+};
+
+// Whether this build and host can translate.
+bool translator_available();
+
 // Defaults are the best reading of the H8S/2128's siblings; README.md tells the evidence of each.
 struct Options {
+  Engine engine = Engine::translator;
   // MD1, MD0 at reset: 2 is advanced (24-bit), 3 normal (16-bit), both single chip.
   int mode = 2;
   // A request is taken at the first instruction boundary later than this many states after it.

@@ -43,6 +43,7 @@ void Machine::attach() {
   cpu.block = block_.data();
   cpu.code = code_.get();
   cpu.hooks = !hooks.empty();
+  cpu.engine = options.engine;
 }
 
 void Machine::take_state(const Machine& other) {

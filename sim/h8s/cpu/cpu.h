@@ -6,12 +6,15 @@
 #include <cstdint>
 #include <limits>
 
+#include "sim/h8s/options.h"
+
 namespace kaz::h8s {
 
 using States = std::int64_t;
 inline constexpr States kNever = std::numeric_limits<States>::max();
 
 class Machine;
+class Translator;
 struct Cpu;
 struct Insn;
 
@@ -81,6 +84,8 @@ struct Cpu {
   std::uint32_t ram_base = kBlock + kRam;
   Machine* machine = nullptr;
   bool hooks = false;  // any code hooks set
+  Engine engine = Engine::interpreter;
+  Translator* translator = nullptr;  // null: none
 
   std::uint8_t control = 0x80;  // bits I, UI, U of CCR in their places
   std::uint8_t exr = 0x7f;
@@ -146,8 +151,13 @@ inline const Insn* jump_to(Cpu& c, const Insn* from, std::uint32_t address) {
 // Decodes the instruction at `ip` in place and gives its handler.
 Handler decode_in_place(Cpu& c, const Insn* ip);
 
-// Runs instructions until now >= stop.
+// The same from memory each time, branches in their general form: for the reference engine.
+Handler decode_afresh(Cpu& c, const Insn* ip);
+
+// Runs instructions with the engine of `c` until now >= stop (run.cpp).
 void run_stretch(Cpu& c);
+void run_reference(Cpu& c);
+void run_interpreter(Cpu& c);
 
 // Whether Machine keeps a code hook for this address.
 bool hooked_here(const Cpu& c, std::uint32_t pc);

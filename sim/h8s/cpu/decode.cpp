@@ -223,19 +223,39 @@ Stretch stretch_of(const Cpu& c, std::uint32_t index) {
 
 }  // namespace
 
-Handler decode_in_place(Cpu& c, const Insn* ip) {
-  const auto index = static_cast<std::uint32_t>(ip - c.code);
-  Insn& slot = c.code[index];
+namespace {
+
+// Fetches and decodes into the slot; the stretch of memory it came from.
+Stretch decode_slot(Cpu& c, Insn& slot, std::uint32_t index) {
   const Stretch stretch = stretch_of(c, index);
   if (stretch.units == 0) {
     slot = {fetch_outside, 0, 0, 0, 0, 1};
-    return slot.run;
+    return stretch;
   }
   std::array<std::uint16_t, kMaxUnits> units{};
   const std::size_t available = std::min<std::size_t>(stretch.units, kMaxUnits);
   for (std::size_t k = 0; k < available; ++k) units[k] = big16(stretch.bytes + 2 * k);
   const Decoded decoded = decode(std::span(units).first(available), c.normal);
   slot = decoded.opcode ? decoded.insn : Insn{undefined, units[0], 0, 0, 0, 1};
+  return stretch;
+}
+
+}  // namespace
+
+Handler decode_afresh(Cpu& c, const Insn* ip) {
+  if (ip == &c.outside) return ip->run;
+  const auto index = static_cast<std::uint32_t>(ip - c.code);
+  Insn& slot = c.code[index];
+  decode_slot(c, slot, index);
+  if (c.hooks && hooked_here(c, pc_of(c, ip))) slot = {announce, 0, 0, 0, 0, slot.units};
+  return slot.run;
+}
+
+Handler decode_in_place(Cpu& c, const Insn* ip) {
+  const auto index = static_cast<std::uint32_t>(ip - c.code);
+  Insn& slot = c.code[index];
+  const Stretch stretch = decode_slot(c, slot, index);
+  if (stretch.units == 0) return slot.run;
   if (const Handler near = near_branch(slot.run)) {
     const std::int64_t to =
         static_cast<std::int64_t>(index) + slot.units + (static_cast<std::int32_t>(slot.imm) >> 1);
@@ -274,24 +294,6 @@ const Insn* at_address(Cpu& c, std::uint32_t address) {
   }
   c.outside = {fetch_outside, address, 0, 0, 0, 1};
   return &c.outside;
-}
-
-void run_stretch(Cpu& c) {
-  const Insn* ip = c.ip;
-  States now = c.now;
-  std::int64_t executed = 0;
-  while (now < c.stop) {
-    Handler run = ip->run;
-    if (!run) [[unlikely]]
-      run = decode_in_place(c, ip);
-    now += ip->states;
-    c.now = now;
-    c.ip = ip;
-    ip = run(c, ip);
-    ++executed;
-  }
-  c.ip = ip;
-  c.executed += executed;
 }
 
 }  // namespace kaz::h8s
