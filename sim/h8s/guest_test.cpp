@@ -5,6 +5,12 @@
 
 #include "sim/h8s/testing.h"
 
+namespace on_this_machine {
+#define main mix
+#include "sim/h8s/testdata/mix.c"
+#undef main
+}  // namespace on_this_machine
+
 namespace kaz::h8s::testing {
 namespace {
 
@@ -55,6 +61,17 @@ TEST(Guest, Matrix) {
     EXPECT_EQ(
         static_cast<std::int32_t>(chip.peek32(chip.symbols().address_of("result").value()).value()),
         trace);
+  }
+}
+
+TEST(Guest, Mix) {
+  on_this_machine::rounds = 100;
+  on_this_machine::mix();
+  for (const char* file : {"mix.coff", "mix0.coff"}) {
+    Chip chip = loaded(file, 100);
+    EXPECT_EQ(chip.run_until(100'000'000).reason, Stop::Reason::asleep_forever);
+    EXPECT_EQ(chip.peek16(chip.symbols().address_of("result").value()), on_this_machine::result);
+    EXPECT_TRUE(chip.misuse().empty());
   }
 }
 
