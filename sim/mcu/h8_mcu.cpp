@@ -20,11 +20,12 @@ std::uint8_t level_of(h8s::PortOutput out, std::uint8_t pull) {
 
 }  // namespace
 
-Result<std::unique_ptr<H8Mcu>> H8Mcu::load(const std::string& image_path) {
+Result<std::unique_ptr<H8Mcu>> H8Mcu::load(const std::string& image_path,
+                                           const h8s::Options& options) {
   auto image = h8s::load_image(image_path);
   if (!image) return fail(Fault::usage, image.error().message);
 
-  h8s::Chip chip;
+  h8s::Chip chip(options);
   if (auto loaded = chip.load(*image); !loaded) return fail(Fault::usage, loaded.error().message);
   if (image->symbols.symbols().empty()) {
     const auto beside = std::filesystem::path(image_path).replace_extension(".coff");

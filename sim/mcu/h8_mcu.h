@@ -17,8 +17,9 @@ namespace kaz::sim {
 
 class H8Mcu final : public Mcu {
  public:
-  // As make_h8().
-  static Result<std::unique_ptr<H8Mcu>> load(const std::string& image_path);
+  // As make_h8(), with what the emulator leaves to choose.
+  static Result<std::unique_ptr<H8Mcu>> load(const std::string& image_path,
+                                             const h8s::Options& options = {});
 
   std::string engine() const override { return "h8"; }
   States now() const override { return base_ + chip_.now(); }

@@ -1,0 +1,28 @@
+// The emulator's engines by name.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/h8s/options.h"
+
+namespace kaz::bench {
+
+// The one that Options choose by default comes first.
+inline std::vector<std::string> engine_names() {
+  return {"interpreter"};
+}
+
+inline h8s::Options options_of(const std::string& engine) {
+  h8s::Options options;
+  (void)engine;
+  return options;
+}
+
+// Numbers of the default engine have the plain name.
+inline std::string named(const std::string& name, const std::string& engine) {
+  return engine == engine_names().front() ? name : name + "." + engine;
+}
+
+}  // namespace kaz::bench

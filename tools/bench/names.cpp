@@ -1,0 +1,65 @@
+// The names of the table, their units, and what the project wants of them.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <ctime>
+#include <utility>
+
+#include "tools/bench/bench.h"
+
+namespace kaz::bench {
+
+const std::vector<Name>& names() {
+  static const std::vector<Name> all{
+      {"mcu.mips.crc", "M instr/s", 300, 1000, true, 0},
+      {"mcu.mips.matrix", "M instr/s", 300, 1000, true, 0},
+      {"mcu.mips.mix", "M instr/s", 300, 1000, true, 0},
+      {"mcu.mips.firmware", "M instr/s", 0, 0, true, 0},
+      {"mcu.mstates.crc", "M states/s", 0, 0, true, 0},
+      {"mcu.mstates.matrix", "M states/s", 0, 0, true, 0},
+      {"mcu.mstates.mix", "M states/s", 0, 0, true, 0},
+      {"mcu.mstates.firmware", "M states/s", 0, 0, true, 0},
+      {"mcu.host_per_guest.crc", "instr", 0, 0, false, 1},
+      {"mcu.host_per_guest.matrix", "instr", 0, 0, false, 1},
+      {"mcu.host_per_guest.mix", "instr", 0, 0, false, 1},
+      {"mcu.host_per_guest.firmware", "instr", 0, 0, false, 1},
+      {"mcu.firmware_x", "x real", 50, 200, true, 1},
+      {"mcu.tick_worst", "% of tick", 75, 60, false, 1},
+      {"mcu.tick_median", "% of tick", 45, 35, false, 1},
+  };
+  return all;
+}
+
+void Results::remark(const std::string& text) {
+  if (std::find(remarks_.begin(), remarks_.end(), text) == remarks_.end()) remarks_.push_back(text);
+}
+
+std::optional<double> Results::get(std::string_view name) const {
+  const auto found = values_.find(name);
+  if (found == values_.end()) return std::nullopt;
+  return found->second;
+}
+
+Group each_engine(std::vector<std::string> gives, PerEngine measure) {
+  return {
+      std::move(gives),
+      [measure = std::move(measure)](const Settings& settings, Results& results) -> Result<void> {
+        for (const auto& engine : settings.engines) {
+          if (auto done = measure(settings, engine, results); !done) return done;
+        }
+        return {};
+      }};
+}
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+}  // namespace kaz::bench
