@@ -78,7 +78,7 @@ Stop Chip::step() {
   return machine_->run(*this, kNever, true);
 }
 States Chip::now() const {
-  return machine_->cpu.now;
+  return machine_->time();
 }
 std::int64_t Chip::instructions() const {
   return machine_->cpu.executed;
@@ -210,16 +210,19 @@ void Chip::set_input(Port port, int bit, bool level) {
   if (bit < 0 || bit > 7) return;
   machine_->ports.set_input(*machine_, static_cast<unsigned>(port), static_cast<unsigned>(bit),
                             level, now());
+  machine_->disturbed();
 }
 
 void Chip::release_input(Port port, int bit) {
   if (bit < 0 || bit > 7) return;
   machine_->ports.set_input(*machine_, static_cast<unsigned>(port), static_cast<unsigned>(bit),
                             std::nullopt, now());
+  machine_->disturbed();
 }
 
 void Chip::set_nmi(bool level) {
   machine_->irq.set_nmi_pin(level, (machine_->system.syscr & 4) != 0, now());
+  machine_->disturbed();
 }
 
 void Chip::on_output(std::function<void(const OutputChange&)> listener) {
@@ -252,6 +255,7 @@ Result<void> Chip::receive(int sci, const ReceivedByte& byte) {
     return fail("byte received at state " + std::to_string(byte.at) + " lies before state " +
                 std::to_string(earliest) + " (now, or the byte queued last)");
   queue.push_back(byte);
+  machine_->disturbed();
   return {};
 }
 

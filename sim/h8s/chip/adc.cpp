@@ -40,6 +40,7 @@ void Adc::start(Machine& m, States at) {
   sampled_ = false;
   next_ = at + delay + (fast() ? kSampleFast : kSampleSlow);
   end_ = at + delay + (fast() ? kConvertFast : kConvertSlow);
+  m.rescheduled(Source::adc);
 }
 
 void Adc::trigger(Machine& m, unsigned source, States at) {

@@ -40,6 +40,7 @@ void Interrupts::set(unsigned vector, bool level, States at) {
   if (level == ((pending_[vector / 64] & bit) != 0)) return;
   pending_[vector / 64] ^= bit;
   since_[vector] = level ? at : kNever;
+  raised_ |= level;
 }
 
 bool Interrupts::priority(unsigned vector) const {

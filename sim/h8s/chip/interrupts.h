@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "sim/h8s/chip/sticky.h"
 #include "sim/h8s/cpu/cpu.h"
@@ -25,6 +26,9 @@ class Interrupts {
 
   // A source raises or drops its request; `at` counts when it rises.
   void set(unsigned vector, bool level, States at);
+  bool any() const { return (pending_[0] | pending_[1]) != 0; }
+  // Whether a request has been raised since this was last asked.
+  bool take_raised() { return std::exchange(raised_, false); }
   bool requested(unsigned vector) const { return since_[vector] != kNever; }
 
   // The request to accept at an instruction boundary, by mask bits I and UI of `control`.
@@ -53,6 +57,7 @@ class Interrupts {
 
   std::array<States, vec::count> since_ = filled();
   std::array<std::uint64_t, 2> pending_{};
+  bool raised_ = false;
   std::array<std::uint8_t, 3> icr_{};
   StickyFlags isr_;
   std::uint8_t iscrh_ = 0, iscrl_ = 0, ier_ = 0, abrkcr_ = 0;

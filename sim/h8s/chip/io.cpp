@@ -3,9 +3,7 @@
 #include "sim/h8s/chip/machine.h"
 
 namespace kaz::h8s {
-namespace {
-
-enum class Unit {
+enum class Unit : std::uint8_t {
   none,
   absent,
   interrupts,
@@ -21,25 +19,21 @@ enum class Unit {
   pwm_clock
 };
 
-// Registers that have nothing to do with when something happens next. Port 6 is where timers count and
-// capture.
-bool timeless(Unit unit, std::uint32_t a) {
-  return unit == Unit::pwm || unit == Unit::pwm_clock ||
-         (unit == Unit::ports && a != 0xffb9 && a != 0xffbb);
-}
-
+// Which module a register belongs to.
 struct Place {
   Unit unit = Unit::none;
-  int stop = -1;   // bit of MSTPCR
-  unsigned n = 0;  // channel
+  std::int8_t stop = -1;  // bit of MSTPCR
+  std::uint8_t n = 0;     // channel
 };
 
-bool within(std::uint32_t a, std::uint32_t first, std::uint32_t last) {
+namespace {
+
+constexpr bool within(std::uint32_t a, std::uint32_t first, std::uint32_t last) {
   return a >= first && a <= last;
 }
 
 // The banks that STCR and others switch are resolved here (h8s2128, access multiplexing).
-Place place_of(std::uint32_t a, std::uint8_t stcr) {
+constexpr Place find_place(std::uint32_t a, std::uint8_t stcr) {
   const bool iice = (stcr & 0x10) != 0, flshe = (stcr & 0x08) != 0;
   if (a == 0xfee4) return {Unit::adc, Stop_adc};
   if (within(a, 0xfee8, 0xfeed) || within(a, 0xfef4, 0xfef7) || a == 0xffc2)
@@ -50,10 +44,10 @@ Place place_of(std::uint32_t a, std::uint8_t stcr) {
     return {a >= 0xff83 ? Unit::system : Unit::none};
   }
   if (within(a, 0xff88, 0xff8f) || within(a, 0xffd8, 0xffdf)) {
-    const unsigned n = a >= 0xffd8 ? 0 : 1, offset = a & 7;
+    const std::uint8_t n = a >= 0xffd8 ? 0 : 1, offset = a & 7;
     const bool iic = iice && (offset <= 1 || offset >= 6);
     if (iic || offset == 7) return {Unit::absent};
-    return {Unit::sci, n == 0 ? static_cast<int>(Stop_sci0) : static_cast<int>(Stop_sci1), n};
+    return {Unit::sci, n == 0 ? std::int8_t{Stop_sci0} : std::int8_t{Stop_sci1}, n};
   }
   if (within(a, 0xff90, 0xff9f)) return {Unit::frt, Stop_frt};
   if (within(a, 0xffa8, 0xffa9)) return {Unit::wdt, -1, 0};
@@ -69,7 +63,69 @@ Place place_of(std::uint32_t a, std::uint8_t stcr) {
   return {};
 }
 
+// The same by table: FE00..FFFF in each combination of the bits of STCR that switch banks.
+constexpr unsigned kBankShift = 3, kBanks = 4;
+constexpr std::uint32_t kFirstPlace = 0xfe00, kPlaces = 0x200;
+
+constexpr auto make_places() {
+  std::array<std::array<Place, kPlaces>, kBanks> places{};
+  for (std::uint32_t bank = 0; bank < kBanks; ++bank) {
+    for (std::uint32_t k = 0; k < kPlaces; ++k)
+      places[bank][k] = find_place(kFirstPlace + k, static_cast<std::uint8_t>(bank << kBankShift));
+  }
+  return places;
+}
+constexpr auto kAllPlaces = make_places();
+
+const Place& place_of(std::uint32_t a, std::uint8_t stcr) {
+  return kAllPlaces[stcr >> kBankShift & (kBanks - 1)][a & (kPlaces - 1)];
+}
+
+Source source_of(const Place& p) {
+  switch (p.unit) {
+    case Unit::sci:
+      return p.n == 0 ? Source::sci0 : Source::sci1;
+    case Unit::wdt:
+      return p.n == 0 ? Source::wdt0 : Source::wdt1;
+    case Unit::adc:
+      return Source::adc;
+    case Unit::frt:
+      return Source::frt;
+    default:
+      return Source::tmr;
+  }
+}
+
 }  // namespace
+
+// What an access to a register may have moved: nothing, its module's next event, or anything.
+void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
+  switch (p.unit) {
+    case Unit::frt:
+    case Unit::tmr:
+    case Unit::adc:
+    case Unit::sci:
+    case Unit::wdt: {
+      const Source source = source_of(p);
+      // Reading only brings a module up to date.
+      if (written || events_[static_cast<unsigned>(source)] <= time()) rescheduled(source);
+      break;
+    }
+    case Unit::ports:
+      // Port 6 is where timers count and capture.
+      if (written && (a == 0xffb9 || a == 0xffbb)) disturbed();
+      break;
+    case Unit::none:
+    case Unit::absent:
+    case Unit::pwm:
+    case Unit::pwm_clock:
+      break;
+    default:
+      if (written) disturbed();
+      break;
+  }
+  if (irq.take_raised()) end_stretch(cpu);
+}
 
 bool Machine::is_io(std::uint32_t address) const {
   const std::uint32_t a = address & 0xffff;
@@ -84,10 +140,21 @@ bool Machine::wide(std::uint32_t address) const {
 }
 
 std::uint8_t Machine::io_read(std::uint32_t address) {
+  const Place& p = place_of(address & 0xffff, system.stcr);
+  const std::uint8_t value = read_register(p, address);
+  accessed(p, address & 0xffff, false);
+  return value;
+}
+
+void Machine::io_write(std::uint32_t address, std::uint8_t value) {
+  const Place& p = place_of(address & 0xffff, system.stcr);
+  write_register(p, address & 0xffff, value);
+  accessed(p, address & 0xffff, true);
+}
+
+std::uint8_t Machine::read_register(const Place& p, std::uint32_t address) {
   const std::uint32_t a = address & 0xffff;
-  const Place p = place_of(a, system.stcr);
   const States at = time();
-  if (!timeless(p.unit, a)) next_event_known_ = false;
   if (p.stop >= 0 && stopped(static_cast<unsigned>(p.stop))) {
     misuse(a, "read of a register whose module is stopped (MSTPCR)");
     return options.undefined_read;
@@ -123,7 +190,7 @@ std::uint8_t Machine::io_read(std::uint32_t address) {
 
 std::optional<std::uint8_t> Machine::io_peek(std::uint32_t address) {
   const std::uint32_t a = address & 0xffff;
-  const Place p = place_of(a, system.stcr);
+  const Place& p = place_of(a, system.stcr);
   switch (p.unit) {
     case Unit::interrupts:
       return irq.peek(a);
@@ -175,11 +242,8 @@ std::optional<std::uint8_t> Machine::io_peek(std::uint32_t address) {
   }
 }
 
-void Machine::io_write(std::uint32_t address, std::uint8_t value) {
-  const std::uint32_t a = address & 0xffff;
-  const Place p = place_of(a, system.stcr);
+void Machine::write_register(const Place& p, std::uint32_t a, std::uint8_t value) {
   const States at = time();
-  if (!timeless(p.unit, a)) next_event_known_ = false;
   if (p.stop >= 0 && stopped(static_cast<unsigned>(p.stop))) {
     misuse(a, "write to a register whose module is stopped (MSTPCR); it has no effect");
     return;
@@ -226,9 +290,10 @@ void Machine::io_write(std::uint32_t address, std::uint8_t value) {
 }
 
 void Machine::io_write_word(std::uint32_t address, std::uint16_t value) {
-  const Place p = place_of(address & 0xffff, system.stcr);
+  const Place& p = place_of(address & 0xffff, system.stcr);
   if (p.unit == Unit::wdt) {
     wdt[p.n].write_word(*this, p.n, value, time());
+    accessed(p, address & 0xffff, true);
     return;
   }
   io_write(address, static_cast<std::uint8_t>(value >> 8));

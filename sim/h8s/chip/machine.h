@@ -42,6 +42,12 @@ struct SystemRegisters {
   std::uint16_t mstpcr = 0x3fff;
 };
 
+// Modules that have events, in the order in which those of one state are worked off.
+enum class Source : unsigned { sci0, wdt0, sci1, wdt1, adc, frt, tmr };
+inline constexpr unsigned kSources = 7;
+
+struct Place;
+
 struct CodeFree {
   void operator()(Insn* p) const;
 };
@@ -74,6 +80,10 @@ class Machine {
     if (listeners.output) listeners.output({unit, index, at});
   }
   void misuse(std::uint32_t address, const char* text);
+  // The module's next event may have moved. While instructions run: they stop in time for it.
+  void rescheduled(Source source);
+  // Anything may have moved: somebody outside, a hook, or what is not known closer.
+  void disturbed();
   void pin_edge(unsigned port, unsigned bit, bool rising, States at);
 
   // --- memory ------------------------------------------------------------------------------------
@@ -131,11 +141,16 @@ class Machine {
 
  private:
   void attach();
+  std::uint8_t read_register(const Place& place, std::uint32_t address);
+  void write_register(const Place& place, std::uint32_t a, std::uint8_t value);
+  void accessed(const Place& place, std::uint32_t a, bool written);
   void write_system(std::uint32_t address, std::uint8_t value, States at);
   void set_module_stop(std::uint16_t value, States at);
+  // Brings every module up to `to`, whether it has an event or not.
   void run_modules(States to);
+  void advance(Source source, States to);
+  States event_of(Source source);
   States next_event();
-  States earliest_event();
   void run_events();
   bool take_interrupt();
   bool could_wake() const;
@@ -153,10 +168,11 @@ class Machine {
       kNoAddress;  // its hook has been called, the instruction has not run yet
   std::uint32_t unhooked_ = kNoAddress;  // decoded as it is, whatever hooks there are
   bool first_after_reset_ = false;
-  // The modules' next event, worked out again only where a register access, an event, a hook or somebody
-  // outside may have moved it.
+  // When each module's next event is, worked out again only where an access, an event, a hook or
+  // somebody outside may have moved it; the first of them.
+  std::array<States, kSources> events_{};
   States next_event_ = 0;
-  bool next_event_known_ = false;
+  bool events_known_ = false;
 };
 
 }  // namespace kaz::h8s

@@ -17,12 +17,6 @@ std::uint32_t ram_offset(const Cpu& c, std::uint32_t address) {
   return 0;
 }
 
-// The access touches a register: it takes longer, and what it does may concern interrupts.
-void register_access(Cpu& c, int further_states) {
-  c.stall += further_states;
-  end_stretch(c);
-}
-
 }  // namespace
 
 void raise_fault(Cpu& c, Fault fault, std::uint32_t address) {
@@ -46,7 +40,7 @@ std::uint8_t slow_load8(Cpu& c, std::uint32_t address) {
     raise_fault(c, Fault::unmapped, address);
     return 0xff;
   }
-  register_access(c, 1);
+  add_stall(c, 1);
   return c.machine->io_read(address);
 }
 
@@ -61,9 +55,9 @@ std::uint16_t slow_load16(Cpu& c, std::uint32_t address) {
     return 0xffff;
   }
   const bool wide = c.machine->wide(address);
-  register_access(c, 1);
+  add_stall(c, 1);
   const unsigned high = c.machine->io_read(address);
-  if (!wide) c.stall += 2;
+  if (!wide) add_stall(c, 2);
   return static_cast<std::uint16_t>(high << 8 | c.machine->io_read(address + 1));
 }
 
@@ -74,7 +68,7 @@ void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value) {
   } else if (address < c.flash_size) {
     c.machine->flash_control.latch(*c.machine, address, value);
   } else if (c.machine->is_io(address)) {
-    register_access(c, 1);
+    add_stall(c, 1);
     c.machine->io_write(address, value);
   } else {
     raise_fault(c, Fault::unmapped, address);
@@ -92,11 +86,17 @@ void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value) {
     c.machine->flash_control.latch(*c.machine, address, static_cast<std::uint8_t>(value >> 8));
     c.machine->flash_control.latch(*c.machine, address + 1, static_cast<std::uint8_t>(value));
   } else if (c.machine->is_io(address)) {
-    register_access(c, c.machine->wide(address) ? 1 : 3);
+    add_stall(c, c.machine->wide(address) ? 1 : 3);
     c.machine->io_write_word(address, value);
   } else {
     raise_fault(c, Fault::unmapped, address);
   }
+}
+
+void mask_changed(Cpu& c, bool hold_off) {
+  if (c.now < c.stop && !c.machine->irq.any()) return;
+  c.hold_off = hold_off;
+  end_stretch(c);
 }
 
 bool hooked_here(const Cpu& c, std::uint32_t pc) {

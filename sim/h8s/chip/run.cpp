@@ -16,37 +16,92 @@ std::string hex6(std::uint32_t value) {
 
 }  // namespace
 
+States Machine::event_of(Source source) {
+  switch (source) {
+    case Source::sci0:
+      return sci[0].next_event();
+    case Source::wdt0:
+      return wdt[0].next_event(*this, 0);
+    case Source::sci1:
+      return sci[1].next_event();
+    case Source::wdt1:
+      return wdt[1].next_event(*this, 1);
+    case Source::adc:
+      return adc.next_event();
+    case Source::frt:
+      return stopped(Stop_frt) ? kNever : frt.next_event(epoch);
+    case Source::tmr:
+      return stopped(Stop_tmr) ? kNever : tmr.next_event(*this);
+  }
+  return kNever;
+}
+
+void Machine::advance(Source source, States to) {
+  switch (source) {
+    case Source::sci0:
+      return sci[0].advance(*this, 0, to);
+    case Source::wdt0:
+      return wdt[0].advance(*this, 0, to);
+    case Source::sci1:
+      return sci[1].advance(*this, 1, to);
+    case Source::wdt1:
+      return wdt[1].advance(*this, 1, to);
+    case Source::adc:
+      return adc.advance(*this, to);
+    case Source::frt:
+      return frt.advance(*this, to);
+    case Source::tmr:
+      return tmr.advance(*this, to);
+  }
+}
+
 States Machine::next_event() {
-  if (!next_event_known_) next_event_ = earliest_event();
-  next_event_known_ = true;
+  if (!events_known_) {
+    for (unsigned k = 0; k < kSources; ++k) events_[k] = event_of(static_cast<Source>(k));
+    next_event_ = *std::min_element(events_.begin(), events_.end());
+    events_known_ = true;
+  }
   return next_event_;
 }
 
-States Machine::earliest_event() {
-  States first = std::min({sci[0].next_event(), sci[1].next_event(), adc.next_event(),
-                           wdt[0].next_event(*this, 0), wdt[1].next_event(*this, 1)});
-  if (!stopped(Stop_frt)) first = std::min(first, frt.next_event(epoch));
-  if (!stopped(Stop_tmr)) first = std::min(first, tmr.next_event(*this));
-  return first;
+void Machine::rescheduled(Source source) {
+  if (!events_known_) return;
+  const States at = event_of(source);
+  States& known = events_[static_cast<unsigned>(source)];
+  const bool was_first = known == next_event_;
+  known = at;
+  if (at <= next_event_)
+    next_event_ = at;
+  else if (was_first)
+    next_event_ = *std::min_element(events_.begin(), events_.end());
+  cpu.stop = std::min(cpu.stop, at - cpu.stall);
+}
+
+void Machine::disturbed() {
+  events_known_ = false;
+  end_stretch(cpu);
 }
 
 void Machine::run_modules(States to) {
-  next_event_known_ = false;
-  for (unsigned n = 0; n < 2; ++n) {
-    sci[n].advance(*this, n, to);
-    wdt[n].advance(*this, n, to);
-  }
-  adc.advance(*this, to);
-  frt.advance(*this, to);
-  tmr.advance(*this, to);
+  events_known_ = false;
+  for (unsigned k = 0; k < kSources; ++k) advance(static_cast<Source>(k), to);
 }
 
-// Events in the order of their times, so that one may lead to the next.
+// Events in the order of their times, so that one may lead to the next. A module without one is
+// left alone until somebody looks at it.
 void Machine::run_events() {
-  for (States at = next_event(); at <= cpu.now; at = next_event()) run_modules(at);
+  for (States at = next_event(); at <= cpu.now; at = next_event()) {
+    for (unsigned k = 0; k < kSources; ++k) {
+      const auto source = static_cast<Source>(k);
+      if ((events_known_ ? events_[k] : event_of(source)) > at) continue;
+      advance(source, at);
+      rescheduled(source);
+    }
+  }
 }
 
 bool Machine::take_interrupt() {
+  if (!irq.any()) return false;
   const auto vector =
       irq.choose(cpu.now, cpu.control, cpu.two_level, options.interrupt_decision_states);
   if (!vector) return false;
@@ -117,7 +172,7 @@ Machine::Hooked Machine::run_hook(Chip& chip) {
     hook_done_ = at;
     const Chip::CodeHook hook = found->second;  // it may remove itself
     const HookAction action = hook(chip);
-    next_event_known_ = false;
+    events_known_ = false;
     if (pc() != at) hook_done_ = kNoAddress;
     if (action == HookAction::stop) return Hooked::stop;
     return Hooked::ran;  // look at everything again: the hook may have changed registers
@@ -135,20 +190,22 @@ Machine::Hooked Machine::run_hook(Chip& chip) {
 Stop Machine::run(Chip& chip, States until, bool single) {
   const std::int64_t executed = cpu.executed;
   const States began = cpu.now;
-  next_event_known_ = false;
+  events_known_ = false;
   for (;;) {
     if (dead) return *dead;
     if (cpu.fault != Fault::none) return stop_for_fault();
     run_events();
     if (watchdog_reset) {
       reset(ResetCause::watchdog, cpu.now + options.watchdog_reset_states);
-      next_event_known_ = false;
+      events_known_ = false;
       if (listeners.watchdog) listeners.watchdog(cpu.now);
     }
     if (single ? cpu.executed != executed || cpu.now != began : cpu.now >= until) return {};
     const bool guarded = cpu.hold_off || first_after_reset_;
     if (!guarded && take_interrupt()) continue;
-    const States wake = irq.earliest(cpu.control, cpu.two_level, options.interrupt_decision_states);
+    const States wake =
+        irq.any() ? irq.earliest(cpu.control, cpu.two_level, options.interrupt_decision_states)
+                  : kNever;
     const States event = std::min(next_event(), wake);
     if (cpu.asleep) {
       if (event == kNever && !could_wake())

@@ -71,8 +71,8 @@ struct Cpu {
   Flags flags;
   const Insn* ip = nullptr;  // the instruction that runs, or runs next
   States now = 0;            // end of that instruction, without `stall`
-  States stop = 0;           // the inner loop ends at the first boundary at or after this
-  States stall = 0;          // further states: I/O accesses, block moves
+  States stop = 0;           // the inner loop ends at the first boundary where now >= stop
+  States stall = 0;          // further states of this stretch: I/O accesses, block moves
   std::int64_t executed = 0;
 
   std::uint8_t* flash = nullptr;
@@ -111,6 +111,16 @@ struct Cpu {
 inline void end_stretch(Cpu& c) {
   c.stop = std::numeric_limits<States>::min();
 }
+
+// Time that `now` will not hold before the stretch ends; `stop` comes nearer instead.
+inline void add_stall(Cpu& c, int states) {
+  c.stall += states;
+  if (c.stop > 0) c.stop -= states;
+}
+
+// The interrupt mask has changed, or an instruction that keeps interrupts off has run: ends the
+// stretch unless nothing is requested.
+void mask_changed(Cpu& c, bool hold_off);
 
 inline std::uint8_t ccr(const Cpu& c) {
   const Flags& f = c.flags;

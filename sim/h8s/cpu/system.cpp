@@ -31,8 +31,7 @@ void write_control(Cpu& c, u32 value) {
     set_ccr(c, value & 0xff);
   else
     c.exr = static_cast<u8>(value | 0x78);
-  c.hold_off = true;
-  end_stretch(c);
+  mask_changed(c, true);
 }
 
 template <Target target>
@@ -127,8 +126,7 @@ const Insn* rte(Cpu& c, const Insn* i) {
   const u32 low = c.fault == Fault::stack ? 0 : pop<u16>(c);
   if (c.fault == Fault::stack) return i + 1;
   set_ccr(c, high >> 8);
-  c.hold_off = c.rte_holds_off;
-  end_stretch(c);
+  mask_changed(c, c.rte_holds_off);
   return jump_to(c, i, c.normal ? low : (high & 0xff) << 16 | low);
 }
 
@@ -143,7 +141,7 @@ void move_byte(Cpu& c) {
   store8(c, c.er[6], load8(c, c.er[5]));
   ++c.er[5];
   ++c.er[6];
-  c.stall += 2;
+  add_stall(c, 2);
 }
 
 const Insn* eepmov_b(Cpu& c, const Insn* i) {
@@ -156,10 +154,10 @@ const Insn* eepmov_b(Cpu& c, const Insn* i) {
 // May be left between two bytes: by an interrupt (the next instruction is stacked, so that the rest
 // of the block is the program's business) or just because an event is due, after which it goes on.
 const Insn* eepmov_w(Cpu& c, const Insn* i) {
-  if (c.moving) c.stall -= i->states;
+  if (c.moving) add_stall(c, -i->states);
   c.moving = false;
   while ((c.er[4] & 0xffff) != 0 && c.fault == Fault::none) {
-    if (c.now + c.stall >= c.stop) {
+    if (c.now >= c.stop) {
       c.moving = true;
       --c.executed;
       end_stretch(c);
