@@ -1,0 +1,52 @@
+// One instruction at a time on the chip and on the tests' own model, with chosen or random operands.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "sim/h8s/chip.h"
+#include "sim/h8s/cpu/oracle.h"
+
+namespace kaz::h8s::oracle {
+
+// The units of a form with these field values.
+std::vector<u16> encode(const Form& form, const Fields& fields);
+
+// A chip and a model of it with the same memory, filled at random.
+class Bench {
+ public:
+  explicit Bench(bool normal, const Options& options = {});
+
+  // Runs the instruction at `at` from this state on both. Empty when they agree, else what differs.
+  std::string trial(const Form& form, const std::vector<u16>& units, const World& before, u32 at);
+  // Fields, registers and flags at random, often at the borders; addresses point at memory or, if
+  // `io`, at registers that keep what is written.
+  std::string random_trial(const Form& form, bool io);
+  // Whole RAM of both; empty when equal.
+  std::string compare_memory();
+
+  World world;  // the model; its memory is this object's
+  Chip chip;
+  std::mt19937 random{12345};
+
+  static constexpr u32 kFlashCode = 0x3000, kRamCode = 0xffe200;
+
+ private:
+  u8 model_read(u32 address);
+  void model_write(u32 address, u8 value);
+  u32 border(u32 bits);
+  u32 data_address(const Form& form, int bytes, bool io);
+  int io_states(const Access& a) const;
+  void aim(const Form& form, Fields& f, World& before, bool io);
+
+  u32 code_at_ = 0;
+  std::vector<u16> code_;
+  std::vector<u8> flash_, ram_;  // RAM: 0xffe000 up
+  std::map<u32, u8> io_;
+  std::string outside_;  // an address without memory that the model touched
+};
+
+}  // namespace kaz::h8s::oracle
