@@ -2,17 +2,31 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <tuple>
 
 #include "sim/h8s/cpu/oracle_bench.h"
 
 namespace kaz::h8s::oracle {
 namespace {
 
-class Mode : public ::testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(Cpu, Mode, ::testing::Bool(), [](const auto& mode) {
-  return mode.param ? std::string("normal") : std::string("advanced");
-});
+// Normal mode or not, and the engine.
+class Mode : public ::testing::TestWithParam<std::tuple<bool, Engine>> {
+ protected:
+  static Options options() {
+    Options chosen;
+    chosen.engine = std::get<1>(GetParam());
+    return chosen;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Cpu, Mode,
+                         ::testing::Combine(::testing::Bool(),
+                                            ::testing::Values(Engine::reference,
+                                                              Engine::interpreter)),
+                         [](const auto& info) {
+                           const auto [normal, engine] = info.param;
+                           return std::string(normal ? "normal_" : "advanced_") +
+                                  (engine == Engine::reference ? "reference" : "interpreter");
+                         });
 
 // Whether the form touches data that may lie in registers: bytes, or words in steps of even
 // addresses. Block moves would run over registers that do not keep what is written.
@@ -21,7 +35,7 @@ bool touches_data(const Form& form) {
 }
 
 TEST_P(Mode, EachFormDoesWhatTheManualSays) {
-  Bench bench(GetParam());
+  Bench bench(std::get<0>(GetParam()), options());
   int wrong = 0, trials = 0;
   for (const Form& form : forms()) {
     for (int k = 0; k < 1000; ++k) {
@@ -40,7 +54,7 @@ TEST_P(Mode, EachFormDoesWhatTheManualSays) {
 
 // The same with operands among the registers of both buses: contents, flags and states.
 TEST_P(Mode, EachFormReachesRegistersAtTheirSpeed) {
-  Bench bench(GetParam());
+  Bench bench(std::get<0>(GetParam()), options());
   int wrong = 0, tried = 0;
   for (const Form& form : forms()) {
     if (!touches_data(form)) continue;

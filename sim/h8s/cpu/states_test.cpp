@@ -198,28 +198,5 @@ TEST(IoWidth, WordOnTimerBusTakesTwoStates) {
   }
 }
 
-TEST(NormalMode, CallsStackOneWord) {
-  Options options;
-  options.mode = 3;
-  Image image;
-  image.segments.push_back({0, 0, "vectors", {0x10, 0x00}});
-  image.segments.push_back({0x1000, 0x1000, "code", {0x55, 0x10}});  // bsr
-  image.segments.push_back({0x1012, 0x1012, "code", {0x54, 0x70}});  // rts
-  Chip chip(options);
-  ASSERT_TRUE(chip.load(image).has_value());
-  chip.power_on();
-  Registers r = chip.registers();
-  r.er[7] = 0xf000;
-  chip.set_registers(r);
-  chip.step();
-  EXPECT_EQ(chip.now(), 3);
-  EXPECT_EQ(chip.registers().pc, 0x1012u);
-  EXPECT_EQ(chip.registers().er[7], 0xeffeu);
-  EXPECT_EQ(chip.peek16(0xeffe), 0x1002);
-  chip.step();
-  EXPECT_EQ(chip.now(), 3 + 4);
-  EXPECT_EQ(chip.registers().pc, 0x1002u);
-}
-
 }  // namespace
 }  // namespace kaz::h8s::testing
