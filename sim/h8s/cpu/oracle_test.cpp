@@ -18,15 +18,16 @@ class Mode : public ::testing::TestWithParam<std::tuple<bool, Engine>> {
     return chosen;
   }
 };
+std::string name_of(const ::testing::TestParamInfo<std::tuple<bool, Engine>>& mode) {
+  const std::string name = std::get<0>(mode.param) ? "normal" : "advanced";
+  return name + (std::get<1>(mode.param) == Engine::reference ? "_reference" : "_interpreter");
+}
+
 INSTANTIATE_TEST_SUITE_P(Cpu, Mode,
                          ::testing::Combine(::testing::Bool(),
                                             ::testing::Values(Engine::reference,
                                                               Engine::interpreter)),
-                         [](const auto& info) {
-                           const auto [normal, engine] = info.param;
-                           return std::string(normal ? "normal_" : "advanced_") +
-                                  (engine == Engine::reference ? "reference" : "interpreter");
-                         });
+                         name_of);
 
 // Whether the form touches data that may lie in registers: bytes, or words in steps of even
 // addresses. Block moves would run over registers that do not keep what is written.
