@@ -54,29 +54,24 @@ bool Interrupts::acceptable(unsigned vector, std::uint8_t control, bool two_leve
   return two_level && !(control & 0x40) && priority(vector);
 }
 
-std::optional<unsigned> Interrupts::choose(States boundary, std::uint8_t control, bool two_level,
-                                           int decision) const {
-  std::optional<unsigned> low;
+Interrupts::Choice Interrupts::choose(States boundary, std::uint8_t control, bool two_level,
+                                      int decision) const {
+  Choice choice;
   for (unsigned half = 0; half < 2; ++half) {
     for (std::uint64_t left = pending_[half]; left != 0; left &= left - 1) {
       const unsigned v = half * 64 + static_cast<unsigned>(std::countr_zero(left));
-      if (boundary <= since_[v] + decision || !acceptable(v, control, two_level)) continue;
-      if (v == vec::nmi || priority(v)) return v;
-      if (!low) low = v;
+      if (!acceptable(v, control, two_level)) continue;
+      const States from = since_[v] + decision + 1;
+      choice.earliest = std::min(choice.earliest, from);
+      if (boundary < from) continue;
+      if (v == vec::nmi || priority(v)) {
+        choice.vector = v;
+        return choice;
+      }
+      if (choice.vector == 0) choice.vector = v;
     }
   }
-  return low;
-}
-
-States Interrupts::earliest(std::uint8_t control, bool two_level, int decision) const {
-  States first = kNever;
-  for (unsigned half = 0; half < 2; ++half) {
-    for (std::uint64_t left = pending_[half]; left != 0; left &= left - 1) {
-      const unsigned v = half * 64 + static_cast<unsigned>(std::countr_zero(left));
-      if (acceptable(v, control, two_level)) first = std::min(first, since_[v] + decision + 1);
-    }
-  }
-  return first;
+  return choice;
 }
 
 void Interrupts::accepted(unsigned vector, States at) {

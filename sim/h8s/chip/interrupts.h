@@ -26,17 +26,22 @@ class Interrupts {
 
   // A source raises or drops its request; `at` counts when it rises.
   void set(unsigned vector, bool level, States at);
-  bool any() const { return (pending_[0] | pending_[1]) != 0; }
   // Whether a request has been raised since this was last asked.
   bool take_raised() { return std::exchange(raised_, false); }
   bool requested(unsigned vector) const { return since_[vector] != kNever; }
 
-  // The request to accept at an instruction boundary, by mask bits I and UI of `control`.
-  std::optional<unsigned> choose(States boundary, std::uint8_t control, bool two_level,
-                                 int decision) const;
-  // First boundary at which choose() would give something; kNever if nothing is pending and
-  // unmasked.
-  States earliest(std::uint8_t control, bool two_level, int decision) const;
+  // Whether a request could be accepted at all, now or a little later, by mask bits I and UI of
+  // `control`.
+  bool any_unmasked(std::uint8_t control, bool two_level) const {
+    if ((pending_[0] | pending_[1]) == 0) return false;
+    return !(control & 0x80) || two_level || (pending_[0] >> vec::nmi & 1) != 0;
+  }
+  // What an instruction boundary brings.
+  struct Choice {
+    unsigned vector = 0;       // to accept there; 0: none
+    States earliest = kNever;  // else the first boundary at which one will be
+  };
+  Choice choose(States boundary, std::uint8_t control, bool two_level, int decision) const;
   // Edge requests end as the CPU takes them.
   void accepted(unsigned vector, States at);
 

@@ -124,7 +124,7 @@ void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
       if (written) disturbed();
       break;
   }
-  if (irq.take_raised()) end_stretch(cpu);
+  if (irq.take_raised() && irq.any_unmasked(cpu.control, cpu.two_level)) end_stretch(cpu);
 }
 
 bool Machine::is_io(std::uint32_t address) const {

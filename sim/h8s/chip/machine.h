@@ -109,6 +109,7 @@ class Machine {
   void forget_code_at(std::uint32_t address);
 
   bool pw_driven(int channel) const;
+  bool serial_drives(int channel) const;
   int pw_high_counts(int channel) const;
   bool tmo_driven(int timer) const;
   double tmo_high_share(int timer);
@@ -152,7 +153,7 @@ class Machine {
   States event_of(Source source);
   States next_event();
   void run_events();
-  bool take_interrupt();
+  void accept(unsigned vector);
   bool could_wake() const;
   void stretch(States stop, bool one);
   Stop error_stop(Stop::Reason reason, const std::string& headline);

@@ -94,7 +94,7 @@ void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value) {
 }
 
 void mask_changed(Cpu& c, bool hold_off) {
-  if (c.now < c.stop && !c.machine->irq.any()) return;
+  if (c.now < c.stop && !c.machine->irq.any_unmasked(c.control, c.two_level)) return;
   c.hold_off = hold_off;
   end_stretch(c);
 }

@@ -22,14 +22,18 @@ Pin tmo_pin(int timer) {
 bool Machine::pw_driven(int channel) const {
   if (channel < 0 || channel > 15) return false;
   const Pin pin = pw_pin(channel);
-  return (ports.output(*this, pin.port, time()).driven >> pin.bit & 1) != 0;
+  return (ports.ddr(pin.port) >> pin.bit & 1) != 0 || serial_drives(channel);
+}
+
+// TxD1 shares its pin with PW13.
+bool Machine::serial_drives(int channel) const {
+  return channel == 13 && sci[1].drives_txd();
 }
 
 int Machine::pw_high_counts(int channel) const {
   if (!pw_driven(channel)) return 0;
   const Pin pin = pw_pin(channel);
-  const bool serial = channel == 13 && sci[1].drives_txd();
-  if (pwm.enabled(static_cast<unsigned>(channel)) && !serial)
+  if (pwm.enabled(static_cast<unsigned>(channel)) && !serial_drives(channel))
     return pwm.high_counts(static_cast<unsigned>(channel), time());
   return ports.output(*this, pin.port, time()).level >> pin.bit & 1 ? 256 : 0;
 }

@@ -100,21 +100,16 @@ void Machine::run_events() {
   }
 }
 
-bool Machine::take_interrupt() {
-  if (!irq.any()) return false;
-  const auto vector =
-      irq.choose(cpu.now, cpu.control, cpu.two_level, options.interrupt_decision_states);
-  if (!vector) return false;
-  irq.accepted(*vector, cpu.now);
+void Machine::accept(unsigned vector) {
+  irq.accepted(vector, cpu.now);
   // EEPMOV.W left in the middle: the program finds R4 not 0 and starts it again.
   const std::uint32_t back = pc() + (cpu.moving ? 4 : 0);
   cpu.moving = false;
   cpu.asleep = false;
   // Stacking 2, vector 2 (1 in normal mode), first fetch 2, internal.
   cpu.now += 4 + (cpu.normal ? 1 : 2) + options.exception_internal_states;
-  cpu.ip = enter_exception(cpu, cpu.ip, back, *vector);
+  cpu.ip = enter_exception(cpu, cpu.ip, back, vector);
   hook_done_ = kNoAddress;
-  return true;
 }
 
 // Something outside may still end the sleep: an enabled pin or a byte on the line.
@@ -202,11 +197,16 @@ Stop Machine::run(Chip& chip, States until, bool single) {
     }
     if (single ? cpu.executed != executed || cpu.now != began : cpu.now >= until) return {};
     const bool guarded = cpu.hold_off || first_after_reset_;
-    if (!guarded && take_interrupt()) continue;
-    const States wake =
-        irq.any() ? irq.earliest(cpu.control, cpu.two_level, options.interrupt_decision_states)
-                  : kNever;
-    const States event = std::min(next_event(), wake);
+    States event = next_event();
+    if (irq.any_unmasked(cpu.control, cpu.two_level)) {
+      const auto choice =
+          irq.choose(cpu.now, cpu.control, cpu.two_level, options.interrupt_decision_states);
+      if (choice.vector != 0 && !guarded) {
+        accept(choice.vector);
+        continue;
+      }
+      event = std::min(event, choice.earliest);
+    }
     if (cpu.asleep) {
       if (event == kNever && !could_wake())
         return error_stop(

@@ -90,8 +90,8 @@ void Tmr::advance_one(Machine& m, unsigned n, States to) {
     // Toggled outputs repeat after two turns.
     const unsigned clear = t.tcr >> 3 & 3u;
     const std::int64_t turn = clear == 1 ? t.tcora + 1 : clear == 2 ? t.tcorb + 1 : 0x100;
-    if (before == t.flags.value() && !chained && t.count < turn && target - t.tick > 8 * turn)
-      t.tick += ((target - t.tick) / (2 * turn) - 2) * 2 * turn;
+    if (before == t.flags.value() && !chained && t.count < turn && target - t.tick > 3 * turn)
+      t.tick += (target - t.tick - turn) / (2 * turn) * 2 * turn;
   }
 }
 
