@@ -201,8 +201,10 @@ const std::vector<Misuse>& Chip::misuse() const {
 }
 
 PortOutput Chip::output(Port port) const {
-  machine_->tmr.advance(*machine_, now());
-  machine_->frt.advance(*machine_, now());
+  if (port == Port::p6) {
+    machine_->tmr.advance(*machine_, now());
+    machine_->frt.advance(*machine_, now());
+  }
   return machine_->ports.output(*machine_, static_cast<unsigned>(port), now());
 }
 

@@ -67,6 +67,11 @@ void Adc::finish(Machine& m) {
   end_ = at + (fast() ? kScanFast : kScanSlow);
 }
 
+States Adc::next_event() const {
+  if (next_ == kNever || !sampled_ || !scan() || channel_ == (adcsr_ & 7u)) return next_;
+  return end_ + (fast() ? kSampleFast : kSampleSlow);
+}
+
 void Adc::advance(Machine& m, States to) {
   while (next_ <= to) {
     if (sampled_) {

@@ -18,7 +18,9 @@ class Adc {
   std::uint8_t peek(std::uint32_t address) const;
   void reset(Machine& m, States at);
 
-  States next_event() const { return next_; }
+  // The end of a conversion that is not the last of its scan interests nobody before it is looked
+  // at: the next event is then the sampling that follows.
+  States next_event() const;
   void advance(Machine& m, States to);
   // Start from outside: 2 is the 8-bit timer, 3 the ADTRG pin, as ADCR.TRGS says.
   void trigger(Machine& m, unsigned source, States at);

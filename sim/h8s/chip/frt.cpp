@@ -30,7 +30,9 @@ std::int64_t Frt::to_next() const {
 
 void Frt::update(Machine& m, States at) {
   const unsigned active = flags_.value() & tier_ & kFlags;
-  for (unsigned n = 0; n < 7; ++n) m.irq.set(vec::icia + n, (active >> (7 - n) & 1) != 0, at);
+  unsigned levels = 0;
+  for (unsigned n = 0; n < 7; ++n) levels |= (active >> (7 - n) & 1u) << n;
+  m.irq.set_all(vec::icia, 7, levels, at);
 }
 
 void Frt::match(Machine& m, unsigned n, States at) {

@@ -26,6 +26,12 @@ class Interrupts {
 
   // A source raises or drops its request; `at` counts when it rises.
   void set(unsigned vector, bool level, States at);
+  // The same for neighbours: bit k of `levels` is vector `first` + k. They must not cross 63|64.
+  void set_all(unsigned first, unsigned count, std::uint64_t levels, States at) {
+    const std::uint64_t mask = ((1ull << count) - 1) << (first % 64);
+    if ((pending_[first / 64] & mask) == levels << (first % 64)) return;
+    for (unsigned k = 0; k < count; ++k) set(first + k, (levels >> k & 1) != 0, at);
+  }
   // Whether a request has been raised since this was last asked.
   bool take_raised() { return std::exchange(raised_, false); }
   bool requested(unsigned vector) const { return since_[vector] != kNever; }

@@ -127,12 +127,6 @@ void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
   if (irq.take_raised() && irq.any_unmasked(cpu.control, cpu.two_level)) end_stretch(cpu);
 }
 
-bool Machine::is_io(std::uint32_t address) const {
-  const std::uint32_t a = address & 0xffff;
-  return (address & cpu.mask) >= (cpu.mask & 0xfffe50) &&
-         (within(a, 0xfe50, 0xfeff) || a >= 0xff80);
-}
-
 // Modules on the 16-bit internal bus.
 bool Machine::wide(std::uint32_t address) const {
   const Unit unit = place_of(address & 0xffff, system.stcr).unit;
@@ -208,6 +202,7 @@ std::optional<std::uint8_t> Machine::io_peek(std::uint32_t address) {
     case Unit::sci:
       return sci[p.n].peek(a & 7);
     case Unit::adc:
+      adc.advance(*this, time());
       return adc.peek(a);
     case Unit::wdt:
       return wdt[p.n].peek(*this, p.n, (a & 1) != 0, time());

@@ -94,7 +94,11 @@ class Machine {
   void io_write_word(std::uint32_t address, std::uint16_t value);
   // Without side effects; timers are brought up to date.
   std::optional<std::uint8_t> io_peek(std::uint32_t address);
-  bool is_io(std::uint32_t address) const;
+  // FE50..FEFF and FF80..FFFF.
+  bool is_io(std::uint32_t address) const {
+    const std::uint32_t offset = (address & cpu.mask) - (cpu.mask & 0xfffe50);
+    return offset < 0x1b0 && (offset < 0xb0 || offset >= 0x130);
+  }
   bool wide(std::uint32_t address) const;
   void forget_flash(std::uint32_t address, std::uint32_t size);
   void set_ram_enabled(bool on);
@@ -151,7 +155,12 @@ class Machine {
   void run_modules(States to);
   void advance(Source source, States to);
   States event_of(Source source);
-  States next_event();
+  States next_event() {
+    if (!events_known_) find_events();
+    return next_event_;
+  }
+  void find_events();
+  States first_event() const;
   void run_events();
   void accept(unsigned vector);
   bool could_wake() const;

@@ -35,13 +35,13 @@ bool check_stack(Cpu& c, std::uint32_t address) {
 }
 
 std::uint8_t slow_load8(Cpu& c, std::uint32_t address) {
-  if (const std::uint32_t offset = ram_offset(c, address)) return c.block[offset];
-  if (!c.machine->is_io(address)) {
-    raise_fault(c, Fault::unmapped, address);
-    return 0xff;
+  if (c.machine->is_io(address)) {
+    add_stall(c, 1);
+    return c.machine->io_read(address);
   }
-  add_stall(c, 1);
-  return c.machine->io_read(address);
+  if (const std::uint32_t offset = ram_offset(c, address)) return c.block[offset];
+  raise_fault(c, Fault::unmapped, address);
+  return 0xff;
 }
 
 std::uint16_t slow_load16(Cpu& c, std::uint32_t address) {
@@ -62,14 +62,14 @@ std::uint16_t slow_load16(Cpu& c, std::uint32_t address) {
 }
 
 void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value) {
-  if (const std::uint32_t offset = ram_offset(c, address)) {
+  if (c.machine->is_io(address)) {
+    add_stall(c, 1);
+    c.machine->io_write(address, value);
+  } else if (const std::uint32_t offset = ram_offset(c, address)) {
     c.block[offset] = value;
     note_ram_write(c, offset);
   } else if (address < c.flash_size) {
     c.machine->flash_control.latch(*c.machine, address, value);
-  } else if (c.machine->is_io(address)) {
-    add_stall(c, 1);
-    c.machine->io_write(address, value);
   } else {
     raise_fault(c, Fault::unmapped, address);
   }

@@ -55,25 +55,23 @@ void Machine::advance(Source source, States to) {
   }
 }
 
-States Machine::next_event() {
-  if (!events_known_) {
-    for (unsigned k = 0; k < kSources; ++k) events_[k] = event_of(static_cast<Source>(k));
-    next_event_ = *std::min_element(events_.begin(), events_.end());
-    events_known_ = true;
-  }
-  return next_event_;
+States Machine::first_event() const {
+  States first = events_[0];
+  for (const States at : events_) first = at < first ? at : first;
+  return first;
+}
+
+void Machine::find_events() {
+  for (unsigned k = 0; k < kSources; ++k) events_[k] = event_of(static_cast<Source>(k));
+  next_event_ = first_event();
+  events_known_ = true;
 }
 
 void Machine::rescheduled(Source source) {
   if (!events_known_) return;
   const States at = event_of(source);
-  States& known = events_[static_cast<unsigned>(source)];
-  const bool was_first = known == next_event_;
-  known = at;
-  if (at <= next_event_)
-    next_event_ = at;
-  else if (was_first)
-    next_event_ = *std::min_element(events_.begin(), events_.end());
+  events_[static_cast<unsigned>(source)] = at;
+  next_event_ = first_event();
   cpu.stop = std::min(cpu.stop, at - cpu.stall);
 }
 

@@ -42,10 +42,11 @@ std::uint8_t Sci::on_wire(std::uint8_t byte) const {
 
 void Sci::update(Machine& m, unsigned n, States at) {
   const unsigned base = n == 0 ? vec::eri0 : vec::eri1;
-  m.irq.set(base, flags_.has(kErrors) && (scr_ & kRie), at);
-  m.irq.set(base + 1, flags_.has(kRdrf) && (scr_ & kRie), at);
-  m.irq.set(base + 2, flags_.has(kTdre) && (scr_ & kTie), at);
-  m.irq.set(base + 3, tend_ && (scr_ & kTeie), at);
+  unsigned levels = 0;
+  if (scr_ & kRie) levels |= (flags_.has(kErrors) ? 1u : 0u) | (flags_.has(kRdrf) ? 2u : 0u);
+  if ((scr_ & kTie) && flags_.has(kTdre)) levels |= 4;
+  if ((scr_ & kTeie) && tend_) levels |= 8;
+  m.irq.set_all(base, 4, levels, at);
 }
 
 // TDR into the shift register; the start bit begins at `at`.

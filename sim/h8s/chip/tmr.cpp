@@ -46,9 +46,9 @@ void Tmr::update(Machine& m, unsigned n, States at) {
   const Timer& t = timer_[n];
   const unsigned active = t.flags.value() & t.tcr;  // enables stand at the flags' places: B A OVF
   const unsigned base = n == 0 ? vec::cmia0 : vec::cmia1;
-  m.irq.set(base, (active & kCmfa) != 0, at);
-  m.irq.set(base + 1, (active & kCmfb) != 0, at);
-  m.irq.set(base + 2, (active & kOvf) != 0, at);
+  m.irq.set_all(base, 3,
+                (active & kCmfa ? 1u : 0u) | (active & kCmfb ? 2u : 0u) | (active & kOvf ? 4u : 0u),
+                at);
 }
 
 Tmr::Crossed Tmr::step(Machine& m, unsigned n, std::int64_t counts, States at) {
