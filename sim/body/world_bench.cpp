@@ -13,7 +13,7 @@ using namespace kaz::sim;
 void run(benchmark::State& state, const char* world_path, const char* stepper, double swing) {
   WorldOptions options;
   options.stepper = stepper;
-  auto loaded = World::load(world_path, "shared/robot/kaz/kaz.urdf", options);
+  auto loaded = World::load(world_path, KAZ_TREE "/shared/robot/kaz/kaz.urdf", options);
   if (!loaded) {
     state.SkipWithError(loaded.error().message.c_str());
     return;
@@ -32,13 +32,16 @@ void run(benchmark::State& state, const char* world_path, const char* stepper, d
   state.counters["gap_mm"] = world.largest_joint_gap_m() * 1e3;
 }
 
-constexpr const char* kEmpty = "sim/worlds/empty.sdf";
-constexpr const char* kBall = "sim/worlds/ball.sdf";
+constexpr const char* kEmpty = KAZ_TREE "/sim/worlds/empty.sdf";
+constexpr const char* kBall = KAZ_TREE "/sim/worlds/ball.sdf";
 
 BENCHMARK_CAPTURE(run, standing_quick20, kEmpty, "quick20", 0.0);
 BENCHMARK_CAPTURE(run, standing_quick50, kEmpty, "quick50", 0.0);
 BENCHMARK_CAPTURE(run, standing_exact, kEmpty, "exact", 0.0);
-BENCHMARK_CAPTURE(run, swinging_quick50, kEmpty, "quick50", 0.05);
+// What runs by default, with every motor at work.
+BENCHMARK_CAPTURE(run, swinging_quick50, kEmpty, "quick50", 0.05)
+    ->Name("dynamics.step_us.walking")
+    ->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(run, swinging_exact, kEmpty, "exact", 0.05);
 BENCHMARK_CAPTURE(run, standing_with_ball_quick50, kBall, "quick50", 0.0);
 

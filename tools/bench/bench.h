@@ -55,6 +55,7 @@ Group each_engine(std::vector<std::string> gives, PerEngine measure);
 
 std::vector<Group> emulator_groups();
 std::vector<Group> firmware_groups();
+std::vector<Group> program_groups();
 
 // A load by itself, for profilers and for counting host instructions: `amount` rounds of a guest
 // program, or milliseconds of the firmware.

@@ -49,6 +49,13 @@ TEST_F(Bench, EmulatorAndFirmwareAreMeasured) {
   EXPECT_FALSE(all.contains("mcu.tick_median"));
 }
 
+TEST_F(Bench, OtherEnginesHaveTheirNameAtTheEnd) {
+  ASSERT_EQ(run("--quick --filter mips.crc --engine reference --json " + json_.string()), 0);
+  const auto all = numbers();
+  EXPECT_GT(all.value("mcu.mips.crc.reference", 0.0), 0);
+  EXPECT_FALSE(all.contains("mcu.mips.crc"));
+}
+
 TEST_F(Bench, LoadsRunByThemselves) {
   EXPECT_EQ(run("--run mcu.mips.mix --amount 10"), 0);
   EXPECT_EQ(run("--run mcu.firmware_x --amount 10"), 0);

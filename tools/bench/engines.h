@@ -11,12 +11,15 @@ namespace kaz::bench {
 
 // The one that Options choose by default comes first.
 inline std::vector<std::string> engine_names() {
-  return {"interpreter"};
+  if (h8s::translator_available()) return {"translator", "interpreter", "reference"};
+  return {"interpreter", "reference"};
 }
 
 inline h8s::Options options_of(const std::string& engine) {
   h8s::Options options;
-  (void)engine;
+  options.engine = engine == "translator"    ? h8s::Engine::translator
+                   : engine == "interpreter" ? h8s::Engine::interpreter
+                                             : h8s::Engine::reference;
   return options;
 }
 

@@ -28,6 +28,7 @@ struct Arguments {
 std::vector<Group> all_groups() {
   std::vector<Group> groups = emulator_groups();
   for (auto& group : firmware_groups()) groups.push_back(std::move(group));
+  for (auto& group : program_groups()) groups.push_back(std::move(group));
   return groups;
 }
 
@@ -79,7 +80,6 @@ Result<void> measure(const Arguments& arguments) {
   for (const auto& remark : measured.remarks()) results.remark(remark);
   progress("", groups.size(), groups.size());
   std::printf("%s", table(results, arguments.settings.engines).c_str());
-  std::printf("emulator's engine of the plain names: %s\n", engine_names().front().c_str());
   if (arguments.json.empty()) return {};
   return write_json(arguments.json, results, arguments.settings.engines);
 }

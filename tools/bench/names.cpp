@@ -25,6 +25,16 @@ const std::vector<Name>& names() {
       {"mcu.firmware_x", "x real", 50, 200, true, 1},
       {"mcu.tick_worst", "% of tick", 75, 60, false, 1},
       {"mcu.tick_median", "% of tick", 45, 35, false, 1},
+      {"loop.rtf", "x real", 4, 10, true, 1},
+      {"dynamics.step_us.walking", "us", 25, 12, false, 1},
+      {"view.pair_ms.320", "ms", 4, 1.2, false, 2},
+      {"view.pair_ms.640", "ms", 11, 5, false, 2},
+      {"vision.color_ms.320", "ms", 0.06, 0.02, false, 3},
+      {"vision.color_ms.640", "ms", 0.25, 0.06, false, 3},
+      {"vision.regions_ms.320", "ms", 0.3, 0.1, false, 3},
+      {"vision.regions_ms.640", "ms", 2, 0.4, false, 3},
+      {"vision.ball_ms.320", "ms", 0, 0, false, 3},
+      {"vision.ball_ms.640", "ms", 0, 0, false, 3},
   };
   return all;
 }

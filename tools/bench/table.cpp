@@ -78,6 +78,8 @@ std::string table(const Results& results, const std::vector<std::string>& engine
     row_text.erase(row_text.find_last_not_of(' ') + 1);
     text += row_text + "\n";
   }
+  text += "emulator: engine " + engine_names().front() +
+          " where no other is named; states counted exactly; CPU time of this process\n";
   for (const auto& remark : results.remarks()) text += remark + "\n";
   return text;
 }

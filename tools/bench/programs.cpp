@@ -1,0 +1,127 @@
+// Numbers that other programs of the build measure: the parts' benchmarks, and the whole loop.
+// SPDX-License-Identifier: Apache-2.0
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/bench/bench.h"
+
+namespace kaz::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A benchmark program of a part (Google Benchmark) and those of its names that are the project's.
+struct Program {
+  const char* name;
+  const char* time;  // which of its times counts
+  std::vector<std::string> gives;
+};
+
+const std::vector<Program>& programs() {
+  static const std::vector<Program> all{
+      {"body_bench", "cpu_time", {"dynamics.step_us.walking"}},
+      {"view_bench", "real_time", {"view.pair_ms.320", "view.pair_ms.640"}},
+      {"vision_bench",
+       "cpu_time",
+       {"vision.color_ms.320", "vision.color_ms.640", "vision.regions_ms.320",
+        "vision.regions_ms.640", "vision.ball_ms.320", "vision.ball_ms.640"}},
+  };
+  return all;
+}
+
+fs::path beside_this(const std::string& program) {
+  std::error_code error;
+  return fs::read_symlink("/proc/self/exe", error).parent_path() / program;
+}
+
+std::string quoted(const std::string& text) {
+  return std::string("'").append(text).append("'");
+}
+
+// What a command writes to standard output, as JSON.
+Result<nlohmann::json> json_of(const std::string& command) {
+  std::FILE* output = ::popen(command.c_str(), "r");
+  if (!output) return fail(Fault::environment, "cannot start: " + command);
+  std::string text;
+  char part[4096];
+  while (const std::size_t n = std::fread(part, 1, sizeof part, output)) text.append(part, n);
+  const int status = ::pclose(output);
+  auto value = nlohmann::json::parse(text, nullptr, false);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || value.is_discarded())
+    return fail(Fault::failed, "this failed or gave no JSON: " + command);
+  return value;
+}
+
+Result<void> measure(const Program& program, const Settings& settings, Results& results) {
+  const fs::path path = beside_this(program.name);
+  if (!fs::exists(path)) {
+    results.remark(std::string(program.name) +
+                   " is not built: its numbers are left out (needs libbenchmark-dev)");
+    return {};
+  }
+  std::string filter;
+  for (const auto& name : program.gives) filter += (filter.empty() ? "" : "|") + name;
+  std::string command = quoted(path.string());
+  command += " --benchmark_format=json --benchmark_filter=" + quoted("^(" + filter + ")$");
+  command += " --benchmark_repetitions=" + std::to_string(settings.repeats);
+  if (settings.quick) command += " --benchmark_min_time=0.01";
+  const auto report = json_of(command + " 2>/dev/null");
+  if (!report) return tl::unexpected(report.error());
+  for (const auto& name : program.gives) {
+    std::vector<double> times;
+    for (const auto& run : report->value("benchmarks", nlohmann::json::array())) {
+      if (run.value("run_name", "") == name && run.value("run_type", "") == "iteration" &&
+          !run.value("error_occurred", false))
+        times.push_back(run.value(program.time, 0.0));
+    }
+    if (times.empty()) return fail(Fault::failed, path.string() + " does not measure " + name);
+    results.put(name, median(times));
+  }
+  return {};
+}
+
+// The main job in lockstep: servo firmware, physics, eyes and vision.
+Result<void> loop(const Settings& settings, Results& results) {
+  const fs::path kaz = beside_this("kaz");
+  if (!fs::exists(kaz)) {
+    results.remark("kaz is not built: loop.rtf is left out");
+    return {};
+  }
+  std::error_code error;
+  const fs::path out =
+      fs::temp_directory_path(error) / ("kaz-bench-loop-" + std::to_string(::getpid()));
+  const std::string command =
+      quoted(kaz.string()) + " demo --json --out " + quoted(out.string()) + " 2>/dev/null";
+  std::vector<double> speeds;
+  Result<void> done;
+  for (int k = 0; k < (settings.quick ? 1 : 3) && done; ++k) {
+    const auto report = json_of(command);
+    if (report)
+      speeds.push_back(report->value("rtf", 0.0));
+    else
+      done = tl::unexpected(report.error());
+  }
+  fs::remove_all(out, error);
+  if (!speeds.empty() && done) results.put("loop.rtf", median(speeds));
+  return done;
+}
+
+}  // namespace
+
+std::vector<Group> program_groups() {
+  std::vector<Group> groups{{{"loop.rtf"}, loop}};
+  for (const Program& program : programs()) {
+    groups.push_back({program.gives, [&program](const Settings& settings, Results& results) {
+                        return measure(program, settings, results);
+                      }});
+  }
+  return groups;
+}
+
+}  // namespace kaz::bench
