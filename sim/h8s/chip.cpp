@@ -39,6 +39,7 @@ std::shared_ptr<const Chip> Chip::save() const {
 
 void Chip::restore(const Chip& saved) {
   machine_->take_state(*saved.machine_);
+  machine_->memory_changed(0, 0);
 }
 
 Result<void> Chip::load(const Image& image) {
@@ -54,6 +55,7 @@ Result<void> Chip::load(const Image& image) {
   for (const Segment& s : image.segments)
     std::copy(s.bytes.begin(), s.bytes.end(), flash + s.load_address);
   machine_->forget_all_code();
+  machine_->memory_changed(0, kFlashSize);
   if (!image.symbols.symbols().empty()) set_symbols(image.symbols);
   return {};
 }
@@ -142,6 +144,7 @@ bool Chip::poke(std::uint32_t address, std::uint8_t value) {
   if (!p) return false;
   *p = value;
   machine_->forget_code_at(address);
+  machine_->memory_changed(address, 1);
   return true;
 }
 
@@ -160,6 +163,16 @@ void Chip::set_breakpoint(std::uint32_t address) {
 }
 void Chip::clear_hook(std::uint32_t address) {
   machine_->clear_hook(address);
+}
+
+void Chip::attach(Observer& observer) {
+  machine_->attach(observer);
+}
+void Chip::detach(Observer& observer) {
+  machine_->detach(observer);
+}
+void Chip::request_stop() {
+  machine_->request_stop();
 }
 
 Result<CallResult> Chip::call(std::uint32_t address, std::initializer_list<std::uint32_t> args,

@@ -33,6 +33,7 @@ struct Stop {
     stack_outside_ram,       // push, pop, call, return or exception with ER7 outside RAM
     undefined_register_use,  // only with Options::stop_on_misuse
     asleep_forever,          // SLEEP with nothing enabled that could wake it
+    requested,               // an observer asked, after the instruction or exception entry it saw
   };
   Reason reason = Reason::reached;
   // Empty for `reached`; else several lines: what, where (symbol), registers, back-trace, last
@@ -100,6 +101,8 @@ struct CallResult {
 enum class HookAction { go_on, stop };
 
 class Machine;
+class Observer;
+class InputLog;
 
 class Chip {
  public:
@@ -161,6 +164,13 @@ class Chip {
   void set_hook(std::uint32_t address, CodeHook hook);
   void set_breakpoint(std::uint32_t address);
   void clear_hook(std::uint32_t address);
+
+  // Looks on from now until detached or either is gone (detach first); see debug/observer.h. While
+  // there are observers the chip runs slower, with the same results. Not part of save() or clone().
+  void attach(Observer& observer);
+  void detach(Observer& observer);
+  // For observers: ends run_until or step at the next boundary with Stop::Reason::requested.
+  void request_stop();
 
   // Runs the function at `address` of the image as C would call it, on this chip (use a clone),
   // with interrupts masked: args in ER0, ER1, ER2, result in ER0. Errors: it stopped, or took over

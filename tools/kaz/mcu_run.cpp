@@ -30,6 +30,8 @@ const char* name_of(h8s::Stop::Reason reason) {
       return "stack outside RAM";
     case Reason::undefined_register_use:
       return "undefined register use";
+    case Reason::requested:
+      return "stopped by an observer";
     case Reason::asleep_forever:
       return "asleep with nothing to wake it";
   }

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "sim/h8s/cpu/access.h"
+#include "sim/h8s/debug/observer.h"
 
 namespace kaz::h8s {
 namespace {
@@ -44,6 +45,7 @@ void Machine::attach() {
   cpu.code = code_.get();
   cpu.hooks = !hooks.empty();
   cpu.engine = options.engine;
+  choose_paths();
 }
 
 void Machine::take_state(const Machine& other) {
@@ -126,7 +128,7 @@ void Machine::reset(ResetCause why, States at) {
   cpu.mask = cpu.normal ? 0xffff : 0xffffff;
   cpu.flash_size = cpu.normal ? 0xe000 : kFlashSize;
   cpu.ram_size = kRamSize;
-  cpu.ram_base = cpu.mask & (kBlock + kRam);
+  choose_paths();
   cpu.exr = 0x7f;
   set_ccr(cpu, options.reset_ccr | 0x80u);
   cpu.two_level = cpu.hold_off = cpu.asleep = cpu.moving = false;
@@ -153,6 +155,7 @@ void Machine::reset(ResetCause why, States at) {
   set_pc(cpu.normal ? big16(flash_.data()) : big32(flash_.data()));
   record_jump(cpu, nullptr, cpu.ip);
   first_after_reset_ = true;
+  for (Observer* o : observers) o->was_reset(why, at);
   notify(OutputChange::Unit::port, 0, at);
 }
 

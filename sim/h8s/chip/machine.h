@@ -24,6 +24,9 @@
 
 namespace kaz::h8s {
 
+class Observer;
+class InputLog;
+
 // Bits of MSTPCR, module by module.
 inline constexpr unsigned Stop_frt = 13, Stop_tmr = 12, Stop_pwm = 11, Stop_adc = 9, Stop_tmrxy = 8,
                           Stop_sci0 = 7, Stop_sci1 = 6;
@@ -70,6 +73,12 @@ class Machine {
     cpu.fault = Fault::none;
   }
   Stop run(Chip& chip, States until, bool single);
+
+  // --- observers -------------------------------------------------------------------------------
+  void attach(Observer& observer);
+  void detach(Observer& observer);
+  void request_stop();
+  void memory_changed(std::uint32_t address, std::uint32_t size);
 
   // --- for the modules ---------------------------------------------------------------------------
   // End of the access that runs, or the event's time.
@@ -141,11 +150,16 @@ class Machine {
   std::optional<Stop> dead;  // an error stop, until reset
 
   Listeners listeners;
+  std::vector<Observer*> observers;
+  InputLog* input_log = nullptr;  // of a debug::History
+  bool running = false;           // inside run()
   std::map<std::uint32_t, Chip::CodeHook> hooks;
   std::shared_ptr<const SymbolTable> symbols = std::make_shared<SymbolTable>();
 
  private:
   void attach();
+  void choose_paths();
+  void sleep_until(States at);
   std::uint8_t read_register(const Place& place, std::uint32_t address);
   void write_register(const Place& place, std::uint32_t a, std::uint8_t value);
   void accessed(const Place& place, std::uint32_t a, bool written);
@@ -168,7 +182,7 @@ class Machine {
   Stop error_stop(Stop::Reason reason, const std::string& headline);
   Stop stop_for_fault();
   enum class Hooked { none, ran, stop };
-  Hooked run_hook(Chip& chip);
+  Hooked run_hook(Chip& chip, States stop, bool one);
 
   std::vector<std::uint8_t> flash_;
   std::array<std::uint8_t, 0x2000> block_{};
@@ -178,6 +192,7 @@ class Machine {
       kNoAddress;  // its hook has been called, the instruction has not run yet
   std::uint32_t unhooked_ = kNoAddress;  // decoded as it is, whatever hooks there are
   bool first_after_reset_ = false;
+  bool stop_requested_ = false;
   // When each module's next event is, worked out again only where an access, an event, a hook or
   // somebody outside may have moved it; the first of them.
   std::array<States, kSources> events_{};

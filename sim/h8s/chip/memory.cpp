@@ -35,11 +35,16 @@ bool check_stack(Cpu& c, std::uint32_t address) {
 }
 
 std::uint8_t slow_load8(Cpu& c, std::uint32_t address) {
+  const auto seen = [&](std::uint8_t value) {
+    if (c.observed) observe_access(c, address, 1, value, false);
+    return value;
+  };
   if (c.machine->is_io(address)) {
     add_stall(c, 1);
-    return c.machine->io_read(address);
+    return seen(c.machine->io_read(address));
   }
-  if (const std::uint32_t offset = ram_offset(c, address)) return c.block[offset];
+  if (const std::uint32_t offset = ram_offset(c, address)) return seen(c.block[offset]);
+  if (address < c.flash_size) return seen(c.flash[address]);
   raise_fault(c, Fault::unmapped, address);
   return 0xff;
 }
@@ -49,7 +54,12 @@ std::uint16_t slow_load16(Cpu& c, std::uint32_t address) {
     c.machine->misuse(address, "word access at an odd address; the chip takes the even one below");
     return load16(c, address - 1);
   }
-  if (const std::uint32_t offset = ram_offset(c, address)) return big16(c.block + offset);
+  const auto seen = [&](unsigned value) {
+    if (c.observed) observe_access(c, address, 2, value, false);
+    return static_cast<std::uint16_t>(value);
+  };
+  if (const std::uint32_t offset = ram_offset(c, address)) return seen(big16(c.block + offset));
+  if (address < c.flash_size) return seen(big16(c.flash + address));
   if (!c.machine->is_io(address)) {
     raise_fault(c, Fault::unmapped, address);
     return 0xffff;
@@ -58,7 +68,7 @@ std::uint16_t slow_load16(Cpu& c, std::uint32_t address) {
   add_stall(c, 1);
   const unsigned high = c.machine->io_read(address);
   if (!wide) add_stall(c, 2);
-  return static_cast<std::uint16_t>(high << 8 | c.machine->io_read(address + 1));
+  return seen(high << 8 | c.machine->io_read(address + 1));
 }
 
 void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value) {
@@ -71,14 +81,15 @@ void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value) {
   } else if (address < c.flash_size) {
     c.machine->flash_control.latch(*c.machine, address, value);
   } else {
-    raise_fault(c, Fault::unmapped, address);
+    return raise_fault(c, Fault::unmapped, address);
   }
+  if (c.observed) observe_access(c, address, 1, value, true);
 }
 
 void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value) {
   if (address & 1) {
     c.machine->misuse(address, "word access at an odd address; the chip takes the even one below");
-    store16(c, address - 1, value);
+    return store16(c, address - 1, value);
   } else if (const std::uint32_t offset = ram_offset(c, address)) {
     put_big16(c.block + offset, value);
     note_ram_write(c, offset);
@@ -89,8 +100,9 @@ void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value) {
     add_stall(c, c.machine->wide(address) ? 1 : 3);
     c.machine->io_write_word(address, value);
   } else {
-    raise_fault(c, Fault::unmapped, address);
+    return raise_fault(c, Fault::unmapped, address);
   }
+  if (c.observed) observe_access(c, address, 2, value, true);
 }
 
 void mask_changed(Cpu& c, bool hold_off) {

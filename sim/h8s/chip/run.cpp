@@ -4,6 +4,7 @@
 
 #include "sim/h8s/chip/machine.h"
 #include "sim/h8s/cpu/exception.h"
+#include "sim/h8s/debug/observer.h"
 
 namespace kaz::h8s {
 namespace {
@@ -13,6 +14,18 @@ std::string hex6(std::uint32_t value) {
   std::snprintf(text, sizeof text, "0x%06x", value & 0xffffff);
   return text;
 }
+
+// Says that the chip runs, also to hooks that ask; a hook may run a clone, never this chip.
+class Running {
+ public:
+  explicit Running(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Running() { flag_ = false; }
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+
+ private:
+  bool& flag_;
+};
 
 }  // namespace
 
@@ -104,10 +117,14 @@ void Machine::accept(unsigned vector) {
   const std::uint32_t back = pc() + (cpu.moving ? 4 : 0);
   cpu.moving = false;
   cpu.asleep = false;
+  ExceptionEntry entry{vector, back, 0, cpu.now, 0};
   // Stacking 2, vector 2 (1 in normal mode), first fetch 2, internal.
   cpu.now += 4 + (cpu.normal ? 1 : 2) + options.exception_internal_states;
   cpu.ip = enter_exception(cpu, cpu.ip, back, vector);
   hook_done_ = kNoAddress;
+  entry.handler = pc();
+  entry.end = time();
+  for (Observer* o : observers) o->entered(entry);
 }
 
 // Something outside may still end the sleep: an enabled pin or a byte on the line.
@@ -157,11 +174,12 @@ void Machine::stretch(States stop, bool one) {
 }
 
 // Calls the hook of the next instruction, if there is one, and runs that instruction.
-Machine::Hooked Machine::run_hook(Chip& chip) {
+Machine::Hooked Machine::run_hook(Chip& chip, States stop, bool one) {
   const std::uint32_t at = pc();
   const auto found = hooks.find(at);
-  if (found == hooks.end() || cpu.moving) return Hooked::none;
-  if (hook_done_ != at) {
+  if (found == hooks.end()) return Hooked::none;
+  // An EEPMOV.W that goes on has been announced already.
+  if (hook_done_ != at && !cpu.moving) {
     hook_done_ = at;
     const Chip::CodeHook hook = found->second;  // it may remove itself
     const HookAction action = hook(chip);
@@ -173,7 +191,8 @@ Machine::Hooked Machine::run_hook(Chip& chip) {
   Insn* slot = const_cast<Insn*>(cpu.ip);
   if (slot != &cpu.outside) slot->run = nullptr;
   unhooked_ = at;
-  stretch(0, true);
+  // One instruction; an EEPMOV.W until something is due.
+  stretch(one || !cpu.moving ? cpu.now : stop, one || !cpu.moving);
   unhooked_ = kNoAddress;
   hook_done_ = kNoAddress;
   if (slot != &cpu.outside) slot->run = nullptr;
@@ -184,6 +203,8 @@ Stop Machine::run(Chip& chip, States until, bool single) {
   const std::int64_t executed = cpu.executed;
   const States began = cpu.now;
   events_known_ = false;
+  stop_requested_ = false;
+  const Running guard(running);
   for (;;) {
     if (dead) return *dead;
     if (cpu.fault != Fault::none) return stop_for_fault();
@@ -192,6 +213,10 @@ Stop Machine::run(Chip& chip, States until, bool single) {
       reset(ResetCause::watchdog, cpu.now + options.watchdog_reset_states);
       events_known_ = false;
       if (listeners.watchdog) listeners.watchdog(cpu.now);
+    }
+    if (stop_requested_) {
+      stop_requested_ = false;
+      return {Stop::Reason::requested, report("stopped by an observer")};
     }
     if (single ? cpu.executed != executed || cpu.now != began : cpu.now >= until) return {};
     const bool guarded = cpu.hold_off || first_after_reset_;
@@ -210,13 +235,13 @@ Stop Machine::run(Chip& chip, States until, bool single) {
         return error_stop(
             Stop::Reason::asleep_forever,
             "SLEEP with nothing enabled that could wake it, before " + symbols->describe(pc()));
-      cpu.now = std::max(cpu.now, std::min(event, until));
       if (single && event == kNever) return {};
+      sleep_until(std::min(event, until));
       cpu.hold_off = first_after_reset_ = false;
       continue;
     }
     if (!hooks.empty()) {
-      const Hooked hooked = run_hook(chip);
+      const Hooked hooked = run_hook(chip, std::min(event, until), single || guarded);
       if (hooked == Hooked::stop)
         return {Stop::Reason::breakpoint, report("breakpoint at " + symbols->describe(pc()))};
       if (hooked == Hooked::ran) continue;

@@ -60,7 +60,7 @@ inline std::uint8_t load8(Cpu& c, std::uint32_t address) {
   const std::uint32_t offset = address - c.ram_base;
   if (offset < c.ram_size) [[likely]]
     return c.block[kRam + offset];
-  if (address < c.flash_size) return c.flash[address];
+  if (address < c.quick_flash) return c.flash[address];
   return slow_load8(c, address);
 }
 
@@ -69,7 +69,7 @@ inline std::uint16_t load16(Cpu& c, std::uint32_t address) {
   const std::uint32_t offset = address - c.ram_base;
   if (offset < c.ram_size && !(offset & 1)) [[likely]]
     return big16(c.block + kRam + offset);
-  if (address < c.flash_size && !(address & 1)) return big16(c.flash + address);
+  if (address < c.quick_flash && !(address & 1)) return big16(c.flash + address);
   return slow_load16(c, address);
 }
 

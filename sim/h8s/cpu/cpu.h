@@ -81,7 +81,11 @@ struct Cpu {
   std::uint32_t ram_size = kRamSize;  // 0 while SYSCR.RAME = 0
   std::uint32_t flash_size = kFlashSize;
   std::uint32_t mask = 0xffffff;  // of addresses: 0xffff in normal mode
+  // Where the fast paths of access.h find RAM and flash; while the chip is observed, nowhere, so
+  // that every access takes the slow path (Machine::choose_paths).
   std::uint32_t ram_base = kBlock + kRam;
+  std::uint32_t quick_flash = kFlashSize;
+  bool observed = false;
   Machine* machine = nullptr;
   bool hooks = false;  // any code hooks set
   Engine engine = Engine::interpreter;
@@ -168,6 +172,10 @@ Handler decode_afresh(Cpu& c, const Insn* ip);
 void run_stretch(Cpu& c);
 void run_reference(Cpu& c);
 void run_interpreter(Cpu& c);
+// The same while there are observers, whatever the engine (observed.cpp).
+void run_observed(Cpu& c);
+// Tells the observers of an access.
+void observe_access(Cpu& c, std::uint32_t address, unsigned size, unsigned value, bool write);
 
 // Whether Machine keeps a code hook for this address.
 bool hooked_here(const Cpu& c, std::uint32_t pc);

@@ -36,7 +36,9 @@ bool translator_available() {
 }
 
 void run_stretch(Cpu& c) {
-  if (c.engine == Engine::reference)
+  if (c.observed)
+    run_observed(c);
+  else if (c.engine == Engine::reference)
     run_reference(c);
   else
     run_interpreter(c);

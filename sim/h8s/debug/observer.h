@@ -1,0 +1,76 @@
+// What an observer of a running chip is told: instructions, memory accesses, exceptions, sleep.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "sim/h8s/chip.h"
+
+namespace kaz::h8s {
+
+// How an instruction leads on to the next one.
+enum class Flow : std::uint8_t {
+  plain,
+  branch,  // Bcc but BRA and BRN
+  jump,    // BRA, BRN, JMP
+  call,    // BSR, JSR
+  back,    // RTS
+  trap,    // TRAPA
+  exit,    // RTE
+  sleep,   // SLEEP
+};
+
+// By the first word of the instruction.
+Flow flow_of(std::uint16_t first_word);
+
+// An instruction that has run.
+struct Executed {
+  std::uint32_t pc = 0;
+  std::uint32_t next = 0;  // where execution goes on
+  std::uint16_t word = 0;  // its first word
+  Flow flow = Flow::plain;
+  std::uint8_t length = 2;  // bytes
+  // False for a part of an EEPMOV.W that goes on later, which is told as several parts.
+  bool whole = true;
+  States begin = 0, end = 0;
+  bool taken() const { return next != pc + length; }
+};
+
+// One access to the bus: a byte, or a word at an even address. A long is two words, as on the chip.
+struct Access {
+  std::uint32_t address = 0;
+  std::uint32_t pc = 0;  // of the instruction; of the one that comes next for an exception entry
+  std::uint16_t value = 0;
+  std::uint8_t size = 1;  // bytes: 1 or 2
+  bool write = false;
+  States at = 0;
+};
+
+// An interrupt that has been accepted (TRAPA is told as an instruction).
+struct ExceptionEntry {
+  unsigned vector = 0;
+  std::uint32_t interrupted = 0;  // the address stacked
+  std::uint32_t handler = 0;
+  States begin = 0, end = 0;
+};
+
+// Base of everything that looks on. All of it is told in the order in which it happens, accesses
+// before the instruction that made them. An observer may look at the chip (registers, peek) and
+// call Chip::request_stop; it must not change the chip, run it, or attach and detach observers.
+// Instruction fetches are not told as accesses. The run is the same as without observers, state by
+// state.
+class Observer {
+ public:
+  virtual ~Observer() = default;
+  virtual void before(std::uint32_t /*pc*/, States /*at*/) {}
+  virtual void executed(const Executed&) {}
+  virtual void accessed(const Access&) {}
+  virtual void entered(const ExceptionEntry&) {}
+  virtual void slept(States /*from*/, States /*to*/) {}
+  // RES pin, watchdog or power-on.
+  virtual void was_reset(ResetCause, States /*at*/) {}
+  // Memory was changed from outside: poke, load, restore (`size` 0: all of it may differ).
+  virtual void changed(std::uint32_t /*address*/, std::uint32_t /*size*/) {}
+};
+
+}  // namespace kaz::h8s
