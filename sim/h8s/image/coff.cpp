@@ -8,6 +8,10 @@
 namespace kaz::h8s {
 namespace {
 
+// Against files made to exhaust memory.
+constexpr std::size_t kLongestName = 1024;
+constexpr std::uint64_t kMostContents = 0x2000000;
+
 constexpr std::size_t kFileHeader = 20, kSectionHeader = 40, kSymbol = 18, kLine = 8, kEntryAt = 16;
 constexpr std::uint32_t kBss = 0x80;
 // Storage classes and the type bits of a function.
@@ -67,17 +71,18 @@ class Reader {
     return fail(name_ + ": at offset " + offset + ": " + what);
   }
 
+  // Names go into messages: one that holds anything but printable characters shows them as '?'.
   std::string text(std::size_t at, std::size_t most) const {
     std::string s;
     for (std::size_t k = at; k < bytes_.size() && k < at + most && bytes_[k] != 0; ++k)
-      s += static_cast<char>(bytes_[k]);
+      s += bytes_[k] < 0x20 || bytes_[k] == 0x7f ? '?' : static_cast<char>(bytes_[k]);
     return s;
   }
 
   // Eight bytes of name, or zero and an offset into the string table.
   std::string name_at(std::size_t at, std::size_t most) const {
     if (u32(at) != 0) return text(at, most);
-    return text(strings_at_ + u32(at + 4), 4096);
+    return text(strings_at_ + u32(at + 4), kLongestName);
   }
 
   Result<void> read_symbols() {
@@ -117,6 +122,10 @@ class Reader {
     if (where != 0 && size != 0 && !(flags & kBss)) {
       if (!fits(where, size))
         return error(at, "the contents of section " + name + " lie outside the file");
+      contents_ += size;
+      if (contents_ > kMostContents)
+        return error(at, "section " + name +
+                             " brings the contents to more than 32 MB; the chip addresses 16");
       const auto contents = bytes_.subspan(where, size);
       image_.segments.push_back({load, run, name, {contents.begin(), contents.end()}});
     }
@@ -144,6 +153,7 @@ class Reader {
 
   std::span<const std::uint8_t> bytes_;
   const std::string& name_;
+  std::uint64_t contents_ = 0;  // bytes of all sections so far: they may share the file's
   std::size_t symbols_at_ = 0, symbol_count_ = 0, strings_at_ = 0;
   std::map<std::uint32_t, Function> functions_;
   std::vector<Symbol> symbols_;
