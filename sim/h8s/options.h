@@ -41,6 +41,8 @@ struct Options {
   bool sci_preamble = true;
   // PWM pulses stand at the right end of their 16-count slot.
   bool pwm_right_aligned = true;
+  // The 14-bit PWM's data gives the low time of the pin for OS = 0 (the high time for OS = 1).
+  bool pwmx_data_is_low = true;
   // What a read of a write-only, stopped or unmapped register gives.
   std::uint8_t undefined_read = 0xff;
   // Level of an input pin that neither the board nor a pull-up defines.

@@ -11,7 +11,9 @@ enum class Unit : std::uint8_t {
   ports,
   frt,
   tmr,
+  tmr_xy,
   pwm,
+  pwmx,
   sci,
   adc,
   wdt,
@@ -55,11 +57,12 @@ constexpr Place find_place(std::uint32_t a, std::uint8_t stcr) {
   if (within(a, 0xffac, 0xffae) || within(a, 0xffb0, 0xffbb) || a == 0xffbe) return {Unit::ports};
   if (within(a, 0xffc3, 0xffc7)) return {Unit::system};
   if (within(a, 0xffc8, 0xffd1)) return {Unit::tmr, Stop_tmr};
+  if (within(a, 0xfff0, 0xfff7) || within(a, 0xfffc, 0xffff)) return {Unit::tmr_xy, Stop_tmrxy};
+  if (iice && (within(a, 0xffa0, 0xffa1) || within(a, 0xffa6, 0xffa7)))
+    return {Unit::pwmx, Stop_pwm};
   if (within(a, 0xffd2, 0xffd7)) return {Unit::pwm, Stop_pwm};
   if (within(a, 0xffe0, 0xffe9)) return {Unit::adc, Stop_adc};
-  if (within(a, 0xfee6, 0xfee6) || within(a, 0xfeee, 0xfef3) || within(a, 0xffa0, 0xffa7) ||
-      within(a, 0xfff0, 0xfff7) || within(a, 0xfffc, 0xffff))
-    return {Unit::absent};
+  if (within(a, 0xfee6, 0xfee6) || within(a, 0xfeee, 0xfef3)) return {Unit::absent};
   return {};
 }
 
@@ -91,6 +94,8 @@ Source source_of(const Place& p) {
       return Source::adc;
     case Unit::frt:
       return Source::frt;
+    case Unit::tmr_xy:
+      return Source::tmr_xy;
     default:
       return Source::tmr;
   }
@@ -103,6 +108,7 @@ void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
   switch (p.unit) {
     case Unit::frt:
     case Unit::tmr:
+    case Unit::tmr_xy:
     case Unit::adc:
     case Unit::sci:
     case Unit::wdt: {
@@ -119,6 +125,7 @@ void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
     case Unit::absent:
     case Unit::pwm:
     case Unit::pwm_clock:
+    case Unit::pwmx:
       break;
     default:
       if (written) disturbed();
@@ -130,7 +137,8 @@ void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
 // Modules on the 16-bit internal bus.
 bool Machine::wide(std::uint32_t address) const {
   const Unit unit = place_of(address & 0xffff, system.stcr).unit;
-  return options.wide_timer_bus && (unit == Unit::frt || unit == Unit::tmr || unit == Unit::wdt);
+  return options.wide_timer_bus &&
+         (unit == Unit::frt || unit == Unit::tmr || unit == Unit::tmr_xy || unit == Unit::wdt);
 }
 
 std::uint8_t Machine::io_read(std::uint32_t address) {
@@ -160,6 +168,10 @@ std::uint8_t Machine::read_register(const Place& p, std::uint32_t address) {
       return frt.read(*this, a, at);
     case Unit::tmr:
       return tmr.read(*this, a, at);
+    case Unit::tmr_xy:
+      return tmr_xy.read(*this, a, at);
+    case Unit::pwmx:
+      return pwmx.read(a, at);
     case Unit::sci:
       return sci[p.n].read(*this, p.n, a & 7, at);
     case Unit::adc:
@@ -196,6 +208,11 @@ std::optional<std::uint8_t> Machine::io_peek(std::uint32_t address) {
     case Unit::tmr:
       tmr.advance(*this, time());
       return tmr.peek(a);
+    case Unit::tmr_xy:
+      tmr_xy.advance(*this, time());
+      return tmr_xy.peek(a);
+    case Unit::pwmx:
+      return pwmx.peek(a, time());
     case Unit::pwm:
     case Unit::pwm_clock:
       return pwm.peek(a);
@@ -255,6 +272,12 @@ void Machine::write_register(const Place& p, std::uint32_t a, std::uint8_t value
       return;
     case Unit::tmr:
       tmr.write(*this, a, value, at);
+      return;
+    case Unit::tmr_xy:
+      tmr_xy.write(*this, a, value, at);
+      return;
+    case Unit::pwmx:
+      pwmx.write(*this, a, value, at);
       return;
     case Unit::pwm:
     case Unit::pwm_clock:
@@ -319,6 +342,7 @@ void Machine::write_system(std::uint32_t a, std::uint8_t value, States at) {
       break;
     case 0xffc4:
       system.syscr = static_cast<std::uint8_t>((value & 0xf7) | (system.syscr & 0x08));
+      if (value & 0x02) misuse(a, "SYSCR.HIE set: this part has no host interface");
       if (value & 0x20) misuse(a, "SYSCR.INTM1 set: interrupt control modes 2 and 3 do not exist");
       cpu.two_level = (value & 0x10) != 0;
       set_ram_enabled((value & 1) != 0);
@@ -345,6 +369,8 @@ void Machine::set_module_stop(std::uint16_t value, States at) {
   if (entered >> Stop_adc & 1) adc.reset(*this, at);
   if (entered >> Stop_pwm & 1) {
     pwm.reset();
+    pwmx.reset();
+    notify(OutputChange::Unit::port, 1, at);
     notify(OutputChange::Unit::pwm, -1, at);
   }
 }

@@ -57,7 +57,9 @@ void Machine::take_state(const Machine& other) {
   ports = other.ports;
   frt = other.frt;
   tmr = other.tmr;
+  tmr_xy = other.tmr_xy;
   pwm = other.pwm;
+  pwmx = other.pwmx;
   sci = other.sci;
   adc = other.adc;
   wdt = other.wdt;
@@ -141,7 +143,9 @@ void Machine::reset(ResetCause why, States at) {
   ports.reset();
   frt = {};
   tmr = {};
+  tmr_xy = {};
   pwm = {};
+  pwmx = {};
   wdt = {};
   flash_control = {};
   system = {};
@@ -185,9 +189,11 @@ void Machine::pin_edge(unsigned port, unsigned bit, bool rising, States at) {
     case 0:
       if (rising) frt.clock_edge(*this, at);
       tmr.clock_edge(*this, 0, rising, at);
+      tmr_xy.pin_edge(*this, TmrXY::x, rising, at);
       break;
     case 2:
       frt.capture_edge(*this, 0, rising, at);
+      tmr_xy.pin_edge(*this, TmrXY::y, rising, at);
       break;
     case 3:
       frt.capture_edge(*this, 1, rising, at);

@@ -17,8 +17,10 @@
 #include "sim/h8s/chip/interrupts.h"
 #include "sim/h8s/chip/ports.h"
 #include "sim/h8s/chip/pwm.h"
+#include "sim/h8s/chip/pwmx.h"
 #include "sim/h8s/chip/sci.h"
 #include "sim/h8s/chip/tmr.h"
+#include "sim/h8s/chip/tmr_xy.h"
 #include "sim/h8s/chip/wdt.h"
 #include "sim/h8s/cpu/cpu.h"
 
@@ -46,8 +48,8 @@ struct SystemRegisters {
 };
 
 // Modules that have events, in the order in which those of one state are worked off.
-enum class Source : unsigned { sci0, wdt0, sci1, wdt1, adc, frt, tmr };
-inline constexpr unsigned kSources = 7;
+enum class Source : unsigned { sci0, wdt0, sci1, wdt1, adc, frt, tmr, tmr_xy };
+inline constexpr unsigned kSources = 8;
 
 struct Place;
 
@@ -136,7 +138,9 @@ class Machine {
   Ports ports;
   Frt frt;
   Tmr tmr;
+  TmrXY tmr_xy;
   Pwm pwm;
+  Pwmx pwmx;
   std::array<Sci, 2> sci;
   Adc adc;
   std::array<Wdt, 2> wdt;

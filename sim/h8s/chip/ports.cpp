@@ -76,6 +76,11 @@ PortOutput Ports::output(const Machine& m, unsigned port, States at) const {
       if ((ddr_[port] >> bit & 1) && m.pwm.enabled(channel))
         own(bit, m.pwm.level(channel, at, m.options.pwm_right_aligned));
     }
+    if (port == 1) {
+      for (unsigned n = 0; n < 2; ++n) {
+        if (m.pwmx.enabled(n)) own(n, m.pwmx.level(n, at, m.options.pwmx_data_is_low));
+      }
+    }
     if (port == 2 && m.sci[1].drives_txd()) own(5, m.sci[1].txd(at));
   } else if (port == 4) {
     if (ddr_[4] & 0x40) own(6, false);  // the clock itself, not a level
@@ -86,6 +91,7 @@ PortOutput Ports::output(const Machine& m, unsigned port, States at) const {
     if (m.frt.drives(1)) own(6, m.frt.level(1));
     if (m.tmr.drives(0)) own(4, m.tmr.level(0));
     if (m.tmr.drives(1)) own(7, m.tmr.level(1));
+    if (m.tmr_xy.drives()) own(7, m.tmr_xy.level());
   }
   out.driven &= width(port);
   out.level &= out.driven;

@@ -45,6 +45,8 @@ States Machine::event_of(Source source) {
       return stopped(Stop_frt) ? kNever : frt.next_event(epoch);
     case Source::tmr:
       return stopped(Stop_tmr) ? kNever : tmr.next_event(*this);
+    case Source::tmr_xy:
+      return stopped(Stop_tmrxy) ? kNever : tmr_xy.next_event(*this);
   }
   return kNever;
 }
@@ -65,6 +67,8 @@ void Machine::advance(Source source, States to) {
       return frt.advance(*this, to);
     case Source::tmr:
       return tmr.advance(*this, to);
+    case Source::tmr_xy:
+      return tmr_xy.advance(*this, to);
   }
 }
 
@@ -131,7 +135,7 @@ void Machine::accept(unsigned vector) {
 bool Machine::could_wake() const {
   if ((cpu.control & 0x80) && !(cpu.two_level && !(cpu.control & 0x40))) return false;
   return irq.any_irq_enabled() || sci[0].waits_for_input() || sci[1].waits_for_input() ||
-         frt.waits_for_input() || tmr.waits_for_input();
+         frt.waits_for_input() || tmr.waits_for_input() || tmr_xy.waits_for_input();
 }
 
 Stop Machine::error_stop(Stop::Reason reason, const std::string& headline) {

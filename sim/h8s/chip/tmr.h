@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "sim/h8s/chip/sticky.h"
+#include "sim/h8s/chip/timer8.h"
 #include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
@@ -26,33 +26,21 @@ class Tmr {
   void reset_edge(Machine& m, unsigned n, bool rising, States at);
 
   // TMO0, TMO1: the timer owns the pin while any OS bit is set.
-  bool drives(unsigned n) const { return (timer_[n].tcsr_low & 0x0f) != 0; }
+  bool drives(unsigned n) const { return timer_[n].drives(); }
   bool level(unsigned n) const { return timer_[n].level; }
   // Mean over the settled waveform, 0..1.
   double high_share(Machine& m, unsigned n) const;
   bool waits_for_input() const;
 
  private:
-  struct Timer {
-    std::uint8_t count = 0, tcr = 0, tcora = 0xff, tcorb = 0xff;
-    std::uint8_t tcsr_low = 0;  // bits 4..0
-    StickyFlags flags;          // CMFB, CMFA, OVF in bits 7..5
-    States tick = 0;            // clock ticks up to which `count` is right
-    bool level = false;
-  };
-  struct Crossed {
-    bool a = false, overflow = false;
-  };
-
   States divisor(const Machine& m, unsigned n) const;  // 0: stopped or clocked from outside
-  bool cascaded(unsigned n) const { return (timer_[n].tcr & 7) == 4; }
-  std::int64_t to_next(const Timer& t) const;
-  Crossed step(Machine& m, unsigned n, std::int64_t counts, States at);
-  void pass_on(Machine& m, unsigned n, Crossed crossed, States at);
+  bool cascaded(unsigned n) const { return timer_[n].clock_select() == 4; }
+  Timer8::Crossed step(Machine& m, unsigned n, std::int64_t counts, States at);
+  void pass_on(Machine& m, unsigned n, Timer8::Crossed crossed, States at);
   void advance_one(Machine& m, unsigned n, States to);
   void update(Machine& m, unsigned n, States at);
 
-  std::array<Timer, 2> timer_;
+  std::array<Timer8, 2> timer_;
 };
 
 }  // namespace kaz::h8s

@@ -1,0 +1,65 @@
+// The counting that the four 8-bit timers share.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/chip/timer8.h"
+
+#include <algorithm>
+
+namespace kaz::h8s {
+namespace {
+
+std::int64_t distance(unsigned count, unsigned value) {
+  return static_cast<std::int64_t>((value - count) & 0xff) + 1;
+}
+
+// Output selection: 0 keep, 1 low, 2 high, 3 toggle.
+bool apply(bool level, unsigned action) {
+  return action == 3 ? !level : action == 2 ? true : action == 1 ? false : level;
+}
+
+}  // namespace
+
+bool timer_output(bool level, std::uint8_t selection, bool a, bool b) {
+  const unsigned on_a = a ? selection & 3u : 0, on_b = b ? selection >> 2 & 3u : 0;
+  return apply(level, std::max(on_a, on_b));
+}
+
+std::int64_t Timer8::to_next() const {
+  return std::min({distance(count, tcora), distance(count, tcorb), distance(count, 0xff)});
+}
+
+Timer8::Crossed Timer8::step(std::int64_t counts) {
+  const bool a = counts == distance(count, tcora), b = counts == distance(count, tcorb);
+  const bool clears = (a && clear() == Clear::on_a) || (b && clear() == Clear::on_b);
+  const bool wraps = counts == distance(count, 0xff) && !clears;
+  count = clears ? std::uint8_t{0} : static_cast<std::uint8_t>(count + counts);
+  if (a) flags.raise(kCmfa);
+  if (b) flags.raise(kCmfb);
+  if (wraps) flags.raise(kOvf);
+  level = timer_output(level, tcsr_low & 0x0f, a, b);
+  return {a, b, wraps};
+}
+
+std::int64_t Timer8::turn() const {
+  return clear() == Clear::on_a ? tcora + 1 : clear() == Clear::on_b ? tcorb + 1 : 0x100;
+}
+
+void Timer8::skip_turns(States target) {
+  const std::int64_t one = turn();
+  if (count < one && target - tick > 3 * one) tick += (target - tick - one) / (2 * one) * 2 * one;
+}
+
+std::int64_t Timer8::to_next_change() const {
+  if (!drives()) return kNever;
+  Timer8 ahead = *this;
+  std::int64_t counts = 0;
+  // Two turns show every crossing at both levels.
+  for (int crossing = 0; crossing < 8; ++crossing) {
+    const std::int64_t next = ahead.to_next();
+    counts += next;
+    ahead.step(next);
+    if (ahead.level != level) return counts;
+  }
+  return kNever;
+}
+
+}  // namespace kaz::h8s

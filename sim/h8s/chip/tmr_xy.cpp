@@ -1,0 +1,210 @@
+// TMRX and TMRY: clocks, pulse measurement, registers; the timer connection's control registers.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/chip/tmr_xy.h"
+
+#include <algorithm>
+
+#include "sim/h8s/chip/machine.h"
+
+namespace kaz::h8s {
+
+States TmrXY::divisor(unsigned n) const {
+  constexpr States table[2][4] = {{0, 1, 2, 4}, {0, 4, 256, 2048}};
+  const unsigned cks = timer_[n].clock_select();
+  return cks > 3 ? 0 : table[n][cks];
+}
+
+void TmrXY::update(Machine& m, States at) {
+  const unsigned active = timer_[y].requests();
+  const bool measured = timer_[x].flags.has(kIcf) && icie_;
+  m.irq.set_all(vec::cmiay, 4,
+                (active & Timer8::kCmfa ? 1u : 0u) | (active & Timer8::kCmfb ? 2u : 0u) |
+                    (active & Timer8::kOvf ? 4u : 0u) | (measured ? 8u : 0u),
+                at);
+}
+
+void TmrXY::step(Machine& m, unsigned n, std::int64_t counts, States at) {
+  timer_[n].step(counts);
+  update(m, at);
+}
+
+void TmrXY::advance_one(Machine& m, unsigned n, States to) {
+  const States d = divisor(n);
+  if (d == 0) return;
+  Timer8& t = timer_[n];
+  const States target = (to - m.epoch) / d;
+  while (t.tick < target) {
+    const std::int64_t counts = std::min(t.to_next(), target - t.tick);
+    t.tick += counts;
+    const std::uint8_t before = t.flags.value();
+    step(m, n, counts, m.epoch + t.tick * d);
+    if (before == t.flags.value()) t.skip_turns(target);
+  }
+}
+
+void TmrXY::advance(Machine& m, States to) {
+  if (!m.stopped(Stop_tmrxy)) {
+    advance_one(m, x, to);
+    advance_one(m, y, to);
+    return;
+  }
+  for (unsigned n = 0; n < 2; ++n) {
+    if (const States d = divisor(n)) timer_[n].tick = (to - m.epoch) / d;
+  }
+}
+
+// Only TMRY's matches and overflow can interrupt. A clear may come first, so each crossing counts.
+States TmrXY::next_event(const Machine& m) const {
+  const Timer8& t = timer_[y];
+  const States d = divisor(y);
+  if (d == 0 || (t.tcr & ~t.flags.value() & 0xe0) == 0) return kNever;
+  return m.epoch + (t.tick + t.to_next()) * d;
+}
+
+States TmrXY::next_change(const Machine& m) const {
+  const States d = divisor(x);
+  const std::int64_t counts = timer_[x].to_next_change();
+  return d == 0 || counts == kNever ? kNever : m.epoch + (timer_[x].tick + counts) * d;
+}
+
+// TCONRI.ICST arms one measurement: the rising edge into TICRR, the falling one after it into TICRF.
+void TmrXY::capture(bool rising) {
+  if (!(tconri_ & 0x10)) return;
+  if (rising) {
+    ticrr_ = timer_[x].count;
+    rose_ = true;
+  } else if (rose_) {
+    ticrf_ = timer_[x].count;
+    rose_ = false;
+    tconri_ = static_cast<std::uint8_t>(tconri_ & ~0x10);
+    timer_[x].flags.raise(kIcf);
+  }
+}
+
+void TmrXY::pin_edge(Machine& m, unsigned n, bool rising, States at) {
+  if (m.stopped(Stop_tmrxy) || (n == y && !(tisr_ & 1))) return;
+  advance(m, at);
+  if (timer_[n].counts_edge(rising)) timer_[n].step(1);
+  if (n == x) capture(rising);
+  if (rising && timer_[n].clear() == Timer8::Clear::on_pin) timer_[n].count = 0;
+  update(m, at);
+}
+
+bool TmrXY::waits_for_input() const {
+  return (timer_[y].waits_for_clock() && (tisr_ & 1)) || (icie_ && (tconri_ & 0x10));
+}
+
+std::uint8_t TmrXY::peek(std::uint32_t address) const {
+  const Timer8& t = timer_[bank_y() ? y : x];
+  switch (address) {
+    case 0xfff0:
+      return t.tcr;
+    case 0xfff1:
+      return static_cast<std::uint8_t>(t.flags.value() | t.tcsr_low |
+                                       (bank_y() && icie_ ? 0x10 : 0));
+    case 0xfff2:
+      return bank_y() ? t.tcora : ticrr_;
+    case 0xfff3:
+      return bank_y() ? t.tcorb : ticrf_;
+    case 0xfff4:
+      return t.count;
+    case 0xfff5:
+      return bank_y() ? tisr_ : tcorc_;
+    case 0xfff6:
+      return timer_[x].tcora;
+    case 0xfff7:
+      return timer_[x].tcorb;
+    case 0xfffc:
+      return tconri_;
+    case 0xfffd:
+      return tconro_;
+    case 0xfffe:
+      return tconrs_;
+    default:
+      return sedgr_;
+  }
+}
+
+std::uint8_t TmrXY::read(Machine& m, std::uint32_t address, States at) {
+  advance(m, at);
+  if (address == 0xfff1) timer_[bank_y() ? y : x].flags.read();
+  return peek(address);
+}
+
+void TmrXY::write_timer(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
+  const unsigned n = bank_y() ? y : x;
+  Timer8& t = timer_[n];
+  if (n == x && (address == 0xfff2 || address == 0xfff3)) {
+    m.misuse(address, "write to an input capture register of TMRX, which is read-only");
+    return;
+  }
+  advance(m, at - 1);  // in the state of the write itself the write wins
+  std::uint8_t* const compare = address == (n == x ? 0xfff6u : 0xfff2u)   ? &t.tcora
+                                : address == (n == x ? 0xfff7u : 0xfff3u) ? &t.tcorb
+                                                                          : nullptr;
+  if (compare) *compare = static_cast<std::uint8_t>(~t.count);
+  if (address != 0xfff4) advance(m, at);
+  const bool drove = drives();
+  switch (address) {
+    case 0xfff0:
+      t.tcr = value;
+      break;
+    case 0xfff1:
+      t.flags.write(static_cast<std::uint8_t>(n == x ? value | 0x0f : value | 0x1f));
+      t.tcsr_low = value & 0x0f;
+      if (n == y) icie_ = (value & 0x10) != 0;
+      break;
+    case 0xfff4:
+      t.count = value;
+      break;
+    case 0xfff5:
+      if (n == x)
+        tcorc_ = value;
+      else
+        tisr_ = static_cast<std::uint8_t>(0xfe | (value & 1));
+      break;
+    default:
+      if (compare)
+        *compare = value;
+      else
+        m.misuse(address,
+                 "write to an address without a register: TMRX's while TCONRS.TMRX/Y is 1");
+      break;
+  }
+  if (const States d = divisor(n)) t.tick = (at - m.epoch) / d;
+  if (n == x && (drove || drives())) m.notify(OutputChange::Unit::port, 6, at);
+}
+
+void TmrXY::write_connection(Machine& m, std::uint32_t address, std::uint8_t value) {
+  switch (address) {
+    case 0xfffc:
+      if (value & 0xef)
+        m.misuse(address, "TCONRI switches the timer connection on: its signal paths are not here");
+      if (value & 0x10 & ~tconri_) rose_ = false;
+      tconri_ = value;
+      break;
+    case 0xfffd:
+      if (value & 0xf0)
+        m.misuse(address, "TCONRO enables a sync output: the timer connection's are not here");
+      tconro_ = value;
+      break;
+    case 0xfffe:
+      if (value & 0x7f)
+        m.misuse(address, "TCONRS selects sync signals: the timer connection's are not here");
+      tconrs_ = value;
+      break;
+    default:
+      sedgr_ = static_cast<std::uint8_t>(sedgr_ & value & 0xfc);  // flags, none of which rises here
+      break;
+  }
+}
+
+void TmrXY::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
+  if (address >= 0xfffc)
+    write_connection(m, address, value);
+  else
+    write_timer(m, address, value, at);
+  update(m, at);
+}
+
+}  // namespace kaz::h8s

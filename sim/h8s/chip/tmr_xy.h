@@ -1,0 +1,56 @@
+// 8-bit timers TMRX and TMRY, and the registers of the timer connection.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sim/h8s/chip/timer8.h"
+#include "sim/h8s/cpu/cpu.h"
+
+namespace kaz::h8s {
+
+// Hardware manual, 8-bit timers and timer connection. TMRX counts the system clock itself, measures
+// pulses at TMIX (P60) and drives TMOX (P67); TMRY has three interrupts and, on this part, no pin.
+// Of the timer connection the paths that join the units of sync signals are not modelled: switching
+// one on is reported.
+class TmrXY {
+ public:
+  static constexpr unsigned x = 0, y = 1;
+
+  // FFF0..FFF7 (banked by TCONRS bit 7) and FFFC..FFFF.
+  std::uint8_t read(Machine& m, std::uint32_t address, States at);
+  void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
+  std::uint8_t peek(std::uint32_t address) const;
+
+  States next_event(const Machine& m) const;
+  void advance(Machine& m, States to);
+  // Level of TMIX or TMIY, which are clock and reset input at once.
+  void pin_edge(Machine& m, unsigned n, bool rising, States at);
+
+  // TMOX.
+  bool drives() const { return timer_[x].drives(); }
+  bool level() const { return timer_[x].level; }
+  // The next match that may change level(), from the last advance() on.
+  States next_change(const Machine& m) const;
+  bool waits_for_input() const;
+
+ private:
+  States divisor(unsigned n) const;  // 0: stopped or clocked by its pin
+  void advance_one(Machine& m, unsigned n, States to);
+  void step(Machine& m, unsigned n, std::int64_t counts, States at);
+  void update(Machine& m, States at);
+  void capture(bool rising);
+  bool bank_y() const { return (tconrs_ & 0x80) != 0; }
+  void write_timer(Machine& m, std::uint32_t address, std::uint8_t value, States at);
+  void write_connection(Machine& m, std::uint32_t address, std::uint8_t value);
+
+  static constexpr std::uint8_t kIcf = 0x10;  // of TCSRX, kept among TMRX's flags
+  std::array<Timer8, 2> timer_;
+  std::uint8_t ticrr_ = 0, ticrf_ = 0, tcorc_ = 0xff, tisr_ = 0xfe;
+  bool rose_ = false;  // the first half of a pulse measurement is done
+  bool icie_ = false;  // TCSRY bit 4
+  std::uint8_t tconri_ = 0, tconro_ = 0, tconrs_ = 0, sedgr_ = 0;
+};
+
+}  // namespace kaz::h8s
