@@ -214,30 +214,22 @@ const std::vector<Misuse>& Chip::misuse() const {
 }
 
 PortOutput Chip::output(Port port) const {
-  if (port == Port::p6) {
-    machine_->tmr.advance(*machine_, now());
-    machine_->frt.advance(*machine_, now());
-  }
-  return machine_->ports.output(*machine_, static_cast<unsigned>(port), now());
+  if (port == Port::p6) machine_->bring_outputs_to(machine_->moment());
+  return machine_->ports.output(*machine_, static_cast<unsigned>(port), machine_->moment());
 }
 
 void Chip::set_input(Port port, int bit, bool level) {
   if (bit < 0 || bit > 7) return;
-  machine_->ports.set_input(*machine_, static_cast<unsigned>(port), static_cast<unsigned>(bit),
-                            level, now());
-  machine_->disturbed();
+  machine_->set_input(static_cast<unsigned>(port), static_cast<unsigned>(bit), level);
 }
 
 void Chip::release_input(Port port, int bit) {
   if (bit < 0 || bit > 7) return;
-  machine_->ports.set_input(*machine_, static_cast<unsigned>(port), static_cast<unsigned>(bit),
-                            std::nullopt, now());
-  machine_->disturbed();
+  machine_->set_input(static_cast<unsigned>(port), static_cast<unsigned>(bit), std::nullopt);
 }
 
 void Chip::set_nmi(bool level) {
-  machine_->irq.set_nmi_pin(level, (machine_->system.syscr & 4) != 0, now());
-  machine_->disturbed();
+  machine_->set_nmi(level);
 }
 
 void Chip::on_output(std::function<void(const OutputChange&)> listener) {

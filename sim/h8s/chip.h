@@ -15,6 +15,7 @@
 #include "sim/h8s/error.h"
 #include "sim/h8s/image.h"
 #include "sim/h8s/options.h"
+#include "sim/h8s/pins.h"
 
 namespace kaz::h8s {
 
@@ -192,6 +193,26 @@ class Chip {
   // The board lets go: pull-up if switched on, else Options::floating_level.
   void release_input(Port port, int bit);
   void set_nmi(bool level);
+
+  // What a pin shows now, and who makes it do so.
+  PinState state(Pin pin) const;
+  bool level(Pin pin) const { return state(pin).level; }
+  // Tells each change of a pin's level, output or input, with the state at which it happens, in the
+  // order of states; also those between two instructions or while asleep. `drivers`: changes of who
+  // drives the pin, and of its pull-up, too. Listeners run as the edge happens: they may look at pins
+  // and drive inputs, which takes effect at the edge's state, and must not run, reset, restore or
+  // move the chip. A reset shows at the pins at the instruction boundary before it. Watching costs
+  // time only while something is watched. Gives a number for unwatch(). Copies of the chip are not
+  // watched, and what restore() changes at the pins is not told.
+  int watch(Pin pin, PinListener listener, bool drivers = false);
+  void unwatch(int watch);
+  // Calls once at that state (at once in the next run if it is past), between what the instructions
+  // do; for what a listener may do. Gives a number for cancel().
+  int call_at(States at, std::function<void(States)> call);
+  void cancel(int call);
+  // Drives an I/O pin, port 7 or NMI; others are fixed by Options, and nothing happens.
+  void set_input(Pin pin, bool level);
+  void release_input(Pin pin);
 
   // One listener for ports, PWM and timer outputs.
   void on_output(std::function<void(const OutputChange&)> listener);

@@ -103,6 +103,14 @@ States Frt::next_event(States epoch) const {
   return epoch + (tick_ + counts) * d;
 }
 
+States Frt::next_change(States epoch, unsigned output) const {
+  const States d = divisor();
+  if (d == 0 || level_[output] == ((tocr_ & (output == 0 ? 2 : 1)) != 0)) return kNever;
+  std::int64_t counts = to_count(ocr_[output]);
+  if (clear_on_a_) counts = std::min(counts, to_count(ocr_[0]));
+  return epoch + (tick_ + counts) * d;
+}
+
 void Frt::clock_edge(Machine& m, States at) {
   if (divisor() != 0 || m.stopped(Stop_frt)) return;
   step(m, 1, at);

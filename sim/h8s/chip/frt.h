@@ -29,6 +29,8 @@ class Frt {
 
   bool drives(unsigned output) const { return (tocr_ & (output ? 4 : 8)) != 0; }
   bool level(unsigned output) const { return level_[output]; }
+  // The next match that may change level(), from the last advance() on.
+  States next_change(States epoch, unsigned output) const;
   bool waits_for_input() const {
     return (tier_ & 0xf0) != 0 || ((tcr_ & 3) == 3 && (tier_ & 0x0e));
   }

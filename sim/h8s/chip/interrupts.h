@@ -53,6 +53,7 @@ class Interrupts {
 
   void set_irq_pin(unsigned n, bool level, States at);
   void set_nmi_pin(bool level, bool rising_edge, States at);
+  bool nmi_level() const { return nmi_level_; }
   bool any_irq_enabled() const { return (ier_ & 7) != 0; }
 
   // Registers by the low 16 bits of their address; nullopt or false where there is none.

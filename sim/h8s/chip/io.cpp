@@ -131,6 +131,10 @@ void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
       if (written) disturbed();
       break;
   }
+  if (written && pins.active()) {
+    pins.sample(*this, moment());
+    rescheduled(Source::pins);
+  }
   if (irq.take_raised() && irq.any_unmasked(cpu.control, cpu.two_level)) end_stretch(cpu);
 }
 
@@ -143,6 +147,7 @@ bool Machine::wide(std::uint32_t address) const {
 
 std::uint8_t Machine::io_read(std::uint32_t address) {
   const Place& p = place_of(address & 0xffff, system.stcr);
+  settle(time());
   const std::uint8_t value = read_register(p, address);
   accessed(p, address & 0xffff, false);
   return value;
@@ -150,6 +155,7 @@ std::uint8_t Machine::io_read(std::uint32_t address) {
 
 void Machine::io_write(std::uint32_t address, std::uint8_t value) {
   const Place& p = place_of(address & 0xffff, system.stcr);
+  settle(time() - 1);
   write_register(p, address & 0xffff, value);
   accessed(p, address & 0xffff, true);
 }

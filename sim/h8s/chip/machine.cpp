@@ -84,6 +84,7 @@ void Machine::take_state(const Machine& other) {
   for (std::size_t k = 0; k < kTrail; ++k)
     cpu.trail[k] = {moved(other.cpu.trail[k].from), moved(other.cpu.trail[k].to)};
   forget_all_code();
+  pins.forget(*this, cpu.now);
 }
 
 void Machine::forget_all_code() {
@@ -120,6 +121,7 @@ void Machine::power_on(std::uint8_t ram_fill) {
 }
 
 void Machine::reset(ResetCause why, States at) {
+  const States began = cpu.now;
   cause = why;
   epoch = at;
   dead.reset();
@@ -160,6 +162,7 @@ void Machine::reset(ResetCause why, States at) {
   record_jump(cpu, nullptr, cpu.ip);
   first_after_reset_ = true;
   for (Observer* o : observers) o->was_reset(why, at);
+  if (pins.active()) pins.sample(*this, began);
   notify(OutputChange::Unit::port, 0, at);
 }
 

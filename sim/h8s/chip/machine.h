@@ -15,6 +15,7 @@
 #include "sim/h8s/chip/flash.h"
 #include "sim/h8s/chip/frt.h"
 #include "sim/h8s/chip/interrupts.h"
+#include "sim/h8s/chip/pin_watch.h"
 #include "sim/h8s/chip/ports.h"
 #include "sim/h8s/chip/pwm.h"
 #include "sim/h8s/chip/pwmx.h"
@@ -48,8 +49,8 @@ struct SystemRegisters {
 };
 
 // Modules that have events, in the order in which those of one state are worked off.
-enum class Source : unsigned { sci0, wdt0, sci1, wdt1, adc, frt, tmr, tmr_xy };
-inline constexpr unsigned kSources = 8;
+enum class Source : unsigned { sci0, wdt0, sci1, wdt1, adc, frt, tmr, tmr_xy, pins };
+inline constexpr unsigned kSources = 9;
 
 struct Place;
 
@@ -85,6 +86,17 @@ class Machine {
   // --- for the modules ---------------------------------------------------------------------------
   // End of the access that runs, or the event's time.
   States time() const { return cpu.now + cpu.stall; }
+  // Time for those outside who look or act: of the event that is being worked off, else time().
+  States moment() const { return working_ != kNever ? working_ : time(); }
+  // The timers that may drive pins.
+  void bring_outputs_to(States at) {
+    frt.advance(*this, at);
+    tmr.advance(*this, at);
+    tmr_xy.advance(*this, at);
+  }
+  // What the board does to a pin, and what follows from it.
+  void set_input(unsigned port, unsigned bit, std::optional<bool> level);
+  void set_nmi(bool level);
   bool stopped(unsigned bit) const { return (system.mstpcr >> bit & 1) != 0; }
   std::uint8_t stcr() const { return system.stcr; }
   void notify(OutputChange::Unit unit, int index, States at) const {
@@ -145,6 +157,7 @@ class Machine {
   Adc adc;
   std::array<Wdt, 2> wdt;
   FlashControl flash_control;
+  PinWatch pins;
   SystemRegisters system;
 
   States epoch = 0;  // of the last reset: prescalers count from there
@@ -179,7 +192,9 @@ class Machine {
   }
   void find_events();
   States first_event() const;
-  void run_events();
+  void run_events(States to);
+  // Before an access to a register: what lies before `to` has happened.
+  void settle(States to);
   void accept(unsigned vector);
   bool could_wake() const;
   void stretch(States stop, bool one);
@@ -202,6 +217,7 @@ class Machine {
   std::array<States, kSources> events_{};
   States next_event_ = 0;
   bool events_known_ = false;
+  States working_ = kNever;  // the event that is being worked off
 };
 
 }  // namespace kaz::h8s

@@ -5,15 +5,15 @@
 namespace kaz::h8s {
 namespace {
 
-struct Pin {
+struct PortPin {
   unsigned port, bit;
 };
-Pin pw_pin(int channel) {
+PortPin pw_pin(int channel) {
   const auto n = static_cast<unsigned>(channel);
   return {n < 8 ? 1u : 2u, n & 7};
 }
 // TMO0 is P64, TMO1 is P67.
-Pin tmo_pin(int timer) {
+PortPin tmo_pin(int timer) {
   return {6, timer == 0 ? 4u : 7u};
 }
 
@@ -21,7 +21,7 @@ Pin tmo_pin(int timer) {
 
 bool Machine::pw_driven(int channel) const {
   if (channel < 0 || channel > 15) return false;
-  const Pin pin = pw_pin(channel);
+  const PortPin pin = pw_pin(channel);
   return (ports.ddr(pin.port) >> pin.bit & 1) != 0 || serial_drives(channel);
 }
 
@@ -32,7 +32,7 @@ bool Machine::serial_drives(int channel) const {
 
 int Machine::pw_high_counts(int channel) const {
   if (!pw_driven(channel)) return 0;
-  const Pin pin = pw_pin(channel);
+  const PortPin pin = pw_pin(channel);
   if (pwm.enabled(static_cast<unsigned>(channel)) && !serial_drives(channel))
     return pwm.high_counts(static_cast<unsigned>(channel), time());
   return ports.output(*this, pin.port, time()).level >> pin.bit & 1 ? 256 : 0;
@@ -40,13 +40,13 @@ int Machine::pw_high_counts(int channel) const {
 
 bool Machine::tmo_driven(int timer) const {
   if (timer < 0 || timer > 1) return false;
-  const Pin pin = tmo_pin(timer);
+  const PortPin pin = tmo_pin(timer);
   return tmr.drives(static_cast<unsigned>(timer)) || (ports.ddr(pin.port) >> pin.bit & 1) != 0;
 }
 
 double Machine::tmo_high_share(int timer) {
   if (!tmo_driven(timer)) return 0;
-  const Pin pin = tmo_pin(timer);
+  const PortPin pin = tmo_pin(timer);
   if (!tmr.drives(static_cast<unsigned>(timer))) return ports.dr(pin.port) >> pin.bit & 1;
   tmr.advance(*this, time());
   return tmr.high_share(*this, static_cast<unsigned>(timer));

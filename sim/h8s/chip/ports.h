@@ -26,6 +26,8 @@ class Ports {
 
   std::uint8_t ddr(unsigned port) const { return ddr_[port]; }
   std::uint8_t dr(unsigned port) const { return dr_[port]; }
+  bool pulled_up(unsigned port, unsigned bit) const { return (pcr_[port] >> bit & 1) != 0; }
+  bool given(unsigned port, unsigned bit) const { return (given_[port] >> bit & 1) != 0; }
 
  private:
   std::array<std::uint8_t, 8> ddr_{}, dr_{}, pcr_{};  // by port number

@@ -34,6 +34,17 @@ bool Pwm::level(unsigned channel, States at, bool right_aligned) const {
   return pwm_pulse(data_[channel], counter(at), right_aligned) != ((os_ >> channel & 1) != 0);
 }
 
+States Pwm::next_change(unsigned channel, States at, bool right_aligned) const {
+  const States d = divisor();
+  if (d == 0) return kNever;
+  const unsigned from = counter(at);
+  const bool now = pwm_pulse(data_[channel], from, right_aligned);
+  for (unsigned k = 1; k < 256; ++k) {
+    if (pwm_pulse(data_[channel], (from + k) & 0xff, right_aligned) != now) return (at / d + k) * d;
+  }
+  return kNever;
+}
+
 int Pwm::high_counts(unsigned channel, States at) const {
   const bool inverted = (os_ >> channel & 1) != 0;
   if (divisor() == 0) return level(channel, at, true) ? 256 : 0;

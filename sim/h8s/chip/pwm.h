@@ -22,6 +22,8 @@ class Pwm {
   int high_counts(unsigned channel, States at) const;
   // The waveform itself.
   bool level(unsigned channel, States at, bool right_aligned) const;
+  // First state after `at` at which level() differs, kNever if it stays.
+  States next_change(unsigned channel, States at, bool right_aligned) const;
 
  private:
   States divisor() const;  // 0: stopped

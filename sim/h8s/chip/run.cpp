@@ -47,6 +47,8 @@ States Machine::event_of(Source source) {
       return stopped(Stop_tmr) ? kNever : tmr.next_event(*this);
     case Source::tmr_xy:
       return stopped(Stop_tmrxy) ? kNever : tmr_xy.next_event(*this);
+    case Source::pins:
+      return pins.active() ? pins.next_event(*this) : kNever;
   }
   return kNever;
 }
@@ -69,6 +71,8 @@ void Machine::advance(Source source, States to) {
       return tmr.advance(*this, to);
     case Source::tmr_xy:
       return tmr_xy.advance(*this, to);
+    case Source::pins:
+      return pins.advance(*this, to);
   }
 }
 
@@ -99,13 +103,16 @@ void Machine::disturbed() {
 
 void Machine::run_modules(States to) {
   events_known_ = false;
-  for (unsigned k = 0; k < kSources; ++k) advance(static_cast<Source>(k), to);
+  for (unsigned k = 0; k < kSources; ++k) {
+    if (const auto source = static_cast<Source>(k); source != Source::pins) advance(source, to);
+  }
 }
 
 // Events in the order of their times, so that one may lead to the next. A module without one is
 // left alone until somebody looks at it.
-void Machine::run_events() {
-  for (States at = next_event(); at <= cpu.now; at = next_event()) {
+void Machine::run_events(States to) {
+  for (States at = next_event(); at <= to; at = next_event()) {
+    working_ = at;
     for (unsigned k = 0; k < kSources; ++k) {
       const auto source = static_cast<Source>(k);
       if ((events_known_ ? events_[k] : event_of(source)) > at) continue;
@@ -113,6 +120,25 @@ void Machine::run_events() {
       rescheduled(source);
     }
   }
+  working_ = kNever;
+}
+
+void Machine::settle(States to) {
+  if (working_ == kNever && next_event() <= to) run_events(to);
+}
+
+void Machine::set_input(unsigned port, unsigned bit, std::optional<bool> level) {
+  const States at = moment();
+  ports.set_input(*this, port, bit, level, at);
+  if (pins.active()) pins.sample(*this, at);
+  disturbed();
+}
+
+void Machine::set_nmi(bool level) {
+  const States at = moment();
+  irq.set_nmi_pin(level, (system.syscr & 4) != 0, at);
+  if (pins.active()) pins.sample(*this, at);
+  disturbed();
 }
 
 void Machine::accept(unsigned vector) {
@@ -212,7 +238,7 @@ Stop Machine::run(Chip& chip, States until, bool single) {
   for (;;) {
     if (dead) return *dead;
     if (cpu.fault != Fault::none) return stop_for_fault();
-    run_events();
+    run_events(cpu.now);
     if (watchdog_reset) {
       reset(ResetCause::watchdog, cpu.now + options.watchdog_reset_states);
       events_known_ = false;

@@ -129,6 +129,13 @@ bool Sci::txd(States at) const {
   return true;
 }
 
+States Sci::next_change(States at) const {
+  if (!shifting_ || at >= end_) return kNever;
+  if (preamble_) return end_;
+  if (at < start_) return start_;
+  return std::min(end_, start_ + ((at - start_) / bit_states() + 1) * bit_states());
+}
+
 std::uint8_t Sci::peek(unsigned offset) const {
   switch (offset) {
     case 0:

@@ -27,6 +27,8 @@ class Sci {
   bool drives_txd() const { return (scr_ & 0x20) != 0; }
   // Level of TxD while drives_txd().
   bool txd(States at) const;
+  // First state after `at` at which txd() may differ, as far as the byte in the shift register goes.
+  States next_change(States at) const;
   States bit_states() const;
   bool waits_for_input() const { return (scr_ & 0x50) == 0x50; }
 

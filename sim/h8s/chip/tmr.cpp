@@ -81,6 +81,18 @@ States Tmr::next_event(Machine& m) const {
   return first;
 }
 
+States Tmr::next_change(const Machine& m, unsigned n) const {
+  const Timer8& t = timer_[n];
+  if (!cascaded(n)) {
+    const States d = divisor(m, n);
+    const std::int64_t counts = t.to_next_change();
+    return d == 0 || counts == kNever ? kNever : m.epoch + (t.tick + counts) * d;
+  }
+  const Timer8& other = timer_[1 - n];
+  const States d = divisor(m, 1 - n);
+  return d == 0 || !t.drives() ? kNever : m.epoch + (other.tick + other.to_next()) * d;
+}
+
 void Tmr::clock_changed(Machine& m, States at) {
   for (unsigned n = 0; n < 2; ++n) {
     if (const States d = divisor(m, n)) timer_[n].tick = (at - m.epoch) / d;

@@ -28,6 +28,8 @@ class Tmr {
   // TMO0, TMO1: the timer owns the pin while any OS bit is set.
   bool drives(unsigned n) const { return timer_[n].drives(); }
   bool level(unsigned n) const { return timer_[n].level; }
+  // The next match that may change level(), from the last advance() on.
+  States next_change(const Machine& m, unsigned n) const;
   // Mean over the settled waveform, 0..1.
   double high_share(Machine& m, unsigned n) const;
   bool waits_for_input() const;

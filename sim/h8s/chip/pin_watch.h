@@ -1,0 +1,58 @@
+// Who watches pins, and calls that somebody outside wants at a given state.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "sim/h8s/cpu/cpu.h"
+#include "sim/h8s/pins.h"
+
+namespace kaz::h8s {
+
+// Level and driver of a pin at `at`, with the modules as they stand: advance them to `at` first.
+PinState pin_state(const Machine& m, Pin pin, States at);
+// First state after `at` at which the module behind a pin may change its level by itself.
+States next_pin_change(const Machine& m, Pin pin, States at);
+
+// Belongs to a machine but is no part of its state: neither copied nor restored.
+class PinWatch {
+ public:
+  bool active() const { return !watched_.empty() || !calls_.empty(); }
+  int watch(const Machine& m, Pin pin, PinListener listener, bool drivers, States at);
+  void unwatch(int id);
+  int call_at(States at, std::function<void(States)> call);
+  void cancel(int id);
+
+  States next_event(const Machine& m) const;
+  // Tells the edges at `to` and makes the calls that are due.
+  void advance(Machine& m, States to);
+  // Something was done to the chip at `at`: tells the edges.
+  void sample(Machine& m, States at);
+  // The chip's state has been replaced: what the pins show now is not an edge.
+  void forget(const Machine& m, States at);
+
+ private:
+  struct Watched {
+    int id;
+    Pin pin;
+    PinState last;
+    bool drivers;  // changes of the driver are told too
+    PinListener listener;
+  };
+  struct Call {
+    int id;
+    std::function<void(States)> call;
+  };
+  bool tell_once(Machine& m, States at);
+
+  std::vector<Watched> watched_;
+  std::multimap<States, Call> calls_;
+  int next_id_ = 1;
+  States sampled_ = 0;  // everything up to here has been told
+  bool telling_ = false;
+};
+
+}  // namespace kaz::h8s
