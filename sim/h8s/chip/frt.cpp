@@ -52,6 +52,7 @@ void Frt::match(Machine& m, unsigned n, States at) {
 void Frt::step(Machine& m, std::int64_t counts, States at) {
   const bool a = counts == to_count(ocr_[0]), b = counts == to_count(ocr_[1]);
   const bool wraps = counts == to_count(0xffff);
+  if (masked_ && counts >= ((mask_end_ - count_) & 0xffff)) masked_ = false;
   count_ = static_cast<std::uint16_t>(count_ + counts);
   if (wraps && !(a && clear_on_a_)) flags_.raise(kOvf);
   if (b) match(m, 1, at);
@@ -82,7 +83,8 @@ void Frt::advance(Machine& m, States to) {
     }
     // Everything that can be flagged is: whole turns of a plain counter leave no trace.
     const std::int64_t turn = clear_on_a_ ? ocr_[0] + 1 : 0x10000;
-    if (before == flags_.value() && !(tocr_ & 0x4c) && count_ < turn && target - tick_ > 2 * turn)
+    if (before == flags_.value() && !(tocr_ & 0x4c) && !masked_ && count_ < turn &&
+        target - tick_ > 2 * turn)
       tick_ += ((target - tick_) / turn - 1) * turn;
   }
   if (changed) update(m, to);
@@ -117,14 +119,26 @@ void Frt::clock_edge(Machine& m, States at) {
   update(m, at);
 }
 
+// IEDGA..IEDGD choose the edge; with ICRC as ICRA's buffer, IEDGC adds a second edge to FTIA (and ICRD
+// to FTIB).
+bool Frt::captures_edge(unsigned n, bool rising) const {
+  const auto chosen = [&](unsigned k) { return ((tcr_ >> (7 - k) & 1) != 0) == rising; };
+  const bool buffered = n < 2 && (tcr_ >> (3 - n) & 1) != 0;
+  return chosen(n) || (buffered && chosen(n + 2));
+}
+
 void Frt::capture_edge(Machine& m, unsigned n, bool rising, States at) {
-  if (m.stopped(Stop_frt)) return;
-  if (((tcr_ >> (7 - n) & 1) != 0) != rising) return;
+  if (m.stopped(Stop_frt) || !captures_edge(n, rising)) return;
   advance(m, at);
+  if (n == 3 && masked_) return;
   if (n == 0 && (tcr_ & 8)) icr_[2] = icr_[0];
   if (n == 1 && (tcr_ & 4)) icr_[3] = icr_[1];
   const bool buffer = (n == 2 && (tcr_ & 8)) || (n == 3 && (tcr_ & 4));
   if (!buffer) icr_[n] = count_;
+  if (n == 3 && (tocr_ & 0x80) && ocrdm_ != 0) {
+    masked_ = true;
+    mask_end_ = static_cast<std::uint16_t>(icr_[3] + 2 * ocrdm_);
+  }
   flags_.raise(static_cast<std::uint8_t>(0x80u >> n));
   update(m, at);
 }
@@ -177,8 +191,13 @@ std::uint8_t Frt::read(Machine& m, std::uint32_t address, States at) {
 }
 
 void Frt::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
-  advance(m, at);
+  // In the state of the write itself a write to FRC wins over the count, one to OCR keeps its match
+  // away.
+  advance(m, at - 1);
   const auto word = static_cast<std::uint16_t>(temp_ << 8 | value);
+  std::uint16_t& ocr = ocr_[tocr_ & 0x10 ? 1 : 0];
+  if (address == 0xff95) ocr = static_cast<std::uint16_t>(count_ ^ 0x8000);
+  if (address < 0xff92 || address > 0xff94) advance(m, at);
   switch (address) {
     case 0xff90:
       tier_ = static_cast<std::uint8_t>(value | 1);
@@ -189,9 +208,10 @@ void Frt::write(Machine& m, std::uint32_t address, std::uint8_t value, States at
       break;
     case 0xff93:
       count_ = word;
+      if (divisor() != 0) tick_ = (at - m.epoch) / divisor();
       break;
     case 0xff95:
-      ocr_[tocr_ & 0x10 ? 1 : 0] = word;
+      ocr = word;
       break;
     case 0xff96:
       tcr_ = value;
@@ -207,7 +227,10 @@ void Frt::write(Machine& m, std::uint32_t address, std::uint8_t value, States at
       if (!(tocr_ & 0x20)) {
         m.misuse(address, "write to an input capture register of the FRT, which is read-only");
       } else {
-        (address == 0xff99 ? ocrar_ : address == 0xff9b ? ocraf_ : ocrdm_) = word;
+        // OCRDM's upper byte is always 0.
+        (address == 0xff99   ? ocrar_
+         : address == 0xff9b ? ocraf_
+                             : ocrdm_) = address == 0xff9d ? value : word;
       }
       break;
     case 0xff9f:

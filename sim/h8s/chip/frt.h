@@ -41,6 +41,7 @@ class Frt {
   std::int64_t to_next() const;
   std::int64_t to_count(std::uint32_t value) const;
   void step(Machine& m, std::int64_t counts, States at);
+  bool captures_edge(unsigned n, bool rising) const;
   void match(Machine& m, unsigned n, States at);
   void update(Machine& m, States at);
 
@@ -53,6 +54,9 @@ class Frt {
   std::array<std::uint16_t, 2> ocr_{0xffff, 0xffff};
   std::array<std::uint16_t, 4> icr_{};
   std::uint16_t ocrar_ = 0xffff, ocraf_ = 0xffff, ocrdm_ = 0;
+  // ICRDMS: after a capture D no other one until FRC reaches ICRD + 2 OCRDM.
+  bool masked_ = false;
+  std::uint16_t mask_end_ = 0;
   std::array<bool, 2> level_{};
 };
 
