@@ -207,6 +207,7 @@ std::optional<std::uint8_t> Machine::io_peek(std::uint32_t address) {
     case Unit::interrupts:
       return irq.peek(a);
     case Unit::ports:
+      if (a == 0xffbb) bring_outputs_to(time());
       return ports.read(*this, a);
     case Unit::frt:
       frt.advance(*this, time());
