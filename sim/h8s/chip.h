@@ -60,9 +60,10 @@ struct PortOutput {
 
 // An output register was written and something at the pins may differ from now on.
 struct OutputChange {
-  enum class Unit { port, pwm, timer };
+  enum class Unit { port, pwm, timer, serial };
   Unit unit = Unit::port;
-  // port: 1..6, 0 for all (reset); pwm: channel 0..15, -1 for all; timer: 0, 1 (TMO0, TMO1)
+  // port: 1..6, 0 for all (reset); pwm: channel 0..15, -1 for all; timer: 0, 1 (TMO0, TMO1);
+  // serial: 0, 1 (a frame begins on TxD, or clocks on SCK)
   int index = 0;
   States at = 0;
 };
@@ -73,6 +74,7 @@ struct ReceivedByte {
   States at = 0;  // end of its last stop bit
   bool framing_error = false;
   bool parity_error = false;
+  bool multiprocessor = false;  // its multiprocessor bit, where SMR.MP asks for one
 };
 
 // A byte that has left TxD.

@@ -39,6 +39,12 @@ struct Options {
   int adc_start_delay_fast = 9;
   // After TE goes 0 to 1 one frame of mark precedes the first character.
   bool sci_preamble = true;
+  // A frame begins at the next edge of the free-running bit clock; else at once. With the clock on
+  // SCK it always waits, because data change at that clock's falling edge.
+  bool sci_aligned_start = false;
+  // Bytes that arrive by levels at RxD are there at the sample in the first stop bit; else at the
+  // end of the last stop bit, as Chip::receive counts.
+  bool sci_ready_mid_stop = false;
   // PWM pulses stand at the right end of their 16-count slot.
   bool pwm_right_aligned = true;
   // The 14-bit PWM's data gives the low time of the pin for OS = 0 (the high time for OS = 1).

@@ -155,6 +155,8 @@ void H8Mcu::output_changed(const h8s::OutputChange& change) {
     case h8s::OutputChange::Unit::timer:
       read_timer(change.index);
       break;
+    case h8s::OutputChange::Unit::serial:  // bytes are told as they end
+      return;
   }
   if (on_pins_ && pins_ != before) on_pins_(base_ + change.at, pins_);
 }

@@ -187,6 +187,8 @@ void Machine::misuse(std::uint32_t address, const char* text) {
 
 void Machine::pin_edge(unsigned port, unsigned bit, bool rising, States at) {
   if (port == 4 && bit == 0 && !rising) adc.trigger(*this, 3, at);
+  if (port == 5 && bit == 2) sci[0].sck_edge(*this, 0, rising, at);
+  if (port == 2 && bit == 7) sci[1].sck_edge(*this, 1, rising, at);
   if (port != 6) return;
   switch (bit) {
     case 0:

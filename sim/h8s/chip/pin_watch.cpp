@@ -15,17 +15,21 @@ constexpr int kMaxRounds = 1000;
 Driver chip_driver(const Machine& m, unsigned port, unsigned bit) {
   const bool out = (m.ports.ddr(port) >> bit & 1) != 0;
   const Driver latch = out ? Driver::port : Driver::nobody;
+  if ((port == 2 && bit >= 5) || port == 5) {
+    // TxD, RxD, SCK from P25 and from P50 on.
+    const Sci& sci = m.sci[port == 5 ? 0 : 1];
+    const unsigned role = port == 5 ? bit : bit - 5;
+    if (role == 0 ? sci.drives_txd() : role == 2 && sci.drives_sck()) return Driver::sci;
+    if (role == 1 ? sci.takes_rxd() : role == 2 && sci.takes_sck()) return Driver::nobody;
+  }
   switch (port) {
     case 1:
     case 2:
-      if (port == 2 && bit == 5 && m.sci[1].drives_txd()) return Driver::sci;
       if (port == 1 && bit < 2 && m.pwmx.enabled(bit)) return Driver::pwmx;
       if (out && m.pwm.enabled(bit + (port == 2 ? 8 : 0))) return Driver::pwm;
       return latch;
     case 4:
       return bit == 6 && out ? Driver::clock : latch;
-    case 5:
-      return bit == 0 && m.sci[0].drives_txd() ? Driver::sci : latch;
     case 6:
       if ((bit == 1 && m.frt.drives(0)) || (bit == 6 && m.frt.drives(1))) return Driver::frt;
       if (bit == 7 && m.tmr_xy.drives()) return Driver::tmr;
@@ -76,7 +80,8 @@ States next_pin_change(const Machine& m, Pin pin, States at) {
     case Driver::pwmx:
       return m.pwmx.next_change(bit, at, m.options.pwmx_data_is_low);
     case Driver::sci:
-      return m.sci[port == 5 ? 0 : 1].next_change(at);
+      return bit == 0 || bit == 5 ? m.sci[port == 5 ? 0 : 1].txd_change(at)
+                                  : m.sci[port == 5 ? 0 : 1].sck_change(at);
     case Driver::frt:
       return m.stopped(Stop_frt) ? kNever : m.frt.next_change(m.epoch, bit == 1 ? 0 : 1);
     case Driver::tmr:

@@ -70,6 +70,13 @@ PortOutput Ports::output(const Machine& m, unsigned port, States at) const {
     out.driven = static_cast<std::uint8_t>(out.driven | mask);
     out.level = static_cast<std::uint8_t>(level ? out.level | mask : out.level & ~mask);
   };
+  // What the channel takes in is not driven, whatever the direction bit says.
+  const auto serial = [&](const Sci& sci, unsigned txd, unsigned rxd, unsigned sck) {
+    if (sci.drives_txd()) own(txd, sci.txd(at));
+    if (sci.drives_sck()) own(sck, sci.sck(at));
+    const unsigned in = (sci.takes_rxd() ? 1u << rxd : 0u) | (sci.takes_sck() ? 1u << sck : 0u);
+    out.driven = static_cast<std::uint8_t>(out.driven & ~in);
+  };
   if (port == 1 || port == 2) {
     for (unsigned bit = 0; bit < 8; ++bit) {
       const unsigned channel = bit + (port == 2 ? 8 : 0);
@@ -81,11 +88,11 @@ PortOutput Ports::output(const Machine& m, unsigned port, States at) const {
         if (m.pwmx.enabled(n)) own(n, m.pwmx.level(n, at, m.options.pwmx_data_is_low));
       }
     }
-    if (port == 2 && m.sci[1].drives_txd()) own(5, m.sci[1].txd(at));
+    if (port == 2) serial(m.sci[1], 5, 6, 7);
   } else if (port == 4) {
     if (ddr_[4] & 0x40) own(6, false);  // the clock itself, not a level
   } else if (port == 5) {
-    if (m.sci[0].drives_txd()) own(0, m.sci[0].txd(at));
+    serial(m.sci[0], 0, 1, 2);
   } else if (port == 6) {
     if (m.frt.drives(0)) own(1, m.frt.level(0));
     if (m.frt.drives(1)) own(6, m.frt.level(1));
@@ -115,6 +122,10 @@ void Ports::set_input(Machine& m, unsigned port, unsigned bit, std::optional<boo
       static_cast<std::uint8_t>(level.value_or(false) ? level_[port] | mask : level_[port] & ~mask);
   const std::uint8_t after = pins(m, port, at);
   const bool now_high = (after & mask) != 0;
+  if ((port == 5 && bit == 1) || (port == 2 && bit == 6)) {
+    const unsigned n = port == 5 ? 0 : 1;
+    m.sci[n].rxd_edge(m, n, now_high, level.has_value(), at);
+  }
   if (port == 4 && bit <= 2) m.irq.set_irq_pin(2 - bit, now_high, at);
   if ((before ^ after) & mask) m.pin_edge(port, bit, now_high, at);
 }

@@ -3,16 +3,14 @@
 #include "sim/h8s/chip/sci.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "sim/h8s/chip/machine.h"
+#include "sim/h8s/chip/sci_bits.h"
 
 namespace kaz::h8s {
-namespace {
+using namespace sci_bits;
 
-constexpr std::uint8_t kTdre = 0x80, kRdrf = 0x40, kOrer = 0x20, kFer = 0x10, kPer = 0x08;
-constexpr std::uint8_t kErrors = kOrer | kFer | kPer;
-constexpr std::uint8_t kTie = 0x80, kRie = 0x40, kTe = 0x20, kRe = 0x10, kMpie = 0x08, kTeie = 0x04;
+namespace {
 
 std::uint8_t reversed(std::uint8_t byte) {
   unsigned r = 0;
@@ -30,8 +28,7 @@ States Sci::bit_states() const {
 
 int Sci::frame_bits() const {
   if (synchronous()) return 8;
-  const bool parity = (smr_ & 0x20) != 0 && !(smr_ & 4), multi = (smr_ & 4) != 0;
-  return 1 + data_bits() + (parity ? 1 : 0) + (multi ? 1 : 0) + (smr_ & 8 ? 2 : 1);
+  return 1 + data_bits() + (parity() || multiprocessor() ? 1 : 0) + stop_bits();
 }
 
 std::uint8_t Sci::on_wire(std::uint8_t byte) const {
@@ -49,57 +46,26 @@ void Sci::update(Machine& m, unsigned n, States at) {
   m.irq.set_all(base, 4, levels, at);
 }
 
-// TDR into the shift register; the start bit begins at `at`.
-void Sci::load(Machine& m, unsigned n, States at) {
-  tsr_ = on_wire(tdr_);
-  flags_.raise(kTdre);
-  tend_ = false;
-  shifting_ = true;
-  preamble_ = false;
-  start_ = at;
-  end_ = at + frame_bits() * bit_states();
-  update(m, n, at);
-}
-
-void Sci::end_of_frame(Machine& m, unsigned n, States at) {
-  shifting_ = false;
-  end_ = kNever;
-  if (!preamble_ && m.listeners.transmitted)
-    m.listeners.transmitted(static_cast<int>(n), {tsr_, start_, at});
-  preamble_ = false;
-  if (!flags_.has(kTdre))
-    load(m, n, at);
-  else
-    tend_ = true;
-}
-
-// Rules of reception: errors block, an overrun loses the new byte, a bad frame is copied without
-// RDRF.
-void Sci::take(Machine& m, unsigned n, const ReceivedByte& byte) {
-  const unsigned stop = n == 0 ? Stop_sci0 : Stop_sci1;
-  if (!(scr_ & kRe) || m.stopped(stop) || flags_.has(kErrors)) return;
-  // Multiprocessor format: without an id bit the byte is not for this chip.
-  if ((smr_ & 4) && (scr_ & kMpie)) return;
-  const bool parity = (smr_ & 0x20) && byte.parity_error;
-  if (byte.framing_error) flags_.raise(kFer);
-  if (parity) flags_.raise(kPer);
-  if (flags_.has(kRdrf)) {
-    flags_.raise(kOrer);
-    return;
-  }
-  rdr_ = on_wire(byte.value);
-  if (!byte.framing_error && !parity) flags_.raise(kRdrf);
-}
-
 States Sci::next_event() const {
-  return incoming_.empty() ? end_ : std::min(end_, incoming_.front().at);
+  const States in = incoming_.empty() ? kNever : incoming_.front().at;
+  return std::min(std::min(end_, in), std::min(sample_, arrives_));
 }
 
 void Sci::advance(Machine& m, unsigned n, States to) {
   for (;;) {
     const States at = next_event();
     if (at > to) return;
-    if (end_ == at) end_of_frame(m, n, at);
+    if (end_ == at) send_event(m, n, at);
+    if (sample_ == at) sample(m, at);
+    if (arrives_ == at) {
+      arrives_ = kNever;
+      take(m, n, arrived_);
+      // Clocked reception alone goes on until it overruns.
+      if (burst_ != kNever) {
+        burst_ = flags_.has(kErrors) ? kNever : at;
+        if (burst_ != kNever) begin_clocked(at);
+      }
+    }
     if (!incoming_.empty() && incoming_.front().at == at) {
       const ReceivedByte byte = incoming_.front();
       incoming_.pop_front();
@@ -111,29 +77,13 @@ void Sci::advance(Machine& m, unsigned n, States to) {
 
 void Sci::reset(Machine& m, unsigned n, States at) {
   std::deque<ReceivedByte> wire = std::move(incoming_);
+  const bool level = rxd_, driven = rxd_driven_;
   *this = Sci{};
   incoming_ = std::move(wire);
+  rxd_ = level;
+  rxd_driven_ = driven;
+  clock_base_ = at;
   update(m, n, at);
-}
-
-bool Sci::txd(States at) const {
-  if (!shifting_ || preamble_ || at < start_) return true;
-  const States bit = (at - start_) / bit_states();
-  const int data = data_bits();
-  if (synchronous()) return (tsr_ >> std::min<States>(bit, 7) & 1) != 0;
-  if (bit == 0) return false;
-  if (bit <= data) return (tsr_ >> (bit - 1) & 1) != 0;
-  if (bit == data + 1 && (smr_ & 4)) return mpbt_;
-  if (bit == data + 1 && (smr_ & 0x20))
-    return ((std::popcount(tsr_) & 1) != 0) != ((smr_ & 0x10) != 0);
-  return true;
-}
-
-States Sci::next_change(States at) const {
-  if (!shifting_ || at >= end_) return kNever;
-  if (preamble_) return end_;
-  if (at < start_) return start_;
-  return std::min(end_, start_ + ((at - start_) / bit_states() + 1) * bit_states());
 }
 
 std::uint8_t Sci::peek(unsigned offset) const {
@@ -147,7 +97,8 @@ std::uint8_t Sci::peek(unsigned offset) const {
     case 3:
       return tdr_;
     case 4:
-      return static_cast<std::uint8_t>(flags_.value() | (tend_ ? 4 : 0) | (mpbt_ ? 1 : 0));
+      return static_cast<std::uint8_t>(flags_.value() | (tend_ ? 4 : 0) | (mpb_ ? 2 : 0) |
+                                       (mpbt_ ? 1 : 0));
     case 5:
       return rdr_;
     default:
@@ -164,16 +115,46 @@ std::uint8_t Sci::read(Machine& m, unsigned n, unsigned offset, States at) {
 void Sci::enable(Machine& m, unsigned n, std::uint8_t value, States at) {
   const std::uint8_t before = scr_;
   scr_ = value;
+  if ((before ^ value) & kCke) clock_base_ = at;
   if (!(value & kTe)) {
     flags_.raise(kTdre);
     tend_ = true;
-    shifting_ = preamble_ = false;
-    end_ = kNever;
-  } else if (!(before & kTe) && m.options.sci_preamble && !synchronous()) {
-    shifting_ = preamble_ = true;
+    stop_sending();
+  } else if (!(before & kTe) && m.options.sci_preamble && !synchronous() && !outside_clock()) {
+    sending_ = Sending::preamble;
     end_ = at + frame_bits() * bit_states();
   }
-  if ((before ^ value) & kTe) m.notify(OutputChange::Unit::port, n == 0 ? 5 : 2, at);
+  if (!(value & kRe)) {
+    stop_receiving();
+    arrives_ = kNever;
+  }
+  start_reception_clock(at);
+  if ((before ^ value) & (kTe | kRe | kCke)) m.notify(OutputChange::Unit::port, n == 0 ? 5 : 2, at);
+}
+
+// Clocked reception without transmission makes its own clocks, eight and eight.
+void Sci::start_reception_clock(States at) {
+  const bool wanted =
+      synchronous() && !outside_clock() && (scr_ & (kTe | kRe)) == kRe && !flags_.has(kErrors);
+  if (!wanted) {
+    burst_ = kNever;
+  } else if (burst_ == kNever) {
+    burst_ = at;
+    begin_clocked(at);
+  }
+}
+
+void Sci::taken_by_dtc(Machine& m, unsigned n, States at) {
+  flags_.drop(kRdrf);
+  update(m, n, at);
+}
+
+void Sci::filled_by_dtc(Machine& m, unsigned n, States at) {
+  if (!(scr_ & kTe)) return;
+  flags_.drop(kTdre);
+  tend_ = false;
+  if (sending_ == Sending::nothing) begin(m, n, at);
+  update(m, n, at);
 }
 
 void Sci::write(Machine& m, unsigned n, unsigned offset, std::uint8_t value, States at) {
@@ -187,6 +168,7 @@ void Sci::write(Machine& m, unsigned n, unsigned offset, std::uint8_t value, Sta
       if (busy) m.misuse(address, "serial format or rate changed while TE or RE is set");
       if (offset == 0) smr_ = value;
       if (offset == 1) brr_ = value;
+      if (offset <= 1) clock_base_ = at;
       if (offset == 6) scmr_ = static_cast<std::uint8_t>((value & 0x0d) | 0xf2);
       break;
     case 2:
@@ -198,13 +180,17 @@ void Sci::write(Machine& m, unsigned n, unsigned offset, std::uint8_t value, Sta
     case 4: {
       mpbt_ = (value & 1) != 0;
       const std::uint8_t cleared = flags_.write(static_cast<std::uint8_t>(value | 7));
+      start_reception_clock(at);
+      // An overrun has kept a byte of clocked mode waiting.
+      if ((cleared & kOrer) && !flags_.has(kTdre | kOrer) && sending_ == Sending::nothing)
+        begin(m, n, at);
       if (!(cleared & kTdre)) break;
       if (!(scr_ & kTe)) {
         flags_.raise(kTdre);  // TE = 0 holds TDRE at 1
         break;
       }
       tend_ = false;
-      if (!shifting_) load(m, n, at);
+      if (sending_ == Sending::nothing) begin(m, n, at);
       break;
     }
     default:

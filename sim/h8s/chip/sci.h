@@ -1,4 +1,4 @@
-// A serial channel (SCI0, SCI1): asynchronous transmission and reception byte by byte.
+// A serial channel (SCI0, SCI1), bit by bit at its pins TxD, RxD and SCK.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,6 +10,13 @@
 #include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
+
+// What goes over a line in one piece: bit k of `bits` stands for the k-th bit time.
+struct SerialFrame {
+  std::uint16_t bits = 0;
+  int count = 0;
+  bool at(States k) const { return k >= count || (bits >> k & 1) != 0; }
+};
 
 class Sci {
  public:
@@ -24,32 +31,92 @@ class Sci {
   void advance(Machine& m, unsigned n, States to);
   std::deque<ReceivedByte>& incoming() { return incoming_; }
 
+  // --- pins --------------------------------------------------------------------------------------
   bool drives_txd() const { return (scr_ & 0x20) != 0; }
-  // Level of TxD while drives_txd().
+  // Level of TxD while drives_txd(); not before the frame that runs.
   bool txd(States at) const;
-  // First state after `at` at which txd() may differ, as far as the byte in the shift register goes.
-  States next_change(States at) const;
+  // First state later than `after` at which TxD changes, as far as is settled; else kNever.
+  States txd_change(States after) const;
+  // SCK is an output in clocked mode with the own clock, and for the bit clock (CKE = 01).
+  bool drives_sck() const { return synchronous() ? !(scr_ & 2) : (scr_ & 3) == 1; }
+  bool sck(States at) const;
+  States sck_change(States after) const;
+  // RE makes RxD an input whatever its DDR bit says.
+  bool takes_rxd() const { return (scr_ & 0x10) != 0; }
+  bool takes_sck() const { return (scr_ & 2) != 0; }
+  // The board has changed a level. `driven` goes with RxD: false when it lets go of the pin, after
+  // which only whole bytes arrive.
+  void rxd_edge(Machine& m, unsigned n, bool level, bool driven, States at);
+  void sck_edge(Machine& m, unsigned n, bool rising, States at);
+
   States bit_states() const;
   bool waits_for_input() const { return (scr_ & 0x50) == 0x50; }
 
+  // The DTC has read RDR or written TDR and goes on doing so.
+  void taken_by_dtc(Machine& m, unsigned n, States at);
+  void filled_by_dtc(Machine& m, unsigned n, States at);
+
  private:
+  enum class Sending : std::uint8_t { nothing, preamble, waiting, frame };
+
   bool synchronous() const { return (smr_ & 0x80) != 0; }
+  bool outside_clock() const { return (scr_ & 2) != 0; }
   int data_bits() const { return (smr_ & 0x40) && !synchronous() ? 7 : 8; }
+  bool multiprocessor() const { return (smr_ & 4) != 0 && !synchronous(); }
+  bool parity() const { return (smr_ & 0x20) != 0 && !(smr_ & 4) && !synchronous(); }
+  int stop_bits() const { return smr_ & 8 ? 2 : 1; }
   int frame_bits() const;
   std::uint8_t on_wire(std::uint8_t byte) const;  // SCMR's order and inversion; its own inverse
+  bool parity_of(std::uint8_t wire) const;
+  SerialFrame frame_of(std::uint8_t wire) const;
+
+  // --- sending (sci_transmit.cpp)
+  void begin(Machine& m, unsigned n, States at);
   void load(Machine& m, unsigned n, States at);
+  void send_event(Machine& m, unsigned n, States at);
   void end_of_frame(Machine& m, unsigned n, States at);
+  void send_tick(Machine& m, unsigned n, States at);
+  void stop_sending();
+  bool clock_runs() const;
+
+  // --- receiving (sci_receive.cpp)
   void take(Machine& m, unsigned n, const ReceivedByte& byte);
+  void start_bit(States edge);
+  void sample(Machine& m, States at);
+  void sample_clocked(Machine& m, unsigned n, States at);
+  void begin_clocked(States at);
+  void judge(Machine& m, States end);
+  void stop_receiving();
+  void start_reception_clock(States at);
+
   void enable(Machine& m, unsigned n, std::uint8_t value, States at);
   void update(Machine& m, unsigned n, States at);
 
   std::uint8_t smr_ = 0, brr_ = 0xff, scr_ = 0, tdr_ = 0xff, rdr_ = 0, scmr_ = 0xf2;
   StickyFlags flags_ = empty();  // TDRE RDRF ORER FER PER in bits 7..3
-  bool tend_ = true, mpbt_ = false;
-  bool shifting_ = false, preamble_ = false;
+  bool tend_ = true, mpbt_ = false, mpb_ = false;
+
+  States clock_base_ = 0;  // an edge of the bit clock
+  Sending sending_ = Sending::nothing;
   std::uint8_t tsr_ = 0;
-  States start_ = 0, end_ = kNever;
+  SerialFrame frame_;
+  bool before_ = true;      // level ahead of the frame
+  States start_ = 0;        // of the frame
+  States bit_ = 32;         // its bit time; 0: clocked from outside
+  States end_ = kNever;     // when sending goes on to something else
+  std::int64_t ticks_ = 0;  // clocks from outside since the frame began
+
   std::deque<ReceivedByte> incoming_;
+  bool rxd_ = true, rxd_driven_ = false;
+  bool receiving_ = false;
+  int received_ = 0;  // bits of the frame that comes in
+  std::uint16_t rsr_ = 0;
+  States edge_ = 0;         // the start bit's
+  States sample_ = kNever;  // next look at RxD
+  int sample_ticks_ = 0;    // the same in clocks from outside
+  ReceivedByte arrived_;    // sampled, not yet due
+  States arrives_ = kNever;
+  States burst_ = kNever;  // clocked reception alone: start of its eight clocks
 
   static StickyFlags empty() {
     StickyFlags f;
