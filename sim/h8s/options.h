@@ -34,6 +34,12 @@ struct Options {
   // Bus of FRT, the 8-bit timers and the watchdogs: 16 bits wide (a word takes 2 states), else 8 (4
   // states).
   bool wide_timer_bus = true;
+  // DTC: from the request to the transfer as for interrupts; states of one activation besides the
+  // vector (1) and the data: accesses to the register information for each transfer, internal ones
+  // once. (Other families' manuals: J = 6, M = 3.)
+  int dtc_decision_states = 3;
+  int dtc_register_accesses = 6;
+  int dtc_internal_states = 3;
   // A/D: start delay tD of the first conversion (10..17 states at CKS=0, 6..9 at CKS=1).
   int adc_start_delay_slow = 17;
   int adc_start_delay_fast = 9;

@@ -17,6 +17,11 @@ class Adc {
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
   void reset(Machine& m, States at);
+  // The DTC has read a result and goes on doing so.
+  void taken_by_dtc(Machine& m, States at) {
+    adf_.drop(0x80);
+    update(m, at);
+  }
 
   // The end of a conversion that is not the last of its scan interests nobody before it is looked
   // at: the next event is then the sampling that follows.

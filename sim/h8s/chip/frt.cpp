@@ -35,6 +35,11 @@ void Frt::update(Machine& m, States at) {
   m.irq.set_all(vec::icia, 7, levels, at);
 }
 
+void Frt::taken_by_dtc(Machine& m, unsigned vector, States at) {
+  flags_.drop(static_cast<std::uint8_t>(0x80u >> (vector - vec::icia)));
+  update(m, at);
+}
+
 void Frt::match(Machine& m, unsigned n, States at) {
   flags_.raise(n == 0 ? kOcfa : kOcfb);
   const bool to = (tocr_ & (n == 0 ? 2 : 1)) != 0;

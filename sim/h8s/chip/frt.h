@@ -20,6 +20,8 @@ class Frt {
 
   // When something happens that the program or the board would notice without looking.
   States next_event(States epoch) const;
+  // The DTC has met the request of `vector`.
+  void taken_by_dtc(Machine& m, unsigned vector, States at);
   // Brings count, flags and requests up to `to`.
   void advance(Machine& m, States to);
 

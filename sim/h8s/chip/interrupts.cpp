@@ -37,10 +37,46 @@ void Interrupts::reset() {
 
 void Interrupts::set(unsigned vector, bool level, States at) {
   const std::uint64_t bit = 1ull << (vector % 64);
-  if (level == ((pending_[vector / 64] & bit) != 0)) return;
-  pending_[vector / 64] ^= bit;
+  const unsigned half = vector / 64;
+  if (level == ((raw_[half] & bit) != 0)) return;
+  raw_[half] ^= bit;
+  pending_[half] = raw_[half] & ~diverted_[half];
   since_[vector] = level ? at : kNever;
   raised_ |= level;
+}
+
+// A request that comes back to the CPU is decided on anew.
+void Interrupts::divert(const std::array<std::uint64_t, 2>& vectors, States at) {
+  for (unsigned half = 0; half < 2; ++half) {
+    std::uint64_t back = diverted_[half] & ~vectors[half] & raw_[half];
+    for (; back != 0; back &= back - 1)
+      since_[half * 64 + static_cast<unsigned>(std::countr_zero(back))] = at;
+    diverted_[half] = vectors[half];
+    pending_[half] = raw_[half] & ~diverted_[half];
+  }
+  raised_ = true;
+}
+
+States Interrupts::diverted_since() const {
+  States first = kNever;
+  for (unsigned half = 0; half < 2; ++half)
+    for (std::uint64_t left = raw_[half] & diverted_[half]; left != 0; left &= left - 1)
+      first = std::min(first, since_[half * 64 + static_cast<unsigned>(std::countr_zero(left))]);
+  return first;
+}
+
+unsigned Interrupts::first_diverted(States limit) const {
+  for (unsigned half = 0; half < 2; ++half) {
+    for (std::uint64_t left = raw_[half] & diverted_[half]; left != 0; left &= left - 1) {
+      const unsigned v = half * 64 + static_cast<unsigned>(std::countr_zero(left));
+      if (since_[v] <= limit) return v;
+    }
+  }
+  return 0;
+}
+
+void Interrupts::taken_by_dtc(unsigned vector, States at) {
+  accepted(vector, at);
 }
 
 bool Interrupts::priority(unsigned vector) const {

@@ -29,7 +29,7 @@ class Interrupts {
   // The same for neighbours: bit k of `levels` is vector `first` + k. They must not cross 63|64.
   void set_all(unsigned first, unsigned count, std::uint64_t levels, States at) {
     const std::uint64_t mask = ((1ull << count) - 1) << (first % 64);
-    if ((pending_[first / 64] & mask) == levels << (first % 64)) return;
+    if ((raw_[first / 64] & mask) == levels << (first % 64)) return;
     for (unsigned k = 0; k < count; ++k) set(first + k, (levels >> k & 1) != 0, at);
   }
   // Whether a request has been raised since this was last asked.
@@ -48,6 +48,16 @@ class Interrupts {
     States earliest = kNever;  // else the first boundary at which one will be
   };
   Choice choose(States boundary, std::uint8_t control, bool two_level, int decision) const;
+  // --- for the DTC: requests of the sources in `vectors` go there and not to the CPU.
+  void divert(const std::array<std::uint64_t, 2>& vectors, States at);
+  bool any_diverted() const { return ((raw_[0] & diverted_[0]) | (raw_[1] & diverted_[1])) != 0; }
+  // When the oldest of them was raised; kNever: none.
+  States diverted_since() const;
+  // The first of them in vector order that was raised at `limit` or before; 0: none.
+  unsigned first_diverted(States limit) const;
+  // An edge request that the DTC has met.
+  void taken_by_dtc(unsigned vector, States at);
+
   // Edge requests end as the CPU takes them.
   void accepted(unsigned vector, States at);
 
@@ -68,7 +78,9 @@ class Interrupts {
   void update_irq(States at);
 
   std::array<States, vec::count> since_ = filled();
-  std::array<std::uint64_t, 2> pending_{};
+  std::array<std::uint64_t, 2> raw_{};      // all requests
+  std::array<std::uint64_t, 2> diverted_{};  // sources whose requests are the DTC's
+  std::array<std::uint64_t, 2> pending_{};  // requests to the CPU: the others
   bool raised_ = false;
   std::array<std::uint8_t, 3> icr_{};
   StickyFlags isr_;

@@ -18,7 +18,8 @@ enum class Unit : std::uint8_t {
   adc,
   wdt,
   flash,
-  pwm_clock
+  pwm_clock,
+  dtc
 };
 
 // Which module a register belongs to.
@@ -62,7 +63,8 @@ constexpr Place find_place(std::uint32_t a, std::uint8_t stcr) {
     return {Unit::pwmx, Stop_pwm};
   if (within(a, 0xffd2, 0xffd7)) return {Unit::pwm, Stop_pwm};
   if (within(a, 0xffe0, 0xffe9)) return {Unit::adc, Stop_adc};
-  if (within(a, 0xfee6, 0xfee6) || within(a, 0xfeee, 0xfef3)) return {Unit::absent};
+  if (within(a, 0xfeee, 0xfef3)) return {Unit::dtc, Stop_dtc};
+  if (a == 0xfee6) return {Unit::absent};
   return {};
 }
 
@@ -135,7 +137,9 @@ void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
     pins.sample(*this, moment());
     rescheduled(Source::pins);
   }
-  if (irq.take_raised() && irq.any_unmasked(cpu.control, cpu.two_level)) end_stretch(cpu);
+  if (irq.take_raised() &&
+      (irq.any_unmasked(cpu.control, cpu.two_level) || irq.any_diverted()))
+    end_stretch(cpu);
 }
 
 // Modules on the 16-bit internal bus.
@@ -170,6 +174,8 @@ std::uint8_t Machine::read_register(const Place& p, std::uint32_t address) {
   switch (p.unit) {
     case Unit::interrupts:
       return irq.read(a).value_or(options.undefined_read);
+    case Unit::dtc:
+      return dtc.read(a);
     case Unit::frt:
       return frt.read(*this, a, at);
     case Unit::tmr:
@@ -232,6 +238,8 @@ std::optional<std::uint8_t> Machine::io_peek(std::uint32_t address) {
       return wdt[p.n].peek(*this, p.n, (a & 1) != 0, time());
     case Unit::flash:
       return flash_control.peek(a);
+    case Unit::dtc:
+      return dtc.peek(a);
     case Unit::system:
       break;
     default:
@@ -301,6 +309,9 @@ void Machine::write_register(const Place& p, std::uint32_t a, std::uint8_t value
       return;
     case Unit::flash:
       flash_control.write(*this, a, value, at);
+      return;
+    case Unit::dtc:
+      dtc.write(*this, a, value, at);
       return;
     case Unit::system:
       write_system(a, value, at);

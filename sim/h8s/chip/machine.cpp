@@ -64,6 +64,7 @@ void Machine::take_state(const Machine& other) {
   adc = other.adc;
   wdt = other.wdt;
   flash_control = other.flash_control;
+  dtc = other.dtc;
   system = other.system;
   epoch = other.epoch;
   cause = other.cause;
@@ -150,6 +151,7 @@ void Machine::reset(ResetCause why, States at) {
   pwmx = {};
   wdt = {};
   flash_control = {};
+  dtc = {};
   system = {};
   system.mdcr = static_cast<std::uint8_t>(options.mode);
   if (why != ResetCause::watchdog) system.syscr |= 0x08;

@@ -12,6 +12,7 @@
 
 #include "sim/h8s/chip.h"
 #include "sim/h8s/chip/adc.h"
+#include "sim/h8s/chip/dtc.h"
 #include "sim/h8s/chip/flash.h"
 #include "sim/h8s/chip/frt.h"
 #include "sim/h8s/chip/interrupts.h"
@@ -31,7 +32,7 @@ class Observer;
 class InputLog;
 
 // Bits of MSTPCR, module by module.
-inline constexpr unsigned Stop_frt = 13, Stop_tmr = 12, Stop_pwm = 11, Stop_adc = 9, Stop_tmrxy = 8,
+inline constexpr unsigned Stop_dtc = 14, Stop_frt = 13, Stop_tmr = 12, Stop_pwm = 11, Stop_adc = 9, Stop_tmrxy = 8,
                           Stop_sci0 = 7, Stop_sci1 = 6;
 
 struct Listeners {
@@ -158,6 +159,7 @@ class Machine {
   std::array<Wdt, 2> wdt;
   FlashControl flash_control;
   PinWatch pins;
+  Dtc dtc;
   SystemRegisters system;
 
   States epoch = 0;  // of the last reset: prescalers count from there

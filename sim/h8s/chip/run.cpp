@@ -249,8 +249,12 @@ Stop Machine::run(Chip& chip, States until, bool single) {
       return {Stop::Reason::requested, report("stopped by an observer")};
     }
     if (single ? cpu.executed != executed || cpu.now != began : cpu.now >= until) return {};
+    // The DTC takes the bus between two instructions, whatever the CPU's mask says.
+    const bool moves = irq.any_diverted() || !dtc.idle();
+    if (moves && dtc.run(*this)) continue;
     const bool guarded = cpu.hold_off || first_after_reset_;
     States event = next_event();
+    if (moves) event = std::min(event, dtc.earliest(*this));
     if (irq.any_unmasked(cpu.control, cpu.two_level)) {
       const auto choice =
           irq.choose(cpu.now, cpu.control, cpu.two_level, options.interrupt_decision_states);

@@ -25,6 +25,12 @@ void Tmr::update(Machine& m, unsigned n, States at) {
                 at);
 }
 
+void Tmr::taken_by_dtc(Machine& m, unsigned vector, States at) {
+  const unsigned n = vector >= vec::cmia1 ? 1 : 0;
+  timer_[n].flags.drop(vector & 1 ? Timer8::kCmfb : Timer8::kCmfa);
+  update(m, n, at);
+}
+
 Timer8::Crossed Tmr::step(Machine& m, unsigned n, std::int64_t counts, States at) {
   const Timer8::Crossed crossed = timer_[n].step(counts);
   if (crossed.a && n == 0 && (timer_[n].tcsr_low & 0x10)) m.adc.trigger(m, 2, at);

@@ -19,6 +19,8 @@ class Tmr {
 
   States next_event(Machine& m) const;
   void advance(Machine& m, States to);
+  // The DTC has met the request of compare match A or B.
+  void taken_by_dtc(Machine& m, unsigned vector, States at);
   // STCR has switched the prescaler.
   void clock_changed(Machine& m, States at);
   // Rising or falling edge at TMCI0/1 and TMRI0/1.

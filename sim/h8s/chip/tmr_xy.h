@@ -23,6 +23,12 @@ class TmrXY {
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
 
+  // The DTC has met the request of TMRY's compare match A or B.
+  void taken_by_dtc(Machine& m, unsigned vector, States at) {
+    timer_[y].flags.drop(vector & 1 ? Timer8::kCmfb : Timer8::kCmfa);
+    update(m, at);
+  }
+
   States next_event(const Machine& m) const;
   void advance(Machine& m, States to);
   // Level of TMIX or TMIY, which are clock and reset input at once.

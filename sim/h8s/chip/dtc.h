@@ -1,0 +1,50 @@
+// The data transfer controller: moves data on interrupt requests while the CPU waits for the bus.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sim/h8s/cpu/cpu.h"
+
+namespace kaz::h8s {
+
+class Dtc {
+ public:
+  // DTCERA..DTCERE and DTVECR, FEEE..FEF3.
+  std::uint8_t peek(std::uint32_t address) const;
+  std::uint8_t read(std::uint32_t address);
+  void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
+
+  // Transfers whatever has been requested long enough at this instruction boundary; the CPU's time
+  // goes on meanwhile. False: nothing to do.
+  bool run(Machine& m);
+  // When the next transfer may begin; kNever if nothing is requested.
+  States earliest(const Machine& m) const;
+  bool idle() const { return !(dtvecr_ & 0x80) || ended_; }
+
+ private:
+  struct Block;  // register information as it lies in RAM
+  struct Outcome {
+    bool ended;  // the CPU is to be told
+    bool valid;
+  };
+
+  Outcome serve(Machine& m, unsigned vector);
+  bool transfer(Machine& m, Block& b);  // true at the end of the count
+  void move(Machine& m, Block& b);
+  void release(Machine& m, unsigned vector);
+  void divert(Machine& m);
+
+  std::array<std::uint8_t, 5> dtcer_{};
+  std::uint8_t dtvecr_ = 0;
+  bool swdte_seen_ = false;  // read as 1
+  bool ended_ = false;       // software activation done, its interrupt is requested
+  States software_at_ = 0;
+  // Of the activation that runs: what was touched decides about the flag of a serial channel or
+  // the converter.
+  std::array<bool, 2> rdr_read_{}, tdr_written_{};
+  bool result_read_ = false;
+};
+
+}  // namespace kaz::h8s
