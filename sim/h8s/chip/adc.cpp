@@ -67,9 +67,10 @@ void Adc::finish(Machine& m) {
   end_ = at + (fast() ? kScanFast : kScanSlow);
 }
 
-States Adc::next_event() const {
-  if (next_ == kNever || !sampled_ || !scan() || channel_ == (adcsr_ & 7u)) return next_;
-  return end_ + (fast() ? kSampleFast : kSampleSlow);
+States Adc::next_request() const {
+  if (end_ == kNever || !scan()) return end_;
+  const unsigned left = (adcsr_ & 7u) - channel_;
+  return end_ + static_cast<States>(left) * (fast() ? kScanFast : kScanSlow);
 }
 
 void Adc::advance(Machine& m, States to) {

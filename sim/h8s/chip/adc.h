@@ -23,9 +23,9 @@ class Adc {
     update(m, at);
   }
 
-  // The end of a conversion that is not the last of its scan interests nobody before it is looked
-  // at: the next event is then the sampling that follows.
-  States next_event() const;
+  States next_event() const { return next_; }
+  // When the conversion that sets ADF ends. What comes before concerns nobody on the chip.
+  States next_request() const;
   void advance(Machine& m, States to);
   // Start from outside: 2 is the 8-bit timer, 3 the ADTRG pin, as ADCR.TRGS says.
   void trigger(Machine& m, unsigned source, States at);

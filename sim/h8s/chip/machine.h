@@ -192,8 +192,13 @@ class Machine {
     if (!events_known_) find_events();
     return next_event_;
   }
+  States next_stop() {
+    if (!events_known_) find_events();
+    return next_stop_;
+  }
+  States stop_for(Source source, States event) const;
   void find_events();
-  States first_event() const;
+  void first_events();
   void run_events(States to);
   // Before an access to a register: what lies before `to` has happened.
   void settle(States to);
@@ -215,9 +220,9 @@ class Machine {
   bool first_after_reset_ = false;
   bool stop_requested_ = false;
   // When each module's next event is, worked out again only where an access, an event, a hook or
-  // somebody outside may have moved it; the first of them.
-  std::array<States, kSources> events_{};
-  States next_event_ = 0;
+  // somebody outside may have moved it, and when the CPU has to stop for it; the first of them.
+  std::array<States, kSources> events_{}, stops_{};
+  States next_event_ = 0, next_stop_ = 0;
   bool events_known_ = false;
   States working_ = kNever;  // the event that is being worked off
 };

@@ -76,24 +76,44 @@ void Machine::advance(Source source, States to) {
   }
 }
 
-States Machine::first_event() const {
-  States first = events_[0];
-  for (const States at : events_) first = at < first ? at : first;
-  return first;
+// Where a module's event does no more than raise a request, the CPU need not stop before the
+// boundary at which that could be taken, by the CPU or the DTC; what the event changes is made up for when it is looked at.
+States Machine::stop_for(Source source, States event) const {
+  States request = event;
+  if (source == Source::adc)
+    request = adc.next_request();
+  else if (source != Source::sci0 && source != Source::sci1)
+    return event;
+  if (request == kNever) return kNever;
+  return request + std::min(options.interrupt_decision_states, options.dtc_decision_states) + 1;
 }
 
 void Machine::find_events() {
-  for (unsigned k = 0; k < kSources; ++k) events_[k] = event_of(static_cast<Source>(k));
-  next_event_ = first_event();
+  for (unsigned k = 0; k < kSources; ++k) {
+    const auto source = static_cast<Source>(k);
+    events_[k] = event_of(source);
+    stops_[k] = stop_for(source, events_[k]);
+  }
+  first_events();
   events_known_ = true;
+}
+
+void Machine::first_events() {
+  next_event_ = events_[0];
+  next_stop_ = stops_[0];
+  for (unsigned k = 1; k < kSources; ++k) {
+    next_event_ = std::min(next_event_, events_[k]);
+    next_stop_ = std::min(next_stop_, stops_[k]);
+  }
 }
 
 void Machine::rescheduled(Source source) {
   if (!events_known_) return;
-  const States at = event_of(source);
-  events_[static_cast<unsigned>(source)] = at;
-  next_event_ = first_event();
-  cpu.stop = std::min(cpu.stop, at - cpu.stall);
+  const auto k = static_cast<unsigned>(source);
+  events_[k] = event_of(source);
+  stops_[k] = stop_for(source, events_[k]);
+  first_events();
+  cpu.stop = std::min(cpu.stop, stops_[k] - cpu.stall);
 }
 
 void Machine::disturbed() {
@@ -111,16 +131,21 @@ void Machine::run_modules(States to) {
 // Events in the order of their times, so that one may lead to the next. A module without one is
 // left alone until somebody looks at it.
 void Machine::run_events(States to) {
-  for (States at = next_event(); at <= to; at = next_event()) {
-    working_ = at;
-    for (unsigned k = 0; k < kSources; ++k) {
-      const auto source = static_cast<Source>(k);
-      if ((events_known_ ? events_[k] : event_of(source)) > at) continue;
-      advance(source, at);
-      rescheduled(source);
-    }
+  if (next_event() > to) return;
+  for (;;) {
+    if (!events_known_) find_events();
+    unsigned first = 0;
+    for (unsigned k = 1; k < kSources; ++k) first = events_[k] < events_[first] ? k : first;
+    if (events_[first] > to) break;
+    working_ = events_[first];
+    const auto source = static_cast<Source>(first);
+    advance(source, working_);
+    events_[first] = event_of(source);
+    stops_[first] = stop_for(source, events_[first]);
   }
   working_ = kNever;
+  first_events();
+  cpu.stop = std::min(cpu.stop, next_stop_ - cpu.stall);
 }
 
 void Machine::settle(States to) {
@@ -253,7 +278,7 @@ Stop Machine::run(Chip& chip, States until, bool single) {
     const bool moves = irq.any_diverted() || !dtc.idle();
     if (moves && dtc.run(*this)) continue;
     const bool guarded = cpu.hold_off || first_after_reset_;
-    States event = next_event();
+    States event = next_stop();
     if (moves) event = std::min(event, dtc.earliest(*this));
     if (irq.any_unmasked(cpu.control, cpu.two_level)) {
       const auto choice =
