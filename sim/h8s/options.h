@@ -21,6 +21,8 @@ bool translator_available();
 // Defaults are the best reading of the H8S/2128's siblings; README.md tells the evidence of each.
 struct Options {
   Engine engine = Engine::translator;
+  // How often a place is jumped to before the translator takes it on; matters for speed alone.
+  std::uint32_t translate_after = 1000;
   // MD1, MD0 at reset: 2 is advanced (24-bit), 3 normal (16-bit), both single chip.
   int mode = 2;
   // A request is taken at the first instruction boundary later than this many states after it.

@@ -45,6 +45,9 @@ void Machine::attach() {
   cpu.code = code_.get();
   cpu.hooks = !hooks.empty();
   cpu.engine = options.engine;
+  cpu.translate_after = options.translate_after;
+  if (options.engine == Engine::translator && !translator_) translator_ = make_translator();
+  cpu.translator = options.engine == Engine::translator ? translator_.get() : nullptr;
   choose_paths();
 }
 
@@ -99,6 +102,7 @@ void Machine::forget_all_code() {
     places[2 * k] = place(cpu.trail[k].from);
     places[2 * k + 1] = place(cpu.trail[k].to);
   }
+  if (translator_) translator_->forget_all();
   code_.reset(allocate_code());
   cpu.code = code_.get();
   const auto back = [&](std::int64_t p) -> const Insn* {
@@ -161,7 +165,6 @@ void Machine::reset(ResetCause why, States at) {
   cpu.ip = cpu.code;
   forget_all_code();
   set_pc(cpu.normal ? big16(flash_.data()) : big32(flash_.data()));
-  record_jump(cpu, nullptr, cpu.ip);
   first_after_reset_ = true;
   for (Observer* o : observers) o->was_reset(why, at);
   if (pins.active()) pins.sample(*this, began);
@@ -169,7 +172,7 @@ void Machine::reset(ResetCause why, States at) {
 }
 
 void Machine::set_pc(std::uint32_t address) {
-  cpu.ip = at_address(cpu, address);
+  cpu.ip = record_jump(cpu, nullptr, at_address(cpu, address));
   hook_done_ = kNoAddress;
 }
 

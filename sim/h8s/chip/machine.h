@@ -25,6 +25,7 @@
 #include "sim/h8s/chip/tmr_xy.h"
 #include "sim/h8s/chip/wdt.h"
 #include "sim/h8s/cpu/cpu.h"
+#include "sim/h8s/translate/translator.h"
 
 namespace kaz::h8s {
 
@@ -213,6 +214,7 @@ class Machine {
   std::vector<std::uint8_t> flash_;
   std::array<std::uint8_t, 0x2000> block_{};
   std::unique_ptr<Insn, CodeFree> code_;
+  std::unique_ptr<Translator, TranslatorFree> translator_;
   static constexpr std::uint32_t kNoAddress = 0xffffffff;
   std::uint32_t hook_done_ =
       kNoAddress;  // its hook has been called, the instruction has not run yet

@@ -131,6 +131,7 @@ void Machine::forget_flash(std::uint32_t address, std::uint32_t size) {
   const std::uint32_t first = address / 2 > kMaxUnits ? address / 2 - kMaxUnits : 0;
   const std::uint32_t end = std::min((address + size + 1) / 2, cpu.flash_size / 2);
   for (std::uint32_t k = first; k < end; ++k) cpu.code[kFlashCode + k].run = nullptr;
+  if (translator_ && first < end) translator_->forget(kFlashCode + first, end - first);
 }
 
 void Machine::forget_code_at(std::uint32_t address) {
@@ -147,6 +148,7 @@ void Machine::set_ram_enabled(bool on) {
   if (cpu.ram_size == size) return;
   cpu.ram_size = size;
   for (std::uint32_t k = kRamCode; k < kCodeSize; ++k) cpu.code[k].run = nullptr;
+  if (translator_) translator_->forget_all();
 }
 
 }  // namespace kaz::h8s

@@ -90,6 +90,7 @@ struct Cpu {
   bool hooks = false;  // any code hooks set
   Engine engine = Engine::interpreter;
   Translator* translator = nullptr;  // null: none
+  std::uint32_t translate_after = 1000;
 
   std::uint8_t control = 0x80;  // bits I, UI, U of CCR in their places
   std::uint8_t exr = 0x7f;

@@ -7,6 +7,7 @@
 
 #include "sim/h8s/cpu/access.h"
 #include "sim/h8s/cpu/opcode.h"
+#include "sim/h8s/translate/translator.h"
 
 namespace kaz::h8s {
 
@@ -225,6 +226,13 @@ Stretch stretch_of(const Cpu& c, std::uint32_t index) {
 
 namespace {
 
+Decoded decode_stretch(const Cpu& c, const Stretch& stretch) {
+  std::array<std::uint16_t, kMaxUnits> units{};
+  const std::size_t available = std::min<std::size_t>(stretch.units, kMaxUnits);
+  for (std::size_t k = 0; k < available; ++k) units[k] = big16(stretch.bytes + 2 * k);
+  return decode(std::span(units).first(available), c.normal);
+}
+
 // Fetches and decodes into the slot; the stretch of memory it came from.
 Stretch decode_slot(Cpu& c, Insn& slot, std::uint32_t index) {
   const Stretch stretch = stretch_of(c, index);
@@ -232,15 +240,17 @@ Stretch decode_slot(Cpu& c, Insn& slot, std::uint32_t index) {
     slot = {fetch_outside, 0, 0, 0, 0, 1};
     return stretch;
   }
-  std::array<std::uint16_t, kMaxUnits> units{};
-  const std::size_t available = std::min<std::size_t>(stretch.units, kMaxUnits);
-  for (std::size_t k = 0; k < available; ++k) units[k] = big16(stretch.bytes + 2 * k);
-  const Decoded decoded = decode(std::span(units).first(available), c.normal);
-  slot = decoded.opcode ? decoded.insn : Insn{undefined, units[0], 0, 0, 0, 1};
+  const Decoded decoded = decode_stretch(c, stretch);
+  slot = decoded.opcode ? decoded.insn : Insn{undefined, big16(stretch.bytes), 0, 0, 0, 1};
   return stretch;
 }
 
 }  // namespace
+
+Decoded decode_at(const Cpu& c, std::uint32_t index) {
+  const Stretch stretch = stretch_of(c, index);
+  return stretch.units == 0 ? Decoded{} : decode_stretch(c, stretch);
+}
 
 Handler decode_afresh(Cpu& c, const Insn* ip) {
   if (ip == &c.outside) return ip->run;
@@ -281,6 +291,7 @@ void forget_code(Cpu& c, std::uint32_t offset) {
   const std::uint32_t at = (offset - start) / 2;
   for (std::uint32_t back = 0; back < kMaxUnits && back <= at; ++back)
     c.code[base + at - back].run = nullptr;
+  if (c.translator) c.translator->forget(base + at, 1);
 }
 
 const Insn* at_address(Cpu& c, std::uint32_t address) {

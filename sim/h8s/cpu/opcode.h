@@ -46,6 +46,8 @@ inline constexpr int kMaxUnits = 5;
 
 // `units` holds what stands at the address and behind it, `available` of them.
 Decoded decode(std::span<const std::uint16_t> units, bool normal);
+// What stands in memory for Cpu::code[index], without touching that.
+Decoded decode_at(const Cpu& c, std::uint32_t index);
 
 // "mov.l @(0x10:16,er6),er0"; `address` resolves branches. Undefined: ".word 0x0001". `bytes` gets
 // its length.

@@ -1,6 +1,7 @@
 // The inner loops of the reference engine and of the interpreter, and the choice between engines.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/cpu/cpu.h"
+#include "sim/h8s/translate/translator.h"
 
 namespace kaz::h8s {
 
@@ -31,15 +32,13 @@ void run_interpreter(Cpu& c) {
   c.executed += executed;
 }
 
-bool translator_available() {
-  return false;
-}
-
 void run_stretch(Cpu& c) {
   if (c.observed)
     run_observed(c);
   else if (c.engine == Engine::reference)
     run_reference(c);
+  else if (c.translator && !c.hooks && !c.normal)
+    c.translator->run(c);
   else
     run_interpreter(c);
 }

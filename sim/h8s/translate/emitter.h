@@ -1,0 +1,138 @@
+// Host code for blocks of guest instructions: x86-64, by asmjit.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <asmjit/x86.h>
+
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "sim/h8s/translate/block.h"
+#include "sim/h8s/translate/entry.h"
+
+namespace kaz::h8s::translate {
+
+namespace host = asmjit::x86;
+
+// Registers inside translated code. ER0 to ER3 stand where their second bytes can be named.
+//   rax rbx rcx rdx r8 r9 r10 r11   ER0..ER7, upper halves zero
+//   rbp   Cpu
+//   r12   states left until Cpu::stop, less the bound of the block that runs
+//   r13   instructions executed since the code was entered
+//   r14   guest RAM
+//   rsi rdi r15   free within one instruction
+inline constexpr host::Gp kCpu = host::rbp, kLeft = host::r12, kExecuted = host::r13,
+                          kRamBase = host::r14;
+
+// What translated code returns: whether the interpreter must run the instruction at Cpu::ip.
+inline constexpr std::uint32_t kGoOn = 0, kInterpret = 1;
+
+// Code that is entered as std::uint32_t(Cpu*, const void* entry), and the way out of it.
+struct Gate {
+  const void* enter = nullptr;
+  const void* leave = nullptr;  // index of the next instruction in edi, the answer in esi
+};
+void emit_gate(host::Assembler& a, const asmjit::Label& leave);
+
+// All blocks of one translation unit, which jump to each other directly.
+class Emitter {
+ public:
+  Emitter(Cpu& cpu, asmjit::CodeHolder& code, Entry* entries, const void* leave);
+
+  void emit(const std::vector<Block>& blocks);
+  // Offset of the code for entering block `n` from outside.
+  std::uint64_t entry_offset(const asmjit::CodeHolder& code, std::size_t n) const;
+
+ private:
+  using Fetch = std::function<void(const host::Mem&)>;
+  // Of each flag: the step that it can be worked out from, -1: it is in memory.
+  using Pending = std::array<std::int16_t, kFlags>;
+
+  // --- blocks and ways out (emit_branch.cpp)
+  void emit_block(std::size_t n);
+  void emit_step(std::size_t k);
+  void emit_condition(std::size_t k, unsigned native);
+  void emit_call(std::size_t k);
+  void emit_jump(std::size_t k);
+  void emit_return(std::size_t k);
+  // r15 (address, even): twice the index of its code, or out before the step.
+  void find_target(std::size_t k);
+  void leave_through_table(std::size_t k);
+  // Way to `target` after `steps` steps have run.
+  void emit_edge(std::size_t steps, std::uint32_t target);
+  void emit_out(std::uint32_t index, std::uint32_t answer);
+  // Label of the way out before step k has done anything.
+  asmjit::Label before(std::size_t k);
+  std::uint32_t states_before(std::size_t k) const;
+  void emit_handler(const Step& s);
+
+  // --- flags (emit_flags.cpp)
+  void store_flags(const Definition& d, unsigned mask);
+  void store_pending(const Pending& pending, const Block& block, unsigned mask);
+  void store_carry(bool inverted = false);
+  // Compares again what `d` came from, so that the host's flags hold `d`'s.
+  void compare_again(const Definition& d);
+
+  // --- registers (emit_registers.cpp)
+  static host::Gp gp(unsigned reg);  // 32 bits
+  // Low part of the register as the host names it.
+  static host::Gp low(unsigned reg, unsigned size);
+  static host::Gp sized(const host::Gp& r, unsigned size);
+  void get(const host::Gp& to, Part part);
+  void put(Part part, const host::Gp& from);
+  // The part's bits at the top of 32, zeros below.
+  void get_up(const host::Gp& to, Part part);
+  void get_operand_up(const host::Gp& to, const Definition& d);
+  // Turns the register until the part is low, and back.
+  void turn(Part part);
+  void turn_back(Part part);
+  static bool high_byte(Part part) { return part.shift == 8 && part.reg < 4; }
+  static host::Gp high(unsigned reg);
+
+  // --- memory (emit_memory.cpp)
+  host::Mem flag(std::size_t offset, unsigned size = 4) const;
+  Place address(const Step& s, Mode mode, unsigned reg, unsigned size, std::uint32_t bytes,
+                host::Mem& at);
+  host::Mem ram_check(unsigned size, std::uint32_t bytes, const asmjit::Label& outside);
+  void load(std::size_t k, Mode mode, unsigned reg, unsigned size, const Fetch& fetch);
+  host::Mem writable(std::size_t k, Mode mode, unsigned reg, unsigned size, std::uint32_t bytes);
+  void fetch_big(const host::Gp& to, const host::Mem& at, unsigned size);
+  void store_big(const host::Mem& at, const host::Gp& from, unsigned size);
+  void emit_load(std::size_t k);
+  void emit_store(std::size_t k);
+  void emit_multiple(std::size_t k);
+
+  // --- instructions (emit_arithmetic.cpp, emit_bits.cpp)
+  void emit_mov(std::size_t k);
+  void emit_two(const Step& s);
+  void store_doubled(Part part, unsigned keep);
+  void emit_with_carry(const Step& s);
+  void emit_one(const Step& s);
+  void emit_extend(const Step& s);
+  void emit_multiply(const Step& s);
+  void emit_shift(const Step& s);
+  void emit_bit(std::size_t k);
+  void bit_in_register(const Step& s, const host::Gp& r, unsigned shift);
+
+  Cpu& c_;
+  host::Assembler a_;
+  Entry* entries_;
+  const void* leave_;
+  bool movbe_;
+
+  const std::vector<Block>* blocks_ = nullptr;
+  const Block* block_ = nullptr;
+  std::map<std::uint32_t, std::size_t> block_at_;
+  std::vector<asmjit::Label> inside_;   // the checks for time are done
+  std::vector<asmjit::Label> outside_;  // entered through the table
+  std::vector<std::function<void()>> side_, cold_;
+
+  Pending pending_{};
+  asmjit::Label before_;
+  bool has_before_ = false;
+  unsigned native_ = 0;  // guest flags that the host's flags hold just now
+  unsigned stored_ = 0;  // flags of the step's `keep` that are in memory already
+};
+
+}  // namespace kaz::h8s::translate

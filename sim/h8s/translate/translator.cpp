@@ -1,0 +1,236 @@
+// Translated blocks: making, finding, running and forgetting them.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/translate/translator.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <deque>
+#include <new>
+#include <set>
+#include <vector>
+
+#include "sim/h8s/translate/emitter.h"
+
+namespace kaz::h8s {
+
+using namespace translate;
+
+namespace {
+
+constexpr std::size_t kMaxBlocks = 24, kMaxUnitSteps = 400;  // of one translation
+constexpr std::size_t kMaxCode = 8u << 20;                   // bytes, then everything is forgotten
+constexpr std::uint32_t kHopeless = 0xffffffff;                 // count of what is not worth it
+constexpr std::uint32_t kMaxPatience = 1u << 20;
+
+struct Free {
+  void operator()(Entry* p) const { std::free(p); }
+};
+
+struct Complaints : asmjit::ErrorHandler {
+  bool any = false;
+  void handleError(asmjit::Error, const char*, asmjit::BaseEmitter*) override { any = true; }
+};
+
+}  // namespace
+
+struct Translator::Cache {
+  std::unique_ptr<Entry[], Free> entries;
+  std::unique_ptr<asmjit::JitRuntime> runtime;
+  Gate gate;
+  std::vector<std::uint32_t> touched;  // entries with code, or covered
+  std::size_t bytes = 0;
+  std::int64_t blocks = 0;
+  std::uint32_t impatience = 0;  // how often code has changed: doubles the patience
+  bool unusable = false;         // the host gives no memory for code
+
+  // Entries of fresh pages cost nothing until they are touched.
+  bool prepare() {
+    if (!entries) {
+      void* p = std::calloc(kCodeSize, sizeof(Entry));
+      if (!p) throw std::bad_alloc();
+      entries.reset(static_cast<Entry*>(p));
+    }
+    return !unusable;
+  }
+
+  bool make_gate() {
+    if (gate.enter) return true;
+    if (!runtime) runtime = std::make_unique<asmjit::JitRuntime>();
+    asmjit::CodeHolder code;
+    Complaints complaints;
+    code.init(runtime->environment());
+    code.setErrorHandler(&complaints);
+    host::Assembler a(&code);
+    const asmjit::Label leave = a.newLabel();
+    emit_gate(a, leave);
+    void* base = nullptr;
+    if (complaints.any || runtime->add(&base, &code) != asmjit::kErrorOk) return false;
+    gate.enter = base;
+    gate.leave = static_cast<const char*>(base) + code.labelOffset(leave);
+    return true;
+  }
+
+  std::vector<Block> find_blocks(Cpu& c, std::uint32_t start) const {
+    std::vector<Block> blocks_found;
+    std::set<std::uint32_t> known{start};
+    std::deque<std::uint32_t> waiting{start};
+    std::size_t steps = 0;
+    const auto want = [&](std::uint32_t index) {
+      // What has never run is not worth it; what is translated already is reached through its
+      // entry.
+      if (!c.code[index].run || entries[index].code || entries[index].count == kHopeless) return;
+      if (known.insert(index).second) waiting.push_back(index);
+    };
+    std::set<std::uint32_t> found;
+    while (!waiting.empty() && blocks_found.size() < kMaxBlocks && steps < kMaxUnitSteps) {
+      const std::uint32_t at = waiting.front();
+      waiting.pop_front();
+      Block block = find_block(c, at, [&](std::uint32_t index) { return found.contains(index); });
+      if (block.steps.empty()) {
+        entries[at].count = kHopeless;
+        continue;
+      }
+      found.insert(at);
+      steps += block.steps.size();
+      for (const Step& s : block.steps) {
+        const bool call = s.form.op == Op::bsr || s.form.op == Op::jsr;
+        const bool indirect = s.form.src == Mode::indirect;
+        if (s.form.op == Op::bcc || s.form.op == Op::bsr ||
+            ((s.form.op == Op::jmp || s.form.op == Op::jsr) && !indirect))
+          want(s.target);
+        if (call) want(s.index + s.insn.units);
+      }
+      if (block.end == End::next) want(block.after);
+      blocks_found.push_back(std::move(block));
+    }
+    return blocks_found;
+  }
+
+  void translate(Cpu& c, std::uint32_t start) {
+    if (bytes > kMaxCode) forget_all();
+    const std::vector<Block> found = find_blocks(c, start);
+    if (found.empty()) return;
+    if (!make_gate()) {
+      unusable = true;
+      return;
+    }
+    for (const Block& block : found) {
+      for (const Step& s : block.steps) {
+        // Handlers want their operands; RAM under it must be marked as holding code.
+        if (!c.code[s.index].run || s.index >= kRamCode) decode_in_place(c, c.code + s.index);
+      }
+    }
+    asmjit::CodeHolder code;
+    Complaints complaints;
+    code.init(runtime->environment());
+    code.setErrorHandler(&complaints);
+    Emitter emitter(c, code, entries.get(), gate.leave);
+    emitter.emit(found);
+    void* base = nullptr;
+    if (complaints.any || runtime->add(&base, &code) != asmjit::kErrorOk) {
+      entries[start].count = kHopeless;
+      return;
+    }
+    bytes += code.codeSize();
+    blocks += static_cast<std::int64_t>(found.size());
+    for (std::size_t n = 0; n < found.size(); ++n) {
+      Entry& entry = entries[found[n].start];
+      entry.code = static_cast<const char*>(base) + emitter.entry_offset(code, n);
+      entry.bound = static_cast<std::uint16_t>(found[n].bound);
+      touched.push_back(found[n].start);
+      for (const Step& s : found[n].steps) {
+        for (std::uint32_t u = 0; u < s.insn.units; ++u) {
+          entries[s.index + u].covered = true;
+          touched.push_back(s.index + u);
+        }
+      }
+    }
+  }
+
+  void forget_all() {
+    for (const std::uint32_t index : touched) entries[index] = {};
+    touched.clear();
+    if (runtime && bytes != 0) {
+      runtime->reset(asmjit::ResetPolicy::kSoft);
+      gate = {};
+    }
+    bytes = 0;
+  }
+
+  std::uint32_t patience(const Cpu& c) const {
+    return std::min(kMaxPatience, c.translate_after << std::min(impatience, 10u));
+  }
+};
+
+Translator::Translator() : cache_(std::make_unique<Cache>()) {}
+Translator::~Translator() = default;
+
+std::int64_t Translator::translated() const {
+  return cache_->blocks;
+}
+
+void Translator::forget(std::uint32_t first, std::uint32_t count) {
+  Cache& cache = *cache_;
+  if (cache.touched.empty()) return;
+  for (std::uint32_t k = first; k < first + count; ++k) {
+    cache.entries[k].count = 0;
+    if (!cache.entries[k].covered) continue;
+    ++cache.impatience;
+    return cache.forget_all();
+  }
+}
+
+void Translator::forget_all() {
+  cache_->forget_all();
+}
+
+void Translator::run(Cpu& c) {
+  Cache& cache = *cache_;
+  if (!cache.prepare()) return run_interpreter(c);
+  using Enter = std::uint32_t (*)(Cpu*, const void*);
+  const std::uint32_t patience = cache.patience(c);
+  bool arrived = true;  // at a place where a block may begin
+  bool left = false;    // a block, before an instruction that it does not run itself
+  while (c.now < c.stop) {
+    const Insn* ip = c.ip;
+    if (arrived && ip != &c.outside) {
+      const auto index = static_cast<std::uint32_t>(ip - c.code);
+      Entry& entry = cache.entries[index];
+      if (!entry.code && entry.count != kHopeless && ++entry.count >= patience)
+        cache.translate(c, index);
+      if (entry.code && c.stop - c.now > entry.bound) {
+        const auto enter =
+            reinterpret_cast<Enter>(reinterpret_cast<std::uintptr_t>(cache.gate.enter));
+        if (enter(&c, entry.code) == kGoOn) {
+          record_jump(c, nullptr, c.ip);
+          continue;
+        }
+        record_jump(c, nullptr, c.ip);
+        if (c.now >= c.stop) return;
+        ip = c.ip;
+        left = true;
+      }
+    }
+    const Handler handler = ip->run ? ip->run : decode_in_place(c, ip);
+    const Insn* next = ip + ip->units;
+    c.now += ip->states;
+    c.ip = handler(c, ip);
+    ++c.executed;
+    arrived = left || c.ip != next;
+    left = false;
+  }
+}
+
+void TranslatorFree::operator()(Translator* p) const {
+  delete p;
+}
+
+std::unique_ptr<Translator, TranslatorFree> make_translator() {
+  return std::unique_ptr<Translator, TranslatorFree>(new Translator);
+}
+
+bool translator_available() {
+  return true;
+}
+
+}  // namespace kaz::h8s

@@ -1,0 +1,40 @@
+// The translator: finds what runs often, turns it into host code and runs that.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "sim/h8s/cpu/cpu.h"
+
+namespace kaz::h8s {
+
+// Belongs to one Cpu. Host code is made where a jump has led `Options::translate_after` times, and
+// lost when the instructions it came from change; what runs where never shows in the guest.
+class Translator {
+ public:
+  Translator();
+  ~Translator();
+  Translator(const Translator&) = delete;
+  Translator& operator=(const Translator&) = delete;
+
+  // Runs instructions until now >= stop.
+  void run(Cpu& c);
+  // Instructions in Cpu::code from `first` on, `count` of them, have changed.
+  void forget(std::uint32_t first, std::uint32_t count);
+  // Everything: also where the code array itself or the memory map has changed.
+  void forget_all();
+  // Blocks translated since the start, for measurements.
+  std::int64_t translated() const;
+
+ private:
+  struct Cache;
+  std::unique_ptr<Cache> cache_;
+};
+
+struct TranslatorFree {
+  void operator()(Translator* p) const;
+};
+std::unique_ptr<Translator, TranslatorFree> make_translator();  // null where there is none
+
+}  // namespace kaz::h8s
