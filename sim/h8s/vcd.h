@@ -1,0 +1,60 @@
+// Recording pins, registers and memory into a VCD file (IEEE 1364), which GTKWave and others open.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "sim/h8s/chip.h"
+#include "sim/h8s/error.h"
+
+namespace kaz::h8s {
+
+// Crystal of the boards that this emulator was made for; states per second.
+inline constexpr std::int64_t kDefaultHertz = 18'432'000;
+
+// Picoseconds since state 0, rounded to the nearest: a state is seldom a whole number of them.
+std::int64_t picoseconds(States at, std::int64_t hertz);
+
+// Names of signals:
+//   a pin by any name ("P50", "TxD0"), or "pins" for all of them
+//   er0..er7, sp, pc, ccr, exr, or "cpu" for all of them
+//   an I/O register ("FRC", "SSR0"; registers.h)
+//   memory by symbol or address, with its width in bits: "_tick:16", "0xffe100:8" (default 8)
+//
+// Pins change at their exact states: '0', '1', 'z' while nobody drives and no pull-up pulls, and 'x'
+// for P46 while it puts out the clock itself. Everything else is looked at at each instruction
+// boundary and written where it has changed; a register that shares its address with another keeps
+// its last value while the other one is selected ('x' before). What has been written stays: after a
+// restore to an earlier state recording goes on where new time begins.
+class VcdRecorder {
+ public:
+  // Records from now on until close(), into a file of a temporary name beside `path`, which takes
+  // its place at the end. `chip` must outlive this and stay where it is. Errors: a name that is
+  // none of the above, a write-only register, a file that cannot be made.
+  static Result<std::unique_ptr<VcdRecorder>> open(Chip& chip,
+                                                   const std::vector<std::string>& names,
+                                                   const std::string& path,
+                                                   std::int64_t hertz = kDefaultHertz);
+  // The same into a stream, which must outlive this.
+  static Result<std::unique_ptr<VcdRecorder>> open(Chip& chip,
+                                                   const std::vector<std::string>& names,
+                                                   std::ostream& to,
+                                                   std::int64_t hertz = kDefaultHertz);
+  // Gives up the file that has not been closed.
+  ~VcdRecorder();
+
+  // Writes what is left and the moment of the end. Errors: writing failed at some time (disk full).
+  Result<void> close();
+
+  class Impl;
+
+ private:
+  explicit VcdRecorder(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kaz::h8s
