@@ -57,6 +57,7 @@ class SymbolTable {
 struct Image {
   std::vector<Segment> segments;
   std::optional<std::uint32_t> entry;
+  bool normal_mode = false;  // built for 16-bit addresses
   SymbolTable symbols;
 };
 

@@ -41,7 +41,8 @@ Machine::Machine(const Machine& other)
 void Machine::attach() {
   cpu.machine = this;
   cpu.flash = flash_.data();
-  cpu.block = block_.data();
+  cpu.ram = block_.data() + kRam;
+  cpu.has_code = cpu.chip_lines.data() + kRam / kLine;
   cpu.code = code_.get();
   cpu.hooks = !hooks.empty();
   cpu.engine = options.engine;
@@ -111,7 +112,7 @@ void Machine::forget_all_code() {
   for (std::size_t k = 0; k < kTrail; ++k)
     cpu.trail[k] = {back(places[2 * k]), back(places[2 * k + 1])};
   if (at != kNoAddress) cpu.ip = cpu.code + at;
-  cpu.has_code.fill(0);
+  cpu.chip_lines.fill(0);
 }
 
 void Machine::power_on(std::uint8_t ram_fill) {

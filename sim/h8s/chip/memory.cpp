@@ -9,12 +9,17 @@
 namespace kaz::h8s {
 namespace {
 
-// Offset into the block of a byte in either RAM window; 0 is none (offset 0 is not RAM).
-std::uint32_t ram_offset(const Cpu& c, std::uint32_t address) {
-  const std::uint32_t offset = (address & c.mask) - (c.mask & kBlock);
-  if (c.ram_size == 0) return 0;
-  if (offset - kRam < kRamSize || offset - kShortRam < kShortRamSize) return offset;
-  return 0;
+// Offset into Cpu::ram of a byte in either RAM window of the chip.
+std::optional<std::uint32_t> ram_offset(const Cpu& c, std::uint32_t address) {
+  const std::uint32_t offset = (address & c.mask) - c.ram_at;
+  if (c.ram_size == 0) return std::nullopt;
+  if (offset < kRamSize || offset - (kShortRam - kRam) < kShortRamSize) return offset;
+  return std::nullopt;
+}
+
+void note_odd(Cpu& c, std::uint32_t address) {
+  if (c.machine)
+    c.machine->misuse(address, "word access at an odd address; the chip takes the even one below");
 }
 
 }  // namespace
@@ -29,7 +34,7 @@ void raise_fault(Cpu& c, Fault fault, std::uint32_t address) {
 }
 
 bool check_stack(Cpu& c, std::uint32_t address) {
-  if (ram_offset(c, address) != 0) return true;
+  if (ram_offset(c, address)) return true;
   raise_fault(c, Fault::stack, address & c.mask);
   return false;
 }
@@ -43,7 +48,7 @@ std::uint8_t slow_load8(Cpu& c, std::uint32_t address) {
     add_stall(c, 1);
     return seen(c.machine->io_read(address));
   }
-  if (const std::uint32_t offset = ram_offset(c, address)) return seen(c.block[offset]);
+  if (const auto offset = ram_offset(c, address)) return seen(c.ram[*offset]);
   if (address < c.flash_size) return seen(c.flash[address]);
   raise_fault(c, Fault::unmapped, address);
   return 0xff;
@@ -51,14 +56,14 @@ std::uint8_t slow_load8(Cpu& c, std::uint32_t address) {
 
 std::uint16_t slow_load16(Cpu& c, std::uint32_t address) {
   if (address & 1) {
-    c.machine->misuse(address, "word access at an odd address; the chip takes the even one below");
+    note_odd(c, address);
     return load16(c, address - 1);
   }
   const auto seen = [&](unsigned value) {
     if (c.observed) observe_access(c, address, 2, value, false);
     return static_cast<std::uint16_t>(value);
   };
-  if (const std::uint32_t offset = ram_offset(c, address)) return seen(big16(c.block + offset));
+  if (const auto offset = ram_offset(c, address)) return seen(big16(c.ram + *offset));
   if (address < c.flash_size) return seen(big16(c.flash + address));
   if (!c.machine->is_io(address)) {
     raise_fault(c, Fault::unmapped, address);
@@ -75,9 +80,9 @@ void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value) {
   if (c.machine->is_io(address)) {
     add_stall(c, 1);
     c.machine->io_write(address, value);
-  } else if (const std::uint32_t offset = ram_offset(c, address)) {
-    c.block[offset] = value;
-    note_ram_write(c, offset);
+  } else if (const auto offset = ram_offset(c, address)) {
+    c.ram[*offset] = value;
+    note_ram_write(c, *offset);
   } else if (address < c.flash_size) {
     c.machine->flash_control.latch(*c.machine, address, value);
   } else {
@@ -88,11 +93,11 @@ void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value) {
 
 void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value) {
   if (address & 1) {
-    c.machine->misuse(address, "word access at an odd address; the chip takes the even one below");
+    note_odd(c, address);
     return store16(c, address - 1, value);
-  } else if (const std::uint32_t offset = ram_offset(c, address)) {
-    put_big16(c.block + offset, value);
-    note_ram_write(c, offset);
+  } else if (const auto offset = ram_offset(c, address)) {
+    put_big16(c.ram + *offset, value);
+    note_ram_write(c, *offset);
   } else if (address < c.flash_size) {
     c.machine->flash_control.latch(*c.machine, address, static_cast<std::uint8_t>(value >> 8));
     c.machine->flash_control.latch(*c.machine, address + 1, static_cast<std::uint8_t>(value));
@@ -106,13 +111,14 @@ void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value) {
 }
 
 void mask_changed(Cpu& c, bool hold_off) {
-  if (c.now < c.stop && !c.machine->irq.any_unmasked(c.control, c.two_level)) return;
+  if (!c.machine || (c.now < c.stop && !c.machine->irq.any_unmasked(c.control, c.two_level)))
+    return;
   c.hold_off = hold_off;
   end_stretch(c);
 }
 
 bool hooked_here(const Cpu& c, std::uint32_t pc) {
-  return c.machine->hooked(pc);
+  return c.machine && c.machine->hooked(pc);
 }
 
 std::uint8_t* Machine::memory_at(std::uint32_t address) {
@@ -139,7 +145,7 @@ void Machine::forget_code_at(std::uint32_t address) {
   if (address < cpu.flash_size) {
     forget_flash(address, 1);
   } else {
-    forget_code(cpu, (address - (cpu.mask & kBlock)) & ~1u);
+    forget_code(cpu, (address - cpu.ram_at) & ~1u);
   }
 }
 

@@ -15,7 +15,8 @@ constexpr std::uint32_t kNowhere = 0x80000000;
 
 void Machine::choose_paths() {
   cpu.observed = !observers.empty();
-  cpu.ram_base = cpu.observed ? kNowhere : cpu.mask & (kBlock + kRam);
+  cpu.ram_at = cpu.mask & (kBlock + kRam);
+  cpu.ram_base = cpu.observed ? kNowhere : cpu.ram_at;
   cpu.quick_flash = cpu.observed ? 0 : cpu.flash_size;
 }
 

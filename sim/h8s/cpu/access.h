@@ -14,7 +14,7 @@ std::uint8_t slow_load8(Cpu& c, std::uint32_t address);
 std::uint16_t slow_load16(Cpu& c, std::uint32_t address);
 void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value);
 void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value);
-// Forgets decoded instructions that the bytes at block offset `offset` (even) may be part of.
+// Forgets decoded instructions that the bytes at `offset` (even, from ram_at) may be part of.
 void forget_code(Cpu& c, std::uint32_t offset);
 // True when ER7 (`address`) points into RAM; raises Fault::stack otherwise.
 bool check_stack(Cpu& c, std::uint32_t address);
@@ -51,7 +51,7 @@ inline void put_big32(std::uint8_t* p, std::uint32_t value) {
 }
 
 inline void note_ram_write(Cpu& c, std::uint32_t offset) {
-  if (c.has_code[offset / 64]) [[unlikely]]
+  if (c.has_code[offset / kLine]) [[unlikely]]
     forget_code(c, offset & ~1u);
 }
 
@@ -59,7 +59,7 @@ inline std::uint8_t load8(Cpu& c, std::uint32_t address) {
   address &= c.mask;
   const std::uint32_t offset = address - c.ram_base;
   if (offset < c.ram_size) [[likely]]
-    return c.block[kRam + offset];
+    return c.ram[offset];
   if (address < c.quick_flash) return c.flash[address];
   return slow_load8(c, address);
 }
@@ -68,7 +68,7 @@ inline std::uint16_t load16(Cpu& c, std::uint32_t address) {
   address &= c.mask;
   const std::uint32_t offset = address - c.ram_base;
   if (offset < c.ram_size && !(offset & 1)) [[likely]]
-    return big16(c.block + kRam + offset);
+    return big16(c.ram + offset);
   if (address < c.quick_flash && !(address & 1)) return big16(c.flash + address);
   return slow_load16(c, address);
 }
@@ -77,7 +77,7 @@ inline std::uint32_t load32(Cpu& c, std::uint32_t address) {
   address &= c.mask;
   const std::uint32_t offset = address - c.ram_base;
   if (offset + 2 < c.ram_size && offset < c.ram_size && !(offset & 1)) [[likely]]
-    return big32(c.block + kRam + offset);
+    return big32(c.ram + offset);
   const std::uint32_t high = load16(c, address);
   return high << 16 | load16(c, address + 2);
 }
@@ -86,8 +86,8 @@ inline void store8(Cpu& c, std::uint32_t address, std::uint8_t value) {
   address &= c.mask;
   const std::uint32_t offset = address - c.ram_base;
   if (offset < c.ram_size) [[likely]] {
-    c.block[kRam + offset] = value;
-    note_ram_write(c, kRam + offset);
+    c.ram[offset] = value;
+    note_ram_write(c, offset);
     return;
   }
   slow_store8(c, address, value);
@@ -97,8 +97,8 @@ inline void store16(Cpu& c, std::uint32_t address, std::uint16_t value) {
   address &= c.mask;
   const std::uint32_t offset = address - c.ram_base;
   if (offset < c.ram_size && !(offset & 1)) [[likely]] {
-    put_big16(c.block + kRam + offset, value);
-    note_ram_write(c, kRam + offset);
+    put_big16(c.ram + offset, value);
+    note_ram_write(c, offset);
     return;
   }
   slow_store16(c, address, value);

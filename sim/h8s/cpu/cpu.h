@@ -21,7 +21,7 @@ struct Insn;
 // Runs one instruction and returns the next one.
 using Handler = const Insn* (*)(Cpu&, const Insn*);
 
-// One decoded instruction; one stands for each even address of flash and RAM. `run` is null until
+// One decoded instruction; one stands for each even address of memory. `run` is null until
 // it has been decoded. Sequential flow is pointer arithmetic: the next instruction is `this +
 // units`.
 struct Insn {
@@ -33,9 +33,10 @@ struct Insn {
 };
 static_assert(sizeof(void*) != 8 || sizeof(Insn) == 16);
 
-enum class Fault : std::uint8_t { none, undefined, fetch, unmapped, stack, misuse };
+enum class Fault : std::uint8_t { none, undefined, fetch, unmapped, stack, misuse, odd_pc };
 
-// Address layout, as seen by the CPU. RAM lies in two windows of one 8 KiB block below the top.
+// The chip's address layout. RAM lies in two windows of one 8 KiB block below the top. The flat
+// machine has one window of RAM from 0 and nothing else; the CPU goes by the members of Cpu.
 inline constexpr std::uint32_t kFlashSize = 0x20000;
 inline constexpr std::uint32_t kBlock = 0xffe000;  // what ram[0] would be
 inline constexpr std::uint32_t kRam = 0x0080;      // offsets into the block
@@ -48,6 +49,9 @@ inline constexpr std::uint32_t kFlashCode = 0;
 inline constexpr std::uint32_t kRamCode = kFlashSize / 2 + kGap;
 inline constexpr std::uint32_t kShortRamCode = kRamCode + kRamSize / 2 + kGap;
 inline constexpr std::uint32_t kCodeSize = kShortRamCode + kShortRamSize / 2 + kGap;
+// One flag a line of RAM tells whether instructions there may have been decoded.
+inline constexpr std::uint32_t kLine = 64;
+static_assert(kRam % kLine == 0 && kShortRam % kLine == 0);
 
 struct Jump {
   const Insn* from;
@@ -76,7 +80,8 @@ struct Cpu {
   std::int64_t executed = 0;
 
   std::uint8_t* flash = nullptr;
-  std::uint8_t* block = nullptr;  // 8 KiB, RAM windows inside
+  std::uint8_t* ram = nullptr;       // what stands at ram_at; the short window lies behind it
+  std::uint8_t* has_code = nullptr;  // a flag for each line of RAM, from ram_at on
   Insn* code = nullptr;
   std::uint32_t ram_size = kRamSize;  // 0 while SYSCR.RAME = 0
   std::uint32_t flash_size = kFlashSize;
@@ -86,6 +91,9 @@ struct Cpu {
   std::uint32_t ram_base = kBlock + kRam;
   std::uint32_t quick_flash = kFlashSize;
   bool observed = false;
+  std::uint32_t ram_at = kBlock + kRam;          // where RAM stands in any case
+  std::uint32_t ram_code = kRamCode;             // where RAM begins in `code`
+  std::uint32_t short_ram_code = kShortRamCode;  // and its short window; flat: beyond the end
   Machine* machine = nullptr;
   bool hooks = false;  // any code hooks set
   Engine engine = Engine::interpreter;
@@ -94,9 +102,12 @@ struct Cpu {
 
   std::uint8_t control = 0x80;  // bits I, UI, U of CCR in their places
   std::uint8_t exr = 0x7f;
-  bool normal = false;      // 16-bit mode
-  bool two_level = false;   // interrupt control mode 1: exceptions set UI too
-  bool stc_copies = false;  // Options
+  bool flat = false;         // 16 MiB of RAM: the top leads to 0, an odd PC is an error
+  bool semihost = false;     // JSR @@0xC5:8 to @@0xCC:8 are requests to the host
+  std::uint8_t request = 0;  // vector of the request just made
+  bool normal = false;       // 16-bit mode
+  bool two_level = false;    // interrupt control mode 1: exceptions set UI too
+  bool stc_copies = false;   // Options
   bool rte_holds_off = false;
   bool hold_off = false;  // no interrupt before one more instruction has run
   bool asleep = false;
@@ -106,8 +117,8 @@ struct Cpu {
   std::uint32_t fault_pc = 0;
   Insn outside{};  // stands for any address without memory; imm is the address
 
-  // RAM units that may hold decoded instructions, one flag a 64-byte line of the block.
-  std::array<std::uint8_t, 0x2000 / 64> has_code{};
+  // The lines that has_code points to on the chip.
+  std::array<std::uint8_t, 0x2000 / kLine> chip_lines{};
 
   std::array<Jump, kTrail> trail{};
   std::uint32_t jumps = 0;
@@ -146,8 +157,8 @@ inline void set_ccr(Cpu& c, std::uint32_t value) {
 inline std::uint32_t pc_of(const Cpu& c, const Insn* ip) {
   if (ip == &c.outside) return ip->imm;
   const auto index = static_cast<std::uint32_t>(ip - c.code);
-  if (index < kRamCode) return index * 2;
-  if (index < kShortRamCode) return (c.mask & (kBlock + kRam)) + (index - kRamCode) * 2;
+  if (index < c.ram_code) return index * 2;
+  if (index < c.short_ram_code) return c.ram_at + (index - c.ram_code) * 2;
   return (c.mask & (kBlock + kShortRam)) + (index - kShortRamCode) * 2;
 }
 

@@ -209,17 +209,39 @@ struct Stretch {
 };
 
 Stretch stretch_of(const Cpu& c, std::uint32_t index) {
-  if (index < kRamCode) {
+  if (index < c.ram_code) {
     const std::uint32_t end = c.flash_size / 2;
     return {c.flash + 2 * index, index < end ? end - index : 0, kFlashCode, end};
   }
-  if (index < kShortRamCode) {
-    const std::uint32_t end = kRamCode + c.ram_size / 2;
-    return {c.block + kRam + 2 * (index - kRamCode), index < end ? end - index : 0, kRamCode, end};
+  if (index < c.short_ram_code) {
+    const std::uint32_t end = c.ram_code + c.ram_size / 2;
+    return {c.ram + 2 * (index - c.ram_code), index < end ? end - index : 0, c.ram_code, end};
   }
   const std::uint32_t end = kShortRamCode + (c.ram_size ? kShortRamSize / 2 : 0);
-  return {c.block + kShortRam + 2 * (index - kShortRamCode), index < end ? end - index : 0,
+  return {c.ram + kShortRam - kRam + 2 * (index - kShortRamCode), index < end ? end - index : 0,
           kShortRamCode, end};
+}
+
+// Behind the top of the flat machine's memory stands its beginning.
+const Insn* wrap(Cpu& c, const Insn* i) {
+  --c.executed;
+  return at_address(c, pc_of(c, i));
+}
+
+const Insn* odd_pc(Cpu& c, const Insn* i) {
+  raise_fault(c, Fault::odd_pc, pc_of(c, i));
+  return i;
+}
+
+// A call of the host instead of a subroutine: whoever runs the CPU answers it.
+const Insn* host_request(Cpu& c, const Insn* i) {
+  c.request = static_cast<std::uint8_t>(i->imm);
+  end_stretch(c);
+  return i + 1;
+}
+
+bool is_host_request(const Cpu& c, std::uint16_t unit) {
+  return c.semihost && unit >= 0x5fc5 && unit <= 0x5fcc;
 }
 
 }  // namespace
@@ -228,8 +250,10 @@ namespace {
 
 Decoded decode_stretch(const Cpu& c, const Stretch& stretch) {
   std::array<std::uint16_t, kMaxUnits> units{};
-  const std::size_t available = std::min<std::size_t>(stretch.units, kMaxUnits);
+  std::size_t available = std::min<std::size_t>(stretch.units, kMaxUnits);
   for (std::size_t k = 0; k < available; ++k) units[k] = big16(stretch.bytes + 2 * k);
+  for (std::size_t k = 0; c.flat && available < kMaxUnits; ++k)
+    units[available++] = big16(c.ram + 2 * k);
   return decode(std::span(units).first(available), c.normal);
 }
 
@@ -237,11 +261,16 @@ Decoded decode_stretch(const Cpu& c, const Stretch& stretch) {
 Stretch decode_slot(Cpu& c, Insn& slot, std::uint32_t index) {
   const Stretch stretch = stretch_of(c, index);
   if (stretch.units == 0) {
-    slot = {fetch_outside, 0, 0, 0, 0, 1};
+    slot = {c.flat ? wrap : fetch_outside, 0, 0, 0, 0, 1};
     return stretch;
   }
   const Decoded decoded = decode_stretch(c, stretch);
   slot = decoded.opcode ? decoded.insn : Insn{undefined, big16(stretch.bytes), 0, 0, 0, 1};
+  const std::uint16_t first = big16(stretch.bytes);
+  if (is_host_request(c, first)) {
+    slot.run = host_request;
+    slot.imm = first & 0xff;
+  }
   return stretch;
 }
 
@@ -274,35 +303,40 @@ Handler decode_in_place(Cpu& c, const Insn* ip) {
       slot.imm = static_cast<std::uint32_t>(to - index);
     }
   }
-  if (index >= kRamCode) {
-    const std::uint32_t offset = static_cast<std::uint32_t>(stretch.bytes - c.block);
-    c.has_code[offset / 64] = 1;
-    const std::uint32_t last = std::min(offset + 2 * kMaxUnits - 1, 0x1fffu);
-    c.has_code[last / 64] = 1;
+  if (index >= c.ram_code) {
+    const std::uint32_t offset = static_cast<std::uint32_t>(stretch.bytes - c.ram);
+    const std::uint32_t last = offset + 2 * std::min<std::uint32_t>(kMaxUnits, stretch.units) - 1;
+    c.has_code[offset / kLine] = c.has_code[last / kLine] = 1;
+    if (c.flat && stretch.units < kMaxUnits) c.has_code[0] = 1;
   }
   if (c.hooks && hooked_here(c, pc_of(c, ip))) slot = {announce, 0, 0, 0, 0, slot.units};
   return slot.run;
 }
 
 void forget_code(Cpu& c, std::uint32_t offset) {
-  const bool low = offset < kShortRam;
-  const std::uint32_t start = low ? kRam : kShortRam;
-  const std::uint32_t base = low ? kRamCode : kShortRamCode;
-  const std::uint32_t at = (offset - start) / 2;
-  for (std::uint32_t back = 0; back < kMaxUnits && back <= at; ++back)
-    c.code[base + at - back].run = nullptr;
+  const bool low = c.flat || offset < kShortRam - kRam;
+  const std::uint32_t base = low ? c.ram_code : kShortRamCode;
+  const std::uint32_t at = (low ? offset : offset - (kShortRam - kRam)) / 2;
+  for (std::uint32_t back = 0; back < kMaxUnits; ++back) {
+    if (back <= at)
+      c.code[base + at - back].run = nullptr;
+    else if (c.flat)
+      c.code[base + at + c.ram_size / 2 - back].run = nullptr;
+  }
   if (c.translator) c.translator->forget(base + at, 1);
 }
 
 const Insn* at_address(Cpu& c, std::uint32_t address) {
+  if ((address & 1) && c.flat) [[unlikely]] {
+    c.outside = {odd_pc, address & c.mask, 0, 0, 0, 1};
+    return &c.outside;
+  }
   address &= c.mask & ~1u;
   if (address < c.flash_size) return c.code + kFlashCode + address / 2;
-  const std::uint32_t offset = address - (c.mask & kBlock);
-  if (c.ram_size != 0) {
-    if (offset - kRam < kRamSize) return c.code + kRamCode + (offset - kRam) / 2;
-    if (offset - kShortRam < kShortRamSize)
-      return c.code + kShortRamCode + (offset - kShortRam) / 2;
-  }
+  const std::uint32_t offset = address - c.ram_at;
+  if (offset < c.ram_size) return c.code + c.ram_code + offset / 2;
+  if (c.ram_size != 0 && offset - (kShortRam - kRam) < kShortRamSize)
+    return c.code + kShortRamCode + (offset - (kShortRam - kRam)) / 2;
   c.outside = {fetch_outside, address, 0, 0, 0, 1};
   return &c.outside;
 }

@@ -384,8 +384,7 @@ void emit_gate(host::Assembler& a, const asmjit::Label& leave) {
   a.sub(host::rsp, 8);
   a.mov(kCpu, host::rdi);
   for (unsigned n = 0; n < 8; ++n) a.mov(host::gpd(ids[n]), field(offsetof(Cpu, er) + 4 * n));
-  a.mov(kRamBase, field(offsetof(Cpu, block)));
-  a.add(kRamBase, kRam);
+  a.mov(kRamBase, field(offsetof(Cpu, ram)));
   a.xor_(kExecuted.r32(), kExecuted.r32());
   a.mov(kLeft, field(offsetof(Cpu, stop)));
   a.sub(kLeft, field(offsetof(Cpu, now)));

@@ -141,7 +141,7 @@ host::Mem Emitter::writable(std::size_t k, Mode mode, unsigned reg, unsigned siz
   const Step& s = block_->steps[k];
   const asmjit::Label out = before(k);
   const unsigned lines = size == 1 ? 1 : 2;  // an operand may reach into the next line
-  constexpr auto flags_at = static_cast<std::int32_t>(offsetof(Cpu, has_code));
+  constexpr auto flags_at = static_cast<std::int32_t>(offsetof(Cpu, chip_lines));
   host::Mem at;
   if (address(s, mode, reg, size, bytes, at) != Place::elsewhere) {
     const auto offset = static_cast<std::int32_t>(kRam) + static_cast<std::int32_t>(at.offset());
