@@ -60,6 +60,19 @@ Result<void> Chip::load(const Image& image) {
   return {};
 }
 
+Result<void> Chip::place(const Image& image, std::uint32_t entry) {
+  for (const Segment& s : image.segments) {
+    if (!poke(s.run_address, s.bytes))
+      return fail("section '" + s.name + "' at " + hex6(s.run_address) + " with " +
+                  std::to_string(s.bytes.size()) + " bytes does not lie in flash and RAM");
+  }
+  if (!image.symbols.symbols().empty()) set_symbols(image.symbols);
+  Registers r = registers();
+  r.pc = entry;
+  set_registers(r);
+  return {};
+}
+
 void Chip::set_symbols(SymbolTable symbols) {
   machine_->symbols = std::make_shared<const SymbolTable>(std::move(symbols));
 }

@@ -125,6 +125,10 @@ class Chip {
   // image's segments at their load addresses in flash, everything else in flash to 0xff. Does not
   // reset. Errors: a segment outside the flash.
   Result<void> load(const Image& image);
+  // For programs started at their entry, not by reset: every section at its run address, in flash
+  // (which keeps what is elsewhere) and RAM; PC := `entry`. After power_on. Errors: a section
+  // outside flash and RAM.
+  Result<void> place(const Image& image, std::uint32_t entry);
   // Adds names without touching memory (S-record image, symbols from the COFF beside it).
   void set_symbols(SymbolTable symbols);
   const SymbolTable& symbols() const;

@@ -63,9 +63,21 @@ struct Image {
 
 // `name` stands in the messages. Motorola S-records: S0, S1/S2/S3, S5, S7/S8/S9.
 Result<Image> parse_srecord(std::string_view text, const std::string& name);
-// COFF of h8300-hms (magic 0x8302 H8S advanced, 0x8304 H8S normal mode), symbols and line numbers.
+// Intel HEX: records 00 to 05.
+Result<Image> parse_intel_hex(std::string_view text, const std::string& name);
+// COFF of h8300-hms (magic 0x8302 H8S, 0x8301 H8/300H; 0x8300, 0x8303 and 0x8304 with 16-bit
+// addresses), symbols and line numbers.
 Result<Image> parse_coff(std::span<const std::uint8_t> bytes, const std::string& name);
-// Reads the file and tells the format by its first bytes.
-Result<Image> load_image(const std::string& path);
+// ELF32, big-endian, machine 46, linked: sections with contents (segments where there are none) and
+// symbols.
+Result<Image> parse_elf(std::span<const std::uint8_t> bytes, const std::string& name);
+
+enum class Format { automatic, coff, elf, srecord, intel_hex, raw };
+
+struct LoadOptions {
+  Format format = Format::automatic;     // told by the first bytes; never raw
+  std::optional<std::uint32_t> address;  // of a raw image's first byte, its entry too
+};
+Result<Image> load_image(const std::string& path, const LoadOptions& options = {});
 
 }  // namespace kaz::h8s

@@ -74,9 +74,9 @@ int parse_and_run(int argc, char** argv) {
     std::fprintf(stderr, "%s: %s; see `%s --help`\n", name.c_str(), what.c_str(), name.c_str());
     return kUsage;
   }
-  const kaz::Result<bool> done = action();
+  const kaz::Result<kaz::tools::Outcome> done = action();
   if (!done) return report(spoken_name(program), done.error());
-  return *done ? 0 : static_cast<int>(kaz::Fault::failed);
+  return done->status;
 }
 
 }  // namespace

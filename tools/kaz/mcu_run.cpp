@@ -3,8 +3,12 @@
 #include "tools/kaz/mcu_run.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -43,33 +47,22 @@ bool healthy(h8s::Stop::Reason reason) {
 }
 
 // One line an instruction: time in states, address, text, the registers it starts from.
+void print_next(const h8s::Chip& chip) {
+  const h8s::Registers r = chip.registers();
+  const auto now = static_cast<long long>(chip.now());
+  if (chip.asleep()) {
+    std::fprintf(stderr, "%12lld  asleep\n", now);
+  } else {
+    std::fprintf(stderr, "%12lld  %06x  %-32s ccr=%02x er0=%08x er1=%08x sp=%08x\n", now, r.pc,
+                 chip.disassemble(r.pc).c_str(), r.ccr, r.er[0], r.er[1], r.er[7]);
+  }
+}
+
 h8s::Stop trace_until(h8s::Chip& chip, h8s::States until) {
   h8s::Stop stop;
   while (chip.now() < until && stop.reason == h8s::Stop::Reason::reached) {
-    const h8s::Registers r = chip.registers();
-    if (chip.asleep()) {
-      std::fprintf(stderr, "%12lld  asleep\n", static_cast<long long>(chip.now()));
-    } else {
-      std::fprintf(stderr, "%12lld  %06x  %-32s ccr=%02x er0=%08x er1=%08x sp=%08x\n",
-                   static_cast<long long>(chip.now()), r.pc, chip.disassemble(r.pc).c_str(), r.ccr,
-                   r.er[0], r.er[1], r.er[7]);
-    }
+    print_next(chip);
     stop = chip.step();
-  }
-  return stop;
-}
-
-// In pieces, so that a long run shows that it is alive.
-h8s::Stop run_until(h8s::Chip& chip, h8s::States until, bool quiet) {
-  constexpr h8s::States kPiece = 20'000'000;
-  Progress progress("kaz mcu run", quiet);
-  h8s::Stop stop;
-  for (h8s::States t = chip.now(); t < until && stop.reason == h8s::Stop::Reason::reached;) {
-    t = std::min(until, t + kPiece);
-    stop = chip.run_until(t);
-    if (until > 50 * kPiece) {
-      progress.update(static_cast<double>(t) / static_cast<double>(until), "");
-    }
   }
   return stop;
 }
@@ -82,31 +75,134 @@ void print_misuse(const h8s::Chip& chip) {
   }
 }
 
+// The bytes of a file, given to RxD0 one frame behind the other at the rate that the program has set,
+// as soon as it receives.
+class Feeder {
+ public:
+  Result<void> open(const std::string& path) {
+    if (path.empty()) return {};
+    file_ = path == "-" ? stdin : std::fopen(path.c_str(), "rb");
+    if (!file_) return fail(Fault::usage, path + ": cannot open the file");
+    next_ = std::fgetc(file_);
+    return {};
+  }
+
+  // The next look is due after the frame, or a little later where the program does not receive yet.
+  h8s::States feed(h8s::Chip& chip, h8s::States idle) {
+    constexpr std::uint32_t kSmr = 0xffd8, kBrr = 0xffd9, kScr = 0xffda;
+    constexpr h8s::States kLook = 20'000;
+    if (next_ < 0) return idle;
+    const auto reg = [&](std::uint32_t low) {
+      return unsigned{chip.peek(chip_mask(chip) & (0xff0000 | low)).value_or(0)};
+    };
+    if (!(reg(kScr) & 0x10)) return chip.now() + kLook;
+    const unsigned smr = reg(kSmr);
+    const h8s::States bit = h8s::States{32} * (h8s::States{1} << (2 * (smr & 3))) * (reg(kBrr) + 1);
+    const int bits = 9 + (smr & 0x40 ? 0 : 1) + (smr & 0x20 ? 1 : 0) + (smr & 0x08 ? 1 : 0);
+    last_ = std::max(last_, chip.now()) + bit * bits;
+    if (chip.receive(0, {static_cast<std::uint8_t>(next_), last_})) next_ = std::fgetc(file_);
+    return last_;
+  }
+
+ private:
+  // Registers stand at the top of 24 or of 16 bits.
+  static std::uint32_t chip_mask(const h8s::Chip& chip) {
+    return chip.peek(0xffffc5) ? 0xffffff : 0xffff;
+  }
+
+  std::FILE* file_ = nullptr;
+  int next_ = EOF;
+  h8s::States last_ = 0;
+};
+
+// In pieces, so that a long run shows that it is alive.
+h8s::Stop run_until(h8s::Chip& chip, h8s::States until, bool quiet, Feeder& feeder) {
+  constexpr h8s::States kPiece = 20'000'000;
+  Progress progress("kaz mcu run", quiet);
+  h8s::Stop stop;
+  h8s::States shown = 0;
+  while (chip.now() < until && stop.reason == h8s::Stop::Reason::reached) {
+    stop = chip.run_until(std::min(until, feeder.feed(chip, chip.now() + kPiece)));
+    if (until > 50 * kPiece && chip.now() - shown >= kPiece) {
+      shown = chip.now();
+      progress.update(static_cast<double>(shown) / static_cast<double>(until), "");
+    }
+  }
+  return stop;
+}
+
+// The address that --entry means, none for a start by reset.
+Result<std::optional<std::uint32_t>> entry_of(const McuRunOptions& options,
+                                              const h8s::Image& image) {
+  if (options.entry.empty()) return std::nullopt;
+  if (options.entry == "image") {
+    if (!image.entry)
+      return fail(Fault::usage, options.image + ": the image names no entry; give --entry=ADDRESS");
+    return image.entry;
+  }
+  char* end = nullptr;
+  const unsigned long address = std::strtoul(options.entry.c_str(), &end, 0);
+  if (*end != 0 || address > 0xffffff)
+    return fail(Fault::usage, "--entry=" + options.entry + ": an address up to 0xffffff expected");
+  return static_cast<std::uint32_t>(address);
+}
+
+Result<void> start(h8s::Chip& chip, const McuRunOptions& options, const h8s::Image& image) {
+  const auto entry = entry_of(options, image);
+  if (!entry) return tl::unexpected(entry.error());
+  const auto fill = static_cast<std::uint8_t>(options.ram_fill);
+  if (!*entry) {
+    if (const auto loaded = chip.load(image); !loaded)
+      return fail(Fault::usage, options.image + ": " + loaded.error().message);
+    chip.power_on(fill);
+    return {};
+  }
+  chip.power_on(fill);
+  if (const auto placed = chip.place(image, **entry); !placed)
+    return fail(Fault::usage, options.image + ": " + placed.error().message);
+  return {};
+}
+
 }  // namespace
 
-Result<bool> run_mcu(const McuRunOptions& options) {
-  const auto image = h8s::load_image(options.image);
+Result<Outcome> run_mcu(const McuRunOptions& options) {
+  auto image = h8s::load_image(options.image, options.load);
   if (!image) return fail(Fault::usage, image.error().message);
-  h8s::Chip chip;
-  if (const auto loaded = chip.load(*image); !loaded) {
-    return fail(Fault::usage, options.image + ": " + loaded.error().message);
+  if (options.flat) {
+    const auto entry = entry_of(options, *image);
+    if (!entry) return tl::unexpected(entry.error());
+    if (*entry) image->entry = *entry;
+    return run_flat(options, *image);
   }
+  h8s::Options chosen;
+  chosen.engine = options.engine;
+  chosen.mode = options.mode;
+  h8s::Chip chip(chosen);
+  if (const auto started = start(chip, options, *image); !started)
+    return tl::unexpected(started.error());
   chip.on_transmit([](int sci, const h8s::TransmittedByte& byte) {
     if (sci == 0) std::fputc(byte.value, stdout);
   });
-  chip.power_on();
+  Feeder feeder;
+  if (const auto opened = feeder.open(options.input); !opened)
+    return tl::unexpected(opened.error());
 
   using Seconds = std::chrono::duration<double>;
   const auto begin = std::chrono::steady_clock::now();
-  const h8s::Stop stop = options.trace ? trace_until(chip, options.max_states)
-                                       : run_until(chip, options.max_states, options.json);
+  const h8s::States until =
+      options.max_states.value_or(static_cast<h8s::States>(options.crystal_hz));
+  const h8s::Stop stop =
+      options.trace ? trace_until(chip, until) : run_until(chip, until, options.json, feeder);
   const double wall_s = Seconds(std::chrono::steady_clock::now() - begin).count();
-  std::fflush(stdout);
+  if (std::fflush(stdout) != 0)
+    return fail(Fault::environment,
+                std::string("cannot write standard output: ") + std::strerror(errno));
 
-  const double chip_s = static_cast<double>(chip.now()) / 18.432e6;
+  const double chip_s = static_cast<double>(chip.now()) / options.crystal_hz;
   if (options.json) {
     nlohmann::ordered_json result{{"stop", name_of(stop.reason)},
                                   {"states", chip.now()},
+                                  {"insns", chip.instructions()},
                                   {"chip_s", chip_s},
                                   {"wall_s", wall_s},
                                   {"misuse", chip.misuse().size()},
@@ -119,6 +215,9 @@ Result<bool> run_mcu(const McuRunOptions& options) {
                  name_of(stop.reason), static_cast<long long>(chip.now()), chip_s, wall_s,
                  wall_s > 0 ? chip_s / wall_s : 0);
   }
+  if (options.count)
+    std::fprintf(stderr, "insns=%lld\nstates=%lld\n", static_cast<long long>(chip.instructions()),
+                 static_cast<long long>(chip.now()));
   return healthy(stop.reason);
 }
 

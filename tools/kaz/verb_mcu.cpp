@@ -1,6 +1,9 @@
 // `kaz mcu`: the servo board's chip by itself.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
+#include <map>
+#include <memory>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -78,21 +81,77 @@ void add_compare(CLI::App& mcu, Action& action) {
   verb->callback([&action, arguments] { action = [arguments] { return compare(*arguments); }; });
 }
 
+void add_machine_options(CLI::App& verb, McuRunOptions& options) {
+  verb.add_flag("--flat", options.flat, "16 MiB of RAM and nothing else, from the image's entry");
+  verb.add_flag("--semihost", options.semihost,
+                "with --flat: GDB's calls of the host, the program's own exit status")
+      ->needs("--flat");
+  verb.add_flag("--count", options.count,
+                "print insns=N and states=N at the end, on standard error");
+  verb.add_option("--max-states", options.max_states,
+                  "stop there; one second of the chip if not given, no limit with --flat")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--max-insns", options.max_insns, "with --flat: stop there")
+      ->check(CLI::PositiveNumber)
+      ->needs("--flat");
+  const std::map<std::string, h8s::Engine> engines{{"reference", h8s::Engine::reference},
+                                                   {"interpreter", h8s::Engine::interpreter},
+                                                   {"translator", h8s::Engine::translator}};
+  verb.add_option("--engine", options.engine, "reference, interpreter or translator (the default)")
+      ->transform(CLI::CheckedTransformer(engines).description(""))
+      ->type_name("");
+  verb.add_option("--mode", options.mode, "mode pins: 2 advanced (24-bit), 3 normal (16-bit)")
+      ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str()
+      ->type_name("");
+  verb.add_option("--ram-fill", options.ram_fill, "each byte of RAM when power comes")
+      ->check(CLI::Range(0, 255))
+      ->capture_default_str()
+      ->type_name("");
+  verb.add_option("--crystal", options.crystal_hz, "in Hz")
+      ->check(CLI::Range(1e5, 1e8))
+      ->capture_default_str()
+      ->type_name("");
+}
+
 void add_bare_run(CLI::App& mcu, Action& action) {
   auto* verb = mcu.add_subcommand("run", "the bare emulator on any image, no board around it");
   auto options = std::make_shared<McuRunOptions>();
-  verb->add_option("IMAGE", options->image, "S-record or COFF")->required()->type_name("");
-  verb->add_option("--max-states", options->max_states, "stop there; 18432000 are one second")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  verb->add_flag("--trace", options->trace, "each instruction on standard error");
-  verb->add_flag("--json", options->json, "print the summary as JSON on standard output");
+  verb->add_option("IMAGE", options->image, "COFF, ELF, S-record, Intel HEX or raw")
+      ->required()
+      ->type_name("");
+  const std::map<std::string, h8s::Format> formats{{"coff", h8s::Format::coff},
+                                                   {"elf", h8s::Format::elf},
+                                                   {"srec", h8s::Format::srecord},
+                                                   {"ihex", h8s::Format::intel_hex},
+                                                   {"raw", h8s::Format::raw}};
+  verb->add_option("--format", options->load.format,
+                   "coff, elf, srec, ihex or raw; told by the contents if not given")
+      ->transform(CLI::CheckedTransformer(formats).description(""))
+      ->type_name("");
+  verb->add_option("--address", options->load.address, "of a raw image's first byte, and its entry")
+      ->check(CLI::Range(0, 0xffffff))
+      ->type_name("");
+  add_machine_options(*verb, *options);
+  verb->add_flag("--entry{image}", options->entry,
+                 "start at the image's entry, or with --entry=ADDRESS there, not by reset")
+      ->type_name("");
+  verb->add_option("--input", options->input, "bytes for RxD0 at line rate; - is standard input")
+      ->excludes("--flat")
+      ->type_name("");
+  verb->add_flag("--trace", options->trace, "each instruction on standard error")
+      ->excludes("--flat");
+  verb->add_flag("--json", options->json, "print the summary as JSON on standard output")
+      ->excludes("--semihost");
   verb->footer(
       "Starts at the reset vector, as the chip does. What the program sends on SCI0 goes to\n"
-      "standard output. Exit status 1 where the chip stops on an error, with a report.\n"
+      "standard output. Exit status 1 where the chip stops on an error, with a report; with\n"
+      "--semihost the program's own, 125 where it does not end by itself.\n"
       "Examples:\n"
       "  kaz mcu run build/release/firmware/kaz.mot\n"
-      "  kaz mcu run build/release/firmware/kaz.coff --max-states 2000 --trace");
+      "  kaz mcu run build/release/firmware/kaz.coff --max-states 2000 --trace\n"
+      "  kaz mcu run --entry program.coff\n"
+      "  kaz mcu run --flat --semihost --count program.coff");
   verb->callback([&action, options] { action = [options] { return run_mcu(*options); }; });
 }
 

@@ -10,9 +10,20 @@
 
 namespace kaz::tools {
 
-// Runs after the whole command line was read. Returns whether the task succeeded; an Error has its
-// own exit code (shared/base/result.hpp).
-using Action = std::function<Result<bool>()>;
+// How a verb ended: 0 done, 1 the task failed, or what a program that it ran says.
+struct Outcome {
+  Outcome(bool succeeded = true) : status(succeeded ? 0 : static_cast<int>(Fault::failed)) {}
+  static Outcome with_status(int status) {
+    Outcome outcome(true);
+    outcome.status = status;
+    return outcome;
+  }
+  int status;
+};
+
+// Runs after the whole command line was read. An Error has its own exit code
+// (shared/base/result.hpp).
+using Action = std::function<Result<Outcome>()>;
 
 void add_demo(CLI::App& program, Action& action);
 void add_run(CLI::App& program, Action& action);

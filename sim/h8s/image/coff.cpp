@@ -13,7 +13,8 @@ constexpr std::size_t kLongestName = 1024;
 constexpr std::uint64_t kMostContents = 0x2000000;
 
 constexpr std::size_t kFileHeader = 20, kSectionHeader = 40, kSymbol = 18, kLine = 8, kEntryAt = 16;
-constexpr std::uint32_t kBss = 0x80;
+// Dummy, not loaded, copy, BSS and information sections: no contents for the memory.
+constexpr std::uint32_t kNotInMemory = 0x01 | 0x02 | 0x10 | 0x80 | 0x200;
 // Storage classes and the type bits of a function.
 constexpr unsigned kExternal = 2, kStatic = 3, kFunctionMark = 101, kFileName = 103,
                    kFunctionType = 0x20;
@@ -26,8 +27,9 @@ class Reader {
   Result<Image> read() {
     if (bytes_.size() < kFileHeader) return error(0, "the file ends inside its header");
     const unsigned magic = u16(0);
-    if (magic != 0x8302 && magic != 0x8304)
-      return error(0, "magic is not 8302 (H8S) or 8304 (normal mode)");
+    if (magic < 0x8300 || magic > 0x8304)
+      return error(0, "magic is not 8302 (H8S) or another of 8300 to 8304 (H8/300 family)");
+    image_.normal_mode = magic != 0x8301 && magic != 0x8302;
     const std::size_t sections = u16(2), optional = u16(16);
     symbols_at_ = u32(8);
     symbol_count_ = u32(12);
@@ -119,7 +121,7 @@ class Reader {
     const std::uint32_t lines_at = u32(at + 28), flags = u32(at + 36);
     const std::size_t lines = u16(at + 34);
     const std::string name = text(at, 8);
-    if (where != 0 && size != 0 && !(flags & kBss)) {
+    if (where != 0 && size != 0 && !(flags & kNotInMemory)) {
       if (!fits(where, size))
         return error(at, "the contents of section " + name + " lie outside the file");
       contents_ += size;

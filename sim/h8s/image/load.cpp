@@ -6,19 +6,75 @@
 #include "sim/h8s/image.h"
 
 namespace kaz::h8s {
+namespace {
 
-Result<Image> load_image(const std::string& path) {
+// Against files that are no images of a chip that addresses 16 MB; text needs some three characters
+// a byte.
+constexpr std::streamoff kLargest = 128 * 1024 * 1024;
+
+Format format_of(std::span<const std::uint8_t> bytes) {
+  const auto starts = [&](std::size_t k, std::uint8_t value) {
+    return bytes.size() > k && bytes[k] == value;
+  };
+  if (starts(0, 'S')) return Format::srecord;
+  if (starts(0, ':')) return Format::intel_hex;
+  if (starts(0, 0x83)) return Format::coff;
+  if (starts(0, 0x7f) && starts(1, 'E')) return Format::elf;
+  return Format::automatic;
+}
+
+Result<Image> raw(std::vector<std::uint8_t> bytes, const std::string& path,
+                  std::optional<std::uint32_t> address) {
+  if (!address) return fail(path + ": a raw image needs the address of its first byte (--address)");
+  if (*address > 0xffffff || bytes.size() > 0x1000000 - *address)
+    return fail(path + ": " + std::to_string(bytes.size()) +
+                " bytes from the given address on go beyond 0xffffff");
+  Image image;
+  image.entry = *address;
+  image.segments.push_back({*address, *address, "raw image", std::move(bytes)});
+  return image;
+}
+
+}  // namespace
+
+Result<Image> load_image(const std::string& path, const LoadOptions& options) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return fail(path + ": cannot open the file");
-  const std::vector<char> content{std::istreambuf_iterator<char>(file),
-                                  std::istreambuf_iterator<char>()};
+  file.seekg(0, std::ios::end);
+  const std::streamoff size = file.tellg();
+  file.clear();  // a pipe has no end to seek to
+  file.seekg(0);
+  file.clear();
+  if (size > kLargest)
+    return fail(path + ": " + std::to_string(size) + " bytes are too many for an image");
+  std::vector<std::uint8_t> bytes;
+  std::vector<char> piece(1 << 16);
+  while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())) || file.gcount() > 0) {
+    bytes.insert(bytes.end(), piece.begin(), piece.begin() + file.gcount());
+    if (bytes.size() > std::size_t{kLargest})
+      return fail(path + ": more than 128 MB are too many for an image");
+  }
   if (file.bad()) return fail(path + ": cannot read the file");
-  if (content.empty()) return fail(path + ": the file is empty");
-  const std::string_view text(content.data(), content.size());
-  if (text[0] == 'S') return parse_srecord(text, path);
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(content.data());
-  if (content.size() >= 2 && bytes[0] == 0x83) return parse_coff({bytes, content.size()}, path);
-  return fail(path + ": neither an S-record file (starts with S) nor H8 COFF (starts with 83 02)");
+  if (bytes.empty()) return fail(path + ": the file is empty");
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  switch (options.format == Format::automatic ? format_of(bytes) : options.format) {
+    case Format::srecord:
+      return parse_srecord(text, path);
+    case Format::intel_hex:
+      return parse_intel_hex(text, path);
+    case Format::coff:
+      return parse_coff(bytes, path);
+    case Format::elf:
+      return parse_elf(bytes, path);
+    case Format::raw:
+      return raw(std::move(bytes), path, options.address);
+    case Format::automatic:
+      break;
+  }
+  return fail(
+      path +
+      ": none of S-record (starts with S), Intel HEX (starts with a colon), H8 COFF (83 02) "
+      "and ELF (7f 45 4c 46); a raw image needs --format raw --address A");
 }
 
 }  // namespace kaz::h8s

@@ -1,0 +1,180 @@
+// ELF32, big-endian, machine 46 (H8/300 family): contents, entry and symbols.
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <cstring>
+
+#include "sim/h8s/image.h"
+
+namespace kaz::h8s {
+namespace {
+
+// Against files made to exhaust memory.
+constexpr std::size_t kLongestName = 1024;
+constexpr std::uint64_t kMostContents = 0x2000000;
+
+constexpr std::size_t kHeader = 52, kProgramHeader = 32, kSectionHeader = 40, kSymbolSize = 16;
+constexpr unsigned kMachine = 46, kExecutable = 2, kRelocatable = 1;
+constexpr std::uint32_t kSymbolTable = 2, kNoBits = 8, kAllocated = 2, kLoad = 1;
+// e_flags: the family member in bits 16 to 23.
+constexpr std::uint32_t kMemberMask = 0x00ff0000, kH8300 = 0x00800000, kH8300hn = 0x00840000,
+                        kH8300sn = 0x00850000;
+
+class Reader {
+ public:
+  Reader(std::span<const std::uint8_t> bytes, const std::string& name)
+      : bytes_(bytes), name_(name) {}
+
+  Result<Image> read() {
+    if (bytes_.size() < kHeader) return error(0, "the file ends inside its header");
+    if (std::memcmp(bytes_.data(),
+                    "\x7f"
+                    "ELF",
+                    4) != 0)
+      return error(0, "7f 45 4c 46 expected");
+    if (bytes_[4] != 1) return error(4, "not a 32-bit file (class 1 expected)");
+    if (bytes_[5] != 2) return error(5, "not big-endian (data 2 expected)");
+    if (u16(18) != kMachine)
+      return error(18, "machine " + std::to_string(u16(18)) + ", 46 (H8/300 family) expected");
+    if (u16(16) == kRelocatable) return error(16, "an object file that has not been linked");
+    if (u16(16) != kExecutable)
+      return error(16, "type " + std::to_string(u16(16)) + ", 2 (executable) expected");
+    image_.entry = u32(24);
+    const std::uint32_t member = u32(36) & kMemberMask;
+    image_.normal_mode = member == kH8300 || member == kH8300hn || member == kH8300sn;
+    if (auto ok = read_headers(); !ok) return tl::unexpected(ok.error());
+    for (const Section& s : sections_) {
+      if (auto ok = read_section(s); !ok) return tl::unexpected(ok.error());
+    }
+    if (image_.segments.empty()) {
+      for (const Program& p : programs_) {
+        if (auto ok = read_program(p); !ok) return tl::unexpected(ok.error());
+      }
+    }
+    if (image_.segments.empty()) return error(0, "no section or segment with contents");
+    image_.symbols = SymbolTable(std::move(symbols_), {});
+    return std::move(image_);
+  }
+
+ private:
+  struct Section {
+    std::size_t at;
+    std::uint32_t name, type, flags, address, offset, size, link, entry_size;
+  };
+  struct Program {
+    std::size_t at;
+    std::uint32_t type, offset, run, load, size;
+  };
+
+  bool fits(std::size_t at, std::size_t size) const {
+    return at <= bytes_.size() && size <= bytes_.size() - at;
+  }
+  // Callers have checked that the field lies inside the file.
+  unsigned u16(std::size_t at) const {
+    return static_cast<unsigned>(bytes_[at] << 8 | bytes_[at + 1]);
+  }
+  std::uint32_t u32(std::size_t at) const {
+    return static_cast<std::uint32_t>(u16(at)) << 16 | static_cast<std::uint32_t>(u16(at + 2));
+  }
+
+  tl::unexpected<Error> error(std::size_t at, const std::string& what) const {
+    char offset[32];
+    std::snprintf(offset, sizeof offset, "0x%zx", at);
+    return fail(name_ + ": at offset " + offset + ": " + what);
+  }
+
+  // Names go into messages: one that holds anything but printable characters shows them as '?'.
+  std::string text(std::uint32_t table, std::uint32_t offset) const {
+    std::string s;
+    if (table >= sections_.size()) return s;
+    const std::size_t from = std::size_t{sections_[table].offset} + offset;
+    for (std::size_t k = from; k < bytes_.size() && k < from + kLongestName && bytes_[k]; ++k)
+      s += bytes_[k] < 0x20 || bytes_[k] == 0x7f ? '?' : static_cast<char>(bytes_[k]);
+    return s;
+  }
+
+  Result<void> read_headers() {
+    const std::size_t programs = u16(44), sections = u16(48);
+    if (programs != 0 && u16(42) < kProgramHeader)
+      return error(42, "program headers of fewer than 32 bytes");
+    if (sections != 0 && u16(46) < kSectionHeader)
+      return error(46, "section headers of fewer than 40 bytes");
+    if (programs != 0 && !fits(u32(28), programs * u16(42)))
+      return error(28, "the program headers lie outside the file");
+    if (sections != 0 && !fits(u32(32), sections * u16(46)))
+      return error(32, "the section headers lie outside the file");
+    for (std::size_t k = 0; k < programs; ++k) {
+      const std::size_t at = u32(28) + k * u16(42);
+      programs_.push_back({at, u32(at), u32(at + 4), u32(at + 8), u32(at + 12), u32(at + 16)});
+    }
+    for (std::size_t k = 0; k < sections; ++k) {
+      const std::size_t at = u32(32) + k * u16(46);
+      sections_.push_back({at, u32(at), u32(at + 4), u32(at + 8), u32(at + 12), u32(at + 16),
+                           u32(at + 20), u32(at + 24), u32(at + 36)});
+    }
+    return {};
+  }
+
+  Result<void> add(std::size_t at, const std::string& name, std::uint32_t load, std::uint32_t run,
+                   std::uint32_t offset, std::uint32_t size) {
+    if (!fits(offset, size)) return error(at, "the contents of " + name + " lie outside the file");
+    contents_ += size;
+    if (contents_ > kMostContents)
+      return error(at, name + " brings the contents to more than 32 MB; the chip addresses 16");
+    const auto contents = bytes_.subspan(offset, size);
+    image_.segments.push_back({load, run, name, {contents.begin(), contents.end()}});
+    return {};
+  }
+
+  // Where the segment that holds the section's bytes is put: .data is loaded behind .text.
+  std::uint32_t load_address(const Section& s) const {
+    for (const Program& p : programs_) {
+      if (p.type == kLoad && s.offset >= p.offset && s.offset - p.offset < p.size &&
+          s.size <= p.size - (s.offset - p.offset))
+        return p.load + (s.offset - p.offset);
+    }
+    return s.address;
+  }
+
+  Result<void> read_section(const Section& s) {
+    if (s.type == kSymbolTable) return read_symbols(s);
+    if (!(s.flags & kAllocated) || s.type == kNoBits || s.size == 0) return {};
+    return add(s.at, text(u16(50), s.name), load_address(s), s.address, s.offset, s.size);
+  }
+
+  Result<void> read_program(const Program& p) {
+    if (p.type != kLoad || p.size == 0) return {};
+    return add(p.at, "segment", p.load, p.run, p.offset, p.size);
+  }
+
+  Result<void> read_symbols(const Section& s) {
+    if (s.entry_size < kSymbolSize)
+      return error(s.at, "symbols of " + std::to_string(s.entry_size) + " bytes, 16 expected");
+    if (!fits(s.offset, s.size)) return error(s.at, "the symbol table lies outside the file");
+    for (std::size_t k = 0; k + kSymbolSize <= s.size; k += s.entry_size) {
+      const std::size_t at = s.offset + k;
+      const unsigned type = bytes_[at + 12] & 15u, section = u16(at + 14);
+      // Data, functions and those without a type; not sections and files; not absolute numbers.
+      if (type > 2 || section == 0 || section >= 0xff00) continue;
+      std::string name = text(s.link, u32(at));
+      if (name.empty() || name[0] == '.') continue;
+      symbols_.push_back({std::move(name), u32(at + 4), type == 2});
+    }
+    return {};
+  }
+
+  std::span<const std::uint8_t> bytes_;
+  const std::string& name_;
+  std::uint64_t contents_ = 0;  // bytes of all sections so far: they may share the file's
+  std::vector<Program> programs_;
+  std::vector<Section> sections_;
+  std::vector<Symbol> symbols_;
+  Image image_;
+};
+
+}  // namespace
+
+Result<Image> parse_elf(std::span<const std::uint8_t> bytes, const std::string& name) {
+  return Reader(bytes, name).read();
+}
+
+}  // namespace kaz::h8s
