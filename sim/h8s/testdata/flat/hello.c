@@ -1,5 +1,5 @@
-/* Writes to standard output and ends with a status: the smallest program for the flat machine. */
-/* SPDX-License-Identifier: Apache-2.0 */
+// Writes to standard output and ends with a status: the smallest program for the flat machine.
+// SPDX-License-Identifier: Apache-2.0
 #include "host.h"
 
 int main(void) {

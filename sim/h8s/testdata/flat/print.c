@@ -1,5 +1,5 @@
-/* print: as much of printf as test programs need. */
-/* SPDX-License-Identifier: Apache-2.0 */
+// print: as much of printf as test programs need.
+// SPDX-License-Identifier: Apache-2.0
 #include <stdarg.h>
 
 #include "host.h"
