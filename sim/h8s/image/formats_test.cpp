@@ -135,7 +135,7 @@ TEST(Elf, ErrorsSayWhatIsExpected) {
                         {19, 3, "46"},
                         {17, 1, "not been linked"},
                         {35, 0xff, "outside the file"},
-                        {160 + 40 + 19, 0xff, "contents of .t lie outside"}}) {
+                        {160 + 40 + 18, 0xff, "contents of .t lie outside"}}) {
     Bytes b = small_elf();
     b[c.at] = c.value;
     const auto image = parse_elf(b, "t.elf");
