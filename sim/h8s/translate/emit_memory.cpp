@@ -145,7 +145,9 @@ host::Mem Emitter::writable(std::size_t k, Mode mode, unsigned reg, unsigned siz
   host::Mem at;
   if (address(s, mode, reg, size, bytes, at) != Place::elsewhere) {
     const auto offset = static_cast<std::int32_t>(kRam) + static_cast<std::int32_t>(at.offset());
-    a_.cmp(host::ptr(kCpu, flags_at + offset / 64, offset % 64 + size > 64 ? 2u : 1u), 0);
+    a_.cmp(host::ptr(kCpu, flags_at + offset / 64,
+                     offset % 64 + static_cast<std::int32_t>(size) > 64 ? 2u : 1u),
+           0);
     a_.jne(out);
     return at;
   }
