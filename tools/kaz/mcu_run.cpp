@@ -14,6 +14,7 @@
 
 #include "sim/h8s/chip.h"
 #include "sim/h8s/image.h"
+#include "tools/kaz/mcu_attached.h"
 #include "tools/kaz/output.h"
 
 namespace kaz::tools {
@@ -187,6 +188,12 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
   if (const auto opened = feeder.open(options.input); !opened)
     return tl::unexpected(opened.error());
 
+  Attached attached;
+  if (const auto opened =
+          attached.open(chip, options.netlist, options.vcd, options.signals, options.crystal_hz);
+      !opened)
+    return tl::unexpected(opened.error());
+
   using Seconds = std::chrono::duration<double>;
   const auto begin = std::chrono::steady_clock::now();
   const h8s::States until =
@@ -194,6 +201,7 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
   const h8s::Stop stop =
       options.trace ? trace_until(chip, until) : run_until(chip, until, options.json, feeder);
   const double wall_s = Seconds(std::chrono::steady_clock::now() - begin).count();
+  if (const auto closed = attached.close(); !closed) return tl::unexpected(closed.error());
   if (std::fflush(stdout) != 0)
     return fail(Fault::environment,
                 std::string("cannot write standard output: ") + std::strerror(errno));

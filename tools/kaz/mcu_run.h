@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "shared/base/result.hpp"
 #include "sim/h8s/image.h"
@@ -27,7 +28,9 @@ struct McuRunOptions {
   int mode = 2;         // of the mode pins
   int ram_fill = 0xa5;  // each byte of RAM when power comes
   double crystal_hz = 18.432e6;
-  std::string input;  // file with bytes for RxD0, "-": standard input
+  std::string input;                               // file with bytes for RxD0, "-": standard input
+  std::string netlist, vcd;                        // files; empty: none
+  std::vector<std::string> signals{"pins", "pc"};  // of the recording
   bool trace = false;
   bool json = false;
 };

@@ -139,6 +139,17 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   verb->add_option("--input", options->input, "bytes for RxD0 at line rate; - is standard input")
       ->excludes("--flat")
       ->type_name("");
+  verb->add_option("--netlist", options->netlist, "parts around the chip: docs/emulator-pins.md")
+      ->excludes("--flat")
+      ->type_name("FILE");
+  auto* vcd = verb->add_option("--vcd", options->vcd, "record signals for GTKWave and the like")
+                  ->excludes("--flat")
+                  ->type_name("FILE");
+  verb->add_option("--signals", options->signals,
+                   "pins, registers, memory: P50,pc,FRC,0xffe100:16; pins and pc if not given")
+      ->delimiter(',')
+      ->needs(vcd)
+      ->type_name("NAMES");
   verb->add_flag("--trace", options->trace, "each instruction on standard error")
       ->excludes("--flat");
   verb->add_flag("--json", options->json, "print the summary as JSON on standard output")
@@ -151,6 +162,7 @@ void add_bare_run(CLI::App& mcu, Action& action) {
       "  kaz mcu run build/release/firmware/kaz.mot\n"
       "  kaz mcu run build/release/firmware/kaz.coff --max-states 2000 --trace\n"
       "  kaz mcu run --entry program.coff\n"
+      "  kaz mcu run program.coff --netlist board.net --vcd run.vcd --signals P50,TMO0,pc\n"
       "  kaz mcu run --flat --semihost --count program.coff");
   verb->callback([&action, options] { action = [options] { return run_mcu(*options); }; });
 }

@@ -33,8 +33,8 @@ class Observer;
 class InputLog;
 
 // Bits of MSTPCR, module by module.
-inline constexpr unsigned Stop_dtc = 14, Stop_frt = 13, Stop_tmr = 12, Stop_pwm = 11, Stop_adc = 9, Stop_tmrxy = 8,
-                          Stop_sci0 = 7, Stop_sci1 = 6;
+inline constexpr unsigned Stop_dtc = 14, Stop_frt = 13, Stop_tmr = 12, Stop_pwm = 11, Stop_adc = 9,
+                          Stop_tmrxy = 8, Stop_sci0 = 7, Stop_sci1 = 6;
 
 struct Listeners {
   std::function<void(const OutputChange&)> output;
@@ -202,7 +202,10 @@ class Machine {
   void first_events();
   void run_events(States to);
   // Before an access to a register: what lies before `to` has happened.
-  void settle(States to);
+  void settle(States to) {
+    if (!events_known_ || next_event_ <= to) work_off(to);
+  }
+  void work_off(States to);
   void accept(unsigned vector);
   bool could_wake() const;
   void stretch(States stop, bool one);

@@ -148,7 +148,7 @@ void Machine::run_events(States to) {
   cpu.stop = std::min(cpu.stop, next_stop_ - cpu.stall);
 }
 
-void Machine::settle(States to) {
+void Machine::work_off(States to) {
   if (working_ == kNever && next_event() <= to) run_events(to);
 }
 
