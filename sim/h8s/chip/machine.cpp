@@ -152,7 +152,7 @@ void Machine::reset(ResetCause why, States at) {
   frt = {};
   tmr = {};
   tmr_xy = {};
-  pwm = {};
+  pwm = Pwm(epoch);
   pwmx = {};
   wdt = {};
   flash_control = {};

@@ -26,8 +26,8 @@ States Pwm::divisor() const {
 }
 
 unsigned Pwm::counter(States at) const {
-  const States d = divisor();
-  return (base_count_ + (d ? static_cast<unsigned>((at / d - base_ / d) & 0xff) : 0)) & 0xff;
+  const States since = divisor() ? tick(at) - tick(base_) : 0;
+  return (base_count_ + static_cast<unsigned>(since & 0xff)) & 0xff;
 }
 
 bool Pwm::level(unsigned channel, States at, bool right_aligned) const {
@@ -40,7 +40,8 @@ States Pwm::next_change(unsigned channel, States at, bool right_aligned) const {
   const unsigned from = counter(at);
   const bool now = pwm_pulse(data_[channel], from, right_aligned);
   for (unsigned k = 1; k < 256; ++k) {
-    if (pwm_pulse(data_[channel], (from + k) & 0xff, right_aligned) != now) return (at / d + k) * d;
+    if (pwm_pulse(data_[channel], (from + k) & 0xff, right_aligned) != now)
+      return epoch_ + (tick(at) + k) * d;
   }
   return kNever;
 }

@@ -14,8 +14,10 @@ class Pwm {
   // FFD2..FFD7, and PCSR at FF82.
   std::uint8_t peek(std::uint32_t address) const;
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
+  // Prescaler and counter run from `epoch` on, the reset of the chip.
+  explicit Pwm(States epoch = 0) : epoch_(epoch), base_(epoch) {}
   // Module stop; PCSR too.
-  void reset() { *this = Pwm{}; }
+  void reset() { *this = Pwm(epoch_); }
 
   bool enabled(unsigned channel) const { return (oe_ >> channel & 1) != 0; }
   // High counts out of 256; with the clock stopped 0 or 256, as the comparator stands.
@@ -27,13 +29,14 @@ class Pwm {
 
  private:
   States divisor() const;  // 0: stopped
+  States tick(States at) const { return (at - epoch_) / divisor(); }
   unsigned counter(States at) const;
 
   std::uint16_t oe_ = 0, os_ = 0;
   std::uint8_t select_ = 0x20, pcsr_ = 0;
   std::array<std::uint8_t, 16> data_{};
   // The counter stood at `base_count_` at time `base_`.
-  States base_ = 0;
+  States epoch_, base_;
   unsigned base_count_ = 0;
 };
 

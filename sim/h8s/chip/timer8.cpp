@@ -27,15 +27,19 @@ std::int64_t Timer8::to_next() const {
   return std::min({distance(count, tcora), distance(count, tcorb), distance(count, 0xff)});
 }
 
-Timer8::Crossed Timer8::step(std::int64_t counts) {
-  const bool a = counts == distance(count, tcora), b = counts == distance(count, tcorb);
-  const bool clears = (a && clear() == Clear::on_a) || (b && clear() == Clear::on_b);
-  const bool wraps = counts == distance(count, 0xff) && !clears;
-  count = clears ? std::uint8_t{0} : static_cast<std::uint8_t>(count + counts);
+void Timer8::matched(bool a, bool b) {
   if (a) flags.raise(kCmfa);
   if (b) flags.raise(kCmfb);
-  if (wraps) flags.raise(kOvf);
   level = timer_output(level, tcsr_low & 0x0f, a, b);
+}
+
+Timer8::Crossed Timer8::step(std::int64_t counts, Clear clearing) {
+  const bool a = counts == distance(count, tcora), b = counts == distance(count, tcorb);
+  const bool clears = (a && clearing == Clear::on_a) || (b && clearing == Clear::on_b);
+  const bool wraps = counts == distance(count, 0xff) && !clears;
+  count = clears ? std::uint8_t{0} : static_cast<std::uint8_t>(count + counts);
+  matched(a, b);
+  if (wraps) flags.raise(kOvf);
   return {a, b, wraps};
 }
 

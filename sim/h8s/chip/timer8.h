@@ -33,7 +33,10 @@ struct Timer8 {
   // Counts until a match or the overflow takes effect.
   std::int64_t to_next() const;
   // `counts` does not go beyond to_next().
-  Crossed step(std::int64_t counts);
+  Crossed step(std::int64_t counts) { return step(counts, clear()); }
+  Crossed step(std::int64_t counts, Clear clearing);
+  // Flags and output level of matches.
+  void matched(bool a, bool b);
   // Counts between two clears.
   std::int64_t turn() const;
   // Puts off whole turns up to `target` that would leave no trace: every flag that can be is set,

@@ -31,17 +31,41 @@ void Tmr::taken_by_dtc(Machine& m, unsigned vector, States at) {
   update(m, n, at);
 }
 
-Timer8::Crossed Tmr::step(Machine& m, unsigned n, std::int64_t counts, States at) {
-  const Timer8::Crossed crossed = timer_[n].step(counts);
-  if (crossed.a && n == 0 && (timer_[n].tcsr_low & 0x10)) m.adc.trigger(m, 2, at);
-  update(m, n, at);
-  return crossed;
+void Tmr::matched_a0(Machine& m, States at) {
+  if (timer_[0].tcsr_low & 0x10) m.adc.trigger(m, 2, at);
+  // Compare match count mode.
+  if (cascaded(1)) {
+    timer_[1].step(1);
+    update(m, 1, at);
+  }
 }
 
-// TMR0 may count TMR1's overflows, TMR1 TMR0's matches A.
-void Tmr::pass_on(Machine& m, unsigned n, Timer8::Crossed crossed, States at) {
-  if (n == 1 && crossed.overflow && cascaded(0)) step(m, 0, 1, at);
-  if (n == 0 && crossed.a && cascaded(1)) step(m, 1, 1, at);
+void Tmr::step(Machine& m, unsigned n, std::int64_t counts, States at) {
+  if (n == 1 && cascaded(0)) return step_pair(m, counts, at);
+  const Timer8::Crossed crossed = timer_[n].step(counts);
+  update(m, n, at);
+  if (n == 0 && crossed.a) matched_a0(m, at);
+}
+
+// 16-bit count mode: TCNT0 is the upper byte. TMR0's matches, output and clear go by both bytes, and
+// its clear takes TCNT1 along; TMR1's matches and output go by the lower byte, its CCLR is ignored.
+void Tmr::step_pair(Machine& m, std::int64_t counts, States at) {
+  Timer8 &upper = timer_[0], &lower = timer_[1];
+  const std::uint8_t flags = lower.flags.value();
+  const Timer8::Crossed low = lower.step(counts, Timer8::Clear::none);
+  const bool a = low.a && upper.count == upper.tcora, b = low.b && upper.count == upper.tcorb;
+  const bool clears =
+      (a && upper.clear() == Timer8::Clear::on_a) || (b && upper.clear() == Timer8::Clear::on_b);
+  if (clears) {
+    upper.count = lower.count = 0;
+    if (low.overflow && !(flags & Timer8::kOvf)) lower.flags.drop(Timer8::kOvf);
+  } else if (low.overflow && ++upper.count == 0) {
+    upper.flags.raise(Timer8::kOvf);
+  }
+  upper.matched(a, b);
+  update(m, 0, at);
+  update(m, 1, at);
+  if (a) matched_a0(m, at);
 }
 
 void Tmr::advance_one(Machine& m, unsigned n, States to) {
@@ -55,7 +79,7 @@ void Tmr::advance_one(Machine& m, unsigned n, States to) {
     t.tick += counts;
     const States at = m.epoch + t.tick * d;
     const std::uint8_t before = t.flags.value();
-    pass_on(m, n, step(m, n, counts, at), at);
+    step(m, n, counts, at);
     // A long time unobserved.
     if (before == t.flags.value() && !chained) t.skip_turns(target);
   }
@@ -78,7 +102,8 @@ States Tmr::next_event(Machine& m) const {
     const Timer8& t = timer_[n];
     const unsigned wanted = t.tcr & ~t.flags.value() & 0xe0u;
     const bool triggers = n == 0 && (t.tcsr_low & 0x10);
-    const bool feeds = cascaded(1 - n) && (timer_[1 - n].tcr & 0xe0);
+    const Timer8& fed = timer_[1 - n];
+    const bool feeds = cascaded(1 - n) && ((fed.tcr & 0xe0) || (n == 1 && (fed.tcsr_low & 0x10)));
     std::int64_t counts = kNever;
     // Whichever comes first may clear the counter, so look at each crossing.
     if (wanted || triggers || feeds) counts = t.to_next();
@@ -89,14 +114,14 @@ States Tmr::next_event(Machine& m) const {
 
 States Tmr::next_change(const Machine& m, unsigned n) const {
   const Timer8& t = timer_[n];
-  if (!cascaded(n)) {
-    const States d = divisor(m, n);
-    const std::int64_t counts = t.to_next_change();
-    return d == 0 || counts == kNever ? kNever : m.epoch + (t.tick + counts) * d;
-  }
-  const Timer8& other = timer_[1 - n];
-  const States d = divisor(m, 1 - n);
-  return d == 0 || !t.drives() ? kNever : m.epoch + (other.tick + other.to_next()) * d;
+  const unsigned clocked = cascaded(n) ? 1 - n : n;
+  const States d = divisor(m, clocked);
+  if (d == 0 || !t.drives()) return kNever;
+  const Timer8& counter = timer_[clocked];
+  // In a cascade each crossing of the timer that has the clock may be the one.
+  const bool joined = cascaded(0) || cascaded(n);
+  const std::int64_t counts = joined ? counter.to_next() : t.to_next_change();
+  return counts == kNever ? kNever : m.epoch + (counter.tick + counts) * d;
 }
 
 void Tmr::clock_changed(Machine& m, States at) {
@@ -108,13 +133,15 @@ void Tmr::clock_changed(Machine& m, States at) {
 void Tmr::clock_edge(Machine& m, unsigned n, bool rising, States at) {
   if (m.stopped(Stop_tmr) || !timer_[n].counts_edge(rising)) return;
   advance(m, at);
-  pass_on(m, n, step(m, n, 1, at), at);
+  step(m, n, 1, at);
 }
 
 void Tmr::reset_edge(Machine& m, unsigned n, bool rising, States at) {
   if (m.stopped(Stop_tmr) || !rising || timer_[n].clear() != Timer8::Clear::on_pin) return;
+  if (n == 1 && cascaded(0)) return;
   advance(m, at);
   timer_[n].count = 0;
+  if (n == 0 && cascaded(0)) timer_[1].count = 0;
 }
 
 bool Tmr::waits_for_input() const {
@@ -122,28 +149,51 @@ bool Tmr::waits_for_input() const {
                      [](const Timer8& t) { return t.waits_for_clock(); });
 }
 
+namespace {
+
+// Counts from a clear to the next, and to the matches in each lap of the compared counter.
+struct Wave {
+  int turn, lap, a, b;
+};
+
 // One turn after another from the present level; two turns are a whole number of periods, also of a
 // toggle.
-double Tmr::high_share(Machine& m, unsigned n) const {
-  const Timer8& t = timer_[n];
-  if (divisor(m, n) == 0 || m.stopped(Stop_tmr)) return t.level ? 1 : 0;
-  const int turn = static_cast<int>(t.turn());
-  const int a = t.tcora + 1, b = t.tcorb + 1;  // end of the count that matches
-  bool level = t.level;
+double mean_level(const Wave& w, bool level, std::uint8_t selection) {
   int high = 0;
   for (int round = 0; round < 4; ++round) {
     int from = 0;
-    const auto run_to = [&](int until, bool on_a, bool on_b) {
-      if (level && round >= 2) high += until - from;
-      from = until;
-      level = timer_output(level, t.tcsr_low & 0x0f, on_a, on_b);
-    };
-    const int first = std::min(a, b), second = std::max(a, b);
-    if (first <= turn) run_to(first, a == first, b == first);
-    if (second != first && second <= turn) run_to(second, a == second, b == second);
-    run_to(turn, false, false);
+    while (from < w.turn) {
+      const int lap = from / w.lap * w.lap;
+      int to = std::min(w.turn, lap + w.lap);
+      for (const int match : {lap + w.a, lap + w.b}) {
+        if (match > from) to = std::min(to, match);
+      }
+      if (level && round >= 2) high += to - from;
+      from = to;
+      level = timer_output(level, selection, to == lap + w.a, to == lap + w.b);
+    }
   }
-  return static_cast<double>(high) / (2 * turn);
+  return static_cast<double>(high) / (2 * w.turn);
+}
+
+}  // namespace
+
+double Tmr::high_share(Machine& m, unsigned n) const {
+  const Timer8 &t = timer_[n], &lower = timer_[1];
+  const auto still = [&] { return t.level ? 1.0 : 0.0; };
+  if (divisor(m, cascaded(n) ? 1 - n : n) == 0 || m.stopped(Stop_tmr)) return still();
+  Wave wave{static_cast<int>(t.turn()), static_cast<int>(t.turn()), t.tcora + 1, t.tcorb + 1};
+  if (cascaded(0)) {
+    const Timer8& upper = timer_[0];
+    const int a = (upper.tcora << 8 | lower.tcora) + 1, b = (upper.tcorb << 8 | lower.tcorb) + 1;
+    const int turn = upper.clear() == Timer8::Clear::on_a   ? a
+                     : upper.clear() == Timer8::Clear::on_b ? b
+                                                            : 0x10000;
+    wave = n == 0 ? Wave{turn, turn, a, b} : Wave{turn, 0x100, wave.a, wave.b};
+  } else if (cascaded(n) && timer_[0].tcora >= timer_[0].turn()) {
+    return still();  // TMR0 has no match A to count
+  }
+  return mean_level(wave, t.level, t.tcsr_low & 0x0f);
 }
 
 std::uint8_t Tmr::peek(std::uint32_t address) const {
@@ -176,7 +226,11 @@ void Tmr::write(Machine& m, std::uint32_t address, std::uint8_t value, States at
   std::uint8_t* const compare = which == 0xffcc ? &t.tcora : which == 0xffce ? &t.tcorb : nullptr;
   const std::uint8_t before = compare ? *compare : 0;
   if (compare) *compare = static_cast<std::uint8_t>(~t.count);
-  if (which != 0xffd0) advance(m, at);
+  // A word written to a pair of TCORs keeps both matches away: the other timer waits for its byte.
+  if (compare || (which == 0xffd0 && cascaded(n)))
+    advance_one(m, cascaded(n) ? 1 - n : n, at);
+  else if (which != 0xffd0)
+    advance(m, at);
   const bool drove = drives(n);
   bool changed = false;
   const auto put = [&](std::uint8_t& place, std::uint8_t old, std::uint8_t now) {

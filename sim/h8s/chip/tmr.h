@@ -39,8 +39,10 @@ class Tmr {
  private:
   States divisor(const Machine& m, unsigned n) const;  // 0: stopped or clocked from outside
   bool cascaded(unsigned n) const { return timer_[n].clock_select() == 4; }
-  Timer8::Crossed step(Machine& m, unsigned n, std::int64_t counts, States at);
-  void pass_on(Machine& m, unsigned n, Timer8::Crossed crossed, States at);
+  void step(Machine& m, unsigned n, std::int64_t counts, States at);
+  void step_pair(Machine& m, std::int64_t counts, States at);
+  // What follows from a match A of TMR0.
+  void matched_a0(Machine& m, States at);
   void advance_one(Machine& m, unsigned n, States to);
   void update(Machine& m, unsigned n, States at);
 
