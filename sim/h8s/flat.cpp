@@ -11,6 +11,7 @@
 
 #include "sim/h8s/cpu/access.h"
 #include "sim/h8s/cpu/opcode.h"
+#include "sim/h8s/translate/translator.h"
 
 namespace kaz::h8s {
 namespace {
@@ -44,7 +45,7 @@ class Flat::Body {
  public:
   explicit Body(const FlatOptions& chosen)
       : ram(zeroed<std::uint8_t>(kSize)),
-        lines(zeroed<std::uint8_t>(kSize / kLine)),
+        lines(zeroed<std::uint8_t>(kSize / kLine + 1)),
         code(zeroed<Insn>(kSize / 2 + kGap)) {
     cpu.ram = cpu.flash = ram.get();
     cpu.has_code = lines.get();
@@ -53,10 +54,13 @@ class Flat::Body {
     cpu.ram_base = cpu.ram_at = 0;
     cpu.ram_size = kSize;
     cpu.ram_code = 0;
-    cpu.short_ram_code = kSize / 2 + kGap;
+    cpu.short_ram_code = cpu.code_size = kSize / 2 + kGap;
     cpu.flat = true;
     cpu.semihost = chosen.semihost;
     cpu.engine = chosen.engine;
+    cpu.translate_after = chosen.translate_after;
+    if (chosen.engine == Engine::translator) translator = make_translator();
+    cpu.translator = translator.get();
     set_ccr(cpu, 0x80);
     cpu.ip = at_address(cpu, 0);
   }
@@ -150,6 +154,7 @@ class Flat::Body {
 
   Zeroed<std::uint8_t> ram, lines;
   Zeroed<Insn> code;
+  std::unique_ptr<Translator, TranslatorFree> translator;
   Cpu cpu;
   SymbolTable symbols;
   Output output;

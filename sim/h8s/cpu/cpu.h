@@ -94,6 +94,7 @@ struct Cpu {
   std::uint32_t ram_at = kBlock + kRam;          // where RAM stands in any case
   std::uint32_t ram_code = kRamCode;             // where RAM begins in `code`
   std::uint32_t short_ram_code = kShortRamCode;  // and its short window; flat: beyond the end
+  std::uint32_t code_size = kCodeSize;           // of `code`
   Machine* machine = nullptr;
   bool hooks = false;  // any code hooks set
   Engine engine = Engine::interpreter;

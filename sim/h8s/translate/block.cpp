@@ -246,6 +246,8 @@ bool take_step(Cpu& c, std::uint32_t index, Step& step) {
   step.insn = decoded.insn;
   step.index = index;
   step.target = kNowhere;
+  // One that goes on at the beginning of the flat machine's memory is not worth the care.
+  if (c.flat && index + step.insn.units > c.ram_size / 2) return false;
   if (step.form.op == Op::none || !resolve_memory(c, step)) return false;
   const Op op = step.form.op;
   const std::uint32_t pc = pc_of(c, c.code + index);

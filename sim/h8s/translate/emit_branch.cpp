@@ -302,6 +302,12 @@ void Emitter::emit_condition(std::size_t k, unsigned native) {
 void Emitter::find_target(std::size_t k) {
   using host::r15d;
   const asmjit::Label in_ram = a_.newLabel(), found = a_.newLabel(), out = before(k);
+  if (c_.flat) {  // all of it is RAM from 0 on, and an odd address an error
+    a_.test(r15d, 1);
+    a_.jnz(out);
+    a_.and_(r15d, c_.mask);
+    return;
+  }
   a_.and_(r15d, c_.mask & ~1u);
   a_.cmp(r15d, c_.flash_size);
   a_.jae(in_ram);
@@ -311,7 +317,7 @@ void Emitter::find_target(std::size_t k) {
     a_.sub(r15d, c_.ram_base);
     a_.cmp(r15d, c_.ram_size);
     a_.jae(out);
-    a_.add(r15d, 2 * kRamCode);
+    a_.add(r15d, 2 * c_.ram_code);
     a_.jmp(found);
   });
 }

@@ -141,12 +141,17 @@ host::Mem Emitter::writable(std::size_t k, Mode mode, unsigned reg, unsigned siz
   const Step& s = block_->steps[k];
   const asmjit::Label out = before(k);
   const unsigned lines = size == 1 ? 1 : 2;  // an operand may reach into the next line
-  constexpr auto flags_at = static_cast<std::int32_t>(offsetof(Cpu, chip_lines));
+  // The flags of lines that hold code, from RAM's first one on.
+  constexpr auto flags_at = static_cast<std::int32_t>(offsetof(Cpu, chip_lines) + kRam / kLine);
+  const host::Mem elsewhere = host::ptr(kCpu, static_cast<std::int32_t>(offsetof(Cpu, has_code)));
   host::Mem at;
   if (address(s, mode, reg, size, bytes, at) != Place::elsewhere) {
-    const auto offset = static_cast<std::int32_t>(kRam) + static_cast<std::int32_t>(at.offset());
-    a_.cmp(host::ptr(kCpu, flags_at + offset / 64,
-                     offset % 64 + static_cast<std::int32_t>(size) > 64 ? 2u : 1u),
+    constexpr auto line = static_cast<std::int32_t>(kLine);
+    const auto offset = static_cast<std::int32_t>(at.offset());
+    const unsigned span = offset % line + static_cast<std::int32_t>(size) > line ? 2 : 1;
+    if (c_.flat) a_.mov(host::rdi, elsewhere);
+    a_.cmp(c_.flat ? host::ptr(host::rdi, offset / line, span)
+                   : host::ptr(kCpu, flags_at + offset / line, span),
            0);
     a_.jne(out);
     return at;
@@ -154,8 +159,9 @@ host::Mem Emitter::writable(std::size_t k, Mode mode, unsigned reg, unsigned siz
   at = ram_check(size, bytes, out);
   a_.mov(host::edi, host::esi);
   a_.shr(host::edi, size == 1 ? 6 : 5);
-  a_.cmp(host::ptr(kCpu, host::rdi, 0, flags_at + static_cast<std::int32_t>(kRam / 64),
-                   bytes > 2 ? lines : 1),
+  const unsigned span = bytes > 2 ? lines : 1;
+  if (c_.flat) a_.add(host::rdi, elsewhere);
+  a_.cmp(c_.flat ? host::ptr(host::rdi, 0, span) : host::ptr(kCpu, host::rdi, 0, flags_at, span),
          0);
   a_.jne(out);
   return at;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kMaxBlocks = 24, kMaxUnitSteps = 400;  // of one translation
 constexpr std::size_t kMaxCode = 8u << 20;                   // bytes, then everything is forgotten
-constexpr std::uint32_t kHopeless = 0xffffffff;                 // count of what is not worth it
+constexpr std::uint32_t kHopeless = 0xffffffff;              // count of what is not worth it
 constexpr std::uint32_t kMaxPatience = 1u << 20;
 
 struct Free {
@@ -44,9 +44,9 @@ struct Translator::Cache {
   bool unusable = false;         // the host gives no memory for code
 
   // Entries of fresh pages cost nothing until they are touched.
-  bool prepare() {
+  bool prepare(const Cpu& c) {
     if (!entries) {
-      void* p = std::calloc(kCodeSize, sizeof(Entry));
+      void* p = std::calloc(c.code_size, sizeof(Entry));
       if (!p) throw std::bad_alloc();
       entries.reset(static_cast<Entry*>(p));
     }
@@ -117,7 +117,7 @@ struct Translator::Cache {
     for (const Block& block : found) {
       for (const Step& s : block.steps) {
         // Handlers want their operands; RAM under it must be marked as holding code.
-        if (!c.code[s.index].run || s.index >= kRamCode) decode_in_place(c, c.code + s.index);
+        if (!c.code[s.index].run || s.index >= c.ram_code) decode_in_place(c, c.code + s.index);
       }
     }
     asmjit::CodeHolder code;
@@ -186,7 +186,7 @@ void Translator::forget_all() {
 
 void Translator::run(Cpu& c) {
   Cache& cache = *cache_;
-  if (!cache.prepare()) return run_interpreter(c);
+  if (!cache.prepare(c)) return run_interpreter(c);
   using Enter = std::uint32_t (*)(Cpu*, const void*);
   const std::uint32_t patience = cache.patience(c);
   bool arrived = true;  // at a place where a block may begin
