@@ -19,11 +19,11 @@ namespace kaz::h8s {
 
 struct FlatOptions {
   Engine engine = Engine::translator;
-  // How often a place is jumped to before it is translated; affects speed only.
-  std::uint32_t translate_after = 1000;
   // Programs ask the host by JSR @@0xC7:8 and end by a marked SLEEP (see Flat); else both are the
   // plain instructions.
   bool semihost = true;
+  // How often a place is jumped to before it is translated; affects speed only.
+  std::uint32_t translate_after = 1000;
 };
 
 // Why Flat::run came back.

@@ -33,7 +33,7 @@ const char* const kExit42 = "7901DEAD 7902BEEF 79002A00 0180";
 
 Flat machine(const std::string& code, std::uint32_t at = kCode, Engine engine = Engine::translator,
              bool semihost = true) {
-  Flat flat({engine, semihost});
+  Flat flat({engine, semihost, 1});
   Image image;
   image.segments.push_back({at, at, ".text", from_hex(code)});
   image.entry = at;
@@ -282,7 +282,7 @@ TEST(Flat, ProgramsMayChangeThemselves) {
       // F8 00 mov.b #0,r0l / 8801 add.b #1,r0l / 6AA8 aaaaaaaa mov.b r0l,@at+1 / 40F4 bra -12
       char code[64];
       std::snprintf(code, sizeof code, "F800 8801 6AA8%08X 40F4", at + 1);
-      Flat flat({engine, true});
+      Flat flat({engine, true, 1});
       flat.poke(at, from_hex(code));
       Registers r;
       r.pc = at;
@@ -325,6 +325,58 @@ TEST(Flat, TheStackMayBeAnywhere) {
     flat.run(Flat::kNoLimit, 3);
     EXPECT_EQ(flat.peek32(0x2ffc), kCode + 4);
   }
+}
+
+// Hot code calls, returns, stores in all sizes and at last jumps to an odd address: at every boundary
+// the engines agree on everything.
+TEST(Flat, EnginesAgreeOnHotCode) {
+  const std::string code =
+      "7A0700FFFFFE"  // mov.l #0xfffffe,er7: the first push wraps below the top
+      "7A0600000000"  // mov.l #0,er6
+      "79050200"      // mov.w #0x200,r5
+      "5E001030"      // loop: jsr @0x1030
+      "0B06"          // adds #1,er6
+      "6BA500FFFFF0"  // mov.w r5,@0xfffff0:32
+      "6BA0007FFFF2"  // mov.w r0,@0x7ffff2:32
+      "1B55"          // dec.w #1,r5
+      "46EA"          // bne loop
+      "7A0100001041"  // mov.l #0x1041,er1
+      "5910";         // jmp @er1: odd
+  const std::string sub =
+      "01006DF6"  // push.l er6
+      "6D76"
+      "6D75"  // pop.w r6, pop.w r5: the halves of er6, and away with them
+      "6DF5"
+      "6DF6"      // push both again
+      "01006D76"  // pop.l er6
+      "68E8"      // mov.b r0l,@er6
+      "8801"      // add.b #1,r0l
+      "5470";     // rts
+  Image image;
+  image.segments.push_back({kCode, kCode, ".text", from_hex(code)});
+  image.segments.push_back({0x1030, 0x1030, ".sub", from_hex(sub)});
+  image.entry = kCode;
+  std::vector<Flat> machines;
+  for (const Engine engine : kEngines) {
+    machines.emplace_back(FlatOptions{engine, true, 3});
+    ASSERT_TRUE(machines.back().load(image).has_value());
+  }
+  for (States until = 13;; until += 13 + until % 7) {
+    const FlatStop first = machines[0].run(until);
+    for (Flat& flat : machines) {
+      const FlatStop stop = flat.run(until);
+      ASSERT_EQ(stop.reason, first.reason) << until;
+      ASSERT_EQ(stop.text, first.text);
+      ASSERT_EQ(flat.now(), machines[0].now());
+      ASSERT_EQ(flat.instructions(), machines[0].instructions());
+      ASSERT_EQ(flat.registers(), machines[0].registers()) << until;
+      ASSERT_EQ(flat.peek32(0xfffffa), machines[0].peek32(0xfffffa));
+      ASSERT_EQ(flat.peek32(0x7ffff0), machines[0].peek32(0x7ffff0));
+    }
+    if (first.reason != Reason::reached) break;
+  }
+  EXPECT_EQ(machines[0].run().reason, Reason::odd_pc);
+  EXPECT_EQ(machines[0].registers().er[5], 0u);
 }
 
 TEST(Flat, LoadRefusesWhatCannotRun) {
