@@ -222,6 +222,9 @@ std::string Chip::disassemble(std::uint32_t address, int* length) const {
 std::string Chip::report() const {
   return machine_->report("running");
 }
+const FlashStatistics& Chip::flash_statistics() const {
+  return machine_->flash_control.statistics;
+}
 const std::vector<Misuse>& Chip::misuse() const {
   return machine_->misuses;
 }

@@ -100,6 +100,18 @@ struct CallResult {
   States states = 0;  // from the first instruction to the end of RTS
 };
 
+// What has been done to the flash since the chip was made.
+struct FlashStatistics {
+  struct Block {
+    std::int64_t erasures = 0;      // pulses that moved cells: wear
+    std::int64_t erase_pulses = 0, program_pulses = 0;
+    std::int64_t weak_pulses = 0;   // shorter than the manual's
+    std::int64_t reprogrammed = 0;  // pulses that programmed a bit which was 0 already
+  };
+  std::array<Block, 10> blocks{};  // EB0..EB9
+  std::int64_t errors = 0;         // times that FLER was set
+};
+
 // What a code hook wants.
 enum class HookAction { go_on, stop };
 
@@ -187,6 +199,7 @@ class Chip {
 
   // "mov.l @(0x10:16,er6),er0"; text of one instruction at `address`, and its length in bytes.
   std::string disassemble(std::uint32_t address, int* length = nullptr) const;
+  const FlashStatistics& flash_statistics() const;
   // Registers, back-trace and last instructions as of now.
   std::string report() const;
   const std::vector<Misuse>& misuse() const;

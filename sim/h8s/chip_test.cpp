@@ -184,29 +184,6 @@ TEST(Errors, OddWordIsReportedAndTakenAsEven) {
   EXPECT_EQ(chip.misuse()[0].pc, kCode);
 }
 
-// Programs flash as the manual says: SWE, 32 bytes, PSU, P; then erases the block. Runs from RAM.
-TEST(Flash, ProgramsOneLine) {
-  Program p;
-  p.out8(0xffffc3, 0x08).out8(0xffff80, 0x40);
-  for (std::uint16_t k = 0; k < 32; ++k)
-    p.words({static_cast<std::uint16_t>(0xf800 | k), 0x6aa8, 0x0001,
-             static_cast<std::uint16_t>(0x8000 + k)});
-  p.out8(0xffff81, 0x01).out8(0xffff80, 0x41).out8(0xffff80, 0x40).out8(0xffff81, 0x00);
-  const std::uint32_t programmed = end_of(p);
-  p.out8(0xffff83, 0x00)
-      .out8(0xffff82, 0x02)
-      .out8(0xffff81, 0x02)
-      .out8(0xffff80, 0x42)
-      .out8(0xffff80, 0x40)
-      .stay();
-  Chip chip = make_chip(p);
-  ASSERT_TRUE(run_to(chip, programmed));
-  EXPECT_EQ(chip.peek(0x18005), 0x05);
-  EXPECT_EQ(chip.peek(0x18020), 0xff);
-  ASSERT_TRUE(run_to(chip, end_of(p) - 2));
-  EXPECT_EQ(chip.peek(0x18005), 0xff);
-}
-
 // 60 images of random bytes and 60 damaged programs: any stop will do, and the same one twice.
 TEST(Hostile, RandomImagesNeverCrash) {
   std::mt19937 random(7);

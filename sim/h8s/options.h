@@ -53,6 +53,12 @@ struct Options {
   // Bytes that arrive by levels at RxD are there at the sample in the first stop bit; else at the
   // end of the last stop bit, as Chip::receive counts.
   bool sci_ready_mid_stop = false;
+  // System clock; only the flash's pulses and waits are measured in real time.
+  std::int64_t clock_hz = 18'432'000;
+  // Flash pulses act by their length and waits are checked; else each pulse does all at its end.
+  bool flash_timing = true;
+  // Chooses the cells that a pulse moves which is too short or cut off.
+  std::uint64_t flash_seed = 1;
   // PWM pulses stand at the right end of their 16-count slot.
   bool pwm_right_aligned = true;
   // The 14-bit PWM's data gives the low time of the pin for OS = 0 (the high time for OS = 1).

@@ -1,4 +1,4 @@
-// Flash controller (h8s2128, flash section: 32-byte lines, erase blocks, non-A-mask part).
+// Flash controller (hardware manual, flash memory: 32-byte lines, erase blocks, non-A-mask part).
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/chip/flash.h"
 
@@ -9,10 +9,26 @@
 namespace kaz::h8s {
 namespace {
 
-constexpr std::uint8_t kSwe = 0x40, kErase = 0x02, kProgram = 0x01;
+namespace times = flash_times;
+
+constexpr std::uint8_t kSwe = 0x40, kEv = 0x08, kPv = 0x04, kErase = 0x02, kProgram = 0x01;
 constexpr std::uint8_t kFler = 0x80, kEsu = 0x02, kPsu = 0x01;
 constexpr std::uint32_t kBlocks[] = {0x0000, 0x0400, 0x0800,  0x0c00,  0x1000, 0x8000,
                                      0xc000, 0xe000, 0x10000, 0x18000, 0x20000};
+
+unsigned block_of(std::uint32_t address) {
+  unsigned n = 0;
+  while (n < 9 && address >= kBlocks[n + 1]) ++n;
+  return n;
+}
+
+// 0..1 from whatever is mixed in: which cells a weak pulse moves, what a forbidden read gives.
+std::uint64_t mixed(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15u;
+  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+  return x ^ x >> 31;
+}
 
 }  // namespace
 
@@ -29,13 +45,34 @@ std::uint8_t FlashControl::peek(std::uint32_t address) const {
   }
 }
 
+double FlashControl::microseconds(const Machine& m, States states) const {
+  return static_cast<double>(states) * 1e6 / static_cast<double>(m.options.clock_hz);
+}
+
+void FlashControl::require(Machine& m, States since, double wait, States at, const char* text) {
+  if (m.options.flash_timing && microseconds(m, at - since) < wait) m.misuse(0xff80, text);
+}
+
 void FlashControl::latch(Machine& m, std::uint32_t address, std::uint8_t value) {
+  const States at = m.time();
   if (!(flmcr1_ & kSwe)) {
     m.misuse(address, "write to flash memory without FLMCR1.SWE");
     return;
   }
-  // A dummy write in verify mode only latches the address.
-  if (flmcr1_ & 0x0c) return;
+  if (busy()) {
+    m.misuse(address, "write to flash memory while it is set up or under a pulse; no effect");
+    return;
+  }
+  // In verify mode a dummy write prepares its word for reading.
+  if (flmcr1_ & (kPv | kEv)) {
+    if (value != 0xff) m.misuse(address, "dummy write of verification with other than FF");
+    require(m, verify_at_, flmcr1_ & kPv ? times::after_pv : times::after_ev, at,
+            "dummy write too early after PV or EV was set");
+    dummy_ = address & ~1u;
+    dummy_at_ = at;
+    return;
+  }
+  require(m, swe_at_, times::after_swe, at, "flash written too early after SWE was set");
   const std::uint32_t line = address & ~31u;
   if (line != line_) latched_ = 0;
   line_ = line;
@@ -43,30 +80,115 @@ void FlashControl::latch(Machine& m, std::uint32_t address, std::uint8_t value) 
   latched_ |= 1u << (address & 31);
 }
 
-void FlashControl::program(Machine& m, States) {
+std::uint8_t FlashControl::read(Machine& m, std::uint32_t address, std::uint8_t cell, States at) {
+  if (busy()) {
+    error(m, "flash read during programming or erasing; FLER is set", at);
+    return static_cast<std::uint8_t>(mixed(m.options.flash_seed ^ address));
+  }
+  if (dummy_ != (address & ~1u))
+    m.misuse(address, "verification read of a word that no dummy write has prepared");
+  else
+    require(m, dummy_at_, times::after_dummy, at, "verification read too early after dummy write");
+  return cell;
+}
+
+void FlashControl::error(Machine& m, const char* text, States at) {
+  m.misuse(0xff81, text);
+  end_pulse(m, at);
+  flmcr1_ &= static_cast<std::uint8_t>(~(kProgram | kErase));
+  flmcr2_ = kFler;
+  ++statistics.errors;
+  m.choose_paths();
+}
+
+// A weak pulse moves some of its cells; which ones depends on the seed and the pulse's number.
+bool FlashControl::cell_moves(const Machine& m, std::uint32_t cell, double share) const {
+  if (share >= 1) return true;
+  if (share < times::nothing_below) return false;
+  const std::uint64_t r = mixed(m.options.flash_seed ^ mixed(cell) ^ std::uint64_t{pulses_} << 40);
+  return static_cast<double>(r >> 11) * 0x1p-53 < share;
+}
+
+void FlashControl::program(Machine& m, double share) {
+  FlashStatistics::Block& b = statistics.blocks[block_of(line_)];
+  ++b.program_pulses;
   if (latched_ != 0xffffffff) m.misuse(line_, "flash programmed with fewer than 32 bytes latched");
   std::uint8_t* p = m.memory_at(line_);
+  bool again = false;
   for (unsigned k = 0; p && k < 32; ++k) {
-    if (latched_ >> k & 1) p[k] = static_cast<std::uint8_t>(p[k] & data_[k]);
+    if (!(latched_ >> k & 1)) continue;
+    for (unsigned bit = 0; bit < 8; ++bit) {
+      const auto mask = static_cast<std::uint8_t>(1u << bit);
+      if (data_[k] & mask) continue;
+      again |= !(p[k] & mask);
+      if (cell_moves(m, (line_ + k) * 8 + bit, share)) p[k] &= static_cast<std::uint8_t>(~mask);
+    }
   }
+  if (again) ++b.reprogrammed;
+  if (share < 1) ++b.weak_pulses;
   m.forget_flash(line_, 32);
 }
 
-void FlashControl::erase(Machine& m, States) {
+void FlashControl::erase(Machine& m, double share) {
   const unsigned blocks = static_cast<unsigned>(ebr1_ & 3) << 8 | ebr2_;
   if (std::popcount(blocks) != 1) {
     m.misuse(0xff82, "flash erased with other than exactly one block selected");
     return;
   }
   const auto n = static_cast<unsigned>(std::countr_zero(blocks));
+  FlashStatistics::Block& b = statistics.blocks[n];
+  ++b.erase_pulses;
+  if (share < 1) ++b.weak_pulses;
+  if (share < times::nothing_below) return;
+  if (++b.erasures == times::endurance + 1)
+    m.misuse(0xff82, "flash block erased more often than its endurance of 100");
   std::uint8_t* p = m.memory_at(kBlocks[n]);
   const std::uint32_t size = kBlocks[n + 1] - kBlocks[n];
-  for (std::uint32_t k = 0; p && k < size; ++k) p[k] = 0xff;
+  for (std::uint32_t k = 0; p && k < size; ++k) {
+    if (share >= 1) {
+      p[k] = 0xff;
+      continue;
+    }
+    for (unsigned bit = 0; bit < 8; ++bit)
+      if (cell_moves(m, (kBlocks[n] + k) * 8 + bit, share))
+        p[k] |= static_cast<std::uint8_t>(1u << bit);
+  }
   m.forget_flash(kBlocks[n], size);
+}
+
+// What the pulse that runs has done by `at`.
+void FlashControl::end_pulse(Machine& m, States at) {
+  if (!(flmcr1_ & (kProgram | kErase))) return;
+  ++pulses_;
+  const bool writes = (flmcr1_ & kProgram) != 0;
+  const double length = microseconds(m, at - pulse_start_);
+  const double least = writes ? times::program_least : times::erase_least;
+  const double most = writes ? times::program_most : times::erase_most;
+  double share = 1;
+  if (m.options.flash_timing) {
+    share = length / least;
+    if (share < 1) m.misuse(0xff80, "flash pulse shorter than the manual's; cells are left weak");
+    // A tenth over is what a polling loop may cost.
+    if (length > 1.1 * most) m.misuse(0xff80, "flash pulse longer than the manual allows");
+  }
+  if (writes)
+    program(m, share);
+  else
+    erase(m, share);
+}
+
+void FlashControl::cut(Machine& m, States at) {
+  end_pulse(m, at);
+  const FlashStatistics worn = statistics;
+  const std::uint32_t pulses = pulses_;
+  *this = {};
+  statistics = worn;
+  pulses_ = pulses;
 }
 
 void FlashControl::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
   const bool locked = (flmcr2_ & kFler) != 0;
+  const bool from_flash = m.pc() < m.cpu.flash_size;
   switch (address) {
     case 0xff80: {
       const std::uint8_t before = flmcr1_;
@@ -74,16 +196,38 @@ void FlashControl::write(Machine& m, std::uint32_t address, std::uint8_t value, 
       if (!(next & kSwe)) next = 0x80, ebr1_ = ebr2_ = 0;
       if (!(flmcr2_ & kPsu) || locked) next = static_cast<std::uint8_t>(next & ~kProgram);
       if (!(flmcr2_ & kEsu) || locked) next = static_cast<std::uint8_t>(next & ~kErase);
-      flmcr1_ = next;
+      // Both at once, or together with verification, is no operation.
+      if (std::popcount(static_cast<unsigned>(next & 0x0f)) > 1) {
+        m.misuse(0xff80, "more than one of EV, PV, E and P set; none acts");
+        next = static_cast<std::uint8_t>(next & 0xf0);
+      }
       const auto ended = static_cast<std::uint8_t>(before & ~next);
-      if (~before & next & (kProgram | kErase)) pulse_start_ = at;
-      if (ended & kProgram) program(m, at - pulse_start_);
-      if (ended & kErase) erase(m, at - pulse_start_);
+      const auto begun = static_cast<std::uint8_t>(~before & next);
+      if (ended & (kProgram | kErase)) end_pulse(m, at);
+      flmcr1_ = next;
+      if (begun & kSwe) swe_at_ = at;
+      if ((begun | ended) & kSwe && from_flash)
+        m.misuse(0xff80, "SWE changed by code in flash; it has to run from RAM");
+      if (begun & (kProgram | kErase)) {
+        pulse_start_ = at;
+        require(m, setup_at_, begun & kProgram ? times::after_psu : times::after_esu, at,
+                "flash pulse begun too early after PSU or ESU was set");
+      }
+      if (begun & (kPv | kEv)) verify_at_ = at;
+      dummy_ = 0xffffffff;
       break;
     }
-    case 0xff81:
-      flmcr2_ = static_cast<std::uint8_t>((flmcr2_ & kFler) | (flmcr1_ & kSwe ? value & 3 : 0));
+    case 0xff81: {
+      const std::uint8_t next = flmcr1_ & kSwe && !locked ? value & 3 : 0;
+      if ((flmcr1_ & kProgram && !(next & kPsu)) || (flmcr1_ & kErase && !(next & kEsu))) {
+        m.misuse(0xff81, "PSU or ESU cleared under a pulse; the pulse ends");
+        end_pulse(m, at);
+        flmcr1_ &= static_cast<std::uint8_t>(~(kProgram | kErase));
+      }
+      if (next & ~flmcr2_) setup_at_ = at;
+      flmcr2_ = static_cast<std::uint8_t>((flmcr2_ & kFler) | next);
       break;
+    }
     case 0xff82:
       ebr1_ = flmcr1_ & kSwe ? value & 3 : 0;
       break;
@@ -91,6 +235,9 @@ void FlashControl::write(Machine& m, std::uint32_t address, std::uint8_t value, 
       ebr2_ = flmcr1_ & kSwe ? value : 0;
       break;
   }
+  m.choose_paths();
+  if (busy() && from_flash)
+    error(m, "instruction fetch from flash during programming or erasing; FLER is set", at);
 }
 
 }  // namespace kaz::h8s

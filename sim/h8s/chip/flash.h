@@ -5,9 +5,21 @@
 #include <array>
 #include <cstdint>
 
+#include "sim/h8s/chip.h"
 #include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
+
+// Waits and pulses of the 32-byte generation, in microseconds (hardware manual, flash memory
+// programming and erasing flowcharts; recalled figures, see README).
+namespace flash_times {
+inline constexpr double after_swe = 10, after_psu = 50, after_esu = 200, after_pv = 4,
+                        after_ev = 20, after_dummy = 2;
+inline constexpr double program_least = 150, program_most = 200;
+inline constexpr double erase_least = 5'000, erase_most = 10'000;
+inline constexpr double nothing_below = 0.125;  // share of the least pulse that moves no cell
+inline constexpr int endurance = 100;           // erasures of a block
+}  // namespace flash_times
 
 class FlashControl {
  public:
@@ -16,17 +28,36 @@ class FlashControl {
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   // A byte written by the program to an address inside the flash.
   void latch(Machine& m, std::uint32_t address, std::uint8_t value);
+
   bool enabled() const { return (flmcr1_ & 0x40) != 0; }
+  // The array answers as ever: no pulse, no verification.
+  bool plain() const { return !busy() && (flmcr1_ & 0x0c) == 0; }
+  // Pulse or its setup: a read, a fetch or an exception now is an error.
+  bool busy() const { return (flmcr1_ & 0x03) != 0 || (flmcr2_ & 0x01) != 0; }
+  // What a read gives while not plain().
+  std::uint8_t read(Machine& m, std::uint32_t address, std::uint8_t cell, States at);
+  // Protection: the pulse ends where it is, and no other begins before reset.
+  void error(Machine& m, const char* text, States at);
+  // Power or reset ends a pulse in the middle.
+  void cut(Machine& m, States at);
+
+  FlashStatistics statistics;
 
  private:
-  void program(Machine& m, States pulse);
-  void erase(Machine& m, States pulse);
+  void end_pulse(Machine& m, States at);
+  void program(Machine& m, double share);
+  void erase(Machine& m, double share);
+  void require(Machine& m, States since, double wait, States at, const char* text);
+  double microseconds(const Machine& m, States states) const;
+  bool cell_moves(const Machine& m, std::uint32_t cell, double share) const;
 
   std::uint8_t flmcr1_ = 0x80, flmcr2_ = 0, ebr1_ = 0, ebr2_ = 0;
   std::uint32_t line_ = 0;
   std::uint32_t latched_ = 0;  // one bit a byte of the line
   std::array<std::uint8_t, 32> data_{};
-  States pulse_start_ = 0;
+  std::uint32_t dummy_ = 0xffffffff;  // word that a dummy write has prepared for verification
+  States pulse_start_ = 0, swe_at_ = 0, setup_at_ = 0, verify_at_ = 0, dummy_at_ = 0;
+  std::uint32_t pulses_ = 0;
 };
 
 }  // namespace kaz::h8s

@@ -112,6 +112,10 @@ Interrupts::Choice Interrupts::choose(States boundary, std::uint8_t control, boo
 
 void Interrupts::accepted(unsigned vector, States at) {
   if (vector == vec::nmi) set(vector, false, at);
+  if (vector == vec::address_break) {
+    abrkcr_ &= 0x7f;
+    set(vector, false, at);
+  }
   if (vector < vec::irq0 || vector >= vec::irq0 + 3) return;
   const unsigned n = vector - vec::irq0;
   if (sense(n) != 0 || (irq_level_ >> n & 1)) isr_.drop(static_cast<std::uint8_t>(1u << n));
@@ -188,7 +192,11 @@ bool Interrupts::write(std::uint32_t address, std::uint8_t value, States at) {
       iscrl_ = value;
       break;
     case 0xfef4:
-      abrkcr_ = value & 1;
+      abrkcr_ = static_cast<std::uint8_t>((abrkcr_ & 0x80) | (value & 1));
+      if (!(value & 1)) {
+        abrkcr_ = 0;
+        set(vec::address_break, false, at);
+      }
       break;
     case 0xfef5:
     case 0xfef6:

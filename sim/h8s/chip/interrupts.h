@@ -66,6 +66,15 @@ class Interrupts {
   bool nmi_level() const { return nmi_level_; }
   bool any_irq_enabled() const { return (ier_ & 7) != 0; }
 
+  // Address break: while it is on, each instruction's address is told as it is fetched.
+  bool watches_fetches() const { return (abrkcr_ & 1) != 0; }
+  void fetched(std::uint32_t pc, States at) {
+    const std::uint32_t bar = std::uint32_t{bar_[0]} << 16 | std::uint32_t{bar_[1]} << 8 | bar_[2];
+    if (pc != bar) return;
+    abrkcr_ |= 0x80;
+    set(vec::address_break, true, at);
+  }
+
   // Registers by the low 16 bits of their address; nullopt or false where there is none.
   std::optional<std::uint8_t> read(std::uint32_t address);
   std::optional<std::uint8_t> peek(std::uint32_t address) const;
@@ -78,9 +87,9 @@ class Interrupts {
   void update_irq(States at);
 
   std::array<States, vec::count> since_ = filled();
-  std::array<std::uint64_t, 2> raw_{};      // all requests
+  std::array<std::uint64_t, 2> raw_{};       // all requests
   std::array<std::uint64_t, 2> diverted_{};  // sources whose requests are the DTC's
-  std::array<std::uint64_t, 2> pending_{};  // requests to the CPU: the others
+  std::array<std::uint64_t, 2> pending_{};   // requests to the CPU: the others
   bool raised_ = false;
   std::array<std::uint8_t, 3> icr_{};
   StickyFlags isr_;

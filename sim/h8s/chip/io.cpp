@@ -367,6 +367,7 @@ void Machine::write_system(std::uint32_t a, std::uint8_t value, States at) {
       break;
     case 0xffc5:
       system.mdcr = static_cast<std::uint8_t>((value & 0x80) | (system.mdcr & 0x03));
+      if (value & 0x80) misuse(a, "MDCR.EXPE set: expanded mode is not modelled");
       break;
     case 0xffc6:
       system.bcr = value;

@@ -71,6 +71,12 @@ void Machine::take_state(const Machine& other) {
   dtc = other.dtc;
   system = other.system;
   epoch = other.epoch;
+  sub_epoch = other.sub_epoch;
+  standby_ = other.standby_;
+  watch_ = other.watch_;
+  wakes_at_ = other.wakes_at_;
+  slow_from_ = other.slow_from_;
+  slow_by_ = other.slow_by_;
   cause = other.cause;
   watchdog_reset = other.watchdog_reset;
   misuses = other.misuses;
@@ -116,6 +122,7 @@ void Machine::forget_all_code() {
 }
 
 void Machine::power_on(std::uint8_t ram_fill) {
+  flash_control.cut(*this, cpu.now);
   block_.fill(ram_fill);
   const std::array<Sci, 2> fresh{};
   sci = fresh;
@@ -129,7 +136,9 @@ void Machine::power_on(std::uint8_t ram_fill) {
 void Machine::reset(ResetCause why, States at) {
   const States began = cpu.now;
   cause = why;
-  epoch = at;
+  epoch = sub_epoch = at;
+  standby_ = watch_ = false;
+  wakes_at_ = slow_from_ = kNever;
   dead.reset();
   watchdog_reset = false;
   cpu.now = at;
@@ -138,6 +147,7 @@ void Machine::reset(ResetCause why, States at) {
   cpu.mask = cpu.normal ? 0xffff : 0xffffff;
   cpu.flash_size = cpu.normal ? 0xe000 : kFlashSize;
   cpu.ram_size = kRamSize;
+  flash_control.cut(*this, began);
   choose_paths();
   cpu.exr = 0x7f;
   set_ccr(cpu, options.reset_ccr | 0x80u);
@@ -155,10 +165,11 @@ void Machine::reset(ResetCause why, States at) {
   pwm = Pwm(epoch);
   pwmx = {};
   wdt = {};
-  flash_control = {};
   dtc = {};
   system = {};
-  system.mdcr = static_cast<std::uint8_t>(options.mode);
+  system.mdcr = static_cast<std::uint8_t>(options.mode & 3);
+  if (options.mode != 2 && options.mode != 3)
+    misuse(0xffc5, "mode pins select a mode other than 2 and 3: expanded buses are not modelled");
   if (why != ResetCause::watchdog) system.syscr |= 0x08;
   if (why == ResetCause::watchdog) system.syscr = 0x01;
   adc = {};
@@ -192,6 +203,7 @@ void Machine::misuse(std::uint32_t address, const char* text) {
 }
 
 void Machine::pin_edge(unsigned port, unsigned bit, bool rising, States at) {
+  if (standby_) return;  // no clock sees it
   if (port == 4 && bit == 0 && !rising) adc.trigger(*this, 3, at);
   if (port == 5 && bit == 2) sci[0].sck_edge(*this, 0, rising, at);
   if (port == 2 && bit == 7) sci[1].sck_edge(*this, 1, rising, at);

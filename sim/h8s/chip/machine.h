@@ -87,7 +87,12 @@ class Machine {
 
   // --- for the modules ---------------------------------------------------------------------------
   // End of the access that runs, or the event's time.
-  States time() const { return cpu.now + cpu.stall; }
+  States time() const {
+    const States at = cpu.now + cpu.stall;
+    return slow_from_ == kNever ? at : slow_from_ + (at - slow_from_) * slow_by_;
+  }
+  // The chip stands by: its clocks, but not the subclock, are off.
+  bool stands_still() const { return standby_; }
   // Time for those outside who look or act: of the event that is being worked off, else time().
   States moment() const { return working_ != kNever ? working_ : time(); }
   // The timers that may drive pins.
@@ -128,6 +133,8 @@ class Machine {
   void forget_flash(std::uint32_t address, std::uint32_t size);
   void set_ram_enabled(bool on);
   void forget_all_code();
+  // Which of the CPU's accesses may go past Machine.
+  void choose_paths();
   // The instruction at `pc` is to be announced before it runs.
   bool hooked(std::uint32_t pc) const { return pc != unhooked_ && hooks.contains(pc); }
   void set_hook(std::uint32_t pc, Chip::CodeHook hook);
@@ -163,7 +170,9 @@ class Machine {
   Dtc dtc;
   SystemRegisters system;
 
-  States epoch = 0;  // of the last reset: prescalers count from there
+  // Where prescalers count from: the last reset, moved along while clocks stood still. The
+  // subclock's stays.
+  States epoch = 0, sub_epoch = 0;
   ResetCause cause = ResetCause::power_on;
   bool watchdog_reset = false;  // requested by a watchdog
   std::vector<Misuse> misuses;
@@ -178,7 +187,6 @@ class Machine {
 
  private:
   void attach();
-  void choose_paths();
   void sleep_until(States at);
   std::uint8_t read_register(const Place& place, std::uint32_t address);
   void write_register(const Place& place, std::uint32_t a, std::uint8_t value);
@@ -209,6 +217,14 @@ class Machine {
   void accept(unsigned vector);
   bool could_wake() const;
   void stretch(States stop, bool one);
+  // --- power.cpp
+  States settling_states() const;
+  States cpu_divider() const;
+  void begin_slow();
+  void end_slow();
+  bool stands_by() const;
+  void enter_standby();
+  bool stand_by(States until);  // false: nothing could ever end it
   Stop error_stop(Stop::Reason reason, const std::string& headline);
   Stop stop_for_fault();
   enum class Hooked { none, ran, stop };
@@ -223,6 +239,10 @@ class Machine {
       kNoAddress;  // its hook has been called, the instruction has not run yet
   std::uint32_t unhooked_ = kNoAddress;  // decoded as it is, whatever hooks there are
   bool first_after_reset_ = false;
+  bool standby_ = false, watch_ = false;
+  States wakes_at_ = kNever;   // the oscillator has settled
+  States slow_from_ = kNever;  // beginning of what the CPU does on a divided clock
+  States slow_by_ = 1;
   bool stop_requested_ = false;
   // When each module's next event is, worked out again only where an access, an event, a hook or
   // somebody outside may have moved it, and when the CPU has to stop for it; the first of them.

@@ -49,7 +49,11 @@ std::uint8_t slow_load8(Cpu& c, std::uint32_t address) {
     return seen(c.machine->io_read(address));
   }
   if (const auto offset = ram_offset(c, address)) return seen(c.ram[*offset]);
-  if (address < c.flash_size) return seen(c.flash[address]);
+  if (address < c.flash_size) {
+    Machine& m = *c.machine;
+    if (m.flash_control.plain()) return seen(c.flash[address]);
+    return seen(m.flash_control.read(m, address, c.flash[address], m.time()));
+  }
   raise_fault(c, Fault::unmapped, address);
   return 0xff;
 }
@@ -64,7 +68,14 @@ std::uint16_t slow_load16(Cpu& c, std::uint32_t address) {
     return static_cast<std::uint16_t>(value);
   };
   if (const auto offset = ram_offset(c, address)) return seen(big16(c.ram + *offset));
-  if (address < c.flash_size) return seen(big16(c.flash + address));
+  if (address < c.flash_size) {
+    Machine& m = *c.machine;
+    if (m.flash_control.plain()) return seen(big16(c.flash + address));
+    const unsigned high = m.flash_control.read(m, address, c.flash[address], m.time());
+    if (m.flash_control.plain()) return seen(high << 8 | c.flash[address + 1]);
+    return seen(high << 8 |
+                m.flash_control.read(m, address + 1, c.flash[address + 1], m.time()));
+  }
   if (!c.machine->is_io(address)) {
     raise_fault(c, Fault::unmapped, address);
     return 0xffff;

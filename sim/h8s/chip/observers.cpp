@@ -17,7 +17,7 @@ void Machine::choose_paths() {
   cpu.observed = !observers.empty();
   cpu.ram_at = cpu.mask & (kBlock + kRam);
   cpu.ram_base = cpu.observed ? kNowhere : cpu.ram_at;
-  cpu.quick_flash = cpu.observed ? 0 : cpu.flash_size;
+  cpu.quick_flash = cpu.observed || !flash_control.plain() ? 0 : cpu.flash_size;
 }
 
 void Machine::attach(Observer& observer) {

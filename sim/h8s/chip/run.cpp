@@ -220,10 +220,12 @@ Stop Machine::stop_for_fault() {
 }
 
 void Machine::stretch(States stop, bool one) {
-  cpu.stop = one || stop <= cpu.now ? cpu.now + 1 : stop;
+  begin_slow();
+  cpu.stop = one || stop <= cpu.now || slow_from_ != kNever ? cpu.now + 1 : stop;
   cpu.hold_off = false;
   first_after_reset_ = false;
   run_stretch(cpu);
+  end_slow();
   cpu.now += cpu.stall;
   cpu.stall = 0;
 }
@@ -274,17 +276,31 @@ Stop Machine::run(Chip& chip, States until, bool single) {
       return {Stop::Reason::requested, report("stopped by an observer")};
     }
     if (single ? cpu.executed != executed || cpu.now != began : cpu.now >= until) return {};
+    if ((cpu.asleep || standby_) && stands_by()) {
+      if (!stand_by(until))
+        return error_stop(
+            Stop::Reason::asleep_forever,
+            "standby with nothing enabled that could end it, before " + symbols->describe(pc()));
+      continue;
+    }
     // The DTC takes the bus between two instructions, whatever the CPU's mask says.
     const bool moves = irq.any_diverted() || !dtc.idle();
-    if (moves && dtc.run(*this)) continue;
-    const bool guarded = cpu.hold_off || first_after_reset_;
+    if (moves) {
+      begin_slow();
+      const bool moved = dtc.run(*this);
+      end_slow();
+      if (moved) continue;
+    }
+    bool guarded = cpu.hold_off || first_after_reset_;
     States event = next_stop();
     if (moves) event = std::min(event, dtc.earliest(*this));
     if (irq.any_unmasked(cpu.control, cpu.two_level)) {
       const auto choice =
           irq.choose(cpu.now, cpu.control, cpu.two_level, options.interrupt_decision_states);
       if (choice.vector != 0 && !guarded) {
+        begin_slow();
         accept(choice.vector);
+        end_slow();
         continue;
       }
       event = std::min(event, choice.earliest);
@@ -299,6 +315,10 @@ Stop Machine::run(Chip& chip, States until, bool single) {
       cpu.hold_off = first_after_reset_ = false;
       continue;
     }
+    // An address break is looked for before each instruction.
+    const bool watched = irq.watches_fetches();
+    if (watched) irq.fetched(pc(), cpu.now);
+    guarded |= watched;
     if (!hooks.empty()) {
       const Hooked hooked = run_hook(chip, std::min(event, until), single || guarded);
       if (hooked == Hooked::stop)

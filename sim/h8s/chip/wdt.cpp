@@ -13,9 +13,14 @@ States Wdt::divisor(const Machine& m, unsigned n) const {
   return table[tcsr_ & 7];
 }
 
+// The subclock goes on while the system clock stands.
+States Wdt::base(const Machine& m, unsigned n) const {
+  return n == 1 && subclocked() ? m.sub_epoch : m.epoch;
+}
+
 std::int64_t Wdt::ticks(const Machine& m, unsigned n, States at) const {
   const States d = divisor(m, n);
-  return d ? (at - m.epoch) / d : 0;
+  return d ? (at - base(m, n)) / d : 0;
 }
 
 void Wdt::update(Machine& m, unsigned n, States at) {
@@ -26,7 +31,7 @@ void Wdt::update(Machine& m, unsigned n, States at) {
 void Wdt::advance(Machine& m, unsigned n, States to) {
   const States d = divisor(m, n);
   if (!running() || d == 0) return;
-  const std::int64_t target = (to - m.epoch) / d;
+  const std::int64_t target = (to - base(m, n)) / d;
   const std::int64_t gone = target - tick_;
   if (gone <= 0) return;
   const std::int64_t turns = (count_ + gone) / 256;
@@ -34,7 +39,7 @@ void Wdt::advance(Machine& m, unsigned n, States to) {
   count_ = static_cast<std::uint8_t>((count_ + gone) & 0xff);
   tick_ = target;
   if (turns == 0) return;
-  const States at = m.epoch + first * d;
+  const States at = base(m, n) + first * d;
   ovf_.raise(0x80);
   update(m, n, at);
   if (!watchdog()) return;
@@ -48,7 +53,7 @@ void Wdt::advance(Machine& m, unsigned n, States to) {
 States Wdt::next_event(const Machine& m, unsigned n) const {
   const States d = divisor(m, n);
   if (!running() || d == 0 || (!watchdog() && ovf_.has(0x80))) return kNever;
-  return m.epoch + (tick_ + 256 - count_) * d;
+  return base(m, n) + (tick_ + 256 - count_) * d;
 }
 
 std::uint8_t Wdt::peek(const Machine& m, unsigned n, bool counter, States at) const {

@@ -19,10 +19,13 @@ class Wdt {
   States next_event(const Machine& m, unsigned n) const;
   void advance(Machine& m, unsigned n, States to);
   bool running() const { return (tcsr_ & 0x20) != 0; }
+  // WDT1 only: TCSR.PSS.
+  bool subclocked() const { return (tcsr_ & 0x10) != 0; }
   bool watchdog() const { return (tcsr_ & 0x60) == 0x60; }
 
  private:
   States divisor(const Machine& m, unsigned n) const;  // 0: no clock
+  States base(const Machine& m, unsigned n) const;
   std::int64_t ticks(const Machine& m, unsigned n, States at) const;
   void update(Machine& m, unsigned n, States at);
 

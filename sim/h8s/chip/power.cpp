@@ -1,0 +1,84 @@
+// Power-down: software standby, watch mode, and the divided clock of medium speed
+// (hardware manual, power-down modes).
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "sim/h8s/chip/machine.h"
+
+namespace kaz::h8s {
+namespace {
+
+constexpr std::uint8_t kSsby = 0x80, kDton = 0x80, kLson = 0x40;
+
+}  // namespace
+
+// SBYCR.STS: how long the oscillator settles before clocks go on.
+States Machine::settling_states() const {
+  constexpr States table[] = {8192, 16384, 32768, 65536, 131072, 262144, 16, 16};
+  return table[system.sbycr >> 4 & 7];
+}
+
+// SBYCR.SCK2-0: states of the modules to one of the CPU.
+States Machine::cpu_divider() const {
+  const unsigned select = system.sbycr & 7u;
+  return select > 5 ? 1 : States{1} << select;
+}
+
+void Machine::begin_slow() {
+  slow_by_ = cpu_divider();
+  slow_from_ = slow_by_ == 1 ? kNever : cpu.now;
+}
+
+void Machine::end_slow() {
+  if (slow_from_ == kNever) return;
+  cpu.now = time();
+  cpu.stall = 0;
+  slow_from_ = kNever;
+}
+
+// A request that is pending as SLEEP runs keeps the chip awake.
+bool Machine::stands_by() const {
+  if (standby_) return true;
+  if (!cpu.asleep || !(system.sbycr & kSsby)) return false;
+  const auto choice =
+      irq.choose(cpu.now, cpu.control, cpu.two_level, options.interrupt_decision_states);
+  return choice.vector == 0 && choice.earliest == kNever;
+}
+
+void Machine::enter_standby() {
+  run_modules(cpu.now);
+  standby_ = true;
+  wakes_at_ = kNever;
+  watch_ = wdt[1].subclocked();
+  if (system.lpwrcr & (kDton | kLson))
+    misuse(0xff85, "subactive mode and direct transition (LSON, DTON) are not modelled");
+  if (watch_ && options.subclock_states == 0)
+    misuse(0xffea, "watch mode without a subclock (Options::subclock_states)");
+  if ((system.sbycr >> 4 & 7) > 5) misuse(0xff84, "reserved settling time in SBYCR.STS");
+  // These modules lose their registers; ports, timers, watchdogs and the DTC keep theirs.
+  for (unsigned n = 0; n < 2; ++n) sci[n].reset(*this, n, cpu.now);
+  adc.reset(*this, cpu.now);
+  pwm.reset();
+  pwmx.reset();
+  notify(OutputChange::Unit::port, 0, cpu.now);
+}
+
+// One step of standing by: to the next thing that happens outside, or to the end of the settling.
+// Clocks stand: the beginning of their counting moves along.
+bool Machine::stand_by(States until) {
+  if (!standby_) enter_standby();
+  const auto choice = irq.choose(cpu.now, cpu.control, cpu.two_level, 0);
+  if (wakes_at_ == kNever && (choice.vector != 0 || choice.earliest != kNever))
+    wakes_at_ = cpu.now + settling_states();
+  States event = std::min(event_of(Source::pins), wakes_at_);
+  if (watch_) event = std::min(event, event_of(Source::wdt1));
+  if (event == kNever && !could_wake()) return false;
+  const States from = cpu.now;
+  sleep_until(std::min(event, until));
+  epoch += cpu.now - from;
+  events_known_ = false;
+  if (cpu.now >= wakes_at_) standby_ = false;
+  return true;
+}
+
+}  // namespace kaz::h8s
