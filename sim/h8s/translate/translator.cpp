@@ -198,6 +198,8 @@ void Translator::run(Cpu& c) {
       Entry& entry = cache.entries[index];
       if (!entry.code && entry.count != kHopeless && ++entry.count >= patience)
         cache.translate(c, index);
+      // What no block can begin with leaves the way free for one behind it.
+      left = entry.count == kHopeless;
       if (entry.code && c.stop - c.now > entry.bound) {
         const auto enter =
             reinterpret_cast<Enter>(reinterpret_cast<std::uintptr_t>(cache.gate.enter));
