@@ -38,6 +38,7 @@ std::shared_ptr<const Chip> Chip::save() const {
 }
 
 void Chip::restore(const Chip& saved) {
+  machine_->log_cut();
   machine_->take_state(*saved.machine_);
   machine_->memory_changed(0, 0);
 }
@@ -50,6 +51,7 @@ Result<void> Chip::load(const Image& image) {
                   std::to_string(s.bytes.size()) +
                   " bytes does not fit into the flash (000000 to 01ffff)");
   }
+  machine_->log_cut();
   std::uint8_t* flash = machine_->memory_at(0);
   std::fill_n(flash, kFlashSize, std::uint8_t{0xff});
   for (const Segment& s : image.segments)
@@ -81,16 +83,18 @@ const SymbolTable& Chip::symbols() const {
 }
 
 void Chip::power_on(std::uint8_t ram_fill) {
+  machine_->log_cut();
   machine_->power_on(ram_fill);
 }
 void Chip::reset() {
+  machine_->log_input([](Chip& c) { c.reset(); });
   machine_->reset(ResetCause::pin, machine_->cpu.now);
 }
 Stop Chip::run_until(States until) {
   return machine_->run(*this, until, false);
 }
-Stop Chip::step() {
-  return machine_->run(*this, kNever, true);
+Stop Chip::step(States no_later) {
+  return machine_->run(*this, no_later, true);
 }
 States Chip::now() const {
   return machine_->time();
@@ -114,6 +118,7 @@ Registers Chip::registers() const {
 }
 
 void Chip::set_registers(const Registers& registers) {
+  machine_->log_input([registers](Chip& c) { c.set_registers(registers); });
   Cpu& c = machine_->cpu;
   c.er = registers.er;
   set_ccr(c, registers.ccr);
@@ -153,17 +158,20 @@ std::optional<std::uint32_t> Chip::peek32(std::uint32_t address) const {
 }
 
 bool Chip::poke(std::uint32_t address, std::uint8_t value) {
-  std::uint8_t* p = machine_->memory_at(address);
-  if (!p) return false;
-  *p = value;
-  machine_->forget_code_at(address);
-  machine_->memory_changed(address, 1);
-  return true;
+  return poke(address, std::span(&value, 1));
 }
 
 bool Chip::poke(std::uint32_t address, std::span<const std::uint8_t> from) {
+  machine_->log_input([address, bytes = std::vector(from.begin(), from.end())](Chip& c) {
+    c.poke(address, bytes);
+  });
   for (std::size_t k = 0; k < from.size(); ++k) {
-    if (!poke(address + static_cast<std::uint32_t>(k), from[k])) return false;
+    const std::uint32_t at = address + static_cast<std::uint32_t>(k);
+    std::uint8_t* p = machine_->memory_at(at);
+    if (!p) return false;
+    *p = from[k];
+    machine_->forget_code_at(at);
+    machine_->memory_changed(at, 1);
   }
   return true;
 }
@@ -184,12 +192,17 @@ void Chip::attach(Observer& observer) {
 void Chip::detach(Observer& observer) {
   machine_->detach(observer);
 }
+void Chip::set_input_log(InputLog* log) {
+  machine_->input_log = log;
+  machine_->connect_analog();
+}
 void Chip::request_stop() {
   machine_->request_stop();
 }
 
 Result<CallResult> Chip::call(std::uint32_t address, std::initializer_list<std::uint32_t> args,
                               States limit) {
+  machine_->log_cut();
   if (args.size() > 3) return fail("call takes at most three arguments, in ER0, ER1 and ER2");
   Registers r = registers();
   std::copy(args.begin(), args.end(), r.er.begin());
@@ -236,15 +249,18 @@ PortOutput Chip::output(Port port) const {
 
 void Chip::set_input(Port port, int bit, bool level) {
   if (bit < 0 || bit > 7) return;
+  machine_->log_input([=](Chip& c) { c.set_input(port, bit, level); });
   machine_->set_input(static_cast<unsigned>(port), static_cast<unsigned>(bit), level);
 }
 
 void Chip::release_input(Port port, int bit) {
   if (bit < 0 || bit > 7) return;
+  machine_->log_input([=](Chip& c) { c.release_input(port, bit); });
   machine_->set_input(static_cast<unsigned>(port), static_cast<unsigned>(bit), std::nullopt);
 }
 
 void Chip::set_nmi(bool level) {
+  machine_->log_input([level](Chip& c) { c.set_nmi(level); });
   machine_->set_nmi(level);
 }
 
@@ -266,7 +282,8 @@ bool Chip::tmo_driven(int timer) const {
 }
 
 void Chip::set_analog(std::function<double(int channel, States at)> source) {
-  machine_->listeners.analog = std::move(source);
+  machine_->analog_source = std::move(source);
+  machine_->connect_analog();
 }
 
 Result<void> Chip::receive(int sci, const ReceivedByte& byte) {
@@ -277,6 +294,7 @@ Result<void> Chip::receive(int sci, const ReceivedByte& byte) {
   if (byte.at < earliest)
     return fail("byte received at state " + std::to_string(byte.at) + " lies before state " +
                 std::to_string(earliest) + " (now, or the byte queued last)");
+  machine_->log_input([=](Chip& c) { (void)c.receive(sci, byte); });
   queue.push_back(byte);
   machine_->disturbed();
   return {};

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -155,7 +156,8 @@ class Chip {
   // each further call until reset.
   Stop run_until(States until);
   // Exactly one instruction or exception entry, or one jump to the next event while asleep.
-  Stop step();
+  // While asleep not beyond `no_later`.
+  Stop step(States no_later = std::numeric_limits<States>::max());
   States now() const;
   std::int64_t instructions()
       const;  // executed since power-on; counted by step() and where asked (count)
@@ -190,6 +192,8 @@ class Chip {
   void detach(Observer& observer);
   // For observers: ends run_until or step at the next boundary with Stop::Reason::requested.
   void request_stop();
+  // Tells `log` of all that comes from outside from now on; null: nobody. debug/history.h uses it.
+  void set_input_log(InputLog* log);
 
   // Runs the function at `address` of the image as C would call it, on this chip (use a clone),
   // with interrupts masked: args in ER0, ER1, ER2, result in ER0. Errors: it stopped, or took over

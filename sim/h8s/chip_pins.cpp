@@ -38,6 +38,7 @@ void Chip::cancel(int call) {
 }
 
 void Chip::set_input(Pin pin, bool level) {
+  machine_->log_input([=](Chip& c) { c.set_input(pin, level); });
   const PinInfo& p = info(pin);
   if (p.port != 0)
     machine_->set_input(static_cast<unsigned>(p.port), static_cast<unsigned>(p.bit), level);
@@ -45,6 +46,7 @@ void Chip::set_input(Pin pin, bool level) {
 }
 
 void Chip::release_input(Pin pin) {
+  machine_->log_input([=](Chip& c) { c.release_input(pin); });
   const PinInfo& p = info(pin);
   if (p.port != 0)
     machine_->set_input(static_cast<unsigned>(p.port), static_cast<unsigned>(p.bit), std::nullopt);

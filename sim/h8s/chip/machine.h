@@ -182,6 +182,12 @@ class Machine {
   std::vector<Observer*> observers;
   InputLog* input_log = nullptr;  // of a debug::History
   bool running = false;           // inside run()
+  bool in_hook = false;           // at a boundary all the same
+  std::function<double(int, States)> analog_source;
+  // To be called before an input is applied.
+  void log_input(std::function<void(Chip&)> apply);
+  void log_cut();
+  void connect_analog();
   std::map<std::uint32_t, Chip::CodeHook> hooks;
   std::shared_ptr<const SymbolTable> symbols = std::make_shared<SymbolTable>();
 

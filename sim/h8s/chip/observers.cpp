@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim/h8s/chip/machine.h"
+#include "sim/h8s/debug/input_log.h"
 #include "sim/h8s/debug/observer.h"
 
 namespace kaz::h8s {
@@ -38,6 +39,28 @@ void Machine::request_stop() {
 
 void Machine::memory_changed(std::uint32_t address, std::uint32_t size) {
   for (Observer* o : observers) o->changed(address, size);
+}
+
+void Machine::log_input(std::function<void(Chip&)> apply) {
+  if (!input_log) return;
+  if (running && !in_hook)
+    input_log->cut();
+  else
+    input_log->input(std::move(apply));
+}
+
+void Machine::log_cut() {
+  if (input_log) input_log->cut();
+}
+
+void Machine::connect_analog() {
+  listeners.analog = analog_source;
+  if (!input_log || !analog_source) return;
+  listeners.analog = [this](int channel, States at) {
+    const double value = analog_source(channel, at);
+    input_log->sampled(channel, at, value);
+    return value;
+  };
 }
 
 // Sleep costs no host time: the clock jumps to what comes next.

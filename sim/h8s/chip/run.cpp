@@ -239,7 +239,9 @@ Machine::Hooked Machine::run_hook(Chip& chip, States stop, bool one) {
   if (hook_done_ != at && !cpu.moving) {
     hook_done_ = at;
     const Chip::CodeHook hook = found->second;  // it may remove itself
+    in_hook = true;
     const HookAction action = hook(chip);
+    in_hook = false;
     events_known_ = false;
     if (pc() != at) hook_done_ = kNoAddress;
     if (action == HookAction::stop) return Hooked::stop;
@@ -310,7 +312,7 @@ Stop Machine::run(Chip& chip, States until, bool single) {
         return error_stop(
             Stop::Reason::asleep_forever,
             "SLEEP with nothing enabled that could wake it, before " + symbols->describe(pc()));
-      if (single && event == kNever) return {};
+      if (single && event == kNever && until == kNever) return {};
       sleep_until(std::min(event, until));
       cpu.hold_off = first_after_reset_ = false;
       continue;
