@@ -179,7 +179,9 @@ Halt History::run_until(States until, const Triggers& triggers) {
   }
   adopt(p);
   if (halt.why != Halt::Why::reached || chip_.now() >= until || chip_.now() == now) return halt;
-  return run_until(until, triggers);
+  Triggers rest = triggers;
+  rest.at_start = true;
+  return run_until(until, rest);
 }
 
 Halt History::step() {

@@ -23,10 +23,11 @@ struct Watch {
 };
 
 // Where a run is to halt. A breakpoint takes the place of a code hook at its address for the time
-// of the run. One at the instruction where the run begins does not count.
+// of the run. One at the instruction where the run begins counts only with `at_start`.
 struct Triggers {
   std::vector<std::uint32_t> breakpoints;
   std::vector<Watch> watches;
+  bool at_start = false;
 };
 
 struct Halt {

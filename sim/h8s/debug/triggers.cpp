@@ -15,7 +15,7 @@ const Watch* find_watch(const std::vector<Watch>& watches, const Access& access)
 
 ArmedTriggers::ArmedTriggers(Chip& chip, const Triggers& triggers)
     : chip_(chip), triggers_(triggers) {
-  const States start = chip.now();
+  const States start = triggers.at_start ? -1 : chip.now();
   for (const std::uint32_t at : triggers.breakpoints) {
     chip.set_hook(
         at, [start](Chip& c) { return c.now() == start ? HookAction::go_on : HookAction::stop; });

@@ -1,0 +1,310 @@
+// A scripted remote-protocol session, in process and over a socket, and hostile bytes.
+// SPDX-License-Identifier: Apache-2.0
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <random>
+#include <thread>
+
+#include "sim/h8s/debug/gdb_port.h"
+#include "sim/h8s/debug/testing.h"
+
+namespace kaz::h8s::testing {
+namespace {
+
+// kCode: mov.w #5,r0 ; mov.w r0,@0xffe100:16 ; bsr +2 ; bra . ; inc.l #1,er0 ; rts
+Chip small_chip() {
+  return make_chip(Program().words({0x7900, 5, 0x6b80, 0xe100, 0x5502, 0x40fe, 0x0b70, 0x5470}));
+}
+constexpr std::uint32_t kStore = kCode + 4, kCall = kCode + 8, kFunction = kCode + 12;
+
+class Session {
+ public:
+  explicit Session(Chip& chip) : server(chip, {200, 12}) {}
+
+  // Sends a packet, runs the chip as long as GDB lets it; the last answer, unescaped.
+  std::string ask(std::string_view packet) {
+    feed(gdb_frame(packet));
+    for (int k = 0; k < 1000 && server.running(); ++k) server.run(1000);
+    return answer();
+  }
+  void feed(std::string_view bytes) {
+    server.feed({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+  }
+  std::string answer() {
+    std::vector<GdbInput> got;
+    const std::string out = server.take_output();
+    framing.feed({reinterpret_cast<const std::uint8_t*>(out.data()), out.size()}, got);
+    return got.empty() ? "(nothing)" : got.back().data;
+  }
+  GdbServer server;
+  GdbFraming framing;
+};
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(Gdb, FramesAndEscapes) {
+  EXPECT_EQ(gdb_frame("OK"), "$OK#9a");  // 'O' + 'K' = 0x4f + 0x4b
+  EXPECT_EQ(gdb_frame("a}b#"),
+            "$a}\x5d"
+            "b}\x03#1d");
+  GdbFraming framing;
+  std::vector<GdbInput> got;
+  const std::string bytes =
+      "+noise$a}\x5d"
+      "b}\x03#1d-\x03$OK#9b";
+  for (const char c : bytes) {
+    const auto byte = static_cast<std::uint8_t>(c);
+    framing.feed({&byte, 1}, got);
+  }
+  ASSERT_EQ(got.size(), 4u);
+  EXPECT_EQ(got[0].data, "a}b#");
+  EXPECT_EQ(got[1].kind, GdbInput::Kind::repeat);
+  EXPECT_EQ(got[2].kind, GdbInput::Kind::interrupt);
+  EXPECT_EQ(got[3].kind, GdbInput::Kind::damaged);
+}
+
+TEST(Gdb, RegistersInTheOrderOfTheTarget) {
+  Chip chip = small_chip();
+  Registers r = chip.registers();
+  for (unsigned n = 0; n < 7; ++n) r.er[n] = 0x11111111 * n;
+  r.ccr = 0x85;
+  chip.set_registers(r);
+  Session s(chip);
+  EXPECT_EQ(s.ask("g"),
+            "0000000011111111222222223333333344444444555555556666666600fff000"
+            "0000008500001000000000000000007f0000000000000000xxxxxxxxxxxxxxxx");
+  EXPECT_EQ(s.ask("p9"), "00001000");
+  EXPECT_EQ(s.ask("P3=deadbeef"), "OK");
+  EXPECT_EQ(chip.registers().er[3], 0xdeadbeefu);
+  EXPECT_EQ(s.ask("P8=81"), "OK");
+  EXPECT_EQ(chip.registers().ccr, 0x81);
+  EXPECT_EQ(s.ask("Gxxxxxxxx00000001"), "OK");
+  EXPECT_EQ(chip.registers().er[1], 1u);
+  EXPECT_EQ(s.ask("p10"), "E01");
+  EXPECT_EQ(s.ask("P9=123456789a"), "E01");
+  s.ask("s");
+  EXPECT_EQ(s.ask("pa"), "00000002");  // cycles: mov.w #,r0 takes 2 states
+  EXPECT_EQ(s.ask("pd"), "00000001");
+}
+
+TEST(Gdb, MemoryAndFlash) {
+  Chip chip = small_chip();
+  Session s(chip);
+  EXPECT_EQ(s.ask("m1000,4"), "79000005");
+  EXPECT_EQ(s.ask("Mffe200,3:0102ff"), "OK");
+  EXPECT_EQ(s.ask("mffe1ff,5"), "a50102ffa5");
+  EXPECT_EQ(s.ask("Xffe200,2:}\x03}\x5d"), "E01");  // escaped once more by the frame
+  EXPECT_EQ(s.ask(std::string("Xffe200,2:#}")), "OK");
+  EXPECT_EQ(s.ask("mffe200,2"), "237d");
+  EXPECT_EQ(s.ask("m20000,1"), "E14");
+  EXPECT_EQ(s.ask("m1fffe,4"), "ffff");  // as far as there is memory
+  EXPECT_EQ(s.ask("M30000,1:00"), "E14");
+  EXPECT_EQ(s.ask("Mffe200,2:00"), "E01");
+  EXPECT_EQ(s.ask("vFlashErase:1000,400"), "OK");
+  EXPECT_EQ(s.ask("m1000,2"), "ffff");
+  EXPECT_EQ(s.ask(std::string("vFlashWrite:1000:\x0b\x70\x40\xfe", 21)), "OK");
+  EXPECT_EQ(s.ask("vFlashDone"), "OK");
+  EXPECT_EQ(s.ask("m1000,4"), "0b7040fe");
+  EXPECT_TRUE(has(s.ask("s"), "09:00001002"));
+  EXPECT_EQ(s.ask("vFlashWrite:20000:ab"), "E.memtype");
+  EXPECT_EQ(s.ask("vFlashErase:1fff0,20"), "E14");
+  const std::string map = s.ask("qXfer:memory-map:read::0,1000");
+  EXPECT_TRUE(has(map, "type=\"flash\" start=\"0x00000000\" length=\"0x00020000\""));
+  EXPECT_EQ(map[0], 'l');
+}
+
+TEST(Gdb, BreakpointsStepsAndGoingBack) {
+  Chip chip = small_chip();
+  Session s(chip);
+  EXPECT_TRUE(has(s.ask("qSupported:multiprocess+;swbreak+"), "ReverseContinue+"));
+  EXPECT_EQ(s.ask("?"), "S05");
+  EXPECT_EQ(s.ask("Z0,100c,2"), "OK");
+  std::string stop = s.ask("c");
+  EXPECT_TRUE(has(stop, "swbreak:;") && has(stop, "09:0000100c")) << stop;
+  EXPECT_TRUE(has(s.ask("s"), "09:0000100e"));
+  EXPECT_TRUE(has(s.ask("vCont;s:1;c"), "09:0000100a"));
+  EXPECT_EQ(chip.registers().er[0] & 0xffff, 6u);
+  EXPECT_TRUE(has(s.ask("bs"), "09:0000100e"));
+  EXPECT_TRUE(has(s.ask("bs"), "09:0000100c"));
+  EXPECT_EQ(chip.registers().er[0] & 0xffff, 5u);
+  EXPECT_TRUE(has(s.ask("bs"), "09:00001008"));
+  stop = s.ask("bc");
+  EXPECT_TRUE(has(stop, "replaylog:begin;")) << stop;
+  EXPECT_EQ(chip.now(), 0);
+  stop = s.ask("c");
+  EXPECT_TRUE(has(stop, "swbreak:;") && has(stop, "09:0000100c")) << stop;
+  EXPECT_EQ(s.ask("z0,100c,2"), "OK");
+  EXPECT_EQ(s.ask("Z1,100a,2"), "OK");
+  stop = s.ask("c");
+  EXPECT_TRUE(has(stop, "hwbreak:;") && has(stop, "09:0000100a")) << stop;
+  stop = s.ask("c");  // bra . comes by again
+  EXPECT_TRUE(has(stop, "hwbreak:;") && has(stop, "09:0000100a")) << stop;
+}
+
+TEST(Gdb, Watchpoints) {
+  Chip chip = small_chip();
+  Session s(chip);
+  EXPECT_EQ(s.ask("Z2,ffe101,1"), "OK");
+  std::string stop = s.ask("c");
+  EXPECT_TRUE(has(stop, "watch:00ffe100;") && has(stop, "09:00001008")) << stop;
+  EXPECT_EQ(s.ask("z2,ffe101,1"), "OK");
+  EXPECT_EQ(s.ask("Z4,ffeffc,4"), "OK");  // the return address
+  stop = s.ask("c");
+  EXPECT_TRUE(has(stop, "awatch:00ffeffc;") && has(stop, "09:0000100c")) << stop;
+  EXPECT_EQ(s.ask("z4,ffeffc,4"), "OK");
+  EXPECT_EQ(s.ask("Z3,ffeffc,4"), "OK");
+  stop = s.ask("c");
+  EXPECT_TRUE(has(stop, "rwatch:00ffeffc;") && has(stop, "09:0000100a")) << stop;
+  EXPECT_EQ(s.ask("z3,ffeffc,4"), "OK");
+  EXPECT_EQ(s.ask("Z2,ffe100,2"), "OK");
+  stop = s.ask("bc");
+  EXPECT_TRUE(has(stop, "watch:00ffe100;") && has(stop, "09:00001004")) << stop;
+  EXPECT_EQ(chip.peek16(0xffe100), 0xa5a5);
+}
+
+TEST(Gdb, InterruptErrorsAndTheEnd) {
+  Chip chip = small_chip();
+  Session s(chip);
+  s.feed(gdb_frame("c"));
+  s.server.run(500);
+  EXPECT_TRUE(s.server.running());
+  s.feed("\x03");
+  EXPECT_TRUE(s.answer().starts_with("T02"));
+  EXPECT_FALSE(s.server.running());
+  EXPECT_EQ(s.ask("Mffe200,2:0001"), "OK");  // not an instruction
+  EXPECT_TRUE(s.ask("cffe200").starts_with("T04"));
+  EXPECT_EQ(s.ask("vMustReplyEmpty"), "");
+  EXPECT_EQ(s.ask("qAttached"), "1");
+  EXPECT_EQ(s.ask("qfThreadInfo"), "m1");
+  EXPECT_EQ(s.ask("Hg0"), "OK");
+  EXPECT_TRUE(has(s.ask("qXfer:features:read:target.xml:0,fff"), ">h8300s<"));
+  EXPECT_TRUE(has(s.server.monitor("states"), "states"));
+  EXPECT_TRUE(has(s.server.monitor("nonsense"), "monitor help"));
+  s.server.monitor("reset");
+  EXPECT_EQ(chip.registers().pc, kCode);
+  EXPECT_EQ(s.ask("D"), "OK");
+  EXPECT_TRUE(s.server.finished());
+}
+
+TEST(Gdb, AcknowledgementsUntilSwitchedOff) {
+  Chip chip = small_chip();
+  GdbServer server(chip);
+  const auto exchange = [&](const std::string& bytes) {
+    server.feed({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+    return server.take_output();
+  };
+  EXPECT_EQ(exchange("$qC#b4"), "+$QC1#c5");
+  EXPECT_EQ(exchange("-"), "$QC1#c5");
+  EXPECT_EQ(exchange("$qC#00"), "-");
+  EXPECT_EQ(exchange("$QStartNoAckMode#b0"), "+$OK#9a");
+  EXPECT_EQ(exchange("$qC#b4"), "$QC1#c5");
+}
+
+TEST(Gdb, HostileBytesDoNoHarm) {
+  std::mt19937 random(7);
+  const std::vector<std::string> seeds = {"g",
+                                          "G00",
+                                          "p0",
+                                          "P0=1",
+                                          "m0,4",
+                                          "M0,1:00",
+                                          "X0,1:a",
+                                          "c",
+                                          "s",
+                                          "bs",
+                                          "bc",
+                                          "vCont;c",
+                                          "Z0,1000,2",
+                                          "Z2,ffe100,2",
+                                          "z0,1000,2",
+                                          "qSupported",
+                                          "qXfer:memory-map:read::0,100",
+                                          "qRcmd,68656c70",
+                                          "vFlashErase:0,400",
+                                          "vFlashWrite:0:abc",
+                                          "vFlashDone",
+                                          "T1",
+                                          "H",
+                                          "R00"};
+  Chip chip = busy_chip();
+  GdbServer server(chip, {1000, 4});
+  for (int n = 0; n < 4000; ++n) {
+    std::string packet = seeds[random() % seeds.size()];
+    for (unsigned k = random() % 4; k > 0; --k) {
+      const auto c = static_cast<char>(random());
+      if (random() % 2 && !packet.empty())
+        packet[random() % packet.size()] = c;
+      else
+        packet.insert(random() % (packet.size() + 1), 1 + random() % 9, c);
+    }
+    std::string bytes = gdb_frame(packet);
+    if (random() % 10 == 0) bytes[random() % bytes.size()] = static_cast<char>(random());
+    server.feed({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+    if (server.running()) server.run(200);
+    EXPECT_LT(server.take_output().size(), 4 * kMaxPacket);
+    if (server.finished()) break;
+  }
+  const std::string endless(3 * kMaxPacket, 'm');
+  GdbServer other(chip);
+  const std::string framed = gdb_frame(endless);
+  other.feed({reinterpret_cast<const std::uint8_t*>(framed.data()), framed.size()});
+  EXPECT_EQ(other.take_output(), "-");
+}
+
+TEST(Gdb, OverASocket) {
+  auto port = GdbPort::open("0");
+  ASSERT_TRUE(port.has_value()) << port.error().message;
+  ASSERT_GT(port->port(), 0);
+  std::thread gdb([number = port->port()] {
+    const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    to.sin_port = htons(static_cast<std::uint16_t>(number));
+    ASSERT_EQ(::connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+    GdbFraming framing;
+    std::vector<GdbInput> got;
+    const auto ask = [&](const std::string& bytes) -> std::string {
+      EXPECT_EQ(::write(fd, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+      got.clear();
+      std::array<std::uint8_t, 4096> buffer{};
+      while (got.empty()) {
+        const ssize_t n = ::read(fd, buffer.data(), buffer.size());
+        if (n <= 0) return "closed";
+        framing.feed({buffer.data(), static_cast<std::size_t>(n)}, got);
+      }
+      return got.back().data;
+    };
+    EXPECT_EQ(ask(gdb_frame("Z0,100c,2")), "OK");
+    EXPECT_TRUE(has(ask(gdb_frame("c")), "swbreak"));
+    EXPECT_TRUE(has(ask(gdb_frame("bs")), "09:00001008"));
+    EXPECT_EQ(ask(gdb_frame("z0,100c,2")), "OK");
+    // Runs until Ctrl-C.
+    EXPECT_EQ(::write(fd, "$c#63", 5), 5);
+    EXPECT_TRUE(ask("\x03").starts_with("T02"));
+    EXPECT_EQ(ask(gdb_frame("k")), "closed");
+    ::close(fd);
+  });
+  Chip chip = small_chip();
+  GdbServer server(chip);
+  const auto served = port->serve(server, 1000);
+  EXPECT_TRUE(served.has_value());
+  gdb.join();
+  EXPECT_TRUE(server.finished());
+}
+
+TEST(Gdb, PortsThatCannotBe) {
+  for (const char* where : {"", "65536", "12x", "-1", "/no/such/folder/socket"}) {
+    const auto port = GdbPort::open(where);
+    ASSERT_FALSE(port.has_value()) << where;
+    EXPECT_FALSE(port.error().message.empty());
+  }
+}
+
+}  // namespace
+}  // namespace kaz::h8s::testing
