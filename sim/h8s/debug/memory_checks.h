@@ -1,0 +1,69 @@
+// How deep the stack goes, and reads of RAM that nobody has written.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <bitset>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "sim/h8s/debug/call_stack.h"
+
+namespace kaz::h8s {
+
+// The lowest ER7 since it was attached, and who had called whom then.
+class StackMeter final : public CallStack {
+ public:
+  explicit StackMeter(const Chip& chip) : CallStack(chip) {}
+
+  std::uint32_t lowest() const { return lowest_; }
+  // Bytes from the highest ER7 seen at or above `lowest` down to it. A program that sets its stack
+  // pointer once has this as its use.
+  std::uint32_t used() const { return highest_ < lowest_ ? 0 : highest_ - lowest_; }
+  // Outermost first; interrupts among them.
+  const std::vector<Frame>& chain() const { return chain_; }
+  States at() const { return at_; }
+  std::string text() const;
+
+ private:
+  void begun(Frame&) override { look(chip_.now()); }
+  void spent(const Executed& e) override { look(e.end); }
+  void look(States at);
+
+  std::uint32_t lowest_ = 0xffffffff, highest_ = 0;
+  std::vector<Frame> chain_;
+  States at_ = 0;
+};
+
+struct UninitialisedRead {
+  std::uint32_t address = 0;
+  std::uint32_t pc = 0;
+  States at = 0;
+};
+
+// RAM counts as not initialised from the power-on on, or from the construction of this object,
+// until the program or somebody from outside (Chip::poke, restore) writes it. One report for each
+// instruction that reads such a byte, the first time.
+class UninitialisedReads final : public Observer {
+ public:
+  explicit UninitialisedReads(const Chip& chip) : chip_(chip) {}
+
+  const std::vector<UninitialisedRead>& reads() const { return reads_; }
+  std::string text() const;
+
+  void accessed(const Access& access) override;
+  void was_reset(ResetCause cause, States at) override;
+  void changed(std::uint32_t address, std::uint32_t size) override;
+
+ private:
+  // By the low 13 bits of the address; RAM lies in the upper 8 KiB.
+  static std::size_t place(std::uint32_t address) { return address & 0x1fff; }
+  static bool is_ram(std::uint32_t address);
+
+  const Chip& chip_;
+  std::bitset<0x2000> written_;
+  std::unordered_set<std::uint32_t> reported_;
+  std::vector<UninitialisedRead> reads_;
+};
+
+}  // namespace kaz::h8s

@@ -1,0 +1,43 @@
+// A line of text for each instruction: time, place, text, and what it changed.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <ostream>
+#include <string>
+
+#include "sim/h8s/debug/observer.h"
+
+namespace kaz::h8s {
+
+// "     1234  001006  _main+0x6  mov.w r0,@0xffe100:16  ccr=80  [ffe100]=0005"
+// State at its beginning, address, symbol, instruction, registers that differ afterwards, bus
+// accesses ("=" for writes, "->" for reads). Interrupts, sleep and resets have lines of their own.
+class Trace final : public Observer {
+ public:
+  // To `out` as it happens.
+  Trace(const Chip& chip, std::ostream& out);
+  // The last `lines` only, for text().
+  Trace(const Chip& chip, std::size_t lines);
+
+  std::string text() const;
+
+  void before(std::uint32_t pc, States at) override;
+  void executed(const Executed& e) override;
+  void accessed(const Access& access) override;
+  void entered(const ExceptionEntry& e) override;
+  void slept(States from, States to) override;
+  void was_reset(ResetCause cause, States at) override;
+
+ private:
+  void line(std::string text);
+
+  const Chip& chip_;
+  std::ostream* out_ = nullptr;
+  std::size_t kept_ = 0;
+  std::deque<std::string> lines_;
+  Registers before_;
+  std::string text_, accesses_;
+};
+
+}  // namespace kaz::h8s
