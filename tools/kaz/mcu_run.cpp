@@ -47,27 +47,6 @@ bool healthy(h8s::Stop::Reason reason) {
   return reason == h8s::Stop::Reason::reached || reason == h8s::Stop::Reason::asleep_forever;
 }
 
-// One line an instruction: time in states, address, text, the registers it starts from.
-void print_next(const h8s::Chip& chip) {
-  const h8s::Registers r = chip.registers();
-  const auto now = static_cast<long long>(chip.now());
-  if (chip.asleep()) {
-    std::fprintf(stderr, "%12lld  asleep\n", now);
-  } else {
-    std::fprintf(stderr, "%12lld  %06x  %-32s ccr=%02x er0=%08x er1=%08x sp=%08x\n", now, r.pc,
-                 chip.disassemble(r.pc).c_str(), r.ccr, r.er[0], r.er[1], r.er[7]);
-  }
-}
-
-h8s::Stop trace_until(h8s::Chip& chip, h8s::States until) {
-  h8s::Stop stop;
-  while (chip.now() < until && stop.reason == h8s::Stop::Reason::reached) {
-    print_next(chip);
-    stop = chip.step();
-  }
-  return stop;
-}
-
 void print_misuse(const h8s::Chip& chip) {
   for (const h8s::Misuse& misuse : chip.misuse()) {
     std::fprintf(stderr, "misuse: %s (register %06x, from %s, %lld times, first at state %lld)\n",
@@ -179,6 +158,8 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
   chosen.engine = options.engine;
   chosen.mode = options.mode;
   h8s::Chip chip(chosen);
+  const auto debug = McuDebug::attach(chip, image->symbols, options.debug);
+  if (!debug) return tl::unexpected(debug.error());
   if (const auto started = start(chip, options, *image); !started)
     return tl::unexpected(started.error());
   chip.on_transmit([](int sci, const h8s::TransmittedByte& byte) {
@@ -198,13 +179,21 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   const h8s::States until =
       options.max_states.value_or(static_cast<h8s::States>(options.crystal_hz));
-  const h8s::Stop stop =
-      options.trace ? trace_until(chip, until) : run_until(chip, until, options.json, feeder);
+  if (!options.debug.gdb.empty()) {
+    if (const auto served = serve_gdb(chip, options.debug.gdb); !served)
+      return tl::unexpected(served.error());
+    if (const auto reported = (*debug)->report(); !reported)
+      return tl::unexpected(reported.error());
+    return true;
+  }
+  const h8s::Stop stop = run_until(chip, until, options.json, feeder);
   const double wall_s = Seconds(std::chrono::steady_clock::now() - begin).count();
   if (const auto closed = attached.close(); !closed) return tl::unexpected(closed.error());
   if (std::fflush(stdout) != 0)
     return fail(Fault::environment,
                 std::string("cannot write standard output: ") + std::strerror(errno));
+
+  if (const auto reported = (*debug)->report(); !reported) return tl::unexpected(reported.error());
 
   const double chip_s = static_cast<double>(chip.now()) / options.crystal_hz;
   if (options.json) {

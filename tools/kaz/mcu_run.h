@@ -10,6 +10,7 @@
 #include "shared/base/result.hpp"
 #include "sim/h8s/image.h"
 #include "sim/h8s/options.h"
+#include "tools/kaz/mcu_debug.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
@@ -31,7 +32,7 @@ struct McuRunOptions {
   std::string input;                               // file with bytes for RxD0, "-": standard input
   std::string netlist, vcd;                        // files; empty: none
   std::vector<std::string> signals{"pins", "pc"};  // of the recording
-  bool trace = false;
+  McuDebugOptions debug;                           // chip only
   bool json = false;
 };
 

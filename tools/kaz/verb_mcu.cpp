@@ -114,6 +114,42 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
       ->type_name("");
 }
 
+// All of them are for the chip, not for the flat machine.
+void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
+  verb.add_flag("--trace{-}", debug.trace,
+                "each instruction with what it changes, on standard error or to --trace=FILE")
+      ->excludes("--flat")
+      ->type_name("");
+  auto* profile =
+      verb.add_flag("--profile{-}", debug.profile,
+                    "states by function at the end, on standard error or to --profile=FILE")
+          ->excludes("--flat")
+          ->type_name("");
+  verb.add_option("--profile-format", debug.profile_format,
+                  "text, json or callgrind (for KCachegrind)")
+      ->check(CLI::IsMember({"text", "json", "callgrind"}).description(""))
+      ->capture_default_str()
+      ->needs(profile)
+      ->type_name("");
+  verb.add_option("--tick", debug.tick,
+                  "BEGIN,END: labels around a tick; the profile tells the worst one")
+      ->needs(profile)
+      ->type_name("");
+  verb.add_option("--coverage", debug.coverage,
+                  "write lcov's tracefile there, and a table by function on standard error")
+      ->excludes("--flat")
+      ->type_name("");
+  verb.add_flag("--check-uninitialised", debug.check_uninitialised,
+                "report reads of RAM that nobody has written")
+      ->excludes("--flat");
+  verb.add_flag("--stack", debug.stack, "report how deep the stack went, and in which calls")
+      ->excludes("--flat");
+  verb.add_option("--gdb", debug.gdb,
+                  "wait for GDB on this TCP port, at this path (a Unix socket) or on -")
+      ->excludes("--flat")
+      ->type_name("");
+}
+
 void add_bare_run(CLI::App& mcu, Action& action) {
   auto* verb = mcu.add_subcommand("run", "the bare emulator on any image, no board around it");
   auto options = std::make_shared<McuRunOptions>();
@@ -150,8 +186,7 @@ void add_bare_run(CLI::App& mcu, Action& action) {
       ->delimiter(',')
       ->needs(vcd)
       ->type_name("NAMES");
-  verb->add_flag("--trace", options->trace, "each instruction on standard error")
-      ->excludes("--flat");
+  add_debug_options(*verb, options->debug);
   verb->add_flag("--json", options->json, "print the summary as JSON on standard output")
       ->excludes("--semihost");
   verb->footer(
@@ -163,6 +198,9 @@ void add_bare_run(CLI::App& mcu, Action& action) {
       "  kaz mcu run build/release/firmware/kaz.coff --max-states 2000 --trace\n"
       "  kaz mcu run --entry program.coff\n"
       "  kaz mcu run program.coff --netlist board.net --vcd run.vcd --signals P50,TMO0,pc\n"
+      "  kaz mcu run kaz.coff --profile --tick kz_tick_begin,kz_tick_end --stack\n"
+      "  kaz mcu run kaz.coff --profile=out.callgrind --profile-format callgrind\n"
+      "  kaz mcu run kaz.coff --gdb 1234   (then in GDB: target remote localhost:1234)\n"
       "  kaz mcu run --flat --semihost --count program.coff");
   verb->callback([&action, options] { action = [options] { return run_mcu(*options); }; });
 }
