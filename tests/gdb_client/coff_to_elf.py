@@ -65,17 +65,18 @@ def write_elf(entry, sections, symbols):
     body, headers, programs = b"", [bytes(40)], []
     for k, (_, run, size, contents, flags) in enumerate(rows):
         kind = 1 if contents else 8
-        headers.append(struct.pack(">IIIIIIIIII", name_at[k], kind, flags, run, body_at + len(body), size, 0, 0,
-                                   2, 0))
+        headers.append(struct.pack(">IIIIIIIIII", name_at[k], kind, flags, run,
+                                   body_at + len(body), size, 0, 0, 2, 0))
         if contents:
-            programs.append(struct.pack(">IIIIIIII", 1, body_at + len(body), run, sections[k][1], size, size, 7, 2))
+            programs.append(struct.pack(">IIIIIIII", 1, body_at + len(body), run, sections[k][1],
+                                        size, size, 7, 2))
         body += contents or b""
     n = len(rows)
     for kind, table, link, info, entry_size, name in ((2, symtab, n + 2, locals_count, 16, name_at[n]),
                                                       (3, strtab, 0, 0, 0, name_at[n + 1]),
                                                       (3, names, 0, 0, 0, name_at[n + 2])):
-        headers.append(struct.pack(">IIIIIIIIII", name, kind, 0, 0, body_at + len(body), len(table), link, info,
-                                   1, entry_size))
+        headers.append(struct.pack(">IIIIIIIIII", name, kind, 0, 0, body_at + len(body), len(table),
+                                   link, info, 1, entry_size))
         body += table
     head = b"\x7fELF\x01\x02\x01" + bytes(9)
     # Flags: H8S in advanced mode.

@@ -200,8 +200,9 @@ def main():
                 shown = time.monotonic()
                 print(f"{counted()} of {args.count}: {tally}", flush=True)
     wrong = counted() - tally.get("ok", 0) - tally.get("compiler", 0)
-    print(f"{counted()} programs agree at -O0 but for {wrong}; at -O2 {tally.get('compiler', 0)} differ by the "
-          f"compiler; {tally.get('discarded', 0)} discarded")
+    print(f"{counted()} programs agree at -O0 but for {wrong}; "
+          f"at -O2 {tally.get('compiler', 0)} differ by the compiler; "
+          f"{tally.get('discarded', 0)} discarded")
     return 1 if wrong else 0
 
 

@@ -77,7 +77,8 @@ void Machine::advance(Source source, States to) {
 }
 
 // Where a module's event does no more than raise a request, the CPU need not stop before the
-// boundary at which that could be taken, by the CPU or the DTC; what the event changes is made up for when it is looked at.
+// boundary at which that could be taken, by the CPU or the DTC; what the event changes is made up for
+// when it is looked at.
 States Machine::stop_for(Source source, States event) const {
   States request = event;
   if (source == Source::adc)

@@ -33,7 +33,7 @@ std::string text_of(const Chip& chip, const Registers& r, unsigned n) {
   if (n == kCycles) return hex32(static_cast<std::uint32_t>(states));
   if (n == kTick) return hex32(static_cast<std::uint32_t>(states >> 32));
   if (n == kInst) return hex32(static_cast<std::uint32_t>(chip.instructions()));
-  return "xxxxxxxx";
+  return "00000000";
 }
 
 struct Range {

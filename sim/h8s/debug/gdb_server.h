@@ -16,7 +16,8 @@ namespace kaz::h8s {
 
 // Registers in the order of GDB's h8300s target, 4 bytes each, big-endian (the `g` packet):
 //   0-7 er0..er6, sp   8 ccr   9 pc   10 cycles: states since power-on, low 32 bits   11 exr
-//   12 tick: states, high 32 bits   13 inst: instructions executed   14, 15 mach, macl: not there
+//   12 tick: states, high 32 bits   13 inst: instructions executed   14, 15 mach, macl: 0
+// (this CPU has none, but GDB gives up printing registers where one is missing)
 // Writable: 0-9 and 11. GDB is to be told `set architecture h8300s` if it does not take it from
 // target.xml.
 //

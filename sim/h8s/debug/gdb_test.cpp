@@ -77,7 +77,7 @@ TEST(Gdb, RegistersInTheOrderOfTheTarget) {
   Session s(chip);
   EXPECT_EQ(s.ask("g"),
             "0000000011111111222222223333333344444444555555556666666600fff000"
-            "0000008500001000000000000000007f0000000000000000xxxxxxxxxxxxxxxx");
+            "0000008500001000000000000000007f00000000000000000000000000000000");
   EXPECT_EQ(s.ask("p9"), "00001000");
   EXPECT_EQ(s.ask("P3=deadbeef"), "OK");
   EXPECT_EQ(chip.registers().er[3], 0xdeadbeefu);
