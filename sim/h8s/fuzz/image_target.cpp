@@ -37,6 +37,8 @@ std::string check(const Result<Image>& image) {
 std::string image(Bytes input) {
   const std::string_view text(reinterpret_cast<const char*>(input.data()), input.size());
   if (std::string wrong = check(parse_srecord(text, "fuzz")); !wrong.empty()) return wrong;
+  if (std::string wrong = check(parse_intel_hex(text, "fuzz")); !wrong.empty()) return wrong;
+  if (std::string wrong = check(parse_elf(input, "fuzz")); !wrong.empty()) return wrong;
   return check(parse_coff(input, "fuzz"));
 }
 

@@ -29,6 +29,14 @@ namespace {
   return kaz::h8s::fuzz::chip(input);
 }
 
+[[maybe_unused]] std::string gdb(kaz::h8s::fuzz::Bytes input) {
+  return kaz::h8s::fuzz::gdb(input);
+}
+
+[[maybe_unused]] std::string netlist(kaz::h8s::fuzz::Bytes input) {
+  return kaz::h8s::fuzz::netlist(input);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

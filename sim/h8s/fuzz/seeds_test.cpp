@@ -48,6 +48,13 @@ TEST(FuzzSeeds, Flipped) {
   replay("flipped", [&](Bytes input) { return flipped(base, input); });
 }
 
+TEST(FuzzSeeds, Gdb) {
+  replay("gdb", gdb);
+}
+TEST(FuzzSeeds, Netlist) {
+  replay("netlist", netlist);
+}
+
 // A fixed stream of inputs; the fuzzer finds better ones, but not in every build.
 TEST(FuzzRandom, ChipStaysTheSameInEveryEngine) {
   std::mt19937 random(7);

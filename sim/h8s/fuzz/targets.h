@@ -15,6 +15,12 @@ using Bytes = std::span<const std::uint8_t>;
 // The bytes as an image file of each format; what loads is put on a chip and run a little.
 std::string image(Bytes input);
 
+// The bytes as packets from GDB, line by line, to a chip that runs.
+std::string gdb(Bytes input);
+
+// The bytes as the text of a netlist around a chip that runs.
+std::string netlist(Bytes input);
+
 // The bytes as flash, RAM and events at the pins, run by every engine side by side.
 std::string chip(Bytes input);
 
