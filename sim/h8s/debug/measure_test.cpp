@@ -135,6 +135,22 @@ TEST(Stack, DeepestPointAndItsCalls) {
   EXPECT_NE(stack.text().find("8 bytes"), std::string::npos);
 }
 
+// Before `mov.l #0xfff000,er7` the pointer leads into flash, which is no stack.
+TEST(Stack, BeginsWhereTheProgramSetsIt) {
+  Program p;
+  p.words({0x7a07, 0x00ff, 0xf000, 0x6df0});  // mov.l #0xfff000,er7 ; push.w r0
+  p.stay();
+  Chip chip = make_chip(p);
+  Registers r = chip.registers();
+  r.er[7] = 0;
+  chip.set_registers(r);
+  StackMeter stack(chip);
+  chip.attach(stack);
+  chip.run_until(60);
+  EXPECT_EQ(stack.lowest(), 0xffeffeu);
+  EXPECT_EQ(stack.used(), 2u);
+}
+
 TEST(Uninitialised, FirstReadOnceForEachInstruction) {
   Program p;
   p.words({0x6a88, 0xe101});  // mov.b r0l,@0xffe101:16

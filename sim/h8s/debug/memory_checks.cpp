@@ -7,10 +7,20 @@
 
 namespace kaz::h8s {
 
+namespace {
+
+bool is_ram(std::uint32_t address) {
+  const std::uint32_t a = address & 0xffff;
+  if (address > 0xffff && address < 0xff0000) return false;
+  return (a >= 0xe080 && a < 0xf000) || (a >= 0xff00 && a < 0xff80);
+}
+
+}  // namespace
+
 void StackMeter::look(States at) {
   const std::uint32_t sp = chip_.registers().er[7] & 0xffffff;
-  // Before the program has set its stack pointer it is 0.
-  if (!chip_.peek(sp) && !chip_.peek(sp - 1)) return;
+  // Before the program has set its stack pointer it leads anywhere.
+  if (!is_ram(sp) && !is_ram(sp - 1)) return;
   highest_ = std::max(highest_, sp);
   // A call lowers ER7 and then begins its frame, at the same moment.
   if (sp > lowest_ || (sp == lowest_ && at != at_)) return;
@@ -32,12 +42,6 @@ std::string StackMeter::text() const {
     out += line;
   }
   return out;
-}
-
-bool UninitialisedReads::is_ram(std::uint32_t address) {
-  const std::uint32_t a = address & 0xffff;
-  if (address > 0xffff && address < 0xff0000) return false;
-  return (a >= 0xe080 && a < 0xf000) || (a >= 0xff00 && a < 0xff80);
 }
 
 void UninitialisedReads::accessed(const Access& access) {

@@ -58,7 +58,6 @@ class UninitialisedReads final : public Observer {
  private:
   // By the low 13 bits of the address; RAM lies in the upper 8 KiB.
   static std::size_t place(std::uint32_t address) { return address & 0x1fff; }
-  static bool is_ram(std::uint32_t address);
 
   const Chip& chip_;
   std::bitset<0x2000> written_;
