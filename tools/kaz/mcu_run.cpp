@@ -162,6 +162,11 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
   if (!debug) return tl::unexpected(debug.error());
   if (const auto started = start(chip, options, *image); !started)
     return tl::unexpected(started.error());
+  if (options.entry.empty() && chip.peek32(0).value_or(0) == 0xffffffff)
+    return fail(Fault::usage,
+                options.image +
+                    ": nothing stands at the reset vector (address 0): --entry starts at "
+                    "the image's entry address, --flat runs it without a chip");
   chip.on_transmit([](int sci, const h8s::TransmittedByte& byte) {
     if (sci == 0) std::fputc(byte.value, stdout);
   });
@@ -207,7 +212,11 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
     std::printf("%s\n", result.dump(2).c_str());
   } else {
     print_misuse(chip);
-    if (!stop.report.empty()) std::fprintf(stderr, "%s\n", stop.report.c_str());
+    // A program that has ended in SLEEP has not crashed: its first line says it all.
+    if (healthy(stop.reason) && !stop.report.empty())
+      std::fprintf(stderr, "%s\n", stop.report.substr(0, stop.report.find('\n')).c_str());
+    else if (!stop.report.empty())
+      std::fprintf(stderr, "%s\n", stop.report.c_str());
     std::fprintf(stderr, "%s after %lld states: %.3f s of the chip in %.3f s, %.0f times real\n",
                  name_of(stop.reason), static_cast<long long>(chip.now()), chip_s, wall_s,
                  wall_s > 0 ? chip_s / wall_s : 0);

@@ -16,6 +16,34 @@
 namespace kaz::tools {
 namespace {
 
+// CLI11's own checks answer with the limits of their types.
+const CLI::Validator kCountAboveZero(
+    [](std::string& text) {
+      const bool digits = !text.empty() && text.size() < 19 &&
+                          text.find_first_not_of("0123456789") == std::string::npos;
+      return digits && text.find_first_not_of('0') != std::string::npos
+                 ? std::string{}
+                 : "'" + text + "' is not a whole number above 0, such as 1000000";
+    },
+    "INT");
+
+// A name for an enumerator.
+template <class T>
+CLI::Validator one_of(const std::map<std::string, T>& values) {
+  return CLI::Validator(
+      [values](std::string& text) {
+        const auto found = values.find(text);
+        if (found != values.end()) {
+          text = std::to_string(static_cast<int>(found->second));
+          return std::string{};
+        }
+        std::string names;
+        for (const auto& [name, value] : values) names += (names.empty() ? "" : ", ") + name;
+        return "'" + text + "' is none of " + names;
+      },
+      "");
+}
+
 struct CompareArguments {
   sim::CompareOptions options;
   bool json = false;
@@ -90,15 +118,15 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
                 "print insns=N and states=N at the end, on standard error");
   verb.add_option("--max-states", options.max_states,
                   "stop there; one second of the chip if not given, no limit with --flat")
-      ->check(CLI::PositiveNumber);
+      ->check(kCountAboveZero);
   verb.add_option("--max-insns", options.max_insns, "with --flat: stop there")
-      ->check(CLI::PositiveNumber)
+      ->check(kCountAboveZero)
       ->needs("--flat");
   const std::map<std::string, h8s::Engine> engines{{"reference", h8s::Engine::reference},
                                                    {"interpreter", h8s::Engine::interpreter},
                                                    {"translator", h8s::Engine::translator}};
   verb.add_option("--engine", options.engine, "reference, interpreter or translator (the default)")
-      ->transform(CLI::CheckedTransformer(engines).description(""))
+      ->transform(one_of(engines))
       ->type_name("");
   verb.add_option("--mode", options.mode, "mode pins: 2 advanced (24-bit), 3 normal (16-bit)")
       ->check(CLI::IsMember({2, 3}))
@@ -163,7 +191,7 @@ void add_bare_run(CLI::App& mcu, Action& action) {
                                                    {"raw", h8s::Format::raw}};
   verb->add_option("--format", options->load.format,
                    "coff, elf, srec, ihex or raw; told by the contents if not given")
-      ->transform(CLI::CheckedTransformer(formats).description(""))
+      ->transform(one_of(formats))
       ->type_name("");
   verb->add_option("--address", options->load.address, "of a raw image's first byte, and its entry")
       ->check(CLI::Range(0, 0xffffff))

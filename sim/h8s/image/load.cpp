@@ -1,5 +1,6 @@
 // Reading an image file of whatever format.
 // SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -38,6 +39,9 @@ Result<Image> raw(std::vector<std::uint8_t> bytes, const std::string& path,
 }  // namespace
 
 Result<Image> load_image(const std::string& path, const LoadOptions& options) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    return fail(path + ": is a folder; give the image file in it");
   std::ifstream file(path, std::ios::binary);
   if (!file) return fail(path + ": cannot open the file");
   file.seekg(0, std::ios::end);
