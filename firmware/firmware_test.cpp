@@ -13,6 +13,7 @@
 #include "shared/board/table.h"
 #include "shared/protocol/messages.h"
 #include "sim/h8s/chip.h"
+#include "sim/mcu/h8_layout.h"
 #include "sim/mcu/h8_mcu.h"
 #include "sim/mcu/walking_load.h"
 
@@ -175,9 +176,10 @@ TEST_F(Firmware, AHangingTickIsResetWithTheMotorsOff) {
   run(9 * ms);
   EXPECT_EQ(mcu->pins().p4 & KZ_P4_ENABLE, 0);
   EXPECT_EQ(chip().reset_cause(), h8s::ResetCause::watchdog);
-  u8 cause = KZ_RESET_POWER;
-  mcu->on_tick([&](const TickRecord& tick) { cause = tick.input.reset_cause; });
   run(100 * ms);
+  const auto found = mcu->global("kz_startup_found", h8_layout::startup_size);
+  const u8 cause =
+      h8_layout::decode_startup(std::span<const u8, h8_layout::startup_size>(found)).reset_cause;
   EXPECT_EQ(cause, KZ_RESET_WATCHDOG);
 }
 

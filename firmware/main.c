@@ -11,6 +11,7 @@
 kz_tick_input kz_input;
 kz_tick_output kz_output;
 kz_servo kz_servo_state;
+kz_startup kz_startup_found;
 
 // kz_tick(&kz_servo_state, &kz_input, &kz_output), between two labels (start.S).
 void kz_tick_begin(void);
@@ -23,7 +24,7 @@ static void start_modules(void) {
 // Only what has changed since the last tick; the rest stays.
 static void take_snapshot(u8 ticks) {
   kz_input.tick += ticks;
-  kz_input.missed = (u8)(ticks - 1);
+  kz_input.missed = (u16)(ticks - 1);
   kz_analog_take(kz_input.analog);
   kz_serial_take(&kz_input);
   kz_input.tx_room = kz_serial_room();
@@ -51,9 +52,10 @@ void kz_main(u16 image_crc) {
   kz_pins_init();
   kz_serial_init();
   kz_analog_init();
-  kz_servo_init(&kz_servo_state, &kz_output);
-  kz_input.image_crc = image_crc;
-  kz_input.reset_cause = (SYSCR & SYSCR_XRST) ? KZ_RESET_POWER : KZ_RESET_WATCHDOG;
+  kz_startup_nominal(&kz_startup_found);
+  kz_startup_found.image_crc = image_crc;
+  kz_startup_found.reset_cause = (SYSCR & SYSCR_XRST) ? KZ_RESET_POWER : KZ_RESET_WATCHDOG;
+  kz_servo_init(&kz_servo_state, &kz_startup_found, &kz_output);
   kz_input.tick = 0xFFFFFFFFUL;  // the first tick is number 0
 
   kz_watchdog_start();

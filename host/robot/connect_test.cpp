@@ -82,7 +82,7 @@ TEST(Connect, AnotherProtocolVersion) {
   answer_with(board, [](kz_identify_reply& reply) { reply.protocol_version = 9; });
   EXPECT_EQ(
       connect_error(board),
-      "the board on test-port speaks protocol version 9 and this program version 1: flash firmware "
+      "the board on test-port speaks protocol version 9 and this program version 2: flash firmware "
       "of this release, or use the program of that one");
 }
 
@@ -92,10 +92,10 @@ TEST(Connect, AnotherProtocolVersionWithAnotherReply) {
   board.mute = true;
   board.to_board = [&](TestBoard::Bytes request) {
     const std::uint8_t sequence = request[4];  // 00, stuffing, address, type, sequence
-    board.inject(framed({1, 0x81, sequence, 0, 0, 0, 7, 2, 99, 99}));
+    board.inject(framed({1, 0x81, sequence, 0, 0, 0, 7, 3, 99, 99}));
     return TestBoard::Bytes{};
   };
-  EXPECT_NE(connect_error(board).find("speaks protocol version 2"), std::string::npos);
+  EXPECT_NE(connect_error(board).find("speaks protocol version 3"), std::string::npos);
 }
 
 TEST(Connect, AnotherRobot) {

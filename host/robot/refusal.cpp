@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "host/robot/frame_log.h"
+#include "shared/protocol/message_info.h"
 
 namespace kaz::host {
 
@@ -57,13 +58,9 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
               joint_name(refusal.detail) +
                   " was not moved: its motor is off; enable it first (after a fault, again)"};
     case KZ_REFUSED_FAULT:
-      return {
-          Fault::environment,
-          "the board refused " + request + ": " +
-              (refusal.detail < KZ_JOINTS
-                   ? "the potentiometer of " + joint_name(refusal.detail) +
-                         " is open or short; check its cable"
-                   : std::string("the supply of the motors is out of range; check the battery"))};
+      return {Fault::environment, "the board refused " + request + ": " +
+                                      kz_shutdown_text(refusal.detail) +
+                                      "; mend that, then clear the shutdown"};
     case KZ_REFUSED_BUSY:
       return {Fault::environment,
               "the board refused " + request + ": it is still sending the previous reply"};
@@ -76,15 +73,14 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
 
 std::optional<std::string> fault_sentence(std::uint16_t status) {
   std::string faults;
-  const auto name = [&](std::uint16_t flag, const char* text) {
-    if (status & flag) faults += (faults.empty() ? "" : "; ") + std::string(text);
-  };
-  name(KZ_STATUS_LINK_WATCHDOG, "motors went off because the host was silent for too long");
-  name(KZ_STATUS_POT_FAULT,
-       "motors went off because a potentiometer is open or short: check its cable");
-  name(KZ_STATUS_SUPPLY_FAULT,
-       "motors went off because their supply is out of range: check battery");
-  name(KZ_STATUS_MISSED_TICK, "a control cycle took longer than 1 ms");
+  const auto reason = static_cast<std::uint8_t>(status >> 8);
+  if (reason != KZ_SHUTDOWN_NONE) {
+    faults = std::string(status & KZ_STATUS_HOLDING ? "motors hold" : "motors went off") + ": " +
+             kz_shutdown_text(reason);
+  }
+  if (status & KZ_STATUS_MISSED_TICK) {
+    faults += (faults.empty() ? "" : "; ") + std::string("a control cycle took longer than 1 ms");
+  }
   if (faults.empty()) return std::nullopt;
   return "the board reports: " + faults;
 }

@@ -153,6 +153,11 @@ Clock& Robot::clock() {
 }
 
 Result<void> Robot::enable(std::uint32_t mask) {
+  if (mask != 0) {
+    const auto cleared =
+        parts_->ask(KZ_TYPE_clear, kz_clear{}, kz_pack_clear, kz_unpack_clear_reply);
+    if (!cleared) return tl::unexpected(cleared.error());
+  }
   const auto reply =
       parts_->ask(KZ_TYPE_enable, kz_enable{mask}, kz_pack_enable, kz_unpack_enable_reply);
   if (!reply) return tl::unexpected(reply.error());
@@ -169,13 +174,17 @@ Result<void> Robot::set_gains(std::uint32_t mask, const Gains& gains) {
   const auto kp = to_wire<u16>(gains.kp_per_rad * 256);
   const auto kd = to_wire<u16>(gains.kd_s_per_rad * 4096);
   const auto ramp = to_wire<u16>(gains.ramp_rad_per_s * 10);
-  if (!kp || !kd || !ramp || *ramp < 1) {
+  if (!kp || *kp > KZ_KP_MAX || !kd || *kd > KZ_KD_MAX || !ramp || *ramp < 1 ||
+      *ramp > KZ_RAMP_MAX) {
     return fail(Fault::usage,
-                "gains out of range: kp 0..255 /rad, kd 0..15 s/rad, ramp 0.1..6553 rad/s");
+                "gains out of range: kp 0..80 /rad, kd 0..1 s/rad, ramp 0.1..12 rad/s");
   }
-  const auto reply = parts_->ask(KZ_TYPE_gains, kz_gains{mask, *kp, *kd, *ramp}, kz_pack_gains,
+  const auto reply = parts_->ask(KZ_TYPE_gains, kz_gains{mask, *kp, *kd, 0, 0}, kz_pack_gains,
                                  kz_unpack_gains_reply);
   if (!reply) return tl::unexpected(reply.error());
+  const auto limited = parts_->ask(KZ_TYPE_limits, kz_limits{mask, *ramp, INT16_MIN, INT16_MAX},
+                                   kz_pack_limits, kz_unpack_limits_reply);
+  if (!limited) return tl::unexpected(limited.error());
   return {};
 }
 
@@ -224,8 +233,13 @@ Result<kz_heartbeat_reply> Robot::heartbeat(Time watchdog) {
   if (!limit || *limit > 100) {
     return fail(Fault::usage, "the link watchdog's limit must be 10 ms to 1 s");
   }
-  return parts_->ask(KZ_TYPE_heartbeat, kz_heartbeat{*limit}, kz_pack_heartbeat,
+  return parts_->ask(KZ_TYPE_heartbeat, kz_heartbeat{*limit, 0}, kz_pack_heartbeat,
                      kz_unpack_heartbeat_reply);
+}
+
+Result<kz_statistics_reply> Robot::board_statistics() {
+  return parts_->ask(KZ_TYPE_statistics, kz_statistics{}, kz_pack_statistics,
+                     kz_unpack_statistics_reply);
 }
 
 std::optional<Posture> Robot::posture_at(Time t) const {

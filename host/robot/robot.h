@@ -65,6 +65,8 @@ class Robot {
   Result<Posture> exchange(std::span<const JointTarget> targets, Time duration);
   // watchdog: new limit of the board's link watchdog, 10 ms..1 s; zero leaves it as it is.
   Result<kz_heartbeat_reply> heartbeat(Time watchdog = Time::zero());
+  // The board's counts since its reset.
+  Result<kz_statistics_reply> board_statistics();
 
   // Measured posture at an earlier moment, interpolated between the two nearest states; nothing if
   // the moment lies outside what is remembered (the last 5 s) or more than 100 ms from any state.
@@ -88,8 +90,7 @@ class Robot {
 };
 
 // Faults after which the motors are off until they are enabled again.
-inline constexpr std::uint16_t kMotorsOffFaults =
-    KZ_STATUS_LINK_WATCHDOG | KZ_STATUS_POT_FAULT | KZ_STATUS_SUPPLY_FAULT;
+inline constexpr std::uint16_t kMotorsOffFaults = 0xFF00;
 
 // Nothing if no fault is latched in `status`; else a sentence that names them and what to do.
 std::optional<std::string> fault_sentence(std::uint16_t status);

@@ -37,7 +37,11 @@ double next_random(std::uint64_t& state) {
 
 TestBoard::TestBoard(const Options& options)
     : options_(options), random_(options.seed), servo_(std::make_unique<kz_servo>()) {
-  kz_servo_init(servo_.get(), &output_);
+  {
+    kz_startup startup;
+    kz_startup_nominal(&startup);
+    kz_servo_init(servo_.get(), &startup, &output_);
+  }
   run_until(options.tick_offset + std::chrono::microseconds(10370));
 }
 

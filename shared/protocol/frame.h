@@ -23,7 +23,7 @@ extern "C" {
 #endif
 
 #define KZ_HEADER_SIZE 3   // address, type, sequence number
-#define KZ_PAYLOAD_MAX 64  // bytes of fields in one message
+#define KZ_PAYLOAD_MAX 96  // bytes of fields in one message
 #define KZ_BODY_MAX (KZ_HEADER_SIZE + KZ_PAYLOAD_MAX)
 // Longest frame: two zeros, one stuffing byte, the body, the check. A body is shorter than 254
 // bytes, so one stuffing byte is all that COBS adds.
@@ -38,7 +38,7 @@ u16 kz_crc16(u16 crc, u8 byte);
 #define KZ_RECEIVE_BAD_STUFFING 3  // a frame ended in the middle of a stuffed block
 #define KZ_RECEIVE_TOO_SHORT 4
 #define KZ_RECEIVE_TOO_LONG 5
-#define KZ_RECEIVE_LINE_ERROR 6  // a byte of the frame had a framing, parity or overrun error
+#define KZ_RECEIVE_LINE_ERROR 6  // a byte of the frame had a framing or parity error
 
 // Takes bytes as they come: a few instructions for each, and one pass over the frame at its end.
 // Owns its buffer; no length from the wire is ever trusted.

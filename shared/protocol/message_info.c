@@ -9,8 +9,8 @@
 #define KZ_FIELD(type, name, unit, text) {#type, #name, unit, text, NULL, sizeof(type), 1},
 #define KZ_ARRAY(type, name, count, unit, text) \
   {#type, #name, unit, text, NULL, sizeof(type), count},
-#define KZ_MASKED(type, name, mask, unit, text) \
-  {#type, #name, unit, text, #mask, sizeof(type), KZ_JOINTS},
+#define KZ_MASKED(type, name, mask, most, unit, text) \
+  {#type, #name, unit, text, #mask, sizeof(type), (most)},
 #define KZ_END()                         \
   { NULL, NULL, NULL, NULL, NULL, 0, 0 } \
   }                                      \
@@ -47,9 +47,46 @@ const char* kz_refusal_text(u8 reason) {
     case KZ_REFUSED_DISABLED:
       return "joint is off";
     case KZ_REFUSED_FAULT:
-      return "a fault must go away first";
+      return "a shutdown is latched or its cause is present";
     case KZ_REFUSED_BUSY:
-      return "previous reply is still being sent";
+      return "too many requests under way";
+    case KZ_REFUSED_ARMED:
+      return "only while all motors are off";
+    case KZ_REFUSED_LOCKED:
+      return "only under bench unlock";
+    case KZ_REFUSED_SHARED_LINE:
+      return "not on a line with other boards";
+    case KZ_REFUSED_STORE:
+      return "flash could not be written";
+    default:
+      return "unknown reason";
+  }
+}
+
+const char* kz_shutdown_text(u8 reason) {
+  switch (reason) {
+    case KZ_SHUTDOWN_NONE:
+      return "none";
+    case KZ_SHUTDOWN_STOP:
+      return "emergency stop";
+    case KZ_SHUTDOWN_LINK_LOST:
+      return "no request came for too long";
+    case KZ_SHUTDOWN_POT:
+      return "potentiometer open or short";
+    case KZ_SHUTDOWN_UNDERVOLTAGE:
+      return "supply too low";
+    case KZ_SHUTDOWN_OVERVOLTAGE:
+      return "supply too high";
+    case KZ_SHUTDOWN_TEMPERATURE:
+      return "motor drivers too hot";
+    case KZ_SHUTDOWN_REFERENCE:
+      return "converter reads its reference wrong";
+    case KZ_SHUTDOWN_STALL:
+      return "motor stalled";
+    case KZ_SHUTDOWN_OVERLOAD:
+      return "motor overloaded";
+    case KZ_SHUTDOWN_SELF_TEST:
+      return "self-test failed";
     default:
       return "unknown reason";
   }
@@ -61,14 +98,18 @@ const char* kz_status_name(u16 flag) {
       return "ENABLED";
     case KZ_STATUS_MOVING:
       return "MOVING";
-    case KZ_STATUS_LINK_WATCHDOG:
-      return "LINK_WATCHDOG";
+    case KZ_STATUS_HOLDING:
+      return "HOLDING";
+    case KZ_STATUS_UNLOCKED:
+      return "UNLOCKED";
+    case KZ_STATUS_RAW_DRIVE:
+      return "RAW_DRIVE";
+    case KZ_STATUS_TELEMETRY:
+      return "TELEMETRY";
+    case KZ_STATUS_UNCALIBRATED:
+      return "UNCALIBRATED";
     case KZ_STATUS_MISSED_TICK:
       return "MISSED_TICK";
-    case KZ_STATUS_POT_FAULT:
-      return "POT_FAULT";
-    case KZ_STATUS_SUPPLY_FAULT:
-      return "SUPPLY_FAULT";
     default:
       return NULL;
   }

@@ -35,7 +35,9 @@ extern const u8 kz_message_count;
 const kz_message_info* kz_message_find(u8 code);
 // "out of range" for KZ_REFUSED_RANGE; never NULL.
 const char* kz_refusal_text(u8 reason);
-// "LINK_WATCHDOG" for KZ_STATUS_LINK_WATCHDOG: name of the flag with this one bit; NULL if there is
+// "emergency stop" for KZ_SHUTDOWN_STOP; never NULL.
+const char* kz_shutdown_text(u8 reason);
+// "HOLDING" for KZ_STATUS_HOLDING: name of the flag with this one bit; NULL if there is
 // none.
 const char* kz_status_name(u16 flag);
 

@@ -50,14 +50,18 @@ static inline u32 get_u32(const u8* from) {
     u8 i;                                                                \
     for (i = 0; i < (count); ++i) to = put_##type(to, message->name[i]); \
   }
-#define KZ_MASKED(type, name, mask, unit, text)            \
-  {                                                        \
-    u32 bits = message->mask;                              \
-    u8 i;                                                  \
-    for (i = 0; i < KZ_JOINTS; ++i) {                      \
-      if (bits & 1) to = put_##type(to, message->name[i]); \
-      bits >>= 1;                                          \
-    }                                                      \
+#define KZ_MASKED(type, name, mask, most, unit, text) \
+  {                                                   \
+    u32 bits = message->mask;                         \
+    u8 left = (most);                                 \
+    u8 i;                                             \
+    for (i = 0; i < KZ_JOINTS; ++i) {                 \
+      if ((bits & 1) && left != 0) {                  \
+        to = put_##type(to, message->name[i]);        \
+        --left;                                       \
+      }                                               \
+      bits >>= 1;                                     \
+    }                                                 \
   }
 #define KZ_END()            \
   return (u8)(to - fields); \
@@ -81,20 +85,52 @@ static inline u32 get_u32(const u8* from) {
       TAKE(type, message->name[i])              \
     }                                           \
   }
-#define KZ_MASKED(type, name, mask, unit, text) \
-  {                                             \
-    u32 bits = message->mask;                   \
-    u8 i;                                       \
-    for (i = 0; i < KZ_JOINTS; ++i) {           \
-      message->name[i] = 0;                     \
-      if (bits & 1) {                           \
-        TAKE(type, message->name[i])            \
-      }                                         \
-      bits >>= 1;                               \
-    }                                           \
+#define KZ_MASKED(type, name, mask, most, unit, text) \
+  {                                                   \
+    u32 bits = message->mask;                         \
+    u8 left = (most);                                 \
+    u8 i;                                             \
+    for (i = 0; i < KZ_JOINTS; ++i) {                 \
+      message->name[i] = 0;                           \
+      if ((bits & 1) && left != 0) {                  \
+        TAKE(type, message->name[i])                  \
+        --left;                                       \
+      }                                               \
+      bits >>= 1;                                     \
+    }                                                 \
   }
 #define KZ_NO_FIELDS() message->no_fields = 0;
 #define KZ_END()            \
   return (u8)(length == 0); \
+  }
+#include "shared/protocol/messages.def"
+
+// Functions, so that comparing with the end of a type's range is no mistake to a compiler.
+static inline u8 outside_u8(u8 value, u8 low, u8 high) {
+  return (u8)(value < low || value > high);
+}
+static inline u8 outside_u16(u16 value, u16 low, u16 high) {
+  return (u8)(value < low || value > high);
+}
+static inline u8 outside_s16(s16 value, s16 low, s16 high) {
+  return (u8)(value < low || value > high);
+}
+static inline u8 outside_u32(u32 value, u32 low, u32 high) {
+  return (u8)(value < low || value > high);
+}
+
+#define KZ_MESSAGE(name, code, text)                    \
+  u8 kz_check_##name(const struct kz_##name* message) { \
+    u8 field = 0;                                       \
+    (void)message;                                      \
+    (void)field;
+#define KZ_FIELD(type, name, unit, text) ++field;
+#define KZ_BOUNDED(type, name, low, high, unit, text)             \
+  if (outside_##type(message->name, (low), (high))) return field; \
+  ++field;
+#define KZ_ARRAY(type, name, count, unit, text) ++field;
+#define KZ_MASKED(type, name, mask, most, unit, text) ++field;
+#define KZ_END()       \
+  return KZ_IN_BOUNDS; \
   }
 #include "shared/protocol/messages.def"

@@ -11,29 +11,99 @@
 extern "C" {
 #endif
 
-#define KZ_PROTOCOL_VERSION 1
+#define KZ_PROTOCOL_VERSION 2
 #define KZ_REPLY 0x80         // bit of the type: from board to host
 #define KZ_ADDRESS_DEFAULT 1  // a board whose id block is empty
+#define KZ_ADDRESS_LAST 14
 #define KZ_ADDRESS_ALL 15
+#define KZ_KEY 0x4B5A  // "KZ": what is not to happen by accident asks for it
+#define KZ_ALL_JOINTS 0x3FFFF
 
-// Status flags.
-#define KZ_STATUS_ENABLED 0x0001        // at least one motor is on
-#define KZ_STATUS_MOVING 0x0002         // at least one ramp is still under way
-#define KZ_STATUS_LINK_WATCHDOG 0x0100  // latched: motors went off because the host was silent
-#define KZ_STATUS_MISSED_TICK 0x0200    // latched: a tick took too long
-#define KZ_STATUS_POT_FAULT 0x0400     // latched: a potentiometer is open or short, motors went off
-#define KZ_STATUS_SUPPLY_FAULT 0x0800  // latched: motor supply out of range, motors went off
-// The latched ones: an enable message with a non-empty mask clears them if their cause is gone.
-#define KZ_STATUS_FAULTS 0xFF00
+// Requests that may be under way at once: one being answered, one waiting.
+#define KZ_REQUESTS_UNDER_WAY 2
+// A repetition is recognised among so many requests done last.
+#define KZ_REQUESTS_REMEMBERED 4
+
+// Status: flags in the lower byte, in the upper one the reason why motors went off (KZ_SHUTDOWN_*).
+#define KZ_STATUS_ENABLED 0x0001       // at least one motor is on
+#define KZ_STATUS_MOVING 0x0002        // at least one ramp is still under way
+#define KZ_STATUS_HOLDING 0x0004       // the link watchdog holds the joints where they were
+#define KZ_STATUS_UNLOCKED 0x0008      // bench unlock
+#define KZ_STATUS_RAW_DRIVE 0x0010     // a motor is driven without its loop
+#define KZ_STATUS_TELEMETRY 0x0020     // frames are sent unasked
+#define KZ_STATUS_UNCALIBRATED 0x0040  // no valid calibration in flash: nominal values
+#define KZ_STATUS_MISSED_TICK 0x0080   // a tick took too long; until `clear`
+
+// Reasons, latched until `clear`: only the first of several is kept. LINK_LOST with HOLDING leaves the
+// motors on; everything else switches them off.
+#define KZ_SHUTDOWN_NONE 0
+#define KZ_SHUTDOWN_STOP 1          // the host's emergency stop
+#define KZ_SHUTDOWN_LINK_LOST 2     // no sound request came for too long
+#define KZ_SHUTDOWN_POT 3           // potentiometer open or short; detail: joint
+#define KZ_SHUTDOWN_UNDERVOLTAGE 4  // supply
+#define KZ_SHUTDOWN_OVERVOLTAGE 5   // supply
+#define KZ_SHUTDOWN_TEMPERATURE 6   // motor drivers
+#define KZ_SHUTDOWN_REFERENCE 7     // the converter does not read its reference right
+#define KZ_SHUTDOWN_STALL 8         // high load at standstill; detail: joint
+#define KZ_SHUTDOWN_OVERLOAD 9      // load over time (I2t); detail: joint
+#define KZ_SHUTDOWN_SELF_TEST 10    // the test at start failed; only a reset helps
+
+// What the link watchdog does.
+#define KZ_REACTION_LIMP 1  // motors off
+#define KZ_REACTION_HOLD 2  // motors stay on, commands stop where they are
+
+// Joint flags.
+#define KZ_JOINT_ON 0x01
+#define KZ_JOINT_MOVING 0x02    // its ramp is under way
+#define KZ_JOINT_POT 0x04       // its potentiometer makes no sense at present
+#define KZ_JOINT_STALLED 0x08   // high load at standstill at present
+#define KZ_JOINT_HOT 0x10       // more than half of what the motor stands has been used up
+#define KZ_JOINT_AT_LIMIT 0x20  // at or beyond a soft limit: drive further out is cut
+
+// Capabilities.
+#define KZ_CAPABILITY_TELEMETRY 0x0001    // not on a shared line
+#define KZ_CAPABILITY_CALIBRATION 0x0002  // can be stored
+#define KZ_CAPABILITY_RAW_DRIVE 0x0004
+#define KZ_CAPABILITY_LOADER 0x0008
+
+// Selection of telemetry.
+#define KZ_TELEMETRY_STATE 0x01     // telemetry_state
+#define KZ_TELEMETRY_COMMANDS 0x02  // telemetry_commands
+#define KZ_TELEMETRY_DRIVES 0x04    // telemetry_drives
+#define KZ_TELEMETRY_HEALTH 0x08    // telemetry_health
+#define KZ_TELEMETRY_PERIOD_MIN_MS 5
+
+// Tests at start.
+#define KZ_TEST_RAM 0x01
+#define KZ_TEST_FLASH 0x02      // CRC of the application
+#define KZ_TEST_CONVERTER 0x04  // reads its reference right
+#define KZ_TEST_SUPPLY 0x08     // does not fail: without motor supply the board runs, motors off
+
+// Where the calibration came from.
+#define KZ_CALIBRATION_NOMINAL 0  // no valid copy in flash
+#define KZ_CALIBRATION_A 1
+#define KZ_CALIBRATION_B 2
+
+// Bounds of settings.
+#define KZ_KP_MAX 20480           // 80 /rad
+#define KZ_KD_MAX 4096            // 1 s/rad
+#define KZ_DEAD_BAND_MAX 1000     // 0.1 rad
+#define KZ_FRICTION_MAX 64        // a quarter of full duty
+#define KZ_RAMP_MAX 120           // 12 rad/s, near the motors' no-load speed
+#define KZ_CENTRE_TOLERANCE 5000  // 0.5 rad
 
 // Reasons of a refusal.
 #define KZ_REFUSED_UNKNOWN_TYPE 1  // no request has this type
 #define KZ_REFUSED_LENGTH 2        // more or fewer bytes than the type's fields
-#define KZ_REFUSED_RANGE 3         // a value out of its range; detail: joint number or field
-#define KZ_REFUSED_LIMIT 4         // a target outside the joint's limits; detail: joint number
-#define KZ_REFUSED_DISABLED 5      // a target for a joint that is off; detail: joint number
-#define KZ_REFUSED_FAULT 6         // a fault is present that must go away first
-#define KZ_REFUSED_BUSY 7          // the previous reply is still being sent
+#define KZ_REFUSED_RANGE 3     // a value out of its range; detail: number of the field, or joint
+#define KZ_REFUSED_LIMIT 4     // a target outside the joint's soft limits; detail: joint
+#define KZ_REFUSED_DISABLED 5  // a target for a joint that is off; detail: joint
+#define KZ_REFUSED_FAULT 6     // a shutdown is latched, or its cause present; detail: its reason
+#define KZ_REFUSED_BUSY 7      // too many requests under way
+#define KZ_REFUSED_ARMED 8     // only while all motors are off
+#define KZ_REFUSED_LOCKED 9    // only under `unlock`
+#define KZ_REFUSED_SHARED_LINE 10  // not on a line with other boards
+#define KZ_REFUSED_STORE 11        // flash could not be written
 
 // Codes: KZ_TYPE_<name>.
 enum kz_type {
@@ -46,7 +116,7 @@ enum kz_size {
 #define KZ_MESSAGE(name, code, text) KZ_SIZE_##name = 0
 #define KZ_FIELD(type, name, unit, text) +(int)sizeof(type)
 #define KZ_ARRAY(type, name, count, unit, text) +(count) * (int)sizeof(type)
-#define KZ_MASKED(type, name, mask, unit, text) +KZ_JOINTS*(int)sizeof(type)
+#define KZ_MASKED(type, name, mask, most, unit, text) +(most) * (int)sizeof(type)
 #define KZ_END() ,
 #include "shared/protocol/messages.def"
 };
@@ -57,7 +127,7 @@ enum kz_size {
   struct kz_##name {
 #define KZ_FIELD(type, name, unit, text) type name;
 #define KZ_ARRAY(type, name, count, unit, text) type name[count];
-#define KZ_MASKED(type, name, mask, unit, text) type name[KZ_JOINTS];
+#define KZ_MASKED(type, name, mask, most, unit, text) type name[KZ_JOINTS];
 #define KZ_NO_FIELDS() u8 no_fields;
 #define KZ_END() \
   }              \
@@ -66,10 +136,14 @@ enum kz_size {
 
 // kz_pack_<name> writes the bytes behind the header and returns how many (at most KZ_SIZE_<name>).
 // kz_unpack_<name> returns 1 if the length is right for the message, else 0. Bits of a mask above
-// the highest joint stand for no number; numbers of joints outside the mask become 0.
-#define KZ_MESSAGE(name, code, text)                              \
-  u8 kz_pack_##name(const struct kz_##name* message, u8* fields); \
-  u8 kz_unpack_##name(struct kz_##name* message, const u8* fields, u8 length);
+// the highest joint, or beyond the most that the message takes, stand for no number; numbers of joints
+// outside the mask become 0.
+// kz_check_<name> returns the number of the first field that is out of its bounds, or KZ_IN_BOUNDS.
+#define KZ_IN_BOUNDS 255
+#define KZ_MESSAGE(name, code, text)                                           \
+  u8 kz_pack_##name(const struct kz_##name* message, u8* fields);              \
+  u8 kz_unpack_##name(struct kz_##name* message, const u8* fields, u8 length); \
+  u8 kz_check_##name(const struct kz_##name* message);
 #include "shared/protocol/messages.def"
 
 #ifdef __cplusplus

@@ -13,11 +13,12 @@
 namespace {
 
 TEST(Messages, NumbersAreBigEndianInTheOrderOfTheTable) {
-  const kz_gains gains = {.mask = 0x01020304, .kp = 0x0506, .kd = 0x0708, .ramp = 0x090A};
+  const kz_gains gains = {
+      .mask = 0x01020304, .kp = 0x0506, .kd = 0x0708, .dead_band = 0x090A, .friction = 0x0B};
   u8 fields[KZ_PAYLOAD_MAX];
   const u8 length = kz_pack_gains(&gains, fields);
   EXPECT_EQ(std::vector<u8>(fields, fields + length),
-            (std::vector<u8>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
+            (std::vector<u8>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}));
 }
 
 TEST(Messages, MaskedNumbersStandOnlyForTheirBits) {

@@ -5,9 +5,9 @@
 #include "shared/board/table.h"
 #include "shared/protocol/messages.h"
 #include "shared/servo/joints.h"
+#include "shared/servo/safety.h"
 
-#define WATCHDOG_10MS_MAX 100
-#define GAINS_FIELD_RAMP 3  // position of `ramp` in the message
+#define LIMITS_FIELD_LOWER 2  // position of `lower` in the message
 
 static const kz_outcome done = {0, KZ_NO_DETAIL};
 
@@ -27,21 +27,16 @@ static u8 lowest_bit(u32 mask) {
   return bit;
 }
 
-// Joints that the board does not have.
-static u32 beyond(u32 mask) {
-  return mask >> KZ_JOINTS << KZ_JOINTS;
-}
-
 static kz_outcome enable(kz_servo* servo, const kz_enable* request) {
   u32 bits;
   u8 i;
-  if (beyond(request->mask)) return refuse(KZ_REFUSED_RANGE, lowest_bit(beyond(request->mask)));
   if (request->mask != 0) {
-    if (servo->supply_bad_ms != 0) return refuse(KZ_REFUSED_FAULT, KZ_NO_DETAIL);
+    if (servo->shutdown != KZ_SHUTDOWN_NONE) return refuse(KZ_REFUSED_FAULT, servo->shutdown);
+    if (servo->supply_bad_ms != 0) return refuse(KZ_REFUSED_FAULT, KZ_SHUTDOWN_UNDERVOLTAGE);
     for (i = 0, bits = request->mask; i < KZ_JOINTS; ++i, bits >>= 1) {
-      if ((bits & 1) && servo->joint[i].pot_bad_ms != 0) return refuse(KZ_REFUSED_FAULT, i);
+      if ((bits & 1) && servo->joint[i].pot_bad_ms != 0)
+        return refuse(KZ_REFUSED_FAULT, KZ_SHUTDOWN_POT);
     }
-    servo->faults = 0;
   }
   kz_joints_enable(servo, request->mask);
   return done;
@@ -54,7 +49,6 @@ static kz_outcome go_to_targets(kz_servo* servo, const kz_targets* request) {
   kz_joint* joint = servo->joint;
   u32 bits = request->mask;
   u8 i;
-  if (beyond(bits)) return refuse(KZ_REFUSED_RANGE, lowest_bit(beyond(bits)));
   if (off) return refuse(KZ_REFUSED_DISABLED, lowest_bit(off));
   for (i = 0; i < KZ_JOINTS; ++i) {
     if ((bits & 1) && (*angle < board->lower || *angle > board->upper)) {
@@ -83,49 +77,82 @@ static kz_outcome set_gains(kz_servo* servo, const kz_gains* request) {
   const s16 kd = kz_scaled_kd(request->kd);
   u32 bits = request->mask;
   u8 i;
-  if (beyond(bits)) return refuse(KZ_REFUSED_RANGE, lowest_bit(beyond(bits)));
-  if (request->ramp == 0) return refuse(KZ_REFUSED_RANGE, GAINS_FIELD_RAMP);
   for (i = 0; i < KZ_JOINTS; ++i, bits >>= 1) {
     kz_joint* joint = &servo->joint[i];
     if (!(bits & 1)) continue;
     joint->kp = kp;
     joint->kd = kd;
-    joint->ramp_limit = request->ramp;
+  }
+  return done;
+}
+
+static kz_outcome set_limits(kz_servo* servo, const kz_limits* request) {
+  u32 bits = request->mask;
+  u8 i;
+  if (request->lower > request->upper) return refuse(KZ_REFUSED_RANGE, LIMITS_FIELD_LOWER);
+  for (i = 0; i < KZ_JOINTS; ++i, bits >>= 1) {
+    if (bits & 1) servo->joint[i].ramp_limit = request->ramp;
   }
   return done;
 }
 
 static kz_outcome heartbeat(kz_servo* servo, const kz_heartbeat* request) {
-  if (request->watchdog_ms_10 > WATCHDOG_10MS_MAX) return refuse(KZ_REFUSED_RANGE, 0);
-  if (request->watchdog_ms_10 != 0) servo->watchdog_ms = (u16)(request->watchdog_ms_10 * 10);
+  if (request->watchdog_10ms != 0) servo->watchdog_ms = (u16)(request->watchdog_10ms * 10);
+  if (request->reaction != 0) servo->reaction = request->reaction;
   return done;
 }
+
+static kz_outcome clear(kz_servo* servo) {
+  servo->shutdown = KZ_SHUTDOWN_NONE;
+  servo->shutdown_detail = KZ_NO_DETAIL;
+  servo->missed_tick = 0;
+  return done;
+}
+
+// Takes the fields apart into `request`, and checks them against their bounds.
+#define TAKE(name)                                        \
+  if (!kz_unpack_##name(&request.name, fields, length)) { \
+    return refuse(KZ_REFUSED_LENGTH, KZ_NO_DETAIL);       \
+  }                                                       \
+  wrong = kz_check_##name(&request.name);                 \
+  if (wrong != KZ_IN_BOUNDS) return refuse(KZ_REFUSED_RANGE, wrong);
 
 kz_outcome kz_command(kz_servo* servo, u8 type, const u8* fields, u8 length) {
   union {
     kz_enable enable;
     kz_targets targets;
     kz_gains gains;
+    kz_limits limits;
     kz_heartbeat heartbeat;
   } request;
+  u8 wrong;
   switch (type) {
     case KZ_TYPE_identify:
+    case KZ_TYPE_statistics:
     case KZ_TYPE_state:
       return length == 0 ? done : refuse(KZ_REFUSED_LENGTH, KZ_NO_DETAIL);
+    case KZ_TYPE_stop:
+      if (length != 0) return refuse(KZ_REFUSED_LENGTH, KZ_NO_DETAIL);
+      kz_shutdown(servo, KZ_SHUTDOWN_STOP, KZ_NO_DETAIL);
+      return done;
+    case KZ_TYPE_clear:
+      return length == 0 ? clear(servo) : refuse(KZ_REFUSED_LENGTH, KZ_NO_DETAIL);
     case KZ_TYPE_enable:
-      if (!kz_unpack_enable(&request.enable, fields, length)) break;
+      TAKE(enable)
       return enable(servo, &request.enable);
     case KZ_TYPE_targets:
-      if (!kz_unpack_targets(&request.targets, fields, length)) break;
+      TAKE(targets)
       return go_to_targets(servo, &request.targets);
     case KZ_TYPE_gains:
-      if (!kz_unpack_gains(&request.gains, fields, length)) break;
+      TAKE(gains)
       return set_gains(servo, &request.gains);
+    case KZ_TYPE_limits:
+      TAKE(limits)
+      return set_limits(servo, &request.limits);
     case KZ_TYPE_heartbeat:
-      if (!kz_unpack_heartbeat(&request.heartbeat, fields, length)) break;
+      TAKE(heartbeat)
       return heartbeat(servo, &request.heartbeat);
     default:
       return refuse(KZ_REFUSED_UNKNOWN_TYPE, KZ_NO_DETAIL);
   }
-  return refuse(KZ_REFUSED_LENGTH, KZ_NO_DETAIL);
 }

@@ -34,8 +34,8 @@ TEST(StateFields, AreAlignedForBothMachines) {
 }
 
 TEST(TickInput, HasNoPaddingBeforeItsEnd) {
-  EXPECT_EQ(offsetof(kz_tick_input, rx_flags), 4u + 3 * 2 + 2 * KZ_ANALOG + 4 + KZ_RX_PER_TICK);
-  EXPECT_EQ(offsetof(kz_tick_output, tx), 16u + 2 + 4 + 1);
+  EXPECT_EQ(offsetof(kz_tick_input, rx_flags), 4u + 4 * 2 + 2 * KZ_ANALOG + 5 + KZ_RX_PER_TICK);
+  EXPECT_EQ(offsetof(kz_tick_output, tx), 16u + 2 + 4 + 2);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ s16 kz_scaled_kd(u16 kd) {
   return scaled(kd, KD_SCALE);
 }
 
-void kz_joints_init(kz_servo* servo) {
+void kz_joints_init(kz_servo* servo, const kz_startup* startup) {
   // The hands are the joints on the two timer outputs.
   static const u16 kp[KZ_JOINTS] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) \
@@ -42,8 +42,8 @@ void kz_joints_init(kz_servo* servo) {
     servo->joint[i].kd = kz_scaled_kd(KZ_KD_DEFAULT);
     servo->joint[i].ramp_limit = KZ_RAMP_DEFAULT;
     servo->joint[i].pot_bad_ms = 1;  // not measured yet
-    servo->joint[i].pot_centre = kz_board_joints[i].pot_centre;
-    servo->joint[i].pot_scale = kz_board_joints[i].pot_scale;
+    servo->joint[i].pot_centre = startup->pot_centre[i];
+    servo->joint[i].pot_scale = startup->pot_scale[i];
     servo->joint[i].pot_input = kz_board_joints[i].analog;
     servo->joint[i].mirrored = kz_board_joints[i].mirrored;
   }

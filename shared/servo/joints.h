@@ -10,7 +10,7 @@ extern "C" {
 #endif
 
 // Gains and ramp after reset; `servo` is all zeros before.
-void kz_joints_init(kz_servo* servo);
+void kz_joints_init(kz_servo* servo, const kz_startup* startup);
 
 // One millisecond of all joints: angles and rates from the A/D codes; for those that are on also
 // the ramp, the duty and the direction. Returns 1 if a joint that is on has had a bad potentiometer

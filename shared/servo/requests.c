@@ -17,13 +17,16 @@
 static u8 reply_identify(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
   kz_identify_reply reply;
   reply.tick = input->tick;
+  reply.status = kz_status(servo);
   reply.protocol_version = KZ_PROTOCOL_VERSION;
   reply.joints = KZ_JOINTS;
   reply.firmware_version = KZ_FIRMWARE_VERSION;
   reply.build_id = KZ_BUILD_ID;
-  reply.image_crc = input->image_crc;
-  reply.reset_cause = input->reset_cause;
-  reply.watchdog_ms_10 = (u8)(servo->watchdog_ms / 10);
+  reply.capabilities = 0;
+  reply.image_crc = servo->image_crc;
+  reply.reset_cause = servo->reset_cause;
+  reply.watchdog_10ms = (u8)(servo->watchdog_ms / 10);
+  reply.reaction = servo->reaction;
   return kz_pack_identify_reply(&reply, fields);
 }
 
@@ -53,11 +56,28 @@ static u8 reply_heartbeat(const kz_servo* servo, const kz_tick_input* input, u8*
   kz_heartbeat_reply reply;
   reply.tick = input->tick;
   reply.status = kz_status(servo);
+  return kz_pack_heartbeat_reply(&reply, fields);
+}
+
+static u8 reply_statistics(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
+  kz_statistics_reply reply;
+  reply.tick = input->tick;
+  reply.status = kz_status(servo);
   reply.busy_8states = input->busy_8states;
   reply.worst_8states = input->worst_8states;
-  reply.bad_frames = servo->bad_frames;
   reply.missed_ticks = servo->missed_ticks;
-  return kz_pack_heartbeat_reply(&reply, fields);
+  reply.frames = servo->frames;
+  reply.repetitions = servo->repetitions;
+  reply.refusals = servo->refusals;
+  reply.bad_check = servo->bad_check;
+  reply.bad_stuffing = servo->bad_stuffing;
+  reply.too_short = servo->too_short;
+  reply.too_long = servo->too_long;
+  reply.line_errors = servo->line_errors;
+  reply.overruns = 0;
+  reply.idle = 0;
+  reply.telemetry_dropped = 0;
+  return kz_pack_statistics_reply(&reply, fields);
 }
 
 // `targets` and `gains` are answered alike.
@@ -76,6 +96,8 @@ static u8 reply_fields(const kz_servo* servo, const kz_tick_input* input, u8 typ
       return reply_enable(servo, input, fields);
     case KZ_TYPE_state:
       return reply_state(servo, input, fields);
+    case KZ_TYPE_statistics:
+      return reply_statistics(servo, input, fields);
     case KZ_TYPE_heartbeat:
       return reply_heartbeat(servo, input, fields);
     default:
@@ -95,6 +117,7 @@ static void send_refusal(kz_servo* servo, const kz_tick_input* input, u8 type, u
                          kz_outcome outcome) {
   kz_refused refused;
   refused.tick = input->tick;
+  refused.status = kz_status(servo);
   refused.request = type;
   refused.reason = outcome.reason;
   refused.detail = outcome.detail;
@@ -117,6 +140,7 @@ void kz_request_received(kz_servo* servo, const kz_tick_input* input) {
   if (!answered && body[ADDRESS] != KZ_ADDRESS_ALL) return;
   if (type & KZ_REPLY) return;  // a reply is not a request, whoever sent it
   servo->silent_ms = 0;
+  ++servo->frames;
 
   if (answered && kz_sender_busy(&servo->sender)) {
     servo->busy_type = type;
@@ -131,6 +155,9 @@ void kz_request_received(kz_servo* servo, const kz_tick_input* input) {
     servo->last_type = type;
     servo->last_sequence = sequence;
     servo->last_crc = servo->receiver.crc;
+    if (outcome.reason != 0 && servo->refusals < 0xFFFF) ++servo->refusals;
+  } else if (servo->repetitions < 0xFFFF) {
+    ++servo->repetitions;
   }
   if (!answered) return;
   if (servo->outcome != 0) {

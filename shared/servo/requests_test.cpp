@@ -17,9 +17,12 @@ Message fields_of(const Reply& reply) {
 }
 
 TEST(Requests, IdentifyTellsWhatTheBoardIs) {
+  kz_startup startup;
+  kz_startup_nominal(&startup);
+  startup.image_crc = 0xABCD;
+  startup.reset_cause = KZ_RESET_WATCHDOG;
   TestBoard board;
-  board.input.image_crc = 0xABCD;
-  board.input.reset_cause = KZ_RESET_WATCHDOG;
+  kz_servo_init(&board.servo, &startup, &board.output);
   board.input.tick = 100000;
   const auto reply = board.exchange(KZ_TYPE_identify, {});
   ASSERT_TRUE(reply);
@@ -31,7 +34,7 @@ TEST(Requests, IdentifyTellsWhatTheBoardIs) {
   EXPECT_EQ(identity.joints, 18);
   EXPECT_EQ(identity.image_crc, 0xABCD);
   EXPECT_EQ(identity.reset_cause, KZ_RESET_WATCHDOG);
-  EXPECT_EQ(identity.watchdog_ms_10, 20);
+  EXPECT_EQ(identity.watchdog_10ms, 20);
   EXPECT_GE(identity.tick, 100000u);
 }
 
@@ -49,7 +52,7 @@ TEST(Requests, StateReplyHasTheAnglesAndTheTickOfTheirMeasurement) {
   EXPECT_EQ(state.supply_mv, 667 * 15);
 }
 
-TEST(Requests, HeartbeatTellsTheBoardsHealth) {
+TEST(Requests, StatisticsTellOfTicksAndDamagedFrames) {
   TestBoard board;
   board.input.busy_8states = 800;
   board.input.worst_8states = 900;
@@ -57,13 +60,13 @@ TEST(Requests, HeartbeatTellsTheBoardsHealth) {
   board.tick();
   board.input.missed = 0;
   board.put_on_wire({0, 1, 2, 3, 4, 5, 6, 7, 8, 0});  // no sound frame
-  const auto reply = board.exchange(KZ_TYPE_heartbeat, {0});
+  const auto reply = board.exchange(KZ_TYPE_statistics, {});
   ASSERT_TRUE(reply);
-  const auto health = fields_of<kz_heartbeat_reply, kz_unpack_heartbeat_reply>(*reply);
+  const auto health = fields_of<kz_statistics_reply, kz_unpack_statistics_reply>(*reply);
   EXPECT_EQ(health.busy_8states, 800);
   EXPECT_EQ(health.worst_8states, 900);
   EXPECT_EQ(health.missed_ticks, 3);
-  EXPECT_EQ(health.bad_frames, 1);
+  EXPECT_EQ(health.bad_check, 1);
   EXPECT_EQ(health.status, KZ_STATUS_MISSED_TICK);
 }
 
@@ -84,15 +87,15 @@ TEST(Requests, RefusesAWrongLength) {
 TEST(Requests, RefusesAJointThatDoesNotExist) {
   TestBoard board;
   EXPECT_EQ(board.enable(1u << 20), KZ_REFUSED_RANGE);
-  EXPECT_EQ(board.detail, 20);
-  EXPECT_EQ(board.gains(1u << 18, 100, 0, 10), KZ_REFUSED_RANGE);
-  EXPECT_EQ(board.detail, 18);
+  EXPECT_EQ(board.detail, 0);  // the field `mask`
+  EXPECT_EQ(board.gains(1u << 18, 100, 0), KZ_REFUSED_RANGE);
+  EXPECT_EQ(board.detail, 0);
 }
 
 TEST(Requests, RefusesARampOfZeroAndATooLongWatchdog) {
   TestBoard board;
-  EXPECT_EQ(board.gains(1, 100, 0, 0), KZ_REFUSED_RANGE);
-  EXPECT_EQ(board.detail, 3);
+  EXPECT_EQ(board.limits(1, 0), KZ_REFUSED_RANGE);
+  EXPECT_EQ(board.detail, 1);
   EXPECT_EQ(board.heartbeat(101), KZ_REFUSED_RANGE);
   EXPECT_EQ(board.heartbeat(100), 0);
 }
@@ -130,12 +133,12 @@ TEST(Requests, RefusesToEnableWhileAFaultIsPresent) {
   TestBoard board;
   board.set_pot(7, 0);
   EXPECT_EQ(board.enable(all_joints), KZ_REFUSED_FAULT);
-  EXPECT_EQ(board.detail, 7);
+  EXPECT_EQ(board.detail, KZ_SHUTDOWN_POT);
   EXPECT_EQ(board.enable(0b1), 0);  // the other joints are sound
   board.enable(0);
   board.input.analog[KZ_ANALOG_SUPPLY] = 100;  // 1.5 V
   EXPECT_EQ(board.enable(0b1), KZ_REFUSED_FAULT);
-  EXPECT_EQ(board.detail, 255);
+  EXPECT_EQ(board.detail, KZ_SHUTDOWN_UNDERVOLTAGE);
   EXPECT_FALSE(board.drivers_on());
 }
 

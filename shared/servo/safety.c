@@ -3,20 +3,23 @@
 #include "shared/servo/safety.h"
 
 #include "shared/protocol/messages.h"
+#include "shared/servo/commands.h"
 #include "shared/servo/joints.h"
 
 #define COUNTER_MAX 0xFFFF
 #define SUPPLY_MV_PER_CODE (KZ_SUPPLY_FULL_MV / KZ_POT_CODES)
 
-void kz_safety_trip(kz_servo* servo, u16 fault) {
+void kz_shutdown(kz_servo* servo, u8 reason, u8 detail) {
   kz_joints_enable(servo, 0);
-  servo->faults |= fault;
+  if (servo->shutdown != KZ_SHUTDOWN_NONE) return;
+  servo->shutdown = reason;
+  servo->shutdown_detail = detail;
 }
 
 static void watch_link(kz_servo* servo) {
   if (servo->silent_ms < COUNTER_MAX) ++servo->silent_ms;
   if (servo->enabled != 0 && servo->silent_ms >= servo->watchdog_ms) {
-    kz_safety_trip(servo, KZ_STATUS_LINK_WATCHDOG);
+    kz_shutdown(servo, KZ_SHUTDOWN_LINK_LOST, KZ_NO_DETAIL);
   }
 }
 
@@ -28,13 +31,16 @@ static void watch_supply(kz_servo* servo, u16 code) {
   }
   if (servo->supply_bad_ms < KZ_SUPPLY_FAULT_MS) ++servo->supply_bad_ms;
   if (servo->enabled != 0 && servo->supply_bad_ms == KZ_SUPPLY_FAULT_MS) {
-    kz_safety_trip(servo, KZ_STATUS_SUPPLY_FAULT);
+    kz_shutdown(
+        servo,
+        servo->supply_mv < KZ_SUPPLY_LOWEST_MV ? KZ_SHUTDOWN_UNDERVOLTAGE : KZ_SHUTDOWN_OVERVOLTAGE,
+        KZ_NO_DETAIL);
   }
 }
 
-static void count_missed_ticks(kz_servo* servo, u8 missed) {
+static void count_missed_ticks(kz_servo* servo, u16 missed) {
   if (missed == 0) return;
-  servo->faults |= KZ_STATUS_MISSED_TICK;
+  servo->missed_tick = KZ_STATUS_MISSED_TICK;
   if (servo->missed_ticks > COUNTER_MAX - missed) {
     servo->missed_ticks = COUNTER_MAX;
   } else {
@@ -60,7 +66,7 @@ static u8 moving(const kz_servo* servo) {
 }
 
 u16 kz_status(const kz_servo* servo) {
-  u16 status = servo->faults;
+  u16 status = (u16)((u16)((u16)servo->shutdown << 8) | servo->missed_tick);
   if (servo->enabled != 0) {
     status |= KZ_STATUS_ENABLED;
     if (moving(servo)) status |= KZ_STATUS_MOVING;

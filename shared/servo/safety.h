@@ -9,8 +9,9 @@
 extern "C" {
 #endif
 
-// All motors off, because of `fault` (a latched KZ_STATUS_* flag).
-void kz_safety_trip(kz_servo* servo, u16 fault);
+// The one way in which motors go off unasked: all of them, latched with a KZ_SHUTDOWN_* reason and the
+// joint that caused it (KZ_NO_DETAIL if none did). The first reason stays.
+void kz_shutdown(kz_servo* servo, u8 reason, u8 detail);
 
 // One millisecond of the link watchdog, the supply and the missed ticks. Before the joints.
 void kz_safety_update(kz_servo* servo, const kz_tick_input* input);

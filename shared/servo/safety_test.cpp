@@ -56,15 +56,17 @@ TEST(Safety, SilenceOfTheHostSwitchesOffAfterTheWatchdogsTime) {
   TestBoard board;
   ASSERT_EQ(board.heartbeat(5), 0);
   ASSERT_EQ(board.enable(1), 0);
-  board.send(KZ_TYPE_heartbeat, 77, {0});
-  board.tick();  // 11 bytes, heard in this tick
+  board.send(KZ_TYPE_heartbeat, 77, {0, 0});
+  board.tick();  // 12 bytes, heard in this tick
   for (int i = 0; i < 49; ++i) {
     board.tick();
     ASSERT_TRUE(board.drivers_on()) << i;
   }
   board.tick();
   EXPECT_TRUE(all_off(board.output));
-  EXPECT_EQ(board.status(), KZ_STATUS_LINK_WATCHDOG);  // latched
+  EXPECT_EQ(board.status(), KZ_SHUTDOWN_LINK_LOST << 8);  // latched
+  EXPECT_EQ(board.enable(1), KZ_REFUSED_FAULT);
+  ASSERT_EQ(board.clear(), 0);
   ASSERT_EQ(board.enable(1), 0);
   EXPECT_EQ(board.status(), KZ_STATUS_ENABLED);
 }
@@ -85,7 +87,7 @@ TEST(Safety, FramesForOtherBoardsDoNotFeedTheWatchdog) {
   board.send(KZ_TYPE_enable, 1, {0, 0, 0, 1});
   board.tick();
   for (int i = 0; i < 200; ++i) {
-    if (i % 20 == 0) board.send(KZ_TYPE_heartbeat, static_cast<u8>(i), {0}, 7);
+    if (i % 20 == 0) board.send(KZ_TYPE_heartbeat, static_cast<u8>(i), {0, 0}, 7);
     board.tick();
   }
   EXPECT_FALSE(board.drivers_on());
@@ -106,9 +108,10 @@ TEST(Safety, ABadPotentiometerGetsNoPowerAndSwitchesAllOffAfter20Ms) {
     }
     board.tick();
     EXPECT_TRUE(all_off(board.output));
-    EXPECT_EQ(board.status(), KZ_STATUS_POT_FAULT);
+    EXPECT_EQ(board.status(), KZ_SHUTDOWN_POT << 8);
     EXPECT_EQ(board.enable(0b11), KZ_REFUSED_FAULT);
     board.set_pot(0, 512);
+    ASSERT_EQ(board.clear(), 0);
     EXPECT_EQ(board.enable(0b11), 0);
     EXPECT_EQ(board.status(), KZ_STATUS_ENABLED);
   }
@@ -131,7 +134,8 @@ TEST(Safety, SupplyOutOfRangeFor20MsSwitchesOff) {
     EXPECT_TRUE(board.drivers_on());
     board.tick();
     EXPECT_TRUE(all_off(board.output));
-    EXPECT_EQ(board.status(), KZ_STATUS_SUPPLY_FAULT);
+    EXPECT_EQ(board.status(),
+              (millivolts < 5000 ? KZ_SHUTDOWN_UNDERVOLTAGE : KZ_SHUTDOWN_OVERVOLTAGE) << 8);
   }
 }
 

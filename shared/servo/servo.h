@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-#define KZ_FIRMWARE_VERSION 0x0001  // major * 256 + minor
+#define KZ_FIRMWARE_VERSION 0x0002  // major * 256 + minor
 
 // Values after reset.
 #define KZ_KP_DEFAULT 5120  // 1/256 /rad: 20 /rad (kaz-model: stands and walks)
@@ -73,7 +73,10 @@ extern "C" {
 
 //   enabled         joints that are on, bit n: joint n
 //   fresh_targets   joints whose ramp to `target`, in target_ms, has not started yet
-//   faults          latched KZ_STATUS_* flags
+//   image_crc, reset_cause, shared_line, address  as found at start (kz_startup)
+//   bad_check .. line_errors  damaged frames by cause, up to 65535
+//   missed_tick     KZ_STATUS_MISSED_TICK or 0
+//   shutdown        latched KZ_SHUTDOWN_* reason, shutdown_detail with it
 //   silent_ms       since the last sound frame for this board
 //   watchdog_ms     limit for it
 //   last_*          the request that was done last; its CRC tells a repetition from a new request
@@ -85,15 +88,28 @@ extern "C" {
 #define KZ_SERVO_FIELDS(FIELD) \
   FIELD(u32, enabled)          \
   FIELD(u32, fresh_targets)    \
-  FIELD(u16, faults)           \
   FIELD(u16, silent_ms)        \
   FIELD(u16, watchdog_ms)      \
   FIELD(u16, supply_mv)        \
-  FIELD(u16, bad_frames)       \
+  FIELD(u16, bad_check)        \
+  FIELD(u16, bad_stuffing)     \
+  FIELD(u16, too_short)        \
+  FIELD(u16, too_long)         \
+  FIELD(u16, line_errors)      \
   FIELD(u16, missed_ticks)     \
   FIELD(u16, last_crc)         \
   FIELD(u16, target_ms)        \
+  FIELD(u16, image_crc)        \
+  FIELD(u16, frames)           \
+  FIELD(u16, repetitions)      \
+  FIELD(u16, refusals)         \
+  FIELD(u8, missed_tick)       \
+  FIELD(u8, shutdown)          \
+  FIELD(u8, shutdown_detail)   \
+  FIELD(u8, reaction)          \
   FIELD(u8, supply_bad_ms)     \
+  FIELD(u8, reset_cause)       \
+  FIELD(u8, shared_line)       \
   FIELD(u8, address)           \
   FIELD(u8, last_type)         \
   FIELD(u8, last_sequence)     \

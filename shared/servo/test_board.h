@@ -22,10 +22,14 @@ struct Reply {
 class TestBoard {
  public:
   static constexpr u16 centre_code = 512;
+  static constexpr u16 image_crc = 0xABCD;
   static constexpr u16 sound_supply_code = 667;  // 10.005 V at 15 mV a code
 
   TestBoard() {
-    kz_servo_init(&servo, &output);
+    kz_startup startup;
+    kz_startup_nominal(&startup);
+    startup.image_crc = image_crc;
+    kz_servo_init(&servo, &startup, &output);
     kz_receiver_init(&host_receiver_);
     for (int joint = 0; joint < KZ_JOINTS; ++joint) set_pot(joint, centre_code);
     input.analog[KZ_ANALOG_SUPPLY] = sound_supply_code;
@@ -100,13 +104,22 @@ class TestBoard {
     fields.resize(kz_pack_targets(&request, fields.data()));
     return outcome(KZ_TYPE_targets, fields);
   }
-  int gains(u32 mask, u16 kp, u16 kd, u16 ramp) {
-    const kz_gains request = {.mask = mask, .kp = kp, .kd = kd, .ramp = ramp};
+  int gains(u32 mask, u16 kp, u16 kd) {
+    const kz_gains request = {.mask = mask, .kp = kp, .kd = kd, .dead_band = 0, .friction = 0};
     Bytes fields(KZ_SIZE_gains);
     kz_pack_gains(&request, fields.data());
     return outcome(KZ_TYPE_gains, fields);
   }
-  int heartbeat(u8 watchdog_ms_10 = 0) { return outcome(KZ_TYPE_heartbeat, {watchdog_ms_10}); }
+  int limits(u32 mask, u16 ramp, s16 lower = -32768, s16 upper = 32767) {
+    const kz_limits request = {.mask = mask, .ramp = ramp, .lower = lower, .upper = upper};
+    Bytes fields(KZ_SIZE_limits);
+    kz_pack_limits(&request, fields.data());
+    return outcome(KZ_TYPE_limits, fields);
+  }
+  int heartbeat(u8 watchdog_10ms = 0, u8 reaction = 0) {
+    return outcome(KZ_TYPE_heartbeat, {watchdog_10ms, reaction});
+  }
+  int clear() { return outcome(KZ_TYPE_clear, {}); }
   u16 status() {
     const auto reply = exchange(KZ_TYPE_state, {});
     kz_state_reply state = {};

@@ -2,24 +2,71 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/tick.h"
 
+#include "shared/board/table.h"
 #include "shared/protocol/messages.h"
+#include "shared/servo/commands.h"
 #include "shared/servo/joints.h"
 #include "shared/servo/outputs.h"
 #include "shared/servo/requests.h"
 #include "shared/servo/safety.h"
 
-void kz_servo_init(kz_servo* servo, kz_tick_output* output) {
+void kz_startup_nominal(kz_startup* startup) {
+  u8 i;
+  startup->image_crc = 0;
+  startup->start_8states = 0;
+  startup->reset_cause = KZ_RESET_POWER;
+  startup->tests_done = 0;
+  startup->tests_failed = 0;
+  startup->address = KZ_ADDRESS_DEFAULT;
+  startup->shared_line = 0;
+  startup->calibration = KZ_CALIBRATION_NOMINAL;
+  for (i = 0; i < KZ_JOINTS; ++i) {
+    startup->pot_centre[i] = kz_board_joints[i].pot_centre;
+    startup->pot_scale[i] = kz_board_joints[i].pot_scale;
+  }
+}
+
+void kz_servo_init(kz_servo* servo, const kz_startup* startup, kz_tick_output* output) {
   u8* byte = (u8*)servo;
   u16 i;
   for (i = 0; i < sizeof *servo; ++i) byte[i] = 0;
   byte = (u8*)output;
   for (i = 0; i < sizeof *output; ++i) byte[i] = 0;
-  servo->address = KZ_ADDRESS_DEFAULT;
+  servo->address = startup->address;
+  servo->shared_line = startup->shared_line;
+  servo->image_crc = startup->image_crc;
+  servo->reset_cause = startup->reset_cause;
+  servo->shutdown_detail = KZ_NO_DETAIL;
+  servo->reaction = KZ_REACTION_LIMP;
   servo->outcome = KZ_REFUSED_UNKNOWN_TYPE;  // the answer to a "repetition" of nothing
   servo->watchdog_ms = KZ_WATCHDOG_DEFAULT_MS;
   kz_receiver_init(&servo->receiver);
   kz_sender_init(&servo->sender);
-  kz_joints_init(servo);
+  kz_joints_init(servo, startup);
+}
+
+static void count(u16* counter) {
+  if (*counter < 0xFFFF) ++*counter;
+}
+
+static void count_damage(kz_servo* servo, u8 result) {
+  switch (result) {
+    case KZ_RECEIVE_BAD_CHECK:
+      count(&servo->bad_check);
+      break;
+    case KZ_RECEIVE_BAD_STUFFING:
+      count(&servo->bad_stuffing);
+      break;
+    case KZ_RECEIVE_TOO_SHORT:
+      count(&servo->too_short);
+      break;
+    case KZ_RECEIVE_TOO_LONG:
+      count(&servo->too_long);
+      break;
+    default:
+      count(&servo->line_errors);
+      break;
+  }
 }
 
 static void receive(kz_servo* servo, const kz_tick_input* input) {
@@ -30,8 +77,8 @@ static void receive(kz_servo* servo, const kz_tick_input* input) {
     if (result == KZ_RECEIVE_MORE) continue;
     if (result == KZ_RECEIVE_FRAME) {
       kz_request_received(servo, input);
-    } else if (servo->bad_frames < 0xFFFF) {
-      ++servo->bad_frames;
+    } else {
+      count_damage(servo, result);
     }
   }
 }
@@ -49,7 +96,7 @@ static void transmit(kz_servo* servo, const kz_tick_input* input, kz_tick_output
 void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output) {
   kz_safety_update(servo, input);
   if (servo->fresh_targets != 0) kz_joints_start_ramps(servo);
-  if (kz_joints_update(servo, input)) kz_safety_trip(servo, KZ_STATUS_POT_FAULT);
+  if (kz_joints_update(servo, input)) kz_shutdown(servo, KZ_SHUTDOWN_POT, KZ_NO_DETAIL);
   receive(servo, input);
   transmit(servo, input, output);
   kz_outputs_write(servo, output);

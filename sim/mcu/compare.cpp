@@ -90,15 +90,18 @@ class Comparison {
   }
 
  private:
-  void start_native() {
-    native_ = {};
-    kz_tick_output ignored;
-    kz_servo_init(&native_, &ignored);
-  }
+  void start_native() { started_ = false; }
 
   void tick(const TickRecord& record) {
     if (!report_.equal() || report_.ticks >= options_.ticks) return;
     kz_tick_output output{};
+    if (!started_) {
+      const auto found = h8_.global("kz_startup_found", h8_layout::startup_size);
+      const auto startup =
+          h8_layout::decode_startup(std::span<const std::uint8_t, h8_layout::startup_size>(found));
+      kz_servo_init(&native_, &startup, &output);
+      started_ = true;
+    }
     kz_tick(&native_, &record.input, &output);
     ++report_.ticks;
     report_.bytes_received += record.input.rx_count;
@@ -135,6 +138,7 @@ class Comparison {
     check("p4", native.p4, h8.p4);
     check("p5", native.p5, h8.p5);
     check("p6", native.p6, h8.p6);
+    check("action", native.action, h8.action);
     check("tx_count", native.tx_count, h8.tx_count);
     check_array("tx", native.tx, h8.tx,
                 std::min<std::size_t>(std::min(native.tx_count, h8.tx_count), KZ_TX_PER_TICK));
@@ -173,6 +177,7 @@ class Comparison {
   RandomHost host_;
   RandomAnalog analog_;
   kz_servo native_{};
+  bool started_ = false;  // from what the chip found at its start
   CompareReport report_;
 };
 
@@ -203,7 +208,8 @@ Result<CompareReport> compare_engines(const CompareOptions& options) {
     return fail(Fault::usage, "the comparison takes at least one tick");
   auto h8 = H8Mcu::load(options.image_path);
   if (!h8) return tl::unexpected(h8.error());
-  if (!(*h8)->has_tick_symbols() || (*h8)->global("kz_servo_state", 1).empty())
+  if (!(*h8)->has_tick_symbols() || (*h8)->global("kz_servo_state", 1).empty() ||
+      (*h8)->global("kz_startup_found", 1).empty())
     return fail(Fault::usage,
                 options.image_path +
                     " has no symbols of the servo's tick; put the .coff of the same " +

@@ -17,6 +17,7 @@ class Reader {
   }
   void read(u8& value) { value = static_cast<u8>(take(1)); }
   void read(u16& value) { value = static_cast<u16>(take(2)); }
+  void read(s16& value) { value = static_cast<s16>(take(2)); }
   void read(u32& value) { value = take(4); }
   template <class T, std::size_t N>
   void read(T (&values)[N]) {
@@ -36,16 +37,34 @@ std::uint32_t number(std::span<const std::uint8_t> bytes, std::size_t at, std::s
   return value;
 }
 
+kz_startup decode_startup(std::span<const std::uint8_t, startup_size> bytes) {
+  Reader reader(bytes);
+  kz_startup startup{};
+  reader.read(startup.image_crc);
+  reader.read(startup.start_8states);
+  reader.read(startup.reset_cause);
+  reader.read(startup.tests_done);
+  reader.read(startup.tests_failed);
+  reader.read(startup.address);
+  reader.read(startup.shared_line);
+  reader.read(startup.calibration);
+  reader.read(startup.pot_centre);
+  reader.read(startup.pot_scale);
+  return startup;
+}
+
 kz_tick_input decode_input(std::span<const std::uint8_t, input_size> bytes) {
   Reader reader(bytes);
   kz_tick_input input{};
   reader.read(input.tick);
   reader.read(input.busy_8states);
   reader.read(input.worst_8states);
-  reader.read(input.image_crc);
-  reader.read(input.analog);
   reader.read(input.missed);
-  reader.read(input.reset_cause);
+  reader.read(input.calibration_sequence);
+  reader.read(input.analog);
+  reader.read(input.erases_a);
+  reader.read(input.erases_b);
+  reader.read(input.result);
   reader.read(input.tx_room);
   reader.read(input.rx_count);
   reader.read(input.rx);
@@ -62,6 +81,7 @@ kz_tick_output decode_output(std::span<const std::uint8_t, output_size> bytes) {
   reader.read(output.p4);
   reader.read(output.p5);
   reader.read(output.p6);
+  reader.read(output.action);
   reader.read(output.tx_count);
   reader.read(output.tx);
   return output;

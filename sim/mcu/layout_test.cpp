@@ -13,26 +13,29 @@ namespace {
 
 TEST(H8Layout, InputIsBigEndianInTheOrderOfItsFields) {
   std::array<std::uint8_t, h8_layout::input_size> bytes{};
-  EXPECT_EQ(bytes.size(), 94u);  // 4 + 6 + 48 + 4 + 32
-  const std::array<std::uint8_t, 12> head{0x01, 0x02, 0x03, 0x04, 0x05, 0x06,
-                                          0x07, 0x08, 0x09, 0x0a, 0x03, 0xff};
+  EXPECT_EQ(bytes.size(), 98u);  // 4 + 8 + 48 + 5 + 32 + 1
+  const std::array<std::uint8_t, 14> head{0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07,
+                                          0x08, 0x09, 0x0a, 0x0b, 0x0c, 0x03, 0xff};
   std::copy(head.begin(), head.end(), bytes.begin());
-  bytes[10 + 2 * 23 + 1] = 0x42;  // analog[23], low byte
-  bytes[58] = 2;                  // missed
-  bytes[59] = 1;                  // reset_cause
-  bytes[60] = 100;                // tx_room
-  bytes[61] = 16;                 // rx_count
-  bytes[62 + 15] = 0xaa;
-  bytes[78 + 15] = 0x10;
+  bytes[12 + 2 * 23 + 1] = 0x42;  // analog[23], low byte
+  bytes[60] = 2;                  // erases_a
+  bytes[61] = 3;                  // erases_b
+  bytes[62] = 1;                  // result
+  bytes[63] = 100;                // tx_room
+  bytes[64] = 16;                 // rx_count
+  bytes[65 + 15] = 0xaa;
+  bytes[81 + 15] = 0x10;
   const kz_tick_input input = h8_layout::decode_input(bytes);
   EXPECT_EQ(input.tick, 0x01020304u);
   EXPECT_EQ(input.busy_8states, 0x0506);
   EXPECT_EQ(input.worst_8states, 0x0708);
-  EXPECT_EQ(input.image_crc, 0x090a);
+  EXPECT_EQ(input.missed, 0x090a);
+  EXPECT_EQ(input.calibration_sequence, 0x0b0c);
   EXPECT_EQ(input.analog[0], 0x03ff);
   EXPECT_EQ(input.analog[23], 0x42);
-  EXPECT_EQ(input.missed, 2);
-  EXPECT_EQ(input.reset_cause, 1);
+  EXPECT_EQ(input.erases_a, 2);
+  EXPECT_EQ(input.erases_b, 3);
+  EXPECT_EQ(input.result, 1);
   EXPECT_EQ(input.tx_room, 100);
   EXPECT_EQ(input.rx_count, 16);
   EXPECT_EQ(input.rx[15], 0xaa);
@@ -47,8 +50,9 @@ TEST(H8Layout, OutputIsBytes) {
   EXPECT_EQ(output.tmo[1], 17);
   EXPECT_EQ(output.p3, 18);
   EXPECT_EQ(output.p6, 21);
-  EXPECT_EQ(output.tx_count, 22);
-  EXPECT_EQ(output.tx[15], 38);
+  EXPECT_EQ(output.action, 22);
+  EXPECT_EQ(output.tx_count, 23);
+  EXPECT_EQ(output.tx[15], 39);
 }
 
 // First outputs of SplitMix64 with seed 1234567, as its authors' reference code gives them.

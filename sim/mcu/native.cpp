@@ -45,10 +45,11 @@ class NativeMcu final : public Mcu {
   }
 
   void reset() override {
-    kz_servo_init(&servo_, &output_);
+    kz_startup startup;
+    kz_startup_nominal(&startup);
+    kz_servo_init(&servo_, &startup, &output_);
     output_.tx_count = 0;
     input_ = {};
-    input_.reset_cause = KZ_RESET_POWER;
     tick_at_ = now_ + start_states;
     setting_ = 0;  // like the firmware, it converts once before the first tick
     received_.clear();

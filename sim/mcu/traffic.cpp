@@ -104,19 +104,31 @@ std::vector<std::uint8_t> RandomHost::request() {
       const bool wild = random_.chance(0.2);
       gains.kp = static_cast<u16>(wild ? random_.next() : random_.below(8000));
       gains.kd = static_cast<u16>(wild ? random_.next() : random_.below(1000));
-      gains.ramp = static_cast<u16>(wild ? random_.next() : 1 + random_.below(200));
+      gains.dead_band = static_cast<u16>(wild ? random_.next() : random_.below(200));
+      gains.friction = static_cast<u8>(wild ? random_.next() : random_.below(40));
       length = kz_pack_gains(&gains, fields);
       break;
     }
     case 3: {
       type = KZ_TYPE_heartbeat;
       const bool legal = random_.chance(0.8);
-      const kz_heartbeat heartbeat{static_cast<u8>(legal ? random_.below(101) : random_.next())};
+      const kz_heartbeat heartbeat{static_cast<u8>(legal ? random_.below(101) : random_.next()),
+                                   static_cast<u8>(random_.below(4))};
       length = kz_pack_heartbeat(&heartbeat, fields);
       break;
     }
-    case 4:
+    case 4: {
+      type = KZ_TYPE_limits;
+      kz_limits limits{};
+      limits.mask = mask();
+      limits.ramp = static_cast<u16>(1 + random_.below(150));
+      limits.lower = static_cast<s16>(-20000 + static_cast<int>(random_.below(20000)));
+      limits.upper = static_cast<s16>(random_.below(20000));
+      length = kz_pack_limits(&limits, fields);
+      break;
+    }
     case 5:
+      type = random_.chance(0.8) ? KZ_TYPE_clear : KZ_TYPE_stop;
       break;
     default: {
       type = KZ_TYPE_targets;

@@ -34,7 +34,7 @@ TEST(Simulation, TargetMovesTheJointThroughMotorAndPotentiometer) {
   simulation->write(target_frame(2, 0, 3000));  // 0.3 rad
   for (int i = 0; i < 10; ++i) {
     run_ms(*simulation, 50);
-    simulation->write(frame_of(KZ_TYPE_heartbeat, static_cast<std::uint8_t>(3 + i), {0}));
+    simulation->write(frame_of(KZ_TYPE_heartbeat, static_cast<std::uint8_t>(3 + i), {0, 0}));
   }
   // 190 degrees are 1024 codes: the loop cannot see less than 3.2 mrad.
   EXPECT_NEAR(simulation->world().joints()[0].angle, 0.3, 0.01);

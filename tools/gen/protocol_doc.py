@@ -11,8 +11,8 @@ import re
 import struct
 import sys
 
-MACRO = re.compile(r"^KZ_(MESSAGE|FIELD|ARRAY|MASKED|END)\(", re.MULTILINE)
-DEFINE = re.compile(r"^#define (KZ_\w+) (\w+)(?: *// (.*))?$", re.MULTILINE)
+MACRO = re.compile(r"^KZ_(MESSAGE|FIELD|BOUNDED|ARRAY|MASKED|END)\(", re.MULTILINE)
+DEFINE = re.compile(r"^#define (KZ_\w+) +(\w+)(?: *// (.*))?$", re.MULTILINE)
 SIZES = {"u8": 1, "u16": 2, "s16": 2, "u32": 4}
 CODES = {"u8": "B", "u16": "H", "s16": "h", "u32": "I"}
 JOINTS = 18
@@ -55,8 +55,11 @@ def read_messages(path):
         if kind == "MESSAGE":
             messages.append({"name": arguments[0], "code": int(arguments[1], 0),
                              "text": arguments[2], "fields": []})
+        elif kind == "BOUNDED":
+            kind_and_name, bounds, rest = arguments[:2], arguments[2:4], arguments[4:]
+            messages[-1]["fields"].append(("FIELD", kind_and_name + rest, bounds))
         elif kind != "END":
-            messages[-1]["fields"].append((kind, arguments))
+            messages[-1]["fields"].append((kind, arguments, None))
     return messages
 
 
@@ -91,23 +94,24 @@ def hex_of(data):
 
 
 def size_of(field):
-    kind, a = field
+    kind, a, _ = field
     if kind == "FIELD":
         return SIZES[a[0]], SIZES[a[0]]
     if kind == "ARRAY":
         return SIZES[a[0]] * int(a[2]), SIZES[a[0]] * int(a[2])
-    return 0, SIZES[a[0]] * JOINTS
+    return 0, SIZES[a[0]] * (JOINTS if a[3] == "KZ_JOINTS" else int(a[3]))
 
 
 def field_row(field, offset):
-    kind, a = field
+    kind, a, bounds = field
     if kind == "FIELD":
         kind_text, name, unit, text = a[0], a[1], a[2], a[3]
     elif kind == "ARRAY":
         kind_text, name, unit, text = f"{a[0]} × {a[2]}", a[1], a[3], a[4]
     else:
-        kind_text, name, unit, text = f"{a[0]} for each bit of `{a[2]}`", a[1], a[3], a[4]
-    return f"| {offset} | {kind_text} | `{name}` | {unit} | {text} |"
+        kind_text, name, unit, text = f"{a[0]} for each bit of `{a[2]}`", a[1], a[4], a[5]
+    range_text = f"{bounds[0]}..{bounds[1]}" if bounds else ""
+    return f"| {offset} | {kind_text} | `{name}` | {unit} | {range_text} | {text} |"
 
 
 def message_section(message):
@@ -118,7 +122,7 @@ def message_section(message):
     if not message["fields"]:
         return lines + ["No fields.", ""]
     lines += [f"{length} bytes of fields.", "",
-              "| at | type | field | unit | meaning |", "|---|---|---|---|---|"]
+              "| at | type | field | unit | range | meaning |", "|---|---|---|---|---|---|"]
     offset = 0
     for field in message["fields"]:
         lines.append(field_row(field, offset))

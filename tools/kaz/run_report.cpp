@@ -48,7 +48,9 @@ ordered_json board_json(const RunReport& report) {
           {"image_crc", report.identity.image_crc},
           {"worst_tick_share", rounded(report.health.worst_8states / tick_8states, 1e-4)},
           {"missed_ticks", report.health.missed_ticks},
-          {"bad_frames", report.health.bad_frames}};
+          {"bad_frames", report.health.bad_check + report.health.bad_stuffing +
+                             report.health.too_short + report.health.too_long +
+                             report.health.line_errors}};
 }
 
 ordered_json link_json(const host::LinkStatistics& link) {

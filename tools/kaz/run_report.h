@@ -22,7 +22,7 @@ struct RunReport {
   double rtf = 0;    // run_s over wall time
   Score score;
   kz_identify_reply identity{};
-  kz_heartbeat_reply health{};
+  kz_statistics_reply health{};
   host::LinkStatistics link;
   Time start{};
   const behavior::Recording& recording;

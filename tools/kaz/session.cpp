@@ -135,7 +135,7 @@ Result<bool> run_session(SessionOptions options) {
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
   const double run_s = seconds((*rig)->clock().now() - start);
-  const auto health = outcome ? robot->heartbeat() : Result<kz_heartbeat_reply>{};
+  const auto health = outcome ? robot->board_statistics() : Result<kz_statistics_reply>{};
   robot->disable_all();
   progress.done();
   if (!outcome) return tl::unexpected(outcome.error());
