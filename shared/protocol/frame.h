@@ -23,6 +23,7 @@ extern "C" {
 #endif
 
 #define KZ_HEADER_SIZE 3   // address, type, sequence number
+#define KZ_IDLE_MS 20      // a frame in which no byte comes for so long is given up
 #define KZ_PAYLOAD_MAX 96  // bytes of fields in one message
 #define KZ_BODY_MAX (KZ_HEADER_SIZE + KZ_PAYLOAD_MAX)
 // Longest frame: two zeros, one stuffing byte, the body, the check. A body is shorter than 254

@@ -28,6 +28,9 @@ extern "C" {
 #define KZ_SUPPLY_LOWEST_MV 4000    // the servos' original supply is 4.8 V
 #define KZ_SUPPLY_HIGHEST_MV 13000  // the motor drivers take 12 V
 #define KZ_SUPPLY_FAULT_MS 20
+#define KZ_TEMPERATURE_HIGHEST_DC 850  // 0.1 degC: the drivers switch off by themselves at 100 degC
+#define KZ_REFERENCE_TOLERANCE 16      // codes around 512
+#define KZ_REFERENCE_FAULT_MS 20
 
 // No field needs padding before it on either machine (the H8 aligns everything to 2 bytes), so that
 // the offsets are the same on both; a test holds the PC's layout against this.

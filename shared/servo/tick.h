@@ -36,6 +36,9 @@ extern "C" {
 #define KZ_ACTION_RESET 3
 #define KZ_ACTION_LOADER 4
 
+// For so long the loader stays when it was asked for, then it starts the application.
+#define KZ_LOADER_S 3
+
 // How that went.
 #define KZ_RESULT_NONE 0  // nothing was asked for in the last tick
 #define KZ_RESULT_DONE 1

@@ -11,6 +11,8 @@ import re
 import struct
 import sys
 
+import limits
+
 MACRO = re.compile(r"^KZ_(MESSAGE|FIELD|BOUNDED|ARRAY|MASKED|END)\(", re.MULTILINE)
 DEFINE = re.compile(r"^#define (KZ_\w+) +(\w+)(?: *// (.*))?$", re.MULTILINE)
 SIZES = {"u8": 1, "u16": 2, "s16": 2, "u32": 4}
@@ -133,7 +135,18 @@ def message_section(message):
 def constant_rows(constants, prefix):
     return [f"| {name[len(prefix):]} | {value} | {text} |"
             for name, (value, text) in constants.items()
-            if name.startswith(prefix) and name != "KZ_STATUS_FAULTS"]
+            if name.startswith(prefix) and not name.endswith("_MS")]
+
+
+def joint_rows(root):
+    """Number, name and mechanical limits of each joint."""
+    urdf = f"{root}/shared/robot/kaz/kaz.urdf"
+    model = limits.parse_urdf(urdf)
+    rows = ["| joint | name | lower | upper |", "|---|---|---|---|"]
+    for i, joint in enumerate(limits.read_joints(f"{root}/shared/board/joints.def")):
+        lower, upper = limits.limits_of(urdf, model, joint)
+        rows.append(f"| {i} | {joint[0]} | {lower} | {upper} |")
+    return rows
 
 
 def example(title, body, meaning):
@@ -149,6 +162,7 @@ def example(title, body, meaning):
 def document(root):
     messages = read_messages(f"{root}/shared/protocol/messages.def")
     constants = read_constants(f"{root}/shared/protocol/messages.h")
+    frame = read_constants(f"{root}/shared/protocol/frame.h")
     servo = read_constants(f"{root}/shared/servo/servo.h")
     ticks = read_constants(f"{root}/shared/servo/tick.h")
     targets = struct.pack(">BBBIHhh", 1, 3, 7, 0b11, 500, 1000, -2)
@@ -168,10 +182,13 @@ def document(root):
         "STATUS": constant_rows(constants, "KZ_STATUS_"),
         "REFUSED": constant_rows(constants, "KZ_REFUSED_"),
         "RESET": constant_rows(ticks, "KZ_RESET_"),
+        "JOINTS": joint_rows(root),
+        **{name: constant_rows(constants, f"KZ_{name}_")
+           for name in ("SHUTDOWN", "JOINT", "CAPABILITY", "TELEMETRY", "TEST", "CALIBRATION")},
     }
     for key, lines in blocks.items():
         text = text.replace(f"@{key}@", "\n".join(lines).rstrip())
-    everything = {**constants, **servo}
+    everything = {**frame, **constants, **servo, **ticks}
     return re.sub(r"@(KZ_\w+)@", lambda match: everything[match.group(1)][0], text)
 
 
@@ -191,7 +208,7 @@ def main(arguments):
                 return 0
         print(f"protocol_doc.py: {target} is out of date; run tools/gen/protocol_doc.py again",
               file=sys.stderr)
-    except (Refused, OSError) as error:
+    except (Refused, limits.Refused, OSError) as error:
         print(f"protocol_doc.py: {error}", file=sys.stderr)
     return 1
 
