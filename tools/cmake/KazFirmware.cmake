@@ -3,7 +3,7 @@
 # Sources of shared/servo that run on the H8 too, relative to shared/.
 function(kaz_servo_sources out)
   set(${out} servo/tick.c servo/joints.c servo/requests.c servo/commands.c servo/safety.c
-             servo/outputs.c PARENT_SCOPE)
+             servo/outputs.c servo/store.c PARENT_SCOPE)
 endfunction()
 
 find_program(KAZ_H8_GCC h8300-hms-gcc)
