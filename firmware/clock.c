@@ -9,6 +9,10 @@
 
 static volatile u8 due;
 
+u16 kz_clock_start_8states(void) {
+  return (u16)((FRT_TCSR & FRT_TCSR_OVF) ? 0xFFFF : FRT_FRC);
+}
+
 void kz_clock_init(void) {
   due = 0;
   FRT_TCR = FRT_TCR_PHI_8;
@@ -58,4 +62,10 @@ void kz_watchdog_start(void) {
 
 void kz_watchdog_feed(void) {
   WDT0_TCNT = WDT_TCNT_KEY;
+}
+
+void kz_watchdog_reset(void) {
+  KZ_INTERRUPTS_OFF();
+  WDT0_TCSR = WDT_TCSR_KEY | WDT_WATCHDOG | WDT_RUN | WDT_RESET | WDT_PHI_2;
+  for (;;) continue;
 }

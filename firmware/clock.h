@@ -5,6 +5,9 @@
 
 #include "shared/base/types.h"
 
+// Time since start.S switched the timer on, in units of 8 states; 0xFFFF from 28 ms on. Before
+// kz_clock_init.
+u16 kz_clock_start_8states(void);
 // Starts the tick.
 void kz_clock_init(void);
 // Sleeps until the next tick is due. Returns how many are due: more than 1 if some were missed.
@@ -15,5 +18,7 @@ u16 kz_clock_busy_8states(void);
 void kz_watchdog_start(void);
 // Not fed for 7.1 ms, the watchdog resets the chip.
 void kz_watchdog_feed(void);
+// Lets the watchdog reset the chip at once.
+void kz_watchdog_reset(void);
 
 #endif

@@ -12,6 +12,7 @@
 
 // System
 #define STCR KZ_REG8(0xFFC3)
+#define STCR_FLSHE 0x08  // FF80..FF83 are the flash's registers
 #define STCR_ICKS1 0x02  // TMR1 counts phi/2 at CKS=1
 #define STCR_ICKS0 0x01  // TMR0 the same
 #define SYSCR KZ_REG8(0xFFC4)
@@ -26,6 +27,20 @@
 #define MSTPCRL KZ_REG8(0xFF87)
 #define MSTPCRL_SCI0 0x80
 #define MSTPCRL_RESET 0xFF
+
+// Flash, with STCR.FLSHE
+#define FLMCR1 KZ_REG8(0xFF80)
+#define FLMCR1_SWE 0x40
+#define FLMCR1_EV 0x08
+#define FLMCR1_PV 0x04
+#define FLMCR1_E 0x02
+#define FLMCR1_P 0x01
+#define FLMCR2 KZ_REG8(0xFF81)
+#define FLMCR2_FLER 0x80  // an error locks the flash until reset
+#define FLMCR2_ESU 0x02
+#define FLMCR2_PSU 0x01
+#define EBR1 KZ_REG8(0xFF82)
+#define EBR2 KZ_REG8(0xFF83)
 
 // Ports. DDR: 1 is output, write only.
 #define P1DDR KZ_REG8(0xFFB0)
@@ -75,6 +90,7 @@
 #define FRT_TIER_ONE 0x01  // reserved, reads and writes 1
 #define FRT_TCSR KZ_REG8(0xFF91)
 #define FRT_TCSR_OCFA 0x08
+#define FRT_TCSR_OVF 0x02
 #define FRT_TCSR_CCLRA 0x01
 #define FRT_FRC KZ_REG16(0xFF92)
 #define FRT_OCRA KZ_REG16(0xFF94)  // with TOCR.OCRS = 0
@@ -90,6 +106,7 @@
 #define WDT_WATCHDOG 0x40
 #define WDT_RUN 0x20
 #define WDT_RESET 0x08
+#define WDT_PHI_2 0x00
 #define WDT_PHI_512 0x03
 
 // Serial 0
@@ -100,6 +117,7 @@
 #define SCR_RIE 0x40
 #define SCR_TE 0x20
 #define SCR_RE 0x10
+#define SCR_TEIE 0x04
 #define SCI0_TDR KZ_REG8(0xFFDB)
 #define SCI0_SSR KZ_REG8(0xFFDC)
 #define SSR_TDRE 0x80
@@ -107,6 +125,7 @@
 #define SSR_ORER 0x20
 #define SSR_FER 0x10
 #define SSR_PER 0x08
+#define SSR_TEND 0x04
 #define SCI0_RDR KZ_REG8(0xFFDD)
 
 // A/D converter. Results stand in the upper 10 bits.

@@ -6,7 +6,7 @@
 #define PWSL_RUN (PWSL_PWCKE | PWSL_PWCKS | PWSL_ONE)
 #define P4_NOT_CLOCK_OUTPUT 0xBF  // P46 as an output would be the system clock
 #define P5_TXD 0x01
-#define P5_OUTPUTS 0x05  // TxD0, P52
+#define P5_OUTPUTS 0x04  // P52
 #define TMR_PERIOD 256   // counts of phi/2: 36 kHz
 
 volatile u8 kz_pins_p4;
@@ -39,7 +39,7 @@ static void init_timers(void) {
   TMR_TCR1 = TMR_CLEAR_AT_A | TMR_PHI_2;
 }
 
-void kz_pins_init(void) {
+void kz_pins_init(u8 shared_line) {
   // Levels first, then directions: no output ever shows anything else.
   P3DR = 0;
   P4DR = KZ_P4_MUX_MASK;
@@ -47,7 +47,7 @@ void kz_pins_init(void) {
   P6DR = 0;
   P3DDR = 0xFF;
   P4DDR = P4_NOT_CLOCK_OUTPUT;
-  P5DDR = P5_OUTPUTS;
+  P5DDR = shared_line ? P5_OUTPUTS : P5_OUTPUTS | P5_TXD;
   P6DDR = 0xFF;
   kz_pins_p4 = 0;
   kz_pins_selects = KZ_P4_MUX_MASK;

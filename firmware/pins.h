@@ -6,8 +6,9 @@
 #include "firmware/h8s2128.h"
 #include "shared/servo/tick.h"
 
-// All outputs low (but TxD and the multiplexer selects), PWM and timers running at duty 0.
-void kz_pins_init(void);
+// All outputs low (but TxD and the multiplexer selects), PWM and timers running at duty 0. On a shared
+// line P50 stays an input: TxD floats while the transmitter is off.
+void kz_pins_init(u8 shared_line);
 void kz_pins_write(const kz_tick_output* output);
 // Whatever happens: drivers off.
 void kz_pins_off(void);

@@ -7,7 +7,8 @@
 #define RING 64  // a power of two; one place stays empty
 #define NEXT(place) ((u8)(((place) + 1) & (RING - 1)))
 #define BRR_115200 (KZ_STATES_PER_BIT / 32 - 1)
-#define SCR_LISTENING (SCR_RIE | SCR_TE | SCR_RE)
+#define SCR_LISTENING (SCR_RIE | SCR_RE)
+#define SCR_SENDING (SCR_RIE | SCR_TIE | SCR_TE | SCR_RE)
 
 // `in` is only moved by who fills the ring, `out` only by who empties it.
 static volatile struct {
@@ -23,13 +24,23 @@ static volatile struct {
   u8 out;
 } queued;
 
-void kz_serial_init(void) {
+// SCR once the last byte is in the shift register. On a shared line the end of it is awaited, and the
+// transmitter switched off; else it stays on.
+static u8 scr_last_byte;
+
+void kz_serial_init(u8 shared_line) {
   u8 wait;
   SCI0_SCR = 0;
   SCI0_SMR = 0;
   SCI0_BRR = BRR_115200;
   for (wait = 0; wait < KZ_STATES_PER_BIT; ++wait) (void)SCI0_SSR;  // longer than one bit
-  SCI0_SCR = SCR_LISTENING;
+  SCI0_SCR = shared_line ? SCR_LISTENING : SCR_LISTENING | SCR_TE;
+  scr_last_byte = SCR_LISTENING | SCR_TE;
+  if (shared_line) scr_last_byte |= SCR_TEIE;
+}
+
+u8 kz_serial_idle(void) {
+  return (u8)(queued.out == queued.in && (SCI0_SSR & SSR_TEND));
 }
 
 void kz_serial_send(const u8* bytes, u8 count) {
@@ -40,7 +51,7 @@ void kz_serial_send(const u8* bytes, u8 count) {
     in = NEXT(in);
   }
   queued.in = in;
-  SCI0_SCR = SCR_LISTENING | SCR_TIE;
+  SCI0_SCR = SCR_SENDING;
 }
 
 u8 kz_serial_room(void) {
@@ -96,10 +107,15 @@ KZ_INTERRUPT void kz_serial_receive_error(void) {
 KZ_INTERRUPT void kz_serial_transmit(void) {
   const u8 out = queued.out;
   if (out == queued.in) {
-    SCI0_SCR = SCR_LISTENING;
+    SCI0_SCR = scr_last_byte;
     return;
   }
   SCI0_TDR = queued.byte[out];
   SCI0_SSR &= (u8)~SSR_TDRE;
   queued.out = NEXT(out);
+}
+
+// Only on a shared line.
+KZ_INTERRUPT void kz_serial_transmitted(void) {
+  SCI0_SCR = queued.out == queued.in ? SCR_LISTENING : SCR_SENDING;
 }

@@ -5,7 +5,10 @@
 
 #include "shared/servo/tick.h"
 
-void kz_serial_init(void);
+// On a shared line the transmitter is off, and TxD floats, while there is nothing to send.
+void kz_serial_init(u8 shared_line);
+// The last byte's stop bit has left.
+u8 kz_serial_idle(void);
 // Queues the bytes of a tick's output; the caller kept to kz_serial_room().
 void kz_serial_send(const u8* bytes, u8 count);
 // Bytes that kz_serial_send can take.

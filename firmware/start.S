@@ -9,6 +9,48 @@ _kz_start:
 	mov.l	#_kz_stack_top,er7
 	mov.w	r0,r4
 
+; The free-running timer tells how long the start takes, in units of 8 states.
+	mov.b	#0x1f,r3l
+	mov.b	r3l,@0xffff86:8		; MSTPCRH: out of module stop
+	mov.b	#0x01,r3l
+	mov.b	r3l,@0xffff96:8		; TCR: phi/8
+
+; Each word of RAM takes its own address, which finds damaged address lines too, then the complement
+; of that. R5 collects the bits that were wrong. At the end RAM is full of A5, so that the depth of
+; the stack can be seen later. The short RAM (restart.h) is not touched.
+	mov.l	#_kz_stack_top,er1
+	mov.l	#_kz_ram_start,er0
+	sub.w	r5,r5
+	mov.w	#0xa5a5,r3
+write:
+	mov.w	r0,@er0
+	inc.l	#2,er0
+	cmp.l	er1,er0
+	blo	write
+	mov.l	#_kz_ram_start,er0
+	.global ram_written		; for a test that damages RAM
+ram_written:
+upwards:
+	mov.w	@er0,r2
+	xor.w	r0,r2
+	or.w	r2,r5
+	mov.w	r0,r2
+	not.w	r2
+	mov.w	r2,@er0
+	inc.l	#2,er0
+	cmp.l	er1,er0
+	blo	upwards
+	mov.l	#_kz_ram_start,er1
+downwards:
+	dec.l	#2,er0
+	mov.w	@er0,r2
+	xor.w	r0,r2
+	not.w	r2
+	or.w	r2,r5
+	mov.w	r3,@er0
+	cmp.l	er1,er0
+	bhi	downwards
+
 	mov.l	#_kz_data_load,er0
 	mov.l	#_kz_data_start,er1
 	mov.l	#_kz_data_end,er2
@@ -33,6 +75,7 @@ clear:
 cleared:
 
 	mov.w	r4,r0
+	mov.w	r5,r1
 	jsr	@_kz_main		; does not return
 
 ; Two labels around the tick's computation, for whoever watches it from outside: at kz_tick_begin

@@ -30,6 +30,7 @@ _kz_jump_table:
 	jmp	@_kz_serial_receive_error	; 80 ERI0
 	jmp	@_kz_serial_received	; 81 RXI0
 	jmp	@_kz_serial_transmit	; 82 TXI0
-	.rept	21			; 83..103
+	jmp	@_kz_serial_transmitted	; 83 TEI0
+	.rept	20			; 84..103
 	jmp	@_kz_unexpected
 	.endr

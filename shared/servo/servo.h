@@ -86,6 +86,7 @@ extern "C" {
 //   that
 //                   happens to have the same number
 //   outcome         0 or the KZ_REFUSED_* of that request, outcome_detail with it
+//   new_address, new_shared_line  what KZ_ACTION_STORE_ADDRESS is to store
 //   busy_*          a request that came while a reply was being sent and will be refused; type 0:
 //   none
 #define KZ_SERVO_FIELDS(FIELD) \
@@ -118,6 +119,8 @@ extern "C" {
   FIELD(u8, last_sequence)     \
   FIELD(u8, outcome)           \
   FIELD(u8, outcome_detail)    \
+  FIELD(u8, new_address)       \
+  FIELD(u8, new_shared_line)   \
   FIELD(u8, busy_type)         \
   FIELD(u8, busy_sequence)
 

@@ -3,7 +3,7 @@
 # Sources of shared/servo that run on the H8 too, relative to shared/.
 function(kaz_servo_sources out)
   set(${out} servo/tick.c servo/joints.c servo/requests.c servo/commands.c servo/safety.c
-             servo/outputs.c servo/store.c PARENT_SCOPE)
+             servo/outputs.c servo/store.c servo/startup.c PARENT_SCOPE)
 endfunction()
 
 find_program(KAZ_H8_GCC h8300-hms-gcc)
@@ -39,29 +39,32 @@ function(kaz_firmware_image)
   set(sources
     ${firmware}/vectors.S ${firmware}/image_header.c
     ${firmware}/start.S ${firmware}/main.c ${firmware}/clock.c ${firmware}/pins.c
-    ${firmware}/serial.c ${firmware}/analog.c
+    ${firmware}/serial.c ${firmware}/analog.c ${firmware}/memory.c ${firmware}/flash.c
     ${ARG_SHARED_DIR}/protocol/crc16.c ${ARG_SHARED_DIR}/protocol/frame.c
     ${ARG_SHARED_DIR}/protocol/messages.c ${ARG_SHARED_DIR}/board/table.c ${servo})
   set(loader_sources
     ${firmware}/loader_start.S ${firmware}/loader.c ${firmware}/loader_crc16.c)
+  set(ram_sources ${firmware}/flash_ram.c)
 
   set(objects_dir ${ARG_OUTPUT_DIR}/${ARG_NAME}.objects)
   file(MAKE_DIRECTORY ${objects_dir})
   set(objects)
-  foreach(source IN LISTS sources loader_sources)
+  foreach(source IN LISTS sources loader_sources ram_sources)
     get_filename_component(stem ${source} NAME_WE)
     set(object ${objects_dir}/${stem}.o)
-    set(to_loader)
+    set(to_section)
     if(source IN_LIST loader_sources)
       # The loader has sections of its own: this linker cannot place an input file by a pattern.
-      set(to_loader COMMAND ${KAZ_H8_OBJCOPY} --rename-section .text=.ltext
-                            --rename-section .rodata=.lconst ${object})
+      set(to_section COMMAND ${KAZ_H8_OBJCOPY} --rename-section .text=.ltext
+                             --rename-section .rodata=.lconst ${object})
+    elseif(source IN_LIST ram_sources)
+      set(to_section COMMAND ${KAZ_H8_OBJCOPY} --rename-section .text=.ramtext ${object})
     endif()
     add_custom_command(
       OUTPUT ${object}
       COMMAND ${KAZ_H8_GCC} ${KAZ_H8_FLAGS} ${ARG_FLAGS} -I${shared_root} -I${PROJECT_SOURCE_DIR}
               -I${generated} -MMD -MF ${object}.d -MT ${object} -c ${source} -o ${object}
-      ${to_loader}
+      ${to_section}
       DEPENDS ${source} ${generated}/kz_limits.h ${generated}/kz_build_id.h kaz_generated_headers
       DEPFILE ${object}.d
       COMMENT "H8 ${ARG_NAME}: ${stem}" VERBATIM)

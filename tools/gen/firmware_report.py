@@ -26,7 +26,7 @@ def line(what, size, limit):
 
 def report(objdump, path, sizes_path):
     coff = Coff(path)
-    data = coff.section(".data").size + coff.section(".bss").size
+    data = sum(coff.section(name).size for name in (".data", ".ramtext", ".bss"))
     stack, names = stack_bound(objdump, path, "_kz_start")
     sizes = [("application", used(coff, APPLICATION, APPLICATION_END),
               APPLICATION_END - APPLICATION),

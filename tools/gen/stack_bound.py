@@ -26,7 +26,7 @@ class Function:
     is_handler: bool = False
 
 
-CODE_SECTIONS = (".text", ".ltext")
+CODE_SECTIONS = (".text", ".ltext", ".ramtext")
 
 
 def disassemble(objdump, path):
