@@ -52,6 +52,27 @@ TEST(Cli, HelpHasExamplesAndSucceeds) {
   }
 }
 
+TEST(Cli, BashCompletesVerbsAndOptions) {
+  // In bash itself: the words after "kaz", the last of them to be completed.
+  const auto completed = [](const std::string& words, int last) {
+    const std::string script =
+        "source <(" + kaz({}).front() + " completion bash); COMP_WORDS=(kaz " + words +
+        "); COMP_CWORD=" + std::to_string(last) + "; _kaz; echo \"${COMPREPLY[@]}\"";
+    return run({"bash", "-c", script}).out;
+  };
+  EXPECT_EQ(completed("mcu comp", 2), "compare\n");
+  EXPECT_EQ(completed("mcu compare --tic", 3), "--ticks\n");
+  EXPECT_EQ(completed("run track-ball --cam", 3), "--camera\n");
+}
+
+TEST(Cli, ManualPagesAreMadeOfTheHelp) {
+  const Finished page = run(kaz({"man", "mcu", "compare"}));
+  EXPECT_EQ(page.exit_code, 0) << page.err;
+  EXPECT_EQ(page.out.rfind(".TH KAZ-MCU-COMPARE 1", 0), 0u) << page.out;
+  EXPECT_NE(page.out.find("\\-\\-ticks"), std::string::npos) << page.out;
+  EXPECT_TRUE(one_sentence(run(kaz({"man", "walk"})), 2, {"no verb `walk`"}));
+}
+
 TEST(Cli, VersionSucceeds) {
   const Finished finished = run(kaz({"--version"}));
   EXPECT_EQ(finished.exit_code, 0);
