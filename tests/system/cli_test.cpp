@@ -58,7 +58,7 @@ TEST(Cli, BashCompletesVerbsAndOptions) {
     const std::string script =
         "source <(" + kaz({}).front() + " completion bash); COMP_WORDS=(kaz " + words +
         "); COMP_CWORD=" + std::to_string(last) + "; _kaz; echo \"${COMPREPLY[@]}\"";
-    return run({"bash", "-c", script}).out;
+    return run({"/bin/bash", "-c", script}).out;
   };
   EXPECT_EQ(completed("mcu comp", 2), "compare\n");
   EXPECT_EQ(completed("mcu compare --tic", 3), "--ticks\n");
