@@ -2,53 +2,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/protocol/messages.h"
 
+#include "shared/protocol/bytes.h"
+
 // Fails to compile where a message does not fit a frame.
 #define KZ_MESSAGE(name, code, text) \
   typedef char name##_fits_a_frame[KZ_SIZE_##name <= KZ_PAYLOAD_MAX ? 1 : -1];
 #include "shared/protocol/messages.def"
 
-static inline u8* put_u8(u8* to, u8 value) {
-  to[0] = value;
-  return to + 1;
-}
-
-static inline u8* put_u16(u8* to, u16 value) {
-  to[0] = (u8)(value >> 8);
-  to[1] = (u8)value;
-  return to + 2;
-}
-
-static inline u8* put_s16(u8* to, s16 value) {
-  return put_u16(to, (u16)value);
-}
-
-static inline u8* put_u32(u8* to, u32 value) {
-  to = put_u16(to, (u16)(value >> 16));
-  return put_u16(to, (u16)value);
-}
-
-static inline u8 get_u8(const u8* from) {
-  return from[0];
-}
-static inline u16 get_u16(const u8* from) {
-  return (u16)((u16)((u16)from[0] << 8) | from[1]);
-}
-static inline s16 get_s16(const u8* from) {
-  return (s16)get_u16(from);
-}
-static inline u32 get_u32(const u8* from) {
-  return (u32)get_u16(from) << 16 | get_u16(from + 2);
-}
-
 #define KZ_MESSAGE(name, code, text)                               \
   u8 kz_pack_##name(const struct kz_##name* message, u8* fields) { \
     u8* to = fields;                                               \
     (void)message;
-#define KZ_FIELD(type, name, unit, text) to = put_##type(to, message->name);
-#define KZ_ARRAY(type, name, count, unit, text)                          \
-  {                                                                      \
-    u8 i;                                                                \
-    for (i = 0; i < (count); ++i) to = put_##type(to, message->name[i]); \
+#define KZ_FIELD(type, name, unit, text) to = kz_put_##type(to, message->name);
+#define KZ_ARRAY(type, name, count, unit, text)                             \
+  {                                                                         \
+    u8 i;                                                                   \
+    for (i = 0; i < (count); ++i) to = kz_put_##type(to, message->name[i]); \
   }
 #define KZ_MASKED(type, name, mask, most, unit, text) \
   {                                                   \
@@ -57,7 +26,7 @@ static inline u32 get_u32(const u8* from) {
     u8 i;                                             \
     for (i = 0; i < KZ_JOINTS; ++i) {                 \
       if ((bits & 1) && left != 0) {                  \
-        to = put_##type(to, message->name[i]);        \
+        to = kz_put_##type(to, message->name[i]);     \
         --left;                                       \
       }                                               \
       bits >>= 1;                                     \
@@ -70,7 +39,7 @@ static inline u32 get_u32(const u8* from) {
 
 #define TAKE(type, variable)               \
   if (length < (u8)sizeof(type)) return 0; \
-  variable = get_##type(fields);           \
+  variable = kz_get_##type(fields);        \
   fields += sizeof(type);                  \
   length = (u8)(length - sizeof(type));
 

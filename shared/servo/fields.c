@@ -18,11 +18,20 @@
       sizeof(kz_joint), sizeof(type),                      \
       SIGNED_##type,    KZ_JOINTS},
 
+#define ANSWER_FIELD(array, times, type, name)           \
+  {#array "." #name,  offsetof(kz_servo, array[0].name), \
+   sizeof(kz_answer), sizeof(type),                      \
+   SIGNED_##type,     times},
+#define REMEMBERED_FIELD(type, name) ANSWER_FIELD(remembered, KZ_REQUESTS_REMEMBERED, type, name)
+#define QUEUE_FIELD(type, name) ANSWER_FIELD(queue, KZ_QUEUE, type, name)
+
 const kz_state_field kz_state_fields[] = {
-    KZ_SERVO_FIELDS(SERVO_FIELD)  //
-    KZ_JOINT_FIELDS(JOINT_FIELD)  //
-    PART(u16, receiver.crc)       //
-    PART(u8, receiver.length)     //
+    KZ_SERVO_FIELDS(SERVO_FIELD)        //
+    KZ_ANSWER_FIELDS(REMEMBERED_FIELD)  //
+    KZ_ANSWER_FIELDS(QUEUE_FIELD)       //
+    KZ_JOINT_FIELDS(JOINT_FIELD)        //
+    PART(u16, receiver.crc)             //
+    PART(u8, receiver.length)           //
     PART(u8, receiver.state) NUMBERS(u8, receiver.body, receiver.body[0], KZ_BODY_MAX + 4)
         PART(u8, receiver.spare) PART(u16, sender.crc)     //
     PART(u8, sender.length)                                //

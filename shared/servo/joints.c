@@ -28,6 +28,16 @@ s16 kz_scaled_kd(u16 kd) {
   return scaled(kd, KD_SCALE);
 }
 
+// 65536 / KP_SCALE = 2.45095, times 2^14; 65536 / KD_SCALE = 5.01961, times 2^13. The gains' bounds
+// (KZ_KP_MAX, KZ_KD_MAX) keep the products inside 32 bits and the results inside 16.
+u16 kz_unscaled_kp(s16 scaled_kp) {
+  return (u16)(((u32)(u16)scaled_kp * 40156 + 0x2000) >> 14);
+}
+
+u16 kz_unscaled_kd(s16 scaled_kd) {
+  return (u16)(((u32)(u16)scaled_kd * 41121 + 0x1000) >> 13);
+}
+
 void kz_joints_init(kz_servo* servo, const kz_startup* startup) {
   // The hands are the joints on the two timer outputs.
   static const u16 kp[KZ_JOINTS] = {
@@ -41,6 +51,8 @@ void kz_joints_init(kz_servo* servo, const kz_startup* startup) {
     servo->joint[i].kp = kz_scaled_kp(kp[i]);
     servo->joint[i].kd = kz_scaled_kd(KZ_KD_DEFAULT);
     servo->joint[i].ramp_limit = KZ_RAMP_DEFAULT;
+    servo->joint[i].lower = kz_board_joints[i].lower;
+    servo->joint[i].upper = kz_board_joints[i].upper;
     servo->joint[i].pot_bad_ms = 1;  // not measured yet
     servo->joint[i].pot_centre = startup->pot_centre[i];
     servo->joint[i].pot_scale = startup->pot_scale[i];
@@ -53,17 +65,51 @@ void kz_joints_enable(kz_servo* servo, u32 mask) {
   kz_joint* joint = servo->joint;
   u8 i;
   servo->enabled = mask;
+  if (mask == 0) servo->holding = 0;
   servo->fresh_targets &= mask;
   for (i = 0; i < KZ_JOINTS; ++i) {
     const u8 on = (u8)(mask & 1);
     if (on && !joint->on) {
       joint->command = joint->angle;
+      joint->target = joint->angle;
       joint->ramp_left = 0;
     }
     joint->on = on;
     mask >>= 1;
     ++joint;
   }
+}
+
+void kz_joints_hold(kz_servo* servo) {
+  kz_joint* joint = servo->joint;
+  u8 left;
+  servo->fresh_targets = 0;
+  for (left = KZ_JOINTS; left != 0; --left) {
+    joint->ramp_left = 0;
+    joint->target = joint->command;
+    ++joint;
+  }
+}
+
+u8 kz_joint_flags(const kz_servo* servo, u8 number) {
+  const kz_joint* joint = &servo->joint[number];
+  u8 flags = 0;
+  if (joint->on) {
+    flags |= KZ_JOINT_ON;
+    if (joint->ramp_left != 0 || (servo->fresh_targets >> number & 1)) flags |= KZ_JOINT_MOVING;
+  }
+  if (joint->pot_bad_ms != 0) flags |= KZ_JOINT_POT;
+  if (joint->angle <= joint->lower || joint->angle >= joint->upper) flags |= KZ_JOINT_AT_LIMIT;
+  return flags;
+}
+
+s16 kz_joint_drive(const kz_joint* joint) {
+  const s16 duty = (s16)joint->duty;
+  return joint->forward == joint->mirrored ? (s16)-duty : duty;
+}
+
+u8 kz_joint_load(const kz_joint* joint) {
+  return joint->duty;
 }
 
 // Straight way to the joint's target in `duration_ms`, or more slowly if the joint's ramp demands
@@ -157,9 +203,9 @@ static inline void control(kz_joint* joint) {
   joint->forward = forward;
 }
 
-u8 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
+u16 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
   kz_joint* joint = servo->joint;
-  u8 fault = 0;
+  u16 fault = 0;
   u8 i;
   for (i = 0; i < KZ_JOINTS; ++i) {
     const u16 code = input->analog[joint->pot_input];
@@ -179,7 +225,9 @@ u8 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
       joint->duty = 0;
       joint->forward = 0;
       if (joint->pot_bad_ms < KZ_POT_FAULT_MS) ++joint->pot_bad_ms;
-      if (joint->pot_bad_ms == KZ_POT_FAULT_MS) fault |= joint->on;
+      if (joint->pot_bad_ms == KZ_POT_FAULT_MS && joint->on && fault == 0) {
+        fault = (u16)(KZ_SHUTDOWN_POT << 8 | i);
+      }
     }
     ++joint;
   }

@@ -13,9 +13,9 @@ extern "C" {
 void kz_joints_init(kz_servo* servo, const kz_startup* startup);
 
 // One millisecond of all joints: angles and rates from the A/D codes; for those that are on also
-// the ramp, the duty and the direction. Returns 1 if a joint that is on has had a bad potentiometer
-// for too long.
-u8 kz_joints_update(kz_servo* servo, const kz_tick_input* input);
+// the ramp, the duty and the direction. Returns 0, or a reason to switch all motors off: its
+// KZ_SHUTDOWN_* in the upper byte and the joint in the lower.
+u16 kz_joints_update(kz_servo* servo, const kz_tick_input* input);
 
 // Switches the joints of the mask on and all others off. One that was off holds where it stands.
 void kz_joints_enable(kz_servo* servo, u32 mask);
@@ -24,9 +24,22 @@ void kz_joints_enable(kz_servo* servo, u32 mask);
 // and each joint's target). So the tick that took the request has not to do this too.
 void kz_joints_start_ramps(kz_servo* servo);
 
+// Ends all ramps: the commands stay where they are.
+void kz_joints_hold(kz_servo* servo);
+
+// KZ_JOINT_* flags; `number` < KZ_JOINTS.
+u8 kz_joint_flags(const kz_servo* servo, u8 number);
+// Motor drive -255..255, positive turns the joint positively.
+s16 kz_joint_drive(const kz_joint* joint);
+// Torque as a share of the stall torque, 0..255.
+u8 kz_joint_load(const kz_joint* joint);
+
 // `kp` and `kd` as in the message `gains`, scaled as the loop wants them.
 s16 kz_scaled_kp(u16 kp);
 s16 kz_scaled_kd(u16 kd);
+// And back, to the nearest: scaled once more it gives the same again.
+u16 kz_unscaled_kp(s16 scaled);
+u16 kz_unscaled_kd(s16 scaled);
 
 #ifdef __cplusplus
 }

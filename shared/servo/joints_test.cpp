@@ -26,7 +26,7 @@ void go(TestBoard& board, int joint, int angle, int duration_ms) {
 // Ticks during which the host says now and then that it is there.
 void run(TestBoard& board, int ticks) {
   for (int i = 0; i < ticks; ++i) {
-    if (i % 100 == 0) board.send(KZ_TYPE_heartbeat, ++board.sequence, {0});
+    if (i % 50 == 0) board.send(KZ_TYPE_heartbeat, ++board.sequence, {0, 0});
     board.tick();
   }
 }
@@ -78,13 +78,13 @@ TEST(Ramp, ANewTargetStartsFromWhereTheRampIs) {
   TestBoard board;
   ASSERT_EQ(board.enable(1), 0);
   go(board, neck_pan, 4000, 100);
-  board.ticks(50);
+  run(board, 50);
   ASSERT_EQ(board.servo.joint[neck_pan].command, 2000);
   go(board, neck_pan, 0, 100);
   board.tick();
   EXPECT_EQ(board.servo.joint[neck_pan].command, 1980);
   EXPECT_EQ(board.status() & KZ_STATUS_MOVING, KZ_STATUS_MOVING);
-  board.ticks(100);
+  run(board, 100);
   EXPECT_EQ(board.status(), KZ_STATUS_ENABLED);
 }
 
@@ -161,7 +161,7 @@ TEST(PositionLoop, DampingIsGainTimesSpeed) {
   ASSERT_EQ(board.gains(1, 0, 410), 0);  // 0.1 s/rad
   for (int i = 0; i < 150; ++i) {
     board.set_pot(neck_pan, static_cast<u16>(300 + i));
-    board.tick();
+    run(board, 1);
   }
   // One code a millisecond: 190 / 1024 degrees in 1 ms = 3.238 rad/s; times 0.1 of 255 counts.
   EXPECT_NEAR(board.output.pw[0], 82.7, 1.0);

@@ -1,10 +1,9 @@
-// What the board does when a frame has come, and what it answers.
+// What the board does when a frame has come, and when it answers.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/requests.h"
 
-#include "kz_build_id.h"
-#include "shared/protocol/messages.h"
 #include "shared/servo/commands.h"
+#include "shared/servo/replies.h"
 #include "shared/servo/safety.h"
 
 // Where the header's bytes stand in a body.
@@ -12,97 +11,87 @@
 #define TYPE 1
 #define SEQUENCE 2
 
-// Each writes the fields of a reply, and returns how many bytes.
-
-static u8 reply_identify(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
-  kz_identify_reply reply;
-  reply.tick = input->tick;
-  reply.status = kz_status(servo);
-  reply.protocol_version = KZ_PROTOCOL_VERSION;
-  reply.joints = KZ_JOINTS;
-  reply.firmware_version = KZ_FIRMWARE_VERSION;
-  reply.build_id = KZ_BUILD_ID;
-  reply.capabilities = 0;
-  reply.image_crc = servo->image_crc;
-  reply.reset_cause = servo->reset_cause;
-  reply.watchdog_10ms = (u8)(servo->watchdog_ms / 10);
-  reply.reaction = servo->reaction;
-  return kz_pack_identify_reply(&reply, fields);
-}
-
-static u8 reply_enable(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
-  kz_enable_reply reply;
-  reply.tick = input->tick;
-  reply.mask = servo->enabled;
-  reply.status = kz_status(servo);
-  return kz_pack_enable_reply(&reply, fields);
-}
-
-static u8 reply_state(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
-  const kz_joint* joint = servo->joint;
-  kz_state_reply reply;
-  u8 i;
-  reply.tick = input->tick;
-  reply.status = kz_status(servo);
-  reply.supply_mv = servo->supply_mv;
-  for (i = 0; i < KZ_JOINTS; ++i) {
-    reply.angle[i] = joint->angle;
-    ++joint;
+void kz_requests_init(kz_servo* servo) {
+  kz_answer* answer = servo->remembered;
+  u8 left;
+  for (left = KZ_REQUESTS_REMEMBERED; left != 0; --left) {
+    // The answer to a "repetition" of what never came.
+    answer->reason = KZ_REFUSED_UNKNOWN_TYPE;
+    answer->detail = KZ_NO_DETAIL;
+    ++answer;
   }
-  return kz_pack_state_reply(&reply, fields);
 }
 
-static u8 reply_heartbeat(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
-  kz_heartbeat_reply reply;
-  reply.tick = input->tick;
-  reply.status = kz_status(servo);
-  return kz_pack_heartbeat_reply(&reply, fields);
+// Member by member: there is no library to copy structures.
+static void copy(kz_answer* to, const kz_answer* from) {
+  to->parameter = from->parameter;
+  to->crc = from->crc;
+  to->type = from->type;
+  to->sequence = from->sequence;
+  to->reason = from->reason;
+  to->detail = from->detail;
 }
 
-static u8 reply_statistics(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
-  kz_statistics_reply reply;
-  reply.tick = input->tick;
-  reply.status = kz_status(servo);
-  reply.busy_8states = input->busy_8states;
-  reply.worst_8states = input->worst_8states;
-  reply.missed_ticks = servo->missed_ticks;
-  reply.frames = servo->frames;
-  reply.repetitions = servo->repetitions;
-  reply.refusals = servo->refusals;
-  reply.bad_check = servo->bad_check;
-  reply.bad_stuffing = servo->bad_stuffing;
-  reply.too_short = servo->too_short;
-  reply.too_long = servo->too_long;
-  reply.line_errors = servo->line_errors;
-  reply.overruns = 0;
-  reply.idle = 0;
-  reply.telemetry_dropped = 0;
-  return kz_pack_statistics_reply(&reply, fields);
-}
-
-// `targets` and `gains` are answered alike.
-static u8 reply_taken(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
-  kz_targets_reply reply;
-  reply.tick = input->tick;
-  reply.status = kz_status(servo);
-  return kz_pack_targets_reply(&reply, fields);
-}
-
-static u8 reply_fields(const kz_servo* servo, const kz_tick_input* input, u8 type, u8* fields) {
-  switch (type) {
-    case KZ_TYPE_identify:
-      return reply_identify(servo, input, fields);
-    case KZ_TYPE_enable:
-      return reply_enable(servo, input, fields);
-    case KZ_TYPE_state:
-      return reply_state(servo, input, fields);
-    case KZ_TYPE_statistics:
-      return reply_statistics(servo, input, fields);
-    case KZ_TYPE_heartbeat:
-      return reply_heartbeat(servo, input, fields);
-    default:
-      return reply_taken(servo, input, fields);
+// The same request once more? Its CRC is that of the whole body.
+static const kz_answer* remembered(const kz_servo* servo, u8 type, u8 sequence) {
+  const kz_answer* answer = servo->remembered;
+  u8 left;
+  for (left = KZ_REQUESTS_REMEMBERED; left != 0; --left) {
+    if (answer->crc == servo->receiver.crc && answer->type == type && answer->sequence == sequence)
+      return answer;
+    ++answer;
   }
+  return 0;
+}
+
+static const kz_answer* execute(kz_servo* servo, u8 type, u8 sequence) {
+  kz_answer* answer = &servo->remembered[servo->memory_next];
+  kz_outcome outcome;
+  servo->memory_next = (u8)((servo->memory_next + 1) % KZ_REQUESTS_REMEMBERED);
+  answer->parameter = 0;
+  answer->crc = servo->receiver.crc;
+  answer->type = type;
+  answer->sequence = sequence;
+  outcome = kz_command(servo, type, servo->receiver.body + KZ_HEADER_SIZE,
+                       (u8)(servo->receiver.length - KZ_HEADER_SIZE), &answer->parameter);
+  answer->reason = (u8)(outcome >> 8);
+  answer->detail = (u8)outcome;
+  if (answer->reason != 0) kz_count(&servo->refusals);
+  return answer;
+}
+
+// With a `stop` as the one too many before, the new one takes its place.
+static void enqueue(kz_servo* servo, const kz_answer* answer) {
+  if (servo->replying + servo->queued == KZ_QUEUE) --servo->queued;
+  copy(&servo->queue[servo->queued], answer);
+  ++servo->queued;
+}
+
+void kz_request_received(kz_servo* servo) {
+  const u8* body = servo->receiver.body;
+  const u8 type = body[TYPE];
+  const u8 sequence = body[SEQUENCE];
+  const u8 answered = (u8)(body[ADDRESS] == servo->address);
+  const kz_answer* answer;
+  if (!answered && body[ADDRESS] != KZ_ADDRESS_ALL) return;
+  if (type & KZ_REPLY) return;  // a reply is not a request, whoever sent it
+  servo->silent_ms = 0;
+  ++servo->frames;
+  if (answered && type != KZ_TYPE_stop &&
+      servo->replying + servo->queued >= KZ_REQUESTS_UNDER_WAY) {
+    servo->refuse_busy = 1;
+    servo->busy_type = type;
+    servo->busy_sequence = sequence;
+    kz_count(&servo->refusals);
+    return;
+  }
+  answer = remembered(servo, type, sequence);
+  if (answer != 0) {
+    kz_count(&servo->repetitions);
+  } else {
+    answer = execute(servo, type, sequence);
+  }
+  if (answered) enqueue(servo, answer);
 }
 
 static void send(kz_servo* servo, u8 type, u8 sequence, u8 field_bytes) {
@@ -113,67 +102,38 @@ static void send(kz_servo* servo, u8 type, u8 sequence, u8 field_bytes) {
   kz_sender_start(&servo->sender, (u8)(KZ_HEADER_SIZE + field_bytes));
 }
 
-static void send_refusal(kz_servo* servo, const kz_tick_input* input, u8 type, u8 sequence,
-                         kz_outcome outcome) {
+static void send_refusal(kz_servo* servo, u8 type, u8 sequence, u8 reason, u8 detail) {
   kz_refused refused;
-  refused.tick = input->tick;
+  refused.tick = servo->tick;
   refused.status = kz_status(servo);
   refused.request = type;
-  refused.reason = outcome.reason;
-  refused.detail = outcome.detail;
+  refused.reason = reason;
+  refused.detail = detail;
   send(servo, KZ_TYPE_refused, sequence,
        kz_pack_refused(&refused, servo->sender.body + KZ_HEADER_SIZE));
 }
 
-// The same request once more? Its CRC is that of the whole body.
-static u8 is_repetition(const kz_servo* servo, u8 type, u8 sequence) {
-  return (u8)(servo->last_type == type && servo->last_sequence == sequence &&
-              servo->last_crc == servo->receiver.crc);
-}
-
-void kz_request_received(kz_servo* servo, const kz_tick_input* input) {
-  const u8* body = servo->receiver.body;
-  const u8 type = body[TYPE];
-  const u8 sequence = body[SEQUENCE];
-  const u8 answered = (u8)(body[ADDRESS] == servo->address);
-  kz_outcome outcome;
-  if (!answered && body[ADDRESS] != KZ_ADDRESS_ALL) return;
-  if (type & KZ_REPLY) return;  // a reply is not a request, whoever sent it
-  servo->silent_ms = 0;
-  ++servo->frames;
-
-  if (answered && kz_sender_busy(&servo->sender)) {
-    servo->busy_type = type;
-    servo->busy_sequence = sequence;
-    return;
-  }
-  if (!is_repetition(servo, type, sequence)) {
-    outcome = kz_command(servo, type, body + KZ_HEADER_SIZE,
-                         (u8)(servo->receiver.length - KZ_HEADER_SIZE));
-    servo->outcome = outcome.reason;
-    servo->outcome_detail = outcome.detail;
-    servo->last_type = type;
-    servo->last_sequence = sequence;
-    servo->last_crc = servo->receiver.crc;
-    if (outcome.reason != 0 && servo->refusals < 0xFFFF) ++servo->refusals;
-  } else if (servo->repetitions < 0xFFFF) {
-    ++servo->repetitions;
-  }
-  if (!answered) return;
-  if (servo->outcome != 0) {
-    outcome.reason = servo->outcome;
-    outcome.detail = servo->outcome_detail;
-    send_refusal(servo, input, type, sequence, outcome);
+static void send_answer(kz_servo* servo, const kz_tick_input* input, const kz_answer* answer) {
+  if (answer->reason != 0) {
+    send_refusal(servo, answer->type, answer->sequence, answer->reason, answer->detail);
   } else {
-    send(servo, (u8)(type | KZ_REPLY), sequence,
-         reply_fields(servo, input, type, servo->sender.body + KZ_HEADER_SIZE));
+    send(servo, (u8)(answer->type | KZ_REPLY), answer->sequence,
+         kz_reply(servo, input, answer, servo->sender.body + KZ_HEADER_SIZE));
   }
 }
 
-void kz_refuse_busy(kz_servo* servo, const kz_tick_input* input) {
-  kz_outcome outcome;
-  outcome.reason = KZ_REFUSED_BUSY;
-  outcome.detail = KZ_NO_DETAIL;
-  send_refusal(servo, input, servo->busy_type, servo->busy_sequence, outcome);
-  servo->busy_type = 0;
+void kz_requests_answer(kz_servo* servo, const kz_tick_input* input, u8 hurried) {
+  kz_answer* next = servo->queue;
+  u8 i;
+  if (kz_sender_busy(&servo->sender)) return;
+  if (servo->queued != 0) {
+    if (hurried && next->reason == 0 && kz_reply_is_large(next->type)) return;
+    send_answer(servo, input, next);
+    servo->replying = 1;
+    --servo->queued;
+    for (i = 0; i < servo->queued; ++i) copy(&servo->queue[i], &servo->queue[i + 1]);
+  } else if (servo->refuse_busy) {
+    send_refusal(servo, servo->busy_type, servo->busy_sequence, KZ_REFUSED_BUSY, KZ_NO_DETAIL);
+    servo->refuse_busy = 0;
+  }
 }

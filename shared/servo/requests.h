@@ -1,5 +1,8 @@
-// What the board does when a frame has come, and what it answers.
+// What the board does when a frame has come, and when it answers.
 // SPDX-License-Identifier: Apache-2.0
+//
+// A request is done in the tick in which it is heard; what may have to wait is its reply. So the
+// order of the replies is that of the requests, and each tells of the moment in which it is made.
 #ifndef KAZ_SHARED_SERVO_REQUESTS_H
 #define KAZ_SHARED_SERVO_REQUESTS_H
 
@@ -9,13 +12,16 @@
 extern "C" {
 #endif
 
-// A sound frame stands in servo->receiver. Does what it asks for and starts the reply, if it is for
-// this board; each request is answered by its reply or by `refused`, unless it went to all boards.
-void kz_request_received(kz_servo* servo, const kz_tick_input* input);
+void kz_requests_init(kz_servo* servo);
 
-// Starts the refusal of the request that came while another reply was being sent. To be called when
-// there is one (busy_type) and the sender is idle.
-void kz_refuse_busy(kz_servo* servo, const kz_tick_input* input);
+// A sound frame stands in servo->receiver. Does what it asks for and remembers to answer it, if it
+// is for this board; each request is answered by its reply or by `refused`, unless it went to all
+// boards.
+void kz_request_received(kz_servo* servo);
+
+// Starts the next reply, if the sender is idle and one is due. `hurried`: this tick has done much
+// already, a large reply can wait for the next.
+void kz_requests_answer(kz_servo* servo, const kz_tick_input* input, u8 hurried);
 
 #ifdef __cplusplus
 }

@@ -1,45 +1,46 @@
-// What switches the motors off without being asked.
+// What switches the motors off without being asked, and the status that tells of it.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/safety.h"
 
-#include "shared/protocol/messages.h"
 #include "shared/servo/commands.h"
 #include "shared/servo/joints.h"
 
 #define COUNTER_MAX 0xFFFF
-#define SUPPLY_MV_PER_CODE (KZ_SUPPLY_FULL_MV / KZ_POT_CODES)
 
-void kz_shutdown(kz_servo* servo, u8 reason, u8 detail) {
-  kz_joints_enable(servo, 0);
+u8 kz_motors_on(const kz_servo* servo) {
+  return (u8)(servo->enabled != 0);
+}
+
+static void latch(kz_servo* servo, u8 reason, u8 detail) {
   if (servo->shutdown != KZ_SHUTDOWN_NONE) return;
   servo->shutdown = reason;
   servo->shutdown_detail = detail;
+  servo->shutdown_tick = servo->tick;
 }
 
+void kz_shutdown(kz_servo* servo, u8 reason, u8 detail) {
+  kz_joints_enable(servo, 0);
+  latch(servo, reason, detail);
+}
+
+// Only joints can be held. While they are, silence is nothing new.
 static void watch_link(kz_servo* servo) {
   if (servo->silent_ms < COUNTER_MAX) ++servo->silent_ms;
-  if (servo->enabled != 0 && servo->silent_ms >= servo->watchdog_ms) {
+  if (servo->silent_ms < servo->watchdog_ms) return;
+  if (servo->holding || !kz_motors_on(servo)) return;
+  if (servo->reaction == KZ_REACTION_HOLD && servo->enabled != 0) {
+    kz_joints_hold(servo);
+    latch(servo, KZ_SHUTDOWN_LINK_LOST, KZ_NO_DETAIL);
+    servo->holding = KZ_STATUS_HOLDING;
+  } else {
     kz_shutdown(servo, KZ_SHUTDOWN_LINK_LOST, KZ_NO_DETAIL);
   }
 }
 
-static void watch_supply(kz_servo* servo, u16 code) {
-  servo->supply_mv = (u16)(code * SUPPLY_MV_PER_CODE);
-  if (servo->supply_mv >= KZ_SUPPLY_LOWEST_MV && servo->supply_mv <= KZ_SUPPLY_HIGHEST_MV) {
-    servo->supply_bad_ms = 0;
-    return;
-  }
-  if (servo->supply_bad_ms < KZ_SUPPLY_FAULT_MS) ++servo->supply_bad_ms;
-  if (servo->enabled != 0 && servo->supply_bad_ms == KZ_SUPPLY_FAULT_MS) {
-    kz_shutdown(
-        servo,
-        servo->supply_mv < KZ_SUPPLY_LOWEST_MV ? KZ_SHUTDOWN_UNDERVOLTAGE : KZ_SHUTDOWN_OVERVOLTAGE,
-        KZ_NO_DETAIL);
-  }
-}
-
-static void count_missed_ticks(kz_servo* servo, u16 missed) {
-  if (missed == 0) return;
+// Those that a write to flash took (then there is a result) are no fault.
+static void count_missed_ticks(kz_servo* servo, const kz_tick_input* input) {
+  const u16 missed = input->missed;
+  if (missed == 0 || input->result != KZ_RESULT_NONE) return;
   servo->missed_tick = KZ_STATUS_MISSED_TICK;
   if (servo->missed_ticks > COUNTER_MAX - missed) {
     servo->missed_ticks = COUNTER_MAX;
@@ -49,16 +50,50 @@ static void count_missed_ticks(kz_servo* servo, u16 missed) {
 }
 
 void kz_safety_update(kz_servo* servo, const kz_tick_input* input) {
-  count_missed_ticks(servo, input->missed);
+  count_missed_ticks(servo, input);
   watch_link(servo);
-  watch_supply(servo, input->analog[KZ_ANALOG_SUPPLY]);
+  kz_health_update(servo, input);
+}
+
+u8 kz_unsound(const kz_servo* servo, u32 mask) {
+  const kz_joint* joint = servo->joint;
+  const u8 reason = kz_health_unsound(servo);
+  if (reason != KZ_SHUTDOWN_NONE) return reason;
+  for (; mask != 0; mask >>= 1) {
+    if ((mask & 1) && joint->pot_bad_ms != 0) return KZ_SHUTDOWN_POT;
+    ++joint;
+  }
+  return KZ_SHUTDOWN_NONE;
+}
+
+u8 kz_cause_present(const kz_servo* servo) {
+  const u8 detail = servo->shutdown_detail;
+  switch (servo->shutdown) {
+    case KZ_SHUTDOWN_SELF_TEST:
+      return 1;
+    case KZ_SHUTDOWN_UNDERVOLTAGE:
+    case KZ_SHUTDOWN_OVERVOLTAGE:
+      return (u8)(servo->supply_bad_ms != 0);
+    case KZ_SHUTDOWN_TEMPERATURE:
+      return (u8)(servo->hot_ms != 0);
+    case KZ_SHUTDOWN_REFERENCE:
+      return (u8)(servo->reference_bad_ms != 0);
+    case KZ_SHUTDOWN_POT:
+      return (u8)(kz_joint_flags(servo, detail) & KZ_JOINT_POT);
+    case KZ_SHUTDOWN_STALL:
+      return (u8)(kz_joint_flags(servo, detail) & KZ_JOINT_STALLED);
+    case KZ_SHUTDOWN_OVERLOAD:
+      return (u8)(kz_joint_flags(servo, detail) & KZ_JOINT_HOT);
+    default:
+      return 0;
+  }
 }
 
 static u8 moving(const kz_servo* servo) {
   const kz_joint* joint = servo->joint;
-  u8 i;
+  u8 left;
   if (servo->fresh_targets != 0) return 1;
-  for (i = 0; i < KZ_JOINTS; ++i) {
+  for (left = KZ_JOINTS; left != 0; --left) {
     if (joint->on && joint->ramp_left != 0) return 1;
     ++joint;
   }
@@ -66,7 +101,8 @@ static u8 moving(const kz_servo* servo) {
 }
 
 u16 kz_status(const kz_servo* servo) {
-  u16 status = (u16)((u16)((u16)servo->shutdown << 8) | servo->missed_tick);
+  u16 status = (u16)((u16)((u16)servo->shutdown << 8) | servo->missed_tick | servo->holding |
+                     servo->uncalibrated);
   if (servo->enabled != 0) {
     status |= KZ_STATUS_ENABLED;
     if (moving(servo)) status |= KZ_STATUS_MOVING;

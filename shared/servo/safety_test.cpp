@@ -33,6 +33,7 @@ TEST(Safety, EnableDoesNotMoveAJointWhereverItStands) {
     TestBoard board;
     for (int joint = 0; joint < KZ_JOINTS; ++joint) board.set_pot(joint, code);
     board.tick();
+    ASSERT_EQ(board.heartbeat(100), 0);
     ASSERT_EQ(board.enable(all_joints), 0);
     for (int i = 0; i < 100; ++i) {
       board.tick();
@@ -71,12 +72,12 @@ TEST(Safety, SilenceOfTheHostSwitchesOffAfterTheWatchdogsTime) {
   EXPECT_EQ(board.status(), KZ_STATUS_ENABLED);
 }
 
-TEST(Safety, TheDefaultOfTheWatchdogIs200Ms) {
+TEST(Safety, TheDefaultOfTheWatchdogIs90Ms) {
   TestBoard board;
   board.send(KZ_TYPE_enable, 1, {0, 0, 0, 1});
   board.tick();
   ASSERT_TRUE(board.drivers_on());
-  board.ticks(199);
+  board.ticks(89);
   EXPECT_TRUE(board.drivers_on());
   board.tick();
   EXPECT_FALSE(board.drivers_on());

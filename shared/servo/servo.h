@@ -5,7 +5,7 @@
 
 #include "shared/base/types.h"
 #include "shared/board/board.h"
-#include "shared/protocol/frame.h"
+#include "shared/protocol/messages.h"
 #include "shared/servo/tick.h"
 
 #ifdef __cplusplus
@@ -19,7 +19,7 @@ extern "C" {
 #define KZ_KP_HAND 205      // 0.8 /rad: a jaw gives way
 #define KZ_KD_DEFAULT 614   // 1/4096 s/rad: 0.15 s/rad
 #define KZ_RAMP_DEFAULT 60  // 100 urad/ms: 6 rad/s
-#define KZ_WATCHDOG_DEFAULT_MS 200
+#define KZ_WATCHDOG_DEFAULT_MS 90
 
 // Protection.
 #define KZ_POT_LOWEST 4      // below: short or open
@@ -29,7 +29,9 @@ extern "C" {
 #define KZ_SUPPLY_HIGHEST_MV 13000  // the motor drivers take 12 V
 #define KZ_SUPPLY_FAULT_MS 20
 #define KZ_TEMPERATURE_HIGHEST_DC 850  // 0.1 degC: the drivers switch off by themselves at 100 degC
-#define KZ_REFERENCE_TOLERANCE 16      // codes around 512
+#define KZ_TEMPERATURE_FAULT_MS 20
+#define KZ_REFERENCE_CODE 512
+#define KZ_REFERENCE_TOLERANCE 16  // codes around 512
 #define KZ_REFERENCE_FAULT_MS 20
 
 // No field needs padding before it on either machine (the H8 aligns everything to 2 bytes), so that
@@ -44,6 +46,8 @@ extern "C" {
 //               adds `whole`, and also `extra` (+1 or -1) whenever `rest` has used up `room`, which
 //               starts at `time` each time; sums modulo 2^16
 //   ramp_limit  most that `command` moves in a tick, for ramps that start from now on
+//   lower, upper  soft limits, inside those of the mechanics, 100 urad
+//   dead_band, friction  as in the message `gains`
 //   kp, kd      gains, scaled to 1/2048 of a count of duty for half a unit of error, a unit of rate
 //   duty        high counts of the PWM, 0..255
 //   forward     direction output
@@ -65,6 +69,9 @@ extern "C" {
   FIELD(u16, ramp_rest)        \
   FIELD(u16, ramp_room)        \
   FIELD(u16, ramp_limit)       \
+  FIELD(s16, lower)            \
+  FIELD(s16, upper)            \
+  FIELD(u16, dead_band)        \
   FIELD(s16, kp)               \
   FIELD(s16, kd)               \
   FIELD(u8, duty)              \
@@ -72,57 +79,96 @@ extern "C" {
   FIELD(u8, pot_bad_ms)        \
   FIELD(u8, pot_input)         \
   FIELD(u8, mirrored)          \
+  FIELD(u8, friction)          \
+  FIELD(u8, spare)             \
   FIELD(u8, on)
 
+//   tick            number of the present tick
 //   enabled         joints that are on, bit n: joint n
 //   fresh_targets   joints whose ramp to `target`, in target_ms, has not started yet
-//   image_crc, reset_cause, shared_line, address  as found at start (kz_startup)
-//   bad_check .. line_errors  damaged frames by cause, up to 65535
-//   missed_tick     KZ_STATUS_MISSED_TICK or 0
+//   shutdown_tick   when `shutdown` was latched
+//   image_crc, start_8states, reset_cause, tests_*, shared_line, address, calibration
+//                   as found at start (kz_startup)
+//   frames .. refusals       counters of `statistics_reply`
+//   bad_check .. idle        damaged frames by cause, up to 65535
+//   missed_tick, holding, uncalibrated  KZ_STATUS_MISSED_TICK and so on, or 0
 //   shutdown        latched KZ_SHUTDOWN_* reason, shutdown_detail with it
+//   reaction        KZ_REACTION_* of the link watchdog
 //   silent_ms       since the last sound frame for this board
 //   watchdog_ms     limit for it
-//   last_*          the request that was done last; its CRC tells a repetition from a new request
-//   that
-//                   happens to have the same number
-//   outcome         0 or the KZ_REFUSED_* of that request, outcome_detail with it
+//   supply_mv, supply_lowest_mv, temperature_dc, reference  as in `health_reply`
+//   supply_bad_ms, hot_ms, reference_bad_ms  for how long that has been out of its range
+//   memory_next     where in `remembered` the next request goes
+//   queued          requests in `queue`
+//   replying        1 while the sender sends the reply to a request that counts as under way
+//   refuse_busy     1: a request came that will be refused, its busy_type and busy_sequence
 //   new_address, new_shared_line  what KZ_ACTION_STORE_ADDRESS is to store
-//   busy_*          a request that came while a reply was being sent and will be refused; type 0:
-//   none
 #define KZ_SERVO_FIELDS(FIELD) \
+  FIELD(u32, tick)             \
   FIELD(u32, enabled)          \
   FIELD(u32, fresh_targets)    \
+  FIELD(u32, shutdown_tick)    \
+  FIELD(u16, target_ms)        \
   FIELD(u16, silent_ms)        \
   FIELD(u16, watchdog_ms)      \
   FIELD(u16, supply_mv)        \
+  FIELD(u16, supply_lowest_mv) \
+  FIELD(s16, temperature_dc)   \
+  FIELD(u16, reference)        \
+  FIELD(u16, image_crc)        \
+  FIELD(u16, start_8states)    \
+  FIELD(u16, missed_ticks)     \
+  FIELD(u16, frames)           \
+  FIELD(u16, repetitions)      \
+  FIELD(u16, refusals)         \
   FIELD(u16, bad_check)        \
   FIELD(u16, bad_stuffing)     \
   FIELD(u16, too_short)        \
   FIELD(u16, too_long)         \
   FIELD(u16, line_errors)      \
-  FIELD(u16, missed_ticks)     \
-  FIELD(u16, last_crc)         \
-  FIELD(u16, target_ms)        \
-  FIELD(u16, image_crc)        \
-  FIELD(u16, frames)           \
-  FIELD(u16, repetitions)      \
-  FIELD(u16, refusals)         \
+  FIELD(u16, overruns)         \
+  FIELD(u16, idle)             \
   FIELD(u8, missed_tick)       \
   FIELD(u8, shutdown)          \
   FIELD(u8, shutdown_detail)   \
   FIELD(u8, reaction)          \
+  FIELD(u8, holding)           \
+  FIELD(u8, uncalibrated)      \
   FIELD(u8, supply_bad_ms)     \
+  FIELD(u8, hot_ms)            \
+  FIELD(u8, reference_bad_ms)  \
   FIELD(u8, reset_cause)       \
+  FIELD(u8, tests_done)        \
+  FIELD(u8, tests_failed)      \
   FIELD(u8, shared_line)       \
   FIELD(u8, address)           \
-  FIELD(u8, last_type)         \
-  FIELD(u8, last_sequence)     \
-  FIELD(u8, outcome)           \
-  FIELD(u8, outcome_detail)    \
+  FIELD(u8, calibration)       \
+  FIELD(u8, memory_next)       \
+  FIELD(u8, queued)            \
+  FIELD(u8, replying)          \
+  FIELD(u8, refuse_busy)       \
   FIELD(u8, new_address)       \
   FIELD(u8, new_shared_line)   \
   FIELD(u8, busy_type)         \
-  FIELD(u8, busy_sequence)
+  FIELD(u8, busy_sequence)     \
+  FIELD(u8, spare)
+
+// A request that was done or refused, as far as its reply and its repetitions need it.
+//
+//   parameter         what its reply is about: a mask of joints, or a joint
+//   crc               of its whole body: tells a repetition from another request with the same number
+//   reason, detail    of the refusal; reason 0: it was done
+#define KZ_ANSWER_FIELDS(FIELD) \
+  FIELD(u32, parameter)         \
+  FIELD(u16, crc)               \
+  FIELD(u8, type)               \
+  FIELD(u8, sequence)           \
+  FIELD(u8, reason)             \
+  FIELD(u8, detail)             \
+  FIELD(u16, spare)
+
+// One more than may be under way: `stop` is taken even then.
+#define KZ_QUEUE (KZ_REQUESTS_UNDER_WAY + 1)
 
 #define KZ_DECLARE_FIELD(type, name) type name;
 
@@ -130,7 +176,13 @@ typedef struct kz_joint {
   KZ_JOINT_FIELDS(KZ_DECLARE_FIELD)
 } kz_joint;
 
+typedef struct kz_answer {
+  KZ_ANSWER_FIELDS(KZ_DECLARE_FIELD)
+} kz_answer;
+
 typedef struct kz_servo {
+  kz_answer remembered[KZ_REQUESTS_REMEMBERED];  // what was done last, a ring
+  kz_answer queue[KZ_QUEUE];                     // to be answered, the oldest first
   KZ_SERVO_FIELDS(KZ_DECLARE_FIELD)
   kz_joint joint[KZ_JOINTS];
   kz_receiver receiver;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <deque>
 #include <optional>
 #include <vector>
@@ -19,20 +21,36 @@ struct Reply {
   Bytes fields;
 };
 
+// The fields of a reply: fields_of<kz_state_reply, kz_unpack_state_reply>(reply). The length has to
+// be right.
+template <class Message, u8 (*unpack)(Message*, const u8*, u8)>
+Message fields_of(const Reply& reply) {
+  Message message = {};
+  EXPECT_EQ(unpack(&message, reply.fields.data(), static_cast<u8>(reply.fields.size())), 1);
+  return message;
+}
+
 class TestBoard {
  public:
   static constexpr u16 centre_code = 512;
   static constexpr u16 image_crc = 0xABCD;
   static constexpr u16 sound_supply_code = 667;  // 10.005 V at 15 mV a code
 
-  TestBoard() {
+  static kz_startup sound_startup() {
     kz_startup startup;
     kz_startup_nominal(&startup);
     startup.image_crc = image_crc;
+    startup.calibration = KZ_CALIBRATION_A;
+    return startup;
+  }
+
+  explicit TestBoard(const kz_startup& startup = sound_startup()) {
     kz_servo_init(&servo, &startup, &output);
     kz_receiver_init(&host_receiver_);
     for (int joint = 0; joint < KZ_JOINTS; ++joint) set_pot(joint, centre_code);
     input.analog[KZ_ANALOG_SUPPLY] = sound_supply_code;
+    input.analog[KZ_ANALOG_REFERENCE] = KZ_REFERENCE_CODE;
+    input.analog[KZ_ANALOG_TEMPERATURE] = 250;  // 25.0 degC
     input.tx_room = 63;
   }
 
@@ -119,7 +137,45 @@ class TestBoard {
   int heartbeat(u8 watchdog_10ms = 0, u8 reaction = 0) {
     return outcome(KZ_TYPE_heartbeat, {watchdog_10ms, reaction});
   }
-  int clear() { return outcome(KZ_TYPE_clear, {}); }
+  // The fields of the reply to a request; all zeros, and a failed test, if it was refused.
+  template <class Message, u8 (*unpack)(Message*, const u8*, u8)>
+  Message ask(u8 type, const Bytes& fields = {}) {
+    const auto reply = exchange(type, fields);
+    EXPECT_TRUE(reply && reply->type == (type | KZ_REPLY)) << "type " << int(type);
+    if (!reply || reply->type != (type | KZ_REPLY)) return {};
+    return fields_of<Message, unpack>(*reply);
+  }
+#define KZ_TEST_ASK(name) ask<kz_##name##_reply, kz_unpack_##name##_reply>
+  kz_health_reply health() {
+    return KZ_TEST_ASK(health)(KZ_TYPE_health);
+  }
+  kz_statistics_reply statistics() {
+    return KZ_TEST_ASK(statistics)(KZ_TYPE_statistics);
+  }
+  kz_joints_reply joints(u32 mask) {
+    return KZ_TEST_ASK(joints)(KZ_TYPE_joints, bytes_of(mask));
+  }
+  kz_read_targets_reply read_targets(u32 mask) {
+    return KZ_TEST_ASK(read_targets)(KZ_TYPE_read_targets, bytes_of(mask));
+  }
+  kz_settings_reply settings(u8 joint) {
+    return KZ_TEST_ASK(settings)(KZ_TYPE_settings, {joint});
+  }
+  kz_calibration_reply calibration() {
+    return KZ_TEST_ASK(calibration)(KZ_TYPE_calibration);
+  }
+  kz_self_test_reply self_test() {
+    return KZ_TEST_ASK(self_test)(KZ_TYPE_self_test);
+  }
+#undef KZ_TEST_ASK
+  static Bytes bytes_of(u32 number) {
+    return {static_cast<u8>(number >> 24), static_cast<u8>(number >> 16),
+            static_cast<u8>(number >> 8), static_cast<u8>(number)};
+  }
+
+  int clear() {
+    return outcome(KZ_TYPE_clear, {});
+  }
   u16 status() {
     const auto reply = exchange(KZ_TYPE_state, {});
     kz_state_reply state = {};
@@ -127,7 +183,9 @@ class TestBoard {
       kz_unpack_state_reply(&state, reply->fields.data(), static_cast<u8>(reply->fields.size()));
     return state.status;
   }
-  bool drivers_on() const { return (output.p4 & KZ_P4_ENABLE) != 0; }
+  bool drivers_on() const {
+    return (output.p4 & KZ_P4_ENABLE) != 0;
+  }
   void put_on_wire(const Bytes& bytes) {
     to_board_.insert(to_board_.end(), bytes.begin(), bytes.end());
   }

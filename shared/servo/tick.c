@@ -34,37 +34,40 @@ void kz_servo_init(kz_servo* servo, const kz_startup* startup, kz_tick_output* o
   for (i = 0; i < sizeof *output; ++i) byte[i] = 0;
   servo->address = startup->address;
   servo->shared_line = startup->shared_line;
+  servo->calibration = startup->calibration;
+  if (startup->calibration == KZ_CALIBRATION_NOMINAL) servo->uncalibrated = KZ_STATUS_UNCALIBRATED;
   servo->image_crc = startup->image_crc;
+  servo->start_8states = startup->start_8states;
   servo->reset_cause = startup->reset_cause;
+  servo->tests_done = startup->tests_done;
+  servo->tests_failed = startup->tests_failed;
   servo->shutdown_detail = KZ_NO_DETAIL;
   servo->reaction = KZ_REACTION_LIMP;
-  servo->outcome = KZ_REFUSED_UNKNOWN_TYPE;  // the answer to a "repetition" of nothing
   servo->watchdog_ms = KZ_WATCHDOG_DEFAULT_MS;
   kz_receiver_init(&servo->receiver);
   kz_sender_init(&servo->sender);
+  kz_requests_init(servo);
+  kz_health_init(servo);
   kz_joints_init(servo, startup);
-}
-
-static void count(u16* counter) {
-  if (*counter < 0xFFFF) ++*counter;
+  if (startup->tests_failed != 0) kz_shutdown(servo, KZ_SHUTDOWN_SELF_TEST, KZ_NO_DETAIL);
 }
 
 static void count_damage(kz_servo* servo, u8 result) {
   switch (result) {
     case KZ_RECEIVE_BAD_CHECK:
-      count(&servo->bad_check);
+      kz_count(&servo->bad_check);
       break;
     case KZ_RECEIVE_BAD_STUFFING:
-      count(&servo->bad_stuffing);
+      kz_count(&servo->bad_stuffing);
       break;
     case KZ_RECEIVE_TOO_SHORT:
-      count(&servo->too_short);
+      kz_count(&servo->too_short);
       break;
     case KZ_RECEIVE_TOO_LONG:
-      count(&servo->too_long);
+      kz_count(&servo->too_long);
       break;
     default:
-      count(&servo->line_errors);
+      kz_count(&servo->line_errors);
       break;
   }
 }
@@ -76,7 +79,7 @@ static void receive(kz_servo* servo, const kz_tick_input* input) {
     const u8 result = kz_receive(&servo->receiver, input->rx[i], input->rx_flags[i]);
     if (result == KZ_RECEIVE_MORE) continue;
     if (result == KZ_RECEIVE_FRAME) {
-      kz_request_received(servo, input);
+      kz_request_received(servo);
     } else {
       count_damage(servo, result);
     }
@@ -87,17 +90,22 @@ static void transmit(kz_servo* servo, const kz_tick_input* input, kz_tick_output
   const u8 room = input->tx_room < KZ_TX_PER_TICK ? input->tx_room : KZ_TX_PER_TICK;
   u8* unused = output->tx;
   u8 left;
-  if (servo->busy_type != 0 && !kz_sender_busy(&servo->sender)) kz_refuse_busy(servo, input);
   output->tx_count = kz_sender_take(&servo->sender, output->tx, room);
   unused += output->tx_count;
   for (left = (u8)(KZ_TX_PER_TICK - output->tx_count); left != 0; --left) *unused++ = 0;
+  if (!kz_sender_busy(&servo->sender)) servo->replying = 0;
 }
 
 void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output) {
+  const u8 starts_ramps = (u8)(servo->fresh_targets != 0);
+  u16 fault;
+  servo->tick = input->tick;
   kz_safety_update(servo, input);
   if (servo->fresh_targets != 0) kz_joints_start_ramps(servo);
-  if (kz_joints_update(servo, input)) kz_shutdown(servo, KZ_SHUTDOWN_POT, KZ_NO_DETAIL);
+  fault = kz_joints_update(servo, input);
+  if (fault != 0) kz_shutdown(servo, (u8)(fault >> 8), (u8)fault);
   receive(servo, input);
+  kz_requests_answer(servo, input, starts_ramps);
   transmit(servo, input, output);
   kz_outputs_write(servo, output);
 }

@@ -2,7 +2,8 @@
 
 # Sources of shared/servo that run on the H8 too, relative to shared/.
 function(kaz_servo_sources out)
-  set(${out} servo/tick.c servo/joints.c servo/requests.c servo/commands.c servo/safety.c
+  set(${out} servo/tick.c servo/joints.c servo/requests.c servo/commands.c servo/motion.c
+             servo/settings.c servo/replies.c servo/joint_replies.c servo/safety.c servo/health.c
              servo/outputs.c servo/store.c servo/startup.c PARENT_SCOPE)
 endfunction()
 
