@@ -5,18 +5,15 @@
 
 #define SUPPLY_MV_PER_CODE (KZ_SUPPLY_FULL_MV / KZ_POT_CODES)
 
+// Each is looked at in one tick of four.
+#define PERIOD_MS 4
+
 void kz_health_init(kz_servo* servo) {
   servo->supply_lowest_mv = 0xFFFF;
-}
-
-// Counts for how long something has been bad, up to `limit`; returns 1 when it has been for so long.
-static u8 bad_for(u8* counter, u8 bad, u8 limit) {
-  if (!bad) {
-    *counter = 0;
-    return 0;
-  }
-  if (*counter < limit) ++*counter;
-  return (u8)(*counter == limit);
+  // Not measured yet.
+  servo->supply_bad_ms = 1;
+  servo->hot_ms = 1;
+  servo->reference_bad_ms = 1;
 }
 
 static u8 supply_reason(const kz_servo* servo) {
@@ -24,34 +21,50 @@ static u8 supply_reason(const kz_servo* servo) {
                                                 : KZ_SHUTDOWN_OVERVOLTAGE;
 }
 
-void kz_health_update(kz_servo* servo, const kz_tick_input* input) {
-  const u16 supply_mv = (u16)(input->analog[KZ_ANALOG_SUPPLY] * SUPPLY_MV_PER_CODE);
-  const u16 reference = input->analog[KZ_ANALOG_REFERENCE];
-  // Full scale of the temperature is as many tenths of a degree as there are codes.
-  const s16 temperature = (s16)input->analog[KZ_ANALOG_TEMPERATURE];
-  u8 reason = KZ_SHUTDOWN_NONE;
+// Counts for how long something has been bad. If for too long, while motors are on, they go off.
+static void watch(kz_servo* servo, u8* counter, u8 bad, u8 limit_ms, u8 reason) {
+  if (!bad) {
+    *counter = 0;
+    return;
+  }
+  if (*counter < limit_ms) *counter = (u8)(*counter + PERIOD_MS);
+  if (*counter >= limit_ms && kz_motors_on(servo)) kz_shutdown(servo, reason, KZ_NO_DETAIL);
+}
+
+static void watch_supply(kz_servo* servo, u16 code) {
+  const u16 supply_mv = (u16)(code * SUPPLY_MV_PER_CODE);
   servo->supply_mv = supply_mv;
-  servo->reference = reference;
-  servo->temperature_dc = temperature;
   if (supply_mv < servo->supply_lowest_mv) servo->supply_lowest_mv = supply_mv;
-  if (bad_for(&servo->hot_ms, (u8)(temperature > KZ_TEMPERATURE_HIGHEST_DC),
-              KZ_TEMPERATURE_FAULT_MS)) {
-    reason = KZ_SHUTDOWN_TEMPERATURE;
-  }
-  if (bad_for(&servo->supply_bad_ms,
-              (u8)(supply_mv < KZ_SUPPLY_LOWEST_MV || supply_mv > KZ_SUPPLY_HIGHEST_MV),
-              KZ_SUPPLY_FAULT_MS)) {
-    reason = supply_reason(servo);
-  }
-  // Last, so that it is the reason where it comes with others: what the others read means nothing.
-  if (bad_for(&servo->reference_bad_ms,
-              (u8)(reference < KZ_REFERENCE_CODE - KZ_REFERENCE_TOLERANCE ||
-                   reference > KZ_REFERENCE_CODE + KZ_REFERENCE_TOLERANCE),
-              KZ_REFERENCE_FAULT_MS)) {
-    reason = KZ_SHUTDOWN_REFERENCE;
-  }
-  if (reason != KZ_SHUTDOWN_NONE && kz_motors_on(servo)) {
-    kz_shutdown(servo, reason, KZ_NO_DETAIL);
+  watch(servo, &servo->supply_bad_ms,
+        (u8)(supply_mv < KZ_SUPPLY_LOWEST_MV || supply_mv > KZ_SUPPLY_HIGHEST_MV),
+        KZ_SUPPLY_FAULT_MS, supply_reason(servo));
+}
+
+static void watch_temperature(kz_servo* servo, u16 code) {
+  // Full scale is as many tenths of a degree as there are codes.
+  servo->temperature_dc = (s16)code;
+  watch(servo, &servo->hot_ms, (u8)(code > KZ_TEMPERATURE_HIGHEST_DC), KZ_TEMPERATURE_FAULT_MS,
+        KZ_SHUTDOWN_TEMPERATURE);
+}
+
+static void watch_reference(kz_servo* servo, u16 code) {
+  servo->reference = code;
+  watch(servo, &servo->reference_bad_ms,
+        (u8)(code < KZ_REFERENCE_CODE - KZ_REFERENCE_TOLERANCE ||
+             code > KZ_REFERENCE_CODE + KZ_REFERENCE_TOLERANCE),
+        KZ_REFERENCE_FAULT_MS, KZ_SHUTDOWN_REFERENCE);
+}
+
+void kz_health_update(kz_servo* servo, const kz_tick_input* input) {
+  const u8 phase = (u8)(servo->phase & (PERIOD_MS - 1));
+  servo->phase = (u8)(servo->phase + 1);
+  // The reference first: if it is wrong, what the others read means nothing.
+  if (phase == 0) {
+    watch_reference(servo, input->analog[KZ_ANALOG_REFERENCE]);
+  } else if (phase == 1) {
+    watch_supply(servo, input->analog[KZ_ANALOG_SUPPLY]);
+  } else if (phase == 2) {
+    watch_temperature(servo, input->analog[KZ_ANALOG_TEMPERATURE]);
   }
 }
 

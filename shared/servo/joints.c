@@ -92,7 +92,7 @@ void kz_joints_hold(kz_servo* servo) {
 }
 
 u8 kz_joint_flags(const kz_servo* servo, u8 number) {
-  const kz_joint* joint = &servo->joint[number];
+  const kz_joint* joint = kz_joint_of(servo, number);
   u8 flags = 0;
   if (joint->on) {
     flags |= KZ_JOINT_ON;
@@ -205,15 +205,15 @@ static inline void control(kz_joint* joint) {
 
 u16 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
   kz_joint* joint = servo->joint;
-  u16 fault = 0;
-  u8 i;
-  for (i = 0; i < KZ_JOINTS; ++i) {
+  u8 faulty = 0;  // joints left when the first one with a fault was done
+  u8 left;
+  for (left = KZ_JOINTS; left != 0; --left) {
     const u16 code = input->analog[joint->pot_input];
     if ((u16)(code - KZ_POT_LOWEST) <= KZ_POT_HIGHEST - KZ_POT_LOWEST) {
       measure(joint, kz_pot_angle_from(code, joint->pot_centre, joint->pot_scale));
       if (joint->on) {
-        const u16 left = joint->ramp_left;
-        if (left != 0) follow_ramp(joint, left);
+        const u16 ramp_left = joint->ramp_left;
+        if (ramp_left != 0) follow_ramp(joint, ramp_left);
         control(joint);
       } else {
         joint->duty = 0;
@@ -225,11 +225,9 @@ u16 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
       joint->duty = 0;
       joint->forward = 0;
       if (joint->pot_bad_ms < KZ_POT_FAULT_MS) ++joint->pot_bad_ms;
-      if (joint->pot_bad_ms == KZ_POT_FAULT_MS && joint->on && fault == 0) {
-        fault = (u16)(KZ_SHUTDOWN_POT << 8 | i);
-      }
+      if (joint->pot_bad_ms == KZ_POT_FAULT_MS && joint->on && faulty == 0) faulty = left;
     }
     ++joint;
   }
-  return fault;
+  return faulty == 0 ? 0 : (u16)(KZ_SHUTDOWN_POT << 8 | (KZ_JOINTS - faulty));
 }

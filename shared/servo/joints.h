@@ -27,6 +27,14 @@ void kz_joints_start_ramps(kz_servo* servo);
 // Ends all ramps: the commands stay where they are.
 void kz_joints_hold(kz_servo* servo);
 
+// servo->joint[number], without a multiplication of 32 bits, which the H8 does not have.
+static inline kz_joint* kz_joint_at(kz_servo* servo, u8 number) {
+  return (kz_joint*)((u8*)servo->joint + (u16)((u16)number * (u16)sizeof(kz_joint)));
+}
+static inline const kz_joint* kz_joint_of(const kz_servo* servo, u8 number) {
+  return (const kz_joint*)((const u8*)servo->joint + (u16)((u16)number * (u16)sizeof(kz_joint)));
+}
+
 // KZ_JOINT_* flags; `number` < KZ_JOINTS.
 u8 kz_joint_flags(const kz_servo* servo, u8 number);
 // Motor drive -255..255, positive turns the joint positively.

@@ -68,7 +68,7 @@ static u8 reply_self_test(const kz_servo* servo, u8* fields) {
 }
 
 static u8 reply_settings(const kz_servo* servo, u8 number, u8* fields) {
-  const kz_joint* joint = &servo->joint[number];
+  const kz_joint* joint = kz_joint_of(servo, number);
   kz_settings_reply reply;
   reply.tick = servo->tick;
   reply.status = kz_status(servo);

@@ -14,8 +14,9 @@ TEST(Replies, HealthTellsWhatIsMeasured) {
   board.input.analog[KZ_ANALOG_SUPPLY] = 600;
   board.input.analog[KZ_ANALOG_TEMPERATURE] = 312;
   board.input.analog[KZ_ANALOG_REFERENCE] = 510;
-  board.tick();
+  board.ticks(4);
   board.input.analog[KZ_ANALOG_SUPPLY] = 700;
+  board.ticks(4);
   const kz_health_reply health = board.health();
   EXPECT_EQ(health.supply_mv, 10500);
   EXPECT_EQ(health.supply_lowest_mv, 9000);

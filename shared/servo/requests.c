@@ -22,6 +22,11 @@ void kz_requests_init(kz_servo* servo) {
   }
 }
 
+// array[number], in 16 bits.
+static kz_answer* slot(kz_answer* array, u8 number) {
+  return (kz_answer*)((u8*)array + (u16)((u16)number * (u16)sizeof(kz_answer)));
+}
+
 // Member by member: there is no library to copy structures.
 static void copy(kz_answer* to, const kz_answer* from) {
   to->parameter = from->parameter;
@@ -45,7 +50,7 @@ static const kz_answer* remembered(const kz_servo* servo, u8 type, u8 sequence) 
 }
 
 static const kz_answer* execute(kz_servo* servo, u8 type, u8 sequence) {
-  kz_answer* answer = &servo->remembered[servo->memory_next];
+  kz_answer* answer = slot(servo->remembered, servo->memory_next);
   kz_outcome outcome;
   servo->memory_next = (u8)((servo->memory_next + 1) % KZ_REQUESTS_REMEMBERED);
   answer->parameter = 0;
@@ -63,7 +68,7 @@ static const kz_answer* execute(kz_servo* servo, u8 type, u8 sequence) {
 // With a `stop` as the one too many before, the new one takes its place.
 static void enqueue(kz_servo* servo, const kz_answer* answer) {
   if (servo->replying + servo->queued == KZ_QUEUE) --servo->queued;
-  copy(&servo->queue[servo->queued], answer);
+  copy(slot(servo->queue, servo->queued), answer);
   ++servo->queued;
 }
 
@@ -124,14 +129,17 @@ static void send_answer(kz_servo* servo, const kz_tick_input* input, const kz_an
 
 void kz_requests_answer(kz_servo* servo, const kz_tick_input* input, u8 hurried) {
   kz_answer* next = servo->queue;
-  u8 i;
+  u8 left;
   if (kz_sender_busy(&servo->sender)) return;
   if (servo->queued != 0) {
     if (hurried && next->reason == 0 && kz_reply_is_large(next->type)) return;
     send_answer(servo, input, next);
     servo->replying = 1;
     --servo->queued;
-    for (i = 0; i < servo->queued; ++i) copy(&servo->queue[i], &servo->queue[i + 1]);
+    for (left = servo->queued; left != 0; --left) {
+      copy(next, next + 1);
+      ++next;
+    }
   } else if (servo->refuse_busy) {
     send_refusal(servo, servo->busy_type, servo->busy_sequence, KZ_REFUSED_BUSY, KZ_NO_DETAIL);
     servo->refuse_busy = 0;

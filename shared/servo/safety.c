@@ -24,9 +24,7 @@ void kz_shutdown(kz_servo* servo, u8 reason, u8 detail) {
 }
 
 // Only joints can be held. While they are, silence is nothing new.
-static void watch_link(kz_servo* servo) {
-  if (servo->silent_ms < COUNTER_MAX) ++servo->silent_ms;
-  if (servo->silent_ms < servo->watchdog_ms) return;
+static void link_lost(kz_servo* servo) {
   if (servo->holding || !kz_motors_on(servo)) return;
   if (servo->reaction == KZ_REACTION_HOLD && servo->enabled != 0) {
     kz_joints_hold(servo);
@@ -37,10 +35,7 @@ static void watch_link(kz_servo* servo) {
   }
 }
 
-// Those that a write to flash took (then there is a result) are no fault.
-static void count_missed_ticks(kz_servo* servo, const kz_tick_input* input) {
-  const u16 missed = input->missed;
-  if (missed == 0 || input->result != KZ_RESULT_NONE) return;
+static void count_missed_ticks(kz_servo* servo, u16 missed) {
   servo->missed_tick = KZ_STATUS_MISSED_TICK;
   if (servo->missed_ticks > COUNTER_MAX - missed) {
     servo->missed_ticks = COUNTER_MAX;
@@ -50,8 +45,13 @@ static void count_missed_ticks(kz_servo* servo, const kz_tick_input* input) {
 }
 
 void kz_safety_update(kz_servo* servo, const kz_tick_input* input) {
-  count_missed_ticks(servo, input);
-  watch_link(servo);
+  u16 silent_ms = servo->silent_ms;
+  if (silent_ms != COUNTER_MAX) servo->silent_ms = ++silent_ms;
+  if (silent_ms >= servo->watchdog_ms) link_lost(servo);
+  // Those that a write to flash took (then there is a result) are no fault.
+  if (input->missed != 0 && input->result == KZ_RESULT_NONE) {
+    count_missed_ticks(servo, input->missed);
+  }
   kz_health_update(servo, input);
 }
 

@@ -98,6 +98,7 @@ extern "C" {
 //   watchdog_ms     limit for it
 //   supply_mv, supply_lowest_mv, temperature_dc, reference  as in `health_reply`
 //   supply_bad_ms, hot_ms, reference_bad_ms  for how long that has been out of its range
+//   phase           counts ticks, for what is not done in every one
 //   memory_next     where in `remembered` the next request goes
 //   queued          requests in `queue`
 //   replying        1 while the sender sends the reply to a request that counts as under way
@@ -151,7 +152,7 @@ extern "C" {
   FIELD(u8, new_shared_line)   \
   FIELD(u8, busy_type)         \
   FIELD(u8, busy_sequence)     \
-  FIELD(u8, spare)
+  FIELD(u8, phase)
 
 // A request that was done or refused, as far as its reply and its repetitions need it.
 //

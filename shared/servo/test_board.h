@@ -52,6 +52,7 @@ class TestBoard {
     input.analog[KZ_ANALOG_REFERENCE] = KZ_REFERENCE_CODE;
     input.analog[KZ_ANALOG_TEMPERATURE] = 250;  // 25.0 degC
     input.tx_room = 63;
+    ticks(4);  // then everything has been measured
   }
 
   void set_pot(int joint, u16 code) { input.analog[kz_board_joints[joint].analog] = code; }

@@ -86,14 +86,17 @@ static void receive(kz_servo* servo, const kz_tick_input* input) {
   }
 }
 
-static void transmit(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output) {
+// Bytes of `tx` that are not used are 0: those that were in the tick before are cleared.
+static inline void transmit(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output) {
   const u8 room = input->tx_room < KZ_TX_PER_TICK ? input->tx_room : KZ_TX_PER_TICK;
-  u8* unused = output->tx;
-  u8 left;
-  output->tx_count = kz_sender_take(&servo->sender, output->tx, room);
-  unused += output->tx_count;
-  for (left = (u8)(KZ_TX_PER_TICK - output->tx_count); left != 0; --left) *unused++ = 0;
-  if (!kz_sender_busy(&servo->sender)) servo->replying = 0;
+  const u8 before = output->tx_count;
+  u8 count = 0;
+  if (kz_sender_busy(&servo->sender)) {
+    count = kz_sender_take(&servo->sender, output->tx, room);
+    if (!kz_sender_busy(&servo->sender)) servo->replying = 0;
+  }
+  output->tx_count = count;
+  for (; count < before; ++count) output->tx[count] = 0;
 }
 
 void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output) {
@@ -101,11 +104,11 @@ void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output
   u16 fault;
   servo->tick = input->tick;
   kz_safety_update(servo, input);
-  if (servo->fresh_targets != 0) kz_joints_start_ramps(servo);
+  if (starts_ramps) kz_joints_start_ramps(servo);
   fault = kz_joints_update(servo, input);
   if (fault != 0) kz_shutdown(servo, (u8)(fault >> 8), (u8)fault);
   receive(servo, input);
-  kz_requests_answer(servo, input, starts_ramps);
+  if ((servo->queued | servo->refuse_busy) != 0) kz_requests_answer(servo, input, starts_ramps);
   transmit(servo, input, output);
   kz_outputs_write(servo, output);
 }

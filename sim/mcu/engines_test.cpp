@@ -36,7 +36,7 @@ PinLevels after_requests(Mcu& mcu) {
     send(mcu, target_frame(static_cast<std::uint8_t>(2 + j), j, 100 * (j % 3)));
     EXPECT_TRUE(mcu.run_until(mcu.now() + 10 * ms));
   }
-  EXPECT_TRUE(mcu.run_until(mcu.now() + 100 * ms));
+  EXPECT_TRUE(mcu.run_until(mcu.now() + 80 * ms));
   PinLevels pins = mcu.pins();
   pins.p4 &= static_cast<std::uint8_t>(~KZ_P4_MUX_MASK);
   return pins;

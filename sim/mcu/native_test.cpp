@@ -40,17 +40,17 @@ TEST(Native, EnablesAndDrivesTowardsATarget) {
   EXPECT_TRUE(mcu->pins().p3 & 1);  // neck_pan: P30 high is forward, mounted with sign +1
 
   const States back = send(*mcu, target_frame(3, 0, -2000));
-  ASSERT_TRUE(mcu->run_until(back + 100 * ms));
+  ASSERT_TRUE(mcu->run_until(back + 80 * ms));
   EXPECT_EQ(mcu->pins().pw[0], 255);
   EXPECT_FALSE(mcu->pins().p3 & 1);
 }
 
-TEST(Native, SilentHostTurnsMotorsOffAfter200Milliseconds) {
+TEST(Native, SilentHostTurnsMotorsOffAfter90Milliseconds) {
   auto mcu = started();
   const States sent = send(*mcu, enable_frame(1, 1));
-  ASSERT_TRUE(mcu->run_until(sent + 195 * ms));
+  ASSERT_TRUE(mcu->run_until(sent + 85 * ms));
   EXPECT_TRUE(motors_on(*mcu));
-  ASSERT_TRUE(mcu->run_until(sent + 205 * ms));
+  ASSERT_TRUE(mcu->run_until(sent + 95 * ms));
   EXPECT_FALSE(motors_on(*mcu));
 }
 
