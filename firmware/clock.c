@@ -23,6 +23,15 @@ void kz_clock_init(void) {
   FRT_TIER = FRT_TIER_OCIAE | FRT_TIER_ONE;
 }
 
+u8 kz_clock_skip(void) {
+  u8 ticks;
+  KZ_INTERRUPTS_OFF();
+  ticks = due;
+  due = 0;
+  KZ_INTERRUPTS_ON();
+  return ticks;
+}
+
 u8 kz_clock_wait(void) {
   u8 ticks;
   KZ_INTERRUPTS_OFF();

@@ -12,6 +12,8 @@ u16 kz_clock_start_8states(void);
 void kz_clock_init(void);
 // Sleeps until the next tick is due. Returns how many are due: more than 1 if some were missed.
 u8 kz_clock_wait(void);
+// How many ticks have become due and have not been waited for; they are forgotten.
+u8 kz_clock_skip(void);
 // Time since the tick that was waited for last became due, in units of 8 states.
 u16 kz_clock_busy_8states(void);
 

@@ -106,7 +106,7 @@ u8 kz_flash_ram_erase(u8 blocks, volatile u16* first, u16* ticks) {
 
 // Looks at the line; `next` becomes what the next pulse has to program: cells that are to be 0 and
 // are not.
-static u8 programmed(volatile u16* at, const u16* wanted, u16* next) {
+static u8 __attribute__((noinline)) programmed(volatile u16* at, const u16* wanted, u16* next) {
   u8 result = PROGRAMMED;
   u8 word;
   FLMCR1 = FLMCR1_SWE | FLMCR1_PV;

@@ -67,7 +67,7 @@ static void restart(u32 mark) {
 }
 
 // What the last tick asked for, once its outputs are at the pins and its bytes have left: 5.6 ms at
-// most. Returns the ticks that became due while flash was written.
+// most. Returns the ticks that became due meanwhile: the next one begins on time.
 static u16 act(void) {
   u16 ticks = 0;
   u8 done = 0;
@@ -87,10 +87,11 @@ static u16 act(void) {
     restart(KZ_RESTART_LOADER);
   }
   kz_memory_tell(&kz_input);
+  kz_output.action = KZ_ACTION_NONE;
   kz_input.result = done ? KZ_RESULT_DONE : KZ_RESULT_FAILED;
   kz_watchdog_feed();
   scan_twice();  // the tick's codes are no older than ever
-  return ticks;
+  return (u16)(ticks + kz_clock_skip());
 }
 
 // `ram_wrong`: bits that the test of RAM found wrong.
