@@ -12,7 +12,7 @@ from stack_bound import Unbounded, stack_bound
 
 APPLICATION, APPLICATION_END = 0x1000, 0x8000  # erase block EB4
 LOADER, LOADER_END = 0xC000, 0xE000  # EB6
-RAM_SIZE = 0xF80
+RAM, RAM_SIZE = 0xFFE080, 0xF80
 
 
 def used(coff, first, end):
@@ -26,7 +26,7 @@ def line(what, size, limit):
 
 def report(objdump, path, sizes_path):
     coff = Coff(path)
-    data = sum(coff.section(name).size for name in (".data", ".ramtext", ".bss"))
+    data = coff.symbols["_kz_bss_end"] - RAM  # with the gaps between sections
     stack, names = stack_bound(objdump, path, "_kz_start")
     sizes = [("application", used(coff, APPLICATION, APPLICATION_END),
               APPLICATION_END - APPLICATION),
