@@ -28,6 +28,8 @@ class ScriptedMcu final : public Mcu {
     return {};
   }
   void reset() override { pins_ = {}; }
+  std::array<std::uint8_t, memory_size> memory() const override { return {}; }
+  void set_memory(std::span<const std::uint8_t, memory_size>) override {}
   void power_cycle() override {
     pins_ = {};
     ++power_cycles;

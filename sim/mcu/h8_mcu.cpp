@@ -14,6 +14,8 @@ namespace {
 // What the board's resistors make of a pin that the chip does not drive (mcu.h).
 constexpr PinLevels pulled{};
 
+constexpr std::uint32_t memory_at = 0x400;  // EB1
+
 std::uint8_t level_of(h8s::PortOutput out, std::uint8_t pull) {
   return static_cast<std::uint8_t>((out.level & out.driven) | (pull & ~out.driven));
 }
@@ -90,6 +92,16 @@ void H8Mcu::power_cycle() {
   chip_.power_on();
   read_all_pins();
   if (on_pins_) on_pins_(now(), pins_);
+}
+
+std::array<std::uint8_t, Mcu::memory_size> H8Mcu::memory() const {
+  std::array<std::uint8_t, memory_size> bytes{};
+  chip_.peek(memory_at, bytes);  // always there: it is flash
+  return bytes;
+}
+
+void H8Mcu::set_memory(std::span<const std::uint8_t, memory_size> bytes) {
+  chip_.poke(memory_at, bytes);
 }
 
 void H8Mcu::on_pins(std::function<void(States, const PinLevels&)> listener) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -26,6 +27,8 @@ class H8Mcu final : public Mcu {
   Result<void> run_until(States until) override;
   void reset() override;
   void power_cycle() override;
+  std::array<std::uint8_t, memory_size> memory() const override;
+  void set_memory(std::span<const std::uint8_t, memory_size> bytes) override;
   const PinLevels& pins() const override { return pins_; }
   void on_pins(std::function<void(States, const PinLevels&)> listener) override;
   void set_analog(AnalogSource source) override;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,12 @@ class Mcu {
   virtual void reset() = 0;        // RES pin; RAM is kept
   virtual void power_cycle() = 0;  // everything but flash is lost
 
+  // What the board remembers without power: flash blocks EB1 to EB3, calibration and address
+  // (shared/servo/store.h). Setting it takes effect at the next reset.
+  static constexpr std::size_t memory_size = 3072;
+  virtual std::array<std::uint8_t, memory_size> memory() const = 0;
+  virtual void set_memory(std::span<const std::uint8_t, memory_size> bytes) = 0;
+
   virtual const PinLevels& pins() const = 0;
   // Called at each change of a pin, with the exact time. One listener.
   virtual void on_pins(std::function<void(States, const PinLevels&)> listener) = 0;
@@ -75,7 +82,8 @@ class Mcu {
   // Called after each tick's computation. Used to compare the engines and to record.
   virtual void on_tick(std::function<void(const TickRecord&)> listener) = 0;
 
-  // Called when the chip's own watchdog has reset it. The native engine has none.
+  // Called when the chip's own watchdog has reset it, which it does on request too (reset, loader).
+  // The native engine has none.
   virtual void on_watchdog_reset(std::function<void(States)> listener) { (void)listener; }
 };
 

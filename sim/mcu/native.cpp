@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <utility>
 
 #include "shared/servo/servo.h"
+#include "shared/servo/startup.h"
 #include "sim/mcu/mcu.h"
+#include "sim/mcu/native_memory.h"
 
 namespace kaz::sim {
 namespace {
@@ -20,6 +23,7 @@ constexpr std::size_t transmit_ring = 63;                 // bytes that its tran
 constexpr States scan_start = 4400;                       // from a tick's start to the first sample
 constexpr States scan_interval = 894;   // from one multiplexer setting to the next
 constexpr States convert_states = 256;  // from one of AN0..AN2 to the next
+constexpr States never = std::numeric_limits<States>::max() / 2;
 
 class NativeMcu final : public Mcu {
  public:
@@ -31,8 +35,11 @@ class NativeMcu final : public Mcu {
   Result<void> run_until(States until) override {
     while (true) {
       const States sample_at = sample_time();
-      if (std::min(tick_at_, sample_at) > until) break;
-      if (sample_at < tick_at_) {
+      if (std::min({tick_at_, sample_at, act_at_}) > until) break;
+      if (act_at_ <= std::min(sample_at, tick_at_)) {
+        now_ = std::max(now_, act_at_);
+        act();
+      } else if (sample_at < tick_at_) {
         now_ = std::max(now_, sample_at);
         sample();
       } else {
@@ -44,24 +51,19 @@ class NativeMcu final : public Mcu {
     return {};
   }
 
-  void reset() override {
-    kz_startup startup;
-    kz_startup_nominal(&startup);
-    kz_servo_init(&servo_, &startup, &output_);
-    output_.tx_count = 0;
-    input_ = {};
-    tick_at_ = now_ + start_states;
-    setting_ = 0;  // like the firmware, it converts once before the first tick
-    received_.clear();
-    ring_.clear();
-    lost_ = false;
-    while (!wire_.empty() && wire_.back().at > now_) wire_.pop_back();
-    wire_free_ = now_;
-    show({});
-  }
+  void reset() override { start(KZ_RESET_POWER, start_states); }
 
   // The native engine has no RAM that could outlive its servo's state.
   void power_cycle() override { reset(); }
+
+  std::array<std::uint8_t, memory_size> memory() const override {
+    std::array<std::uint8_t, memory_size> bytes{};
+    std::copy(memory_.bytes().begin(), memory_.bytes().end(), bytes.begin());
+    return bytes;
+  }
+  void set_memory(std::span<const std::uint8_t, memory_size> bytes) override {
+    memory_.set_bytes(bytes);
+  }
 
   const PinLevels& pins() const override { return pins_; }
   void on_pins(std::function<void(States, const PinLevels&)> listener) override {
@@ -83,9 +85,40 @@ class NativeMcu final : public Mcu {
   }
 
  private:
+  // Reset or power-on; the first tick comes after `states`.
+  void start(u8 cause, States states) {
+    memory_.cut(now_);
+    kz_startup_nominal(&startup_);
+    startup_.reset_cause = cause;
+    startup_.start_8states = static_cast<u16>(start_states / 8);
+    startup_.tests_done = KZ_TEST_RAM | KZ_TEST_FLASH;
+    memory_.load(startup_);
+    started_ = false;
+    servo_ = {};
+    output_ = {};
+    input_ = {};
+    memory_.tell(input_);
+    act_at_ = never;
+    action_ = KZ_ACTION_NONE;
+    tick_at_ = now_ + states;
+    setting_ = 0;  // like the firmware, it converts once before the first tick
+    received_.clear();
+    ring_.clear();
+    lost_ = false;
+    overrun_at_ = never;
+    while (!wire_.empty() && wire_.back().at > now_) wire_.pop_back();
+    wire_free_ = now_;
+    show({});
+  }
+
   void tick() {
     const States start = tick_at_;
     tick_at_ += KZ_STATES_PER_TICK;
+    if (!started_) {
+      kz_startup_test_analog(&startup_, input_.analog);
+      kz_servo_init(&servo_, &startup_, &output_);
+      started_ = true;
+    }
 
     show(levels_of(output_));
     transmit(start);
@@ -94,6 +127,70 @@ class NativeMcu final : public Mcu {
     kz_tick(&servo_, &input_, &output_);
     if (on_tick_) on_tick_({input_, output_});
     input_.tick += 1;
+    input_.missed = 0;
+    input_.result = KZ_RESULT_NONE;
+    setting_ = 0;
+    if (output_.action != KZ_ACTION_NONE) prepare_action(start);
+  }
+
+  // What a tick has asked for is done when its outputs are at the pins and its bytes have left.
+  void prepare_action(States start) {
+    action_ = std::exchange(output_.action, u8{KZ_ACTION_NONE});
+    asked_at_ = start;
+    show(levels_of(output_));
+    transmit(now_);
+    output_.tx_count = 0;
+    act_at_ = std::max(wire_free_, now_);
+    tick_at_ = never;
+    setting_ = KZ_MUX_INPUTS;
+  }
+
+  void act() {
+    act_at_ = never;
+    const bool motors_on = (output_.p4 & KZ_P4_ENABLE) != 0;
+    switch (std::exchange(action_, u8{KZ_ACTION_NONE})) {
+      case KZ_ACTION_RESET:
+        if (motors_on) return go_on(false);
+        return start(KZ_RESET_COMMAND, start_states);
+      case KZ_ACTION_LOADER:
+        if (motors_on) return go_on(false);
+        return start(KZ_RESET_COMMAND, start_states + KZ_LOADER_S * KZ_CLOCK_HZ);
+      case KZ_ACTION_STORE_CALIBRATION:
+        if (motors_on) return go_on(false);
+        memory_.store_calibration(servo_, now_);
+        break;
+      case KZ_ACTION_STORE_ADDRESS:
+        if (motors_on) return go_on(false);
+        memory_.store_address(servo_, now_);
+        break;
+      default:  // the end of a store
+        listen_again();
+        return go_on(memory_.finish());
+    }
+    deaf_from_ = now_;
+    act_at_ = memory_.over_at();
+  }
+
+  // The chip's receiver holds one byte; those that come on top of it are lost, and it says so.
+  void listen_again() {
+    const auto in_deafness = [this](const SerialByte& byte) {
+      return byte.at > deaf_from_ && byte.at <= now_;
+    };
+    const auto first = std::find_if(received_.begin(), received_.end(), in_deafness);
+    const auto behind = std::find_if_not(first, received_.end(), in_deafness);
+    if (behind - first < 2) return;
+    overrun_at_ = first->at;
+    received_.erase(first + 1, behind);
+  }
+
+  // Ticks begin again, in step with those before.
+  void go_on(bool done) {
+    memory_.tell(input_);
+    input_.result = done ? KZ_RESULT_DONE : KZ_RESULT_FAILED;
+    const States ticks = (now_ - asked_at_ + KZ_STATES_PER_TICK - 1) / KZ_STATES_PER_TICK + 1;
+    tick_at_ = asked_at_ + ticks * KZ_STATES_PER_TICK;
+    input_.missed = static_cast<u16>(ticks - 1);
+    input_.tick += input_.missed;
     setting_ = 0;
   }
 
@@ -110,8 +207,9 @@ class NativeMcu final : public Mcu {
   void gather(States start) {
     while (!received_.empty() && received_.front().at <= start) {
       if (ring_.size() < receive_ring) {
-        const auto flags =
-            (received_.front().framing_error ? KZ_RX_FRAMING : 0) | (lost_ ? KZ_RX_LOST : 0);
+        const auto flags = (received_.front().framing_error ? KZ_RX_FRAMING : 0) |
+                           (lost_ ? KZ_RX_LOST : 0) |
+                           (received_.front().at == overrun_at_ ? KZ_RX_OVERRUN : 0);
         ring_.emplace_back(received_.front().value, static_cast<u8>(flags));
         lost_ = false;
       } else {
@@ -169,11 +267,19 @@ class NativeMcu final : public Mcu {
     if (on_pins_) on_pins_(now_, pins_);
   }
 
+  NativeMemory memory_;
+  kz_startup startup_{};
+  bool started_ = false;  // the first tick has come
   kz_servo servo_{};
   kz_tick_input input_{};
   kz_tick_output output_{};  // of the last tick: for the pins and the wire at the next
   States now_ = 0;
   States tick_at_ = 0;
+  States act_at_ = never;  // when `action_` is due, or the store under way is over
+  u8 action_ = KZ_ACTION_NONE;
+  States asked_at_ = 0;  // start of the tick that asked
+  States deaf_from_ = 0;
+  States overrun_at_ = never;    // the byte that others have overrun
   int setting_ = KZ_MUX_INPUTS;  // of the multiplexers, to be sampled next
   PinLevels pins_;
 

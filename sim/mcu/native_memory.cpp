@@ -1,0 +1,148 @@
+// What the native engine's board remembers without power.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/mcu/native_memory.h"
+
+#include <algorithm>
+
+#include "sim/mcu/random.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr int address_block = 2;  // behind the two of the calibration
+constexpr std::uint64_t seed = 1;
+
+// Lengths as the firmware has them (firmware/flash_ram.c); to the state they need not agree.
+constexpr States microseconds(double us) {
+  return static_cast<States>(us * KZ_CLOCK_HZ / 1e6);
+}
+constexpr States erase_setup = microseconds(210), erase_pulse = microseconds(5200),
+                 erase_verify = microseconds(1900);
+constexpr States program_setup = microseconds(220), program_pulse = microseconds(180),
+                 program_verify = microseconds(200);
+// Of a pulse: what it takes to move every cell, and what moves none.
+constexpr double erase_least = 5000.0 / 5200.0, program_least = 150.0 / 180.0;
+constexpr double nothing_below = 0.125;
+
+}  // namespace
+
+std::array<const u8*, 2> NativeMemory::calibration_images() const {
+  return {bytes_.data(), bytes_.data() + KZ_STORE_BLOCK};
+}
+
+std::array<const u8*, 1> NativeMemory::address_image() const {
+  return {bytes_.data() + address_block * KZ_STORE_BLOCK};
+}
+
+void NativeMemory::scan() {
+  kz_store_scan(&calibration_, calibration_images().data(), KZ_CALIBRATION_BLOCKS,
+                KZ_CALIBRATION_PARTS);
+  kz_store_scan(&address_, address_image().data(), KZ_ADDRESS_BLOCKS, KZ_ADDRESS_PARTS);
+}
+
+void NativeMemory::load(kz_startup& startup) {
+  scan();
+  kz_store_load_calibration(&calibration_, calibration_images().data(), &startup);
+  kz_store_load_address(&address_, address_image().data(), &startup);
+}
+
+void NativeMemory::tell(kz_tick_input& input) const {
+  input.calibration_sequence = calibration_.sequence;
+  input.erases_a = calibration_.erases[0];
+  input.erases_b = calibration_.erases[1];
+}
+
+void NativeMemory::plan(const kz_store& log, int first_block, States from,
+                        const std::function<void(u8* data, u8 part)>& pack) {
+  kz_store_plan next;
+  kz_store_plan_next(&log, &next);
+  const int block = first_block + next.block;
+  wanted_ = bytes_;
+  States at = from;
+  if (next.erase) {
+    at += erase_setup;
+    pulses_.push_back({at, at + erase_pulse, block, -1, {}});
+    at += erase_pulse + erase_verify;
+    std::fill_n(wanted_.begin() + block * KZ_STORE_BLOCK, KZ_STORE_BLOCK, std::uint8_t{0xFF});
+  }
+  for (u8 part = 0; part < log.parts; ++part) {
+    u8 data[KZ_STORE_DATA];
+    Pulse pulse{
+        at + program_setup, at + program_setup + program_pulse, block, next.line + part, {}};
+    pack(data, part);
+    kz_store_encode(pulse.data.data(), &log, &next, part, data);
+    std::copy(pulse.data.begin(), pulse.data.end(),
+              wanted_.begin() + block * KZ_STORE_BLOCK + pulse.line * KZ_STORE_LINE);
+    at = pulse.end + program_verify;
+    pulses_.push_back(pulse);
+  }
+  over_at_ = at;
+}
+
+void NativeMemory::store_calibration(const kz_servo& servo, States from) {
+  std::array<s16, KZ_JOINTS> centre{}, scale{};
+  for (std::size_t i = 0; i < KZ_JOINTS; ++i) {
+    centre[i] = servo.joint[i].pot_centre;
+    scale[i] = servo.joint[i].pot_scale;
+  }
+  plan(calibration_, 0, from, [&](u8* data, u8 part) {
+    kz_store_pack_calibration(data, part, centre.data(), scale.data());
+  });
+}
+
+void NativeMemory::store_address(const kz_servo& servo, States from) {
+  plan(address_, address_block, from, [&](u8* data, u8) {
+    kz_store_pack_address(data, servo.new_address, servo.new_shared_line);
+  });
+}
+
+void NativeMemory::apply(const Pulse& pulse, double share) {
+  ++pulses_done_;
+  share /= pulse.line < 0 ? erase_least : program_least;
+  if (share < nothing_below) return;
+  const bool erases = pulse.line < 0;
+  const int first = pulse.block * KZ_STORE_BLOCK + (erases ? 0 : pulse.line * KZ_STORE_LINE);
+  const int count = erases ? KZ_STORE_BLOCK : KZ_STORE_LINE;
+  for (int i = 0; i < count; ++i) {
+    std::uint8_t& cell = bytes_[static_cast<std::size_t>(first + i)];
+    const std::uint8_t target =
+        erases ? 0xFF : static_cast<std::uint8_t>(cell & pulse.data[static_cast<std::size_t>(i)]);
+    unsigned moves = 0;
+    for (unsigned bit = 0; bit < 8; ++bit) {
+      const auto place = static_cast<std::uint64_t>(first + i) * 8 + bit;
+      Random random(mix64(seed ^ mix64(place) ^ pulses_done_ << 40));
+      if (share >= 1 || random.chance(share)) moves |= 1u << bit;
+    }
+    cell = static_cast<std::uint8_t>(cell ^ ((cell ^ target) & moves));
+  }
+}
+
+void NativeMemory::advance(States to) {
+  while (!pulses_.empty() && pulses_.front().end <= to) {
+    apply(pulses_.front(), 1);
+    pulses_.pop_front();
+  }
+}
+
+bool NativeMemory::finish() {
+  advance(over_at_);
+  scan();
+  return bytes_ == wanted_;
+}
+
+void NativeMemory::cut(States at) {
+  advance(at);
+  if (!pulses_.empty() && pulses_.front().start < at) {
+    const Pulse& pulse = pulses_.front();
+    apply(pulse,
+          static_cast<double>(at - pulse.start) / static_cast<double>(pulse.end - pulse.start));
+  }
+  pulses_.clear();
+  over_at_ = 0;
+}
+
+void NativeMemory::set_bytes(std::span<const std::uint8_t, Mcu::memory_size> bytes) {
+  std::copy(bytes.begin(), bytes.end(), bytes_.begin());
+}
+
+}  // namespace kaz::sim

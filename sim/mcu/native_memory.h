@@ -1,0 +1,67 @@
+// What the native engine's board remembers without power: calibration and address, in flash of its own.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The logs are those of shared/servo/store.h, as in the firmware (firmware/memory.c). Writing takes
+// pulse after pulse as on the chip; power that is lost under a pulse leaves only some of its cells
+// moved, as many as its share of the pulse's length says, chosen by a seed.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <span>
+
+#include "shared/servo/servo.h"
+#include "shared/servo/store.h"
+#include "sim/mcu/mcu.h"
+
+namespace kaz::sim {
+
+class NativeMemory {
+ public:
+  NativeMemory() { bytes_.fill(0xFF); }
+
+  // What the logs hold goes into `startup`; what is not there stays.
+  void load(kz_startup& startup);
+  void tell(kz_tick_input& input) const;
+
+  // Plans a store that begins at `from`. Motors are off.
+  void store_calibration(const kz_servo& servo, States from);
+  void store_address(const kz_servo& servo, States from);
+  // When it will be over, if the power lasts.
+  States over_at() const { return over_at_; }
+  // After that: whether what was to be stored reads back. Reads both logs anew.
+  bool finish();
+  // Power or reset ends whatever is under way.
+  void cut(States at);
+
+  // Blocks EB1 to EB3, as memory of the board (mcu.h).
+  std::span<const std::uint8_t, Mcu::memory_size> bytes() const { return bytes_; }
+  void set_bytes(std::span<const std::uint8_t, Mcu::memory_size> bytes);
+
+ private:
+  struct Pulse {
+    States start, end;
+    int block;  // 0..2
+    int line;   // -1: erases the block
+    std::array<u8, KZ_STORE_LINE> data;
+  };
+
+  std::array<const u8*, 2> calibration_images() const;
+  std::array<const u8*, 1> address_image() const;
+  void scan();
+  void plan(const kz_store& log, int first_block, States from,
+            const std::function<void(u8* data, u8 part)>& pack);
+  // Moves the cells of a pulse that lasted for `share` of what it takes.
+  void apply(const Pulse& pulse, double share);
+  void advance(States to);
+
+  std::array<std::uint8_t, Mcu::memory_size> bytes_;
+  kz_store calibration_{}, address_{};
+  std::deque<Pulse> pulses_;
+  States over_at_ = 0;
+  std::array<std::uint8_t, Mcu::memory_size> wanted_{};  // as flash will be when all is done
+  std::uint64_t pulses_done_ = 0;
+};
+
+}  // namespace kaz::sim
