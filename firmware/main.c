@@ -18,6 +18,9 @@ kz_tick_output kz_output;
 kz_servo kz_servo_state;
 kz_startup kz_startup_found;
 
+// The bytes of kz_output are queued already. The tick reads its last output, so that stays as it is.
+static u8 released;
+
 // kz_tick(&kz_servo_state, &kz_input, &kz_output), between two labels (start.S).
 void kz_tick_begin(void);
 
@@ -44,11 +47,16 @@ static void take_snapshot(u16 ticks) {
   kz_input.tx_room = kz_serial_room();
 }
 
+static void release_output(void) {
+  kz_pins_write(&kz_output);
+  if (!released) kz_serial_send(kz_output.tx, kz_output.tx_count);
+}
+
 static void run_tick(u16 ticks) {
   u8 converted;
   u16 busy;
-  kz_pins_write(&kz_output);
-  kz_serial_send(kz_output.tx, kz_output.tx_count);
+  release_output();
+  released = 0;
   converted = kz_analog_ready();
   take_snapshot(ticks);
   kz_analog_start();
@@ -71,9 +79,8 @@ static void restart(u32 mark) {
 static u16 act(void) {
   u16 ticks = 0;
   u8 done = 0;
-  kz_pins_write(&kz_output);
-  kz_serial_send(kz_output.tx, kz_output.tx_count);
-  kz_output.tx_count = 0;
+  release_output();
+  released = 1;
   while (!kz_serial_idle()) continue;
   if (kz_output.p4 & KZ_P4_ENABLE) {
     // No tick asks for it; and no motor is left alone for seconds.

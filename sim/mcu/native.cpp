@@ -98,6 +98,7 @@ class NativeMcu final : public Mcu {
     output_ = {};
     input_ = {};
     memory_.tell(input_);
+    released_ = false;
     act_at_ = never;
     action_ = KZ_ACTION_NONE;
     tick_at_ = now_ + states;
@@ -139,7 +140,7 @@ class NativeMcu final : public Mcu {
     asked_at_ = start;
     show(levels_of(output_));
     transmit(now_);
-    output_.tx_count = 0;
+    released_ = true;
     act_at_ = std::max(wire_free_, now_);
     tick_at_ = never;
     setting_ = KZ_MUX_INPUTS;
@@ -196,6 +197,7 @@ class NativeMcu final : public Mcu {
 
   // The bytes that the previous tick queued go to the wire back to back.
   void transmit(States start) {
+    if (std::exchange(released_, false)) return;
     wire_free_ = std::max(wire_free_, start);
     for (int i = 0; i < output_.tx_count; ++i) {
       wire_free_ += KZ_STATES_PER_BYTE;
@@ -277,7 +279,8 @@ class NativeMcu final : public Mcu {
   States tick_at_ = 0;
   States act_at_ = never;  // when `action_` is due, or the store under way is over
   u8 action_ = KZ_ACTION_NONE;
-  States asked_at_ = 0;  // start of the tick that asked
+  bool released_ = false;  // the bytes of `output_` are on the wire already
+  States asked_at_ = 0;    // start of the tick that asked
   States deaf_from_ = 0;
   States overrun_at_ = never;    // the byte that others have overrun
   int setting_ = KZ_MUX_INPUTS;  // of the multiplexers, to be sampled next

@@ -10,7 +10,7 @@ import sys
 from coff import Coff, CoffError
 from stack_bound import Unbounded, stack_bound
 
-APPLICATION, APPLICATION_END = 0x1000, 0x8000  # erase block EB4
+APPLICATION, APPLICATION_END = 0x1000, 0xC000  # erase blocks EB4, EB5
 LOADER, LOADER_END = 0xC000, 0xE000  # EB6
 RAM, RAM_SIZE = 0xFFE080, 0xF80
 
