@@ -100,8 +100,8 @@ void kz_startup_nominal(kz_startup* startup);
 // Brings the state to that after reset: motors off, nothing received. Writes the outputs for it.
 void kz_servo_init(struct kz_servo* servo, const kz_startup* startup, kz_tick_output* output);
 
-// One tick. `output` is that of the tick before, or all zeros, and is written whole. Motors are off (enable bit 0, all duties 0) until the host
-// enables a joint, and again after any fault.
+// One tick. `output` is that of the tick before, or all zeros, and is written whole. Motors are off
+// (enable bit 0, all duties 0) until the host enables a joint, and again after any fault.
 void kz_tick(struct kz_servo* servo, const kz_tick_input* input, kz_tick_output* output);
 
 #ifdef __cplusplus

@@ -66,7 +66,9 @@ function(kaz_firmware_image)
       COMMAND ${KAZ_H8_GCC} ${KAZ_H8_FLAGS} ${ARG_FLAGS} -I${shared_root} -I${PROJECT_SOURCE_DIR}
               -I${generated} -MMD -MF ${object}.d -MT ${object} -c ${source} -o ${object}
       ${to_section}
-      DEPENDS ${source} ${generated}/kz_limits.h ${generated}/kz_build_id.h kaz_generated_headers
+      # The first of shared/ stands for all: a patched copy is made in one go.
+      DEPENDS ${source} ${ARG_SHARED_DIR}/protocol/crc16.c ${generated}/kz_limits.h
+              ${generated}/kz_build_id.h kaz_generated_headers
       DEPFILE ${object}.d
       COMMENT "H8 ${ARG_NAME}: ${stem}" VERBATIM)
     list(APPEND objects ${object})
