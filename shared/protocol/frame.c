@@ -9,11 +9,13 @@
 #define NOT_INLINE __attribute__((noinline))
 
 enum receiver_state {
-  HUNTING,     // no zero seen yet: what comes may be the rest of a frame
-  BETWEEN,     // after a zero
-  LINE_ERROR,  // the rest of the frame is skipped
-  TOO_LONG,    // the same
+  HUNTING,                        // no zero seen yet: what comes may be the rest of a frame
+  BETWEEN = KZ_RECEIVER_BETWEEN,  // after a zero
   IN_FRAME,
+  // The rest of the frame is skipped, and its result is that of the same name.
+  TOO_LONG = KZ_RECEIVE_TOO_LONG,
+  LINE_ERROR = KZ_RECEIVE_LINE_ERROR,
+  OVERRUN = KZ_RECEIVE_OVERRUN,
 };
 
 enum sender_stage { IDLE, OPENING, FIRST, COPYING, CHECK_HIGH, CHECK_MIDDLE, CHECK_LOW, CLOSING };
@@ -34,7 +36,7 @@ void kz_receiver_init(kz_receiver* receiver) {
   receiver->crc = CRC_START;
   receiver->length = 0;
   receiver->state = HUNTING;
-  receiver->spare = 0;
+  receiver->silent_ms = 0;
   for (i = 0; i < sizeof receiver->body; ++i) receiver->body[i] = 0;
 }
 
@@ -59,9 +61,9 @@ static u8 unstuff(kz_receiver* receiver, u8 stuffed) {
 // The zero after a frame has come. Not inline: kz_receive saves fewer registers so.
 static NOT_INLINE u8 end_frame(kz_receiver* receiver) {
   const u8* check;
-  if (receiver->state == LINE_ERROR) return KZ_RECEIVE_LINE_ERROR;
-  if (receiver->state == TOO_LONG) return KZ_RECEIVE_TOO_LONG;
-  if (receiver->state != IN_FRAME) return KZ_RECEIVE_MORE;
+  if (receiver->state != IN_FRAME) {
+    return receiver->state > IN_FRAME ? receiver->state : KZ_RECEIVE_MORE;
+  }
   if (receiver->length <= CHECK_SIZE) return KZ_RECEIVE_TOO_SHORT;
   receiver->length = (u8)(receiver->length - CHECK_SIZE);
   check = receiver->body + receiver->length;
@@ -74,14 +76,17 @@ static NOT_INLINE u8 end_frame(kz_receiver* receiver) {
   return KZ_RECEIVE_FRAME;
 }
 
-u8 kz_receive(kz_receiver* receiver, u8 byte, u8 line_error) {
+u8 kz_receiver_waited(kz_receiver* receiver) {
+  u8 result;
+  if (++receiver->silent_ms < KZ_IDLE_MS) return KZ_RECEIVE_MORE;
+  result = receiver->state == IN_FRAME ? KZ_RECEIVE_IDLE : receiver->state;
+  receiver->state = HUNTING;
+  return result;
+}
+
+static inline u8 take(kz_receiver* receiver, u8 byte) {
   u8 length;
   u8* place;
-  if (line_error) {
-    // A zero with an error (a break, for one) is damage, not a delimiter.
-    if (receiver->state != HUNTING) receiver->state = LINE_ERROR;
-    return KZ_RECEIVE_MORE;
-  }
   if (byte == 0) {
     const u8 result = end_frame(receiver);
     receiver->state = BETWEEN;  // body and length stay for the caller until the next byte
@@ -103,6 +108,69 @@ u8 kz_receive(kz_receiver* receiver, u8 byte, u8 line_error) {
   receiver->length = (u8)(length + 1);
   if (length >= CHECK_SIZE) receiver->crc = kz_crc16_step(receiver->crc, place[-CHECK_SIZE]);
   return KZ_RECEIVE_MORE;
+}
+
+static void skip_rest(kz_receiver* receiver, u8 why) {
+  if (receiver->state == BETWEEN || receiver->state == IN_FRAME) receiver->state = why;
+}
+
+// A byte with errors. Not inline: it is rare.
+static NOT_INLINE u8 take_damaged(kz_receiver* receiver, u8 byte, u8 errors) {
+  u8 result = KZ_RECEIVE_MORE;
+  if (errors & KZ_RX_LOST) skip_rest(receiver, OVERRUN);
+  if (errors & (KZ_RX_FRAMING | KZ_RX_PARITY)) {
+    // A zero with an error (a break, for one) is damage, not a delimiter.
+    skip_rest(receiver, LINE_ERROR);
+  } else {
+    result = take(receiver, byte);
+  }
+  if (errors & KZ_RX_OVERRUN) skip_rest(receiver, OVERRUN);
+  return result;
+}
+
+u8 kz_receive(kz_receiver* receiver, u8 byte, u8 errors) {
+  if (errors) return take_damaged(receiver, byte, errors);
+  return take(receiver, byte);
+}
+
+// The next bytes of a frame, until a zero or `most` of them. Returns how many.
+static NOT_INLINE u8 take_run(kz_receiver* receiver, const u8* bytes, u8 most) {
+  u8* const third = receiver->body + CHECK_SIZE;
+  u8* place = receiver->body + receiver->length;
+  u16 crc = receiver->crc;
+  u8 left;
+  for (left = most; left != 0; --left) {
+    const u8 byte = *bytes++;
+    if (byte == 0) break;
+    *place = byte;
+    if (place >= third) crc = kz_crc16_step(crc, place[-CHECK_SIZE]);
+    ++place;
+  }
+  receiver->crc = crc;
+  receiver->length = (u8)(receiver->length + most - left);
+  return (u8)(most - left);
+}
+
+u16 kz_receive_some(kz_receiver* receiver, const u8* bytes, const u8* errors, u8 count) {
+  u8 taken = 0;
+  while (taken < count) {
+    u8 result;
+    if (receiver->state == IN_FRAME) {
+      const u8 room = (u8)(sizeof receiver->body - receiver->length);
+      const u8 most = (u8)(count - taken) < room ? (u8)(count - taken) : room;
+      const u8* error = errors + taken;
+      u8 left;
+      for (left = most; left != 0; --left) {
+        if (*error++ != 0) break;
+      }
+      taken = (u8)(taken + take_run(receiver, bytes + taken, (u8)(most - left)));
+      if (taken == count) break;
+    }
+    result = kz_receive(receiver, bytes[taken], errors[taken]);
+    ++taken;
+    if (result != KZ_RECEIVE_MORE) return (u16)((u16)(result << 8) | taken);
+  }
+  return taken;
 }
 
 void kz_sender_init(kz_sender* sender) {

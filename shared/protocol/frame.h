@@ -4,10 +4,10 @@
 //   00 | stuffed body | check (3 bytes) | 00
 //
 //   body     address, type, sequence number, then the fields of the message (messages.def),
-//   big-endian stuffed  consistent overhead byte stuffing (COBS, Cheshire and Baker 1999): no zero
-//   inside check    CRC-16 (polynomial 0x1021, start 0xFFFF, most significant bit first) over the
-//   stuffed bytes,
-//            as they stand on the wire; in 7-bit groups 0x80|crc>>14, 0x80|crc>>7&0x7f,
+//            big-endian
+//   stuffed  consistent overhead byte stuffing (COBS, Cheshire and Baker 1999): no zero inside
+//   check    CRC-16 (polynomial 0x1021, start 0xFFFF, most significant bit first) over the stuffed
+//            bytes, as they stand on the wire; in 7-bit groups 0x80|crc>>14, 0x80|crc>>7&0x7f,
 //            0x80|crc&0x7f, so that it holds no zero either
 //
 // Each frame has a zero of its own at both ends. A receiver that joins in the middle, or loses or
@@ -32,7 +32,7 @@ extern "C" {
 
 u16 kz_crc16(u16 crc, u8 byte);
 
-// What became of a received byte.
+// What became of a received byte. Of several kinds of damage in one frame the first one counts.
 #define KZ_RECEIVE_MORE 0          // nothing complete yet
 #define KZ_RECEIVE_FRAME 1         // a sound frame ended: body[0..length-1]
 #define KZ_RECEIVE_BAD_CHECK 2     // a frame ended whose check is wrong
@@ -40,19 +40,41 @@ u16 kz_crc16(u16 crc, u8 byte);
 #define KZ_RECEIVE_TOO_SHORT 4
 #define KZ_RECEIVE_TOO_LONG 5
 #define KZ_RECEIVE_LINE_ERROR 6  // a byte of the frame had a framing or parity error
+#define KZ_RECEIVE_OVERRUN 7     // bytes of the frame were lost on this side of the wire
+#define KZ_RECEIVE_IDLE 8        // no byte came for KZ_IDLE_MS in the middle of the frame
+
+// Errors of a received byte, as the SCI reports them.
+#define KZ_RX_OVERRUN 0x20  // the byte is sound, those after it are gone
+#define KZ_RX_FRAMING 0x10
+#define KZ_RX_PARITY 0x08
+#define KZ_RX_LOST 0x04  // the byte is sound, those before it are gone: the receive buffer was full
+
+#define KZ_RECEIVER_BETWEEN 1
 
 // Takes bytes as they come: a few instructions for each, and one pass over the frame at its end.
 // Owns its buffer; no length from the wire is ever trusted.
 typedef struct kz_receiver {
   u16 crc;    // of all bytes of the frame but the last three, which may be its check
   u8 length;  // bytes of the frame so far; of the body once KZ_RECEIVE_FRAME has come
-  u8 state;
+  u8 state;   // up to KZ_RECEIVER_BETWEEN: no frame has begun
   u8 body[KZ_BODY_MAX + 4];  // while it comes: stuffed, and with its check
-  u8 spare;                  // the size is even without padding
+  u8 silent_ms;              // since the last byte; whoever calls kz_receiver_silent sets it to 0
 } kz_receiver;
 
 void kz_receiver_init(kz_receiver* receiver);
-u8 kz_receive(kz_receiver* receiver, u8 byte, u8 line_error);
+// `errors`: KZ_RX_* flags of the byte, 0 if it is sound.
+u8 kz_receive(kz_receiver* receiver, u8 byte, u8 errors);
+// Takes bytes up to the first one with a result other than KZ_RECEIVE_MORE, or all of them. In the
+// lower byte of what it returns: how many it took; in the upper byte: the result of the last.
+u16 kz_receive_some(kz_receiver* receiver, const u8* bytes, const u8* errors, u8 count);
+// A millisecond in which no byte came. After KZ_IDLE_MS of them in a row a frame that has begun is
+// given up: the result is KZ_RECEIVE_IDLE, or what was wrong with the frame before; else
+// KZ_RECEIVE_MORE. The caller sets silent_ms to 0 when bytes come, once for all of them.
+// (kz_receiver_waited is the part of it inside a frame.)
+u8 kz_receiver_waited(kz_receiver* receiver);
+static inline u8 kz_receiver_silent(kz_receiver* receiver) {
+  return receiver->state > KZ_RECEIVER_BETWEEN ? kz_receiver_waited(receiver) : KZ_RECEIVE_MORE;
+}
 
 // Encodes a whole frame, both zeros included. `body_length` <= KZ_BODY_MAX; `wire` holds
 // KZ_FRAME_MAX. Returns the number of bytes written.

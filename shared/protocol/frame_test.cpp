@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <random>
+#include <set>
 #include <vector>
 
 namespace {
@@ -26,8 +27,14 @@ struct Receiver {
   void feed(const Bytes& wire) {
     for (const u8 byte : wire) feed_byte(byte, 0);
   }
-  void feed_byte(u8 byte, u8 line_error) {
-    const u8 result = kz_receive(&state, byte, line_error);
+  void feed_byte(u8 byte, u8 errors) {
+    state.silent_ms = 0;
+    keep(kz_receive(&state, byte, errors));
+  }
+  void silent(int ms) {
+    for (; ms != 0; --ms) keep(kz_receiver_silent(&state));
+  }
+  void keep(u8 result) {
     if (result == KZ_RECEIVE_MORE) return;
     results.push_back(result);
     if (result == KZ_RECEIVE_FRAME) bodies.emplace_back(state.body, state.body + state.length);
@@ -219,7 +226,7 @@ TEST(Frame, ALineErrorSpoilsItsFrameOnly) {
   for (std::size_t place = 1; place + 1 < wire.size(); ++place) {
     Receiver receiver;
     for (std::size_t i = 0; i < wire.size(); ++i)
-      receiver.feed_byte(wire[i], i == place ? 0x10 : 0);
+      receiver.feed_byte(wire[i], i == place ? KZ_RX_FRAMING : 0);
     receiver.feed(wire);
     EXPECT_EQ(receiver.results, (std::vector<int>{KZ_RECEIVE_LINE_ERROR, KZ_RECEIVE_FRAME}));
   }
@@ -229,9 +236,120 @@ TEST(Frame, ABreakBetweenFramesCostsNoFrame) {
   Receiver receiver;
   const Bytes wire = encode({1, 2, 3, 4});
   receiver.feed(wire);
-  receiver.feed_byte(0, 0x10);  // zero with a framing error
+  receiver.feed_byte(0, KZ_RX_FRAMING);  // zero with a framing error
   receiver.feed(wire);
   EXPECT_EQ(receiver.bodies.size(), 2u);
+}
+
+TEST(Frame, BytesLostBeforeOneSpoilTheFrameItStandsIn) {
+  const Bytes wire = encode({1, 2, 3, 4});
+  for (std::size_t place = 0; place < wire.size(); ++place) {
+    Receiver receiver;
+    receiver.feed(wire);
+    for (std::size_t i = 0; i < wire.size(); ++i)
+      receiver.feed_byte(wire[i], i == place ? KZ_RX_LOST : 0);
+    receiver.feed(wire);
+    // Before the opening zero another frame may have been lost; this one is whole.
+    const int second = place == 0 ? KZ_RECEIVE_FRAME : KZ_RECEIVE_OVERRUN;
+    std::vector<int> expected = {KZ_RECEIVE_FRAME, second, KZ_RECEIVE_FRAME};
+    if (place == 0) expected.insert(expected.begin() + 1, KZ_RECEIVE_OVERRUN);
+    EXPECT_EQ(receiver.results, expected) << place;
+  }
+}
+
+TEST(Frame, BytesLostAfterOneSpoilTheFrameTheyStandIn) {
+  const Bytes wire = encode({1, 2, 3, 4});
+  for (std::size_t place = 0; place < wire.size(); ++place) {
+    Receiver receiver;
+    for (std::size_t i = 0; i < wire.size(); ++i)
+      receiver.feed_byte(wire[i], i == place ? KZ_RX_OVERRUN : 0);
+    receiver.feed(wire);
+    std::vector<int> expected = {KZ_RECEIVE_OVERRUN, KZ_RECEIVE_FRAME};
+    // After the closing zero the frame is whole, and what was lost stood before the next zero.
+    if (place + 1 == wire.size()) expected.insert(expected.begin(), KZ_RECEIVE_FRAME);
+    EXPECT_EQ(receiver.results, expected) << place;
+  }
+}
+
+TEST(Frame, OfSeveralErrorsTheFirstCounts) {
+  Receiver receiver;
+  receiver.feed({0, 1, 2});
+  receiver.feed_byte(3, KZ_RX_PARITY);
+  receiver.feed_byte(4, KZ_RX_LOST);
+  receiver.feed(Bytes(KZ_FRAME_MAX, 1));
+  receiver.feed({0, 1, 2});
+  receiver.feed_byte(3, KZ_RX_LOST);
+  receiver.feed_byte(4, KZ_RX_FRAMING);
+  receiver.silent(KZ_IDLE_MS);
+  receiver.feed(Bytes(KZ_FRAME_MAX, 1));
+  receiver.feed({0});
+  EXPECT_EQ(receiver.results, (std::vector<int>{KZ_RECEIVE_LINE_ERROR, KZ_RECEIVE_OVERRUN}));
+}
+
+TEST(Frame, IsGivenUpAfterSilenceInIt) {
+  const Bytes wire = encode({1, 2, 3, 4});
+  for (std::size_t place = 2; place < wire.size(); ++place) {
+    const auto pause = wire.begin() + static_cast<int>(place);
+    Receiver receiver;
+    receiver.feed(Bytes(wire.begin(), pause));
+    receiver.silent(KZ_IDLE_MS - 1);
+    EXPECT_TRUE(receiver.results.empty());
+    receiver.silent(1);
+    EXPECT_EQ(receiver.results, std::vector<int>{KZ_RECEIVE_IDLE});
+    receiver.silent(1000);
+    receiver.feed(Bytes(pause, wire.end()));  // the rest, late: nothing
+    receiver.feed(wire);
+    EXPECT_EQ(receiver.results, (std::vector<int>{KZ_RECEIVE_IDLE, KZ_RECEIVE_FRAME}));
+  }
+}
+
+TEST(Frame, ShorterPausesAndSilenceBetweenFramesDoNoHarm) {
+  const Bytes wire = encode({1, 2, 3, 4});
+  Receiver receiver;
+  for (int round = 0; round < 2; ++round) {
+    for (const u8 byte : wire) {
+      receiver.feed({byte});
+      receiver.silent(KZ_IDLE_MS - 1);
+    }
+    receiver.silent(1000);
+  }
+  receiver.feed({0});
+  receiver.silent(1000);
+  receiver.feed(wire);
+  EXPECT_EQ(receiver.results, std::vector<int>(3, KZ_RECEIVE_FRAME));
+}
+
+TEST(Frame, ManyBytesAtOnceAreAsOneByOne) {
+  std::mt19937 random(3);
+  Receiver one_by_one;
+  std::vector<int> results;
+  std::vector<Bytes> bodies;
+  kz_receiver many;
+  kz_receiver_init(&many);
+  for (int round = 0; round < 20000; ++round) {
+    Bytes body(KZ_HEADER_SIZE + random() % 20);
+    for (u8& byte : body) byte = static_cast<u8>(random() % 4 ? random() : 0);
+    Bytes bytes = random() % 8 ? encode(body) : Bytes(random() % 150, 0x55);
+    if (random() % 8 == 0) bytes.resize(random() % (bytes.size() + 1));
+    Bytes errors(bytes.size());
+    for (u8& error : errors)
+      if (random() % 64 == 0) error = static_cast<u8>(KZ_RX_LOST << random() % 4);
+    for (std::size_t i = 0; i < bytes.size(); ++i) one_by_one.feed_byte(bytes[i], errors[i]);
+    for (std::size_t at = 0; at < bytes.size();) {
+      const std::size_t most = std::min<std::size_t>(bytes.size() - at, 1 + random() % 16);
+      const u16 some = kz_receive_some(&many, &bytes[at], &errors[at], static_cast<u8>(most));
+      ASSERT_GE(some & 0xFF, 1);
+      ASSERT_LE(some & 0xFF, static_cast<int>(most));
+      at += some & 0xFF;
+      if (some >> 8 == KZ_RECEIVE_MORE) continue;
+      results.push_back(some >> 8);
+      if (some >> 8 == KZ_RECEIVE_FRAME) bodies.emplace_back(many.body, many.body + many.length);
+    }
+  }
+  EXPECT_EQ(std::set<int>(results.begin(), results.end()).size(),
+            6u);  // all but IDLE and BAD_STUFFING
+  EXPECT_EQ(results, one_by_one.results);
+  EXPECT_EQ(bodies, one_by_one.bodies);
 }
 
 }  // namespace

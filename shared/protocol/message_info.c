@@ -4,16 +4,28 @@
 
 #include <stddef.h>
 
+#define LOW_u8 0
+#define HIGH_u8 0xFF
+#define LOW_u16 0
+#define HIGH_u16 0xFFFF
+#define LOW_s16 (-32768)
+#define HIGH_s16 32767
+#define LOW_u32 0
+#define HIGH_u32 0xFFFFFFFFLL
+
 // Each table ends in an empty entry, so that a message without fields has a table too.
 #define KZ_MESSAGE(name, code, text) static const kz_field_info fields_of_##name[] = {
-#define KZ_FIELD(type, name, unit, text) {#type, #name, unit, text, NULL, sizeof(type), 1},
+#define KZ_FIELD(type, name, unit, text) \
+  {#type, #name, unit, text, NULL, LOW_##type, HIGH_##type, sizeof(type), 1, 0},
+#define KZ_BOUNDED(type, name, low, high, unit, text) \
+  {#type, #name, unit, text, NULL, (low), (high), sizeof(type), 1, 1},
 #define KZ_ARRAY(type, name, count, unit, text) \
-  {#type, #name, unit, text, NULL, sizeof(type), count},
+  {#type, #name, unit, text, NULL, LOW_##type, HIGH_##type, sizeof(type), count, 0},
 #define KZ_MASKED(type, name, mask, most, unit, text) \
-  {#type, #name, unit, text, #mask, sizeof(type), (most)},
-#define KZ_END()                         \
-  { NULL, NULL, NULL, NULL, NULL, 0, 0 } \
-  }                                      \
+  {#type, #name, unit, text, #mask, LOW_##type, HIGH_##type, sizeof(type), (most), 0},
+#define KZ_END()                                  \
+  { NULL, NULL, NULL, NULL, NULL, 0, 0, 0, 0, 0 } \
+  }                                               \
   ;
 #include "shared/protocol/messages.def"
 

@@ -15,8 +15,11 @@ typedef struct kz_field_info {
   const char* unit;
   const char* text;
   const char* mask;  // field that says which elements are present; NULL: all
+  long long low;     // a request with a number below it is refused; the lowest of the type if not
+  long long high;    // the same above
   u8 size;           // bytes of one number
   u8 count;          // numbers, at most
+  u8 bounded;        // 1: the table gives bounds
 } kz_field_info;
 
 typedef struct kz_message_info {

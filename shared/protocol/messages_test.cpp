@@ -91,6 +91,27 @@ TEST(MessageInfo, CodesAndNamesAreUniqueAndSizesAddUp) {
   EXPECT_EQ(kz_message_find(0x7E), nullptr);
 }
 
+const kz_field_info& field_of(const char* message, const std::string& field) {
+  for (int i = 0; i < kz_message_count; ++i) {
+    if (std::string(kz_messages[i].name) != message) continue;
+    for (int f = 0; f < kz_messages[i].field_count; ++f)
+      if (kz_messages[i].fields[f].name == field) return kz_messages[i].fields[f];
+  }
+  ADD_FAILURE() << message << " has no field " << field;
+  return kz_messages[0].fields[0];
+}
+
+TEST(MessageInfo, TellsTheBounds) {
+  EXPECT_EQ(field_of("raw_drive", "duty").low, -255);
+  EXPECT_EQ(field_of("raw_drive", "duty").high, 255);
+  EXPECT_EQ(field_of("raw_drive", "duty").bounded, 1);
+  EXPECT_EQ(field_of("enable", "mask").high, KZ_ALL_JOINTS);
+  EXPECT_EQ(field_of("unlock", "key").low, KZ_KEY);
+  EXPECT_EQ(field_of("identify_reply", "tick").high, 0xFFFFFFFFLL);
+  EXPECT_EQ(field_of("targets", "angle").low, -32768);
+  EXPECT_EQ(field_of("targets", "angle").bounded, 0);
+}
+
 TEST(MessageInfo, EachRequestHasItsReply) {
   for (int i = 0; i < kz_message_count; ++i) {
     const kz_message_info& info = kz_messages[i];

@@ -33,12 +33,12 @@ const kz_state_field kz_state_fields[] = {
     PART(u16, receiver.crc)             //
     PART(u8, receiver.length)           //
     PART(u8, receiver.state) NUMBERS(u8, receiver.body, receiver.body[0], KZ_BODY_MAX + 4)
-        PART(u8, receiver.spare) PART(u16, sender.crc)     //
-    PART(u8, sender.length)                                //
-    PART(u8, sender.next)                                  //
-    PART(u8, sender.first)                                 //
-    PART(u8, sender.stage)                                 //
-    NUMBERS(u8, sender.body, sender.body[0], KZ_BODY_MAX)  //
+        PART(u8, receiver.silent_ms) PART(u16, sender.crc)  //
+    PART(u8, sender.length)                                 //
+    PART(u8, sender.next)                                   //
+    PART(u8, sender.first)                                  //
+    PART(u8, sender.stage)                                  //
+    NUMBERS(u8, sender.body, sender.body[0], KZ_BODY_MAX)   //
 };
 
 const u8 kz_state_field_count = sizeof(kz_state_fields) / sizeof(kz_state_fields[0]);

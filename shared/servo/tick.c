@@ -66,21 +66,35 @@ static void count_damage(kz_servo* servo, u8 result) {
     case KZ_RECEIVE_TOO_LONG:
       kz_count(&servo->too_long);
       break;
-    default:
+    case KZ_RECEIVE_LINE_ERROR:
       kz_count(&servo->line_errors);
+      break;
+    case KZ_RECEIVE_OVERRUN:
+      kz_count(&servo->overruns);
+      break;
+    default:
+      kz_count(&servo->idle);
       break;
   }
 }
 
 static void receive(kz_servo* servo, const kz_tick_input* input) {
   const u8 count = input->rx_count < KZ_RX_PER_TICK ? input->rx_count : KZ_RX_PER_TICK;
-  u8 i;
-  for (i = 0; i < count; ++i) {
-    const u8 result = kz_receive(&servo->receiver, input->rx[i], input->rx_flags[i]);
-    if (result == KZ_RECEIVE_MORE) continue;
+  u8 taken = 0;
+  if (count == 0) {
+    const u8 result = kz_receiver_silent(&servo->receiver);
+    if (result != KZ_RECEIVE_MORE) count_damage(servo, result);
+    return;
+  }
+  servo->receiver.silent_ms = 0;
+  while (taken < count) {
+    const u16 some = kz_receive_some(&servo->receiver, input->rx + taken, input->rx_flags + taken,
+                                     (u8)(count - taken));
+    const u8 result = (u8)(some >> 8);
+    taken = (u8)(taken + (u8)some);
     if (result == KZ_RECEIVE_FRAME) {
       kz_request_received(servo);
-    } else {
+    } else if (result != KZ_RECEIVE_MORE) {
       count_damage(servo, result);
     }
   }

@@ -10,6 +10,7 @@
 
 #include "shared/base/types.h"
 #include "shared/board/board.h"
+#include "shared/protocol/frame.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -17,12 +18,6 @@ extern "C" {
 
 #define KZ_RX_PER_TICK 16  // bytes taken from the wire in one tick, at most
 #define KZ_TX_PER_TICK 16  // bytes given to the wire in one tick, at most
-
-// Error flags of a received byte, as the SCI reports them.
-#define KZ_RX_OVERRUN 0x20
-#define KZ_RX_FRAMING 0x10
-#define KZ_RX_PARITY 0x08
-#define KZ_RX_LOST 0x04  // the receive buffer was full: bytes before this one are gone
 
 // Why the CPU last started.
 #define KZ_RESET_POWER 0
