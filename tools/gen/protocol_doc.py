@@ -5,130 +5,50 @@
 
 Writes ROOT/docs/protocol.md; with --check only compares, and fails if it is out of date.
 """
-import ast
-import os
 import re
 import struct
 import sys
 
+import generated_file
 import limits
-
-MACRO = re.compile(r"^KZ_(MESSAGE|FIELD|BOUNDED|ARRAY|MASKED|END)\(", re.MULTILINE)
-DEFINE = re.compile(r"^#define (KZ_\w+) +(\w+)(?: *// (.*))?$", re.MULTILINE)
-SIZES = {"u8": 1, "u16": 2, "s16": 2, "u32": 4}
-CODES = {"u8": "B", "u16": "H", "s16": "h", "u32": "I"}
-JOINTS = 18
-
-
-class Refused(Exception):
-    """One sentence with file and line."""
-
-
-def arguments_of(text, at, path):
-    """The macro's arguments, from behind its opening bracket; adjacent strings are joined."""
-    depth, quoted, parts, current = 1, False, [], ""
-    for i in range(at, len(text)):
-        c = text[i]
-        if c == '"' and text[i - 1] != "\\":
-            quoted = not quoted
-        if not quoted:
-            depth += (c == "(") - (c == ")")
-            if depth == 0:
-                parts.append(current.strip())
-                break
-            if c == "," and depth == 1:
-                parts.append(current.strip())
-                current = ""
-                continue
-        current += c
-    else:
-        raise Refused(f"{path}:{text.count(chr(10), 0, at) + 1}: a bracket is not closed")
-    return [ast.literal_eval("(" + part + ")") if part.startswith('"') else part for part in parts]
-
-
-def read_messages(path):
-    with open(path, encoding="utf-8") as source:
-        text = source.read()
-    text = re.sub(r"^//.*$", "", text, flags=re.MULTILINE)
-    messages = []
-    for match in MACRO.finditer(text):
-        arguments = arguments_of(text, match.end(), path)
-        kind = match.group(1)
-        if kind == "MESSAGE":
-            messages.append({"name": arguments[0], "code": int(arguments[1], 0),
-                             "text": arguments[2], "fields": []})
-        elif kind == "BOUNDED":
-            kind_and_name, bounds, rest = arguments[:2], arguments[2:4], arguments[4:]
-            messages[-1]["fields"].append(("FIELD", kind_and_name + rest, bounds))
-        elif kind != "END":
-            messages[-1]["fields"].append((kind, arguments, None))
-    return messages
-
-
-def read_constants(path):
-    with open(path, encoding="utf-8") as source:
-        return {name: (value, text or "") for name, value, text in DEFINE.findall(source.read())}
-
-
-def crc16(data):
-    crc = 0xFFFF
-    for byte in data:
-        crc ^= byte << 8
-        for _ in range(8):
-            crc = (crc << 1 ^ 0x1021 if crc & 0x8000 else crc << 1) & 0xFFFF
-    return crc
-
-
-def stuff(body):
-    out = bytearray()
-    for block in bytes(body).split(b"\0"):
-        out += bytes([len(block) + 1]) + block
-    return bytes(out)
-
-
-def check_of(stuffed):
-    crc = crc16(stuffed)
-    return bytes([0x80 | crc >> 14, 0x80 | crc >> 7 & 0x7F, 0x80 | crc & 0x7F])
+from protocol_table import (all_constants, check_of, crc16, read_constants, read_messages,
+                            stuff)
 
 
 def hex_of(data):
     return " ".join(f"{byte:02x}" for byte in data)
 
 
-def size_of(field):
-    kind, a, _ = field
-    if kind == "FIELD":
-        return SIZES[a[0]], SIZES[a[0]]
-    if kind == "ARRAY":
-        return SIZES[a[0]] * int(a[2]), SIZES[a[0]] * int(a[2])
-    return 0, SIZES[a[0]] * (JOINTS if a[3] == "KZ_JOINTS" else int(a[3]))
+def range_of(field):
+    """Empty, or the bounds as numbers."""
+    if not field.bounds:
+        return ""
+    if field.low == field.high:
+        return f"{field.low:#x}"
+    if field.high > 0xFFFF:
+        return f"{field.low}..{field.high:#x}"
+    return f"{field.low}..{field.high}"
 
 
-def field_row(field, offset):
-    kind, a, bounds = field
-    if kind == "FIELD":
-        kind_text, name, unit, text = a[0], a[1], a[2], a[3]
-    elif kind == "ARRAY":
-        kind_text, name, unit, text = f"{a[0]} × {a[2]}", a[1], a[3], a[4]
-    else:
-        kind_text, name, unit, text = f"{a[0]} for each bit of `{a[2]}`", a[1], a[4], a[5]
-    range_text = f"{bounds[0]}..{bounds[1]}" if bounds else ""
-    return f"| {offset} | {kind_text} | `{name}` | {unit} | {range_text} | {text} |"
+def field_row(field, at):
+    kind = {"one": field.type, "array": f"{field.type} × {field.most}",
+            "masked": f"{field.type} for each bit of `{field.mask}`"}[field.kind]
+    return f"| {at} | {kind} | `{field.name}` | {field.unit} | {range_of(field)} | {field.text} |"
 
 
 def message_section(message):
-    low = sum(size_of(field)[0] for field in message["fields"])
-    high = sum(size_of(field)[1] for field in message["fields"])
+    low, high = message.size_min(), message.size_max()
+    if not message.fields:
+        return [f"### 0x{message.code:02x} {message.name}", "", message.text, "", "No fields.", ""]
     length = f"{low}" if low == high else f"{low} to {high}"
-    lines = [f"### 0x{message['code']:02x} {message['name']}", "", message["text"], ""]
-    if not message["fields"]:
-        return lines + ["No fields.", ""]
-    lines += [f"{length} bytes of fields.", "",
-              "| at | type | field | unit | range | meaning |", "|---|---|---|---|---|---|"]
-    offset = 0
-    for field in message["fields"]:
-        lines.append(field_row(field, offset))
-        offset += size_of(field)[0]
+    lines = [f"### 0x{message.code:02x} {message.name}", "", message.text, "",
+             f"{length} byte{'s' if high > 1 else ''} of fields.", "",
+             "| at | type | field | unit | range | meaning |", "|---|---|---|---|---|---|"]
+    at = 0
+    for field in message.fields:
+        lines.append(field_row(field, at))
+        # How many numbers a mask leaves out is not known: what follows stands behind it.
+        at = "then" if field.kind == "masked" or at == "then" else at + field.size_max()
     return lines + [""]
 
 
@@ -159,17 +79,21 @@ def example(title, body, meaning):
             f"| on the wire | `{hex_of(bytes([0]) + stuffed + check + bytes([0]))}` | |", ""]
 
 
+def with_value(match, constants):
+    name = match.group(1)
+    return f"{name} ({constants[name][0]})" if name in constants else name
+
+
 def document(root):
-    messages = read_messages(f"{root}/shared/protocol/messages.def")
+    messages = read_messages(root)
     constants = read_constants(f"{root}/shared/protocol/messages.h")
-    frame = read_constants(f"{root}/shared/protocol/frame.h")
-    servo = read_constants(f"{root}/shared/servo/servo.h")
     ticks = read_constants(f"{root}/shared/servo/tick.h")
+    everything = all_constants(root)
     targets = struct.pack(">BBBIHhh", 1, 3, 7, 0b11, 500, 1000, -2)
     with open(f"{root}/tools/gen/protocol.md.in", encoding="utf-8") as source:
         text = source.read()
-    requests = [m for m in messages if not m["code"] & 0x80]
-    replies = [m for m in messages if m["code"] & 0x80]
+    requests = [m for m in messages if m.is_request()]
+    replies = [m for m in messages if not m.is_request()]
     blocks = {
         "EXAMPLE_STATE": example("The request `state`, sequence number 5, to board 1:",
                                  bytes([1, 5, 5]), "address, type, sequence number"),
@@ -184,34 +108,16 @@ def document(root):
         "RESET": constant_rows(ticks, "KZ_RESET_"),
         "JOINTS": joint_rows(root),
         **{name: constant_rows(constants, f"KZ_{name}_")
-           for name in ("SHUTDOWN", "JOINT", "CAPABILITY", "TELEMETRY", "TEST", "CALIBRATION")},
+           for name in ("SHUTDOWN", "REACTION", "JOINT", "CAPABILITY", "TELEMETRY",
+                        "TEST", "CALIBRATION")},
     }
     for key, lines in blocks.items():
         text = text.replace(f"@{key}@", "\n".join(lines).rstrip())
-    everything = {**frame, **constants, **servo, **ticks}
+    # A constant that the table's texts name is told by its value too.
+    text = re.sub(r"(?<![@\w])(KZ_\w*[A-Z0-9])(?![\w*@])", lambda match: with_value(match, everything),
+                  text)
     return re.sub(r"@(KZ_\w+)@", lambda match: everything[match.group(1)][0], text)
 
 
-def main(arguments):
-    if not arguments or arguments[1:] not in ([], ["--check"]):
-        print(__doc__, file=sys.stderr)
-        return 2
-    target = os.path.join(arguments[0], "docs", "protocol.md")
-    try:
-        text = document(arguments[0])
-        if len(arguments) == 1:
-            with open(target, "w", encoding="utf-8") as out:
-                out.write(text)
-            return 0
-        with open(target, encoding="utf-8") as old:
-            if old.read() == text:
-                return 0
-        print(f"protocol_doc.py: {target} is out of date; run tools/gen/protocol_doc.py again",
-              file=sys.stderr)
-    except (Refused, limits.Refused, OSError) as error:
-        print(f"protocol_doc.py: {error}", file=sys.stderr)
-    return 1
-
-
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(generated_file.main(sys.argv[1:], __doc__, "docs/protocol.md", document))
