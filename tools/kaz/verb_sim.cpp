@@ -6,6 +6,7 @@
 
 #include <poll.h>
 
+#include "sim/mcu/memory_file.h"
 #include "sim/runtime/real_time.h"
 #include "tools/kaz/interrupt_signals.h"
 #include "tools/kaz/sim_options.h"
@@ -17,6 +18,7 @@ namespace {
 struct SimArguments {
   RigOptions rig;
   sim::RealTimeOptions real_time;
+  std::string memory;  // file of the board's flash; none if empty
 };
 
 // Sets a flag when the interrupt comes, for code that looks at a flag and not at a descriptor.
@@ -43,6 +45,12 @@ class StopFlag {
 Result<bool> serve(SimArguments arguments) {
   auto simulation = make_simulation(arguments.rig, sim::FramePolicy::drop);
   if (!simulation) return tl::unexpected(simulation.error());
+  sim::Mcu& mcu = (*simulation)->board().mcu();
+  if (!arguments.memory.empty()) {
+    if (auto loaded = sim::load_memory(mcu, arguments.memory); !loaded)
+      return tl::unexpected(loaded.error());
+    mcu.reset();
+  }
   arguments.real_time.report = [](const std::string& line) {
     std::printf("%s\n", line.c_str());
     std::fflush(stdout);
@@ -60,6 +68,10 @@ Result<bool> serve(SimArguments arguments) {
   const StopFlag stop(interrupt);
   const auto statistics = (*server)->run(stop.flag());
   if (!statistics) return tl::unexpected(statistics.error());
+  if (!arguments.memory.empty()) {
+    if (auto saved = sim::save_memory(mcu, arguments.memory); !saved)
+      return tl::unexpected(saved.error());
+  }
   std::printf("ended after %.1f s; overruns %llu, worst %.1f ms late, pairs left out %llu\n",
               statistics->simulated_s, static_cast<unsigned long long>(statistics->overruns),
               1e3 * statistics->worst_late_s,
@@ -81,6 +93,9 @@ void add_sim(CLI::App& program, Action& action) {
                    "where to publish the stereo pairs (a Unix socket)")
       ->type_name("PATH");
   verb->add_flag("--fast", arguments->real_time.fast, "as fast as the machine can, not real time");
+  verb->add_option("--memory", arguments->memory,
+                   "file that keeps the board's calibration and address from one run to the next")
+      ->type_name("FILE");
   add_sim_options(*verb, arguments->rig);
   verb->footer(
       "The link behaves as a port with a board at the other end. PATH.ctl takes commands: reset,\n"
