@@ -13,6 +13,7 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
   Input input;
   const auto posture = context_.robot.exchange(targets, kRamp);
   if (!posture) return tl::unexpected(posture.error());
+  input.resumed = context_.robot.take_resumption();
   if (posture->status & host::kMotorsOffFaults) {
     return fail(Fault::environment, *host::fault_sentence(posture->status));
   }
@@ -37,9 +38,6 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
 Result<void> hold_still(host::Robot& robot) {
   constexpr std::uint32_t kHands = 1u << host::l_hand | 1u << host::r_hand;
   constexpr host::Gains kBody, kJaws{.kp_per_rad = 0.8};
-  if (auto set = robot.heartbeat(std::chrono::milliseconds(500)); !set) {
-    return tl::unexpected(set.error());
-  }
   if (auto set = robot.set_gains(host::kAllJoints & ~kHands, kBody); !set) return set;
   if (auto set = robot.set_gains(kHands, kJaws); !set) return set;
   return robot.enable(host::kAllJoints);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,9 @@ class ControlCycle {
     Time now{};
     host::Posture posture;  // measured a few milliseconds before `now`
     std::vector<vision::BallObservation> seen;
+    // The link was lost and is there again: these targets were not sent, ramps that were under way
+    // have ended, and the joints hold where they are (robot.h).
+    std::optional<host::Resumption> resumed;
   };
   // Sends the targets (none: only asks), waits for the next beat, and returns what is known then.
   // Fails when robot, clock or camera do, when the board has switched the motors off, and when no
@@ -39,8 +43,8 @@ class ControlCycle {
   Time last_picture_;
 };
 
-// Gains of the walking body (sim's and the firmware's defaults), all motors on where they stand,
-// and the link watchdog at half a second: what every behaviour begins with.
+// Gains of the walking body (sim's and the firmware's defaults), all motors on where they stand:
+// what every behaviour begins with.
 Result<void> hold_still(host::Robot& robot);
 
 }  // namespace kaz::behavior

@@ -38,7 +38,7 @@ Error no_board(const Requester& requester, const std::string& port) {
 
 }  // namespace
 
-Result<void> identify_board(Requester& requester) {
+Result<kz_identify_reply> identify_board(Requester& requester) {
   const std::string port = requester.link().name();
   Request request;
   request.type = KZ_TYPE_identify;
@@ -70,7 +70,7 @@ Result<void> identify_board(Requester& requester) {
                                         std::to_string(KZ_JOINTS) +
                                         ": this is another robot's board");
   }
-  return {};
+  return identity;
 }
 
 }  // namespace kaz::host

@@ -9,6 +9,6 @@ namespace kaz::host {
 // Succeeds if a Kaz board of this program's protocol version answers. Else one sentence for each
 // case: nothing answers; something answers that is no Kaz board, with its first bytes; the line
 // echoes; the protocol version or the number of joints is another.
-Result<void> identify_board(Requester& requester);
+Result<kz_identify_reply> identify_board(Requester& requester);
 
 }  // namespace kaz::host

@@ -36,6 +36,9 @@ class Link {
   // none came). Fails when the link is gone for good (port closed or unplugged) or the program was
   // interrupted.
   virtual Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) = 0;
+  // Called when `write` or `read` has failed, and again until it succeeds: what can be opened again
+  // is (the same port, when it is plugged in again). Bytes of before are lost.
+  virtual Result<void> reopen() { return {}; }
 };
 
 }  // namespace kaz::host

@@ -1,58 +1,15 @@
-// Robot over the requester, the clock relation and the posture history.
+// Robot: connecting, moving, and the end.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/robot/robot.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
-#include "host/robot/clock_relation.h"
 #include "host/robot/connect.h"
-#include "host/robot/posture_history.h"
-#include "host/robot/refusal.h"
-#include "host/robot/requester.h"
+#include "host/robot/robot_parts.h"
 
 namespace kaz::host {
 
 namespace {
-
-template <class Message>
-Request make_request(std::uint8_t type, const Message& message,
-                     u8 (*pack)(const Message*, u8* fields)) {
-  Request request;
-  request.type = type;
-  request.fields.length = pack(&message, request.fields.bytes.data());
-  return request;
-}
-
-template <class Message>
-Result<Message> read_reply(const Reply& reply, u8 (*unpack)(Message*, const u8*, u8),
-                           std::span<const JointTarget> targets = {}) {
-  if (reply.refused) {
-    kz_refused refusal{};
-    kz_unpack_refused(&refusal, reply.fields.bytes.data(), reply.fields.length);
-    return tl::unexpected(refusal_error(refusal, targets));
-  }
-  Message message{};
-  if (!unpack(&message, reply.fields.bytes.data(), reply.fields.length)) {
-    return fail(
-        Fault::environment,
-        "the board sent a reply of a length that does not fit its type: firmware and program "
-        "do not fit each other");
-  }
-  return message;
-}
-
-// A number for the wire, or nothing if it does not fit into the field.
-template <class Number>
-std::optional<Number> to_wire(double value) {
-  const double rounded = std::round(value);
-  if (!(rounded >= std::numeric_limits<Number>::min() &&
-        rounded <= std::numeric_limits<Number>::max())) {
-    return std::nullopt;
-  }
-  return static_cast<Number>(rounded);
-}
 
 Result<Request> targets_request(std::span<const JointTarget> targets, Time duration) {
   kz_targets message{};
@@ -60,10 +17,7 @@ Result<Request> targets_request(std::span<const JointTarget> targets, Time durat
   if (!duration_ms) return fail(Fault::usage, "a target's duration must be 0 to 65 s");
   message.duration_ms = *duration_ms;
   for (const JointTarget& target : targets) {
-    if (target.joint < 0 || target.joint >= KZ_JOINTS) {
-      return fail(Fault::usage, "there is no joint " + std::to_string(target.joint) +
-                                    ": joints are numbered 0 to " + std::to_string(KZ_JOINTS - 1));
-    }
+    if (auto exists = check_joint(target.joint); !exists) return tl::unexpected(exists.error());
     const auto angle = to_wire<s16>(target.angle_rad * KZ_ANGLE_PER_RAD);
     if (!angle) {
       kz_refused limit{};
@@ -84,124 +38,76 @@ Request state_request() {
 
 }  // namespace
 
-struct Robot::Parts {
-  Parts(Link& link, Clock& on_clock, const ConnectOptions& options)
-      : clock(on_clock),
-        requester(link, on_clock, {options.address, options.timeout, options.retries}),
-        relation(link.byte_time()) {}
-
-  template <class Message, class Answer>
-  Result<Answer> ask(std::uint8_t type, const Message& message, u8 (*pack)(const Message*, u8*),
-                     u8 (*unpack)(Answer*, const u8*, u8)) {
-    const Request request = make_request(type, message, pack);
-    const auto replies = requester.ask({&request, 1});
-    if (!replies) return tl::unexpected(replies.error());
-    const auto answer = read_reply(replies->front(), unpack);
-    if (answer) relate(replies->front(), answer->tick);
-    return answer;
-  }
-
-  void relate(const Reply& reply, std::uint32_t tick) {
-    if (!reply.timed) return;
-    relation.add({reply.sent, reply.received, reply.bytes_out, reply.bytes_in, tick});
-  }
-
-  Result<Posture> take_state(const Reply& reply) {
-    const auto state = read_reply(reply, kz_unpack_state_reply);
-    if (!state) return tl::unexpected(state.error());
-    relate(reply, state->tick);
-    Posture posture;
-    posture.time = relation.host_time(state->tick);
-    posture.tick = state->tick;
-    posture.status = state->status;
-    posture.supply_volts = state->supply_mv * 1e-3;
-    for (std::size_t j = 0; j < posture.angle.size(); ++j) {
-      posture.angle[j] = static_cast<double>(state->angle[j]) / KZ_ANGLE_PER_RAD;
-    }
-    history.add(posture);
-    return posture;
-  }
-
-  Clock& clock;
-  Requester requester;
-  ClockRelation relation;
-  PostureHistory history;
-  kz_identify_reply identity{};
-};
-
 Robot::Robot(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 Robot::Robot(Robot&&) noexcept = default;
 Robot& Robot::operator=(Robot&&) noexcept = default;
 Robot::~Robot() = default;
 
 Result<Robot> Robot::connect(Link& link, Clock& clock, const ConnectOptions& options) {
+  const auto watchdog_10ms = to_wire<u8>(seconds(options.watchdog) * 100);
+  if (!watchdog_10ms || *watchdog_10ms > 100) {
+    return fail(Fault::usage, "the link watchdog's limit must be 10 ms to 1 s");
+  }
   auto parts = std::make_unique<Parts>(link, clock, options);
-  if (auto found = identify_board(parts->requester); !found) return tl::unexpected(found.error());
+  if (auto found = identify_board(parts->requester); !found) {
+    parts->frames_at_loss = parts->requester.statistics().bytes_in ? parts->requester.frames().text()
+                                                                   : std::string();
+    return tl::unexpected(parts->for_good(found.error()));
+  }
   // Once more: this answer also relates the clocks.
   const auto identity =
       parts->ask(KZ_TYPE_identify, kz_identify{}, kz_pack_identify, kz_unpack_identify_reply);
   if (!identity) return tl::unexpected(identity.error());
   parts->identity = *identity;
-  return Robot(std::move(parts));
+  Robot robot(std::move(parts));
+  if (*watchdog_10ms != 0) {
+    if (auto set = robot.heartbeat(options.watchdog, options.reaction); !set) {
+      return tl::unexpected(set.error());
+    }
+  }
+  return robot;
 }
 
 const kz_identify_reply& Robot::identity() const {
   return parts_->identity;
 }
 Clock& Robot::clock() {
-  return parts_->clock;
+  return parts_->keeping_clock;
 }
 
 Result<void> Robot::enable(std::uint32_t mask) {
+  // While this is under way, what is on is not known: after a loss it is asked for again here.
+  parts_->on = 0;
   if (mask != 0) {
-    const auto cleared =
-        parts_->ask(KZ_TYPE_clear, kz_clear{}, kz_pack_clear, kz_unpack_clear_reply);
-    if (!cleared) return tl::unexpected(cleared.error());
+    if (auto cleared = clear(); !cleared) return cleared;
   }
-  const auto reply =
-      parts_->ask(KZ_TYPE_enable, kz_enable{mask}, kz_pack_enable, kz_unpack_enable_reply);
-  if (!reply) return tl::unexpected(reply.error());
+  const Request request = make_request(KZ_TYPE_enable, kz_enable{mask}, kz_pack_enable);
+  const auto replies = parts_->exchange({&request, 1}, AfterLoss::ask_again);
+  if (!replies) return tl::unexpected(replies.error());
+  const auto reply = read_reply(replies->front(), kz_unpack_enable_reply);
+  if (!reply) return tl::unexpected(parts_->with_joints(reply.error(), replies->front()));
   if (reply->mask != mask) {
     const auto faults = fault_sentence(reply->status);
     return fail(Fault::environment, "the board did not switch the motors as it was asked to" +
                                         (faults ? ": " + *faults : std::string()));
   }
-  return {};
-}
-
-Result<void> Robot::set_gains(std::uint32_t mask, const Gains& gains) {
-  // Units of messages.def: 1/256 per rad, 1/4096 s/rad, 100 urad/ms (0.1 rad/s).
-  const auto kp = to_wire<u16>(gains.kp_per_rad * 256);
-  const auto kd = to_wire<u16>(gains.kd_s_per_rad * 4096);
-  const auto ramp = to_wire<u16>(gains.ramp_rad_per_s * 10);
-  if (!kp || *kp > KZ_KP_MAX || !kd || *kd > KZ_KD_MAX || !ramp || *ramp < 1 ||
-      *ramp > KZ_RAMP_MAX) {
-    return fail(Fault::usage,
-                "gains out of range: kp 0..80 /rad, kd 0..1 s/rad, ramp 0.1..12 rad/s");
-  }
-  const auto reply = parts_->ask(KZ_TYPE_gains, kz_gains{mask, *kp, *kd, 0, 0}, kz_pack_gains,
-                                 kz_unpack_gains_reply);
-  if (!reply) return tl::unexpected(reply.error());
-  const auto limited = parts_->ask(KZ_TYPE_limits, kz_limits{mask, *ramp, INT16_MIN, INT16_MAX},
-                                   kz_pack_limits, kz_unpack_limits_reply);
-  if (!limited) return tl::unexpected(limited.error());
+  parts_->on = mask;
   return {};
 }
 
 Result<void> Robot::set_targets(std::span<const JointTarget> targets, Time duration) {
   const auto request = targets_request(targets, duration);
   if (!request) return tl::unexpected(request.error());
-  const auto replies = parts_->requester.ask({&*request, 1});
+  const auto replies = parts_->exchange({&*request, 1}, AfterLoss::report);
   if (!replies) return tl::unexpected(replies.error());
   const auto reply = read_reply(replies->front(), kz_unpack_targets_reply, targets);
   if (!reply) return tl::unexpected(reply.error());
-  parts_->relate(replies->front(), reply->tick);
   return {};
 }
 
 Result<Posture> Robot::state() {
   const Request request = state_request();
-  const auto replies = parts_->requester.ask({&request, 1});
+  const auto replies = parts_->exchange({&request, 1}, AfterLoss::ask_again);
   if (!replies) return tl::unexpected(replies.error());
   return parts_->take_state(replies->front());
 }
@@ -210,15 +116,20 @@ Result<Posture> Robot::exchange(std::span<const JointTarget> targets, Time durat
   if (targets.empty()) return state();
   const auto move = targets_request(targets, duration);
   if (!move) return tl::unexpected(move.error());
-  // The targets first: their short reply leaves the board's sender free for the long one of the
-  // state.
   const Request requests[] = {*move, state_request()};
-  const auto replies = parts_->requester.ask(requests);
-  if (!replies) return tl::unexpected(replies.error());
-  const auto taken = read_reply((*replies)[0], kz_unpack_targets_reply, targets);
-  if (taken) parts_->relate((*replies)[0], taken->tick);
-  auto posture = parts_->take_state((*replies)[1]);
-  if (!taken) {
+  const auto replies = parts_->exchange(requests, AfterLoss::report);
+  if (!replies) {
+    if (parts_->resumed) return state();
+    return tl::unexpected(replies.error());
+  }
+  return parts_->take_cycle(&(*replies)[0], (*replies)[1], targets);
+}
+
+Result<Posture> Robot::Parts::take_cycle(const Reply* move, const Reply& state,
+                                         std::span<const JointTarget> targets) {
+  auto posture = take_state(state);
+  if (!move) return posture;
+  if (const auto taken = read_reply(*move, kz_unpack_targets_reply, targets); !taken) {
     // Why the targets were refused the state may tell better.
     if (posture && (posture->status & kMotorsOffFaults)) {
       return fail(Fault::environment, *fault_sentence(posture->status));
@@ -228,18 +139,68 @@ Result<Posture> Robot::exchange(std::span<const JointTarget> targets, Time durat
   return posture;
 }
 
-Result<kz_heartbeat_reply> Robot::heartbeat(Time watchdog) {
-  const auto limit = to_wire<u8>(seconds(watchdog) * 100);
-  if (!limit || *limit > 100) {
-    return fail(Fault::usage, "the link watchdog's limit must be 10 ms to 1 s");
+Result<void> Robot::send_cycle(std::span<const JointTarget> targets, Time duration) {
+  Parts::Cycle cycle;
+  std::vector<Request> requests;
+  if (!targets.empty()) {
+    const auto move = targets_request(targets, duration);
+    if (!move) return tl::unexpected(move.error());
+    requests.push_back(*move);
   }
-  return parts_->ask(KZ_TYPE_heartbeat, kz_heartbeat{*limit, 0}, kz_pack_heartbeat,
-                     kz_unpack_heartbeat_reply);
+  requests.push_back(state_request());
+  for (const Request& request : requests) {
+    const auto ticket = parts_->requester.post(request);
+    if (!ticket) {
+      auto found = parts_->resume(&ticket.error());
+      parts_->found_again = found.has_value();
+      return found;
+    }
+    (request.type == KZ_TYPE_targets ? cycle.move : cycle.state) = *ticket;
+  }
+  cycle.targets.assign(targets.begin(), targets.end());
+  parts_->cycles.push_back(std::move(cycle));
+  return {};
 }
 
-Result<kz_statistics_reply> Robot::board_statistics() {
-  return parts_->ask(KZ_TYPE_statistics, kz_statistics{}, kz_pack_statistics,
-                     kz_unpack_statistics_reply);
+Result<std::optional<Posture>> Robot::receive_cycle(Time deadline) {
+  if (parts_->found_again) {
+    parts_->found_again = false;
+    return state();
+  }
+  if (parts_->cycles.empty()) return fail(Fault::usage, "no cycle was sent that could be received");
+  Parts::Cycle& cycle = parts_->cycles.front();
+  const auto collect = [&](std::optional<Requester::Ticket> ticket, std::optional<Reply>& reply,
+                           std::uint8_t type) -> Result<void> {
+    if (!ticket || reply) return {};
+    auto collected = parts_->requester.collect(*ticket, deadline);
+    if (!collected) return tl::unexpected(collected.error());
+    reply = std::move(*collected);
+    if (reply) parts_->observe(type, *reply);
+    return {};
+  };
+  parts_->trouble.reset();
+  auto done = collect(cycle.move, cycle.move_reply, KZ_TYPE_targets);
+  if (done && (!cycle.move || cycle.move_reply)) {
+    done = collect(cycle.state, cycle.state_reply, KZ_TYPE_state);
+  }
+  if (!done || (parts_->trouble && parts_->options.reconnect != Time::zero())) {
+    auto found = parts_->resume(done ? nullptr : &done.error());
+    if (!found) return tl::unexpected(found.error());
+    parts_->found_again = false;
+    return state();
+  }
+  if (!cycle.state_reply) return std::nullopt;
+  const Parts::Cycle whole = std::move(cycle);
+  parts_->cycles.pop_front();
+  return parts_->take_cycle(whole.move_reply ? &*whole.move_reply : nullptr, *whole.state_reply,
+                            whole.targets);
+}
+
+std::optional<Resumption> Robot::take_resumption() {
+  if (parts_->resumptions.empty()) return std::nullopt;
+  const Resumption oldest = parts_->resumptions.front();
+  parts_->resumptions.pop_front();
+  return oldest;
 }
 
 std::optional<Posture> Robot::posture_at(Time t) const {
@@ -261,6 +222,8 @@ std::string Robot::recent_frames() const {
 void Robot::disable_all() noexcept {
   if (!parts_) return;
   try {
+    parts_->on = 0;
+    parts_->requester.start_anew();
     const Request off = make_request(KZ_TYPE_enable, kz_enable{0}, kz_pack_enable);
     if (parts_->requester.ask({&off, 1})) return;
     // Nobody listens here any more (interrupted, or the board is deaf), but the wire may still

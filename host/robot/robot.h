@@ -2,41 +2,40 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The same whether the board at the other end of the link is real or emulated (paper, section 3).
-// Every call that asks the board waits for its answer, up to ConnectOptions::timeout for each of
-// its tries. Errors are one sentence each: the board stopped answering, the link is gone, the
-// program was interrupted, or the board refused (then the sentence names the joint and the reason).
-// One thread at a time.
+// Every call that asks the board waits for its answer. Errors are one sentence each: the board
+// stopped answering, the link is gone, the program was interrupted, or the board refused (then the
+// sentence names the joint and the reason). Values outside their range are errors of usage. One
+// thread at a time.
+//
+// Link watchdog: the board stops moving (ConnectOptions::reaction) when it has heard nothing for
+// ConnectOptions::watchdog while motors are on. Every call of this class is heard. To wait, use
+// clock(), which sends heartbeats meanwhile.
+//
+// Lost link: when the port goes, no reply comes, the board was reset, or its watchdog has ended,
+// the call in which that is noticed seeks the board for ConnectOptions::reconnect, sets watchdog,
+// gains and limits again, and switches those joints on that were on. Switching on makes the present
+// angle the target, so nothing moves; whatever was under way before is forgotten. Then
+//   - calls that only ask, and enable, set_gains, set_limits, are done again: the caller sees
+//     nothing but take_resumption();
+//   - exchange() and receive_cycle() return the present posture, and no target was sent;
+//   - all others fail with a sentence that says so; the robot can be used on.
+// Where a shutdown of another reason is latched, nothing is switched on: that is an error.
 #pragma once
 
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "host/robot/link.h"
 #include "host/robot/link_statistics.h"
 #include "host/robot/posture.h"
+#include "host/robot/robot_types.h"
 #include "shared/board/board.h"
 #include "shared/protocol/messages.h"
 
 namespace kaz::host {
-
-struct JointTarget {
-  int joint;
-  double angle_rad;
-};
-
-struct Gains {
-  double kp_per_rad = 20;      // duty per rad
-  double kd_s_per_rad = 0.15;  // duty per rad/s
-  double ramp_rad_per_s = 6;   // highest speed of the commanded angle
-};
-
-struct ConnectOptions {
-  std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  Time timeout = std::chrono::milliseconds(50);  // of one try
-  int retries = 5;                               // tries after the first
-};
 
 class Robot {
  public:
@@ -48,26 +47,88 @@ class Robot {
   ~Robot();  // leaves the motors as they are; see disable_all
 
   const kz_identify_reply& identity() const;
+  // That of connect(); sleeping on it keeps the link watchdog content while motors are on.
   Clock& clock();
 
+  // ---- Motion
+
   // Motors on for the joints of the mask (bit n: joint n), off for all others. A joint that was off
-  // holds the angle it has. Clears latched faults whose cause is gone.
+  // holds the angle it has. Clears a latched shutdown whose cause is gone.
   Result<void> enable(std::uint32_t mask);
-  Result<void> set_gains(std::uint32_t mask, const Gains& gains);
   // Straight ramps to the targets in `duration` (0..65 s; 0: as fast as the joint's ramp allows).
   // All or none: refused if a target is outside its limits or its joint is off.
   Result<void> set_targets(std::span<const JointTarget> targets, Time duration);
-  // Asks the board. Also enters the answer into the history.
+  // Where the joints of the mask are going; for a joint that is off, its angle. Others: 0.
+  Result<JointAngles> read_targets(std::uint32_t mask = kAllJoints);
+  // Also enters the answer into the history.
   Result<Posture> state();
   // state() and set_targets() in one go: both requests leave together, so that a control cycle
   // costs one round trip: 9 ms for two joints at 115,200 baud, 12 ms for all. The posture is that
   // of a tick or two after the targets were taken.
   Result<Posture> exchange(std::span<const JointTarget> targets, Time duration);
+  // The same in two steps, for all 18 joints at 100 Hz: the next targets leave while the last
+  // posture comes. Postures come in the order of the cycles; nothing if the next has not come until
+  // `deadline`. Fails if a cycle is received that was not sent.
+  Result<void> send_cycle(std::span<const JointTarget> targets, Time duration);
+  Result<std::optional<Posture>> receive_cycle(Time deadline);
+  // Angle, speed, duty, load and flags, in the order of the joints. More than 9 joints are two
+  // requests, of which the second is some ticks younger.
+  Result<std::vector<JointDetail>> joints(std::uint32_t mask);
+
+  // ---- Safety
+
+  // All motors off at once, ahead of everything that waits; latched until clear() or enable().
+  Result<void> stop();
+  // Forgets a latched shutdown; motors stay off until enable(). Fails while its cause is present.
+  Result<void> clear();
   // watchdog: new limit of the board's link watchdog, 10 ms..1 s; zero leaves it as it is.
-  Result<kz_heartbeat_reply> heartbeat(Time watchdog = Time::zero());
+  Result<kz_heartbeat_reply> heartbeat(Time watchdog = Time::zero(),
+                                       std::optional<Reaction> reaction = std::nullopt);
+  Result<Health> health();
   // The board's counts since its reset.
   Result<kz_statistics_reply> board_statistics();
+  Result<SelfTest> self_test();
 
+  // ---- Settings, until the board's next reset
+
+  Result<void> set_gains(std::uint32_t mask, const Gains& gains);
+  Result<void> set_limits(std::uint32_t mask, const Limits& limits);
+  Result<JointSettings> settings(int joint);
+
+  // ---- Telemetry
+
+  // Frames of the selection (KZ_TELEMETRY_*) every `period` (5 ms..65 s; zero: none). They come
+  // while any call reads, and are kept, the newest 256, until they are taken.
+  Result<void> subscribe(Time period, std::uint8_t selection);
+  // The oldest frame that was not taken yet; nothing if none comes until `deadline`.
+  Result<std::optional<TelemetryFrame>> next_telemetry(Time deadline);
+
+  // ---- Calibration of the potentiometers; all motors must be off
+
+  Result<Calibration> calibration();
+  // In RAM; for the joints of the mask, from `joints` by joint number.
+  Result<void> set_calibration(std::uint32_t mask,
+                               const std::array<JointCalibration, KZ_JOINTS>& joints);
+  // Writes what is in use to flash; takes up to 3 s.
+  Result<StoredCalibration> store_calibration();
+
+  // ---- Bench; all motors must be off
+
+  // Allows what only a bench needs, for 1..60 s; zero locks again.
+  Result<void> unlock(int seconds);
+  // Drives one motor at a duty of -1..1 without its loop for 1 ms..2 s. Needs unlock().
+  Result<void> raw_drive(int joint, double duty, Time duration);
+  // Starts the board anew and waits until it answers; gains and limits are those after a reset.
+  Result<void> reset();
+  // The board leaves for its loader, and does not answer for 3 s.
+  Result<void> start_loader();
+  // Writes the board's address (1..14) to flash, in force after its next reset. Needs unlock().
+  Result<void> set_address(int address, bool shared_line);
+
+  // ---- The link
+
+  // Each loss that was made good since connect() is told once, oldest first.
+  std::optional<Resumption> take_resumption();
   // Measured posture at an earlier moment, interpolated between the two nearest states; nothing if
   // the moment lies outside what is remembered (the last 5 s) or more than 100 ms from any state.
   std::optional<Posture> posture_at(Time t) const;
@@ -89,7 +150,7 @@ class Robot {
   std::unique_ptr<Parts> parts_;
 };
 
-// Faults after which the motors are off until they are enabled again.
+// The reason of a shutdown in a status word.
 inline constexpr std::uint16_t kMotorsOffFaults = 0xFF00;
 
 // Nothing if no fault is latched in `status`; else a sentence that names them and what to do.

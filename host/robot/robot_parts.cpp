@@ -1,0 +1,112 @@
+// What every request of Robot goes through: sent, observed, and asked again after a loss.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/robot/robot_parts.h"
+
+namespace kaz::host {
+
+namespace {
+
+// Replies stand in the order of the board's ticks; telemetry and a reply may be a tick apart.
+constexpr std::int32_t kTickSlack = 5;
+
+std::uint32_t big_endian(std::span<const std::uint8_t> bytes) {
+  std::uint32_t value = 0;
+  for (const std::uint8_t byte : bytes) value = value << 8 | byte;
+  return value;
+}
+
+}  // namespace
+
+Result<void> check_joint(int joint) {
+  if (joint >= 0 && joint < KZ_JOINTS) return {};
+  return fail(Fault::usage, "there is no joint " + std::to_string(joint) +
+                                ": joints are numbered 0 to " + std::to_string(KZ_JOINTS - 1));
+}
+
+Result<void> check_mask(std::uint32_t mask) {
+  if (mask != 0 && (mask & ~kAllJoints) == 0) return {};
+  return fail(Fault::usage,
+              "a mask of joints has bits 0 to " + std::to_string(KZ_JOINTS - 1) + ", at least one");
+}
+
+Robot::Parts::Parts(Link& link, Clock& on_clock, const ConnectOptions& connect_options)
+    : options(connect_options),
+      clock(on_clock),
+      keeping_clock(*this),
+      requester(link, on_clock,
+                RequesterOptions{.address = connect_options.address,
+                                 .retries = connect_options.retries}),
+      relation(link.byte_time()) {
+  requester.on_telemetry([this](std::uint8_t type, std::span<const std::uint8_t> fields, Time now) {
+    take_telemetry(type, fields, now);
+  });
+}
+
+Result<std::vector<Reply>> Robot::Parts::exchange(std::span<const Request> requests,
+                                                  AfterLoss after_loss) {
+  resumed = false;
+  while (true) {
+    trouble.reset();
+    auto replies = requester.ask(requests);
+    if (replies) {
+      for (std::size_t i = 0; i < requests.size(); ++i) observe(requests[i].type, (*replies)[i]);
+      if (!trouble || options.reconnect == Time::zero()) return replies;
+    }
+    const bool before = resumed;
+    if (auto found = resume(replies ? nullptr : &replies.error()); !found) {
+      return tl::unexpected(found.error());
+    }
+    if (before || after_loss == AfterLoss::report) return tl::unexpected(not_done(requests));
+  }
+}
+
+void Robot::Parts::observe(std::uint8_t request, const Reply& reply) {
+  // Tick first; status behind it, but for the reply that tells the protocol version in between.
+  const std::size_t status_at = !reply.refused && request == KZ_TYPE_identify ? 6 : 4;
+  if (reply.fields.length < status_at + 2) return;
+  const std::uint32_t tick = big_endian({reply.fields.bytes.data(), 4});
+  const auto status =
+      static_cast<std::uint16_t>(big_endian({reply.fields.bytes.data() + status_at, 2}));
+  if (reply.timed) {
+    relation.add({reply.sent, reply.received, reply.bytes_out, reply.bytes_in, tick});
+  }
+
+  const bool back =
+      last_tick && static_cast<std::int32_t>(tick - *last_tick) < -kTickSlack;
+  last_tick = tick;
+  const int reason = status >> 8;
+  if (back || (on != 0 && reason == KZ_SHUTDOWN_NONE && !(status & KZ_STATUS_ENABLED))) {
+    trouble = Resumption::Cause::reset;
+  } else if (on != 0 && reason == KZ_SHUTDOWN_LINK_LOST) {
+    if (!trouble) trouble = Resumption::Cause::watchdog;
+  } else if (reason != KZ_SHUTDOWN_NONE) {
+    on = 0;
+  }
+}
+
+Result<Posture> Robot::Parts::take_state(const Reply& reply) {
+  const auto state = read_reply(reply, kz_unpack_state_reply);
+  if (!state) return tl::unexpected(state.error());
+  Posture posture;
+  posture.time = relation.host_time(state->tick);
+  posture.tick = state->tick;
+  posture.status = state->status;
+  posture.supply_volts = state->supply_mv * 1e-3;
+  for (std::size_t j = 0; j < posture.angle.size(); ++j) posture.angle[j] = angle_of(state->angle[j]);
+  history.add(posture);
+  return posture;
+}
+
+Error Robot::Parts::not_done(std::span<const Request> requests) const {
+  std::string names;
+  for (const Request& request : requests) {
+    names += (names.empty() ? "`" : ", `") + std::string(message_name(request.type)) + "`";
+  }
+  const std::string why =
+      resumptions.empty() ? "the link was lost" : text(resumptions.back().cause);
+  return {Fault::failed, why + " during " + names +
+                             ": the board answers again, and joints that were on hold where they "
+                             "are; whether it was done is not known, so ask for it anew"};
+}
+
+}  // namespace kaz::host

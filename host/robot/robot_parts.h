@@ -1,0 +1,150 @@
+// Inside of Robot: one board, what was set on it, and how it is found again.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/robot/clock_relation.h"
+#include "host/robot/posture_history.h"
+#include "host/robot/refusal.h"
+#include "host/robot/requester.h"
+#include "host/robot/robot.h"
+
+namespace kaz::host {
+
+template <class Message>
+Request make_request(std::uint8_t type, const Message& message,
+                     u8 (*pack)(const Message*, u8* fields)) {
+  Request request;
+  request.type = type;
+  request.fields.length = pack(&message, request.fields.bytes.data());
+  return request;
+}
+
+template <class Message>
+Result<Message> read_reply(const Reply& reply, u8 (*unpack)(Message*, const u8*, u8),
+                           std::span<const JointTarget> targets = {}) {
+  if (reply.refused) {
+    kz_refused refusal{};
+    kz_unpack_refused(&refusal, reply.fields.bytes.data(), reply.fields.length);
+    return tl::unexpected(refusal_error(refusal, targets));
+  }
+  Message message{};
+  if (!unpack(&message, reply.fields.bytes.data(), reply.fields.length)) {
+    return fail(
+        Fault::environment,
+        "the board sent a reply of a length that does not fit its type: firmware and program "
+        "do not fit each other");
+  }
+  return message;
+}
+
+// A number for the wire, or nothing if it does not fit into the field.
+template <class Number>
+std::optional<Number> to_wire(double value) {
+  const double rounded = std::round(value);
+  if (!(rounded >= std::numeric_limits<Number>::min() &&
+        rounded <= std::numeric_limits<Number>::max())) {
+    return std::nullopt;
+  }
+  return static_cast<Number>(rounded);
+}
+
+inline double angle_of(s16 wire) {
+  return static_cast<double>(wire) / KZ_ANGLE_PER_RAD;
+}
+
+// Fails (usage) if the mask has no joint, or one that does not exist.
+Result<void> check_mask(std::uint32_t mask);
+Result<void> check_joint(int joint);
+
+// What to do with a request during which the link was lost and found again.
+enum class AfterLoss { ask_again, report };
+
+struct Robot::Parts {
+  Parts(Link& link, Clock& on_clock, const ConnectOptions& options);
+
+  // One or several requests with all that happens on the way: replies are observed, a lost link is
+  // sought. `resumed` tells whether it was.
+  Result<std::vector<Reply>> exchange(std::span<const Request> requests, AfterLoss after_loss);
+  template <class Message, class Answer>
+  Result<Answer> ask(std::uint8_t type, const Message& message, u8 (*pack)(const Message*, u8*),
+                     u8 (*unpack)(Answer*, const u8*, u8),
+                     AfterLoss after_loss = AfterLoss::ask_again) {
+    const Request request = make_request(type, message, pack);
+    const auto replies = exchange({&request, 1}, after_loss);
+    if (!replies) return tl::unexpected(replies.error());
+    return read_reply(replies->front(), unpack);
+  }
+
+  // Tick and status of a reply: is this still the board as we left it?
+  void observe(std::uint8_t request, const Reply& reply);
+  Result<Posture> take_state(const Reply& reply);
+  // The replies of a cycle; `move` is null if no targets were sent.
+  Result<Posture> take_cycle(const Reply* move, const Reply& state,
+                             std::span<const JointTarget> targets);
+  void take_telemetry(std::uint8_t type, std::span<const std::uint8_t> fields, Time now);
+
+  // Called when `requester` has failed with `error` (null: it has not, but `trouble` was observed).
+  // Success: the board is there again, motors as they were.
+  Result<void> resume(const Error* error);
+  Result<void> restore();
+  Result<void> set_up();  // watchdog, gains, limits
+  Result<void> switch_on(std::uint32_t mask);
+  // An error by which the link ends for good: with the frames where ConnectOptions says.
+  Error for_good(Error error);
+  Error not_done(std::span<const Request> requests) const;
+  // `error` of a refused `enable` or `clear`: names the joints whose potentiometers are at fault.
+  Error with_joints(Error error, const Reply& reply);
+  Result<void> keep_content(Time until);
+
+  // Sends heartbeats while it sleeps.
+  class KeepingClock final : public Clock {
+   public:
+    explicit KeepingClock(Parts& parts) : parts_(parts) {}
+    Time now() const override { return parts_.clock.now(); }
+    Result<void> sleep_until(Time t) override;
+
+   private:
+    Parts& parts_;
+  };
+
+  ConnectOptions options;
+  Clock& clock;
+  KeepingClock keeping_clock;
+  Requester requester;
+  ClockRelation relation;
+  PostureHistory history;
+  kz_identify_reply identity{};
+
+  // What the board was told, to be told again.
+  std::uint32_t on = 0;
+  bool telemetry_on = false;
+  u8 watchdog_10ms = 0, reaction = 0;
+  std::array<std::optional<kz_gains>, KZ_JOINTS> gains;
+  std::array<std::optional<kz_limits>, KZ_JOINTS> limits;
+  kz_telemetry telemetry_request{};
+
+  std::optional<std::uint32_t> last_tick;
+  std::optional<Resumption::Cause> trouble;  // seen in a reply
+  bool resumed = false;                      // in the latest exchange()
+  std::string frames_at_loss;
+  std::deque<Resumption> resumptions;
+
+  struct Cycle {
+    std::optional<Requester::Ticket> move, state;
+    std::optional<Reply> move_reply, state_reply;
+    std::vector<JointTarget> targets;
+  };
+  std::deque<Cycle> cycles;
+  bool found_again = false;  // in send_cycle: receive_cycle is to tell
+  std::deque<TelemetryFrame> telemetry;
+};
+
+}  // namespace kaz::host

@@ -1,0 +1,119 @@
+// Robot: what is set for joints, and what they tell in detail.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/robot/robot_parts.h"
+
+namespace kaz::host {
+
+namespace {
+
+// Units of messages.def.
+constexpr double kKpPerUnit = 1.0 / 256, kKdPerUnit = 1.0 / 4096, kShare = 1.0 / 255;
+constexpr double kRampPerUnit = 0.1;  // 100 urad/ms
+constexpr int kJointsAtOnce = 9;
+
+// Remembers what joints were set to, joints set alike with one mask.
+template <class Message>
+void remember(std::array<std::optional<Message>, KZ_JOINTS>& all, const Message& message) {
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    if (message.mask >> j & 1) {
+      all[j] = message;
+    } else if (all[j]) {
+      all[j]->mask &= ~message.mask;
+    }
+  }
+}
+
+u32 lowest_bits(u32 mask, int count) {
+  u32 taken = 0;
+  for (int j = 0; j < KZ_JOINTS && count > 0; ++j) {
+    if (!(mask >> j & 1)) continue;
+    taken |= u32{1} << j;
+    --count;
+  }
+  return taken;
+}
+
+}  // namespace
+
+Result<void> Robot::set_gains(std::uint32_t mask, const Gains& gains) {
+  if (auto sound = check_mask(mask); !sound) return sound;
+  const auto kp = to_wire<u16>(gains.kp_per_rad / kKpPerUnit);
+  const auto kd = to_wire<u16>(gains.kd_s_per_rad / kKdPerUnit);
+  const auto dead_band = to_wire<u16>(gains.dead_band_rad * KZ_ANGLE_PER_RAD);
+  const auto friction = to_wire<u8>(gains.friction / kShare);
+  if (!kp || !kd || !dead_band || !friction) {
+    return fail(Fault::usage,
+                "gains out of range: kp 0..80 /rad, kd 0..1 s/rad, dead band 0..0.1 rad, friction "
+                "0..0.25");
+  }
+  const kz_gains message{mask, *kp, *kd, *dead_band, *friction};
+  if (kz_check_gains(&message) != KZ_IN_BOUNDS) {
+    return fail(Fault::usage,
+                "gains out of range: kp 0..80 /rad, kd 0..1 s/rad, dead band 0..0.1 rad, friction "
+                "0..0.25");
+  }
+  const auto reply = parts_->ask(KZ_TYPE_gains, message, kz_pack_gains, kz_unpack_gains_reply);
+  if (!reply) return tl::unexpected(reply.error());
+  remember(parts_->gains, message);
+  return {};
+}
+
+Result<void> Robot::set_limits(std::uint32_t mask, const Limits& limits) {
+  if (auto sound = check_mask(mask); !sound) return sound;
+  const auto ramp = to_wire<u16>(limits.ramp_rad_per_s / kRampPerUnit);
+  const auto lower = to_wire<s16>(limits.lower_rad * KZ_ANGLE_PER_RAD);
+  const auto upper = to_wire<s16>(limits.upper_rad * KZ_ANGLE_PER_RAD);
+  if (!ramp || *ramp < 1 || *ramp > KZ_RAMP_MAX || !lower || !upper || *lower > *upper) {
+    return fail(Fault::usage,
+                "limits out of range: ramp 0.1..12 rad/s, angles -3.2768..3.2767 rad, the lower "
+                "not above the upper");
+  }
+  const kz_limits message{mask, *ramp, *lower, *upper};
+  const auto reply = parts_->ask(KZ_TYPE_limits, message, kz_pack_limits, kz_unpack_limits_reply);
+  if (!reply) return tl::unexpected(reply.error());
+  remember(parts_->limits, message);
+  return {};
+}
+
+Result<JointSettings> Robot::settings(int joint) {
+  if (auto exists = check_joint(joint); !exists) return tl::unexpected(exists.error());
+  const auto reply = parts_->ask(KZ_TYPE_settings, kz_settings{static_cast<u8>(joint)},
+                                 kz_pack_settings, kz_unpack_settings_reply);
+  if (!reply) return tl::unexpected(reply.error());
+  JointSettings settings;
+  settings.gains = {reply->kp * kKpPerUnit, reply->kd * kKdPerUnit,
+                    static_cast<double>(reply->dead_band) / KZ_ANGLE_PER_RAD,
+                    reply->friction * kShare};
+  settings.limits = {reply->ramp * kRampPerUnit, angle_of(reply->lower), angle_of(reply->upper)};
+  return settings;
+}
+
+Result<JointAngles> Robot::read_targets(std::uint32_t mask) {
+  if (auto sound = check_mask(mask); !sound) return tl::unexpected(sound.error());
+  const auto reply = parts_->ask(KZ_TYPE_read_targets, kz_read_targets{mask}, kz_pack_read_targets,
+                                 kz_unpack_read_targets_reply);
+  if (!reply) return tl::unexpected(reply.error());
+  JointAngles angles;
+  for (std::size_t j = 0; j < angles.size(); ++j) angles[j] = angle_of(reply->angle[j]);
+  return angles;
+}
+
+Result<std::vector<JointDetail>> Robot::joints(std::uint32_t mask) {
+  if (auto sound = check_mask(mask); !sound) return tl::unexpected(sound.error());
+  std::vector<JointDetail> details;
+  while (mask != 0) {
+    const u32 now = lowest_bits(mask, kJointsAtOnce);
+    mask &= ~now;
+    const auto reply =
+        parts_->ask(KZ_TYPE_joints, kz_joints{now}, kz_pack_joints, kz_unpack_joints_reply);
+    if (!reply) return tl::unexpected(reply.error());
+    for (int j = 0; j < KZ_JOINTS; ++j) {
+      if (!(now >> j & 1)) continue;
+      details.push_back({j, angle_of(reply->angle[j]), reply->speed[j] * 1e-3,
+                         reply->duty[j] * kShare, reply->load[j] * kShare, reply->faults[j]});
+    }
+  }
+  return details;
+}
+
+}  // namespace kaz::host

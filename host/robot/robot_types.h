@@ -1,0 +1,128 @@
+// What is set on and read from a robot: gains, limits, joints, health, calibration. SI units.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "host/robot/posture.h"
+#include "shared/protocol/messages.h"
+
+namespace kaz::host {
+
+struct JointTarget {
+  int joint;
+  double angle_rad;
+};
+
+// duty = kp * error - kd * speed + friction * sign(error), nil within the dead band.
+struct Gains {
+  double kp_per_rad = 20;      // duty per rad, 0..80
+  double kd_s_per_rad = 0.15;  // duty per rad/s, 0..1
+  double dead_band_rad = 0;    // 0..0.1
+  double friction = 0;         // duty, 0..0.25
+};
+
+// Where the board is asked for limits beyond what a joint's mechanics allow it takes those of the
+// mechanics.
+struct Limits {
+  double ramp_rad_per_s = 6;  // highest speed of the commanded angle, 0.1..12
+  double lower_rad = -3.2767, upper_rad = 3.2767;
+};
+
+// As the board holds them: rounded to its units, limits cut to the mechanics.
+struct JointSettings {
+  Gains gains;
+  Limits limits;
+};
+
+struct JointDetail {
+  int joint = 0;
+  double angle_rad = 0;
+  double speed_rad_per_s = 0;  // smoothed over 8 ms
+  double duty = 0;             // -1..1, positive turns the joint positively
+  double load = 0;             // torque as a share of the stall torque, estimated
+  std::uint8_t flags = 0;      // KZ_JOINT_*
+};
+
+struct Health {
+  std::uint32_t tick = 0;
+  std::uint16_t status = 0;             // KZ_STATUS_*, KZ_SHUTDOWN_* in the upper byte
+  std::string shutdown;                 // why the motors went off, in words; empty: they did not
+  std::optional<int> joint;             // that caused it
+  std::uint32_t shutdown_tick = 0;      // when
+  double supply_volts = 0, supply_lowest_volts = 0;
+  double temperature_c = 0;             // motor drivers
+  double reference = 0;                 // half of the converter's reference as it reads it: 0.5
+};
+
+// angle = centre + scale * (code - 512) / 512
+struct JointCalibration {
+  double centre_rad = 0, scale_rad = 0;
+};
+
+struct Calibration {
+  std::uint8_t source = 0;     // KZ_CALIBRATION_*: where the values at start came from
+  std::uint16_t sequence = 0;  // number of the stored copy; 0: none
+  int erases_a = 0, erases_b = 0;  // of the two blocks of flash: the part endures 100
+  std::array<JointCalibration, KZ_JOINTS> joints{};
+};
+
+struct StoredCalibration {
+  std::uint16_t sequence = 0;
+  int erases_a = 0, erases_b = 0;
+};
+
+struct SelfTest {
+  std::uint8_t done = 0, failed = 0;  // KZ_TEST_*
+  std::string failed_names;           // "RAM, FLASH"; empty if none failed
+  std::uint16_t image_crc = 0;
+  double start_s = 0;                 // from the start of the application to the first tick
+};
+
+// One telemetry frame. What it does not carry is empty.
+struct TelemetryFrame {
+  std::uint8_t selection = 0;  // KZ_TELEMETRY_*: which one
+  std::uint32_t tick = 0;      // board time
+  Time time{};                 // host time of that tick
+  std::uint16_t status = 0;
+  JointAngles values{};        // STATE, COMMANDS: rad; DRIVES: duty, -1..1
+  double supply_volts = 0;     // STATE, HEALTH
+  std::optional<int> joint;    // HEALTH: that caused the shutdown
+  double temperature_c = 0;    // HEALTH
+  double tick_busy = 0, tick_worst = 0;  // HEALTH: shares of a tick
+};
+
+// What the link watchdog does when nothing has been heard of the host for its time.
+enum class Reaction : std::uint8_t { limp = KZ_REACTION_LIMP, hold = KZ_REACTION_HOLD };
+
+struct ConnectOptions {
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;
+  int retries = 5;  // tries after the first
+  // The board's link watchdog, 10 ms..1 s; zero leaves it as it is. 90 ms: so that the reaction
+  // comes within 100 ms of the last request that the board has heard.
+  Time watchdog = std::chrono::milliseconds(90);
+  Reaction reaction = Reaction::hold;
+  // How long a lost link is sought; zero: not at all, the loss is an error at once.
+  Time reconnect = std::chrono::seconds(3);
+  // Where the last 64 frames go when the link has failed for good: a file, which the error names,
+  // or "-" for standard error; empty: nowhere (Robot::recent_frames).
+  std::string frames_path;
+};
+
+// The link was lost and is there again.
+struct Resumption {
+  enum class Cause : std::uint8_t {
+    link,      // the port was gone, or no reply came
+    watchdog,  // the board's link watchdog had come to an end before the next request
+    reset,     // the board has started anew
+  };
+  Cause cause = Cause::link;
+  Time lost{};     // when that was noticed
+  Time resumed{};  // from when on requests are answered again
+};
+// "the board was reset"
+const char* text(Resumption::Cause cause);
+
+}  // namespace kaz::host
