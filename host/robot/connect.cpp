@@ -12,27 +12,28 @@ namespace {
 // that a program recognises a board of another one.
 constexpr std::size_t kVersionAt = 4;
 
-Error no_board(const Requester& requester, const std::string& port) {
+Error no_board(const Requester& requester, const LinkStatistics& before, const std::string& port) {
   const LinkStatistics& statistics = requester.statistics();
+  const auto bytes_in = statistics.bytes_in - before.bytes_in;
   if (requester.heard_echo()) {
     return {Fault::environment,
             port +
                 " sends back what is written to it, and no board answers: check "
                 "for a loop-back plug or a modem in echo mode"};
   }
-  if (statistics.bytes_in == 0) {
+  if (bytes_in == 0) {
     return {Fault::environment, "nothing answers on " + port +
                                     ": check that the robot is powered, the cable plugged in, no "
                                     "other program has the port "
                                     "open, and the baud rate is the board's (115200)"};
   }
-  if (statistics.ignored > 0) {
+  if (statistics.ignored > before.ignored) {
     return {Fault::environment,
             "a Kaz board is on " + port + ", but none answers to the address asked for"};
   }
   return {Fault::environment,
           "what answers on " + port + " is no Kaz board, or its baud rate is another: " +
-              std::to_string(statistics.bytes_in) + " bytes came, none of them a reply" +
+              std::to_string(bytes_in) + " bytes came, none of them a reply" +
               (requester.noise().empty() ? "" : ": " + hex(requester.noise(), 16))};
 }
 
@@ -40,11 +41,13 @@ Error no_board(const Requester& requester, const std::string& port) {
 
 Result<kz_identify_reply> identify_board(Requester& requester) {
   const std::string port = requester.link().name();
+  const LinkStatistics before = requester.statistics();
   Request request;
   request.type = KZ_TYPE_identify;
   const auto replies = requester.ask({&request, 1});
   if (!replies) {
-    return tl::unexpected(requester.timed_out() ? no_board(requester, port) : replies.error());
+    return tl::unexpected(requester.timed_out() ? no_board(requester, before, port)
+                                                : replies.error());
   }
 
   const Reply& reply = replies->front();

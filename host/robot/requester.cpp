@@ -142,6 +142,8 @@ Result<void> Requester::tell(const Request& request) {
 
 void Requester::start_anew() {
   queue_.clear();
+  noise_.clear();
+  round_trip_.start_anew();
   kz_receiver_init(&receiver_);
   next_sequence_ = static_cast<std::uint8_t>(next_sequence_ + kSequenceLeap);
   wire_free_ = clock_.now();
@@ -269,10 +271,10 @@ Result<void> Requester::repeat(Waiting& waiting) {
     timed_out_ = true;
     char time[32];
     std::snprintf(time, sizeof time, "%.1f s", seconds(clock_.now() - waiting.first));
-    return fail(Fault::environment,
-                "the board on " + link_.name() + " stopped answering: no reply to " + request +
-                    " in " + std::to_string(waiting.unanswered) + " tries and " + time +
-                    "; check its power and the cable");
+    return fail(Fault::environment, "the board on " + link_.name() +
+                                        " stopped answering: no reply to " + request + " in " +
+                                        std::to_string(waiting.unanswered) + " tries and " + time +
+                                        "; check its power and the cable");
   }
   std::vector<std::uint8_t> wire;
   append(waiting, wire);

@@ -131,7 +131,7 @@ class Requester {
   Ticket next_ticket_ = 1;
   std::uint64_t transmissions_ = 0;
   std::list<Waiting> queue_;  // in the order in which they may leave
-  Time wire_free_{};           // what was written until now has left by then, at the earliest
+  Time wire_free_{};          // what was written until now has left by then, at the earliest
   Time last_sent_{};
   std::optional<int> tries_limit_;
   RoundTrip round_trip_;

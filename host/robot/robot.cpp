@@ -50,8 +50,8 @@ Result<Robot> Robot::connect(Link& link, Clock& clock, const ConnectOptions& opt
   }
   auto parts = std::make_unique<Parts>(link, clock, options);
   if (auto found = identify_board(parts->requester); !found) {
-    parts->frames_at_loss = parts->requester.statistics().bytes_in ? parts->requester.frames().text()
-                                                                   : std::string();
+    parts->frames_at_loss =
+        parts->requester.statistics().bytes_in ? parts->requester.frames().text() : std::string();
     return tl::unexpected(parts->for_good(found.error()));
   }
   // Once more: this answer also relates the clocks.

@@ -16,6 +16,12 @@ constexpr int kTriesEach = 2;
 // Three heartbeats in the watchdog's time: one may be lost, and its repetition late.
 constexpr int kHeartbeatsPerWatchdog = 3;
 
+Error in_vain(const std::string& loss, Time sought, const Error& last) {
+  char time[64];
+  std::snprintf(time, sizeof time, "; the board was sought for %.1f s in vain", seconds(sought));
+  return {last.fault, loss + time + (last.message == loss ? "" : ": " + last.message)};
+}
+
 }  // namespace
 
 const char* text(Resumption::Cause cause) {
@@ -47,12 +53,8 @@ Result<void> Robot::Parts::resume(const Error* error) {
     if (done) break;
     if (done.error().fault != Fault::environment) return tl::unexpected(done.error());
     if (clock.now() - lost >= options.reconnect) {
-      char time[32];
-      std::snprintf(time, sizeof time, "%.1f s", seconds(clock.now() - lost));
-      return tl::unexpected(
-          for_good({Fault::environment, (error ? error->message : std::string(text(resumption.cause))) +
-                                         "; it was sought for " + time + ", then: " +
-                                         done.error().message}));
+      return tl::unexpected(for_good(in_vain(error ? error->message : text(resumption.cause),
+                                             clock.now() - lost, done.error())));
     }
     reopen = !requester.timed_out();
     if (auto slept = clock.sleep_until(clock.now() + kBetweenAttempts); !slept) return slept;
@@ -91,8 +93,8 @@ Result<void> Robot::Parts::restore() {
 Result<void> Robot::Parts::set_up() {
   std::vector<Request> requests;
   if (watchdog_10ms != 0 || reaction != 0) {
-    requests.push_back(make_request(KZ_TYPE_heartbeat, kz_heartbeat{watchdog_10ms, reaction},
-                                    kz_pack_heartbeat));
+    requests.push_back(
+        make_request(KZ_TYPE_heartbeat, kz_heartbeat{watchdog_10ms, reaction}, kz_pack_heartbeat));
   }
   // Joints that were given the same share a mask: one request for the lowest of them.
   for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
@@ -149,8 +151,8 @@ Result<void> Robot::Parts::keep_content(Time until) {
       return slept;
     }
     if (clock.now() >= until || clock.now() < next) continue;
-    const auto heard = ask(KZ_TYPE_heartbeat, kz_heartbeat{}, kz_pack_heartbeat,
-                           kz_unpack_heartbeat_reply);
+    const auto heard =
+        ask(KZ_TYPE_heartbeat, kz_heartbeat{}, kz_pack_heartbeat, kz_unpack_heartbeat_reply);
     if (!heard) return tl::unexpected(heard.error());
   }
   return {};

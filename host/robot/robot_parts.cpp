@@ -33,9 +33,9 @@ Robot::Parts::Parts(Link& link, Clock& on_clock, const ConnectOptions& connect_o
     : options(connect_options),
       clock(on_clock),
       keeping_clock(*this),
-      requester(link, on_clock,
-                RequesterOptions{.address = connect_options.address,
-                                 .retries = connect_options.retries}),
+      requester(
+          link, on_clock,
+          RequesterOptions{.address = connect_options.address, .retries = connect_options.retries}),
       relation(link.byte_time()) {
   requester.on_telemetry([this](std::uint8_t type, std::span<const std::uint8_t> fields, Time now) {
     take_telemetry(type, fields, now);
@@ -71,8 +71,7 @@ void Robot::Parts::observe(std::uint8_t request, const Reply& reply) {
     relation.add({reply.sent, reply.received, reply.bytes_out, reply.bytes_in, tick});
   }
 
-  const bool back =
-      last_tick && static_cast<std::int32_t>(tick - *last_tick) < -kTickSlack;
+  const bool back = last_tick && static_cast<std::int32_t>(tick - *last_tick) < -kTickSlack;
   last_tick = tick;
   const int reason = status >> 8;
   if (back || (on != 0 && reason == KZ_SHUTDOWN_NONE && !(status & KZ_STATUS_ENABLED))) {
@@ -92,7 +91,8 @@ Result<Posture> Robot::Parts::take_state(const Reply& reply) {
   posture.tick = state->tick;
   posture.status = state->status;
   posture.supply_volts = state->supply_mv * 1e-3;
-  for (std::size_t j = 0; j < posture.angle.size(); ++j) posture.angle[j] = angle_of(state->angle[j]);
+  for (std::size_t j = 0; j < posture.angle.size(); ++j)
+    posture.angle[j] = angle_of(state->angle[j]);
   history.add(posture);
   return posture;
 }

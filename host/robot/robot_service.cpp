@@ -162,7 +162,8 @@ Result<std::optional<TelemetryFrame>> Robot::next_telemetry(Time deadline) {
       continue;
     }
     if (auto listened = parts.requester.listen(std::min(deadline, due)); !listened) {
-      if (auto found = parts.resume(&listened.error()); !found) return tl::unexpected(found.error());
+      if (auto found = parts.resume(&listened.error()); !found)
+        return tl::unexpected(found.error());
     }
   }
   if (parts.telemetry.empty()) return std::nullopt;
@@ -282,9 +283,9 @@ Result<void> Robot::raw_drive(int joint, double duty, Time duration) {
   if (!share || std::abs(duty) > 1 || !duration_ms || *duration_ms < 1 || *duration_ms > 2000) {
     return fail(Fault::usage, "raw drive has a duty of -1 to 1 and lasts 1 ms to 2 s");
   }
-  const auto reply = parts_->ask(
-      KZ_TYPE_raw_drive, kz_raw_drive{static_cast<u8>(joint), *share, *duration_ms},
-      kz_pack_raw_drive, kz_unpack_raw_drive_reply, AfterLoss::report);
+  const auto reply =
+      parts_->ask(KZ_TYPE_raw_drive, kz_raw_drive{static_cast<u8>(joint), *share, *duration_ms},
+                  kz_pack_raw_drive, kz_unpack_raw_drive_reply, AfterLoss::report);
   if (!reply) return tl::unexpected(reply.error());
   return {};
 }

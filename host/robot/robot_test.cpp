@@ -108,7 +108,7 @@ TEST(Robot, AsksAgainWhenFramesAreLostOrDamaged) {
   EXPECT_EQ(statistics.retries, 75u);
   EXPECT_EQ(statistics.timeouts, 75u);
   EXPECT_EQ(statistics.bad_frames, 25u);
-  EXPECT_EQ(statistics.replies, 50u + 2u);  // and two to identify
+  EXPECT_EQ(statistics.replies, 50u + 3u);  // two to identify, one to set the watchdog
   const auto counts = robot.board_statistics();
   ASSERT_TRUE(counts);
   EXPECT_EQ(counts->bad_check, 26u);  // this request itself was damaged once
@@ -116,7 +116,8 @@ TEST(Robot, AsksAgainWhenFramesAreLostOrDamaged) {
 
 TEST(Robot, SaysWhenTheBoardStopsAnswering) {
   TestBoard board;
-  Robot robot = connect_to(board);
+  auto connected = Robot::connect(board, board, {.reconnect = 0s});
+  Robot& robot = *connected;
   ASSERT_TRUE(robot.state());
   board.mute = true;
   const Time before = board.now();
@@ -125,9 +126,10 @@ TEST(Robot, SaysWhenTheBoardStopsAnswering) {
   EXPECT_EQ(state.error().fault, Fault::environment);
   EXPECT_EQ(
       state.error().message,
-      "the board on test-port stopped answering: no reply to `state` in 6 tries of 50 ms; check "
+      "the board on test-port stopped answering: no reply to `state` in 6 tries and 0.7 s; check "
       "its power and the cable");
-  EXPECT_NEAR(seconds(board.now() - before), 0.3, 0.001);
+  // Time-outs of 20, 40, 80, 160, 200 and 200 ms.
+  EXPECT_NEAR(seconds(board.now() - before), 0.7, 0.002);
   EXPECT_NE(robot.recent_frames().find("out  state"), std::string::npos);
 }
 
@@ -182,9 +184,10 @@ TEST(Robot, WaitsForABusyBoard) {
 
 TEST(Robot, ReportsMotorsThatWentOff) {
   TestBoard board;
-  Robot robot = connect_to(board);
+  auto connected = Robot::connect(board, board, {.reaction = Reaction::limp, .reconnect = 0s});
+  Robot& robot = *connected;
   ASSERT_TRUE(robot.enable(kAllJoints));
-  wait(board, 300ms);  // longer than the link watchdog's 200 ms
+  wait(board, 100ms);  // longer than the link watchdog's 90 ms
   EXPECT_FALSE(board.motors_on());
   const auto state = robot.state();
   ASSERT_TRUE(state);
@@ -206,7 +209,7 @@ TEST(Robot, DisablesAllEvenWhenInterrupted) {
 
   board.link_failure = Error{Fault::environment, "gone"};
   robot.disable_all();  // must not throw
-  EXPECT_EQ(robot.state().error().message, "gone");
+  EXPECT_EQ(robot.state().error().message, "gone; the board was sought for 3.0 s in vain");
 }
 
 TEST(Robot, PostureAtInterpolates) {

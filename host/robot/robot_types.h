@@ -48,13 +48,13 @@ struct JointDetail {
 
 struct Health {
   std::uint32_t tick = 0;
-  std::uint16_t status = 0;             // KZ_STATUS_*, KZ_SHUTDOWN_* in the upper byte
-  std::string shutdown;                 // why the motors went off, in words; empty: they did not
-  std::optional<int> joint;             // that caused it
-  std::uint32_t shutdown_tick = 0;      // when
+  std::uint16_t status = 0;         // KZ_STATUS_*, KZ_SHUTDOWN_* in the upper byte
+  std::string shutdown;             // why the motors went off, in words; empty: they did not
+  std::optional<int> joint;         // that caused it
+  std::uint32_t shutdown_tick = 0;  // when
   double supply_volts = 0, supply_lowest_volts = 0;
-  double temperature_c = 0;             // motor drivers
-  double reference = 0;                 // half of the converter's reference as it reads it: 0.5
+  double temperature_c = 0;  // motor drivers
+  double reference = 0;      // half of the converter's reference as it reads it: 0.5
 };
 
 // angle = centre + scale * (code - 512) / 512
@@ -63,8 +63,8 @@ struct JointCalibration {
 };
 
 struct Calibration {
-  std::uint8_t source = 0;     // KZ_CALIBRATION_*: where the values at start came from
-  std::uint16_t sequence = 0;  // number of the stored copy; 0: none
+  std::uint8_t source = 0;         // KZ_CALIBRATION_*: where the values at start came from
+  std::uint16_t sequence = 0;      // number of the stored copy; 0: none
   int erases_a = 0, erases_b = 0;  // of the two blocks of flash: the part endures 100
   std::array<JointCalibration, KZ_JOINTS> joints{};
 };
@@ -78,7 +78,7 @@ struct SelfTest {
   std::uint8_t done = 0, failed = 0;  // KZ_TEST_*
   std::string failed_names;           // "RAM, FLASH"; empty if none failed
   std::uint16_t image_crc = 0;
-  double start_s = 0;                 // from the start of the application to the first tick
+  double start_s = 0;  // from the start of the application to the first tick
 };
 
 // One telemetry frame. What it does not carry is empty.
@@ -87,10 +87,10 @@ struct TelemetryFrame {
   std::uint32_t tick = 0;      // board time
   Time time{};                 // host time of that tick
   std::uint16_t status = 0;
-  JointAngles values{};        // STATE, COMMANDS: rad; DRIVES: duty, -1..1
-  double supply_volts = 0;     // STATE, HEALTH
-  std::optional<int> joint;    // HEALTH: that caused the shutdown
-  double temperature_c = 0;    // HEALTH
+  JointAngles values{};                  // STATE, COMMANDS: rad; DRIVES: duty, -1..1
+  double supply_volts = 0;               // STATE, HEALTH
+  std::optional<int> joint;              // HEALTH: that caused the shutdown
+  double temperature_c = 0;              // HEALTH
   double tick_busy = 0, tick_worst = 0;  // HEALTH: shares of a tick
 };
 
@@ -108,7 +108,7 @@ struct ConnectOptions {
   Time reconnect = std::chrono::seconds(3);
   // Where the last 64 frames go when the link has failed for good: a file, which the error names,
   // or "-" for standard error; empty: nowhere (Robot::recent_frames).
-  std::string frames_path;
+  std::string frames_path = {};
 };
 
 // The link was lost and is there again.

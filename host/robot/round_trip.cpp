@@ -22,8 +22,8 @@ void RoundTrip::add(Time round_trip) {
   }
   ++s.count;
   s.mean_s += (r - s.mean_s) / static_cast<double>(s.count);
-  timeout_ = std::clamp(from_seconds(s.smoothed_s + 4 * s.variation_s), bounds_.shortest,
-                        bounds_.longest);
+  timeout_ =
+      std::clamp(from_seconds(s.smoothed_s + 4 * s.variation_s), bounds_.shortest, bounds_.longest);
 }
 
 void RoundTrip::back_off() {

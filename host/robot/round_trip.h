@@ -31,6 +31,8 @@ class RoundTrip {
 
   void add(Time round_trip);
   void back_off();
+  // Back to the initial time-out: whatever made it long may be over.
+  void start_anew() { timeout_ = bounds_.initial; }
   Time timeout() const { return timeout_; }
   const RoundTripStatistics& statistics() const { return statistics_; }
 

@@ -37,12 +37,19 @@ double next_random(std::uint64_t& state) {
 
 TestBoard::TestBoard(const Options& options)
     : options_(options), random_(options.seed), servo_(std::make_unique<kz_servo>()) {
-  {
-    kz_startup startup;
-    kz_startup_nominal(&startup);
-    kz_servo_init(servo_.get(), &startup, &output_);
-  }
+  reset();
   run_until(options.tick_offset + std::chrono::microseconds(10370));
+}
+
+void TestBoard::reset() {
+  kz_startup startup;
+  kz_startup_nominal(&startup);
+  kz_servo_init(servo_.get(), &startup, &output_);
+  reset_at_ = next_tick_;
+  to_board_.clear();
+  to_host_.clear();
+  frame_from_board_.clear();
+  line_to_board_free_ = line_to_host_free_ = now_;
 }
 
 Time TestBoard::start_of_tick(std::uint32_t tick) const {
@@ -108,7 +115,7 @@ void TestBoard::run_tick(Time start) {
   if (!mute) transmit(start);
 
   kz_tick_input input{};
-  input.tick = next_tick_++;
+  input.tick = next_tick_++ - reset_at_;
   input.tx_room = 64;
   for (std::size_t j = 0; j < KZ_JOINTS; ++j) input.analog[kWiring[j].analog] = pot_code(j);
   input.analog[KZ_ANALOG_SUPPLY] =

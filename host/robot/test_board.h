@@ -40,7 +40,11 @@ class TestBoard final : public Clock, public Link {
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
 
   // Host time at which a tick started: the truth.
+  // (Since the first start, whatever `reset` did.)
   Time start_of_tick(std::uint32_t tick) const;
+  // Power off and on again: motors off, ticks from 0, what is on the wire is lost.
+  void reset();
+  std::uint32_t board_tick() const { return next_tick_ - reset_at_; }
   // Joint angles at a time not later than now, interpolated: the truth.
   JointAngles angles_at(Time t) const;
   void set_angle(int joint, double rad) { angle_[static_cast<std::size_t>(joint)] = rad; }
@@ -76,7 +80,7 @@ class TestBoard final : public Clock, public Link {
   std::uint64_t random_;
   std::unique_ptr<kz_servo> servo_;
   kz_tick_output output_{};
-  std::uint32_t next_tick_ = 0;
+  std::uint32_t next_tick_ = 0, reset_at_ = 0;
   bool motors_on_ = false;
   JointAngles angle_{}, speed_{};
   std::vector<JointAngles> past_;  // by tick
