@@ -7,6 +7,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "host/robot/robot.h"
+#include "host/robot/tty_link.h"
+#include "host/robot/wall_clock.h"
 #include "tests/system/process.h"
 
 namespace kaz::test {
@@ -61,13 +64,31 @@ TEST(TwoProcesses, SimulatorKilledLeavesTheBehaviourWithAClearMessage) {
   EXPECT_NE(finished.err.find(folder / "board"), std::string::npos) << finished.err;
 }
 
-TEST(TwoProcesses, BehaviourKilledLeavesTheMotorsOff) {
+// What the link watchdog does is the host's choice, and that of the library is to hold.
+TEST(TwoProcesses, BehaviourKilledLeavesTheRobotHoldingForTheNext) {
   const TemporaryFolder folder;
   Process sim(simulator(folder, "h8"));
   ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
   Process run(behaviour(folder, "60"));
   ASSERT_TRUE(sim.wait_for_output("motors on", seconds(20))) << sim.wait(seconds(0)).err;
   run.signal(SIGKILL);
+  run.wait(seconds(10));
+  {
+    host::WallClock clock;
+    ASSERT_TRUE(clock.sleep_until(clock.now() + std::chrono::milliseconds(500)));
+    auto link = host::TtyLink::open(folder / "board");
+    ASSERT_TRUE(link) << link.error().message;
+    auto robot = host::Robot::connect(**link, clock, {.watchdog = Time(0)});
+    ASSERT_TRUE(robot) << robot.error().message;
+    const unsigned status = robot->identity().status;
+    EXPECT_EQ(status >> 8, unsigned{KZ_SHUTDOWN_LINK_LOST});
+    EXPECT_TRUE(status & KZ_STATUS_HOLDING);
+    const host::JointTarget target{host::neck_pan, 0.1};
+    EXPECT_FALSE(robot->set_targets({&target, 1}, Time(0))) << "held: no target is taken";
+    ASSERT_TRUE(robot->enable(host::kAllJoints));
+    EXPECT_TRUE(robot->set_targets({&target, 1}, Time(0)));
+    robot->disable_all();
+  }
   EXPECT_TRUE(sim.wait_for_output("motors off", seconds(10))) << sim.wait(seconds(0)).err;
   sim.signal(SIGINT);
   EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
