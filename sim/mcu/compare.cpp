@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "shared/protocol/message_info.h"
 #include "shared/servo/fields.h"
 #include "shared/servo/servo.h"
 #include "shared/servo/tick.h"
@@ -16,8 +17,8 @@
 namespace kaz::sim {
 namespace {
 
-constexpr int longest_start_ms = 2000;  // from reset to the first tick
-constexpr int most_without_tick_ms = 100;
+constexpr int longest_start_ms = 2000;                           // from reset to the first tick
+constexpr int most_without_tick_ms = 1000 * KZ_LOADER_S + 1000;  // the loader waits
 
 // "joint.angle" is an element of joint, "receiver.body" an array in receiver.
 std::string element(const std::string& prefix, const std::string& name, std::size_t index) {
@@ -51,7 +52,7 @@ class Comparison {
     start_native();
     h8_.on_tick([this](const TickRecord& record) { tick(record); });
     h8_.on_watchdog_reset([this](States) {
-      ++report_.watchdog_resets;
+      ++report_.resets;
       start_native();
     });
     h8_.set_analog([this](int channel, const PinLevels& levels, States at) {
@@ -109,7 +110,10 @@ class Comparison {
     report_.worst_busy_8states =
         std::max<std::uint16_t>(report_.worst_busy_8states, record.input.worst_8states);
 
+    compare_pins();
     compare_output(output, record.output);
+    shown_ = output;
+    look_at(record.output);
     if (report_.ticks % options_.state_every == 0 || !report_.equal()) compare_state();
     if (!report_.equal()) {
       report_.tick = record.input.tick;
@@ -142,6 +146,39 @@ class Comparison {
     check("tx_count", native.tx_count, h8.tx_count);
     check_array("tx", native.tx, h8.tx,
                 std::min<std::size_t>(std::min(native.tx_count, h8.tx_count), KZ_TX_PER_TICK));
+  }
+
+  // At the end of a tick the pins show what the tick before has put out.
+  void compare_pins() {
+    if (!shown_) return;
+    const PinLevels& pins = h8_.pins();
+    const auto check_pin = [this](const std::string& name, int native, int h8) {
+      if (native != h8) differ("pins." + name, native, h8);
+    };
+    for (std::size_t i = 0; i < pins.pw.size(); ++i)
+      check_pin(element("", "pw", i), shown_->pw[i], pins.pw[i]);
+    for (std::size_t i = 0; i < pins.tmo.size(); ++i)
+      check_pin(element("", "tmo", i), shown_->tmo[i], pins.tmo[i]);
+    check_pin("p3", shown_->p3, pins.p3);
+    check_pin("p4", shown_->p4, pins.p4 & ~KZ_P4_MUX_MASK);
+    check_pin("p5", shown_->p5, pins.p5);
+    check_pin("p6", shown_->p6, pins.p6);
+    ++report_.pins_compared;
+  }
+
+  void look_at(const kz_tick_output& output) {
+    CompareCoverage& coverage = report_.coverage;
+    if (output.action != KZ_ACTION_NONE) ++coverage.actions[output.action];
+    for (int i = 0; i < output.tx_count; ++i) {
+      if (kz_receive(&heard_, output.tx[i], 0) != KZ_RECEIVE_FRAME) continue;
+      const std::uint8_t type = heard_.body[1];
+      const std::uint8_t* fields = heard_.body + KZ_HEADER_SIZE;
+      ++coverage.replies[type];
+      if (type == KZ_TYPE_refused) ++coverage.refusals[fields[7]];
+      // The upper byte of the status, behind the tick; in identify_reply two bytes later.
+      const std::uint8_t reason = fields[type == KZ_TYPE_identify_reply ? 6 : 4];
+      if (reason != KZ_SHUTDOWN_NONE) ++coverage.shutdowns[reason];
+    }
   }
 
   void compare_state() {
@@ -177,9 +214,25 @@ class Comparison {
   RandomHost host_;
   RandomAnalog analog_;
   kz_servo native_{};
-  bool started_ = false;  // from what the chip found at its start
+  bool started_ = false;                 // from what the chip found at its start
+  std::optional<kz_tick_output> shown_;  // put out by the tick before
+  kz_receiver heard_{};
   CompareReport report_;
 };
+
+// "identify_reply 12, state_reply 7"
+template <class Name>
+std::string listed(const std::map<std::uint8_t, std::int64_t>& counts, Name name) {
+  std::string text;
+  for (const auto& [code, count] : counts)
+    text += (text.empty() ? "" : ", ") + std::string(name(code)) + " " + std::to_string(count);
+  return text.empty() ? "none" : text;
+}
+
+std::string message_name(std::uint8_t type) {
+  const kz_message_info* info = kz_message_find(type);
+  return info ? info->name : "0x" + std::to_string(type);
+}
 
 }  // namespace
 
@@ -190,7 +243,17 @@ std::string CompareReport::text() const {
                   "no difference in %lld ticks (%lld frames, %lld bytes in, %lld bytes out)",
                   static_cast<long long>(ticks), static_cast<long long>(frames_sent_to_board),
                   static_cast<long long>(bytes_received), static_cast<long long>(bytes_sent));
-    return line;
+    const auto action_name = [](std::uint8_t action) {
+      static constexpr const char* names[] = {"none", "store calibration", "store address", "reset",
+                                              "loader"};
+      return action < std::size(names) ? names[action] : "unknown";
+    };
+    return std::string(line) + "\n  pins equal to the output before in " +
+           std::to_string(pins_compared) + " ticks; " + std::to_string(resets) + " resets" +
+           "\n  replies: " + listed(coverage.replies, message_name) +
+           "\n  refusals: " + listed(coverage.refusals, kz_refusal_text) +
+           "\n  replies under a shutdown: " + listed(coverage.shutdowns, kz_shutdown_text) +
+           "\n  actions: " + listed(coverage.actions, action_name);
   }
   std::snprintf(line, sizeof line, "first difference at tick %u:\n  %-32s %12s %12s",
                 static_cast<unsigned>(*tick), "field", "native", "h8");

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The firmware image runs in the emulator under random host traffic and potentiometers, each of its
-// tick inputs goes to the native build of shared/servo, and outputs and state must come out equal.
+// tick inputs goes to the native build of shared/servo, and outputs and state must come out equal;
+// what the chip's pins show in the tick after must be what was put out.
 // Design, sections 1 and 3.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,8 +27,16 @@ struct CompareOptions {
 };
 
 struct CompareDifference {
-  std::string field;  // "output.pw[3]", "state.joints[2].goal"
+  std::string field;  // "output.pw[3]", "state.joints[2].goal", "pins.pw[3]"
   std::int64_t native = 0, h8 = 0;
+};
+
+// What the board was seen to do, by its own replies: traffic that is only refused proves little.
+struct CompareCoverage {
+  std::map<std::uint8_t, std::int64_t> replies;    // by type, telemetry among them
+  std::map<std::uint8_t, std::int64_t> refusals;   // by KZ_REFUSED_*
+  std::map<std::uint8_t, std::int64_t> shutdowns;  // replies that tell of a KZ_SHUTDOWN_*
+  std::map<std::uint8_t, std::int64_t> actions;    // KZ_ACTION_* that were asked for
 };
 
 struct CompareReport {
@@ -34,7 +44,9 @@ struct CompareReport {
   // Traffic that these ticks saw.
   std::int64_t bytes_received = 0, bytes_sent = 0, frames_sent_to_board = 0;
   std::uint16_t worst_busy_8states = 0;
-  std::int64_t missed_ticks = 0, watchdog_resets = 0;
+  std::int64_t missed_ticks = 0, resets = 0;
+  std::int64_t pins_compared = 0;  // ticks whose pins were held against the output before
+  CompareCoverage coverage;
   double chip_s = 0;
 
   // The first tick that differs, all its differences, and what it saw.

@@ -108,22 +108,32 @@ TEST(Engines, PowerCycleStartsAnewAtTheSameTime) {
   EXPECT_GT(bytes.front().at, before);
 }
 
-TEST(Compare, FindsNoDifference) {
+// Four times 50,000 ticks; the long run is `kaz mcu compare --ticks 10000000`.
+class CompareSeeds : public testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(CompareSeeds, FindNoDifference) {
   CompareOptions options;
   options.image_path = KAZ_FIRMWARE_IMAGE;
-  options.ticks = 20000;
+  options.ticks = 50000;
+  options.seed = GetParam();
   std::int64_t progress = 0;
   options.progress = [&progress](std::int64_t done, std::int64_t) { progress = done; };
   const auto report = compare_engines(options);
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_TRUE(report->equal()) << report->text();
-  EXPECT_EQ(report->ticks, 20000);
-  EXPECT_EQ(progress, 20000);
+  EXPECT_EQ(report->ticks, 50000);
+  EXPECT_EQ(progress, 50000);
   // The comparison has seen something: see the phases of RandomHost.
-  EXPECT_GT(report->frames_sent_to_board, 500);
-  EXPECT_GT(report->bytes_received, 10000);
-  EXPECT_GT(report->bytes_sent, 5000);
+  EXPECT_GT(report->frames_sent_to_board, 1000);
+  EXPECT_GT(report->bytes_received, 20000);
+  EXPECT_GT(report->bytes_sent, 10000);
+  EXPECT_GT(report->pins_compared, 45000);
+  EXPECT_GT(report->coverage.replies.size(), 12u) << report->text();
+  EXPECT_GT(report->coverage.refusals.size(), 6u) << report->text();
+  EXPECT_GT(report->coverage.shutdowns.size(), 2u) << report->text();
 }
+
+INSTANTIATE_TEST_SUITE_P(Traffic, CompareSeeds, testing::Values(1, 2, 3, 4));
 
 TEST(Compare, IsRepeatable) {
   CompareOptions options;

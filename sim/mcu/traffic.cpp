@@ -10,8 +10,6 @@
 namespace kaz::sim {
 namespace {
 
-constexpr std::uint32_t all_joints = (1u << KZ_JOINTS) - 1;
-
 std::vector<std::uint8_t> encode(const std::vector<std::uint8_t>& body) {
   std::vector<std::uint8_t> wire(KZ_FRAME_MAX);
   wire.resize(kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire.data()));
@@ -54,96 +52,12 @@ void RandomHost::next_phase() {
   phase_left_ms_ = 50 + static_cast<int>(random_.below(1450));
 }
 
-std::uint32_t RandomHost::mask() {
-  switch (random_.below(8)) {
-    case 0:
-      return static_cast<std::uint32_t>(random_.next());  // bits beyond the joints as well
-    case 1:
-      return 0;
-    case 2:
-      return static_cast<std::uint32_t>(random_.next()) & all_joints;
-    case 3:
-      return 1u << random_.below(KZ_JOINTS);
-    default:
-      return all_joints;
-  }
-}
-
-// Mostly near the middle of the potentiometer, which every joint can reach.
-std::int16_t RandomHost::angle(int joint) {
-  static constexpr std::int16_t centre[KZ_JOINTS] = {
-#define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) KZ_DECIDEG(pot_centre),
-#include "shared/board/joints.def"
-#undef KZ_JOINT
-  };
-  if (random_.chance(0.01)) return static_cast<std::int16_t>(random_.next());
-  const int spread = random_.chance(0.05) ? 20000 : 4000;
-  return static_cast<std::int16_t>(centre[joint] - spread / 2 +
-                                   static_cast<int>(random_.below(static_cast<u16>(spread))));
-}
-
-// One of the six requests, with legal values most of the time.
 std::vector<std::uint8_t> RandomHost::request() {
   if (!last_.empty() && random_.chance(0.03)) return last_;  // its reply was lost
-  std::uint8_t fields[KZ_PAYLOAD_MAX] = {};
-  std::uint8_t type = KZ_TYPE_state, length = 0;
-  switch (random_.below(12)) {
-    case 0:
-      type = KZ_TYPE_identify;
-      break;
-    case 1: {
-      type = KZ_TYPE_enable;
-      const kz_enable enable{mask()};
-      length = kz_pack_enable(&enable, fields);
-      break;
-    }
-    case 2: {
-      type = KZ_TYPE_gains;
-      kz_gains gains{};
-      gains.mask = mask();
-      const bool wild = random_.chance(0.2);
-      gains.kp = static_cast<u16>(wild ? random_.next() : random_.below(8000));
-      gains.kd = static_cast<u16>(wild ? random_.next() : random_.below(1000));
-      gains.dead_band = static_cast<u16>(wild ? random_.next() : random_.below(200));
-      gains.friction = static_cast<u8>(wild ? random_.next() : random_.below(40));
-      length = kz_pack_gains(&gains, fields);
-      break;
-    }
-    case 3: {
-      type = KZ_TYPE_heartbeat;
-      const bool legal = random_.chance(0.8);
-      const kz_heartbeat heartbeat{static_cast<u8>(legal ? random_.below(101) : random_.next()),
-                                   static_cast<u8>(random_.below(4))};
-      length = kz_pack_heartbeat(&heartbeat, fields);
-      break;
-    }
-    case 4: {
-      type = KZ_TYPE_limits;
-      kz_limits limits{};
-      limits.mask = mask();
-      limits.ramp = static_cast<u16>(1 + random_.below(150));
-      limits.lower = static_cast<s16>(-20000 + static_cast<int>(random_.below(20000)));
-      limits.upper = static_cast<s16>(random_.below(20000));
-      length = kz_pack_limits(&limits, fields);
-      break;
-    }
-    case 5:
-      type = random_.chance(0.8) ? KZ_TYPE_clear : KZ_TYPE_stop;
-      break;
-    default: {
-      type = KZ_TYPE_targets;
-      kz_targets targets{};
-      targets.mask = mask();
-      targets.duration_ms =
-          static_cast<u16>(random_.chance(0.1) ? random_.next() : random_.below(1000));
-      for (int j = 0; j < KZ_JOINTS; ++j) targets.angle[j] = angle(j);
-      length = kz_pack_targets(&targets, fields);
-      break;
-    }
-  }
+  const auto request = requests_.next();
   const std::uint8_t address = random_.chance(0.05) ? KZ_ADDRESS_ALL : KZ_ADDRESS_DEFAULT;
-  std::vector<std::uint8_t> body{address, type, ++sequence_};
-  body.insert(body.end(), fields, fields + length);
+  std::vector<std::uint8_t> body{address, request.front(), ++sequence_};
+  body.insert(body.end(), request.begin() + 1, request.end());
   last_ = encode(body);
   return last_;
 }
@@ -155,7 +69,7 @@ std::vector<std::uint8_t> RandomHost::any_frame() {
   for (std::uint8_t& byte : body) byte = static_cast<std::uint8_t>(random_.next());
   if (body.size() >= KZ_HEADER_SIZE && random_.chance(0.7)) {
     body[0] = KZ_ADDRESS_DEFAULT;
-    body[1] = static_cast<std::uint8_t>(random_.below(10));
+    body[1] = static_cast<std::uint8_t>(random_.below(0x20));
   }
   return encode(body);
 }

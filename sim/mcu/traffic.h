@@ -12,6 +12,7 @@
 #include "shared/board/board.h"
 #include "sim/mcu/mcu.h"
 #include "sim/mcu/random.h"
+#include "sim/mcu/random_request.h"
 
 namespace kaz::sim {
 
@@ -19,7 +20,9 @@ namespace kaz::sim {
 // noise, silence (up to longer than the firmware's link watchdog allows).
 class RandomHost {
  public:
-  explicit RandomHost(std::uint64_t seed) : random_(seed) {}
+  explicit RandomHost(std::uint64_t seed) : random_(seed), requests_(random_) {}
+  RandomHost(const RandomHost&) = delete;
+  RandomHost& operator=(const RandomHost&) = delete;
   // What the host starts to send in the millisecond that begins at `now`; with the times at which
   // the bytes arrive. Nothing while the wire is still busy with earlier bytes.
   std::vector<SerialByte> millisecond(States now);
@@ -32,10 +35,9 @@ class RandomHost {
   std::vector<std::uint8_t> request();
   std::vector<std::uint8_t> any_frame();
   void damage(std::vector<std::uint8_t>& frame);
-  std::uint32_t mask();
-  std::int16_t angle(int joint);
 
   Random random_;
+  RandomRequest requests_;
   Phase phase_ = Phase::orderly;
   int phase_left_ms_ = 300;  // the first phase is orderly, so that motors get on
   int pause_ms_ = 0;

@@ -49,6 +49,18 @@ struct CompareArguments {
   bool json = false;
 };
 
+nlohmann::ordered_json to_json(const sim::CompareCoverage& coverage) {
+  const auto counts = [](const std::map<std::uint8_t, std::int64_t>& by_code) {
+    auto object = nlohmann::ordered_json::object();
+    for (const auto& [code, count] : by_code) object[std::to_string(code)] = count;
+    return object;
+  };
+  return {{"replies_by_type", counts(coverage.replies)},
+          {"refusals_by_reason", counts(coverage.refusals)},
+          {"replies_by_shutdown", counts(coverage.shutdowns)},
+          {"actions", counts(coverage.actions)}};
+}
+
 nlohmann::ordered_json to_json(const sim::CompareReport& report) {
   nlohmann::ordered_json result{{"equal", report.equal()},
                                 {"ticks", report.ticks},
@@ -57,6 +69,9 @@ nlohmann::ordered_json to_json(const sim::CompareReport& report) {
                                 {"frames", report.frames_sent_to_board},
                                 {"worst_tick_8states", report.worst_busy_8states},
                                 {"missed_ticks", report.missed_ticks},
+                                {"resets", report.resets},
+                                {"pins_compared", report.pins_compared},
+                                {"coverage", to_json(report.coverage)},
                                 {"differences", nlohmann::ordered_json::array()}};
   if (report.tick) result["tick"] = *report.tick;
   if (!report.equal()) result["input_hex"] = report.input_hex;
@@ -95,6 +110,10 @@ void add_compare(CLI::App& mcu, Action& action) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   verb->add_option("--seed", arguments->options.seed, "of host traffic and potentiometers")
+      ->capture_default_str();
+  verb->add_option("--state-every", arguments->options.state_every,
+                   "compare the whole state every so many ticks; outputs and pins in each")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   verb->add_option("--image", arguments->options.image_path,
                    "firmware image, with its .coff beside it; the built one if not given");

@@ -1,0 +1,38 @@
+// Random requests to the board: every one of the message table, right and wrong.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Fields are drawn from the table's own bounds (message_info.h): inside, at their edges, outside. What
+// a bound does not say is drawn so that requests are done most of the time: angles near the middle of
+// the joint, calibration near nominal. Now and then a short conversation that gets somewhere: unlock
+// and raw drive, calibrate and store, reset.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "shared/protocol/message_info.h"
+#include "sim/mcu/random.h"
+
+namespace kaz::sim {
+
+class RandomRequest {
+ public:
+  explicit RandomRequest(Random& random) : random_(random) {}
+  // Type and fields: a body without address and sequence number.
+  std::vector<std::uint8_t> next();
+
+ private:
+  const kz_message_info& choose();
+  std::vector<std::uint8_t> make(const kz_message_info& request, bool legal);
+  long long number(const kz_message_info& request, const kz_field_info& field, bool legal);
+  std::uint32_t mask(bool legal);
+  long long angle(int joint, bool legal);
+  long long element(const kz_field_info& field, int joint, bool legal);
+  void plan();
+
+  Random& random_;
+  std::deque<std::vector<std::uint8_t>> planned_;
+};
+
+}  // namespace kaz::sim
