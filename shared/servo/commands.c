@@ -33,6 +33,12 @@ kz_outcome kz_command(kz_servo* servo, u8 type, const u8* fields, u8 length, u32
     kz_read_targets read_targets;
     kz_joints joints;
     kz_settings settings;
+    kz_telemetry telemetry;
+    kz_unlock unlock;
+    kz_raw_drive raw_drive;
+    kz_set_address set_address;
+    kz_reset reset;
+    kz_loader loader;
   } request;
   u8 wrong;
   switch (type) {
@@ -79,6 +85,29 @@ kz_outcome kz_command(kz_servo* servo, u8 type, const u8* fields, u8 length, u32
     case KZ_TYPE_heartbeat:
       TAKE(heartbeat)
       return kz_do_heartbeat(servo, &request.heartbeat);
+    case KZ_TYPE_telemetry:
+      TAKE(telemetry)
+      return kz_do_telemetry(servo, &request.telemetry);
+    case KZ_TYPE_calibrate:
+      return kz_do_calibrate(servo, fields, length);
+    case KZ_TYPE_store_calibration:
+      TAKE_NOTHING()
+      return kz_do_store_calibration(servo);
+    case KZ_TYPE_unlock:
+      TAKE(unlock)
+      return kz_do_unlock(servo, &request.unlock);
+    case KZ_TYPE_raw_drive:
+      TAKE(raw_drive)
+      return kz_do_raw_drive(servo, &request.raw_drive);
+    case KZ_TYPE_set_address:
+      TAKE(set_address)
+      return kz_do_set_address(servo, &request.set_address);
+    case KZ_TYPE_reset:
+      TAKE(reset)
+      return kz_do_reset(servo);
+    case KZ_TYPE_loader:
+      TAKE(loader)
+      return kz_do_loader(servo);
     default:
       return KZ_REFUSE(KZ_REFUSED_UNKNOWN_TYPE, KZ_NO_DETAIL);
   }

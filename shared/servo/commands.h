@@ -13,6 +13,9 @@ extern "C" {
 
 // How a request came out: KZ_REFUSED_* in the upper byte (0: it is done), its detail in the lower.
 typedef u16 kz_outcome;
+// It will be known after the action between this tick and the next: kz_requests_finish.
+#define KZ_PENDING 255
+#define KZ_LATER KZ_REFUSE(KZ_PENDING, KZ_NO_DETAIL)
 #define KZ_DONE ((kz_outcome)KZ_NO_DETAIL)
 #define KZ_REFUSE(reason, detail) ((kz_outcome)((u16)((u16)(reason) << 8) | (u16)(detail)))
 
@@ -32,6 +35,19 @@ kz_outcome kz_do_heartbeat(kz_servo* servo, const kz_heartbeat* request);
 // settings.c
 kz_outcome kz_do_gains(kz_servo* servo, const kz_gains* request);
 kz_outcome kz_do_limits(kz_servo* servo, const kz_limits* request);
+
+kz_outcome kz_do_calibrate(kz_servo* servo, const u8* fields, u8 length);
+
+// telemetry.c
+kz_outcome kz_do_telemetry(kz_servo* servo, const kz_telemetry* request);
+
+// bench.c
+kz_outcome kz_do_unlock(kz_servo* servo, const kz_unlock* request);
+kz_outcome kz_do_raw_drive(kz_servo* servo, const kz_raw_drive* request);
+kz_outcome kz_do_store_calibration(kz_servo* servo);
+kz_outcome kz_do_set_address(kz_servo* servo, const kz_set_address* request);
+kz_outcome kz_do_reset(kz_servo* servo);
+kz_outcome kz_do_loader(kz_servo* servo);
 
 // How many joints a mask has.
 u8 kz_count_joints(u32 mask);

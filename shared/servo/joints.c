@@ -65,6 +65,7 @@ void kz_joints_enable(kz_servo* servo, u32 mask) {
   kz_joint* joint = servo->joint;
   u8 i;
   servo->enabled = mask;
+  servo->raw_ms = 0;
   if (mask == 0) servo->holding = 0;
   servo->fresh_targets &= mask;
   for (i = 0; i < KZ_JOINTS; ++i) {
@@ -73,6 +74,10 @@ void kz_joints_enable(kz_servo* servo, u32 mask) {
       joint->command = joint->angle;
       joint->target = joint->angle;
       joint->ramp_left = 0;
+    }
+    if (!on) {  // a joint that goes off does so in this tick
+      joint->duty = 0;
+      joint->forward = 0;
     }
     joint->on = on;
     mask >>= 1;
@@ -106,6 +111,13 @@ u8 kz_joint_flags(const kz_servo* servo, u8 number) {
 s16 kz_joint_drive(const kz_joint* joint) {
   const s16 duty = (s16)joint->duty;
   return joint->forward == joint->mirrored ? (s16)-duty : duty;
+}
+
+void kz_joint_drive_raw(kz_joint* joint, s16 drive) {
+  if (drive > 0 && joint->angle >= joint->upper) drive = 0;
+  if (drive < 0 && joint->angle <= joint->lower) drive = 0;
+  joint->forward = (u8)(drive > 0 ? joint->mirrored ^ 1 : joint->mirrored);
+  joint->duty = (u8)(drive > 0 ? drive : -drive);
 }
 
 u8 kz_joint_load(const kz_joint* joint) {

@@ -18,6 +18,7 @@ void kz_joints_init(kz_servo* servo, const kz_startup* startup);
 u16 kz_joints_update(kz_servo* servo, const kz_tick_input* input);
 
 // Switches the joints of the mask on and all others off. One that was off holds where it stands.
+// Ends a raw drive.
 void kz_joints_enable(kz_servo* servo, u32 mask);
 
 // Starts the ramps to the targets that a request has left in the state (fresh_targets, target_ms
@@ -39,6 +40,9 @@ static inline const kz_joint* kz_joint_of(const kz_servo* servo, u8 number) {
 u8 kz_joint_flags(const kz_servo* servo, u8 number);
 // Motor drive -255..255, positive turns the joint positively.
 s16 kz_joint_drive(const kz_joint* joint);
+// Raw drive of a motor whose joint is off, -255..255, after kz_joints_update: not further out at or
+// beyond a soft limit.
+void kz_joint_drive_raw(kz_joint* joint, s16 drive);
 // Torque as a share of the stall torque, 0..255.
 u8 kz_joint_load(const kz_joint* joint);
 

@@ -20,7 +20,7 @@ void kz_outputs_write(const kz_servo* servo, kz_tick_output* output) {
   u8 p4 = KZ_P4_ENABLE;
   u8 p5 = 0;
   u8 p6 = 0;
-  if (servo->enabled == 0) {
+  if (servo->enabled == 0 && servo->raw_ms == 0) {
     all_off(output);
     return;
   }

@@ -12,7 +12,8 @@ static u8 reply_identify(const kz_servo* servo, u8* fields) {
   reply.protocol_version = KZ_PROTOCOL_VERSION;
   reply.joints = KZ_JOINTS;
   reply.status = kz_status(servo);
-  reply.capabilities = 0;
+  reply.capabilities = KZ_CAPABILITY_CALIBRATION | KZ_CAPABILITY_RAW_DRIVE | KZ_CAPABILITY_LOADER;
+  if (!servo->shared_line) reply.capabilities |= KZ_CAPABILITY_TELEMETRY;
   reply.firmware_version = KZ_FIRMWARE_VERSION;
   reply.build_id = KZ_BUILD_ID;
   reply.image_crc = servo->image_crc;
@@ -52,7 +53,7 @@ static u8 reply_statistics(const kz_servo* servo, const kz_tick_input* input, u8
   reply.line_errors = servo->line_errors;
   reply.overruns = servo->overruns;
   reply.idle = servo->idle;
-  reply.telemetry_dropped = 0;
+  reply.telemetry_dropped = servo->telemetry_dropped;
   return kz_pack_statistics_reply(&reply, fields);
 }
 
@@ -91,6 +92,16 @@ static u8 reply_enable(const kz_servo* servo, u8* fields) {
   return kz_pack_enable_reply(&reply, fields);
 }
 
+static u8 reply_store(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
+  kz_store_calibration_reply reply;
+  reply.tick = servo->tick;
+  reply.status = kz_status(servo);
+  reply.sequence = input->calibration_sequence;
+  reply.erases_a = input->erases_a;
+  reply.erases_b = input->erases_b;
+  return kz_pack_store_calibration_reply(&reply, fields);
+}
+
 u8 kz_reply(const kz_servo* servo, const kz_tick_input* input, const kz_answer* answer,
             u8* fields) {
   switch (answer->type) {
@@ -106,6 +117,8 @@ u8 kz_reply(const kz_servo* servo, const kz_tick_input* input, const kz_answer* 
       return reply_enable(servo, fields);
     case KZ_TYPE_settings:
       return reply_settings(servo, (u8)answer->parameter, fields);
+    case KZ_TYPE_store_calibration:
+      return reply_store(servo, input, fields);
     case KZ_TYPE_state:
       return (u8)(kz_put_state(servo, fields) - fields);
     case KZ_TYPE_read_targets:

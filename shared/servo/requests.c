@@ -5,6 +5,7 @@
 #include "shared/servo/commands.h"
 #include "shared/servo/replies.h"
 #include "shared/servo/safety.h"
+#include "shared/servo/telemetry.h"
 
 // Where the header's bytes stand in a body.
 #define ADDRESS 0
@@ -61,7 +62,7 @@ static const kz_answer* execute(kz_servo* servo, u8 type, u8 sequence) {
                        (u8)(servo->receiver.length - KZ_HEADER_SIZE), &answer->parameter);
   answer->reason = (u8)(outcome >> 8);
   answer->detail = (u8)outcome;
-  if (answer->reason != 0) kz_count(&servo->refusals);
+  if (answer->reason != 0 && answer->reason != KZ_PENDING) kz_count(&servo->refusals);
   return answer;
 }
 
@@ -70,6 +71,15 @@ static void enqueue(kz_servo* servo, const kz_answer* answer) {
   if (servo->replying + servo->queued == KZ_QUEUE) --servo->queued;
   copy(slot(servo->queue, servo->queued), answer);
   ++servo->queued;
+}
+
+// One too many, or one that comes while the board is about to do something between two ticks.
+static void turn_away(kz_servo* servo, u8 type, u8 sequence, u8 answered) {
+  kz_count(&servo->refusals);
+  if (!answered) return;
+  servo->refuse_busy = 1;
+  servo->busy_type = type;
+  servo->busy_sequence = sequence;
 }
 
 void kz_request_received(kz_servo* servo) {
@@ -82,13 +92,12 @@ void kz_request_received(kz_servo* servo) {
   if (type & KZ_REPLY) return;  // a reply is not a request, whoever sent it
   servo->silent_ms = 0;
   ++servo->frames;
-  if (answered && type != KZ_TYPE_stop &&
-      servo->replying + servo->queued >= KZ_REQUESTS_UNDER_WAY) {
-    servo->refuse_busy = 1;
-    servo->busy_type = type;
-    servo->busy_sequence = sequence;
-    kz_count(&servo->refusals);
-    return;
+  if (type != KZ_TYPE_stop) {
+    if (servo->action != KZ_ACTION_NONE ||
+        (answered && servo->replying + servo->queued >= KZ_REQUESTS_UNDER_WAY)) {
+      turn_away(servo, type, sequence, answered);
+      return;
+    }
   }
   answer = remembered(servo, type, sequence);
   if (answer != 0) {
@@ -99,7 +108,28 @@ void kz_request_received(kz_servo* servo) {
   if (answered) enqueue(servo, answer);
 }
 
-static void send(kz_servo* servo, u8 type, u8 sequence, u8 field_bytes) {
+static void finish(kz_answer* answer, u8 count, u16 outcome) {
+  for (; count != 0; --count) {
+    if (answer->reason == KZ_PENDING) {
+      answer->reason = (u8)(outcome >> 8);
+      answer->detail = (u8)outcome;
+    }
+    ++answer;
+  }
+}
+
+void kz_requests_finish(kz_servo* servo, u16 outcome) {
+  finish(servo->remembered, KZ_REQUESTS_REMEMBERED, outcome);
+  finish(servo->queue, servo->queued, outcome);
+}
+
+u8 kz_requests_leave_room(const kz_servo* servo) {
+  if (kz_sender_busy(&servo->sender)) return 0;
+  if (servo->queued != 0) return (u8)(servo->queue[0].reason == KZ_PENDING);
+  return (u8)!servo->refuse_busy;
+}
+
+void kz_send(kz_servo* servo, u8 type, u8 sequence, u8 field_bytes) {
   u8* body = servo->sender.body;
   body[ADDRESS] = servo->address;
   body[TYPE] = type;
@@ -114,16 +144,16 @@ static void send_refusal(kz_servo* servo, u8 type, u8 sequence, u8 reason, u8 de
   refused.request = type;
   refused.reason = reason;
   refused.detail = detail;
-  send(servo, KZ_TYPE_refused, sequence,
-       kz_pack_refused(&refused, servo->sender.body + KZ_HEADER_SIZE));
+  kz_send(servo, KZ_TYPE_refused, sequence,
+          kz_pack_refused(&refused, servo->sender.body + KZ_HEADER_SIZE));
 }
 
 static void send_answer(kz_servo* servo, const kz_tick_input* input, const kz_answer* answer) {
   if (answer->reason != 0) {
     send_refusal(servo, answer->type, answer->sequence, answer->reason, answer->detail);
   } else {
-    send(servo, (u8)(answer->type | KZ_REPLY), answer->sequence,
-         kz_reply(servo, input, answer, servo->sender.body + KZ_HEADER_SIZE));
+    kz_send(servo, (u8)(answer->type | KZ_REPLY), answer->sequence,
+            kz_reply(servo, input, answer, servo->sender.body + KZ_HEADER_SIZE));
   }
 }
 
@@ -132,6 +162,7 @@ void kz_requests_answer(kz_servo* servo, const kz_tick_input* input, u8 hurried)
   u8 left;
   if (kz_sender_busy(&servo->sender)) return;
   if (servo->queued != 0) {
+    if (next->reason == KZ_PENDING) return;
     if (hurried && next->reason == 0 && kz_reply_is_large(next->type)) return;
     send_answer(servo, input, next);
     servo->replying = 1;
@@ -143,5 +174,7 @@ void kz_requests_answer(kz_servo* servo, const kz_tick_input* input, u8 hurried)
   } else if (servo->refuse_busy) {
     send_refusal(servo, servo->busy_type, servo->busy_sequence, KZ_REFUSED_BUSY, KZ_NO_DETAIL);
     servo->refuse_busy = 0;
+  } else if (servo->telemetry_due != 0 && !hurried && servo->action == KZ_ACTION_NONE) {
+    kz_telemetry_send(servo, input);
   }
 }

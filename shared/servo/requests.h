@@ -19,9 +19,17 @@ void kz_requests_init(kz_servo* servo);
 // boards.
 void kz_request_received(kz_servo* servo);
 
-// Starts the next reply, if the sender is idle and one is due. `hurried`: this tick has done much
-// already, a large reply can wait for the next.
+// What requests that wait for an action came to.
+void kz_requests_finish(kz_servo* servo, u16 outcome);
+// Nothing is being sent, and nothing is to be sent before the action that is wanted.
+u8 kz_requests_leave_room(const kz_servo* servo);
+
+// Starts the next reply, or else telemetry, if the sender is idle and one is due. `hurried`: this
+// tick has done much already, what is large can wait for the next.
 void kz_requests_answer(kz_servo* servo, const kz_tick_input* input, u8 hurried);
+
+// Sends the fields that stand in the sender's body already, behind the place of the header.
+void kz_send(kz_servo* servo, u8 type, u8 sequence, u8 field_bytes);
 
 #ifdef __cplusplus
 }

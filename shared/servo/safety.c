@@ -4,11 +4,12 @@
 
 #include "shared/servo/commands.h"
 #include "shared/servo/joints.h"
+#include "shared/servo/telemetry.h"
 
 #define COUNTER_MAX 0xFFFF
 
 u8 kz_motors_on(const kz_servo* servo) {
-  return (u8)(servo->enabled != 0);
+  return (u8)(servo->enabled != 0 || servo->raw_ms != 0);
 }
 
 static void latch(kz_servo* servo, u8 reason, u8 detail) {
@@ -25,6 +26,7 @@ void kz_shutdown(kz_servo* servo, u8 reason, u8 detail) {
 
 // Only joints can be held. While they are, silence is nothing new.
 static void link_lost(kz_servo* servo) {
+  kz_telemetry_end(servo);
   if (servo->holding || !kz_motors_on(servo)) return;
   if (servo->reaction == KZ_REACTION_HOLD && servo->enabled != 0) {
     kz_joints_hold(servo);
@@ -37,6 +39,9 @@ static void link_lost(kz_servo* servo) {
 
 static void count_missed_ticks(kz_servo* servo, u16 missed) {
   servo->missed_tick = KZ_STATUS_MISSED_TICK;
+  // The host was silent in them too.
+  servo->silent_ms =
+      (u16)(servo->silent_ms > COUNTER_MAX - missed ? COUNTER_MAX : servo->silent_ms + missed);
   if (servo->missed_ticks > COUNTER_MAX - missed) {
     servo->missed_ticks = COUNTER_MAX;
   } else {
@@ -45,13 +50,14 @@ static void count_missed_ticks(kz_servo* servo, u16 missed) {
 }
 
 void kz_safety_update(kz_servo* servo, const kz_tick_input* input) {
-  u16 silent_ms = servo->silent_ms;
-  if (silent_ms != COUNTER_MAX) servo->silent_ms = ++silent_ms;
-  if (silent_ms >= servo->watchdog_ms) link_lost(servo);
+  u16 silent_ms;
   // Those that a write to flash took (then there is a result) are no fault.
   if (input->missed != 0 && input->result == KZ_RESULT_NONE) {
     count_missed_ticks(servo, input->missed);
   }
+  silent_ms = servo->silent_ms;
+  if (silent_ms != COUNTER_MAX) servo->silent_ms = ++silent_ms;
+  if (silent_ms >= servo->watchdog_ms) link_lost(servo);
   kz_health_update(servo, input);
 }
 
@@ -107,5 +113,8 @@ u16 kz_status(const kz_servo* servo) {
     status |= KZ_STATUS_ENABLED;
     if (moving(servo)) status |= KZ_STATUS_MOVING;
   }
+  if (servo->telemetry_ms != 0) status |= KZ_STATUS_TELEMETRY;
+  if (servo->unlocked_ms != 0) status |= KZ_STATUS_UNLOCKED;
+  if (servo->raw_ms != 0) status |= KZ_STATUS_ENABLED | KZ_STATUS_RAW_DRIVE;
   return status;
 }

@@ -103,55 +103,77 @@ extern "C" {
 //   queued          requests in `queue`
 //   replying        1 while the sender sends the reply to a request that counts as under way
 //   refuse_busy     1: a request came that will be refused, its busy_type and busy_sequence
+//   extras          not 0: something of the next four lines is under way (a tick looks no further)
+//   telemetry_ms    period, 0: no telemetry; telemetry_left_ms of it are left
+//   telemetry_selection, telemetry_due  KZ_TELEMETRY_*: of each period; to be sent in this one
+//   telemetry_sequence  number of the next frame
+//   telemetry_dropped   frames that the wire had no time for
+//   unlocked_ms     time left of the bench unlock
+//   raw_ms          time left of the raw drive of motor raw_joint at raw_duty; raw_begun: it runs
+//   action          KZ_ACTION_* that a request wants; acting: asked for in the tick before
 //   new_address, new_shared_line  what KZ_ACTION_STORE_ADDRESS is to store
-#define KZ_SERVO_FIELDS(FIELD) \
-  FIELD(u32, tick)             \
-  FIELD(u32, enabled)          \
-  FIELD(u32, fresh_targets)    \
-  FIELD(u32, shutdown_tick)    \
-  FIELD(u16, target_ms)        \
-  FIELD(u16, silent_ms)        \
-  FIELD(u16, watchdog_ms)      \
-  FIELD(u16, supply_mv)        \
-  FIELD(u16, supply_lowest_mv) \
-  FIELD(s16, temperature_dc)   \
-  FIELD(u16, reference)        \
-  FIELD(u16, image_crc)        \
-  FIELD(u16, start_8states)    \
-  FIELD(u16, missed_ticks)     \
-  FIELD(u16, frames)           \
-  FIELD(u16, repetitions)      \
-  FIELD(u16, refusals)         \
-  FIELD(u16, bad_check)        \
-  FIELD(u16, bad_stuffing)     \
-  FIELD(u16, too_short)        \
-  FIELD(u16, too_long)         \
-  FIELD(u16, line_errors)      \
-  FIELD(u16, overruns)         \
-  FIELD(u16, idle)             \
-  FIELD(u8, missed_tick)       \
-  FIELD(u8, shutdown)          \
-  FIELD(u8, shutdown_detail)   \
-  FIELD(u8, reaction)          \
-  FIELD(u8, holding)           \
-  FIELD(u8, uncalibrated)      \
-  FIELD(u8, supply_bad_ms)     \
-  FIELD(u8, hot_ms)            \
-  FIELD(u8, reference_bad_ms)  \
-  FIELD(u8, reset_cause)       \
-  FIELD(u8, tests_done)        \
-  FIELD(u8, tests_failed)      \
-  FIELD(u8, shared_line)       \
-  FIELD(u8, address)           \
-  FIELD(u8, calibration)       \
-  FIELD(u8, memory_next)       \
-  FIELD(u8, queued)            \
-  FIELD(u8, replying)          \
-  FIELD(u8, refuse_busy)       \
-  FIELD(u8, new_address)       \
-  FIELD(u8, new_shared_line)   \
-  FIELD(u8, busy_type)         \
-  FIELD(u8, busy_sequence)     \
+#define KZ_SERVO_FIELDS(FIELD)   \
+  FIELD(u32, tick)               \
+  FIELD(u32, enabled)            \
+  FIELD(u32, fresh_targets)      \
+  FIELD(u32, shutdown_tick)      \
+  FIELD(u16, target_ms)          \
+  FIELD(u16, silent_ms)          \
+  FIELD(u16, watchdog_ms)        \
+  FIELD(u16, supply_mv)          \
+  FIELD(u16, supply_lowest_mv)   \
+  FIELD(s16, temperature_dc)     \
+  FIELD(u16, reference)          \
+  FIELD(u16, image_crc)          \
+  FIELD(u16, start_8states)      \
+  FIELD(u16, missed_ticks)       \
+  FIELD(u16, frames)             \
+  FIELD(u16, repetitions)        \
+  FIELD(u16, refusals)           \
+  FIELD(u16, bad_check)          \
+  FIELD(u16, bad_stuffing)       \
+  FIELD(u16, too_short)          \
+  FIELD(u16, too_long)           \
+  FIELD(u16, line_errors)        \
+  FIELD(u16, overruns)           \
+  FIELD(u16, idle)               \
+  FIELD(u16, telemetry_dropped)  \
+  FIELD(u16, telemetry_ms)       \
+  FIELD(u16, telemetry_left_ms)  \
+  FIELD(u16, unlocked_ms)        \
+  FIELD(u16, raw_ms)             \
+  FIELD(s16, raw_duty)           \
+  FIELD(u8, missed_tick)         \
+  FIELD(u8, shutdown)            \
+  FIELD(u8, shutdown_detail)     \
+  FIELD(u8, reaction)            \
+  FIELD(u8, holding)             \
+  FIELD(u8, uncalibrated)        \
+  FIELD(u8, supply_bad_ms)       \
+  FIELD(u8, hot_ms)              \
+  FIELD(u8, reference_bad_ms)    \
+  FIELD(u8, reset_cause)         \
+  FIELD(u8, tests_done)          \
+  FIELD(u8, tests_failed)        \
+  FIELD(u8, shared_line)         \
+  FIELD(u8, address)             \
+  FIELD(u8, calibration)         \
+  FIELD(u8, memory_next)         \
+  FIELD(u8, queued)              \
+  FIELD(u8, replying)            \
+  FIELD(u8, refuse_busy)         \
+  FIELD(u8, telemetry_selection) \
+  FIELD(u8, telemetry_due)       \
+  FIELD(u8, telemetry_sequence)  \
+  FIELD(u8, raw_joint)           \
+  FIELD(u8, raw_begun)           \
+  FIELD(u8, action)              \
+  FIELD(u8, acting)              \
+  FIELD(u8, extras)              \
+  FIELD(u8, new_address)         \
+  FIELD(u8, new_shared_line)     \
+  FIELD(u8, busy_type)           \
+  FIELD(u8, busy_sequence)       \
   FIELD(u8, phase)
 
 // A request that was done or refused, as far as its reply and its repetitions need it.

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <deque>
 #include <optional>
 #include <vector>
@@ -66,6 +67,11 @@ class TestBoard {
     }
     kz_tick(&servo, &input, &output);
     ++input.tick;
+    input.result = KZ_RESULT_NONE;
+    if (output.action != KZ_ACTION_NONE) {
+      actions.push_back(output.action);
+      input.result = action_result;
+    }
     for (int i = 0; i < output.tx_count; ++i) {
       if (kz_receive(&host_receiver_, output.tx[i], 0) != KZ_RECEIVE_FRAME) continue;
       const u8* body = host_receiver_.body;
@@ -89,9 +95,16 @@ class TestBoard {
   std::optional<Reply> exchange(u8 type, const Bytes& fields, u8 address = KZ_ADDRESS_DEFAULT) {
     replies.clear();
     send(type, ++sequence, fields, address);
-    for (int i = 0; i < 50 && replies.empty(); ++i) tick();
-    if (replies.empty()) return std::nullopt;
-    return replies.front();
+    const auto is_answer = [&](const Reply& reply) {
+      return reply.sequence == sequence &&
+             (reply.type == (type | KZ_REPLY) || reply.type == KZ_TYPE_refused);
+    };
+    for (int i = 0; i < 50; ++i) {
+      tick();
+      const auto found = std::find_if(replies.begin(), replies.end(), is_answer);
+      if (found != replies.end()) return *found;
+    }
+    return std::nullopt;
   }
 
   // The reason of the refusal of a request, 0 if it was done, -1 if nothing came. `detail` is kept.
@@ -174,6 +187,32 @@ class TestBoard {
             static_cast<u8>(number >> 8), static_cast<u8>(number)};
   }
 
+  int telemetry(u16 period_ms, u8 selection) {
+    const kz_telemetry request = {.period_ms = period_ms, .selection = selection};
+    Bytes fields(KZ_SIZE_telemetry);
+    kz_pack_telemetry(&request, fields.data());
+    return outcome(KZ_TYPE_telemetry, fields);
+  }
+  int unlock(u8 seconds, u16 key = KZ_KEY) {
+    const kz_unlock request = {.key = key, .seconds = seconds};
+    Bytes fields(KZ_SIZE_unlock);
+    kz_pack_unlock(&request, fields.data());
+    return outcome(KZ_TYPE_unlock, fields);
+  }
+  int raw_drive(u8 joint, s16 duty, u16 duration_ms) {
+    const kz_raw_drive request = {.joint = joint, .duty = duty, .duration_ms = duration_ms};
+    Bytes fields(KZ_SIZE_raw_drive);
+    kz_pack_raw_drive(&request, fields.data());
+    return outcome(KZ_TYPE_raw_drive, fields);
+  }
+  int calibrate(const kz_calibrate& request) {
+    Bytes fields(KZ_SIZE_calibrate);
+    fields.resize(kz_pack_calibrate(&request, fields.data()));
+    return outcome(KZ_TYPE_calibrate, fields);
+  }
+  int stop() {
+    return outcome(KZ_TYPE_stop, {});
+  }
   int clear() {
     return outcome(KZ_TYPE_clear, {});
   }
@@ -195,6 +234,8 @@ class TestBoard {
   kz_tick_input input = {};
   kz_tick_output output;
   std::vector<Reply> replies;
+  std::vector<u8> actions;  // that the ticks asked for
+  u8 action_result = KZ_RESULT_DONE;
   u8 sequence = 0;
   u8 detail = 0;
 

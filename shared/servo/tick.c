@@ -4,11 +4,16 @@
 
 #include "shared/board/table.h"
 #include "shared/protocol/messages.h"
+#include "shared/servo/bench.h"
 #include "shared/servo/commands.h"
 #include "shared/servo/joints.h"
 #include "shared/servo/outputs.h"
 #include "shared/servo/requests.h"
 #include "shared/servo/safety.h"
+#include "shared/servo/telemetry.h"
+
+#define NOT_INLINE __attribute__((noinline))
+#define LONG_REQUEST 32  // bytes of body
 
 void kz_startup_nominal(kz_startup* startup) {
   u8 i;
@@ -52,7 +57,7 @@ void kz_servo_init(kz_servo* servo, const kz_startup* startup, kz_tick_output* o
   if (startup->tests_failed != 0) kz_shutdown(servo, KZ_SHUTDOWN_SELF_TEST, KZ_NO_DETAIL);
 }
 
-static void count_damage(kz_servo* servo, u8 result) {
+static NOT_INLINE void count_damage(kz_servo* servo, u8 result) {
   switch (result) {
     case KZ_RECEIVE_BAD_CHECK:
       kz_count(&servo->bad_check);
@@ -78,51 +83,85 @@ static void count_damage(kz_servo* servo, u8 result) {
   }
 }
 
-static void receive(kz_servo* servo, const kz_tick_input* input) {
+// A frame has ended, sound or not. Returns 1 if it was a long request: work enough for one tick.
+static NOT_INLINE u8 frame_ended(kz_servo* servo, u8 result) {
+  if (result != KZ_RECEIVE_FRAME) {
+    count_damage(servo, result);
+    return 0;
+  }
+  kz_request_received(servo);
+  return (u8)(servo->receiver.length > LONG_REQUEST);
+}
+
+// Returns 1 if a long request has come. The parts of a tick are functions of their own, because
+// what is inlined into one runs out of registers.
+static NOT_INLINE u8 receive(kz_servo* servo, const kz_tick_input* input) {
   const u8 count = input->rx_count < KZ_RX_PER_TICK ? input->rx_count : KZ_RX_PER_TICK;
   u8 taken = 0;
-  if (count == 0) {
-    const u8 result = kz_receiver_silent(&servo->receiver);
-    if (result != KZ_RECEIVE_MORE) count_damage(servo, result);
-    return;
-  }
+  u8 hurried = 0;
   servo->receiver.silent_ms = 0;
   while (taken < count) {
     const u16 some = kz_receive_some(&servo->receiver, input->rx + taken, input->rx_flags + taken,
                                      (u8)(count - taken));
     const u8 result = (u8)(some >> 8);
     taken = (u8)(taken + (u8)some);
-    if (result == KZ_RECEIVE_FRAME) {
-      kz_request_received(servo);
-    } else if (result != KZ_RECEIVE_MORE) {
-      count_damage(servo, result);
-    }
+    if (result != KZ_RECEIVE_MORE) hurried |= frame_ended(servo, result);
   }
+  return hurried;
+}
+
+static void receive_nothing(kz_servo* servo) {
+  const u8 result = kz_receiver_silent(&servo->receiver);
+  if (result != KZ_RECEIVE_MORE) count_damage(servo, result);
 }
 
 // Bytes of `tx` that are not used are 0: those that were in the tick before are cleared.
-static inline void transmit(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output) {
-  const u8 room = input->tx_room < KZ_TX_PER_TICK ? input->tx_room : KZ_TX_PER_TICK;
+static NOT_INLINE void transmit(kz_servo* servo, u8 tx_room, kz_tick_output* output) {
+  const u8 room = tx_room < KZ_TX_PER_TICK ? tx_room : KZ_TX_PER_TICK;
   const u8 before = output->tx_count;
-  u8 count = 0;
-  if (kz_sender_busy(&servo->sender)) {
-    count = kz_sender_take(&servo->sender, output->tx, room);
-    if (!kz_sender_busy(&servo->sender)) servo->replying = 0;
-  }
+  u8 count = kz_sender_take(&servo->sender, output->tx, room);
+  if (!kz_sender_busy(&servo->sender)) servo->replying = 0;
   output->tx_count = count;
   for (; count < before; ++count) output->tx[count] = 0;
 }
 
+// What is under way only now and then: actions, bench, telemetry.
+static NOT_INLINE void begin_extras(kz_servo* servo, const kz_tick_input* input) {
+  if (servo->acting) kz_action_finish(servo, input);
+  if (servo->unlocked_ms != 0) kz_bench_update(servo, input);
+  if (servo->telemetry_ms != 0) kz_telemetry_update(servo);
+}
+
+static NOT_INLINE u8 end_extras(kz_servo* servo, const kz_tick_input* input) {
+  if (servo->action != KZ_ACTION_NONE) return kz_action_start(servo, input);
+  servo->extras = (u8)(servo->unlocked_ms != 0 || servo->telemetry_ms != 0);
+  return KZ_ACTION_NONE;
+}
+
 void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output) {
-  const u8 starts_ramps = (u8)(servo->fresh_targets != 0);
+  u8 hurried = 0;
   u16 fault;
   servo->tick = input->tick;
+  if (servo->extras) begin_extras(servo, input);
   kz_safety_update(servo, input);
-  if (starts_ramps) kz_joints_start_ramps(servo);
+  if (servo->fresh_targets != 0) {
+    kz_joints_start_ramps(servo);
+    hurried = 1;
+  }
   fault = kz_joints_update(servo, input);
   if (fault != 0) kz_shutdown(servo, (u8)(fault >> 8), (u8)fault);
-  receive(servo, input);
-  if ((servo->queued | servo->refuse_busy) != 0) kz_requests_answer(servo, input, starts_ramps);
-  transmit(servo, input, output);
+  if (servo->raw_ms != 0) kz_bench_drive(servo);
+  if (input->rx_count != 0) {
+    hurried |= receive(servo, input);
+  } else {
+    receive_nothing(servo);
+  }
+  if ((servo->queued | servo->refuse_busy | servo->extras) != 0) {
+    kz_requests_answer(servo, input, hurried);
+  }
+  if (output->tx_count != 0 || kz_sender_busy(&servo->sender)) {
+    transmit(servo, input->tx_room, output);
+  }
+  output->action = servo->extras ? end_extras(servo, input) : KZ_ACTION_NONE;
   kz_outputs_write(servo, output);
 }

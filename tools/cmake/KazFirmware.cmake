@@ -4,7 +4,7 @@
 function(kaz_servo_sources out)
   set(${out} servo/tick.c servo/joints.c servo/requests.c servo/commands.c servo/motion.c
              servo/settings.c servo/replies.c servo/joint_replies.c servo/safety.c servo/health.c
-             servo/outputs.c servo/store.c servo/startup.c PARENT_SCOPE)
+             servo/telemetry.c servo/bench.c servo/outputs.c servo/store.c servo/startup.c PARENT_SCOPE)
 endfunction()
 
 find_program(KAZ_H8_GCC h8300-hms-gcc)

@@ -1,0 +1,105 @@
+// What only a bench needs, and what the board does between two ticks.
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/servo/bench.h"
+
+#include "shared/servo/joints.h"
+#include "shared/servo/requests.h"
+#include "shared/servo/safety.h"
+
+#define MS_PER_S 1000
+
+static void lock(kz_servo* servo) {
+  servo->unlocked_ms = 0;
+  servo->raw_ms = 0;
+}
+
+// Locking is always allowed: it makes nothing possible.
+kz_outcome kz_do_unlock(kz_servo* servo, const kz_unlock* request) {
+  if (request->seconds == 0) {
+    lock(servo);
+    return KZ_DONE;
+  }
+  if (kz_motors_on(servo)) return KZ_REFUSE(KZ_REFUSED_ARMED, KZ_NO_DETAIL);
+  servo->extras = 1;
+  servo->unlocked_ms = (u16)((u16)request->seconds * MS_PER_S);
+  return KZ_DONE;
+}
+
+kz_outcome kz_do_raw_drive(kz_servo* servo, const kz_raw_drive* request) {
+  u8 reason = servo->shutdown;
+  if (servo->unlocked_ms == 0) return KZ_REFUSE(KZ_REFUSED_LOCKED, KZ_NO_DETAIL);
+  if (servo->enabled != 0) return KZ_REFUSE(KZ_REFUSED_ARMED, KZ_NO_DETAIL);
+  if (reason == KZ_SHUTDOWN_NONE) reason = kz_unsound(servo, (u32)1 << request->joint);
+  if (reason != KZ_SHUTDOWN_NONE) return KZ_REFUSE(KZ_REFUSED_FAULT, reason);
+  servo->raw_joint = request->joint;
+  servo->raw_duty = request->duty;
+  servo->raw_ms = request->duty == 0 ? 0 : request->duration_ms;
+  servo->raw_begun = 0;
+  return KZ_DONE;
+}
+
+// Time goes on in ticks that were missed.
+static void run_down(u16* ms, u16 elapsed) {
+  *ms = (u16)(*ms > elapsed ? *ms - elapsed : 0);
+}
+
+void kz_bench_update(kz_servo* servo, const kz_tick_input* input) {
+  const u16 elapsed = (u16)(input->missed + 1);
+  // The motor is driven from the tick after the request's: so is its time counted.
+  if (servo->raw_begun) run_down(&servo->raw_ms, elapsed);
+  servo->raw_begun = (u8)(servo->raw_ms != 0);
+  run_down(&servo->unlocked_ms, elapsed);
+  if (servo->unlocked_ms == 0) lock(servo);
+}
+
+void kz_bench_drive(kz_servo* servo) {
+  kz_joint* joint = kz_joint_at(servo, servo->raw_joint);
+  if (joint->pot_bad_ms == 0) {
+    kz_joint_drive_raw(joint, servo->raw_duty);
+  } else if (joint->pot_bad_ms >= KZ_POT_FAULT_MS) {
+    kz_shutdown(servo, KZ_SHUTDOWN_POT, servo->raw_joint);
+  }
+}
+
+static kz_outcome ask_for(kz_servo* servo, u8 action, kz_outcome outcome) {
+  if (kz_motors_on(servo)) return KZ_REFUSE(KZ_REFUSED_ARMED, KZ_NO_DETAIL);
+  servo->extras = 1;
+  servo->action = action;
+  return outcome;
+}
+
+kz_outcome kz_do_store_calibration(kz_servo* servo) {
+  return ask_for(servo, KZ_ACTION_STORE_CALIBRATION, KZ_LATER);
+}
+
+kz_outcome kz_do_set_address(kz_servo* servo, const kz_set_address* request) {
+  if (servo->unlocked_ms == 0) return KZ_REFUSE(KZ_REFUSED_LOCKED, KZ_NO_DETAIL);
+  if (kz_motors_on(servo)) return KZ_REFUSE(KZ_REFUSED_ARMED, KZ_NO_DETAIL);
+  servo->new_address = request->address;
+  servo->new_shared_line = request->shared_line;
+  return ask_for(servo, KZ_ACTION_STORE_ADDRESS, KZ_LATER);
+}
+
+kz_outcome kz_do_reset(kz_servo* servo) {
+  return ask_for(servo, KZ_ACTION_RESET, KZ_DONE);
+}
+
+kz_outcome kz_do_loader(kz_servo* servo) {
+  return ask_for(servo, KZ_ACTION_LOADER, KZ_DONE);
+}
+
+u8 kz_action_start(kz_servo* servo, const kz_tick_input* input) {
+  if (!kz_requests_leave_room(servo)) return KZ_ACTION_NONE;
+  if (input->tx_room < KZ_TX_BUFFER) return KZ_ACTION_NONE;
+  servo->acting = 1;
+  return servo->action;
+}
+
+void kz_action_finish(kz_servo* servo, const kz_tick_input* input) {
+  const u8 done = (u8)(input->result == KZ_RESULT_DONE);
+  if (done && servo->action == KZ_ACTION_STORE_CALIBRATION) servo->uncalibrated = 0;
+  servo->acting = 0;
+  servo->action = KZ_ACTION_NONE;
+  if (!done) kz_count(&servo->refusals);
+  kz_requests_finish(servo, done ? KZ_DONE : KZ_REFUSE(KZ_REFUSED_STORE, KZ_NO_DETAIL));
+}
