@@ -183,10 +183,6 @@ void kz_sender_init(kz_sender* sender) {
   for (i = 0; i < KZ_BODY_MAX; ++i) sender->body[i] = 0;
 }
 
-u8 kz_sender_busy(const kz_sender* sender) {
-  return (u8)(sender->stage != IDLE);
-}
-
 // Backwards, each zero becomes the distance to the next one, or to the end.
 void kz_sender_start(kz_sender* sender, u8 body_length) {
   u8* byte = sender->body + body_length;

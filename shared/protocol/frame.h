@@ -91,7 +91,9 @@ typedef struct kz_sender {
 } kz_sender;
 
 void kz_sender_init(kz_sender* sender);
-u8 kz_sender_busy(const kz_sender* sender);
+static inline u8 kz_sender_busy(const kz_sender* sender) {
+  return (u8)(sender->length != 0);
+}
 // The caller has filled sender->body[0..body_length-1]; sending starts.
 void kz_sender_start(kz_sender* sender, u8 body_length);
 // Writes at most `room` bytes of the frame to `wire`, returns how many.
