@@ -11,8 +11,12 @@
 //            0x80|crc&0x7f, so that it holds no zero either
 //
 // Each frame has a zero of its own at both ends. A receiver that joins in the middle, or loses or
-// gains bytes, is right again at the next zero. One damaged byte that leaves the zeros alone is
-// always detected: it is a burst of at most 8 bits in what the CRC covers, or a wrong check.
+// gains bytes, is right again at the next zero. Of one damaged byte:
+//   - inside, and no zero: a burst of at most 8 bits in what the CRC covers, or a wrong check;
+//   - a zero that was damaged: in front, no byte leaves the CRC's start as it is; behind, the first
+//     byte of the check would have to be a stuffing byte, but those are below 0x80;
+//   - inside, and now a zero: what stands before it fails for the same reason; what stands behind it
+//     has the right check only if kz_frame_splits.
 #ifndef KAZ_SHARED_PROTOCOL_FRAME_H
 #define KAZ_SHARED_PROTOCOL_FRAME_H
 
@@ -79,6 +83,11 @@ static inline u8 kz_receiver_silent(kz_receiver* receiver) {
 // Encodes a whole frame, both zeros included. `body_length` <= KZ_BODY_MAX; `wire` holds
 // KZ_FRAME_MAX. Returns the number of bytes written.
 u8 kz_frame_encode(const u8* body, u8 body_length, u8* wire);
+
+// 1 if the CRC of a whole frame comes back to its start on the way, as it does in one of 1500 or so:
+// one damaged byte that became a zero would then leave a rest whose check is right. A sender that
+// takes another sequence number in this case makes frames of which no damage to one byte is accepted.
+u8 kz_frame_splits(const u8* wire, u8 length);
 
 // Encodes a frame piece by piece, so that a tick never sends more than its share.
 typedef struct kz_sender {

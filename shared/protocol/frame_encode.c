@@ -10,3 +10,13 @@ u8 kz_frame_encode(const u8* body, u8 body_length, u8* wire) {
   kz_sender_start(&sender, i);
   return kz_sender_take(&sender, wire, KZ_FRAME_MAX);
 }
+
+u8 kz_frame_splits(const u8* wire, u8 length) {
+  u16 crc = 0xFFFF;
+  u8 i;
+  for (i = 1; i + 4 < length; ++i) {
+    crc = kz_crc16(crc, wire[i]);
+    if (crc == 0xFFFF) return 1;
+  }
+  return 0;
+}
