@@ -148,7 +148,10 @@ TEST_F(Flash, ALineThatCannotBeProgrammedIsGivenUpInTime) {
   chip().clear_hook(serve);
   chip().clear_hook(address_of("programmed"));
   EXPECT_EQ(outcome.result, KZ_RESULT_FAILED);
-  EXPECT_LT(outcome.deaf, 3000 * ms);
+  // With as much for each of three lines, and for an erasure above, it is less than 3 s.
+  EXPECT_LT(outcome.deaf, 400 * ms);
+  std::printf("store: deaf for %.0f ms where a line cannot be programmed\n",
+              static_cast<double>(outcome.deaf) / static_cast<double>(ms));
   EXPECT_EQ(stored_in(chip()), Calibration::number(1));
   // The line is spoilt; the next copy goes behind it.
   EXPECT_EQ(store(Calibration::number(3)).result, KZ_RESULT_DONE);

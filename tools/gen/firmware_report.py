@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 from coff import Coff, CoffError
-from stack_bound import Unbounded, stack_bound
+from stack_bound import Unbounded, calls_out_of, disassemble, parse, stack_bound
 
 APPLICATION, APPLICATION_END = 0x1000, 0xC000  # erase blocks EB4, EB5
 LOADER, LOADER_END = 0xC000, 0xE000  # EB6
@@ -24,8 +24,17 @@ def line(what, size, limit):
     return f"  {what:<12}{size:6} of {limit:6} bytes ({100 * size / limit:.0f} %)"
 
 
+def check_ram_code(objdump, coff):
+    """What writes flash must not call anything that lies there."""
+    code = coff.section(".ramtext")
+    functions = parse(disassemble(objdump, coff.path))
+    for caller, callee in calls_out_of(functions, code.run, code.run + code.size):
+        raise CoffError(f"{coff.path}: {caller}, which runs in RAM, calls {callee:#x} outside")
+
+
 def report(objdump, path, sizes_path):
     coff = Coff(path)
+    check_ram_code(objdump, coff)
     data = coff.symbols["_kz_bss_end"] - RAM  # with the gaps between sections
     stack, names = stack_bound(objdump, path, "_kz_start")
     sizes = [("application", used(coff, APPLICATION, APPLICATION_END),

@@ -109,6 +109,13 @@ def deepest(functions, address, path=()):
     return function.frame + below, [function.name] + names
 
 
+def calls_out_of(functions, first, end):
+    """(caller, address) of each call from a function in first..end-1 to somewhere else."""
+    return [(function.name, callee) for address, function in sorted(functions.items())
+            if first <= address < end
+            for callee in sorted(function.calls) if not first <= callee < end]
+
+
 def stack_bound(objdump, path, start):
     """(bytes, names) of the deepest path from the function `start`, with one interrupt on top."""
     functions = parse(disassemble(objdump, path))

@@ -52,6 +52,11 @@ class StackBound(unittest.TestCase):
         address = next(a for a, f in functions.items() if f.name == start)
         return stack_bound.deepest(functions, address)
 
+    def test_calls_out_of_a_section(self):
+        functions = stack_bound.parse(listing(CHAIN))
+        self.assertEqual(stack_bound.calls_out_of(functions, 0x200, 0x400), [("_outer", 0x400)])
+        self.assertEqual(stack_bound.calls_out_of(functions, 0x200, 0x500), [])
+
     def test_deepest_path(self):
         # start: return address 4; outer: 12 + 20, return address 4; leaf: 4.
         self.assertEqual(self.bound(CHAIN), (44, ["_start", "_outer", "_leaf"]))
