@@ -9,9 +9,10 @@ namespace kaz::behavior {
 ControlCycle::ControlCycle(Context& context)
     : context_(context), beat_(context.clock.now()), last_picture_(beat_) {}
 
-Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget> targets) {
+Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget> targets,
+                                               Time ramp) {
   Input input;
-  const auto posture = context_.robot.exchange(targets, kRamp);
+  const auto posture = context_.robot.exchange(targets, ramp);
   if (!posture) return tl::unexpected(posture.error());
   input.resumed = context_.robot.take_resumption();
   if (posture->status & host::kMotorsOffFaults) {

@@ -35,7 +35,8 @@ class ControlCycle {
   // Sends the targets (none: only asks), waits for the next beat, and returns what is known then.
   // Fails when robot, clock or camera do, when the board has switched the motors off, and when no
   // picture came for kBlind.
-  Result<Input> next(std::span<const host::JointTarget> targets);
+  // `ramp`: time in which the targets are reached.
+  Result<Input> next(std::span<const host::JointTarget> targets, Time ramp = kRamp);
 
  private:
   Context& context_;

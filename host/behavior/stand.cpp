@@ -36,6 +36,12 @@ JointAngles home() {
   return angle;
 }
 
+std::vector<host::JointTarget> all_to(const JointAngles& goal) {
+  std::vector<host::JointTarget> targets;
+  for (int j = 0; j < KZ_JOINTS; ++j) targets.push_back({j, goal[static_cast<std::size_t>(j)]});
+  return targets;
+}
+
 struct Worst {
   std::size_t joint = 0;
   double error_rad = 0;
@@ -57,23 +63,19 @@ Result<Outcome> run(Context& context) {
   context.sink.phase(context.clock.now(), kStand.name, "move");
 
   JointAngles goal = start->angle;
-  Time duration = Time::zero();
-  if (posture != "keep") {
-    goal = posture == "home" ? home() : JointAngles{};
-    duration = from_seconds(std::abs(farthest(start->angle, goal).error_rad) / kSpeed);
-    std::vector<host::JointTarget> targets;
-    for (int j = 0; j < KZ_JOINTS; ++j) targets.push_back({j, goal[static_cast<std::size_t>(j)]});
-    if (auto sent = context.robot.set_targets(targets, duration); !sent) {
-      return tl::unexpected(sent.error());
-    }
-  }
-
+  if (posture != "keep") goal = posture == "home" ? home() : JointAngles{};
   ControlCycle cycle(context);
-  const Time end = context.clock.now() + duration + kSettle;
   host::Posture last = *start;
-  while (context.clock.now() < end) {
-    const auto input = cycle.next({});
+  bool begin = true;  // also after a lost link, which ends all ramps
+  Time end{};
+  while (begin || context.clock.now() < end) {
+    const Time duration = from_seconds(std::abs(farthest(last.angle, goal).error_rad) / kSpeed);
+    std::vector<host::JointTarget> targets;
+    if (begin && posture != "keep") targets = all_to(goal);
+    if (begin) end = context.clock.now() + (targets.empty() ? Time::zero() : duration) + kSettle;
+    const auto input = cycle.next(targets, duration);
     if (!input) return tl::unexpected(input.error());
+    begin = input->resumed.has_value();
     last = input->posture;
   }
 

@@ -20,9 +20,9 @@ class FrameLog {
   void add(Time time, Direction direction, std::span<const std::uint8_t> body);
   std::size_t size() const { return count_ < kFrames ? count_ : kFrames; }
 
-  // One line a frame, oldest first: seconds, direction, message, sequence number, body in
-  // hexadecimal:
-  //   "     1.234567  out  state              #12  01 05 0c"
+  // One line a frame, oldest first: seconds on the host's clock, direction, message, sequence
+  // number, fields by the message table, body in hexadecimal:
+  //   "     1.234567  out  enable             #12   mask=0x3  | 01 02 0c 00 00 00 03"
   std::string text() const;
 
  private:
@@ -35,6 +35,11 @@ class FrameLog {
   std::array<Entry, kFrames> entries_{};
   std::size_t count_ = 0;
 };
+
+// "mask=0x3 duration_ms=500 angle=[0:1000 1:-2]": the fields of a body as the message table has
+// them, numbers in the units of the wire. What does not fit the table: "fields do not fit the
+// message".
+std::string describe_fields(std::span<const std::uint8_t> body);
 
 // "state_reply"; "unknown" for a code that is not in the message table.
 const char* message_name(std::uint8_t type);

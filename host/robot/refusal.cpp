@@ -36,6 +36,16 @@ std::string outside_limits(int joint, std::span<const JointTarget> targets) {
   return text;
 }
 
+std::string out_of_range(const kz_refused& refusal) {
+  if (refusal.request == KZ_TYPE_calibrate) {
+    return "the calibration of " + joint_name(refusal.detail) +
+           " is too far from nominal: at most 0.5 rad for the centre and a quarter for the scale";
+  }
+  const kz_message_info* message = kz_message_find(refusal.request);
+  if (!message || refusal.detail >= message->field_count) return "a value is out of range";
+  return std::string("its field `") + message->fields[refusal.detail].name + "` is out of range";
+}
+
 }  // namespace
 
 Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targets) {
@@ -49,8 +59,7 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
               "the board refused " + request +
                   " for its length: firmware and program do not fit each other"};
     case KZ_REFUSED_RANGE:
-      return {Fault::failed, "the board refused " + request + ": joint or field number " +
-                                 std::to_string(refusal.detail) + " is out of range"};
+      return {Fault::failed, "the board refused " + request + ": " + out_of_range(refusal)};
     case KZ_REFUSED_LIMIT:
       return {Fault::failed, outside_limits(refusal.detail, targets)};
     case KZ_REFUSED_DISABLED:
@@ -64,6 +73,19 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
     case KZ_REFUSED_BUSY:
       return {Fault::environment,
               "the board refused " + request + ": it is still sending the previous reply"};
+    case KZ_REFUSED_ARMED:
+      return {Fault::failed,
+              "the board refused " + request + " while a motor is on: switch all joints off first"};
+    case KZ_REFUSED_LOCKED:
+      return {Fault::failed,
+              "the board refused " + request + ": it is only for the bench; unlock that first"};
+    case KZ_REFUSED_SHARED_LINE:
+      return {Fault::failed,
+              "the board refused " + request + ": other boards share its line; ask it instead"};
+    case KZ_REFUSED_STORE:
+      return {Fault::environment, "the board refused " + request +
+                                      ": its flash could not be written; what was stored before "
+                                      "is still there, and the part may be worn out"};
     default:
       return {Fault::environment, "the board refused " + request + " for reason " +
                                       std::to_string(refusal.reason) +

@@ -194,7 +194,10 @@ Result<void> Requester::pump(Time deadline) {
   }
   std::array<std::uint8_t, 256> buffer;
   const auto count = link_.read(buffer, deadline);
-  if (!count) return give_up(count.error());
+  if (!count) {
+    timed_out_ = false;
+    return give_up(count.error());
+  }
   take({buffer.data(), *count}, clock_.now());
   if (auto repeated = repeat_overdue(); !repeated) return give_up(repeated.error());
   if (auto sent = send_waiting(); !sent) return give_up(sent.error());
@@ -240,7 +243,9 @@ void Requester::append(Waiting& waiting, std::vector<std::uint8_t>& wire) {
 Result<void> Requester::write(std::span<const std::uint8_t> wire) {
   statistics_.bytes_out += wire.size();
   auto written = link_.write(wire);
-  return written ? written : give_up(written.error());
+  if (written) return {};
+  timed_out_ = false;
+  return give_up(written.error());
 }
 
 Result<void> Requester::repeat_overdue() {

@@ -56,6 +56,20 @@ std::string candidates_sentence() {
   return text;
 }
 
+// idVendor or idProduct of the USB device that a port belongs to; empty if it is none.
+std::string usb_number(const std::string& path, const char* which) {
+  std::error_code error;
+  const fs::path port = fs::canonical(path, error);
+  fs::path folder = fs::canonical("/sys/class/tty" / port.filename() / "device", error);
+  for (int up = 0; !error && up < 4 && folder.has_relative_path(); ++up) {
+    std::ifstream file(folder / which);
+    std::string number;
+    if (file >> number) return number;
+    folder = folder.parent_path();
+  }
+  return "";
+}
+
 tl::unexpected<Error> open_failure(const std::string& path, int error) {
   switch (error) {
     case ENOENT:
@@ -65,10 +79,8 @@ tl::unexpected<Error> open_failure(const std::string& path, int error) {
       return fail(Fault::environment, "no such port: " + path + " (" + candidates_sentence() + ")");
     case EACCES:
     case EPERM:
-      return fail(
-          Fault::environment,
-          "permission denied for " + path +
-              ": add yourself to its group (`sudo adduser $USER dialout`) and log in again");
+      return fail(Fault::environment, permission_sentence(path, usb_number(path, "idVendor"),
+                                                          usb_number(path, "idProduct")));
     case EBUSY:
       return fail(Fault::environment, path + " is in use by another program: end that one first");
     default:
@@ -101,13 +113,15 @@ int configure(int fd, speed_t rate) {
   return 0;
 }
 
-// USB adapters hold received bytes back for 16 ms unless told not to. Not every driver can; then it
-// stays.
-void ask_for_low_latency(int fd) {
+// FTDI adapters hold received bytes back for 16 ms unless told not to; this tells their driver. Not
+// every driver takes it, and some take it without saying so afterwards.
+LowLatency ask_for_low_latency(int fd) {
   serial_struct serial{};
-  if (ioctl(fd, TIOCGSERIAL, &serial) != 0) return;
+  if (ioctl(fd, TIOCGSERIAL, &serial) != 0) return LowLatency::refused;
   serial.flags |= ASYNC_LOW_LATENCY;
-  ioctl(fd, TIOCSSERIAL, &serial);
+  if (ioctl(fd, TIOCSSERIAL, &serial) != 0) return LowLatency::refused;
+  if (ioctl(fd, TIOCGSERIAL, &serial) != 0) return LowLatency::refused;
+  return serial.flags & ASYNC_LOW_LATENCY ? LowLatency::set : LowLatency::refused;
 }
 
 }  // namespace
@@ -126,7 +140,19 @@ std::vector<std::string> serial_port_candidates() {
   return ports;
 }
 
-Result<int> open_serial_port(const std::string& path, int baud) {
+std::string permission_sentence(const std::string& path, const std::string& vendor,
+                                const std::string& product) {
+  std::string text = "permission denied for " + path +
+                     ": add yourself to its group (`sudo adduser $USER dialout`) and log in again";
+  if (vendor.empty() || product.empty()) return text;
+  return text +
+         "; if it belongs to no group, put this line into /etc/udev/rules.d/70-kaz.rules and plug "
+         "it in again: SUBSYSTEM==\"tty\", ATTRS{idVendor}==\"" +
+         vendor + "\", ATTRS{idProduct}==\"" + product +
+         "\", GROUP=\"dialout\", MODE=\"0660\", SYMLINK+=\"kaz\"";
+}
+
+Result<OpenPort> open_serial_port(const std::string& path, int baud) {
   const auto rate = rate_of(baud);
   if (!rate) return tl::unexpected(rate.error());
 
@@ -141,16 +167,17 @@ Result<int> open_serial_port(const std::string& path, int baud) {
     close(fd);
     return open_failure(path, EBUSY);
   }
+  LowLatency low_latency = LowLatency::pseudo_terminal;
   if (!is_pseudo_terminal(fd)) {
     ioctl(fd, TIOCEXCL);
-    ask_for_low_latency(fd);
+    low_latency = ask_for_low_latency(fd);
   }
   if (const int error = configure(fd, *rate)) {
     close(fd);
     return fail(Fault::environment, "cannot set " + path + " to " + std::to_string(baud) +
                                         " baud 8N1: " + std::strerror(error));
   }
-  return fd;
+  return OpenPort{fd, low_latency};
 }
 
 }  // namespace kaz::host

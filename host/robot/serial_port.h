@@ -12,11 +12,23 @@ namespace kaz::host {
 // Device paths at which a board may sit: USB serial adapters and UARTs that exist, sorted.
 std::vector<std::string> serial_port_candidates();
 
+// Whether the adapter's driver hands received bytes over at once.
+enum class LowLatency { set, refused, pseudo_terminal };
+struct OpenPort {
+  int descriptor = -1;  // the caller closes it
+  LowLatency low_latency = LowLatency::refused;
+};
+
 // Opens `path` non-blocking, 8 data bits, no parity, 1 stop bit, no flow control, no echo, no
-// translation. `path` may be a pseudo-terminal or a symbolic link to one. Returns the file
-// descriptor, which the caller closes. Errors, each one sentence: no such port (lists the
-// candidates), permission (names the group), in use by another program, no terminal, unsupported
+// translation. `path` may be a pseudo-terminal or a symbolic link to one. Asks the
+// driver for low latency, which FTDI adapters take. Errors, each one sentence: no such port (lists the
+// candidates), permission (names the group and a udev rule), in use by another program, no terminal, unsupported
 // `baud` (Fault::usage).
-Result<int> open_serial_port(const std::string& path, int baud);
+Result<OpenPort> open_serial_port(const std::string& path, int baud);
+
+// The sentence for a port that we may not open: what to do once, or for good with a rule for the
+// adapter. Numbers in hexadecimal, as sysfs has them; empty if it is no USB adapter.
+std::string permission_sentence(const std::string& path, const std::string& vendor,
+                                const std::string& product);
 
 }  // namespace kaz::host

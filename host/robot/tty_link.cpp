@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "host/robot/serial_port.h"
 #include "host/robot/wall_clock.h"
@@ -22,16 +23,31 @@ constexpr std::size_t kMostPending = 65536;
 
 Result<std::unique_ptr<TtyLink>> TtyLink::open(const std::string& path, int baud,
                                                const Interrupt* interrupt) {
-  const auto fd = open_serial_port(path, baud);
-  if (!fd) return tl::unexpected(fd.error());
-  return std::unique_ptr<TtyLink>(new TtyLink(path, baud, *fd, interrupt));
+  const auto port = open_serial_port(path, baud);
+  if (!port) return tl::unexpected(port.error());
+  return std::unique_ptr<TtyLink>(new TtyLink(path, baud, *port, interrupt));
 }
 
-TtyLink::TtyLink(std::string path, int baud, int fd, const Interrupt* interrupt)
-    : path_(std::move(path)), baud_(baud), fd_(fd), interrupt_(interrupt) {}
+TtyLink::TtyLink(std::string path, int baud, const OpenPort& port, const Interrupt* interrupt)
+    : path_(std::move(path)),
+      baud_(baud),
+      fd_(port.descriptor),
+      low_latency_(port.low_latency),
+      interrupt_(interrupt) {}
 
 TtyLink::~TtyLink() {
-  close(fd_);
+  if (fd_ >= 0) close(fd_);
+}
+
+Result<void> TtyLink::reopen() {
+  if (interrupt_ && interrupt_->requested()) return tl::unexpected(Interrupt::error());
+  if (fd_ >= 0) close(std::exchange(fd_, -1));
+  pending_.clear();
+  const auto port = open_serial_port(path_, baud_);
+  if (!port) return tl::unexpected(port.error());
+  fd_ = port->descriptor;
+  low_latency_ = port->low_latency;
+  return {};
 }
 
 Time TtyLink::byte_time() const {
@@ -47,6 +63,7 @@ Result<void> TtyLink::write(std::span<const std::uint8_t> bytes) {
   if (pending_.size() + bytes.size() > kMostPending) {
     return fail(Fault::environment, "port " + path_ + " takes no bytes: check the adapter");
   }
+  if (fd_ < 0) return tl::unexpected(closed());
   pending_.insert(pending_.end(), bytes.begin(), bytes.end());
   return flush();
 }
@@ -69,6 +86,7 @@ Result<void> TtyLink::flush() {
 
 Result<std::size_t> TtyLink::read(std::span<std::uint8_t> bytes, Time deadline) {
   const WallClock clock;
+  if (fd_ < 0) return tl::unexpected(closed());
   while (true) {
     if (interrupt_ && interrupt_->requested()) return tl::unexpected(Interrupt::error());
     const Time left = std::max(deadline - clock.now(), Time::zero());

@@ -8,6 +8,7 @@
 
 #include "host/robot/interrupt.h"
 #include "host/robot/link.h"
+#include "host/robot/serial_port.h"
 
 namespace kaz::host {
 
@@ -24,20 +25,25 @@ class TtyLink final : public Link {
 
   std::string name() const override { return path_; }
   Time byte_time() const override;
+  LowLatency low_latency() const { return low_latency_; }
   // Fails when the port is gone, or when it has taken no byte of the last 64 KB.
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   // A port that goes away during use (unplugged, or the simulator at its other end ended) is an
-  // error that says so; every later call fails too.
+  // error that says so; every later call fails too, until
+  // reopen() succeeds.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
+  // Opens the same path again; fails as `open` does until it is there.
+  Result<void> reopen() override;
 
  private:
-  TtyLink(std::string path, int baud, int fd, const Interrupt* interrupt);
+  TtyLink(std::string path, int baud, const OpenPort& port, const Interrupt* interrupt);
   Result<void> flush();
   Error closed() const;
 
   std::string path_;
   int baud_;
   int fd_;
+  LowLatency low_latency_;
   const Interrupt* interrupt_;
   std::vector<std::uint8_t> pending_;  // what the port has not taken yet
 };

@@ -21,6 +21,7 @@ if(TARGET kaz)
   install(FILES ${shell}/kaz.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/sim/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz)
 endif()
+install(FILES ${PROJECT_SOURCE_DIR}/tools/udev/70-kaz.rules DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz/udev)
 if(TARGET kaz_firmware)
   install(FILES ${PROJECT_BINARY_DIR}/firmware/kaz.mot ${PROJECT_BINARY_DIR}/firmware/kaz.coff
           DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz/firmware)

@@ -59,6 +59,7 @@ class RealRig final : public Rig {
           const host::Interrupt& interrupt)
       : link_(std::move(link)), camera_path_(std::move(camera_path)), clock_(&interrupt) {}
   host::Link& link() override { return *link_; }
+  const host::TtyLink* port() const override { return link_.get(); }
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override {
     auto camera = host::PublishedCamera::connect(camera_path_);

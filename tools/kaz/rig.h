@@ -9,6 +9,7 @@
 
 #include "host/robot/interrupt.h"
 #include "host/robot/link.h"
+#include "host/robot/tty_link.h"
 #include "shared/base/result.hpp"
 #include "sim/runtime/simulation.h"
 #include "vision/frame.h"
@@ -35,6 +36,8 @@ class Rig {
 
   virtual host::Link& link() = 0;
   virtual host::Clock& clock() = 0;
+  // The port; null where the robot is simulated in this process.
+  virtual const host::TtyLink* port() const { return nullptr; }
   // To be called once, before camera() and camera_latency(): apart from open(), so that a board that does
   // not answer is reported before a camera that is not there.
   virtual Result<void> open_camera() = 0;

@@ -62,7 +62,10 @@ ordered_json link_json(const host::LinkStatistics& link) {
           {"bad_frames", link.bad_frames},
           {"bytes_out", link.bytes_out},
           {"bytes_in", link.bytes_in},
-          {"round_trip_s", rounded(link.round_trip.smoothed_s, 1e-6)}};
+          {"round_trip_s", rounded(link.round_trip.smoothed_s, 1e-6)},
+          {"round_trip_min_s", rounded(link.round_trip.min_s, 1e-6)},
+          {"round_trip_mean_s", rounded(link.round_trip.mean_s, 1e-6)},
+          {"round_trip_max_s", rounded(link.round_trip.max_s, 1e-6)}};
 }
 
 figure::LinePlot joint_plot(const RunReport& report, const std::string& title,

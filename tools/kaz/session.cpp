@@ -9,6 +9,7 @@
 #include "host/behavior/ball_finder_sight.h"
 #include "host/behavior/behavior.h"
 #include "host/robot/capture.h"
+#include "host/robot/measure_link.h"
 #include "host/robot/robot.h"
 #include "tools/kaz/album.h"
 #include "tools/kaz/interrupt_signals.h"
@@ -114,8 +115,16 @@ Result<bool> run_session(SessionOptions options) {
   const InterruptSignals signals(interrupt);
   auto rig = Rig::open(options.rig, interrupt);
   if (!rig) return tl::unexpected(rig.error());
-  auto robot = host::Robot::connect((*rig)->link(), (*rig)->clock());
+  const bool real = (*rig)->port() != nullptr;
+  auto robot =
+      host::Robot::connect((*rig)->link(), (*rig)->clock(),
+                           {.frames_path = real ? temporary_file("frames.txt") : std::string()});
   if (!robot) return tl::unexpected(robot.error());
+  if (real) {
+    const auto trip = host::measure_round_trip(*robot, *(*rig)->port());
+    if (!trip) return tl::unexpected(trip.error());
+    if (!options.json || trip->slow) std::fprintf(stderr, "kaz: %s\n", trip->sentence.c_str());
+  }
 
   if (auto seen = (*rig)->open_camera(); !seen) return tl::unexpected(seen.error());
   RememberingCamera camera((*rig)->camera());
@@ -130,7 +139,7 @@ Result<bool> run_session(SessionOptions options) {
   Listener listener(**rig, album, progress, start, expected_seconds(*values, behavior->options));
 
   const auto wall_start = std::chrono::steady_clock::now();
-  behavior::Context context{*robot, (*rig)->clock(), &sight, listener, *values, options.rig.seed};
+  behavior::Context context{*robot, robot->clock(), &sight, listener, *values, options.rig.seed};
   const Result<behavior::Outcome> outcome = behavior->run(context);
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
