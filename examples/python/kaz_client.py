@@ -1,0 +1,200 @@
+#!/usr/bin/env python3
+# A client of Kaz's servo board, written from docs/protocol.md, with the standard library alone.
+# SPDX-License-Identifier: Apache-2.0
+"""Moves one joint of Kaz, reads it back, and shows what a refusal looks like.
+
+examples:
+  kaz_client.py /dev/ttyUSB0 --joint 0 --angle 0.3
+  kaz sim --world ball --serial /tmp/board &   kaz_client.py /tmp/board --joint 1 --angle -0.2
+
+exit codes: 0 done, 1 the joint did not get there or the board refused, 2 wrong usage,
+3 no port, or no board that answers
+"""
+import argparse
+import os
+import select
+import struct
+import sys
+import termios
+import time
+import tty
+
+ADDRESS = 1
+IDENTIFY, ENABLE, TARGETS, STATE, CLEAR, HEARTBEAT, REFUSED = 0x01, 0x02, 0x03, 0x05, 0x08, 0x06, 0xFF
+PROTOCOL_VERSION = 2
+REACTION_HOLD = 2
+REASONS = {1: "unknown type", 2: "wrong length", 3: "value out of range",
+           4: "target outside the joint's soft limits", 5: "joint is off",
+           6: "a shutdown is latched", 7: "too many requests", 8: "only while all motors are off",
+           9: "only under unlock", 10: "not on a shared line", 11: "flash could not be written"}
+UNIT = 1e-4  # angles are in 100 microradians
+
+
+class Refusal(Exception):
+    """A negative reply: the board has understood the request and does not do it."""
+
+    def __init__(self, request, reason, detail):
+        super().__init__(f"the board refused request 0x{request:02x}: "
+                         f"{REASONS.get(reason, f'reason {reason}')}, detail {detail}")
+        self.reason, self.detail = reason, detail
+
+
+class NoBoard(Exception):
+    """The port cannot be opened, or nothing answers."""
+
+
+# ---- Frames: 00 | stuffed body | check | 00
+
+def check_of(stuffed):
+    crc = 0xFFFF
+    for byte in stuffed:
+        crc ^= byte << 8
+        for _ in range(8):
+            crc = (crc << 1) ^ 0x1021 if crc & 0x8000 else crc << 1
+            crc &= 0xFFFF
+    return bytes([0x80 | crc >> 14, 0x80 | crc >> 7 & 0x7F, 0x80 | crc & 0x7F])
+
+
+def frame_of(body):
+    stuffed = b"".join(bytes([len(piece) + 1]) + piece for piece in body.split(b"\0"))
+    return b"\0" + stuffed + check_of(stuffed) + b"\0"
+
+
+def body_of(piece):
+    """The body of what stood between two zeros, or None if it is damaged."""
+    stuffed, check = piece[:-3], piece[-3:]
+    if not stuffed or check_of(stuffed) != check:
+        return None
+    pieces = []
+    while stuffed:
+        length = stuffed[0]
+        if length > len(stuffed):
+            return None
+        pieces.append(stuffed[1:length])
+        stuffed = stuffed[length:]
+    body = b"\0".join(pieces)
+    return body if len(body) >= 3 else None
+
+
+# ---- Requests and replies
+
+class Board:
+    def __init__(self, path):
+        try:
+            self.port = os.open(path, os.O_RDWR | os.O_NOCTTY)
+            tty.setraw(self.port)  # 8 bits, no parity, nothing translated
+            settings = termios.tcgetattr(self.port)
+            settings[4] = settings[5] = termios.B115200
+            termios.tcsetattr(self.port, termios.TCSANOW, settings)
+            termios.tcflush(self.port, termios.TCIOFLUSH)
+        except (OSError, termios.error) as error:
+            raise NoBoard(f"cannot open '{path}' as a serial port: {error.args[-1]}") from error
+        self.path = path
+        self.heard = b""
+        self.sequence = time.time_ns() // 1000000 & 0xFF  # not where the last client ended
+
+    def bodies(self, until):
+        """Sound bodies as they come, until the time is over."""
+        while (left := until - time.monotonic()) > 0:
+            if not select.select([self.port], [], [], left)[0]:
+                continue
+            try:
+                received = os.read(self.port, 256)
+            except OSError as error:
+                raise NoBoard(f"'{self.path}' is gone: {error.strerror}") from error
+            if not received:
+                raise NoBoard(f"'{self.path}' is gone")
+            *pieces, self.heard = (self.heard + received).split(b"\0")
+            self.heard = self.heard[-200:]  # no frame is longer
+            yield from filter(None, map(body_of, pieces))
+
+    def ask(self, kind, fields=b"", patience_s=0.5):
+        """The fields of the reply. A request without one is sent again, as the same request."""
+        self.sequence = self.sequence + 1 & 0xFF
+        frame = frame_of(bytes([ADDRESS, kind, self.sequence]) + fields)
+        give_up = time.monotonic() + patience_s
+        while time.monotonic() < give_up:
+            os.write(self.port, frame)
+            for body in self.bodies(time.monotonic() + 0.02):
+                address, reply, sequence = body[:3]
+                if address != ADDRESS or sequence != self.sequence:
+                    continue
+                if reply == REFUSED:
+                    _tick, _status, request, reason, detail = struct.unpack(">IHBBB", body[3:])
+                    raise Refusal(request, reason, detail)
+                if reply == kind | 0x80:
+                    return body[3:]
+        raise NoBoard(f"no board answers at '{self.path}'")
+
+    def identify(self):
+        reply = self.ask(IDENTIFY, patience_s=3)
+        tick, version, joints, status = struct.unpack(">IBBH", reply[:8])
+        return {"tick": tick, "version": version, "joints": joints, "status": status}
+
+    def angles(self):
+        _tick, _status, _supply, *angles = struct.unpack(">IHH18h", self.ask(STATE))
+        return [angle * UNIT for angle in angles]
+
+    def target(self, joint, angle, seconds):
+        self.ask(TARGETS, struct.pack(">IHh", 1 << joint, round(seconds * 1000), round(angle / UNIT)))
+
+
+def move(board, joint, angle, seconds):
+    """True if the joint has got to the angle."""
+    board.ask(HEARTBEAT, bytes([0, REACTION_HOLD]))  # should this client die, the joint holds
+    board.ask(CLEAR)
+    board.ask(ENABLE, struct.pack(">I", 1 << joint))
+    before = board.angles()[joint]
+    print(f"joint {joint} is on at {before:+.3f} rad")
+    board.target(joint, angle, seconds)
+    end = time.monotonic() + seconds + 1.5
+    while time.monotonic() < end:  # each request also tells the board that we are alive
+        now = board.angles()[joint]
+        if abs(now - angle) < 0.03:
+            print(f"joint {joint} is at {now:+.3f} rad")
+            return True
+        time.sleep(0.02)
+    print(f"joint {joint} is at {now:+.3f} rad, not at {angle:+.3f}", file=sys.stderr)
+    return False
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("port", help="serial device, or the pty of `kaz sim --serial`")
+    parser.add_argument("--joint", type=int, default=0, choices=range(18), metavar="0..17",
+                        help="number of the joint (default: 0, neck_pan)")
+    parser.add_argument("--angle", type=float, default=0.3, help="rad (default: 0.3)")
+    parser.add_argument("--seconds", type=float, default=1.0, help="for the way (default: 1)")
+    options = parser.parse_args()
+    if abs(options.angle) > 3.2 or not 0 <= options.seconds <= 60:
+        parser.error("--angle is within 3.2 rad, --seconds 0 to 60")
+    try:
+        board = Board(options.port)
+        who = board.identify()
+        print(f"a board with {who['joints']} joints, protocol {who['version']}, on for "
+              f"{who['tick'] / 1000:.1f} s")
+        if who["version"] != PROTOCOL_VERSION:
+            raise NoBoard(f"the board speaks protocol {who['version']}, not {PROTOCOL_VERSION}")
+        try:
+            arrived = move(board, options.joint, options.angle, options.seconds)
+            try:
+                board.target(options.joint, 3.27, 1)  # beyond every joint's limits
+                print("the board took a target beyond the limits", file=sys.stderr)
+                arrived = False
+            except Refusal as refusal:
+                print(f"as it should be: {refusal}")
+        finally:
+            board.ask(ENABLE, struct.pack(">I", 0))
+        print("all joints are off")
+        return 0 if arrived else 1
+    except Refusal as refusal:
+        print(f"kaz_client.py: {refusal}", file=sys.stderr)
+        return 1
+    except NoBoard as error:
+        print(f"kaz_client.py: {error}", file=sys.stderr)
+        return 3
+
+
+if __name__ == "__main__":
+    sys.exit(main())
