@@ -102,6 +102,7 @@ class NativeMcu final : public Mcu {
     act_at_ = never;
     action_ = KZ_ACTION_NONE;
     tick_at_ = now_ + states;
+    deaf_until_ = tick_at_ - start_states;
     setting_ = 0;  // like the firmware, it converts once before the first tick
     received_.clear();
     ring_.clear();
@@ -119,6 +120,8 @@ class NativeMcu final : public Mcu {
       kz_startup_test_analog(&startup_, input_.analog);
       kz_servo_init(&servo_, &startup_, &output_);
       started_ = true;
+      // What came for the loader is lost.
+      while (!received_.empty() && received_.front().at <= deaf_until_) received_.pop_front();
     }
 
     show(levels_of(output_));
@@ -282,6 +285,7 @@ class NativeMcu final : public Mcu {
   bool released_ = false;  // the bytes of `output_` are on the wire already
   States asked_at_ = 0;    // start of the tick that asked
   States deaf_from_ = 0;
+  States deaf_until_ = 0;        // the loader runs, which listens to nothing
   States overrun_at_ = never;    // the byte that others have overrun
   int setting_ = KZ_MUX_INPUTS;  // of the multiplexers, to be sampled next
   PinLevels pins_;

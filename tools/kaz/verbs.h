@@ -29,6 +29,7 @@ void add_demo(CLI::App& program, Action& action);
 void add_run(CLI::App& program, Action& action);
 void add_sim(CLI::App& program, Action& action);
 void add_mcu(CLI::App& program, Action& action);
+void add_conformance(CLI::App& program, Action& action);
 void add_shell(CLI::App& program, Action& action);  // last: it tells of all others
 
 }  // namespace kaz::tools

@@ -151,7 +151,9 @@ struct Translator::Cache {
     for (const std::uint32_t index : touched) entries[index] = {};
     touched.clear();
     if (runtime && bytes != 0) {
-      runtime->reset(asmjit::ResetPolicy::kSoft);
+      // Not kSoft: with several blocks asmjit 1.9 then builds its tree of them from nodes that still
+      // hang in the old one, and aborts.
+      runtime->reset(asmjit::ResetPolicy::kHard);
       gate = {};
     }
     bytes = 0;

@@ -1,0 +1,337 @@
+// Cases of docs/protocol.md, chapter Bench.
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "hil/conformance/suite.h"
+#include "shared/servo/tick.h"
+
+namespace kaz::hil {
+namespace {
+
+void add(Cases& to, const std::string& id, const char* sentence, const char* statement,
+         std::function<void(Board&)> run, unsigned needs = kMotion) {
+  to.push_back({"bench." + id, sentence, {statement}, needs, std::move(run)});
+}
+
+Bytes key(int seconds) {
+  return Put().u16(KZ_KEY).u8(seconds);
+}
+
+Bytes drive(int joint, int duty, int ms) {
+  return Put().u8(joint).s16(duty).u16(ms);
+}
+
+void unlock(Board& b, int seconds = 20) {
+  check(b.done("unlock", key(seconds)).flag(KZ_STATUS_UNLOCKED), "UNLOCKED is not set");
+}
+
+bool driven(Board& b) {
+  return b.state().flag(KZ_STATUS_RAW_DRIVE);
+}
+
+void drive_is(Board& b, int joint, double wanted) {
+  const double got = b.bench().drive(joint);
+  check(std::abs(got - wanted) < 0.01, "drive of joint " + std::to_string(joint) + ": expected " +
+                                           std::to_string(wanted) + ", got " + std::to_string(got));
+}
+
+void add_lock(Cases& to) {
+  add(
+      to, "unlock", "`unlock` unlocks, 0 seconds lock again.", "BENCH-1",
+      [](Board& b) {
+        unlock(b);
+        check(b.state().flag(KZ_STATUS_UNLOCKED), "UNLOCKED is not set");
+        check(!b.done("unlock", key(0)).flag(KZ_STATUS_UNLOCKED), "UNLOCKED is set");
+        b.refused("raw_drive", drive(0, 0, 10), KZ_REFUSED_LOCKED);
+      },
+      kNothing);
+  add(
+      to, "unlock-time", "The lock falls after the given seconds.", "BENCH-1",
+      [](Board& b) {
+        unlock(b, 1);
+        b.wait(900);
+        check(b.state().flag(KZ_STATUS_UNLOCKED), "UNLOCKED is not set after 0.9 s");
+        b.wait(150);
+        check(!b.state().flag(KZ_STATUS_UNLOCKED), "UNLOCKED is set after 1.05 s");
+      },
+      kNothing);
+  add(
+      to, "unlock-again", "A further `unlock` begins the time anew.", "BENCH-1",
+      [](Board& b) {
+        unlock(b, 1);
+        b.wait(600);
+        unlock(b, 1);
+        b.wait(600);
+        check(b.state().flag(KZ_STATUS_UNLOCKED), "UNLOCKED is not set");
+      },
+      kNothing);
+  add(to, "unlock-armed", "`unlock` is refused with ARMED while a motor is on.", "BENCH-1",
+      [](Board& b) {
+        b.enable(1);
+        b.refused("unlock", key(5), KZ_REFUSED_ARMED);
+      });
+  add(
+      to, "unlock-key", "Another key is refused with RANGE.", "BENCH-1",
+      [](Board& b) {
+        for (const int wrong : {0, 0x5A4B, 0xFFFF, KZ_KEY ^ 1}) {
+          b.refused("unlock", Put().u16(wrong).u8(5), KZ_REFUSED_RANGE, 0);
+        }
+        check(!b.state().flag(KZ_STATUS_UNLOCKED), "UNLOCKED is set");
+      },
+      kNothing);
+  add(
+      to, "unlock-reset", "A reset locks.", "BENCH-1",
+      [](Board& b) {
+        unlock(b, 60);
+        b.reset_by_command();
+        check(!b.state().flag(KZ_STATUS_UNLOCKED), "UNLOCKED is set");
+      },
+      kNothing);
+  add(
+      to, "locked", "`raw_drive` and `set_address` are refused with LOCKED.", "BENCH-2",
+      [](Board& b) {
+        b.refused("raw_drive", drive(0, 50, 100), KZ_REFUSED_LOCKED);
+        b.refused("set_address", Put().u8(1).u8(0), KZ_REFUSED_LOCKED);
+        b.expect_off();
+      },
+      kNothing);
+}
+
+void add_raw(Cases& to) {
+  add(
+      to, "raw", "`raw_drive` drives for its time, status RAW_DRIVE, then the motor is off.",
+      "BENCH-3",
+      [](Board& b) {
+        unlock(b);
+        check(b.done("raw_drive", drive(0, 40, 100)).flag(KZ_STATUS_RAW_DRIVE),
+              "RAW_DRIVE is not set");
+        b.wait(60);
+        check(driven(b), "RAW_DRIVE is not set after 60 ms");
+        b.wait(50);
+        check(!driven(b), "RAW_DRIVE is set after 110 ms");
+        b.expect_off();
+      },
+      kMotion | kExact);
+  for (const int joint : {0, 5, 6, 9, 12, 17}) {
+    for (const int duty : {60, -60}) {
+      add(
+          to, "raw-pins-" + std::to_string(joint) + (duty > 0 ? "-forth" : "-back"),
+          "This motor gets its duty in its sense, no other any.", "BENCH-3",
+          [joint, duty](Board& b) {
+            unlock(b);
+            b.done("raw_drive", drive(joint, duty, 50));
+            b.wait(10);
+            for (int j = 0; j < KZ_JOINTS; ++j) drive_is(b, j, j == joint ? duty / 255.0 : 0);
+            b.wait(60);
+            b.expect_off();
+          },
+          kMotion | kBench);
+    }
+  }
+  add(
+      to, "raw-full", "Full duty is constant high.", "BENCH-3",
+      [](Board& b) {
+        unlock(b);
+        b.bench().block_joint(0, true);
+        b.done("raw_drive", drive(0, 255, 20));
+        b.wait(5);
+        drive_is(b, 0, 1);
+      },
+      kMotion | kBench);
+  add(to, "raw-armed", "`raw_drive` is refused with ARMED while a joint is enabled.", "BENCH-3",
+      [](Board& b) {
+        unlock(b);
+        b.enable(2);
+        b.refused("raw_drive", drive(0, 50, 100), KZ_REFUSED_ARMED);
+      });
+  add(to, "raw-latched", "`raw_drive` is refused with FAULT while a shutdown is latched.",
+      "BENCH-3", [](Board& b) {
+        unlock(b);
+        b.done("stop");
+        b.refused("raw_drive", drive(0, 50, 100), KZ_REFUSED_FAULT, KZ_SHUTDOWN_STOP);
+        b.expect_off();
+      });
+  add(
+      to, "raw-replaced", "A further `raw_drive` replaces the one under way.", "BENCH-4",
+      [](Board& b) {
+        unlock(b);
+        b.done("raw_drive", drive(0, 40, 500));
+        b.wait(10);
+        b.done("raw_drive", drive(1, -50, 500));
+        b.wait(5);
+        drive_is(b, 0, 0);
+        drive_is(b, 1, -50 / 255.0);
+      },
+      kMotion | kBench);
+  add(to, "raw-zero", "Duty 0 ends it.", "BENCH-4", [](Board& b) {
+    unlock(b);
+    b.done("raw_drive", drive(0, 40, 1000));
+    b.done("raw_drive", drive(0, 0, 1000));
+    b.wait(5);
+    check(!driven(b), "RAW_DRIVE is set");
+    b.expect_off();
+  });
+  add(to, "raw-enable", "`enable` ends it.", "BENCH-4", [](Board& b) {
+    unlock(b);
+    b.done("raw_drive", drive(0, 40, 1000));
+    b.done("enable", Put().u32(0));
+    b.wait(5);
+    check(!driven(b), "RAW_DRIVE is set");
+    b.expect_off();
+  });
+  add(to, "raw-stop", "`stop` ends it.", "BENCH-4", [](Board& b) {
+    unlock(b);
+    b.done("raw_drive", drive(0, 40, 1000));
+    b.done("stop");
+    b.wait(5);
+    check(!driven(b), "RAW_DRIVE is set");
+    b.expect_off();
+    equal("reason", b.state().reason(), KZ_SHUTDOWN_STOP);
+  });
+  add(to, "raw-lock", "The lock ends it.", "BENCH-4", [](Board& b) {
+    unlock(b, 1);
+    b.wait(500);
+    b.done("raw_drive", drive(0, 20, 2000));
+    b.stay_alive(400);
+    check(driven(b), "RAW_DRIVE is not set");
+    b.stay_alive(200);
+    check(!driven(b), "RAW_DRIVE is set");
+    b.expect_off();
+  });
+}
+
+void add_safe(Cases& to) {
+  for (const int sign : {1, -1}) {
+    add(
+        to, std::string("raw-limit-") + (sign > 0 ? "upper" : "lower"),
+        "`raw_drive` does not drive a joint out of this soft limit.", "BENCH-5",
+        [sign](Board& b) {
+          b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));
+          unlock(b);
+          b.bench().place_joint(0, sign * 0.31);
+          b.wait(10);
+          b.done("raw_drive", drive(0, sign * 100, 200));
+          for (int n = 0; n < 20; ++n) {
+            b.wait(3);
+            check(sign * b.bench().drive(0) <= 0, "it is driven further out");
+          }
+          b.done("raw_drive", drive(0, -sign * 60, 200));
+          b.wait(5);
+          drive_is(b, 0, -sign * 60 / 255.0);  // inward it is
+        },
+        kMotion | kBench);
+    add(
+        to, std::string("raw-overshoot-") + (sign > 0 ? "upper" : "lower"),
+        "A full `raw_drive` does not carry a joint past this soft limit.", "BENCH-5",
+        [sign](Board& b) {
+          b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));
+          unlock(b);
+          b.bench().place_joint(0, -sign * 0.25);
+          b.wait(10);
+          b.done("raw_drive", drive(0, sign * 255, 500));
+          for (int ms = 0; ms < 500; ++ms) {
+            if (ms % 30 == 0) b.write(b.request_bytes("heartbeat", Put().u8(0).u8(0)));
+            b.wait(1);
+            check(sign * b.bench().angle_rad(0) <= 0.31,
+                  "the shaft stands at " + std::to_string(b.bench().angle_rad(0)) + " rad");
+          }
+        },
+        kMotion | kBench);
+  }
+  add(to, "raw-link", "The link watchdog ends it, also with reaction HOLD.", "BENCH-5",
+      [](Board& b) {
+        for (const int reaction : {KZ_REACTION_LIMP, KZ_REACTION_HOLD}) {
+          b.watchdog(0, reaction);
+          unlock(b);
+          b.done("raw_drive", drive(0, 20, 2000));
+          b.wait(130);
+          const Reply state = b.state();
+          check(!state.flag(KZ_STATUS_RAW_DRIVE), "RAW_DRIVE is set");
+          equal("reason", state.reason(), KZ_SHUTDOWN_LINK_LOST);
+          b.expect_off();
+          b.done("clear");
+        }
+      });
+  add(
+      to, "raw-supply", "A bad supply ends it.", "BENCH-5",
+      [](Board& b) {
+        unlock(b);
+        b.done("raw_drive", drive(0, 20, 2000));
+        b.bench().set_analog(KZ_ANALOG_SUPPLY, 100);
+        b.stay_alive(60);
+        b.expect_off();
+        equal("reason", b.state().reason(), KZ_SHUTDOWN_UNDERVOLTAGE);
+      },
+      kMotion | kBench);
+  add(
+      to, "raw-pot", "A potentiometer that is gone ends it.", "BENCH-5",
+      [](Board& b) {
+        unlock(b);
+        b.done("raw_drive", drive(0, 20, 2000));
+        b.bench().set_analog(0, 0);
+        b.wait(5);
+        drive_is(b, 0, 0);
+        b.stay_alive(60);
+        b.expect_off();
+      },
+      kMotion | kBench);
+}
+
+void add_restarts(Cases& to) {
+  add(
+      to, "reset", "`reset` answers, then starts the board anew; cause COMMAND.", "BENCH-6",
+      [](Board& b) {
+        b.wait(100);
+        const long before = b.state()["tick"];
+        b.reset_by_command();
+        const Reply who = b.done("identify");
+        check(who["tick"] < before + 100, "the tick went on");
+        equal("cause", who["reset_cause"], KZ_RESET_COMMAND);
+      },
+      kNothing);
+  add(to, "reset-armed", "`reset` and `loader` are refused with ARMED while a motor is on.",
+      "BENCH-6", [](Board& b) {
+        b.enable(1);
+        b.refused("reset", Put().u16(KZ_KEY), KZ_REFUSED_ARMED);
+        b.refused("loader", Put().u16(KZ_KEY), KZ_REFUSED_ARMED);
+        check(b.state().flag(KZ_STATUS_ENABLED), "the motor went off");
+      });
+  add(
+      to, "reset-unlatches", "A reset forgets what is latched.", "BENCH-6",
+      [](Board& b) {
+        b.done("stop");
+        b.reset_by_command();
+        equal("reason", b.state().reason(), KZ_SHUTDOWN_NONE);
+      },
+      kNothing);
+  add(
+      to, "loader", "`loader` leaves the application, which is back after 3 s; cause COMMAND.",
+      "BENCH-7",
+      [](Board& b) {
+        b.done("loader", Put().u16(KZ_KEY));
+        b.wait(300);
+        check(!b.answers(), "the application still answers");
+        b.wait(3200);
+        check(b.answers(), "the application does not answer 3.5 s later");
+        const Reply who = b.done("identify");
+        equal("cause", who["reset_cause"], KZ_RESET_COMMAND);
+        b.expect_off();
+      },
+      kNothing);
+  add(to, "loader-armed", "`loader` is refused with ARMED while a motor is on.", "BENCH-7",
+      [](Board& b) {
+        b.enable(1);
+        b.refused("loader", Put().u16(KZ_KEY), KZ_REFUSED_ARMED);
+      });
+}
+
+}  // namespace
+
+void add_bench_cases(Cases& to) {
+  add_lock(to);
+  add_raw(to);
+  add_safe(to);
+  add_restarts(to);
+}
+
+}  // namespace kaz::hil

@@ -1,0 +1,255 @@
+// Cases of docs/protocol.md, chapter Calibration.
+// SPDX-License-Identifier: Apache-2.0
+#include <vector>
+
+#include "hil/conformance/suite.h"
+
+namespace kaz::hil {
+namespace {
+
+void add(Cases& to, const std::string& id, const char* sentence, const char* statement,
+         std::function<void(Board&)> run, unsigned needs = kNothing) {
+  to.push_back({"calibration." + id, sentence, {statement}, needs, std::move(run)});
+}
+
+struct Values {
+  std::vector<long> centre, scale;
+  bool operator==(const Values&) const = default;
+};
+
+Values values_of(const Reply& calibration) {
+  Values values;
+  for (int j = 0; j < KZ_JOINTS; ++j) {
+    values.centre.push_back(calibration.number("centre", j));
+    values.scale.push_back(calibration.number("scale", j));
+  }
+  return values;
+}
+
+Bytes calibrate_all(const Values& values) {
+  Put put;
+  put.u32(KZ_ALL_JOINTS);
+  for (const long centre : values.centre) put.s16(centre);
+  for (const long scale : values.scale) put.s16(scale);
+  return put;
+}
+
+Bytes calibrate_one(int joint, long centre, long scale) {
+  return Put().u32(1L << joint).s16(centre).s16(scale);
+}
+
+// Nominal values: centre of joints.def, 95 degrees with the sense of the potentiometer.
+Values nominal() {
+  Values values;
+#define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) \
+  values.centre.push_back(KZ_DECIDEG(pot_centre));                          \
+  values.scale.push_back((sign)*16581);
+#include "shared/board/joints.def"
+#undef KZ_JOINT
+  return values;
+}
+
+void expect_sound(Board& b) {
+  const Reply now = b.done("calibration");
+  const bool stored = now["sequence"] != 0;
+  equal("UNCALIBRATED", now.flag(KZ_STATUS_UNCALIBRATED), !stored);
+  if (stored) {
+    within("source", now["source"], KZ_CALIBRATION_A, KZ_CALIBRATION_B);
+  } else {
+    equal("source", now["source"], KZ_CALIBRATION_NOMINAL);
+    check(values_of(now) == nominal(), "without a stored copy the values are not nominal");
+  }
+}
+
+// Changes the calibration for the time of `then` and stores the old values again.
+template <class Then>
+void with_stored(Board& b, Then then) {
+  const Values old = values_of(b.done("calibration"));
+  const auto back = [&] {
+    b.done("calibrate", calibrate_all(old));
+    b.done("store_calibration", {}, 3000);
+  };
+  try {
+    then(old);
+  } catch (const Failed&) {
+    b.begin(0);
+    back();
+    throw;
+  }
+  back();
+}
+
+void add_use(Cases& to) {
+  add(to, "told", "`calibration` tells values, source, number and wear.", "CAL-1", [](Board& b) {
+    const Reply now = b.done("calibration");
+    within("erases of A", now["erases_a"], 0, 100);
+    within("erases of B", now["erases_b"], 0, 100);
+    for (int j = 0; j < KZ_JOINTS; ++j) {
+      const Values usual = nominal();
+      const auto i = static_cast<std::size_t>(j);
+      within("centre of joint " + std::to_string(j), now.number("centre", j),
+             usual.centre[i] - KZ_CENTRE_TOLERANCE, usual.centre[i] + KZ_CENTRE_TOLERANCE);
+    }
+  });
+  add(to, "nominal", "Without a stored copy values are nominal and UNCALIBRATED is set.", "CAL-5",
+      [](Board& b) { expect_sound(b); });
+  add(to, "set", "`calibrate` sets the joints of its mask, no others.", "CAL-2", [](Board& b) {
+    const Values before = values_of(b.done("calibration"));
+    b.done("calibrate", calibrate_one(3, before.centre[3] + 200, before.scale[3] - 100));
+    const Values after = values_of(b.done("calibration"));
+    Values wanted = before;
+    wanted.centre[3] += 200;
+    wanted.scale[3] -= 100;
+    check(after == wanted, "the values are not what was set");
+  });
+  add(to, "set-all", "`calibrate` takes all 18 joints at once.", "CAL-2", [](Board& b) {
+    Values wanted = nominal();
+    for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+      wanted.centre[j] += 10 * static_cast<long>(j) - 90;
+      wanted.scale[j] += 7 * static_cast<long>(j);
+    }
+    b.done("calibrate", calibrate_all(wanted));
+    check(values_of(b.done("calibration")) == wanted, "the values are not what was set");
+  });
+  add(to, "angle-follows", "Angles follow the new centre at once.", "CAL-2", [](Board& b) {
+    const Values before = values_of(b.done("calibration"));
+    const long angle = b.angle(0);
+    b.done("calibrate", calibrate_one(0, before.centre[0] + 1000, before.scale[0]));
+    b.wait(5);
+    within("angle", b.angle(0), angle + 960, angle + 1040);
+  });
+  add(
+      to, "angle-follows-scale", "Angles follow the new scale at once.", "CAL-2",
+      [](Board& b) {
+        b.bench().place_joint(0, 0.8);
+        b.done("calibrate", calibrate_one(0, 0, 16581 * 9 / 8));
+        b.wait(20);
+        within("angle", b.angle(0), 8950, 9050);
+      },
+      kBench);
+  add(to, "until-reset", "What was not stored is gone after a reset.", "CAL-2", [](Board& b) {
+    const Values before = values_of(b.done("calibration"));
+    b.done("calibrate", calibrate_one(2, before.centre[2] + 100, before.scale[2]));
+    b.reset_by_command();
+    check(values_of(b.done("calibration")) == before, "a calibration in RAM outlived a reset");
+  });
+  add(
+      to, "armed", "`calibrate` and `store_calibration` are refused while a motor is on.", "CAL-2",
+      [](Board& b) {
+        const Values now = values_of(b.done("calibration"));
+        b.enable(1);
+        b.refused("calibrate", calibrate_one(1, now.centre[1], now.scale[1]), KZ_REFUSED_ARMED);
+        b.refused("store_calibration", {}, KZ_REFUSED_ARMED);
+        b.enable(0);
+        b.done("calibrate", calibrate_one(1, now.centre[1], now.scale[1]));
+      },
+      kMotion);
+  const Values usual = nominal();
+  for (const int joint : {0, 1, 6, 17}) {
+    const auto i = static_cast<std::size_t>(joint);
+    const long centre = usual.centre[i], scale = usual.scale[i];
+    const long quarter = (scale > 0 ? scale : -scale) / 4;
+    add(to, "range-" + std::to_string(joint),
+        "A centre or scale of this joint too far from nominal is refused with RANGE.", "CAL-2",
+        [=](Board& b) {
+          const Values before = values_of(b.done("calibration"));
+          for (const long wrong :
+               {centre - KZ_CENTRE_TOLERANCE - 1, centre + KZ_CENTRE_TOLERANCE + 1}) {
+            b.refused("calibrate", calibrate_one(joint, wrong, scale), KZ_REFUSED_RANGE, joint);
+          }
+          for (const long wrong : {scale - quarter - 2, scale + quarter + 2, -scale, 0L}) {
+            b.refused("calibrate", calibrate_one(joint, centre, wrong), KZ_REFUSED_RANGE, joint);
+          }
+          check(values_of(b.done("calibration")) == before, "a refused calibration was taken");
+          b.done("calibrate",
+                 calibrate_one(joint, centre - KZ_CENTRE_TOLERANCE, scale - quarter + 1));
+          b.done("calibrate",
+                 calibrate_one(joint, centre + KZ_CENTRE_TOLERANCE, scale + quarter - 1));
+        });
+  }
+}
+
+void add_store(Cases& to) {
+  add(
+      to, "store", "What is stored is in use after a reset.", "CAL-4",
+      [](Board& b) {
+        with_stored(b, [&](const Values& old) {
+          Values wanted = old;
+          for (std::size_t j = 0; j < KZ_JOINTS; ++j) wanted.centre[j] += 5 + static_cast<long>(j);
+          const long number = b.done("calibration")["sequence"];
+          b.done("calibrate", calibrate_all(wanted));
+          const Reply stored = b.done("store_calibration", {}, 3000);
+          check(stored["sequence"] != number && stored["sequence"] != 0,
+                "the copy has the number of the one before");
+          b.reset_by_command();
+          const Reply after = b.done("calibration");
+          check(values_of(after) == wanted, "other values are in use after the reset");
+          equal("number of the copy", after["sequence"], stored["sequence"]);
+          check(!after.flag(KZ_STATUS_UNCALIBRATED), "UNCALIBRATED is set");
+          within("source", after["source"], KZ_CALIBRATION_A, KZ_CALIBRATION_B);
+        });
+      },
+      kFlash);
+  add(
+      to, "store-answers", "`store_calibration` answers within 3 s; its copies have new numbers.",
+      "CAL-3",
+      [](Board& b) {
+        long number = b.done("calibration")["sequence"];
+        for (int n = 0; n < 3; ++n) {
+          const Time asked = b.now();
+          const Reply stored = b.done("store_calibration", {}, 3000);
+          check(seconds(b.now() - asked) < 3.0 + seconds(b.slack()), "it took more than 3 s");
+          equal("number of the copy", stored["sequence"], number + 1);
+          ++number;
+        }
+      },
+      kFlash);
+  add(
+      to, "store-many", "The store goes on when a block is full, and wear is told.", "CAL-1",
+      [](Board& b) {
+        const Reply before = b.done("calibration");
+        Reply stored = b.done("store_calibration", {}, 3000);
+        for (int n = 0; n < 12; ++n) stored = b.done("store_calibration", {}, 3000);
+        equal("number of the copy", stored["sequence"], before["sequence"] + 13);
+        const long erases = stored["erases_a"] + stored["erases_b"];
+        within("erases by 13 copies", erases - before["erases_a"] - before["erases_b"], 1, 4);
+        b.reset_by_command();
+        equal("number after a reset", b.done("calibration")["sequence"], stored["sequence"]);
+      },
+      kFlash | kBench);  // 13 copies are much for the life of a real part
+  add(
+      to, "power-lost", "Power lost while storing leaves one valid copy, the old or the new.",
+      "CAL-4",
+      [](Board& b) {
+        with_stored(b, [&](const Values& old) {
+          b.done("store_calibration", {}, 3000);
+          Values wanted = old;
+          for (int n = 0; n < 12; ++n) {
+            const Values before = values_of(b.done("calibration"));
+            wanted.centre[0] = old.centre[0] + 10 + n;
+            b.done("calibrate", calibrate_all(wanted));
+            b.write(b.request_bytes("store_calibration"));
+            b.wait(2 + static_cast<int>(b.random()() % 12));
+            b.bench().set_power(false);
+            b.wait(20);
+            b.bench().set_power(true);
+            b.wait(200);
+            b.forget_frames();  // the answer, if the store was quicker
+            const Reply after = b.done("calibration");
+            check(values_of(after) == before || values_of(after) == wanted,
+                  "neither the old nor the new values are in use");
+            check(!after.flag(KZ_STATUS_UNCALIBRATED), "no valid copy is left");
+          }
+        });
+      },
+      kFlash | kBench);
+}
+
+}  // namespace
+
+void add_calibration_cases(Cases& to) {
+  add_use(to);
+  add_store(to);
+}
+
+}  // namespace kaz::hil

@@ -1,0 +1,372 @@
+// Cases of docs/protocol.md, chapter Motion: enabling, targets, ramps.
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstdlib>
+
+#include "hil/conformance/suite.h"
+
+namespace kaz::hil {
+namespace {
+
+constexpr long kStill = 80;  // 100 urad: noise, friction and one code of the potentiometer
+
+void add(Cases& to, const char* id, const char* sentence, const char* statement,
+         std::function<void(Board&)> run, unsigned needs = kMotion) {
+  to.push_back({std::string("motion.") + id, sentence, {statement}, needs, std::move(run)});
+}
+
+long target_of(Board& b, int joint) {
+  return b.done("read_targets", Put().u32(1L << joint)).number("angle", joint);
+}
+
+// A target that is inside the limits, `step` away from where the joint is.
+long some_way(Board& b, int joint, long step) {
+  const long at = b.angle(joint);
+  return at > 0 ? at - step : at + step;
+}
+
+void near(const std::string& what, long got, long wanted, long tolerance) {
+  within(what, got, wanted - tolerance, wanted + tolerance);
+}
+
+void expect_still(Board& b, int joint, long at) {
+  for (int n = 0; n < 10; ++n) {
+    near("angle of joint " + std::to_string(joint), b.angle(joint), at, kStill);
+    b.wait(20);
+  }
+}
+
+void add_enable(Cases& to) {
+  add(
+      to, "off-after-reset", "All motors are off after a reset.", "MOVE-1",
+      [](Board& b) {
+        b.expect_off();
+        const Reply joints = b.joints(0x1FF);
+        for (int j = 0; j < 9; ++j)
+          equal("flags & ON", joints.number("faults", j) & KZ_JOINT_ON, 0);
+        b.refused("targets", Put().u32(1).u16(100).s16(0), KZ_REFUSED_DISABLED, 0);
+      },
+      kNothing);
+  add(to, "off-after-reset-while-on", "Also if they were on before it.", "MOVE-1", [](Board& b) {
+    b.enable(0x3);
+    b.enable(0);
+    b.reset_by_command();
+    b.expect_off();
+  });
+  add(to, "enable-keeps-still", "A joint that is switched on does not move.", "MOVE-2",
+      [](Board& b) {
+        const long at = b.angle(0);
+        b.enable(1);
+        near("target", target_of(b, 0), at, kStill);
+        expect_still(b, 0, at);
+      });
+  add(
+      to, "enable-where-turned", "Also where it was turned by hand before.", "MOVE-2",
+      [](Board& b) {
+        b.bench().place_joint(0, 0.7);
+        b.wait(20);
+        b.enable(1);
+        near("target", target_of(b, 0), 7000, kStill);
+        expect_still(b, 0, 7000);
+      },
+      kMotion | kBench);
+  add(to, "enable-all-still", "All 18 joints switched on at once do not move.", "MOVE-2",
+      [](Board& b) {
+        const Reply before = b.state();
+        b.enable(KZ_ALL_JOINTS);
+        b.stay_alive(200);
+        const Reply after = b.state();
+        for (int j = 0; j < KZ_JOINTS; ++j) {
+          near("angle of joint " + std::to_string(j), after.number("angle", j),
+               before.number("angle", j), kStill);
+        }
+      });
+  add(to, "enable-others-off", "`enable` switches all other joints off.", "MOVE-2", [](Board& b) {
+    b.enable(0x7);
+    b.enable(0x2);
+    const Reply joints = b.joints(0x7);
+    for (int j = 0; j < 3; ++j) {
+      equal("ON of joint " + std::to_string(j), joints.number("faults", j) & KZ_JOINT_ON,
+            j == 1 ? KZ_JOINT_ON : 0);
+    }
+    b.enable(0);
+    b.expect_off();
+  });
+  add(to, "enable-forgets-targets", "A target from before does not come back with `enable`.",
+      "MOVE-2", [](Board& b) {
+        b.enable(1);
+        b.target(0, some_way(b, 0, 4000), 1000);
+        b.stay_alive(150);
+        b.enable(0);
+        b.wait(100);
+        const long at = b.angle(0);
+        b.enable(1);
+        near("target", target_of(b, 0), at, kStill);
+        expect_still(b, 0, at);
+      });
+  add(to, "enable-keeps-others", "A joint that is on already keeps its target.", "MOVE-2",
+      [](Board& b) {
+        b.enable(1);
+        const long to_angle = some_way(b, 0, 2000);
+        b.target(0, to_angle, 400);
+        b.stay_alive(100);
+        b.enable(0x3);
+        equal("target", target_of(b, 0), to_angle);
+      });
+  add(to, "enable-while-latched", "`enable` is refused while a shutdown is latched.", "MOVE-3",
+      [](Board& b) {
+        b.done("stop");
+        b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT, KZ_SHUTDOWN_STOP);
+        b.expect_off();
+        b.done("clear");
+        b.enable(1);
+      });
+  add(
+      to, "enable-nothing-while-latched", "An empty mask is always taken.", "MOVE-3",
+      [](Board& b) {
+        b.done("stop");
+        equal("mask", b.done("enable", Put().u32(0))["mask"], 0);
+      },
+      kNothing);
+  for (const int code : {0, 3, 1020, 1023}) {
+    add(
+        to, ("enable-pot-" + std::to_string(code)).c_str(),
+        "`enable` is refused while a potentiometer of the mask reads this code.", "MOVE-3",
+        [code](Board& b) {
+          b.bench().set_analog(0, code);  // joint 0
+          b.wait(20);
+          b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT, KZ_SHUTDOWN_POT);
+          b.refused("enable", Put().u32(3), KZ_REFUSED_FAULT, KZ_SHUTDOWN_POT);
+          b.enable(2);
+          b.expect_alive();
+        },
+        kMotion | kBench);
+  }
+  for (const bool high : {false, true}) {
+    add(
+        to, high ? "enable-overvoltage" : "enable-undervoltage",
+        "`enable` is refused while the supply is not sound.", "MOVE-3",
+        [high](Board& b) {
+          b.bench().set_analog(KZ_ANALOG_SUPPLY, high ? 880 : 200);  // 13.2 V, 3 V
+          b.wait(30);
+          b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT,
+                    high ? KZ_SHUTDOWN_OVERVOLTAGE : KZ_SHUTDOWN_UNDERVOLTAGE);
+          b.expect_off();
+        },
+        kBench);
+  }
+}
+
+// Commands of joint 0 by telemetry over a time, by tick.
+struct Commands {
+  std::vector<std::pair<long, long>> samples;  // tick, command
+};
+Commands commands_of(Board& b, int joint, int ms) {
+  Commands commands;
+  for (const Frame& frame : b.telemetry(ms, true)) {
+    const Reply sample(message("telemetry_commands"), frame);
+    commands.samples.emplace_back(sample["tick"], sample.number("angle", joint));
+  }
+  check(commands.samples.size() > 5, "too little telemetry came");
+  return commands;
+}
+
+void add_ramps(Cases& to) {
+  add(to, "target-reached", "A target is reached in its time.", "MOVE-4", [](Board& b) {
+    b.enable(1);
+    const long goal = some_way(b, 0, 3000);
+    b.target(0, goal, 300);
+    b.stay_alive(450);
+    near("angle", b.angle(0), goal, kStill);
+  });
+  add(to, "ramp-straight", "The command goes straight, as fast as the time asks for.", "MOVE-4",
+      [](Board& b) {
+        b.enable(1);
+        const long from = target_of(b, 0), goal = some_way(b, 0, 4000);
+        b.done("telemetry", Put().u16(10).u8(KZ_TELEMETRY_COMMANDS));
+        const std::uint8_t sequence = b.new_sequence();
+        b.write(b.request_bytes("targets", Put().u32(1).u16(400).s16(goal), sequence));
+        const long start = b.take("targets", sequence)["tick"];
+        for (const auto& [tick, command] : commands_of(b, 0, 500).samples) {
+          const double share = std::min(1.0, static_cast<double>(tick - start) / 400);
+          const long wanted = from + std::lround(share * static_cast<double>(goal - from));
+          near("command " + std::to_string(tick - start) + " ms on its way", command, wanted, 25);
+        }
+      });
+  add(to, "ramp-limit", "Where the time is too short the joint's ramp decides.", "MOVE-4",
+      [](Board& b) {
+        b.done("limits", Put().u32(1).u16(10).s16(-20000).s16(20000));
+        b.enable(1);
+        const long from = target_of(b, 0), goal = some_way(b, 0, 2000);
+        b.done("telemetry", Put().u16(10).u8(KZ_TELEMETRY_COMMANDS));
+        const std::uint8_t sequence = b.new_sequence();
+        b.write(b.request_bytes("targets", Put().u32(1).u16(50).s16(goal), sequence));
+        const long start = b.take("targets", sequence)["tick"];
+        for (const auto& [tick, command] : commands_of(b, 0, 300).samples) {
+          const long way = std::min(2000L, 10 * (tick - start));
+          near("command", std::labs(command - from), way, 30);
+        }
+      });
+  add(to, "ramp-from-command", "A new target starts from where the command is.", "MOVE-4",
+      [](Board& b) {
+        b.enable(1);
+        const long from = target_of(b, 0), goal = some_way(b, 0, 4000);
+        b.done("telemetry", Put().u16(5).u8(KZ_TELEMETRY_COMMANDS));
+        b.target(0, goal, 400);
+        Commands all = commands_of(b, 0, 200);
+        b.target(0, from, 400);
+        const Commands more = commands_of(b, 0, 300);
+        all.samples.insert(all.samples.end(), more.samples.begin(), more.samples.end());
+        for (std::size_t i = 1; i < all.samples.size(); ++i) {
+          const auto [tick, command] = all.samples[i];
+          const auto [before_tick, before] = all.samples[i - 1];
+          within("step of the command in " + std::to_string(tick - before_tick) + " ms",
+                 std::labs(command - before), 0, 10 * (tick - before_tick) + 10);
+        }
+      });
+  add(to, "ramp-zero-time", "Time 0 means as fast as the ramp allows.", "MOVE-4", [](Board& b) {
+    b.enable(1);
+    const long goal = some_way(b, 0, 3000);
+    b.target(0, goal, 0);
+    b.stay_alive(250);
+    near("angle", b.angle(0), goal, kStill);
+  });
+  add(to, "many-joints", "One message moves all 18 joints.", "MOVE-4", [](Board& b) {
+    b.enable(KZ_ALL_JOINTS);
+    const Reply from = b.state();
+    Put fields;
+    fields.u32(KZ_ALL_JOINTS).u16(300);
+    std::vector<long> goals;
+    for (int j = 0; j < KZ_JOINTS; ++j) {
+      goals.push_back(from.number("angle", j) + (j == 12 || j == 16 ? 1500 : -700));
+      fields.s16(goals.back());
+    }
+    b.done("targets", fields);
+    b.wait_until_still();
+    b.stay_alive(400);
+    const Reply targets = b.done("read_targets", Put().u32(KZ_ALL_JOINTS));
+    const Reply after = b.state();
+    for (int j = 0; j < KZ_JOINTS; ++j) {
+      const auto goal = goals[static_cast<std::size_t>(j)];
+      equal("target of joint " + std::to_string(j), targets.number("angle", j), goal);
+      // The hands are held softly (kp), so that friction keeps them back.
+      const long tolerance = j == 5 || j == 9 ? 1200 : kStill + 60;
+      near("angle of joint " + std::to_string(j), after.number("angle", j), goal, tolerance);
+    }
+  });
+  add(to, "others-stay", "Joints outside the mask keep their targets.", "MOVE-4", [](Board& b) {
+    b.enable(0x3);
+    const long other = target_of(b, 1);
+    b.target(0, some_way(b, 0, 1000), 100);
+    b.stay_alive(150);
+    equal("target of joint 1", target_of(b, 1), other);
+  });
+  add(to, "moving-flag", "MOVING is set while a ramp is under way, and not after.", "MOVE-12",
+      [](Board& b) {
+        b.enable(1);
+        check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set before there was a target");
+        b.target(0, some_way(b, 0, 1000), 200);
+        b.wait(20);
+        check(b.state().flag(KZ_STATUS_MOVING), "MOVING is not set during the ramp");
+        equal("MOVING of the joint", b.joints(1).number("faults", 0) & KZ_JOINT_MOVING,
+              KZ_JOINT_MOVING);
+        b.stay_alive(250);
+        check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set when the ramp has ended");
+      });
+}
+
+void add_reading(Cases& to) {
+  add(
+      to, "read-targets-off", "`read_targets` tells the angle of a joint that is off.", "MOVE-7",
+      [](Board& b) {
+        const Reply targets = b.done("read_targets", Put().u32(KZ_ALL_JOINTS));
+        const Reply state = b.state();
+        equal("mask", targets["mask"], KZ_ALL_JOINTS);
+        for (int j = 0; j < KZ_JOINTS; ++j) {
+          near("joint " + std::to_string(j), targets.number("angle", j), state.number("angle", j),
+               kStill);
+        }
+      },
+      kNothing);
+  add(to, "read-targets-on", "`read_targets` tells the end of the ramp, not where it is.", "MOVE-7",
+      [](Board& b) {
+        b.enable(1);
+        const long goal = some_way(b, 0, 3000);
+        b.target(0, goal, 500);
+        equal("target", target_of(b, 0), goal);
+        b.stay_alive(100);
+        equal("target on the way", target_of(b, 0), goal);
+      });
+  add(
+      to, "state-angles", "`state` tells the angles of all joints.", "MOVE-8",
+      [](Board& b) {
+        for (int j = 0; j < KZ_JOINTS; ++j) b.bench().place_joint(j, 0.02 * j - 0.1);
+        b.wait(20);
+        const Reply state = b.state();
+        for (int j = 0; j < KZ_JOINTS; ++j) {
+          near("angle of joint " + std::to_string(j), state.number("angle", j), 200 * j - 1000, 40);
+        }
+        within("supply, mV", state["supply_mv"], 9900, 10100);
+      },
+      kBench);
+  add(
+      to, "joints-same-as-state", "`joints` tells the same angles, joint by joint.", "MOVE-8",
+      [](Board& b) {
+        const Reply state = b.state();
+        for (int first = 0; first < KZ_JOINTS; first += 9) {
+          const Reply joints = b.joints(0x1FFu << first);
+          for (int j = first; j < first + 9; ++j) {
+            near("angle of joint " + std::to_string(j), joints.number("angle", j),
+                 state.number("angle", j), kStill);
+            equal("duty of joint " + std::to_string(j), joints.number("duty", j), 0);
+          }
+        }
+      },
+      kNothing);
+  add(to, "joints-speed", "`joints` tells speed and duty of a joint that moves.", "MOVE-8",
+      [](Board& b) {
+        b.enable(1);
+        const long goal = some_way(b, 0, 5000);
+        const int sign = goal > b.angle(0) ? 1 : -1;
+        b.target(0, goal, 500);  // 1 rad/s
+        b.stay_alive(250);
+        const Reply joints = b.joints(1);
+        within("speed, mrad/s", sign * joints.number("speed", 0), 600, 1400);
+        within("duty", sign * joints.number("duty", 0), 1, 255);
+        within("load", joints.number("load", 0), 0, 255);
+      });
+  add(
+      to, "joints-too-many", "`joints` is refused with RANGE for more than 9.", "MOVE-8",
+      [](Board& b) {
+        b.joints(0x2AAAAu & KZ_ALL_JOINTS);  // 9 of them
+        b.refused("joints", Put().u32(0x3FF), KZ_REFUSED_RANGE, 0);
+        b.refused("joints", Put().u32(KZ_ALL_JOINTS), KZ_REFUSED_RANGE, 0);
+        b.joints(0);
+      },
+      kNothing);
+  for (int j = 0; j < KZ_JOINTS; ++j) {
+    add(
+        to, ("off-no-power-" + std::to_string(j)).c_str(),
+        "The motor of this joint, off, gets no power while all others are on.", "MOVE-9",
+        [j](Board& b) {
+          b.enable(KZ_ALL_JOINTS & ~(1u << j));
+          b.bench().place_joint(j, b.bench().angle_rad(j) + 0.05);
+          for (int n = 0; n < 5; ++n) {
+            b.stay_alive(10);
+            check(b.bench().drive(j) == 0, "it has power");
+          }
+          equal("ON", b.done("joints", Put().u32(1L << j)).number("faults", j) & KZ_JOINT_ON, 0);
+        },
+        kMotion | kBench);
+  }
+}
+
+}  // namespace
+
+void add_motion_cases(Cases& to) {
+  add_enable(to);
+  add_ramps(to);
+  add_reading(to);
+}
+
+}  // namespace kaz::hil

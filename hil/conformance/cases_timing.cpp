@@ -1,0 +1,95 @@
+// Cases of docs/protocol.md, chapter Timing.
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/conformance/suite.h"
+
+namespace kaz::hil {
+namespace {
+
+constexpr double kByteMs = 10.0 / 115.2;
+
+void add(Cases& to, const std::string& id, const char* sentence, const char* statement,
+         std::function<void(Board&)> run, unsigned needs = kNothing) {
+  to.push_back({"timing." + id, sentence, {statement}, needs, std::move(run)});
+}
+
+}  // namespace
+
+void add_timing_cases(Cases& to) {
+  add(
+      to, "reply", "The first byte of a reply comes 1.0 to 2.2 ms after the last of the request.",
+      "TIME-1",
+      [](Board& b) {
+        for (int n = 0; n < 24; ++n) {
+          // Requests at all phases of the board's tick.
+          b.wait(3);
+          for (int i = 0; i < n % 5; ++i) b.write({0});
+          const Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
+          const Time asked = b.now();
+          b.write(wire);
+          const auto frame = b.next(20);
+          check(frame.has_value(), "no answer");
+          // 15 bytes in a row; those written before the request go first.
+          const double out = kByteMs * static_cast<double>(wire.size() + n % 5);
+          const double first = 1e3 * seconds(frame->at - asked) - out - 14 * kByteMs;
+          check(first >= 0.95 && first <= 2.35, "it came after " + std::to_string(first) + " ms");
+        }
+      },
+      kExact);
+  add(to, "reply-coarse", "A reply is there 20 ms after its request.", "TIME-1", [](Board& b) {
+    for (int n = 0; n < 20; ++n) {
+      const Time asked = b.now();
+      b.done("state");
+      const double took = 1e3 * seconds(b.now() - asked);
+      check(took < 20 + 2e3 * seconds(b.slack()), "it took " + std::to_string(took) + " ms");
+    }
+  });
+  add(
+      to, "fresh-angle", "The angle in `state_reply` is not older than its tick by more than 1 ms.",
+      "TIME-2",
+      [](Board& b) {
+        for (int n = 0; n < 8; ++n) {
+          b.wait(3 + n % 2);
+          const double angle = 0.05 * (n + 1);
+          const std::uint8_t sequence = b.new_sequence();
+          // Its last byte is there 0.8 ms after this moment, and a tick begins behind that.
+          b.write(b.request_bytes("state", {}, sequence));
+          b.bench().place_joint(4, -angle);
+          within("angle", b.take("state", sequence).number("angle", 4),
+                 -static_cast<long>(angle * 10000) - 40, -static_cast<long>(angle * 10000) + 40);
+        }
+      },
+      kBench);
+  add(
+      to, "targets-effect", "Targets take effect from the tick behind the one that heard them.",
+      "TIME-3",
+      [](Board& b) {
+        b.done("gains", Put().u32(1).u16(KZ_KP_MAX).u16(0).u16(0).u8(0));
+        b.done("limits", Put().u32(1).u16(KZ_RAMP_MAX).s16(-15000).s16(15000));
+        b.bench().block_joint(0, true);
+        b.enable(1);
+        b.wait(5);
+        check(b.bench().drive(0) == 0, "the motor is driven before there is a target");
+        const Bytes wire = b.request_bytes("targets", Put().u32(1).u16(0).s16(5000));
+        b.write(wire);
+        const double out = kByteMs * static_cast<double>(wire.size());
+        // Heard in the tick behind its end, computed in the next one, at the pins with the third.
+        b.wait(static_cast<int>(out + 4.5));
+        check(b.bench().drive(0) > 0, "the motor is not driven 4 ms later");
+      },
+      kMotion | kBench);
+  add(to, "after-reset", "A board answers 0.2 s after a reset.", "TIME-4",
+      [](Board& b) { b.reset_by_command(); });
+  add(
+      to, "after-power-on", "A board answers 0.2 s after power came.", "TIME-4",
+      [](Board& b) {
+        b.bench().set_power(false);
+        b.wait(100);
+        b.bench().set_power(true);
+        b.wait(200);
+        b.expect_alive();
+        b.expect_off();
+      },
+      kBench);
+}
+
+}  // namespace kaz::hil

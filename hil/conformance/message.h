@@ -1,0 +1,78 @@
+// The message table as data for the cases: bounds of requests, numbers of replies by name.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hil/conformance/codec.h"
+
+namespace kaz::hil {
+
+struct Field {
+  std::string name;
+  int size = 0;  // bytes of one number
+  bool is_signed = false;
+  int count = 1;  // numbers; of a masked field: at most
+  bool masked = false;
+  bool bounded = false;
+  long low = 0, high = 0;
+
+  long lowest() const { return is_signed ? -(1L << (8 * size - 1)) : 0; }
+  long highest() const { return (1L << (is_signed ? 8 * size - 1 : 8 * size)) - 1; }
+};
+
+struct Message {
+  std::string name;
+  std::uint8_t code = 0;
+  std::vector<Field> fields;
+  bool is_request() const { return code < 0x80; }
+};
+
+const std::vector<Message>& messages();
+// The name must be one of messages.def.
+const Message& message(std::string_view name);
+
+// Fields of a request, one number after the other.
+class Put {
+ public:
+  Put& u8(long value) { return number(value, 1); }
+  Put& u16(long value) { return number(value, 2); }
+  Put& s16(long value) { return number(value, 2); }
+  Put& u32(long value) { return number(value, 4); }
+  Put& number(long value, int size);
+  operator Bytes() const { return bytes_; }
+
+ private:
+  Bytes bytes_;
+};
+
+// Legal fields: each bounded one at its lowest value, all others 0. `changed` has another value.
+Bytes legal_fields(const Message& request, int changed = -1, long value = 0);
+
+// What a frame says, by the names of the table. Fails (Failed) if its length is wrong.
+class Reply {
+ public:
+  Reply(const Message& message, const Frame& frame);
+  long operator[](std::string_view field) const { return number(field, 0); }
+  // A number of an array; of a masked field the joint's.
+  long number(std::string_view field, int index) const;
+  const Frame& frame() const { return frame_; }
+  int reason() const { return static_cast<int>((*this)["status"] >> 8); }  // KZ_SHUTDOWN_*
+  bool flag(long status_flag) const { return ((*this)["status"] & status_flag) != 0; }
+
+ private:
+  struct Value {
+    const Field* field;
+    int index;
+    long number;
+  };
+  const Message* message_;
+  Frame frame_;
+  std::vector<Value> values_;
+};
+
+}  // namespace kaz::hil

@@ -1,0 +1,25 @@
+// A run of the suite for machines and people: JUnit XML, JSON, one HTML page.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "hil/conformance/suite.h"
+
+namespace kaz::hil {
+
+struct ReportFacts {
+  std::string port;     // "/dev/ttyUSB0", "virtual board (h8)"
+  std::string program;  // "kaz 0.1.0"
+  std::uint64_t seed = 1;
+};
+
+std::string junit_text(const RunReport& report, const ReportFacts& facts);
+std::string json_text(const RunReport& report, const ReportFacts& facts);
+// Self-contained: no script, nothing fetched.
+std::string html_text(const RunReport& report, const ReportFacts& facts);
+
+// "passed", "failed", "left out"
+const char* verdict_text(Verdict verdict);
+
+}  // namespace kaz::hil

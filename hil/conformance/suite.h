@@ -1,0 +1,89 @@
+// The cases of the conformance suite, and how they are run.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "hil/conformance/board.h"
+
+namespace kaz::hil {
+
+// What a case needs besides a link.
+enum Need : unsigned {
+  kNothing = 0,
+  kMotion = 1,  // joints or motors move
+  kFlash = 2,   // writes flash, whose life is finite
+  kBench = 4,   // Bench
+  kExact = 8,   // a clock without slack
+};
+
+struct Case {
+  std::string id;                       // "frame.noise-before"
+  std::string sentence;                 // what it shows
+  std::vector<std::string> statements;  // of docs/protocol.md
+  unsigned needs = kNothing;
+  std::function<void(Board&)> run;
+};
+
+// All cases, in the order in which they run. Ids are unique.
+const std::vector<Case>& cases();
+
+struct Statement {
+  std::string id, text;
+};
+// Those of docs/protocol.md, in its order.
+const std::vector<Statement>& statements();
+
+enum class Verdict { passed, failed, left_out };
+
+struct CaseResult {
+  const Case* of = nullptr;
+  Verdict verdict = Verdict::passed;
+  std::string message;                  // why it failed or was left out
+  double seconds = 0;                   // on the board's clock
+  std::vector<std::string> transcript;  // of a failed one
+};
+
+struct RunOptions {
+  std::string filter;  // regular expression, found anywhere in id or statement; empty: all
+  std::uint64_t seed = 1;
+  unsigned allowed = 0;  // Need, those that are to be had
+  std::function<void(const CaseResult&, std::size_t number, std::size_t of)> progress;
+};
+
+struct RunReport {
+  std::string board;  // "Kaz servo board, protocol 2, firmware 0.2, build 1a2b3c4d"
+  std::vector<CaseResult> results;
+  int count(Verdict verdict) const;
+};
+
+// The cases that the filter takes. Error: usage, if it is no regular expression or takes none.
+Result<std::vector<const Case*>> chosen(const std::string& filter);
+
+// Runs them one after the other. Errors: the link is gone or nothing answers (environment).
+Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, Time slack,
+                            const RunOptions& options);
+
+// What is `given` when one is missing: "needs --allow-motion".
+std::string missing_text(unsigned missing);
+
+// Where the cases stand, by chapter of the page.
+using Cases = std::vector<Case>;
+void add_frame_cases(Cases& to);
+void add_address_cases(Cases& to);
+void add_request_cases(Cases& to);
+void add_table_cases(Cases& to);
+void add_identity_cases(Cases& to);
+void add_motion_cases(Cases& to);
+void add_limit_cases(Cases& to);
+void add_settings_cases(Cases& to);
+void add_safety_cases(Cases& to);
+void add_watchdog_cases(Cases& to);
+void add_telemetry_cases(Cases& to);
+void add_calibration_cases(Cases& to);
+void add_bench_cases(Cases& to);
+void add_timing_cases(Cases& to);
+
+}  // namespace kaz::hil

@@ -1,0 +1,126 @@
+// The suite against both engines: all pass, with the same report; the suite against its page.
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "hil/conformance/report.h"
+#include "tools/lockstep/virtual_bench.h"
+
+namespace kaz::hil {
+namespace {
+
+constexpr unsigned kEverything = kMotion | kFlash | kBench | kExact;
+
+RunReport run(std::unique_ptr<sim::Mcu> mcu, const std::string& filter,
+              unsigned allowed = kEverything) {
+  lockstep::VirtualBench board(std::move(mcu));
+  RunOptions options;
+  options.filter = filter;
+  options.allowed = allowed;
+  auto report = run_suite(board, board, &board, Time::zero(), options);
+  EXPECT_TRUE(report) << report.error().message;
+  return report ? *report : RunReport{};
+}
+
+std::string failures(const RunReport& report) {
+  std::string text;
+  for (const CaseResult& one : report.results) {
+    if (one.verdict != Verdict::failed) continue;
+    text += one.of->id + ": " + one.message + "\n";
+    for (const std::string& line : one.transcript) text += "    " + line + "\n";
+  }
+  return text;
+}
+
+TEST(Suite, HasACaseForEachStatementOfThePageAndNoOther) {
+  std::set<std::string> page, shown, ids;
+  for (const Statement& statement : statements()) page.insert(statement.id);
+  for (const Case& one : cases()) {
+    EXPECT_TRUE(ids.insert(one.id).second) << one.id << " stands twice";
+    EXPECT_FALSE(one.statements.empty()) << one.id;
+    EXPECT_FALSE(one.sentence.empty()) << one.id;
+    for (const std::string& id : one.statements) {
+      EXPECT_EQ(page.count(id), 1u) << one.id << " shows " << id << ", which the page has not";
+      shown.insert(id);
+    }
+  }
+  for (const std::string& id : page) EXPECT_EQ(shown.count(id), 1u) << id << " has no case";
+  EXPECT_GT(page.size(), 70u);
+  EXPECT_GE(cases().size(), 150u);
+}
+
+// Without those that wait for the joint loop's soft limits, dead band, friction and protections.
+const char* const kLanded =
+    "^(?!limits.no-|settings.(dead-band|friction|narrower-ends)|safety.(stall|overload)|"
+    "bench.raw-overshoot)[a-z]";
+
+TEST(Suite, NativeConforms) {
+  const RunReport report = run(sim::make_native(), kLanded);
+  EXPECT_EQ(report.count(Verdict::passed), static_cast<int>(report.results.size()))
+      << failures(report);
+}
+
+TEST(Suite, WithoutMotionAndBenchTheRestRunsAndPasses) {
+  const RunReport report = run(sim::make_native(), "", kNothing);
+  EXPECT_EQ(report.count(Verdict::failed), 0) << failures(report);
+  EXPECT_GE(report.count(Verdict::passed), 150);
+  EXPECT_GT(report.count(Verdict::left_out), 50);
+  for (const CaseResult& one : report.results) {
+    if (one.verdict != Verdict::left_out) continue;
+    EXPECT_NE(one.message.find("needs "), std::string::npos);
+  }
+}
+
+TEST(Suite, SameSeedSameReport) {
+  const auto text = [](const RunReport& report) { return json_text(report, {}); };
+  EXPECT_EQ(text(run(sim::make_native(), "frame")), text(run(sim::make_native(), "frame")));
+}
+
+TEST(Suite, ADeadLineIsAnErrorNotAFailedCase) {
+  lockstep::VirtualBench board(sim::make_native());
+  board.set_power(false);
+  struct Silent final : host::Link {
+    explicit Silent(host::Link& other) : link(other) {}
+    std::string name() const override { return "nowhere"; }
+    Result<void> write(std::span<const std::uint8_t>) override { return {}; }
+    Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override {
+      return link.read(bytes, deadline);
+    }
+    host::Link& link;
+  } silent(board);
+  const auto report = run_suite(silent, board, nullptr, Time::zero(), {});
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().fault, Fault::environment);
+  EXPECT_NE(report.error().message.find("nowhere"), std::string::npos);
+}
+
+TEST(Suite, AFilterThatTakesNothingOrIsNoneIsWrongUsage) {
+  for (const char* wrong : {"no such case", "("}) {
+    const auto taken = chosen(wrong);
+    ASSERT_FALSE(taken);
+    EXPECT_EQ(taken.error().fault, Fault::usage);
+  }
+  EXPECT_GT(chosen("^SAFE-5$")->size(), 3u);
+}
+
+#ifdef KAZ_FIRMWARE_IMAGE
+TEST(Suite, H8ConformsWithTheSameReportAsNative) {
+  auto h8 = sim::make_h8(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(h8) << h8.error().message;
+  const RunReport truth = run(std::move(*h8), kLanded);
+  const RunReport fast = run(sim::make_native(), kLanded);
+  EXPECT_EQ(truth.count(Verdict::passed), static_cast<int>(truth.results.size()))
+      << failures(truth);
+  ASSERT_EQ(truth.results.size(), fast.results.size());
+  for (std::size_t i = 0; i < truth.results.size(); ++i) {
+    EXPECT_EQ(truth.results[i].of, fast.results[i].of);
+    EXPECT_EQ(truth.results[i].verdict, fast.results[i].verdict) << truth.results[i].of->id;
+    EXPECT_EQ(truth.results[i].message, fast.results[i].message) << truth.results[i].of->id;
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace kaz::hil

@@ -1,0 +1,93 @@
+// Reports of a run: what they hold, and that they are well-formed.
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "hil/conformance/report.h"
+
+namespace kaz::hil {
+namespace {
+
+const Case kGood{"frame.good", "A sentence.", {"FRAME-1"}, kNothing, {}};
+const Case kBad{"frame.bad", "Less < more & \"quoted\".", {"FRAME-2", "SAFE-1"}, kNothing, {}};
+const Case kOut{"bench.out", "Another.", {"BENCH-1"}, kMotion, {}};
+
+RunReport report() {
+  RunReport made;
+  made.board = "Kaz servo board";
+  made.results.push_back({&kGood, Verdict::passed, "", 0.25, {}});
+  made.results.push_back({&kBad, Verdict::failed, "expected <1>, got 2", 0.5, {"> 00 01", "< 02"}});
+  made.results.push_back({&kOut, Verdict::left_out, missing_text(kMotion), 0, {}});
+  return made;
+}
+
+const ReportFacts kFacts{"/dev/tty&0", "kaz 0.1.0", 7};
+
+int count(const std::string& text, const std::string& part) {
+  int found = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+// Each element that is opened is closed again, in order.
+void expect_balanced(const std::string& text) {
+  std::vector<std::string> open;
+  for (auto at = text.find('<'); at != std::string::npos; at = text.find('<', at + 1)) {
+    const auto end = text.find('>', at);
+    ASSERT_NE(end, std::string::npos);
+    const std::string tag = text.substr(at + 1, end - at - 1);
+    if (tag[0] == '?' || tag[0] == '!' || tag.back() == '/' || tag == "br" ||
+        tag.rfind("meta", 0) == 0) {
+      continue;
+    }
+    if (tag[0] == '/') {
+      ASSERT_FALSE(open.empty());
+      EXPECT_EQ(open.back(), tag.substr(1));
+      open.pop_back();
+    } else {
+      open.push_back(tag.substr(0, tag.find(' ')));
+    }
+  }
+  EXPECT_TRUE(open.empty());
+}
+
+TEST(ConformanceReport, Junit) {
+  const std::string text = junit_text(report(), kFacts);
+  expect_balanced(text);
+  EXPECT_NE(text.find("tests=\"3\" failures=\"1\" errors=\"0\" skipped=\"1\" time=\"0.750\""),
+            std::string::npos);
+  EXPECT_EQ(count(text, "<testcase "), 3);
+  EXPECT_NE(text.find("expected &lt;1&gt;, got 2"), std::string::npos);
+  EXPECT_NE(text.find("&gt; 00 01"), std::string::npos);
+  EXPECT_NE(text.find("/dev/tty&amp;0"), std::string::npos);
+}
+
+TEST(ConformanceReport, Json) {
+  const auto all = nlohmann::json::parse(json_text(report(), kFacts));
+  EXPECT_EQ(all["cases"], 3);
+  EXPECT_EQ(all["passed"], 1);
+  EXPECT_EQ(all["failed"], 1);
+  EXPECT_EQ(all["left_out"], 1);
+  EXPECT_EQ(all["seed"], 7);
+  EXPECT_EQ(all["results"][1]["id"], "frame.bad");
+  EXPECT_EQ(all["results"][1]["verdict"], "failed");
+  EXPECT_EQ(all["results"][1]["bytes"].size(), 2u);
+  EXPECT_EQ(all["results"][2]["message"], "needs --allow-motion");
+}
+
+TEST(ConformanceReport, HtmlIsOnePageThatFetchesNothing) {
+  const std::string text = html_text(report(), kFacts);
+  expect_balanced(text);
+  EXPECT_NE(text.find("does not conform"), std::string::npos);
+  EXPECT_EQ(count(text, "http"), 0);
+  EXPECT_EQ(count(text, "<script"), 0);
+  EXPECT_NE(text.find("Less &lt; more &amp; &quot;quoted&quot;."), std::string::npos);
+  EXPECT_NE(text.find("&gt; 00 01\n&lt; 02"), std::string::npos);
+  EXPECT_NE(text.find("FRAME-1"), std::string::npos);
+  RunReport passed = report();
+  passed.results.erase(passed.results.begin() + 1);
+  EXPECT_EQ(count(html_text(passed, kFacts), "does not conform"), 0);
+}
+
+}  // namespace
+}  // namespace kaz::hil

@@ -1,0 +1,202 @@
+// `kaz conformance`: the protocol certificate of a board, case by case.
+// SPDX-License-Identifier: Apache-2.0
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "hil/conformance/report.h"
+#include "host/robot/interrupt.h"
+#include "host/robot/tty_link.h"
+#include "host/robot/wall_clock.h"
+#include "sim/mcu/mcu.h"
+#include "tools/kaz/interrupt_signals.h"
+#include "tools/kaz/output.h"
+#include "tools/kaz/paths.h"
+#include "tools/kaz/verbs.h"
+#include "tools/kaz/version.h"
+#include "tools/lockstep/virtual_bench.h"
+
+namespace kaz::tools {
+namespace {
+
+// How late a byte may be read or written through a port of this machine.
+constexpr Time kPortSlack = std::chrono::milliseconds(20);
+
+struct Arguments {
+  std::string port, engine, image;
+  std::string junit, json, html;
+  bool list = false, allow_motion = false, allow_flash = false;
+  hil::RunOptions run;
+};
+
+int list_cases(const std::vector<const hil::Case*>& taken) {
+  for (const hil::Case* one : taken) {
+    std::string about;
+    for (const std::string& id : one->statements) about += (about.empty() ? "" : ",") + id;
+    std::printf("%-36s %-14s %s\n", one->id.c_str(), about.c_str(), one->sentence.c_str());
+  }
+  return static_cast<int>(taken.size());
+}
+
+Result<void> write_report(const std::string& path, const std::string& text) {
+  if (path.empty()) return {};
+  if (path == "-") {
+    std::fputs(text.c_str(), stdout);
+    return {};
+  }
+  const std::string partial = path + ".partial";
+  std::ofstream file(partial, std::ios::trunc | std::ios::binary);
+  file << text;
+  file.close();
+  std::error_code error;
+  if (file) std::filesystem::rename(partial, path, error);
+  if (!file || error) {
+    return fail(Fault::environment,
+                "cannot write the report '" + path + "': is there such a folder, and room in it?");
+  }
+  return {};
+}
+
+// PATH[@BAUD]
+Result<std::pair<std::string, int>> parse_port(const std::string& text) {
+  const auto at = text.rfind('@');
+  if (at == std::string::npos) return std::pair(text, 115200);
+  int baud = 0;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data() + at + 1, end, baud);
+  if (parsed.ec != std::errc() || parsed.ptr != end || baud <= 0 || at == 0) {
+    return fail(Fault::usage, "--port " + text + ": give PATH or PATH@BAUD");
+  }
+  return std::pair(text.substr(0, at), baud);
+}
+
+void say(const hil::CaseResult& one) {
+  std::printf("%-9s %-36s %s\n", verdict_text(one.verdict), one.of->id.c_str(),
+              one.verdict == hil::Verdict::passed ? one.of->sentence.c_str() : one.message.c_str());
+  if (one.verdict == hil::Verdict::failed) {
+    for (const std::string& id : one.of->statements) {
+      for (const hil::Statement& statement : hil::statements()) {
+        if (statement.id == id)
+          std::printf("          %s: %s\n", id.c_str(), statement.text.c_str());
+      }
+    }
+  }
+}
+
+Result<hil::RunReport> run_virtual(Arguments& arguments, hil::ReportFacts& facts) {
+  std::unique_ptr<sim::Mcu> mcu;
+  if (arguments.engine == "h8") {
+    const auto image = firmware_image(arguments.image);
+    if (!image) return tl::unexpected(image.error());
+    auto made = sim::make_h8(*image);
+    if (!made) return tl::unexpected(made.error());
+    mcu = std::move(*made);
+  } else {
+    mcu = sim::make_native();
+  }
+  lockstep::VirtualBench board(std::move(mcu));
+  facts.port = board.name();
+  arguments.run.allowed = hil::kMotion | hil::kFlash | hil::kBench | hil::kExact;
+  return hil::run_suite(board, board, &board, Time::zero(), arguments.run);
+}
+
+Result<hil::RunReport> run_port(Arguments& arguments, hil::ReportFacts& facts) {
+  const auto port = parse_port(arguments.port);
+  if (!port) return tl::unexpected(port.error());
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  auto link = host::TtyLink::open(port->first, port->second, &interrupt);
+  if (!link) return tl::unexpected(link.error());
+  host::WallClock clock(&interrupt);
+  facts.port = port->first;
+  if (arguments.allow_motion) arguments.run.allowed |= hil::kMotion;
+  if (arguments.allow_flash) arguments.run.allowed |= hil::kFlash;
+  return hil::run_suite(**link, clock, nullptr, kPortSlack, arguments.run);
+}
+
+Result<Outcome> examine(Arguments arguments) {
+  const auto taken = hil::chosen(arguments.run.filter);
+  if (!taken) return tl::unexpected(taken.error());
+  if (arguments.list) {
+    list_cases(*taken);
+    return true;
+  }
+  if (arguments.port.empty() == arguments.engine.empty()) {
+    return fail(Fault::usage, "say which board: either --port PATH or --virtual h8|native");
+  }
+  const bool quiet = arguments.json == "-" || arguments.junit == "-" || arguments.html == "-";
+  hil::ReportFacts facts;
+  facts.program = std::string("kaz ") + kVersion;
+  facts.seed = arguments.run.seed;
+  Progress progress("kaz conformance", quiet);
+  arguments.run.progress = [&](const hil::CaseResult& one, std::size_t number, std::size_t of) {
+    if (!quiet) {
+      progress.done();
+      say(one);
+    }
+    progress.update(static_cast<double>(number) / static_cast<double>(of), one.of->id);
+  };
+  const auto report =
+      arguments.port.empty() ? run_virtual(arguments, facts) : run_port(arguments, facts);
+  progress.done();
+  if (!report) return tl::unexpected(report.error());
+  for (const auto& [path, text] : {std::pair(arguments.junit, hil::junit_text(*report, facts)),
+                                   std::pair(arguments.json, hil::json_text(*report, facts)),
+                                   std::pair(arguments.html, hil::html_text(*report, facts))}) {
+    if (auto written = write_report(path, text); !written) return tl::unexpected(written.error());
+  }
+  const int failed = report->count(hil::Verdict::failed);
+  if (!quiet) {
+    std::printf("%s on %s: %zu cases, %d passed, %d failed, %d left out\n", report->board.c_str(),
+                facts.port.c_str(), report->results.size(), report->count(hil::Verdict::passed),
+                failed, report->count(hil::Verdict::left_out));
+  }
+  return failed == 0;
+}
+
+}  // namespace
+
+void add_conformance(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand(
+      "conformance", "shows case by case that a board does what docs/protocol.md says");
+  auto arguments = std::make_shared<Arguments>();
+  auto* port = verb->add_option("--port", arguments->port, "serial port or pty of a board")
+                   ->type_name("PATH[@BAUD]");
+  verb->add_option("--virtual", arguments->engine,
+                   "a virtual board on a bench, in simulated time: h8 executes the firmware image, "
+                   "native runs the same C compiled for this machine")
+      ->check(CLI::IsMember({"h8", "native"}))
+      ->excludes(port);
+  verb->add_option("--image", arguments->image, "firmware image for h8: S-record or COFF");
+  verb->add_flag(
+      "--allow-motion,--bench", arguments->allow_motion,
+      "on a port: also the cases that move joints or drive motors. Put the robot where it can "
+      "move, and stand by");
+  verb->add_flag(
+      "--allow-flash", arguments->allow_flash,
+      "on a port: also the cases that write flash (calibration, address), which wear it");
+  verb->add_option("--filter", arguments->run.filter,
+                   "only cases whose id or statement this regular expression is found in")
+      ->type_name("REGEX");
+  verb->add_option("--seed", arguments->run.seed, "of the cases' random bytes")
+      ->capture_default_str();
+  verb->add_flag("--list", arguments->list, "print the cases and run none");
+  verb->add_option("--junit", arguments->junit, "write JUnit XML; -: to standard output")
+      ->type_name("FILE");
+  verb->add_option("--json", arguments->json, "write JSON; -: to standard output")
+      ->type_name("FILE");
+  verb->add_option("--html", arguments->html, "write one HTML page; -: to standard output")
+      ->type_name("FILE");
+  verb->footer(
+      "A virtual board passes all cases; on a port those that need a bench are left out.\n"
+      "Exit status: 0 all that ran passed, 1 a case failed, 2 wrong usage, 3 port trouble.\n"
+      "Examples:\n"
+      "  kaz conformance --virtual h8 --html report.html\n"
+      "  kaz conformance --port /dev/ttyUSB0 --junit conformance.xml\n"
+      "  kaz conformance --virtual native --filter 'SAFE-|watchdog'\n"
+      "  kaz conformance --list");
+  verb->callback([&action, arguments] { action = [arguments] { return examine(*arguments); }; });
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,59 @@
+// A virtual servo board on a bench, in simulated time: for what is proven of the board alone.
+// SPDX-License-Identifier: Apache-2.0
+//
+// No robot hangs on it: each joint is a motor that turns freely, first order in its drive. So it is
+// fast, and every input of the board can be disturbed. Waiting is what moves the time.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+
+#include "hil/conformance/bench.h"
+#include "host/robot/link.h"
+#include "sim/mcu/mcu.h"
+#include "sim/runtime/serial_line.h"
+
+namespace kaz::lockstep {
+
+class VirtualBench final : public hil::Bench, public host::Link, public host::Clock {
+ public:
+  explicit VirtualBench(std::unique_ptr<sim::Mcu> mcu);
+
+  // host::Clock
+  Time now() const override;
+  Result<void> sleep_until(Time t) override;
+  // host::Link
+  std::string name() const override { return "virtual board (" + mcu_->engine() + ")"; }
+  Time byte_time() const override;
+  Result<void> write(std::span<const std::uint8_t> bytes) override;
+  Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
+  // hil::Bench
+  void restore() override;
+  void reset() override { mcu_->reset(); }
+  void set_power(bool on) override;
+  void set_analog(int input, std::optional<int> code) override;
+  void place_joint(int joint, double angle_rad) override;
+  void block_joint(int joint, bool blocked) override;
+  void write_damaged(std::span<const std::uint8_t> bytes) override;
+  double drive(int joint) const override;
+  double angle_rad(int joint) const override;
+
+ private:
+  struct Joint {
+    double angle = 0, speed = 0;  // rad, rad/s
+    bool blocked = false;
+  };
+  Result<void> step();
+  double share(int channel, const sim::PinLevels& levels) const;
+
+  std::unique_ptr<sim::Mcu> mcu_;
+  sim::SerialLine line_;
+  sim::States now_ = 0;
+  sim::States off_ = 0;  // for so long the power was off
+  bool power_ = true;
+  std::array<Joint, KZ_JOINTS> joints_{};
+  std::array<std::optional<int>, KZ_ANALOG> held_{};
+};
+
+}  // namespace kaz::lockstep
