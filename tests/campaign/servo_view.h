@@ -1,0 +1,23 @@
+// The servo's state in the memory of an emulated chip, for judges: a behaviour never sees it.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "shared/board/board.h"
+#include "sim/mcu/h8_mcu.h"
+
+namespace kaz::campaign {
+
+struct ServoState {
+  std::uint32_t enabled = 0;  // bit n: joint n
+  bool holding = false;
+  std::array<int, KZ_JOINTS> angle{}, command{};  // 100 urad
+};
+
+// Of the firmware's servo, as the last tick has left it.
+ServoState servo_state(const sim::H8Mcu& mcu);
+
+}  // namespace kaz::campaign
