@@ -220,7 +220,12 @@ void Requester::append(Waiting& waiting, std::vector<std::uint8_t>& wire) {
   const auto body_length = static_cast<std::uint8_t>(KZ_HEADER_SIZE + fields.length);
 
   std::array<std::uint8_t, KZ_FRAME_MAX> frame;
-  const std::uint8_t length = kz_frame_encode(body.data(), body_length, frame.data());
+  std::uint8_t length = kz_frame_encode(body.data(), body_length, frame.data());
+  // Another number where one damaged byte could leave a sound frame (frame.h); a repetition keeps it.
+  for (int i = 0; i < 8 && waiting.tries == 0 && kz_frame_splits(frame.data(), length); ++i) {
+    body[2] = waiting.sequence = next_sequence_++;
+    length = kz_frame_encode(body.data(), body_length, frame.data());
+  }
   wire.insert(wire.end(), frame.begin(), frame.begin() + length);
 
   const Time now = clock_.now();
