@@ -341,8 +341,9 @@ void Requester::take_frame(Time now) {
     waiting->busy = true;
     waiting->deadline = now + kBusyPause;
   } else {
-    finish(*waiting, fields, refused, now);
     repeat_what_was_lost(*waiting, now);
+    if (is_query(waiting->request.type) && answered_too_early(*waiting, now)) return;
+    finish(*waiting, fields, refused, now);
   }
 }
 
@@ -362,6 +363,19 @@ void Requester::finish(Waiting& waiting, std::span<const std::uint8_t> fields, b
   if (reply.timed && !writes_flash(waiting.request.type)) {
     round_trip_.add(reply.received - reply.sent);
   }
+}
+
+// A query behind a command that is not answered: whatever became of the command, this answer may be
+// from before it. The query is asked again behind it.
+bool Requester::answered_too_early(Waiting& query, Time now) {
+  for (const Waiting& w : queue_) {
+    if (!w.under_way() || w.ticket >= query.ticket || is_query(w.request.type)) continue;
+    ++statistics_.ignored;
+    query.lost = true;
+    query.deadline = std::max(now, w.deadline);
+    return true;
+  }
+  return false;
 }
 
 // The board answers in order: what was sent before `answered` and is not answered, it did not get,

@@ -10,8 +10,9 @@
 //
 // An old command never overtakes a newer one: a request that changes something leaves only when
 // every earlier one that does is answered. So what is repeated has at most one query behind it, and
-// the board, which remembers KZ_REQUESTS_REMEMBERED requests, knows it again. A query that was lost
-// is answered later than asked, which the tick in its reply tells.
+// the board, which remembers KZ_REQUESTS_REMEMBERED requests, knows it again. Nor does a query
+// tell of a time before the command that was posted ahead of it; if the query itself was lost, its
+// answer may be from after what follows it, as the tick in its reply tells.
 #pragma once
 
 #include <array>
@@ -119,6 +120,7 @@ class Requester {
   void take(std::span<const std::uint8_t> bytes, Time now);
   void take_frame(Time now);
   void finish(Waiting& waiting, std::span<const std::uint8_t> fields, bool refused, Time now);
+  bool answered_too_early(Waiting& query, Time now);
   void repeat_what_was_lost(const Waiting& answered, Time now);
   int tries() const { return tries_limit_.value_or(options_.retries + 1); }
 

@@ -25,6 +25,8 @@ const std::vector<Name>& names() {
       {"mcu.firmware_x", "x real", 50, 200, true, 1},
       {"mcu.tick_worst", "% of tick", 75, 60, false, 1},
       {"mcu.tick_median", "% of tick", 45, 35, false, 1},
+      {"wire.rate_hz", "Hz", 100, 0, true, 1},
+      {"wire.share", "% of line", 60, 0, false, 1},
       {"loop.rtf", "x real", 4, 10, true, 1},
       {"dynamics.step_us.walking", "us", 25, 12, false, 1},
       {"view.pair_ms.320", "ms", 4, 1.2, false, 2},

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -86,6 +87,24 @@ Result<void> measure(const Program& program, const Settings& settings, Results& 
   return {};
 }
 
+// All 18 targets out and 18 positions back over the line of 115,200 baud.
+Result<void> wire(const Settings&, Results& results) {
+  const fs::path program = beside_this("wire_bench");
+  if (!fs::exists(program)) {
+    results.remark("wire_bench is not built: wire.* is left out");
+    return {};
+  }
+  const auto report = json_of(quoted(program.string()));
+  if (!report) return tl::unexpected(report.error());
+  const auto number = [&](const char* load, const char* name) {
+    return report->value(load, nlohmann::json::object()).value(name, 0.0);
+  };
+  results.put("wire.rate_hz", number("fastest", "rate_hz"));
+  results.put("wire.share",
+              100 * std::max(number("at_100_hz", "share_out"), number("at_100_hz", "share_in")));
+  return {};
+}
+
 // The main job in lockstep: servo firmware, physics, eyes and vision.
 Result<void> loop(const Settings& settings, Results& results) {
   const fs::path kaz = beside_this("kaz");
@@ -115,7 +134,7 @@ Result<void> loop(const Settings& settings, Results& results) {
 }  // namespace
 
 std::vector<Group> program_groups() {
-  std::vector<Group> groups{{{"loop.rtf"}, loop}};
+  std::vector<Group> groups{{{"wire.rate_hz", "wire.share"}, wire}, {{"loop.rtf"}, loop}};
   for (const Program& program : programs()) {
     groups.push_back({program.gives, [&program](const Settings& settings, Results& results) {
                         return measure(program, settings, results);
