@@ -166,11 +166,11 @@ TEST_F(Firmware, AHangingTickIsResetWithTheMotorsOff) {
   run(5 * ms);
   ASSERT_NE(mcu->pins().p4 & KZ_P4_ENABLE, 0);
   const u32 endless = address_of("kz_unexpected");
-  chip().set_hook(address_of("kz_joints_update"), [&](h8s::Chip& here) {
+  chip().set_hook(address_of("kz_joint_loop"), [&](h8s::Chip& here) {
     auto registers = here.registers();
     registers.pc = endless;
     here.set_registers(registers);
-    here.clear_hook(address_of("kz_joints_update"));
+    here.clear_hook(address_of("kz_joint_loop"));
     return h8s::HookAction::go_on;
   });
   run(9 * ms);

@@ -57,16 +57,20 @@ void kz_pins_init(u8 shared_line) {
 
 void kz_pins_write(const kz_tick_output* output) {
   const u8* duty = output->pw;
-  u8 channel;
-  for (channel = PWSL_RUN; channel < PWSL_RUN + 16; ++channel) {
-    PWSL = channel;
-    PWDR = *duty++;
-  }
-  // Duty n: high from the period's start for n counts. At 0 the pin is a port, and low.
-  if (output->tmo[0] != 0) {
+  // Not a loop: this is done in every tick.
+#define PUT(channel)           \
+  PWSL = PWSL_RUN | (channel); \
+  PWDR = *duty++;
+  PUT(0)
+  PUT(1) PUT(2) PUT(3) PUT(4) PUT(5) PUT(6) PUT(7) PUT(8) PUT(9) PUT(10) PUT(11) PUT(12) PUT(13)
+      PUT(14) PUT(15)
+#undef PUT
+      // Duty n: high from the period's start for n counts. At 0 the pin is a port, and low.
+      if (output->tmo[0] != 0) {
     TMR_TCORB0 = (u8)(output->tmo[0] - 1);
     TMR_TCSR0 = TMR_HIGH_AT_A | TMR_LOW_AT_B;
-  } else {
+  }
+  else {
     TMR_TCSR0 = 0;
   }
   if (output->tmo[1] != 0) {

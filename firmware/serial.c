@@ -10,14 +10,22 @@
 #define SCR_LISTENING (SCR_RIE | SCR_RE)
 #define SCR_SENDING (SCR_RIE | SCR_TIE | SCR_TE | SCR_RE)
 
-// `in` is only moved by who fills the ring, `out` only by who empties it.
+// Received bytes: `in` and `taken` count on without an end, so that the interrupt need not look
+// whether there is room: what was overwritten is found when the rest is taken. A flag that is not 0
+// stands beside a byte only while `damaged`.
 static volatile struct {
-  u16 entry[RING];  // error flags, byte
+  u8 byte[RING];
+  u8 flag[RING];
   u8 in;
-  u8 out;
+  u8 damaged;
 } received;
-static volatile u8 lost;
+static u8 taken;
+static u8 flags_given;  // the last snapshot has flags that are not 0
 
+// More than that waiting, 4 ms of the line: the tick was kept away, and what is old may be gone.
+#define WAITING_MAX (RING - KZ_RX_PER_TICK)
+
+// `in` is only moved by who fills the ring, `out` only by who empties it.
 static volatile struct {
   u8 byte[RING];
   u8 in;
@@ -58,50 +66,60 @@ u8 kz_serial_room(void) {
   return (u8)((queued.out - queued.in - 1) & (RING - 1));
 }
 
-void kz_serial_take(kz_tick_input* input) {
-  u8* byte = input->rx;
-  u8* flags = input->rx_flags;
-  const u8 in = received.in;
-  u8 out = received.out;
-  u8 count = 0;
-  while (out != in && count < KZ_RX_PER_TICK) {
-    const u16 entry = received.entry[out];
-    *byte++ = (u8)entry;
-    *flags++ = (u8)(entry >> 8);
-    out = NEXT(out);
-    ++count;
+static void take_flags(u8* flags, u8 from, u8 count) {
+  for (; from != taken; ++from) {
+    *flags++ = received.flag[from & (RING - 1)];
+    received.flag[from & (RING - 1)] = 0;
+    --count;
   }
-  received.out = out;
-  input->rx_count = count;
+  for (; count != 0; --count) *flags++ = 0;
+  KZ_INTERRUPTS_OFF();
+  if (taken == received.in) received.damaged = 0;
+  KZ_INTERRUPTS_ON();
 }
 
-static inline void keep(u16 entry) {
-  const u8 in = received.in;
-  const u8 next = NEXT(in);
-  if (next == received.out) {
-    lost = 1;
-    return;
+void kz_serial_take(kz_tick_input* input) {
+  u8* byte = input->rx;
+  u8 out = taken;
+  u8 left = (u8)(received.in - out);
+  u8 lost = 0;
+  if (left > WAITING_MAX) {
+    out = (u8)(out + left - KZ_RX_PER_TICK);
+    left = KZ_RX_PER_TICK;
+    lost = KZ_RX_LOST;
+    received.damaged = 1;
   }
-  if (lost) {
-    lost = 0;
-    entry |= KZ_RX_LOST << 8;
+  if (left > KZ_RX_PER_TICK) left = KZ_RX_PER_TICK;
+  input->rx_count = left;
+  taken = (u8)(out + left);
+  for (; left != 0; --left) {
+    *byte++ = received.byte[out & (RING - 1)];
+    ++out;
   }
-  received.entry[in] = entry;
-  received.in = next;
+  if ((received.damaged | lost | flags_given) != 0) {
+    const u8 more = (u8)(received.damaged | lost);  // then the next snapshot has to clear these
+    take_flags(input->rx_flags, (u8)(taken - input->rx_count), KZ_RX_PER_TICK);
+    input->rx_flags[0] |= lost;
+    flags_given = more;
+  }
 }
 
 KZ_INTERRUPT void kz_serial_received(void) {
-  const u8 byte = SCI0_RDR;
+  const u8 in = received.in;
+  received.byte[in & (RING - 1)] = SCI0_RDR;
   SCI0_SSR &= (u8)~SSR_RDRF;  // reads the flag as 1, then writes 0: the chip wants both
-  keep(byte);
+  received.in = (u8)(in + 1);
 }
 
 // After an overrun the byte in RDR is the last sound one; after the others it is the damaged one.
 KZ_INTERRUPT void kz_serial_receive_error(void) {
   const u8 flags = (u8)(SCI0_SSR & (SSR_ORER | SSR_FER | SSR_PER));
-  const u8 byte = SCI0_RDR;
+  const u8 in = received.in;
+  received.byte[in & (RING - 1)] = SCI0_RDR;
+  received.flag[in & (RING - 1)] = flags;
+  received.damaged = 1;
   SCI0_SSR &= (u8) ~(SSR_ORER | SSR_FER | SSR_PER | SSR_RDRF);
-  keep((u16)((u16)flags << 8 | byte));
+  received.in = (u8)(in + 1);
 }
 
 KZ_INTERRUPT void kz_serial_transmit(void) {

@@ -162,9 +162,10 @@ TEST_F(Start, OnlyATickThatCompletesItsWorkFeedsTheWatchdog) {
 
   // Ticks go on, but the converter never finishes.
   skip("kz_analog_ready", 0);
+  run(1 * ms);  // the tick that was under way
   fed = ticks = 0;
-  run(5 * ms);
-  EXPECT_GE(ticks, 4);
+  run(4 * ms);
+  EXPECT_GE(ticks, 3);
   EXPECT_EQ(fed, 0);
   EXPECT_EQ(chip().reset_cause(), h8s::ResetCause::power_on);
   run(3 * ms);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/bench.h"
 
+#include "shared/servo/joint_loop.h"
 #include "shared/servo/joints.h"
 #include "shared/servo/requests.h"
 #include "shared/servo/safety.h"

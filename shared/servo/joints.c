@@ -1,14 +1,10 @@
-// The joints of the servo: measuring, ramps, position loop.
+// The joints of the servo: settings, switching on and off, starts of ramps.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/joints.h"
 
-#include "shared/board/pot.h"
-
-// Fastest change of angle in a tick that is believed: 51 rad/s, four times what the motor can.
-// Keeps the filtered rate inside 16 bits: 64 * 511 = 32704.
-#define DELTA_MAX 511
-#define DUTY_MAX 255
-#define DRIVE_SHIFT 11
+#include "shared/board/table.h"
+#include "shared/servo/joint_drive.h"
+#include "shared/servo/protection.h"
 
 // Duty is 255 at full drive. With kp in 1/256 per rad, half the error in 1e-4 rad and the drive in
 // 1/2048 of a count: 255 * 2048 * 2 / (256 * 1e4) = 0.408; here times 2^16.
@@ -48,11 +44,13 @@ void kz_joints_init(kz_servo* servo, const kz_startup* startup) {
   };
   u8 i;
   for (i = 0; i < KZ_JOINTS; ++i) {
+    // The rest is 0: no dead band, no friction, cold.
     servo->joint[i].kp = kz_scaled_kp(kp[i]);
     servo->joint[i].kd = kz_scaled_kd(KZ_KD_DEFAULT);
     servo->joint[i].ramp_limit = KZ_RAMP_DEFAULT;
     servo->joint[i].lower = kz_board_joints[i].lower;
     servo->joint[i].upper = kz_board_joints[i].upper;
+    servo->joint[i].careful = 1;
     servo->joint[i].pot_bad_ms = 1;  // not measured yet
     servo->joint[i].pot_centre = startup->pot_centre[i];
     servo->joint[i].pot_scale = startup->pot_scale[i];
@@ -104,6 +102,8 @@ u8 kz_joint_flags(const kz_servo* servo, u8 number) {
     if (joint->ramp_left != 0 || (servo->fresh_targets >> number & 1)) flags |= KZ_JOINT_MOVING;
   }
   if (joint->pot_bad_ms != 0) flags |= KZ_JOINT_POT;
+  if (joint->stalled >= KZ_STALL_TOLD) flags |= KZ_JOINT_STALLED;
+  if (joint->heat >> 16 > KZ_HEAT_FULL / 2) flags |= KZ_JOINT_HOT;
   if (joint->angle <= joint->lower || joint->angle >= joint->upper) flags |= KZ_JOINT_AT_LIMIT;
   return flags;
 }
@@ -114,14 +114,11 @@ s16 kz_joint_drive(const kz_joint* joint) {
 }
 
 void kz_joint_drive_raw(kz_joint* joint, s16 drive) {
-  if (drive > 0 && joint->angle >= joint->upper) drive = 0;
-  if (drive < 0 && joint->angle <= joint->lower) drive = 0;
-  joint->forward = (u8)(drive > 0 ? joint->mirrored ^ 1 : joint->mirrored);
-  joint->duty = (u8)(drive > 0 ? drive : -drive);
+  kz_put_drive(joint, kz_hold_back(joint, (s32)drive * (1 << KZ_DRIVE_SHIFT)));
 }
 
 u8 kz_joint_load(const kz_joint* joint) {
-  return joint->duty;
+  return joint->load;
 }
 
 // Straight way to the joint's target in `duration_ms`, or more slowly if the joint's ramp demands
@@ -161,85 +158,4 @@ void kz_joints_start_ramps(kz_servo* servo) {
     fresh >>= 1;
     ++joint;
   }
-}
-
-// `left` steps remain; after the last the command is exactly the target.
-static inline void follow_ramp(kz_joint* joint, u16 left) {
-  u16 command = (u16)((u16)joint->command + joint->ramp_whole);
-  const u16 room = joint->ramp_room;
-  const u16 rest = joint->ramp_rest;
-  if (rest < room) {
-    joint->ramp_room = (u16)(room - rest);
-  } else {
-    joint->ramp_room = (u16)(room + (u16)(joint->ramp_time - rest));
-    command = (u16)(command + joint->ramp_extra);
-  }
-  joint->ramp_left = (u16)(left - 1);
-  joint->command = (s16)command;
-}
-
-static inline void measure(kz_joint* joint, s16 angle) {
-  s16 delta = (s16)((u16)angle - (u16)joint->angle);
-  const s16 rate = joint->rate;
-  if (joint->pot_bad_ms != 0) {  // the angle before means nothing
-    joint->pot_bad_ms = 0;
-    delta = 0;
-  }
-  if (delta > DELTA_MAX) delta = DELTA_MAX;
-  if (delta < -DELTA_MAX) delta = -DELTA_MAX;
-  joint->rate = (s16)(rate - (s16)(rate >> 3) + (s16)(delta * 8));
-  joint->angle = angle;
-}
-
-// d = kp * (command - angle) - kd * rate, limited to full duty.
-static inline void control(kz_joint* joint) {
-  // Halved, so that the widest error fits 16 bits; the resolution of the potentiometer is 16 times
-  // coarser.
-  const s32 error = ((s32)joint->command - joint->angle) >> 1;
-  s32 drive;
-  u32 strength;
-  u8 forward = joint->mirrored;
-  drive = (s32)(s16)error * joint->kp - (s32)joint->rate * joint->kd;
-  if (drive > 0) {
-    strength = (u32)drive;
-    forward ^= 1;
-  } else {
-    strength = (u32)-drive;
-  }
-  strength += (u32)1 << (DRIVE_SHIFT - 1);
-  if (strength >= (u32)DUTY_MAX << DRIVE_SHIFT) {
-    joint->duty = DUTY_MAX;
-  } else {
-    joint->duty = (u8)(strength << (16 - DRIVE_SHIFT) >> 16);  // the upper half: no shift on the H8
-  }
-  joint->forward = forward;
-}
-
-u16 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
-  kz_joint* joint = servo->joint;
-  u8 faulty = 0;  // joints left when the first one with a fault was done
-  u8 left;
-  for (left = KZ_JOINTS; left != 0; --left) {
-    const u16 code = input->analog[joint->pot_input];
-    if ((u16)(code - KZ_POT_LOWEST) <= KZ_POT_HIGHEST - KZ_POT_LOWEST) {
-      measure(joint, kz_pot_angle_from(code, joint->pot_centre, joint->pot_scale));
-      if (joint->on) {
-        const u16 ramp_left = joint->ramp_left;
-        if (ramp_left != 0) follow_ramp(joint, ramp_left);
-        control(joint);
-      } else {
-        joint->duty = 0;
-        joint->forward = 0;
-      }
-    } else {
-      // Nobody knows where the joint is: the last angle stays, and the motor gets no power.
-      joint->rate = 0;
-      joint->duty = 0;
-      joint->forward = 0;
-      if (joint->pot_bad_ms < KZ_POT_FAULT_MS) ++joint->pot_bad_ms;
-      if (joint->pot_bad_ms == KZ_POT_FAULT_MS && joint->on && faulty == 0) faulty = left;
-    }
-    ++joint;
-  }
-  return faulty == 0 ? 0 : (u16)(KZ_SHUTDOWN_POT << 8 | (KZ_JOINTS - faulty));
 }

@@ -1,4 +1,4 @@
-// The joints of the servo: measuring, ramps, position loop.
+// The joints of the servo: settings, switching on and off, starts of ramps (the loop: joint_loop.h).
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_JOINTS_H
 #define KAZ_SHARED_SERVO_JOINTS_H
@@ -11,11 +11,6 @@ extern "C" {
 
 // Gains and ramp after reset; `servo` is all zeros before.
 void kz_joints_init(kz_servo* servo, const kz_startup* startup);
-
-// One millisecond of all joints: angles and rates from the A/D codes; for those that are on also
-// the ramp, the duty and the direction. Returns 0, or a reason to switch all motors off: its
-// KZ_SHUTDOWN_* in the upper byte and the joint in the lower.
-u16 kz_joints_update(kz_servo* servo, const kz_tick_input* input);
 
 // Switches the joints of the mask on and all others off. One that was off holds where it stands.
 // Ends a raw drive.
@@ -40,9 +35,6 @@ static inline const kz_joint* kz_joint_of(const kz_servo* servo, u8 number) {
 u8 kz_joint_flags(const kz_servo* servo, u8 number);
 // Motor drive -255..255, positive turns the joint positively.
 s16 kz_joint_drive(const kz_joint* joint);
-// Raw drive of a motor whose joint is off, -255..255, after kz_joints_update: not further out at or
-// beyond a soft limit.
-void kz_joint_drive_raw(kz_joint* joint, s16 drive);
 // Torque as a share of the stall torque, 0..255.
 u8 kz_joint_load(const kz_joint* joint);
 

@@ -1,5 +1,6 @@
 // Ramps and the position loop: timing, gains, saturation, signs; and the loop around a motor.
 // SPDX-License-Identifier: Apache-2.0
+#include "shared/servo/joint_loop.h"
 #include "shared/servo/joints.h"
 
 #include <gtest/gtest.h>
@@ -34,6 +35,7 @@ void run(TestBoard& board, int ticks) {
 TEST(Ramp, IsStraightAndEndsInTimeOnTheTarget) {
   TestBoard board;
   ASSERT_EQ(board.enable(1), 0);
+  ASSERT_EQ(board.gains(1, 0, 0), 0);  // it never moves: it would count as stalled
   for (const int target : {5000, -1234, 7, 15707}) {
     for (const int duration : {1000, 333, 700}) {
       const kz_joint& joint = board.servo.joint[neck_pan];

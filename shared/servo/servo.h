@@ -54,8 +54,14 @@ extern "C" {
 //   pot_bad_ms  for how long the potentiometer's code has made no sense
 //   pot_input   index into kz_tick_input.analog
 //   mirrored    a forward shaft is a negative joint angle
+//   careful     0: neither dead band nor friction, and a soft limit is too far to be met within 4 ms
 //   on          bit of `enabled`
+//   heat        what the motor has taken up and not given off yet (protection.h)
+//   stall_angle where it was when it began not to move under high load, 100 urad
+//   load        torque as a share of the stall torque, 0..255
+//   stalled     for how many times 4 ms it has not moved under high load
 #define KZ_JOINT_FIELDS(FIELD) \
+  FIELD(u32, heat)             \
   FIELD(s16, pot_centre)       \
   FIELD(s16, pot_scale)        \
   FIELD(s16, angle)            \
@@ -72,6 +78,7 @@ extern "C" {
   FIELD(s16, lower)            \
   FIELD(s16, upper)            \
   FIELD(u16, dead_band)        \
+  FIELD(s16, stall_angle)      \
   FIELD(s16, kp)               \
   FIELD(s16, kd)               \
   FIELD(u8, duty)              \
@@ -80,7 +87,9 @@ extern "C" {
   FIELD(u8, pot_input)         \
   FIELD(u8, mirrored)          \
   FIELD(u8, friction)          \
-  FIELD(u8, spare)             \
+  FIELD(u8, load)              \
+  FIELD(u8, stalled)           \
+  FIELD(u8, careful)           \
   FIELD(u8, on)
 
 //   tick            number of the present tick

@@ -19,6 +19,7 @@ kz_outcome kz_do_gains(kz_servo* servo, const kz_gains* request) {
       joint->kd = kd;
       joint->dead_band = request->dead_band;
       joint->friction = request->friction;
+      joint->careful = 1;
     }
     ++joint;
   }
@@ -38,6 +39,7 @@ kz_outcome kz_do_limits(kz_servo* servo, const kz_limits* request) {
   for (bits = request->mask; bits != 0; bits >>= 1) {
     if (bits & 1) {
       joint->ramp_limit = request->ramp;
+      joint->careful = 1;
       joint->lower = cut(request->lower, board->lower, board->upper);
       joint->upper = cut(request->upper, board->lower, board->upper);
     }

@@ -194,6 +194,7 @@ class Watchdog : public testing::Test {
   void start(u8 reaction) {
     ASSERT_EQ(board.heartbeat(5, reaction), 0);
     ASSERT_EQ(board.enable(0b11), 0);
+    ASSERT_EQ(board.gains(1, 0, 0), 0);  // this joint never moves: it would count as stalled
     ASSERT_EQ(board.target(0, 5000, 200), 0);
   }
   TestBoard board;

@@ -6,8 +6,10 @@
 #include "shared/protocol/messages.h"
 #include "shared/servo/bench.h"
 #include "shared/servo/commands.h"
+#include "shared/servo/joint_loop.h"
 #include "shared/servo/joints.h"
 #include "shared/servo/outputs.h"
+#include "shared/servo/protection.h"
 #include "shared/servo/requests.h"
 #include "shared/servo/safety.h"
 #include "shared/servo/telemetry.h"
@@ -151,6 +153,8 @@ void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output
   fault = kz_joints_update(servo, input);
   if (fault != 0) kz_shutdown(servo, (u8)(fault >> 8), (u8)fault);
   if (servo->raw_ms != 0) kz_bench_drive(servo);
+  fault = kz_protection_update(servo);
+  if (fault != 0) kz_shutdown(servo, (u8)(fault >> 8), (u8)fault);
   if (input->rx_count != 0) {
     hurried |= receive(servo, input);
   } else {

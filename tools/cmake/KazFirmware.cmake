@@ -2,8 +2,8 @@
 
 # Sources of shared/servo that run on the H8 too, relative to shared/.
 function(kaz_servo_sources out)
-  set(${out} servo/tick.c servo/joints.c servo/requests.c servo/commands.c servo/motion.c
-             servo/settings.c servo/replies.c servo/joint_replies.c servo/safety.c servo/health.c
+  set(${out} servo/tick.c servo/joints.c servo/joint_loop.c servo/protection.c servo/requests.c
+             servo/commands.c servo/motion.c servo/settings.c servo/replies.c servo/joint_replies.c servo/safety.c servo/health.c
              servo/telemetry.c servo/bench.c servo/outputs.c servo/store.c servo/startup.c PARENT_SCOPE)
 endfunction()
 
@@ -36,8 +36,11 @@ function(kaz_firmware_image)
   set(generated ${PROJECT_BINARY_DIR}/generated)
   get_filename_component(shared_root ${ARG_SHARED_DIR} DIRECTORY)
   kaz_servo_sources(servo)
+  # The chip has the joints' loop in assembler.
+  list(REMOVE_ITEM servo servo/joint_loop.c)
   list(TRANSFORM servo PREPEND ${ARG_SHARED_DIR}/)
   set(sources
+    ${firmware}/joint_loop.S ${firmware}/joint_loop_check.c ${firmware}/analog_interrupt.S
     ${firmware}/vectors.S ${firmware}/image_header.c
     ${firmware}/start.S ${firmware}/main.c ${firmware}/clock.c ${firmware}/pins.c
     ${firmware}/serial.c ${firmware}/analog.c ${firmware}/memory.c ${firmware}/flash.c
@@ -87,7 +90,8 @@ function(kaz_firmware_image)
             ${ARG_NAME}.coff ${ARG_NAME}.sizes
     WORKING_DIRECTORY ${ARG_OUTPUT_DIR}
     DEPENDS ${objects} ${firmware}/kaz.ld ${generators}/stamp_image.py ${generators}/coff.py
-            ${generators}/stack_bound.py ${generators}/firmware_report.py
+            ${generators}/stack_bound.py ${generators}/tick_divisions.py
+            ${generators}/firmware_report.py
     COMMENT "H8 ${ARG_NAME}: link" VERBATIM)
   set(all)
   if(ARG_ALL)

@@ -9,6 +9,7 @@ import sys
 
 from coff import Coff, CoffError
 from stack_bound import Unbounded, calls_out_of, disassemble, parse, stack_bound
+from tick_divisions import Forbidden, tick_divisions
 
 APPLICATION, APPLICATION_END = 0x1000, 0xC000  # erase blocks EB4, EB5
 LOADER, LOADER_END = 0xC000, 0xE000  # EB6
@@ -46,6 +47,9 @@ def report(objdump, path, sizes_path):
     for what, size, limit in sizes:
         print(line(what, size, limit))
     print(f"  stack at most {stack} bytes: " + " > ".join(name.lstrip("_") for name in names))
+    divisions = tick_divisions(parse(disassemble(objdump, path)))
+    print("  divisions in the path of a tick: " +
+          (", ".join(f"{name.lstrip('_')} {count}" for name, count in divisions.items()) or "none"))
     with open(sizes_path, "w", encoding="utf-8") as out:
         out.writelines(f"{what.replace(' + ', '_')} {size}\n" for what, size, _ in sizes)
         out.write(f"stack {stack}\n")
@@ -58,7 +62,7 @@ def main(arguments):
         return 2
     try:
         over = report(*arguments)
-    except (CoffError, Unbounded, OSError, subprocess.CalledProcessError) as error:
+    except (CoffError, Unbounded, Forbidden, OSError, subprocess.CalledProcessError) as error:
         print(f"firmware_report.py: {error}", file=sys.stderr)
         return 1
     for what in over:

@@ -23,6 +23,7 @@ class Function:
     name: str
     frame: int = 0  # deepest the function itself goes
     calls: set = field(default_factory=set)  # addresses
+    divisions: int = 0  # instructions, of up to 21 states each
     is_handler: bool = False
 
 
@@ -84,6 +85,8 @@ def parse(lines):
         # gcc pushes once at the start of a function and pops once at its end.
         depth += change
         current.frame = max(current.frame, depth)
+        if mnemonic.startswith("div"):
+            current.divisions += 1
         if mnemonic == "rte":
             current.is_handler = True
         if mnemonic in ("jsr", "bsr"):

@@ -1,0 +1,363 @@
+; The joints' loop of shared/servo/joint_loop.c, in assembler: more than a third of each tick. Equal to
+; the C in every bit; the comparison of the engines (kaz mcu compare) shows it.
+; SPDX-License-Identifier: Apache-2.0
+;
+; ER6 joint, ER5 A/D codes, R4L joints left, R4H those left at the first fault. From the measurement on
+; R0 is the angle, R1 the rate, R3 the command, then ER3 the drive.
+#include "firmware/joint_loop.h"
+
+	.h8300s
+	.section .text
+	.global _kz_joint_loop
+_kz_joint_loop:
+	stm.l	er4-er6,@-sp
+	mov.l	er0,er6
+	mov.l	er1,er5
+	mov.w	#LOOP_JOINTS,r4
+	bra	next
+; What is rare, within reach of the short branches: each saves a state in every round.
+to_bad:
+	bra	bad:16
+to_unmeasured:
+	bra	unmeasured:16
+to_jumped_up:
+	bra	jumped_up:16
+to_jumped_down:
+	bra	jumped_down:16
+next:
+	sub.l	er0,er0
+	mov.b	@(JOINT_POT_INPUT:16,er6),r0l
+	shll.w	r0
+	add.l	er5,er0
+	mov.w	@er0,r0
+	mov.w	r0,r1
+	sub.w	#LOOP_POT_LOWEST,r1
+	cmp.w	#LOOP_POT_HIGHEST-LOOP_POT_LOWEST,r1
+	bhi	to_bad
+
+; angle = centre + (code - 512) * 64 * scale / 2^15
+	mov.w	@(JOINT_POT_SCALE:16,er6),r1
+	shll.w	#2,r0
+	shll.w	#2,r0
+	shll.w	#2,r0
+	add.b	#0x80,r0h
+	mulxs.w	r1,er0
+	shll.l	er0
+	mov.w	@(JOINT_POT_CENTRE:16,er6),r1
+	mov.w	e0,r0
+	add.w	r1,r0
+
+; rate += delta * 8 - rate / 8
+	mov.w	@(JOINT_ANGLE:16,er6),r1
+	mov.w	r0,r2
+	sub.w	r1,r2
+	mov.b	@(JOINT_POT_BAD_MS:16,er6),r1l
+	bne	to_unmeasured
+	cmp.w	#LOOP_DELTA_MAX,r2
+	bgt	to_jumped_up
+	cmp.w	#-LOOP_DELTA_MAX,r2
+	blt	to_jumped_down
+measured:
+	mov.w	@(JOINT_RATE:16,er6),r1
+	mov.w	r1,r3
+	shar.w	#2,r3
+	shar.w	r3
+	sub.w	r3,r1
+	shll.w	#2,r2
+	shll.w	r2
+	add.w	r2,r1
+	mov.w	r1,@(JOINT_RATE:16,er6)
+	mov.w	r0,@(JOINT_ANGLE:16,er6)
+	mov.b	@(JOINT_ON:16,er6),r2l
+	beq	off:16
+
+	mov.w	@(JOINT_COMMAND:16,er6),r3
+	mov.w	@(JOINT_RAMP_LEFT:16,er6),r2
+	beq	at_rest
+
+; The ramp: E1 keeps the rate.
+	dec.w	#1,r2
+	mov.w	r2,@(JOINT_RAMP_LEFT:16,er6)
+	mov.w	r1,e1
+	mov.w	@(JOINT_RAMP_WHOLE:16,er6),r1
+	add.w	r1,r3
+	mov.w	@(JOINT_RAMP_ROOM:16,er6),r2
+	mov.w	@(JOINT_RAMP_REST:16,er6),r1
+	sub.w	r1,r2
+	bls	one_more
+	mov.w	r2,@(JOINT_RAMP_ROOM:16,er6)
+	mov.w	@(JOINT_RAMP_EXTRA:16,er6),r1
+	bmi	downwards
+upwards:
+	mov.w	@(JOINT_UPPER:16,er6),r1
+	cmp.w	r1,r3
+	bgt	to_ramp_meets_upper
+ramped:
+	mov.w	r3,@(JOINT_COMMAND:16,er6)
+	mov.w	e1,r1
+at_rest:
+
+; drive = kp * error / 2 - kd * rate
+	exts.l	er3
+	mov.w	r0,r2
+	exts.l	er2
+	sub.l	er2,er3
+	mov.b	@(JOINT_CAREFUL:16,er6),r2l
+	bne	to_careful
+	shar.l	er3
+	mov.w	@(JOINT_KP:16,er6),r2
+	mulxs.w	r2,er3
+	mov.w	@(JOINT_KD:16,er6),r2
+	mulxs.w	r1,er2
+	sub.l	er2,er3
+
+; Duty and direction of the drive, whose sign the flags tell.
+put:
+	ble	backward
+	mov.b	@(JOINT_MIRRORED:16,er6),r0l
+	xor.b	#1,r0l
+	add.l	#1<<(LOOP_DRIVE_SHIFT-1),er3
+	bra	rounded
+
+one_more:
+	mov.w	@(JOINT_RAMP_TIME:16,er6),r1
+	add.w	r1,r2
+	mov.w	r2,@(JOINT_RAMP_ROOM:16,er6)
+	mov.w	@(JOINT_RAMP_EXTRA:16,er6),r1
+	add.w	r1,r3
+	mov.w	r1,r1
+	bpl	upwards
+downwards:
+	mov.w	@(JOINT_LOWER:16,er6),r1
+	cmp.w	r1,r3
+	bge	ramped
+	bra	ramp_meets_lower:16
+to_ramp_meets_upper:
+	bra	ramp_meets_upper:16
+to_careful:
+	bra	careful:16
+
+backward:
+	mov.b	@(JOINT_MIRRORED:16,er6),r0l
+	neg.l	er3
+	add.l	#1<<(LOOP_DRIVE_SHIFT-1),er3
+rounded:
+	cmp.l	#LOOP_DUTY_MAX<<LOOP_DRIVE_SHIFT,er3
+	bhs	full
+	shll.l	#2,er3
+	shll.l	#2,er3
+	shll.l	er3
+	mov.w	e3,r3
+	mov.b	r3l,r0h
+	mov.w	r0,@(JOINT_DUTY:16,er6)
+	add.l	#JOINT_SIZE,er6
+	dec.b	r4l
+	bne	next:16
+	bra	done:16
+full:
+	mov.b	#LOOP_DUTY_MAX,r0h
+store:
+	mov.w	r0,@(JOINT_DUTY:16,er6)
+end:
+	add.l	#JOINT_SIZE,er6
+	dec.b	r4l
+	bne	next:16
+	bra	done:16
+
+; Sets the flags for `put`.
+check:
+	mov.l	er3,er3
+	bra	put:16
+
+; The same with dead band, friction and soft limits.
+careful:
+	mov.w	@(JOINT_DEAD_BAND:16,er6),r2
+	bne	banded:16
+not_banded:
+	mov.b	@(JOINT_FRICTION:16,er6),r2l
+	bne	rubbing:16
+	shar.l	er3
+	mov.w	@(JOINT_KP:16,er6),r2
+	mulxs.w	r2,er3
+	mov.w	@(JOINT_KD:16,er6),r2
+	mulxs.w	r1,er2
+	sub.l	er2,er3
+driven:
+	mov.w	@(JOINT_UPPER:16,er6),r2
+	cmp.w	r2,r0
+	bge	beyond_upper:16
+	mov.w	@(JOINT_LOWER:16,er6),r2
+	cmp.w	r2,r0
+	ble	beyond_lower:16
+inside:
+	cmp.w	#LOOP_SLOW,r1
+	bgt	rising
+	cmp.w	#-LOOP_SLOW,r1
+	blt	falling:16
+	bra	check:16
+
+; Fast towards the upper limit: the way that is left allows so much.
+rising:
+	mov.w	@(JOINT_UPPER:16,er6),r2
+	cmp.w	r0,r2
+	ble	no_way_up
+	sub.w	r0,r2
+	cmp.w	#LOOP_NEAR_LIMIT,r2
+	blo	near_upper
+	add.w	#LOOP_NEAR_LIMIT,r2
+	bra	upper_allows
+near_upper:
+	shll.w	r2
+upper_allows:
+	cmp.w	r2,r1
+	bls	check:16
+	sub.w	r2,r1
+brake_down:
+	mov.w	#LOOP_BRAKE,r2
+	mulxu.w	r1,er2
+	neg.l	er2
+	cmp.l	er2,er3
+	ble	check:16
+	mov.l	er2,er3
+	bra	check:16
+no_way_up:
+	bra	brake_down
+
+falling:
+	neg.w	r1
+	mov.w	@(JOINT_LOWER:16,er6),r2
+	cmp.w	r2,r0
+	ble	brake_up
+	sub.w	r2,r0
+	cmp.w	#LOOP_NEAR_LIMIT,r0
+	blo	near_lower
+	add.w	#LOOP_NEAR_LIMIT,r0
+	bra	lower_allows
+near_lower:
+	shll.w	r0
+lower_allows:
+	cmp.w	r0,r1
+	bls	check:16
+	sub.w	r0,r1
+brake_up:
+	mov.w	#LOOP_BRAKE,r2
+	mulxu.w	r1,er2
+	cmp.l	er2,er3
+	bge	check:16
+	mov.l	er2,er3
+	bra	check:16
+
+beyond_upper:
+	mov.l	er3,er3
+	ble	inside:16
+	sub.l	er3,er3
+	bra	inside:16
+beyond_lower:
+	mov.l	er3,er3
+	bge	inside:16
+	sub.l	er3,er3
+	bra	inside:16
+
+; The ramp ends at the limit, or where it is if that is outside.
+ramp_meets_upper:
+	mov.w	@(JOINT_COMMAND:16,er6),r2
+	cmp.w	r1,r2
+	bgt	ramp_stays
+	bra	ramp_ends
+ramp_meets_lower:
+	mov.w	@(JOINT_COMMAND:16,er6),r2
+	cmp.w	r1,r2
+	blt	ramp_stays
+ramp_ends:
+	mov.w	r1,r2
+ramp_stays:
+	mov.w	r2,r3
+	mov.w	r3,@(JOINT_TARGET:16,er6)
+	sub.w	r2,r2
+	mov.w	r2,@(JOINT_RAMP_LEFT:16,er6)
+	bra	ramped:16
+
+banded:
+	extu.l	er2
+	cmp.l	er2,er3
+	bgt	not_banded:16
+	neg.l	er2
+	cmp.l	er2,er3
+	blt	not_banded:16
+	sub.l	er3,er3
+	bra	not_banded:16
+
+; E0 keeps the friction with the sign of the error.
+rubbing:
+	extu.w	r2
+	mov.l	er3,er3
+	bgt	rubs
+	beq	rubs_not
+	neg.w	r2
+	bra	rubs
+rubs_not:
+	sub.w	r2,r2
+rubs:
+	mov.w	r2,e0
+	shar.l	er3
+	mov.w	@(JOINT_KP:16,er6),r2
+	mulxs.w	r2,er3
+	mov.w	@(JOINT_KD:16,er6),r2
+	mulxs.w	r1,er2
+	sub.l	er2,er3
+	mov.w	e0,r2
+	exts.l	er2
+	.rept	LOOP_DRIVE_SHIFT/2
+	shll.l	#2,er2
+	.endr
+	.rept	LOOP_DRIVE_SHIFT-LOOP_DRIVE_SHIFT/2*2
+	shll.l	er2
+	.endr
+	add.l	er2,er3
+	bra	driven:16
+
+unmeasured:
+	sub.b	r1l,r1l
+	mov.b	r1l,@(JOINT_POT_BAD_MS:16,er6)
+	sub.w	r2,r2
+	bra	measured:16
+jumped_up:
+	mov.w	#LOOP_DELTA_MAX,r2
+	bra	measured:16
+jumped_down:
+	mov.w	#-LOOP_DELTA_MAX,r2
+	bra	measured:16
+
+off:
+	sub.w	r0,r0
+	bra	store:16
+
+; Nobody knows where the joint is.
+bad:
+	sub.w	r0,r0
+	mov.w	r0,@(JOINT_RATE:16,er6)
+	mov.w	r0,@(JOINT_DUTY:16,er6)
+	mov.b	@(JOINT_POT_BAD_MS:16,er6),r1l
+	cmp.b	#LOOP_POT_FAULT_MS,r1l
+	bhs	counted
+	inc.b	r1l
+	mov.b	r1l,@(JOINT_POT_BAD_MS:16,er6)
+counted:
+	cmp.b	#LOOP_POT_FAULT_MS,r1l
+	bne	end:16
+	mov.b	@(JOINT_ON:16,er6),r1l
+	beq	end:16
+	mov.b	r4h,r4h
+	bne	end:16
+	mov.b	r4l,r4h
+	bra	end:16
+
+done:
+	sub.w	r0,r0
+	mov.b	r4h,r4h
+	beq	sound
+	mov.w	#LOOP_SHUTDOWN_POT*256+LOOP_JOINTS,r0
+	sub.b	r4h,r0l
+sound:
+	ldm.l	@sp+,er4-er6
+	rts
