@@ -9,6 +9,7 @@
 #include <set>
 
 #include "host/behavior/angle_filter.h"
+#include "host/behavior/control_cycle.h"
 #include "host/behavior/search_pattern.h"
 #include "host/robot/test_board.h"
 
@@ -176,6 +177,42 @@ TEST_F(Stand, GoesHomeSlowly) {
   EXPECT_NEAR(angle[host::r_sh_roll] / kDegree, -12, 1);
   EXPECT_TRUE(board.motors_on());
   EXPECT_LT(fastest, 1.5);  // 0.5 rad/s of the ramp, and the steps of a potentiometer's code
+}
+
+// All ramps end when the board starts anew: they are begun again.
+TEST_F(Stand, GetsThereAlthoughTheBoardWasResetOnTheWay) {
+  const Time start = board.now();
+  bool was_reset = false;
+  board.after_tick = [&](Time now) {
+    if (now < start + 800ms || std::exchange(was_reset, true)) return;
+    board.reset();
+  };
+  const auto outcome = run("home");
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  EXPECT_TRUE(was_reset);
+  EXPECT_TRUE(outcome->success) << outcome->sentence;
+  EXPECT_NEAR(board.angles_at(board.now())[host::l_knee] / kDegree, 55.6, 1);
+}
+
+TEST(ControlCycle, TellsThatTheLinkWasLost) {
+  host::TestBoard board;
+  host::Robot robot = host::connect_to(board);
+  Recording recording;
+  Context context{robot, robot.clock(), nullptr, recording, *OptionValues::parse({}, {})};
+  ASSERT_TRUE(hold_still(robot));
+  ControlCycle cycle(context);
+  const host::JointTarget target[] = {{host::neck_pan, 0.3}};
+  for (int i = 0; i < 100; ++i) {
+    const auto input = cycle.next(target);
+    ASSERT_TRUE(input) << input.error().message;
+    EXPECT_FALSE(input->resumed);
+  }
+  ASSERT_TRUE(board.sleep_until(board.now() + 200ms));  // a behaviour that thinks for too long
+  const auto input = cycle.next(target);
+  ASSERT_TRUE(input) << input.error().message;
+  ASSERT_TRUE(input->resumed);
+  EXPECT_EQ(input->resumed->cause, host::Resumption::Cause::watchdog);
+  EXPECT_FALSE(cycle.next(target)->resumed);
 }
 
 TEST_F(Stand, KeepsWhatItFinds) {

@@ -140,6 +140,34 @@ TEST(TtyLink, SaysThatThePortWasClosed) {
   EXPECT_FALSE((*link)->write(buffer));
 }
 
+TEST(TtyLink, OpensAgainWhatIsPluggedInAgain) {
+  namespace fs = std::filesystem;
+  const fs::path path = fs::temp_directory_path() / ("kaz-replug-" + std::to_string(getpid()));
+  fs::remove(path);
+  auto board = std::make_unique<FarEnd>();
+  fs::create_symlink(board->path(), path);
+  auto link = TtyLink::open(path);
+  ASSERT_TRUE(link) << link.error().message;
+  fs::remove(path);
+  board->hang_up();
+  std::uint8_t buffer[8];
+  EXPECT_FALSE((*link)->read(buffer, WallClock().now() + 1s));
+  const auto gone = (*link)->reopen();
+  ASSERT_FALSE(gone);
+  EXPECT_EQ(gone.error().fault, Fault::environment);
+  EXPECT_FALSE((*link)->read(buffer, WallClock().now() + 1s));
+  EXPECT_FALSE((*link)->write(buffer));
+
+  board = std::make_unique<FarEnd>();
+  fs::create_symlink(board->path(), path);
+  ASSERT_TRUE((*link)->reopen());
+  const auto bytes = all_bytes();
+  ASSERT_TRUE((*link)->write(bytes));
+  EXPECT_EQ(board->receive(256), bytes);
+  EXPECT_EQ((*link)->low_latency(), LowLatency::pseudo_terminal);
+  fs::remove(path);
+}
+
 TEST(TtyLink, IsInterruptedFromAnotherThread) {
   FarEnd board;
   Interrupt interrupt;
