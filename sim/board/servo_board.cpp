@@ -3,10 +3,11 @@
 #include "sim/board/servo_board.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "sim/mcu/random.h"
+#include "shared/base/random.hpp"
 
 namespace kaz::sim {
 namespace {
@@ -90,13 +91,14 @@ Result<void> ServoBoard::run_until(States until) {
 void ServoBoard::set_joint_angles(std::span<const double, KZ_JOINTS> angles_rad) {
   for (int j = 0; j < KZ_JOINTS; ++j) {
     const auto i = static_cast<std::size_t>(j);
-    pot_[i] = pot_ratio(j, angles_rad[i]);
+    if (!pot_faults_[i].stuck) pot_[i] = pot_ratio(j, angles_rad[i]);
   }
 }
 
 double ServoBoard::supply_volts() const {
   if (!power_) return 0;
-  return std::max(0.0, options_.supply_volts - options_.supply_ohms * supply_current_);
+  return std::max(0.0,
+                  options_.supply_volts + supply_change_ - options_.supply_ohms * supply_current_);
 }
 
 double ServoBoard::noise_free(unsigned input) const {
@@ -111,7 +113,14 @@ double ServoBoard::noise_free(unsigned input) const {
       break;
   }
   const int joint = joint_at_input[input];
-  return joint < 0 ? 0.0 : pot_[static_cast<std::size_t>(joint)];
+  if (joint < 0) return 0.0;
+  const auto j = static_cast<std::size_t>(joint);
+  return pot_faults_[j].level.value_or(pot_[j]);
+}
+
+double ServoBoard::extra_noise_codes(unsigned input) const {
+  const int joint = joint_at_input[input];
+  return joint < 0 ? 0.0 : pot_faults_[static_cast<std::size_t>(joint)].noise_codes;
 }
 
 double ServoBoard::analog(int channel, const PinLevels& levels, States at) const {
@@ -120,9 +129,11 @@ double ServoBoard::analog(int channel, const PinLevels& levels, States at) const
   const unsigned input =
       static_cast<unsigned>(channel) * KZ_MUX_INPUTS + (levels.p4 & KZ_P4_MUX_MASK);
   double ratio = noise_free(input);
-  if (options_.noise) {
+  const double sigma =
+      std::hypot(options_.noise ? options_.noise_codes : 0.0, extra_noise_codes(input));
+  if (sigma > 0) {
     const auto tick = static_cast<std::uint64_t>(at / KZ_STATES_PER_TICK);
-    ratio += options_.noise_codes / KZ_POT_CODES * keyed_normal(options_.seed, tick, input);
+    ratio += sigma / KZ_POT_CODES * keyed_normal(options_.seed, tick, input);
   }
   return std::clamp(ratio, 0.0, 1.0);
 }

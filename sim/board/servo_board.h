@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -38,6 +39,13 @@ struct MeanDrive {
 // end of its track beyond +-95 degrees.
 double pot_ratio(int joint, double angle_rad);
 
+// What is wrong with a potentiometer. Ratios are shares of AVCC.
+struct PotFault {
+  std::optional<double> level;  // the input stands there, whatever the angle
+  double noise_codes = 0;       // sigma, besides the ordinary noise
+  bool stuck = false;           // it does not follow the angle any more
+};
+
 class ServoBoard {
  public:
   ServoBoard(std::unique_ptr<Mcu> mcu, const ServoBoardOptions& options);
@@ -58,6 +66,12 @@ class ServoBoard {
   // Sum of the motors' currents, for the sag of the supply. Held until set again.
   void set_supply_current(double amperes) { supply_current_ = amperes; }
   double supply_volts() const;
+  // Added to what the supply gives without load, V. Held until set again.
+  void set_supply_change(double volts) { supply_change_ = volts; }
+  // Held until set again.
+  void set_pot_fault(int joint, const PotFault& fault) {
+    pot_faults_[static_cast<std::size_t>(joint)] = fault;
+  }
 
   // Mean drives over the time since the last call, integrated exactly over every change of a pin.
   std::array<MeanDrive, KZ_JOINTS> take_drives();
@@ -77,6 +91,7 @@ class ServoBoard {
  private:
   double analog(int channel, const PinLevels& levels, States mcu_time) const;
   double noise_free(unsigned input) const;
+  double extra_noise_codes(unsigned input) const;
   void pins_changed(States at, const PinLevels& levels);
   void integrate(States until);
 
@@ -87,7 +102,8 @@ class ServoBoard {
   States off_time_ = 0;  // board time minus chip time
 
   std::array<double, KZ_JOINTS> pot_{};
-  double supply_current_ = 0;
+  std::array<PotFault, KZ_JOINTS> pot_faults_{};
+  double supply_current_ = 0, supply_change_ = 0;
 
   PinLevels pins_;
   States integrated_from_ = 0, integrated_to_ = 0;

@@ -12,6 +12,7 @@ namespace {
 // what an iterative solver leaves undone must not add up to creep.
 constexpr double kHeldSoftness = 1e-4;
 constexpr double kHeldCorrection = 0.1;
+constexpr double kMostTorque = 1e3;  // Nm; the row's softness is what limits it
 
 }  // namespace
 
@@ -21,15 +22,19 @@ JointMotor::Row JointMotor::prepare(const MotorDrive& drive, double supply_volts
   duty_ = powered_ && std::isfinite(drive.duty) ? std::clamp(drive.duty, -1.0, 1.0) : 0.0;
   volts_ = std::clamp(supply_volts, 0.0, figures_.max_supply_v);
   drive_torque_ = figures_.stall_slope_nm_per_v * volts_ * duty_;
+  jammed_ = drive.jammed;
+  const double most = jammed_ ? kMostTorque : std::clamp(drive.slip_nm, 0.0, kMostTorque);
+  slipping_ = most < kMostTorque;
+  if (jammed_ && regime_ != Regime::held) stop();
   if (regime_ == Regime::held) {
     if (stopped_) held_angle_ = angle;
     stopped_ = false;
-    return {kHeldCorrection * (held_angle_ - angle) / step_s_, kHeldSoftness};
+    return {kHeldCorrection * (held_angle_ - angle) / step_s_, kHeldSoftness, most};
   }
   const double inertia_per_step = figures_.rotor_inertia_kgm2 / step_s_;
   const double slope = (powered_ ? figures_.back_emf_nms_per_rad : 0.0) + inertia_per_step;
   const double friction = regime_ == Regime::forward ? figures_.friction_nm : -figures_.friction_nm;
-  return {(drive_torque_ - friction + inertia_per_step * velocity) / slope, 1.0 / slope};
+  return {(drive_torque_ - friction + inertia_per_step * velocity) / slope, 1.0 / slope, most};
 }
 
 void JointMotor::stop() {
@@ -42,7 +47,8 @@ void JointMotor::finish(double velocity, double torque) {
     case Regime::held: {
       // Standing still, the motor assembly gives drive and friction and nothing else.
       const double friction = torque - drive_torque_;
-      if (std::abs(friction) > figures_.friction_nm * figures_.stiction_ratio) {
+      stopped_ = slipping_;  // what has slipped does not come back
+      if (!jammed_ && std::abs(friction) > figures_.friction_nm * figures_.stiction_ratio) {
         regime_ = friction < 0 ? Regime::forward : Regime::backward;
       }
       break;

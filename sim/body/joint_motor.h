@@ -10,6 +10,9 @@
 // these. Static friction is a second regime: the shaft is held until the torque that friction would
 // have to give in the last step exceeds the breakaway torque.
 //
+// A slipping gear is a clutch that passes no more than its torque; the motor in front of it is taken to
+// turn as the joint does. A jammed gear holds the joint where it is.
+//
 // Not modelled yet: backlash of the gear (0.4 degrees), heating.
 #pragma once
 
@@ -25,6 +28,7 @@ class JointMotor {
   struct Row {
     double velocity = 0;  // rad/s
     double softness = 0;  // rad/s per Nm
+    double most = 0;      // Nm, that it gives at most
   };
 
   // The row for the coming step, for the joint as it moves now (rad, rad/s). Duty beyond -1..1 is
@@ -51,6 +55,7 @@ class JointMotor {
   double duty_ = 0, volts_ = 0;
   double drive_torque_ = 0;  // A above
   bool powered_ = false;
+  bool jammed_ = false, slipping_ = false;
   double current_ = 0;
 };
 

@@ -15,7 +15,6 @@ constexpr double kCfm = 1e-8;
 constexpr double kQuickStepOverRelaxation = 1.3;
 constexpr double kContactLayer = 2e-4;         // m
 constexpr double kContactMaxCorrection = 0.2;  // m/s
-constexpr double kMotorTorqueBound = 1e3;      // Nm; the row's softness is what limits it
 constexpr double kStopMargin = 0.0174533;      // rad, mechanical stop beyond the firmware's limit
 
 // Objects lie still below these for a moment, and are then left out until something touches them.
@@ -151,7 +150,6 @@ void OdeWorld::build_joint(const RobotModel& robot, int number, const Eigen::Iso
   dJointSetAMotorMode(out.motor, dAMotorUser);
   dJointSetAMotorNumAxes(out.motor, 1);
   dJointSetAMotorAxis(out.motor, 0, 1, axis.x(), axis.y(), axis.z());
-  dJointSetAMotorParam(out.motor, dParamFMax, kMotorTorqueBound);
   dJointSetFeedback(out.motor, &out.feedback);
 }
 
@@ -188,6 +186,7 @@ void OdeWorld::drive_motors(std::span<const MotorDrive, KZ_JOINTS> drives, doubl
                                                    joint_states_[i].velocity);
     dJointSetAMotorParam(ode_joints_[i].motor, dParamVel, row.velocity);
     dJointSetAMotorParam(ode_joints_[i].motor, dParamCFM, row.softness);
+    dJointSetAMotorParam(ode_joints_[i].motor, dParamFMax, row.most);
   }
 }
 

@@ -24,6 +24,9 @@ namespace kaz::sim {
 struct MotorDrive {
   double duty = 0;       // -1..1, mean over the step, positive turns the joint positively
   bool powered = false;  // false: the bridge is open, the motor turns freely but for friction
+  // Faults of the gear (docs/faults.md).
+  bool jammed = false;   // the joint stands where it is
+  double slip_nm = 1e3;  // no more torque than this passes between motor and joint, Nm
 };
 
 struct JointState {

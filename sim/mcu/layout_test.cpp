@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "sim/mcu/h8_layout.h"
-#include "sim/mcu/random.h"
+#include "shared/base/random.hpp"
 
 namespace kaz::sim {
 namespace {

@@ -50,8 +50,19 @@ Json ControlCommands::answer(std::string_view line) const {
   return run(text("command"), text("argument"));
 }
 
+Json ControlCommands::fault(const std::string& line) const {
+  if (line == "none") {
+    handlers_.clear_faults();
+    return {{"ok", true}};
+  }
+  const auto fault = faults::parse(line, handlers_.now());
+  if (!fault) return refusal(fault.error().message);
+  handlers_.fault(*fault);
+  return {{"ok", true}, {"fault", faults::text_of(*fault)}};
+}
+
 Json ControlCommands::run(const std::string& command, const std::string& argument) const {
-  const bool with_argument = command == "power";
+  const bool with_argument = command == "power" || command == "fault";
   if (!with_argument && !argument.empty())
     return refusal("\"" + command + "\" takes no argument, got \"" + argument + "\"");
   if (command == "help") {
@@ -60,6 +71,7 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
              {{"help", "this list"},
               {"reset", "the board's reset pin, low and high"},
               {"power on|off", "the board's power switch"},
+              {"fault LINE", "a fault, from now on or `at` a time; \"fault none\" ends them all"},
               {"status", "time, engine, power, host, losses"}}}};
   }
   if (command == "reset") {
@@ -72,6 +84,7 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
     handlers_.power(argument == "on");
     return {{"ok", true}};
   }
+  if (command == "fault") return fault(argument);
   if (command == "status") {
     Json reply{{"ok", true}};
     reply.update(handlers_.status());

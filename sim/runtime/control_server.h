@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "shared/faults/faults.h"
 #include "sim/runtime/unix_listener.h"
+#include "vision/frame.h"
 
 namespace kaz::sim {
 
@@ -23,11 +25,15 @@ class ControlCommands {
     std::function<void()> reset;
     std::function<void(bool on)> power;
     std::function<nlohmann::ordered_json()> status;
+    std::function<void(const faults::Fault& fault)> fault;
+    std::function<void()> clear_faults;
+    std::function<Time()> now;  // simulated
   };
   explicit ControlCommands(Handlers handlers) : handlers_(std::move(handlers)) {}
   nlohmann::ordered_json answer(std::string_view line) const;
 
  private:
+  nlohmann::ordered_json fault(const std::string& line) const;
   nlohmann::ordered_json run(const std::string& command, const std::string& argument) const;
   Handlers handlers_;
 };

@@ -74,6 +74,9 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
           },
       .power = [p](bool on) { p->set_power(on); },
       .status = [p] { return p->status(); },
+      .fault = [p](const faults::Fault& fault) { p->simulation.add_fault(fault); },
+      .clear_faults = [p] { p->simulation.clear_faults(); },
+      .now = [p] { return p->simulation.time(); },
   });
   auto control = ControlServer::open(options.serial_path + ".ctl", std::move(commands));
   if (!control) return tl::unexpected(control.error());

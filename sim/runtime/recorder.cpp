@@ -30,6 +30,7 @@ constexpr char point_schema[] = "# World frame, m.\nfloat64 x\nfloat64 y\nfloat6
 constexpr char eyes_schema[] =
     "# SHA-256 of the RGB bytes of a stereo pair; the message's time is the exposure.\n"
     "uint64 sequence\nstring left_sha256\nstring right_sha256\n";
+constexpr char fault_schema[] = "# A fault that begins, or was asked for.\nstring line\n";
 constexpr char behavior_schema[] = R"({"type": "object"})";
 
 }  // namespace
@@ -56,6 +57,7 @@ Recorder::Recorder(std::unique_ptr<McapWriter> file) : file_(std::move(file)) {
   eyes_ = numbers("/eyes", file_->add_schema("kaz/StereoDigest", "ros1msg", eyes_schema));
   behavior_ = file_->add_channel(file_->add_schema("kaz/Behavior", "jsonschema", behavior_schema),
                                  "/behavior", "json");
+  faults_ = numbers("/faults", file_->add_schema("kaz/Fault", "ros1msg", fault_schema));
 }
 
 void Recorder::put(std::uint16_t channel, Time time) {
@@ -118,6 +120,12 @@ void Recorder::eyes(const Eyes::Digest& digest) {
 void Recorder::behavior(States at, std::string_view json) {
   data_.assign(json.begin(), json.end());
   put(behavior_, time_of(at));
+}
+
+void Recorder::fault(States at, std::string_view line) {
+  data_.clear();
+  LittleEndian(data_).text(std::string(line));
+  put(faults_, time_of(at));
 }
 
 }  // namespace kaz::sim

@@ -35,6 +35,8 @@ class Recorder {
   void ball(States at, const Eigen::Vector3d& position);
   void eyes(const Eyes::Digest& digest);
   void behavior(States at, std::string_view json);
+  // A fault that begins, as a line of docs/faults.md.
+  void fault(States at, std::string_view line);
 
   // SHA-256 of the file.
   Result<std::string> finish() { return file_->finish(); }
@@ -44,7 +46,7 @@ class Recorder {
   void put(std::uint16_t channel, Time time);
 
   std::unique_ptr<McapWriter> file_;
-  std::uint16_t to_board_, to_host_, pins_, analog_, joints_, ball_, eyes_, behavior_;
+  std::uint16_t to_board_, to_host_, pins_, analog_, joints_, ball_, eyes_, behavior_, faults_;
   std::vector<std::uint8_t> data_;  // of the message being made
 };
 

@@ -4,13 +4,31 @@
 
 #include <algorithm>
 
+#include "sim/runtime/time.h"
+
 namespace kaz::sim {
 
 void SerialLine::queue(std::span<const std::uint8_t> bytes, States now, bool framing_error) {
   wire_free_ = std::max(wire_free_, now);
   for (const std::uint8_t value : bytes) {
     wire_free_ += KZ_STATES_PER_BYTE;
-    to_board_.push_back({value, wire_free_, framing_error});
+    pass(fault_to_board_, {value, wire_free_, framing_error}, to_board_);
+  }
+}
+
+// What is inserted, doubled or late pushes back whatever follows: one byte a byte's time.
+void SerialLine::pass(faults::LinkFaults& link, const SerialByte& byte,
+                      std::deque<SerialByte>& to) {
+  if (schedule_ == nullptr || schedule_->empty()) {
+    const States at = to.empty() ? byte.at : std::max(byte.at, to.back().at);
+    to.push_back({byte.value, at, byte.framing_error});
+    return;
+  }
+  const auto out = link.pass(*schedule_, time_of(byte.at), {byte.value, byte.framing_error});
+  States at = byte.at + states_of(out.delay);
+  for (std::size_t i = 0; i < out.count; ++i) {
+    if (!to.empty()) at = std::max(at, to.back().at + KZ_STATES_PER_BYTE);
+    to.push_back({out.bytes[i].value, at, out.bytes[i].framing_error});
   }
 }
 
@@ -38,7 +56,7 @@ std::vector<SerialByte> SerialLine::take_for_board(States until) {
 }
 
 void SerialLine::from_board(std::span<const SerialByte> bytes) {
-  to_host_.insert(to_host_.end(), bytes.begin(), bytes.end());
+  for (const SerialByte& byte : bytes) pass(fault_to_host_, byte, to_host_);
 }
 
 std::size_t SerialLine::read(std::span<std::uint8_t> bytes, States now) {

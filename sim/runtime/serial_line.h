@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "shared/faults/link_faults.h"
 #include "sim/mcu/mcu.h"
 
 namespace kaz::sim {
@@ -16,6 +17,11 @@ namespace kaz::sim {
 // states.
 class SerialLine {
  public:
+  explicit SerialLine(std::uint64_t seed = 1)
+      : fault_to_board_(seed, faults::Way::to_board), fault_to_host_(seed, faults::Way::to_host) {}
+  // Its link faults happen to bytes that are written or sent from now on. Null: none. Must outlive the
+  // line.
+  void set_faults(const faults::Schedule* schedule) { schedule_ = schedule; }
   // Bytes that the host gives at `now`. The first starts then, or when the byte before it has left.
   void write(std::span<const std::uint8_t> bytes, States now);
   // The same with every byte damaged: what the board sees when the host talks at another speed.
@@ -36,6 +42,10 @@ class SerialLine {
  private:
   void queue(std::span<const std::uint8_t> bytes, States now, bool framing_error);
 
+  void pass(faults::LinkFaults& link, const SerialByte& byte, std::deque<SerialByte>& to);
+
+  const faults::Schedule* schedule_ = nullptr;
+  faults::LinkFaults fault_to_board_, fault_to_host_;
   std::deque<SerialByte> to_board_, to_host_;
   States wire_free_ = 0;
 };

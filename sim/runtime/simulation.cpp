@@ -75,7 +75,10 @@ Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mc
       board_(
           std::move(mcu),
           {.seed = options.seed, .noise = options.pot_noise, .supply_volts = options.supply_volts}),
+      faults_(options.faults),
+      line_(options.seed),
       draws_(world_->scene(), options.renderer) {
+  line_.set_faults(&faults_.schedule());
   std::array<double, KZ_JOINTS> angles{};
   const auto joints = world_->joints();
   for (std::size_t j = 0; j < KZ_JOINTS; ++j) angles[j] = joints[j].angle;
@@ -96,6 +99,9 @@ Result<void> Simulation::advance() {
   const States start = now_;
   const States end = start + KZ_STATES_PER_TICK;
 
+  faults_.begin_step(time(), board_, [this](const faults::Fault& fault) {
+    if (recorder_) recorder_->fault(now_, faults::text_of(fault));
+  });
   const auto to_board = line_.take_for_board(end);
   for (const SerialByte& byte : to_board) board_.receive(byte);
   if (auto ran = board_.run_until(end); !ran) return ran;
@@ -105,6 +111,7 @@ Result<void> Simulation::advance() {
   std::array<MotorDrive, KZ_JOINTS> drives{};
   const auto means = board_.take_drives();
   for (std::size_t j = 0; j < KZ_JOINTS; ++j) drives[j] = {means[j].duty, means[j].powered};
+  faults_.apply(time(), drives);
   world_->step(drives, board_.supply_volts());
 
   std::array<double, KZ_JOINTS> angles{};

@@ -16,10 +16,12 @@
 #include <string_view>
 
 #include "shared/base/result.hpp"
+#include "shared/faults/faults.h"
 #include "sim/board/servo_board.h"
 #include "sim/body/world.h"
 #include "sim/mcu/mcu.h"
 #include "sim/runtime/eyes.h"
+#include "sim/runtime/fault_player.h"
 #include "sim/runtime/mcap_writer.h"
 #include "sim/runtime/render_thread.h"
 #include "sim/runtime/serial_line.h"
@@ -42,6 +44,7 @@ struct SimulationOptions {
   bool pot_noise = true;
   double supply_volts = 10.0;
   FramePolicy frames = FramePolicy::wait;
+  faults::Schedule faults;               // times since the start
   std::string recording_path;            // none if empty
   McapWriter::Metadata recording_facts;  // versions and the like, for the recording's header
   RendererFactory renderer = make_osmesa_renderer;
@@ -89,6 +92,12 @@ class Simulation {
   World& world() { return *world_; }
   const World& world() const { return *world_; }
 
+  // Faults besides those of the options, or all gone. Times on time()'s scale; those that have passed
+  // begin with the next step.
+  void add_fault(const faults::Fault& fault) { faults_.add(fault); }
+  void clear_faults() { faults_.clear(); }
+  const faults::Schedule& faults() const { return faults_.schedule(); }
+
   // Enters what the behaviour thinks (one JSON object) into the recording, at the present time.
   void record_behavior(std::string_view json);
   // Ends the recording; its SHA-256. Empty if there is none.
@@ -105,6 +114,7 @@ class Simulation {
   CameraFile camera_;
   std::unique_ptr<World> world_;
   ServoBoard board_;
+  FaultPlayer faults_;
   SerialLine line_;
   std::unique_ptr<Recorder> recorder_;
   RenderThread draws_;

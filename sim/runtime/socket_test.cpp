@@ -179,6 +179,7 @@ TEST(CameraServer, ReaderThatHangsUpIsForgotten) {
 }
 
 struct Board {
+  std::string faults;
   int resets = 0;
   std::string power;
   ControlCommands commands{{
@@ -188,6 +189,9 @@ struct Board {
           [] {
             return nlohmann::ordered_json{{"time_s", 1.5}};
           },
+      .fault = [this](const faults::Fault& fault) { faults += faults::text_of(fault) + ";"; },
+      .clear_faults = [this] { faults += "none;"; },
+      .now = [] { return std::chrono::milliseconds(1500); },
   }};
 };
 
@@ -201,6 +205,16 @@ TEST(ControlCommands, TakeWordsAndJson) {
   EXPECT_EQ(board.power, "-+");
   EXPECT_EQ(board.commands.answer("status")["time_s"], 1.5);
   EXPECT_TRUE(board.commands.answer("help")["commands"].contains("reset"));
+}
+
+TEST(ControlCommands, FaultsBeginNowOrAtTheirTime) {
+  Board board;
+  EXPECT_TRUE(board.commands.answer("fault pot_open joint 3")["ok"]);
+  EXPECT_TRUE(board.commands.answer("fault at 9 s for 1 s link_cut")["ok"]);
+  EXPECT_TRUE(board.commands.answer("fault none")["ok"]);
+  EXPECT_EQ(board.faults, "at 1.5 s pot_open joint 3 level 1;at 9 s for 1 s link_cut;none;");
+  EXPECT_NE(board.commands.answer("fault pot_open")["error"].dump().find("joint"),
+            std::string::npos);
 }
 
 TEST(ControlCommands, RefuseWithAReason) {

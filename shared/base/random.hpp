@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace kaz::sim {
+namespace kaz {
 
 // SplitMix64 (Steele, Lea and Flood 2014): one step of the generator, and a good mixer of 64 bits.
 constexpr std::uint64_t mix64(std::uint64_t x) {
@@ -46,4 +46,4 @@ inline double keyed_normal(std::uint64_t seed, std::uint64_t tick, std::uint64_t
   return std::sqrt(-2.0 * std::log(u)) * std::cos(6.283185307179586 * v);
 }
 
-}  // namespace kaz::sim
+}  // namespace kaz

@@ -1,0 +1,44 @@
+// What faulty lines do to bytes, one way.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "shared/base/random.hpp"
+#include "shared/faults/faults.h"
+
+namespace kaz::faults {
+
+struct LineByte {
+  std::uint8_t value = 0;
+  bool framing_error = false;
+};
+
+// What becomes of one byte: at most noise, the byte and its double.
+struct LineBytes {
+  std::array<LineByte, 3> bytes{};
+  std::size_t count = 0;
+  Time delay{};  // after the time at which they would come
+};
+
+// A byte of 8N1 whose sender is `error` faster than its receiver, as the receiver samples it in the
+// middle of its own bits. The line is idle (high) behind the byte.
+LineByte sampled(std::uint8_t value, double error);
+
+class LinkFaults {
+ public:
+  // `way` is to_board or to_host. The same seed, schedule and bytes give the same bytes.
+  LinkFaults(std::uint64_t seed, Way way)
+      : random_(mix64(seed ^ static_cast<std::uint64_t>(way) << 32)), way_(way) {}
+
+  // The byte that would arrive at `t`, on the schedule's scale.
+  LineBytes pass(const Schedule& schedule, Time t, LineByte byte);
+
+ private:
+  Random random_;
+  Way way_;
+};
+
+}  // namespace kaz::faults
