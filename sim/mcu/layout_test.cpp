@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "sim/mcu/h8_layout.h"
-#include "shared/base/random.hpp"
+#include "sim/mcu/random.h"
 
 namespace kaz::sim {
 namespace {
