@@ -15,6 +15,7 @@ constexpr double kCfm = 1e-8;
 constexpr double kQuickStepOverRelaxation = 1.3;
 constexpr double kContactLayer = 2e-4;         // m
 constexpr double kContactMaxCorrection = 0.2;  // m/s
+constexpr double kHungHeight = 0.5;            // m, of the feet above the ground
 constexpr double kStopMargin = 0.0174533;      // rad, mechanical stop beyond the firmware's limit
 
 // Objects lie still below these for a moment, and are then left out until something touches them.
@@ -68,8 +69,10 @@ OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const Motor
       motors_(KZ_JOINTS, JointMotor(motor, options.step_s)) {
   scene_.frames.push_back("world");
   // The root's origin hangs above the point between the soles.
-  const Eigen::Vector3d lift(0, 0, -robot.extent().min().z());
+  const double feet = options.hung ? kHungHeight : 0.0;
+  const Eigen::Vector3d lift(0, 0, feet - robot.extent().min().z());
   build_robot(robot, world.robot_start * Eigen::Translation3d(lift));
+  if (options.hung) hang();
   for (const WorldBody& object : world.bodies) build_object(object);
   // Latest first, so that the next one is taken from the end; equal times keep the order of the
   // file.
@@ -124,6 +127,13 @@ void OdeWorld::build_robot(const RobotModel& robot, const Eigen::Isometry3d& roo
     }
   }
   for (int number = 0; number < KZ_JOINTS; ++number) build_joint(robot, number, root);
+}
+
+// Bodies are in the order of the links, the root's first.
+void OdeWorld::hang() {
+  const dJointID hook = dJointCreateFixed(ode_.get(), nullptr);
+  dJointAttach(hook, robot_bodies_.front().id, nullptr);
+  dJointSetFixed(hook);
 }
 
 void OdeWorld::build_joint(const RobotModel& robot, int number, const Eigen::Isometry3d& root) {

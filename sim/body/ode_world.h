@@ -64,6 +64,7 @@ class OdeWorld final : public World {
   int add_frame(const std::string& name, const Body& body);
   void add_visuals(const RigidLink& link, int frame, const Eigen::Isometry3d& in_frame);
   void build_robot(const RobotModel& robot, const Eigen::Isometry3d& root);
+  void hang();
   void build_joint(const RobotModel& robot, int number, const Eigen::Isometry3d& root);
   void build_object(const WorldBody& object);
   void kick_due();

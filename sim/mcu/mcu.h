@@ -65,6 +65,10 @@ class Mcu {
   virtual std::array<std::uint8_t, memory_size> memory() const = 0;
   virtual void set_memory(std::span<const std::uint8_t, memory_size> bytes) = 0;
 
+  // State of the servo behind the last tick, where it is in this process's layout: native only, else
+  // null.
+  virtual const struct kz_servo* servo() const { return nullptr; }
+
   virtual const PinLevels& pins() const = 0;
   // Called at each change of a pin, with the exact time. One listener.
   virtual void on_pins(std::function<void(States, const PinLevels&)> listener) = 0;

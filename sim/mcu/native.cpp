@@ -65,6 +65,7 @@ class NativeMcu final : public Mcu {
     memory_.set_bytes(bytes);
   }
 
+  const kz_servo* servo() const override { return &servo_; }
   const PinLevels& pins() const override { return pins_; }
   void on_pins(std::function<void(States, const PinLevels&)> listener) override {
     on_pins_ = std::move(listener);

@@ -64,6 +64,7 @@ int parse_and_run(int argc, char** argv) {
   kaz::tools::add_sim(program, action);
   kaz::tools::add_mcu(program, action);
   kaz::tools::add_conformance(program, action);
+  kaz::tools::add_fuzz(program, action);
   kaz::tools::add_shell(program, action);
   try {
     program.parse(argc, argv);

@@ -4,6 +4,7 @@
 
 #include <charconv>
 
+#include "host/robot/faulty_link.h"
 #include "host/robot/published_camera.h"
 #include "host/robot/tty_link.h"
 #include "host/robot/wall_clock.h"
@@ -55,10 +56,12 @@ class LockstepRig final : public Rig {
 
 class RealRig final : public Rig {
  public:
-  RealRig(std::unique_ptr<host::TtyLink> link, std::string camera_path,
-          const host::Interrupt& interrupt)
-      : link_(std::move(link)), camera_path_(std::move(camera_path)), clock_(&interrupt) {}
-  host::Link& link() override { return *link_; }
+  RealRig(std::unique_ptr<host::TtyLink> link, std::string camera_path, faults::Schedule faults,
+          std::uint64_t seed, const host::Interrupt& interrupt)
+      : link_(std::move(link)), camera_path_(std::move(camera_path)), clock_(&interrupt) {
+    if (!faults.empty()) faulty_.emplace(*link_, clock_, std::move(faults), seed);
+  }
+  host::Link& link() override { return faulty_ ? static_cast<host::Link&>(*faulty_) : *link_; }
   const host::TtyLink* port() const override { return link_.get(); }
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override {
@@ -77,6 +80,7 @@ class RealRig final : public Rig {
   std::string camera_path_;
   std::unique_ptr<host::PublishedCamera> camera_;
   host::WallClock clock_;
+  std::optional<host::FaultyLink> faulty_;
   std::unique_ptr<vision::Executor> executor_ = vision::make_realtime_executor();
 };
 
@@ -106,6 +110,18 @@ Result<SerialAddress> parse_robot(const std::string& text) {
   return address;
 }
 
+// For a port: no other faults can be made there.
+Result<faults::Schedule> line_faults(const RigOptions& options) {
+  if (options.faults.empty()) return faults::Schedule{};
+  auto schedule = faults::Schedule::load(options.faults);
+  if (!schedule) return schedule;
+  if (const auto name = schedule->only_simulated())
+    return fail(Fault::usage, options.faults + ": the fault `" + std::string(*name) +
+                                  "` is possible in the simulator only; on a port those of the "
+                                  "line are");
+  return schedule;
+}
+
 }  // namespace
 
 Result<void> check(const RigOptions& options) {
@@ -131,6 +147,11 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& optio
   sim.seed = options.seed;
   sim.frames = frames;
   sim.recording_path = options.recording;
+  if (!options.faults.empty()) {
+    auto schedule = faults::Schedule::load(options.faults);
+    if (!schedule) return tl::unexpected(schedule.error());
+    sim.faults = std::move(*schedule);
+  }
   sim.recording_facts = {{"kaz", kVersion},
                          {"engine", options.engine},
                          {"world", options.world},
@@ -155,10 +176,13 @@ Result<std::unique_ptr<Rig>> Rig::open(const RigOptions& options, host::Interrup
     if (!simulation) return tl::unexpected(simulation.error());
     return std::make_unique<LockstepRig>(std::move(*simulation), interrupt);
   }
+  auto faults = line_faults(options);
+  if (!faults) return tl::unexpected(faults.error());
   const auto address = parse_robot(options.robot);
   auto link = host::TtyLink::open(address->path, address->baud, &interrupt);
   if (!link) return tl::unexpected(link.error());
-  return std::make_unique<RealRig>(std::move(*link), options.camera, interrupt);
+  return std::make_unique<RealRig>(std::move(*link), options.camera, std::move(*faults),
+                                   options.seed, interrupt);
 }
 
 }  // namespace kaz::tools

@@ -24,6 +24,7 @@ struct RigOptions {
   std::string engine = "h8";   // "h8" or "native"
   std::string image;           // firmware image; the built one if empty
   std::uint64_t seed = 1;
+  std::string faults;     // file with a schedule of faults; none if empty
   std::string recording;  // path of the recording; none if empty
 };
 

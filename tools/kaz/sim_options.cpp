@@ -13,6 +13,8 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
       ->check(CLI::IsMember({"h8", "native"}))
       ->capture_default_str();
   verb.add_option("--image", options.image, "firmware image for h8: S-record or COFF");
+  verb.add_option("--faults", options.faults, "schedule of faults: docs/faults.md")
+      ->type_name("FILE");
   verb.add_option("--seed", options.seed, "of all noise; the same seed gives the same bytes")
       ->capture_default_str();
 }

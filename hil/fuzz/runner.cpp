@@ -1,0 +1,184 @@
+// Events, one after the other, with a judge at the line.
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/fuzz/runner.h"
+
+#include <algorithm>
+#include <array>
+
+#include "hil/fuzz/requests.h"
+
+namespace kaz::hil::fuzz {
+namespace {
+
+using std::chrono::milliseconds;
+
+class Run {
+ public:
+  Run(host::Link& link, host::Clock& clock, const RunnerOptions& options)
+      : link_(link), clock_(clock), options_(options) {}
+
+  Result<Verdict> go(std::span<const Event> events) {
+    const Time began = clock_.now();
+    if (auto awake = wake(); !awake) return tl::unexpected(awake.error());
+    for (const Event& event : events) {
+      if (auto done = act(event); !done) return tl::unexpected(done.error());
+      if (violation()) break;
+    }
+    if (!violation()) {
+      if (auto done = end(); !done) return tl::unexpected(done.error());
+    }
+    Verdict verdict{violation(), conversation_.features(), conversation_.counts(),
+                    seconds(clock_.now() - began)};
+    return verdict;
+  }
+
+ private:
+  std::optional<std::string> violation() const {
+    if (violation_) return violation_;
+    if (conversation_.violation()) return conversation_.violation();
+    return options_.judge ? options_.judge() : std::nullopt;
+  }
+
+  Result<void> send(std::span<const std::uint8_t> bytes) {
+    conversation_.sent(bytes);
+    if (conversation_.take_deafening()) deaf_until_ = clock_.now() + std::chrono::seconds(4);
+    return link_.write(bytes);
+  }
+
+  // Listens until `until`, or until the request has its reply.
+  Result<void> listen(Time until, int type = -1, std::uint8_t sequence = 0) {
+    std::array<std::uint8_t, 256> bytes{};
+    while (clock_.now() < until) {
+      const auto got = link_.read(bytes, until);
+      if (!got) return tl::unexpected(got.error());
+      conversation_.received(std::span(bytes).first(*got));
+      if (type >= 0 && conversation_.replies_to(static_cast<std::uint8_t>(type), sequence) > 0)
+        return {};
+    }
+    return {};
+  }
+
+  // True once the board has answered.
+  Result<bool> ask(u8 type, std::uint8_t sequence, const std::vector<std::uint8_t>& wire) {
+    if (auto done = send(wire); !done) return tl::unexpected(done.error());
+    if (auto done = listen(clock_.now() + options_.patience, type, sequence); !done)
+      return tl::unexpected(done.error());
+    return conversation_.replies_to(type, sequence) > 0;
+  }
+
+  Result<bool> known(u8 type, const std::vector<std::uint8_t>& fields = {}) {
+    std::vector<std::uint8_t> body{KZ_ADDRESS_DEFAULT, type, --own_sequence_};
+    body.insert(body.end(), fields.begin(), fields.end());
+    return ask(type, own_sequence_, framed(body));
+  }
+
+  // `identify` until it is answered.
+  Result<bool> alive(Time within) {
+    const Time until = clock_.now() + within;
+    while (clock_.now() < until) {
+      auto answered = known(KZ_TYPE_identify);
+      if (!answered || *answered || violation()) return answered;
+    }
+    return false;
+  }
+
+  Result<void> wake() {
+    const auto awake = alive(options_.longest_start);
+    if (!awake) return tl::unexpected(awake.error());
+    if (!*awake && !violation())
+      return fail(Fault::environment,
+                  "no board answers on " + link_.name() +
+                      ": is it connected, powered, and free of other programs?");
+    return {};
+  }
+
+  Result<void> act(const Event& event) {
+    switch (event.kind) {
+      case Event::Kind::send:
+        return send(event.bytes);
+      case Event::Kind::wait:
+        return listen(clock_.now() + milliseconds(event.ms));
+      case Event::Kind::fault:
+        return begin_fault(event.fault);
+      case Event::Kind::ask:
+        return lonely(event);
+    }
+    return {};
+  }
+
+  Result<void> begin_fault(faults::Fault fault) {
+    if (faults::kind_of(fault.name).target == faults::Target::line) {
+      faulty_ = true;
+      conversation_.line_is_faulty();
+    }
+    if (fault.name == faults::Name::power_reset || fault.name == faults::Name::power_brown_out) {
+      conversation_.board_restarted();
+      const Time length = fault.length == faults::kForEver ? Time::zero() : fault.length;
+      deaf_until_ = std::max(deaf_until_, clock_.now() + length + std::chrono::seconds(1));
+    }
+    fault.at = clock_.now();
+    if (options_.fault) options_.fault(fault);
+    return {};
+  }
+
+  Result<void> lonely(const Event& event) {
+    // What was asked before has been answered by then: two replies of 10 ms, and telemetry between.
+    if (auto done = listen(clock_.now() + milliseconds(60)); !done) return done;
+    const std::uint8_t type = type_of(event.bytes), sequence = sequence_of(event.bytes);
+    const bool due = !faulty_ && clock_.now() >= deaf_until_;
+    const auto answered = ask(type, sequence, event.bytes);
+    if (!answered) return tl::unexpected(answered.error());
+    if (due && !*answered && clock_.now() >= deaf_until_ && !violation())
+      violation_ = std::string("no reply came to a lonely request: ").append(event.text);
+    return {};
+  }
+
+  // The header, out of a frame whose stuffing is undone by the receiver.
+  static std::array<std::uint8_t, 3> header(std::span<const std::uint8_t> wire) {
+    kz_receiver receiver;
+    kz_receiver_init(&receiver);
+    std::array<std::uint8_t, 3> found{};
+    for (const std::uint8_t byte : wire) {
+      if (kz_receive(&receiver, byte, 0) == KZ_RECEIVE_FRAME)
+        std::copy_n(receiver.body, 3, found.begin());
+    }
+    return found;
+  }
+  static std::uint8_t type_of(std::span<const std::uint8_t> wire) { return header(wire)[1]; }
+  static std::uint8_t sequence_of(std::span<const std::uint8_t> wire) { return header(wire)[2]; }
+
+  // Whatever happened, the board answers again, and `stop` switches its motors off.
+  Result<void> end() {
+    if (auto done = listen(clock_.now() + milliseconds(60)); !done) return done;
+    const auto back =
+        alive(std::max(deaf_until_ - clock_.now(), Time::zero()) + std::chrono::seconds(1));
+    if (!back) return tl::unexpected(back.error());
+    // With a new address it would be silent, and on a faulty line nothing is certain.
+    if (!*back && !faulty_ && deaf_until_ == Time{} && !violation())
+      violation_ = "the board does not answer any more";
+    if (*back && !violation()) {
+      const auto stopped = known(KZ_TYPE_stop);
+      if (!stopped) return tl::unexpected(stopped.error());
+      if (!*stopped && !faulty_ && !violation()) violation_ = "`stop` is not answered";
+    }
+    return {};
+  }
+
+  host::Link& link_;
+  host::Clock& clock_;
+  const RunnerOptions& options_;
+  Conversation conversation_;
+  std::optional<std::string> violation_;
+  Time deaf_until_{};
+  bool faulty_ = false;
+  std::uint8_t own_sequence_ = 0;  // counts down, the grammar's up
+};
+
+}  // namespace
+
+Result<Verdict> run_case(host::Link& link, host::Clock& clock, std::span<const Event> events,
+                         const RunnerOptions& options) {
+  return Run(link, clock, options).go(events);
+}
+
+}  // namespace kaz::hil::fuzz

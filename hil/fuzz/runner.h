@@ -1,0 +1,39 @@
+// One case of the fuzzer on one board, over any port.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+
+#include "hil/fuzz/conversation.h"
+#include "hil/fuzz/grammar.h"
+#include "host/robot/link.h"
+
+namespace kaz::hil::fuzz {
+
+struct Verdict {
+  std::optional<std::string> violation;
+  std::set<std::uint32_t> features;  // what was new in the board's behaviour can be told by them
+  ConversationCounts counts;
+  double seconds = 0;  // on the clock
+};
+
+struct RunnerOptions {
+  // Makes a fault happen; where there is none, cases must be made without faults.
+  std::function<void(const faults::Fault&)> fault;
+  // What else has been found wrong so far, looked at after each event.
+  std::function<std::optional<std::string>()> judge;
+  // How long a lonely request may take to be answered.
+  Time patience = std::chrono::milliseconds(100);
+  Time longest_start = std::chrono::seconds(3);
+};
+
+// Waits until the board answers, does what the events say, and asks once more whether it is alive; then all
+// motors are off. Errors: nothing answers at the start, the link is gone, the program was interrupted.
+Result<Verdict> run_case(host::Link& link, host::Clock& clock, std::span<const Event> events,
+                         const RunnerOptions& options);
+
+}  // namespace kaz::hil::fuzz

@@ -1,0 +1,154 @@
+// No joint that is off has drive, no command leaves its limits or outruns its ramp, a shutdown is off.
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/fuzz/tick_judge.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdlib>
+
+#include "shared/board/table.h"
+
+namespace kaz::hil::fuzz {
+namespace {
+
+struct Wiring {
+  const char* name;
+  int pwm, port, bit, sign;
+};
+constexpr Wiring wiring[KZ_JOINTS] = {
+#define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) \
+  {#name, pwm, port, bit, sign},
+#include "shared/board/joints.def"
+#undef KZ_JOINT
+};
+
+int port_of(const kz_tick_output& output, int port) {
+  switch (port) {
+    case 3:
+      return output.p3;
+    case 4:
+      return output.p4;
+    case 5:
+      return output.p5;
+    default:
+      return output.p6;
+  }
+}
+
+bool drivers_on(const kz_tick_output& output) {
+  return (output.p4 & KZ_P4_ENABLE) != 0;
+}
+
+}  // namespace
+
+std::array<int, KZ_JOINTS> drives_of(const kz_tick_output& output) {
+  std::array<int, KZ_JOINTS> drives{};
+  if (!drivers_on(output)) return drives;
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+    const Wiring& wire = wiring[j];
+    const int counts = wire.pwm < 16 ? output.pw[wire.pwm] : output.tmo[wire.pwm - 16];
+    const bool forward = (port_of(output, wire.port) >> wire.bit & 1) != 0;
+    drives[j] = (forward ? counts : -counts) * wire.sign;
+  }
+  return drives;
+}
+
+void TickJudge::wrong(const kz_servo& servo, int joint, const std::string& what) {
+  if (violation_) return;
+  std::string text = std::string("tick ").append(std::to_string(servo.tick)).append(": ");
+  if (joint >= 0) {
+    const kz_joint& state = servo.joint[joint];
+    text.append(wiring[joint].name).append(" ").append(what);
+    text.append(" (angle ").append(std::to_string(state.angle));
+    text.append(", command ").append(std::to_string(state.command));
+    text.append(", limits ").append(std::to_string(state.lower)).append("..");
+    text.append(std::to_string(state.upper)).append(")");
+  } else {
+    text.append(what);
+  }
+  violation_ = text;
+}
+
+void TickJudge::tick(const kz_tick_input& input, const kz_servo& servo,
+                     const kz_tick_output& output) {
+  ++ticks_;
+  if (output.tx_count > KZ_TX_PER_TICK || output.tx_count > input.tx_room)
+    wrong(servo, -1, "more bytes are sent than there is room for");
+  judge_outputs(servo, output);
+  for (int j = 0; j < KZ_JOINTS; ++j) judge_joint(servo, j);
+  started_ = true;
+  note_features(servo);
+}
+
+void TickJudge::judge_outputs(const kz_servo& servo, const kz_tick_output& output) {
+  const auto drives = drives_of(output);
+  const bool raw = servo.raw_ms != 0;
+  if (servo.shutdown != KZ_SHUTDOWN_NONE && !servo.holding &&
+      (servo.enabled != 0 || drivers_on(output)))
+    wrong(servo, -1, "motors are on in spite of shutdown " + std::to_string(servo.shutdown));
+  if ((servo.enabled & ~static_cast<u32>(KZ_ALL_JOINTS)) != 0)
+    wrong(servo, -1, "joints are on that there are not");
+  if (raw && servo.enabled != 0) wrong(servo, -1, "raw drive while joints are on");
+  if (servo.enabled == 0 && !raw) {
+    if (drivers_on(output)) wrong(servo, -1, "all joints are off, and the drivers are on");
+    const bool any =
+        std::any_of(std::begin(output.pw), std::end(output.pw), [](u8 v) { return v; }) ||
+        output.tmo[0] != 0 || output.tmo[1] != 0;
+    if (any) wrong(servo, -1, "all joints are off, and a motor has drive");
+  }
+  for (int j = 0; j < KZ_JOINTS; ++j) {
+    const int drive = drives[static_cast<std::size_t>(j)];
+    const kz_joint& joint = servo.joint[j];
+    const bool on = (servo.enabled >> j & 1) != 0 || (raw && servo.raw_joint == j);
+    if (drive != 0 && !on) wrong(servo, j, "is off and has drive " + std::to_string(drive));
+    if (drive > 0 && joint.angle >= joint.upper)
+      wrong(servo, j, "is driven further beyond its upper limit");
+    if (drive < 0 && joint.angle <= joint.lower)
+      wrong(servo, j, "is driven further beyond its lower limit");
+  }
+}
+
+void TickJudge::judge_joint(const kz_servo& servo, int number) {
+  const kz_joint& joint = servo.joint[number];
+  const kz_board_joint& board = kz_board_joints[number];
+  Before& before = before_[static_cast<std::size_t>(number)];
+  if (joint.lower > joint.upper || joint.lower < board.lower || joint.upper > board.upper)
+    wrong(servo, number, "has soft limits outside those of its mechanics");
+  const bool on = (servo.enabled >> number & 1) != 0;
+  if (on != (joint.on != 0)) wrong(servo, number, "is on and off at once");
+  if (started_ && on && before.on) {
+    const int step = joint.command - before.command;
+    before.ramp = std::max<int>(before.ramp, joint.ramp_limit);
+    if (std::abs(step) > before.ramp)
+      wrong(servo, number,
+            "has a command that moved " + std::to_string(step) + " in a tick, with a ramp of " +
+                std::to_string(before.ramp));
+    if ((joint.command > joint.upper && step > 0) || (joint.command < joint.lower && step < 0))
+      wrong(servo, number, "has a command that leaves its limits");
+  }
+  if (!on || joint.ramp_left == 0) before.ramp = joint.ramp_limit;
+  before.on = on;
+  before.command = joint.command;
+}
+
+void TickJudge::note_features(const kz_servo& servo) {
+  const auto on = static_cast<std::uint32_t>(std::bit_width(
+      static_cast<unsigned>(std::popcount(static_cast<std::uint32_t>(servo.enabled)))));
+  std::uint32_t at_limit = 0, faulty_pots = 0;
+  for (const kz_joint& joint : servo.joint) {
+    at_limit |= joint.angle >= joint.upper || joint.angle <= joint.lower;
+    faulty_pots |= joint.pot_bad_ms != 0;
+  }
+  const std::uint32_t under_way =
+      static_cast<std::uint32_t>(servo.queued) << 1 | static_cast<std::uint32_t>(servo.replying);
+  features_.insert(0x10000000u | static_cast<std::uint32_t>(servo.shutdown) << 16 | on << 12 |
+                   (servo.holding ? 0x800u : 0u) | at_limit << 10 | faulty_pots << 9 |
+                   (servo.raw_ms != 0 ? 0x100u : 0u) | (servo.refuse_busy ? 0x80u : 0u) |
+                   under_way);
+  features_.insert(0x11000000u | (servo.overruns != 0) | (servo.idle != 0) << 1 |
+                   (servo.too_long != 0) << 2 | (servo.too_short != 0) << 3 |
+                   (servo.bad_stuffing != 0) << 4 | (servo.line_errors != 0) << 5 |
+                   (servo.missed_ticks != 0) << 6 | (servo.repetitions != 0) << 7);
+}
+
+}  // namespace kaz::hil::fuzz

@@ -1,0 +1,32 @@
+// One case of the fuzzer on a board in this process, in lockstep, with every tick judged.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "hil/fuzz/grammar.h"
+#include "hil/fuzz/runner.h"
+#include "shared/base/result.hpp"
+
+namespace kaz::fuzz {
+
+struct EngineOptions {
+  std::string engine = "native";  // "h8": native computes each of its ticks again
+  std::string image;              // firmware, for "h8"
+  std::uint64_t seed = 1;
+  // The robot and its world, hung up by its trunk; motors without a body if empty.
+  std::string world_path, robot_path;
+  hil::fuzz::GrammarOptions grammar;
+};
+
+struct EngineVerdict : hil::fuzz::Verdict {
+  long long ticks = 0;
+  std::uint16_t worst_busy_8states = 0;  // h8: the longest tick
+  double worst_overshoot_rad = 0;        // how far a driven joint went past its soft limit
+};
+
+Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,
+                                      const EngineOptions& options);
+
+}  // namespace kaz::fuzz

@@ -1,0 +1,86 @@
+// The fuzzer on the engines: seeds replayed, short random runs, and the robot's body.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Long runs: `kaz fuzz`, `./tools/dev fuzz` (docs/fuzzing.md).
+#include <gtest/gtest.h>
+
+#include "hil/fuzz/search.h"
+#include "tools/fuzz/engine_case.h"
+
+namespace kaz::fuzz {
+namespace {
+
+struct Sum {
+  long long ticks = 0, replies = 0, refusals = 0;
+  double overshoot = 0;
+  int worst_busy_8states = 0;
+};
+
+void run_one(const hil::fuzz::Genome& genome, const EngineOptions& options, Sum& sum) {
+  const auto verdict = run_engine_case(genome, options);
+  ASSERT_TRUE(verdict) << verdict.error().message;
+  EXPECT_FALSE(verdict->violation)
+      << *verdict->violation << "\n"
+      << hil::fuzz::text_of(hil::fuzz::events_of(genome, options.grammar));
+  sum.ticks += verdict->ticks;
+  sum.replies += verdict->counts.replies;
+  sum.refusals += verdict->counts.refusals;
+  sum.overshoot = std::max(sum.overshoot, verdict->worst_overshoot_rad);
+  sum.worst_busy_8states = std::max<int>(sum.worst_busy_8states, verdict->worst_busy_8states);
+}
+
+Sum random_cases(const EngineOptions& options, std::uint64_t seed, int cases) {
+  Sum sum;
+  hil::fuzz::Search search(seed);
+  for (int i = 0; i < cases && !testing::Test::HasFailure(); ++i)
+    run_one(search.next(), options, sum);
+  return sum;
+}
+
+TEST(Fuzz, SeedsOnTheNativeEngine) {
+  const auto corpus = hil::fuzz::load_corpus(KAZ_FUZZ_SEEDS);
+  ASSERT_TRUE(corpus);
+  EXPECT_GT(corpus->size(), 10u);
+  Sum sum;
+  for (const auto& genome : *corpus) run_one(genome, {}, sum);
+}
+
+TEST(Fuzz, RandomCasesOnTheNativeEngine) {
+  const Sum sum = random_cases({}, 1, 60);
+  EXPECT_GT(sum.ticks, 10000);
+  EXPECT_GT(sum.replies, 200);
+  EXPECT_GT(sum.refusals, 100);
+}
+
+TEST(Fuzz, RandomCasesOnTheRobotsBody) {
+  EngineOptions options;
+  options.world_path = KAZ_WORLD;
+  options.robot_path = KAZ_ROBOT;
+  options.grammar.faults = false;
+  const Sum sum = random_cases(options, 2, 12);
+  EXPECT_GT(sum.ticks, 3000);
+}
+
+TEST(Fuzz, ACaseIsTheSameEachTime) {
+  const hil::fuzz::Genome genome = hil::fuzz::Search(9).next();
+  const auto one = run_engine_case(genome, {});
+  const auto two = run_engine_case(genome, {});
+  ASSERT_TRUE(one);
+  ASSERT_TRUE(two);
+  EXPECT_EQ(one->features, two->features);
+  EXPECT_EQ(one->ticks, two->ticks);
+}
+
+#ifdef KAZ_FIRMWARE_IMAGE
+TEST(Fuzz, RandomCasesOnTheFirmware) {
+  EngineOptions options;
+  options.engine = "h8";
+  options.image = KAZ_FIRMWARE_IMAGE;
+  const Sum sum = random_cases(options, 3, 8);
+  EXPECT_GT(sum.ticks, 2000);
+  EXPECT_LT(8 * sum.worst_busy_8states, 18432);
+}
+#endif
+
+}  // namespace
+}  // namespace kaz::fuzz

@@ -1,0 +1,37 @@
+// The servo's state beside the emulator: native computes each tick again and is held against it.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "shared/servo/servo.h"
+#include "sim/mcu/h8_mcu.h"
+#include "sim/mcu/mcu.h"
+
+namespace kaz::fuzz {
+
+class Shadow {
+ public:
+  // Outlives the shadow. Its image has the symbols of the servo's tick.
+  explicit Shadow(const sim::H8Mcu& h8) : h8_(&h8) {}
+
+  // The same tick, computed here. True if it is the first after a reset.
+  bool tick(const sim::TickRecord& record);
+  const kz_servo& servo() const { return servo_; }
+  // The first difference between here and the engine: outputs each tick, the state every 64.
+  const std::optional<std::string>& difference() const { return difference_; }
+
+ private:
+  kz_startup startup() const;
+  void compare_state(const kz_tick_input& input);
+  void differ(const kz_tick_input& input, const std::string& what, long long here, long long there);
+
+  const sim::H8Mcu* h8_;
+  kz_servo servo_{};
+  std::optional<std::uint32_t> last_tick_;
+  long long ticks_ = 0;
+  std::optional<std::string> difference_;
+};
+
+}  // namespace kaz::fuzz
