@@ -115,9 +115,7 @@ class Maker {
   }
 
   void known(u8 code, const std::vector<std::uint8_t>& fields) {
-    std::vector<std::uint8_t> body{KZ_ADDRESS_DEFAULT, code, ++sequence_};
-    body.insert(body.end(), fields.begin(), fields.end());
-    send(framed(body), kz_message_find(code)->name);
+    send(framed(KZ_ADDRESS_DEFAULT, code, ++sequence_, fields), kz_message_find(code)->name);
   }
 
   // Unknown type, or too many or too few bytes; the CRC is right.

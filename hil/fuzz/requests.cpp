@@ -35,7 +35,7 @@ Range sense(const kz_message_info& message, const kz_field_info& field, int join
   if (message.code == KZ_TYPE_limits && std::strcmp(field.name, "upper") == 0) return {0, 24000};
   if (message.code == KZ_TYPE_telemetry && std::strcmp(field.name, "period_ms") == 0)
     return {0, 100};
-  if (std::strcmp(field.name, "duration_ms") == 0) return {0, 1000};
+  if (std::strcmp(field.name, "duration_ms") == 0) return {field.low, 1000};
   return {field.low, field.high};
 }
 
@@ -141,6 +141,16 @@ std::vector<std::uint8_t> framed(const std::vector<std::uint8_t>& body) {
   std::vector<std::uint8_t> wire(KZ_FRAME_MAX);
   wire.resize(kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire.data()));
   return wire;
+}
+
+std::vector<std::uint8_t> framed(std::uint8_t address, std::uint8_t type, std::uint8_t sequence,
+                                 const std::vector<std::uint8_t>& fields) {
+  std::vector<std::uint8_t> body(KZ_HEADER_SIZE + fields.size());
+  body[0] = address;
+  body[1] = type;
+  body[2] = sequence;
+  std::copy(fields.begin(), fields.end(), body.begin() + KZ_HEADER_SIZE);
+  return framed(body);
 }
 
 }  // namespace kaz::hil::fuzz

@@ -24,5 +24,8 @@ RequestBytes make_request(const kz_message_info& message, Choices& choices, bool
                           std::uint8_t address, std::uint8_t sequence);
 
 std::vector<std::uint8_t> framed(const std::vector<std::uint8_t>& body);
+// The same from its parts.
+std::vector<std::uint8_t> framed(std::uint8_t address, std::uint8_t type, std::uint8_t sequence,
+                                 const std::vector<std::uint8_t>& fields);
 
 }  // namespace kaz::hil::fuzz

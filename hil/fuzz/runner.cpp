@@ -67,9 +67,8 @@ class Run {
   }
 
   Result<bool> known(u8 type, const std::vector<std::uint8_t>& fields = {}) {
-    std::vector<std::uint8_t> body{KZ_ADDRESS_DEFAULT, type, --own_sequence_};
-    body.insert(body.end(), fields.begin(), fields.end());
-    return ask(type, own_sequence_, framed(body));
+    --own_sequence_;
+    return ask(type, own_sequence_, framed(KZ_ADDRESS_DEFAULT, type, own_sequence_, fields));
   }
 
   // `identify` until it is answered.

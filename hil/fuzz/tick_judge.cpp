@@ -101,9 +101,9 @@ void TickJudge::judge_outputs(const kz_servo& servo, const kz_tick_output& outpu
     const kz_joint& joint = servo.joint[j];
     const bool on = (servo.enabled >> j & 1) != 0 || (raw && servo.raw_joint == j);
     if (drive != 0 && !on) wrong(servo, j, "is off and has drive " + std::to_string(drive));
-    if (drive > 0 && joint.angle >= joint.upper)
+    if (drive > 0 && raw && joint.angle >= joint.upper)
       wrong(servo, j, "is driven further beyond its upper limit");
-    if (drive < 0 && joint.angle <= joint.lower)
+    if (drive < 0 && raw && joint.angle <= joint.lower)
       wrong(servo, j, "is driven further beyond its lower limit");
   }
 }
