@@ -152,8 +152,11 @@ struct Servo {
 };
 
 // What the judge says to a tick that `spoil` has changed, after one that was right.
-std::optional<std::string> judged(const std::function<void(Servo&)>& spoil) {
+std::optional<std::string> judged(
+    const std::function<void(Servo&)>& spoil,
+    const std::function<void(Servo&)>& before = [](Servo&) {}) {
   Servo servo;
+  before(servo);
   TickJudge judge;
   judge.tick(servo.input, servo.state, servo.output);
   EXPECT_FALSE(judge.violation()) << *judge.violation();
@@ -170,10 +173,11 @@ TEST(TickJudge, AllowsWhatIsRight) {
 
 TEST(TickJudge, FindsWhatMustNotBe) {
   EXPECT_TRUE(judged([](Servo& servo) { servo.state.joint[0].command = 61; }));
-  EXPECT_TRUE(judged([](Servo& servo) {
-    servo.state.joint[0].lower = 10;
-    servo.state.joint[0].command = -5;
-  }));
+  EXPECT_TRUE(judged(
+      [](Servo& servo) {
+        servo.state.joint[0].command = -5;  // from 0, below limits that stood before
+      },
+      [](Servo& servo) { servo.state.joint[0].lower = 10; }));
   EXPECT_TRUE(judged([](Servo& servo) { servo.state.joint[3].upper = 30000; }));
   EXPECT_TRUE(judged([](Servo& servo) { servo.state.shutdown = KZ_SHUTDOWN_STOP; }));
   EXPECT_TRUE(judged([](Servo& servo) { servo.output.tx_count = 17; }));

@@ -101,9 +101,13 @@ void TickJudge::judge_outputs(const kz_servo& servo, const kz_tick_output& outpu
     const kz_joint& joint = servo.joint[j];
     const bool on = (servo.enabled >> j & 1) != 0 || (raw && servo.raw_joint == j);
     if (drive != 0 && !on) wrong(servo, j, "is off and has drive " + std::to_string(drive));
-    if (drive > 0 && raw && joint.angle >= joint.upper)
+    // Drives were computed before this tick's requests, so by the limits before them.
+    const Before& before = before_[static_cast<std::size_t>(j)];
+    const int lower = started_ ? std::min<int>(joint.lower, before.lower) : joint.lower;
+    const int upper = started_ ? std::max<int>(joint.upper, before.upper) : joint.upper;
+    if (drive > 0 && raw && joint.angle >= upper)
       wrong(servo, j, "is driven further beyond its upper limit");
-    if (drive < 0 && raw && joint.angle <= joint.lower)
+    if (drive < 0 && raw && joint.angle <= lower)
       wrong(servo, j, "is driven further beyond its lower limit");
   }
 }
@@ -123,12 +127,17 @@ void TickJudge::judge_joint(const kz_servo& servo, int number) {
       wrong(servo, number,
             "has a command that moved " + std::to_string(step) + " in a tick, with a ramp of " +
                 std::to_string(before.ramp));
-    if ((joint.command > joint.upper && step > 0) || (joint.command < joint.lower && step < 0))
+    // The command moves before this tick's requests, so by the limits before them.
+    const int lower = std::min<int>(joint.lower, before.lower);
+    const int upper = std::max<int>(joint.upper, before.upper);
+    if ((joint.command > upper && step > 0) || (joint.command < lower && step < 0))
       wrong(servo, number, "has a command that leaves its limits");
   }
   if (!on || joint.ramp_left == 0) before.ramp = joint.ramp_limit;
   before.on = on;
   before.command = joint.command;
+  before.lower = joint.lower;
+  before.upper = joint.upper;
 }
 
 void TickJudge::note_features(const kz_servo& servo) {

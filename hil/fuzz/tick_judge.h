@@ -34,6 +34,7 @@ class TickJudge {
   struct Before {
     bool on = false;
     int command = 0;
+    int lower = 0, upper = 0;
     int ramp = 0;  // highest that applied since the present ramp began
   };
 

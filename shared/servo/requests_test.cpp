@@ -112,6 +112,32 @@ TEST(Requests, RefusesATargetOutsideTheLimitsAsAWhole) {
   EXPECT_EQ(board.detail, 0);
 }
 
+TEST(Requests, ARampThatWouldLeaveNarrowerLimitsEndsAtThem) {
+  TestBoard board;
+  ASSERT_EQ(board.enable(1), 0);
+  kz_targets request = {};
+  request.mask = 1;
+  request.angle[0] = 3000;
+  request.duration_ms = 1000;
+  ASSERT_EQ(board.targets(request), 0);
+  kz_limits limits = {};
+  limits.mask = 3;
+  limits.ramp = 60;
+  limits.lower = -1000;
+  limits.upper = 1000;
+  kz_joint& joint = board.servo.joint[0];
+  ASSERT_GT(joint.ramp_left, 0);
+  ASSERT_EQ(kz_do_limits(&board.servo, &limits), 0);
+  int highest = 0;
+  for (int i = 0; i < 80; ++i) {
+    board.tick();
+    highest = std::max<int>(highest, joint.command);
+  }
+  EXPECT_LE(highest, 1000);
+  EXPECT_EQ(joint.target, 1000);
+  EXPECT_GT(joint.ramp_left, 700);  // in the time that it had
+}
+
 TEST(Requests, RefusesATargetForAJointThatIsOff) {
   TestBoard board;
   ASSERT_EQ(board.enable(0b10111), 0);
