@@ -24,6 +24,12 @@ class FaultyLink final : public Link {
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
 
+  Result<void> reopen() override {
+    for_board_.clear();
+    for_host_.clear();
+    return link_.reopen();
+  }
+
   // A fault that begins now, or at its time from the making of the link.
   void add(const faults::Fault& fault) { schedule_.add(fault); }
   Time age() const { return clock_.now() - start_; }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "shared/servo/commands.h"
 #include "shared/servo/test_board.h"
 
 namespace kaz::test {
