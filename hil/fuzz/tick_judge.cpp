@@ -105,9 +105,9 @@ void TickJudge::judge_outputs(const kz_servo& servo, const kz_tick_output& outpu
     const Before& before = before_[static_cast<std::size_t>(j)];
     const int lower = started_ ? std::min<int>(joint.lower, before.lower) : joint.lower;
     const int upper = started_ ? std::max<int>(joint.upper, before.upper) : joint.upper;
-    if (drive > 0 && raw && joint.angle >= upper)
+    if (drive > 0 && joint.angle >= upper)
       wrong(servo, j, "is driven further beyond its upper limit");
-    if (drive < 0 && raw && joint.angle <= lower)
+    if (drive < 0 && joint.angle <= lower)
       wrong(servo, j, "is driven further beyond its lower limit");
   }
 }
