@@ -45,18 +45,15 @@ TEST(MeasureLink, PermissionSentenceHoldsTheRule) {
 TEST(UdevRule, IsWellFormedAndDoesWhatItSays) {
   std::ifstream file("tools/udev/70-kaz.rules");
   ASSERT_TRUE(file);
-  const std::regex token(
-      R"re((ACTION|SUBSYSTEMS?|DRIVERS|ATTRS?\{\w+\}|ENV\{\w+\}|GROUP|MODE|SYMLINK|GOTO|LABEL)(==|!=|=|\+=)"[^"]+")re");
+  const std::string keys =
+      R"re((ACTION|SUBSYSTEMS?|DRIVERS|ATTRS?\{\w+\}|ENV\{\w+\}|GROUP|MODE|SYMLINK|GOTO|LABEL))re";
+  const std::string token = keys + R"re((==|!=|=|\+=)"[^"]+")re";
+  const std::regex rule(token + "(, " + token + ")*");
   std::string all;
   for (std::string line; std::getline(file, line);) {
     if (line.empty() || line[0] == '#') continue;
     all += line + "\n";
-    const std::regex rule("(" + std::string() + R"re([A-Z]+(\{\w+\})?(==|!=|=|\+=)"[^"]+")re" +
-                          ")(, (" + R"re([A-Z]+(\{\w+\})?(==|!=|=|\+=)"[^"]+")re" + "))*");
     EXPECT_TRUE(std::regex_match(line, rule)) << line;
-    const auto matches = std::distance(std::sregex_iterator(line.begin(), line.end(), token),
-                                       std::sregex_iterator());
-    EXPECT_EQ(matches, std::count(line.begin(), line.end(), '"') / 2) << line;
   }
   for (const char* must : {"ATTR{latency_timer}=\"1\"", "GROUP=\"dialout\"", "SYMLINK+=\"kaz\"",
                            "LABEL=\"kaz_latency\"", "GOTO=\"kaz_latency\""}) {

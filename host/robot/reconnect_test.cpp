@@ -196,5 +196,17 @@ TEST_F(Reconnect, SleepingOnItsClockKeepsTheWatchdogContent) {
   EXPECT_NEAR(board.angles_at(board.now())[neck_pan], 1.0, 0.01);
 }
 
+// Whoever leaves the board's watchdog as it is (200 ms, limp) gets heartbeats for that.
+TEST_F(Reconnect, HeartbeatsSuitTheBoardsOwnWatchdogToo) {
+  TestBoard other;
+  auto plain = Robot::connect(other, other, {.watchdog = 0ms, .reconnect = 0s});
+  ASSERT_TRUE(plain) << plain.error().message;
+  ASSERT_TRUE(plain->enable(kAllJoints));
+  ASSERT_TRUE(plain->clock().sleep_until(other.now() + 2s));
+  EXPECT_TRUE(other.motors_on());
+  ASSERT_TRUE(other.sleep_until(other.now() + 300ms));
+  EXPECT_FALSE(other.motors_on());
+}
+
 }  // namespace
 }  // namespace kaz::host

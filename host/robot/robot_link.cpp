@@ -142,8 +142,13 @@ Error Robot::Parts::for_good(Error error) {
   return error;
 }
 
+Time Robot::Parts::heartbeat_period() const {
+  const int limit = watchdog_10ms != 0 ? watchdog_10ms : identity.watchdog_10ms;
+  return std::chrono::milliseconds(10) * limit / kHeartbeatsPerWatchdog;
+}
+
 Result<void> Robot::Parts::keep_content(Time until) {
-  const Time period = std::chrono::milliseconds(10) * watchdog_10ms / kHeartbeatsPerWatchdog;
+  const Time period = heartbeat_period();
   while (clock.now() < until) {
     if (period == Time::zero() || (on == 0 && !telemetry_on)) return clock.sleep_until(until);
     const Time next = requester.last_sent() + period;

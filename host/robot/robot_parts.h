@@ -102,6 +102,8 @@ struct Robot::Parts {
   Error not_done(std::span<const Request> requests) const;
   // `error` of a refused `enable` or `clear`: names the joints whose potentiometers are at fault.
   Error with_joints(Error error, const Reply& reply);
+  // Often enough for the watchdog that is in force, ours or the board's own.
+  Time heartbeat_period() const;
   Result<void> keep_content(Time until);
 
   // Sends heartbeats while it sleeps.

@@ -154,7 +154,7 @@ Result<void> Robot::subscribe(Time period, std::uint8_t selection) {
 
 Result<std::optional<TelemetryFrame>> Robot::next_telemetry(Time deadline) {
   Parts& parts = *parts_;
-  const Time period = std::chrono::milliseconds(10) * parts.watchdog_10ms / 3;
+  const Time period = parts.heartbeat_period();
   while (parts.telemetry.empty() && parts.clock.now() < deadline) {
     const Time due = period > Time::zero() ? parts.requester.last_sent() + period : Time::max();
     if (parts.clock.now() >= due) {

@@ -59,9 +59,18 @@ TEST(TwoProcesses, SimulatorKilledLeavesTheBehaviourWithAClearMessage) {
   Process run(behaviour(folder, "60"));
   ASSERT_TRUE(run.wait_for_output("search", seconds(20))) << run.wait(seconds(0)).err;
   sim.signal(SIGKILL);
-  const Finished finished = run.wait(seconds(10));
+  const Finished finished = run.wait(seconds(15));
   EXPECT_EQ(finished.exit_code, 3) << finished.err;
   EXPECT_NE(finished.err.find(folder / "board"), std::string::npos) << finished.err;
+  EXPECT_NE(finished.err.find("round trip on " + (folder / "board") + ": "), std::string::npos)
+      << finished.err;
+  const std::string words = "; the last frames are in ";
+  const auto named = finished.err.find(words);
+  ASSERT_NE(named, std::string::npos) << finished.err;
+  const auto from = named + words.size();
+  const std::string path = finished.err.substr(from, finished.err.find('\n', from) - from);
+  EXPECT_NE(read_file(path).find("state_reply"), std::string::npos) << path;
+  std::filesystem::remove(path);
 }
 
 // What the link watchdog does is the host's choice, and that of the library is to hold.
