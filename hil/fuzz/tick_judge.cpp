@@ -105,6 +105,8 @@ void TickJudge::judge_outputs(const kz_servo& servo, const kz_tick_output& outpu
     const Before& before = before_[static_cast<std::size_t>(j)];
     const int lower = started_ ? std::min<int>(joint.lower, before.lower) : joint.lower;
     const int upper = started_ ? std::max<int>(joint.upper, before.upper) : joint.upper;
+    // Where both limits are one there is no way in: any drive is as good as another.
+    if (lower == upper) continue;
     if (drive > 0 && joint.angle >= upper)
       wrong(servo, j, "is driven further beyond its upper limit");
     if (drive < 0 && joint.angle <= lower)

@@ -35,9 +35,6 @@ kz_outcome kz_do_limits(kz_servo* servo, const kz_limits* request) {
   const kz_board_joint* board = kz_board_joints;
   kz_joint* joint = servo->joint;
   u32 bits;
-  u32 bit = 1;
-  u32 cut_short = 0;  // joints whose ramp would leave the new limits
-  u16 longest_ms = 0;
   if (request->lower > request->upper) return KZ_REFUSE(KZ_REFUSED_RANGE, LIMITS_FIELD_LOWER);
   for (bits = request->mask; bits != 0; bits >>= 1) {
     if (bits & 1) {
@@ -45,21 +42,9 @@ kz_outcome kz_do_limits(kz_servo* servo, const kz_limits* request) {
       joint->careful = 1;
       joint->lower = cut(request->lower, board->lower, board->upper);
       joint->upper = cut(request->upper, board->lower, board->upper);
-      if (joint->ramp_left != 0 && (joint->target < joint->lower || joint->target > joint->upper)) {
-        joint->target = cut(joint->target, joint->lower, joint->upper);
-        if (joint->ramp_left > longest_ms) longest_ms = joint->ramp_left;
-        cut_short |= bit;
-      }
     }
     ++joint;
     ++board;
-    bit <<= 1;
-  }
-  if (cut_short != 0) {
-    // Their ramps start anew with the next tick. No fresh targets are waiting: they and this request do
-    // not fit into the bytes of one tick.
-    servo->fresh_targets = cut_short;
-    servo->target_ms = longest_ms;
   }
   return KZ_DONE;
 }
@@ -102,6 +87,7 @@ kz_outcome kz_do_calibrate(kz_servo* servo, const u8* fields, u8 length) {
   centre = fields + sizeof(u32);
   for (bits = mask; bits != 0; bits >>= 1) {
     if (bits & 1) {
+      joint->careful = 1;  // it may stand at a limit now
       joint->pot_centre = kz_get_s16(centre);
       joint->pot_scale = kz_get_s16(scale);
       joint->rate = 0;
