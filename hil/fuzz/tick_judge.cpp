@@ -22,6 +22,8 @@ constexpr Wiring wiring[KZ_JOINTS] = {
 #undef KZ_JOINT
 };
 
+constexpr int kLookedAfterMs = 4;
+
 int port_of(const kz_tick_output& output, int port) {
   switch (port) {
     case 3:
@@ -98,20 +100,29 @@ void TickJudge::judge_outputs(const kz_servo& servo, const kz_tick_output& outpu
   }
   for (int j = 0; j < KZ_JOINTS; ++j) {
     const int drive = drives[static_cast<std::size_t>(j)];
-    const kz_joint& joint = servo.joint[j];
     const bool on = (servo.enabled >> j & 1) != 0 || (raw && servo.raw_joint == j);
     if (drive != 0 && !on) wrong(servo, j, "is off and has drive " + std::to_string(drive));
-    // Drives were computed before this tick's requests, so by the limits before them.
-    const Before& before = before_[static_cast<std::size_t>(j)];
-    const int lower = started_ ? std::min<int>(joint.lower, before.lower) : joint.lower;
-    const int upper = started_ ? std::max<int>(joint.upper, before.upper) : joint.upper;
-    // Where both limits are one there is no way in: any drive is as good as another.
-    if (lower == upper) continue;
-    if (drive > 0 && joint.angle >= upper)
-      wrong(servo, j, "is driven further beyond its upper limit");
-    if (drive < 0 && joint.angle <= lower)
-      wrong(servo, j, "is driven further beyond its lower limit");
+    judge_limit(servo, j, drive);
   }
+}
+
+// The loop looks every 4 ms whether a joint can reach a limit before it looks again; only a reading that
+// jumps as no joint does can surprise it. Drive against the motion is a brake, not a drive out.
+void TickJudge::judge_limit(const kz_servo& servo, int number, int drive) {
+  const kz_joint& joint = servo.joint[number];
+  Before& before = before_[static_cast<std::size_t>(number)];
+  // Drives were computed before this tick's requests, so by the limits before them.
+  const int lower = started_ ? std::min<int>(joint.lower, before.lower) : joint.lower;
+  const int upper = started_ ? std::max<int>(joint.upper, before.upper) : joint.upper;
+  // Where both limits are one there is no way in: any drive is as good as another.
+  const bool above = joint.angle >= upper && lower != upper;
+  const bool below = joint.angle <= lower && lower != upper;
+  before.above_ticks = above ? before.above_ticks + 1 : 0;
+  before.below_ticks = below ? before.below_ticks + 1 : 0;
+  if (drive > 0 && joint.rate >= 0 && before.above_ticks > kLookedAfterMs)
+    wrong(servo, number, "is driven further beyond its upper limit");
+  if (drive < 0 && joint.rate <= 0 && before.below_ticks > kLookedAfterMs)
+    wrong(servo, number, "is driven further beyond its lower limit");
 }
 
 void TickJudge::judge_joint(const kz_servo& servo, int number) {

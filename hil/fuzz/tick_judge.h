@@ -35,10 +35,12 @@ class TickJudge {
     bool on = false;
     int command = 0;
     int lower = 0, upper = 0;
-    int ramp = 0;  // highest that applied since the present ramp began
+    int above_ticks = 0, below_ticks = 0;  // at or beyond a limit for so long
+    int ramp = 0;                          // highest that applied since the present ramp began
   };
 
   void judge_outputs(const kz_servo& servo, const kz_tick_output& output);
+  void judge_limit(const kz_servo& servo, int number, int drive);
   void judge_joint(const kz_servo& servo, int number);
   void note_features(const kz_servo& servo);
   void wrong(const kz_servo& servo, int joint, const std::string& what);
