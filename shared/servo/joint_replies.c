@@ -6,12 +6,13 @@
 #include "shared/servo/replies.h"
 #include "shared/servo/safety.h"
 
-// 1000 / 640 = 25 / 16: a rate is 1/640 rad/s, a speed 1/1000.
-static s16 speed_of(s16 rate) {
-  const s32 speed = (s32)rate * 25 >> 4;
-  if (speed > 32767) return 32767;
-  if (speed < -32767) return -32767;
-  return (s16)speed;
+#define FASTEST 20970  // rate whose speed just fits 16 bits
+
+// A rate is 1/640 rad/s, a speed 1/1000: times 25 / 16, without a multiplication.
+static inline s16 speed_of(s16 rate) {
+  if (rate > FASTEST) return 32767;
+  if (rate < -FASTEST) return -32767;
+  return (s16)(rate + (s16)(rate >> 1) + (s16)(rate >> 4));
 }
 
 u8* kz_put_head(const kz_servo* servo, u8* to) {
@@ -44,31 +45,41 @@ u8* kz_put_read_targets(const kz_servo* servo, u32 mask, u8* to) {
 
 u8* kz_put_joints(const kz_servo* servo, u32 mask, u8* to) {
   const kz_joint* joint = servo->joint;
-  const u8 count = kz_count_joints(mask);
-  const u8 bytes = (u8)(2 * count);
-  u8* angle;
-  u8* speed;
-  u8* duty;
-  u8* load;
-  u8 i;
+  const u32 bytes = (u32)(2 * kz_count_joints(mask));
   to = kz_put_head(servo, to);
-  angle = kz_put_u32(to, mask);
-  speed = angle + bytes;
-  duty = speed + bytes;
-  load = duty + bytes;
-  for (i = 0; mask != 0; ++i) {
+  to = kz_put_u32(to, mask);
+  for (; mask != 0; mask >>= 1) {
     if (mask & 1) {
-      angle = kz_put_s16(angle, joint->angle);
-      speed = kz_put_s16(speed, speed_of(joint->rate));
-      duty = kz_put_s16(duty, kz_joint_drive(joint));
-      load[0] = kz_joint_load(joint);
-      load[count] = kz_joint_flags(servo, i);
-      ++load;
+      u8* place = to;
+      s16 drive = (s16)joint->duty;
+      kz_put_s16(place, joint->angle);
+      place += bytes;
+      kz_put_s16(place, speed_of(joint->rate));
+      place += bytes;
+      if (joint->forward == joint->mirrored) drive = (s16)-drive;
+      kz_put_s16(place, drive);
+      to += 2;
+    }
+    ++joint;
+  }
+  return to + 2 * bytes;
+}
+
+u8* kz_put_joints_rest(const kz_servo* servo, u32 mask, u8* to) {
+  const kz_joint* joint = servo->joint;
+  const u8 count = kz_count_joints(mask);
+  const u32 fresh = servo->fresh_targets;
+  u32 bit;
+  for (bit = 1; mask != 0; bit <<= 1) {
+    if (mask & 1) {
+      to[0] = kz_joint_load(joint);
+      to[count] = kz_joint_flags(joint, (u8)((fresh & bit) != 0));
+      ++to;
     }
     mask >>= 1;
     ++joint;
   }
-  return load + count;
+  return to + count;
 }
 
 u8* kz_put_calibration(const kz_servo* servo, const kz_tick_input* input, u8* to) {

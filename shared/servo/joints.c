@@ -6,6 +6,8 @@
 #include "shared/servo/joint_drive.h"
 #include "shared/servo/protection.h"
 
+#define RAMPS_AT_ONCE 9
+
 // Duty is 255 at full drive. With kp in 1/256 per rad, half the error in 1e-4 rad and the drive in
 // 1/2048 of a count: 255 * 2048 * 2 / (256 * 1e4) = 0.408; here times 2^16.
 #define KP_SCALE 26739
@@ -94,12 +96,11 @@ void kz_joints_hold(kz_servo* servo) {
   }
 }
 
-u8 kz_joint_flags(const kz_servo* servo, u8 number) {
-  const kz_joint* joint = kz_joint_of(servo, number);
+u8 kz_joint_flags(const kz_joint* joint, u8 fresh) {
   u8 flags = 0;
   if (joint->on) {
     flags |= KZ_JOINT_ON;
-    if (joint->ramp_left != 0 || (servo->fresh_targets >> number & 1)) flags |= KZ_JOINT_MOVING;
+    if (joint->ramp_left != 0 || fresh) flags |= KZ_JOINT_MOVING;
   }
   if (joint->pot_bad_ms != 0) flags |= KZ_JOINT_POT;
   if (joint->stalled >= KZ_STALL_TOLD) flags |= KZ_JOINT_STALLED;
@@ -150,12 +151,17 @@ static inline void start_ramp(kz_joint* joint, u16 duration_ms) {
 void kz_joints_start_ramps(kz_servo* servo) {
   kz_joint* joint = servo->joint;
   u32 fresh = servo->fresh_targets;
+  u32 bit = 1;
   const u16 duration_ms = servo->target_ms;
-  u8 i;
-  servo->fresh_targets = 0;
-  for (i = 0; i < KZ_JOINTS; ++i) {
-    if (fresh & 1) start_ramp(joint, duration_ms);
-    fresh >>= 1;
+  u8 left = RAMPS_AT_ONCE;
+  do {
+    if (fresh & bit) {
+      start_ramp(joint, duration_ms);
+      fresh &= ~bit;
+      --left;
+    }
+    bit <<= 1;
     ++joint;
-  }
+  } while (fresh != 0 && left != 0);
+  servo->fresh_targets = fresh;
 }

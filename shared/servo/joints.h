@@ -16,8 +16,9 @@ void kz_joints_init(kz_servo* servo, const kz_startup* startup);
 // Ends a raw drive.
 void kz_joints_enable(kz_servo* servo, u32 mask);
 
-// Starts the ramps to the targets that a request has left in the state (fresh_targets, target_ms
-// and each joint's target). So the tick that took the request has not to do this too.
+// Starts ramps to the targets that a request has left in the state (fresh_targets, target_ms and
+// each joint's target), so that the tick that took the request has not to do this too: of nine
+// joints at most, the others' in the next tick.
 void kz_joints_start_ramps(kz_servo* servo);
 
 // Ends all ramps: the commands stay where they are.
@@ -31,8 +32,8 @@ static inline const kz_joint* kz_joint_of(const kz_servo* servo, u8 number) {
   return (const kz_joint*)((const u8*)servo->joint + (u16)((u16)number * (u16)sizeof(kz_joint)));
 }
 
-// KZ_JOINT_* flags; `number` < KZ_JOINTS.
-u8 kz_joint_flags(const kz_servo* servo, u8 number);
+// KZ_JOINT_* flags. `fresh`: its ramp has not started yet.
+u8 kz_joint_flags(const kz_joint* joint, u8 fresh);
 // Motor drive -255..255, positive turns the joint positively.
 s16 kz_joint_drive(const kz_joint* joint);
 // Torque as a share of the stall torque, 0..255.

@@ -56,8 +56,9 @@ kz_outcome kz_do_targets(kz_servo* servo, const u8* fields, u8 length) {
     bits >>= 1;
     ++joint;
   }
-  // No targets are left from before: the ramps of the tick before have started in this one, and two
-  // requests with targets do not fit into the bytes of one tick.
+  // Those that wait from before: nine joints at most, since two requests with targets do not fit into
+  // the bytes of one tick.
+  while (servo->fresh_targets != 0) kz_joints_start_ramps(servo);
   servo->fresh_targets = mask;
   servo->target_ms = kz_get_u16(fields + TARGETS_DURATION);
   bits = mask;

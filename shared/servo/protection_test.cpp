@@ -52,7 +52,7 @@ TEST_F(Protection, AStalledMotorIsSwitchedOffAfterASecond) {
 TEST_F(Protection, StallIsToldBeforeItSwitchesOff) {
   push(1.0);
   board.ticks(500);
-  EXPECT_TRUE(kz_joint_flags(&board.servo, knee) & KZ_JOINT_STALLED);
+  EXPECT_TRUE(kz_joint_flags(&board.servo.joint[knee], 0) & KZ_JOINT_STALLED);
   EXPECT_TRUE(board.drivers_on());
   EXPECT_NEAR(kz_joint_load(&joint()), 252, 1);
 }

@@ -132,6 +132,15 @@ u8 kz_reply(const kz_servo* servo, const kz_tick_input* input, const kz_answer* 
   }
 }
 
+u8 kz_reply_takes_two(u8 request_type) {
+  return (u8)(request_type == KZ_TYPE_joints || request_type == KZ_TYPE_calibration);
+}
+
+u8 kz_reply_rest(const kz_servo* servo, const kz_answer* answer, u8* fields, u8 bytes) {
+  if (answer->type != KZ_TYPE_joints) return bytes;
+  return (u8)(kz_put_joints_rest(servo, answer->parameter, fields + bytes) - fields);
+}
+
 u8 kz_reply_is_large(u8 request_type) {
   return (u8)(request_type == KZ_TYPE_state || request_type == KZ_TYPE_joints ||
               request_type == KZ_TYPE_read_targets || request_type == KZ_TYPE_calibration);

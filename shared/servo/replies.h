@@ -14,6 +14,10 @@ extern "C" {
 // Writes the fields of the reply to a request that was done; returns how many bytes.
 u8 kz_reply(const kz_servo* servo, const kz_tick_input* input, const kz_answer* answer, u8* fields);
 
+// The rest of one that is made in two ticks: `bytes` of fields are there. Returns how many then.
+u8 kz_reply_rest(const kz_servo* servo, const kz_answer* answer, u8* fields, u8 bytes);
+u8 kz_reply_takes_two(u8 request_type);
+
 // Whether making it is work enough for a tick that has not started 18 ramps besides.
 u8 kz_reply_is_large(u8 request_type);
 
@@ -25,9 +29,11 @@ u8* kz_put_head(const kz_servo* servo, u8* to);
 // behind what they wrote.
 u8* kz_put_state(const kz_servo* servo, u8* to);
 u8* kz_put_read_targets(const kz_servo* servo, u32 mask, u8* to);
-u8* kz_put_joints(const kz_servo* servo, u32 mask, u8* to);
 u8* kz_put_calibration(const kz_servo* servo, const kz_tick_input* input, u8* to);
 
+// `joints_reply` is made in two ticks: first what was measured, then load and flags.
+u8* kz_put_joints(const kz_servo* servo, u32 mask, u8* to);
+u8* kz_put_joints_rest(const kz_servo* servo, u32 mask, u8* to);
 #ifdef __cplusplus
 }
 #endif

@@ -12,6 +12,8 @@
 #define TYPE 1
 #define SEQUENCE 2
 
+#define WORK_LENGTH 13  // bytes of body
+
 void kz_requests_init(kz_servo* servo) {
   kz_answer* answer = servo->remembered;
   u8 left;
@@ -82,21 +84,27 @@ static void turn_away(kz_servo* servo, u8 type, u8 sequence, u8 answered) {
   servo->busy_sequence = sequence;
 }
 
-void kz_request_received(kz_servo* servo) {
+// What sets something for many joints. On the wire such a request takes more than a tick, so that no
+// host can put one into each.
+static u8 is_work(u8 type, u8 length) {
+  return (u8)(length >= WORK_LENGTH || type == KZ_TYPE_enable);
+}
+
+u8 kz_request_received(kz_servo* servo) {
   const u8* body = servo->receiver.body;
   const u8 type = body[TYPE];
   const u8 sequence = body[SEQUENCE];
   const u8 answered = (u8)(body[ADDRESS] == servo->address);
   const kz_answer* answer;
-  if (!answered && body[ADDRESS] != KZ_ADDRESS_ALL) return;
-  if (type & KZ_REPLY) return;  // a reply is not a request, whoever sent it
+  if (!answered && body[ADDRESS] != KZ_ADDRESS_ALL) return 0;
+  if (type & KZ_REPLY) return 0;  // a reply is not a request, whoever sent it
   servo->silent_ms = 0;
   ++servo->frames;
   if (type != KZ_TYPE_stop) {
     if (servo->action != KZ_ACTION_NONE ||
         (answered && servo->replying + servo->queued >= KZ_REQUESTS_UNDER_WAY)) {
       turn_away(servo, type, sequence, answered);
-      return;
+      return 0;
     }
   }
   answer = remembered(servo, type, sequence);
@@ -106,6 +114,7 @@ void kz_request_received(kz_servo* servo) {
     answer = execute(servo, type, sequence);
   }
   if (answered) enqueue(servo, answer);
+  return is_work(type, servo->receiver.length);
 }
 
 static void finish(kz_answer* answer, u8 count, u16 outcome) {
@@ -148,33 +157,53 @@ static void send_refusal(kz_servo* servo, u8 type, u8 sequence, u8 reason, u8 de
           kz_pack_refused(&refused, servo->sender.body + KZ_HEADER_SIZE));
 }
 
-static void send_answer(kz_servo* servo, const kz_tick_input* input, const kz_answer* answer) {
+static u8 is_large(const kz_answer* answer) {
+  return (u8)(answer->reason == 0 && kz_reply_is_large(answer->type));
+}
+
+// The reply to queue[0], which leaves the queue; one of two parts is only prepared at first.
+static void send_answer(kz_servo* servo, const kz_tick_input* input) {
+  u8* const fields = servo->sender.body + KZ_HEADER_SIZE;
+  kz_answer* answer = servo->queue;
+  u8 left;
   if (answer->reason != 0) {
     send_refusal(servo, answer->type, answer->sequence, answer->reason, answer->detail);
   } else {
-    kz_send(servo, (u8)(answer->type | KZ_REPLY), answer->sequence,
-            kz_reply(servo, input, answer, servo->sender.body + KZ_HEADER_SIZE));
+    u8 bytes = servo->prepared;
+    if (bytes == 0) {
+      bytes = kz_reply(servo, input, answer, fields);
+      if (kz_reply_takes_two(answer->type)) {
+        servo->prepared = bytes;
+        return;
+      }
+    } else {
+      servo->prepared = 0;
+      bytes = kz_reply_rest(servo, answer, fields, bytes);
+    }
+    kz_send(servo, (u8)(answer->type | KZ_REPLY), answer->sequence, bytes);
+  }
+  servo->replying = 1;
+  --servo->queued;
+  for (left = servo->queued; left != 0; --left) {
+    copy(answer, answer + 1);
+    ++answer;
   }
 }
 
-void kz_requests_answer(kz_servo* servo, const kz_tick_input* input, u8 hurried) {
-  kz_answer* next = servo->queue;
-  u8 left;
-  if (kz_sender_busy(&servo->sender)) return;
+u8 kz_requests_answer(kz_servo* servo, const kz_tick_input* input, u8 hurried) {
+  u8 large = 0;
+  if (kz_sender_busy(&servo->sender)) return 0;
   if (servo->queued != 0) {
-    if (next->reason == KZ_PENDING) return;
-    if (hurried && next->reason == 0 && kz_reply_is_large(next->type)) return;
-    send_answer(servo, input, next);
-    servo->replying = 1;
-    --servo->queued;
-    for (left = servo->queued; left != 0; --left) {
-      copy(next, next + 1);
-      ++next;
-    }
+    if (servo->queue[0].reason == KZ_PENDING) return 0;
+    large = is_large(servo->queue);
+    if (hurried && large) return 0;
+    send_answer(servo, input);
   } else if (servo->refuse_busy) {
     send_refusal(servo, servo->busy_type, servo->busy_sequence, KZ_REFUSED_BUSY, KZ_NO_DETAIL);
     servo->refuse_busy = 0;
   } else if (servo->telemetry_due != 0 && !hurried && servo->action == KZ_ACTION_NONE) {
     kz_telemetry_send(servo, input);
+    large = 1;
   }
+  return large;
 }

@@ -73,7 +73,8 @@ u8 kz_unsound(const kz_servo* servo, u32 mask) {
 }
 
 u8 kz_cause_present(const kz_servo* servo) {
-  const u8 detail = servo->shutdown_detail;
+  const u8 number = servo->shutdown_detail < KZ_JOINTS ? servo->shutdown_detail : 0;
+  const u8 flags = kz_joint_flags(kz_joint_of(servo, number), 0);
   switch (servo->shutdown) {
     case KZ_SHUTDOWN_SELF_TEST:
       return 1;
@@ -85,11 +86,11 @@ u8 kz_cause_present(const kz_servo* servo) {
     case KZ_SHUTDOWN_REFERENCE:
       return (u8)(servo->reference_bad_ms != 0);
     case KZ_SHUTDOWN_POT:
-      return (u8)(kz_joint_flags(servo, detail) & KZ_JOINT_POT);
+      return (u8)(flags & KZ_JOINT_POT);
     case KZ_SHUTDOWN_STALL:
-      return (u8)(kz_joint_flags(servo, detail) & KZ_JOINT_STALLED);
+      return (u8)(flags & KZ_JOINT_STALLED);
     case KZ_SHUTDOWN_OVERLOAD:
-      return (u8)(kz_joint_flags(servo, detail) & KZ_JOINT_HOT);
+      return (u8)(flags & KZ_JOINT_HOT);
     default:
       return 0;
   }

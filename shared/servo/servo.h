@@ -111,6 +111,8 @@ extern "C" {
 //   memory_next     where in `remembered` the next request goes
 //   queued          requests in `queue`
 //   replying        1 while the sender sends the reply to a request that counts as under way
+//   prepared        not 0: the first part of the reply to queue[0] stands in the sender's body, so
+//                   many bytes of fields; the rest follows in the next tick
 //   refuse_busy     1: a request came that will be refused, its busy_type and busy_sequence
 //   extras          not 0: something of the next four lines is under way (a tick looks no further)
 //   telemetry_ms    period, 0: no telemetry; telemetry_left_ms of it are left
@@ -170,6 +172,8 @@ extern "C" {
   FIELD(u8, memory_next)         \
   FIELD(u8, queued)              \
   FIELD(u8, replying)            \
+  FIELD(u8, prepared)            \
+  FIELD(u8, spare)               \
   FIELD(u8, refuse_busy)         \
   FIELD(u8, telemetry_selection) \
   FIELD(u8, telemetry_due)       \

@@ -26,22 +26,23 @@ kz_outcome kz_do_gains(kz_servo* servo, const kz_gains* request) {
   return KZ_DONE;
 }
 
-static s16 cut(s16 value, s16 low, s16 high) {
-  if (value < low) return low;
-  return value > high ? high : value;
-}
-
 kz_outcome kz_do_limits(kz_servo* servo, const kz_limits* request) {
   const kz_board_joint* board = kz_board_joints;
   kz_joint* joint = servo->joint;
+  const u16 ramp = request->ramp;
+  const s16 lower = request->lower;
+  const s16 upper = request->upper;
   u32 bits;
-  if (request->lower > request->upper) return KZ_REFUSE(KZ_REFUSED_RANGE, LIMITS_FIELD_LOWER);
+  if (lower > upper) return KZ_REFUSE(KZ_REFUSED_RANGE, LIMITS_FIELD_LOWER);
   for (bits = request->mask; bits != 0; bits >>= 1) {
     if (bits & 1) {
-      joint->ramp_limit = request->ramp;
+      // Each cut to the mechanics at both ends: a range beyond them becomes one point.
+      const s16 least = board->lower;
+      const s16 most = board->upper;
+      joint->ramp_limit = ramp;
       joint->careful = 1;
-      joint->lower = cut(request->lower, board->lower, board->upper);
-      joint->upper = cut(request->upper, board->lower, board->upper);
+      joint->lower = lower < least ? least : lower > most ? most : lower;
+      joint->upper = upper > most ? most : upper < least ? least : upper;
     }
     ++joint;
     ++board;

@@ -15,7 +15,8 @@
 #include "shared/servo/telemetry.h"
 
 #define NOT_INLINE __attribute__((noinline))
-#define LONG_REQUEST 32  // bytes of body
+// As many bytes keep the wire busy until the next tick.
+#define WIRE_PER_TICK 12
 
 void kz_startup_nominal(kz_startup* startup) {
   u8 i;
@@ -85,17 +86,16 @@ static NOT_INLINE void count_damage(kz_servo* servo, u8 result) {
   }
 }
 
-// A frame has ended, sound or not. Returns 1 if it was a long request: work enough for one tick.
+// A frame has ended, sound or not. Returns 1 if that was work enough for one tick.
 static NOT_INLINE u8 frame_ended(kz_servo* servo, u8 result) {
   if (result != KZ_RECEIVE_FRAME) {
     count_damage(servo, result);
     return 0;
   }
-  kz_request_received(servo);
-  return (u8)(servo->receiver.length > LONG_REQUEST);
+  return kz_request_received(servo);
 }
 
-// Returns 1 if a long request has come. The parts of a tick are functions of their own, because
+// Returns 1 if that was work enough for one tick. The parts of a tick are functions of their own, because
 // what is inlined into one runs out of registers.
 static NOT_INLINE u8 receive(kz_servo* servo, const kz_tick_input* input) {
   const u8 count = input->rx_count < KZ_RX_PER_TICK ? input->rx_count : KZ_RX_PER_TICK;
@@ -117,11 +117,18 @@ static void receive_nothing(kz_servo* servo) {
   if (result != KZ_RECEIVE_MORE) count_damage(servo, result);
 }
 
+// Bytes that may be sent now: in a tick that has done much, no more than the wire needs.
+static u8 room(u8 tx_room, u8 hurried) {
+  const u8 waiting = (u8)(KZ_TX_BUFFER - tx_room);
+  u8 most = KZ_TX_PER_TICK;
+  if (hurried) most = waiting < WIRE_PER_TICK ? (u8)(WIRE_PER_TICK - waiting) : 0;
+  return tx_room < most ? tx_room : most;
+}
+
 // Bytes of `tx` that are not used are 0: those that were in the tick before are cleared.
-static NOT_INLINE void transmit(kz_servo* servo, u8 tx_room, kz_tick_output* output) {
-  const u8 room = tx_room < KZ_TX_PER_TICK ? tx_room : KZ_TX_PER_TICK;
+static NOT_INLINE void transmit(kz_servo* servo, u8 most, kz_tick_output* output) {
   const u8 before = output->tx_count;
-  u8 count = kz_sender_take(&servo->sender, output->tx, room);
+  u8 count = kz_sender_take(&servo->sender, output->tx, most);
   if (!kz_sender_busy(&servo->sender)) servo->replying = 0;
   output->tx_count = count;
   for (; count < before; ++count) output->tx[count] = 0;
@@ -142,6 +149,7 @@ static NOT_INLINE u8 end_extras(kz_servo* servo, const kz_tick_input* input) {
 
 void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output) {
   u8 hurried = 0;
+  u8 made = 0;
   u16 fault;
   servo->tick = input->tick;
   if (servo->extras) begin_extras(servo, input);
@@ -161,10 +169,10 @@ void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output
     receive_nothing(servo);
   }
   if ((servo->queued | servo->refuse_busy | servo->extras) != 0) {
-    kz_requests_answer(servo, input, hurried);
+    made = kz_requests_answer(servo, input, hurried);
   }
   if (output->tx_count != 0 || kz_sender_busy(&servo->sender)) {
-    transmit(servo, input->tx_room, output);
+    transmit(servo, room(input->tx_room, (u8)(made | hurried)), output);
   }
   output->action = servo->extras ? end_extras(servo, input) : KZ_ACTION_NONE;
   kz_outputs_write(servo, output);

@@ -1,0 +1,190 @@
+// What a tick costs under the worst that a host may legally send.
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "shared/board/table.h"
+#include "shared/protocol/messages.h"
+#include "sim/h8s/chip.h"
+#include "sim/mcu/h8_mcu.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr States ms = KZ_STATES_PER_TICK;
+constexpr int longest_share = 75;  // % of a tick
+
+using Bytes = std::vector<u8>;
+
+template <class Message>
+Bytes packed(u8 (*pack)(const Message*, u8*), const Message& message) {
+  Bytes fields(KZ_PAYLOAD_MAX);
+  fields.resize(pack(&message, fields.data()));
+  return fields;
+}
+
+// All joints on and moving, bytes both ways without a pause, telemetry beside it.
+class WorstTick : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto loaded = H8Mcu::load(KAZ_FIRMWARE_IMAGE);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    mcu = std::move(*loaded);
+    mcu->set_analog([](int channel, const PinLevels& levels, States at) {
+      const int input = channel * KZ_MUX_INPUTS + (levels.p4 & KZ_P4_MUX_MASK);
+      if (input == KZ_ANALOG_SUPPLY) return 667.5 / KZ_POT_CODES;
+      if (input == KZ_ANALOG_REFERENCE) return 512.5 / KZ_POT_CODES;
+      if (input == KZ_ANALOG_TEMPERATURE) return 250.5 / KZ_POT_CODES;
+      return 0.5 + 0.2 * std::sin(6.0 * static_cast<double>(at) / KZ_CLOCK_HZ + input);
+    });
+    mcu->on_tick([this](const TickRecord& tick) {
+      const int busy = tick.input.busy_8states * 8;  // of the tick before
+      if (busy > worst) {
+        worst = busy;
+        worst_at = tick.input.tick - 1;
+      }
+      missed += tick.input.missed;
+    });
+    run(100 * ms);
+    worst = 0;
+  }
+
+  void run(States states) {
+    const auto ran = mcu->run_until(mcu->now() + states);
+    ASSERT_TRUE(ran) << ran.error().message;
+  }
+
+  void send(u8 type, const Bytes& fields) {
+    Bytes body = {KZ_ADDRESS_DEFAULT, type, ++sequence};
+    body.insert(body.end(), fields.begin(), fields.end());
+    u8 wire[KZ_FRAME_MAX];
+    const int length = kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire);
+    wire_free = std::max(wire_free, mcu->now());
+    // Two frames share a zero: as much as can come.
+    for (int i = last_was_frame ? 1 : 0; i < length; ++i) {
+      wire_free += KZ_STATES_PER_BYTE;
+      mcu->receive({wire[i], wire_free, false});
+    }
+    last_was_frame = true;
+    sent.push_back({type, wire_free});
+  }
+
+  void enable() { send(KZ_TYPE_enable, packed(kz_pack_enable, kz_enable{KZ_ALL_JOINTS})); }
+  void targets() {
+    kz_targets request = {};
+    request.mask = KZ_ALL_JOINTS;
+    request.duration_ms = static_cast<u16>(random() % 3 * 7);
+    for (int i = 0; i < KZ_JOINTS; ++i) {
+      const int span = kz_board_joints[i].upper - kz_board_joints[i].lower;
+      request.angle[i] = static_cast<s16>(kz_board_joints[i].lower +
+                                          static_cast<int>(random() % unsigned(span + 1)));
+    }
+    send(KZ_TYPE_targets, packed(kz_pack_targets, request));
+  }
+  void joints() { send(KZ_TYPE_joints, packed(kz_pack_joints, kz_joints{0x3FE00})); }
+  void read_targets() {
+    send(KZ_TYPE_read_targets, packed(kz_pack_read_targets, kz_read_targets{KZ_ALL_JOINTS}));
+  }
+  void gains() {
+    send(KZ_TYPE_gains, packed(kz_pack_gains, kz_gains{KZ_ALL_JOINTS, KZ_KP_MAX, KZ_KD_MAX,
+                                                       static_cast<u16>(random() % 20), 30}));
+  }
+  void limits() {
+    send(KZ_TYPE_limits,
+         packed(kz_pack_limits, kz_limits{KZ_ALL_JOINTS, KZ_RAMP_MAX, -32768, 32767}));
+  }
+  void calibrate() {  // refused: motors are on
+    kz_calibrate request = {};
+    request.mask = KZ_ALL_JOINTS;
+    send(KZ_TYPE_calibrate, packed(kz_pack_calibrate, request));
+  }
+  void telemetry() {
+    send(KZ_TYPE_telemetry,
+         packed(kz_pack_telemetry, kz_telemetry{KZ_TELEMETRY_PERIOD_MIN_MS, 15}));
+  }
+
+  // Runs until the wire to the board is about to fall silent.
+  void keep_up() {
+    while (wire_free > mcu->now() + 2 * ms) run(ms);
+  }
+
+  std::unique_ptr<H8Mcu> mcu;
+  std::mt19937 random{4};
+  u8 sequence = 0;
+  bool last_was_frame = false;
+  States wire_free = 0;
+  int worst = 0, missed = 0;
+  u32 worst_at = 0;
+  std::vector<std::pair<u8, States>> sent;
+};
+
+TEST_F(WorstTick, OfAllRequestsWithoutAPause) {
+  const std::vector<std::function<void()>> requests = {
+      [&] { targets(); },
+      [&] { targets(); },
+      [&] { targets(); },
+      [&] { joints(); },
+      [&] { joints(); },
+      [&] { read_targets(); },
+      [&] { send(KZ_TYPE_state, {}); },
+      [&] { send(KZ_TYPE_calibration, {}); },
+      [&] { send(KZ_TYPE_statistics, {}); },
+      [&] { send(KZ_TYPE_health, {}); },
+      [&] { gains(); },
+      [&] { limits(); },
+      [&] { calibrate(); },
+      [&] { enable(); },
+      [&] {
+        send(KZ_TYPE_heartbeat, {0, 0});
+      },
+  };
+  enable();
+  telemetry();
+  while (mcu->now() < 5000 * ms) {
+    requests[random() % requests.size()]();
+    keep_up();
+  }
+  ASSERT_NE(mcu->pins().p4 & KZ_P4_ENABLE, 0) << "the motors went off";
+  std::printf("worst tick: any request, no pause: %d states (%.1f %%)\n", worst,
+              100.0 * worst / ms);
+  // Back to back, with telemetry at its shortest period: printed, and no tick may be missed.
+  EXPECT_EQ(missed, 0);
+  EXPECT_LT(worst, ms);
+}
+
+// A host as it may be: targets, then what has the longest reply, at each shift against the tick.
+TEST_F(WorstTick, OfTargetsAndALongReplyAtEachShift) {
+  enable();
+  telemetry();
+  run(20 * ms);
+  int worst_of = 0;
+  for (int kind = 0; kind < 4; ++kind) {
+    worst = 0;
+    for (int shift = 0; shift < 24; ++shift) {
+      targets();
+      if (kind == 0) joints();
+      if (kind == 1) send(KZ_TYPE_calibration, {});
+      if (kind == 2) read_targets();
+      if (kind == 3) send(KZ_TYPE_state, {});
+      while (wire_free > mcu->now()) run(ms / 4);
+      run(18 * ms);
+      wire_free = mcu->now() + shift * ms / 24;
+    }
+    std::printf("worst tick: targets and long reply %d: %d states (%.1f %%)\n", kind, worst,
+                100.0 * worst / ms);
+    worst_of = std::max(worst_of, worst);
+  }
+  ASSERT_NE(mcu->pins().p4 & KZ_P4_ENABLE, 0) << "the motors went off";
+  EXPECT_EQ(missed, 0);
+  EXPECT_LT(worst_of, ms * longest_share / 100);
+}
+
+}  // namespace
+}  // namespace kaz::sim
