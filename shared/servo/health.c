@@ -57,13 +57,12 @@ static void watch_reference(kz_servo* servo, u16 code) {
 
 void kz_health_update(kz_servo* servo, const kz_tick_input* input) {
   const u8 phase = (u8)(servo->phase & (PERIOD_MS - 1));
-  servo->phase = (u8)(servo->phase + 1);
   // The reference first: if it is wrong, what the others read means nothing.
-  if (phase == 0) {
+  if (phase == 1) {
     watch_reference(servo, input->analog[KZ_ANALOG_REFERENCE]);
-  } else if (phase == 1) {
-    watch_supply(servo, input->analog[KZ_ANALOG_SUPPLY]);
   } else if (phase == 2) {
+    watch_supply(servo, input->analog[KZ_ANALOG_SUPPLY]);
+  } else {
     watch_temperature(servo, input->analog[KZ_ANALOG_TEMPERATURE]);
   }
 }

@@ -6,7 +6,8 @@
 #include "shared/servo/joint_drive.h"
 #include "shared/servo/protection.h"
 
-#define RAMPS_AT_ONCE 9
+#define HALF (KZ_JOINTS / 2)
+#define LOWER_HALF ((u16)((1 << HALF) - 1))
 
 // Duty is 255 at full drive. With kp in 1/256 per rad, half the error in 1e-4 rad and the drive in
 // 1/2048 of a count: 255 * 2048 * 2 / (256 * 1e4) = 0.408; here times 2^16.
@@ -150,18 +151,17 @@ static inline void start_ramp(kz_joint* joint, u16 duration_ms) {
 
 void kz_joints_start_ramps(kz_servo* servo) {
   kz_joint* joint = servo->joint;
-  u32 fresh = servo->fresh_targets;
-  u32 bit = 1;
   const u16 duration_ms = servo->target_ms;
-  u8 left = RAMPS_AT_ONCE;
-  do {
-    if (fresh & bit) {
-      start_ramp(joint, duration_ms);
-      fresh &= ~bit;
-      --left;
-    }
-    bit <<= 1;
+  u16 fresh = (u16)((u16)servo->fresh_targets & LOWER_HALF);
+  if (fresh != 0) {
+    servo->fresh_targets &= ~(u32)LOWER_HALF;
+  } else {
+    fresh = (u16)(servo->fresh_targets >> HALF);
+    servo->fresh_targets = 0;
+    joint += HALF;
+  }
+  for (; fresh != 0; fresh = (u16)(fresh >> 1)) {
+    if (fresh & 1) start_ramp(joint, duration_ms);
     ++joint;
-  } while (fresh != 0 && left != 0);
-  servo->fresh_targets = fresh;
+  }
 }

@@ -17,8 +17,8 @@ void kz_joints_init(kz_servo* servo, const kz_startup* startup);
 void kz_joints_enable(kz_servo* servo, u32 mask);
 
 // Starts ramps to the targets that a request has left in the state (fresh_targets, target_ms and
-// each joint's target), so that the tick that took the request has not to do this too: of nine
-// joints at most, the others' in the next tick.
+// each joint's target), so that the tick that took the request has not to do this too: of the
+// lower nine joints if there are such, and then in the next tick of the others.
 void kz_joints_start_ramps(kz_servo* servo);
 
 // Ends all ramps: the commands stay where they are.

@@ -90,21 +90,21 @@ static u8 is_work(u8 type, u8 length) {
   return (u8)(length >= WORK_LENGTH || type == KZ_TYPE_enable);
 }
 
-u8 kz_request_received(kz_servo* servo) {
+void kz_request_received(kz_servo* servo) {
   const u8* body = servo->receiver.body;
   const u8 type = body[TYPE];
   const u8 sequence = body[SEQUENCE];
   const u8 answered = (u8)(body[ADDRESS] == servo->address);
   const kz_answer* answer;
-  if (!answered && body[ADDRESS] != KZ_ADDRESS_ALL) return 0;
-  if (type & KZ_REPLY) return 0;  // a reply is not a request, whoever sent it
+  if (!answered && body[ADDRESS] != KZ_ADDRESS_ALL) return;
+  if (type & KZ_REPLY) return;  // a reply is not a request, whoever sent it
   servo->silent_ms = 0;
   ++servo->frames;
   if (type != KZ_TYPE_stop) {
     if (servo->action != KZ_ACTION_NONE ||
         (answered && servo->replying + servo->queued >= KZ_REQUESTS_UNDER_WAY)) {
       turn_away(servo, type, sequence, answered);
-      return 0;
+      return;
     }
   }
   answer = remembered(servo, type, sequence);
@@ -114,7 +114,7 @@ u8 kz_request_received(kz_servo* servo) {
     answer = execute(servo, type, sequence);
   }
   if (answered) enqueue(servo, answer);
-  return is_work(type, servo->receiver.length);
+  if (is_work(type, servo->receiver.length)) servo->hurried = 1;
 }
 
 static void finish(kz_answer* answer, u8 count, u16 outcome) {
@@ -190,20 +190,20 @@ static void send_answer(kz_servo* servo, const kz_tick_input* input) {
   }
 }
 
-u8 kz_requests_answer(kz_servo* servo, const kz_tick_input* input, u8 hurried) {
-  u8 large = 0;
-  if (kz_sender_busy(&servo->sender)) return 0;
+void kz_requests_answer(kz_servo* servo, const kz_tick_input* input) {
+  if (kz_sender_busy(&servo->sender)) return;
   if (servo->queued != 0) {
-    if (servo->queue[0].reason == KZ_PENDING) return 0;
-    large = is_large(servo->queue);
-    if (hurried && large) return 0;
+    if (servo->queue[0].reason == KZ_PENDING) return;
+    if (is_large(servo->queue)) {
+      if (servo->hurried) return;
+      servo->hurried = 1;
+    }
     send_answer(servo, input);
   } else if (servo->refuse_busy) {
     send_refusal(servo, servo->busy_type, servo->busy_sequence, KZ_REFUSED_BUSY, KZ_NO_DETAIL);
     servo->refuse_busy = 0;
-  } else if (servo->telemetry_due != 0 && !hurried && servo->action == KZ_ACTION_NONE) {
+  } else if (servo->telemetry_due != 0 && !servo->hurried && servo->action == KZ_ACTION_NONE) {
     kz_telemetry_send(servo, input);
-    large = 1;
+    servo->hurried = 1;
   }
-  return large;
 }

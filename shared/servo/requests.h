@@ -16,17 +16,16 @@ void kz_requests_init(kz_servo* servo);
 
 // A sound frame stands in servo->receiver. Does what it asks for and remembers to answer it, if it
 // is for this board; each request is answered by its reply or by `refused`, unless it went to all
-// boards. Returns 1 if that was work enough for one tick.
-u8 kz_request_received(kz_servo* servo);
+// boards.
+void kz_request_received(kz_servo* servo);
 
 // What requests that wait for an action came to.
 void kz_requests_finish(kz_servo* servo, u16 outcome);
 // Nothing is being sent, and nothing is to be sent before the action that is wanted.
 u8 kz_requests_leave_room(const kz_servo* servo);
 
-// Starts the next reply, or else telemetry, if the sender is idle and one is due. `hurried`: this
-// tick has done much already, what is large can wait for the next. Returns 1 if it made something large.
-u8 kz_requests_answer(kz_servo* servo, const kz_tick_input* input, u8 hurried);
+// Starts the next reply, or else telemetry, if the sender is idle and one is due.
+void kz_requests_answer(kz_servo* servo, const kz_tick_input* input);
 
 // Sends the fields that stand in the sender's body already, behind the place of the header.
 void kz_send(kz_servo* servo, u8 type, u8 sequence, u8 field_bytes);

@@ -58,7 +58,6 @@ void kz_safety_update(kz_servo* servo, const kz_tick_input* input) {
   silent_ms = servo->silent_ms;
   if (silent_ms != COUNTER_MAX) servo->silent_ms = ++silent_ms;
   if (silent_ms >= servo->watchdog_ms) link_lost(servo);
-  kz_health_update(servo, input);
 }
 
 u8 kz_unsound(const kz_servo* servo, u32 mask) {

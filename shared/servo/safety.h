@@ -13,8 +13,7 @@ extern "C" {
 // the joint that caused it (KZ_NO_DETAIL if none did). The first reason stays.
 void kz_shutdown(kz_servo* servo, u8 reason, u8 detail);
 
-// One millisecond of the link watchdog, the analog checks (health.c) and the missed ticks. Before
-// the joints.
+// One millisecond of the link watchdog and the missed ticks. Before the joints, as kz_health_update.
 void kz_safety_update(kz_servo* servo, const kz_tick_input* input);
 
 // KZ_SHUTDOWN_* of something that is not sound at present and would switch motors off sooner or
@@ -29,6 +28,7 @@ u16 kz_status(const kz_servo* servo);
 // Supply, temperature of the drivers, reference of the converter: measured, and watched while motors
 // are on (health.c).
 void kz_health_init(kz_servo* servo);
+// Where servo->phase & 3 is not 0.
 void kz_health_update(kz_servo* servo, const kz_tick_input* input);
 // KZ_SHUTDOWN_* of what is out of its range at present.
 u8 kz_health_unsound(const kz_servo* servo);

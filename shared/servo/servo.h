@@ -113,6 +113,7 @@ extern "C" {
 //   replying        1 while the sender sends the reply to a request that counts as under way
 //   prepared        not 0: the first part of the reply to queue[0] stands in the sender's body, so
 //                   many bytes of fields; the rest follows in the next tick
+//   hurried         1: this tick has done much already, what is large waits for the next
 //   refuse_busy     1: a request came that will be refused, its busy_type and busy_sequence
 //   extras          not 0: something of the next four lines is under way (a tick looks no further)
 //   telemetry_ms    period, 0: no telemetry; telemetry_left_ms of it are left
@@ -154,6 +155,7 @@ extern "C" {
   FIELD(u16, unlocked_ms)        \
   FIELD(u16, raw_ms)             \
   FIELD(s16, raw_duty)           \
+  FIELD(u16, spare)              \
   FIELD(u8, missed_tick)         \
   FIELD(u8, shutdown)            \
   FIELD(u8, shutdown_detail)     \
@@ -173,7 +175,7 @@ extern "C" {
   FIELD(u8, queued)              \
   FIELD(u8, replying)            \
   FIELD(u8, prepared)            \
-  FIELD(u8, spare)               \
+  FIELD(u8, hurried)             \
   FIELD(u8, refuse_busy)         \
   FIELD(u8, telemetry_selection) \
   FIELD(u8, telemetry_due)       \

@@ -16,7 +16,7 @@
 
 #define NOT_INLINE __attribute__((noinline))
 // As many bytes keep the wire busy until the next tick.
-#define WIRE_PER_TICK 12
+#define WIRE_ENOUGH 12
 
 void kz_startup_nominal(kz_startup* startup) {
   u8 i;
@@ -86,30 +86,26 @@ static NOT_INLINE void count_damage(kz_servo* servo, u8 result) {
   }
 }
 
-// A frame has ended, sound or not. Returns 1 if that was work enough for one tick.
-static NOT_INLINE u8 frame_ended(kz_servo* servo, u8 result) {
-  if (result != KZ_RECEIVE_FRAME) {
+static NOT_INLINE void frame_ended(kz_servo* servo, u8 result) {
+  if (result == KZ_RECEIVE_FRAME) {
+    kz_request_received(servo);
+  } else {
     count_damage(servo, result);
-    return 0;
   }
-  return kz_request_received(servo);
 }
 
-// Returns 1 if that was work enough for one tick. The parts of a tick are functions of their own, because
-// what is inlined into one runs out of registers.
-static NOT_INLINE u8 receive(kz_servo* servo, const kz_tick_input* input) {
+// The parts of a tick are functions of their own: what is inlined into one runs out of registers.
+static NOT_INLINE void receive(kz_servo* servo, const kz_tick_input* input) {
   const u8 count = input->rx_count < KZ_RX_PER_TICK ? input->rx_count : KZ_RX_PER_TICK;
   u8 taken = 0;
-  u8 hurried = 0;
   servo->receiver.silent_ms = 0;
   while (taken < count) {
     const u16 some = kz_receive_some(&servo->receiver, input->rx + taken, input->rx_flags + taken,
                                      (u8)(count - taken));
     const u8 result = (u8)(some >> 8);
     taken = (u8)(taken + (u8)some);
-    if (result != KZ_RECEIVE_MORE) hurried |= frame_ended(servo, result);
+    if (result != KZ_RECEIVE_MORE) frame_ended(servo, result);
   }
-  return hurried;
 }
 
 static void receive_nothing(kz_servo* servo) {
@@ -117,21 +113,27 @@ static void receive_nothing(kz_servo* servo) {
   if (result != KZ_RECEIVE_MORE) count_damage(servo, result);
 }
 
-// Bytes that may be sent now: in a tick that has done much, no more than the wire needs.
+// Bytes that may be sent now: in a tick that has done much none, if the wire has enough.
 static u8 room(u8 tx_room, u8 hurried) {
-  const u8 waiting = (u8)(KZ_TX_BUFFER - tx_room);
-  u8 most = KZ_TX_PER_TICK;
-  if (hurried) most = waiting < WIRE_PER_TICK ? (u8)(WIRE_PER_TICK - waiting) : 0;
-  return tx_room < most ? tx_room : most;
+  if (hurried && tx_room <= KZ_TX_BUFFER - WIRE_ENOUGH) return 0;
+  return tx_room < KZ_TX_PER_TICK ? tx_room : KZ_TX_PER_TICK;
 }
 
 // Bytes of `tx` that are not used are 0: those that were in the tick before are cleared.
-static NOT_INLINE void transmit(kz_servo* servo, u8 most, kz_tick_output* output) {
+static NOT_INLINE void transmit(kz_servo* servo, u8 tx_room, kz_tick_output* output) {
   const u8 before = output->tx_count;
-  u8 count = kz_sender_take(&servo->sender, output->tx, most);
-  if (!kz_sender_busy(&servo->sender)) servo->replying = 0;
+  u8 count = 0;
+  if (kz_sender_busy(&servo->sender)) {
+    count = kz_sender_take(&servo->sender, output->tx, room(tx_room, servo->hurried));
+    if (!kz_sender_busy(&servo->sender)) servo->replying = 0;
+  }
   output->tx_count = count;
-  for (; count < before; ++count) output->tx[count] = 0;
+  if (count < before) {
+    u8* unused = output->tx + count;
+    u8 left = (u8)(before - count);
+    do *unused++ = 0;
+    while (--left != 0);
+  }
 }
 
 // What is under way only now and then: actions, bench, telemetry.
@@ -148,15 +150,15 @@ static NOT_INLINE u8 end_extras(kz_servo* servo, const kz_tick_input* input) {
 }
 
 void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output) {
-  u8 hurried = 0;
-  u8 made = 0;
   u16 fault;
   servo->tick = input->tick;
+  servo->hurried = 0;
   if (servo->extras) begin_extras(servo, input);
   kz_safety_update(servo, input);
+  if ((++servo->phase & 3) != 0) kz_health_update(servo, input);
   if (servo->fresh_targets != 0) {
     kz_joints_start_ramps(servo);
-    hurried = 1;
+    servo->hurried = 1;
   }
   fault = kz_joints_update(servo, input);
   if (fault != 0) kz_shutdown(servo, (u8)(fault >> 8), (u8)fault);
@@ -164,15 +166,15 @@ void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output
   fault = kz_protection_update(servo);
   if (fault != 0) kz_shutdown(servo, (u8)(fault >> 8), (u8)fault);
   if (input->rx_count != 0) {
-    hurried |= receive(servo, input);
+    receive(servo, input);
   } else {
     receive_nothing(servo);
   }
   if ((servo->queued | servo->refuse_busy | servo->extras) != 0) {
-    made = kz_requests_answer(servo, input, hurried);
+    kz_requests_answer(servo, input);
   }
   if (output->tx_count != 0 || kz_sender_busy(&servo->sender)) {
-    transmit(servo, room(input->tx_room, (u8)(made | hurried)), output);
+    transmit(servo, input->tx_room, output);
   }
   output->action = servo->extras ? end_extras(servo, input) : KZ_ACTION_NONE;
   kz_outputs_write(servo, output);
