@@ -1,4 +1,4 @@
-// Judge of what passes over the line: no reply that nobody asked for, none twice, none to broadcasts.
+// Judge of what passes over the line: each reply belongs to one request, none comes twice.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -26,7 +26,8 @@ class Conversation {
   void sent(std::span<const std::uint8_t> bytes);
   void received(std::span<const std::uint8_t> bytes);
 
-  // From now on bytes may be lost, changed or doubled on the line: what the board has seen is not known
+  // From now on bytes may be lost, changed or doubled on the line: what the board has seen is not
+  // known
   // any more, so only what is true of every frame is judged.
   void line_is_faulty() { faulty_ = true; }
   // The board may have started again: what it was sending may be cut off.
@@ -34,7 +35,8 @@ class Conversation {
 
   // Replies that have come to the request with this type and number since it was last sent.
   int replies_to(std::uint8_t type, std::uint8_t sequence) const;
-  // A request for which the board may be deaf for a while, or change its address, was sent since the
+  // A request for which the board may be deaf for a while, or change its address, was sent since
+  // the
   // last call.
   bool take_deafening();
 

@@ -1,9 +1,12 @@
 // From a string of bytes to what a hostile host does: the fuzzer's grammar.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A case is a string of bytes, its genome: each decision (what next, which message, which value) takes
-// some of them, and the case ends with them. So every string is a case, a small change of the string is a
-// small change of the case, and a coverage-guided fuzzer can work on the string. Messages, fields and
+// A case is a string of bytes, its genome: each decision (what next, which message, which value)
+// takes
+// some of them, and the case ends with them. So every string is a case, a small change of the
+// string is a
+// small change of the case, and a coverage-guided fuzzer can work on the string. Messages, fields
+// and
 // bounds come from the protocol's table (shared/protocol/message_info.h).
 #pragma once
 

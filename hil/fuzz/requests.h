@@ -18,7 +18,8 @@ struct RequestBytes {
 // All request types of the table; without those that write flash if `flash` is false.
 std::vector<const kz_message_info*> request_types(bool flash);
 
-// `legal`: no field is out of the table's bounds (targets may still be beyond a soft limit that was set
+// `legal`: no field is out of the table's bounds (targets may still be beyond a soft limit that was
+// set
 // before). Else each field may be anything its type can hold.
 RequestBytes make_request(const kz_message_info& message, Choices& choices, bool legal,
                           std::uint8_t address, std::uint8_t sequence);

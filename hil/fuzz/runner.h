@@ -31,8 +31,10 @@ struct RunnerOptions {
   Time longest_start = std::chrono::seconds(3);
 };
 
-// Waits until the board answers, does what the events say, and asks once more whether it is alive; then all
-// motors are off. Errors: nothing answers at the start, the link is gone, the program was interrupted.
+// Waits until the board answers, does what the events say, and asks once more whether it is alive;
+// then all
+// motors are off. Errors: nothing answers at the start, the link is gone, the program was
+// interrupted.
 Result<Verdict> run_case(host::Link& link, host::Clock& clock, std::span<const Event> events,
                          const RunnerOptions& options);
 

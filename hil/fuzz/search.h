@@ -1,7 +1,8 @@
 // Cases from one seed, guided by what they made the board do.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A case that shows something new (its features) joins the corpus, and later cases are made by changing and
+// A case that shows something new (its features) joins the corpus, and later cases are made by
+// changing and
 // joining those. Where the compiler can tell which code has run, `./tools/dev fuzz` is better.
 #pragma once
 

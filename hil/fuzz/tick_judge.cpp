@@ -1,4 +1,4 @@
-// No joint that is off has drive, no command leaves its limits or outruns its ramp, a shutdown is off.
+// No drive where a joint is off or beyond a limit, no command past limit or ramp.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/fuzz/tick_judge.h"
 
@@ -106,7 +106,8 @@ void TickJudge::judge_outputs(const kz_servo& servo, const kz_tick_output& outpu
   }
 }
 
-// The loop looks every 4 ms whether a joint can reach a limit before it looks again; only a reading that
+// The loop looks every 4 ms whether a joint can reach a limit before it looks again; only a reading
+// that
 // jumps as no joint does can surprise it. Drive against the motion is a brake, not a drive out.
 void TickJudge::judge_limit(const kz_servo& servo, int number, int drive) {
   const kz_joint& joint = servo.joint[number];

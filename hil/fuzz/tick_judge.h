@@ -1,7 +1,8 @@
 // Judge of the servo's ticks: what must hold in each, whatever the host has sent.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Looks at the state of shared/servo and at what the tick gives to the pins; so it needs an engine in this
+// Looks at the state of shared/servo and at what the tick gives to the pins; so it needs an engine
+// in this
 // process. It knows joints.def, but none of the servo's code.
 #pragma once
 
@@ -15,7 +16,8 @@
 
 namespace kaz::hil::fuzz {
 
-// High counts of each joint's motor, positive turns the joint positively; 0 while the drivers are off.
+// High counts of each joint's motor, positive turns the joint positively; 0 while the drivers are
+// off.
 std::array<int, KZ_JOINTS> drives_of(const kz_tick_output& output);
 
 class TickJudge {

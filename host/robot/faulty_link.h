@@ -1,8 +1,10 @@
 // A link whose line is faulty: the faults of docs/faults.md on any port, real ones too.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Only faults of the line; times count from the making of the link. Framing errors cannot be made from here:
-// a byte sampled at a wrong speed passes with its wrong value. Bytes that are late for the board leave when
+// Only faults of the line; times count from the making of the link. Framing errors cannot be made
+// from here:
+// a byte sampled at a wrong speed passes with its wrong value. Bytes that are late for the board
+// leave when
 // the link is next written to or read from.
 #pragma once
 

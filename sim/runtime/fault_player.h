@@ -1,7 +1,8 @@
 // Faults of sensors, power and mechanics, made happen to board and world step by step.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A fault begins with the step in which its time lies, and ends with the first step after it; faults of
+// A fault begins with the step in which its time lies, and ends with the first step after it;
+// faults of
 // the line are SerialLine's, byte by byte.
 #pragma once
 

@@ -27,7 +27,8 @@ constexpr int kDriveLag = 3;
 // Pushed so recently, a joint that passes its limit has been driven past it.
 constexpr int kPushedMs = 100;
 
-// So far past a soft limit a host can drive a joint at most at 10 V, as sim/body/joint_limits_test.cpp
+// So far past a soft limit a host can drive a joint at most at 10 V, as
+// sim/body/joint_limits_test.cpp
 // states and shows for one joint.
 constexpr double kLimitMargin = 0.03;  // rad
 

@@ -9,7 +9,8 @@
 
 namespace kaz::fuzz {
 
-// Eighteen motors, each with an inertia of its own on its shaft and stops at the ends of the joint's range:
+// Eighteen motors, each with an inertia of its own on its shaft and stops at the ends of the
+// joint's range:
 // a thousandth of the cost of the robot.
 std::unique_ptr<sim::World> make_motor_bench();
 
