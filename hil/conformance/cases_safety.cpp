@@ -315,6 +315,7 @@ void add_motors(Cases& to) {
         const Reply counts = b.statistics();
         check(!counts.flag(KZ_STATUS_MISSED_TICK), "MISSED_TICK is set");
         equal("missed ticks", counts["missed_ticks"], 0);
+        check(!counts.flag(KZ_STATUS_UNCALIBRATED), "UNCALIBRATED is set behind a store");
       },
       kFlash);
 }
