@@ -79,13 +79,14 @@ void add_refusals(Cases& to) {
 void add_motion(Cases& to) {
   add(to, "command-inside", "No row of targets takes the command out of the soft limits.",
       "MOVE-10", [](Board& b) {
-        b.done("limits", Put().u32(1).u16(120).s16(-1500).s16(1500));
+        const long middle = b.angle(0);
+        b.done("limits", Put().u32(1).u16(120).s16(middle - 1500).s16(middle + 1500));
         b.enable(1);
         b.done("telemetry", Put().u16(5).u8(KZ_TELEMETRY_COMMANDS));
         for (int n = 0; n < 20; ++n) {
-          const long goal = n % 2 ? 1500 : -1500;
+          const long goal = n % 2 ? middle + 1500 : middle - 1500;
           b.done("targets", one_target(0, goal, static_cast<int>(b.random()() % 60)));
-          commands_inside(b, 40, -1500, 1500);
+          commands_inside(b, 40, middle - 1500, middle + 1500);
         }
       });
   add(to, "ramp-of-command", "No row of targets moves the command faster than the ramp.", "MOVE-10",

@@ -182,7 +182,7 @@ void add_ramps(Cases& to) {
   add(to, "ramp-straight", "The command goes straight, as fast as the time asks for.", "MOVE-4",
       [](Board& b) {
         b.enable(1);
-        const long from = target_of(b, 0), goal = some_way(b, 0, 4000);
+        const long from = target_of(b, 0), goal = from > 0 ? from - 4000 : from + 4000;
         b.done("telemetry", Put().u16(10).u8(KZ_TELEMETRY_COMMANDS));
         const std::uint8_t sequence = b.new_sequence();
         b.write(b.request_bytes("targets", Put().u32(1).u16(400).s16(goal), sequence));
@@ -197,7 +197,7 @@ void add_ramps(Cases& to) {
       [](Board& b) {
         b.done("limits", Put().u32(1).u16(10).s16(-20000).s16(20000));
         b.enable(1);
-        const long from = target_of(b, 0), goal = some_way(b, 0, 2000);
+        const long from = target_of(b, 0), goal = from > 0 ? from - 2000 : from + 2000;
         b.done("telemetry", Put().u16(10).u8(KZ_TELEMETRY_COMMANDS));
         const std::uint8_t sequence = b.new_sequence();
         b.write(b.request_bytes("targets", Put().u32(1).u16(50).s16(goal), sequence));
@@ -250,7 +250,8 @@ void add_ramps(Cases& to) {
       const auto goal = goals[static_cast<std::size_t>(j)];
       equal("target of joint " + std::to_string(j), targets.number("angle", j), goal);
       // The hands are held softly (kp), so that friction keeps them back.
-      const long tolerance = j == 5 || j == 9 ? 1200 : kStill + 60;
+      // So does the weight of what hangs on a joint, which on a bench is nothing.
+      const long tolerance = j == 5 || j == 9 ? 1200 : b.exact() ? kStill + 60 : 800;
       near("angle of joint " + std::to_string(j), after.number("angle", j), goal, tolerance);
     }
   });
@@ -328,10 +329,10 @@ void add_reading(Cases& to) {
         b.enable(1);
         const long goal = some_way(b, 0, 5000);
         const int sign = goal > b.angle(0) ? 1 : -1;
-        b.target(0, goal, 500);  // 1 rad/s
-        b.stay_alive(250);
+        b.target(0, goal, 1000);  // 0.5 rad/s
+        b.stay_alive(400);
         const Reply joints = b.joints(1);
-        within("speed, mrad/s", sign * joints.number("speed", 0), 600, 1400);
+        within("speed, mrad/s", sign * joints.number("speed", 0), 200, 900);
         within("duty", sign * joints.number("duty", 0), 1, 255);
         within("load", joints.number("load", 0), 0, 255);
       });

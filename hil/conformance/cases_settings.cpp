@@ -181,15 +181,16 @@ void add_settings_cases(Cases& to) {
       to, "narrower-ends-ramp", "A ramp that would leave a narrower limit ends at it.", "SET-5",
       [](Board& b) {
         b.enable(1);
-        b.target(0, 5000, 1000);
+        const long from = b.done("read_targets", Put().u32(1)).number("angle", 0);
+        b.target(0, from + 5000, 1000);
         b.stay_alive(100);
-        b.done("limits", Put().u32(1).u16(60).s16(-15000).s16(2000));
+        b.done("limits", Put().u32(1).u16(60).s16(-15000).s16(from + 2000));
         b.done("telemetry", Put().u16(10).u8(KZ_TELEMETRY_COMMANDS));
         for (const Frame& frame : b.telemetry(900, true)) {
-          within("command", Reply(message("telemetry_commands"), frame).number("angle", 0), 0,
-                 2000);
+          within("way of the command",
+                 Reply(message("telemetry_commands"), frame).number("angle", 0) - from, 0, 2000);
         }
-        within("angle", b.angle(0), 1900, 2100);
+        within("way of the joint", b.angle(0) - from, 1900, 2100);
         check(!b.state().flag(KZ_STATUS_MOVING), "the ramp has not ended");
       },
       kMotion);
