@@ -209,7 +209,7 @@ void add_safe(Cases& to) {
           b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));
           unlock(b);
           b.bench().place_joint(0, sign * 0.31);
-          b.wait(10);
+          b.wait(80);  // to the board that was a fast motion, which it would brake
           b.done("raw_drive", drive(0, sign * 100, 200));
           for (int n = 0; n < 20; ++n) {
             b.wait(3);

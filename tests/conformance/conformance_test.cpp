@@ -13,7 +13,7 @@ namespace {
 
 constexpr unsigned kEverything = kMotion | kFlash | kBench | kExact;
 
-RunReport run(std::unique_ptr<sim::Mcu> mcu, const std::string& filter,
+RunReport run(std::unique_ptr<sim::Mcu> mcu, const std::string& filter = "",
               unsigned allowed = kEverything) {
   lockstep::VirtualBench board(std::move(mcu));
   RunOptions options;
@@ -51,13 +51,8 @@ TEST(Suite, HasACaseForEachStatementOfThePageAndNoOther) {
   EXPECT_GE(cases().size(), 150u);
 }
 
-// Without those that wait for the joint loop's soft limits, dead band, friction and protections.
-const char* const kLanded =
-    "^(?!limits.no-|settings.(dead-band|friction|narrower-ends)|safety.(stall|overload)|"
-    "bench.raw-overshoot)[a-z]";
-
 TEST(Suite, NativeConforms) {
-  const RunReport report = run(sim::make_native(), kLanded);
+  const RunReport report = run(sim::make_native());
   EXPECT_EQ(report.count(Verdict::passed), static_cast<int>(report.results.size()))
       << failures(report);
 }
@@ -109,8 +104,8 @@ TEST(Suite, AFilterThatTakesNothingOrIsNoneIsWrongUsage) {
 TEST(Suite, H8ConformsWithTheSameReportAsNative) {
   auto h8 = sim::make_h8(KAZ_FIRMWARE_IMAGE);
   ASSERT_TRUE(h8) << h8.error().message;
-  const RunReport truth = run(std::move(*h8), kLanded);
-  const RunReport fast = run(sim::make_native(), kLanded);
+  const RunReport truth = run(std::move(*h8));
+  const RunReport fast = run(sim::make_native());
   EXPECT_EQ(truth.count(Verdict::passed), static_cast<int>(truth.results.size()))
       << failures(truth);
   ASSERT_EQ(truth.results.size(), fast.results.size());
