@@ -53,7 +53,8 @@ def check_sources():
 
 def check_directions():
     """vision and host never include the simulator; shared includes nothing of ours but shared."""
-    forbidden = {"vision": ("sim/", "host/", "tools/"), "host": ("sim/", "hil/", "tools/"), "hil": ("sim/", "tools/"),
+    forbidden = {"vision": ("sim/", "host/", "tools/"), "host": ("sim/", "hil/", "tools/"),
+                 "hil": ("sim/", "tools/"),
                  "shared": ("sim/", "host/", "vision/", "tools/"),
                  "sim/h8s": ("shared/", "host/", "vision/", "tools/", "sim/mcu"),
                  "sim": ("tools/",)}
