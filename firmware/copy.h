@@ -5,12 +5,15 @@
 
 #include "shared/base/types.h"
 
-// 1 to 255 bytes; no interrupt is taken meanwhile.
+// 1 to 255 bytes; no interrupt is taken meanwhile. ER6 is saved by hand and set last: the compiler has
+// its frame pointer there, overlooks that it is clobbered, and may pass an operand in it.
 static inline void kz_copy(void* to, const void* from, u8 count) {
-  register const void* source __asm__("er5") = from;
-  register void* target __asm__("er6") = to;
-  register u8 left __asm__("r4") = count;
-  __asm__ volatile("eepmov.b" : "+r"(source), "+r"(target), "+r"(left) : : "memory");
+  __asm__ volatile(
+      "mov.l er6,@-er7\n\tmov.b %X2,r4l\n\tmov.l %1,er5\n\tmov.l %0,er6\n\t"
+      "eepmov.b\n\tmov.l @er7+,er6"
+      :
+      : "r"(to), "r"(from), "r"(count)
+      : "r4", "r5", "memory");
 }
 
 #endif

@@ -8,6 +8,59 @@
 
 	.h8300s
 	.section .text
+
+; The ramp's next command in R3, for joints that are careful and for those that are not. R2 is what was
+; left of it.
+	.macro	ramp	kind
+	dec.w	#1,r2
+	mov.w	r2,@(JOINT_RAMP_LEFT:16,er6)
+	mov.w	@(JOINT_RAMP_WHOLE:16,er6),r2
+	add.w	r2,r3
+	mov.l	@(JOINT_RAMP_REST:16,er6),er2	; and the room
+	sub.w	e2,r2
+	bls	\kind\()_one_more
+	mov.w	r2,@(JOINT_RAMP_ROOM:16,er6)
+	mov.w	@(JOINT_RAMP_EXTRA:16,er6),r2
+	bmi	\kind\()_downwards
+\kind\()_upwards:
+	mov.w	@(JOINT_UPPER:16,er6),r2
+	cmp.w	r2,r3
+	bgt	\kind\()_meets_upper
+\kind\()_ramped:
+	mov.w	r3,@(JOINT_COMMAND:16,er6)
+	.endm
+
+; What is less frequent of that. A ramp ends at a limit, or where it is if that is outside.
+	.macro	ramp_rest	kind
+\kind\()_one_more:
+	mov.w	@(JOINT_RAMP_TIME:16,er6),e2
+	add.w	e2,r2
+	mov.w	r2,@(JOINT_RAMP_ROOM:16,er6)
+	mov.w	@(JOINT_RAMP_EXTRA:16,er6),r2
+	add.w	r2,r3
+	mov.w	r2,r2
+	bpl	\kind\()_upwards
+\kind\()_downwards:
+	mov.w	@(JOINT_LOWER:16,er6),r2
+	cmp.w	r2,r3
+	bge	\kind\()_ramped
+	mov.w	@(JOINT_COMMAND:16,er6),r3
+	cmp.w	r2,r3
+	blt	\kind\()_ends
+	bra	\kind\()_cut
+\kind\()_meets_upper:
+	mov.w	@(JOINT_COMMAND:16,er6),r3
+	cmp.w	r2,r3
+	bgt	\kind\()_ends
+\kind\()_cut:
+	mov.w	r2,r3
+\kind\()_ends:
+	mov.w	r3,@(JOINT_TARGET:16,er6)
+	sub.w	r2,r2
+	mov.w	r2,@(JOINT_RAMP_LEFT:16,er6)
+	bra	\kind\()_ramped:16
+	.endm
+
 	.global _kz_joint_loop
 _kz_joint_loop:
 	stm.l	er4-er6,@-sp
@@ -24,6 +77,8 @@ to_jumped_up:
 	bra	jumped_up:16
 to_jumped_down:
 	bra	jumped_down:16
+to_special:
+	bra	special:16
 next:
 	sub.l	er0,er0
 	mov.b	@(JOINT_POT_INPUT:16,er6),r0l
@@ -36,29 +91,27 @@ next:
 	bhi	to_bad
 
 ; angle = centre + (code - 512) * 64 * scale / 2^15
-	mov.w	@(JOINT_POT_SCALE:16,er6),r1
+	mov.l	@(JOINT_POT_CENTRE:16,er6),er1	; and the scale
 	shll.w	#2,r0
 	shll.w	#2,r0
 	shll.w	#2,r0
 	add.b	#0x80,r0h
 	mulxs.w	r1,er0
 	shll.l	er0
-	mov.w	@(JOINT_POT_CENTRE:16,er6),r1
 	mov.w	e0,r0
-	add.w	r1,r0
+	add.w	e1,r0
 
 ; rate += delta * 8 - rate / 8
-	mov.w	@(JOINT_ANGLE:16,er6),r1
+	mov.l	@(JOINT_ANGLE:16,er6),er1	; and the rate
 	mov.w	r0,r2
-	sub.w	r1,r2
-	mov.b	@(JOINT_POT_BAD_MS:16,er6),r1l
+	sub.w	e1,r2
+	mov.b	@(JOINT_POT_BAD_MS:16,er6),r3l
 	bne	to_unmeasured
 	cmp.w	#LOOP_DELTA_MAX,r2
 	bgt	to_jumped_up
 	cmp.w	#-LOOP_DELTA_MAX,r2
 	blt	to_jumped_down
 measured:
-	mov.w	@(JOINT_RATE:16,er6),r1
 	mov.w	r1,r3
 	shar.w	#2,r3
 	shar.w	r3
@@ -68,33 +121,13 @@ measured:
 	add.w	r2,r1
 	mov.w	r1,@(JOINT_RATE:16,er6)
 	mov.w	r0,@(JOINT_ANGLE:16,er6)
-	mov.b	@(JOINT_ON:16,er6),r2l
-	beq	off:16
-
+	mov.w	@(JOINT_CAREFUL:16,er6),r2	; and whether it is on
+	cmp.w	#1,r2
+	bne	to_special
 	mov.w	@(JOINT_COMMAND:16,er6),r3
 	mov.w	@(JOINT_RAMP_LEFT:16,er6),r2
 	beq	at_rest
-
-; The ramp: E1 keeps the rate.
-	dec.w	#1,r2
-	mov.w	r2,@(JOINT_RAMP_LEFT:16,er6)
-	mov.w	r1,e1
-	mov.w	@(JOINT_RAMP_WHOLE:16,er6),r1
-	add.w	r1,r3
-	mov.w	@(JOINT_RAMP_ROOM:16,er6),r2
-	mov.w	@(JOINT_RAMP_REST:16,er6),r1
-	sub.w	r1,r2
-	bls	one_more
-	mov.w	r2,@(JOINT_RAMP_ROOM:16,er6)
-	mov.w	@(JOINT_RAMP_EXTRA:16,er6),r1
-	bmi	downwards
-upwards:
-	mov.w	@(JOINT_UPPER:16,er6),r1
-	cmp.w	r1,r3
-	bgt	to_ramp_meets_upper
-ramped:
-	mov.w	r3,@(JOINT_COMMAND:16,er6)
-	mov.w	e1,r1
+	ramp	plain
 at_rest:
 
 ; drive = kp * error / 2 - kd * rate
@@ -102,58 +135,40 @@ at_rest:
 	mov.w	r0,r2
 	exts.l	er2
 	sub.l	er2,er3
-	mov.b	@(JOINT_CAREFUL:16,er6),r2l
-	bne	to_careful
 	shar.l	er3
-	mov.w	@(JOINT_KP:16,er6),r2
-	mulxs.w	r2,er3
-	mov.w	@(JOINT_KD:16,er6),r2
+	mov.l	@(JOINT_KP:16,er6),er2	; and kd
+	mulxs.w	e2,er3
 	mulxs.w	r1,er2
 	sub.l	er2,er3
 
-; Duty and direction of the drive, whose sign the flags tell.
+; Duty and direction of the drive, whose sign the flags tell. The duty is the drive in its upper half
+; once that has 65536 to a count, rounded by the bit below.
 put:
 	ble	backward
 	mov.b	@(JOINT_MIRRORED:16,er6),r0l
 	xor.b	#1,r0l
-	add.l	#1<<(LOOP_DRIVE_SHIFT-1),er3
-	bra	rounded
-
-one_more:
-	mov.w	@(JOINT_RAMP_TIME:16,er6),r1
-	add.w	r1,r2
-	mov.w	r2,@(JOINT_RAMP_ROOM:16,er6)
-	mov.w	@(JOINT_RAMP_EXTRA:16,er6),r1
-	add.w	r1,r3
-	mov.w	r1,r1
-	bpl	upwards
-downwards:
-	mov.w	@(JOINT_LOWER:16,er6),r1
-	cmp.w	r1,r3
-	bge	ramped
-	bra	ramp_meets_lower:16
-to_ramp_meets_upper:
-	bra	ramp_meets_upper:16
-to_careful:
-	bra	careful:16
-
-backward:
-	mov.b	@(JOINT_MIRRORED:16,er6),r0l
-	neg.l	er3
-	add.l	#1<<(LOOP_DRIVE_SHIFT-1),er3
-rounded:
-	cmp.l	#LOOP_DUTY_MAX<<LOOP_DRIVE_SHIFT,er3
+strength:
+	cmp.l	#(LOOP_DUTY_MAX<<LOOP_DRIVE_SHIFT)-(1<<(LOOP_DRIVE_SHIFT-1)),er3
 	bhs	full
 	shll.l	#2,er3
 	shll.l	#2,er3
 	shll.l	er3
+	shll.w	r3
 	mov.w	e3,r3
+	addx.b	#0,r3l
 	mov.b	r3l,r0h
 	mov.w	r0,@(JOINT_DUTY:16,er6)
 	add.l	#JOINT_SIZE,er6
 	dec.b	r4l
 	bne	next:16
 	bra	done:16
+
+	ramp_rest	plain
+
+backward:
+	mov.b	@(JOINT_MIRRORED:16,er6),r0l
+	neg.l	er3
+	bra	strength
 full:
 	mov.b	#LOOP_DUTY_MAX,r0h
 store:
@@ -169,17 +184,29 @@ check:
 	mov.l	er3,er3
 	bra	put:16
 
-; The same with dead band, friction and soft limits.
+	ramp_rest	careful
+
+; Off, or the same with dead band, friction and soft limits.
+special:
+	mov.b	r2l,r2l
+	beq	off:16
+	mov.w	@(JOINT_COMMAND:16,er6),r3
+	mov.w	@(JOINT_RAMP_LEFT:16,er6),r2
+	beq	careful
+	ramp	careful
 careful:
+	exts.l	er3
+	mov.w	r0,r2
+	exts.l	er2
+	sub.l	er2,er3
 	mov.w	@(JOINT_DEAD_BAND:16,er6),r2
 	bne	banded:16
 not_banded:
 	mov.b	@(JOINT_FRICTION:16,er6),r2l
 	bne	rubbing:16
 	shar.l	er3
-	mov.w	@(JOINT_KP:16,er6),r2
-	mulxs.w	r2,er3
-	mov.w	@(JOINT_KD:16,er6),r2
+	mov.l	@(JOINT_KP:16,er6),er2	; and kd
+	mulxs.w	e2,er3
 	mulxs.w	r1,er2
 	sub.l	er2,er3
 driven:
@@ -258,25 +285,6 @@ beyond_lower:
 	sub.l	er3,er3
 	bra	inside:16
 
-; The ramp ends at the limit, or where it is if that is outside.
-ramp_meets_upper:
-	mov.w	@(JOINT_COMMAND:16,er6),r2
-	cmp.w	r1,r2
-	bgt	ramp_stays
-	bra	ramp_ends
-ramp_meets_lower:
-	mov.w	@(JOINT_COMMAND:16,er6),r2
-	cmp.w	r1,r2
-	blt	ramp_stays
-ramp_ends:
-	mov.w	r1,r2
-ramp_stays:
-	mov.w	r2,r3
-	mov.w	r3,@(JOINT_TARGET:16,er6)
-	sub.w	r2,r2
-	mov.w	r2,@(JOINT_RAMP_LEFT:16,er6)
-	bra	ramped:16
-
 banded:
 	extu.l	er2
 	cmp.l	er2,er3
@@ -300,9 +308,8 @@ rubs_not:
 rubs:
 	mov.w	r2,e0
 	shar.l	er3
-	mov.w	@(JOINT_KP:16,er6),r2
-	mulxs.w	r2,er3
-	mov.w	@(JOINT_KD:16,er6),r2
+	mov.l	@(JOINT_KP:16,er6),er2	; and kd
+	mulxs.w	e2,er3
 	mulxs.w	r1,er2
 	sub.l	er2,er3
 	mov.w	e0,r2
@@ -317,8 +324,8 @@ rubs:
 	bra	driven:16
 
 unmeasured:
-	sub.b	r1l,r1l
-	mov.b	r1l,@(JOINT_POT_BAD_MS:16,er6)
+	sub.b	r3l,r3l
+	mov.b	r3l,@(JOINT_POT_BAD_MS:16,er6)
 	sub.w	r2,r2
 	bra	measured:16
 jumped_up:

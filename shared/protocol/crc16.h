@@ -13,7 +13,7 @@ extern "C" {
 extern const u16 kz_crc16_table[256];
 
 static inline u16 kz_crc16_step(u16 crc, u8 byte) {
-  return (u16)((u16)(crc << 8) ^ kz_crc16_table[(u8)((crc >> 8) ^ byte)]);
+  return (u16)((u16)(crc << 8) ^ kz_crc16_table[(u16)(crc >> 8) ^ byte]);
 }
 
 #ifdef __cplusplus

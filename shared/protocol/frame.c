@@ -133,22 +133,34 @@ u8 kz_receive(kz_receiver* receiver, u8 byte, u8 errors) {
   return take(receiver, byte);
 }
 
-// The next bytes of a frame, until a zero or `most` of them. Returns how many.
+// The next bytes of a frame, until a zero or `most` of them. Returns how many. The last three that
+// came may be the check, so the CRC follows three behind.
 static NOT_INLINE u8 take_run(kz_receiver* receiver, const u8* bytes, u8 most) {
-  u8* const third = receiver->body + CHECK_SIZE;
-  u8* place = receiver->body + receiver->length;
-  u16 crc = receiver->crc;
-  u8 left;
-  for (left = most; left != 0; --left) {
-    const u8 byte = *bytes++;
-    if (byte == 0) break;
-    *place = byte;
-    if (place >= third) crc = kz_crc16_step(crc, place[-CHECK_SIZE]);
-    ++place;
+  const u8 length = receiver->length;
+  u8* place = receiver->body + length;
+  u16 crc;
+  u8 left = most;
+  if (length < CHECK_SIZE) {
+    u8 early = (u8)(CHECK_SIZE - length);
+    for (; early != 0 && left != 0 && *bytes != 0; --early) {
+      *place++ = *bytes++;
+      --left;
+    }
+  }
+  crc = receiver->crc;
+  if (left != 0) {
+    do {
+      const u8 byte = *bytes++;
+      if (byte == 0) break;
+      *place = byte;
+      crc = kz_crc16_step(crc, place[-CHECK_SIZE]);
+      ++place;
+    } while (--left != 0);
   }
   receiver->crc = crc;
-  receiver->length = (u8)(receiver->length + most - left);
-  return (u8)(most - left);
+  most = (u8)(most - left);
+  receiver->length = (u8)(length + most);
+  return most;
 }
 
 u16 kz_receive_some(kz_receiver* receiver, const u8* bytes, const u8* errors, u8 count) {

@@ -41,6 +41,7 @@ function(kaz_firmware_image)
   list(TRANSFORM servo PREPEND ${ARG_SHARED_DIR}/)
   set(sources
     ${firmware}/joint_loop.S ${firmware}/joint_loop_check.c ${firmware}/analog_interrupt.S
+    ${firmware}/serial_interrupts.S
     ${firmware}/vectors.S ${firmware}/image_header.c
     ${firmware}/start.S ${firmware}/main.c ${firmware}/clock.c ${firmware}/pins.c
     ${firmware}/serial.c ${firmware}/analog.c ${firmware}/memory.c ${firmware}/flash.c
