@@ -211,7 +211,7 @@ TEST_F(Firmware, WalkingLoadFitsTheTick) {
               worst, 100.0 * worst / ms);
   EXPECT_EQ(missed, 0);
   EXPECT_LT(worst, ms * 75 / 100);
-  EXPECT_LT(median, ms * 48 / 100);
+  EXPECT_LT(median, ms * 45 / 100);
   for (const h8s::Misuse& misuse : chip().misuse()) ADD_FAILURE() << misuse.text;
 }
 

@@ -179,17 +179,16 @@ end:
 	bne	next:16
 	bra	done:16
 
-; Sets the flags for `put`.
-check:
-	mov.l	er3,er3
-	bra	put:16
-
 	ramp_rest	careful
+off:
+	sub.w	r0,r0
+	bra	store
 
-; Off, or the same with dead band, friction and soft limits.
+; Off, or the same with dead band, friction and soft limits. The upper byte of E1 keeps the reason.
 special:
 	mov.b	r2l,r2l
-	beq	off:16
+	beq	off
+	mov.w	r2,e1
 	mov.w	@(JOINT_COMMAND:16,er6),r3
 	mov.w	@(JOINT_RAMP_LEFT:16,er6),r2
 	beq	careful
@@ -200,34 +199,84 @@ careful:
 	exts.l	er2
 	sub.l	er2,er3
 	mov.w	@(JOINT_DEAD_BAND:16,er6),r2
-	bne	banded:16
+	beq	not_banded
+	extu.l	er2
+	cmp.l	er2,er3
+	bgt	not_banded
+	neg.l	er2
+	cmp.l	er2,er3
+	blt	not_banded
+	sub.l	er3,er3
 not_banded:
-	mov.b	@(JOINT_FRICTION:16,er6),r2l
-	bne	rubbing:16
+	mov.w	@(JOINT_FRICTION_DRIVE:16,er6),r2
+	bne	rubbing
+smooth:
 	shar.l	er3
 	mov.l	@(JOINT_KP:16,er6),er2	; and kd
 	mulxs.w	e2,er3
 	mulxs.w	r1,er2
 	sub.l	er2,er3
+	bra	driven
+
+; Friction with the sign of the error. E0 keeps it.
+	.macro	rub	operation
+	shar.l	er3
+	mov.l	@(JOINT_KP:16,er6),er2	; and kd
+	mulxs.w	e2,er3
+	mulxs.w	r1,er2
+	sub.l	er2,er3
+	mov.w	e0,r2
+	extu.l	er2
+	.rept	LOOP_DRIVE_SHIFT-8
+	shll.l	er2
+	.endr
+	\operation	er2,er3
+	.endm
+rubbing:
+	mov.w	r2,e0
+	mov.l	er3,er3
+	beq	smooth
+	bmi	rub_backward
+	rub	add.l
+	bra	driven
+rub_backward:
+	rub	sub.l
 driven:
+	mov.w	e1,r2
+	btst	#LOOP_AT_LIMITS_BIT,r2h
+	beq	check
 	mov.w	@(JOINT_UPPER:16,er6),r2
 	cmp.w	r2,r0
-	bge	beyond_upper:16
+	bge	beyond_upper
 	mov.w	@(JOINT_LOWER:16,er6),r2
 	cmp.w	r2,r0
-	ble	beyond_lower:16
+	ble	beyond_lower
 inside:
 	cmp.w	#LOOP_SLOW,r1
 	bgt	rising
 	cmp.w	#-LOOP_SLOW,r1
-	blt	falling:16
-	bra	check:16
+	blt	falling
+; Sets the flags for `put`.
+check:
+	mov.l	er3,er3
+	bra	put:16
+
+beyond_upper:
+	mov.l	er3,er3
+	ble	inside
+	sub.l	er3,er3
+	bra	inside
+beyond_lower:
+	mov.l	er3,er3
+	bge	inside
+	sub.l	er3,er3
+	bra	inside
 
 ; Fast towards the upper limit: the way that is left allows so much.
 rising:
 	mov.w	@(JOINT_UPPER:16,er6),r2
 	cmp.w	r0,r2
-	ble	no_way_up
+	ble	brake_down
 	sub.w	r0,r2
 	cmp.w	#LOOP_NEAR_LIMIT,r2
 	blo	near_upper
@@ -237,18 +286,16 @@ near_upper:
 	shll.w	r2
 upper_allows:
 	cmp.w	r2,r1
-	bls	check:16
+	bls	check
 	sub.w	r2,r1
 brake_down:
 	mov.w	#LOOP_BRAKE,r2
 	mulxu.w	r1,er2
 	neg.l	er2
 	cmp.l	er2,er3
-	ble	check:16
+	ble	check
 	mov.l	er2,er3
-	bra	check:16
-no_way_up:
-	bra	brake_down
+	bra	check
 
 falling:
 	neg.w	r1
@@ -264,64 +311,15 @@ near_lower:
 	shll.w	r0
 lower_allows:
 	cmp.w	r0,r1
-	bls	check:16
+	bls	check
 	sub.w	r0,r1
 brake_up:
 	mov.w	#LOOP_BRAKE,r2
 	mulxu.w	r1,er2
 	cmp.l	er2,er3
-	bge	check:16
+	bge	check
 	mov.l	er2,er3
-	bra	check:16
-
-beyond_upper:
-	mov.l	er3,er3
-	ble	inside:16
-	sub.l	er3,er3
-	bra	inside:16
-beyond_lower:
-	mov.l	er3,er3
-	bge	inside:16
-	sub.l	er3,er3
-	bra	inside:16
-
-banded:
-	extu.l	er2
-	cmp.l	er2,er3
-	bgt	not_banded:16
-	neg.l	er2
-	cmp.l	er2,er3
-	blt	not_banded:16
-	sub.l	er3,er3
-	bra	not_banded:16
-
-; E0 keeps the friction with the sign of the error.
-rubbing:
-	extu.w	r2
-	mov.l	er3,er3
-	bgt	rubs
-	beq	rubs_not
-	neg.w	r2
-	bra	rubs
-rubs_not:
-	sub.w	r2,r2
-rubs:
-	mov.w	r2,e0
-	shar.l	er3
-	mov.l	@(JOINT_KP:16,er6),er2	; and kd
-	mulxs.w	e2,er3
-	mulxs.w	r1,er2
-	sub.l	er2,er3
-	mov.w	e0,r2
-	exts.l	er2
-	.rept	LOOP_DRIVE_SHIFT/2
-	shll.l	#2,er2
-	.endr
-	.rept	LOOP_DRIVE_SHIFT-LOOP_DRIVE_SHIFT/2*2
-	shll.l	er2
-	.endr
-	add.l	er2,er3
-	bra	driven:16
+	bra	check
 
 unmeasured:
 	sub.b	r3l,r3l
@@ -334,10 +332,6 @@ jumped_up:
 jumped_down:
 	mov.w	#-LOOP_DELTA_MAX,r2
 	bra	measured:16
-
-off:
-	sub.w	r0,r0
-	bra	store:16
 
 ; Nobody knows where the joint is.
 bad:

@@ -21,15 +21,15 @@
 #define JOINT_DEAD_BAND 34
 #define JOINT_KP 38
 #define JOINT_KD 40
-#define JOINT_DUTY 42  // with the next one as a word
-#define JOINT_FORWARD 43
-#define JOINT_POT_BAD_MS 44
-#define JOINT_POT_INPUT 45
-#define JOINT_MIRRORED 46
-#define JOINT_FRICTION 47
-#define JOINT_CAREFUL 50
-#define JOINT_ON 51
-#define JOINT_SIZE 52
+#define JOINT_FRICTION_DRIVE 44
+#define JOINT_DUTY 46  // with the next one as a word
+#define JOINT_FORWARD 47
+#define JOINT_POT_BAD_MS 48
+#define JOINT_POT_INPUT 49
+#define JOINT_MIRRORED 50
+#define JOINT_CAREFUL 54
+#define JOINT_ON 55
+#define JOINT_SIZE 56
 
 #define LOOP_JOINTS 18
 #define LOOP_POT_LOWEST 4
@@ -42,5 +42,6 @@
 #define LOOP_NEAR_LIMIT 1000
 #define LOOP_SLOW 320
 #define LOOP_BRAKE 204
+#define LOOP_AT_LIMITS_BIT 0
 
 #endif

@@ -64,13 +64,13 @@ static inline s32 follow(const kz_joint* joint, s32 error) {
 
 static inline s32 follow_carefully(const kz_joint* joint, s32 error) {
   const u16 dead_band = joint->dead_band;
-  const s32 friction = (s32)((u32)joint->friction << KZ_DRIVE_SHIFT);
+  const s32 friction = (s32)((u32)joint->friction_drive << (KZ_DRIVE_SHIFT - 8));
   s32 drive;
   if (dead_band != 0 && error <= (s32)dead_band && error >= -(s32)dead_band) error = 0;
   drive = follow(joint, error);
   if (error > 0) drive += friction;
   if (error < 0) drive -= friction;
-  return kz_hold_back(joint, drive);
+  return (joint->careful & KZ_CAREFUL_AT_LIMITS) ? kz_hold_back(joint, drive) : drive;
 }
 
 static inline void control(kz_joint* joint) {

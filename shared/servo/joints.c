@@ -6,8 +6,8 @@
 #include "shared/servo/joint_drive.h"
 #include "shared/servo/protection.h"
 
-#define HALF (KZ_JOINTS / 2)
-#define LOWER_HALF ((u16)((1 << HALF) - 1))
+#define THIRD (KZ_JOINTS / 3)
+#define THIRD_MASK ((1 << THIRD) - 1)
 
 // Duty is 255 at full drive. With kp in 1/256 per rad, half the error in 1e-4 rad and the drive in
 // 1/2048 of a count: 255 * 2048 * 2 / (256 * 1e4) = 0.408; here times 2^16.
@@ -53,7 +53,7 @@ void kz_joints_init(kz_servo* servo, const kz_startup* startup) {
     servo->joint[i].ramp_limit = KZ_RAMP_DEFAULT;
     servo->joint[i].lower = kz_board_joints[i].lower;
     servo->joint[i].upper = kz_board_joints[i].upper;
-    servo->joint[i].careful = 1;
+    servo->joint[i].careful = KZ_CAREFUL_AT_LIMITS;
     servo->joint[i].pot_bad_ms = 1;  // not measured yet
     servo->joint[i].pot_centre = startup->pot_centre[i];
     servo->joint[i].pot_scale = startup->pot_scale[i];
@@ -123,9 +123,9 @@ u8 kz_joint_load(const kz_joint* joint) {
   return joint->load;
 }
 
-// Straight way to the joint's target in `duration_ms`, or more slowly if the joint's ramp demands
-// that.
-static inline void start_ramp(kz_joint* joint, u16 duration_ms) {
+// Straight way to the joint's target in target_ms, or more slowly if the joint's ramp demands that.
+static inline void start_ramp(kz_joint* joint) {
+  u16 duration_ms = joint->target_ms;
   const s16 target = joint->target;
   const u8 down = (u8)(target < joint->command);
   const u16 from = (u16)joint->command;
@@ -151,17 +151,23 @@ static inline void start_ramp(kz_joint* joint, u16 duration_ms) {
 
 void kz_joints_start_ramps(kz_servo* servo) {
   kz_joint* joint = servo->joint;
-  const u16 duration_ms = servo->target_ms;
-  u16 fresh = (u16)((u16)servo->fresh_targets & LOWER_HALF);
-  if (fresh != 0) {
-    servo->fresh_targets &= ~(u32)LOWER_HALF;
+  const u32 fresh = servo->fresh_targets;
+  u8 bits = (u8)(fresh & THIRD_MASK);
+  if (bits != 0) {
+    servo->fresh_targets = fresh & ~(u32)THIRD_MASK;
   } else {
-    fresh = (u16)(servo->fresh_targets >> HALF);
-    servo->fresh_targets = 0;
-    joint += HALF;
+    joint += THIRD;
+    bits = (u8)((u16)((u16)fresh >> THIRD) & THIRD_MASK);
+    if (bits != 0) {
+      servo->fresh_targets = fresh & ~((u32)THIRD_MASK << THIRD);
+    } else {
+      joint += THIRD;
+      bits = (u8)(fresh >> (2 * THIRD));
+      servo->fresh_targets = 0;
+    }
   }
-  for (; fresh != 0; fresh = (u16)(fresh >> 1)) {
-    if (fresh & 1) start_ramp(joint, duration_ms);
+  for (; bits != 0; bits = (u8)(bits >> 1)) {
+    if (bits & 1) start_ramp(joint);
     ++joint;
   }
 }

@@ -16,9 +16,9 @@ void kz_joints_init(kz_servo* servo, const kz_startup* startup);
 // Ends a raw drive.
 void kz_joints_enable(kz_servo* servo, u32 mask);
 
-// Starts ramps to the targets that a request has left in the state (fresh_targets, target_ms and
-// each joint's target), so that the tick that took the request has not to do this too: of the
-// lower nine joints if there are such, and then in the next tick of the others.
+// Starts ramps to the targets that a request has left in the state (fresh_targets, each joint's target
+// and target_ms), so that the tick that took the request has not to do this too: those of six joints,
+// so all have started three ticks later.
 void kz_joints_start_ramps(kz_servo* servo);
 
 // Ends all ramps: the commands stay where they are.

@@ -19,7 +19,7 @@ constexpr int neck_pan = 0, r_sh_pitch = 6, l_hand = 5;
 // A ramp that starts with the next tick.
 void go(TestBoard& board, int joint, int angle, int duration_ms) {
   board.servo.joint[joint].target = static_cast<s16>(angle);
-  board.servo.target_ms = static_cast<u16>(duration_ms);
+  board.servo.joint[joint].target_ms = static_cast<u16>(duration_ms);
   board.servo.fresh_targets = 1u << joint;
   kz_joints_start_ramps(&board.servo);
 }

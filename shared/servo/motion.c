@@ -34,6 +34,7 @@ kz_outcome kz_do_targets(kz_servo* servo, const u8* fields, u8 length) {
   const u8* angle = fields + TARGETS_ANGLES;
   u32 mask;
   u32 bits;
+  u16 duration_ms;
   u8 i;
   if (length < TARGETS_ANGLES) return KZ_REFUSE(KZ_REFUSED_LENGTH, KZ_NO_DETAIL);
   mask = kz_get_u32(fields);
@@ -56,16 +57,14 @@ kz_outcome kz_do_targets(kz_servo* servo, const u8* fields, u8 length) {
     bits >>= 1;
     ++joint;
   }
-  // Those that wait from before: nine joints at most, since two requests with targets do not fit into
-  // the bytes of one tick.
-  while (servo->fresh_targets != 0) kz_joints_start_ramps(servo);
-  servo->fresh_targets = mask;
-  servo->target_ms = kz_get_u16(fields + TARGETS_DURATION);
+  servo->fresh_targets |= mask;
+  duration_ms = kz_get_u16(fields + TARGETS_DURATION);
   bits = mask;
   angle = fields + TARGETS_ANGLES;
   for (joint = servo->joint; bits != 0; ++joint) {
     if (bits & 1) {
       joint->target = kz_get_s16(angle);
+      joint->target_ms = duration_ms;
       angle += 2;
     }
     bits >>= 1;

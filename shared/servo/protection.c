@@ -80,12 +80,13 @@ static void watch_limits(kz_servo* servo) {
     const s16 lower = joint->lower;
     const s16 angle = joint->angle;
     s16 far = joint->rate;
-    u8 careful = joint->friction;
+    u8 careful = (u8)(joint->careful & KZ_CAREFUL_RUBS);
     if (far < 0) far = (s16)-far;
-    if (far > FAST) careful = 1;
+    if (far > FAST) careful |= KZ_CAREFUL_AT_LIMITS;
     far = (s16)(far + KZ_FAR_FROM_LIMIT);
-    if (angle <= (s16)(lower + far) || angle >= (s16)(joint->upper - far)) careful = 1;
-    if (joint->dead_band != 0) careful = 1;
+    if (angle <= (s16)(lower + far) || angle >= (s16)(joint->upper - far)) {
+      careful |= KZ_CAREFUL_AT_LIMITS;
+    }
     joint->careful = careful;
     joint += LIMITS_MS;
   }

@@ -48,13 +48,15 @@ extern "C" {
 //   ramp_limit  most that `command` moves in a tick, for ramps that start from now on
 //   lower, upper  soft limits, inside those of the mechanics, 100 urad
 //   dead_band, friction  as in the message `gains`
+//   target_ms   time for the ramp to `target` that has not started yet
 //   kp, kd      gains, scaled to 1/2048 of a count of duty for half a unit of error, a unit of rate
+//   friction_drive  `friction` in 1/256 of a count of duty
 //   duty        high counts of the PWM, 0..255
 //   forward     direction output
 //   pot_bad_ms  for how long the potentiometer's code has made no sense
 //   pot_input   index into kz_tick_input.analog
 //   mirrored    a forward shaft is a negative joint angle
-//   careful     0: neither dead band nor friction, and a soft limit is too far to be met within 4 ms
+//   careful     KZ_CAREFUL_* (joint_loop.h)
 //   on          bit of `enabled`
 //   heat        what the motor has taken up and not given off yet (protection.h)
 //   stall_angle where it was when it began not to move under high load, 100 urad
@@ -81,6 +83,8 @@ extern "C" {
   FIELD(s16, stall_angle)      \
   FIELD(s16, kp)               \
   FIELD(s16, kd)               \
+  FIELD(u16, target_ms)        \
+  FIELD(u16, friction_drive)   \
   FIELD(u8, duty)              \
   FIELD(u8, forward)           \
   FIELD(u8, pot_bad_ms)        \
@@ -94,7 +98,7 @@ extern "C" {
 
 //   tick            number of the present tick
 //   enabled         joints that are on, bit n: joint n
-//   fresh_targets   joints whose ramp to `target`, in target_ms, has not started yet
+//   fresh_targets   joints whose ramp to `target` has not started yet
 //   shutdown_tick   when `shutdown` was latched
 //   image_crc, start_8states, reset_cause, tests_*, shared_line, address, calibration
 //                   as found at start (kz_startup)
@@ -129,7 +133,6 @@ extern "C" {
   FIELD(u32, enabled)            \
   FIELD(u32, fresh_targets)      \
   FIELD(u32, shutdown_tick)      \
-  FIELD(u16, target_ms)          \
   FIELD(u16, silent_ms)          \
   FIELD(u16, watchdog_ms)        \
   FIELD(u16, supply_mv)          \
@@ -155,7 +158,6 @@ extern "C" {
   FIELD(u16, unlocked_ms)        \
   FIELD(u16, raw_ms)             \
   FIELD(s16, raw_duty)           \
-  FIELD(u16, spare)              \
   FIELD(u8, missed_tick)         \
   FIELD(u8, shutdown)            \
   FIELD(u8, shutdown_detail)     \

@@ -113,9 +113,9 @@ static void receive_nothing(kz_servo* servo) {
   if (result != KZ_RECEIVE_MORE) count_damage(servo, result);
 }
 
-// Bytes that may be sent now: in a tick that has done much none, if the wire has enough.
+// Bytes that may be sent now: in a tick that has done much only as many as the wire needs.
 static u8 room(u8 tx_room, u8 hurried) {
-  if (hurried && tx_room <= KZ_TX_BUFFER - WIRE_ENOUGH) return 0;
+  if (hurried) return tx_room <= KZ_TX_BUFFER - WIRE_ENOUGH ? 0 : WIRE_ENOUGH;
   return tx_room < KZ_TX_PER_TICK ? tx_room : KZ_TX_PER_TICK;
 }
 
