@@ -45,19 +45,37 @@ class NoBoard(Exception):
 
 # ---- Frames: 00 | stuffed body | check | 00
 
-def check_of(stuffed):
-    crc = 0xFFFF
+CRC_START = 0xFFFF
+
+
+def crcs_of(stuffed):
+    """The CRC after each byte."""
+    crc = CRC_START
     for byte in stuffed:
         crc ^= byte << 8
         for _ in range(8):
             crc = (crc << 1) ^ 0x1021 if crc & 0x8000 else crc << 1
             crc &= 0xFFFF
+        yield crc
+
+
+def check_of(stuffed):
+    *_, crc = crcs_of(stuffed)
     return bytes([0x80 | crc >> 14, 0x80 | crc >> 7 & 0x7F, 0x80 | crc & 0x7F])
 
 
+def stuffed_of(body):
+    return b"".join(bytes([len(piece) + 1]) + piece for piece in body.split(b"\0"))
+
+
 def frame_of(body):
-    stuffed = b"".join(bytes([len(piece) + 1]) + piece for piece in body.split(b"\0"))
+    stuffed = stuffed_of(body)
     return b"\0" + stuffed + check_of(stuffed) + b"\0"
+
+
+def splits(body):
+    """A byte that becomes a zero would leave a sound frame behind it (FRAME-4)."""
+    return CRC_START in crcs_of(stuffed_of(body))
 
 
 def body_of(piece):
@@ -91,7 +109,7 @@ class Board:
             raise NoBoard(f"cannot open '{path}' as a serial port: {error.args[-1]}") from error
         self.path = path
         self.heard = b""
-        self.sequence = time.time_ns() // 1000000 & 0xFF  # not where the last client ended
+        self.sequence = os.urandom(1)[0]  # hardly where the last client ended
 
     def bodies(self, until):
         """Sound bodies as they come, until the time is over."""
@@ -110,12 +128,15 @@ class Board:
 
     def ask(self, kind, fields=b"", patience_s=0.5):
         """The fields of the reply. A request without one is sent again, as the same request."""
-        self.sequence = self.sequence + 1 & 0xFF
-        frame = frame_of(bytes([ADDRESS, kind, self.sequence]) + fields)
+        body = b""
+        while not body or splits(body):
+            self.sequence = self.sequence + 1 & 0xFF
+            body = bytes([ADDRESS, kind, self.sequence]) + fields
+        frame = frame_of(body)
         give_up = time.monotonic() + patience_s
         while time.monotonic() < give_up:
             os.write(self.port, frame)
-            for body in self.bodies(time.monotonic() + 0.02):
+            for body in self.bodies(time.monotonic() + 0.05):
                 address, reply, sequence = body[:3]
                 if address != ADDRESS or sequence != self.sequence:
                     continue
