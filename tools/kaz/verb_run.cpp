@@ -1,5 +1,8 @@
 // `kaz demo` and `kaz run`: one behaviour on a robot.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <string_view>
+
 #include "host/behavior/behavior.h"
 #include "tools/kaz/session.h"
 #include "tools/kaz/sim_options.h"
@@ -45,6 +48,12 @@ void add_common(CLI::App& verb, RunArguments& arguments) {
                 "print the result as JSON on standard output, no progress");
 }
 
+bool has_duration(const behavior::Behavior& behavior) {
+  return std::ranges::any_of(behavior.options, [](const behavior::Option& option) {
+    return option.name == std::string_view("seconds");
+  });
+}
+
 Result<bool> start(RunArguments arguments) {
   for (const auto& setting : arguments.settings) {
     const auto equals = setting.find('=');
@@ -53,7 +62,15 @@ Result<bool> start(RunArguments arguments) {
     }
     arguments.session.settings[setting.substr(0, equals)] = setting.substr(equals + 1);
   }
-  if (!arguments.duration.empty()) arguments.session.settings["seconds"] = arguments.duration;
+  if (!arguments.duration.empty()) {
+    const auto behavior = behavior::find_behavior(arguments.session.behavior);
+    if (!behavior) return tl::unexpected(behavior.error());
+    if (!has_duration(*behavior)) {
+      return fail(Fault::usage, "--duration: " + std::string(behavior->name) +
+                                    " ends by itself; leave the option out");
+    }
+    arguments.session.settings["seconds"] = arguments.duration;
+  }
   return run_session(arguments.session);
 }
 
