@@ -248,6 +248,7 @@ driven:
 	mov.w	@(JOINT_UPPER:16,er6),r2
 	cmp.w	r2,r0
 	bge	beyond_upper
+below_upper:
 	mov.w	@(JOINT_LOWER:16,er6),r2
 	cmp.w	r2,r0
 	ble	beyond_lower
@@ -263,9 +264,9 @@ check:
 
 beyond_upper:
 	mov.l	er3,er3
-	ble	inside
+	ble	below_upper
 	sub.l	er3,er3
-	bra	inside
+	bra	below_upper
 beyond_lower:
 	mov.l	er3,er3
 	bge	inside

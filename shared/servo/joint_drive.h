@@ -17,11 +17,8 @@ static inline s32 kz_hold_back(const kz_joint* joint, s32 drive) {
   const s16 rate = joint->rate;
   const s16 upper = joint->upper;
   const s16 lower = joint->lower;
-  if (angle >= upper) {
-    if (drive > 0) drive = 0;
-  } else if (angle <= lower) {
-    if (drive < 0) drive = 0;
-  }
+  if (angle >= upper && drive > 0) drive = 0;
+  if (angle <= lower && drive < 0) drive = 0;
   if (rate > KZ_SLOW) {
     const u16 excess = kz_too_fast((u16)(angle < upper ? upper - angle : 0), (u16)rate);
     const s32 brake = -(s32)((u32)excess * KZ_BRAKE);
