@@ -121,7 +121,8 @@ LowLatency ask_for_low_latency(int fd) {
   serial.flags |= ASYNC_LOW_LATENCY;
   if (ioctl(fd, TIOCSSERIAL, &serial) != 0) return LowLatency::refused;
   if (ioctl(fd, TIOCGSERIAL, &serial) != 0) return LowLatency::refused;
-  return serial.flags & ASYNC_LOW_LATENCY ? LowLatency::set : LowLatency::refused;
+  const auto flags = static_cast<unsigned>(serial.flags);
+  return (flags & ASYNC_LOW_LATENCY) != 0 ? LowLatency::set : LowLatency::refused;
 }
 
 }  // namespace
