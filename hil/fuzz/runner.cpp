@@ -146,7 +146,8 @@ class Run {
   static std::uint8_t type_of(std::span<const std::uint8_t> wire) { return header(wire)[1]; }
   static std::uint8_t sequence_of(std::span<const std::uint8_t> wire) { return header(wire)[2]; }
 
-  // Whatever happened, the board answers again, and `stop` switches its motors off.
+  // Whatever happened, the board answers again, and `stop` switches its motors off. A board at a port
+  // goes on to the next case, whose judge knows nothing of telemetry asked for in this one.
   Result<void> end() {
     if (auto done = listen(clock_.now() + milliseconds(60)); !done) return done;
     const auto back =
@@ -159,6 +160,8 @@ class Run {
       const auto stopped = known(KZ_TYPE_stop);
       if (!stopped) return tl::unexpected(stopped.error());
       if (!*stopped && !faulty_ && !violation()) violation_ = "`stop` is not answered";
+      if (auto quiet = known(KZ_TYPE_telemetry, {0, 0, 0}); !quiet)
+        return tl::unexpected(quiet.error());
     }
     return {};
   }

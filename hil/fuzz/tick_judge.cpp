@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdlib>
+#include <iterator>
 
 #include "shared/board/table.h"
 
@@ -168,10 +169,12 @@ void TickJudge::note_features(const kz_servo& servo) {
                    (servo.holding ? 0x800u : 0u) | at_limit << 10 | faulty_pots << 9 |
                    (servo.raw_ms != 0 ? 0x100u : 0u) | (servo.refuse_busy ? 0x80u : 0u) |
                    under_way);
-  features_.insert(0x11000000u | (servo.overruns != 0) | (servo.idle != 0) << 1 |
-                   (servo.too_long != 0) << 2 | (servo.too_short != 0) << 3 |
-                   (servo.bad_stuffing != 0) << 4 | (servo.line_errors != 0) << 5 |
-                   (servo.missed_ticks != 0) << 6 | (servo.repetitions != 0) << 7);
+  const std::uint16_t counts[] = {servo.overruns,     servo.idle,         servo.too_long,
+                                  servo.too_short,    servo.bad_stuffing, servo.line_errors,
+                                  servo.missed_ticks, servo.repetitions};
+  std::uint32_t seen = 0;
+  for (std::size_t i = 0; i < std::size(counts); ++i) seen |= (counts[i] != 0 ? 1u : 0u) << i;
+  features_.insert(0x11000000u | seen);
 }
 
 }  // namespace kaz::hil::fuzz
