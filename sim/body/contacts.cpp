@@ -62,8 +62,9 @@ Contacts::Contacts(dWorldID world, const RobotModel& robot)
   }
 }
 
-void Contacts::add_robot_link(const RigidLink& link, int robot_link, dBodyID body) {
-  add(link, robot_link, body, Eigen::Isometry3d::Identity(), robot_space_.get());
+void Contacts::add_robot_link(const RigidLink& link, int robot_link, dBodyID body,
+                              const Eigen::Isometry3d& pose) {
+  add(link, robot_link, body, pose, robot_space_.get());
 }
 
 void Contacts::add_object(const RigidLink& link, dBodyID body, const Eigen::Isometry3d& pose) {

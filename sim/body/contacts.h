@@ -16,7 +16,8 @@ class Contacts {
 
   // Shapes of one link. `body` null: fixed in the world, then `pose` is the link's; else shapes
   // hang on the body, whose frame has the link's axes and its origin at `com`.
-  void add_robot_link(const RigidLink& link, int robot_link, dBodyID body);
+  void add_robot_link(const RigidLink& link, int robot_link, dBodyID body,
+                      const Eigen::Isometry3d& pose);
   void add_object(const RigidLink& link, dBodyID body, const Eigen::Isometry3d& pose);
 
   // Replaces the rows of the last step.

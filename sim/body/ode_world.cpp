@@ -66,13 +66,18 @@ OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const Motor
       random_state_((options.seed ^ (options.seed >> 32)) & 0xffffffffu),
       ode_(make_world(world.gravity, iterations)),
       contacts_(ode_.get(), robot),
-      motors_(KZ_JOINTS, JointMotor(motor, options.step_s)) {
+      motors_(robot.joints.size(), JointMotor(motor, options.step_s)),
+      joint_order_(robot.joint_order()),
+      ode_joints_(robot.joints.size()),
+      joint_states_(robot.joints.size()) {
   scene_.frames.push_back("world");
   // The root's origin hangs above the point between the soles.
   const double feet = options.hung ? kHungHeight : 0.0;
-  const Eigen::Vector3d lift(0, 0, feet - robot.extent().min().z());
+  const Eigen::AlignedBox3d extent = robot.extent();
+  Eigen::Vector3d lift = Eigen::Vector3d::Zero();
+  if (!robot.fixed_base) lift.z() = feet - (extent.isEmpty() ? 0.0 : extent.min().z());
   build_robot(robot, world.robot_start * Eigen::Translation3d(lift));
-  if (options.hung) hang();
+  if (options.hung && !robot.fixed_base) hang();
   for (const WorldBody& object : world.bodies) build_object(object);
   // Latest first, so that the next one is taken from the end; equal times keep the order of the
   // file.
@@ -85,7 +90,7 @@ OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const Motor
 OdeWorld::~OdeWorld() = default;
 
 OdeWorld::Body OdeWorld::make_body(const RigidLink& link, const Eigen::Isometry3d& pose) {
-  Body body{dBodyCreate(ode_.get()), link.com};
+  Body body{dBodyCreate(ode_.get()), link.com, Eigen::Isometry3d::Identity()};
   dMass mass;
   const Eigen::Matrix3d& i = link.inertia;
   dMassSetParameters(&mass, link.mass, 0, 0, 0, i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2),
@@ -117,16 +122,16 @@ void OdeWorld::build_robot(const RobotModel& robot, const Eigen::Isometry3d& roo
   link_frames_ = robot.frames;
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const RobotLink& link = robot.links[i];
-    const Body body = make_body(link.rigid, root * link.at_zero);
+    const Eigen::Isometry3d at = root * link.at_zero;
+    const bool moves = i > 0 || !robot.fixed_base;
+    const Body body = moves ? make_body(link.rigid, at) : Body{nullptr, link.rigid.com, at};
     robot_bodies_.push_back(body);
-    contacts_.add_robot_link(link.rigid, static_cast<int>(i), body.id);
+    contacts_.add_robot_link(link.rigid, static_cast<int>(i), body.id, at);
     const int frame = add_frame(link.rigid.name, body);
     add_visuals(link.rigid, frame, Eigen::Isometry3d::Identity());
-    if (link.joint >= 0 && joint_names()[static_cast<std::size_t>(link.joint)] == "neck_tilt") {
-      head_frame_ = frame;
-    }
+    if (robot.eyes_link() == static_cast<int>(i)) head_frame_ = frame;
   }
-  for (int number = 0; number < KZ_JOINTS; ++number) build_joint(robot, number, root);
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) build_joint(robot, j, root);
 }
 
 // Bodies are in the order of the links, the root's first.
@@ -136,10 +141,11 @@ void OdeWorld::hang() {
   dJointSetFixed(hook);
 }
 
-void OdeWorld::build_joint(const RobotModel& robot, int number, const Eigen::Isometry3d& root) {
-  const RobotJoint& joint = robot.joints[static_cast<std::size_t>(number)];
+void OdeWorld::build_joint(const RobotModel& robot, std::size_t number,
+                           const Eigen::Isometry3d& root) {
+  const RobotJoint& joint = robot.joints[number];
   const RobotLink& link = robot.links[static_cast<std::size_t>(joint.child)];
-  Joint& out = ode_joints_[static_cast<std::size_t>(number)];
+  Joint& out = ode_joints_[number];
   out.child = robot_bodies_[static_cast<std::size_t>(joint.child)].id;
   const dBodyID parent = robot_bodies_[static_cast<std::size_t>(link.parent)].id;
   const Eigen::Vector3d anchor = root * link.at_zero.translation();
@@ -190,10 +196,11 @@ void OdeWorld::kick_due() {
   }
 }
 
-void OdeWorld::drive_motors(std::span<const MotorDrive, KZ_JOINTS> drives, double supply_volts) {
-  for (std::size_t i = 0; i < KZ_JOINTS; ++i) {
-    const JointMotor::Row row = motors_[i].prepare(drives[i], supply_volts, joint_states_[i].angle,
-                                                   joint_states_[i].velocity);
+void OdeWorld::drive_motors(std::span<const MotorDrive> drives, double supply_volts) {
+  for (std::size_t i = 0; i < ode_joints_.size(); ++i) {
+    const MotorDrive drive = i < drives.size() ? drives[i] : MotorDrive{};
+    const JointMotor::Row row =
+        motors_[i].prepare(drive, supply_volts, joint_states_[i].angle, joint_states_[i].velocity);
     dJointSetAMotorParam(ode_joints_[i].motor, dParamVel, row.velocity);
     dJointSetAMotorParam(ode_joints_[i].motor, dParamCFM, row.softness);
     dJointSetAMotorParam(ode_joints_[i].motor, dParamFMax, row.most);
@@ -213,7 +220,7 @@ void OdeWorld::solve() {
   dRandSetSeed(others);
 }
 
-void OdeWorld::step(std::span<const MotorDrive, KZ_JOINTS> drives, double supply_volts) {
+void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   enter_ode();
   kick_due();
   contacts_.update();
@@ -222,14 +229,14 @@ void OdeWorld::step(std::span<const MotorDrive, KZ_JOINTS> drives, double supply
   ++steps_;
   read_joints();
   current_ = 0;
-  for (std::size_t i = 0; i < KZ_JOINTS; ++i) {
+  for (std::size_t i = 0; i < ode_joints_.size(); ++i) {
     motors_[i].finish(joint_states_[i].velocity, joint_states_[i].torque);
     current_ += motors_[i].supply_current();
   }
 }
 
 void OdeWorld::read_joints() {
-  for (std::size_t i = 0; i < KZ_JOINTS; ++i) {
+  for (std::size_t i = 0; i < ode_joints_.size(); ++i) {
     Joint& joint = ode_joints_[i];
     JointState& state = joint_states_[i];
     state.angle = dJointGetHingeAngle(joint.hinge);
@@ -244,6 +251,7 @@ void OdeWorld::read_joints() {
 }
 
 Eigen::Isometry3d OdeWorld::pose_of(const Body& body) {
+  if (body.id == nullptr) return body.fixed;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = rotation_to_eigen(dBodyGetRotation(body.id));
   pose.translation() = to_eigen(dBodyGetPosition(body.id)) - pose.linear() * body.com;

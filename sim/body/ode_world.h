@@ -6,7 +6,6 @@
 // different threads, one step at a time.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -30,8 +29,9 @@ class OdeWorld final : public World {
 
   double step_s() const override { return step_s_; }
   double time_s() const override { return static_cast<double>(steps_) * step_s_; }
-  void step(std::span<const MotorDrive, KZ_JOINTS> drives, double supply_volts) override;
-  std::span<const JointState, KZ_JOINTS> joints() const override { return joint_states_; }
+  void step(std::span<const MotorDrive> drives, double supply_volts) override;
+  std::span<const JointState> joints() const override { return joint_states_; }
+  std::span<const std::string> joint_order() const override { return joint_order_; }
   double supply_current_a() const override { return current_; }
 
   const Scene& scene() const override { return scene_; }
@@ -45,8 +45,9 @@ class OdeWorld final : public World {
 
  private:
   struct Body {
-    dBodyID id = nullptr;
+    dBodyID id = nullptr;                           // null: stands at `fixed`
     Eigen::Vector3d com = Eigen::Vector3d::Zero();  // in the link's frame
+    Eigen::Isometry3d fixed = Eigen::Isometry3d::Identity();
   };
   struct Joint {
     dJointID hinge = nullptr, motor = nullptr;
@@ -65,10 +66,10 @@ class OdeWorld final : public World {
   void add_visuals(const RigidLink& link, int frame, const Eigen::Isometry3d& in_frame);
   void build_robot(const RobotModel& robot, const Eigen::Isometry3d& root);
   void hang();
-  void build_joint(const RobotModel& robot, int number, const Eigen::Isometry3d& root);
+  void build_joint(const RobotModel& robot, std::size_t number, const Eigen::Isometry3d& root);
   void build_object(const WorldBody& object);
   void kick_due();
-  void drive_motors(std::span<const MotorDrive, KZ_JOINTS> drives, double supply_volts);
+  void drive_motors(std::span<const MotorDrive> drives, double supply_volts);
   void solve();
   void read_joints();
   static Eigen::Isometry3d pose_of(const Body& body);
@@ -80,8 +81,9 @@ class OdeWorld final : public World {
   OdeWorldHandle ode_;
   Contacts contacts_;
   std::vector<JointMotor> motors_;
-  std::array<Joint, KZ_JOINTS> ode_joints_;
-  std::array<JointState, KZ_JOINTS> joint_states_{};
+  std::vector<std::string> joint_order_;
+  std::vector<Joint> ode_joints_;  // never grows after the start: ODE writes into it
+  std::vector<JointState> joint_states_;
   std::vector<Body> robot_bodies_;                 // by robot link
   std::map<std::string, RobotFrame> link_frames_;  // by link name
   std::map<std::string, Eigen::Isometry3d> fixed_objects_;
@@ -89,7 +91,7 @@ class OdeWorld final : public World {
   std::vector<PendingKick> kicks_;       // the next one last
   std::vector<Body> frames_;             // scene frame 1 onwards
   Scene scene_;
-  int head_frame_ = 0;
+  int head_frame_ = -1;
   double current_ = 0;
   double largest_gap_ = 0;
 };

@@ -27,6 +27,7 @@ struct RobotLink {
 };
 
 struct RobotJoint {
+  std::string name;
   int child = 0;                                    // index into RobotModel::links
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit, root frame at the zero posture
   double lower = 0, upper = 0;                      // rad, what the firmware allows
@@ -39,16 +40,21 @@ struct RobotFrame {
 
 struct RobotModel {
   std::string name;
-  std::vector<RobotLink> links;              // parents before children, the root first
-  std::array<RobotJoint, KZ_JOINTS> joints;  // in the order of shared/board/joints.def
+  std::vector<RobotLink> links;  // parents before children, the root first
+  bool fixed_base = false;       // the root link is called `world` and never moves
+  // The revolute ones: of Kaz in the order of shared/board/joints.def, else in that of the file.
+  std::vector<RobotJoint> joints;
   std::map<std::string, RobotFrame> frames;  // every link of the file, welded ones included
 
   double mass() const;
+  std::vector<std::string> joint_order() const;
+  // Link that carries both eyes; -1 if there is none.
+  int eyes_link() const;
   // Of the collision shapes at the zero posture, in the root link's frame.
   Eigen::AlignedBox3d extent() const;
 };
 
-// Names in the order of shared/board/joints.def.
+// Names of Kaz's joints, in the order of shared/board/joints.def.
 const std::array<std::string, KZ_JOINTS>& joint_names();
 
 // Errors name file and line.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -10,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shared/board/board.h"
 #include "sim/body/world.h"
 
 namespace kaz::sim::test {

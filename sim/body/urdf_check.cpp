@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/urdf_check.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <vector>
@@ -63,6 +64,14 @@ class Check {
       if (auto ok = check_link(name, *link); !ok) return ok;
     }
     return check_table();
+  }
+
+  std::vector<std::string> revolute() const {
+    std::vector<std::string> names;
+    for (const Element* joint : joints_) {
+      if (is_revolute(*joint)) names.emplace_back(joint->Attribute("name"));
+    }
+    return names;
   }
 
  private:
@@ -211,7 +220,8 @@ class Check {
         joint != joint_to_.end() && std::string(joint->second->Attribute("type")) == "fixed";
     const Element* inertial = link.FirstChildElement("inertial");
     if (inertial == nullptr) {
-      if (welded) return {};
+      const bool anchored = joint == joint_to_.end() && name == kFixedRoot;
+      if (welded || anchored) return {};
       return file_.error(link, "link `" + name + "` moves but has no <inertial>");
     }
     const Element* mass = inertial->FirstChildElement("mass");
@@ -235,10 +245,14 @@ class Check {
     return {};
   }
 
+  // A robot with one joint of Kaz is a Kaz, and needs them all and no others.
   Result<void> check_table() {
-    std::set<std::string> table;
+    const std::set<std::string> table(joint_names().begin(), joint_names().end());
+    const auto of_kaz = [&](const Element* joint) {
+      return is_revolute(*joint) && table.count(joint->Attribute("name")) > 0;
+    };
+    if (std::none_of(joints_.begin(), joints_.end(), of_kaz)) return some_joint();
     for (const std::string& name : joint_names()) {
-      table.insert(name);
       const auto joint = joint_by_name_.find(name);
       if (joint == joint_by_name_.end()) {
         return file_.error(file_.root(), "robot has no joint `" + name +
@@ -251,13 +265,24 @@ class Check {
     }
     for (const Element* joint : joints_) {
       const std::string name = joint->Attribute("name");
-      if (std::string(joint->Attribute("type")) == "revolute" && !table.count(name)) {
+      if (is_revolute(*joint) && !table.count(name)) {
         return file_.error(*joint, "joint `" + name +
                                        "` is not wired to the servo board; see "
                                        "shared/board/joints.def, or make it fixed");
       }
     }
     return {};
+  }
+
+  Result<void> some_joint() {
+    if (std::any_of(joints_.begin(), joints_.end(),
+                    [](const Element* j) { return is_revolute(*j); }))
+      return {};
+    return file_.error(file_.root(), "robot has no revolute joint; a robot has one at least");
+  }
+
+  static bool is_revolute(const Element& joint) {
+    return std::string(joint.Attribute("type")) == "revolute";
   }
 
   const XmlFile& file_;
@@ -268,10 +293,12 @@ class Check {
 
 }  // namespace
 
-Result<void> check_urdf(const std::string& path) {
+Result<std::vector<std::string>> check_urdf(const std::string& path) {
   const Result<XmlFile> file = XmlFile::load(path, "robot");
   if (!file) return tl::unexpected(file.error());
-  return Check(*file).run();
+  Check check(*file);
+  if (const auto ok = check.run(); !ok) return tl::unexpected(ok.error());
+  return check.revolute();
 }
 
 }  // namespace kaz::sim

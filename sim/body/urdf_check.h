@@ -3,13 +3,16 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "shared/base/result.hpp"
 
 namespace kaz::sim {
 
-// Elements, names, numbers, tree, masses and limits, against what docs/robot.md says a robot file
-// must have.
-Result<void> check_urdf(const std::string& path);
+// A root link of this name never moves: the robot is fixed where the world puts it.
+inline constexpr const char* kFixedRoot = "world";
+
+// Names of the revolute joints, in the order of the file. Errors name file and line.
+Result<std::vector<std::string>> check_urdf(const std::string& path);
 
 }  // namespace kaz::sim

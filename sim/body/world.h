@@ -3,10 +3,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Units m, kg, s, rad, N. World frame: x forward from where the robot starts, y left, z up, ground
-// at z = 0. Joint order everywhere: shared/board/joints.def.
+// at z = 0. Joint order: that of shared/board/joints.def for Kaz, that of the file for another robot.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -15,7 +14,6 @@
 #include <Eigen/Geometry>
 
 #include "shared/base/result.hpp"
-#include "shared/board/board.h"
 #include "sim/body/scene.h"
 
 namespace kaz::sim {
@@ -54,13 +52,16 @@ class World {
 
   virtual double step_s() const = 0;
   virtual double time_s() const = 0;
-  virtual void step(std::span<const MotorDrive, KZ_JOINTS> drives, double supply_volts) = 0;
-  virtual std::span<const JointState, KZ_JOINTS> joints() const = 0;
+  // A drive for each joint, in their order. Motors past the end of `drives` are open.
+  virtual void step(std::span<const MotorDrive> drives, double supply_volts) = 0;
+  virtual std::span<const JointState> joints() const = 0;
+  virtual std::span<const std::string> joint_order() const = 0;  // names, as joints() has them
   virtual double supply_current_a() const = 0;  // sum of the motors' currents in the last step
 
   virtual const Scene& scene() const = 0;
   virtual ScenePose pose() const = 0;
-  // Frame of the head link, for the cameras: lens centres are given in it (camera.h of sim/view).
+  // Frame of the link that carries the eyes `left_eye` and `right_eye`, for the cameras: lens
+  // centres are given in it (camera.h of sim/view). -1: the robot has no eyes.
   virtual int head_frame() const = 0;
 
   // Ground truth: for tests, figures and scoring only.

@@ -1,9 +1,11 @@
 // What one physics step costs: standing, and moving into a crouch, by stepper and world.
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
 
 #include <benchmark/benchmark.h>
 
+#include "shared/board/board.h"
 #include "sim/body/world.h"
 
 namespace {

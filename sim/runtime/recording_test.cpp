@@ -152,7 +152,7 @@ TEST(Recorder, MessagesHaveTheSizeOfTheirSchema) {
   (*recorder)->wire(Recorder::Direction::to_host, 0, {});
   (*recorder)->pins(18432, {});
   (*recorder)->analog(18432, {});
-  (*recorder)->joints(18432, world.joints());
+  (*recorder)->joints(18432, world.joints().first<KZ_JOINTS>());
   (*recorder)->ball(18432, {1, 2, 3});
   (*recorder)->eyes({1, Time(5), std::string(64, 'a'), std::string(64, 'b')});
   (*recorder)->behavior(18432, "{}");

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/simulation.h"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
+#include "sim/body/robot_model.h"
 #include "sim/runtime/recorder.h"
 
 namespace kaz::sim {
@@ -25,6 +28,19 @@ Eyes::Mounting eye_mounting(const World& world) {
           head_from_world * world.link_pose("right_eye")};
 }
 
+// Which channel of the servo board drives each joint: that of its name in joints.def, or, if the
+// robot is no Kaz, the n-th joint has the n-th.
+std::vector<std::size_t> channels_of(const World& world) {
+  const auto& board = joint_names();
+  std::vector<std::size_t> channels;
+  for (const std::string& joint : world.joint_order()) {
+    const auto named = std::find(board.begin(), board.end(), joint);
+    channels.push_back(named != board.end() ? static_cast<std::size_t>(named - board.begin())
+                                            : channels.size());
+  }
+  return channels;
+}
+
 McapWriter::Metadata facts_of(const SimulationOptions& options, const World& world) {
   McapWriter::Metadata facts = options.recording_facts;
   facts.emplace_back("engine", options.engine);
@@ -39,13 +55,14 @@ McapWriter::Metadata facts_of(const SimulationOptions& options, const World& wor
 Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& options) {
   auto mcu = make_engine(options);
   if (!mcu) return tl::unexpected(mcu.error());
-  const auto camera = CameraFile::load(options.camera_path);
-  if (!camera) return tl::unexpected(camera.error());
   WorldOptions world_options;
   world_options.seed = options.seed;
   world_options.stepper = options.stepper;
   auto world = World::load(options.world_path, options.robot_path, world_options);
   if (!world) return tl::unexpected(world.error());
+  Result<CameraFile> camera;
+  if ((*world)->head_frame() >= 0) camera = CameraFile::load(options.camera_path);
+  if (!camera) return tl::unexpected(camera.error());
   return assemble(options, std::move(*mcu), std::move(*world), *camera);
 }
 
@@ -53,6 +70,12 @@ Result<std::unique_ptr<Simulation>> Simulation::assemble(const SimulationOptions
                                                          std::unique_ptr<Mcu> mcu,
                                                          std::unique_ptr<World> world,
                                                          const CameraFile& camera) {
+  if (world->joint_order().size() > KZ_JOINTS) {
+    return fail(Fault::usage, options.robot_path + ": the robot has " +
+                                  std::to_string(world->joint_order().size()) +
+                                  " joints; the servo board has channels for " +
+                                  std::to_string(KZ_JOINTS));
+  }
   std::unique_ptr<Simulation> simulation(
       new Simulation(options, std::move(mcu), std::move(world), camera));
   if (!options.recording_path.empty()) {
@@ -75,13 +98,20 @@ Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mc
       board_(
           std::move(mcu),
           {.seed = options.seed, .noise = options.pot_noise, .supply_volts = options.supply_volts}),
+      channels_(channels_of(*world_)),
+      drives_(channels_.size()),
       faults_(options.faults),
       line_(options.seed),
       draws_(world_->scene(), options.renderer) {
   line_.set_faults(&faults_.schedule());
+  read_pots();
+}
+
+// Potentiometers of channels without a joint stand at zero.
+void Simulation::read_pots() {
   std::array<double, KZ_JOINTS> angles{};
   const auto joints = world_->joints();
-  for (std::size_t j = 0; j < KZ_JOINTS; ++j) angles[j] = joints[j].angle;
+  for (std::size_t j = 0; j < channels_.size(); ++j) angles[channels_[j]] = joints[j].angle;
   board_.set_joint_angles(angles);
 }
 
@@ -112,12 +142,10 @@ Result<void> Simulation::advance() {
   const auto means = board_.take_drives();
   for (std::size_t j = 0; j < KZ_JOINTS; ++j) drives[j] = {means[j].duty, means[j].powered};
   faults_.apply(time(), drives);
-  world_->step(drives, board_.supply_volts());
+  for (std::size_t j = 0; j < channels_.size(); ++j) drives_[j] = drives[channels_[j]];
+  world_->step(drives_, board_.supply_volts());
 
-  std::array<double, KZ_JOINTS> angles{};
-  const auto joints = world_->joints();
-  for (std::size_t j = 0; j < KZ_JOINTS; ++j) angles[j] = joints[j].angle;
-  board_.set_joint_angles(angles);
+  read_pots();
   board_.set_supply_current(world_->supply_current_a());
   now_ = end;
 
@@ -134,14 +162,22 @@ void Simulation::record(States start, std::span<const SerialByte> to_board,
   recorder_->wire(Recorder::Direction::to_board, start, to_board);
   recorder_->wire(Recorder::Direction::to_host, start, from_board);
   recorder_->pins(now_, board_.pins());
-  recorder_->joints(now_, world_->joints());
+  std::array<JointState, KZ_JOINTS> joints{};
+  for (std::size_t j = 0; j < channels_.size(); ++j) joints[channels_[j]] = world_->joints()[j];
+  recorder_->joints(now_, joints);
   if (const auto ball = world_->object_position("ball")) recorder_->ball(now_, *ball);
   if (eyes_) {
     for (const auto& digest : eyes_->take_digests(false)) recorder_->eyes(digest);
   }
 }
 
+Error Simulation::no_eyes() {
+  return {Fault::usage,
+          "this robot has no eyes: its file has no `left_eye` and `right_eye` on one link"};
+}
+
 void Simulation::open_eyes() {
+  if (!has_eyes()) return;
   eyes_open_ = true;
   if (eyes_) return;
   eyes_ = std::make_unique<Eyes>(draws_, camera_, eye_mounting(*world_), options_.frames,

@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "shared/base/result.hpp"
 #include "shared/faults/faults.h"
@@ -38,7 +39,7 @@ struct SimulationOptions {
   std::string image_path;         // firmware, for "h8"
   std::string world_path;         // SDF
   std::string robot_path;         // URDF
-  std::string camera_path;        // camera.json beside the URDF
+  std::string camera_path;        // camera.json beside the URDF; not read for a robot without eyes
   std::uint64_t seed = 1;
   std::string stepper = "quick50";  // sim/body/world.h
   bool pot_noise = true;
@@ -52,7 +53,8 @@ struct SimulationOptions {
 
 class Simulation {
  public:
-  // Errors: a file that is missing or wrong, an unknown engine.
+  // Errors: a file that is missing or wrong, an unknown engine, a robot of more joints than the
+  // servo board has channels.
   static Result<std::unique_ptr<Simulation>> create(const SimulationOptions& options);
   // The two parts given: for tests and for other boards.
   static Result<std::unique_ptr<Simulation>> assemble(const SimulationOptions& options,
@@ -75,7 +77,9 @@ class Simulation {
   std::size_t read(std::span<std::uint8_t> bytes) { return line_.read(bytes, now_); }
   SerialLine& line() { return line_; }
 
-  // The eyes are closed at first: nothing is drawn for nobody.
+  // The eyes are closed at first: nothing is drawn for nobody. Without eyes there are no pairs.
+  bool has_eyes() const { return world_->head_frame() >= 0; }
+  static Error no_eyes();  // for whoever asks for pairs all the same
   void open_eyes();
   void close_eyes() { eyes_open_ = false; }
   const CameraFile& camera() const { return camera_; }
@@ -107,6 +111,7 @@ class Simulation {
   Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mcu,
              std::unique_ptr<World> world, const CameraFile& camera);
   Result<void> advance();
+  void read_pots();
   void record(States start, std::span<const SerialByte> to_board,
               std::span<const SerialByte> from_board);
 
@@ -114,6 +119,8 @@ class Simulation {
   CameraFile camera_;
   std::unique_ptr<World> world_;
   ServoBoard board_;
+  std::vector<std::size_t> channels_;  // of the servo board, by joint of the world
+  std::vector<MotorDrive> drives_;     // by joint of the world
   FaultPlayer faults_;
   SerialLine line_;
   std::unique_ptr<Recorder> recorder_;

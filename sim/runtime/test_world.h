@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 
+#include "sim/body/robot_model.h"
 #include "sim/body/world.h"
 #include "sim/runtime/simulation.h"
 
@@ -22,7 +23,7 @@ class TestWorld final : public World {
 
   double step_s() const override { return 0.001; }
   double time_s() const override { return time_; }
-  void step(std::span<const MotorDrive, KZ_JOINTS> drives, double supply_volts) override {
+  void step(std::span<const MotorDrive> drives, double supply_volts) override {
     time_ += 0.001;
     supply_volts_ = supply_volts;
     for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
@@ -30,7 +31,8 @@ class TestWorld final : public World {
       joints_[j].angle += 0.001 * joints_[j].velocity;
     }
   }
-  std::span<const JointState, KZ_JOINTS> joints() const override { return joints_; }
+  std::span<const JointState> joints() const override { return joints_; }
+  std::span<const std::string> joint_order() const override { return joint_names(); }
   double supply_current_a() const override { return 1.0; }
   const Scene& scene() const override { return scene_; }
   ScenePose pose() const override {

@@ -48,8 +48,8 @@ class BodyJudge {
   void restart() {
     for (Joint& joint : joints_) joint = {};
   }
-  void step(std::span<const sim::MotorDrive, KZ_JOINTS> drives,
-            std::span<const sim::JointState, KZ_JOINTS> joints) {
+  void step(std::span<const sim::MotorDrive> drives,
+            std::span<const sim::JointState> joints) {
     if (servo_ == nullptr) return;
     for (std::size_t j = 0; j < KZ_JOINTS; ++j) judge(j, drives[j], joints[j]);
   }

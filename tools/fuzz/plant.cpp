@@ -7,6 +7,7 @@
 
 #include "shared/board/table.h"
 #include "sim/body/joint_motor.h"
+#include "sim/body/robot_model.h"
 
 namespace kaz::fuzz {
 namespace {
@@ -36,7 +37,7 @@ class MotorBench final : public sim::World {
   double step_s() const override { return kStep; }
   double time_s() const override { return time_; }
   // Each shaft: I (w1 - w0)/h = torque, w1 + softness * torque = velocity.
-  void step(std::span<const MotorDrive, KZ_JOINTS> drives, double supply_volts) override {
+  void step(std::span<const MotorDrive> drives, double supply_volts) override {
     time_ += kStep;
     current_ = 0;
     for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
@@ -59,7 +60,8 @@ class MotorBench final : public sim::World {
       }
     }
   }
-  std::span<const JointState, KZ_JOINTS> joints() const override { return joints_; }
+  std::span<const JointState> joints() const override { return joints_; }
+  std::span<const std::string> joint_order() const override { return sim::joint_names(); }
   double supply_current_a() const override { return current_; }
   const sim::Scene& scene() const override { return scene_; }
   sim::ScenePose pose() const override {
@@ -88,11 +90,12 @@ class WatchedWorld final : public sim::World {
       : world_(std::move(world)), watch_(std::move(watch)) {}
   double step_s() const override { return world_->step_s(); }
   double time_s() const override { return world_->time_s(); }
-  void step(std::span<const MotorDrive, KZ_JOINTS> drives, double supply_volts) override {
+  void step(std::span<const MotorDrive> drives, double supply_volts) override {
     world_->step(drives, supply_volts);
     watch_(drives, world_->joints());
   }
-  std::span<const JointState, KZ_JOINTS> joints() const override { return world_->joints(); }
+  std::span<const JointState> joints() const override { return world_->joints(); }
+  std::span<const std::string> joint_order() const override { return world_->joint_order(); }
   double supply_current_a() const override { return world_->supply_current_a(); }
   const sim::Scene& scene() const override { return world_->scene(); }
   sim::ScenePose pose() const override { return world_->pose(); }

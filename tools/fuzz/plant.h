@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <memory>
 
 #include "sim/body/world.h"
@@ -15,8 +16,8 @@ namespace kaz::fuzz {
 std::unique_ptr<sim::World> make_motor_bench();
 
 // Calls `watch` after each step, with what the motors were given.
-using DriveWatch = std::function<void(std::span<const sim::MotorDrive, KZ_JOINTS> drives,
-                                      std::span<const sim::JointState, KZ_JOINTS> joints)>;
+using DriveWatch = std::function<void(std::span<const sim::MotorDrive> drives,
+                                      std::span<const sim::JointState> joints)>;
 std::unique_ptr<sim::World> watched(std::unique_ptr<sim::World> world, DriveWatch watch);
 
 }  // namespace kaz::fuzz

@@ -3,6 +3,7 @@
 #include "tools/kaz/rig.h"
 
 #include <charconv>
+#include <filesystem>
 
 #include "host/robot/faulty_link.h"
 #include "host/robot/published_camera.h"
@@ -162,8 +163,14 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& optio
     return {};
   };
   Result<void> found = find(world_file(options.world), sim.world_path);
-  if (found) found = find(data_file("robot/kaz/kaz.urdf"), sim.robot_path);
-  if (found) found = find(data_file("robot/kaz/camera.json"), sim.camera_path);
+  if (options.robot_file.empty()) {
+    if (found) found = find(data_file("robot/kaz/kaz.urdf"), sim.robot_path);
+    if (found) found = find(data_file("robot/kaz/camera.json"), sim.camera_path);
+  } else {
+    sim.robot_path = options.robot_file;
+    sim.camera_path =
+        std::filesystem::path(options.robot_file).replace_filename("camera.json").string();
+  }
   if (found && options.engine == "h8") found = find(firmware_image(options.image), sim.image_path);
   if (!found) return tl::unexpected(found.error());
   return sim::Simulation::create(sim);

@@ -21,6 +21,7 @@ struct RigOptions {
   std::string robot = "sim";   // "sim" or "serial:PATH[@BAUD]"
   std::string camera = "sim";  // "sim" or the path of a camera socket
   std::string world = "ball";  // the rest for "sim" only
+  std::string robot_file;      // URDF of the simulated robot; Kaz if empty
   std::string engine = "h8";   // "h8" or "native"
   std::string image;           // firmware image; the built one if empty
   std::uint64_t seed = 1;

@@ -7,6 +7,9 @@ namespace kaz::tools {
 void add_sim_options(CLI::App& verb, RigOptions& options) {
   verb.add_option("--world", options.world, "a world of Kaz by name, or an SDF file")
       ->capture_default_str();
+  verb.add_option("--robot-file", options.robot_file,
+                  "URDF of another robot, with its motor.xml beside it; without it Kaz")
+      ->type_name("FILE");
   verb.add_option("--mcu", options.engine,
                   "engine of the servo board: h8 executes the firmware image, native runs the "
                   "same C compiled for this machine")

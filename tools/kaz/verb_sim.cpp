@@ -45,6 +45,8 @@ class StopFlag {
 Result<bool> serve(SimArguments arguments) {
   auto simulation = make_simulation(arguments.rig, sim::FramePolicy::drop);
   if (!simulation) return tl::unexpected(simulation.error());
+  if (!arguments.real_time.cameras_path.empty() && !(*simulation)->has_eyes())
+    return tl::unexpected(sim::Simulation::no_eyes());
   sim::Mcu& mcu = (*simulation)->board().mcu();
   if (!arguments.memory.empty()) {
     if (auto loaded = sim::load_memory(mcu, arguments.memory); !loaded)

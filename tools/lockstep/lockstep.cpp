@@ -41,6 +41,7 @@ LockstepCamera::~LockstepCamera() {
 
 Result<std::optional<vision::StereoPair>> LockstepCamera::poll() {
   if (const auto& error = simulation_.error()) return tl::unexpected(*error);
+  if (!simulation_.has_eyes()) return tl::unexpected(sim::Simulation::no_eyes());
   return simulation_.next_pair();
 }
 
