@@ -4,27 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
-#include "shared/base/random.hpp"
+#include "sim/board/noise_key.h"
 
 namespace kaz::sim {
 namespace {
 
 struct Wiring {
-  int pwm, port, bit, mux, input, sign, pot_centre_decideg;
+  int pwm, port, bit, mux, input, sign;
 };
 
 constexpr Wiring wiring[KZ_JOINTS] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) \
-  {pwm, port, bit, mux, input, sign, pot_centre},
+  {pwm, port, bit, mux, input, sign},
 #include "shared/board/joints.def"
 #undef KZ_JOINT
 };
-
-constexpr double rad_per_decideg = std::numbers::pi / 1800.0;
-constexpr double pot_range_rad = KZ_POT_RANGE_DECIDEG * rad_per_decideg;
 
 // Which joint's potentiometer stands at an input of a multiplexer; -1 if none.
 constexpr std::array<int, KZ_ANALOG> joints_by_input() {
@@ -60,15 +56,15 @@ int signed_counts(const PinLevels& pins, const Wiring& wire) {
 
 }  // namespace
 
-double pot_ratio(int joint, double angle_rad) {
-  const Wiring& wire = wiring[static_cast<std::size_t>(joint)];
-  const double centre = wire.pot_centre_decideg * rad_per_decideg;
-  return std::clamp(0.5 + wire.sign * (angle_rad - centre) / pot_range_rad, 0.0, 1.0);
-}
-
 ServoBoard::ServoBoard(std::unique_ptr<Mcu> mcu, const ServoBoardOptions& options)
-    : mcu_(std::move(mcu)), options_(options), pins_(mcu_->pins()) {
-  for (int j = 0; j < KZ_JOINTS; ++j) pot_[static_cast<std::size_t>(j)] = pot_ratio(j, 0.0);
+    : mcu_(std::move(mcu)), options_(options), heat_(options.figures.driver), pins_(mcu_->pins()) {
+  for (int j = 0; j < KZ_JOINTS; ++j) {
+    const auto i = static_cast<std::size_t>(j);
+    potentiometers_[i] =
+        Potentiometer(j, options_.figures.potentiometer, options_.sensors, options_.seed);
+    pot_[i] = potentiometers_[i].ratio(0.0);
+  }
+  if (options_.imu) imu_.emplace(options_.figures, options_.sensors, options_.seed);
   mcu_->on_pins(
       [this](States at, const PinLevels& levels) { pins_changed(at + off_time_, levels); });
   mcu_->set_analog([this](int channel, const PinLevels& levels, States at) {
@@ -89,10 +85,19 @@ Result<void> ServoBoard::run_until(States until) {
 }
 
 void ServoBoard::set_joint_angles(std::span<const double, KZ_JOINTS> angles_rad) {
-  for (int j = 0; j < KZ_JOINTS; ++j) {
-    const auto i = static_cast<std::size_t>(j);
-    if (!pot_faults_[i].stuck) pot_[i] = pot_ratio(j, angles_rad[i]);
+  for (std::size_t i = 0; i < KZ_JOINTS; ++i) {
+    if (!pot_faults_[i].stuck) pot_[i] = potentiometers_[i].ratio(angles_rad[i]);
   }
+}
+
+void ServoBoard::set_motor_current(double amperes) {
+  heat_.advance(static_cast<double>(now_ - heated_to_) / KZ_CLOCK_HZ, motor_current_);
+  heated_to_ = now_;
+  motor_current_ = amperes;
+}
+
+void ServoBoard::set_motion(const ImuMotion& motion) {
+  if (imu_) imu_->advance(now_ / KZ_STATES_PER_TICK, motion);
 }
 
 double ServoBoard::supply_volts() const {
@@ -108,7 +113,7 @@ double ServoBoard::noise_free(unsigned input) const {
     case KZ_ANALOG_REFERENCE:
       return 0.5;
     case KZ_ANALOG_TEMPERATURE:
-      return options_.driver_celsius * 10.0 / KZ_TEMPERATURE_FULL_DC;
+      return driver_celsius() * 10.0 / KZ_TEMPERATURE_FULL_DC;
     default:
       break;
   }
@@ -118,19 +123,32 @@ double ServoBoard::noise_free(unsigned input) const {
   return pot_faults_[j].level.value_or(pot_[j]);
 }
 
-double ServoBoard::extra_noise_codes(unsigned input) const {
+double ServoBoard::noise_codes(unsigned input) const {
+  const SensorFigures& figures = options_.figures;
+  const SensorSwitches& sensors = options_.sensors;
+  switch (input) {
+    case KZ_ANALOG_SUPPLY:
+      return sensors.supply ? figures.supply.noise_codes : 0.0;
+    case KZ_ANALOG_REFERENCE:
+      return sensors.reference ? figures.reference.noise_codes : 0.0;
+    case KZ_ANALOG_TEMPERATURE:
+      return sensors.temperature ? figures.driver.noise_codes : 0.0;
+    default:
+      break;
+  }
   const int joint = joint_at_input[input];
-  return joint < 0 ? 0.0 : pot_faults_[static_cast<std::size_t>(joint)].noise_codes;
+  if (joint < 0) return 0.0;  // tied to ground
+  return std::hypot(sensors.potentiometer ? figures.potentiometer.noise_codes : 0.0,
+                    pot_faults_[static_cast<std::size_t>(joint)].noise_codes);
 }
 
 double ServoBoard::analog(int channel, const PinLevels& levels, States at) const {
-  if (channel < 0 || channel >= KZ_MUXES)
-    return 0.0;  // AN3..AN7 are grounded without the gyro option
+  if (channel >= KZ_MUXES && channel < KZ_MUXES + 3 && imu_) return imu_->ratio(channel - KZ_MUXES);
+  if (channel < 0 || channel >= KZ_MUXES) return 0.0;  // grounded
   const unsigned input =
       static_cast<unsigned>(channel) * KZ_MUX_INPUTS + (levels.p4 & KZ_P4_MUX_MASK);
   double ratio = noise_free(input);
-  const double sigma =
-      std::hypot(options_.noise ? options_.noise_codes : 0.0, extra_noise_codes(input));
+  const double sigma = noise_codes(input);
   if (sigma > 0) {
     const auto tick = static_cast<std::uint64_t>(at / KZ_STATES_PER_TICK);
     ratio += sigma / KZ_POT_CODES * keyed_normal(options_.seed, tick, input);

@@ -15,18 +15,21 @@
 
 #include "shared/base/result.hpp"
 #include "shared/board/board.h"
+#include "sim/board/driver_heat.h"
+#include "sim/board/imu.h"
+#include "sim/board/potentiometer.h"
+#include "sim/board/sensor_file.h"
 #include "sim/mcu/mcu.h"
 
 namespace kaz::sim {
 
 struct ServoBoardOptions {
   std::uint64_t seed = 1;
-  // Noise of each A/D reading, sigma in codes (design, section 4: 0.5 of 10 bits over 190 degrees).
-  bool noise = true;
-  double noise_codes = 0.5;
+  SensorFigures figures = {};       // of sensors.xml
+  SensorSwitches sensors = {};      // which of them have their errors
+  bool imu = false;            // gyro and accelerometer on AN3..AN5; grounded without
   double supply_volts = 10.0;  // without load
   double supply_ohms = 0.15;   // battery, switch and wires
-  double driver_celsius = 25.0;
 };
 
 // What a motor driver did to its motor over an interval.
@@ -34,10 +37,6 @@ struct MeanDrive {
   double duty = 0;       // -1..1, mean over the whole interval, positive turns the joint positively
   bool powered = false;  // the drivers were enabled for more than half of the interval
 };
-
-// A/D input as a share of AVCC of a joint's potentiometer at `angle_rad`; 0..1, it stands at the
-// end of its track beyond +-95 degrees.
-double pot_ratio(int joint, double angle_rad);
 
 // What is wrong with a potentiometer. Ratios are shares of AVCC.
 struct PotFault {
@@ -65,6 +64,12 @@ class ServoBoard {
   void set_joint_angles(std::span<const double, KZ_JOINTS> angles_rad);
   // Sum of the motors' currents, for the sag of the supply. Held until set again.
   void set_supply_current(double amperes) { supply_current_ = amperes; }
+  // Sum of the magnitudes of the currents in the motors, for the drivers' heat. Held until set again.
+  void set_motor_current(double amperes);
+  double driver_celsius() const { return heat_.celsius(); }
+  // How the board moved during the millisecond up to now, for the option `imu`. Once a millisecond.
+  void set_motion(const ImuMotion& motion);
+  const std::optional<Imu>& imu() const { return imu_; }
   double supply_volts() const;
   // Added to what the supply gives without load, V. Held until set again.
   void set_supply_change(double volts) { supply_change_ = volts; }
@@ -91,7 +96,7 @@ class ServoBoard {
  private:
   double analog(int channel, const PinLevels& levels, States mcu_time) const;
   double noise_free(unsigned input) const;
-  double extra_noise_codes(unsigned input) const;
+  double noise_codes(unsigned input) const;
   void pins_changed(States at, const PinLevels& levels);
   void integrate(States until);
 
@@ -101,9 +106,14 @@ class ServoBoard {
   States now_ = 0;
   States off_time_ = 0;  // board time minus chip time
 
-  std::array<double, KZ_JOINTS> pot_{};
+  std::array<Potentiometer, KZ_JOINTS> potentiometers_;
+  std::array<double, KZ_JOINTS> pot_{};  // shares of AVCC, without noise
   std::array<PotFault, KZ_JOINTS> pot_faults_{};
   double supply_current_ = 0, supply_change_ = 0;
+  double motor_current_ = 0;
+  States heated_to_ = 0;
+  DriverHeat heat_;
+  std::optional<Imu> imu_;
 
   PinLevels pins_;
   States integrated_from_ = 0, integrated_to_ = 0;

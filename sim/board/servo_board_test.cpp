@@ -54,8 +54,13 @@ class ScriptedMcu final : public Mcu {
   std::function<void(States, const PinLevels&)> listener_;
 };
 
+// As robot and file have it.
+ServoBoardOptions nominal(std::uint64_t seed = 1) {
+  return {.seed = seed, .figures = load_sensor_file("shared/robot/kaz/sensors.xml").value()};
+}
+
 struct Bench {
-  explicit Bench(ServoBoardOptions options = {.noise = false})
+  explicit Bench(ServoBoardOptions options = {.sensors = SensorSwitches::ideal()})
       : mcu(new ScriptedMcu), board(std::unique_ptr<Mcu>(mcu), options) {}
 
   double read(int mux, int input, States at = 0) {
@@ -90,7 +95,10 @@ TEST(Multiplexers, PutEachPotentiometerWhereTheWiringSays) {
 }
 
 TEST(Multiplexers, PutSupplyReferenceAndTemperatureOnTheSpareInputs) {
-  Bench bench({.noise = false, .supply_volts = 10.0, .supply_ohms = 0.15, .driver_celsius = 25.6});
+  ServoBoardOptions options = nominal();
+  options.sensors = SensorSwitches::ideal();
+  options.figures.driver.ambient_celsius = 25.6;
+  Bench bench(options);
   EXPECT_NEAR(bench.read(0, 6), 10.0 / 15.36, 1e-12);
   EXPECT_EQ(bench.read(0, 7), 0.5);
   EXPECT_NEAR(bench.read(1, 6), 0.25, 1e-12);  // 25.6 of 102.4 degrees
@@ -98,14 +106,8 @@ TEST(Multiplexers, PutSupplyReferenceAndTemperatureOnTheSpareInputs) {
   EXPECT_EQ(bench.read(3, 0), 0.0);            // AN3 without the gyro option
 }
 
-TEST(Potentiometer, StopsAtTheEndsOfItsTrack) {
-  EXPECT_EQ(pot_ratio(0, 100 * deg), 1.0);
-  EXPECT_EQ(pot_ratio(0, -100 * deg), 0.0);
-  EXPECT_NEAR(pot_ratio(0, 95 * deg), 1.0, 1e-12);
-}
-
 TEST(Noise, DependsOnSeedTickAndInputAlone) {
-  Bench a({.seed = 1}), b({.seed = 1}), other({.seed = 2});
+  Bench a(nominal(1)), b(nominal(1)), other(nominal(2));
   b.read(0, 3, 5 * ms);  // reading more often changes nothing
   EXPECT_EQ(a.read(0, 0, 7 * ms), b.read(0, 0, 7 * ms + 900));
   EXPECT_NE(a.read(0, 0, 7 * ms), other.read(0, 0, 7 * ms));
@@ -113,15 +115,102 @@ TEST(Noise, DependsOnSeedTickAndInputAlone) {
   EXPECT_NE(a.read(0, 0, 7 * ms) - 0.5, a.read(1, 4, 7 * ms) - 0.5);
 }
 
-TEST(Noise, HasHalfACodeSigma) {
-  Bench bench({.seed = 1});
+// One sigma at an input whose value is known, in codes.
+double sigma_codes(Bench& bench, int mux, int input, double ratio) {
   double squares = 0;
   constexpr int count = 20000;
+  for (int t = 0; t < count; ++t)
+    squares += std::pow((bench.read(mux, input, t * ms) - ratio) * 1024, 2);
+  return std::sqrt(squares / count);
+}
+
+TEST(Noise, HasTheSigmaOfTheFile) {
+  Bench bench(nominal());
+  // Five standard errors of 20000 readings: 2.5 %.
+  EXPECT_NEAR(sigma_codes(bench, 0, 0, 0.5), 0.5, 0.0125);
+  EXPECT_NEAR(sigma_codes(bench, 0, 6, 10.0 / 15.36), 0.5, 0.0125);
+  EXPECT_NEAR(sigma_codes(bench, 0, 7, 0.5), 0.25, 0.00625);
+  EXPECT_NEAR(sigma_codes(bench, 1, 6, 25 / 102.4), 0.5, 0.0125);
+  EXPECT_EQ(bench.read(2, 7), 0.0) << "tied to ground";
+}
+
+TEST(Noise, IsWhite) {
+  // Neighbouring ticks and neighbouring inputs are independent: five standard errors.
+  Bench bench(nominal());
+  double in_time = 0, across = 0;
+  constexpr int count = 20000;
   for (int t = 0; t < count; ++t) {
-    const double codes = (bench.read(0, 0, t * ms) - 0.5) * 1024;
-    squares += codes * codes;
+    const double x = 2048 * (bench.read(0, 0, t * ms) - 0.5);
+    in_time += x * 2048 * (bench.read(0, 0, (t + 1) * ms) - 0.5);
+    across += x * 2048 * (bench.read(2, 2, t * ms) - 0.5);
   }
-  EXPECT_NEAR(std::sqrt(squares / count), 0.5, 0.0125);  // five standard errors
+  EXPECT_NEAR(in_time / count, 0, 5 / std::sqrt(count));
+  EXPECT_NEAR(across / count, 0, 5 / std::sqrt(count));
+}
+
+TEST(Noise, EachSensorHasItsSwitch) {
+  struct {
+    bool SensorSwitches::*member;
+    int mux, input;
+    double exact;
+  } const cases[] = {{&SensorSwitches::potentiometer, 0, 0, 0.5},
+                     {&SensorSwitches::supply, 0, 6, 10.0 / 15.36},
+                     {&SensorSwitches::reference, 0, 7, 0.5},
+                     {&SensorSwitches::temperature, 1, 6, 25 / 102.4}};
+  for (const auto& one : cases) {
+    ServoBoardOptions options = nominal();
+    options.sensors.*one.member = false;
+    Bench bench(options);
+    for (const auto& input : cases) {
+      const double read = bench.read(input.mux, input.input, 3 * ms);
+      if (&input == &one) {
+        EXPECT_DOUBLE_EQ(read, input.exact);
+      } else {
+        EXPECT_GT(std::abs(read - input.exact), 1e-9);
+      }
+    }
+  }
+}
+
+TEST(DriverTemperature, HeatsAsOneTimeConstantAndCoolsAgain) {
+  Bench bench(nominal());
+  // 0.6 V times 10 A are 6 W, 8 K/W: 48 degrees more in the end, 1 - 1/e of it after 320 s.
+  bench.board.set_motor_current(10);
+  ASSERT_TRUE(bench.board.run_until(320 * KZ_CLOCK_HZ));
+  bench.board.set_motor_current(0);
+  EXPECT_NEAR(bench.board.driver_celsius(), 25 + 48 * (1 - std::exp(-1)), 1e-9);
+  ASSERT_TRUE(bench.board.run_until(640 * KZ_CLOCK_HZ));
+  bench.board.set_motor_current(0);
+  EXPECT_NEAR(bench.board.driver_celsius(), 25 + 48 * (1 - std::exp(-1)) * std::exp(-1), 1e-9);
+}
+
+TEST(DriverTemperature, IsTheSameInManySteps) {
+  Bench once(nominal()), often(nominal());
+  for (Bench* bench : {&once, &often}) bench->board.set_motor_current(5);
+  for (int i = 1; i <= 1000; ++i) {
+    ASSERT_TRUE(often.board.run_until(i * ms));
+    often.board.set_motor_current(5);
+  }
+  ASSERT_TRUE(once.board.run_until(1000 * ms));
+  once.board.set_motor_current(5);
+  EXPECT_NEAR(once.board.driver_celsius(), often.board.driver_celsius(), 1e-9);
+}
+
+TEST(ImuOption, StandsOnAn3ToAn5AndGroundWithoutIt) {
+  ServoBoardOptions options = nominal();
+  options.sensors = SensorSwitches::ideal();
+  Bench without(options);
+  options.imu = true;
+  Bench with(options);
+  for (Bench* bench : {&without, &with}) {
+    ASSERT_TRUE(bench->board.run_until(ms));
+    bench->board.set_motion({.yaw_rate = 50 * deg, .forward_force = 0, .left_force = 9.80665});
+  }
+  EXPECT_NEAR(with.read(3, 0), 0.55, 1e-12);
+  EXPECT_NEAR(with.read(4, 0), 0.5, 1e-12);
+  EXPECT_NEAR(with.read(5, 0), 0.5624, 1e-12);
+  for (const int channel : {3, 4, 5, 6, 7}) EXPECT_EQ(without.read(channel, 0), 0.0);
+  for (const int channel : {6, 7}) EXPECT_EQ(with.read(channel, 0), 0.0);
 }
 
 TEST(Supply, SagsUnderLoad) {

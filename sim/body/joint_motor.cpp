@@ -61,12 +61,12 @@ void JointMotor::finish(double velocity, double torque) {
       break;
   }
   if (!powered_) {
-    current_ = 0;
+    current_ = motor_current_ = 0;
     return;
   }
-  const double motor_current =
+  motor_current_ =
       (volts_ * duty_ - figures_.torque_constant() * velocity) / figures_.resistance_ohm();
-  current_ = duty_ * motor_current;
+  current_ = duty_ * motor_current_;
 }
 
 }  // namespace kaz::sim

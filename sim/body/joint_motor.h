@@ -41,6 +41,8 @@ class JointMotor {
   // A, drawn from the supply in the last step at the velocity that `finish` was given (mean over
   // the PWM period; negative while braking feeds back). 0 while the bridge is open.
   double supply_current() const { return current_; }
+  // A, in the motor itself: the same over the duty, brushes' sign included.
+  double motor_current() const { return motor_current_; }
 
  private:
   enum class Regime { held, forward, backward };
@@ -56,7 +58,7 @@ class JointMotor {
   double drive_torque_ = 0;  // A above
   bool powered_ = false;
   bool jammed_ = false, slipping_ = false;
-  double current_ = 0;
+  double current_ = 0, motor_current_ = 0;
 };
 
 }  // namespace kaz::sim

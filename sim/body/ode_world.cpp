@@ -85,6 +85,7 @@ OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const Motor
   std::stable_sort(kicks_.begin(), kicks_.end(),
                    [](const PendingKick& a, const PendingKick& b) { return a.step > b.step; });
   read_joints();
+  read_imu(imu_velocity());
 }
 
 OdeWorld::~OdeWorld() = default;
@@ -132,6 +133,8 @@ void OdeWorld::build_robot(const RobotModel& robot, const Eigen::Isometry3d& roo
     if (robot.eyes_link() == static_cast<int>(i)) head_frame_ = frame;
   }
   for (std::size_t j = 0; j < robot.joints.size(); ++j) build_joint(robot, j, root);
+  if (const auto imu = link_frames_.find("imu"); imu != link_frames_.end())
+    imu_frame_ = imu->second;
 }
 
 // Bodies are in the order of the links, the root's first.
@@ -225,13 +228,16 @@ void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   kick_due();
   contacts_.update();
   drive_motors(drives, supply_volts);
+  const Eigen::Vector3d velocity_before = imu_velocity();
   solve();
   ++steps_;
   read_joints();
+  read_imu(velocity_before);
   current_ = 0;
   for (std::size_t i = 0; i < ode_joints_.size(); ++i) {
     motors_[i].finish(joint_states_[i].velocity, joint_states_[i].torque);
     current_ += motors_[i].supply_current();
+    joint_states_[i].current = motors_[i].motor_current();
   }
 }
 
@@ -248,6 +254,26 @@ void OdeWorld::read_joints() {
     dJointGetHingeAnchor2(joint.hinge, b);
     largest_gap_ = std::max(largest_gap_, (to_eigen(a) - to_eigen(b)).norm());
   }
+}
+
+// Of the sensor's place, world axes.
+Eigen::Vector3d OdeWorld::imu_velocity() const {
+  const Body& body = robot_bodies_[static_cast<std::size_t>(imu_frame_.link)];
+  if (body.id == nullptr) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d arm =
+      pose_of(body).linear() * (imu_frame_.in_link.translation() - body.com);
+  return to_eigen(dBodyGetLinearVel(body.id)) + to_eigen(dBodyGetAngularVel(body.id)).cross(arm);
+}
+
+void OdeWorld::read_imu(const Eigen::Vector3d& velocity_before) {
+  const Body& body = robot_bodies_[static_cast<std::size_t>(imu_frame_.link)];
+  dVector3 gravity;
+  dWorldGetGravity(ode_.get(), gravity);
+  const Eigen::Matrix3d to_sensor =
+      (pose_of(body).linear() * imu_frame_.in_link.linear()).transpose();
+  if (body.id != nullptr) imu_.angular_velocity = to_sensor * to_eigen(dBodyGetAngularVel(body.id));
+  imu_.specific_force =
+      to_sensor * ((imu_velocity() - velocity_before) / step_s_ - to_eigen(gravity));
 }
 
 Eigen::Isometry3d OdeWorld::pose_of(const Body& body) {

@@ -33,6 +33,7 @@ class OdeWorld final : public World {
   std::span<const JointState> joints() const override { return joint_states_; }
   std::span<const std::string> joint_order() const override { return joint_order_; }
   double supply_current_a() const override { return current_; }
+  const ImuState& imu() const override { return imu_; }
 
   const Scene& scene() const override { return scene_; }
   ScenePose pose() const override;
@@ -72,6 +73,8 @@ class OdeWorld final : public World {
   void drive_motors(std::span<const MotorDrive> drives, double supply_volts);
   void solve();
   void read_joints();
+  Eigen::Vector3d imu_velocity() const;
+  void read_imu(const Eigen::Vector3d& velocity_before);
   static Eigen::Isometry3d pose_of(const Body& body);
 
   double step_s_;
@@ -93,6 +96,8 @@ class OdeWorld final : public World {
   Scene scene_;
   int head_frame_ = -1;
   double current_ = 0;
+  RobotFrame imu_frame_;
+  ImuState imu_;
   double largest_gap_ = 0;
 };
 

@@ -204,9 +204,13 @@ class Check {
       std::string at = name;
       for (std::size_t steps = 0; parent_of_.count(at); ++steps) {
         if (steps > links_.size()) {
-          return file_.error(*joint_to_.at(at), std::string("joint `") +
-                                                    joint_to_.at(at)->Attribute("name") +
-                                                    "` closes a loop; links must form a tree");
+          // `at` is on the loop: named is the joint of it that comes first in the file.
+          const Element* first = joint_to_.at(at);
+          for (std::size_t i = 0; i < steps; ++i, at = parent_of_.at(at)) {
+            if (joint_to_.at(at)->GetLineNum() < first->GetLineNum()) first = joint_to_.at(at);
+          }
+          return file_.error(*first, std::string("joint `") + first->Attribute("name") +
+                                         "` closes a loop; links must form a tree");
         }
         at = parent_of_.at(at);
       }

@@ -31,6 +31,15 @@ struct JointState {
   double angle = 0;     // rad, of the output shaft, where the potentiometer sits
   double velocity = 0;  // rad/s
   double torque = 0;    // Nm, motor on the joint in the last step, friction included
+  double current = 0;   // A, in the motor, mean over the last step
+};
+
+// What an inertial sensor at the robot's link `imu` would measure if it were perfect, in the axes of
+// that link; at the root's origin where the robot has no such link. Mean acceleration over the last
+// step, velocity at its end.
+struct ImuState {
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s
+  Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();    // acceleration minus gravity, m/s^2
 };
 
 struct WorldOptions {
@@ -57,6 +66,7 @@ class World {
   virtual std::span<const JointState> joints() const = 0;
   virtual std::span<const std::string> joint_order() const = 0;  // names, as joints() has them
   virtual double supply_current_a() const = 0;  // sum of the motors' currents in the last step
+  virtual const ImuState& imu() const = 0;
 
   virtual const Scene& scene() const = 0;
   virtual ScenePose pose() const = 0;

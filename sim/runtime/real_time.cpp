@@ -203,6 +203,8 @@ nlohmann::ordered_json RealTimeServer::Parts::status() const {
           {"power", board.power()},
           {"motors", board.drivers_enabled()},
           {"supply_volts", board.supply_volts()},
+          {"driver_celsius", board.driver_celsius()},
+          {"imu", board.imu().has_value()},
           {"host", watch.present()},
           {"camera_readers", cameras ? cameras->readers() : 0},
           {"pairs_left_out", simulation.pairs_left_out()},

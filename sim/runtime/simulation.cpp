@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "sim/body/robot_model.h"
@@ -46,7 +48,8 @@ McapWriter::Metadata facts_of(const SimulationOptions& options, const World& wor
   facts.emplace_back("engine", options.engine);
   facts.emplace_back("seed", std::to_string(options.seed));
   facts.emplace_back("stepper", world.stepper());
-  facts.emplace_back("pot_noise", options.pot_noise ? "true" : "false");
+  facts.emplace_back("sensors", name_of(options.sensors));
+  facts.emplace_back("imu", options.imu ? "true" : "false");
   return facts;
 }
 
@@ -63,7 +66,12 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& 
   Result<CameraFile> camera;
   if ((*world)->head_frame() >= 0) camera = CameraFile::load(options.camera_path);
   if (!camera) return tl::unexpected(camera.error());
-  return assemble(options, std::move(*mcu), std::move(*world), *camera);
+  const auto figures =
+      load_sensor_file(std::filesystem::path(options.robot_path).replace_filename("sensors.xml"));
+  if (!figures) return tl::unexpected(figures.error());
+  SimulationOptions with_figures = options;
+  with_figures.sensor_figures = *figures;
+  return assemble(with_figures, std::move(*mcu), std::move(*world), *camera);
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::assemble(const SimulationOptions& options,
@@ -95,27 +103,37 @@ Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mc
     : options_(options),
       camera_(camera),
       world_(std::move(world)),
-      board_(
-          std::move(mcu),
-          {.seed = options.seed, .noise = options.pot_noise, .supply_volts = options.supply_volts}),
+      board_(std::move(mcu), {.seed = options.seed,
+                              .figures = options.sensor_figures,
+                              .sensors = options.sensors,
+                              .imu = options.imu,
+                              .supply_volts = options.supply_volts}),
       channels_(channels_of(*world_)),
       drives_(channels_.size()),
       faults_(options.faults),
       line_(options.seed),
       draws_(world_->scene(), options.renderer) {
   line_.set_faults(&faults_.schedule());
-  read_pots();
-}
-
-// Potentiometers of channels without a joint stand at zero.
-void Simulation::read_pots() {
-  std::array<double, KZ_JOINTS> angles{};
-  const auto joints = world_->joints();
-  for (std::size_t j = 0; j < channels_.size(); ++j) angles[channels_[j]] = joints[j].angle;
-  board_.set_joint_angles(angles);
+  tell_sensors();
 }
 
 Simulation::~Simulation() = default;
+
+// Potentiometers of channels without a joint stand at zero.
+void Simulation::tell_sensors() {
+  std::array<double, KZ_JOINTS> angles{};
+  double motor_current = 0;
+  const auto joints = world_->joints();
+  for (std::size_t j = 0; j < channels_.size(); ++j) {
+    angles[channels_[j]] = joints[j].angle;
+    motor_current += std::abs(joints[j].current);
+  }
+  board_.set_joint_angles(angles);
+  board_.set_supply_current(world_->supply_current_a());
+  board_.set_motor_current(motor_current);
+  const ImuState& imu = world_->imu();
+  board_.set_motion({imu.angular_velocity.z(), imu.specific_force.x(), imu.specific_force.y()});
+}
 
 Result<void> Simulation::step() {
   if (!error_) {
@@ -145,8 +163,7 @@ Result<void> Simulation::advance() {
   for (std::size_t j = 0; j < channels_.size(); ++j) drives_[j] = drives[channels_[j]];
   world_->step(drives_, board_.supply_volts());
 
-  read_pots();
-  board_.set_supply_current(world_->supply_current_a());
+  tell_sensors();
   now_ = end;
 
   if (eyes_open_) {

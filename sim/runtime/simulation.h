@@ -42,7 +42,9 @@ struct SimulationOptions {
   std::string camera_path;        // camera.json beside the URDF; not read for a robot without eyes
   std::uint64_t seed = 1;
   std::string stepper = "quick50";  // sim/body/world.h
-  bool pot_noise = true;
+  SensorSwitches sensors = {};
+  SensorFigures sensor_figures = {};  // create() takes them from sensors.xml beside the URDF
+  bool imu = false;                   // the board has gyro and accelerometer
   double supply_volts = 10.0;
   FramePolicy frames = FramePolicy::wait;
   faults::Schedule faults;               // times since the start
@@ -111,7 +113,7 @@ class Simulation {
   Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mcu,
              std::unique_ptr<World> world, const CameraFile& camera);
   Result<void> advance();
-  void read_pots();
+  void tell_sensors();
   void record(States start, std::span<const SerialByte> to_board,
               std::span<const SerialByte> from_board);
 

@@ -24,7 +24,7 @@ TEST(Simulation, StepIsOneMillisecondOfEverything) {
 
 TEST(Simulation, TargetMovesTheJointThroughMotorAndPotentiometer) {
   SimulationOptions options;
-  options.pot_noise = false;
+  options.sensors = SensorSwitches::ideal();
   auto simulation = test_simulation(options);
   run_ms(*simulation, 50);
   simulation->write(enable_frame(1, 1));

@@ -34,6 +34,7 @@ class TestWorld final : public World {
   std::span<const JointState> joints() const override { return joints_; }
   std::span<const std::string> joint_order() const override { return joint_names(); }
   double supply_current_a() const override { return 1.0; }
+  const ImuState& imu() const override { return imu_; }
   const Scene& scene() const override { return scene_; }
   ScenePose pose() const override {
     return {{Eigen::Isometry3d::Identity(), link_pose("neck_tilt")}};
@@ -57,6 +58,7 @@ class TestWorld final : public World {
 
  private:
   Scene scene_;
+  ImuState imu_{Eigen::Vector3d::Zero(), Eigen::Vector3d(0, 0, 9.81)};
   double time_ = 0, supply_volts_ = 0;
   std::array<JointState, KZ_JOINTS> joints_{};
 };
@@ -89,6 +91,7 @@ inline CameraFile small_camera() {
 
 inline std::unique_ptr<Simulation> test_simulation(SimulationOptions options = {}) {
   options.renderer = make_test_renderer;
+  options.sensor_figures = load_sensor_file("shared/robot/kaz/sensors.xml").value();
   auto simulation =
       Simulation::assemble(options, make_native(), std::make_unique<TestWorld>(), small_camera());
   if (!simulation) return nullptr;

@@ -63,6 +63,7 @@ class MotorBench final : public sim::World {
   std::span<const JointState> joints() const override { return joints_; }
   std::span<const std::string> joint_order() const override { return sim::joint_names(); }
   double supply_current_a() const override { return current_; }
+  const sim::ImuState& imu() const override { return at_rest_; }
   const sim::Scene& scene() const override { return scene_; }
   sim::ScenePose pose() const override {
     return {{Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()}};
@@ -82,6 +83,7 @@ class MotorBench final : public sim::World {
   std::array<JointState, KZ_JOINTS> joints_{};
   double time_ = 0, current_ = 0;
   sim::Scene scene_;
+  sim::ImuState at_rest_{Eigen::Vector3d::Zero(), Eigen::Vector3d(0, 0, 9.81)};
 };
 
 class WatchedWorld final : public sim::World {
@@ -97,6 +99,7 @@ class WatchedWorld final : public sim::World {
   std::span<const JointState> joints() const override { return world_->joints(); }
   std::span<const std::string> joint_order() const override { return world_->joint_order(); }
   double supply_current_a() const override { return world_->supply_current_a(); }
+  const sim::ImuState& imu() const override { return world_->imu(); }
   const sim::Scene& scene() const override { return world_->scene(); }
   sim::ScenePose pose() const override { return world_->pose(); }
   int head_frame() const override { return world_->head_frame(); }

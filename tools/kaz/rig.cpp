@@ -147,6 +147,11 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& optio
   sim.engine = options.engine;
   sim.seed = options.seed;
   sim.frames = frames;
+  const auto sensors = sim::sensors_by_name(options.sensors);
+  if (!sensors)
+    return fail(Fault::usage, "--sensors " + options.sensors + ": give nominal, ideal or as-built");
+  sim.sensors = *sensors;
+  sim.imu = options.imu;
   sim.recording_path = options.recording;
   if (!options.faults.empty()) {
     auto schedule = faults::Schedule::load(options.faults);

@@ -18,12 +18,14 @@
 namespace kaz::tools {
 
 struct RigOptions {
-  std::string robot = "sim";   // "sim" or "serial:PATH[@BAUD]"
-  std::string camera = "sim";  // "sim" or the path of a camera socket
-  std::string world = "ball";  // the rest for "sim" only
-  std::string robot_file;      // URDF of the simulated robot; Kaz if empty
-  std::string engine = "h8";   // "h8" or "native"
-  std::string image;           // firmware image; the built one if empty
+  std::string robot = "sim";        // "sim" or "serial:PATH[@BAUD]"
+  std::string camera = "sim";       // "sim" or the path of a camera socket
+  std::string world = "ball";       // the rest for "sim" only
+  std::string robot_file;           // URDF of the simulated robot; Kaz if empty
+  std::string engine = "h8";        // "h8" or "native"
+  std::string image;                // firmware image; the built one if empty
+  std::string sensors = "nominal";  // "nominal", "ideal" or "as-built"
+  bool imu = false;                 // the board's option
   std::uint64_t seed = 1;
   std::string faults;     // file with a schedule of faults; none if empty
   std::string recording;  // path of the recording; none if empty

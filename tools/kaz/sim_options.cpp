@@ -18,6 +18,12 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
   verb.add_option("--image", options.image, "firmware image for h8: S-record or COFF");
   verb.add_option("--faults", options.faults, "schedule of faults: docs/faults.md")
       ->type_name("FILE");
+  verb.add_option("--sensors", options.sensors,
+                  "nominal: with noise; ideal: without; as-built: besides, each potentiometer "
+                  "with its own curve and offset, to be calibrated")
+      ->check(CLI::IsMember({"nominal", "ideal", "as-built"}))
+      ->capture_default_str();
+  verb.add_flag("--imu", options.imu, "a board with gyro and accelerometer on AN3..AN5");
   verb.add_option("--seed", options.seed, "of all noise; the same seed gives the same bytes")
       ->capture_default_str();
 }

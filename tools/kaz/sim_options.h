@@ -8,7 +8,7 @@
 
 namespace kaz::tools {
 
-// --world, --robot-file, --mcu, --image, --faults, --seed.
+// --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --seed.
 void add_sim_options(CLI::App& verb, RigOptions& options);
 
 }  // namespace kaz::tools

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/board/servo_board.h"  // pot_ratio
+#include "sim/board/potentiometer.h"
 #include "sim/runtime/time.h"
 
 namespace kaz::lockstep {

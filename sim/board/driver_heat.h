@@ -1,0 +1,32 @@
+// Temperature of the motor drivers, heated by the motors' currents.
+// SPDX-License-Identifier: Apache-2.0
+//
+//   time_constant dT/dt = ambient + kelvin_per_watt P - T,  P = drop_volts * sum |motor current|.
+// Solved exactly for currents that hold still.
+#pragma once
+
+#include <cmath>
+
+#include "sim/board/sensor_file.h"
+
+namespace kaz::sim {
+
+class DriverHeat {
+ public:
+  explicit DriverHeat(const DriverFigures& figures)
+      : figures_(figures), celsius_(figures.ambient_celsius) {}
+
+  // `seconds` with this sum of the magnitudes of the motors' currents, A.
+  void advance(double seconds, double amperes) {
+    const double end =
+        figures_.ambient_celsius + figures_.kelvin_per_watt * figures_.drop_volts * amperes;
+    celsius_ = end + (celsius_ - end) * std::exp(-seconds / figures_.time_constant_s);
+  }
+  double celsius() const { return celsius_; }
+
+ private:
+  DriverFigures figures_;
+  double celsius_;
+};
+
+}  // namespace kaz::sim

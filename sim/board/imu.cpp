@@ -1,0 +1,47 @@
+// The board option of AN3..AN5: yaw-rate gyro and two-axis accelerometer.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/board/imu.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/board/noise_key.h"
+
+namespace kaz::sim {
+
+Imu::Imu(const SensorFigures& figures, const SensorSwitches& switches, std::uint64_t seed)
+    : seed_(seed) {
+  constexpr double tick_s = 1.0 / KZ_TICK_HZ;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    Axis& axis = axes_[i];
+    axis.figures = i == 0 ? figures.gyro : figures.accelerometer;
+    axis.real = i == 0 ? switches.gyro : switches.accelerometer;
+    if (!axis.real) continue;
+    axis.offset = spread(axis.figures.zero_offset, seed, kImuOffset + i);
+    axis.sigma = axis.figures.noise_density * std::sqrt(0.5 / tick_s);
+    axis.follow = 1 - std::exp(-2 * std::numbers::pi * axis.figures.bandwidth_hz * tick_s);
+  }
+}
+
+void Imu::advance(std::int64_t tick, const ImuMotion& motion) {
+  const std::array<double, 3> measured{motion.yaw_rate, motion.forward_force, motion.left_force};
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    Axis& axis = axes_[i];
+    double input = measured[i];
+    if (!started_) axis.filtered = input;  // it was on, and at rest, before the run began
+    if (axis.sigma > 0)
+      input += axis.sigma * keyed_normal(seed_, static_cast<std::uint64_t>(tick), kImuNoise + i);
+    axis.filtered += axis.follow * (input - axis.filtered);
+  }
+  started_ = true;
+}
+
+double Imu::ratio(int index) const {
+  const Axis& axis = axes_[static_cast<std::size_t>(index)];
+  double value = axis.filtered + axis.offset;
+  if (axis.real) value = std::clamp(value, -axis.figures.range, axis.figures.range);
+  return std::clamp(0.5 + axis.figures.share_per_unit * value, 0.0, 1.0);
+}
+
+}  // namespace kaz::sim

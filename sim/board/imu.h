@@ -1,0 +1,44 @@
+// The board option of AN3..AN5: yaw-rate gyro and two-axis accelerometer.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Each axis: white noise is added to what is measured, both go through a filter of first order, then
+// offset, scale and saturation. The filter is exact for an input that holds still within a
+// millisecond. White noise of one-sided density N is, sampled at 1 kHz, normal with
+// sigma N sqrt(1000 / 2): half the sampling rate is its bandwidth.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sim/board/sensor_file.h"
+
+namespace kaz::sim {
+
+// In the axes of the robot's link `imu` (docs/robot.md): x forward, y left, z up.
+struct ImuMotion {
+  double yaw_rate = 0;                       // rad/s about z
+  double forward_force = 0, left_force = 0;  // specific force along x and y, m/s^2
+};
+
+class Imu {
+ public:
+  Imu(const SensorFigures& figures, const SensorSwitches& switches, std::uint64_t seed);
+
+  // The motion during the millisecond that ends with this tick. Ticks must increase.
+  void advance(std::int64_t tick, const ImuMotion& motion);
+
+  // Shares of AVCC at AN3 (yaw rate), AN4 (forward), AN5 (left): axis 0, 1, 2.
+  double ratio(int axis) const;
+
+ private:
+  struct Axis {
+    AxisFigures figures;
+    bool real = false;  // with its errors
+    double offset = 0, sigma = 0, follow = 1, filtered = 0;
+  };
+  std::uint64_t seed_;
+  bool started_ = false;
+  std::array<Axis, 3> axes_;
+};
+
+}  // namespace kaz::sim

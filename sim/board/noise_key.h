@@ -1,0 +1,25 @@
+// Channels of keyed_normal on the board: each random number of a sensor has a key of its own.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "shared/base/random.hpp"
+#include "shared/board/board.h"
+
+namespace kaz::sim {
+
+// Per tick: 0..KZ_ANALOG-1 are the multiplexers' inputs.
+constexpr std::uint64_t kImuNoise = KZ_ANALOG;  // three channels
+// Once and for all, at tick 0.
+constexpr std::uint64_t kImuOffset = 1000;     // three channels
+constexpr std::uint64_t kPotLinearity = 2000;  // eight a joint
+constexpr std::uint64_t kPotMounting = 3000;   // one a joint
+
+// An error that parts of one kind differ by: normal, sigma half the limit, never beyond the limit.
+inline double spread(double limit, std::uint64_t seed, std::uint64_t channel) {
+  return std::clamp(0.5 * limit * keyed_normal(seed, 0, channel), -limit, limit);
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,40 @@
+// One joint's potentiometer: from the angle of the output shaft to a share of AVCC.
+// SPDX-License-Identifier: Apache-2.0
+//
+// A track of 190 degrees (KZ_POT_RANGE_DECIDEG) with a terminal at each end. The wiper's place is
+//   x = 1/2 + sign (angle + offset - centre) / range,
+// sign and centre from joints.def. On the track the output is x + e(x), where e is the element's
+// linearity error: a sum of three half waves, zero at both ends, as terminal-based linearity is
+// defined. On a terminal it is 0 or 1. Beyond, the wiper is open and the input's pull-up decides.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sim/board/sensor_file.h"
+
+namespace kaz::sim {
+
+// A nominal potentiometer, share of AVCC, joint angle in rad; stands at its end beyond +-95 degrees.
+double pot_ratio(int joint, double angle_rad);
+
+class Potentiometer {
+ public:
+  Potentiometer() = default;
+  // `seed` decides linearity error and offset, which are there if `switches` say so.
+  Potentiometer(int joint, const PotFigures& figures, const SensorSwitches& switches,
+                std::uint64_t seed);
+
+  // Share of AVCC, 0..1, without noise.
+  double ratio(double angle_rad) const;
+  double offset_rad() const { return offset_rad_; }
+
+ private:
+  int joint_ = 0;
+  bool opens_ = false;
+  double terminal_rad_ = 0, open_level_ = 1;
+  double offset_rad_ = 0;
+  std::array<double, 3> waves_{};  // shares; magnitudes add up to less than the linearity error
+};
+
+}  // namespace kaz::sim

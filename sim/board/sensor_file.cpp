@@ -1,0 +1,147 @@
+// The sensor file: figures of the board's sensors.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/board/sensor_file.h"
+
+#include <array>
+#include <limits>
+#include <numbers>
+#include <sstream>
+
+#include "sim/body/xml_file.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kGravity = 9.80665;  // m/s^2 in one g, by definition
+constexpr double kAny = std::numeric_limits<double>::max();
+
+struct Figure {
+  const char* section;
+  const char* element;
+  double& (*of)(SensorFigures&);
+  double least, most;  // both allowed, in the file's unit
+  double unit;         // the file's, in that of the struct
+};
+
+using F = SensorFigures;
+constexpr const char* kPot = "potentiometer";
+constexpr const char* kDriver = "driver_temperature";
+constexpr const char* kAccel = "accelerometer";
+// What must not be zero is at least this.
+constexpr double kTiny = 1e-6;
+
+constexpr std::array<Figure, 22> kFigures{{
+    {kPot, "noise", [](F& f) -> double& { return f.potentiometer.noise_codes; }, 0, 1024, 1},
+    {kPot, "linearity", [](F& f) -> double& { return f.potentiometer.linearity; }, 0, 0.05, 1},
+    {kPot, "mounting", [](F& f) -> double& { return f.potentiometer.mounting_rad; }, 0, 90,
+     kDegree},
+    {kPot, "terminal", [](F& f) -> double& { return f.potentiometer.terminal_rad; }, 0, 85,
+     kDegree},
+    {kPot, "open_level", [](F& f) -> double& { return f.potentiometer.open_level; }, 0, 1, 1},
+    {"supply", "noise", [](F& f) -> double& { return f.supply.noise_codes; }, 0, 1024, 1},
+    {"reference", "noise", [](F& f) -> double& { return f.reference.noise_codes; }, 0, 1024, 1},
+    {kDriver, "noise", [](F& f) -> double& { return f.driver.noise_codes; }, 0, 1024, 1},
+    {kDriver, "ambient", [](F& f) -> double& { return f.driver.ambient_celsius; }, -40, 100, 1},
+    {kDriver, "bridge_drop", [](F& f) -> double& { return f.driver.drop_volts; }, 0, 10, 1},
+    {kDriver, "thermal_resistance", [](F& f) -> double& { return f.driver.kelvin_per_watt; }, 0,
+     kAny, 1},
+    {kDriver, "time_constant", [](F& f) -> double& { return f.driver.time_constant_s; }, kTiny,
+     kAny, 1},
+    {"gyro", "scale", [](F& f) -> double& { return f.gyro.share_per_unit; }, kTiny, kAny,
+     1 / kDegree},
+    {"gyro", "zero_offset", [](F& f) -> double& { return f.gyro.zero_offset; }, 0, kAny, kDegree},
+    {"gyro", "bandwidth", [](F& f) -> double& { return f.gyro.bandwidth_hz; }, kTiny, kAny, 1},
+    {"gyro", "noise_density", [](F& f) -> double& { return f.gyro.noise_density; }, 0, kAny,
+     kDegree},
+    {"gyro", "range", [](F& f) -> double& { return f.gyro.range; }, kTiny, kAny, kDegree},
+    {kAccel, "scale", [](F& f) -> double& { return f.accelerometer.share_per_unit; }, kTiny, kAny,
+     1 / kGravity},
+    {kAccel, "zero_offset", [](F& f) -> double& { return f.accelerometer.zero_offset; }, 0, kAny,
+     kGravity},
+    {kAccel, "bandwidth", [](F& f) -> double& { return f.accelerometer.bandwidth_hz; }, kTiny, kAny,
+     1},
+    {kAccel, "noise_density", [](F& f) -> double& { return f.accelerometer.noise_density; }, 0,
+     kAny, kGravity},
+    {kAccel, "range", [](F& f) -> double& { return f.accelerometer.range; }, kTiny, kAny, kGravity},
+}};
+
+std::string shown(double number) {
+  std::ostringstream text;
+  text << number;
+  return text.str();
+}
+
+bool has_section(const std::string& name) {
+  for (const Figure& figure : kFigures) {
+    if (name == figure.section) return true;
+  }
+  return false;
+}
+
+Result<void> read_figure(const XmlFile& file, const tinyxml2::XMLElement& section,
+                         const tinyxml2::XMLElement& element,
+                         std::array<bool, kFigures.size()>& seen, SensorFigures& figures) {
+  const std::string in = section.Name(), name = element.Name();
+  std::size_t which = 0;
+  while (which < kFigures.size() &&
+         (in != kFigures[which].section || name != kFigures[which].element))
+    ++which;
+  if (which == kFigures.size())
+    return file.error(element, "unknown element <" + name + "> in <" + in +
+                                   ">; see shared/robot/kaz/sensors.xml for those it takes");
+  if (seen[which]) return file.error(element, "<" + name + "> stands twice in <" + in + ">");
+  const Result<double> value = file.number(element, "value");
+  if (!value) return tl::unexpected(value.error());
+  const Figure& figure = kFigures[which];
+  if (*value < figure.least || *value > figure.most) {
+    std::string wanted = "at least " + shown(figure.least);
+    if (figure.most < kAny) wanted += " and at most " + shown(figure.most);
+    return file.error(element, "<" + name + "> of <" + in + "> must be " + wanted);
+  }
+  figure.of(figures) = *value * figure.unit;
+  seen[which] = true;
+  return {};
+}
+
+}  // namespace
+
+std::optional<SensorSwitches> sensors_by_name(const std::string& name) {
+  if (name == "nominal") return SensorSwitches{};
+  if (name == "ideal") return SensorSwitches::ideal();
+  if (name == "as-built") return SensorSwitches::as_built();
+  return std::nullopt;
+}
+
+std::string name_of(const SensorSwitches& sensors) {
+  for (const char* name : {"nominal", "ideal", "as-built"}) {
+    if (sensors_by_name(name) == sensors) return name;
+  }
+  return "mixed";
+}
+
+Result<SensorFigures> load_sensor_file(const std::string& path) {
+  const Result<XmlFile> file = XmlFile::load(path, "sensors");
+  if (!file) return tl::unexpected(file.error());
+  SensorFigures figures;
+  std::array<bool, kFigures.size()> seen{};
+  const auto& root = file->root();
+  for (auto* section = root.FirstChildElement(); section; section = section->NextSiblingElement()) {
+    if (!has_section(section->Name()))
+      return file->error(*section, std::string("unknown sensor <") + section->Name() + ">");
+    for (auto* e = section->FirstChildElement(); e; e = e->NextSiblingElement()) {
+      if (auto read = read_figure(*file, *section, *e, seen, figures); !read)
+        return tl::unexpected(read.error());
+    }
+  }
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i]) continue;
+    const auto* section = root.FirstChildElement(kFigures[i].section);
+    return file->error(
+        section != nullptr ? *section : root,
+        std::string("<") + kFigures[i].section + "> lacks <" + kFigures[i].element + ">");
+  }
+  return figures;
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,73 @@
+// The sensor file: figures of the board's sensors, and which of them are ideal.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::sim {
+
+// Noise in codes: one sigma at the converter. Without a file: nominal laws, no errors, no noise.
+struct PotFigures {
+  double noise_codes = 0;
+  double linearity = 0;     // largest deviation, share of the range
+  double mounting_rad = 0;  // largest offset
+  double terminal_rad = 0;  // beyond the track's ends, where the wiper still touches
+  double open_level = 1;    // share of AVCC read with an open wiper
+};
+
+struct InputFigures {
+  double noise_codes = 0;
+};
+
+// First-order heating of the motor drivers: each bridge loses `drop_volts` times its motor's current.
+struct DriverFigures {
+  double noise_codes = 0;
+  double ambient_celsius = 25;
+  double drop_volts = 0;
+  double kelvin_per_watt = 0;
+  double time_constant_s = 1;
+};
+
+// One axis of the gyro (unit rad/s) or of the accelerometer (unit m/s^2).
+struct AxisFigures {
+  double share_per_unit = 0;  // of AVCC; zero stands at half
+  double zero_offset = 0;     // largest, in units
+  double bandwidth_hz = 40;   // first order, -3 dB
+  double noise_density = 0;   // one-sided, units per root Hz
+  double range = 0;           // in units; beyond it the output stands
+};
+
+struct SensorFigures {
+  PotFigures potentiometer;
+  InputFigures supply, reference;
+  DriverFigures driver;
+  AxisFigures gyro, accelerometer;
+};
+
+// True: the sensor has its errors; false: it gives exactly what its law says.
+struct SensorSwitches {
+  bool potentiometer = true;  // noise and open wiper beyond the track
+  bool pot_as_built = false;  // each potentiometer's own linearity error and mounting offset
+  bool supply = true;         // noise; the sag is the supply's, not the sensor's
+  bool reference = true;      // noise
+  bool temperature = true;    // noise; the heating stays
+  bool gyro = true;           // offset, bandwidth, noise, saturation
+  bool accelerometer = true;
+
+  bool operator==(const SensorSwitches&) const = default;
+  static SensorSwitches ideal() { return {false, false, false, false, false, false, false}; }
+  static SensorSwitches as_built() { return {true, true, true, true, true, true, true}; }
+};
+
+// "nominal", "ideal" or "as-built".
+std::optional<SensorSwitches> sensors_by_name(const std::string& name);
+// The name of a set, or "mixed".
+std::string name_of(const SensorSwitches& sensors);
+
+// Errors name file and line.
+Result<SensorFigures> load_sensor_file(const std::string& path);
+
+}  // namespace kaz::sim

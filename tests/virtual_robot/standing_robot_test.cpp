@@ -1,0 +1,127 @@
+// The robot stands by its firmware: it does not drift, and takes pushes.
+// SPDX-License-Identifier: Apache-2.0
+//
+// KAZ_LONG=1: the minute of standing for both postures, and more pushes.
+#include <cmath>
+#include <cstdio>
+
+#include "tests/virtual_robot/robot_bench.h"
+
+namespace kaz {
+namespace {
+
+struct Drift {
+  double mm = 0, degrees = 0;  // largest, of the trunk, from where it was
+};
+
+Drift stand(RobotBench& bench, double for_s) {
+  const Eigen::Isometry3d start = bench.trunk();
+  const double begin = bench.time_s();
+  Drift drift;
+  while (bench.time_s() < begin + for_s) {
+    bench.wait(0.05);
+    const Eigen::Isometry3d moved = start.inverse() * bench.trunk();
+    drift.mm = std::max(drift.mm, 1e3 * moved.translation().norm());
+    drift.degrees =
+        std::max(drift.degrees, std::abs(Eigen::AngleAxisd(moved.linear()).angle()) / kDegree);
+  }
+  return drift;
+}
+
+TEST(StandingRobot, DoesNotDriftInItsCrouch) {
+  const auto bench = RobotBench::start(world_of(""));
+  ASSERT_TRUE(bench);
+  bench->stand_in_crouch();
+  const Drift drift = stand(*bench, long_run() ? 60 : 6);
+  std::printf("crouch: %.3f mm, %.3f degrees\n", drift.mm, drift.degrees);
+  EXPECT_LT(drift.mm, 1.0);
+  EXPECT_LT(drift.degrees, 0.5);
+}
+
+TEST(StandingRobot, DoesNotDriftUpright) {
+  const auto bench = RobotBench::start(world_of(""), 2);
+  ASSERT_TRUE(bench);
+  bench->wait(1.0);
+  const Drift drift = stand(*bench, long_run() ? 60 : 6);
+  std::printf("upright: %.3f mm, %.3f degrees\n", drift.mm, drift.degrees);
+  EXPECT_LT(drift.mm, 1.0);
+  EXPECT_LT(drift.degrees, 0.5);
+}
+
+// A ball flies at the trunk from a direction; returns the impulse it gave, Ns, and leaves the robot
+// 3 s to recover.
+struct Push {
+  double given_ns = 0, tilt_deg = 0;
+};
+
+Push push(double from_rad, double mass_kg, double speed) {
+  const double distance = 0.45;
+  // The trunk's middle is 0.20 above the floor in the crouch; the ball falls g d^2 / (2 v^2) less
+  // what its throw lifts it, from a shelf as high as it arrives.
+  const double lift = 9.81 * distance / speed / 2;
+  char at[80], kick[120], shelf[400];
+  const double x = distance * std::cos(from_rad), y = distance * std::sin(from_rad);
+  std::snprintf(at, sizeof at, "%.4f %.4f 0.205", x, y);
+  std::snprintf(kick, sizeof kick, "<kaz:kick time=\"3.5\" velocity=\"%.4f %.4f %.4f\"/>",
+                -speed * std::cos(from_rad), -speed * std::sin(from_rad), lift);
+  std::snprintf(shelf, sizeof shelf,
+                "<model name=\"shelf\"><static>true</static><pose>%.4f %.4f 0.09 0 0 %.4f</pose>"
+                "<link name=\"l\"><collision name=\"c\"><geometry><box><size>0.06 0.06 0.18</size>"
+                "</box></geometry></collision></link></model>",
+                x, y, from_rad);
+  Push result;
+  const auto bench = RobotBench::start(world_of(shelf + ball(at, mass_kg, 0.025, kick)));
+  if (!bench) return result;
+  bench->stand_in_crouch();
+  EXPECT_LT(bench->time_s(), 3.4);
+  EXPECT_LT((bench->ball() - Eigen::Vector3d(x, y, 0.205)).norm(), 0.003) << "still on its shelf";
+  // The ball's horizontal speed towards the robot before and after it has touched.
+  const Eigen::Vector3d towards(-std::cos(from_rad), -std::sin(from_rad), 0);
+  Eigen::Vector3d last = bench->ball();
+  double before = 0, after = 0, fastest = 0;
+  while (bench->time_s() < 4.5) {
+    bench->wait(0.005);
+    const double v = (bench->ball() - last).dot(towards) / 0.005;
+    last = bench->ball();
+    fastest = std::max(fastest, v);
+    if (fastest > 0.5 * speed && before == 0 && v < 0.9 * fastest) before = fastest;
+    if (before > 0 && after == 0 && bench->time_s() > 3.5 + distance / speed + 0.03) after = v;
+  }
+  result.given_ns = mass_kg * (before - after);
+  bench->wait(2.5);
+  result.tilt_deg = bench->tilt_deg();
+  return result;
+}
+
+TEST(StandingRobot, SurvivesPushesByAFlyingBall) {
+  for (int k = 0; k < 4; ++k) {
+    const double from = k * std::numbers::pi / 2;
+    const Push survived = push(from, 0.1, 3.3);
+    std::printf("push from %3d degrees: %.3f Ns, then %.2f degrees off upright\n", 90 * k,
+                survived.given_ns, survived.tilt_deg);
+    EXPECT_GT(survived.given_ns, 0.30) << "from " << 90 * k;
+    EXPECT_LT(survived.tilt_deg, 5.0) << "from " << 90 * k;
+  }
+}
+
+TEST(StandingRobot, LimitsOfPushes) {
+  if (!long_run()) GTEST_SKIP() << "KAZ_LONG=1 prints what it survives in each direction";
+  for (int k = 0; k < 8; ++k) {
+    double most = 0, least_fatal = 0;
+    for (const double speed : {3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0}) {
+      const Push tried = push(k * std::numbers::pi / 4, 0.1, speed);
+      if (tried.tilt_deg < 5) {
+        most = tried.given_ns;
+      } else {
+        least_fatal = tried.given_ns;
+        break;
+      }
+    }
+    std::printf("from %3d degrees: survives %.2f Ns, falls at %.2f Ns\n", 45 * k, most,
+                least_fatal);
+    EXPECT_GT(most, 0.30) << 45 * k;
+  }
+}
+
+}  // namespace
+}  // namespace kaz
