@@ -3,8 +3,9 @@
 #include "sim/body/contacts.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdint>
+#include <cmath>
+
+#include "sim/body/contact_surface.h"
 
 namespace kaz::sim {
 namespace {
@@ -13,42 +14,63 @@ namespace {
 constexpr int kContactsPerPair = 4;
 // Parts up to so many joints apart do not collide: a thigh with the foot, a forearm with the trunk.
 constexpr int kExemptGenerations = 3;
-constexpr double kErp = 0.2;
-constexpr double kMotionToAlign = 1e-4;  // m/s
+// Boxes count as apart only if they are by more than rounding: ODE must agree, so that a run does
+// not depend on what was looked at before.
+constexpr double kClearlyApart = 1e-9;  // m
+
+using Map3 = Eigen::Map<const Eigen::Vector3d>;
 
 Eigen::Vector3d velocity_of(dBodyID body) {
   return body ? to_eigen(dBodyGetLinearVel(body)) : Eigen::Vector3d::Zero().eval();
 }
 
 // Shape of ours as ODE's, without a place yet; null for kinds that do not collide.
-dGeomID make_geom(dSpaceID space, const Shape& shape) {
+dGeomID make_geom(const Shape& shape) {
   const Eigen::Vector3d& s = shape.size;
   switch (shape.kind) {
     case Shape::Kind::box:
-      return dCreateBox(space, s.x(), s.y(), s.z());
+      return dCreateBox(nullptr, s.x(), s.y(), s.z());
     case Shape::Kind::sphere:
-      return dCreateSphere(space, s.x());
+      return dCreateSphere(nullptr, s.x());
     case Shape::Kind::cylinder:
-      return dCreateCylinder(space, s.x(), s.y());
+      return dCreateCylinder(nullptr, s.x(), s.y());
     case Shape::Kind::capsule:
-      return dCreateCapsule(space, s.x(), s.y());
+      return dCreateCapsule(nullptr, s.x(), s.y());
     case Shape::Kind::plane:
-      return dCreatePlane(space, 0, 0, 1, 0);
+      return dCreatePlane(nullptr, 0, 0, 1, 0);
     case Shape::Kind::mesh:
       break;
   }
   return nullptr;
 }
 
+double radius_about(const Shape& shape) {
+  const Eigen::Vector3d& s = shape.size;
+  switch (shape.kind) {
+    case Shape::Kind::box:
+      return s.norm() / 2;
+    case Shape::Kind::cylinder:
+      return std::hypot(s.x(), s.y() / 2);
+    case Shape::Kind::capsule:
+      return s.x() + s.y() / 2;
+    default:
+      return s.x();
+  }
+}
+
+bool apart(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double reach) {
+  return (a - b).squaredNorm() > reach * reach;
+}
+
+// Element of ODE's rotation: axis k of a shape, in the world.
+Eigen::Vector3d axis(const dReal* r, int k) {
+  return {r[k], r[4 + k], r[8 + k]};
+}
+
 }  // namespace
 
 Contacts::Contacts(dWorldID world, const RobotModel& robot)
-    : world_(world),
-      robot_space_(dSimpleSpaceCreate(nullptr)),
-      fixed_space_(dSimpleSpaceCreate(nullptr)),
-      object_space_(dSimpleSpaceCreate(nullptr)),
-      rows_(dJointGroupCreate(0)),
-      robot_links_(robot.links.size()) {
+    : world_(world), rows_(dJointGroupCreate(0)), robot_links_(robot.links.size()) {
   exempt_.assign(robot_links_ * robot_links_, 0);
   for (std::size_t link = 0; link < robot_links_; ++link) {
     exempt_[link * robot_links_ + link] = 1;
@@ -64,108 +86,212 @@ Contacts::Contacts(dWorldID world, const RobotModel& robot)
 
 void Contacts::add_robot_link(const RigidLink& link, int robot_link, dBodyID body,
                               const Eigen::Isometry3d& pose) {
-  add(link, robot_link, body, pose, robot_space_.get());
+  add(link, robot_link, body, pose);
 }
 
 void Contacts::add_object(const RigidLink& link, dBodyID body, const Eigen::Isometry3d& pose) {
-  add(link, -1, body, pose, body ? object_space_.get() : fixed_space_.get());
+  add(link, -1, body, pose);
+}
+
+Contacts::Geom& Contacts::add_geom(const CollisionShape& shape, const Eigen::Isometry3d& at) {
+  Geom& geom = geoms_.emplace_back();
+  geom.id.reset(make_geom(shape.shape));
+  geom.surface = shape.surface;
+  geom.box = shape.shape.kind == Shape::Kind::box;
+  geom.half = shape.shape.size / 2;
+  geom.radius = radius_about(shape.shape);
+  if (shape.shape.kind == Shape::Kind::plane) {
+    const Eigen::Vector3d normal = at.linear().col(2);
+    const double offset = normal.dot(at.translation());
+    dGeomPlaneSetParams(geom.id.get(), normal.x(), normal.y(), normal.z(), offset);
+    planes_.push_back({geoms_.size() - 1, normal, offset});
+  }
+  return geom;
 }
 
 void Contacts::add(const RigidLink& link, int robot_link, dBodyID body,
-                   const Eigen::Isometry3d& pose, dSpaceID space) {
+                   const Eigen::Isometry3d& pose) {
+  Part whole;
+  whole.body = body;
+  whole.first = geoms_.size();
+  std::vector<Eigen::Vector3d> centres;
   for (const CollisionShape& shape : link.collisions) {
-    const dGeomID geom = make_geom(space, shape.shape);
-    if (geom == nullptr) continue;
-    dGeomSetData(geom, reinterpret_cast<void*>(static_cast<std::uintptr_t>(geoms_.size())));
-    geoms_.push_back({shape.surface, robot_link});
+    if (shape.shape.kind == Shape::Kind::mesh) continue;
     const Eigen::Isometry3d at = body ? shape.in_link : pose * shape.in_link;
-    if (shape.shape.kind == Shape::Kind::plane) {
-      const Eigen::Vector3d normal = at.linear().col(2);
-      dGeomPlaneSetParams(geom, normal.x(), normal.y(), normal.z(), normal.dot(at.translation()));
-      continue;
-    }
+    const Geom& geom = add_geom(shape, at);
+    if (shape.shape.kind == Shape::Kind::plane) continue;
+    const dGeomID id = geom.id.get();
+    const Eigen::Vector3d centre = at.translation();
     dMatrix3 rotation;
     to_ode(at.linear(), rotation);
     if (body) {
-      const Eigen::Vector3d offset = at.translation() - link.com;
-      dGeomSetBody(geom, body);
-      dGeomSetOffsetPosition(geom, offset.x(), offset.y(), offset.z());
-      dGeomSetOffsetRotation(geom, rotation);
+      const Eigen::Vector3d offset = centre - link.com;
+      dGeomSetBody(id, body);
+      dGeomSetOffsetPosition(id, offset.x(), offset.y(), offset.z());
+      dGeomSetOffsetRotation(id, rotation);
+      centres.push_back(offset);
+      continue;
+    }
+    dGeomSetPosition(id, centre.x(), centre.y(), centre.z());
+    dGeomSetRotation(id, rotation);
+    Part part;
+    part.first = geoms_.size() - 1;
+    part.count = 1;
+    part.at = centre;
+    part.radius = geom.radius;
+    if (robot_link < 0) {
+      fixed_.push_back(part);
     } else {
-      dGeomSetPosition(geom, at.translation().x(), at.translation().y(), at.translation().z());
-      dGeomSetRotation(geom, rotation);
+      robot_.push_back(part);
+      pair_with_robot(robot_.size() - 1, robot_link);
     }
   }
+  if (centres.empty()) return;
+  whole.count = centres.size();
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < whole.count; ++i) {
+    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(geoms_[whole.first + i].radius);
+    box.extend(centres[i] + reach);
+    box.extend(centres[i] - reach);
+  }
+  whole.centre = whole.count == 1 ? centres[0] : box.center();
+  for (std::size_t i = 0; i < whole.count; ++i) {
+    whole.radius =
+        std::max(whole.radius, (centres[i] - whole.centre).norm() + geoms_[whole.first + i].radius);
+  }
+  if (robot_link < 0) {
+    objects_.push_back(whole);
+  } else {
+    robot_.push_back(whole);
+    pair_with_robot(robot_.size() - 1, robot_link);
+  }
+}
+
+void Contacts::pair_with_robot(std::size_t part, int robot_link) {
+  robot_link_.push_back(robot_link);
+  for (std::size_t other = 0; other < part; ++other) {
+    const auto a = static_cast<std::size_t>(robot_link_[other]);
+    const auto b = static_cast<std::size_t>(robot_link);
+    const bool one_moves = robot_[other].body || robot_[part].body;
+    if (one_moves && !exempt_[a * robot_links_ + b]) selves_.emplace_back(other, part);
+  }
+}
+
+void Contacts::place_parts() {
+  const auto place = [](Part& part) {
+    if (part.body == nullptr) return;
+    const dReal* r = dBodyGetRotation(part.body);
+    const dReal* p = dBodyGetPosition(part.body);
+    const Eigen::Vector3d& c = part.centre;
+    part.at = {p[0] + r[0] * c.x() + r[1] * c.y() + r[2] * c.z(),
+               p[1] + r[4] * c.x() + r[5] * c.y() + r[6] * c.z(),
+               p[2] + r[8] * c.x() + r[9] * c.y() + r[10] * c.z()};
+    part.awake = dBodyIsEnabled(part.body) != 0;
+  };
+  low_.setConstant(1e300);
+  high_.setConstant(-1e300);
+  robot_moves_ = false;
+  for (Part& part : robot_) {
+    place(part);
+    low_ = low_.cwiseMin((part.at.array() - part.radius).matrix());
+    high_ = high_.cwiseMax((part.at.array() + part.radius).matrix());
+    robot_moves_ = robot_moves_ || part.awake;
+  }
+  for (Part& part : objects_) place(part);
 }
 
 void Contacts::update() {
   dJointGroupEmpty(rows_.get());
-  const auto space = [](const OdeSpaceHandle& s) { return reinterpret_cast<dGeomID>(s.get()); };
-  dSpaceCollide(robot_space_.get(), this, &near_callback);
-  dSpaceCollide2(space(robot_space_), space(fixed_space_), this, &near_callback);
-  if (dSpaceGetNumGeoms(object_space_.get()) == 0) return;
-  dSpaceCollide(object_space_.get(), this, &near_callback);
-  dSpaceCollide2(space(object_space_), space(fixed_space_), this, &near_callback);
-  dSpaceCollide2(space(robot_space_), space(object_space_), this, &near_callback);
-}
-
-void Contacts::near_callback(void* self, dGeomID a, dGeomID b) {
-  static_cast<Contacts*>(self)->touch(a, b);
-}
-
-const Contacts::Geom& Contacts::of(dGeomID geom) const {
-  return geoms_[reinterpret_cast<std::uintptr_t>(dGeomGetData(geom))];
-}
-
-void Contacts::touch(dGeomID a, dGeomID b) {
-  const dBodyID body_a = dGeomGetBody(a), body_b = dGeomGetBody(b);
-  const bool awake_a = body_a && dBodyIsEnabled(body_a);
-  const bool awake_b = body_b && dBodyIsEnabled(body_b);
-  if (!awake_a && !awake_b) return;
-  const Geom &ga = of(a), &gb = of(b);
-  if (ga.robot_link >= 0 && gb.robot_link >= 0 &&
-      exempt_[static_cast<std::size_t>(ga.robot_link) * robot_links_ +
-              static_cast<std::size_t>(gb.robot_link)]) {
-    return;
+  count_ = 0;
+  place_parts();
+  for (const auto& [a, b] : selves_) meet(robot_[a], robot_[b]);
+  for (const Part& part : robot_) meet_planes(part);
+  for (const Part& part : objects_) meet_planes(part);
+  const auto meets_robot = [this](const Part& other) {
+    if (!robot_moves_ && !other.awake) return;
+    if (((other.at.array() + other.radius) < low_.array()).any() ||
+        ((other.at.array() - other.radius) > high_.array()).any()) {
+      return;
+    }
+    for (const Part& part : robot_) meet(part, other);
+  };
+  for (const Part& fixed : fixed_) meets_robot(fixed);
+  for (const Part& object : objects_) meets_robot(object);
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    for (std::size_t j = i + 1; j < objects_.size(); ++j) meet(objects_[i], objects_[j]);
+    if (!objects_[i].awake) continue;
+    for (const Part& fixed : fixed_) meet(objects_[i], fixed);
   }
-  std::array<dContactGeom, kContactsPerPair> found;
-  const int count = dCollide(a, b, kContactsPerPair, found.data(), sizeof(dContactGeom));
-  if (count == 0) return;
+}
 
-  dContact contact{};
-  const Surface &sa = ga.surface, &sb = gb.surface;
-  contact.surface.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM;
-  contact.surface.mu = std::min(sa.mu, sb.mu);
-  contact.surface.soft_erp = kErp;
-  contact.surface.soft_cfm = std::max(sa.softness + sb.softness, dWorldGetCFM(world_));
-  const Surface& livelier = sa.restitution >= sb.restitution ? sa : sb;
-  if (livelier.restitution > 0) {
-    contact.surface.mode |= dContactBounce;
-    contact.surface.bounce = livelier.restitution;
-    contact.surface.bounce_vel = livelier.bounce_threshold;
-  }
-  const double rolling = std::max(sa.rolling_resistance, sb.rolling_resistance);
-  if (rolling > 0) {
-    contact.surface.mode |= dContactRolling;
-    contact.surface.rho = rolling;
-    contact.surface.rho2 = rolling;
-    contact.surface.rhoN = rolling;
-    // ODE bounds each axis of the contact by itself: along the motion, or the path would bend.
-    const Eigen::Vector3d motion = velocity_of(body_a) - velocity_of(body_b);
-    if (motion.norm() > kMotionToAlign) {
-      contact.surface.mode |= dContactFDir1;
-      const Eigen::Vector3d normal = to_eigen(found[0].normal);
-      Eigen::Vector3d along = motion - normal * normal.dot(motion);
-      if (along.norm() < kMotionToAlign) along = normal.unitOrthogonal();
-      along.normalize();
-      for (int k = 0; k < 3; ++k) contact.fdir1[k] = along[k];
+void Contacts::meet(const Part& a, const Part& b) {
+  if (apart(a.at, b.at, a.radius + b.radius)) return;
+  if (!a.awake && !b.awake) return;
+  for (std::size_t i = a.first; i < a.first + a.count; ++i) {
+    const Map3 at(dGeomGetPosition(geoms_[i].id.get()));
+    if (apart(at, b.at, geoms_[i].radius + b.radius)) continue;
+    for (std::size_t j = b.first; j < b.first + b.count; ++j) {
+      const Map3 other(dGeomGetPosition(geoms_[j].id.get()));
+      if (apart(at, other, geoms_[i].radius + geoms_[j].radius)) continue;
+      if (geoms_[i].box && geoms_[j].box && parted(i, j)) continue;
+      touch(i, j);
     }
   }
+}
+
+void Contacts::meet_planes(const Part& part) {
+  if (!part.awake) return;
+  for (const Plane& plane : planes_) {
+    if (plane.normal.dot(part.at) - plane.offset > part.radius) continue;
+    for (std::size_t i = part.first; i < part.first + part.count; ++i) {
+      const Map3 at(dGeomGetPosition(geoms_[i].id.get()));
+      if (plane.normal.dot(at) - plane.offset <= geoms_[i].radius) touch(i, plane.geom);
+    }
+  }
+}
+
+// Whether a face of one of two boxes has the other wholly beyond it.
+bool Contacts::parted(std::size_t a, std::size_t b) {
+  const dReal *ra = dGeomGetRotation(geoms_[a].id.get()),
+              *rb = dGeomGetRotation(geoms_[b].id.get());
+  const Eigen::Vector3d way =
+      Map3(dGeomGetPosition(geoms_[b].id.get())) - Map3(dGeomGetPosition(geoms_[a].id.get()));
+  const auto between = [&](int face) {
+    const bool of_a = face < 3;
+    const int k = of_a ? face : face - 3;
+    const Eigen::Vector3d normal = axis(of_a ? ra : rb, k);
+    const dReal* r = of_a ? rb : ra;
+    const Eigen::Vector3d& other = geoms_[of_a ? b : a].half;
+    const double reach = std::abs(normal.dot(axis(r, 0))) * other.x() +
+                         std::abs(normal.dot(axis(r, 1))) * other.y() +
+                         std::abs(normal.dot(axis(r, 2))) * other.z();
+    return std::abs(normal.dot(way)) - geoms_[of_a ? a : b].half[k] - reach > kClearlyApart;
+  };
+  Hint& hint = hints_[(a * 31 + b) % hints_.size()];
+  if (hint.a == a && hint.b == b && between(hint.face)) return true;
+  for (int face = 0; face < 6; ++face) {
+    if (!between(face)) continue;
+    hint = {a, b, face};
+    return true;
+  }
+  return false;
+}
+
+void Contacts::touch(std::size_t a, std::size_t b) {
+  const dGeomID geom_a = geoms_[a].id.get(), geom_b = geoms_[b].id.get();
+  std::array<dContactGeom, kContactsPerPair> found;
+  const int count = dCollide(geom_a, geom_b, kContactsPerPair, found.data(), sizeof(dContactGeom));
+  if (count == 0) return;
+  const dBodyID body_a = dGeomGetBody(geom_a), body_b = dGeomGetBody(geom_b);
+  dContact contact =
+      contact_of(geoms_[a].surface, geoms_[b].surface, velocity_of(body_a) - velocity_of(body_b),
+                 to_eigen(found[0].normal), dWorldGetCFM(world_));
   for (int i = 0; i < count; ++i) {
     contact.geom = found[static_cast<std::size_t>(i)];
     const dJointID row = dJointCreateContact(world_, rows_.get(), &contact);
     dJointAttach(row, body_a, body_b);
   }
+  count_ += count;
 }
 
 }  // namespace kaz::sim

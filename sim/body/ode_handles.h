@@ -18,9 +18,9 @@ struct OdeDelete {
   }
 };
 
-// Destroying an ODE world destroys its bodies and joints; a space, its shapes.
+// Destroying an ODE world destroys its bodies and joints. Shapes on bodies must be gone before.
 using OdeWorldHandle = std::unique_ptr<dxWorld, OdeDelete<dWorldDestroy>>;
-using OdeSpaceHandle = std::unique_ptr<dxSpace, OdeDelete<dSpaceDestroy>>;
+using OdeGeomHandle = std::unique_ptr<dxGeom, OdeDelete<dGeomDestroy>>;
 using OdeJointGroupHandle = std::unique_ptr<dxJointGroup, OdeDelete<dJointGroupDestroy>>;
 
 inline Eigen::Vector3d to_eigen(const dReal* v) {

@@ -241,6 +241,12 @@ void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   }
 }
 
+int OdeWorld::find_contacts() {
+  enter_ode();
+  contacts_.update();
+  return contacts_.count();
+}
+
 void OdeWorld::read_joints() {
   for (std::size_t i = 0; i < ode_joints_.size(); ++i) {
     Joint& joint = ode_joints_[i];

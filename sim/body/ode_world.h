@@ -41,6 +41,8 @@ class OdeWorld final : public World {
 
   Eigen::Isometry3d link_pose(const std::string& link) const override;
   Result<Eigen::Vector3d> object_position(const std::string& model) const override;
+  // What step() begins with, by itself: for measuring it. Number of points of contact.
+  int find_contacts();
   double largest_joint_gap_m() const override { return largest_gap_; }
   std::string stepper() const override;
 
