@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "shared/base/random.hpp"
 #include "sim/runtime/sha256.h"
 
 namespace kaz::sim {
@@ -31,17 +32,50 @@ bool done(const auto& future) {
 }  // namespace
 
 Eyes::Eyes(RenderThread& draws, const CameraFile& camera, const Mounting& mounting,
-           FramePolicy policy, bool digests)
+           FramePolicy policy, bool digests, std::uint64_t seed)
     : draws_(draws),
       camera_(camera),
       model_(camera.model()),
       mounting_(mounting),
       policy_(policy),
-      digests_(digests) {}
+      digests_(digests),
+      seed_(seed) {
+  if (!camera.ideal) optics_ = std::make_shared<const Optics>(camera, seed);
+}
+
+Eyes::Optics::Optics(const CameraFile& camera, std::uint64_t seed)
+    : left(camera.eye, camera.calibration(), Sensor::Eye::left, seed),
+      right(camera.eye, camera.calibration(), Sensor::Eye::right, seed),
+      rectifier(camera.calibration()) {}
 
 Time Eyes::exposure_time(std::uint64_t sequence) const {
   const double ms = std::round(1000.0 * static_cast<double>(sequence) / camera_.rate_hz);
   return std::chrono::milliseconds(static_cast<std::int64_t>(ms));
+}
+
+// A frame waits for the next slot of the bus and for the host to wake up: some even time.
+Time Eyes::arrival_time(Time exposure) const {
+  const double share = static_cast<double>(mix64(mix64(seed_) ^ sequence_) >> 11) * 0x1p-53;
+  return exposure + from_seconds(camera_.latency_s + share * camera_.jitter_s);
+}
+
+Result<void> Eyes::draw(Renderer& renderer, const ScenePose& pose, const View& left,
+                        const View& right, const Optics* optics, std::uint64_t sequence,
+                        vision::StereoImages& pair) {
+  Picture pictures[2];
+  Result<void> drawn = renderer.render(pose, left, pictures[0]);
+  if (drawn) drawn = renderer.render(pose, right, pictures[1]);
+  if (!drawn) return drawn;
+  if (optics == nullptr) {
+    pair.left = take_image(pictures[0]);
+    pair.right = take_image(pictures[1]);
+    return {};
+  }
+  Picture real[2];
+  optics->left.expose(pictures[0], sequence, real[0]);
+  optics->right.expose(pictures[1], sequence, real[1]);
+  optics->rectifier.rectify({take_image(real[0]), take_image(real[1])}, pair);
+  return {};
 }
 
 Result<void> Eyes::look(Time now, const std::function<ScenePose()>& pose) {
@@ -65,26 +99,28 @@ Result<void> Eyes::look(Time now, const std::function<ScenePose()>& pose) {
 
 void Eyes::expose(Time now, ScenePose pose) {
   const Eigen::Isometry3d head = pose.frames[static_cast<std::size_t>(mounting_.head_frame)];
-  const View left{camera_.pinhole(), head * mounting_.left};
-  const View right{camera_.pinhole(), head * mounting_.right};
+  View left{camera_.pinhole(), head * mounting_.left};
+  View right{camera_.pinhole(), head * mounting_.right};
+  if (optics_) {
+    left = {optics_->left.ideal(), left.world_from_optical * optics_->left.mounting_from_optical()};
+    right = {optics_->right.ideal(),
+             right.world_from_optical * optics_->right.mounting_from_optical()};
+  }
 
   auto drawn = std::make_shared<std::promise<Drawn>>();
   auto images = std::make_shared<std::promise<std::shared_ptr<const vision::StereoImages>>>();
-  draws_.submit([&draws = draws_, left, right, drawn, images, hashed = digests_,
+  draws_.submit([&draws = draws_, left, right, drawn, images, hashed = digests_, optics = optics_,
+                 size = camera_.pinhole(), sequence = sequence_,
                  pose = std::move(pose)](const Result<Renderer*>& renderer) {
     auto pair = std::make_shared<vision::StereoImages>();
-    Picture pictures[2];
     Result<void> result;
     if (renderer) {
-      result = (*renderer)->render(pose, left, pictures[0]);
-      if (result) result = (*renderer)->render(pose, right, pictures[1]);
+      result = draw(**renderer, pose, left, right, optics.get(), sequence, *pair);
     } else {
       result = tl::unexpected(renderer.error());
     }
     Drawn outcome;
     if (result) {
-      pair->left = take_image(pictures[0]);
-      pair->right = take_image(pictures[1]);
       images->set_value(pair);  // vision begins while the pictures are hashed
       if (hashed) {
         outcome.left_digest = sha256_hex(pair->left.rgb);
@@ -92,8 +128,8 @@ void Eyes::expose(Time now, ScenePose pose) {
       }
     } else {
       draws.set_error(result.error());
-      pair->left = black(left.camera);
-      pair->right = black(right.camera);
+      pair->left = black(size);
+      pair->right = black(size);
       images->set_value(pair);
     }
     outcome.images = pair;
@@ -105,7 +141,7 @@ void Eyes::expose(Time now, ScenePose pose) {
   pair.info.exposure = now;
   pair.info.camera = model_;
   pair.images = images->get_future().share();
-  arriving_.emplace_back(now + from_seconds(camera_.latency_s), std::move(pair));
+  arriving_.emplace_back(arrival_time(now), std::move(pair));
   if (arriving_.size() > most_kept) arriving_.pop_front();
 
   const std::shared_future<Drawn> outcome = drawn->get_future().share();

@@ -14,22 +14,29 @@
 #include "shared/base/result.hpp"
 #include "sim/body/world.h"
 #include "sim/runtime/render_thread.h"
-#include "sim/view/renderer.h"
+#include "sim/view/sensor.h"
 #include "vision/frame.h"
+#include "vision/rectify.h"
 
 namespace kaz::sim {
 
-// camera.json: size, view, base line and timing of the eyes. Their places are links of the URDF.
+// camera.json: cameras and timing of the eyes. Their places are links of the URDF.
 struct CameraFile {
-  int width = 320, height = 240;
-  double horizontal_view_rad = 1.3962634015954636;  // 80 degrees
-  double baseline_m = 0.040;
+  EyeModel eye;
+  std::uint64_t unit = 1;     // which copy of the cameras; decides how each differs from the others
+  double baseline_m = 0.040;  // from the URDF, once there is a world
   double rate_hz = 30.0;
   double latency_s = 0.015;  // from the middle of the exposure to when the pair reaches the host
+  double jitter_s = 0;       // at most so much later, evenly spread
+  // True: pinholes without noise, exactly parallel. False: lenses and sensors as EyeModel says; the
+  // host gets the pictures rectified by the calibration.
+  bool ideal = true;
 
   static Result<CameraFile> load(const std::string& path);
+  // Of the pictures that the host gets.
   Pinhole pinhole() const;
   vision::CameraModel model() const;
+  vision::StereoCalibration calibration() const;
 };
 
 // What happens when drawing does not keep up with the world.
@@ -53,9 +60,10 @@ class Eyes {
     std::string left, right;  // 64 hexadecimal digits each; empty if drawing failed
   };
 
-  // `draws` must outlive the eyes. With `digests` the pictures are hashed as well.
+  // `draws` must outlive the eyes. With `digests` the pictures are hashed as well. `seed`: of the
+  // pictures' noise and of the jitter.
   Eyes(RenderThread& draws, const CameraFile& camera, const Mounting& mounting, FramePolicy policy,
-       bool digests);
+       bool digests, std::uint64_t seed = 1);
 
   // To be called at the end of each step; exposes if one is due. Exposure n is made at the step
   // next to n / rate after time 0. `pose` is asked only then. Error: drawing failed earlier.
@@ -70,6 +78,12 @@ class Eyes {
   std::vector<Digest> take_digests(bool all);
 
  private:
+  // Lens, sensor and rectification of both eyes, shared with the drawings under way.
+  struct Optics {
+    Optics(const CameraFile& camera, std::uint64_t seed);
+    Sensor left, right;
+    vision::Rectifier rectifier;
+  };
   struct Drawn {
     std::shared_ptr<const vision::StereoImages> images;
     std::string left_digest, right_digest;
@@ -80,7 +94,11 @@ class Eyes {
     std::shared_future<Drawn> drawn;
   };
 
+  static Result<void> draw(Renderer& renderer, const ScenePose& pose, const View& left,
+                           const View& right, const Optics* optics, std::uint64_t sequence,
+                           vision::StereoImages& pair);
   Time exposure_time(std::uint64_t sequence) const;
+  Time arrival_time(Time exposure) const;  // of the pair now exposed
   void expose(Time now, ScenePose pose);
 
   RenderThread& draws_;
@@ -89,6 +107,8 @@ class Eyes {
   Mounting mounting_;
   FramePolicy policy_;
   bool digests_;
+  std::uint64_t seed_;
+  std::shared_ptr<const Optics> optics_;  // null: ideal
   std::uint64_t sequence_ = 0, left_out_ = 0;
   std::deque<std::shared_future<Drawn>> under_way_;
   std::deque<std::pair<Time, vision::StereoPair>> arriving_;  // with the time of arrival

@@ -166,20 +166,87 @@ TEST(Eyes, DigestsComeTwoExposuresLater) {
   EXPECT_EQ(eyes.take_digests(true).size(), 2u);
 }
 
+TEST(Eyes, ArriveLaterByUpToTheJitterAndInOrder) {
+  CameraFile camera = small_camera();
+  camera.jitter_s = 0.004;
+  const auto arrivals = [&](std::uint64_t seed) {
+    RenderThread draws({}, make_test_renderer);
+    Eyes eyes(draws, camera, mounting(), FramePolicy::wait, false, seed);
+    std::vector<std::int64_t> late_us;  // in steps of 0.1 ms, after the latency of 15 ms
+    for (int t = 1; t <= 1000; ++t) {
+      EXPECT_TRUE(eyes.look(milliseconds(t), still));
+      for (int part = 0; part < 10; ++part) {
+        const Time now = milliseconds(t) + std::chrono::microseconds(100 * part);
+        while (const auto pair = eyes.next_pair(now))
+          late_us.push_back((now - pair->info.exposure).count() / 1000 - 15'000);
+      }
+    }
+    return late_us;
+  };
+  const auto one = arrivals(1);
+  ASSERT_EQ(one.size(), 29u);
+  double sum = 0;
+  for (const auto late : one) {
+    EXPECT_GE(late, 0);
+    EXPECT_LE(late, 4100);
+    sum += static_cast<double>(late);
+  }
+  EXPECT_NEAR(sum / 29, 2000, 700);  // three sigma of the mean of 29 even deviates are 640
+  EXPECT_EQ(arrivals(1), one);
+  EXPECT_NE(arrivals(2), one);
+}
+
+TEST(Eyes, RealOnesGiveRectifiedPicturesWithNoiseOfTheSeed) {
+  CameraFile camera = small_camera();
+  camera.ideal = false;
+  const auto picture = [&](std::uint64_t seed, int exposure) {
+    RenderThread draws({}, make_test_renderer);
+    Eyes eyes(draws, camera, mounting(), FramePolicy::wait, false, seed);
+    EXPECT_TRUE(eyes.look(milliseconds(exposure == 1 ? 33 : 67), still));
+    return eyes.next_pair(milliseconds(500))->images.get();
+  };
+  const auto first = picture(1, 1);
+  EXPECT_EQ(first->left.width, 32);
+  EXPECT_EQ(first->left.height, 24);
+  EXPECT_EQ(first->left.rgb, picture(1, 1)->left.rgb);
+  EXPECT_NE(first->left.rgb, first->right.rgb);
+  EXPECT_NE(first->left.rgb, picture(2, 1)->left.rgb);
+  EXPECT_NE(first->left.rgb, picture(1, 2)->left.rgb);
+}
+
+TEST(CameraFile, OfTheRobotHasBothKindsOfEyes) {
+  auto camera = CameraFile::load("shared/robot/kaz/camera.json");
+  ASSERT_TRUE(camera) << camera.error().message;
+  const vision::StereoCalibration ideal = camera->calibration();
+  EXPECT_EQ(ideal.left.lens.distortion, (std::array<double, 5>{}));
+  EXPECT_EQ(ideal.left.lens.fx, ideal.rectified.fx);
+  camera->ideal = false;
+  const vision::StereoCalibration real = camera->calibration();
+  EXPECT_LT(real.left.lens.distortion[0], -0.1);
+  EXPECT_NE(real.left.lens.fx, real.right.lens.fx);
+  EXPECT_EQ(real.rectified.fx, ideal.rectified.fx);
+}
+
 TEST(CameraFile, IsReadAndChecked) {
   const TestFolder folder;
   const std::string path = folder.file("camera.json");
   const auto write = [&path](const std::string& width) {
-    std::ofstream(path) << R"({"width": )" << width
-                        << R"(, "height": 240, "horizontal_view_deg": 90, "baseline_m": 0.04,
-                              "rate_hz": 30, "latency_s": 0.015})";
+    std::ofstream(path)
+        << R"({"width": )" << width
+        << R"(, "height": 240, "horizontal_view_deg": 90, "rate_hz": 30, "latency_s": 0.015})";
   };
   write("320");
   const auto camera = CameraFile::load(path);
   ASSERT_TRUE(camera) << camera.error().message;
-  EXPECT_EQ(camera->height, 240);
+  EXPECT_EQ(camera->eye.height, 240);
   EXPECT_NEAR(camera->model().fx, 160.0, 1.0);  // half the width at 45 degrees, near enough
-  EXPECT_EQ(camera->model().baseline_m, 0.04);
+  EXPECT_TRUE(camera->ideal);
+  EXPECT_EQ(camera->jitter_s, 0);  // what a file may leave out
+
+  write(R"(320, "k1": -0.9)");  // 0.5 - 0.9 * 0.5^3 * 3 < 0: falls before the edge
+  const auto folded = CameraFile::load(path);
+  ASSERT_FALSE(folded);
+  EXPECT_NE(folded.error().message.find("turns back"), std::string::npos);
 
   write("99999");
   const auto wrong = CameraFile::load(path);

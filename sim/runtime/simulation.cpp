@@ -50,6 +50,7 @@ McapWriter::Metadata facts_of(const SimulationOptions& options, const World& wor
   facts.emplace_back("stepper", world.stepper());
   facts.emplace_back("sensors", name_of(options.sensors));
   facts.emplace_back("imu", options.imu ? "true" : "false");
+  facts.emplace_back("eyes", options.ideal_eyes ? "ideal" : "real");
   return facts;
 }
 
@@ -66,6 +67,11 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& 
   Result<CameraFile> camera;
   if ((*world)->head_frame() >= 0) camera = CameraFile::load(options.camera_path);
   if (!camera) return tl::unexpected(camera.error());
+  camera->ideal = options.ideal_eyes;
+  if (options.eye_width > 0) {
+    camera->eye.width = options.eye_width;
+    camera->eye.height = options.eye_width * 3 / 4;
+  }
   const auto figures =
       load_sensor_file(std::filesystem::path(options.robot_path).replace_filename("sensors.xml"));
   if (!figures) return tl::unexpected(figures.error());
@@ -113,6 +119,10 @@ Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mc
       faults_(options.faults),
       line_(options.seed),
       draws_(world_->scene(), options.renderer) {
+  if (has_eyes()) {
+    const Eyes::Mounting eyes = eye_mounting(*world_);
+    camera_.baseline_m = (eyes.left.translation() - eyes.right.translation()).norm();
+  }
   line_.set_faults(&faults_.schedule());
   tell_sensors();
 }
@@ -198,7 +208,7 @@ void Simulation::open_eyes() {
   eyes_open_ = true;
   if (eyes_) return;
   eyes_ = std::make_unique<Eyes>(draws_, camera_, eye_mounting(*world_), options_.frames,
-                                 recorder_ != nullptr);
+                                 recorder_ != nullptr, options_.seed);
 }
 
 std::optional<vision::StereoPair> Simulation::next_pair() {

@@ -45,12 +45,14 @@ struct SimulationOptions {
   SensorSwitches sensors = {};
   SensorFigures sensor_figures = {};  // create() takes them from sensors.xml beside the URDF
   bool imu = false;                   // the board has gyro and accelerometer
+  bool ideal_eyes = true;  // pinholes without noise; else lenses and sensors as the camera file says
+  int eye_width = 0;       // px of 4:3 pictures; 0: as the camera file says
   double supply_volts = 10.0;
   FramePolicy frames = FramePolicy::wait;
   faults::Schedule faults;               // times since the start
   std::string recording_path;            // none if empty
   McapWriter::Metadata recording_facts;  // versions and the like, for the recording's header
-  RendererFactory renderer = make_osmesa_renderer;
+  RendererFactory renderer = make_default_renderer;
 };
 
 class Simulation {

@@ -84,8 +84,8 @@ inline Result<std::unique_ptr<Renderer>> make_test_renderer() {
 
 inline CameraFile small_camera() {
   CameraFile camera;
-  camera.width = 32;
-  camera.height = 24;
+  camera.eye.width = 32;
+  camera.eye.height = 24;
   return camera;
 }
 

@@ -1,4 +1,4 @@
-// Pinhole geometry: focal length from the angle of view, optical frames.
+// Pinhole geometry: focal length from the angle of view, a camera that looks at a point.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/camera.h"
 
@@ -6,32 +6,10 @@
 
 namespace kaz::sim {
 
-namespace {
-
-// Columns: where the optical axes x (right), y (down), z (forward) point in a frame x forward, z
-// up.
-Eigen::Isometry3d optical_in_link(const Eigen::Vector3d& lens) {
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() << 0, 0, 1,  //
-      -1, 0, 0,              //
-      0, -1, 0;
-  pose.translation() = lens;
-  return pose;
-}
-
-}  // namespace
-
 Pinhole Pinhole::from_horizontal_view(int width, int height, double horizontal_rad) {
   // The picture's edges lie half a pixel beyond the outermost pixel centres.
   const double f = 0.5 * width / std::tan(0.5 * horizontal_rad);
   return {width, height, f, f, 0.5 * (width - 1), 0.5 * (height - 1)};
-}
-
-Eigen::Isometry3d EyeRig::head_from_left_optical() const {
-  return optical_in_link(left_lens);
-}
-Eigen::Isometry3d EyeRig::head_from_right_optical() const {
-  return optical_in_link(right_lens);
 }
 
 Eigen::Isometry3d look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {

@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/context_osmesa.h"
 
+#ifdef KAZ_HAVE_OSMESA
 #include <GL/osmesa.h>
+#endif
 
 #include <array>
 #include <cstdint>
-#include <cstdlib>
 #include <mutex>
-
-#include "sim/view/gl_renderer.h"
 
 // Leaks of libraries, not ours, that the leak checker would report: Mesa keeps 160 bytes of each
 // context, fontconfig its patterns. Weak, for another library of ours may bring the same list.
@@ -21,6 +20,8 @@ extern "C" [[gnu::weak]] const char* __lsan_default_suppressions() {
 #endif
 
 namespace kaz::sim {
+
+#ifdef KAZ_HAVE_OSMESA
 
 namespace {
 
@@ -60,18 +61,6 @@ class OsmesaContext final : public GlContext {
 
 }  // namespace
 
-void fix_mesa_environment() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    setenv("GALLIUM_DRIVER", "llvmpipe", 1);
-    // 0: rasterise in the calling thread. The caller has its own use for the other cores.
-    setenv("LP_NUM_THREADS", "0", 1);
-    // The width of its vectors decides how its sums are rounded. 512 crashes in Mesa 22.3.
-    setenv("LP_NATIVE_VECTOR_WIDTH", __builtin_cpu_supports("avx") ? "256" : "128", 1);
-    setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);  // leaves no files in the user's home
-  });
-}
-
 Result<std::unique_ptr<GlContext>> make_osmesa_context() {
   constexpr std::array<int, 9> attributes = {OSMESA_FORMAT,
                                              OSMESA_RGBA,
@@ -93,9 +82,14 @@ Result<std::unique_ptr<GlContext>> make_osmesa_context() {
   return std::make_unique<OsmesaContext>(context);
 }
 
-Result<std::unique_ptr<Renderer>> make_osmesa_renderer() {
-  fix_mesa_environment();
-  return make_gl_renderer(make_osmesa_context);
+#else
+
+Result<std::unique_ptr<GlContext>> make_osmesa_context() {
+  return fail(Fault::environment,
+              "off-screen OpenGL by OSMesa was not built in: build with libosmesa6-dev, or use EGL "
+              "(KAZ_OPENGL=egl)");
 }
+
+#endif
 
 }  // namespace kaz::sim

@@ -6,9 +6,6 @@
 
 namespace kaz::sim {
 
-// Fixes, for this process, what of Mesa's drawing the environment could change.
-void fix_mesa_environment();
-
 Result<std::unique_ptr<GlContext>> make_osmesa_context();
 
 }  // namespace kaz::sim

@@ -11,7 +11,7 @@ namespace {
 vision::FrameInfo info_of(const View& view) {
   vision::FrameInfo info;
   const Pinhole& c = view.camera;
-  info.camera = {c.width, c.height, c.fx, c.fy, c.cx, c.cy, EyeRig().baseline_m()};
+  info.camera = {c.width, c.height, c.fx, c.fy, c.cx, c.cy, kEyeBaseline_m};
   return info;
 }
 
@@ -25,7 +25,7 @@ class Grounds : public testing::TestWithParam<const char*> {
     scene_.add_ball({0.5, -0.2, 0.02}, {0.95F, 0.55F, 0.10F});  // orange
     scene_.add_ball({0.4, 0.25, 0.02}, {0.75F, 0.20F, 0.75F});  // magenta
     ball_ = scene_.add_ball({0, 0, -1});                        // out of sight
-    renderer_ = std::move(*make_osmesa_renderer());
+    renderer_ = std::move(*make_default_renderer());
     EXPECT_TRUE(renderer_->set_scene(scene_.scene));
   }
 

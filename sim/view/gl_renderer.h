@@ -12,6 +12,9 @@ namespace kaz::sim {
 
 using ContextMaker = std::function<Result<std::unique_ptr<GlContext>>()>;
 
+// Fixes, for this process, what of Mesa's drawing the environment could change.
+void fix_mesa_environment();
+
 // The context is made in the first call to render().
 std::unique_ptr<Renderer> make_gl_renderer(ContextMaker make_context);
 

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -48,9 +49,12 @@ class Renderer {
   virtual Result<void> render(const ScenePose& pose, const View& view, Picture& picture) = 0;
 };
 
-// Off-screen Mesa (llvmpipe), rasterising in the calling thread. Sets Mesa's environment variables
-// for the process, so that its pictures do not hang on the user's: call it before threads that read
-// the environment.
-Result<std::unique_ptr<Renderer>> make_osmesa_renderer();
+// Off-screen Mesa (llvmpipe), rasterising in the calling thread, by `way`: "osmesa", "egl" (without a
+// surface), or empty for the first of these that starts. Sets Mesa's environment variables for the
+// process, so that its pictures do not hang on the user's: call it before threads that read the
+// environment. Whether OpenGL can be had shows with the first picture.
+Result<std::unique_ptr<Renderer>> make_renderer(const std::string& way);
+// The way that the environment variable KAZ_OPENGL names.
+Result<std::unique_ptr<Renderer>> make_default_renderer();
 
 }  // namespace kaz::sim

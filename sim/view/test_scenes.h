@@ -9,6 +9,8 @@
 
 namespace kaz::sim {
 
+inline constexpr double kEyeView_rad = 80.0 * 3.14159265358979323846 / 180.0;
+inline constexpr double kEyeBaseline_m = 0.040;
 inline constexpr Rgb kRedBall{0.85F, 0.08F, 0.06F};
 
 // A scene under construction, with its pose. Frame 0 is the world.
@@ -73,7 +75,7 @@ inline TestScene table_scene() {
 // As the robot sees when it stands: lens 0.3 m above the ground.
 inline View eye_view(int width = 320, double tilt_rad = 0.6) {
   View view;
-  view.camera = Pinhole::from_horizontal_view(width, width * 3 / 4, EyeRig().horizontal_view_rad);
+  view.camera = Pinhole::from_horizontal_view(width, width * 3 / 4, kEyeView_rad);
   view.world_from_optical = look_at({0, 0, 0.3}, {std::cos(tilt_rad), 0, 0.3 - std::sin(tilt_rad)});
   return view;
 }

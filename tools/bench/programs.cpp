@@ -27,7 +27,10 @@ struct Program {
 const std::vector<Program>& programs() {
   static const std::vector<Program> all{
       {"body_bench", "cpu_time", {"dynamics.step_us.walking"}},
-      {"view_bench", "real_time", {"view.pair_ms.320", "view.pair_ms.640"}},
+      {"view_bench",
+       "real_time",
+       {"view.pair_ms.320", "view.pair_ms.640", "view.sensor_ms.320", "view.sensor_ms.640",
+        "view.real_pair_ms.320", "view.real_pair_ms.640"}},
       {"vision_bench",
        "cpu_time",
        {"vision.color_ms.320", "vision.color_ms.640", "vision.regions_ms.320",

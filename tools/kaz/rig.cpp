@@ -146,6 +146,8 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& optio
   sim::SimulationOptions sim;
   sim.engine = options.engine;
   sim.seed = options.seed;
+  sim.ideal_eyes = options.eyes == "ideal";
+  sim.eye_width = options.eye_width;
   sim.frames = frames;
   const auto sensors = sim::sensors_by_name(options.sensors);
   if (!sensors)

@@ -24,6 +24,13 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
       ->check(CLI::IsMember({"nominal", "ideal", "as-built"}))
       ->capture_default_str();
   verb.add_flag("--imu", options.imu, "a board with gyro and accelerometer on AN3..AN5");
+  verb.add_option("--eyes", options.eyes,
+                  "ideal: pinholes without noise; real: with lens, exposure and noise, rectified")
+      ->check(CLI::IsMember({"ideal", "real"}))
+      ->capture_default_str();
+  verb.add_option("--eye-width", options.eye_width,
+                  "width of the eyes' pictures: 320 or 640; that of camera.json if not given")
+      ->check(CLI::IsMember({320, 640}));
   verb.add_option("--seed", options.seed, "of all noise; the same seed gives the same bytes")
       ->capture_default_str();
 }

@@ -8,7 +8,7 @@
 
 namespace kaz::tools {
 
-// --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --seed.
+// --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --eyes, --eye-width, --seed.
 void add_sim_options(CLI::App& verb, RigOptions& options);
 
 }  // namespace kaz::tools

@@ -8,6 +8,7 @@
 
 #include "sim/mcu/memory_file.h"
 #include "sim/runtime/real_time.h"
+#include "tools/figure/figure.h"
 #include "tools/kaz/interrupt_signals.h"
 #include "tools/kaz/sim_options.h"
 #include "tools/kaz/verbs.h"
@@ -18,7 +19,8 @@ namespace {
 struct SimArguments {
   RigOptions rig;
   sim::RealTimeOptions real_time;
-  std::string memory;  // file of the board's flash; none if empty
+  std::string memory;       // file of the board's flash; none if empty
+  std::string calibration;  // file to write the eyes' calibration to; none if empty
 };
 
 // Sets a flag when the interrupt comes, for code that looks at a flag and not at a descriptor.
@@ -47,6 +49,16 @@ Result<bool> serve(SimArguments arguments) {
   if (!simulation) return tl::unexpected(simulation.error());
   if (!arguments.real_time.cameras_path.empty() && !(*simulation)->has_eyes())
     return tl::unexpected(sim::Simulation::no_eyes());
+  if (!arguments.calibration.empty()) {
+    if (!(*simulation)->has_eyes()) return tl::unexpected(sim::Simulation::no_eyes());
+    const std::string text = (*simulation)->camera().calibration().yaml();
+    const auto written = figure::write_file(
+        arguments.calibration, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    if (!written) return tl::unexpected(written.error());
+    if (arguments.real_time.serial_path.empty()) return true;
+  }
+  if (arguments.real_time.serial_path.empty())
+    return fail(Fault::usage, "--serial is missing: where to put the link to the board's port");
   sim::Mcu& mcu = (*simulation)->board().mcu();
   if (!arguments.memory.empty()) {
     if (auto loaded = sim::load_memory(mcu, arguments.memory); !loaded)
@@ -89,7 +101,6 @@ void add_sim(CLI::App& program, Action& action) {
   auto arguments = std::make_shared<SimArguments>();
   verb->add_option("--serial", arguments->real_time.serial_path,
                    "where to put the link to the board's serial port (a pty)")
-      ->required()
       ->type_name("PATH");
   verb->add_option("--cameras", arguments->real_time.cameras_path,
                    "where to publish the stereo pairs (a Unix socket)")
@@ -98,12 +109,16 @@ void add_sim(CLI::App& program, Action& action) {
   verb->add_option("--memory", arguments->memory,
                    "file that keeps the board's calibration and address from one run to the next")
       ->type_name("FILE");
+  verb->add_option("--write-calibration", arguments->calibration,
+                   "write the eyes' calibration as OpenCV does (YAML); without --serial, only that")
+      ->type_name("FILE");
   add_sim_options(*verb, arguments->rig);
   verb->footer(
       "The link behaves as a port with a board at the other end. PATH.ctl takes commands: reset,\n"
       "power off, power on, status, one a line. Ends with Ctrl-C and removes what it made.\n"
       "Examples:\n"
       "  kaz sim --serial /tmp/kaz0 --cameras /tmp/kaz0.eyes\n"
+      "  kaz sim --eyes real --write-calibration eyes.yml\n"
       "  kaz run track-ball --robot serial:/tmp/kaz0 --camera /tmp/kaz0.eyes   (elsewhere)");
   verb->callback([&action, arguments] { action = [arguments] { return serve(*arguments); }; });
 }
