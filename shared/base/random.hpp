@@ -33,6 +33,12 @@ class Random {
   double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
   bool chance(double probability) { return uniform() < probability; }
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(state_);
+  }
+
  private:
   std::uint64_t state_;
 };

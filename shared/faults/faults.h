@@ -59,6 +59,10 @@ struct Fault {
   bool operator==(const Fault&) const = default;
 
   bool active(Time t) const { return t >= at && (length == kForEver || t - at < length); }
+  template <class A>
+  void transfer(A& a) {
+    a(name, at, length, joint, way, value);
+  }
 };
 
 // One line of a schedule without its comment. `at` may be missing: then it begins at `now`. Errors
@@ -82,6 +86,12 @@ class Schedule {
   std::string text() const;
   // The name of the first fault that only the simulator can do; nothing if there is none.
   std::optional<std::string_view> only_simulated() const;
+
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(faults_);
+  }
 
  private:
   std::vector<Fault> faults_;

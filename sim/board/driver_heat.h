@@ -24,6 +24,12 @@ class DriverHeat {
   }
   double celsius() const { return celsius_; }
 
+  // What changes as it goes on (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(celsius_);
+  }
+
  private:
   DriverFigures figures_;
   double celsius_;

@@ -30,6 +30,13 @@ class Imu {
   // Shares of AVCC at AN3 (yaw rate), AN4 (forward), AN5 (left): axis 0, 1, 2.
   double ratio(int axis) const;
 
+  // What changes as it goes on (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(started_);
+    for (Axis& axis : axes_) a(axis.filtered);
+  }
+
  private:
   struct Axis {
     AxisFigures figures;

@@ -100,6 +100,23 @@ void ServoBoard::set_motion(const ImuMotion& motion) {
   if (imu_) imu_->advance(now_ / KZ_STATES_PER_TICK, motion);
 }
 
+template <class A>
+void ServoBoard::transfer(A& a) {
+  a(power_, now_, off_time_, pot_, pot_faults_, supply_current_, supply_change_,
+    motor_current_, heated_to_, heat_, pins_, integrated_from_, integrated_to_, enabled_states_, duty_states_);
+  if (imu_) a(*imu_);
+}
+
+void ServoBoard::save(StateWriter& to) {
+  mcu_->save(to);
+  transfer(to);
+}
+
+void ServoBoard::restore(StateReader& from) {
+  mcu_->restore(from);
+  transfer(from);
+}
+
 double ServoBoard::supply_volts() const {
   if (!power_) return 0;
   return std::max(0.0,

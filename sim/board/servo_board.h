@@ -43,6 +43,10 @@ struct PotFault {
   std::optional<double> level;  // the input stands there, whatever the angle
   double noise_codes = 0;       // sigma, besides the ordinary noise
   bool stuck = false;           // it does not follow the angle any more
+  template <class A>
+  void transfer(A& a) {
+    a(level, noise_codes, stuck);
+  }
 };
 
 class ServoBoard {
@@ -93,7 +97,12 @@ class ServoBoard {
   bool power() const { return power_; }
   void reset();  // the RES pin
 
+  void save(StateWriter& to);
+  void restore(StateReader& from);
+
  private:
+  template <class A>
+  void transfer(A& a);
   double analog(int channel, const PinLevels& levels, States mcu_time) const;
   double noise_free(unsigned input) const;
   double noise_codes(unsigned input) const;

@@ -118,7 +118,8 @@ void Contacts::add(const RigidLink& link, int robot_link, dBodyID body,
   for (const CollisionShape& shape : link.collisions) {
     if (shape.shape.kind == Shape::Kind::mesh) continue;
     const Eigen::Isometry3d at = body ? shape.in_link : pose * shape.in_link;
-    const Geom& geom = add_geom(shape, at);
+    Geom& geom = add_geom(shape, at);
+    geom.name = link.name;
     if (shape.shape.kind == Shape::Kind::plane) continue;
     const dGeomID id = geom.id.get();
     const Eigen::Vector3d centre = at.translation();
@@ -202,6 +203,7 @@ void Contacts::place_parts() {
 
 void Contacts::update() {
   dJointGroupEmpty(rows_.get());
+  watched_.clear();
   count_ = 0;
   place_parts();
   for (const auto& [a, b] : selves_) meet(robot_[a], robot_[b]);
@@ -290,8 +292,22 @@ void Contacts::touch(std::size_t a, std::size_t b) {
     contact.geom = found[static_cast<std::size_t>(i)];
     const dJointID row = dJointCreateContact(world_, rows_.get(), &contact);
     dJointAttach(row, body_a, body_b);
+    if (!watch_) continue;
+    watched_.push_back({a, b, to_eigen(contact.geom.pos), body_a == nullptr, {}});
+    dJointSetFeedback(row, &watched_.back().feedback);
   }
   count_ += count;
+}
+
+std::vector<ContactPoint> Contacts::watched() const {
+  std::vector<ContactPoint> points;
+  points.reserve(watched_.size());
+  for (const Watched& row : watched_) {
+    const Eigen::Vector3d force = to_eigen(row.feedback.f1);
+    points.push_back({geoms_[row.a].name, geoms_[row.b].name, row.at,
+                      row.turned ? Eigen::Vector3d(-force) : force});
+  }
+  return points;
 }
 
 }  // namespace kaz::sim

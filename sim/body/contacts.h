@@ -8,11 +8,14 @@
 #pragma once
 
 #include <array>
+#include <deque>
+#include <string>
 #include <vector>
 
 #include "sim/body/ode_handles.h"
 #include "sim/body/rigid_link.h"
 #include "sim/body/robot_model.h"
+#include "sim/body/world.h"
 
 namespace kaz::sim {
 
@@ -31,11 +34,16 @@ class Contacts {
   // Rows that update() made: points of contact.
   int count() const { return count_; }
 
+  // Keeps the forces of the rows that are made from now on.
+  void watch(bool on) { watch_ = on; }
+  std::vector<ContactPoint> watched() const;
+
  private:
   struct Geom {
     OdeGeomHandle id;
     Surface surface;
     bool box = false;
+    std::string name;                                // of its link
     double radius = 0;                               // of the sphere about it, m
     Eigen::Vector3d half = Eigen::Vector3d::Zero();  // of a box
   };
@@ -60,6 +68,13 @@ class Contacts {
     int face = 0;
   };
 
+  struct Watched {
+    std::size_t a, b;  // of geoms_
+    Eigen::Vector3d at;
+    bool turned;  // the feedback is b's
+    dJointFeedback feedback;
+  };
+
   void add(const RigidLink& link, int robot_link, dBodyID body, const Eigen::Isometry3d& pose);
   Geom& add_geom(const CollisionShape& shape, const Eigen::Isometry3d& at);
   void pair_with_robot(std::size_t part, int robot_link);
@@ -72,6 +87,8 @@ class Contacts {
   dWorldID world_;
   OdeJointGroupHandle rows_;
   int count_ = 0;
+  bool watch_ = false;
+  std::deque<Watched> watched_;  // ODE keeps pointers to the feedbacks
   std::vector<Geom> geoms_;
   std::vector<Plane> planes_;
   std::vector<Part> robot_, objects_, fixed_;

@@ -44,6 +44,13 @@ class JointMotor {
   // A, in the motor itself: the same over the duty, brushes' sign included.
   double motor_current() const { return motor_current_; }
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(regime_, stopped_, held_angle_, duty_, volts_, drive_torque_, powered_, jammed_, slipping_,
+      current_);
+  }
+
  private:
   enum class Regime { held, forward, backward };
 

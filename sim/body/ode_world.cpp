@@ -49,10 +49,6 @@ OdeWorldHandle make_world(const Eigen::Vector3d& gravity, int iterations) {
     dWorldSetQuickStepW(world.get(), kQuickStepOverRelaxation);
   }
   dWorldSetAutoDisableFlag(world.get(), 0);
-  dWorldSetAutoDisableLinearThreshold(world.get(), kSleepLinear);
-  dWorldSetAutoDisableAngularThreshold(world.get(), kSleepAngular);
-  dWorldSetAutoDisableTime(world.get(), kSleepAfter);
-  dWorldSetAutoDisableSteps(world.get(), 0);
   return world;
 }
 
@@ -66,6 +62,7 @@ OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const Motor
       random_state_((options.seed ^ (options.seed >> 32)) & 0xffffffffu),
       ode_(make_world(world.gravity, iterations)),
       contacts_(ode_.get(), robot),
+      sleep_({kSleepLinear, kSleepAngular, kSleepAfter}),
       motors_(robot.joints.size(), JointMotor(motor, options.step_s)),
       joint_order_(robot.joint_order()),
       ode_joints_(robot.joints.size()),
@@ -84,6 +81,7 @@ OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const Motor
   std::reverse(kicks_.begin(), kicks_.end());
   std::stable_sort(kicks_.begin(), kicks_.end(),
                    [](const PendingKick& a, const PendingKick& b) { return a.step > b.step; });
+  all_kicks_ = kicks_;
   read_joints();
   read_imu(imu_velocity());
 }
@@ -180,7 +178,7 @@ void OdeWorld::build_object(const WorldBody& object) {
     return;
   }
   const Body body = make_body(object.rigid, object.pose);
-  dBodySetAutoDisableFlag(body.id, 1);
+  sleep_.add(body.id);
   contacts_.add_object(object.rigid, body.id, object.pose);
   add_visuals(object.rigid, add_frame(object.rigid.name, body), Eigen::Isometry3d::Identity());
   objects_.emplace(object.model, body);
@@ -193,7 +191,7 @@ void OdeWorld::kick_due() {
   while (!kicks_.empty() && kicks_.back().step <= steps_) {
     const PendingKick& kick = kicks_.back();
     const Eigen::Vector3d v = to_eigen(dBodyGetLinearVel(kick.body)) + kick.velocity;
-    dBodyEnable(kick.body);
+    sleep_.wake(kick.body);
     dBodySetLinearVel(kick.body, v.x(), v.y(), v.z());
     kicks_.pop_back();
   }
@@ -228,6 +226,7 @@ void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   kick_due();
   contacts_.update();
   drive_motors(drives, supply_volts);
+  sleep_.update(step_s_);
   const Eigen::Vector3d velocity_before = imu_velocity();
   solve();
   ++steps_;

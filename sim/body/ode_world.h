@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/body/body_sleep.h"
 #include "sim/body/contacts.h"
 #include "sim/body/joint_motor.h"
 #include "sim/body/ode_handles.h"
@@ -45,6 +46,10 @@ class OdeWorld final : public World {
   int find_contacts();
   double largest_joint_gap_m() const override { return largest_gap_; }
   std::string stepper() const override;
+  void watch_contacts(bool on) override { contacts_.watch(on); }
+  std::vector<ContactPoint> contacts() const override { return contacts_.watched(); }
+  void save(h8s::StateWriter& to) override;
+  void restore(h8s::StateReader& from) override;
 
  private:
   struct Body {
@@ -64,6 +69,8 @@ class OdeWorld final : public World {
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   };
 
+  template <class A>
+  void transfer(A& a);
   Body make_body(const RigidLink& link, const Eigen::Isometry3d& pose);
   int add_frame(const std::string& name, const Body& body);
   void add_visuals(const RigidLink& link, int frame, const Eigen::Isometry3d& in_frame);
@@ -85,6 +92,7 @@ class OdeWorld final : public World {
   unsigned long random_state_;
   OdeWorldHandle ode_;
   Contacts contacts_;
+  BodySleep sleep_;
   std::vector<JointMotor> motors_;
   std::vector<std::string> joint_order_;
   std::vector<Joint> ode_joints_;  // never grows after the start: ODE writes into it
@@ -94,6 +102,7 @@ class OdeWorld final : public World {
   std::map<std::string, Eigen::Isometry3d> fixed_objects_;
   std::map<std::string, Body> objects_;  // first link of each model that can move
   std::vector<PendingKick> kicks_;       // the next one last
+  std::vector<PendingKick> all_kicks_;   // as at the start
   std::vector<Body> frames_;             // scene frame 1 onwards
   Scene scene_;
   int head_frame_ = -1;

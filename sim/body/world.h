@@ -10,11 +10,13 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <Eigen/Geometry>
 
 #include "shared/base/result.hpp"
 #include "sim/body/scene.h"
+#include "sim/h8s/archive.h"
 
 namespace kaz::sim {
 
@@ -40,6 +42,13 @@ struct JointState {
 struct ImuState {
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s
   Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();    // acceleration minus gravity, m/s^2
+};
+
+// Where two shapes touch.
+struct ContactPoint {
+  std::string a, b;                                 // links; "model::link" in worlds
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();     // world frame, m
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on `a`, in the last step, N
 };
 
 struct WorldOptions {
@@ -79,6 +88,16 @@ class World {
   virtual Result<Eigen::Vector3d> object_position(const std::string& model) const = 0;
   virtual double largest_joint_gap_m() const = 0;  // since the start
   virtual std::string stepper() const = 0;
+  // Contacts of the last step, if they were watched in it. Watching changes nothing but time.
+  virtual void watch_contacts(bool on) { static_cast<void>(on); }
+  virtual std::vector<ContactPoint> contacts() const { return {}; }
+
+  // All that goes on from step to step, for a world made of the same files and options. The
+  // archive fails where a kind of world cannot.
+  virtual void save(h8s::StateWriter& to) { to.refuse("this kind of world cannot be saved"); }
+  virtual void restore(h8s::StateReader& from) {
+    from.refuse("this kind of world cannot be restored");
+  }
 };
 
 }  // namespace kaz::sim

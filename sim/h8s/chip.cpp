@@ -43,6 +43,16 @@ void Chip::restore(const Chip& saved) {
   machine_->memory_changed(0, 0);
 }
 
+void Chip::write_state(StateWriter& to) const {
+  machine_->write_state(to);
+}
+
+void Chip::read_state(StateReader& from) {
+  machine_->log_cut();
+  machine_->read_state(from);
+  machine_->memory_changed(0, 0);
+}
+
 Result<void> Chip::load(const Image& image) {
   for (const Segment& s : image.segments) {
     const std::uint64_t end = std::uint64_t{s.load_address} + s.bytes.size();

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/h8s/archive.h"
 #include "sim/h8s/error.h"
 #include "sim/h8s/image.h"
 #include "sim/h8s/options.h"
@@ -41,6 +42,10 @@ struct Stop {
   // Empty for `reached`; else several lines: what, where (symbol), registers, back-trace, last
   // instructions.
   std::string report;
+  template <class A>
+  void transfer(A& a) {
+    a(reason, report);
+  }
 };
 
 struct Registers {
@@ -76,6 +81,10 @@ struct ReceivedByte {
   bool framing_error = false;
   bool parity_error = false;
   bool multiprocessor = false;  // its multiprocessor bit, where SMR.MP asks for one
+  template <class A>
+  void transfer(A& a) {
+    a(value, at, framing_error, parity_error, multiprocessor);
+  }
 };
 
 // A byte that has left TxD.
@@ -94,6 +103,10 @@ struct Misuse {
   std::string text;           // one sentence
   std::int64_t count = 0;
   States first = 0;
+  template <class A>
+  void transfer(A& a) {
+    a(address, pc, text, count, first);
+  }
 };
 
 struct CallResult {
@@ -104,13 +117,21 @@ struct CallResult {
 // What has been done to the flash since the chip was made.
 struct FlashStatistics {
   struct Block {
-    std::int64_t erasures = 0;      // pulses that moved cells: wear
+    std::int64_t erasures = 0;  // pulses that moved cells: wear
     std::int64_t erase_pulses = 0, program_pulses = 0;
     std::int64_t weak_pulses = 0;   // shorter than the manual's
     std::int64_t reprogrammed = 0;  // pulses that programmed a bit which was 0 already
+    template <class A>
+    void transfer(A& a) {
+      a(erasures, erase_pulses, program_pulses, weak_pulses, reprogrammed);
+    }
   };
   std::array<Block, 10> blocks{};  // EB0..EB9
   std::int64_t errors = 0;         // times that FLER was set
+  template <class A>
+  void transfer(A& a) {
+    a(blocks, errors);
+  }
 };
 
 // What a code hook wants.
@@ -132,6 +153,10 @@ class Chip {
   // Whole state, to be restored later into this or another chip; callbacks stay as they are.
   std::shared_ptr<const Chip> save() const;
   void restore(const Chip& saved);
+  // The same as bytes, for files: of one build, for a chip with the same options. A reader that
+  // fails leaves a chip that has to be powered on.
+  void write_state(StateWriter& to) const;
+  void read_state(StateReader& from);
 
   // --- program
   // ------------------------------------------------------------------------------------- Puts the

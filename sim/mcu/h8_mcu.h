@@ -39,6 +39,9 @@ class H8Mcu final : public Mcu {
     on_reset_ = std::move(listener);
   }
 
+  void save(StateWriter& to) override;
+  void restore(StateReader& from) override;
+
   h8s::Chip& chip() { return chip_; }
   const h8s::Chip& chip() const { return chip_; }
 

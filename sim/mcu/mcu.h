@@ -16,6 +16,7 @@
 #include "shared/base/result.hpp"
 #include "shared/board/board.h"
 #include "shared/servo/tick.h"
+#include "sim/mcu/archive.h"
 
 namespace kaz::sim {
 
@@ -29,12 +30,20 @@ struct PinLevels {
   std::array<std::uint16_t, 2> tmo{};  // the same for TMO0, TMO1
   std::uint8_t p3 = 0, p4 = 0x07, p5 = 0, p6 = 0;
   bool operator==(const PinLevels&) const = default;
+  template <class A>
+  void transfer(A& a) {
+    a(pw, tmo, p3, p4, p5, p6);
+  }
 };
 
 struct SerialByte {
   std::uint8_t value = 0;
   States at = 0;  // when its last stop bit has passed
   bool framing_error = false;
+  template <class A>
+  void transfer(A& a) {
+    a(value, at, framing_error);
+  }
 };
 
 // What happened in one tick, at the boundary of shared/servo.
@@ -89,6 +98,11 @@ class Mcu {
   // Called when the chip's own watchdog has reset it, which it does on request too (reset, loader).
   // The native engine has none.
   virtual void on_watchdog_reset(std::function<void(States)> listener) { (void)listener; }
+
+  // All that the chip remembers; listeners and the analog source stay as they are. The archive
+  // fails where an engine cannot.
+  virtual void save(StateWriter& to) { to.refuse("this engine cannot be saved"); }
+  virtual void restore(StateReader& from) { from.refuse("this engine cannot be restored"); }
 };
 
 // The firmware image: S-record or COFF. With symbols (COFF) reports are readable and `on_tick`

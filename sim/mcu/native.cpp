@@ -76,6 +76,9 @@ class NativeMcu final : public Mcu {
     on_tick_ = std::move(listener);
   }
 
+  void save(StateWriter& to) override { transfer(to); }
+  void restore(StateReader& from) override { transfer(from); }
+
   std::vector<SerialByte> take_transmitted() override {
     std::vector<SerialByte> left;
     while (!wire_.empty() && wire_.front().at <= now_) {
@@ -86,6 +89,16 @@ class NativeMcu final : public Mcu {
   }
 
  private:
+  template <class A>
+  void transfer(A& a) {
+    a(memory_, started_, now_, tick_at_, act_at_, action_, released_, asked_at_, deaf_from_,
+      deaf_until_, overrun_at_, setting_, pins_, received_, ring_, lost_, wire_, wire_free_);
+    a.plain(startup_);
+    a.plain(servo_);
+    a.plain(input_);
+    a.plain(output_);
+  }
+
   // Reset or power-on; the first tick comes after `states`.
   void start(u8 cause, States states) {
     memory_.cut(now_);

@@ -39,12 +39,24 @@ class NativeMemory {
   std::span<const std::uint8_t, Mcu::memory_size> bytes() const { return bytes_; }
   void set_bytes(std::span<const std::uint8_t, Mcu::memory_size> bytes);
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(bytes_, pulses_, over_at_, wanted_, pulses_done_);
+    a.plain(calibration_);
+    a.plain(address_);
+  }
+
  private:
   struct Pulse {
     States start, end;
     int block;  // 0..2
     int line;   // -1: erases the block
     std::array<u8, KZ_STORE_LINE> data;
+    template <class A>
+    void transfer(A& a) {
+      a(start, end, block, line, data);
+    }
   };
 
   std::array<const u8*, 2> calibration_images() const;

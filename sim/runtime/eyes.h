@@ -13,6 +13,7 @@
 
 #include "shared/base/result.hpp"
 #include "sim/body/world.h"
+#include "sim/mcu/archive.h"
 #include "sim/runtime/render_thread.h"
 #include "sim/view/sensor.h"
 #include "vision/frame.h"
@@ -76,6 +77,12 @@ class Eyes {
   // Digests of pairs exposed at least two exposures ago (all, if `all`), waiting for their drawing:
   // the number returned depends on simulated time alone.
   std::vector<Digest> take_digests(bool all);
+  // Of pairs that are exposed from now on.
+  void set_digests(bool on) { digests_ = on; }
+
+  // Pairs under way are drawn first, and are kept with their pixels (eyes_state.cpp).
+  void transfer(StateWriter& a);
+  void transfer(StateReader& a);
 
  private:
   // Lens, sensor and rectification of both eyes, shared with the drawings under way.

@@ -29,6 +29,12 @@ class FaultPlayer {
   // What the gears make of the motors' drives in the same step.
   void apply(faults::Time start, std::span<MotorDrive, KZ_JOINTS> drives) const;
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(schedule_, begun_, touched_, cut_);
+  }
+
  private:
   void set_pots(faults::Time start, ServoBoard& board);
   void set_power(faults::Time start, ServoBoard& board);

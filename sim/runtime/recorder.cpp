@@ -27,6 +27,17 @@ constexpr char analog_schema[] =
 constexpr char joints_schema[] =
     "# True joint states, by joint number: rad, Nm.\nfloat64[18] angle\nfloat64[18] torque\n";
 constexpr char point_schema[] = "# World frame, m.\nfloat64 x\nfloat64 y\nfloat64 z\n";
+constexpr char supply_schema[] =
+    "# What the board's supply gives, and what the motors draw from it.\n"
+    "float64 volts\nfloat64 amperes\n";
+constexpr char contacts_schema[] =
+    "# Where shapes touch: every 10 ms, the contacts of the millisecond that ends then.\n"
+    "kaz/Contact[] contacts\n"
+    "================================================================================\n"
+    "MSG: kaz/Contact\n"
+    "string a\nstring b\n"
+    "float64[3] at     # world frame, m\n"
+    "float64[3] force  # on a, N\n";
 constexpr char eyes_schema[] =
     "# SHA-256 of the RGB bytes of a stereo pair; the message's time is the exposure.\n"
     "uint64 sequence\nstring left_sha256\nstring right_sha256\n";
@@ -54,6 +65,9 @@ Recorder::Recorder(std::unique_ptr<McapWriter> file) : file_(std::move(file)) {
   analog_ = numbers("/board/analog", file_->add_schema("kaz/Analog", "ros1msg", analog_schema));
   joints_ = numbers("/truth/joints", file_->add_schema("kaz/Joints", "ros1msg", joints_schema));
   ball_ = numbers("/truth/ball", file_->add_schema("kaz/Point", "ros1msg", point_schema));
+  supply_ = numbers("/board/supply", file_->add_schema("kaz/Supply", "ros1msg", supply_schema));
+  contacts_ =
+      numbers("/truth/contacts", file_->add_schema("kaz/Contacts", "ros1msg", contacts_schema));
   eyes_ = numbers("/eyes", file_->add_schema("kaz/StereoDigest", "ros1msg", eyes_schema));
   behavior_ = file_->add_channel(file_->add_schema("kaz/Behavior", "jsonschema", behavior_schema),
                                  "/behavior", "json");
@@ -109,6 +123,24 @@ void Recorder::ball(States at, const Eigen::Vector3d& position) {
   data_.clear();
   LittleEndian(data_).real(position.x()).real(position.y()).real(position.z());
   put(ball_, time_of(at));
+}
+
+void Recorder::supply(States at, double volts, double amperes) {
+  data_.clear();
+  LittleEndian(data_).real(volts).real(amperes);
+  put(supply_, time_of(at));
+}
+
+void Recorder::contacts(States at, std::span<const ContactPoint> points) {
+  data_.clear();
+  LittleEndian to(data_);
+  to.number(static_cast<std::uint32_t>(points.size()));
+  for (const ContactPoint& point : points) {
+    to.text(point.a).text(point.b);
+    for (int k = 0; k < 3; ++k) to.real(point.at[k]);
+    for (int k = 0; k < 3; ++k) to.real(point.force[k]);
+  }
+  put(contacts_, time_of(at));
 }
 
 void Recorder::eyes(const Eyes::Digest& digest) {

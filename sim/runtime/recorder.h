@@ -33,6 +33,9 @@ class Recorder {
   void analog(States at, const kz_tick_input& input);
   void joints(States at, std::span<const JointState, KZ_JOINTS> joints);
   void ball(States at, const Eigen::Vector3d& position);
+  // Volts at the board and amperes drawn from the supply.
+  void supply(States at, double volts, double amperes);
+  void contacts(States at, std::span<const ContactPoint> points);
   void eyes(const Eyes::Digest& digest);
   void behavior(States at, std::string_view json);
   // A fault that begins, as a line of docs/faults.md.
@@ -46,7 +49,8 @@ class Recorder {
   void put(std::uint16_t channel, Time time);
 
   std::unique_ptr<McapWriter> file_;
-  std::uint16_t to_board_, to_host_, pins_, analog_, joints_, ball_, eyes_, behavior_, faults_;
+  std::uint16_t to_board_, to_host_, pins_, analog_, joints_, ball_, supply_, contacts_, eyes_,
+      behavior_, faults_;
   std::vector<std::uint8_t> data_;  // of the message being made
 };
 

@@ -39,6 +39,12 @@ class SerialLine {
   // The host hung up: what it had not read is gone.
   void drop_unread() { to_host_.clear(); }
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(fault_to_board_, fault_to_host_, to_board_, to_host_, wire_free_);
+  }
+
  private:
   void queue(std::span<const std::uint8_t> bytes, States now, bool framing_error);
 

@@ -43,16 +43,8 @@ std::vector<std::size_t> channels_of(const World& world) {
   return channels;
 }
 
-McapWriter::Metadata facts_of(const SimulationOptions& options, const World& world) {
-  McapWriter::Metadata facts = options.recording_facts;
-  facts.emplace_back("engine", options.engine);
-  facts.emplace_back("seed", std::to_string(options.seed));
-  facts.emplace_back("stepper", world.stepper());
-  facts.emplace_back("sensors", name_of(options.sensors));
-  facts.emplace_back("imu", options.imu ? "true" : "false");
-  facts.emplace_back("eyes", options.ideal_eyes ? "ideal" : "real");
-  return facts;
-}
+// Contacts are many and change slowly.
+constexpr States contact_interval_ms = 10;
 
 }  // namespace
 
@@ -93,13 +85,8 @@ Result<std::unique_ptr<Simulation>> Simulation::assemble(const SimulationOptions
   std::unique_ptr<Simulation> simulation(
       new Simulation(options, std::move(mcu), std::move(world), camera));
   if (!options.recording_path.empty()) {
-    auto recorder =
-        Recorder::create(options.recording_path, facts_of(options, *simulation->world_));
-    if (!recorder) return tl::unexpected(recorder.error());
-    simulation->recorder_ = std::move(*recorder);
-    simulation->board_.mcu().on_tick([s = simulation.get()](const TickRecord& tick) {
-      s->recorder_->analog(s->now_ + KZ_STATES_PER_TICK, tick.input);
-    });
+    if (auto started = simulation->start_recording(options.recording_path); !started)
+      return tl::unexpected(started.error());
   }
   return simulation;
 }
@@ -192,6 +179,9 @@ void Simulation::record(States start, std::span<const SerialByte> to_board,
   std::array<JointState, KZ_JOINTS> joints{};
   for (std::size_t j = 0; j < channels_.size(); ++j) joints[channels_[j]] = world_->joints()[j];
   recorder_->joints(now_, joints);
+  recorder_->supply(now_, board_.supply_volts(), world_->supply_current_a());
+  if (now_ / KZ_STATES_PER_TICK % contact_interval_ms == 0)
+    recorder_->contacts(now_, world_->contacts());
   if (const auto ball = world_->object_position("ball")) recorder_->ball(now_, *ball);
   if (eyes_) {
     for (const auto& digest : eyes_->take_digests(false)) recorder_->eyes(digest);
@@ -206,7 +196,10 @@ Error Simulation::no_eyes() {
 void Simulation::open_eyes() {
   if (!has_eyes()) return;
   eyes_open_ = true;
-  if (eyes_) return;
+  if (!eyes_) make_eyes();
+}
+
+void Simulation::make_eyes() {
   eyes_ = std::make_unique<Eyes>(draws_, camera_, eye_mounting(*world_), options_.frames,
                                  recorder_ != nullptr, options_.seed);
 }
@@ -240,12 +233,30 @@ void Simulation::record_behavior(std::string_view json) {
   if (recorder_) recorder_->behavior(now_, json);
 }
 
+Result<void> Simulation::start_recording(const std::string& path) {
+  if (recorder_)
+    return fail(Fault::usage,
+                "cannot record into " + path + ": a recording is under way; finish that one first");
+  McapWriter::Metadata facts = options_.recording_facts;
+  for (auto& fact : facts_of(options_, *world_)) facts.push_back(std::move(fact));
+  auto recorder = Recorder::create(path, facts);
+  if (!recorder) return tl::unexpected(recorder.error());
+  recorder_ = std::move(*recorder);
+  world_->watch_contacts(true);
+  if (eyes_) eyes_->set_digests(true);
+  board_.mcu().on_tick(
+      [this](const TickRecord& tick) { recorder_->analog(now_ + KZ_STATES_PER_TICK, tick.input); });
+  return {};
+}
+
 Result<std::string> Simulation::finish_recording() {
   if (!recorder_) return std::string();
   if (eyes_) {
     for (const auto& digest : eyes_->take_digests(true)) recorder_->eyes(digest);
   }
   board_.mcu().on_tick(nullptr);
+  world_->watch_contacts(false);
+  if (eyes_) eyes_->set_digests(false);
   const auto recorder = std::exchange(recorder_, nullptr);
   return recorder->finish();
 }

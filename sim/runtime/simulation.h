@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "shared/base/result.hpp"
@@ -54,6 +55,10 @@ struct SimulationOptions {
   McapWriter::Metadata recording_facts;  // versions and the like, for the recording's header
   RendererFactory renderer = make_default_renderer;
 };
+
+// What decides how a simulation goes on: options, and the content of its files.
+std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
+                                                          const World& world);
 
 class Simulation {
  public:
@@ -108,14 +113,29 @@ class Simulation {
 
   // Enters what the behaviour thinks (one JSON object) into the recording, at the present time.
   void record_behavior(std::string_view json);
+  // Records from now on, as `recording_path` does from the start. Errors: the file cannot be
+  // written; a recording is under way.
+  Result<void> start_recording(const std::string& path);
   // Ends the recording; its SHA-256. Empty if there is none.
   Result<std::string> finish_recording();
+
+  // The whole state: bodies, motors, chip, board, line, faults, eyes and the pairs under way, all
+  // random numbers, time. Not the recording, which goes on as it is. Pictures that are being drawn are
+  // waited for. Errors: the simulation has failed; a part cannot be saved (tests' own).
+  Result<std::vector<std::uint8_t>> save();
+  // Goes on from there, exactly as the simulation that was saved: this one must have been made with
+  // the same options, by the same build. Errors: Snapshot's (then nothing has happened here); bytes
+  // that do not fit (then this simulation can only be restored again).
+  Result<void> restore(std::span<const std::uint8_t> blob);
 
  private:
   Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mcu,
              std::unique_ptr<World> world, const CameraFile& camera);
   Result<void> advance();
   void tell_sensors();
+  void make_eyes();
+  template <class A>
+  void transfer(A& a);
   void record(States start, std::span<const SerialByte> to_board,
               std::span<const SerialByte> from_board);
 

@@ -30,6 +30,12 @@ class Adc {
   // Start from outside: 2 is the 8-bit timer, 3 the ADTRG pin, as ADCR.TRGS says.
   void trigger(Machine& m, unsigned source, States at);
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(adcsr_, adcr_, kbcomp_, temp_, adf_, data_, channel_, sampled_, held_, next_, end_);
+  }
+
  private:
   bool scan() const { return (adcsr_ & 0x10) != 0; }
   bool fast() const { return (adcsr_ & 0x08) != 0; }

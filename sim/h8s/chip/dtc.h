@@ -23,6 +23,12 @@ class Dtc {
   States earliest(const Machine& m) const;
   bool idle() const { return !(dtvecr_ & 0x80) || ended_; }
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(dtcer_, dtvecr_, swdte_seen_, ended_, software_at_, rdr_read_, tdr_written_, result_read_);
+  }
+
  private:
   struct Block;  // register information as it lies in RAM
   struct Outcome {

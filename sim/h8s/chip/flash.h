@@ -43,6 +43,13 @@ class FlashControl {
 
   FlashStatistics statistics;
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(flmcr1_, flmcr2_, ebr1_, ebr2_, line_, latched_, data_, dummy_, pulse_start_, swe_at_,
+      setup_at_, verify_at_, dummy_at_, pulses_, statistics);
+  }
+
  private:
   void end_pulse(Machine& m, States at);
   void program(Machine& m, double share);

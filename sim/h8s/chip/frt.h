@@ -37,6 +37,13 @@ class Frt {
     return (tier_ & 0xf0) != 0 || ((tcr_ & 3) == 3 && (tier_ & 0x0e));
   }
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(count_, tick_, flags_, tier_, tcr_, tocr_, temp_, clear_on_a_, use_af_, ocr_, icr_, ocrar_,
+      ocraf_, ocrdm_, masked_, mask_end_, level_);
+  }
+
  private:
   States divisor() const;  // 0: external clock
   // Counts from now to the next match or overflow.

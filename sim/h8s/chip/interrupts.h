@@ -80,6 +80,13 @@ class Interrupts {
   std::optional<std::uint8_t> peek(std::uint32_t address) const;
   bool write(std::uint32_t address, std::uint8_t value, States at);
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(since_, raw_, diverted_, pending_, raised_, icr_, isr_, iscrh_, iscrl_, ier_, abrkcr_, bar_,
+      irq_level_, nmi_level_);
+  }
+
  private:
   bool acceptable(unsigned vector, std::uint8_t control, bool two_level) const;
   bool priority(unsigned vector) const;

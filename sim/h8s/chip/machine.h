@@ -48,6 +48,10 @@ struct SystemRegisters {
   std::uint8_t stcr = 0, syscr = 0x09, mdcr = 0, bcr = 0xd7, wscr = 0x33;
   std::uint8_t syscr2 = 0, sbycr = 0, lpwrcr = 0;
   std::uint16_t mstpcr = 0x3fff;
+  template <class A>
+  void transfer(A& a) {
+    a(stcr, syscr, mdcr, bcr, wscr, syscr2, sbycr, lpwrcr, mstpcr);
+  }
 };
 
 // Modules that have events, in the order in which those of one state are worked off.
@@ -69,6 +73,9 @@ class Machine {
 
   // Takes over the state of another one; listeners and hooks stay.
   void take_state(const Machine& other);
+  // The same to and from bytes (state.cpp).
+  void write_state(StateWriter& to);
+  void read_state(StateReader& from);
 
   void power_on(std::uint8_t ram_fill);
   void reset(ResetCause cause, States at);
@@ -192,6 +199,10 @@ class Machine {
   std::shared_ptr<const SymbolTable> symbols = std::make_shared<SymbolTable>();
 
  private:
+  template <class A>
+  void transfer(A& a);
+  template <class A>
+  void transfer_cpu(A& a);
   void attach();
   void sleep_until(States at);
   std::uint8_t read_register(const Place& place, std::uint32_t address);

@@ -29,6 +29,12 @@ class Ports {
   bool pulled_up(unsigned port, unsigned bit) const { return (pcr_[port] >> bit & 1) != 0; }
   bool given(unsigned port, unsigned bit) const { return (given_[port] >> bit & 1) != 0; }
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(ddr_, dr_, pcr_, given_, level_);
+  }
+
  private:
   std::array<std::uint8_t, 8> ddr_{}, dr_{}, pcr_{};  // by port number
   std::array<std::uint8_t, 8> given_{}, level_{};     // by the board

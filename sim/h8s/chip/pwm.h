@@ -27,6 +27,12 @@ class Pwm {
   // First state after `at` at which level() differs, kNever if it stays.
   States next_change(unsigned channel, States at, bool right_aligned) const;
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(oe_, os_, select_, pcsr_, data_, epoch_, base_, base_count_);
+  }
+
  private:
   States divisor() const;  // 0: stopped
   States tick(States at) const { return (at - epoch_) / divisor(); }

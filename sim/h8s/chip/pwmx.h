@@ -25,6 +25,12 @@ class Pwmx {
   // Next state at which the level may change while no register is written; kNever: none.
   States next_change(unsigned channel, States at, bool data_is_low) const;
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(dadr_, dacr_, temp_, base_, base_count_);
+  }
+
  private:
   bool counting() const { return (dacr_ & 0x40) != 0; }
   States period() const { return dacr_ & 1 ? 2 : 1; }  // T in states

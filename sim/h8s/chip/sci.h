@@ -16,6 +16,10 @@ struct SerialFrame {
   std::uint16_t bits = 0;
   int count = 0;
   bool at(States k) const { return k >= count || (bits >> k & 1) != 0; }
+  template <class A>
+  void transfer(A& a) {
+    a(bits, count);
+  }
 };
 
 class Sci {
@@ -55,6 +59,14 @@ class Sci {
   // The DTC has read RDR or written TDR and goes on doing so.
   void taken_by_dtc(Machine& m, unsigned n, States at);
   void filled_by_dtc(Machine& m, unsigned n, States at);
+
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(smr_, brr_, scr_, tdr_, rdr_, scmr_, flags_, tend_, mpbt_, mpb_, clock_base_, sending_, tsr_,
+      frame_, before_, start_, bit_, end_, ticks_, incoming_, rxd_, rxd_driven_, receiving_,
+      received_, rsr_, edge_, sample_, sample_ticks_, arrived_, arrives_, burst_);
+  }
 
  private:
   enum class Sending : std::uint8_t { nothing, preamble, waiting, frame };

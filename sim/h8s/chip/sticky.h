@@ -27,6 +27,12 @@ class StickyFlags {
     return cleared;
   }
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(set_, seen_);
+  }
+
  private:
   std::uint8_t set_ = 0, seen_ = 0;
 };

@@ -49,6 +49,10 @@ struct Timer8 {
   bool waits_for_clock() const { return clock_select() > 4 && (tcr & 0xe0) != 0; }
   // The next output level change is not before this many counts; kNever: none comes by counting.
   std::int64_t to_next_change() const;
+  template <class A>
+  void transfer(A& a) {
+    a(count, tcr, tcora, tcorb, tcsr_low, flags, tick, level);
+  }
 };
 
 // What the matches make of the output: both at once, toggle wins over 1 over 0 over none.

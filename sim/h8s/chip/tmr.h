@@ -36,6 +36,12 @@ class Tmr {
   double high_share(Machine& m, unsigned n) const;
   bool waits_for_input() const;
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(timer_);
+  }
+
  private:
   States divisor(const Machine& m, unsigned n) const;  // 0: stopped or clocked from outside
   bool cascaded(unsigned n) const { return timer_[n].clock_select() == 4; }

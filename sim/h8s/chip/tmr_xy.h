@@ -41,6 +41,12 @@ class TmrXY {
   States next_change(const Machine& m) const;
   bool waits_for_input() const;
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(timer_, ticrr_, ticrf_, tcorc_, tisr_, rose_, icie_, tconri_, tconro_, tconrs_, sedgr_);
+  }
+
  private:
   States divisor(unsigned n) const;  // 0: stopped or clocked by its pin
   void advance_one(Machine& m, unsigned n, States to);

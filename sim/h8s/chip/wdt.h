@@ -23,6 +23,12 @@ class Wdt {
   bool subclocked() const { return (tcsr_ & 0x10) != 0; }
   bool watchdog() const { return (tcsr_ & 0x60) == 0x60; }
 
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(tcsr_, ovf_, count_, tick_);
+  }
+
  private:
   States divisor(const Machine& m, unsigned n) const;  // 0: no clock
   States base(const Machine& m, unsigned n) const;

@@ -67,6 +67,10 @@ struct Flags {
   std::uint32_t v = 0;  // V is bit 31
   std::uint32_t h = 0;  // H is bit 28: carry out of bit 3, 11 or 27
   std::uint32_t c = 0;  // 0 or 1
+  template <class A>
+  void transfer(A& a) {
+    a(n, z, v, h, c);
+  }
 };
 
 struct Cpu {

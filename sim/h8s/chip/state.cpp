@@ -1,0 +1,86 @@
+// The whole machine to bytes and back.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Decoded instructions are not kept; places in them are written as numbers. What take_state()
+// (machine.cpp) copies, stands here.
+#include <algorithm>
+
+#include "sim/h8s/archive.h"
+#include "sim/h8s/chip/machine.h"
+
+namespace kaz::h8s {
+namespace {
+
+constexpr std::int64_t kNowhere = -2, kOutside = -1;
+
+std::int64_t place_of(const Cpu& cpu, const Insn* p) {
+  return p == nullptr ? kNowhere : p == &cpu.outside ? kOutside : p - cpu.code;
+}
+
+}  // namespace
+
+template <class A>
+void Machine::transfer_cpu(A& a) {
+  a(cpu.er, cpu.flags, cpu.now, cpu.stall, cpu.executed, cpu.ram_size, cpu.flash_size, cpu.mask,
+    cpu.control, cpu.exr, cpu.request, cpu.normal, cpu.two_level, cpu.stc_copies, cpu.rte_holds_off,
+    cpu.hold_off, cpu.asleep, cpu.moving, cpu.fault, cpu.fault_address, cpu.fault_pc, cpu.jumps);
+  // Where it is, and the last jumps.
+  std::array<std::int64_t, 1 + 2 * kTrail> places{};
+  std::uint32_t outside = cpu.outside.imm;
+  if constexpr (!A::reading) {
+    places[0] = place_of(cpu, cpu.ip);
+    for (std::size_t k = 0; k < kTrail; ++k) {
+      places[1 + 2 * k] = place_of(cpu, cpu.trail[k].from);
+      places[2 + 2 * k] = place_of(cpu, cpu.trail[k].to);
+    }
+  }
+  a(places, outside);
+  if constexpr (A::reading) {
+    const auto wrong = [](std::int64_t p) { return p < kNowhere || p >= kCodeSize; };
+    if (std::ranges::any_of(places, wrong) || places[0] == kNowhere)
+      return a.refuse("it names an instruction where there is none");
+    if (std::ranges::count(places, kOutside) > 0) at_address(cpu, outside);
+    const auto at = [&](std::int64_t p) -> const Insn* {
+      return p == kNowhere ? nullptr : p == kOutside ? &cpu.outside : cpu.code + p;
+    };
+    cpu.ip = at(places[0]);
+    for (std::size_t k = 0; k < kTrail; ++k)
+      cpu.trail[k] = {at(places[1 + 2 * k]), at(places[2 + 2 * k])};
+  }
+}
+
+template <class A>
+void Machine::transfer(A& a) {
+  // Flash without its blank end.
+  std::vector<std::uint8_t> used;
+  if constexpr (!A::reading) {
+    used = flash_;
+    while (!used.empty() && used.back() == 0xff) used.pop_back();
+  }
+  a(used);
+  if constexpr (A::reading) {
+    if (used.size() > flash_.size()) return a.refuse("its flash is too large");
+    std::ranges::fill(flash_, std::uint8_t{0xff});
+    std::ranges::copy(used, flash_.begin());
+  }
+  a(block_);
+  transfer_cpu(a);
+  a(irq, ports, frt, tmr, tmr_xy, pwm, pwmx, sci, adc, wdt, flash_control, dtc, system, epoch,
+    sub_epoch, standby_, watch_, wakes_at_, slow_from_, slow_by_, cause, watchdog_reset, misuses,
+    dead, first_after_reset_);
+}
+
+void Machine::write_state(StateWriter& to) {
+  transfer(to);
+}
+
+void Machine::read_state(StateReader& from) {
+  transfer(from);
+  hook_done_ = kNoAddress;
+  attach();
+  forget_all_code();
+  pins.forget(*this, cpu.now);
+  disturbed();
+}
+
+}  // namespace kaz::h8s
