@@ -106,15 +106,14 @@ void H8Mcu::set_memory(std::span<const std::uint8_t, memory_size> bytes) {
 
 void H8Mcu::save(StateWriter& to) {
   if (wiring_error_) return to.refuse("the chip has stopped: " + wiring_error_->message);
-  to(base_, transmitted_);
+  to(base_, transmitted_, pins_);
   chip_.write_state(to);
 }
 
 void H8Mcu::restore(StateReader& from) {
   wiring_error_.reset();
-  from(base_, transmitted_);
+  from(base_, transmitted_, pins_);
   chip_.read_state(from);
-  read_all_pins();
 }
 
 void H8Mcu::on_pins(std::function<void(States, const PinLevels&)> listener) {

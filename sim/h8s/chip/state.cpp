@@ -26,13 +26,14 @@ void Machine::transfer_cpu(A& a) {
     cpu.hold_off, cpu.asleep, cpu.moving, cpu.fault, cpu.fault_address, cpu.fault_pc, cpu.jumps);
   // Where it is, and the last jumps.
   std::array<std::int64_t, 1 + 2 * kTrail> places{};
-  std::uint32_t outside = cpu.outside.imm;
+  std::uint32_t outside = 0;
   if constexpr (!A::reading) {
     places[0] = place_of(cpu, cpu.ip);
     for (std::size_t k = 0; k < kTrail; ++k) {
       places[1 + 2 * k] = place_of(cpu, cpu.trail[k].from);
       places[2 + 2 * k] = place_of(cpu, cpu.trail[k].to);
     }
+    if (std::ranges::count(places, kOutside) > 0) outside = cpu.outside.imm;
   }
   a(places, outside);
   if constexpr (A::reading) {
