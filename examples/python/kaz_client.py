@@ -11,6 +11,9 @@ exit codes: 0 done, 1 the joint did not get there or the board refused, 2 wrong 
 3 no port, or no board that answers
 """
 import argparse
+import errno
+import fcntl
+import math
 import os
 import select
 import struct
@@ -27,6 +30,10 @@ REASONS = {1: "unknown type", 2: "wrong length", 3: "value out of range",
            4: "target outside the joint's soft limits", 5: "joint is off",
            6: "a shutdown is latched", 7: "too many requests", 8: "only while all motors are off",
            9: "only under unlock", 10: "not on a shared line", 11: "flash could not be written"}
+SHUTDOWNS = {1: "emergency stop", 2: "no request came for too long", 3: "potentiometer open or short",
+             4: "supply too low", 5: "supply too high", 6: "motor drivers too hot",
+             7: "converter reads its reference wrong", 8: "motor stalled", 9: "motor overloaded",
+             10: "self-test failed"}
 UNIT = 1e-4  # angles are in 100 microradians
 
 
@@ -34,9 +41,20 @@ class Refusal(Exception):
     """A negative reply: the board has understood the request and does not do it."""
 
     def __init__(self, request, reason, detail):
+        where = f", joint {detail}" if reason in (4, 5) else ""
+        if reason == 6:
+            where = f" ({SHUTDOWNS.get(detail, detail)})"
         super().__init__(f"the board refused request 0x{request:02x}: "
-                         f"{REASONS.get(reason, f'reason {reason}')}, detail {detail}")
+                         f"{REASONS.get(reason, f'reason {reason}')}{where}")
         self.reason, self.detail = reason, detail
+
+
+class ShutDown(Exception):
+    """The board has switched its motors off by itself."""
+
+    def __init__(self, reason):
+        super().__init__(f"the board has shut down: {SHUTDOWNS.get(reason, reason)}; "
+                         "docs/safety.md says what to do")
 
 
 class NoBoard(Exception):
@@ -100,13 +118,17 @@ class Board:
     def __init__(self, path):
         try:
             self.port = os.open(path, os.O_RDWR | os.O_NOCTTY)
+            fcntl.flock(self.port, fcntl.LOCK_EX | fcntl.LOCK_NB)  # as `kaz` does
             tty.setraw(self.port)  # 8 bits, no parity, nothing translated
             settings = termios.tcgetattr(self.port)
             settings[4] = settings[5] = termios.B115200
             termios.tcsetattr(self.port, termios.TCSANOW, settings)
             termios.tcflush(self.port, termios.TCIOFLUSH)
+        except BlockingIOError as error:
+            raise NoBoard(f"'{path}' is in use by another program: end that one first") from error
         except (OSError, termios.error) as error:
-            raise NoBoard(f"cannot open '{path}' as a serial port: {error.args[-1]}") from error
+            why = "it is no serial port" if error.args[0] == errno.ENOTTY else error.args[-1]
+            raise NoBoard(f"cannot open '{path}': {why}") from error
         self.path = path
         self.heard = b""
         self.sequence = os.urandom(1)[0]  # hardly where the last client ended
@@ -152,9 +174,10 @@ class Board:
         tick, version, joints, status = struct.unpack(">IBBH", reply[:8])
         return {"tick": tick, "version": version, "joints": joints, "status": status}
 
-    def angles(self):
-        _tick, _status, _supply, *angles = struct.unpack(">IHH18h", self.ask(STATE))
-        return [angle * UNIT for angle in angles]
+    def state(self):
+        """Reason of a shutdown (0: none), and the angles in rad."""
+        _tick, status, _supply, *angles = struct.unpack(">IHH18h", self.ask(STATE))
+        return status >> 8, [angle * UNIT for angle in angles]
 
     def target(self, joint, angle, seconds):
         self.ask(TARGETS, struct.pack(">IHh", 1 << joint, round(seconds * 1000), round(angle / UNIT)))
@@ -163,15 +186,25 @@ class Board:
 def move(board, joint, angle, seconds):
     """True if the joint has got to the angle."""
     board.ask(HEARTBEAT, bytes([0, REACTION_HOLD]))  # should this client die, the joint holds
+    reason, _ = board.state()
+    if reason:  # tell before it is forgotten
+        print(f"the board had shut down: {SHUTDOWNS.get(reason, reason)}")
     board.ask(CLEAR)
     board.ask(ENABLE, struct.pack(">I", 1 << joint))
-    before = board.angles()[joint]
-    print(f"joint {joint} is on at {before:+.3f} rad")
+    _, angles = board.state()
+    now = angles[joint]
+    print(f"joint {joint} is on at {now:+.3f} rad")
     board.target(joint, angle, seconds)
     end = time.monotonic() + seconds + 1.5
+    still = 0
     while time.monotonic() < end:  # each request also tells the board that we are alive
-        now = board.angles()[joint]
-        if abs(now - angle) < 0.03:
+        before = now
+        reason, angles = board.state()
+        if reason:
+            raise ShutDown(reason)
+        now = angles[joint]
+        still = still + 1 if abs(now - before) < 0.005 else 0
+        if still >= 5 and abs(now - angle) < 0.03:
             print(f"joint {joint} is at {now:+.3f} rad")
             return True
         time.sleep(0.02)
@@ -188,7 +221,7 @@ def main():
     parser.add_argument("--angle", type=float, default=0.3, help="rad (default: 0.3)")
     parser.add_argument("--seconds", type=float, default=1.0, help="for the way (default: 1)")
     options = parser.parse_args()
-    if abs(options.angle) > 3.2 or not 0 <= options.seconds <= 60:
+    if not math.isfinite(options.angle) or abs(options.angle) > 3.2 or not 0 <= options.seconds <= 60:
         parser.error("--angle is within 3.2 rad, --seconds 0 to 60")
     try:
         board = Board(options.port)
@@ -209,8 +242,8 @@ def main():
             board.ask(ENABLE, struct.pack(">I", 0))
         print("all joints are off")
         return 0 if arrived else 1
-    except Refusal as refusal:
-        print(f"kaz_client.py: {refusal}", file=sys.stderr)
+    except (Refusal, ShutDown) as trouble:
+        print(f"kaz_client.py: {trouble}", file=sys.stderr)
         return 1
     except NoBoard as error:
         print(f"kaz_client.py: {error}", file=sys.stderr)

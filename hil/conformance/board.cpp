@@ -80,6 +80,29 @@ void Board::begin(std::uint64_t case_seed) {
   done("telemetry", Put().u16(0).u8(0));
   done("enable", Put().u32(0));
   reset_by_command();
+  come_to_rest();
+}
+
+// Joints that a case before has set moving swing on for a while.
+void Board::come_to_rest() {
+  constexpr int kStill = 25, kAtMostMs = 3000;  // 100 urad: the flicker of one code is 32
+  const auto angles = [this] {
+    const Reply now = state();
+    std::array<int, KZ_JOINTS> all{};
+    for (std::size_t j = 0; j < KZ_JOINTS; ++j)
+      all[j] = static_cast<int>(now.number("angle", static_cast<int>(j)));
+    return all;
+  };
+  auto before = angles();
+  int still_ms = 0;
+  for (int ms = 0; ms < kAtMostMs && still_ms < 100; ms += 20) {
+    wait(20);
+    const auto now = angles();
+    int most = 0;
+    for (std::size_t j = 0; j < KZ_JOINTS; ++j) most = std::max(most, std::abs(now[j] - before[j]));
+    still_ms = most <= 2 * kStill ? still_ms + 20 : 0;
+    if (still_ms == 0) before = now;
+  }
 }
 
 void Board::end() {
@@ -271,13 +294,23 @@ std::vector<Frame> Board::telemetry(int ms, bool heartbeats) {
   std::vector<Frame> all;
   const Time until = clock_.now() + milliseconds(ms);
   Time beat = clock_.now();
+  std::ptrdiff_t beats = 0;
   while (clock_.now() < until) {
     if (heartbeats && clock_.now() >= beat) {
       write(request_bytes("heartbeat", Put().u8(0).u8(0)));
+      ++beats;
       beat += milliseconds(30);
     }
     pump(std::min(until, heartbeats ? beat : until));
   }
+  // The last heartbeat's reply may still be under way: it must not come to whoever asks next.
+  const u8 reply = static_cast<u8>(KZ_TYPE_heartbeat | KZ_REPLY);
+  const auto unanswered = [&] {
+    return beats > std::count_if(frames_.begin(), frames_.end(),
+                                 [&](const Frame& frame) { return frame.type == reply; });
+  };
+  const Time latest = clock_.now() + milliseconds(patience(50));
+  while (unanswered() && clock_.now() < latest) pump(latest);
   for (const Frame& frame : frames_) {
     if (is_telemetry(frame)) all.push_back(frame);
   }

@@ -81,6 +81,7 @@ class Board {
   void stay_alive(int ms);  // waits, with a heartbeat each 30 ms
   void wait_until_still();  // until no ramp is under way, with heartbeats
   void reset_by_command();  // and waits for the board
+  void come_to_rest();      // waits until no joint moves, 3 s at most
   void expect_alive();      // the next request is answered
   void expect_off();        // no motor is on: by status, and by the pins where there is a bench
   std::vector<Frame> telemetry(int ms, bool heartbeats);  // what came in this time

@@ -16,7 +16,7 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
   if (!posture) return tl::unexpected(posture.error());
   input.resumed = context_.robot.take_resumption();
   if (posture->status & host::kMotorsOffFaults) {
-    return fail(Fault::environment, *host::fault_sentence(posture->status));
+    return fail(Fault::environment, context_.robot.describe_fault(posture->status));
   }
   input.posture = *posture;
 

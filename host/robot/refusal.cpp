@@ -93,12 +93,42 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
   }
 }
 
-std::optional<std::string> fault_sentence(std::uint16_t status) {
+namespace {
+
+const char* remedy(std::uint8_t reason) {
+  switch (reason) {
+    case KZ_SHUTDOWN_STOP:
+      return "find out who stopped it, then enable again";
+    case KZ_SHUTDOWN_LINK_LOST:
+      return "enable again";
+    case KZ_SHUTDOWN_POT:
+      return "look at its plug and its cable";
+    case KZ_SHUTDOWN_UNDERVOLTAGE:
+      return "charge the battery, or look for thin wires";
+    case KZ_SHUTDOWN_OVERVOLTAGE:
+      return "take a supply of at most 12 V";
+    case KZ_SHUTDOWN_TEMPERATURE:
+      return "let the motor drivers cool";
+    case KZ_SHUTDOWN_REFERENCE:
+      return "look for a short at an analogue input";
+    case KZ_SHUTDOWN_STALL:
+      return "free the joint, or look for a target inside an obstacle";
+    case KZ_SHUTDOWN_OVERLOAD:
+      return "let the motor cool";
+    default:
+      return "docs/safety.md tells more";
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> fault_sentence(std::uint16_t status, const std::string& where) {
   std::string faults;
   const auto reason = static_cast<std::uint8_t>(status >> 8);
   if (reason != KZ_SHUTDOWN_NONE) {
     faults = std::string(status & KZ_STATUS_HOLDING ? "motors hold" : "motors went off") + ": " +
-             kz_shutdown_text(reason);
+             kz_shutdown_text(reason) + (where.empty() ? "" : " (" + where + ")") + "; " +
+             remedy(reason);
   }
   if (status & KZ_STATUS_MISSED_TICK) {
     faults += (faults.empty() ? "" : "; ") + std::string("a control cycle took longer than 1 ms");

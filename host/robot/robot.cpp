@@ -132,7 +132,7 @@ Result<Posture> Robot::Parts::take_cycle(const Reply* move, const Reply& state,
   if (const auto taken = read_reply(*move, kz_unpack_targets_reply, targets); !taken) {
     // Why the targets were refused the state may tell better.
     if (posture && (posture->status & kMotorsOffFaults)) {
-      return fail(Fault::environment, *fault_sentence(posture->status));
+      return fail(Fault::environment, describe_fault(posture->status));
     }
     return tl::unexpected(taken.error());
   }

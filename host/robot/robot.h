@@ -85,6 +85,8 @@ class Robot {
   Result<kz_heartbeat_reply> heartbeat(Time watchdog = Time::zero(),
                                        std::optional<Reaction> reaction = std::nullopt);
   Result<Health> health();
+  // fault_sentence of a status with a fault, with the joint or the voltage that `health` tells.
+  std::string describe_fault(std::uint16_t status);
   // The board's counts since its reset.
   Result<kz_statistics_reply> board_statistics();
   Result<SelfTest> self_test();
@@ -153,7 +155,8 @@ class Robot {
 // The reason of a shutdown in a status word.
 inline constexpr std::uint16_t kMotorsOffFaults = 0xFF00;
 
-// Nothing if no fault is latched in `status`; else a sentence that names them and what to do.
-std::optional<std::string> fault_sentence(std::uint16_t status);
+// Nothing if no fault is latched in `status`; else a sentence that names them, `where` they are, and
+// what to do.
+std::optional<std::string> fault_sentence(std::uint16_t status, const std::string& where = {});
 
 }  // namespace kaz::host

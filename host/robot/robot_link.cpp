@@ -64,6 +64,7 @@ Result<void> Robot::Parts::resume(const Error* error) {
   }
   resumption.resumed = clock.now();
   resumptions.push_back(resumption);
+  if (options.on_resumed) options.on_resumed(resumption);
   trouble.reset();
   resumed = true;
   return {};

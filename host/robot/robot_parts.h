@@ -87,6 +87,7 @@ struct Robot::Parts {
   void observe(std::uint8_t request, const Reply& reply);
   Result<Posture> take_state(const Reply& reply);
   // The replies of a cycle; `move` is null if no targets were sent.
+  std::string describe_fault(std::uint16_t status);
   Result<Posture> take_cycle(const Reply* move, const Reply& state,
                              std::span<const JointTarget> targets);
   void take_telemetry(std::uint8_t type, std::span<const std::uint8_t> fields, Time now);

@@ -120,6 +120,27 @@ Result<Health> Robot::health() {
   return health;
 }
 
+std::string Robot::describe_fault(std::uint16_t status) {
+  return parts_->describe_fault(status);
+}
+
+std::string Robot::Parts::describe_fault(std::uint16_t status) {
+  std::string where;
+  const auto reply = ask(KZ_TYPE_health, kz_health{}, kz_pack_health, kz_unpack_health_reply);
+  if (reply) {
+    const int reason = status >> 8;
+    if (const auto joint = joint_of(reply->detail)) {
+      where = joint_table()[static_cast<std::size_t>(*joint)].name;
+    } else if (reason == KZ_SHUTDOWN_UNDERVOLTAGE || reason == KZ_SHUTDOWN_OVERVOLTAGE) {
+      char volts[48];
+      std::snprintf(volts, sizeof volts, "now %.1f V, lowest %.1f V", reply->supply_mv * 1e-3,
+                    reply->supply_lowest_mv * 1e-3);
+      where = volts;
+    }
+  }
+  return fault_sentence(status, where).value_or("the board reports no fault");
+}
+
 Result<kz_statistics_reply> Robot::board_statistics() {
   return parts_->ask(KZ_TYPE_statistics, kz_statistics{}, kz_pack_statistics,
                      kz_unpack_statistics_reply);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -97,20 +98,6 @@ struct TelemetryFrame {
 // What the link watchdog does when nothing has been heard of the host for its time.
 enum class Reaction : std::uint8_t { limp = KZ_REACTION_LIMP, hold = KZ_REACTION_HOLD };
 
-struct ConnectOptions {
-  std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  int retries = 5;  // tries after the first
-  // The board's link watchdog, 10 ms..1 s; zero leaves it as it is. 90 ms: so that the reaction
-  // comes within 100 ms of the last request that the board has heard.
-  Time watchdog = std::chrono::milliseconds(90);
-  Reaction reaction = Reaction::hold;
-  // How long a lost link is sought; zero: not at all, the loss is an error at once.
-  Time reconnect = std::chrono::seconds(3);
-  // Where the last 64 frames go when the link has failed for good: a file, which the error names,
-  // or "-" for standard error; empty: nowhere (Robot::recent_frames).
-  std::string frames_path = {};
-};
-
 // The link was lost and is there again.
 struct Resumption {
   enum class Cause : std::uint8_t {
@@ -122,6 +109,22 @@ struct Resumption {
   Time lost{};     // when that was noticed
   Time resumed{};  // from when on requests are answered again
 };
+struct ConnectOptions {
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;
+  int retries = 5;  // tries after the first
+  // The board's link watchdog, 10 ms..1 s; zero leaves it as it is. 90 ms: so that the reaction
+  // comes within 100 ms of the last request that the board has heard.
+  Time watchdog = std::chrono::milliseconds(90);
+  Reaction reaction = Reaction::hold;
+  // How long a lost link is sought; zero: not at all, the loss is an error at once.
+  Time reconnect = std::chrono::seconds(3);
+  // Told each time when a lost link is there again, besides Robot::take_resumption().
+  std::function<void(const Resumption&)> on_resumed = {};
+  // Where the last 64 frames go when the link has failed for good: a file, which the error names,
+  // or "-" for standard error; empty: nowhere (Robot::recent_frames).
+  std::string frames_path = {};
+};
+
 // "the board was reset"
 const char* text(Resumption::Cause cause);
 

@@ -90,8 +90,11 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
     if (!cameras) return tl::unexpected(cameras.error());
     parts->cameras = std::move(*cameras);
   }
-  simulation.board().mcu().on_watchdog_reset(
-      [p](States) { p->watch.board_restarted("its own watchdog has reset it"); });
+  simulation.board().mcu().on_watchdog_reset([p](States) {
+    p->watch.board_restarted(
+        "through its watchdog, asked for by the host or because its program hung (`identify` tells "
+        "which)");
+  });
   return std::unique_ptr<RealTimeServer>(new RealTimeServer(std::move(parts)));
 }
 

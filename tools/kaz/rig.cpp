@@ -55,6 +55,16 @@ class LockstepRig final : public Rig {
   std::unique_ptr<vision::Executor> executor_ = vision::make_lockstep_executor();
 };
 
+// In front of a behaviour that does not look.
+class NoCamera final : public vision::Camera {
+ public:
+  const vision::CameraModel& model() const override { return model_; }
+  Result<std::optional<vision::StereoPair>> poll() override { return std::nullopt; }
+
+ private:
+  vision::CameraModel model_;
+};
+
 class RealRig final : public Rig {
  public:
   RealRig(std::unique_ptr<host::TtyLink> link, std::string camera_path, faults::Schedule faults,
@@ -66,20 +76,24 @@ class RealRig final : public Rig {
   const host::TtyLink* port() const override { return link_.get(); }
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override {
+    if (camera_path_ == "sim") return {};  // left out
     auto camera = host::PublishedCamera::connect(camera_path_);
     if (!camera) return tl::unexpected(camera.error());
     camera_ = std::move(*camera);
     return {};
   }
-  vision::Camera& camera() override { return *camera_; }
+  vision::Camera& camera() override {
+    return camera_ ? static_cast<vision::Camera&>(*camera_) : no_camera_;
+  }
   vision::Executor& executor() override { return *executor_; }
-  Time camera_latency() const override { return camera_->latency(); }
+  Time camera_latency() const override { return camera_ ? camera_->latency() : Time::zero(); }
   sim::Simulation* simulation() override { return nullptr; }
 
  private:
   std::unique_ptr<host::TtyLink> link_;
   std::string camera_path_;
   std::unique_ptr<host::PublishedCamera> camera_;
+  NoCamera no_camera_;
   host::WallClock clock_;
   std::optional<host::FaultyLink> faulty_;
   std::unique_ptr<vision::Executor> executor_ = vision::make_realtime_executor();
@@ -132,7 +146,8 @@ Result<void> check(const RigOptions& options) {
       return tl::unexpected(address.error());
     }
   }
-  if (sim_robot != (options.camera == "sim")) {
+  const bool blind = !sim_robot && options.camera == "sim" && !options.needs_sight;
+  if (!blind && sim_robot != (options.camera == "sim")) {
     return fail(Fault::usage,
                 sim_robot ? "--robot sim sees through its own eyes: leave --camera out"
                           : "--camera is missing: a robot on a serial port needs the path of a "

@@ -20,6 +20,7 @@ namespace kaz::tools {
 struct RigOptions {
   std::string robot = "sim";        // "sim" or "serial:PATH[@BAUD]"
   std::string camera = "sim";       // "sim" or the path of a camera socket
+  bool needs_sight = true;          // false: at a port the camera may be left out
   std::string world = "ball";       // the rest for "sim" only
   std::string robot_file;           // URDF of the simulated robot; Kaz if empty
   std::string engine = "h8";        // "h8" or "native"

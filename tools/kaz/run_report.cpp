@@ -203,9 +203,12 @@ void print_report(const ordered_json& result, const RunReport& report, const std
         "found (by %s)\n",
         100 * report.score.within_3deg, report.score.measured_by.c_str());
   }
-  std::printf(
-      "%.1f s of the robot, %.1f times as fast as real time; worst tick of the board %.0f %%\n",
-      report.run_s, report.rtf, 100 * report.health.worst_8states / (KZ_STATES_PER_TICK / 8.0));
+  std::printf("%.1f s of the robot, %.1f times as fast as real time", report.run_s, report.rtf);
+  if (report.health.worst_8states != 0) {  // the native engine counts no states
+    std::printf("; worst tick of the board %.0f %%",
+                100 * report.health.worst_8states / (KZ_STATES_PER_TICK / 8.0));
+  }
+  std::printf("\n");
   if (result.contains("recording_sha256")) {
     std::printf("recording %s\n", result["recording_sha256"].get<std::string>().c_str());
   }

@@ -102,6 +102,7 @@ Result<bool> run_session(SessionOptions options) {
   if (!behavior) return tl::unexpected(behavior.error());
   const auto values = behavior::OptionValues::parse(behavior->options, options.settings);
   if (!values) return tl::unexpected(values.error());
+  options.rig.needs_sight = behavior->needs_sight;
   if (auto sound = check(options.rig); !sound) return tl::unexpected(sound.error());
   if (auto usable = OutputFolder::check(options.out); !usable)
     return tl::unexpected(usable.error());
@@ -116,9 +117,16 @@ Result<bool> run_session(SessionOptions options) {
   auto rig = Rig::open(options.rig, interrupt);
   if (!rig) return tl::unexpected(rig.error());
   const bool real = (*rig)->port() != nullptr;
+  const Time connecting = (*rig)->clock().now();
+  const auto tell_resumption = [&](const host::Resumption& resumption) {
+    std::fprintf(stderr, "\n%s: after %.1f s %s; after %.2f s more it answered again\n",
+                 options.label.c_str(), seconds(resumption.lost - connecting),
+                 text(resumption.cause), seconds(resumption.resumed - resumption.lost));
+  };
   auto robot =
       host::Robot::connect((*rig)->link(), (*rig)->clock(),
-                           {.frames_path = real ? temporary_file("frames.txt") : std::string()});
+                           {.on_resumed = tell_resumption,
+                            .frames_path = real ? temporary_file("frames.txt") : std::string()});
   if (!robot) return tl::unexpected(robot.error());
   if (real) {
     const auto trip = host::measure_round_trip(*robot, *(*rig)->port());

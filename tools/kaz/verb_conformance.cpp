@@ -1,6 +1,5 @@
 // `kaz conformance`: the protocol certificate of a board, case by case.
 // SPDX-License-Identifier: Apache-2.0
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include "tools/kaz/interrupt_signals.h"
 #include "tools/kaz/output.h"
 #include "tools/kaz/paths.h"
+#include "tools/kaz/port_argument.h"
 #include "tools/kaz/verbs.h"
 #include "tools/kaz/version.h"
 #include "tools/lockstep/virtual_bench.h"
@@ -58,17 +58,21 @@ Result<void> write_report(const std::string& path, const std::string& text) {
   return {};
 }
 
-// PATH[@BAUD]
-Result<std::pair<std::string, int>> parse_port(const std::string& text) {
-  const auto at = text.rfind('@');
-  if (at == std::string::npos) return std::pair(text, 115200);
-  int baud = 0;
-  const char* end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data() + at + 1, end, baud);
-  if (parsed.ec != std::errc() || parsed.ptr != end || baud <= 0 || at == 0) {
-    return fail(Fault::usage, "--port " + text + ": give PATH or PATH@BAUD");
+// Before anything runs: two reports on standard output would be neither, and a folder that is not there
+// would be found out at the end.
+Result<void> check_reports(const Arguments& arguments) {
+  int on_output = 0;
+  for (const std::string& path : {arguments.junit, arguments.json, arguments.html}) {
+    if (path == "-") ++on_output;
+    if (path.empty() || path == "-") continue;
+    const auto folder = std::filesystem::absolute(path).parent_path();
+    if (!std::filesystem::is_directory(folder))
+      return fail(Fault::usage,
+                  "cannot write the report '" + path + "': there is no folder " + folder.string());
   }
-  return std::pair(text.substr(0, at), baud);
+  if (on_output > 1)
+    return fail(Fault::usage, "only one of --junit, --json and --html can go to standard output");
+  return {};
 }
 
 void say(const hil::CaseResult& one) {
@@ -125,6 +129,9 @@ Result<Outcome> examine(Arguments arguments) {
   if (arguments.port.empty() == arguments.engine.empty()) {
     return fail(Fault::usage, "say which board: either --port PATH or --virtual h8|native");
   }
+  if (!arguments.image.empty() && arguments.engine != "h8")
+    return fail(Fault::usage, "--image is for --virtual h8 alone");
+  if (auto usable = check_reports(arguments); !usable) return tl::unexpected(usable.error());
   const bool quiet = arguments.json == "-" || arguments.junit == "-" || arguments.html == "-";
   hil::ReportFacts facts;
   facts.program = std::string("kaz ") + kVersion;

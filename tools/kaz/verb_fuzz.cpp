@@ -266,13 +266,15 @@ void add_fuzz(CLI::App& program, Action& action) {
   verb->add_option("--target", arguments->target, "native, h8, or the path of a port")
       ->capture_default_str();
   verb->add_option("--seconds", arguments->seconds, "how long")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   verb->add_option("--cases", arguments->cases, "so many cases instead, for a result that repeats")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   verb->add_option("--seed", arguments->seed, "of the cases")->capture_default_str();
-  verb->add_option("--corpus", arguments->corpus,
-                   "folder of cases to begin with; those that show something new are added")
+  verb->add_option(
+          "--corpus", arguments->corpus,
+          "folder of cases to begin with; those that show something new are added; made if it "
+          "is not there")
       ->type_name("DIR");
   verb->add_option("--replay", arguments->replay, "run this case alone, and list what it does")
       ->type_name("FILE");
@@ -291,7 +293,9 @@ void add_fuzz(CLI::App& program, Action& action) {
       "it\n"
       "up, or take the motors' supply away. Exit status 1 and a file with the shortened case "
       "where\n"
-      "something is wrong. docs/fuzzing.md says what is judged.\n"
+      "something is wrong. Cases choose their own faults of line, power and sensors "
+      "(docs/faults.md).\n"
+      "docs/fuzzing.md says what is judged.\n"
       "Examples:\n"
       "  kaz fuzz --seconds 60\n"
       "  kaz fuzz --target h8 --cases 200 --seed 7\n"

@@ -107,13 +107,13 @@ void add_compare(CLI::App& mcu, Action& action) {
       "compare", "native against h8: equal inputs of the servo tick must give equal outputs");
   auto arguments = std::make_shared<CompareArguments>();
   verb->add_option("--ticks", arguments->options.ticks, "how many ticks of 1 ms")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   verb->add_option("--seed", arguments->options.seed, "of host traffic and potentiometers")
       ->capture_default_str();
   verb->add_option("--state-every", arguments->options.state_every,
                    "compare the whole state every so many ticks; outputs and pins in each")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   verb->add_option("--image", arguments->options.image_path,
                    "firmware image, with its .coff beside it; the built one if not given");

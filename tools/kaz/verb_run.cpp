@@ -41,7 +41,9 @@ struct RunArguments {
 
 void add_common(CLI::App& verb, RunArguments& arguments) {
   add_sim_options(verb, arguments.session.rig);
-  verb.add_option("--duration", arguments.duration, "length of the run in seconds of the robot");
+  verb.add_option(
+      "--duration", arguments.duration,
+      "seconds of the robot: for search-ball in all, for track-ball from when the ball was found");
   verb.add_option("--set", arguments.settings, "an option of the behaviour: NAME=VALUE")
       ->type_name("NAME=VALUE");
   verb.add_flag("--json", arguments.session.json,

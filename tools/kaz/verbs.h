@@ -25,12 +25,24 @@ struct Outcome {
 // (shared/base/result.hpp).
 using Action = std::function<Result<Outcome>()>;
 
+// A number above 0; CLI11's own check would print the largest one there is.
+inline CLI::Validator positive() {
+  return CLI::Validator(
+      [](std::string& text) {
+        double number = 0;
+        const bool sound = CLI::detail::lexical_cast(text, number) && number > 0;
+        return sound ? std::string() : "`" + text + "` is not a number above 0";
+      },
+      "POSITIVE");
+}
+
 void add_demo(CLI::App& program, Action& action);
 void add_run(CLI::App& program, Action& action);
 void add_sim(CLI::App& program, Action& action);
 void add_mcu(CLI::App& program, Action& action);
 void add_conformance(CLI::App& program, Action& action);
 void add_fuzz(CLI::App& program, Action& action);
+void add_status(CLI::App& program, Action& action);
 void add_shell(CLI::App& program, Action& action);  // last: it tells of all others
 
 }  // namespace kaz::tools
