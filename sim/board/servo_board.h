@@ -25,11 +25,11 @@ namespace kaz::sim {
 
 struct ServoBoardOptions {
   std::uint64_t seed = 1;
-  SensorFigures figures = {};       // of sensors.xml
-  SensorSwitches sensors = {};      // which of them have their errors
-  bool imu = false;            // gyro and accelerometer on AN3..AN5; grounded without
-  double supply_volts = 10.0;  // without load
-  double supply_ohms = 0.15;   // battery, switch and wires
+  SensorFigures figures = {};   // of sensors.xml
+  SensorSwitches sensors = {};  // which of them have their errors
+  bool imu = false;             // gyro and accelerometer on AN3..AN5; grounded without
+  double supply_volts = 10.0;   // without load
+  double supply_ohms = 0.15;    // battery, switch and wires
 };
 
 // What a motor driver did to its motor over an interval.

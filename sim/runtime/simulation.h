@@ -46,8 +46,9 @@ struct SimulationOptions {
   SensorSwitches sensors = {};
   SensorFigures sensor_figures = {};  // create() takes them from sensors.xml beside the URDF
   bool imu = false;                   // the board has gyro and accelerometer
-  bool ideal_eyes = true;  // pinholes without noise; else lenses and sensors as the camera file says
-  int eye_width = 0;       // px of 4:3 pictures; 0: as the camera file says
+  bool ideal_eyes =
+      true;           // pinholes without noise; else lenses and sensors as the camera file says
+  int eye_width = 0;  // px of 4:3 pictures; 0: as the camera file says
   double supply_volts = 10.0;
   FramePolicy frames = FramePolicy::wait;
   faults::Schedule faults;               // times since the start

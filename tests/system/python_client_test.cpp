@@ -26,13 +26,13 @@ TEST_P(PythonClient, MovesAJointReadsItBackAndHandlesARefusal) {
   const Finished finished = run(client({folder / "board", "--joint", "0", "--angle", "0.3"}));
   EXPECT_EQ(finished.exit_code, 0) << finished.out << finished.err;
   for (const char* text : {"18 joints, protocol 2", "joint 0 is on at", "joint 0 is at +0.",
-                           "outside the joint's soft limits, detail 0", "all joints are off"})
+                           "outside the joint's soft limits, joint 0", "all joints are off"})
     EXPECT_NE(finished.out.find(text), std::string::npos) << text << "\n" << finished.out;
 
   // A target that the joint cannot have is the same refusal, now as the result.
   const Finished refused = run(client({folder / "board", "--joint", "12", "--angle", "-1"}));
   EXPECT_EQ(refused.exit_code, 1) << refused.out << refused.err;
-  EXPECT_NE(refused.err.find("outside the joint's soft limits, detail 12"), std::string::npos)
+  EXPECT_NE(refused.err.find("outside the joint's soft limits, joint 12"), std::string::npos)
       << refused.err;
   sim.signal(SIGINT);
   EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
