@@ -35,7 +35,8 @@ class Limb {
     const double duty = kz_joint_drive(&state()) / 256.0;
     for (int i = 0; i < steps; ++i) {
       const auto row = motor_.prepare({duty, board_.drivers_on()}, volts_, angle_, speed_);
-      const double torque = (row.velocity - speed_) / (row.softness + step_s / inertia_);
+      const double torque = std::clamp((row.velocity - speed_) / (row.softness + step_s / inertia_),
+                                       row.least, row.most);
       speed_ += step_s / inertia_ * torque;
       angle_ += step_s * speed_;
       motor_.finish(speed_, torque);
@@ -67,7 +68,8 @@ class Limb {
             .back_emf_nms_per_rad = 0.1764,
             .stiction_ratio = 1.3,
             .rotor_inertia_kgm2 = 5e-4,
-            .max_supply_v = 12};
+            .max_supply_v = 12,
+            .backlash_rad = 0.00698};
   }
   void put(double angle) {
     angle_ = angle;

@@ -13,60 +13,188 @@ namespace {
 constexpr double kHeldSoftness = 1e-4;
 constexpr double kHeldCorrection = 0.1;
 constexpr double kMostTorque = 1e3;  // Nm; the row's softness is what limits it
+// Where no load brings the joint to a flank within a step: 1 mrad, 1000 rad/s2.
+constexpr double kInside = 0.7;      // of half the gap
+constexpr double kMostWound = 1e-3;  // rad that a joint may be behind a held flank
 
 }  // namespace
 
-JointMotor::Row JointMotor::prepare(const MotorDrive& drive, double supply_volts, double angle,
-                                    double velocity) {
-  powered_ = drive.powered;
-  duty_ = powered_ && std::isfinite(drive.duty) ? std::clamp(drive.duty, -1.0, 1.0) : 0.0;
-  volts_ = std::clamp(supply_volts, 0.0, figures_.max_supply_v);
-  drive_torque_ = figures_.stall_slope_nm_per_v * volts_ * duty_;
-  jammed_ = drive.jammed;
-  const double most = jammed_ ? kMostTorque : std::clamp(drive.slip_nm, 0.0, kMostTorque);
-  slipping_ = most < kMostTorque;
-  if (jammed_ && regime_ != Regime::held) stop();
-  if (regime_ == Regime::held) {
-    if (stopped_) held_angle_ = angle;
-    stopped_ = false;
-    return {kHeldCorrection * (held_angle_ - angle) / step_s_, kHeldSoftness, most};
-  }
-  const double inertia_per_step = figures_.rotor_inertia_kgm2 / step_s_;
-  const double slope = (powered_ ? figures_.back_emf_nms_per_rad : 0.0) + inertia_per_step;
-  const double friction = regime_ == Regime::forward ? figures_.friction_nm : -figures_.friction_nm;
-  return {(drive_torque_ - friction + inertia_per_step * velocity) / slope, 1.0 / slope, most};
+JointMotor::JointMotor(const MotorFigures& figures, double step_s)
+    : figures_(figures), step_s_(step_s), heat_(figures) {}
+
+JointMotor::State JointMotor::state() const {
+  State state = state_;
+  state.winding_celsius = heat_.winding_celsius();
+  state.case_celsius = heat_.case_celsius();
+  return state;
 }
 
+void JointMotor::set_state(const State& state) {
+  state_ = state;
+  heat_.set(state.winding_celsius, state.case_celsius);
+}
+
+double JointMotor::resistance_ohm() const {
+  return figures_.resistance_ohm() * heat_.resistance_ratio();
+}
+
+void JointMotor::take_drive(const MotorDrive& drive, double supply_volts) {
+  powered_ = drive.powered;
+  state_.duty = powered_ && std::isfinite(drive.duty) ? std::clamp(drive.duty, -1.0, 1.0) : 0.0;
+  volts_ = std::clamp(supply_volts, 0.0, figures_.max_supply_v);
+  const double ratio = heat_.resistance_ratio();
+  drive_torque_ = figures_.stall_slope_nm_per_v / ratio * volts_ * state_.duty;
+  stiffness_ = (powered_ ? figures_.back_emf_nms_per_rad / ratio : 0.0) +
+               figures_.rotor_inertia_kgm2 / step_s_;
+  jammed_ = drive.jammed;
+  most_ = jammed_ ? kMostTorque : std::clamp(drive.slip_nm, 0.0, kMostTorque);
+  slipping_ = most_ < kMostTorque;
+  apart_ = false;
+  tight_ = jammed_ || slipping_ || figures_.backlash_rad == 0;
+}
+
+// A rotor that has stopped against something goes on pressing with what sliding friction leaves.
 void JointMotor::stop() {
-  regime_ = Regime::held;
-  stopped_ = true;
+  if (state_.regime != Regime::held) {
+    const double friction =
+        state_.regime == Regime::forward ? figures_.friction_nm : -figures_.friction_nm;
+    const double press = drive_torque_ - friction;
+    state_.press = press * state_.torque > 0 ? press : 0;
+    state_.torque = state_.torque_before = state_.press;
+  }
+  state_.regime = Regime::held;
+  state_.rotor_speed = 0;
+  state_.stopped = true;
+}
+
+// A joint that comes through the gap faster than friction can stop the rotor in one step sets it in
+// motion; its speed is then more than the f h/J that friction for the wrong side could give it.
+void JointMotor::be_struck(double angle, double velocity) {
+  const double way =
+      0.5 * figures_.backlash_rad + std::copysign(1.0, velocity) * (state_.rotor_angle - angle);
+  const double stops =
+      figures_.friction_nm * figures_.stiction_ratio * step_s_ / figures_.rotor_inertia_kgm2;
+  if (std::abs(velocity) * step_s_ <= way || std::abs(velocity) <= stops) return;
+  state_.regime = velocity > 0 ? Regime::forward : Regime::backward;
+  state_.stopped = false;
+}
+
+// Standing still, the motor gives what it is driven with, and friction the rest. The torque of one step
+// alone may be a blow, which is over.
+void JointMotor::break_loose() {
+  const double most = figures_.friction_nm * figures_.stiction_ratio;
+  const double now = drive_torque_ - state_.torque, before = drive_torque_ - state_.torque_before;
+  if (std::min(now, before) <= most && std::max(now, before) >= -most) return;
+  state_.regime = now > 0 ? Regime::forward : Regime::backward;
+  state_.stopped = false;
+}
+
+JointMotor::Row JointMotor::prepare(const MotorDrive& drive, double supply_volts, double angle,
+                                    double velocity) {
+  take_drive(drive, supply_volts);
+  if (tight_) {
+    state_.rotor_speed = velocity;
+    if (state_.regime != Regime::held) state_.rotor_angle = angle;
+  }
+  if (jammed_ && state_.regime != Regime::held) stop();
+  const bool was_moving = state_.regime != Regime::held;
+  if (state_.regime == Regime::held && !jammed_) break_loose();
+  if (state_.regime == Regime::held && !tight_) be_struck(angle, velocity);
+  if (state_.regime != Regime::held) {
+    const double friction =
+        state_.regime == Regime::forward ? figures_.friction_nm : -figures_.friction_nm;
+    free_speed_ =
+        (drive_torque_ - friction + figures_.rotor_inertia_kgm2 / step_s_ * state_.rotor_speed) /
+        stiffness_;
+  }
+  if (was_moving && !tight_ && will_stop()) stop();
+  return tight_ ? tight_row(angle) : flank_row(angle, velocity);
+}
+
+// Whether friction ends the motion in the coming step, if the joint goes on resisting or driving as it
+// does. Friction for a direction that is left within the step would push.
+bool JointMotor::will_stop() const {
+  const double a = state_.torque, b = state_.torque_before;
+  const double load = a * b <= 0 ? 0 : std::copysign(std::min(std::abs(a), std::abs(b)), a);
+  const double next = free_speed_ - load / stiffness_;
+  return state_.regime == Regime::forward ? next <= 0 : next >= 0;
+}
+
+// Rotor and joint turn as one.
+JointMotor::Row JointMotor::tight_row(double angle) {
+  if (state_.regime != Regime::held) return {free_speed_, 1.0 / stiffness_, most_, -most_};
+  const double wound = step_s_ * kHeldSoftness / kHeldCorrection;  // rad per Nm held
+  // What has slipped does not come back.
+  if (state_.stopped || slipping_) {
+    state_.rotor_angle = angle + (slipping_ ? 0 : wound * state_.press);
+  }
+  state_.stopped = false;
+  return {kHeldCorrection * (state_.rotor_angle - angle) / step_s_, kHeldSoftness, most_, -most_};
+}
+
+JointMotor::Row JointMotor::flank_row(double angle, double velocity) {
+  const double half = 0.5 * figures_.backlash_rad;
+  const double wound = step_s_ * kHeldSoftness / kHeldCorrection;
+  const bool held = state_.regime == Regime::held;
+  if (state_.stopped && state_.press != 0) {
+    state_.rotor_angle = angle + std::copysign(half, state_.press) + wound * state_.press;
+  }
+  state_.stopped = false;
+  const double reach = held ? half + kMostWound : half;
+  const double ahead = std::clamp(state_.rotor_angle - angle, -reach, reach);
+  state_.rotor_angle = angle + ahead;
+
+  const double rotor = held ? 0 : free_speed_;
+  const double next = ahead + step_s_ * (rotor - velocity);
+  apart_ = figures_.shaft_friction_nm > 0 && std::abs(next) < kInside * half;
+  if (apart_) {
+    return {0, kHeldSoftness, figures_.shaft_friction_nm, -figures_.shaft_friction_nm};
+  }
+  const double side = next >= 0 ? 1.0 : -1.0;
+  const double least = side > 0 ? 0 : -kMostTorque, most = side > 0 ? kMostTorque : 0;
+  const double way = (half - side * ahead) / step_s_;
+  if (held) {
+    return {-side * (way < 0 ? kHeldCorrection * way : way), kHeldSoftness, most, least};
+  }
+  // Friction stops a rotor, it does not turn it back.
+  if (state_.regime == Regime::forward && side > 0) free_speed_ = std::max(free_speed_, 0.0);
+  if (state_.regime == Regime::backward && side < 0) free_speed_ = std::min(free_speed_, 0.0);
+  return {free_speed_ - side * way, 1.0 / stiffness_, most, least};
+}
+
+void JointMotor::turn_rotor(double velocity, double torque) {
+  if (state_.regime == Regime::held) {
+    state_.rotor_speed = 0;
+    state_.friction_watts = 0;
+    return;
+  }
+  const double before = state_.rotor_speed;
+  double speed = tight_ ? velocity : free_speed_ - torque / stiffness_;
+  const bool forward = state_.regime == Regime::forward;
+  const bool turned = forward ? speed <= 0 : speed >= 0;
+  if (turned && !tight_ && torque == 0) speed = 0;
+  // What the motor line and the rotor leave is what friction took.
+  const double friction = tight_ || !turned
+                              ? (forward ? figures_.friction_nm : -figures_.friction_nm)
+                              : drive_torque_ - torque - stiffness_ * speed +
+                                    figures_.rotor_inertia_kgm2 / step_s_ * before;
+  state_.friction_watts = friction * speed;
+  state_.rotor_speed = speed;
+  state_.rotor_angle += step_s_ * speed;
+  if (turned) stop();
 }
 
 void JointMotor::finish(double velocity, double torque) {
-  switch (regime_) {
-    case Regime::held: {
-      // Standing still, the motor assembly gives drive and friction and nothing else.
-      const double friction = torque - drive_torque_;
-      stopped_ = slipping_;  // what has slipped does not come back
-      if (!jammed_ && std::abs(friction) > figures_.friction_nm * figures_.stiction_ratio) {
-        regime_ = friction < 0 ? Regime::forward : Regime::backward;
-      }
-      break;
-    }
-    case Regime::forward:
-      if (velocity <= 0) stop();
-      break;
-    case Regime::backward:
-      if (velocity >= 0) stop();
-      break;
-  }
-  if (!powered_) {
-    current_ = motor_current_ = 0;
-    return;
-  }
-  motor_current_ =
-      (volts_ * duty_ - figures_.torque_constant() * velocity) / figures_.resistance_ohm();
-  current_ = duty_ * motor_current_;
+  state_.torque_before = state_.torque;
+  state_.torque = apart_ ? 0 : torque;
+  turn_rotor(velocity, state_.torque);
+  if (apart_) state_.friction_watts -= torque * velocity;
+  const double speed = tight_ ? velocity : state_.rotor_speed;
+  const double resistance = resistance_ohm();
+  state_.current =
+      powered_ ? (volts_ * state_.duty - figures_.torque_constant() * speed) / resistance : 0;
+  state_.copper_watts = state_.current * state_.current * resistance;
+  heat_.take(state_.copper_watts, std::max(0.0, state_.friction_watts), step_s_);
 }
 
 }  // namespace kaz::sim

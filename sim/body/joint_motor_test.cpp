@@ -1,10 +1,10 @@
-// The motor row against the equations of a DC motor, on one inertia whose row is solved by hand.
+// The motor row against the equations of a DC motor, cold and without backlash.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/joint_motor.h"
 
 #include <cmath>
 
-#include <gtest/gtest.h>
+#include "sim/body/motor_bench.h"
 
 namespace kaz::sim {
 namespace {
@@ -22,25 +22,8 @@ MotorFigures figures() {
           .max_supply_v = 12};
 }
 
-// An inertia I on the output shaft under an outside torque: I (w1 - w0)/h = row + load, where the
-// row obeys w1 + softness * row = velocity.
-struct Bench {
-  explicit Bench(double step = 1e-3) : h(step), motor(figures(), step) {}
-
-  void step(double duty, bool powered, double volts, double load) {
-    const JointMotor::Row row = motor.prepare({duty, powered}, volts, angle, speed);
-    const double free = speed + h / inertia * load;
-    torque = (row.velocity - free) / (row.softness + h / inertia);
-    speed = free + h / inertia * torque;
-    angle += h * speed;
-    motor.finish(speed, torque);
-  }
-  void run(double seconds, double duty, bool powered, double volts, double load) {
-    for (int i = 0; i < std::lround(seconds / h); ++i) step(duty, powered, volts, load);
-  }
-
-  double h, inertia = 1e-4, angle = 0, speed = 0, torque = 0;
-  JointMotor motor;
+struct Bench : test::MotorBench {
+  explicit Bench(double step = 1e-3) : MotorBench(figures(), 1e-4, step) {}
 };
 
 TEST(JointMotor, TurnsAtTheSpeedOfTheMotorLine) {

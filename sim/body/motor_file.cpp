@@ -2,59 +2,111 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/motor_file.h"
 
+#include <algorithm>
 #include <array>
+#include <numbers>
+#include <vector>
 
 #include "sim/body/xml_file.h"
 
 namespace kaz::sim {
 namespace {
 
+enum class Need { always, with_heat, never };
+
 struct Figure {
   const char* element;
   double MotorFigures::*member;
   double least;
   bool least_allowed;
+  Need need = Need::always;
+  double unit = 1;
 };
 
-constexpr std::array<Figure, 6> kFigures{{
+constexpr double kColdest = -273.15;
+constexpr std::array<Figure, 14> kFigures{{
     {"stall_slope", &MotorFigures::stall_slope_nm_per_v, 0, false},
     {"friction", &MotorFigures::friction_nm, 0, true},
     {"back_emf", &MotorFigures::back_emf_nms_per_rad, 0, false},
     {"stiction_ratio", &MotorFigures::stiction_ratio, 1, true},
     {"rotor_inertia", &MotorFigures::rotor_inertia_kgm2, 0, false},
     {"max_supply", &MotorFigures::max_supply_v, 0, false},
+    {"backlash_degrees", &MotorFigures::backlash_rad, 0, true, Need::never, std::numbers::pi / 180},
+    {"shaft_friction", &MotorFigures::shaft_friction_nm, 0, true, Need::never},
+    {"winding_heat_capacity", &MotorFigures::winding_heat_capacity, 0, false, Need::with_heat},
+    {"winding_to_case", &MotorFigures::winding_to_case, 0, false, Need::with_heat},
+    {"case_heat_capacity", &MotorFigures::case_heat_capacity, 0, false, Need::with_heat},
+    {"case_to_air", &MotorFigures::case_to_air, 0, false, Need::with_heat},
+    {"copper_per_kelvin", &MotorFigures::copper_per_kelvin, 0, true, Need::with_heat},
+    {"air_celsius", &MotorFigures::air_celsius, kColdest, false, Need::never},
 }};
+using Seen = std::array<bool, kFigures.size()>;
 
-Result<MotorFigures> read_motor(const XmlFile& file, const tinyxml2::XMLElement& motor) {
+struct Motor {
   MotorFigures figures;
-  std::array<bool, kFigures.size()> seen{};
-  for (auto* child = motor.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    std::size_t which = 0;
-    while (which < kFigures.size() && std::string(child->Name()) != kFigures[which].element)
-      ++which;
-    if (which == kFigures.size()) {
-      return file.error(*child, std::string("unknown element <") + child->Name() +
-                                    "> in <motor>; see docs/robot.md for those it takes");
-    }
-    const Result<double> value = file.number(*child, "value");
-    if (!value) return tl::unexpected(value.error());
-    const Figure& figure = kFigures[which];
-    if (*value < figure.least || (*value == figure.least && !figure.least_allowed)) {
-      return file.error(*child, std::string("<") + figure.element + "> must be " +
-                                    (figure.least_allowed ? "at least " : "more than ") +
-                                    std::to_string(static_cast<int>(figure.least)));
-    }
-    figures.*figure.member = *value;
-    seen[which] = true;
+  Seen seen{};
+};
+
+Result<void> read_figure(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor) {
+  std::size_t which = 0;
+  while (which < kFigures.size() && std::string(element.Name()) != kFigures[which].element) ++which;
+  if (which == kFigures.size()) {
+    return file.error(element, std::string("unknown element <") + element.Name() +
+                                   "> in <motor>; see docs/robot.md for those it takes");
   }
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (!seen[i])
-      return file.error(motor, std::string("<motor> lacks <") + kFigures[i].element + ">");
+  const Result<double> value = file.number(element, "value");
+  if (!value) return tl::unexpected(value.error());
+  const Figure& figure = kFigures[which];
+  if (*value < figure.least || (*value == figure.least && !figure.least_allowed)) {
+    return file.error(element, std::string("<") + figure.element + "> must be " +
+                                   (figure.least_allowed ? "at least " : "more than ") +
+                                   std::to_string(static_cast<int>(figure.least)));
   }
-  return figures;
+  motor.figures.*figure.member = *value * figure.unit;
+  motor.seen[which] = true;
+  return {};
+}
+
+// `motor` comes with what it is based on.
+Result<void> read_motor(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor) {
+  for (auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    if (auto done = read_figure(file, *child, motor); !done) return done;
+  }
+  bool heat = false;
+  for (std::size_t i = 0; i < kFigures.size(); ++i) {
+    heat = heat || (kFigures[i].need == Need::with_heat && motor.seen[i]);
+  }
+  for (std::size_t i = 0; i < kFigures.size(); ++i) {
+    if (motor.seen[i] || kFigures[i].need == Need::never) continue;
+    if (kFigures[i].need == Need::with_heat && !heat) continue;
+    return file.error(element, std::string("<motor> lacks <") + kFigures[i].element + ">");
+  }
+  return {};
+}
+
+std::string names_of(const std::vector<Motor>& motors) {
+  std::string names;
+  for (const Motor& motor : motors) {
+    if (!names.empty()) names += ", ";
+    names += motor.figures.name;
+  }
+  return names;
+}
+
+const Motor* find(const std::vector<Motor>& motors, const std::string& name) {
+  const auto found = std::find_if(motors.begin(), motors.end(),
+                                  [&](const Motor& motor) { return motor.figures.name == name; });
+  return found == motors.end() ? nullptr : &*found;
 }
 
 }  // namespace
+
+MotorFigures MotorFigures::ideal() const {
+  MotorFigures figures = *this;
+  figures.backlash_rad = 0;
+  figures.winding_heat_capacity = 0;
+  return figures;
+}
 
 Result<MotorFigures> load_motor_file(const std::string& path, const std::string& name) {
   const Result<XmlFile> file = XmlFile::load(path, "motors");
@@ -65,22 +117,34 @@ Result<MotorFigures> load_motor_file(const std::string& path, const std::string&
     if (!standard) return tl::unexpected(standard.error());
     wanted = *standard;
   }
-  std::string known;
-  for (auto* motor = file->root().FirstChildElement(); motor; motor = motor->NextSiblingElement()) {
-    if (std::string(motor->Name()) != "motor") {
-      return file->error(*motor,
-                         std::string("unknown element <") + motor->Name() + ">, expected <motor>");
+  std::vector<Motor> motors;
+  for (auto* element = file->root().FirstChildElement(); element;
+       element = element->NextSiblingElement()) {
+    if (std::string(element->Name()) != "motor") {
+      return file->error(
+          *element, std::string("unknown element <") + element->Name() + ">, expected <motor>");
     }
-    const Result<std::string> its_name = file->attribute(*motor, "name");
+    const Result<std::string> its_name = file->attribute(*element, "name");
     if (!its_name) return tl::unexpected(its_name.error());
-    Result<MotorFigures> figures = read_motor(*file, *motor);
-    if (!figures) return figures;
-    figures->name = *its_name;
-    if (*its_name == wanted) return figures;
-    if (!known.empty()) known += ", ";
-    known += *its_name;
+    Motor motor;
+    if (const char* base = element->Attribute("based_on")) {
+      const Motor* known = find(motors, base);
+      if (!known) {
+        return file->error(*element, std::string("is based on motor `") + base +
+                                         "`, which does not stand above; those that do: " +
+                                         (motors.empty() ? "none" : names_of(motors)));
+      }
+      motor = *known;
+    }
+    motor.figures.name = *its_name;
+    if (auto done = read_motor(*file, *element, motor); !done) {
+      return tl::unexpected(done.error());
+    }
+    motors.push_back(motor);
   }
-  return file->error(file->root(), "has no motor `" + wanted + "`; it has: " + known);
+  const Motor* found = find(motors, wanted);
+  if (found) return found->figures;
+  return file->error(file->root(), "has no motor `" + wanted + "`; it has: " + names_of(motors));
 }
 
 }  // namespace kaz::sim

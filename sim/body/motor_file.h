@@ -8,7 +8,7 @@
 
 namespace kaz::sim {
 
-// All at the output shaft. Motor line: torque = stall_slope V duty - back_emf w - friction.
+// All at the output shaft. Motor line, cold: torque = stall_slope V duty - back_emf w - friction.
 struct MotorFigures {
   std::string name;
   double stall_slope_nm_per_v = 0;
@@ -18,10 +18,21 @@ struct MotorFigures {
   double rotor_inertia_kgm2 = 0;
   double max_supply_v = 0;  // the driver gives the motor no more than this
 
+  double backlash_rad = 0;       // whole way between the flanks; 0: none
+  double shaft_friction_nm = 0;  // behind the gap, part of friction_nm
+  // Heat (winding_heat.h): J/K and K/W. Without winding_heat_capacity the motor stays cold.
+  double winding_heat_capacity = 0, winding_to_case = 0;
+  double case_heat_capacity = 0, case_to_air = 0;
+  double copper_per_kelvin = 0;  // growth of the resistance
+  double air_celsius = 25;       // at which the motor line holds
+
   // Follow from the above with a gear whose only losses are `friction_nm`: then the torque constant
   // (Nm/A) equals the back-EMF constant (Vs/rad), and slope = K / R, back_emf = K^2 / R.
   double torque_constant() const { return back_emf_nms_per_rad / stall_slope_nm_per_v; }
   double resistance_ohm() const { return torque_constant() / stall_slope_nm_per_v; }
+
+  // The same motor without backlash and heat.
+  MotorFigures ideal() const;
 };
 
 // The motor called `name`, or the file's default where `name` is empty. Errors name file and line.

@@ -20,6 +20,31 @@ TEST(MotorFile, GivesTheTorquesThePaperMeasured) {
   }
 }
 
+TEST(MotorFile, VariantSaysOnlyWhatDiffers) {
+  const auto driver = load_motor_file("shared/robot/kaz/motor.xml", "s9204-jskd04");
+  const auto original = load_motor_file("shared/robot/kaz/motor.xml", "s9204-original");
+  ASSERT_TRUE(driver && original);
+  EXPECT_EQ(driver->max_supply_v, 12);
+  EXPECT_EQ(original->max_supply_v, 6);
+  EXPECT_EQ(original->name, "s9204-original");
+  EXPECT_EQ(original->stall_slope_nm_per_v, driver->stall_slope_nm_per_v);
+  EXPECT_EQ(original->case_to_air, driver->case_to_air);
+  EXPECT_NEAR(original->backlash_rad, 0.00698132, 1e-8);
+}
+
+TEST(MotorFile, NeedsNeitherBacklashNorHeat) {
+  const test::Folder folder;
+  const auto motor = load_motor_file(
+      folder.write("motor.xml",
+                   "<motors default='a'><motor name='a'><stall_slope value='1'/>"
+                   "<friction value='0'/><back_emf value='1'/><stiction_ratio value='1'/>"
+                   "<rotor_inertia value='1'/><max_supply value='1'/></motor></motors>"),
+      "");
+  ASSERT_TRUE(motor) << motor.error().message;
+  EXPECT_EQ(motor->backlash_rad, 0);
+  EXPECT_EQ(motor->winding_heat_capacity, 0);
+}
+
 struct Case {
   const char* name;
   const char* motors;
@@ -56,6 +81,14 @@ INSTANTIATE_TEST_SUITE_P(
              "<motors default='a'>\n<motor name='a'><friction value='1'/></motor>"
              "</motors>",
              ":2: <motor> lacks <stall_slope>"},
+        Case{"half_of_the_heat",
+             "<motors default='a'>\n<motor name='a'><stall_slope value='1'/>"
+             "<friction value='0'/><back_emf value='1'/><stiction_ratio value='1'/>"
+             "<rotor_inertia value='1'/><max_supply value='1'/>"
+             "<winding_heat_capacity value='5'/></motor></motors>",
+             ":2: <motor> lacks <winding_to_case>"},
+        Case{"based_on_nothing", "<motors default='a'>\n<motor name='a' based_on='b'/></motors>",
+             ":2: is based on motor `b`, which does not stand above; those that do: none"},
         Case{"no_default", "\n<motors></motors>", ":2: <motors> lacks the attribute `default`"}),
     [](const auto& test) { return std::string(test.param.name); });
 

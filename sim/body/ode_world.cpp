@@ -84,6 +84,7 @@ OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const Motor
   all_kicks_ = kicks_;
   read_joints();
   read_imu(imu_velocity());
+  read_motors();
 }
 
 OdeWorld::~OdeWorld() = default;
@@ -202,10 +203,27 @@ void OdeWorld::drive_motors(std::span<const MotorDrive> drives, double supply_vo
     const MotorDrive drive = i < drives.size() ? drives[i] : MotorDrive{};
     const JointMotor::Row row =
         motors_[i].prepare(drive, supply_volts, joint_states_[i].angle, joint_states_[i].velocity);
-    dJointSetAMotorParam(ode_joints_[i].motor, dParamVel, row.velocity);
-    dJointSetAMotorParam(ode_joints_[i].motor, dParamCFM, row.softness);
-    dJointSetAMotorParam(ode_joints_[i].motor, dParamFMax, row.most);
+    set_row(ode_joints_[i].motor, row);
   }
+}
+
+// ODE's motors push and pull alike; what only pushes is a stop. A stop's goal is ERP * way / step, and
+// its ERP may be negative.
+void OdeWorld::set_row(dJointID motor, const JointMotor::Row& row) const {
+  const bool low = row.least == 0, high = row.most == 0;
+  dJointSetAMotorParam(motor, dParamLoStop, low ? 0 : -dInfinity);
+  dJointSetAMotorParam(motor, dParamHiStop, high ? 0 : dInfinity);
+  if (!low && !high) {
+    dJointSetAMotorParam(motor, dParamVel, row.velocity);
+    dJointSetAMotorParam(motor, dParamCFM, row.softness);
+    dJointSetAMotorParam(motor, dParamFMax, row.most);
+    return;
+  }
+  dJointSetAMotorParam(motor, dParamFMax, 0);
+  const double side = low ? 1.0 : -1.0;
+  dJointSetAMotorAngle(motor, 0, -side * step_s_ * std::abs(row.velocity));
+  dJointSetAMotorParam(motor, dParamStopERP, std::copysign(1.0, side * row.velocity));
+  dJointSetAMotorParam(motor, dParamStopCFM, row.softness);
 }
 
 void OdeWorld::solve() {
@@ -232,11 +250,18 @@ void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   ++steps_;
   read_joints();
   read_imu(velocity_before);
-  current_ = 0;
   for (std::size_t i = 0; i < ode_joints_.size(); ++i) {
     motors_[i].finish(joint_states_[i].velocity, joint_states_[i].torque);
-    current_ += motors_[i].supply_current();
+  }
+  read_motors();
+}
+
+void OdeWorld::read_motors() {
+  current_ = 0;
+  for (std::size_t i = 0; i < ode_joints_.size(); ++i) {
+    joint_states_[i].winding_celsius = motors_[i].winding_celsius();
     joint_states_[i].current = motors_[i].motor_current();
+    current_ += motors_[i].supply_current();
   }
 }
 

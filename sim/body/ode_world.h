@@ -80,6 +80,8 @@ class OdeWorld final : public World {
   void build_object(const WorldBody& object);
   void kick_due();
   void drive_motors(std::span<const MotorDrive> drives, double supply_volts);
+  void set_row(dJointID motor, const JointMotor::Row& row) const;
+  void read_motors();
   void solve();
   void read_joints();
   Eigen::Vector3d imu_velocity() const;

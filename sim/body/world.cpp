@@ -44,7 +44,8 @@ Result<std::unique_ptr<World>> World::load(const std::string& world_path,
   if (!motor) return tl::unexpected(motor.error());
   const Result<WorldModel> world = load_world(world_path);
   if (!world) return tl::unexpected(world.error());
-  return std::make_unique<OdeWorld>(*world, *robot, *motor, options, *iterations);
+  return std::make_unique<OdeWorld>(*world, *robot, options.ideal_motors ? motor->ideal() : *motor,
+                                    options, *iterations);
 }
 
 }  // namespace kaz::sim

@@ -34,6 +34,7 @@ struct JointState {
   double velocity = 0;  // rad/s
   double torque = 0;    // Nm, motor on the joint in the last step, friction included
   double current = 0;   // A, in the motor, mean over the last step
+  double winding_celsius = 0;
 };
 
 // What an inertial sensor at the robot's link `imu` would measure if it were perfect, in the axes of
@@ -58,6 +59,7 @@ struct WorldOptions {
   bool hung = false;                // the robot's trunk is fixed, its feet well above the ground
   std::string motor =
       "";  // a motor of motor.xml, which stands beside the URDF; "": the file's default
+  bool ideal_motors = false;  // without backlash and heat
 };
 
 class World {
