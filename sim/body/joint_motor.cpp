@@ -13,8 +13,6 @@ namespace {
 constexpr double kHeldSoftness = 1e-4;
 constexpr double kHeldCorrection = 0.1;
 constexpr double kMostTorque = 1e3;  // Nm; the row's softness is what limits it
-// Where no load brings the joint to a flank within a step: 1 mrad, 1000 rad/s2.
-constexpr double kInside = 0.7;      // of half the gap
 constexpr double kMostWound = 1e-3;  // rad that a joint may be behind a held flank
 
 }  // namespace
@@ -49,7 +47,6 @@ void JointMotor::take_drive(const MotorDrive& drive, double supply_volts) {
   jammed_ = drive.jammed;
   most_ = jammed_ ? kMostTorque : std::clamp(drive.slip_nm, 0.0, kMostTorque);
   slipping_ = most_ < kMostTorque;
-  apart_ = false;
   tight_ = jammed_ || slipping_ || figures_.backlash_rad == 0;
 }
 
@@ -145,12 +142,7 @@ JointMotor::Row JointMotor::flank_row(double angle, double velocity) {
   state_.rotor_angle = angle + ahead;
 
   const double rotor = held ? 0 : free_speed_;
-  const double next = ahead + step_s_ * (rotor - velocity);
-  apart_ = figures_.shaft_friction_nm > 0 && std::abs(next) < kInside * half;
-  if (apart_) {
-    return {0, kHeldSoftness, figures_.shaft_friction_nm, -figures_.shaft_friction_nm};
-  }
-  const double side = next >= 0 ? 1.0 : -1.0;
+  const double side = ahead + step_s_ * (rotor - velocity) >= 0 ? 1.0 : -1.0;
   const double least = side > 0 ? 0 : -kMostTorque, most = side > 0 ? kMostTorque : 0;
   const double way = (half - side * ahead) / step_s_;
   if (held) {
@@ -186,9 +178,8 @@ void JointMotor::turn_rotor(double velocity, double torque) {
 
 void JointMotor::finish(double velocity, double torque) {
   state_.torque_before = state_.torque;
-  state_.torque = apart_ ? 0 : torque;
-  turn_rotor(velocity, state_.torque);
-  if (apart_) state_.friction_watts -= torque * velocity;
+  state_.torque = torque;
+  turn_rotor(velocity, torque);
   const double speed = tight_ ? velocity : state_.rotor_speed;
   const double resistance = resistance_ohm();
   state_.current =

@@ -19,8 +19,6 @@
 // row which the rotor would be nearer to after the step. Should the joint pass the other one, it is put
 // back to it: only an angle moves, no speed, so this makes no energy.
 //
-// Well inside the gap the row is the friction of the output shaft alone (bearing, potentiometer).
-//
 // Static friction is a regime of its own: the rotor is held until friction would have to give more
 // than the breakaway torque.
 //
@@ -104,7 +102,6 @@ class JointMotor {
   State state_;
   // Of the step between prepare and finish.
   bool powered_ = false, jammed_ = false, slipping_ = false, tight_ = false;
-  bool apart_ = false;  // well inside the gap
   double volts_ = 0, most_ = 0;
   double drive_torque_ = 0, stiffness_ = 0;  // A and K above
   double free_speed_ = 0;                    // u_free above

@@ -11,7 +11,7 @@
 
 namespace kaz::sim::test {
 
-inline MotorFigures motor_figures(const std::string& name = "") {
+inline MotorFigures motor_figures(const std::string& name = "s9204-jskd04") {
   const auto figures = load_motor_file("shared/robot/kaz/motor.xml", name);
   if (!figures) {
     ADD_FAILURE() << figures.error().message;

@@ -24,7 +24,7 @@ struct Figure {
 };
 
 constexpr double kColdest = -273.15;
-constexpr std::array<Figure, 14> kFigures{{
+constexpr std::array<Figure, 13> kFigures{{
     {"stall_slope", &MotorFigures::stall_slope_nm_per_v, 0, false},
     {"friction", &MotorFigures::friction_nm, 0, true},
     {"back_emf", &MotorFigures::back_emf_nms_per_rad, 0, false},
@@ -32,7 +32,6 @@ constexpr std::array<Figure, 14> kFigures{{
     {"rotor_inertia", &MotorFigures::rotor_inertia_kgm2, 0, false},
     {"max_supply", &MotorFigures::max_supply_v, 0, false},
     {"backlash_degrees", &MotorFigures::backlash_rad, 0, true, Need::never, std::numbers::pi / 180},
-    {"shaft_friction", &MotorFigures::shaft_friction_nm, 0, true, Need::never},
     {"winding_heat_capacity", &MotorFigures::winding_heat_capacity, 0, false, Need::with_heat},
     {"winding_to_case", &MotorFigures::winding_to_case, 0, false, Need::with_heat},
     {"case_heat_capacity", &MotorFigures::case_heat_capacity, 0, false, Need::with_heat},

@@ -18,8 +18,7 @@ struct MotorFigures {
   double rotor_inertia_kgm2 = 0;
   double max_supply_v = 0;  // the driver gives the motor no more than this
 
-  double backlash_rad = 0;       // whole way between the flanks; 0: none
-  double shaft_friction_nm = 0;  // behind the gap, part of friction_nm
+  double backlash_rad = 0;  // whole way between the flanks; 0: none
   // Heat (winding_heat.h): J/K and K/W. Without winding_heat_capacity the motor stays cold.
   double winding_heat_capacity = 0, winding_to_case = 0;
   double case_heat_capacity = 0, case_to_air = 0;

@@ -102,8 +102,8 @@ TEST_P(Standing, StaysUpWithItsMotorsOff) {
   const auto world = load();
   ASSERT_TRUE(world);
   run(*world, 3.0);
-  // It leans as far as the gaps of hip, knee and ankle let it, 0.2 degrees each from the middle.
-  EXPECT_LT(tilt(*world), (0.5 + 3 * 0.2) * kDegree);
+  // It leans as far as the gaps of hip, knee and ankle let it, 0.1 degrees each from the middle.
+  EXPECT_LT(tilt(*world), (0.5 + 3 * 0.1) * kDegree);
   EXPECT_NEAR(world->link_pose("trunk").translation().z(), 0.160, 0.001);
   EXPECT_EQ(world->supply_current_a(), 0);
   EXPECT_LT(world->largest_joint_gap_m(), 2e-5);
@@ -211,7 +211,7 @@ TEST(Motors, TellTemperatureAndCurrent) {
     run(*world, 1.0, drives);  // against its stop, 30 W at 5 J/K
     EXPECT_NEAR(world->joints()[0].winding_celsius, ideal ? 25 : 30, 1.0);
     EXPECT_NEAR(world->joints()[0].current, -2.95, 0.05);
-    EXPECT_EQ(world->joints()[1].winding_celsius, 25);
+    EXPECT_NEAR(world->joints()[1].winding_celsius, 25, 0.01);  // what it is shaken
     EXPECT_NEAR(world->supply_current_a(), 2.95, 0.05);
   }
 }
