@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <unistd.h>
+
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -19,7 +21,7 @@ namespace kaz {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// KAZ_LONG=1 asks for the long versions.
+// KAZ_LONG=1 asks for the long versions. KAZ_STEPPER chooses another stepper (sim/body/world.h).
 inline bool long_run() {
   const char* asked = std::getenv("KAZ_LONG");
   return asked != nullptr && std::string(asked) == "1";
@@ -58,10 +60,11 @@ class RobotBench {
   static std::unique_ptr<RobotBench> start(const std::string& world, std::uint64_t seed = 1) {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
     const auto path = std::filesystem::path(testing::TempDir()) /
-                      ("kaz_" + std::string(info->name()) + std::to_string(seed) + ".sdf");
+                      ("kaz_" + std::string(info->name()) + std::to_string(getpid()) + ".sdf");
     std::ofstream(path) << world;
     sim::SimulationOptions options;
     options.engine = "native";
+    if (const char* stepper = std::getenv("KAZ_STEPPER")) options.stepper = stepper;
     options.seed = seed;
     options.world_path = path;
     options.robot_path = "shared/robot/kaz/kaz.urdf";
