@@ -1,8 +1,11 @@
-// Writes MCAP files: channels of time-stamped messages, appended as they come.
+// Writes MCAP files: channels of time-stamped messages, in chunks with an index.
 // SPDX-License-Identifier: Apache-2.0
 //
-// https://mcap.dev/spec, version 0. Readable up to the last whole record if the writer dies. Chunks
-// and indexes, which are optional, are left out. The same calls give the same bytes.
+// https://mcap.dev/spec, version 0. Messages are gathered into chunks of about a megabyte, each with
+// its CRC and an index of its messages; the end of the file lists schemas, channels and chunks, so
+// that a reader finds a moment without reading all. What is damaged costs its chunk; if the writer
+// dies, the chunks that are there can be read. Nothing is compressed. The same calls give the same
+// bytes.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +25,7 @@ namespace kaz::sim {
 class McapWriter {
  public:
   using Metadata = std::vector<std::pair<std::string, std::string>>;
+  static constexpr std::size_t chunk_bytes = 1 << 20;
 
   // Replaces the file at `path`. `library` names the program and its version.
   static Result<std::unique_ptr<McapWriter>> create(const std::string& path,
@@ -46,16 +50,42 @@ class McapWriter {
   const std::string& path() const { return path_; }
 
  private:
+  struct Channel {
+    std::vector<std::uint8_t> record;                               // content, for the summary
+    std::uint32_t messages = 0;                                     // so far
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> in_chunk;  // time, offset in it
+  };
+  struct ChunkIndex {
+    std::uint64_t first_ns = 0, last_ns = 0, start = 0, length = 0;
+    std::vector<std::pair<std::uint16_t, std::uint64_t>> message_indexes;  // channel, offset
+    std::uint64_t indexes_length = 0, size = 0;
+  };
+  struct MetadataIndex {
+    std::uint64_t start, length;
+    std::string name;
+  };
+
   McapWriter() = default;
   void put(std::uint8_t opcode, std::span<const std::uint8_t> content);
   void put_bytes(std::span<const std::uint8_t> bytes);
+  void end_chunk();
+  void put_message_indexes(ChunkIndex& index);
+  void put_chunk_index(const ChunkIndex& index);
+  void put_statistics();
+  void put_summary();
 
   std::string path_;
   std::ofstream file_;
+  std::uint64_t at_ = 0;   // bytes written
+  std::uint32_t crc_ = 0;  // of the bytes since the last time it was set to 0
   evp_md_ctx_st* digest_ = nullptr;
-  std::uint16_t schemas_ = 0, channels_ = 0;
-  std::vector<std::uint32_t> sequences_;  // of each channel
-  std::vector<std::uint8_t> content_;     // of the record being made
+  std::vector<std::vector<std::uint8_t>> schemas_;  // contents; number n is at n - 1
+  std::vector<Channel> channels_;
+  std::vector<MetadataIndex> metadata_;
+  std::vector<std::uint8_t> chunk_;  // records of the chunk being made
+  std::uint64_t chunk_first_ns_ = 0, chunk_last_ns_ = 0;
+  std::vector<ChunkIndex> chunks_;
+  std::vector<std::uint8_t> content_;  // of the record being made
 };
 
 }  // namespace kaz::sim

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 
+#include "sim/runtime/mcap_reader.h"
 #include "sim/runtime/mcap_writer.h"
 #include "sim/runtime/recorder.h"
 #include "sim/runtime/sha256.h"
@@ -66,23 +67,15 @@ std::vector<Record> records_of(const Bytes& file) {
 }
 
 // Messages of each topic.
-std::map<std::string, std::vector<Bytes>> messages_of(const std::vector<Record>& records) {
-  std::map<std::uint64_t, std::string> topics;
+std::map<std::string, std::vector<Bytes>> messages_of(const std::string& path) {
   std::map<std::string, std::vector<Bytes>> messages;
-  for (const Record& record : records) {
-    Reader reader(record.content);
-    if (record.opcode == 0x04) {
-      const auto id = reader.number(2);
-      reader.number(2);
-      topics[id] = reader.text();
-    } else if (record.opcode == 0x05) {
-      const auto id = reader.number(2);
-      reader.number(4 + 0);
-      reader.number(8);
-      reader.number(8);
-      messages[topics.at(id)].push_back(reader.rest());
-    }
-  }
+  const auto recording = McapRecording::load(path);
+  EXPECT_TRUE(recording) << recording.error().message;
+  if (!recording) return messages;
+  EXPECT_TRUE(recording->whole);
+  EXPECT_EQ(recording->damaged_chunks, 0u);
+  for (const auto& message : recording->messages)
+    messages[recording->topics.at(message.channel)].push_back(message.data);
   return messages;
 }
 
@@ -109,7 +102,8 @@ TEST(McapWriter, WritesRecordsInOrder) {
   const auto records = records_of(file);
   std::vector<int> opcodes;
   for (const Record& record : records) opcodes.push_back(record.opcode);
-  EXPECT_EQ(opcodes, (std::vector<int>{0x01, 0x0C, 0x03, 0x04, 0x05, 0x05, 0x0F, 0x02}));
+  EXPECT_EQ(opcodes, (std::vector<int>{0x01, 0x0C, 0x03, 0x04, 0x06, 0x07, 0x0F, 0x03, 0x04, 0x0B,
+                                       0x08, 0x0D, 0x02}));
 
   Reader header(records[0].content);
   EXPECT_EQ(header.text(), "");
@@ -124,14 +118,42 @@ TEST(McapWriter, WritesRecordsInOrder) {
   EXPECT_EQ(made_schema.text(), "S");
   EXPECT_EQ(made_schema.text(), "ros1msg");
   EXPECT_EQ(made_schema.text(), "uint8 a\n");
-  Reader second(records[5].content);
-  EXPECT_EQ(second.number(2), channel);
-  EXPECT_EQ(second.number(4), 1u);
-  EXPECT_EQ(second.number(8), 6u);
-  EXPECT_EQ(second.number(8), 6u);
-  EXPECT_EQ(second.rest(), Bytes{10});
-  EXPECT_EQ(records[6].content.size(), 4u);
-  EXPECT_EQ(records[7].content, Bytes(20, 0));
+  const auto recording = McapRecording::load(path);
+  ASSERT_TRUE(recording);
+  EXPECT_EQ(recording->facts.at("seed"), "1");
+  ASSERT_EQ(recording->messages.size(), 2u);
+  EXPECT_EQ(recording->topics.at(recording->messages[1].channel), "/a");
+  EXPECT_EQ(recording->messages[1].time_ns, 6u);
+  EXPECT_EQ(recording->messages[1].data, Bytes{10});
+  Reader index(records[5].content);
+  EXPECT_EQ(index.number(2), channel);
+  EXPECT_EQ(index.number(4), 2u * 16);
+  EXPECT_EQ(index.number(8), 5u);
+  EXPECT_EQ(index.number(8), 0u);  // the first message stands at the chunk's start
+}
+
+// Three chunks, of which the second is damaged.
+TEST(McapWriter, ADamagedFileLosesOneChunk) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.mcap");
+  auto writer = McapWriter::create(path, "kaz 1");
+  ASSERT_TRUE(writer);
+  const auto channel =
+      (*writer)->add_channel((*writer)->add_schema("S", "ros1msg", "uint8 a\n"), "/a", "ros1");
+  const Bytes half(McapWriter::chunk_bytes / 2, 7);  // so that two fill a chunk
+  for (std::uint64_t k = 0; k < 6; ++k) (*writer)->add_message(channel, k, half);
+  ASSERT_TRUE((*writer)->finish());
+  {
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(3 * static_cast<std::streamoff>(half.size()));
+    file.put(8);
+  }
+  const auto recording = McapRecording::load(path);
+  ASSERT_TRUE(recording);
+  EXPECT_EQ(recording->damaged_chunks, 1u);
+  ASSERT_EQ(recording->messages.size(), 4u);
+  EXPECT_EQ(recording->messages[1].time_ns, 1u);
+  EXPECT_EQ(recording->messages[2].time_ns, 4u);
 }
 
 TEST(McapWriter, SaysWhereItCannotWrite) {
@@ -154,11 +176,14 @@ TEST(Recorder, MessagesHaveTheSizeOfTheirSchema) {
   (*recorder)->analog(18432, {});
   (*recorder)->joints(18432, world.joints().first<KZ_JOINTS>());
   (*recorder)->ball(18432, {1, 2, 3});
+  (*recorder)->supply(18432, 10, 1);
+  const ContactPoint touch{"a", "bc", {1, 2, 3}, {4, 5, 6}};
+  (*recorder)->contacts(18432, {&touch, 1});
   (*recorder)->eyes({1, Time(5), std::string(64, 'a'), std::string(64, 'b')});
   (*recorder)->behavior(18432, "{}");
   ASSERT_TRUE((*recorder)->finish());
 
-  const auto messages = messages_of(records_of(contents(path)));
+  const auto messages = messages_of(path);
   EXPECT_EQ(messages.at("/wire/to_board").at(0),
             (Bytes{2, 0, 0, 0, 1, 2, 2, 0, 0, 0, 100, 0, 0xa4, 0x06, 2, 0, 0, 0, 0, 1}));
   EXPECT_EQ(messages.count("/wire/to_host"), 0u);  // nothing sent, nothing written
@@ -166,6 +191,8 @@ TEST(Recorder, MessagesHaveTheSizeOfTheirSchema) {
   EXPECT_EQ(messages.at("/board/analog").at(0).size(), 4u + 2 * 24);
   EXPECT_EQ(messages.at("/truth/joints").at(0).size(), 8u * 36);
   EXPECT_EQ(messages.at("/truth/ball").at(0).size(), 24u);
+  EXPECT_EQ(messages.at("/board/supply").at(0).size(), 16u);
+  EXPECT_EQ(messages.at("/truth/contacts").at(0).size(), 4u + 4 + 1 + 4 + 2 + 48);
   EXPECT_EQ(messages.at("/eyes").at(0).size(), 8u + 2 * (4 + 64));
   EXPECT_EQ(messages.at("/behavior").at(0), (Bytes{'{', '}'}));
 }
@@ -201,7 +228,7 @@ TEST(Recorder, SameSeedSameBytes) {
 TEST(Recorder, HoldsEveryMillisecondAndEveryPicture) {
   const TestFolder folder;
   recorded(1, folder.file("1.mcap"));
-  const auto messages = messages_of(records_of(contents(folder.file("1.mcap"))));
+  const auto messages = messages_of(folder.file("1.mcap"));
   EXPECT_EQ(messages.at("/board/pins").size(), 1000u);
   EXPECT_EQ(messages.at("/truth/joints").size(), 1000u);
   EXPECT_EQ(messages.at("/truth/ball").size(), 1000u);
