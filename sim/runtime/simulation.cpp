@@ -238,7 +238,12 @@ Result<void> Simulation::start_recording(const std::string& path) {
     return fail(Fault::usage,
                 "cannot record into " + path + ": a recording is under way; finish that one first");
   McapWriter::Metadata facts = options_.recording_facts;
-  for (auto& fact : facts_of(options_, *world_)) facts.push_back(std::move(fact));
+  for (auto& fact : facts_of(options_, *world_)) {
+    // Readers refuse a map with a key twice.
+    if (std::ranges::find(facts, fact.first, &McapWriter::Metadata::value_type::first) ==
+        facts.end())
+      facts.push_back(std::move(fact));
+  }
   auto recorder = Recorder::create(path, facts);
   if (!recorder) return tl::unexpected(recorder.error());
   recorder_ = std::move(*recorder);
