@@ -89,6 +89,7 @@ TEST_P(BadRobot, IsNamedWithFileAndLine) {
   const test::Folder folder;
   const auto [text, line] = changed(test::read_text(test::kRobot), GetParam());
   const std::string path = folder.write("robot.urdf", text);
+  folder.write("broken.stl", "solid of nothing");
   const auto robot = load_robot(path);
   ASSERT_FALSE(robot);
   expect_error(robot.error(), path, line + GetParam().lines_down, GetParam());
@@ -107,6 +108,33 @@ INSTANTIATE_TEST_SUITE_P(
              "attribute `value` of <mass> is \"half\""},
         Case{"two_numbers", "size=\"0.05 0.084 0.02\"", "size=\"0.05 0.084\"", 0,
              "attribute `size` of <box> must be 3 numbers"},
+        Case{"millimetres", "size=\"0.05 0.084 0.02\"", "size=\"50 84 20\"", 0,
+             "<box> has a size of 50 m; sizes are above 0 and at most 10 m"},
+        Case{"negative_size", "size=\"0.05 0.084 0.02\"", "size=\"0.05 -0.084 0.02\"", 0,
+             "<box> has a size of -0.084 m"},
+        Case{"flat_cylinder", "<cylinder radius=\"0.009\" length=\"0.002\"/>",
+             "<cylinder radius=\"0\" length=\"0.002\"/>", 0, "<cylinder> has a size of 0 m"},
+        Case{"far_away", "<origin xyz=\"-0.004 0 0.021\"/>", "<origin xyz=\"-4000 0 21\"/>", 0,
+             "<origin> lies -4000 m away"},
+        Case{"grams", "<mass value=\"0.550\"/>", "<mass value=\"550\"/>", 0,
+             "a mass of 550 kg; 100 kg is the most"},
+        Case{"no_mesh", "<box size=\"0.05 0.084 0.02\"/>", "<mesh filename=\"pelvis.stl\"/>", 0,
+             "mesh `pelvis.stl` cannot be read; check the path"},
+        Case{"mesh_of_another_kind", "<box size=\"0.05 0.084 0.02\"/>",
+             "<mesh filename=\"pelvis.dae\"/>", 0, "mesh `pelvis.dae` is neither .obj nor .stl"},
+        Case{"mesh_that_is_none", "<box size=\"0.05 0.084 0.02\"/>",
+             "<mesh filename=\"broken.stl\"/>", 0, "mesh `broken.stl` is no STL file"},
+        Case{"friction_of_nobody", "<gazebo reference=\"trunk\">", "<gazebo reference=\"belly\">",
+             0, "<gazebo> is about the link `belly`, which does not exist"},
+        Case{"negative_friction", "<mu1>0.4</mu1>", "<mu1>-0.4</mu1>", 0,
+             "<mu1> must hold one number not below 0"},
+        Case{"two_frictions", "<mu1>0.4</mu1>", "<mu1>0.4</mu1><mu2>0.5</mu2>", 0,
+             "<mu2> must hold one number not below 0, in mu1 and mu2 the same"},
+        Case{"no_inertia",
+             "<mass value=\"0.550\"/>\n      <inertia ixx=\"0.000872\" iyy=\"0.000597\" "
+             "izz=\"0.0005523\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>",
+             "<mass value=\"0.550\"/>", -1,
+             "<inertial> of link `trunk` needs <mass> and <inertia>"},
         Case{"impossible_inertia", "<inertia ixx=\"0.000872\"", "<inertia ixx=\"0.1\"", 0,
              "no body can have the inertia of link `trunk`"},
         Case{"unknown_child", "<child link=\"neck_pan\"/>", "<child link=\"neck_pam\"/>", 0,
@@ -175,12 +203,21 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"not_taken", "<kaz:robot", "<light name=\"sun\" type=\"point\"/><kaz:robot", 0,
              "unknown element <light> in <world>"},
         Case{"no_number", "<mass>0.015</mass>", "<mass>light</mass>", 0,
-             "<mass> must hold 1 number not below 0, not \"light\""},
+             "<mass> must hold 1 number not below 0 and at most 10000, not \"light\""},
         Case{"five_numbers", "<pose>0.3 0.5 0.02 0 0 0</pose>", "<pose>0.3 0.5 0.02 0 0</pose>", 0,
              "<pose> must hold 6 numbers"},
         Case{"flat_ball", "<radius>0.02</radius>", "<radius>0</radius>", 0,
              "<radius> must hold 1 number above 0"},
         Case{"no_mass", "<mass>0.015</mass>", "", -1, "<inertial> lacks <mass>"},
+        Case{"zero_mass", "<mass>0.015</mass>", "<mass>0</mass>", 1,
+             "no body can have this mass and inertia"},
+        Case{"no_inertia_at_all",
+             "<inertial>\n          <mass>0.015</mass>\n          <inertia>\n            "
+             "<ixx>2.4e-6</ixx><iyy>2.4e-6</iyy><izz>2.4e-6</izz>\n          </inertia>\n        "
+             "</inertial>",
+             "", -1, "<inertial>"},
+        Case{"as_large_as_a_town", "<radius>0.02</radius>", "<radius>20000</radius>", 0,
+             "<radius> must hold 1 number above 0 and at most 1000"},
         Case{"impossible_inertia", "<ixx>2.4e-6</ixx>", "<ixx>2.4e-3</ixx>", -1,
              "no body can have this mass and inertia"},
         Case{"kick_without_time", "<kaz:kick time=\"7.0\"", "<kaz:kick tiem=\"7.0\"", 0,

@@ -122,6 +122,43 @@ TEST_P(Objects, BlockSlidesAboveTheAngleOfRepose) {
   EXPECT_NEAR(at(*world, "block").x(), 0.5 * acceleration, 0.03 * acceleration);
 }
 
+// mu 0.5: tan 26.57 degrees. Half a degree beside it the block lies, and slides as the rest of its
+// weight says.
+TEST_P(Objects, BlockSlipsAtTheAngleOfItsFriction) {
+  const auto below = load(slope(26.07), block());
+  ASSERT_TRUE(below);
+  run(*below, 2.0);
+  EXPECT_NEAR(at(*below, "block").x(), 0, 0.001);
+  const auto above = load(slope(27.07), block());
+  ASSERT_TRUE(above);
+  run(*above, 2.0);
+  const double a = 27.07 * 3.14159265358979323846 / 180;
+  const double path = 2 * kG * (std::sin(a) - 0.5 * std::cos(a));
+  EXPECT_NEAR(at(*above, "block").x(), path, 0.05 * path);
+}
+
+TEST_P(Objects, StackStays) {
+  std::string boxes;
+  for (int i = 0; i < 5; ++i) {
+    const std::string name = "box" + std::to_string(i);
+    boxes += "<model name=\"" + name + "\"><pose>0 0 " + std::to_string(0.02 + 0.04 * i) +
+             R"( 0 0 0</pose><link name="l"><inertial><mass>0.04</mass>
+<inertia><ixx>1.07e-5</ixx><iyy>1.07e-5</iyy><izz>1.07e-5</izz></inertia></inertial>
+<collision name="c"><geometry><box><size>0.04 0.04 0.04</size></box></geometry>
+<surface><contact><ode><soft_cfm>0.005</soft_cfm></ode></contact></surface></collision></link>
+</model>)";
+  }
+  const auto world = load("0 0 -9.81", boxes);
+  ASSERT_TRUE(world);
+  run(*world, 5.0);
+  for (int i = 0; i < 5; ++i) {
+    const Eigen::Vector3d p = at(*world, ("box" + std::to_string(i)).c_str());
+    EXPECT_LT(p.head<2>().norm(), 0.001) << i;
+    // Five soft seams give by some 0.1 mm each.
+    EXPECT_NEAR(p.z(), 0.02 + 0.04 * i, 0.002) << i;
+  }
+}
+
 TEST_P(Objects, KickComesAtItsTimeAndAddsItsVelocity) {
   const auto world = load("0 0 0", ball("1", "", R"(<kaz:kick time="0.2" velocity="0.3 0 0"/>
 <kaz:kick time="0.1" velocity="0 0.5 0"/>)"));

@@ -13,8 +13,8 @@
 namespace kaz::sim {
 namespace {
 
-// Shells and rubber soles: the softness with which the gait was found repeatable (a static sinkage
-// of 0.25 mm), and a friction above that of any floor, so that the floor's decides.
+// The softness with which the gait was found repeatable (a static sinkage of 0.25 mm). Where the
+// file gives no friction, it is above that of any floor, so that the floor's decides.
 constexpr Surface kRobotSurface{.mu = 1.0, .softness = 5e-3};
 
 // The check lets a joint of Kaz's table stand beside its seventeen others only.
@@ -64,9 +64,10 @@ Shape shape_of(const urdf::Geometry& geometry, const std::filesystem::path& fold
 
 class Reader {
  public:
-  Reader(const urdf::ModelInterface& model, std::vector<std::string> joints, std::string path)
+  Reader(const urdf::ModelInterface& model, UrdfFacts facts, std::string path)
       : model_(model),
-        joints_(std::move(joints)),
+        joints_(std::move(facts.revolute)),
+        friction_(std::move(facts.friction)),
         path_(std::move(path)),
         folder_(std::filesystem::path(path_).parent_path()) {}
 
@@ -138,6 +139,8 @@ class Reader {
       shape.in_link = pose_of(collision->origin);
       shape.shape = shape_of(*collision->geometry, folder_);
       shape.surface = kRobotSurface;
+      if (const auto mu = friction_.find(link.name); mu != friction_.end())
+        shape.surface.mu = mu->second;
       if (shape.shape.kind == Shape::Kind::mesh) {
         return fail(Fault::usage, path_ + ": a collision of link `" + link.name +
                                       "` is a mesh; build it of boxes, spheres and cylinders");
@@ -161,7 +164,8 @@ class Reader {
   }
 
   const urdf::ModelInterface& model_;
-  std::vector<std::string> joints_;  // revolute ones, in the order they get
+  std::vector<std::string> joints_;         // revolute ones, in the order they get
+  std::map<std::string, double> friction_;  // by link
   std::string path_;
   std::filesystem::path folder_;
   RobotModel robot_;
@@ -207,16 +211,16 @@ Eigen::AlignedBox3d RobotModel::extent() const {
 }
 
 Result<RobotModel> load_robot(const std::string& urdf_path) {
-  auto joints = check_urdf(urdf_path);
-  if (!joints) return tl::unexpected(joints.error());
+  auto facts = check_urdf(urdf_path);
+  if (!facts) return tl::unexpected(facts.error());
   const urdf::ModelInterfaceSharedPtr model = urdf::parseURDFFile(urdf_path);
   if (!model) {
     return fail(Fault::usage,
                 urdf_path + ": the URDF parser refuses it, for the reason it printed");
   }
   const auto& kaz = joint_names();
-  if (is_kaz(*joints)) joints->assign(kaz.begin(), kaz.end());
-  return Reader(*model, std::move(*joints), urdf_path).read();
+  if (is_kaz(facts->revolute)) facts->revolute.assign(kaz.begin(), kaz.end());
+  return Reader(*model, std::move(*facts), urdf_path).read();
 }
 
 }  // namespace kaz::sim

@@ -59,17 +59,17 @@ struct Numbers {
 const std::map<std::string, Numbers> kNumbers{
     {"gravity", {3}},
     {"pose", {6}},
-    {"mass", {1, 0}},
+    {"mass", {1, 0, 1e4}},
     {"ixx", {1}},
     {"ixy", {1}},
     {"ixz", {1}},
     {"iyy", {1}},
     {"iyz", {1}},
     {"izz", {1}},
-    {"radius", {1, 1e-6}},
-    {"length", {1, 1e-6}},
-    {"box/size", {3, 1e-6}},
-    {"plane/size", {2, 1e-6}},
+    {"radius", {1, 1e-6, 1e3}},
+    {"length", {1, 1e-6, 1e3}},
+    {"box/size", {3, 1e-6, 1e3}},
+    {"plane/size", {2, 1e-6, 1e3}},
     {"normal", {3}},
     {"ambient", {4, 0, 1}},
     {"diffuse", {4, 0, 1}},
@@ -116,8 +116,11 @@ std::string describe(const Numbers& wanted) {
   std::string text = std::to_string(wanted.count);
   text += wanted.count == 1 ? " number" : " numbers";
   if (wanted.most == 1) return text + " from 0 to 1";
-  if (wanted.least == 0) return text + " not below 0";
-  if (wanted.least > 0) return text + " above 0";
+  const std::string most = wanted.most < 1e300
+                               ? " and at most " + std::to_string(static_cast<int>(wanted.most))
+                               : std::string();
+  if (wanted.least == 0) return text + " not below 0" + most;
+  if (wanted.least > 0) return text + " above 0" + most;
   return text;
 }
 

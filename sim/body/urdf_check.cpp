@@ -3,10 +3,14 @@
 #include "sim/body/urdf_check.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <vector>
 
+#include "sim/body/mesh_check.h"
 #include "sim/body/robot_model.h"
 #include "sim/body/xml_file.h"
 
@@ -49,6 +53,10 @@ constexpr NumberAttribute kNumbers[] = {
     {"limit", "effort"},    {"limit", "velocity"},
 };
 
+// Sizes that no robot on a desk has are slips of the pen: millimetres for metres.
+constexpr double kLargest = 10;    // m
+constexpr double kHeaviest = 100;  // kg
+
 class Check {
  public:
   explicit Check(const XmlFile& file) : file_(file) {}
@@ -63,21 +71,24 @@ class Check {
     for (const auto& [name, link] : links_) {
       if (auto ok = check_link(name, *link); !ok) return ok;
     }
+    if (auto ok = surfaces(); !ok) return ok;
     return check_table();
   }
 
-  std::vector<std::string> revolute() const {
-    std::vector<std::string> names;
+  UrdfFacts facts() const {
+    UrdfFacts facts;
     for (const Element* joint : joints_) {
-      if (is_revolute(*joint)) names.emplace_back(joint->Attribute("name"));
+      if (is_revolute(*joint)) facts.revolute.emplace_back(joint->Attribute("name"));
     }
-    return names;
+    facts.friction = friction_;
+    return facts;
   }
 
  private:
   Result<void> elements(const Element& parent) {
     const std::string name = parent.Name();
     if (auto ok = numbers(parent); !ok) return ok;
+    if (auto ok = sizes(parent); !ok) return ok;
     const auto allowed = kChildren.find(name);
     if (allowed == kChildren.end()) return {};
     for (const Element* e = parent.FirstChildElement(); e; e = e->NextSiblingElement()) {
@@ -107,6 +118,72 @@ class Check {
       if (const auto value = file_.number(e, n.attribute); !value) {
         return tl::unexpected(value.error());
       }
+    }
+    return {};
+  }
+
+  // After numbers(): all of them are there.
+  Result<void> sizes(const Element& e) {
+    const std::string name = e.Name();
+    std::vector<double> lengths;
+    if (name == "box") lengths = *parse_numbers(e.Attribute("size"), 3);
+    if (name == "cylinder" || name == "sphere") lengths.push_back(e.DoubleAttribute("radius"));
+    if (name == "cylinder") lengths.push_back(e.DoubleAttribute("length"));
+    for (const double length : lengths) {
+      if (length > 0 && length <= kLargest) continue;
+      return file_.error(e, "<" + name + "> has a size of " + format(length) +
+                                " m; sizes are above 0 and at most 10 m");
+    }
+    if (name == "origin" && e.Attribute("xyz") != nullptr) {
+      const std::vector<double> places = *parse_numbers(e.Attribute("xyz"), 3);
+      for (const double place : places) {
+        if (std::abs(place) > kLargest)
+          return file_.error(e, "<origin> lies " + format(place) + " m away; 10 m is the most");
+      }
+    }
+    if (name == "mass" && e.DoubleAttribute("value") > kHeaviest) {
+      return file_.error(
+          e, "a mass of " + format(e.DoubleAttribute("value")) + " kg; 100 kg is the most");
+    }
+    return name == "mesh" ? mesh(e) : Result<void>();
+  }
+
+  Result<void> mesh(const Element& e) {
+    const auto name = file_.attribute(e, "filename");
+    if (!name) return tl::unexpected(name.error());
+    const auto path = std::filesystem::path(file_.path()).parent_path() / *name;
+    if (const auto trouble = mesh_trouble(path.string()))
+      return file_.error(e, "mesh `" + *name + "` " + *trouble);
+    return {};
+  }
+
+  static std::string format(double value) {
+    std::string text(32, ' ');
+    text.resize(static_cast<std::size_t>(std::snprintf(text.data(), text.size(), "%g", value)));
+    return text;
+  }
+
+  // <gazebo reference="link"><mu1> is how Gazebo is told, too. One friction for all directions.
+  Result<void> surfaces() {
+    for (auto* e = file_.root().FirstChildElement("gazebo"); e;
+         e = e->NextSiblingElement("gazebo")) {
+      const Element *mu1 = e->FirstChildElement("mu1"), *mu2 = e->FirstChildElement("mu2");
+      if (mu1 == nullptr && mu2 == nullptr) continue;
+      const auto link = file_.attribute(*e, "reference");
+      if (!link) return tl::unexpected(link.error());
+      if (!links_.count(*link))
+        return file_.error(*e, "<gazebo> is about the link `" + *link + "`, which does not exist");
+      double mu = -1;
+      for (const Element* element : {mu1, mu2}) {
+        if (element == nullptr) continue;
+        const auto value = parse_numbers(element->GetText() ? element->GetText() : "", 1);
+        if (!value || value->front() < 0 || (mu >= 0 && value->front() != mu))
+          return file_.error(*element, std::string("<") + element->Name() +
+                                           "> must hold one number not below 0, in mu1 and mu2 the "
+                                           "same");
+        mu = value->front();
+      }
+      friction_[*link] = mu;
     }
     return {};
   }
@@ -293,16 +370,17 @@ class Check {
   std::map<std::string, const Element*> links_, joint_by_name_, joint_to_;
   std::vector<const Element*> joints_;  // in the order of the file
   std::map<std::string, std::string> parent_of_;
+  std::map<std::string, double> friction_;
 };
 
 }  // namespace
 
-Result<std::vector<std::string>> check_urdf(const std::string& path) {
+Result<UrdfFacts> check_urdf(const std::string& path) {
   const Result<XmlFile> file = XmlFile::load(path, "robot");
   if (!file) return tl::unexpected(file.error());
   Check check(*file);
   if (const auto ok = check.run(); !ok) return tl::unexpected(ok.error());
-  return check.revolute();
+  return check.facts();
 }
 
 }  // namespace kaz::sim

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,13 @@ namespace kaz::sim {
 // A root link of this name never moves: the robot is fixed where the world puts it.
 inline constexpr const char* kFixedRoot = "world";
 
-// Names of the revolute joints, in the order of the file. Errors name file and line.
-Result<std::vector<std::string>> check_urdf(const std::string& path);
+// What the file says and the parser does not tell.
+struct UrdfFacts {
+  std::vector<std::string> revolute;       // names of joints, in the order of the file
+  std::map<std::string, double> friction;  // by link: mu of its surfaces
+};
+
+// Errors name file and line.
+Result<UrdfFacts> check_urdf(const std::string& path);
 
 }  // namespace kaz::sim

@@ -95,6 +95,10 @@ void register_all() {
   };
   constexpr Load loads[] = {
       {"alone", kEmpty, 0}, {"walking", kEmpty, kSwing}, {"props", kProps, kSwing}};
+  // What runs by default, with every motor at work.
+  benchmark::RegisterBenchmark("dynamics.step_us.walking", [](benchmark::State& state) {
+    step(state, kEmpty, WorldOptions{}.stepper, kSwing);
+  })->Unit(benchmark::kMicrosecond);
   for (const Load& load : loads) {
     const std::string name = load.name;
     for (const std::string stepper : {"exact", "quick8", "quick20", "quick50"}) {

@@ -17,16 +17,40 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// A number that a benchmark counts beside its time.
+struct Counter {
+  std::string gives, run, counter;
+};
+
 // A benchmark program of a part (Google Benchmark) and those of its names that are the project's.
 struct Program {
   const char* name;
   const char* time;  // which of its times counts
   std::vector<std::string> gives;
+  std::vector<Counter> counters = {};
 };
+
+const std::vector<std::string> steppers{"exact", "quick8", "quick20", "quick50"};
+
+// The names of `dynamics.`: sim/body/world_bench.cpp.
+Program dynamics() {
+  Program program{"body_bench", "cpu_time", {"dynamics.step_us.walking"}};
+  for (const std::string load : {"alone", "walking", "props"}) {
+    for (const auto& stepper : steppers)
+      program.gives.push_back("dynamics.step_us." + load + "." + stepper);
+    program.gives.push_back("dynamics.collision_us." + load);
+  }
+  for (const auto& stepper : steppers) {
+    const std::string run = "dynamics.step_us.walking." + stepper;
+    program.counters.push_back({"dynamics.gap_um.walking." + stepper, run, "gap_um"});
+    program.counters.push_back({"dynamics.track_mrad.walking." + stepper, run, "track_mrad"});
+  }
+  return program;
+}
 
 const std::vector<Program>& programs() {
   static const std::vector<Program> all{
-      {"body_bench", "cpu_time", {"dynamics.step_us.walking"}},
+      dynamics(),
       {"view_bench",
        "real_time",
        {"view.pair_ms.320", "view.pair_ms.640", "view.sensor_ms.320", "view.sensor_ms.640",
@@ -77,17 +101,26 @@ Result<void> measure(const Program& program, const Settings& settings, Results& 
   if (settings.quick) command += " --benchmark_min_time=0.01";
   const auto report = json_of(command + " 2>/dev/null");
   if (!report) return tl::unexpected(report.error());
-  for (const auto& name : program.gives) {
-    std::vector<double> times;
+  const auto take = [&](const std::string& name, const std::string& from,
+                        const char* what) -> Result<void> {
+    std::vector<double> values;
     for (const auto& run : report->value("benchmarks", nlohmann::json::array())) {
-      if (run.value("run_name", "") == name && run.value("run_type", "") == "iteration" &&
+      if (run.value("run_name", "") == from && run.value("run_type", "") == "iteration" &&
           !run.value("error_occurred", false))
-        times.push_back(run.value(program.time, 0.0));
+        values.push_back(run.value(what, 0.0));
     }
-    if (times.empty()) return fail(Fault::failed, path.string() + " does not measure " + name);
-    results.put(name, median(times));
+    if (values.empty()) return fail(Fault::failed, path.string() + " does not measure " + name);
+    results.put(name, median(values));
+    return {};
+  };
+  Result<void> done;
+  for (const auto& name : program.gives) {
+    if (done) done = take(name, name, program.time);
   }
-  return {};
+  for (const Counter& counter : program.counters) {
+    if (done) done = take(counter.gives, counter.run, counter.counter.c_str());
+  }
+  return done;
 }
 
 // All 18 targets out and 18 positions back over the line of 115,200 baud.
@@ -139,7 +172,9 @@ Result<void> loop(const Settings& settings, Results& results) {
 std::vector<Group> program_groups() {
   std::vector<Group> groups{{{"wire.rate_hz", "wire.share"}, wire}, {{"loop.rtf"}, loop}};
   for (const Program& program : programs()) {
-    groups.push_back({program.gives, [&program](const Settings& settings, Results& results) {
+    std::vector<std::string> gives = program.gives;
+    for (const Counter& counter : program.counters) gives.push_back(counter.gives);
+    groups.push_back({std::move(gives), [&program](const Settings& settings, Results& results) {
                         return measure(program, settings, results);
                       }});
   }
