@@ -53,7 +53,7 @@ void OdeWorld::transfer(A& a) {
   random_state_ = static_cast<unsigned long>(random);
   for (JointMotor& motor : motors_) a(motor);
   for (JointState& joint : joint_states_) {
-    a(joint.angle, joint.velocity, joint.torque, joint.current);
+    a(joint.angle, joint.velocity, joint.torque, joint.current, joint.winding_celsius);
   }
   for (const Body& body : frames_) {
     if (body.id != nullptr) transfer_body(a, body.id);
