@@ -179,6 +179,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& optio
                          {"engine", options.engine},
                          {"world", options.world},
                          {"seed", std::to_string(options.seed)}};
+  for (const auto& fact : options.facts) sim.recording_facts.push_back(fact);
   const auto find = [](Result<std::string> path, std::string& to) -> Result<void> {
     if (!path) return tl::unexpected(path.error());
     to = *path;

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "host/robot/interrupt.h"
 #include "host/robot/link.h"
@@ -32,6 +34,8 @@ struct RigOptions {
   std::uint64_t seed = 1;
   std::string faults;     // file with a schedule of faults; none if empty
   std::string recording;  // path of the recording; none if empty
+  // Of what runs on it, for the recording: name and value.
+  std::vector<std::pair<std::string, std::string>> facts;
 };
 
 class Rig {

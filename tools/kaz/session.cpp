@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include <nlohmann/json.hpp>
+
 #include "host/behavior/ball_finder_sight.h"
 #include "host/behavior/behavior.h"
 #include "host/robot/capture.h"
@@ -95,6 +97,18 @@ double expected_seconds(const behavior::OptionValues& values,
   return 10;
 }
 
+// What `kaz replay` runs it again with.
+std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& options) {
+  const RigOptions& rig = options.rig;
+  const nlohmann::ordered_json robot{
+      {"world", rig.world}, {"robot_file", rig.robot_file}, {"engine", rig.engine},
+      {"image", rig.image}, {"sensors", rig.sensors},       {"imu", rig.imu},
+      {"eyes", rig.eyes},   {"eye_width", rig.eye_width},   {"seed", rig.seed}};
+  return {{"behavior", options.behavior},
+          {"settings", nlohmann::json(options.settings).dump()},
+          {"rig", robot.dump()}};
+}
+
 }  // namespace
 
 Result<bool> run_session(SessionOptions options) {
@@ -109,7 +123,8 @@ Result<bool> run_session(SessionOptions options) {
 
   // The recording grows elsewhere and moves in with the results when the run has ended.
   const std::string partial = options.out.empty() ? "" : temporary_file("recording.mcap");
-  if (options.rig.robot == "sim") options.rig.recording = partial;
+  if (options.rig.robot == "sim" && options.rig.recording.empty()) options.rig.recording = partial;
+  options.rig.facts = facts_of(options);
   const FileRemover remove_partial(partial);
 
   host::Interrupt interrupt;
@@ -172,7 +187,7 @@ Result<bool> run_session(SessionOptions options) {
                    listener.probe()};
   auto written = write_report(report, (*rig)->simulation(), album, options.out, partial);
   if (!written) return tl::unexpected(written.error());
-  print_report(*written, report, options.out, options.json);
+  if (!options.quiet) print_report(*written, report, options.out, options.json);
   return outcome->success;
 }
 

@@ -15,6 +15,7 @@ struct SessionOptions {
   std::string behavior = "track-ball";
   std::map<std::string, std::string> settings;  // the behaviour's options
   std::string out;                              // folder for results; none if empty
+  bool quiet = false;                           // prints no result
   bool json = false;                            // result.json on standard output, no progress
   std::string label = "kaz run";                // begins progress lines
 };

@@ -1,0 +1,165 @@
+// Runs again what a recording holds, and compares.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/kaz/replay.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <fstream>
+#include <span>
+
+#include "tools/kaz/output.h"
+#include "tools/kaz/session.h"
+
+namespace kaz::tools {
+namespace {
+
+using Message = sim::McapRecording::Message;
+
+constexpr std::size_t kMostShown = 64;  // bytes of a message
+
+std::string shown(std::span<const std::uint8_t> data) {
+  const auto printable = [](std::uint8_t c) { return c >= 0x20 && c < 0x7f; };
+  const std::span front = data.first(std::min(data.size(), kMostShown));
+  std::string text;
+  if (std::ranges::all_of(front, printable)) {
+    text.assign(front.begin(), front.end());
+  } else {
+    for (const std::uint8_t byte : front) {
+      char hex[4];
+      std::snprintf(hex, sizeof hex, "%02x ", byte);
+      text += hex;
+    }
+    text.pop_back();
+  }
+  return data.size() > kMostShown ? text + " ..." : text;
+}
+
+std::string topic_of(const sim::McapRecording& recording, const Message& message) {
+  const auto topic = recording.topics.find(message.channel);
+  return topic == recording.topics.end() ? "?" : topic->second;
+}
+
+Result<SessionOptions> session_of(const sim::McapRecording& recording,
+                                  const ReplayOptions& options) {
+  const auto fact = [&](const std::string& name) {
+    const auto found = recording.facts.find(name);
+    return found == recording.facts.end() ? std::string() : found->second;
+  };
+  const auto rig = nlohmann::json::parse(fact("rig"), nullptr, false);
+  const auto settings = nlohmann::json::parse(fact("settings"), nullptr, false);
+  if (fact("behavior").empty() || !rig.is_object() || !settings.is_object())
+    return fail(Fault::usage, options.file +
+                                  ": it does not say which behaviour ran; give a recording of this "
+                                  "version's `kaz run` or `kaz demo`");
+  SessionOptions session;
+  session.behavior = fact("behavior");
+  session.settings = settings.get<std::map<std::string, std::string>>();
+  session.rig.world = rig.value("world", "");
+  session.rig.robot_file = rig.value("robot_file", "");
+  session.rig.engine = rig.value("engine", "");
+  session.rig.image = rig.value("image", "");
+  session.rig.sensors = rig.value("sensors", "");
+  session.rig.imu = rig.value("imu", false);
+  session.rig.eyes = rig.value("eyes", "");
+  session.rig.eye_width = rig.value("eye_width", 0);
+  session.rig.seed = options.seed.value_or(rig.value("seed", std::uint64_t{1}));
+  for (const auto& [name, value] : options.settings) session.settings[name] = value;
+  session.quiet = true;
+  session.label = "kaz replay";
+  session.json = options.json;
+  return session;
+}
+
+// Files that the recording's run had otherwise.
+std::string changed_files(const sim::McapRecording& recorded, const sim::McapRecording& now) {
+  std::string names;
+  for (const auto& [name, value] : recorded.facts) {
+    if (!name.ends_with("_sha256")) continue;
+    const auto other = now.facts.find(name);
+    if (other != now.facts.end() && other->second == value) continue;
+    names += (names.empty() ? "" : ", ") + name.substr(0, name.size() - 7);
+  }
+  return names;
+}
+
+void print(const ReplayOptions& options, const std::optional<Difference>& difference,
+           const std::string& changed, std::size_t messages) {
+  if (options.json) {
+    nlohmann::ordered_json result{{"recording", options.file},
+                                  {"mode", "simulation"},
+                                  {"identical", !difference},
+                                  {"messages", messages},
+                                  {"changed_files", changed}};
+    if (difference) {
+      result["time_s"] = difference->time_s;
+      result["topic"] = difference->topic;
+      result["recorded"] = difference->recorded;
+      result["now"] = difference->now;
+    }
+    std::printf("%s\n", result.dump(2).c_str());
+    return;
+  }
+  std::printf("host and simulation run again from the seed, everything compared\n");
+  if (!changed.empty()) std::printf("files that have changed since: %s\n", changed.c_str());
+  if (!difference) {
+    std::printf("identical: %zu messages\n", messages);
+    return;
+  }
+  std::printf("first difference at %.6f s, %s\n  recorded: %s\n  now:      %s\n",
+              difference->time_s, difference->topic.c_str(), difference->recorded.c_str(),
+              difference->now.c_str());
+}
+
+}  // namespace
+
+std::optional<Difference> first_difference(const sim::McapRecording& recorded,
+                                           const sim::McapRecording& now) {
+  const auto& a = recorded.messages;
+  const auto& b = now.messages;
+  const auto [at, other] = std::ranges::mismatch(a, b);
+  if (at == a.end() && other == b.end()) return std::nullopt;
+  // Different messages at one place: the earlier one is what the other run lacks.
+  const bool only_there = other == b.end() || (at != a.end() && at->time_ns < other->time_ns);
+  const bool only_now = at == a.end() || (other != b.end() && other->time_ns < at->time_ns);
+  Difference difference;
+  difference.time_s = 1e-9 * static_cast<double>(only_now ? other->time_ns : at->time_ns);
+  difference.topic = only_now ? topic_of(now, *other) : topic_of(recorded, *at);
+  difference.recorded = only_now ? "nothing" : shown(at->data);
+  difference.now = only_there ? "nothing" : shown(other->data);
+  if (!only_there && !only_now && at->channel != other->channel)
+    difference.now = topic_of(now, *other) + ": " + difference.now;
+  return difference;
+}
+
+Result<bool> replay(const ReplayOptions& options) {
+  const auto recorded = sim::McapRecording::load(options.file);
+  if (!recorded) return tl::unexpected(recorded.error());
+  if (!recorded->whole || recorded->damaged_chunks > 0)
+    return fail(Fault::usage, options.file + ": " +
+                                  (recorded->whole ? "a chunk is damaged" : "its end is missing") +
+                                  "; record the run again");
+  auto session = session_of(*recorded, options);
+  if (!session) return tl::unexpected(session.error());
+
+  const std::string faults = temporary_file("faults.txt");
+  const FileRemover remove_faults(faults);
+  if (const auto text = recorded->facts.find("faults");
+      text != recorded->facts.end() && !text->second.empty()) {
+    std::ofstream(faults) << text->second;
+    session->rig.faults = faults;
+  }
+  const std::string again = temporary_file("replay.mcap");
+  const FileRemover remove_again(again);
+  session->rig.recording = again;
+  // Whether the behaviour succeeded does not matter, only whether it did the same.
+  if (auto ran = run_session(*session); !ran) return tl::unexpected(ran.error());
+  const auto now = sim::McapRecording::load(again);
+  if (!now) return tl::unexpected(now.error());
+
+  const auto difference = first_difference(*recorded, *now);
+  print(options, difference, changed_files(*recorded, *now), now->messages.size());
+  return !difference;
+}
+
+}  // namespace kaz::tools

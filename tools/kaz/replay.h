@@ -1,0 +1,36 @@
+// Runs again what a recording holds, and compares.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "shared/base/result.hpp"
+#include "sim/runtime/mcap_reader.h"
+
+namespace kaz::tools {
+
+struct ReplayOptions {
+  std::string file;
+  std::optional<std::uint64_t> seed;            // another one than the recording's
+  std::map<std::string, std::string> settings;  // instead of the recording's
+  bool json = false;
+};
+
+// The first message in which two recordings differ.
+struct Difference {
+  double time_s = 0;
+  std::string topic;
+  std::string recorded, now;  // content: text as it is, else hexadecimal; "nothing" beyond an end
+};
+std::optional<Difference> first_difference(const sim::McapRecording& recorded,
+                                           const sim::McapRecording& now);
+
+// False: they differ. Errors: no recording of `kaz run` or `kaz demo`, a damaged one, files that
+// have changed since.
+Result<bool> replay(const ReplayOptions& options);
+
+}  // namespace kaz::tools
