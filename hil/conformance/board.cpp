@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <utility>
 
 namespace kaz::hil {
 namespace {
@@ -80,7 +81,7 @@ void Board::begin(std::uint64_t case_seed) {
   done("telemetry", Put().u16(0).u8(0));
   done("enable", Put().u32(0));
   reset_by_command();
-  come_to_rest();
+  if (std::exchange(moved_, false)) come_to_rest();
 }
 
 // Joints that a case before has set moving swing on for a while.
@@ -171,6 +172,10 @@ Bytes Board::request_bytes(std::string_view name, const Bytes& fields) {
 
 Bytes Board::request_bytes(std::string_view name, const Bytes& fields,
                            std::uint8_t sequence) const {
+  if ((name == "enable" || name == "raw_drive") &&
+      std::any_of(fields.begin(), fields.end(), [](std::uint8_t byte) { return byte != 0; })) {
+    moved_ = true;
+  }
   return frame_of(address, message(name).code, sequence, fields);
 }
 

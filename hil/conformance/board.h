@@ -106,6 +106,7 @@ class Board {
   std::deque<Frame> frames_;
   std::vector<std::string> transcript_;
   char last_direction_ = 0;
+  mutable bool moved_ = false;  // a motor was switched on since the joints were last at rest
   Time started_{};
 };
 
