@@ -5,7 +5,7 @@
 
 examples:
   kaz_client.py /dev/ttyUSB0 --joint 0 --angle 0.3
-  kaz sim --world ball --serial /tmp/board &   kaz_client.py /tmp/board --joint 1 --angle -0.2
+  kaz sim --world ball --serial board &   kaz_client.py ./board --joint 1 --angle -0.2
 
 exit codes: 0 done, 1 the joint did not get there or the board refused, 2 wrong usage,
 3 no port, or no board that answers

@@ -102,8 +102,7 @@ TEST_P(Standing, StaysUpWithItsMotorsOff) {
   const auto world = load();
   ASSERT_TRUE(world);
   run(*world, 3.0);
-  // It leans as far as the gaps of hip, knee and ankle let it, 0.1 degrees each from the middle.
-  EXPECT_LT(tilt(*world), (0.5 + 3 * 0.1) * kDegree);
+  EXPECT_LT(tilt(*world), 0.5 * kDegree);
   EXPECT_NEAR(world->link_pose("trunk").translation().z(), 0.160, 0.001);
   EXPECT_EQ(world->supply_current_a(), 0);
   EXPECT_LT(world->largest_joint_gap_m(), 2e-5);

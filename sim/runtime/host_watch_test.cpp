@@ -13,7 +13,7 @@ using std::chrono::milliseconds;
 
 struct Heard {
   std::vector<std::string> lines;
-  HostWatch watch{"/tmp/port", [this](const std::string& line) { lines.push_back(line); }};
+  HostWatch watch{"board", [this](const std::string& line) { lines.push_back(line); }};
 };
 
 TEST(HostWatch, TellsComingGoingAndMotors) {
@@ -25,8 +25,8 @@ TEST(HostWatch, TellsComingGoingAndMotors) {
   heard.watch.presence(milliseconds(150), false, 115200);
   heard.watch.drivers(milliseconds(300), false);
   EXPECT_EQ(heard.lines,
-            (std::vector<std::string>{"host opened /tmp/port", "motors on",
-                                      "host closed /tmp/port, 50 ms after its last byte",
+            (std::vector<std::string>{"host opened board", "motors on",
+                                      "host closed board, 50 ms after its last byte",
                                       "motors off, 200 ms after the host's last byte"}));
 }
 
@@ -40,7 +40,7 @@ TEST(HostWatch, TellsSilenceOnce) {
   heard.watch.check_silence(milliseconds(6000));
   heard.watch.check_silence(milliseconds(7000));
   heard.watch.bytes_came(milliseconds(7500));
-  EXPECT_EQ(heard.lines, (std::vector<std::string>{"host opened /tmp/port",
+  EXPECT_EQ(heard.lines, (std::vector<std::string>{"host opened board",
                                                    "host silent for 1000 ms", "host talks again"}));
 }
 

@@ -54,8 +54,8 @@ int parse_and_run(int argc, char** argv) {
   program.footer(
       "Examples:\n"
       "  kaz demo                              search and track the ball, leave pictures\n"
-      "  kaz sim --world ball --serial /tmp/kaz0 --cameras /tmp/kaz0.eyes\n"
-      "  kaz run track-ball --robot serial:/tmp/kaz0 --camera /tmp/kaz0.eyes\n"
+      "  kaz sim --world ball --serial board --cameras board.eyes\n"
+      "  kaz run track-ball --robot serial:board --camera board.eyes\n"
       "Exit status: 0 done, 1 the task failed, 2 wrong usage, 3 the environment failed.\n"
       "`kaz VERB --help` says more about a verb.");
   kaz::tools::Action action;

@@ -114,7 +114,7 @@ void add_run(CLI::App& program, Action& action) {
                "Examples:\n"
                "  kaz run search-ball\n"
                "  kaz run track-ball --seed 3 --duration 12 --out three\n"
-               "  kaz run track-ball --robot serial:/dev/ttyUSB0 --camera /tmp/kaz0.eyes\n"
+               "  kaz run track-ball --robot serial:/dev/ttyUSB0 --camera board.eyes\n"
                "With a port nothing of the simulator is used; --world, --mcu, --image and --seed "
                "are then\nwithout effect.");
   verb->callback([&action, arguments] { action = [arguments] { return start(*arguments); }; });

@@ -117,9 +117,9 @@ void add_sim(CLI::App& program, Action& action) {
       "The link behaves as a port with a board at the other end. PATH.ctl takes commands: reset,\n"
       "power off, power on, status, one a line. Ends with Ctrl-C and removes what it made.\n"
       "Examples:\n"
-      "  kaz sim --serial /tmp/kaz0 --cameras /tmp/kaz0.eyes\n"
+      "  kaz sim --serial board --cameras board.eyes\n"
       "  kaz sim --eyes real --write-calibration eyes.yml\n"
-      "  kaz run track-ball --robot serial:/tmp/kaz0 --camera /tmp/kaz0.eyes   (elsewhere)");
+      "  kaz run track-ball --robot serial:board --camera board.eyes   (elsewhere)");
   verb->callback([&action, arguments] { action = [arguments] { return serve(*arguments); }; });
 }
 
