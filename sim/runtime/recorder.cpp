@@ -25,7 +25,8 @@ constexpr char analog_schema[] =
     "# A/D codes 0..1023 of one tick of the firmware, by multiplexer * 8 + input.\n"
     "uint32 tick\nuint16[24] code\n";
 constexpr char joints_schema[] =
-    "# True joint states, by joint number: rad, Nm.\nfloat64[18] angle\nfloat64[18] torque\n";
+    "# True joint states, by joint number: rad, Nm, temperature of the motor's winding.\n"
+    "float64[18] angle\nfloat64[18] torque\nfloat64[18] winding_celsius\n";
 constexpr char point_schema[] = "# World frame, m.\nfloat64 x\nfloat64 y\nfloat64 z\n";
 constexpr char supply_schema[] =
     "# What the board's supply gives, and what the motors draw from it.\n"
@@ -116,6 +117,7 @@ void Recorder::joints(States at, std::span<const JointState, KZ_JOINTS> joints) 
   LittleEndian to(data_);
   for (const JointState& joint : joints) to.real(joint.angle);
   for (const JointState& joint : joints) to.real(joint.torque);
+  for (const JointState& joint : joints) to.real(joint.winding_celsius);
   put(joints_, time_of(at));
 }
 

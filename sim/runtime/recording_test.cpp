@@ -189,7 +189,7 @@ TEST(Recorder, MessagesHaveTheSizeOfTheirSchema) {
   EXPECT_EQ(messages.count("/wire/to_host"), 0u);  // nothing sent, nothing written
   EXPECT_EQ(messages.at("/board/pins").at(0).size(), 2u * 18 + 4);
   EXPECT_EQ(messages.at("/board/analog").at(0).size(), 4u + 2 * 24);
-  EXPECT_EQ(messages.at("/truth/joints").at(0).size(), 8u * 36);
+  EXPECT_EQ(messages.at("/truth/joints").at(0).size(), 8u * 54);
   EXPECT_EQ(messages.at("/truth/ball").at(0).size(), 24u);
   EXPECT_EQ(messages.at("/board/supply").at(0).size(), 16u);
   EXPECT_EQ(messages.at("/truth/contacts").at(0).size(), 4u + 4 + 1 + 4 + 2 + 48);

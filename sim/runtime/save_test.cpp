@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <functional>
 #include <iterator>
 
 #include "sim/runtime/snapshot.h"
@@ -140,6 +141,38 @@ TEST(Snapshot, SaysWhyItDoesNotFit) {
   auto other = make(options);
   EXPECT_NE(refusal(*other, blob).find("saved with seed 5, this simulation has 6"),
             std::string::npos);
+}
+
+// Each option that decides about the run, changed alone.
+TEST(Snapshot, RefusesEachOtherOption) {
+  const auto options = real_options("native");
+  const auto simulation = make(options);
+  ASSERT_NE(simulation, nullptr);
+  const Bytes blob = *simulation->save();
+  const std::pair<const char*, std::function<void(SimulationOptions&)>> changes[] = {
+      {"engine", [](auto& o) { o.engine = "h8", o.image_path = KAZ_FIRMWARE_IMAGE; }},
+      {"world", [](auto& o) { o.world_path = KAZ_TREE "/sim/worlds/empty.sdf"; }},
+      {"seed", [](auto& o) { o.seed = 6; }},
+      {"stepper", [](auto& o) { o.stepper = "quick20"; }},
+      {"sensors", [](auto& o) { o.sensors.gyro = false; }},
+      {"imu", [](auto& o) { o.imu = true; }},
+      {"eyes", [](auto& o) { o.ideal_eyes = false; }},
+      {"eye_width", [](auto& o) { o.eye_width = 640; }},
+      {"frames", [](auto& o) { o.frames = FramePolicy::drop; }},
+      {"renderer", [](auto& o) { o.renderer = make_default_renderer; }},
+      {"supply_volts", [](auto& o) { o.supply_volts = 10.0 + 1e-12; }},
+      {"faults", [](auto& o) { o.faults = {}; }},
+  };
+  for (const auto& [name, change] : changes) {
+    auto changed = options;
+    change(changed);
+    const auto other = make(changed);
+    ASSERT_NE(other, nullptr) << name;
+    EXPECT_NE(refusal(*other, blob).find(name), std::string::npos) << name;
+  }
+  auto same = options;
+  same.recording_facts = {{"note", "another"}};
+  EXPECT_TRUE(make(same)->restore(blob));
 }
 
 TEST(Snapshot, GoesThroughAFile) {

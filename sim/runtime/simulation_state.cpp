@@ -1,8 +1,12 @@
 // The whole simulation to bytes and back; what a recording and a saved state say of its options.
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <type_traits>
 
 #include "sim/runtime/recorder.h"
 #include "sim/runtime/sha256.h"
@@ -25,24 +29,69 @@ std::string digest_beside(const std::string& path, const std::string& name) {
   return digest_of(std::filesystem::path(path).replace_filename(name).string());
 }
 
+// With all its digits: two numbers that differ are written differently.
+std::string exact(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", number);
+  return text;
+}
+
+// Numbers only, without gaps between them: their bytes are their value.
+std::string digest_of(const SensorFigures& figures) {
+  static_assert(std::is_trivially_copyable_v<SensorFigures> &&
+                sizeof figures == 22 * sizeof(double));
+  std::array<std::uint8_t, sizeof figures> bytes{};
+  std::memcpy(bytes.data(), &figures, sizeof figures);
+  return sha256_hex(bytes);
+}
+
+// A set that has no name is told switch by switch.
+std::string switches_of(const SensorSwitches& sensors) {
+  std::string name = name_of(sensors);
+  if (name != "mixed") return name;
+  const auto& [potentiometer, as_built, supply, reference, temperature, gyro, accelerometer] =
+      sensors;
+  for (const bool on :
+       {potentiometer, as_built, supply, reference, temperature, gyro, accelerometer})
+    name += on ? " 1" : " 0";
+  return name;
+}
+
+// Which program draws. The library's own one has a name; two others cannot be told apart.
+std::string name_of(const RendererFactory& renderer) {
+  const auto* function = renderer.target<Result<std::unique_ptr<Renderer>> (*)()>();
+  return function != nullptr && *function == &make_default_renderer ? "Mesa" : "own";
+}
+
 }  // namespace
 
+// Takes every field of the options by name: a new field does not compile before it stands here.
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world) {
-  return {{"engine", options.engine},
-          {"seed", std::to_string(options.seed)},
+  const auto& [engine, image_path, world_path, robot_path, camera_path, seed, stepper, sensors,
+               sensor_figures, imu, ideal_eyes, eye_width, supply_volts, frames, faults,
+               recording_path, recording_facts, renderer] = options;
+  static_cast<void>(stepper);         // the world says it with all figures
+  static_cast<void>(recording_path);  // a recording changes nothing
+  static_cast<void>(recording_facts);
+  return {{"engine", engine},
+          {"seed", std::to_string(seed)},
           {"stepper", world.stepper()},
-          {"sensors", name_of(options.sensors)},
-          {"imu", options.imu ? "true" : "false"},
-          {"eyes", options.ideal_eyes ? "ideal" : "real"},
-          {"supply_volts", std::to_string(options.supply_volts)},
-          {"world_sha256", digest_of(options.world_path)},
-          {"robot_sha256", digest_of(options.robot_path)},
-          {"sensors_sha256", digest_beside(options.robot_path, "sensors.xml")},
-          {"motor_sha256", digest_beside(options.robot_path, "motor.xml")},
-          {"camera_sha256", digest_of(options.camera_path)},
-          {"image_sha256", digest_of(options.image_path)},
-          {"faults", options.faults.text()}};
+          {"sensors", switches_of(sensors)},
+          {"sensor_figures_sha256", digest_of(sensor_figures)},
+          {"imu", imu ? "true" : "false"},
+          {"eyes", ideal_eyes ? "ideal" : "real"},
+          {"eye_width", std::to_string(eye_width)},
+          {"frames", frames == FramePolicy::wait ? "wait" : "drop"},
+          {"renderer", name_of(renderer)},
+          {"supply_volts", exact(supply_volts)},
+          {"world_sha256", digest_of(world_path)},
+          {"robot_sha256", digest_of(robot_path)},
+          {"sensors_sha256", digest_beside(robot_path, "sensors.xml")},
+          {"motor_sha256", digest_beside(robot_path, "motor.xml")},
+          {"camera_sha256", digest_of(camera_path)},
+          {"image_sha256", digest_of(image_path)},
+          {"faults", faults.text()}};
 }
 
 template <class A>
