@@ -7,18 +7,19 @@ namespace kaz::sim {
 void BodySleep::wake(dBodyID body) {
   dBodyEnable(body);
   for (Sleeper& sleeper : bodies_) {
-    if (sleeper.body == body) sleeper.left_s = rule_.after_s;
+    if (sleeper.body == body) sleeper.left_s = SleepRule{}.after_s;
   }
 }
 
 void BodySleep::update(double step_s) {
+  constexpr SleepRule rule;
   for (Sleeper& sleeper : bodies_) {
     // In the air nothing sleeps.
     if (dBodyIsEnabled(sleeper.body) == 0 || dBodyGetNumJoints(sleeper.body) == 0) continue;
     const double linear = to_eigen(dBodyGetLinearVel(sleeper.body)).squaredNorm();
     const double angular = to_eigen(dBodyGetAngularVel(sleeper.body)).squaredNorm();
-    if (linear > rule_.linear * rule_.linear || angular > rule_.angular * rule_.angular) {
-      sleeper.left_s = rule_.after_s;
+    if (linear > rule.linear * rule.linear || angular > rule.angular * rule.angular) {
+      sleeper.left_s = SleepRule{}.after_s;
       continue;
     }
     sleeper.left_s -= step_s;

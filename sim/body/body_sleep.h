@@ -12,15 +12,15 @@
 
 namespace kaz::sim {
 
+// Objects lie still below these for a moment, and are then left out until something touches them.
+struct SleepRule {
+  double linear = 0.003, angular = 0.15;  // m/s, rad/s; above either a body is awake
+  double after_s = 0.25;
+};
+
 class BodySleep {
  public:
-  struct Rule {
-    double linear = 0, angular = 0;  // m/s, rad/s; above either a body is awake
-    double after_s = 0;
-  };
-  explicit BodySleep(const Rule& rule) : rule_(rule) {}
-
-  void add(dBodyID body) { bodies_.push_back({body, rule_.after_s}); }
+  void add(dBodyID body) { bodies_.push_back({body, SleepRule{}.after_s}); }
   void wake(dBodyID body);
   // To be called before each step of the solver, with its contacts made.
   void update(double step_s);
@@ -36,7 +36,6 @@ class BodySleep {
     dBodyID body;
     double left_s;
   };
-  Rule rule_;
   std::vector<Sleeper> bodies_;
 };
 

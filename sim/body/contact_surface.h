@@ -2,13 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sim/body/ode_handles.h"
 #include "sim/body/rigid_link.h"
 
 namespace kaz::sim {
 
-// `motion`: velocity of the one body's centre against the other's, m/s. `normal`: of the contact.
-dContact contact_of(const Surface& a, const Surface& b, const Eigen::Vector3d& motion,
-                    const Eigen::Vector3d& normal, double least_softness);
+// A contact gives back this share of its depth each millisecond step (ODE's ERP).
+constexpr double kContactErp = 0.2;
+// Depth that is left as it is, so that bodies at rest go on touching, m.
+constexpr double kContactLayer = 2e-4;
+// Bodies inside each other are not driven apart faster than this, m/s.
+constexpr double kContactMaxCorrection = 0.2;
+
+// Of a pair: see Surface.
+Surface joined(const Surface& a, const Surface& b);
 
 }  // namespace kaz::sim

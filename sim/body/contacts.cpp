@@ -1,4 +1,4 @@
-// Finds what touches what, and makes the solver's contact rows of it.
+// Finds what touches what.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/contacts.h"
 
@@ -17,12 +17,6 @@ constexpr int kExemptGenerations = 3;
 // Boxes count as apart only if they are by more than rounding: ODE must agree, so that a run does
 // not depend on what was looked at before.
 constexpr double kClearlyApart = 1e-9;  // m
-
-using Map3 = Eigen::Map<const Eigen::Vector3d>;
-
-Eigen::Vector3d velocity_of(dBodyID body) {
-  return body ? to_eigen(dBodyGetLinearVel(body)) : Eigen::Vector3d::Zero().eval();
-}
 
 // Shape of ours as ODE's, without a place yet; null for kinds that do not collide.
 dGeomID make_geom(const Shape& shape) {
@@ -62,15 +56,9 @@ bool apart(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double reach) {
   return (a - b).squaredNorm() > reach * reach;
 }
 
-// Element of ODE's rotation: axis k of a shape, in the world.
-Eigen::Vector3d axis(const dReal* r, int k) {
-  return {r[k], r[4 + k], r[8 + k]};
-}
-
 }  // namespace
 
-Contacts::Contacts(dWorldID world, const RobotModel& robot)
-    : world_(world), rows_(dJointGroupCreate(0)), robot_links_(robot.links.size()) {
+Contacts::Contacts(const RobotModel& robot) : robot_links_(robot.links.size()) {
   exempt_.assign(robot_links_ * robot_links_, 0);
   for (std::size_t link = 0; link < robot_links_; ++link) {
     exempt_[link * robot_links_ + link] = 1;
@@ -84,12 +72,12 @@ Contacts::Contacts(dWorldID world, const RobotModel& robot)
   }
 }
 
-void Contacts::add_robot_link(const RigidLink& link, int robot_link, dBodyID body,
+void Contacts::add_robot_link(const RigidLink& link, int robot_link, int body,
                               const Eigen::Isometry3d& pose) {
   add(link, robot_link, body, pose);
 }
 
-void Contacts::add_object(const RigidLink& link, dBodyID body, const Eigen::Isometry3d& pose) {
+void Contacts::add_object(const RigidLink& link, int body, const Eigen::Isometry3d& pose) {
   add(link, -1, body, pose);
 }
 
@@ -109,36 +97,39 @@ Contacts::Geom& Contacts::add_geom(const CollisionShape& shape, const Eigen::Iso
   return geom;
 }
 
-void Contacts::add(const RigidLink& link, int robot_link, dBodyID body,
-                   const Eigen::Isometry3d& pose) {
+void Contacts::add(const RigidLink& link, int robot_link, int body, const Eigen::Isometry3d& pose) {
   Part whole;
   whole.body = body;
   whole.first = geoms_.size();
+  if (body >= static_cast<int>(bodies_.size())) {
+    bodies_.resize(static_cast<std::size_t>(body) + 1);
+  }
+  const bool moves = body >= 0;
   std::vector<Eigen::Vector3d> centres;
   for (const CollisionShape& shape : link.collisions) {
     if (shape.shape.kind == Shape::Kind::mesh) continue;
-    const Eigen::Isometry3d at = body ? shape.in_link : pose * shape.in_link;
+    const Eigen::Isometry3d at = moves ? shape.in_link : pose * shape.in_link;
     Geom& geom = add_geom(shape, at);
     geom.name = link.name;
     if (shape.shape.kind == Shape::Kind::plane) continue;
-    const dGeomID id = geom.id.get();
-    const Eigen::Vector3d centre = at.translation();
-    dMatrix3 rotation;
-    to_ode(at.linear(), rotation);
-    if (body) {
-      const Eigen::Vector3d offset = centre - link.com;
-      dGeomSetBody(id, body);
-      dGeomSetOffsetPosition(id, offset.x(), offset.y(), offset.z());
-      dGeomSetOffsetRotation(id, rotation);
-      centres.push_back(offset);
+    geom.turn = at.linear();
+    if (moves) {
+      geom.body = body;
+      geom.in_body = at.translation() - link.com;
+      centres.push_back(geom.in_body);
       continue;
     }
-    dGeomSetPosition(id, centre.x(), centre.y(), centre.z());
+    geom.at = at.translation();
+    geom.axes = at.linear();
+    const dGeomID id = geom.id.get();
+    dMatrix3 rotation;
+    to_ode(geom.axes, rotation);
+    dGeomSetPosition(id, geom.at.x(), geom.at.y(), geom.at.z());
     dGeomSetRotation(id, rotation);
     Part part;
     part.first = geoms_.size() - 1;
     part.count = 1;
-    part.at = centre;
+    part.at = geom.at;
     part.radius = geom.radius;
     if (robot_link < 0) {
       fixed_.push_back(part);
@@ -173,21 +164,52 @@ void Contacts::pair_with_robot(std::size_t part, int robot_link) {
   for (std::size_t other = 0; other < part; ++other) {
     const auto a = static_cast<std::size_t>(robot_link_[other]);
     const auto b = static_cast<std::size_t>(robot_link);
-    const bool one_moves = robot_[other].body || robot_[part].body;
+    const bool one_moves = robot_[other].body >= 0 || robot_[part].body >= 0;
     if (one_moves && !exempt_[a * robot_links_ + b]) selves_.emplace_back(other, part);
   }
 }
 
+void Contacts::place(int body, const Eigen::Matrix3d& axes, const Eigen::Vector3d& com,
+                     bool awake) {
+  bodies_[static_cast<std::size_t>(body)] = {axes, com, awake};
+}
+
+const Eigen::Vector3d& Contacts::at(Geom& geom) const {
+  if (geom.body >= 0 && geom.at_round != round_) {
+    const Body& body = bodies_[static_cast<std::size_t>(geom.body)];
+    geom.at = body.com + body.axes * geom.in_body;
+    geom.at_round = round_;
+  }
+  return geom.at;
+}
+
+const Eigen::Matrix3d& Contacts::axes(Geom& geom) const {
+  if (geom.body >= 0 && geom.axes_round != round_) {
+    geom.axes = bodies_[static_cast<std::size_t>(geom.body)].axes * geom.turn;
+    geom.axes_round = round_;
+  }
+  return geom.axes;
+}
+
+// The shape as ODE's, where it is now.
+dGeomID Contacts::placed(Geom& geom) const {
+  const dGeomID id = geom.id.get();
+  if (geom.body < 0) return id;
+  const Eigen::Vector3d& centre = at(geom);
+  dMatrix3 rotation;
+  to_ode(axes(geom), rotation);
+  dGeomSetPosition(id, centre.x(), centre.y(), centre.z());
+  dGeomSetRotation(id, rotation);
+  return id;
+}
+
 void Contacts::place_parts() {
-  const auto place = [](Part& part) {
-    if (part.body == nullptr) return;
-    const dReal* r = dBodyGetRotation(part.body);
-    const dReal* p = dBodyGetPosition(part.body);
-    const Eigen::Vector3d& c = part.centre;
-    part.at = {p[0] + r[0] * c.x() + r[1] * c.y() + r[2] * c.z(),
-               p[1] + r[4] * c.x() + r[5] * c.y() + r[6] * c.z(),
-               p[2] + r[8] * c.x() + r[9] * c.y() + r[10] * c.z()};
-    part.awake = dBodyIsEnabled(part.body) != 0;
+  ++round_;
+  const auto place = [this](Part& part) {
+    if (part.body < 0) return;
+    const Body& body = bodies_[static_cast<std::size_t>(part.body)];
+    part.at = body.com + body.axes * part.centre;
+    part.awake = body.awake;
   };
   low_.setConstant(1e300);
   high_.setConstant(-1e300);
@@ -202,9 +224,7 @@ void Contacts::place_parts() {
 }
 
 void Contacts::update() {
-  dJointGroupEmpty(rows_.get());
-  watched_.clear();
-  count_ = 0;
+  touches_.clear();
   place_parts();
   for (const auto& [a, b] : selves_) meet(robot_[a], robot_[b]);
   for (const Part& part : robot_) meet_planes(part);
@@ -230,11 +250,10 @@ void Contacts::meet(const Part& a, const Part& b) {
   if (apart(a.at, b.at, a.radius + b.radius)) return;
   if (!a.awake && !b.awake) return;
   for (std::size_t i = a.first; i < a.first + a.count; ++i) {
-    const Map3 at(dGeomGetPosition(geoms_[i].id.get()));
-    if (apart(at, b.at, geoms_[i].radius + b.radius)) continue;
+    const Eigen::Vector3d& here = at(geoms_[i]);
+    if (apart(here, b.at, geoms_[i].radius + b.radius)) continue;
     for (std::size_t j = b.first; j < b.first + b.count; ++j) {
-      const Map3 other(dGeomGetPosition(geoms_[j].id.get()));
-      if (apart(at, other, geoms_[i].radius + geoms_[j].radius)) continue;
+      if (apart(here, at(geoms_[j]), geoms_[i].radius + geoms_[j].radius)) continue;
       if (geoms_[i].box && geoms_[j].box && parted(i, j)) continue;
       touch(i, j);
     }
@@ -246,27 +265,21 @@ void Contacts::meet_planes(const Part& part) {
   for (const Plane& plane : planes_) {
     if (plane.normal.dot(part.at) - plane.offset > part.radius) continue;
     for (std::size_t i = part.first; i < part.first + part.count; ++i) {
-      const Map3 at(dGeomGetPosition(geoms_[i].id.get()));
-      if (plane.normal.dot(at) - plane.offset <= geoms_[i].radius) touch(i, plane.geom);
+      if (plane.normal.dot(at(geoms_[i])) - plane.offset <= geoms_[i].radius) touch(i, plane.geom);
     }
   }
 }
 
 // Whether a face of one of two boxes has the other wholly beyond it.
 bool Contacts::parted(std::size_t a, std::size_t b) {
-  const dReal *ra = dGeomGetRotation(geoms_[a].id.get()),
-              *rb = dGeomGetRotation(geoms_[b].id.get());
-  const Eigen::Vector3d way =
-      Map3(dGeomGetPosition(geoms_[b].id.get())) - Map3(dGeomGetPosition(geoms_[a].id.get()));
+  const Eigen::Matrix3d &ra = axes(geoms_[a]), &rb = axes(geoms_[b]);
+  const Eigen::Vector3d way = at(geoms_[b]) - at(geoms_[a]);
   const auto between = [&](int face) {
     const bool of_a = face < 3;
     const int k = of_a ? face : face - 3;
-    const Eigen::Vector3d normal = axis(of_a ? ra : rb, k);
-    const dReal* r = of_a ? rb : ra;
-    const Eigen::Vector3d& other = geoms_[of_a ? b : a].half;
-    const double reach = std::abs(normal.dot(axis(r, 0))) * other.x() +
-                         std::abs(normal.dot(axis(r, 1))) * other.y() +
-                         std::abs(normal.dot(axis(r, 2))) * other.z();
+    const Eigen::Vector3d normal = (of_a ? ra : rb).col(k);
+    const double reach =
+        ((of_a ? rb : ra).transpose() * normal).cwiseAbs().dot(geoms_[of_a ? b : a].half);
     return std::abs(normal.dot(way)) - geoms_[of_a ? a : b].half[k] - reach > kClearlyApart;
   };
   Hint& hint = hints_[(a * 31 + b) % hints_.size()];
@@ -280,34 +293,24 @@ bool Contacts::parted(std::size_t a, std::size_t b) {
 }
 
 void Contacts::touch(std::size_t a, std::size_t b) {
-  const dGeomID geom_a = geoms_[a].id.get(), geom_b = geoms_[b].id.get();
+  Geom &geom_a = geoms_[a], &geom_b = geoms_[b];
   std::array<dContactGeom, kContactsPerPair> found;
-  const int count = dCollide(geom_a, geom_b, kContactsPerPair, found.data(), sizeof(dContactGeom));
+  const int count = dCollide(placed(geom_a), placed(geom_b), kContactsPerPair, found.data(),
+                             sizeof(dContactGeom));
   if (count == 0) return;
-  const dBodyID body_a = dGeomGetBody(geom_a), body_b = dGeomGetBody(geom_b);
-  dContact contact =
-      contact_of(geoms_[a].surface, geoms_[b].surface, velocity_of(body_a) - velocity_of(body_b),
-                 to_eigen(found[0].normal), dWorldGetCFM(world_));
+  Touch touch;
+  touch.body_a = geom_a.body;
+  touch.body_b = geom_b.body;
+  touch.shape_a = static_cast<std::uint32_t>(a);
+  touch.shape_b = static_cast<std::uint32_t>(b);
+  touch.surface = joined(geom_a.surface, geom_b.surface);
   for (int i = 0; i < count; ++i) {
-    contact.geom = found[static_cast<std::size_t>(i)];
-    const dJointID row = dJointCreateContact(world_, rows_.get(), &contact);
-    dJointAttach(row, body_a, body_b);
-    if (!watch_) continue;
-    watched_.push_back({a, b, to_eigen(contact.geom.pos), body_a == nullptr, {}});
-    dJointSetFeedback(row, &watched_.back().feedback);
+    const dContactGeom& point = found[static_cast<std::size_t>(i)];
+    touch.at = to_eigen(point.pos);
+    touch.normal = to_eigen(point.normal);
+    touch.depth = point.depth;
+    touches_.push_back(touch);
   }
-  count_ += count;
-}
-
-std::vector<ContactPoint> Contacts::watched() const {
-  std::vector<ContactPoint> points;
-  points.reserve(watched_.size());
-  for (const Watched& row : watched_) {
-    const Eigen::Vector3d force = to_eigen(row.feedback.f1);
-    points.push_back({geoms_[row.a].name, geoms_[row.b].name, row.at,
-                      row.turned ? Eigen::Vector3d(-force) : force});
-  }
-  return points;
 }
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// Finds what touches what, and makes the solver's contact rows of it.
+// Finds what touches what.
 // SPDX-License-Identifier: Apache-2.0
 //
 // So few shapes need no tree or grid: each link or object is one sphere, and few multiplications
@@ -8,50 +8,71 @@
 #pragma once
 
 #include <array>
-#include <deque>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "sim/body/ode_handles.h"
 #include "sim/body/rigid_link.h"
 #include "sim/body/robot_model.h"
-#include "sim/body/world.h"
 
 namespace kaz::sim {
 
+// A point where two shapes touch. World frame, m.
+struct Touch {
+  int body_a = -1, body_b = -1;  // -1: does not move; never both
+  std::uint32_t shape_a = 0, shape_b = 0;
+  Eigen::Vector3d at, normal;  // normal: unit, the way in which b pushes a
+  double depth = 0;            // how far the shapes are inside each other
+  Surface surface;             // of the pair
+};
+
 class Contacts {
  public:
-  Contacts(dWorldID world, const RobotModel& robot);
+  explicit Contacts(const RobotModel& robot);
 
-  // Shapes of one link. `body` null: fixed in the world, then `pose` is the link's; else shapes
-  // hang on the body, whose frame has the link's axes and its origin at `com`.
-  void add_robot_link(const RigidLink& link, int robot_link, dBodyID body,
+  // Shapes of one link. `body`: number by which place() and touches() know it; -1: fixed in the
+  // world, then `pose` is the link's.
+  void add_robot_link(const RigidLink& link, int robot_link, int body,
                       const Eigen::Isometry3d& pose);
-  void add_object(const RigidLink& link, dBodyID body, const Eigen::Isometry3d& pose);
+  void add_object(const RigidLink& link, int body, const Eigen::Isometry3d& pose);
 
-  // Replaces the rows of the last step.
+  // Where a body is: its centre of mass, and its link's axes. One that sleeps meets only what is
+  // awake.
+  void place(int body, const Eigen::Matrix3d& axes, const Eigen::Vector3d& com, bool awake);
+  // Replaces what was found before.
   void update();
-  // Rows that update() made: points of contact.
-  int count() const { return count_; }
-
-  // Keeps the forces of the rows that are made from now on.
-  void watch(bool on) { watch_ = on; }
-  std::vector<ContactPoint> watched() const;
+  std::span<const Touch> touches() const { return touches_; }
+  // Of the link that has the shape.
+  const std::string& name(std::uint32_t shape) const { return geoms_[shape].name; }
 
  private:
+  struct Body {
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d com = Eigen::Vector3d::Zero();
+    bool awake = false;
+  };
   struct Geom {
     OdeGeomHandle id;
     Surface surface;
     bool box = false;
-    std::string name;                                // of its link
-    double radius = 0;                               // of the sphere about it, m
-    Eigen::Vector3d half = Eigen::Vector3d::Zero();  // of a box
+    std::string name;  // of its link
+    int body = -1;
+    double radius = 0;                                  // of the sphere about it, m
+    Eigen::Vector3d half = Eigen::Vector3d::Zero();     // of a box
+    Eigen::Vector3d in_body = Eigen::Vector3d::Zero();  // from the centre of mass
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+    // In the world, for the round in which they were asked for.
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+    std::uint64_t at_round = 0, axes_round = 0;
   };
   // All shapes of one body, or one fixed shape.
   struct Part {
-    dBodyID body = nullptr;
+    int body = -1;
     std::size_t first = 0, count = 0;                  // of geoms_
-    Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // of the sphere, in the body's frame
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // of the sphere, from the centre of mass
     double radius = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero();  // of the sphere, in the world
     bool awake = false;
@@ -68,27 +89,21 @@ class Contacts {
     int face = 0;
   };
 
-  struct Watched {
-    std::size_t a, b;  // of geoms_
-    Eigen::Vector3d at;
-    bool turned;  // the feedback is b's
-    dJointFeedback feedback;
-  };
-
-  void add(const RigidLink& link, int robot_link, dBodyID body, const Eigen::Isometry3d& pose);
+  void add(const RigidLink& link, int robot_link, int body, const Eigen::Isometry3d& pose);
   Geom& add_geom(const CollisionShape& shape, const Eigen::Isometry3d& at);
   void pair_with_robot(std::size_t part, int robot_link);
   void place_parts();
+  const Eigen::Vector3d& at(Geom& geom) const;
+  const Eigen::Matrix3d& axes(Geom& geom) const;
+  dGeomID placed(Geom& geom) const;
   void meet(const Part& a, const Part& b);
   void meet_planes(const Part& part);
   bool parted(std::size_t a, std::size_t b);
   void touch(std::size_t a, std::size_t b);
 
-  dWorldID world_;
-  OdeJointGroupHandle rows_;
-  int count_ = 0;
-  bool watch_ = false;
-  std::deque<Watched> watched_;  // ODE keeps pointers to the feedbacks
+  std::vector<Touch> touches_;
+  std::vector<Body> bodies_;
+  std::uint64_t round_ = 0;
   std::vector<Geom> geoms_;
   std::vector<Plane> planes_;
   std::vector<Part> robot_, objects_, fixed_;

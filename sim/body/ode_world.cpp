@@ -6,6 +6,8 @@
 #include <cmath>
 #include <mutex>
 
+#include "sim/body/contact_surface.h"
+
 namespace kaz::sim {
 namespace {
 
@@ -13,15 +15,7 @@ namespace {
 constexpr double kErp = 0.2;
 constexpr double kCfm = 1e-8;
 constexpr double kQuickStepOverRelaxation = 1.3;
-constexpr double kContactLayer = 2e-4;         // m
-constexpr double kContactMaxCorrection = 0.2;  // m/s
-constexpr double kHungHeight = 0.5;            // m, of the feet above the ground
-constexpr double kStopMargin = 0.0174533;      // rad, mechanical stop beyond the firmware's limit
-
-// Objects lie still below these for a moment, and are then left out until something touches them.
-constexpr double kSleepLinear = 0.003;  // m/s
-constexpr double kSleepAngular = 0.15;  // rad/s
-constexpr double kSleepAfter = 0.25;    // s
+constexpr double kMotionToAlign = 1e-4;  // m/s
 
 std::mutex& ode_mutex() {
   static std::mutex mutex;
@@ -52,36 +46,58 @@ OdeWorldHandle make_world(const Eigen::Vector3d& gravity, int iterations) {
   return world;
 }
 
+// What ODE is told of a point of contact. `motion`: of a against b, m/s.
+dContact contact_of(const Touch& touch, const Eigen::Vector3d& motion, double least_softness) {
+  dContact contact{};
+  const Surface& surface = touch.surface;
+  contact.surface.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM;
+  contact.surface.mu = surface.mu;
+  contact.surface.soft_erp = kContactErp;
+  contact.surface.soft_cfm = std::max(surface.softness, least_softness);
+  for (int k = 0; k < 3; ++k) {
+    contact.geom.pos[k] = touch.at[k];
+    contact.geom.normal[k] = touch.normal[k];
+  }
+  contact.geom.depth = touch.depth;
+  if (surface.restitution > 0) {
+    contact.surface.mode |= dContactBounce;
+    contact.surface.bounce = surface.restitution;
+    contact.surface.bounce_vel = surface.bounce_threshold;
+  }
+  if (surface.rolling_resistance <= 0) return contact;
+  contact.surface.mode |= dContactRolling;
+  contact.surface.rho = surface.rolling_resistance;
+  contact.surface.rho2 = surface.rolling_resistance;
+  contact.surface.rhoN = surface.rolling_resistance;
+  // ODE bounds each axis of the contact by itself: along the motion, or the path would bend.
+  if (motion.norm() > kMotionToAlign) {
+    contact.surface.mode |= dContactFDir1;
+    Eigen::Vector3d along = motion - touch.normal * touch.normal.dot(motion);
+    if (along.norm() < kMotionToAlign) along = touch.normal.unitOrthogonal();
+    along.normalize();
+    for (int k = 0; k < 3; ++k) contact.fdir1[k] = along[k];
+  }
+  return contact;
+}
+
+Eigen::Vector3d velocity_of(dBodyID body) {
+  return body ? to_eigen(dBodyGetLinearVel(body)) : Eigen::Vector3d::Zero().eval();
+}
+
 }  // namespace
 
 OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const MotorFigures& motor,
                    const WorldOptions& options, int iterations)
-    : step_s_(options.step_s),
+    : StagedWorld(world, robot, motor, options),
       iterations_(iterations),
       // ODE's generator has 32 bits.
       random_state_((options.seed ^ (options.seed >> 32)) & 0xffffffffu),
       ode_(make_world(world.gravity, iterations)),
-      contacts_(ode_.get(), robot),
-      sleep_({kSleepLinear, kSleepAngular, kSleepAfter}),
-      motors_(robot.joints.size(), JointMotor(motor, options.step_s)),
-      joint_order_(robot.joint_order()),
-      ode_joints_(robot.joints.size()),
-      joint_states_(robot.joints.size()) {
-  scene_.frames.push_back("world");
-  // The root's origin hangs above the point between the soles.
-  const double feet = options.hung ? kHungHeight : 0.0;
-  const Eigen::AlignedBox3d extent = robot.extent();
-  Eigen::Vector3d lift = Eigen::Vector3d::Zero();
-  if (!robot.fixed_base) lift.z() = feet - (extent.isEmpty() ? 0.0 : extent.min().z());
-  build_robot(robot, world.robot_start * Eigen::Translation3d(lift));
-  if (options.hung && !robot.fixed_base) hang();
-  for (const WorldBody& object : world.bodies) build_object(object);
-  // Latest first, so that the next one is taken from the end; equal times keep the order of the
-  // file.
-  std::reverse(kicks_.begin(), kicks_.end());
-  std::stable_sort(kicks_.begin(), kicks_.end(),
-                   [](const PendingKick& a, const PendingKick& b) { return a.step > b.step; });
-  all_kicks_ = kicks_;
+      contact_rows_(dJointGroupCreate(0)),
+      ode_joints_(robot.joints.size()) {
+  make_bodies();
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) build_joint(robot, j);
+  if (hung_) hang();
   read_joints();
   read_imu(imu_velocity());
   read_motors();
@@ -89,70 +105,43 @@ OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const Motor
 
 OdeWorld::~OdeWorld() = default;
 
-OdeWorld::Body OdeWorld::make_body(const RigidLink& link, const Eigen::Isometry3d& pose) {
-  Body body{dBodyCreate(ode_.get()), link.com, Eigen::Isometry3d::Identity()};
-  dMass mass;
-  const Eigen::Matrix3d& i = link.inertia;
-  dMassSetParameters(&mass, link.mass, 0, 0, 0, i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2),
-                     i(1, 2));
-  dBodySetMass(body.id, &mass);
-  const Eigen::Vector3d at = pose * link.com;
-  dBodySetPosition(body.id, at.x(), at.y(), at.z());
-  dMatrix3 rotation;
-  to_ode(pose.linear(), rotation);
-  dBodySetRotation(body.id, rotation);
-  return body;
-}
-
-int OdeWorld::add_frame(const std::string& name, const Body& body) {
-  frames_.push_back(body);
-  scene_.frames.push_back(name);
-  return static_cast<int>(scene_.frames.size()) - 1;
-}
-
-void OdeWorld::add_visuals(const RigidLink& link, int frame, const Eigen::Isometry3d& in_frame) {
-  for (Visual visual : link.visuals) {
-    visual.frame = frame;
-    visual.in_frame = in_frame * visual.in_frame;
-    scene_.visuals.push_back(std::move(visual));
+void OdeWorld::make_bodies() {
+  for (std::size_t number = 0; number < bodies_.size(); ++number) {
+    const Body& body = bodies_[number];
+    ode_bodies_.push_back(body.moves ? dBodyCreate(ode_.get()) : nullptr);
+    if (!body.moves) continue;
+    const dBodyID id = ode_bodies_.back();
+    dMass mass;
+    const Eigen::Matrix3d& i = body.rigid.inertia;
+    dMassSetParameters(&mass, body.rigid.mass, 0, 0, 0, i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2),
+                       i(1, 2));
+    dBodySetMass(id, &mass);
+    const Eigen::Vector3d at = body.start * body.rigid.com;
+    dBodySetPosition(id, at.x(), at.y(), at.z());
+    dMatrix3 rotation;
+    to_ode(body.start.linear(), rotation);
+    dBodySetRotation(id, rotation);
+    if (number >= robot_links_) sleep_.add(id);
   }
-}
-
-void OdeWorld::build_robot(const RobotModel& robot, const Eigen::Isometry3d& root) {
-  link_frames_ = robot.frames;
-  for (std::size_t i = 0; i < robot.links.size(); ++i) {
-    const RobotLink& link = robot.links[i];
-    const Eigen::Isometry3d at = root * link.at_zero;
-    const bool moves = i > 0 || !robot.fixed_base;
-    const Body body = moves ? make_body(link.rigid, at) : Body{nullptr, link.rigid.com, at};
-    robot_bodies_.push_back(body);
-    contacts_.add_robot_link(link.rigid, static_cast<int>(i), body.id, at);
-    const int frame = add_frame(link.rigid.name, body);
-    add_visuals(link.rigid, frame, Eigen::Isometry3d::Identity());
-    if (robot.eyes_link() == static_cast<int>(i)) head_frame_ = frame;
-  }
-  for (std::size_t j = 0; j < robot.joints.size(); ++j) build_joint(robot, j, root);
-  if (const auto imu = link_frames_.find("imu"); imu != link_frames_.end())
-    imu_frame_ = imu->second;
 }
 
 // Bodies are in the order of the links, the root's first.
 void OdeWorld::hang() {
   const dJointID hook = dJointCreateFixed(ode_.get(), nullptr);
-  dJointAttach(hook, robot_bodies_.front().id, nullptr);
+  dJointAttach(hook, ode_bodies_.front(), nullptr);
   dJointSetFixed(hook);
 }
 
-void OdeWorld::build_joint(const RobotModel& robot, std::size_t number,
-                           const Eigen::Isometry3d& root) {
+void OdeWorld::build_joint(const RobotModel& robot, std::size_t number) {
   const RobotJoint& joint = robot.joints[number];
   const RobotLink& link = robot.links[static_cast<std::size_t>(joint.child)];
   Joint& out = ode_joints_[number];
-  out.child = robot_bodies_[static_cast<std::size_t>(joint.child)].id;
-  const dBodyID parent = robot_bodies_[static_cast<std::size_t>(link.parent)].id;
-  const Eigen::Vector3d anchor = root * link.at_zero.translation();
-  const Eigen::Vector3d axis = root.linear() * joint.axis;
+  out.child = body(joint.child);
+  const dBodyID parent = body(link.parent);
+  const Eigen::Isometry3d& start = bodies_[static_cast<std::size_t>(joint.child)].start;
+  const Eigen::Vector3d anchor = start.translation();
   out.axis = link.at_zero.linear().transpose() * joint.axis;
+  const Eigen::Vector3d axis = start.linear() * out.axis;
 
   out.hinge = dJointCreateHinge(ode_.get(), nullptr);
   dJointAttach(out.hinge, out.child, parent);
@@ -171,40 +160,49 @@ void OdeWorld::build_joint(const RobotModel& robot, std::size_t number,
   dJointSetFeedback(out.motor, &out.feedback);
 }
 
-void OdeWorld::build_object(const WorldBody& object) {
-  if (object.fixed) {
-    contacts_.add_object(object.rigid, nullptr, object.pose);
-    add_visuals(object.rigid, 0, object.pose);
-    fixed_objects_.emplace(object.model, object.pose);
-    return;
+void OdeWorld::kick(int number, const Eigen::Vector3d& velocity) {
+  const Eigen::Vector3d v = velocity_of(body(number)) + velocity;
+  sleep_.wake(body(number));
+  dBodySetLinearVel(body(number), v.x(), v.y(), v.z());
+}
+
+int OdeWorld::find_contacts() {
+  for (std::size_t i = 0; i < ode_bodies_.size(); ++i) {
+    const dBodyID id = ode_bodies_[i];
+    if (id == nullptr) continue;
+    contacts_.place(static_cast<int>(i), rotation_to_eigen(dBodyGetRotation(id)),
+                    to_eigen(dBodyGetPosition(id)), dBodyIsEnabled(id) != 0);
   }
-  const Body body = make_body(object.rigid, object.pose);
-  sleep_.add(body.id);
-  contacts_.add_object(object.rigid, body.id, object.pose);
-  add_visuals(object.rigid, add_frame(object.rigid.name, body), Eigen::Isometry3d::Identity());
-  objects_.emplace(object.model, body);
-  for (const Kick& kick : object.kicks) {
-    kicks_.push_back({std::llround(kick.time_s / step_s_), body.id, kick.velocity});
+  contacts_.update();
+  return static_cast<int>(contacts_.touches().size());
+}
+
+// Replaces the rows of the last step.
+void OdeWorld::make_contact_rows() {
+  dJointGroupEmpty(contact_rows_.get());
+  watched_.clear();
+  for (const Touch& touch : contacts_.touches()) {
+    const dBodyID a = body(touch.body_a), b = body(touch.body_b);
+    const dContact contact =
+        contact_of(touch, velocity_of(a) - velocity_of(b), dWorldGetCFM(ode_.get()));
+    const dJointID row = dJointCreateContact(ode_.get(), contact_rows_.get(), &contact);
+    dJointAttach(row, a, b);
+    if (!watch_) continue;
+    watched_.push_back({touch, {}});
+    dJointSetFeedback(row, &watched_.back().feedback);
   }
 }
 
-void OdeWorld::kick_due() {
-  while (!kicks_.empty() && kicks_.back().step <= steps_) {
-    const PendingKick& kick = kicks_.back();
-    const Eigen::Vector3d v = to_eigen(dBodyGetLinearVel(kick.body)) + kick.velocity;
-    sleep_.wake(kick.body);
-    dBodySetLinearVel(kick.body, v.x(), v.y(), v.z());
-    kicks_.pop_back();
+std::vector<ContactPoint> OdeWorld::contacts() const {
+  std::vector<ContactPoint> points;
+  points.reserve(watched_.size());
+  for (const Watched& row : watched_) {
+    const Eigen::Vector3d force = to_eigen(row.feedback.f1);
+    // The feedback is b's where a does not move.
+    points.push_back({contacts_.name(row.touch.shape_a), contacts_.name(row.touch.shape_b),
+                      row.touch.at, row.touch.body_a < 0 ? Eigen::Vector3d(-force) : force});
   }
-}
-
-void OdeWorld::drive_motors(std::span<const MotorDrive> drives, double supply_volts) {
-  for (std::size_t i = 0; i < ode_joints_.size(); ++i) {
-    const MotorDrive drive = i < drives.size() ? drives[i] : MotorDrive{};
-    const JointMotor::Row row =
-        motors_[i].prepare(drive, supply_volts, joint_states_[i].angle, joint_states_[i].velocity);
-    set_row(ode_joints_[i].motor, row);
-  }
+  return points;
 }
 
 // ODE's motors push and pull alike; what only pushes is a stop. A stop's goal is ERP * way / step, and
@@ -242,33 +240,17 @@ void OdeWorld::solve() {
 void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   enter_ode();
   kick_due();
-  contacts_.update();
-  drive_motors(drives, supply_volts);
+  find_contacts();
+  make_contact_rows();
+  prepare_motors(drives, supply_volts);
+  for (std::size_t i = 0; i < rows_.size(); ++i) set_row(ode_joints_[i].motor, rows_[i]);
   sleep_.update(step_s_);
   const Eigen::Vector3d velocity_before = imu_velocity();
   solve();
   ++steps_;
   read_joints();
   read_imu(velocity_before);
-  for (std::size_t i = 0; i < ode_joints_.size(); ++i) {
-    motors_[i].finish(joint_states_[i].velocity, joint_states_[i].torque);
-  }
-  read_motors();
-}
-
-void OdeWorld::read_motors() {
-  current_ = 0;
-  for (std::size_t i = 0; i < ode_joints_.size(); ++i) {
-    joint_states_[i].winding_celsius = motors_[i].winding_celsius();
-    joint_states_[i].current = motors_[i].motor_current();
-    current_ += motors_[i].supply_current();
-  }
-}
-
-int OdeWorld::find_contacts() {
-  enter_ode();
-  contacts_.update();
-  return contacts_.count();
+  finish_motors();
 }
 
 void OdeWorld::read_joints() {
@@ -288,61 +270,29 @@ void OdeWorld::read_joints() {
 
 // Of the sensor's place, world axes.
 Eigen::Vector3d OdeWorld::imu_velocity() const {
-  const Body& body = robot_bodies_[static_cast<std::size_t>(imu_frame_.link)];
-  if (body.id == nullptr) return Eigen::Vector3d::Zero();
+  const dBodyID id = body(imu_frame_.link);
+  if (id == nullptr) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d& com = bodies_[static_cast<std::size_t>(imu_frame_.link)].rigid.com;
   const Eigen::Vector3d arm =
-      pose_of(body).linear() * (imu_frame_.in_link.translation() - body.com);
-  return to_eigen(dBodyGetLinearVel(body.id)) + to_eigen(dBodyGetAngularVel(body.id)).cross(arm);
+      rotation_to_eigen(dBodyGetRotation(id)) * (imu_frame_.in_link.translation() - com);
+  return to_eigen(dBodyGetLinearVel(id)) + to_eigen(dBodyGetAngularVel(id)).cross(arm);
 }
 
 void OdeWorld::read_imu(const Eigen::Vector3d& velocity_before) {
-  const Body& body = robot_bodies_[static_cast<std::size_t>(imu_frame_.link)];
-  dVector3 gravity;
-  dWorldGetGravity(ode_.get(), gravity);
+  const dBodyID id = body(imu_frame_.link);
   const Eigen::Matrix3d to_sensor =
-      (pose_of(body).linear() * imu_frame_.in_link.linear()).transpose();
-  if (body.id != nullptr) imu_.angular_velocity = to_sensor * to_eigen(dBodyGetAngularVel(body.id));
-  imu_.specific_force =
-      to_sensor * ((imu_velocity() - velocity_before) / step_s_ - to_eigen(gravity));
+      (body_pose(imu_frame_.link).linear() * imu_frame_.in_link.linear()).transpose();
+  if (id != nullptr) imu_.angular_velocity = to_sensor * to_eigen(dBodyGetAngularVel(id));
+  imu_.specific_force = to_sensor * ((imu_velocity() - velocity_before) / step_s_ - gravity_);
 }
 
-Eigen::Isometry3d OdeWorld::pose_of(const Body& body) {
-  if (body.id == nullptr) return body.fixed;
+Eigen::Isometry3d OdeWorld::moving_pose(int number) const {
+  const dBodyID id = body(number);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = rotation_to_eigen(dBodyGetRotation(body.id));
-  pose.translation() = to_eigen(dBodyGetPosition(body.id)) - pose.linear() * body.com;
+  pose.linear() = rotation_to_eigen(dBodyGetRotation(id));
+  pose.translation() = to_eigen(dBodyGetPosition(id)) -
+                       pose.linear() * bodies_[static_cast<std::size_t>(number)].rigid.com;
   return pose;
-}
-
-ScenePose OdeWorld::pose() const {
-  ScenePose pose;
-  pose.frames.reserve(frames_.size() + 1);
-  pose.frames.push_back(Eigen::Isometry3d::Identity());
-  for (const Body& body : frames_) pose.frames.push_back(pose_of(body));
-  return pose;
-}
-
-Eigen::Isometry3d OdeWorld::link_pose(const std::string& link) const {
-  const auto frame = link_frames_.find(link);
-  if (frame == link_frames_.end()) return Eigen::Isometry3d::Identity();
-  return pose_of(robot_bodies_[static_cast<std::size_t>(frame->second.link)]) *
-         frame->second.in_link;
-}
-
-Result<Eigen::Vector3d> OdeWorld::object_position(const std::string& model) const {
-  if (const auto object = objects_.find(model); object != objects_.end()) {
-    return pose_of(object->second).translation();
-  }
-  if (const auto object = fixed_objects_.find(model); object != fixed_objects_.end()) {
-    return Eigen::Vector3d(object->second.translation());
-  }
-  std::string known;
-  for (const auto& [name, body] : objects_) {
-    if (!known.empty()) known += ", ";
-    known += name;
-  }
-  return fail(Fault::usage, "the world has no object `" + model +
-                                "`; those that can move: " + (known.empty() ? "none" : known));
 }
 
 std::string OdeWorld::stepper() const {

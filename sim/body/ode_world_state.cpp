@@ -42,24 +42,14 @@ void transfer_body(A& a, dBodyID body) {
 
 template <class A>
 void OdeWorld::transfer(A& a) {
-  auto bodies = static_cast<std::uint32_t>(frames_.size());
-  auto kicks = static_cast<std::uint32_t>(kicks_.size());
-  a(bodies, kicks);
-  if (bodies != frames_.size() || kicks > kicks_.size()) return a.refuse("it is of another world");
+  transfer_stage(a);
   if (!a.good()) return;
-  kicks_.resize(kicks);
   std::uint64_t random = random_state_;
-  a(steps_, random, current_, largest_gap_, sleep_);
+  a(random, largest_gap_, sleep_);
   random_state_ = static_cast<unsigned long>(random);
-  for (JointMotor& motor : motors_) a(motor);
-  for (JointState& joint : joint_states_) {
-    a(joint.angle, joint.velocity, joint.torque, joint.current, joint.winding_celsius);
+  for (const dBodyID body : ode_bodies_) {
+    if (body != nullptr) transfer_body(a, body);
   }
-  for (const Body& body : frames_) {
-    if (body.id != nullptr) transfer_body(a, body.id);
-  }
-  for (Eigen::Vector3d* v : {&imu_.angular_velocity, &imu_.specific_force})
-    for (int k = 0; k < 3; ++k) a((*v)[k]);
 }
 
 void OdeWorld::save(h8s::StateWriter& to) {
@@ -67,8 +57,6 @@ void OdeWorld::save(h8s::StateWriter& to) {
 }
 
 void OdeWorld::restore(h8s::StateReader& from) {
-  // Kicks that are over here may still be to come there.
-  kicks_ = all_kicks_;
   transfer(from);
 }
 

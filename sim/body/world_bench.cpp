@@ -14,7 +14,7 @@
 #include <benchmark/benchmark.h>
 
 #include "shared/board/board.h"
-#include "sim/body/ode_world.h"
+#include "sim/body/staged_world.h"
 
 namespace {
 
@@ -79,9 +79,9 @@ void collision(benchmark::State& state, const char* path, double swing) {
   Servo servo(*world, swing);
   for (int i = 0; i < 2700; ++i)
     servo.step();  // the second crouch; the ball rolls where there is one
-  auto& ode = dynamic_cast<OdeWorld&>(*world);
+  auto& stage = dynamic_cast<StagedWorld&>(*world);
   int points = 0;
-  for (auto _ : state) benchmark::DoNotOptimize(points = ode.find_contacts());
+  for (auto _ : state) benchmark::DoNotOptimize(points = stage.find_contacts());
   state.counters["points"] = points;
 }
 

@@ -1,0 +1,117 @@
+// What every world has, whatever solves its motion: bodies by number, what there is to see, names,
+// kicks, motors and their sums.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/body/contacts.h"
+#include "sim/body/joint_motor.h"
+#include "sim/body/robot_model.h"
+#include "sim/body/world.h"
+#include "sim/body/world_model.h"
+
+namespace kaz::sim {
+
+// Mechanical stop beyond the firmware's limit, rad.
+constexpr double kStopMargin = 0.0174533;
+
+class StagedWorld : public World {
+ public:
+  double step_s() const override { return step_s_; }
+  double time_s() const override { return static_cast<double>(steps_) * step_s_; }
+  std::span<const JointState> joints() const override { return joint_states_; }
+  std::span<const std::string> joint_order() const override { return joint_order_; }
+  double supply_current_a() const override { return current_; }
+  const ImuState& imu() const override { return imu_; }
+  const Scene& scene() const override { return scene_; }
+  ScenePose pose() const override;
+  int head_frame() const override { return head_frame_; }
+  Eigen::Isometry3d link_pose(const std::string& link) const override;
+  Result<Eigen::Vector3d> object_position(const std::string& model) const override;
+  // What step() begins with, by itself: for measuring it. Number of points of contact.
+  virtual int find_contacts() = 0;
+
+ protected:
+  // Robot links have the numbers of RobotModel::links; the objects that can move follow.
+  struct Body {
+    RigidLink rigid;                                          // without its looks and shapes
+    bool moves = true;                                        // false: stands at `start`
+    Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  // of the link's frame
+  };
+  struct Kick {
+    std::int64_t step = 0;
+    int body = 0;
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  };
+
+  StagedWorld(const WorldModel& world, const RobotModel& robot, const MotorFigures& motor,
+              const WorldOptions& options);
+
+  // Of the link's frame, for bodies that move.
+  virtual Eigen::Isometry3d moving_pose(int body) const = 0;
+  virtual void kick(int body, const Eigen::Vector3d& velocity) = 0;
+  Eigen::Isometry3d body_pose(int body) const;
+  void kick_due();
+  // Asks each motor for its row, for the joints as they move now.
+  void prepare_motors(std::span<const MotorDrive> drives, double supply_volts);
+  // With the joints as they move after the step.
+  void finish_motors();
+  void read_motors();
+  // What StagedWorld itself remembers.
+  template <class A>
+  void transfer_stage(A& a) {
+    auto bodies = static_cast<std::uint32_t>(bodies_.size());
+    auto kicks = static_cast<std::uint32_t>(kicks_.size());
+    a(bodies, kicks);
+    // Kicks that are over here may still be to come there.
+    if (bodies != bodies_.size() || kicks > all_kicks_.size()) {
+      return a.refuse("it is of another world");
+    }
+    if (!a.good()) return;
+    if constexpr (A::reading) kicks_.assign(all_kicks_.begin(), all_kicks_.begin() + kicks);
+    a(steps_, current_);
+    for (JointMotor& motor : motors_) a(motor);
+    for (JointState& joint : joint_states_) {
+      a(joint.angle, joint.velocity, joint.torque, joint.current, joint.winding_celsius);
+    }
+    for (Eigen::Vector3d* v : {&imu_.angular_velocity, &imu_.specific_force})
+      for (int k = 0; k < 3; ++k) a((*v)[k]);
+  }
+
+  double step_s_;
+  Eigen::Vector3d gravity_;
+  std::int64_t steps_ = 0;
+  bool hung_ = false;  // the root does not move
+  std::vector<Body> bodies_;
+  std::size_t robot_links_;
+  Contacts contacts_;
+  std::vector<JointMotor> motors_;
+  std::vector<JointMotor::Row> rows_;  // of motors_, for the step under way
+  std::vector<JointState> joint_states_;
+  RobotFrame imu_frame_;
+  ImuState imu_;
+  double current_ = 0;
+
+ private:
+  int add_frame(const std::string& name, int body);
+  void add_visuals(const RigidLink& link, int frame, const Eigen::Isometry3d& in_frame);
+  int add_body(const RigidLink& link, const Eigen::Isometry3d& start, bool moves);
+  void add_robot(const RobotModel& robot, const Eigen::Isometry3d& root);
+  void add_object(const WorldBody& object);
+
+  std::vector<std::string> joint_order_;
+  std::map<std::string, RobotFrame> link_frames_;  // by link name
+  std::map<std::string, Eigen::Isometry3d> fixed_objects_;
+  std::map<std::string, int> objects_;  // first link of each model that can move
+  std::vector<Kick> kicks_;             // the next one last
+  std::vector<Kick> all_kicks_;         // as at the start
+  std::vector<int> frames_;             // body of scene frame 1 onwards
+  Scene scene_;
+  int head_frame_ = -1;
+};
+
+}  // namespace kaz::sim
