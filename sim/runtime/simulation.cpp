@@ -46,6 +46,8 @@ std::vector<std::size_t> channels_of(const World& world) {
 // Contacts are many and change slowly.
 constexpr States contact_interval_ms = 10;
 
+constexpr int detour_steps = 100;
+
 }  // namespace
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& options) {
@@ -134,7 +136,11 @@ void Simulation::tell_sensors() {
 
 Result<void> Simulation::step() {
   if (!error_) {
-    if (auto done = advance(); !done) error_ = done.error();
+    Result<void> done = advance();
+    if (done && options_.detour_every > Time::zero() && recorder_ &&
+        time() % options_.detour_every == Time::zero())
+      done = detour(detour_steps);
+    if (!done) error_ = done.error();
   }
   if (error_) return tl::unexpected(*error_);
   return {};
@@ -249,8 +255,9 @@ Result<void> Simulation::start_recording(const std::string& path) {
   recorder_ = std::move(*recorder);
   world_->watch_contacts(true);
   if (eyes_) eyes_->set_digests(true);
-  board_.mcu().on_tick(
-      [this](const TickRecord& tick) { recorder_->analog(now_ + KZ_STATES_PER_TICK, tick.input); });
+  board_.mcu().on_tick([this](const TickRecord& tick) {
+    if (recorder_) recorder_->analog(now_ + KZ_STATES_PER_TICK, tick.input);
+  });
   return {};
 }
 

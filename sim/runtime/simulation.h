@@ -55,6 +55,8 @@ struct SimulationOptions {
   std::string recording_path;            // none if empty
   McapWriter::Metadata recording_facts;  // versions and the like, for the recording's header
   RendererFactory renderer = make_default_renderer;
+  // For proof: every so often the simulation makes a detour (below). Zero: never.
+  Time detour_every{};
 };
 
 // What decides how a simulation goes on: options, and the content of its files.
@@ -128,6 +130,9 @@ class Simulation {
   // the same options, by the same build. Errors: Snapshot's (then nothing has happened here); bytes
   // that do not fit (then this simulation can only be restored again).
   Result<void> restore(std::span<const std::uint8_t> blob);
+  // Saves, goes on alone for so many steps, of which the recording tells nothing, and restores.
+  // Nothing must show it: a proof that save() forgets nothing.
+  Result<void> detour(int steps);
 
  private:
   Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mcu,

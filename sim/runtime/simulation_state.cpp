@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <type_traits>
+#include <utility>
 
 #include "sim/runtime/recorder.h"
 #include "sim/runtime/sha256.h"
@@ -70,10 +71,11 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
                                                           const World& world) {
   const auto& [engine, image_path, world_path, robot_path, camera_path, seed, stepper, sensors,
                sensor_figures, imu, ideal_eyes, eye_width, supply_volts, frames, faults,
-               recording_path, recording_facts, renderer] = options;
+               recording_path, recording_facts, renderer, detour_every] = options;
   static_cast<void>(stepper);         // the world says it with all figures
   static_cast<void>(recording_path);  // a recording changes nothing
   static_cast<void>(recording_facts);
+  static_cast<void>(detour_every);  // nor does a detour
   return {{"engine", engine},
           {"seed", std::to_string(seed)},
           {"stepper", world.stepper()},
@@ -132,6 +134,17 @@ Result<void> Simulation::restore(std::span<const std::uint8_t> blob) {
   }
   error_.reset();
   return {};
+}
+
+Result<void> Simulation::detour(int steps) {
+  const auto blob = save();
+  if (!blob) return tl::unexpected(blob.error());
+  auto recorder = std::exchange(recorder_, nullptr);
+  Result<void> went;
+  for (int k = 0; k < steps && went; ++k) went = advance();
+  recorder_ = std::move(recorder);
+  if (!went) return went;
+  return restore(*blob);
 }
 
 }  // namespace kaz::sim

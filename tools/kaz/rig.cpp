@@ -3,6 +3,7 @@
 #include "tools/kaz/rig.h"
 
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 
 #include "host/robot/faulty_link.h"
@@ -170,6 +171,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& optio
   sim.sensors = *sensors;
   sim.imu = options.imu;
   sim.recording_path = options.recording;
+  sim.detour_every = std::chrono::milliseconds(std::llround(1000 * options.restore_every_s));
   if (!options.faults.empty()) {
     auto schedule = faults::Schedule::load(options.faults);
     if (!schedule) return tl::unexpected(schedule.error());

@@ -32,8 +32,9 @@ struct RigOptions {
   std::string eyes = "ideal";       // "ideal" or "real"
   int eye_width = 0;                // 320 or 640; 0: as in camera.json
   std::uint64_t seed = 1;
-  std::string faults;     // file with a schedule of faults; none if empty
-  std::string recording;  // path of the recording; none if empty
+  std::string faults;          // file with a schedule of faults; none if empty
+  std::string recording;       // path of the recording; none if empty
+  double restore_every_s = 0;  // detours of the simulation; 0: none
   // Of what runs on it, for the recording: name and value.
   std::vector<std::pair<std::string, std::string>> facts;
 };

@@ -46,6 +46,12 @@ void add_common(CLI::App& verb, RunArguments& arguments) {
       "seconds of the robot: for search-ball in all, for track-ball from when the ball was found");
   verb.add_option("--set", arguments.settings, "an option of the behaviour: NAME=VALUE")
       ->type_name("NAME=VALUE");
+  verb.add_option(
+          "--restore-every", arguments.session.rig.restore_every_s,
+          "proof of saved states: every so many seconds the virtual robot is saved, goes on "
+          "unrecorded for 0.1 s and is restored; the recording must not show it")
+      ->check(CLI::Range(0.001, 1e6))
+      ->type_name("SECONDS");
   verb.add_flag("--json", arguments.session.json,
                 "print the result as JSON on standard output, no progress");
 }
