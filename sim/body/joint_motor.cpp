@@ -48,6 +48,9 @@ void JointMotor::take_drive(const MotorDrive& drive, double supply_volts) {
   most_ = jammed_ ? kMostTorque : std::clamp(drive.slip_nm, 0.0, kMostTorque);
   slipping_ = most_ < kMostTorque;
   tight_ = jammed_ || slipping_ || figures_.backlash_rad == 0;
+  // Without friction nothing ever holds the rotor, and both directions are the same.
+  frictionless_ = figures_.friction_nm == 0 && !jammed_;
+  if (frictionless_) state_.regime = Regime::forward;
 }
 
 // A rotor that has stopped against something goes on pressing with what sliding friction leaves.
@@ -104,7 +107,7 @@ JointMotor::Row JointMotor::prepare(const MotorDrive& drive, double supply_volts
         (drive_torque_ - friction + figures_.rotor_inertia_kgm2 / step_s_ * state_.rotor_speed) /
         stiffness_;
   }
-  if (was_moving && !tight_ && will_stop()) stop();
+  if (was_moving && !tight_ && !frictionless_ && will_stop()) stop();
   return tight_ ? tight_row(angle) : flank_row(angle, velocity);
 }
 
@@ -149,6 +152,7 @@ JointMotor::Row JointMotor::flank_row(double angle, double velocity) {
     return {-side * (way < 0 ? kHeldCorrection * way : way), kHeldSoftness, most, least};
   }
   // Friction stops a rotor, it does not turn it back.
+  if (frictionless_) return {free_speed_ - side * way, 1.0 / stiffness_, most, least};
   if (state_.regime == Regime::forward && side > 0) free_speed_ = std::max(free_speed_, 0.0);
   if (state_.regime == Regime::backward && side < 0) free_speed_ = std::min(free_speed_, 0.0);
   return {free_speed_ - side * way, 1.0 / stiffness_, most, least};
@@ -163,7 +167,7 @@ void JointMotor::turn_rotor(double velocity, double torque) {
   const double before = state_.rotor_speed;
   double speed = tight_ ? velocity : free_speed_ - torque / stiffness_;
   const bool forward = state_.regime == Regime::forward;
-  const bool turned = forward ? speed <= 0 : speed >= 0;
+  const bool turned = !frictionless_ && (forward ? speed <= 0 : speed >= 0);
   if (turned && !tight_ && torque == 0) speed = 0;
   // What the motor line and the rotor leave is what friction took.
   const double friction = tight_ || !turned

@@ -102,6 +102,7 @@ class JointMotor {
   State state_;
   // Of the step between prepare and finish.
   bool powered_ = false, jammed_ = false, slipping_ = false, tight_ = false;
+  bool frictionless_ = false;
   double volts_ = 0, most_ = 0;
   double drive_torque_ = 0, stiffness_ = 0;  // A and K above
   double free_speed_ = 0;                    // u_free above

@@ -1,4 +1,4 @@
-// The whole robot against school mechanics: momentum, tipping.
+// The whole robot against school mechanics: momentum; and what it may touch of itself.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
@@ -8,10 +8,7 @@
 namespace kaz::sim {
 namespace {
 
-constexpr double kG = 9.81;
 constexpr double kDegree = 3.14159265358979323846 / 180;
-
-constexpr MotorDrive kJammed{.duty = 0, .powered = true, .jammed = true};
 
 class Robot : public testing::TestWithParam<const char*> {
  protected:
@@ -80,59 +77,9 @@ TEST_P(Robot, KeepsItsMomentumInFreeFlight) {
   // Forces between links are equal and opposite in every solver: only rounding moves the centre.
   EXPECT_LT((centre_of_mass(*flying) - start).norm(), 1e-9);
   EXPECT_GT(of_parts, 0.005) << "it must really move";
-  // Gyroscopic terms are taken at the start of a step: a first-order error.
+  // Gyroscopic terms and arms are taken at the start of a step: a first-order error, w h = 1.2 % at
+  // the motors' 12 rad/s.
   EXPECT_LT(worst, 0.02 * of_parts);
-}
-
-// A Kaz whose right foot is off the floor at the zero posture, its joints as stiff as the gears;
-// gravity is turned so that its line through the centre of mass meets the sole of the left foot at
-// `where` (m, in the foot's frame).
-class OneFoot : public Robot {
- protected:
-  void SetUp() override {
-    Robot::SetUp();
-    std::string text = test::read_text(test::kRobot);
-    for (const auto& [joint, pitch] : {std::pair("r_hip_pitch", "-0.7"), std::pair("r_knee", "1.4"),
-                                       std::pair("r_ankle_pitch", "-0.7")}) {
-      std::size_t at = text.find(std::string("<joint name=\"") + joint);
-      ASSERT_NE(at = text.find("<origin ", at), std::string::npos);
-      text.insert(at + 8, std::string("rpy=\"0 ") + pitch + " 0\" ");
-    }
-    const auto robot = load_robot(folder_.write("one_foot.urdf", text));
-    ASSERT_TRUE(robot) << robot.error().message;
-    robot_ = *robot;
-  }
-  double tilt_after(const Eigen::Vector2d& where, double seconds) {
-    auto around = load_world(test::kEmpty);
-    EXPECT_TRUE(around);
-    const auto standing = world(*around);
-    const Eigen::Vector3d sole =
-        standing->link_pose("l_ankle_pitch") * Eigen::Vector3d(where.x(), where.y(), -0.030);
-    around->gravity = kG * (sole - centre_of_mass(*standing)).normalized();
-    const auto turned = world(*around);
-    std::array<MotorDrive, KZ_JOINTS> drives;
-    drives.fill(kJammed);
-    test::run(*turned, seconds, drives);
-    return std::acos(std::min(1.0, turned->link_pose("trunk").linear()(2, 2)));
-  }
-  test::Folder folder_;
-};
-
-INSTANTIATE_TEST_SUITE_P(Steppers, OneFoot, testing::Values("quick50", "exact"));
-
-TEST_P(OneFoot, FallsBeyondTheEdgeOfTheSoleAndNotBefore) {
-  // The sole: 100 x 60 mm about (10, 0). It sinks in by up to 0.7 mm at the loaded edge, which
-  // leans the body by half a degree and its centre, 0.17 m up, by 2 mm: the margin of the exact
-  // stepper. Fifty iterations have not settled a whole robot on one edge: joints and sole give, and
-  // what stands 4 mm inside the edge may creep over it.
-  const double kMargin = std::string(GetParam()) == "exact" ? 0.004 : 0.010;
-  const Eigen::Vector2d middle(0.010, 0);
-  const std::pair<Eigen::Vector2d, double> edges[] = {
-      {{1, 0}, 0.050}, {{-1, 0}, 0.050}, {{0, 1}, 0.030}, {{0, -1}, 0.030}};
-  for (const auto& [way, reach] : edges) {
-    EXPECT_LT(tilt_after(middle + way * (reach - kMargin), 3.0), 3 * kDegree) << way.transpose();
-    EXPECT_GT(tilt_after(middle + way * (reach + kMargin), 3.0), 10 * kDegree) << way.transpose();
-  }
 }
 
 TEST_P(Robot, TouchesItselfInNoOrdinaryPosture) {

@@ -1,6 +1,7 @@
 // Objects against school mechanics: fall, bounce, rolling, friction, flicks.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <cstdio>
 
 #include "sim/body/test_files.h"
 
@@ -25,6 +26,7 @@ class Objects : public testing::TestWithParam<const char*> {
   std::unique_ptr<World> load(const std::string& gravity, const std::string& models) {
     WorldOptions options;
     options.stepper = GetParam();
+    options.hung = true;  // the robot is no part of this
     return test::load_or_fail(folder_.write("w.sdf", test::world_text(gravity, models)), options);
   }
   static Eigen::Vector3d at(const World& world, const char* model) {
@@ -51,8 +53,14 @@ TEST_P(Objects, FallAndBounce) {
     if (landed > 0) top = std::max(top, z);
     last = z;
   }
+  std::printf("%s: lands off by %+.2f ms, top off by %+.2f mm\n", GetParam(),
+              1e3 * (landed - std::sqrt(2 * height / kG)),
+              1e3 * (top - kRadius - restitution * restitution * height));
+  // Seen to rise a step after the one in which it met the floor.
   EXPECT_NEAR(landed, std::sqrt(2 * height / kG), 0.002);
-  EXPECT_NEAR(top - kRadius, restitution * restitution * height, 0.02 * height);
+  // It meets the floor at 3.13 m/s at any point of a step, up to 3.1 mm deep, and rises from there; its
+  // speed is that of the end of a step, up to g h = 10 mm/s off, which is 1.5 mm of its height.
+  EXPECT_NEAR(top - kRadius, restitution * restitution * height, 0.005);
 }
 
 TEST_P(Objects, FlickedBallEndsRollingAtFiveSevenths) {
@@ -123,7 +131,8 @@ TEST_P(Objects, BlockSlidesAboveTheAngleOfRepose) {
 }
 
 // mu 0.5: tan 26.57 degrees. Half a degree beside it the block lies, and slides as the rest of its
-// weight says.
+// weight says: 1 % of it there, so that 5 % of the path are half a thousandth of the friction. The
+// millimetre is what it takes to sit down.
 TEST_P(Objects, BlockSlipsAtTheAngleOfItsFriction) {
   const auto below = load(slope(26.07), block());
   ASSERT_TRUE(below);
