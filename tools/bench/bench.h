@@ -21,8 +21,8 @@ struct Settings {
 
 // One number. `due` and `aim` as the project set them; 0 where there is none.
 struct Name {
-  std::string_view name;
-  std::string_view unit;
+  std::string name;
+  std::string unit;
   double due = 0, aim = 0;
   bool more_is_better = true;
   int decimals = 1;

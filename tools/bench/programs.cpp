@@ -10,7 +10,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sim/body/bench_names.h"
 #include "tools/bench/bench.h"
+#include "tools/bench/counted_steps.h"
 
 namespace kaz::bench {
 namespace {
@@ -30,20 +32,18 @@ struct Program {
   std::vector<Counter> counters = {};
 };
 
-const std::vector<std::string> steppers{"exact", "quick8", "quick20", "quick50"};
-
 // The names of `dynamics.`: sim/body/world_bench.cpp.
 Program dynamics() {
-  Program program{"body_bench", "cpu_time", {"dynamics.step_us.walking"}};
-  for (const std::string load : {"alone", "walking", "props"}) {
-    for (const auto& stepper : steppers)
-      program.gives.push_back("dynamics.step_us." + load + "." + stepper);
-    program.gives.push_back("dynamics.collision_us." + load);
-  }
-  for (const auto& stepper : steppers) {
-    const std::string run = "dynamics.step_us.walking." + stepper;
-    program.counters.push_back({"dynamics.gap_um.walking." + stepper, run, "gap_um"});
-    program.counters.push_back({"dynamics.track_mrad.walking." + stepper, run, "track_mrad"});
+  using sim::bench::name_of;
+  Program program{"body_bench", "cpu_time", {name_of("step_us", "walking")}};
+  for (const char* load : sim::bench::kLoads) {
+    for (const char* stepper : sim::bench::kSteppers) {
+      const std::string run = name_of("step_us", load, stepper);
+      program.gives.push_back(run);
+      for (const std::string what : {"gap_um", "track_mrad"})
+        program.counters.push_back({name_of(what, load, stepper), run, what});
+    }
+    program.gives.push_back(name_of("collision_us", load));
   }
   return program;
 }
@@ -178,6 +178,7 @@ std::vector<Group> program_groups() {
                         return measure(program, settings, results);
                       }});
   }
+  groups.push_back(counted_steps());
   return groups;
 }
 

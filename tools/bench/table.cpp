@@ -24,7 +24,7 @@ struct Row {
 std::vector<Row> rows(const Results& results, const std::vector<std::string>& engines) {
   std::vector<Row> found;
   for (const Name& name : names()) {
-    const std::string plain(name.name);
+    const std::string& plain = name.name;
     if (const auto value = results.get(plain)) found.push_back({&name, plain, *value});
     for (const auto& engine : engines) {
       const std::string spoken = named(plain, engine);
@@ -71,9 +71,9 @@ std::string table(const Results& results, const std::vector<std::string>& engine
   std::string text = line;
   for (const Row& row : all) {
     std::snprintf(line, sizeof line, "%-*s %10s  %-10s %8s %8s  %s", w, row.spoken.c_str(),
-                  number(row.value, row.name->decimals).c_str(),
-                  std::string(row.name->unit).c_str(), wanted(row.name->due).c_str(),
-                  wanted(row.name->aim).c_str(), verdict(row).c_str());
+                  number(row.value, row.name->decimals).c_str(), row.name->unit.c_str(),
+                  wanted(row.name->due).c_str(), wanted(row.name->aim).c_str(),
+                  verdict(row).c_str());
     std::string row_text = line;
     row_text.erase(row_text.find_last_not_of(' ') + 1);
     text += row_text + "\n";

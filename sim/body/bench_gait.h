@@ -1,0 +1,50 @@
+// Steps on the spot, as joint angles over time: the load of the benchmark.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The trunk rolls about the hips, each foot swings for 0.3 of a cycle and lifts 10 mm. Hips are
+// 0.145 m above the soles, the trunk leans 3 degrees forward, shank and thigh are 65 mm long.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "shared/board/board.h"
+
+namespace kaz::sim::bench {
+
+using Angles = std::array<double, KZ_JOINTS>;  // rad, joint numbers of joints.def
+
+// `walk`: 0 stands in the walking crouch, 1 lifts the feet in full. `phase`: of the cycle of 1 s.
+inline Angles walking_angles(double walk, double phase) {
+  constexpr double kDegree = M_PI / 180, kBone = 0.065, kHipHeight = 0.145, kAnkleHeight = 0.030;
+  constexpr double kLean = 3 * kDegree, kRoll = 16 * kDegree, kLift = 0.010, kHipSide = 0.033;
+  constexpr double kSwing = 0.30, kLag = 0.02;  // of a cycle
+  constexpr int kLeftHipRoll = 10, kRightHipRoll = 14;
+  Angles angles{};
+  for (const int shoulder : {2, 6}) {
+    angles[static_cast<std::size_t>(shoulder)] = 10 * kDegree;
+    angles[static_cast<std::size_t>(shoulder + 1)] = (shoulder == 2 ? 12 : -12) * kDegree;
+    angles[static_cast<std::size_t>(shoulder + 2)] = -40 * kDegree;
+  }
+  const double roll = -walk * kRoll * std::sin(2 * M_PI * phase);
+  for (const bool left : {true, false}) {
+    const double from = phase - kLag - (left ? 0.75 : 0.25) + kSwing / 2;
+    const double into = (from - std::floor(from)) / kSwing;
+    const double lift = into < 1 ? walk * kLift * (1 - std::cos(2 * M_PI * into)) / 2 : 0;
+    const double up = (left ? kHipSide : -kHipSide) * std::sin(roll);
+    const double forward = -up * std::sin(kLean);  // the ankle from the hip
+    const double down = kHipHeight + up * std::cos(kLean) - lift - kAnkleHeight;
+    const double leg = std::min(std::hypot(forward, down), 2 * kBone);
+    const double knee = std::acos(leg * leg / (2 * kBone * kBone) - 1);
+    const double thigh = std::atan2(-forward, down) - std::asin(kBone * std::sin(knee) / leg);
+    double* const out = angles.data() + (left ? kLeftHipRoll : kRightHipRoll);
+    out[0] = -roll;
+    out[1] = thigh - kLean;
+    out[2] = knee;
+    out[3] = -(thigh + knee);
+  }
+  return angles;
+}
+
+}  // namespace kaz::sim::bench
