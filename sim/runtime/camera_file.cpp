@@ -1,6 +1,7 @@
 // Reading camera.json.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -113,6 +114,17 @@ vision::StereoCalibration CameraFile::calibration() const {
   calibration.left.lens = calibration.right.lens = {p.fx, p.fy, p.cx, p.cy, {}};
   calibration.rectified = {p.width, p.height, p.fx, p.fy, p.cx, p.cy, baseline_m};
   return calibration;
+}
+
+std::string text_of(const CameraFile& camera) {
+  const vision::CameraModel c = camera.model();
+  std::string text = std::to_string(c.width) + " " + std::to_string(c.height);
+  for (const double number : {c.fx, c.fy, c.cx, c.cy, c.baseline_m, camera.latency_s}) {
+    char digits[40];
+    std::snprintf(digits, sizeof digits, " %.17g", number);
+    text += digits;
+  }
+  return text;
 }
 
 }  // namespace kaz::sim

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "shared/base/random.hpp"
+#include "sim/runtime/png_picture.h"
 #include "sim/runtime/sha256.h"
 
 namespace kaz::sim {
@@ -32,13 +33,13 @@ bool done(const auto& future) {
 }  // namespace
 
 Eyes::Eyes(RenderThread& draws, const CameraFile& camera, const Mounting& mounting,
-           FramePolicy policy, bool digests, std::uint64_t seed)
+           FramePolicy policy, Keep keep, std::uint64_t seed)
     : draws_(draws),
       camera_(camera),
       model_(camera.model()),
       mounting_(mounting),
       policy_(policy),
-      digests_(digests),
+      keep_(keep),
       seed_(seed) {
   if (!camera.ideal) optics_ = std::make_shared<const Optics>(camera, seed);
 }
@@ -78,6 +79,20 @@ Result<void> Eyes::draw(Renderer& renderer, const ScenePose& pose, const View& l
   return {};
 }
 
+Result<Eyes::Kept> Eyes::kept_of(const vision::StereoImages& pair, Keep keep) {
+  Kept kept;
+  if (keep == Keep::nothing) return kept;
+  kept.left = sha256_hex(pair.left.rgb);
+  kept.right = sha256_hex(pair.right.rgb);
+  if (keep == Keep::digests) return kept;
+  auto left = encode_png(pair.left), right = encode_png(pair.right);
+  if (!left) return tl::unexpected(left.error());
+  if (!right) return tl::unexpected(right.error());
+  kept.left_png = std::move(*left);
+  kept.right_png = std::move(*right);
+  return kept;
+}
+
 Result<void> Eyes::look(Time now, const std::function<ScenePose()>& pose) {
   if (auto error = draws_.error()) return tl::unexpected(*error);
   while (exposure_time(sequence_) < now) ++sequence_;  // nobody looked
@@ -109,7 +124,7 @@ void Eyes::expose(Time now, ScenePose pose) {
 
   auto drawn = std::make_shared<std::promise<Drawn>>();
   auto images = std::make_shared<std::promise<std::shared_ptr<const vision::StereoImages>>>();
-  draws_.submit([&draws = draws_, left, right, drawn, images, hashed = digests_, optics = optics_,
+  draws_.submit([&draws = draws_, left, right, drawn, images, keep = keep_, optics = optics_,
                  size = camera_.pinhole(), sequence = sequence_,
                  pose = std::move(pose)](const Result<Renderer*>& renderer) {
     auto pair = std::make_shared<vision::StereoImages>();
@@ -122,9 +137,10 @@ void Eyes::expose(Time now, ScenePose pose) {
     Drawn outcome;
     if (result) {
       images->set_value(pair);  // vision begins while the pictures are hashed
-      if (hashed) {
-        outcome.left_digest = sha256_hex(pair->left.rgb);
-        outcome.right_digest = sha256_hex(pair->right.rgb);
+      if (auto kept = kept_of(*pair, keep)) {
+        outcome.kept = std::move(*kept);
+      } else {
+        draws.set_error(kept.error());
       }
     } else {
       draws.set_error(result.error());
@@ -141,12 +157,13 @@ void Eyes::expose(Time now, ScenePose pose) {
   pair.info.exposure = now;
   pair.info.camera = model_;
   pair.images = images->get_future().share();
-  arriving_.emplace_back(arrival_time(now), std::move(pair));
+  const Time arrival = arrival_time(now);
+  arriving_.emplace_back(arrival, std::move(pair));
   if (arriving_.size() > most_kept) arriving_.pop_front();
 
   const std::shared_future<Drawn> outcome = drawn->get_future().share();
   under_way_.push_back(outcome);
-  if (digests_) to_digest_.push_back({sequence_, now, outcome});
+  if (keep_ != Keep::nothing) to_digest_.push_back({sequence_, now, arrival, outcome});
   ++sequence_;
 }
 
@@ -162,7 +179,7 @@ std::vector<Eyes::Digest> Eyes::take_digests(bool all) {
   while (!to_digest_.empty() && (all || to_digest_.front().sequence + 2 < sequence_)) {
     const Exposed& exposed = to_digest_.front();
     const Drawn& drawn = exposed.drawn.get();
-    digests.push_back({exposed.sequence, exposed.exposure, drawn.left_digest, drawn.right_digest});
+    digests.push_back({exposed.sequence, exposed.exposure, exposed.arrival, drawn.kept});
     to_digest_.pop_front();
   }
   return digests;

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "shared/base/result.hpp"
 #include "sim/body/world.h"
@@ -40,6 +41,10 @@ struct CameraFile {
   vision::StereoCalibration calibration() const;
 };
 
+// For a recording with pictures: "width height fx fy cx cy baseline_m latency_s" of the rectified
+// pictures, with all digits.
+std::string text_of(const CameraFile& camera);
+
 // What happens when drawing does not keep up with the world.
 enum class FramePolicy {
   wait,  // lockstep: the world waits, so that the outcome does not depend on the machine
@@ -54,17 +59,21 @@ class Eyes {
     Eigen::Isometry3d left = Eigen::Isometry3d::Identity(), right = Eigen::Isometry3d::Identity();
   };
 
-  // SHA-256 of the bytes of both pictures, for the recording.
+  // What the recording keeps of each pair.
+  enum class Keep { nothing, digests, pictures };
+  struct Kept {
+    std::string left, right;                        // SHA-256 of the RGB bytes, 64 digits each
+    std::vector<std::uint8_t> left_png, right_png;  // empty unless pictures are kept
+  };
   struct Digest {
     std::uint64_t sequence = 0;
-    Time exposure{};
-    std::string left, right;  // 64 hexadecimal digits each; empty if drawing failed
+    Time exposure{}, arrival{};  // arrival: at the host, if it asks then
+    Kept kept;                   // all empty if drawing failed
   };
 
-  // `draws` must outlive the eyes. With `digests` the pictures are hashed as well. `seed`: of the
-  // pictures' noise and of the jitter.
+  // `draws` must outlive the eyes. `seed`: of the pictures' noise and of the jitter.
   Eyes(RenderThread& draws, const CameraFile& camera, const Mounting& mounting, FramePolicy policy,
-       bool digests, std::uint64_t seed = 1);
+       Keep keep, std::uint64_t seed = 1);
 
   // To be called at the end of each step; exposes if one is due. Exposure n is made at the step
   // next to n / rate after time 0. `pose` is asked only then. Error: drawing failed earlier.
@@ -78,7 +87,7 @@ class Eyes {
   // the number returned depends on simulated time alone.
   std::vector<Digest> take_digests(bool all);
   // Of pairs that are exposed from now on.
-  void set_digests(bool on) { digests_ = on; }
+  void keep(Keep what) { keep_ = what; }
 
   // Pairs under way are drawn first, and are kept with their pixels (eyes_state.cpp).
   void transfer(StateWriter& a);
@@ -93,17 +102,18 @@ class Eyes {
   };
   struct Drawn {
     std::shared_ptr<const vision::StereoImages> images;
-    std::string left_digest, right_digest;
+    Kept kept;
   };
   struct Exposed {
     std::uint64_t sequence;
-    Time exposure;
+    Time exposure, arrival;
     std::shared_future<Drawn> drawn;
   };
 
   static Result<void> draw(Renderer& renderer, const ScenePose& pose, const View& left,
                            const View& right, const Optics* optics, std::uint64_t sequence,
                            vision::StereoImages& pair);
+  static Result<Kept> kept_of(const vision::StereoImages& pair, Keep keep);
   Time exposure_time(std::uint64_t sequence) const;
   Time arrival_time(Time exposure) const;  // of the pair now exposed
   void expose(Time now, ScenePose pose);
@@ -113,7 +123,7 @@ class Eyes {
   vision::CameraModel model_;
   Mounting mounting_;
   FramePolicy policy_;
-  bool digests_;
+  Keep keep_;
   std::uint64_t seed_;
   std::shared_ptr<const Optics> optics_;  // null: ideal
   std::uint64_t sequence_ = 0, left_out_ = 0;

@@ -19,6 +19,12 @@ void transfer_image(A& a, vision::Image& image) {
   a(image.width, image.height, image.rgb);
 }
 
+template <class A>
+void transfer_kept(A& a, auto& exposed, Eyes::Kept& kept) {
+  a(exposed.sequence, exposed.exposure, exposed.arrival, kept.left, kept.right, kept.left_png,
+    kept.right_png);
+}
+
 }  // namespace
 
 void Eyes::transfer(StateWriter& a) {
@@ -35,7 +41,7 @@ void Eyes::transfer(StateWriter& a) {
   a(digests);
   for (Exposed& exposed : to_digest_) {
     Drawn drawn = exposed.drawn.get();
-    a(exposed.sequence, exposed.exposure, drawn.left_digest, drawn.right_digest);
+    transfer_kept(a, exposed, drawn.kept);
   }
 }
 
@@ -61,7 +67,7 @@ void Eyes::transfer(StateReader& a) {
   for (std::uint64_t k = 0; k < digests && a.good(); ++k) {
     Exposed exposed;
     Drawn drawn;
-    a(exposed.sequence, exposed.exposure, drawn.left_digest, drawn.right_digest);
+    transfer_kept(a, exposed, drawn.kept);
     exposed.drawn = ready(std::move(drawn));
     to_digest_.push_back(std::move(exposed));
   }

@@ -67,7 +67,7 @@ Eyes::Mounting mounting() {
 
 TEST(Eyes, ExposeThirtyTimesASecondOnTheStepGrid) {
   RenderThread draws({}, make_test_renderer);
-  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::wait, false);
+  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::wait, Eyes::Keep::nothing);
   std::vector<std::int64_t> exposures;
   std::vector<std::uint64_t> sequences;
   for (int t = 1; t <= 200; ++t) {
@@ -84,7 +84,7 @@ TEST(Eyes, ExposeThirtyTimesASecondOnTheStepGrid) {
 
 TEST(Eyes, DeliverAfterTheDeclaredLatency) {
   RenderThread draws({}, make_test_renderer);
-  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::wait, false);
+  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::wait, Eyes::Keep::nothing);
   ASSERT_TRUE(eyes.look(milliseconds(33), still));
   EXPECT_FALSE(eyes.next_pair(milliseconds(47)));
   const auto pair = eyes.next_pair(milliseconds(48));  // 33 + 15 ms
@@ -101,7 +101,7 @@ TEST(Eyes, DeliverAfterTheDeclaredLatency) {
 TEST(Eyes, DropWhatCannotBeDrawnInTime) {
   Gate gate;
   RenderThread draws({}, gated(gate));
-  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::drop, false);
+  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::drop, Eyes::Keep::nothing);
   for (int t = 1; t <= 1000; ++t) ASSERT_TRUE(eyes.look(milliseconds(t), still));
   EXPECT_EQ(eyes.left_out(), 30u - 3);  // three are under way
   gate.open();
@@ -115,7 +115,7 @@ TEST(Eyes, DropWhatCannotBeDrawnInTime) {
 
 TEST(Eyes, KeepAtMostEightForAHostThatDoesNotTakeThem) {
   RenderThread draws({}, make_test_renderer);
-  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::wait, false);
+  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::wait, Eyes::Keep::nothing);
   for (int t = 1; t <= 1000; ++t) ASSERT_TRUE(eyes.look(milliseconds(t), still));
   int kept = 0;
   std::uint64_t first = 0;
@@ -128,7 +128,7 @@ TEST(Eyes, KeepAtMostEightForAHostThatDoesNotTakeThem) {
 
 TEST(Eyes, SkipExposuresWhileNobodyLooks) {
   RenderThread draws({}, make_test_renderer);
-  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::wait, false);
+  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::wait, Eyes::Keep::nothing);
   ASSERT_TRUE(eyes.look(milliseconds(1000), still));
   ASSERT_TRUE(eyes.look(milliseconds(1010), still));
   const auto pair = eyes.next_pair(std::chrono::seconds(2));
@@ -141,7 +141,7 @@ TEST(Eyes, TellWhyThereAreNoPictures) {
   RenderThread draws({}, []() -> Result<std::unique_ptr<Renderer>> {
     return fail(Fault::environment, "no OpenGL here");
   });
-  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::wait, false);
+  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::wait, Eyes::Keep::nothing);
   ASSERT_TRUE(eyes.look(milliseconds(33), still));
   const auto pair = eyes.next_pair(milliseconds(48));
   ASSERT_TRUE(pair);
@@ -153,7 +153,7 @@ TEST(Eyes, TellWhyThereAreNoPictures) {
 
 TEST(Eyes, DigestsComeTwoExposuresLater) {
   RenderThread draws({}, make_test_renderer);
-  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::wait, true);
+  Eyes eyes(draws, small_camera(), mounting(), FramePolicy::wait, Eyes::Keep::digests);
   ASSERT_TRUE(eyes.look(milliseconds(33), still));
   ASSERT_TRUE(eyes.look(milliseconds(67), still));
   EXPECT_TRUE(eyes.take_digests(false).empty());
@@ -161,8 +161,8 @@ TEST(Eyes, DigestsComeTwoExposuresLater) {
   const auto digests = eyes.take_digests(false);
   ASSERT_EQ(digests.size(), 1u);
   EXPECT_EQ(digests[0].sequence, 1u);
-  EXPECT_EQ(digests[0].left.size(), 64u);
-  EXPECT_NE(digests[0].left, digests[0].right);
+  EXPECT_EQ(digests[0].kept.left.size(), 64u);
+  EXPECT_NE(digests[0].kept.left, digests[0].kept.right);
   EXPECT_EQ(eyes.take_digests(true).size(), 2u);
 }
 
@@ -171,7 +171,7 @@ TEST(Eyes, ArriveLaterByUpToTheJitterAndInOrder) {
   camera.jitter_s = 0.004;
   const auto arrivals = [&](std::uint64_t seed) {
     RenderThread draws({}, make_test_renderer);
-    Eyes eyes(draws, camera, mounting(), FramePolicy::wait, false, seed);
+    Eyes eyes(draws, camera, mounting(), FramePolicy::wait, Eyes::Keep::nothing, seed);
     std::vector<std::int64_t> late_us;  // in steps of 0.1 ms, after the latency of 15 ms
     for (int t = 1; t <= 1000; ++t) {
       EXPECT_TRUE(eyes.look(milliseconds(t), still));
@@ -201,7 +201,7 @@ TEST(Eyes, RealOnesGiveRectifiedPicturesWithNoiseOfTheSeed) {
   camera.ideal = false;
   const auto picture = [&](std::uint64_t seed, int exposure) {
     RenderThread draws({}, make_test_renderer);
-    Eyes eyes(draws, camera, mounting(), FramePolicy::wait, false, seed);
+    Eyes eyes(draws, camera, mounting(), FramePolicy::wait, Eyes::Keep::nothing, seed);
     EXPECT_TRUE(eyes.look(milliseconds(exposure == 1 ? 33 : 67), still));
     return eyes.next_pair(milliseconds(500))->images.get();
   };

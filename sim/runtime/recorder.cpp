@@ -42,6 +42,14 @@ constexpr char contacts_schema[] =
 constexpr char eyes_schema[] =
     "# SHA-256 of the RGB bytes of a stereo pair; the message's time is the exposure.\n"
     "uint64 sequence\nstring left_sha256\nstring right_sha256\n";
+// As ROS has it, so that viewers show the pictures.
+constexpr char picture_schema[] =
+    "# As the host gets it, rectified; 8-bit RGB without loss. The message's time is its arrival\n"
+    "# at the host, the stamp its exposure, seq the pair's number.\n"
+    "std_msgs/Header header\nstring format\nuint8[] data\n"
+    "================================================================================\n"
+    "MSG: std_msgs/Header\n"
+    "uint32 seq\ntime stamp\nstring frame_id\n";
 constexpr char fault_schema[] = "# A fault that begins, or was asked for.\nstring line\n";
 constexpr char behavior_schema[] = R"({"type": "object"})";
 
@@ -70,6 +78,9 @@ Recorder::Recorder(std::unique_ptr<McapWriter> file) : file_(std::move(file)) {
   contacts_ =
       numbers("/truth/contacts", file_->add_schema("kaz/Contacts", "ros1msg", contacts_schema));
   eyes_ = numbers("/eyes", file_->add_schema("kaz/StereoDigest", "ros1msg", eyes_schema));
+  const auto pictures = file_->add_schema("sensor_msgs/CompressedImage", "ros1msg", picture_schema);
+  left_eye_ = numbers("/eyes/left", pictures);
+  right_eye_ = numbers("/eyes/right", pictures);
   behavior_ = file_->add_channel(file_->add_schema("kaz/Behavior", "jsonschema", behavior_schema),
                                  "/behavior", "json");
   faults_ = numbers("/faults", file_->add_schema("kaz/Fault", "ros1msg", fault_schema));
@@ -147,8 +158,27 @@ void Recorder::contacts(States at, std::span<const ContactPoint> points) {
 
 void Recorder::eyes(const Eyes::Digest& digest) {
   data_.clear();
-  LittleEndian(data_).number(digest.sequence).text(digest.left).text(digest.right);
+  LittleEndian(data_).number(digest.sequence).text(digest.kept.left).text(digest.kept.right);
   put(eyes_, digest.exposure);
+  picture(left_eye_, "left_eye", digest, digest.kept.left_png);
+  picture(right_eye_, "right_eye", digest, digest.kept.right_png);
+}
+
+void Recorder::picture(std::uint16_t channel, const char* eye, const Eyes::Digest& digest,
+                       std::span<const std::uint8_t> png) {
+  if (png.empty()) return;
+  constexpr std::int64_t second = 1'000'000'000;
+  const std::int64_t stamp = digest.exposure.count();
+  data_.clear();
+  LittleEndian(data_)
+      .number(static_cast<std::uint32_t>(digest.sequence))
+      .number(static_cast<std::uint32_t>(stamp / second))
+      .number(static_cast<std::uint32_t>(stamp % second))
+      .text(eye)
+      .text("png")
+      .number(static_cast<std::uint32_t>(png.size()))
+      .bytes(png);
+  put(channel, digest.arrival);
 }
 
 void Recorder::behavior(States at, std::string_view json) {

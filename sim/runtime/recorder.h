@@ -36,6 +36,7 @@ class Recorder {
   // Volts at the board and amperes drawn from the supply.
   void supply(States at, double volts, double amperes);
   void contacts(States at, std::span<const ContactPoint> points);
+  // With the pictures, if they were kept.
   void eyes(const Eyes::Digest& digest);
   void behavior(States at, std::string_view json);
   // A fault that begins, as a line of docs/faults.md.
@@ -47,10 +48,12 @@ class Recorder {
  private:
   explicit Recorder(std::unique_ptr<McapWriter> file);
   void put(std::uint16_t channel, Time time);
+  void picture(std::uint16_t channel, const char* eye, const Eyes::Digest& digest,
+               std::span<const std::uint8_t> png);
 
   std::unique_ptr<McapWriter> file_;
   std::uint16_t to_board_, to_host_, pins_, analog_, joints_, ball_, supply_, contacts_, eyes_,
-      behavior_, faults_;
+      left_eye_, right_eye_, behavior_, faults_;
   std::vector<std::uint8_t> data_;  // of the message being made
 };
 

@@ -8,6 +8,7 @@
 
 #include "sim/runtime/mcap_reader.h"
 #include "sim/runtime/mcap_writer.h"
+#include "sim/runtime/png_picture.h"
 #include "sim/runtime/recorder.h"
 #include "sim/runtime/sha256.h"
 #include "sim/runtime/test_world.h"
@@ -179,7 +180,13 @@ TEST(Recorder, MessagesHaveTheSizeOfTheirSchema) {
   (*recorder)->supply(18432, 10, 1);
   const ContactPoint touch{"a", "bc", {1, 2, 3}, {4, 5, 6}};
   (*recorder)->contacts(18432, {&touch, 1});
-  (*recorder)->eyes({1, Time(5), std::string(64, 'a'), std::string(64, 'b')});
+  Eyes::Digest pair{1, Time(1'000'000'005), Time(1'015'000'005), {}};
+  pair.kept.left = std::string(64, 'a');
+  pair.kept.right = std::string(64, 'b');
+  (*recorder)->eyes(pair);
+  pair.kept.left_png = {1, 2, 3};
+  pair.kept.right_png = {4, 5};
+  (*recorder)->eyes(pair);
   (*recorder)->behavior(18432, "{}");
   ASSERT_TRUE((*recorder)->finish());
 
@@ -194,6 +201,16 @@ TEST(Recorder, MessagesHaveTheSizeOfTheirSchema) {
   EXPECT_EQ(messages.at("/board/supply").at(0).size(), 16u);
   EXPECT_EQ(messages.at("/truth/contacts").at(0).size(), 4u + 4 + 1 + 4 + 2 + 48);
   EXPECT_EQ(messages.at("/eyes").at(0).size(), 8u + 2 * (4 + 64));
+  ASSERT_EQ(messages.at("/eyes/left").size(), 1u);  // the first pair was not kept
+  Reader left(messages.at("/eyes/left").at(0));
+  EXPECT_EQ(left.number(4), 1u);
+  EXPECT_EQ(left.number(4), 1u);
+  EXPECT_EQ(left.number(4), 5u);
+  EXPECT_EQ(left.text(), "left_eye");
+  EXPECT_EQ(left.text(), "png");
+  EXPECT_EQ(left.number(4), 3u);
+  EXPECT_EQ(left.rest(), (Bytes{1, 2, 3}));
+  EXPECT_EQ(messages.at("/eyes/right").at(0).size(), 12u + 4 + 9 + 4 + 3 + 4 + 2);
   EXPECT_EQ(messages.at("/behavior").at(0), (Bytes{'{', '}'}));
 }
 
@@ -235,6 +252,79 @@ TEST(Recorder, HoldsEveryMillisecondAndEveryPicture) {
   EXPECT_EQ(messages.at("/eyes").size(), 30u);  // exposures 1..30 of 30 a second
   EXPECT_EQ(messages.at("/behavior").size(), 1u);
   EXPECT_EQ(messages.at("/wire/to_board").size(), 10u);
+}
+
+TEST(Recorder, PicturesAreThoseOfTheHost) {
+  const TestFolder folder;
+  const std::string path = folder.file("1.mcap");
+  SimulationOptions options;
+  options.recording_path = path;
+  options.record_pictures = true;
+  auto simulation = test_simulation(options);
+  ASSERT_NE(simulation, nullptr);
+  simulation->open_eyes();
+  struct Arrived {
+    std::uint64_t sequence;
+    Time exposure, at;
+    vision::Image left, right;
+  };
+  std::vector<Arrived> arrived;
+  for (int t = 0; t < 500; ++t) {
+    ASSERT_TRUE(simulation->step());
+    while (const auto pair = simulation->next_pair()) {
+      const auto images = pair->images.get();
+      arrived.push_back({pair->info.sequence, pair->info.exposure, simulation->time(), images->left,
+                         images->right});
+    }
+  }
+  ASSERT_TRUE(simulation->finish_recording());
+  const auto recording = McapRecording::load(path);
+  ASSERT_TRUE(recording);
+  EXPECT_EQ(recording->facts.at("camera").substr(0, 6), "32 24 ");
+  std::map<std::string, std::size_t> seen;
+  for (const auto& message : recording->messages) {
+    const std::string& topic = recording->topics.at(message.channel);
+    if (topic != "/eyes/left" && topic != "/eyes/right") continue;
+    const std::size_t k = seen[topic]++;
+    if (k == arrived.size()) continue;  // exposed, under way at the end
+    Reader reader(message.data);
+    EXPECT_EQ(reader.number(4), arrived[k].sequence);
+    EXPECT_EQ(reader.number(4) * 1'000'000'000 + reader.number(4),
+              static_cast<std::uint64_t>(arrived[k].exposure.count()));
+    // The host asked at the end of the step in which the pair arrived.
+    const auto late = arrived[k].at.count() - static_cast<std::int64_t>(message.time_ns);
+    EXPECT_GE(late, 0);
+    EXPECT_LT(late, 1'000'000);
+    reader.text();
+    reader.text();
+    reader.number(4);
+    const auto image = decode_png(reader.rest());
+    ASSERT_TRUE(image) << image.error().message;
+    const vision::Image& host = topic == "/eyes/left" ? arrived[k].left : arrived[k].right;
+    EXPECT_EQ(image->width, host.width);
+    EXPECT_EQ(image->height, host.height);
+    EXPECT_EQ(image->rgb, host.rgb);
+  }
+  EXPECT_EQ(arrived.size(), 14u);
+  EXPECT_GE(seen["/eyes/left"], arrived.size());
+  EXPECT_EQ(seen["/eyes/left"], seen["/eyes/right"]);
+}
+
+TEST(PngPicture, ComesBackExactlyOrNotAtAll) {
+  vision::Image image{31, 17, {}};
+  for (int i = 0; i < 31 * 17 * 3; ++i) image.rgb.push_back(static_cast<std::uint8_t>(i * i / 7));
+  auto bytes = encode_png(image);
+  ASSERT_TRUE(bytes);
+  EXPECT_EQ(*bytes, encode_png(image).value());
+  const auto back = decode_png(*bytes);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->rgb, image.rgb);
+  bytes->at(bytes->size() / 2) ^= 4;
+  EXPECT_FALSE(decode_png(*bytes));
+  bytes->resize(40);
+  EXPECT_FALSE(decode_png(*bytes));
+  EXPECT_FALSE(decode_png({}));
+  EXPECT_FALSE(encode_png({2, 2, {1, 2, 3}}));
 }
 
 }  // namespace

@@ -205,9 +205,14 @@ void Simulation::open_eyes() {
   if (!eyes_) make_eyes();
 }
 
+Eyes::Keep Simulation::kept_of_pairs() const {
+  if (!recorder_) return Eyes::Keep::nothing;
+  return options_.record_pictures ? Eyes::Keep::pictures : Eyes::Keep::digests;
+}
+
 void Simulation::make_eyes() {
   eyes_ = std::make_unique<Eyes>(draws_, camera_, eye_mounting(*world_), options_.frames,
-                                 recorder_ != nullptr, options_.seed);
+                                 kept_of_pairs(), options_.seed);
 }
 
 std::optional<vision::StereoPair> Simulation::next_pair() {
@@ -250,11 +255,12 @@ Result<void> Simulation::start_recording(const std::string& path) {
         facts.end())
       facts.push_back(std::move(fact));
   }
+  if (options_.record_pictures && has_eyes()) facts.push_back({"camera", text_of(camera_)});
   auto recorder = Recorder::create(path, facts);
   if (!recorder) return tl::unexpected(recorder.error());
   recorder_ = std::move(*recorder);
   world_->watch_contacts(true);
-  if (eyes_) eyes_->set_digests(true);
+  if (eyes_) eyes_->keep(kept_of_pairs());
   board_.mcu().on_tick([this](const TickRecord& tick) {
     if (recorder_) recorder_->analog(now_ + KZ_STATES_PER_TICK, tick.input);
   });
@@ -268,8 +274,8 @@ Result<std::string> Simulation::finish_recording() {
   }
   board_.mcu().on_tick(nullptr);
   world_->watch_contacts(false);
-  if (eyes_) eyes_->set_digests(false);
   const auto recorder = std::exchange(recorder_, nullptr);
+  if (eyes_) eyes_->keep(kept_of_pairs());
   return recorder->finish();
 }
 

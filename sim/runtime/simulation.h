@@ -53,6 +53,7 @@ struct SimulationOptions {
   FramePolicy frames = FramePolicy::wait;
   faults::Schedule faults;               // times since the start
   std::string recording_path;            // none if empty
+  bool record_pictures = false;          // the eyes' pictures too, not only their digests
   McapWriter::Metadata recording_facts;  // versions and the like, for the recording's header
   RendererFactory renderer = make_default_renderer;
   // For proof: every so often the simulation makes a detour (below). Zero: never.
@@ -139,6 +140,7 @@ class Simulation {
              std::unique_ptr<World> world, const CameraFile& camera);
   Result<void> advance();
   void tell_sensors();
+  Eyes::Keep kept_of_pairs() const;
   void make_eyes();
   template <class A>
   void transfer(A& a);

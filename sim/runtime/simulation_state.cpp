@@ -71,9 +71,10 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
                                                           const World& world) {
   const auto& [engine, image_path, world_path, robot_path, camera_path, seed, stepper, sensors,
                sensor_figures, imu, ideal_eyes, eye_width, supply_volts, frames, faults,
-               recording_path, recording_facts, renderer, detour_every] = options;
+               recording_path, record_pictures, recording_facts, renderer, detour_every] = options;
   static_cast<void>(stepper);         // the world says it with all figures
   static_cast<void>(recording_path);  // a recording changes nothing
+  static_cast<void>(record_pictures);
   static_cast<void>(recording_facts);
   static_cast<void>(detour_every);  // nor does a detour
   return {{"engine", engine},

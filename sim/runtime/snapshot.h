@@ -18,7 +18,7 @@ namespace kaz::sim {
 class Snapshot {
  public:
   using Facts = std::vector<std::pair<std::string, std::string>>;
-  static constexpr std::uint32_t version = 1;
+  static constexpr std::uint32_t version = 2;
 
   static std::vector<std::uint8_t> pack(const Facts& facts, std::span<const std::uint8_t> state);
   // The parts' bytes, which lie in `blob`. Errors (usage), one sentence each: no saved state, damaged,

@@ -172,6 +172,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& optio
   sim.imu = options.imu;
   sim.recording_path = options.recording;
   sim.detour_every = std::chrono::milliseconds(std::llround(1000 * options.restore_every_s));
+  sim.record_pictures = options.record_pictures;
   if (!options.faults.empty()) {
     auto schedule = faults::Schedule::load(options.faults);
     if (!schedule) return tl::unexpected(schedule.error());

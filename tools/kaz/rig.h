@@ -35,6 +35,7 @@ struct RigOptions {
   std::string faults;          // file with a schedule of faults; none if empty
   std::string recording;       // path of the recording; none if empty
   double restore_every_s = 0;  // detours of the simulation; 0: none
+  bool record_pictures = false;
   // Of what runs on it, for the recording: name and value.
   std::vector<std::pair<std::string, std::string>> facts;
 };

@@ -35,4 +35,9 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
       ->capture_default_str();
 }
 
+void add_record_pictures(CLI::App& verb, RigOptions& options) {
+  verb.add_flag("--record-pictures", options.record_pictures,
+                "the eyes' pictures into the recording too, not only their SHA-256");
+}
+
 }  // namespace kaz::tools

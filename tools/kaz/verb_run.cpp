@@ -41,6 +41,7 @@ struct RunArguments {
 
 void add_common(CLI::App& verb, RunArguments& arguments) {
   add_sim_options(verb, arguments.session.rig);
+  add_record_pictures(verb, arguments.session.rig);
   verb.add_option(
       "--duration", arguments.duration,
       "seconds of the robot: for search-ball in all, for track-ball from when the ball was found");

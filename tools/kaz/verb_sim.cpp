@@ -81,7 +81,9 @@ Result<bool> serve(SimArguments arguments) {
   const InterruptSignals signals(interrupt);
   const StopFlag stop(interrupt);
   const auto statistics = (*server)->run(stop.flag());
+  const auto recorded = (*simulation)->finish_recording();
   if (!statistics) return tl::unexpected(statistics.error());
+  if (!recorded) return tl::unexpected(recorded.error());
   if (!arguments.memory.empty()) {
     if (auto saved = sim::save_memory(mcu, arguments.memory); !saved)
       return tl::unexpected(saved.error());
@@ -90,6 +92,8 @@ Result<bool> serve(SimArguments arguments) {
               statistics->simulated_s, static_cast<unsigned long long>(statistics->overruns),
               1e3 * statistics->worst_late_s,
               static_cast<unsigned long long>(statistics->pairs_left_out));
+  if (!recorded->empty())
+    std::printf("recording %s  sha256 %s\n", arguments.rig.recording.c_str(), recorded->c_str());
   return true;
 }
 
@@ -112,7 +116,11 @@ void add_sim(CLI::App& program, Action& action) {
   verb->add_option("--write-calibration", arguments->calibration,
                    "write the eyes' calibration as OpenCV does (YAML); without --serial, only that")
       ->type_name("FILE");
+  verb->add_option("--record", arguments->rig.recording,
+                   "record everything into this file (MCAP), from the start to Ctrl-C")
+      ->type_name("FILE");
   add_sim_options(*verb, arguments->rig);
+  add_record_pictures(*verb, arguments->rig);
   verb->footer(
       "The link behaves as a port with a board at the other end. PATH.ctl takes commands: reset,\n"
       "power off, power on, status, one a line. Ends with Ctrl-C and removes what it made.\n"
