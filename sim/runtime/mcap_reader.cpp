@@ -126,6 +126,13 @@ class Loader {
 
 }  // namespace
 
+bool McapRecording::has_messages(const std::string& topic) const {
+  return std::ranges::any_of(messages, [&](const Message& message) {
+    const auto found = topics.find(message.channel);
+    return found != topics.end() && found->second == topic;
+  });
+}
+
 Result<McapRecording> McapRecording::load(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file)

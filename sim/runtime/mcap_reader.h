@@ -24,6 +24,8 @@ struct McapRecording {
   std::size_t damaged_chunks = 0;               // their CRC is wrong; left out
   bool whole = false;                           // the file's end is there
 
+  bool has_messages(const std::string& topic) const;
+
   // Errors (usage): no such file, no MCAP file, compressed.
   static Result<McapRecording> load(const std::string& path);
 };

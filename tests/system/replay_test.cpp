@@ -38,6 +38,62 @@ TEST(Replay, IdenticalUnlessSomethingIsChanged) {
   EXPECT_NE(difference["recorded"], difference["now"]);
 }
 
+json replayed(const std::string& file, std::vector<std::string> more, int exit_code) {
+  std::vector<std::string> arguments{"replay", file, "--json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const Finished done = run(kaz(arguments), std::chrono::seconds(100));
+  EXPECT_EQ(done.exit_code, exit_code) << done.err << done.out;
+  json result = json::parse(done.out, nullptr, false);
+  EXPECT_TRUE(result.is_object()) << done.out;
+  return result;
+}
+
+TEST(Replay, TheHostAloneOnWhatItSaw) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out", file = out + "/recording.mcap";
+  const Finished made = run(kaz({"run", "search-ball", "--mcu", "native", "--eyes", "real",
+                                 "--record-pictures", "--out", out}),
+                            std::chrono::seconds(100));
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+
+  const json same = replayed(file, {}, 0);
+  EXPECT_EQ(same["mode"], "host");
+  EXPECT_EQ(same["identical"], true);
+  EXPECT_GT(same["bytes_to_board"].get<int>(), 1000);
+  EXPECT_GT(same["pairs"].get<int>(), 20);
+  EXPECT_GT(same["behavior_records"].get<int>(), 100);
+
+  // It gives up before it has found anything: motors off instead of the next posture.
+  const json other = replayed(file, {"--set", "seconds=1"}, 1);
+  EXPECT_EQ(other["identical"], false);
+  const double time = other["difference"]["time_s"];
+  EXPECT_GT(time, 1.0);
+  EXPECT_LT(time, 1.5);
+  EXPECT_NE(other["difference"]["recorded"], other["difference"]["now"]);
+  EXPECT_NE(other["difference"]["where"].get<std::string>().find("to the board"),
+            std::string::npos);
+
+  EXPECT_EQ(replayed(file, {"--whole"}, 0)["mode"], "simulation");
+}
+
+TEST(Replay, WithoutPicturesOnlyWhatNeedsNone) {
+  const TemporaryFolder folder;
+  const std::string stood = folder / "stood", sought = folder / "sought";
+  for (const auto& [behavior, out] : {std::pair{"stand", stood}, {"search-ball", sought}})
+    ASSERT_EQ(
+        run(kaz({"run", behavior, "--mcu", "native", "--out", out}), std::chrono::seconds(100))
+            .exit_code,
+        0);
+  EXPECT_EQ(replayed(stood + "/recording.mcap", {}, 0)["mode"], "host");
+  const json other = replayed(stood + "/recording.mcap", {"--set", "posture=straight"}, 1);
+  EXPECT_NE(other["difference"]["now"].get<std::string>().find("`"), std::string::npos) << other;
+
+  const Finished blind =
+      run(kaz({"replay", sought + "/recording.mcap", "--host"}), std::chrono::seconds(20));
+  EXPECT_EQ(blind.exit_code, 2);
+  EXPECT_NE(blind.err.find("--record-pictures"), std::string::npos) << blind.err;
+}
+
 TEST(Replay, SaysWhatIsNoRecording) {
   const TemporaryFolder folder;
   const Finished none = run(kaz({"replay", folder / "none"}), std::chrono::seconds(20));

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "tools/kaz/output.h"
+#include "tools/kaz/replay_host.h"
 #include "tools/kaz/session.h"
 
 namespace kaz::tools {
@@ -132,6 +133,30 @@ std::optional<Difference> first_difference(const sim::McapRecording& recorded,
   return difference;
 }
 
+// Host and simulation from the seed, every message compared.
+Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording& recorded,
+                          SessionOptions session) {
+  const std::string faults = temporary_file("faults.txt");
+  const FileRemover remove_faults(faults);
+  if (const auto text = recorded.facts.find("faults");
+      text != recorded.facts.end() && !text->second.empty()) {
+    std::ofstream(faults) << text->second;
+    session.rig.faults = faults;
+  }
+  const std::string again = temporary_file("replay.mcap");
+  const FileRemover remove_again(again);
+  session.rig.recording = again;
+  session.rig.record_pictures = recorded.has_messages("/eyes/left");
+  // Whether the behaviour succeeded does not matter, only whether it did the same.
+  if (auto ran = run_session(session); !ran) return tl::unexpected(ran.error());
+  const auto now = sim::McapRecording::load(again);
+  if (!now) return tl::unexpected(now.error());
+
+  const auto difference = first_difference(recorded, *now);
+  print(options, difference, changed_files(recorded, *now), now->messages.size());
+  return !difference;
+}
+
 Result<bool> replay(const ReplayOptions& options) {
   const auto recorded = sim::McapRecording::load(options.file);
   if (!recorded) return tl::unexpected(recorded.error());
@@ -141,25 +166,21 @@ Result<bool> replay(const ReplayOptions& options) {
                                   "; record the run again");
   auto session = session_of(*recorded, options);
   if (!session) return tl::unexpected(session.error());
-
-  const std::string faults = temporary_file("faults.txt");
-  const FileRemover remove_faults(faults);
-  if (const auto text = recorded->facts.find("faults");
-      text != recorded->facts.end() && !text->second.empty()) {
-    std::ofstream(faults) << text->second;
-    session->rig.faults = faults;
+  if (options.mode == ReplayMode::host && options.seed)
+    return fail(Fault::usage,
+                "--seed: the host alone has none; leave it out, or give --whole instead of --host");
+  bool whole = options.mode == ReplayMode::whole || options.seed.has_value();
+  if (!whole && options.mode == ReplayMode::by_itself) {
+    const auto alone = host_can_run_alone(*recorded, session->behavior);
+    if (!alone) return tl::unexpected(alone.error());
+    whole = !*alone;
+    if (whole)
+      std::fprintf(stderr,
+                   "kaz replay: this recording has no pictures, so the simulation runs again too; "
+                   "record with\n--record-pictures and the host runs alone\n");
   }
-  const std::string again = temporary_file("replay.mcap");
-  const FileRemover remove_again(again);
-  session->rig.recording = again;
-  // Whether the behaviour succeeded does not matter, only whether it did the same.
-  if (auto ran = run_session(*session); !ran) return tl::unexpected(ran.error());
-  const auto now = sim::McapRecording::load(again);
-  if (!now) return tl::unexpected(now.error());
-
-  const auto difference = first_difference(*recorded, *now);
-  print(options, difference, changed_files(*recorded, *now), now->messages.size());
-  return !difference;
+  return whole ? replay_whole(options, *recorded, std::move(*session))
+               : replay_host(options, *recorded, std::move(*session));
 }
 
 }  // namespace kaz::tools

@@ -13,9 +13,14 @@
 
 namespace kaz::tools {
 
+// What runs again: the host on what is recorded, or host and simulation from the seed. By itself: the
+// host where the recording allows it.
+enum class ReplayMode { by_itself, host, whole };
+
 struct ReplayOptions {
   std::string file;
-  std::optional<std::uint64_t> seed;            // another one than the recording's
+  ReplayMode mode = ReplayMode::by_itself;
+  std::optional<std::uint64_t> seed;            // another one than the recording's; whole only
   std::map<std::string, std::string> settings;  // instead of the recording's
   bool json = false;
 };

@@ -10,6 +10,8 @@
 #include "host/robot/published_camera.h"
 #include "host/robot/tty_link.h"
 #include "host/robot/wall_clock.h"
+#include "tools/kaz/interruptible_clock.h"
+#include "tools/kaz/no_camera.h"
 #include "tools/kaz/paths.h"
 #include "tools/kaz/version.h"
 #include "tools/lockstep/lockstep.h"
@@ -18,22 +20,6 @@ namespace kaz::tools {
 namespace {
 
 constexpr std::string_view kSerial = "serial:";
-
-// A clock that an interrupt stops, so that Ctrl-C works in lockstep as it does in real time.
-class InterruptibleClock final : public host::Clock {
- public:
-  InterruptibleClock(host::Clock& clock, const host::Interrupt& interrupt)
-      : clock_(clock), interrupt_(interrupt) {}
-  Time now() const override { return clock_.now(); }
-  Result<void> sleep_until(Time t) override {
-    if (interrupt_.requested()) return tl::unexpected(host::Interrupt::error());
-    return clock_.sleep_until(t);
-  }
-
- private:
-  host::Clock& clock_;
-  const host::Interrupt& interrupt_;
-};
 
 class LockstepRig final : public Rig {
  public:
@@ -46,6 +32,7 @@ class LockstepRig final : public Rig {
   vision::Executor& executor() override { return *executor_; }
   Time camera_latency() const override { return from_seconds(simulation_->camera().latency_s); }
   sim::Simulation* simulation() override { return simulation_.get(); }
+  void record_behavior(const std::string& json) override { simulation_->record_behavior(json); }
 
  private:
   std::unique_ptr<sim::Simulation> simulation_;
@@ -54,16 +41,6 @@ class LockstepRig final : public Rig {
   lockstep::LockstepLink link_{*simulation_};
   lockstep::LockstepCamera camera_{*simulation_};
   std::unique_ptr<vision::Executor> executor_ = vision::make_lockstep_executor();
-};
-
-// In front of a behaviour that does not look.
-class NoCamera final : public vision::Camera {
- public:
-  const vision::CameraModel& model() const override { return model_; }
-  Result<std::optional<vision::StereoPair>> poll() override { return std::nullopt; }
-
- private:
-  vision::CameraModel model_;
 };
 
 class RealRig final : public Rig {

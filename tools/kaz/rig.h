@@ -61,6 +61,8 @@ class Rig {
   // For recording, pictures and scoring; null where the robot is not simulated in this process.
   // Behaviours never see it.
   virtual sim::Simulation* simulation() = 0;
+  // What the behaviour thinks, as one JSON object, for a recording where there is one.
+  virtual void record_behavior(const std::string& /*json*/) {}
 };
 
 // Checks what can be checked without opening anything.

@@ -74,9 +74,7 @@ class Listener final : public behavior::Sink {
     ++moments_;
     album_.take(now);
   }
-  void record(const nlohmann::ordered_json& value) {
-    if (rig_.simulation() != nullptr) rig_.simulation()->record_behavior(value.dump());
-  }
+  void record(const nlohmann::ordered_json& value) { rig_.record_behavior(value.dump()); }
 
   Rig& rig_;
   Album& album_;
@@ -129,7 +127,7 @@ Result<bool> run_session(SessionOptions options) {
 
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  auto rig = Rig::open(options.rig, interrupt);
+  auto rig = options.open_rig ? options.open_rig(interrupt) : Rig::open(options.rig, interrupt);
   if (!rig) return tl::unexpected(rig.error());
   const bool real = (*rig)->port() != nullptr;
   const Time connecting = (*rig)->clock().now();

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <map>
+#include <memory>
 #include <string>
 
 #include "shared/base/result.hpp"
@@ -18,6 +20,8 @@ struct SessionOptions {
   bool quiet = false;                           // prints no result
   bool json = false;                            // result.json on standard output, no progress
   std::string label = "kaz run";                // begins progress lines
+  // In place of Rig::open(); what it refers to must outlive the session.
+  std::function<Result<std::unique_ptr<Rig>>(host::Interrupt&)> open_rig;
 };
 
 // False where the behaviour did not succeed. Motors are off afterwards, whatever happened. Nothing

@@ -11,21 +11,35 @@ void add_replay(CLI::App& program, Action& action) {
   struct Arguments {
     ReplayOptions replay;
     std::vector<std::string> settings;
+    bool host = false, whole = false;
   };
   auto arguments = std::make_shared<Arguments>();
   verb->add_option("FILE", arguments->replay.file, "recording.mcap of a run")
       ->required()
       ->type_name("");
-  verb->add_option("--seed", arguments->replay.seed, "another seed than the recording's");
+  auto* host = verb->add_flag("--host", arguments->host,
+                              "the host alone, on the bytes and pictures that are recorded: the "
+                              "default where the recording has pictures");
+  verb->add_flag("--whole", arguments->whole,
+                 "host and simulation from the seed, every message compared: the default where it "
+                 "has none")
+      ->excludes(host);
+  verb->add_option("--seed", arguments->replay.seed,
+                   "another seed than the recording's; implies --whole");
   verb->add_option("--set", arguments->settings, "another option of the behaviour: NAME=VALUE")
       ->type_name("NAME=VALUE");
   verb->add_flag("--json", arguments->replay.json, "print the result as JSON on standard output");
   verb->footer(
-      "Host and simulation run again with the recording's options, and each message is compared.\n"
+      "With --host (behaviour, vision, protocol) what the host sends is compared byte by byte; the "
+      "first\ndifference is told with time, place in the stream, and the message that it stands "
+      "in. "
+      "Changed programs\nof the host are tried like this on what a robot has met.\n"
       "Exit status 0: identical; 1: they differ.\n"
       "Examples:\n"
-      "  kaz replay kaz-demo/recording.mcap\n"
-      "  kaz replay kaz-demo/recording.mcap --set seconds=5 --json");
+      "  kaz run search-ball --record-pictures --out seen\n"
+      "  kaz replay seen/recording.mcap\n"
+      "  kaz replay seen/recording.mcap --set seconds=1 --json\n"
+      "  kaz replay seen/recording.mcap --whole");
   verb->callback([&action, arguments] {
     action = [arguments]() -> Result<Outcome> {
       for (const auto& setting : arguments->settings) {
@@ -35,6 +49,8 @@ void add_replay(CLI::App& program, Action& action) {
                       "--set " + setting + ": give NAME=VALUE, as in --set seconds=20");
         arguments->replay.settings[setting.substr(0, equals)] = setting.substr(equals + 1);
       }
+      if (arguments->host) arguments->replay.mode = ReplayMode::host;
+      if (arguments->whole) arguments->replay.mode = ReplayMode::whole;
       const auto identical = replay(arguments->replay);
       if (!identical) return tl::unexpected(identical.error());
       return Outcome(*identical);

@@ -1,0 +1,45 @@
+// What a recording says of the host's side: bytes of both directions, pictures, the behaviour's record.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "shared/base/result.hpp"
+#include "shared/faults/faults.h"
+#include "sim/mcu/mcu.h"
+#include "sim/runtime/mcap_reader.h"
+#include "vision/frame.h"
+
+namespace kaz::lockstep {
+
+struct RecordedRun {
+  // Of one exposure, as the host got it.
+  struct Pair {
+    std::uint64_t sequence = 0;
+    Time exposure{}, arrival{};
+    std::vector<std::uint8_t> left_png, right_png;
+  };
+  struct Thought {  // what the behaviour entered
+    Time time{};
+    std::string json;
+  };
+
+  std::vector<sim::SerialByte> to_board;  // as they reached the board
+  std::vector<sim::SerialByte> to_host;   // as they left the board
+  std::vector<Pair> pairs;                // in order of exposure
+  std::vector<Thought> thoughts;
+  sim::States end = 0;     // of the last step
+  std::uint64_t seed = 1;  // of the line's faults
+  faults::Schedule faults;
+  bool has_pictures = false;
+  vision::CameraModel camera;  // where there are pictures
+  Time camera_latency{};
+
+  // Errors (usage): damaged, its end is missing, messages that do not fit their schema.
+  static Result<RecordedRun> of(const sim::McapRecording& recording);
+};
+
+}  // namespace kaz::lockstep
