@@ -34,7 +34,8 @@ class RecordingReader : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
-    const auto made = run(kaz({"run", "search-ball", "--mcu", "native", "--out", *folder_ / "out"}),
+    const auto made = run(kaz({"run", "search-ball", "--mcu", "native", "--record-pictures",
+                               "--out", *folder_ / "out"}),
                           std::chrono::seconds(100));
     EXPECT_EQ(made.exit_code, 0) << made.err;
   }
@@ -82,9 +83,9 @@ TEST_F(RecordingReader, FindsWhatOurOwnReaderFinds) {
   // Each channel with messages was decoded by its schema; read.mjs fails where that cannot be.
   const json& channels = indexed["channels"];
   EXPECT_EQ(channels.size(), counts.size());
-  for (const char* topic :
-       {"/wire/to_board", "/wire/to_host", "/board/pins", "/board/analog", "/truth/joints",
-        "/truth/ball", "/board/supply", "/truth/contacts", "/eyes", "/behavior"})
+  for (const char* topic : {"/wire/to_board", "/wire/to_host", "/board/pins", "/board/analog",
+                            "/truth/joints", "/truth/ball", "/board/supply", "/truth/contacts",
+                            "/eyes", "/eyes/left", "/eyes/right", "/behavior"})
     EXPECT_TRUE(channels.contains(topic)) << topic;
   for (const auto& [topic, channel] : channels.items())
     EXPECT_EQ(channel["first_time_ns"], std::to_string(earliest.at(topic)->time_ns)) << topic;
@@ -121,6 +122,10 @@ TEST_F(RecordingReader, DecodesTheNumbersThatWereWritten) {
   EXPECT_EQ(wire["value"].size(), wire["framing_error"].size());
   EXPECT_EQ(channels["/eyes"]["first"]["left_sha256"].get<std::string>().size(), 64u);
   EXPECT_TRUE(channels["/behavior"]["first"].is_object());
+  const json& picture = channels["/eyes/left"]["first"];
+  EXPECT_EQ(picture["format"], "png");
+  EXPECT_EQ(picture["data"][1], 'P');
+  EXPECT_EQ(picture["header"]["stamp"]["nsec"], 33'000'000);
 }
 
 TEST_F(RecordingReader, RefusesOneFlippedBit) {

@@ -51,9 +51,9 @@ json replayed(const std::string& file, std::vector<std::string> more, int exit_c
 TEST(Replay, TheHostAloneOnWhatItSaw) {
   const TemporaryFolder folder;
   const std::string out = folder / "out", file = out + "/recording.mcap";
-  const Finished made = run(kaz({"run", "search-ball", "--mcu", "native", "--eyes", "real",
-                                 "--record-pictures", "--out", out}),
-                            std::chrono::seconds(100));
+  const Finished made =
+      run(kaz({"run", "search-ball", "--mcu", "native", "--record-pictures", "--out", out}),
+          std::chrono::seconds(100));
   ASSERT_EQ(made.exit_code, 0) << made.err;
 
   const json same = replayed(file, {}, 0);

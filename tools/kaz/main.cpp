@@ -56,6 +56,10 @@ int parse_and_run(int argc, char** argv) {
       "  kaz demo                              search and track the ball, leave pictures\n"
       "  kaz sim --world ball --serial board --cameras board.eyes\n"
       "  kaz run track-ball --robot serial:board --camera board.eyes\n"
+      "  kaz replay kaz-demo/recording.mcap    run it again and tell the first difference\n"
+      "Recordings are MCAP files: Foxglove (foxglove.dev), PlotJuggler and the mcap command line "
+      "open "
+      "them.\n"
       "Exit status: 0 done, 1 the task failed, 2 wrong usage, 3 the environment failed.\n"
       "`kaz VERB --help` says more about a verb.");
   kaz::tools::Action action;

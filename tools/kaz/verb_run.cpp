@@ -96,7 +96,11 @@ void add_demo(CLI::App& program, Action& action) {
   add_common(*verb, *arguments);
   verb->footer(
       "Leaves left_eye.png, color_extraction.png, outside.png, moments.png, pan_tilt.png,\n"
-      "recording.mcap and result.json.\n"
+      "recording.mcap and result.json. The recording holds bytes, pins, joints, contacts and the "
+      "rest "
+      "on\none clock: `kaz replay` runs it again; Foxglove (foxglove.dev), PlotJuggler and `mcap "
+      "info` "
+      "open it.\n"
       "Examples:\n"
       "  kaz demo\n"
       "  kaz demo --seed 7 --out seven\n"

@@ -127,6 +127,8 @@ void add_sim(CLI::App& program, Action& action) {
       "Examples:\n"
       "  kaz sim --serial board --cameras board.eyes\n"
       "  kaz sim --eyes real --write-calibration eyes.yml\n"
+      "  kaz sim --serial board --record run.mcap   (Foxglove, PlotJuggler and `mcap info` open "
+      "it)\n"
       "  kaz run track-ball --robot serial:board --camera board.eyes   (elsewhere)");
   verb->callback([&action, arguments] { action = [arguments] { return serve(*arguments); }; });
 }
