@@ -38,9 +38,12 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
 
 Result<void> hold_still(host::Robot& robot) {
   constexpr std::uint32_t kHands = 1u << host::l_hand | 1u << host::r_hand;
-  constexpr host::Gains kBody, kJaws{.kp_per_rad = 0.8};
-  if (auto set = robot.set_gains(host::kAllJoints & ~kHands, kBody); !set) return set;
+  constexpr std::uint32_t kNeck = 1u << host::neck_pan | 1u << host::neck_tilt;
+  // The neck carries nothing: stiffer, it would hunt in the backlash of its gears.
+  constexpr host::Gains kBody, kJaws{.kp_per_rad = 0.8}, kHead{.kp_per_rad = 12};
+  if (auto set = robot.set_gains(host::kAllJoints & ~kHands & ~kNeck, kBody); !set) return set;
   if (auto set = robot.set_gains(kHands, kJaws); !set) return set;
+  if (auto set = robot.set_gains(kNeck, kHead); !set) return set;
   return robot.enable(host::kAllJoints);
 }
 

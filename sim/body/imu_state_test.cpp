@@ -31,9 +31,10 @@ TEST(ImuState, StandingItFeelsTheFloorPushUpwards) {
     world->step(Drives{}, 10);
     mean += world->imu().specific_force / 200;
   }
-  // It stands upright within half a degree: at most 0.09 m/s^2 sideways.
+  // It stands upright within 0.7 degrees (gaps of hip, knee and ankle): at most 0.12 m/s^2 forward. The
+  // hip's roll has a gap as well, 0.2 degrees, and the sole: 0.09 m/s^2 sideways.
   EXPECT_NEAR(mean.z(), 9.81, 0.01);
-  EXPECT_NEAR(mean.x(), 0, 0.09);
+  EXPECT_NEAR(mean.x(), 0, 0.12);
   EXPECT_NEAR(mean.y(), 0, 0.09);
   EXPECT_LT(world->imu().angular_velocity.norm(), 0.01);
 }

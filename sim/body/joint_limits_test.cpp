@@ -152,5 +152,35 @@ TEST(SoftLimits, RawDriveDoesNotDriveAJointPastThem) {
   EXPECT_GT(fastest, 6);
 }
 
+// The head on its pan joint: light, bearing nothing, free in the gap. At the gains of the behaviours (12 of
+// full drive per rad, 0.15 s/rad) the gear comes to rest: what moves is within the gap and one step of the
+// potentiometer.
+TEST(Neck, RestsInTheBacklashOfItsGear) {
+  constexpr double gap = 0.4, step = 190.0 / 1024;  // degrees
+  for (const double kp : {8.0, 12.0}) {
+    for (const double inertia : {3e-5, 1e-4}) {
+      TestBoard board;
+      Limb limb(board, neck_pan, inertia, 10);
+      board.ticks(10);
+      ASSERT_EQ(board.gains(1u << neck_pan, static_cast<u16>(kp * 256), 614), 0);
+      ASSERT_EQ(board.enable(1u << neck_pan), 0);
+      double worst = 0;
+      for (int i = 0; i < 20; ++i) {
+        board.target(neck_pan, static_cast<s16>(i * 137 - 1300), 100);
+        limb.run(600);
+        double least = limb.angle(), most = least;
+        for (int ms = 0; ms < 400; ++ms) {
+          limb.run(1);
+          least = std::min(least, limb.angle());
+          most = std::max(most, limb.angle());
+        }
+        worst = std::max(worst, most - least);
+      }
+      std::printf("kp %.0f, %g kg m2: moves by %.2f degrees at rest\n", kp, inertia, worst * 57.3);
+      EXPECT_LT(worst * 57.3, gap + step) << kp << ", " << inertia << " kg m2";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace kaz::sim

@@ -30,6 +30,8 @@ struct MotorFigures {
   double torque_constant() const { return back_emf_nms_per_rad / stall_slope_nm_per_v; }
   double resistance_ohm() const { return torque_constant() / stall_slope_nm_per_v; }
 
+  bool operator==(const MotorFigures&) const = default;
+
   // The same motor without backlash and heat.
   MotorFigures ideal() const;
 };

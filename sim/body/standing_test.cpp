@@ -102,7 +102,8 @@ TEST_P(Standing, StaysUpWithItsMotorsOff) {
   const auto world = load();
   ASSERT_TRUE(world);
   run(*world, 3.0);
-  EXPECT_LT(tilt(*world), 0.5 * kDegree);
+  // Hip, knee and ankle each give by half of their gap, 0.2 degrees, and the soft sole by 0.1.
+  EXPECT_LT(tilt(*world), 0.7 * kDegree);
   EXPECT_NEAR(world->link_pose("trunk").translation().z(), 0.160, 0.001);
   EXPECT_EQ(world->supply_current_a(), 0);
   EXPECT_LT(world->largest_joint_gap_m(), 2e-5);

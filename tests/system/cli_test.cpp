@@ -165,6 +165,18 @@ TEST(Cli, CorruptImage) {
   EXPECT_TRUE(one_sentence(run(kaz({"mcu", "run", folder / "none.mot"})), 2, {"none.mot"}));
 }
 
+// Of another robot, which has no eyes: what needs none runs, what does says so before anything moves.
+TEST(Cli, RobotWithoutEyes) {
+  const auto with_arm = [](const std::string& behavior) {
+    return run(
+        kaz({"run", behavior, "--robot-file", "sim/robots/arm/arm.urdf", "--mcu", "native"}));
+  };
+  const Finished stands = with_arm("stand");
+  EXPECT_EQ(stands.exit_code, 0) << stands.err;
+  EXPECT_NE(stands.out.find("the robot stands"), std::string::npos) << stands.out;
+  EXPECT_TRUE(one_sentence(with_arm("track-ball"), 2, {"no eyes", "left_eye", "right_eye"}));
+}
+
 TEST(Cli, WorldWithTypingError) {
   const TemporaryFolder folder;
   write_file(folder / "bad.sdf",

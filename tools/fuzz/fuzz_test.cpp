@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Long runs: `kaz fuzz`, `./tools/dev fuzz` (docs/fuzzing.md).
+#include <filesystem>
+
 #include <gtest/gtest.h>
 
 #include "hil/fuzz/search.h"
 #include "tools/fuzz/engine_case.h"
+#include "tools/fuzz/plant.h"
 
 namespace kaz::fuzz {
 namespace {
@@ -35,6 +38,13 @@ Sum random_cases(const EngineOptions& options, std::uint64_t seed, int cases) {
   for (int i = 0; i < cases && !testing::Test::HasFailure(); ++i)
     run_one(search.next(), options, sum);
   return sum;
+}
+
+TEST(Fuzz, BenchHasTheRobotsDefaultMotor) {
+  const auto path = std::filesystem::path(KAZ_ROBOT).replace_filename("motor.xml");
+  const auto motor = sim::load_motor_file(path, "");
+  ASSERT_TRUE(motor) << motor.error().message;
+  EXPECT_EQ(bench_motor(), *motor);
 }
 
 TEST(Fuzz, SeedsOnTheNativeEngine) {

@@ -3,6 +3,7 @@
 #include "tools/fuzz/plant.h"
 
 #include <algorithm>
+#include <numbers>
 #include <vector>
 
 #include "shared/board/table.h"
@@ -15,23 +16,12 @@ namespace {
 using sim::JointState;
 using sim::MotorDrive;
 
-// motor.xml's standard motor (design, section 4).
-sim::MotorFigures figures() {
-  return {.name = "standard",
-          .stall_slope_nm_per_v = 0.2288,
-          .friction_nm = 0.128,
-          .back_emf_nms_per_rad = 0.1764,
-          .stiction_ratio = 1.3,
-          .rotor_inertia_kgm2 = 5e-4,
-          .max_supply_v = 12};
-}
-
 constexpr double kStep = 0.001;
 constexpr double kStopMargin = 0.0175;  // rad beyond the joint's limits, as in sim/body
 
 class MotorBench final : public sim::World {
  public:
-  MotorBench() : motors_(KZ_JOINTS, sim::JointMotor(figures(), kStep)) {
+  MotorBench() : motors_(KZ_JOINTS, sim::JointMotor(bench_motor(), kStep)) {
     scene_.frames = {"world", "neck_tilt"};
   }
   double step_s() const override { return kStep; }
@@ -46,7 +36,7 @@ class MotorBench final : public sim::World {
       // From a light hand to a leg that carries the trunk.
       const double inertia = 1e-4 * (1.0 + static_cast<double>(j * j));
       joint.torque = std::clamp((row.velocity - joint.velocity) / (row.softness + kStep / inertia),
-                                -row.most, row.most);
+                                row.least, row.most);
       joint.velocity += kStep / inertia * joint.torque;
       joint.angle += kStep * joint.velocity;
       motors_[j].finish(joint.velocity, joint.torque);
@@ -118,6 +108,23 @@ class WatchedWorld final : public sim::World {
 };
 
 }  // namespace
+
+sim::MotorFigures bench_motor() {
+  return {.name = "s9204-jskd04",
+          .stall_slope_nm_per_v = 0.2288,
+          .friction_nm = 0.128,
+          .back_emf_nms_per_rad = 0.1764,
+          .stiction_ratio = 1.3,
+          .rotor_inertia_kgm2 = 5e-4,
+          .max_supply_v = 12,
+          .backlash_rad = 0.4 * (std::numbers::pi / 180),
+          .winding_heat_capacity = 5,
+          .winding_to_case = 24,
+          .case_heat_capacity = 30,
+          .case_to_air = 14,
+          .copper_per_kelvin = 0.00393,
+          .air_celsius = 25};
+}
 
 std::unique_ptr<sim::World> make_motor_bench() {
   return std::make_unique<MotorBench>();

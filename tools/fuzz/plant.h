@@ -3,14 +3,18 @@
 #pragma once
 
 #include <functional>
-#include <span>
 #include <memory>
+#include <span>
 
+#include "sim/body/motor_file.h"
 #include "sim/body/world.h"
 
 namespace kaz::fuzz {
 
-// Eighteen motors, each with an inertia of its own on its shaft and stops at the ends of the
+// The default of shared/robot/kaz/motor.xml, for a program that finds no files.
+sim::MotorFigures bench_motor();
+
+// Eighteen of them, each with an inertia of its own on its shaft and stops at the ends of the
 // joint's range:
 // a thousandth of the cost of the robot.
 std::unique_ptr<sim::World> make_motor_bench();

@@ -28,6 +28,7 @@ class LockstepRig final : public Rig {
   host::Link& link() override { return link_; }
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override { return {}; }
+  bool sees() const override { return simulation_->has_eyes(); }
   vision::Camera& camera() override { return camera_; }
   vision::Executor& executor() override { return *executor_; }
   Time camera_latency() const override { return from_seconds(simulation_->camera().latency_s); }
@@ -60,6 +61,7 @@ class RealRig final : public Rig {
     camera_ = std::move(*camera);
     return {};
   }
+  bool sees() const override { return camera_ != nullptr; }
   vision::Camera& camera() override {
     return camera_ ? static_cast<vision::Camera&>(*camera_) : no_camera_;
   }

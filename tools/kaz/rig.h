@@ -54,6 +54,8 @@ class Rig {
   // To be called once, before camera() and camera_latency(): apart from open(), so that a board that does
   // not answer is reported before a camera that is not there.
   virtual Result<void> open_camera() = 0;
+  // False: nothing sees, and camera() has no pictures. To be asked after open_camera().
+  virtual bool sees() const = 0;
   virtual vision::Camera& camera() = 0;
   virtual vision::Executor& executor() = 0;
   // From exposure to arrival at the host.

@@ -148,6 +148,8 @@ Result<bool> run_session(SessionOptions options) {
   }
 
   if (auto seen = (*rig)->open_camera(); !seen) return tl::unexpected(seen.error());
+  const bool sees = (*rig)->sees();
+  if (behavior->needs_sight && !sees) return tl::unexpected(sim::Simulation::no_eyes());
   RememberingCamera camera((*rig)->camera());
   host::Capture capture(camera, *robot);
   vision::BallFinderOptions finder_options;
@@ -160,7 +162,8 @@ Result<bool> run_session(SessionOptions options) {
   Listener listener(**rig, album, progress, start, expected_seconds(*values, behavior->options));
 
   const auto wall_start = std::chrono::steady_clock::now();
-  behavior::Context context{*robot, robot->clock(), &sight, listener, *values, options.rig.seed};
+  behavior::Context context{*robot,   robot->clock(), sees ? &sight : nullptr,
+                            listener, *values,        options.rig.seed};
   const Result<behavior::Outcome> outcome = behavior->run(context);
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
