@@ -80,6 +80,20 @@ dContact contact_of(const Touch& touch, const Eigen::Vector3d& motion, double le
   return contact;
 }
 
+// `shear`: of a against b. Where a does not move, ODE takes b for the first body and turns the normal.
+void add_shear(dContact& contact, const Touch& touch, const Eigen::Vector3d& shear, double step_s) {
+  const double side = touch.body_a < 0 ? -1 : 1;
+  const Eigen::Vector3d along = touch.normal.unitOrthogonal();
+  const Eigen::Vector3d across = side * touch.normal.cross(along);
+  const double rate = side * kContactErp / step_s;
+  contact.surface.mode |=
+      dContactFDir1 | dContactMotion1 | dContactMotion2 | dContactSlip1 | dContactSlip2;
+  contact.surface.motion1 = -rate * along.dot(shear);
+  contact.surface.motion2 = -rate * across.dot(shear);
+  contact.surface.slip1 = contact.surface.slip2 = touch.surface.softness;
+  for (int k = 0; k < 3; ++k) contact.fdir1[k] = along[k];
+}
+
 Eigen::Vector3d velocity_of(dBodyID body) {
   return body ? to_eigen(dBodyGetLinearVel(body)) : Eigen::Vector3d::Zero().eval();
 }
@@ -181,20 +195,39 @@ int OdeWorld::find_contacts() {
 void OdeWorld::make_contact_rows() {
   dJointGroupEmpty(contact_rows_.get());
   watched_.clear();
-  for (const Touch& touch : contacts_.touches()) {
+  const std::span<const Touch> touches = contacts_.touches();
+  memory_.recall(touches);
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    const Touch& touch = touches[i];
     const dBodyID a = body(touch.body_a), b = body(touch.body_b);
-    const dContact contact =
-        contact_of(touch, velocity_of(a) - velocity_of(b), dWorldGetCFM(ode_.get()));
+    dContact contact = contact_of(touch, velocity_of(a) - velocity_of(b), dWorldGetCFM(ode_.get()));
+    if (ContactMemory::has_shear(touch)) add_shear(contact, touch, memory_.shear(i), step_s_);
     const dJointID row = dJointCreateContact(ode_.get(), contact_rows_.get(), &contact);
     dJointAttach(row, a, b);
-    if (!watch_) continue;
     watched_.push_back({touch, {}});
     dJointSetFeedback(row, &watched_.back().feedback);
   }
 }
 
+void OdeWorld::remember_contacts() {
+  for (std::size_t i = 0; i < watched_.size(); ++i) {
+    const Touch& touch = watched_[i].touch;
+    if (!ContactMemory::has_shear(touch)) continue;
+    const auto velocity = [&](int number) -> Eigen::Vector3d {
+      const dBodyID id = body(number);
+      if (id == nullptr) return Eigen::Vector3d::Zero();
+      const Eigen::Vector3d arm = touch.at - to_eigen(dBodyGetPosition(id));
+      return velocity_of(id) + to_eigen(dBodyGetAngularVel(id)).cross(arm);
+    };
+    const double normal =
+        (touch.body_a < 0 ? -1 : 1) * touch.normal.dot(to_eigen(watched_[i].feedback.f1));
+    memory_.remember(i, velocity(touch.body_a) - velocity(touch.body_b), normal, step_s_);
+  }
+}
+
 std::vector<ContactPoint> OdeWorld::contacts() const {
   std::vector<ContactPoint> points;
+  if (!watch_) return points;
   points.reserve(watched_.size());
   for (const Watched& row : watched_) {
     const Eigen::Vector3d force = to_eigen(row.feedback.f1);
@@ -247,6 +280,7 @@ void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   sleep_.update(step_s_);
   const Eigen::Vector3d velocity_before = imu_velocity();
   solve();
+  remember_contacts();
   ++steps_;
   read_joints();
   read_imu(velocity_before);

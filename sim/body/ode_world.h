@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sim/body/body_sleep.h"
+#include "sim/body/contact_memory.h"
 #include "sim/body/ode_handles.h"
 #include "sim/body/staged_world.h"
 
@@ -55,6 +56,7 @@ class OdeWorld final : public StagedWorld {
   Eigen::Isometry3d moving_pose(int body) const override;
   void kick(int body, const Eigen::Vector3d& velocity) override;
   void make_contact_rows();
+  void remember_contacts();
   void set_row(dJointID motor, const JointMotor::Row& row) const;
   void solve();
   void read_joints();
@@ -68,6 +70,7 @@ class OdeWorld final : public StagedWorld {
   BodySleep sleep_;
   std::vector<dBodyID> ode_bodies_;  // by number; null: does not move
   std::vector<Joint> ode_joints_;    // never grows after the start: ODE writes into it
+  ContactMemory memory_;
   bool watch_ = false;
   std::deque<Watched> watched_;  // ODE keeps pointers to the feedbacks
   double largest_gap_ = 0;

@@ -45,7 +45,7 @@ void OdeWorld::transfer(A& a) {
   transfer_stage(a);
   if (!a.good()) return;
   std::uint64_t random = random_state_;
-  a(random, largest_gap_, sleep_);
+  a(random, largest_gap_, sleep_, memory_);
   random_state_ = static_cast<unsigned long>(random);
   for (const dBodyID body : ode_bodies_) {
     if (body != nullptr) transfer_body(a, body);
