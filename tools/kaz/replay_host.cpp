@@ -26,6 +26,7 @@ class ReplayRig final : public Rig {
   host::Link& link() override { return link_; }
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override { return {}; }
+  bool sees() const override { return board_.run().has_pictures; }
   vision::Camera& camera() override {
     return board_.run().has_pictures ? static_cast<vision::Camera&>(camera_) : no_camera_;
   }
