@@ -120,6 +120,14 @@ bool JointMotor::will_stop() const {
   return state_.regime == Regime::forward ? next <= 0 : next >= 0;
 }
 
+// A held rotor gives way as soon as this would be more than friction bears; a jammed gear never does.
+double JointMotor::pressing(const Row& row) const {
+  const double torque = std::clamp(row.velocity / row.softness, row.least, row.most);
+  if (state_.regime != Regime::held || jammed_) return torque;
+  const double bears = figures_.friction_nm * figures_.stiction_ratio;
+  return std::clamp(torque, drive_torque_ - bears, drive_torque_ + bears);
+}
+
 // Rotor and joint turn as one.
 JointMotor::Row JointMotor::tight_row(double angle) {
   if (state_.regime != Regime::held) return {free_speed_, 1.0 / stiffness_, most_, -most_};

@@ -44,6 +44,8 @@ class JointMotor {
     double most = 0;      // Nm, that it gives at most
     double least = 0;     // Nm; -most, or one of the two is 0 and the other without bound
   };
+  // Nm, what the row gives in the coming step to a joint that something rigid keeps at rest.
+  double pressing(const Row& row) const;
 
   // The row for the coming step, for the joint as it moves now (rad, rad/s). Duty beyond -1..1 is
   // cut, NaN is taken as 0.

@@ -98,6 +98,10 @@ Eigen::Vector3d velocity_of(dBodyID body) {
   return body ? to_eigen(dBodyGetLinearVel(body)) : Eigen::Vector3d::Zero().eval();
 }
 
+// rad/s per Nm: with the ERP, a stop that gives by 1 mrad at the motor's 2.4 Nm, plastic and steel. Rigid, the
+// solver's rest would lift a joint off it again and again.
+constexpr double kStopSoftness = 0.08;
+
 }  // namespace
 
 OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const MotorFigures& motor,
@@ -161,8 +165,11 @@ void OdeWorld::build_joint(const RobotModel& robot, std::size_t number) {
   dJointAttach(out.hinge, out.child, parent);
   dJointSetHingeAnchor(out.hinge, anchor.x(), anchor.y(), anchor.z());
   dJointSetHingeAxis(out.hinge, axis.x(), axis.y(), axis.z());
-  dJointSetHingeParam(out.hinge, dParamHiStop, joint.upper + kStopMargin);
-  dJointSetHingeParam(out.hinge, dParamLoStop, joint.lower - kStopMargin);
+  out.upper = joint.upper + kStopMargin;
+  out.lower = joint.lower - kStopMargin;
+  dJointSetHingeParam(out.hinge, dParamHiStop, out.upper);
+  dJointSetHingeParam(out.hinge, dParamLoStop, out.lower);
+  dJointSetHingeParam(out.hinge, dParamStopCFM, kStopSoftness);
 
   // The motor is a row of its own: ODE would replace a hinge's motor by its stop, and push without
   // limit.
@@ -238,10 +245,27 @@ std::vector<ContactPoint> OdeWorld::contacts() const {
   return points;
 }
 
+// A motor that presses its joint against a stop is a torque instead of a row: two rows about one axis, one
+// of them rigid, are what iterations settle slowest, and the joint trembles by several rad/s between them.
+void OdeWorld::drive(std::size_t number) {
+  Joint& joint = ode_joints_[number];
+  const JointMotor::Row& row = rows_[number];
+  const double angle = joint_states_[number].angle;
+  const double presses = motors_[number].pressing(row);
+  joint.pressing.reset();
+  if ((angle <= joint.lower && presses < 0) || (angle >= joint.upper && presses > 0)) {
+    joint.pressing = presses;
+    dJointAddAMotorTorques(joint.motor, presses, 0, 0);
+    set_row(joint.motor, {});
+    return;
+  }
+  set_row(joint.motor, row);
+}
+
 // ODE's motors push and pull alike; what only pushes is a stop. A stop's goal is ERP * way / step, and
 // its ERP may be negative.
 void OdeWorld::set_row(dJointID motor, const JointMotor::Row& row) const {
-  const bool low = row.least == 0, high = row.most == 0;
+  const bool low = row.least == 0 && row.most > 0, high = row.most == 0 && row.least < 0;
   dJointSetAMotorParam(motor, dParamLoStop, low ? 0 : -dInfinity);
   dJointSetAMotorParam(motor, dParamHiStop, high ? 0 : dInfinity);
   if (!low && !high) {
@@ -276,7 +300,7 @@ void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   find_contacts();
   make_contact_rows();
   prepare_motors(drives, supply_volts);
-  for (std::size_t i = 0; i < rows_.size(); ++i) set_row(ode_joints_[i].motor, rows_[i]);
+  for (std::size_t i = 0; i < rows_.size(); ++i) drive(i);
   sleep_.update(step_s_);
   const Eigen::Vector3d velocity_before = imu_velocity();
   solve();
@@ -294,7 +318,7 @@ void OdeWorld::read_joints() {
     state.angle = dJointGetHingeAngle(joint.hinge);
     state.velocity = dJointGetHingeAngleRate(joint.hinge);
     const Eigen::Vector3d axis = rotation_to_eigen(dBodyGetRotation(joint.child)) * joint.axis;
-    state.torque = axis.dot(to_eigen(joint.feedback.t1));
+    state.torque = joint.pressing.value_or(axis.dot(to_eigen(joint.feedback.t1)));
     dVector3 a, b;
     dJointGetHingeAnchor(joint.hinge, a);
     dJointGetHingeAnchor2(joint.hinge, b);

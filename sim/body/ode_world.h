@@ -39,6 +39,8 @@ class OdeWorld final : public StagedWorld {
     dJointFeedback feedback{};
     Eigen::Vector3d axis = Eigen::Vector3d::Zero();  // in the child's frame
     dBodyID child = nullptr;
+    double lower = 0, upper = 0;     // mechanical stops, rad
+    std::optional<double> pressing;  // Nm on a stop, in the step under way
   };
   struct Watched {
     Touch touch;
@@ -57,6 +59,7 @@ class OdeWorld final : public StagedWorld {
   void kick(int body, const Eigen::Vector3d& velocity) override;
   void make_contact_rows();
   void remember_contacts();
+  void drive(std::size_t number);
   void set_row(dJointID motor, const JointMotor::Row& row) const;
   void solve();
   void read_joints();
