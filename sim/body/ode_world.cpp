@@ -16,6 +16,10 @@ constexpr double kErp = 0.2;
 constexpr double kCfm = 1e-8;
 constexpr double kQuickStepOverRelaxation = 1.3;
 constexpr double kMotionToAlign = 1e-4;  // m/s
+// Where bodies lie or fall together, rows of contacts are satisfied without a force, to the last bit:
+// the exact stepper finds no next step among them ("LCP internal error, s <= 0") and leaves out all
+// forces. Each point wants to part at a speed of its own, too small to matter.
+constexpr double kTieBreak = 1e-11;  // m/s
 
 std::mutex& ode_mutex() {
   static std::mutex mutex;
@@ -209,6 +213,10 @@ void OdeWorld::make_contact_rows() {
     const dBodyID a = body(touch.body_a), b = body(touch.body_b);
     dContact contact = contact_of(touch, velocity_of(a) - velocity_of(b), dWorldGetCFM(ode_.get()));
     if (ContactMemory::has_shear(touch)) add_shear(contact, touch, memory_.shear(i), step_s_);
+    if (iterations_ == 0) {
+      contact.surface.mode |= dContactMotionN;
+      contact.surface.motionN = kTieBreak * static_cast<double>(i + 1);
+    }
     const dJointID row = dJointCreateContact(ode_.get(), contact_rows_.get(), &contact);
     dJointAttach(row, a, b);
     watched_.push_back({touch, {}});

@@ -1,7 +1,10 @@
 // Objects against school mechanics: fall, bounce, rolling, friction, flicks.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <cstdarg>
 #include <cstdio>
+
+#include <ode/ode.h>
 
 #include "sim/body/test_files.h"
 
@@ -162,7 +165,13 @@ TEST_P(Objects, StackStays) {
   }
   const auto world = load("0 0 -9.81", boxes);
   ASSERT_TRUE(world);
+  // The solver gives up, and leaves out all forces, where it cannot tell the corners apart.
+  static int complaints;
+  complaints = 0;
+  dSetMessageHandler([](int, const char*, va_list) { ++complaints; });
   run(*world, 5.0);
+  dSetMessageHandler(nullptr);
+  EXPECT_EQ(complaints, 0);
   for (int i = 0; i < 5; ++i) {
     const Eigen::Vector3d p = at(*world, ("box" + std::to_string(i)).c_str());
     EXPECT_LT(p.head<2>().norm(), 0.001) << i;
