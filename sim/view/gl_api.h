@@ -51,6 +51,7 @@ namespace kaz::sim {
   X(READBUFFER, ReadBuffer)                           \
   X(READPIXELS, ReadPixels)                           \
   X(RENDERBUFFERSTORAGE, RenderbufferStorage)         \
+  X(SCISSOR, Scissor)                                 \
   X(SHADERSOURCE, ShaderSource)                       \
   X(TEXIMAGE2D, TexImage2D)                           \
   X(TEXPARAMETERI, TexParameteri)                     \

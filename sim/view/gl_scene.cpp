@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 
+#include "sim/view/ground_shade.h"
 #include "sim/view/shaders.h"
 
 namespace kaz::sim {
@@ -40,7 +42,7 @@ Result<GlScene> GlScene::create(const Gl& gl, const SceneModel& model) {
 
 Result<void> GlScene::build_programs() {
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
-    const SurfaceVariant variant{i % 2 == 1, i >= 2};
+    const SurfaceVariant variant{i % 2 == 1, static_cast<Shadow>(i / 2)};
     Result<GlProgram> program =
         GlProgram::build(*gl_, surface_vertex_shader(variant), surface_fragment_shader(variant));
     if (!program) return tl::unexpected(program.error());
@@ -162,12 +164,59 @@ void GlScene::draw_shadow_map(const ScenePose& pose, ShadowMap& map) {
   gl_->CullFace(GL_BACK);
 }
 
-void GlScene::draw_surfaces(const ScenePose& pose, const View& view, const ShadowMap& map,
-                            const Eigen::Matrix4d& clip_from_world) {
+// Before a piece: program, texture, and where the piece is.
+void GlScene::use(const Surface& surface, const Piece& piece, Frame& frame) {
+  const GlProgram& program = surface.program;
+  if (frame.in_use != &surface) {
+    program.use();
+    program.set("clip_from_world", frame.clip_from_world);
+    program.set("shadow_from_world", frame.map.view.texture_from_world);
+    program.set("eye", Eigen::Vector3d(frame.view.world_from_optical.translation()));
+    frame.in_use = &surface;
+  }
+  if (piece.texture >= 0) {
+    const auto texture = static_cast<std::size_t>(piece.texture);
+    gl_->BindTexture(GL_TEXTURE_2D, textures_[texture]);
+    // Blending two mip levels costs an eighth of an eye's picture.
+    gl_->TexParameteri(
+        GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER,
+        frame.view.samples_per_axis > 1 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR_MIPMAP_NEAREST);
+    program.set("repeats_per_m", 1 / model_->textures[texture].repeat_m);
+  }
+  program.set(surface.world_from_model,
+              frame.pose.frames[static_cast<std::size_t>(piece.frame)].matrix());
+}
+
+// The shadow map is looked up only where shadows may fall.
+void GlScene::draw_ground(const Piece& piece, Frame& frame) {
+  const Eigen::Isometry3d& pose = frame.pose.frames[static_cast<std::size_t>(piece.frame)];
+  GroundPlane plane;
+  plane.normal = pose.linear() * piece.normal;
+  plane.distance = piece.distance + plane.normal.dot(pose.translation());
+  // A texel of the map is as far from the next as the linear filter reaches; as much again for how
+  // casters' edges fall on texels.
+  const double texel_m =
+      2 / (frame.map.view.clip_from_world.block<1, 3>(0, 0).norm() * frame.map.texels);
+  const GroundParts parts =
+      parts_of_ground(model_->pieces, frame.pose, frame.view, plane, 3 * texel_m);
+  const auto draw = [&](std::span<const PictureRectangle> rectangles, Shadow shadow) {
+    if (rectangles.empty()) return;
+    use(surface(piece, shadow), piece, frame);
+    for (const PictureRectangle& part : rectangles) {
+      gl_->Scissor(part.x, part.y, part.width, part.height);
+      draw_triangles(piece.fine_first, piece.fine_count);
+    }
+  };
+  gl_->Enable(GL_SCISSOR_TEST);
+  draw(parts.shaded, Shadow::hard);
+  draw(parts.lit, Shadow::none);
+  gl_->Disable(GL_SCISSOR_TEST);
+}
+
+void GlScene::draw_surfaces(Frame& frame) {
+  const View& view = frame.view;
   const Eigen::Isometry3d optical_from_world = view.world_from_optical.inverse();
   struct Visible {
-    bool textured;
-    bool plane;
     double distance;
     double depth;
     const Piece* piece;
@@ -176,49 +225,37 @@ void GlScene::draw_surfaces(const ScenePose& pose, const View& view, const Shado
   visible.reserve(model_->pieces.size());
   for (const Piece& piece : model_->pieces) {
     const Eigen::Vector3d center =
-        optical_from_world * (pose.frames[static_cast<std::size_t>(piece.frame)] * piece.center);
+        optical_from_world *
+        (frame.pose.frames[static_cast<std::size_t>(piece.frame)] * piece.center);
     if (!may_be_seen(view.camera, center, piece.radius)) continue;
-    visible.push_back(
-        {piece.texture >= 0, piece.ground, center.norm() - piece.radius, center.z(), &piece});
+    visible.push_back({center.norm() - piece.radius, center.z(), &piece});
   }
   // Near to far, so that hidden pixels are not shaded; grounds last, they are behind everything.
   std::stable_sort(visible.begin(), visible.end(), [](const Visible& a, const Visible& b) {
-    if (a.plane != b.plane) return b.plane;
-    if (a.textured != b.textured) return b.textured;
+    const bool a_textured = a.piece->texture >= 0, b_textured = b.piece->texture >= 0;
+    if (a.piece->ground != b.piece->ground) return b.piece->ground;
+    if (a_textured != b_textured) return b_textured;
     return a.distance < b.distance;
   });
   gl_->BindVertexArray(vertex_array_);
   gl_->ActiveTexture(GL_TEXTURE1);
-  gl_->BindTexture(GL_TEXTURE_2D, map.texture);
+  gl_->BindTexture(GL_TEXTURE_2D, frame.map.texture);
   gl_->ActiveTexture(GL_TEXTURE0);
-  const Surface* in_use = nullptr;
-  const std::size_t soft = view.samples_per_axis > 1 ? 2 : 0;
+  const Shadow shadow = view.samples_per_axis > 1 ? Shadow::soft : Shadow::hard;
   for (const Visible& v : visible) {
-    const Surface& surface = surfaces_[(v.textured ? 1 : 0) + soft];
-    if (in_use != &surface) {
-      surface.program.use();
-      surface.program.set("clip_from_world", clip_from_world);
-      surface.program.set("shadow_from_world", map.view.texture_from_world);
-      surface.program.set("eye", Eigen::Vector3d(view.world_from_optical.translation()));
-      in_use = &surface;
+    const Piece& piece = *v.piece;
+    if (piece.flat && shadow == Shadow::hard) {
+      draw_ground(piece, frame);
+      continue;
     }
-    if (v.textured) {
-      const auto texture = static_cast<std::size_t>(v.piece->texture);
-      gl_->BindTexture(GL_TEXTURE_2D, textures_[texture]);
-      // Blending two mip levels costs an eighth of an eye's picture.
-      gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER,
-                         soft > 0 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR_MIPMAP_NEAREST);
-      surface.program.set("repeats_per_m", 1 / model_->textures[texture].repeat_m);
-    }
-    surface.program.set(surface.world_from_model,
-                        pose.frames[static_cast<std::size_t>(v.piece->frame)].matrix());
+    use(surface(piece, shadow), piece, frame);
     // Samples that the piece's radius covers: a bevel or a facet of a small one is less than a
     // pixel.
-    const double samples = view.samples_per_axis * view.camera.fx * v.piece->radius / v.depth;
-    if (v.depth > v.piece->radius && samples < kSmall) {
-      draw_triangles(v.piece->coarse_first, v.piece->coarse_count);
+    const double samples = view.samples_per_axis * view.camera.fx * piece.radius / v.depth;
+    if (v.depth > piece.radius && samples < kSmall) {
+      draw_triangles(piece.coarse_first, piece.coarse_count);
     } else {
-      draw_triangles(v.piece->fine_first, v.piece->fine_count);
+      draw_triangles(piece.fine_first, piece.fine_count);
     }
   }
 }
@@ -234,7 +271,8 @@ void GlScene::draw(const ScenePose& pose, const View& view, GLuint framebuffer) 
   gl_->FrontFace(GL_CW);
   const Eigen::Matrix4d projection = clip_from_optical(view.camera);
   const Eigen::Matrix4d clip_from_world = projection * view.world_from_optical.inverse().matrix();
-  draw_surfaces(pose, view, map, clip_from_world);
+  Frame frame{pose, view, map, clip_from_world};
+  draw_surfaces(frame);
 
   Eigen::Matrix4d ray_from_clip = Eigen::Matrix4d::Zero();
   ray_from_clip.topLeftCorner<3, 3>() = view.world_from_optical.linear();

@@ -8,6 +8,7 @@
 #include "sim/view/gl_program.h"
 #include "sim/view/projection.h"
 #include "sim/view/scene_model.h"
+#include "sim/view/shaders.h"
 
 namespace kaz::sim {
 
@@ -35,13 +36,26 @@ class GlScene {
     std::vector<Eigen::Isometry3d> pose;  // for which it was drawn; empty: never
   };
 
+  // What is being drawn.
+  struct Frame {
+    const ScenePose& pose;
+    const View& view;
+    const ShadowMap& map;
+    Eigen::Matrix4d clip_from_world;
+    const Surface* in_use = nullptr;
+  };
+
   void upload_geometry();
   void upload_textures();
   Result<void> make_shadow_map(int texels);
   Result<void> build_programs();
   void draw_shadow_map(const ScenePose& pose, ShadowMap& map);
-  void draw_surfaces(const ScenePose& pose, const View& view, const ShadowMap& map,
-                     const Eigen::Matrix4d& clip_from_world);
+  void draw_surfaces(Frame& frame);
+  const Surface& surface(const Piece& piece, Shadow shadow) const {
+    return surfaces_[2 * static_cast<std::size_t>(shadow) + (piece.texture >= 0 ? 1 : 0)];
+  }
+  void use(const Surface& surface, const Piece& piece, Frame& frame);
+  void draw_ground(const Piece& piece, Frame& frame);
   void draw_triangles(std::uint32_t first_index, std::uint32_t count) const;
 
   const Gl* gl_;
@@ -49,7 +63,7 @@ class GlScene {
   GLuint vertex_array_ = 0, empty_vertex_array_ = 0;
   std::vector<GLuint> textures_;
 
-  std::array<Surface, 4> surfaces_;  // plain and textured, then both with soft shadows
+  std::array<Surface, 6> surfaces_;  // plain and textured, for each kind of shadow
   GlProgram depth_, background_;
   std::vector<ShadowMap> shadow_maps_;  // for the eyes, and for supersampled pictures
 };

@@ -129,6 +129,26 @@ std::vector<Group> grouped(std::vector<Prepared>& all) {
   return groups;
 }
 
+// Whether all vertices lie in one plane, within what float numbers tell.
+void find_plane(const SceneModel& model, Piece& piece) {
+  const auto at = [&](std::uint32_t index) -> const Vertex& {
+    return model.vertices[model.indices[piece.fine_first + index]].vertex;
+  };
+  if (!piece.ground || piece.fine_count == 0) return;
+  const auto vector = [](const std::array<float, 3>& a) {
+    return Eigen::Vector3d(a[0], a[1], a[2]);
+  };
+  piece.normal = vector(at(0).normal).normalized();
+  piece.distance = piece.normal.dot(vector(at(0).position));
+  piece.flat = true;
+  for (std::uint32_t i = 0; i < piece.fine_count; ++i) {
+    const Eigen::Vector3d p = vector(at(i).position);
+    if (std::abs(piece.normal.dot(p) - piece.distance) > 1e-6 * (1 + p.norm()) ||
+        piece.normal.dot(vector(at(i).normal)) < 1 - 1e-6)
+      piece.flat = false;
+  }
+}
+
 Piece add_piece(SceneModel& model, const Group& group) {
   const auto size = [&] { return static_cast<std::uint32_t>(model.indices.size()); };
   Piece piece;
@@ -147,6 +167,7 @@ Piece add_piece(SceneModel& model, const Group& group) {
   }
   piece.coarse_count = size() - piece.coarse_first;
   bound(model, piece);
+  find_plane(model, piece);
   return piece;
 }
 

@@ -31,6 +31,10 @@ struct Piece {
   std::uint32_t coarse_first = 0, coarse_count = 0, caster_count = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of a sphere around it, in the frame
   double radius = 0;
+  // A ground that is one plane: its normal and distance from the origin, in the frame.
+  bool flat = false;
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double distance = 0;
 };
 
 struct SceneModel {

@@ -9,7 +9,8 @@ namespace {
 std::string header(const SurfaceVariant& variant) {
   std::string text = "#version 330 core\n";
   if (variant.textured) text += "#define TEXTURED\n";
-  if (variant.soft_shadow) text += "#define SOFT_SHADOW\n";
+  if (variant.shadow != Shadow::none) text += "#define SHADOW\n";
+  if (variant.shadow == Shadow::soft) text += "#define SOFT_SHADOW\n";
   return text;
 }
 
@@ -42,7 +43,9 @@ uniform mat4 shadow_from_world;
 uniform vec3 eye;
 uniform vec3 to_key;
 out vec3 v_to_eye;
+#ifdef SHADOW
 out vec3 v_shadow;
+#endif
 #ifdef TEXTURED
 uniform float repeats_per_m;
 out vec2 v_uv;
@@ -56,7 +59,9 @@ void main() {
   vec4 world = world_from_model * vec4(position, 1.0);
   gl_Position = clip_from_world * world;
   v_to_eye = eye - world.xyz;
+#ifdef SHADOW
   v_shadow = (shadow_from_world * world).xyz;
+#endif
   vec3 n = mat3(world_from_model) * normal;
 #ifdef TEXTURED
   v_uv = uv * repeats_per_m;
@@ -71,10 +76,12 @@ void main() {
 
 constexpr const char* kSurfaceFragment = R"(
 in vec3 v_to_eye;
-in vec3 v_shadow;
 uniform vec3 to_key;
+#ifdef SHADOW
+in vec3 v_shadow;
 uniform sampler2DShadow shadow_map;
 uniform float shadow_texel;
+#endif
 #ifdef TEXTURED
 in vec2 v_uv;
 flat in vec3 v_shaded;
@@ -97,8 +104,10 @@ float lit() {
     sum += texture(shadow_map, vec3(v_shadow.xy + taps[i] * (3.0 * shadow_texel), v_shadow.z));
   }
   return sum * (1.0 / 12.0);
-#else
+#elif defined(SHADOW)
   return texture(shadow_map, v_shadow);
+#else
+  return 1.0;
 #endif
 }
 

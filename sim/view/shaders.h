@@ -11,9 +11,14 @@
 
 namespace kaz::sim {
 
+enum class Shadow {
+  none,  // where none can fall: the same colours as `hard` gives there
+  hard,  // one tap, for the eyes
+  soft,  // twelve taps, for pictures
+};
 struct SurfaceVariant {
   bool textured = false;
-  bool soft_shadow = false;  // twelve taps in place of one: for pictures, not for the eyes
+  Shadow shadow = Shadow::none;
 };
 
 std::string surface_vertex_shader(const SurfaceVariant& variant);
