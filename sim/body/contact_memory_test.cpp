@@ -100,7 +100,7 @@ TEST(ContactMemory, SolesStayWhereTheyAre) {
 
 // The fixed base of the arm is the first of the pair, and does not move.
 TEST(ContactMemory, HoldsABlockOnWhatIsFixed) {
-  for (const char* stepper : {"quick50", "exact"}) {
+  for (const char* stepper : {"quick50", "exact", "reduced"}) {
     test::Folder folder;
     const std::string world_path =
         folder.write("w.sdf", R"(<?xml version="1.0"?><sdf version="1.9"><world name="test">

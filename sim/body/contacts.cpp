@@ -58,7 +58,15 @@ bool apart(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double reach) {
 
 }  // namespace
 
+void enter_ode() {
+  static const int once = dInitODE2(0);
+  thread_local const int thread = dAllocateODEDataForThread(dAllocateMaskAll);
+  static_cast<void>(once);
+  static_cast<void>(thread);
+}
+
 Contacts::Contacts(const RobotModel& robot) : robot_links_(robot.links.size()) {
+  enter_ode();
   exempt_.assign(robot_links_ * robot_links_, 0);
   for (std::size_t link = 0; link < robot_links_; ++link) {
     exempt_[link * robot_links_ + link] = 1;
@@ -224,6 +232,7 @@ void Contacts::place_parts() {
 }
 
 void Contacts::update() {
+  enter_ode();
   touches_.clear();
   place_parts();
   for (const auto& [a, b] : selves_) meet(robot_[a], robot_[b]);

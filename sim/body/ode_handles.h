@@ -10,6 +10,9 @@
 
 namespace kaz::sim {
 
+// To be called in each thread before ODE is used in it.
+void enter_ode();
+
 template <auto Destroy>
 struct OdeDelete {
   template <class T>

@@ -26,14 +26,6 @@ std::mutex& ode_mutex() {
   return mutex;
 }
 
-// ODE wants to be told of each thread that uses it.
-void enter_ode() {
-  static const int once = dInitODE2(0);
-  thread_local const int thread = dAllocateODEDataForThread(dAllocateMaskAll);
-  static_cast<void>(once);
-  static_cast<void>(thread);
-}
-
 OdeWorldHandle make_world(const Eigen::Vector3d& gravity, int iterations) {
   enter_ode();
   OdeWorldHandle world(dWorldCreate());

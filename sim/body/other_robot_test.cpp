@@ -38,7 +38,7 @@ TEST(Arm, StandsWhereTheWorldPutsIt) {
 }
 
 TEST(Arm, FollowsItsMotors) {
-  for (const char* stepper : {"quick50", "exact"}) {
+  for (const char* stepper : {"quick50", "exact", "reduced"}) {
     WorldOptions options;
     options.stepper = stepper;
     const auto world = arm(options);

@@ -41,7 +41,7 @@ class Objects : public testing::TestWithParam<const char*> {
   test::Folder folder_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Steppers, Objects, testing::Values("quick10", "exact"));
+INSTANTIATE_TEST_SUITE_P(Steppers, Objects, testing::Values("quick10", "exact", "reduced"));
 
 TEST_P(Objects, FallAndBounce) {
   const double height = 0.5, restitution = 0.7;

@@ -6,12 +6,16 @@
 #include <filesystem>
 
 #include "sim/body/ode_world.h"
+#include "sim/body/reduced/reduced_world.h"
 
 namespace kaz::sim {
 namespace {
 
-// "exact": 0; "quickN": N.
+constexpr int kReduced = -1;
+
+// "exact": 0; "quickN": N; "reduced": kReduced.
 Result<int> iterations_of(const std::string& stepper) {
+  if (stepper == "reduced") return kReduced;
   if (stepper == "exact") return 0;
   const std::string quick = "quick";
   int iterations = 0;
@@ -23,7 +27,7 @@ Result<int> iterations_of(const std::string& stepper) {
     }
   }
   return fail(Fault::usage, "stepper \"" + stepper +
-                                "\" is unknown; use \"exact\", or \"quick50\" for 50 iterations");
+                                "\" is unknown; use \"reduced\", \"exact\", or \"quick50\" for 50 iterations");
 }
 
 }  // namespace
@@ -44,8 +48,11 @@ Result<std::unique_ptr<World>> World::load(const std::string& world_path,
   if (!motor) return tl::unexpected(motor.error());
   const Result<WorldModel> world = load_world(world_path);
   if (!world) return tl::unexpected(world.error());
-  return std::make_unique<OdeWorld>(*world, *robot, options.ideal_motors ? motor->ideal() : *motor,
-                                    options, *iterations);
+  const MotorFigures figures = options.ideal_motors ? motor->ideal() : *motor;
+  if (*iterations == kReduced) {
+    return std::make_unique<ReducedWorld>(*world, *robot, figures, options);
+  }
+  return std::make_unique<OdeWorld>(*world, *robot, figures, options, *iterations);
 }
 
 }  // namespace kaz::sim

@@ -55,7 +55,7 @@ struct ContactPoint {
 struct WorldOptions {
   std::uint64_t seed = 1;
   double step_s = 0.001;
-  std::string stepper = "quick50";  // "exact", or "quickN" with N iterations
+  std::string stepper = "reduced";  // "reduced"; ODE: "exact", or "quickN" with N iterations
   bool hung = false;                // the robot's trunk is fixed, its feet well above the ground
   std::string motor =
       "";  // a motor of motor.xml, which stands beside the URDF; "": the file's default

@@ -42,7 +42,7 @@ struct SimulationOptions {
   std::string robot_path;         // URDF
   std::string camera_path;        // camera.json beside the URDF; not read for a robot without eyes
   std::uint64_t seed = 1;
-  std::string stepper = "quick50";  // sim/body/world.h
+  std::string stepper = "reduced";  // sim/body/world.h
   SensorSwitches sensors = {};
   SensorFigures sensor_figures = {};  // create() takes them from sensors.xml beside the URDF
   bool imu = false;                   // the board has gyro and accelerometer

@@ -1,0 +1,252 @@
+// Dynamics of a tree of rigid links in reduced coordinates.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/reduced/articulated_tree.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kaz::sim {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+double dot(const Spatial& motion, const Spatial& force) {
+  return motion.angular.dot(force.angular) + motion.linear.dot(force.linear);
+}
+
+Spatial operator+(const Spatial& a, const Spatial& b) {
+  return {a.angular + b.angular, a.linear + b.linear};
+}
+
+Spatial scaled(const Spatial& a, double by) {
+  return {a.angular * by, a.linear * by};
+}
+
+// Rate of change of a motion that is carried along by a motion v.
+Spatial carried(const Spatial& v, const Spatial& motion) {
+  return {v.angular.cross(motion.angular),
+          v.angular.cross(motion.linear) + v.linear.cross(motion.angular)};
+}
+
+// The same of a force.
+Spatial carried_force(const Spatial& v, const Spatial& force) {
+  return {v.angular.cross(force.angular) + v.linear.cross(force.linear),
+          v.angular.cross(force.linear)};
+}
+
+// turn * rotation by `angle` about the unit `axis` (Rodrigues).
+Matrix3d turned(const Matrix3d& turn, const Vector3d& axis, double angle) {
+  const double s = std::sin(angle), c = std::cos(angle);
+  const Vector3d t = (1 - c) * axis;
+  Matrix3d r;
+  r << c + t.x() * axis.x(), t.x() * axis.y() - s * axis.z(), t.x() * axis.z() + s * axis.y(),
+      t.y() * axis.x() + s * axis.z(), c + t.y() * axis.y(), t.y() * axis.z() - s * axis.x(),
+      t.z() * axis.x() - s * axis.y(), t.z() * axis.y() + s * axis.x(), c + t.z() * axis.z();
+  return turn * r;
+}
+
+Matrix3d point_inertia(double mass, const Vector3d& r) {
+  return mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
+}
+
+}  // namespace
+
+ArticulatedTree::ArticulatedTree(const RobotModel& robot, const Eigen::Isometry3d& root, bool held)
+    : root_at(root.translation()), root_turn(root.linear()) {
+  root_turn.normalize();
+  root_dofs_ = held || robot.fixed_base ? 0 : 6;
+  dofs_ = root_dofs_ + static_cast<int>(robot.links.size()) - 1;
+  dof_of_joint_.resize(robot.joints.size());
+  for (std::size_t i = 0; i < robot.links.size(); ++i) {
+    const RobotLink& from = robot.links[i];
+    Link link;
+    link.parent = from.parent;
+    link.mass = from.rigid.mass;
+    link.own_com = from.rigid.com;
+    link.own_inertia = from.rigid.inertia;
+    mass_ += link.mass;
+    if (from.parent >= 0) {
+      const RobotLink& parent = robot.links[index(from.parent)];
+      const Eigen::Isometry3d in_parent = parent.at_zero.inverse() * from.at_zero;
+      link.in_parent = in_parent.translation();
+      link.at_zero = in_parent.linear();
+      link.own_axis = from.at_zero.linear().transpose() * robot.joints[index(from.joint)].axis;
+      link.dof = root_dofs_ + static_cast<int>(i) - 1;
+      dof_of_joint_[index(from.joint)] = link.dof;
+      const Link& carrier = links_[index(from.parent)];
+      link.span = {carrier.dof >= 0 ? carrier.span.first : link.dof, link.dof + 1};
+    } else {
+      link.span = {root_dofs_, root_dofs_};
+    }
+    links_.push_back(link);
+  }
+  angle.assign(robot.joints.size(), 0);
+  velocity.assign(index(dofs_), 0);
+  place();
+  velocities();
+}
+
+void ArticulatedTree::place() {
+  whole_ = {};
+  for (Link& link : links_) {
+    if (link.parent < 0) {
+      link.axes = root_turn.toRotationMatrix();
+      link.origin.setZero();
+    } else {
+      const Link& parent = links_[index(link.parent)];
+      link.axes =
+          turned(parent.axes * link.at_zero, link.own_axis, angle[index(link.dof - root_dofs_)]);
+      link.origin = parent.origin + parent.axes * link.in_parent;
+      link.motion.angular = link.axes * link.own_axis;
+      link.motion.linear = link.origin.cross(link.motion.angular);
+    }
+    link.com = link.origin + link.axes * link.own_com;
+    link.inertia.mass = link.mass;
+    link.inertia.first = link.mass * link.com;
+    link.inertia.second =
+        link.axes * link.own_inertia * link.axes.transpose() + point_inertia(link.mass, link.com);
+    whole_.mass += link.mass;
+    whole_.first += link.inertia.first;
+    whole_.second += link.inertia.second;
+  }
+}
+
+void ArticulatedTree::twists(const std::vector<double>& v) {
+  Link& root = links_.front();
+  if (root_dofs_ == 6) {
+    root.twist.angular = {v[0], v[1], v[2]};
+    root.twist.linear = {v[3], v[4], v[5]};
+  }
+  for (std::size_t i = 1; i < links_.size(); ++i) {
+    Link& link = links_[i];
+    link.twist = links_[index(link.parent)].twist + scaled(link.motion, v[index(link.dof)]);
+  }
+}
+
+Vector3d ArticulatedTree::velocity_at(int link, const Vector3d& point) const {
+  const Spatial& twist = links_[index(link)].twist;
+  return twist.linear + twist.angular.cross(point - root_at);
+}
+
+Vector3d ArticulatedTree::mass_centre() const {
+  return root_at + whole_.first / whole_.mass;
+}
+
+ArticulatedTree::Momentum ArticulatedTree::momentum() {
+  velocities();
+  Spatial sum;
+  for (const Link& link : links_) sum = sum + link.inertia * link.twist;
+  return {sum.linear, sum.angular - (whole_.first / whole_.mass).cross(sum.linear)};
+}
+
+void ArticulatedTree::set_momentum(const Momentum& to) {
+  if (root_dofs_ != 6) return;
+  const Momentum now = momentum();
+  const Vector3d centre = whole_.first / whole_.mass;
+  const Matrix3d about_centre = whole_.second - point_inertia(whole_.mass, centre);
+  const Vector3d turn = about_centre.inverse() * (to.angular - now.angular);
+  const Vector3d shift = (to.linear - now.linear) / whole_.mass - turn.cross(centre);
+  for (int k = 0; k < 3; ++k) {
+    velocity[index(k)] += turn[k];
+    velocity[index(k + 3)] += shift[k];
+  }
+  velocities();
+}
+
+double ArticulatedTree::kinetic_energy() {
+  velocities();
+  double twice = 0;
+  for (const Link& link : links_) twice += dot(link.twist, link.inertia * link.twist);
+  return twice / 2;
+}
+
+void ArticulatedTree::composite() {
+  for (Link& link : links_) link.composite = link.inertia;
+  for (std::size_t i = links_.size(); i-- > 1;) {
+    const Link& link = links_[i];
+    Inertia& parent = links_[index(link.parent)].composite;
+    parent.mass += link.composite.mass;
+    parent.first += link.composite.first;
+    parent.second += link.composite.second;
+  }
+}
+
+void ArticulatedTree::write_mass_row(const Link& link, double* m) const {
+  const Spatial force = link.composite * link.motion;
+  m[link.dof] = dot(link.motion, force);
+  for (int up = link.parent; up > 0; up = links_[index(up)].parent)
+    m[links_[index(up)].dof] = dot(links_[index(up)].motion, force);
+  if (root_dofs_ == 0) return;
+  for (int k = 0; k < 3; ++k) {
+    m[k] = force.angular[k];
+    m[k + 3] = force.linear[k];
+  }
+}
+
+// Linear momentum from angular velocity: -first x.
+void ArticulatedTree::write_root_row(int i, double* m) const {
+  if (i < 3) {
+    for (int k = 0; k <= i; ++k) m[k] = whole_.second(i, k);
+    return;
+  }
+  const Vector3d axis = Vector3d::Unit(i - 3);
+  const Vector3d turning = whole_.first.cross(axis);
+  for (int k = 0; k < 3; ++k) m[k] = turning[k];
+  m[i] = whole_.mass;
+}
+
+void ArticulatedTree::bias(const std::vector<double>& v, const Vector3d& gravity,
+                           std::vector<double>& c) {
+  twists(v);
+  Link& root = links_.front();
+  root.acceleration = {Vector3d::Zero(), -gravity};
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    Link& link = links_[i];
+    if (i > 0) {
+      link.acceleration = links_[index(link.parent)].acceleration +
+                          carried(link.twist, scaled(link.motion, v[index(link.dof)]));
+    }
+    link.force =
+        link.inertia * link.acceleration + carried_force(link.twist, link.inertia * link.twist);
+  }
+  for (std::size_t i = links_.size(); i-- > 1;) {
+    const Link& link = links_[i];
+    c[index(link.dof)] = dot(link.motion, link.force);
+    Link& parent = links_[index(link.parent)];
+    parent.force = parent.force + link.force;
+  }
+  if (root_dofs_ == 0) return;
+  for (int k = 0; k < 3; ++k) {
+    c[index(k)] = root.force.angular[k];
+    c[index(k + 3)] = root.force.linear[k];
+  }
+}
+
+void ArticulatedTree::add_point_row(int link, const Vector3d& point, const Vector3d& direction,
+                                    double sign, double* j) const {
+  const Vector3d force = sign * direction;
+  const Spatial wrench{(point - root_at).cross(force), force};
+  for (int i = link; i > 0; i = links_[index(i)].parent) {
+    const Link& at = links_[index(i)];
+    j[at.dof] += dot(at.motion, wrench);
+  }
+  if (root_dofs_ == 0) return;
+  for (int k = 0; k < 3; ++k) {
+    j[k] += wrench.angular[k];
+    j[k + 3] += wrench.linear[k];
+  }
+}
+
+void ArticulatedTree::add_turn_row(int link, const Vector3d& direction, double sign,
+                                   double* j) const {
+  const Vector3d moment = sign * direction;
+  for (int i = link; i > 0; i = links_[index(i)].parent) {
+    const Link& at = links_[index(i)];
+    j[at.dof] += at.motion.angular.dot(moment);
+  }
+  if (root_dofs_ == 0) return;
+  for (int k = 0; k < 3; ++k) j[k] += moment[k];
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,133 @@
+// Dynamics of a tree of rigid links in reduced coordinates: one coordinate for each joint, six for
+// a root that is free. Joints have no gaps by construction.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Sources: R. Featherstone, "Rigid Body Dynamics Algorithms" (2008): composite-rigid-body inertia
+// (6.2), recursive Newton-Euler bias (5.3).
+//
+// All spatial quantities are in world axes about one point, the root's origin P as it is now: so
+// inertias and forces of links are added without any transform. Order of coordinates v: angular
+// velocity of the root and velocity of P (world axes, rad/s and m/s; neither of them where the root
+// does not move), then the joints' rates in the order of links, parents first (rad/s).
+//
+//   M(q) dv/dt + c(q, v) = tau
+//
+// Nothing allocates after the constructor; the order of all sums is fixed, so the same input gives
+// the same bits.
+#pragma once
+
+#include <vector>
+
+#include "sim/body/robot_model.h"
+
+namespace kaz::sim {
+
+// Of a motion about P: angular velocity and velocity of P. Of a force: moment about P and force.
+struct Spatial {
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();
+};
+
+class ArticulatedTree {
+ public:
+  // `held`: the root stays where it is, although the model would let it move.
+  ArticulatedTree(const RobotModel& robot, const Eigen::Isometry3d& root, bool held);
+
+  int dofs() const { return dofs_; }
+  int root_dofs() const { return root_dofs_; }
+  int dof_of_joint(int joint) const { return dof_of_joint_[static_cast<std::size_t>(joint)]; }
+
+  // State. Angles (rad) are of the joints alone, velocity has all coordinates.
+  Eigen::Vector3d root_at;  // m, world
+  Eigen::Quaterniond root_turn;
+  std::vector<double> angle;  // by coordinate - root_dofs()
+  std::vector<double> velocity;
+
+  // Places, axes and inertias for the state as it is; to be called after each change of place or angle.
+  void place();
+  const Eigen::Matrix3d& axes(int link) const { return links_[index(link)].axes; }
+  Eigen::Vector3d origin(int link) const { return root_at + links_[index(link)].origin; }
+  Eigen::Vector3d com(int link) const { return root_at + links_[index(link)].com; }
+  // Velocity of a point of a link, world axes; needs velocities().
+  Eigen::Vector3d velocity_at(int link, const Eigen::Vector3d& point) const;
+  Eigen::Vector3d angular_velocity(int link) const { return links_[index(link)].twist.angular; }
+  // Twists of the links for `velocity`.
+  void velocities() { twists(velocity); }
+
+  // Momentum for `velocity`: linear (kg m/s), and angular about the centre of mass (kg m2/s).
+  struct Momentum {
+    Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
+  };
+  Momentum momentum();
+  // Changes the root's velocity, and no joint's, so that momentum() becomes this. For free roots.
+  void set_momentum(const Momentum& to);
+  Eigen::Vector3d mass_centre() const;  // m, world
+  double mass() const { return mass_; }
+  double kinetic_energy();  // J
+
+  // M for the present place: row(i) points to row i, of which ancestors' columns and the diagonal are
+  // written.
+  template <class Row>
+  void mass_matrix(Row row) {
+    composite();
+    for (std::size_t i = 1; i < links_.size(); ++i) write_mass_row(links_[i], row(links_[i].dof));
+    for (int i = 0; i < root_dofs_; ++i) write_root_row(i, row(i));
+  }
+  // c for any velocity: what tau has to be so that nothing accelerates but what falls freely.
+  // The root's linear acceleration is then that of P as a point of the moving body minus
+  // angular x linear velocity.
+  void bias(const std::vector<double>& velocity, const Eigen::Vector3d& gravity,
+            std::vector<double>& c);
+
+  // Coordinates of a link's branch, beside those of the root: all that may move it.
+  struct Span {
+    int first = 0, end = 0;
+  };
+  Span span_of_link(int link) const { return links_[index(link)].span; }
+  Span span_of_dof(int dof) const { return links_[index(dof - root_dofs_ + 1)].span; }
+  // j += sign * row of the velocity of `point` (world, m) of a link along `direction`, or of its
+  // angular velocity about it.
+  void add_point_row(int link, const Eigen::Vector3d& point, const Eigen::Vector3d& direction,
+                     double sign, double* j) const;
+  void add_turn_row(int link, const Eigen::Vector3d& direction, double sign, double* j) const;
+
+ private:
+  struct Inertia {  // about P
+    double mass = 0;
+    Eigen::Vector3d first = Eigen::Vector3d::Zero();  // mass * centre
+    Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+    Spatial operator*(const Spatial& motion) const {
+      return {second * motion.angular + first.cross(motion.linear),
+              mass * motion.linear - first.cross(motion.angular)};
+    }
+  };
+  struct Link {
+    int parent = -1, dof = -1;
+    Span span;
+    Eigen::Vector3d in_parent = Eigen::Vector3d::Zero();    // origin, parent's axes
+    Eigen::Matrix3d at_zero = Eigen::Matrix3d::Identity();  // axes at angle 0, parent's axes
+    Eigen::Vector3d own_axis = Eigen::Vector3d::UnitX();    // of the joint, own axes
+    double mass = 0;
+    Eigen::Vector3d own_com = Eigen::Vector3d::Zero();          // own axes
+    Eigen::Matrix3d own_inertia = Eigen::Matrix3d::Identity();  // about com, own axes
+    // For the present place; vectors from P.
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero(), com = Eigen::Vector3d::Zero();
+    Spatial motion;  // that the joint gives at unit rate
+    Inertia inertia, composite;
+    Spatial twist, acceleration, force;
+  };
+  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+  void composite();
+  void write_mass_row(const Link& link, double* m) const;
+  void write_root_row(int i, double* m) const;
+  void twists(const std::vector<double>& velocity);
+
+  std::vector<Link> links_;
+  std::vector<int> dof_of_joint_;
+  int dofs_ = 0, root_dofs_ = 0;
+  double mass_ = 0;
+  Inertia whole_;  // of all links
+};
+
+}  // namespace kaz::sim

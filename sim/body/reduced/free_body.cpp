@@ -1,0 +1,63 @@
+// A rigid body that hangs on nothing: a ball, a box.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/reduced/free_body.h"
+
+#include <cmath>
+
+#include <Eigen/LU>
+
+namespace kaz::sim {
+
+Eigen::Quaterniond turned(const Eigen::Quaterniond& turn, const Eigen::Vector3d& by) {
+  const double angle = by.norm();
+  const double part = angle > 1e-12 ? std::sin(angle / 2) / angle : 0.5;
+  const Eigen::Quaterniond step(std::cos(angle / 2), part * by.x(), part * by.y(), part * by.z());
+  return (step * turn).normalized();
+}
+
+FreeBody::FreeBody(const RigidLink& link, const Eigen::Isometry3d& start)
+    : com(start * link.com),
+      mass_(link.mass),
+      own_com_(link.com),
+      inertia_(link.inertia),
+      inverse_(link.inertia.inverse()),
+      turn_(start.linear()) {
+  turn_.normalize();
+  place();
+}
+
+Eigen::Isometry3d FreeBody::link_pose() const {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = axes_;
+  pose.translation() = com - axes_ * own_com_;
+  return pose;
+}
+
+void FreeBody::place() {
+  axes_ = turn_.toRotationMatrix();
+  angular_velocity_ = turning(turn_);
+}
+
+Eigen::Vector3d FreeBody::turning(const Eigen::Quaterniond& turn) const {
+  return turn * (inverse_ * (turn.conjugate() * momentum_));
+}
+
+// In flight the mean of both velocities, which is exact under gravity; in touch the new one, which is
+// what contacts asked for. Turning is a midpoint rule either way: of second order.
+void FreeBody::advance(const Eigen::Vector3d& velocity_after, const Eigen::Vector3d& angular_after,
+                       bool flight, double step_s) {
+  momentum_ += axes_ * (inertia_ * (axes_.transpose() * (angular_after - angular_velocity_)));
+  com += step_s * (flight ? Eigen::Vector3d((velocity + velocity_after) / 2) : velocity_after);
+  velocity = velocity_after;
+  const Eigen::Quaterniond halfway = turned(turn_, step_s / 2 * turning(turn_));
+  turn_ = turned(turn_, step_s * turning(halfway));
+  place();
+}
+
+void FreeBody::stop() {
+  velocity.setZero();
+  momentum_.setZero();
+  angular_velocity_.setZero();
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,59 @@
+// A rigid body that hangs on nothing: a ball, a box.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sim/body/body_sleep.h"
+#include "sim/body/rigid_link.h"
+
+namespace kaz::sim {
+
+// Its angular momentum is a part of the state: in flight it stays what it is, to the last bit.
+class FreeBody {
+ public:
+  FreeBody(const RigidLink& link, const Eigen::Isometry3d& start);
+
+  // m, m/s, rad/s, kg m2/s; world axes, of the centre of mass.
+  Eigen::Vector3d com;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  const Eigen::Vector3d& angular_velocity() const { return angular_velocity_; }
+  const Eigen::Matrix3d& axes() const { return axes_; }  // of the link's frame
+  Eigen::Isometry3d link_pose() const;
+  double mass() const { return mass_; }
+
+  Eigen::Matrix3d inertia() const { return axes_ * inertia_ * axes_.transpose(); }  // world axes
+
+  // After the step's impulses: moves on by one step. `flight`: nothing touched it.
+  void advance(const Eigen::Vector3d& velocity_after, const Eigen::Vector3d& angular_after,
+               bool flight, double step_s);
+  void stop();
+
+  bool awake = true;
+  double left_s = SleepRule{}.after_s;  // how long it has still to lie still before it sleeps
+
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    for (int k = 0; k < 3; ++k) a(com[k], velocity[k], momentum_[k]);
+    for (int k = 0; k < 4; ++k) a(turn_.coeffs()[k]);
+    a(awake, left_s);
+    if constexpr (A::reading) place();
+  }
+
+ private:
+  void place();
+  Eigen::Vector3d turning(const Eigen::Quaterniond& turn) const;
+
+  double mass_;
+  Eigen::Vector3d own_com_;
+  Eigen::Matrix3d inertia_, inverse_;  // own axes, about com
+  Eigen::Quaterniond turn_;
+  Eigen::Vector3d momentum_ = Eigen::Vector3d::Zero();
+  // Follow from the above.
+  Eigen::Vector3d angular_velocity_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d axes_;
+};
+
+// Turns by the rotation vector `by`, rad, world axes.
+Eigen::Quaterniond turned(const Eigen::Quaterniond& turn, const Eigen::Vector3d& by);
+
+}  // namespace kaz::sim

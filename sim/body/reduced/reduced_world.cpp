@@ -1,0 +1,458 @@
+// World in reduced coordinates: one step.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/reduced/reduced_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "sim/body/contact_surface.h"
+
+namespace kaz::sim {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// A stop gives back this share of what a joint is beyond it each step, and yields that much, rad/s per
+// Nm.
+constexpr double kStopErp = 0.2, kStopSoftness = 1e-6;
+constexpr double kStopWatch = 0.02;  // rad, from which a stop is looked at
+// m/s per N: what is harder is taken as that hard.
+constexpr double kLeastSoftness = 1e-8;
+// Velocities change by no more than this in the last step of Newton's method, m/s or rad/s: before the
+// forces that depend on velocity are taken halfway, and at the end.
+constexpr double kRough = 1e-2, kExact = 1e-9;
+constexpr int kMostSteps = 60;
+constexpr double kSamePoint = 3e-3;  // m, that a point moves at most in a step
+
+}  // namespace
+
+ReducedWorld::ReducedWorld(const WorldModel& world, const RobotModel& robot,
+                           const MotorFigures& motor, const WorldOptions& options)
+    : StagedWorld(world, robot, motor, options),
+      tree_(robot, bodies_.front().start, hung_),
+      joints_(robot.joints.size()) {
+  for (std::size_t i = robot_links_; i < bodies_.size(); ++i) {
+    objects_.emplace_back(bodies_[i].rigid, bodies_[i].start);
+  }
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    joints_[i].dof = tree_.dof_of_joint(static_cast<int>(i));
+    joints_[i].lower = robot.joints[i].lower - kStopMargin;
+    joints_[i].upper = robot.joints[i].upper + kStopMargin;
+  }
+  const auto dofs = static_cast<std::size_t>(tree_.dofs());
+  for (std::vector<double>* v : {&bias_, &carried_, &halfway_, &scratch_}) v->assign(dofs, 0);
+  coordinate_of_.assign(objects_.size(), -1);
+  read_joints();
+  read_imu(imu_velocity());
+  read_motors();
+}
+
+int ReducedWorld::find_contacts() {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const int body = static_cast<int>(i);
+    if (!bodies_[i].moves) continue;
+    if (i < robot_links_) {
+      contacts_.place(body, tree_.axes(body), tree_.com(body), true);
+    } else {
+      const FreeBody& free = object(body);
+      contacts_.place(body, free.axes(), free.com, free.awake);
+    }
+  }
+  contacts_.update();
+  return static_cast<int>(contacts_.touches().size());
+}
+
+// The rule of BodySleep: what lies still long enough sleeps, unless something that is awake touches it.
+void ReducedWorld::settle_sleep() {
+  constexpr SleepRule rule;
+  const auto touched = [this](std::size_t i) {
+    const int body = static_cast<int>(i + robot_links_);
+    return std::ranges::any_of(contacts_.touches(), [body](const Touch& touch) {
+      return touch.body_a == body || touch.body_b == body;
+    });
+  };
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    FreeBody& body = objects_[i];
+    if (!body.awake || !touched(i)) continue;
+    if (body.velocity.squaredNorm() > rule.linear * rule.linear ||
+        body.angular_velocity().squaredNorm() > rule.angular * rule.angular) {
+      body.left_s = rule.after_s;
+      continue;
+    }
+    body.left_s -= step_s_;
+    if (body.left_s > 0) continue;
+    body.awake = false;
+    body.stop();
+  }
+  const auto awake = [this](int body) {
+    return body >= 0 && (of_robot(body) || object(body).awake);
+  };
+  for (bool again = true; again;) {
+    again = false;
+    for (const Touch& touch : contacts_.touches()) {
+      if (awake(touch.body_a) == awake(touch.body_b)) continue;
+      const int other = awake(touch.body_a) ? touch.body_b : touch.body_a;
+      if (other < 0) continue;
+      object(other).awake = true;
+      again = true;
+    }
+  }
+}
+
+void ReducedWorld::write_inertia() {
+  int size = tree_.dofs();
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    coordinate_of_[i] = objects_[i].awake ? size : -1;
+    if (objects_[i].awake) size += 6;
+  }
+  const int root = tree_.root_dofs();
+  solver_.begin(size, root);
+  for (int i = root; i < tree_.dofs(); ++i) solver_.couple(i, tree_.span_of_dof(i).first, root > 0);
+  tree_.mass_matrix([this](int i) { return solver_.inertia_row(i); });
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const int first = coordinate_of_[i];
+    if (first < 0) continue;
+    const Matrix3d inertia = objects_[i].inertia();
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b <= a; ++b) solver_.inertia_row(first + a)[first + b] = inertia(a, b);
+      solver_.inertia_row(first + 3 + a)[first + 3 + a] = objects_[i].mass();
+      solver_.couple(first + a, first, false);
+      solver_.couple(first + 3 + a, first, false);
+    }
+  }
+  velocity_.assign(static_cast<std::size_t>(size), 0);
+  momentum_.assign(velocity_.size(), 0);
+  std::ranges::copy(tree_.velocity, velocity_.begin());
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (coordinate_of_[i] < 0) continue;
+    double* v = velocity_.data() + coordinate_of_[i];
+    for (int k = 0; k < 3; ++k) {
+      v[k] = objects_[i].angular_velocity()[k];
+      v[k + 3] = objects_[i].velocity[k];
+    }
+  }
+}
+
+// What the step leaves without rows, for forces that depend on velocity taken at `at_velocity`.
+void ReducedWorld::write_momentum(const std::vector<double>& at_velocity) {
+  tree_.bias(at_velocity, gravity_, bias_);
+  carried_.assign(velocity_.size(), 0);
+  std::ranges::copy(tree_.velocity, carried_.begin());
+  if (tree_.root_dofs() > 0) {
+    // P is a point of the robot: its velocity also turns with it.
+    const double* v = at_velocity.data();
+    const Vector3d turn = step_s_ * Vector3d(v[0], v[1], v[2]).cross(Vector3d(v[3], v[4], v[5]));
+    for (int k = 0; k < 3; ++k) carried_[static_cast<std::size_t>(k + 3)] += turn[k];
+  }
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (coordinate_of_[i] < 0) continue;
+    double* v = carried_.data() + coordinate_of_[i];
+    for (int k = 0; k < 3; ++k) {
+      v[k] = objects_[i].angular_velocity()[k];
+      v[k + 3] = objects_[i].velocity[k] + step_s_ * gravity_[k];
+    }
+  }
+  solver_.multiply(carried_.data(), momentum_.data());
+  for (std::size_t i = 0; i < bias_.size(); ++i) momentum_[i] -= step_s_ * bias_[i];
+}
+
+// What the nearest point of the same shapes got in the step before.
+VelocitySolver::Impulse ReducedWorld::recall(const Touch& touch, const Matrix3d& basis) const {
+  const Memory* best = nullptr;
+  double nearest = kSamePoint * kSamePoint;
+  for (const Memory& memory : memory_) {
+    if (memory.shape_a != touch.shape_a || memory.shape_b != touch.shape_b) continue;
+    const double distance = (memory.at - touch.at).squaredNorm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    best = &memory;
+  }
+  VelocitySolver::Impulse start = VelocitySolver::Impulse::Zero();
+  if (best == nullptr) return start;
+  start.head<3>() = basis.transpose() * best->impulse;
+  const Vector3d moment = basis.transpose() * best->moment;
+  start.tail<3>() = Vector3d(moment[1], moment[2], moment[0]);
+  return start;
+}
+
+// Rows of the robot's side, as sums of forces on both links where both are the robot's.
+void ReducedWorld::write_robot_rows(const Touch& touch, const ArticulatedTree::Span& span,
+                                    const Matrix3d& basis, int rows, int stride, double* out) {
+  const int root = tree_.root_dofs();
+  for (int r = 0; r < rows; ++r, out += stride) {
+    std::ranges::fill(scratch_, 0.0);
+    const Vector3d way = r < 3 ? basis.col(r) : basis.col((r - 2) % 3);
+    for (const auto& [body, sign] : {std::pair{touch.body_a, 1.0}, {touch.body_b, -1.0}}) {
+      if (!of_robot(body)) continue;
+      if (r < 3) {
+        tree_.add_point_row(body, touch.at, way, sign, scratch_.data());
+      } else {
+        tree_.add_turn_row(body, way, sign, scratch_.data());
+      }
+    }
+    std::copy_n(scratch_.data(), root, out);
+    std::copy(scratch_.data() + span.first, scratch_.data() + span.end, out + root);
+  }
+}
+
+void ReducedWorld::write_object_rows(const Touch& touch, int body, double sign,
+                                     const Matrix3d& basis, int rows, int stride, double* out) {
+  const FreeBody& free = object(body);
+  const Vector3d arm = touch.at - free.com;
+  for (int r = 0; r < rows; ++r, out += stride) {
+    const Vector3d way = sign * (r < 3 ? basis.col(r) : basis.col((r - 2) % 3));
+    Eigen::Map<Vector3d> angular(out), linear(out + 3);
+    angular = r < 3 ? Vector3d(arm.cross(way)) : way;
+    if (r < 3) linear = way;
+  }
+}
+
+void ReducedWorld::make_contact_row(const Touch& touch) {
+  const auto moves = [this](int body) {
+    return of_robot(body) || (body >= 0 && object(body).awake);
+  };
+  if (!moves(touch.body_a) && !moves(touch.body_b)) return;
+  Matrix3d basis;
+  basis.col(0) = touch.normal;
+  basis.col(1) = touch.normal.unitOrthogonal();
+  basis.col(2) = touch.normal.cross(basis.col(1));
+  const Surface& surface = touch.surface;
+  const int rows = surface.rolling_resistance > 0 ? 6 : 3;
+
+  std::array<VelocitySolver::Segment, 4> segments;
+  std::size_t count = 0;
+  ArticulatedTree::Span span{tree_.dofs(), 0};
+  const bool robot = of_robot(touch.body_a) || of_robot(touch.body_b);
+  for (const int body : {touch.body_a, touch.body_b}) {
+    if (!of_robot(body)) continue;
+    const ArticulatedTree::Span one = tree_.span_of_link(body);
+    if (one.first == one.end) continue;
+    span = {std::min(span.first, one.first), std::max(span.end, one.end)};
+  }
+  if (span.end == 0) span = {tree_.root_dofs(), tree_.root_dofs()};
+  int length = 0;
+  if (robot) {
+    segments[count++] = {0, tree_.root_dofs()};
+    segments[count++] = {span.first, span.end - span.first};
+    length += tree_.root_dofs() + span.end - span.first;
+  }
+  // Coordinates in rising order.
+  std::array<std::pair<int, double>, 2> sides{{{touch.body_a, 1.0}, {touch.body_b, -1.0}}};
+  if (sides[0].first > sides[1].first) std::swap(sides[0], sides[1]);
+  for (const auto& [body, sign] : sides) {
+    if (body < 0 || of_robot(body)) continue;
+    segments[count++] = {coordinate_of_[static_cast<std::size_t>(body) - robot_links_], 6};
+    length += 6;
+  }
+  // A held root has no coordinates: then there is nothing to push.
+  if (length == 0) return;
+
+  VelocitySolver::Point point;
+  point.softness = std::max(surface.softness, kLeastSoftness) / step_s_;
+  point.mu = surface.mu;
+  point.rolling = surface.rolling_resistance;
+  point.target = std::min(kContactErp / step_s_ * std::max(0.0, touch.depth - kContactLayer),
+                          kContactMaxCorrection);
+  if (surface.restitution > 0) {
+    const double approach =
+        touch.normal.dot(velocity_at(touch.body_b, touch.at) - velocity_at(touch.body_a, touch.at));
+    if (approach > surface.bounce_threshold)
+      point.target = std::max(point.target, surface.restitution * approach);
+  }
+  point.before = recall(touch, basis);
+  double* j = solver_.add_point(point, std::span(segments).first(count));
+  pushes_.push_back({static_cast<std::size_t>(&touch - contacts_.touches().data()), basis});
+  if (robot) {
+    write_robot_rows(touch, span, basis, rows, length, j);
+    j += tree_.root_dofs() + span.end - span.first;
+  }
+  for (const auto& [body, sign] : sides) {
+    if (body < 0 || of_robot(body)) continue;
+    write_object_rows(touch, body, sign, basis, rows, length, j);
+    j += 6;
+  }
+}
+
+Vector3d ReducedWorld::velocity_at(int body, const Vector3d& point) const {
+  if (body < 0) return Vector3d::Zero();
+  if (of_robot(body)) return tree_.velocity_at(body, point);
+  const FreeBody& free = object(body);
+  return free.velocity + free.angular_velocity().cross(point - free.com);
+}
+
+// First the motors, joint by joint, then the stops that are near.
+void ReducedWorld::make_joint_rows() {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const JointMotor::Row& row = rows_[i];
+    solver_.add_bounded({joints_[i].dof, 1, row.velocity, row.softness / step_s_,
+                         step_s_ * row.least, step_s_ * row.most});
+  }
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const double angle = joint_states_[i].angle;
+    const double watch = kStopWatch + step_s_ * std::abs(joint_states_[i].velocity);
+    const auto stop = [&](double way, double sign) {  // way: rad, left to it
+      if (way > watch) return;
+      const double target = way > 0 ? -way / step_s_ : -kStopErp * way / step_s_;
+      solver_.add_bounded({joints_[i].dof, sign, target, kStopSoftness / step_s_, 0, kEndless});
+    };
+    stop(angle - joints_[i].lower, 1);
+    stop(joints_[i].upper - angle, -1);
+  }
+}
+
+void ReducedWorld::solve() {
+  write_inertia();
+  pushes_.clear();
+  for (const Touch& touch : contacts_.touches()) make_contact_row(touch);
+  make_joint_rows();
+  solver_.close();
+  write_momentum(tree_.velocity);
+  solver_.solve(momentum_, velocity_, kRough, kMostSteps);
+  const int rough = solver_.steps();
+  for (std::size_t i = 0; i < halfway_.size(); ++i)
+    halfway_[i] = (tree_.velocity[i] + velocity_[i]) / 2;
+  write_momentum(halfway_);
+  solver_.solve(momentum_, velocity_, kExact, kMostSteps);
+  effort_ = {rough + solver_.steps(), solver_.residual()};
+}
+
+void ReducedWorld::advance() {
+  ArticulatedTree::Momentum momentum = tree_.momentum();
+  const Vector3d centre = tree_.mass_centre();
+  bool robot_flies = true;
+  flies_.assign(objects_.size(), true);
+  if (watch_) watched_.clear();
+  memory_.clear();
+  for (std::size_t i = 0; i < pushes_.size(); ++i) {
+    const Touch& touch = contacts_.touches()[pushes_[i].touch];
+    const VelocitySolver::Impulse& l = solver_.impulse(i);
+    const Vector3d impulse = pushes_[i].basis * l.head<3>();
+    const Vector3d moment = pushes_[i].basis * Vector3d(l[5], l[3], l[4]);
+    if (l[0] > 0) memory_.push_back({touch.shape_a, touch.shape_b, touch.at, impulse, moment});
+    for (const auto& [body, sign] : {std::pair{touch.body_a, 1.0}, {touch.body_b, -1.0}}) {
+      if (body < 0) continue;
+      if (!of_robot(body)) {
+        flies_[static_cast<std::size_t>(body) - robot_links_] = false;
+        continue;
+      }
+      robot_flies = false;
+      momentum.linear += sign * impulse;
+      momentum.angular += sign * ((touch.at - centre).cross(impulse) + moment);
+    }
+    if (!watch_) continue;
+    watched_.push_back({contacts_.name(touch.shape_a), contacts_.name(touch.shape_b), touch.at,
+                        impulse / step_s_});
+  }
+  momentum.linear += step_s_ * tree_.mass() * gravity_;
+
+  if (tree_.root_dofs() > 0) {
+    const double old = robot_flies ? 0.5 : 0.0;
+    const auto mean = [&](std::size_t k) {
+      return old * tree_.velocity[k] + (1 - old) * velocity_[k];
+    };
+    tree_.root_at += step_s_ * Vector3d(mean(3), mean(4), mean(5));
+    tree_.root_turn = turned(tree_.root_turn, step_s_ * Vector3d(mean(0), mean(1), mean(2)));
+  }
+  for (const Joint& joint : joints_) {
+    const auto dof = static_cast<std::size_t>(joint.dof);
+    tree_.angle[dof - static_cast<std::size_t>(tree_.root_dofs())] += step_s_ * velocity_[dof];
+  }
+  std::copy_n(velocity_.begin(), tree_.velocity.size(), tree_.velocity.begin());
+  tree_.place();
+  tree_.velocities();
+  tree_.set_momentum(momentum);
+
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (coordinate_of_[i] < 0) continue;
+    const double* v = velocity_.data() + coordinate_of_[i];
+    objects_[i].advance({v[3], v[4], v[5]}, {v[0], v[1], v[2]}, flies_[i], step_s_);
+  }
+}
+
+void ReducedWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
+  kick_due();
+  find_contacts();
+  prepare_motors(drives, supply_volts);
+  settle_sleep();
+  const Vector3d velocity_before = imu_velocity();
+  solve();
+  for (std::size_t i = 0; i < joints_.size(); ++i)
+    joint_states_[i].torque = solver_.bounded(i) / step_s_;
+  advance();
+  ++steps_;
+  read_joints();
+  read_imu(velocity_before);
+  finish_motors();
+}
+
+void ReducedWorld::read_joints() {
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const auto dof = static_cast<std::size_t>(joints_[i].dof);
+    JointState& state = joint_states_[i];
+    state.angle = tree_.angle[dof - static_cast<std::size_t>(tree_.root_dofs())];
+    state.velocity = tree_.velocity[dof];
+  }
+}
+
+// Of the sensor's place, world axes.
+Vector3d ReducedWorld::imu_velocity() const {
+  const int link = imu_frame_.link;
+  return tree_.velocity_at(
+      link, tree_.origin(link) + tree_.axes(link) * imu_frame_.in_link.translation());
+}
+
+void ReducedWorld::read_imu(const Vector3d& velocity_before) {
+  const int link = imu_frame_.link;
+  const Matrix3d to_sensor = (tree_.axes(link) * imu_frame_.in_link.linear()).transpose();
+  imu_.angular_velocity = to_sensor * tree_.angular_velocity(link);
+  imu_.specific_force = to_sensor * ((imu_velocity() - velocity_before) / step_s_ - gravity_);
+}
+
+void ReducedWorld::kick(int body, const Vector3d& velocity) {
+  FreeBody& free = object(body);
+  free.awake = true;
+  free.left_s = SleepRule{}.after_s;
+  free.velocity += velocity;
+}
+
+Eigen::Isometry3d ReducedWorld::moving_pose(int body) const {
+  if (!of_robot(body)) return object(body).link_pose();
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = tree_.axes(body);
+  pose.translation() = tree_.origin(body);
+  return pose;
+}
+
+std::vector<ContactPoint> ReducedWorld::contacts() const {
+  return watch_ ? watched_ : std::vector<ContactPoint>{};
+}
+
+template <class A>
+void ReducedWorld::transfer(A& a) {
+  transfer_stage(a);
+  if (!a.good()) return;
+  for (int k = 0; k < 3; ++k) a(tree_.root_at[k]);
+  for (int k = 0; k < 4; ++k) a(tree_.root_turn.coeffs()[k]);
+  for (double& angle : tree_.angle) a(angle);
+  for (double& velocity : tree_.velocity) a(velocity);
+  for (FreeBody& body : objects_) a(body);
+  a(memory_);
+  if constexpr (A::reading) {
+    tree_.place();
+    tree_.velocities();
+  }
+}
+
+void ReducedWorld::save(h8s::StateWriter& to) {
+  transfer(to);
+}
+
+void ReducedWorld::restore(h8s::StateReader& from) {
+  transfer(from);
+}
+
+}  // namespace kaz::sim

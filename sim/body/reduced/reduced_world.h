@@ -1,0 +1,111 @@
+// World in reduced coordinates: joints without gaps, motors implicit in the inertia, contacts with
+// friction cones, and whatever touches in one solve. docs/dynamics.md has the formulation.
+// SPDX-License-Identifier: Apache-2.0
+//
+// One step of h seconds, from q, v to the next:
+//   1. contacts by the colliders of contacts.h; for each joint its motor's row (joint_motor.h)
+//   2. velocities: roughly with c(q, v), then c anew with v as it is halfway, which makes what depends
+//      on velocity second order, and Newton's method to its end (velocity_solver.h)
+//   3. q moves by h times the new v; a root or a body that nothing touches by the mean of old and new v
+//   4. the momentum of the free robot is put to what it was plus what contacts and gravity gave: it
+//      does not drift. This changes the root's velocity by terms of h^2.
+#pragma once
+
+#include <vector>
+
+#include "sim/body/reduced/articulated_tree.h"
+#include "sim/body/reduced/free_body.h"
+#include "sim/body/reduced/velocity_solver.h"
+#include "sim/body/staged_world.h"
+
+namespace kaz::sim {
+
+class ReducedWorld final : public StagedWorld {
+ public:
+  ReducedWorld(const WorldModel& world, const RobotModel& robot, const MotorFigures& motor,
+               const WorldOptions& options);
+
+  void step(std::span<const MotorDrive> drives, double supply_volts) override;
+  int find_contacts() override;
+  double largest_joint_gap_m() const override { return 0; }  // there are none to open
+  std::string stepper() const override { return "reduced"; }
+  void watch_contacts(bool on) override { watch_ = on; }
+  std::vector<ContactPoint> contacts() const override;
+  void save(h8s::StateWriter& to) override;
+  void restore(h8s::StateReader& from) override;
+
+  // Of the last step: how the solver fared.
+  struct Effort {
+    int steps = 0;        // of Newton's method
+    double residual = 0;  // m/s or rad/s, change of a velocity in the last of them
+  };
+  const Effort& effort() const { return effort_; }
+  const ArticulatedTree& tree() const { return tree_; }
+
+ private:
+  struct Joint {
+    int dof = 0;
+    double lower = 0, upper = 0;  // rad, of the stops
+  };
+  // What a contact gave in the last step: the stretch of its friction (velocity_solver.h).
+  struct Memory {
+    std::uint32_t shape_a = 0, shape_b = 0;
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    Eigen::Vector3d impulse = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();
+    template <class A>
+    void transfer(A& a) {
+      a(shape_a, shape_b);
+      for (int k = 0; k < 3; ++k) a(at[k], impulse[k], moment[k]);
+    }
+  };
+  struct Push {  // what a contact gave in this step, on body_a
+    std::size_t touch = 0;
+    Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();  // normal, two tangents
+  };
+
+  template <class A>
+  void transfer(A& a);
+  Eigen::Isometry3d moving_pose(int body) const override;
+  void kick(int body, const Eigen::Vector3d& velocity) override;
+  bool of_robot(int body) const {
+    return body >= 0 && static_cast<std::size_t>(body) < robot_links_;
+  }
+  FreeBody& object(int body) { return objects_[static_cast<std::size_t>(body) - robot_links_]; }
+  const FreeBody& object(int body) const {
+    return objects_[static_cast<std::size_t>(body) - robot_links_];
+  }
+  void settle_sleep();
+  void write_inertia();
+  void write_momentum(const std::vector<double>& at_velocity);
+  VelocitySolver::Impulse recall(const Touch& touch, const Eigen::Matrix3d& basis) const;
+  void make_contact_row(const Touch& touch);
+  void write_robot_rows(const Touch& touch, const ArticulatedTree::Span& span,
+                        const Eigen::Matrix3d& basis, int rows, int stride, double* out);
+  void write_object_rows(const Touch& touch, int body, double sign, const Eigen::Matrix3d& basis,
+                         int rows, int stride, double* out);
+  Eigen::Vector3d velocity_at(int body, const Eigen::Vector3d& point) const;
+  void make_joint_rows();
+  void solve();
+  void advance();
+  void read_joints();
+  Eigen::Vector3d imu_velocity() const;
+  void read_imu(const Eigen::Vector3d& velocity_before);
+
+  ArticulatedTree tree_;
+  std::vector<FreeBody> objects_;  // by number - robot_links_
+  std::vector<Joint> joints_;
+  VelocitySolver solver_;
+  std::vector<Memory> memory_;
+  Effort effort_;
+  bool watch_ = false;
+  std::vector<ContactPoint> watched_;
+  // Of the step under way.
+  std::vector<double> bias_, carried_, halfway_;  // by coordinate of the tree
+  std::vector<double> momentum_, velocity_;       // by coordinate of the solver
+  std::vector<double> scratch_;
+  std::vector<int> coordinate_of_;  // where an object's begin: angular, linear; -1: it sleeps
+  std::vector<Push> pushes_;        // of each point of the solver
+  std::vector<bool> flies_;         // by object: nothing touched it
+};
+
+}  // namespace kaz::sim
