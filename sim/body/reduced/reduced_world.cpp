@@ -263,8 +263,15 @@ void ReducedWorld::make_contact_row(const Touch& touch) {
       point.target = std::max(point.target, surface.restitution * approach);
   }
   point.before = recall(touch, basis);
+  const auto number = static_cast<std::size_t>(&touch - contacts_.touches().data());
+  if (ContactMemory::has_shear(touch)) {
+    // In N s: the spring's kContactErp / (h softness) times h times the shear.
+    const Vector3d stretch = -kContactErp / surface.softness * shear_.shear(number);
+    point.give = point.softness;
+    point.before.segment<2>(1) = (basis.transpose() * stretch).tail<2>();
+  }
   double* j = solver_.add_point(point, std::span(segments).first(count));
-  pushes_.push_back({static_cast<std::size_t>(&touch - contacts_.touches().data()), basis});
+  pushes_.push_back({number, basis});
   if (robot) {
     write_robot_rows(touch, span, basis, rows, length, j);
     j += tree_.root_dofs() + span.end - span.first;
@@ -307,6 +314,7 @@ void ReducedWorld::make_joint_rows() {
 void ReducedWorld::solve() {
   write_inertia();
   pushes_.clear();
+  shear_.recall(contacts_.touches());
   for (const Touch& touch : contacts_.touches()) make_contact_row(touch);
   make_joint_rows();
   solver_.close();
@@ -332,6 +340,10 @@ void ReducedWorld::advance() {
     const VelocitySolver::Impulse& l = solver_.impulse(i);
     const Vector3d impulse = pushes_[i].basis * l.head<3>();
     const Vector3d moment = pushes_[i].basis * Vector3d(l[5], l[3], l[4]);
+    if (ContactMemory::has_shear(touch)) {
+      const VelocitySolver::Impulse& u = solver_.velocity(i);
+      shear_.remember(pushes_[i].touch, pushes_[i].basis * u.head<3>(), l[0] / step_s_, step_s_);
+    }
     if (l[0] > 0) memory_.push_back({touch.shape_a, touch.shape_b, touch.at, impulse, moment});
     for (const auto& [body, sign] : {std::pair{touch.body_a, 1.0}, {touch.body_b, -1.0}}) {
       if (body < 0) continue;
@@ -440,7 +452,7 @@ void ReducedWorld::transfer(A& a) {
   for (double& angle : tree_.angle) a(angle);
   for (double& velocity : tree_.velocity) a(velocity);
   for (FreeBody& body : objects_) a(body);
-  a(memory_);
+  a(memory_, shear_);
   if constexpr (A::reading) {
     tree_.place();
     tree_.velocities();

@@ -13,6 +13,7 @@
 
 #include <vector>
 
+#include "sim/body/contact_memory.h"
 #include "sim/body/reduced/articulated_tree.h"
 #include "sim/body/reduced/free_body.h"
 #include "sim/body/reduced/velocity_solver.h"
@@ -47,7 +48,8 @@ class ReducedWorld final : public StagedWorld {
     int dof = 0;
     double lower = 0, upper = 0;  // rad, of the stops
   };
-  // What a contact gave in the last step: the stretch of its friction (velocity_solver.h).
+  // What a contact gave in the last step: the stretch of its friction (velocity_solver.h) where it is
+  // hard, and that of rolling. Soft ones have their shear, as under every solver.
   struct Memory {
     std::uint32_t shape_a = 0, shape_b = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
@@ -96,6 +98,7 @@ class ReducedWorld final : public StagedWorld {
   std::vector<Joint> joints_;
   VelocitySolver solver_;
   std::vector<Memory> memory_;
+  ContactMemory shear_;
   Effort effort_;
   bool watch_ = false;
   std::vector<ContactPoint> watched_;

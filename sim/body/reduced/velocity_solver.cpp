@@ -110,7 +110,8 @@ void VelocitySolver::set_give(Contact& contact) {
     }
     return sum;
   };
-  contact.give = kGive * std::max(yields(1), yields(2));
+  contact.give =
+      contact.point.give > 0 ? contact.point.give : kGive * std::max(yields(1), yields(2));
   if (contact.rows == 6) contact.moment_give = kGive * std::max({yields(3), yields(4), yields(5)});
 }
 

@@ -21,8 +21,8 @@
 // regularised friction this is, with the normal force of the iteration instead of that of the last step
 // and the stretch kept, so that what sticks does not creep.
 //
-// Limits: `give` is kGive of what an impulse does to the bodies if they were free: 1 N shifts a sole
-// by half a micrometre and then no further. Where friction and normal force feed each other (a wedge that
+// Limits: what is hard has a `give` too, kGive of what an impulse does to the bodies if they were free:
+// 1 N shifts a ball of 15 g by 7 micrometres, and then no further. Where friction and normal force feed each other (a wedge that
 // jams) and the contact is hard, the lengths may need many steps: the most are bounded, and what is left
 // is told by residual().
 #pragma once
@@ -48,7 +48,8 @@ class VelocitySolver {
     double target = 0;    // m/s, of the normal velocity
     double softness = 0;  // m/s per N s, above 0
     double mu = 0;
-    double rolling = 0;                // m; 0: no rows for it
+    double give = 0;     // m/s per N s, of friction; 0: kGive of what the bodies yield
+    double rolling = 0;  // m; 0: no rows for it
     Impulse before = Impulse::Zero();  // of the step before
   };
   struct Bounded {
@@ -83,6 +84,8 @@ class VelocitySolver {
 
   std::size_t points() const { return points_.size(); }
   const Impulse& impulse(std::size_t point) const { return points_[point].impulse; }
+  // Along its rows, m/s and rad/s, after the step.
+  const Impulse& velocity(std::size_t point) const { return points_[point].velocity; }
   double bounded(std::size_t row) const { return bounded_impulse_[row]; }
   int steps() const { return steps_; }
   // Largest change of a velocity in the last step, m/s or rad/s.
