@@ -11,6 +11,8 @@ namespace {
 // The line search ends where the slope has fallen to this share.
 constexpr double kSlopeShare = 1e-3;
 constexpr int kSearchSteps = 40;
+// What each coordinate by itself would still change may be less than what all of them do.
+constexpr double kSafety = 0.05;
 
 // Two sums side by side, for machines with two doubles in a register.
 double dot(const double* a, const double* b, int n) {
@@ -28,6 +30,26 @@ void add(double by, const double* __restrict from, double* __restrict to, int n)
   for (int i = 0; i < n; ++i) to[i] += by * from[i];
 }
 
+// The coordinates of a free root are so many that the compiler had better know how many.
+void add_shared(double by, const double* __restrict from, double* __restrict to, int n) {
+  if (n != 6) return add(by, from, to, n);
+  for (int i = 0; i < 6; ++i) to[i] += by * from[i];
+}
+
+void add_three(double a, double b, double c, const double* __restrict u, const double* __restrict v,
+               const double* __restrict w, double* __restrict to, int n) {
+  if (n == 6) {
+    for (int i = 0; i < 6; ++i) to[i] += a * u[i] + b * v[i] + c * w[i];
+    return;
+  }
+  for (int i = 0; i < n; ++i) to[i] += a * u[i] + b * v[i] + c * w[i];
+}
+
+double dot_shared(const double* a, const double* b, int n) {
+  if (n != 6) return dot(a, b, n);
+  return (a[0] * b[0] + a[2] * b[2] + a[4] * b[4]) + (a[1] * b[1] + a[3] * b[3] + a[5] * b[5]);
+}
+
 }  // namespace
 
 void VelocitySolver::begin(int coordinates, int shared) {
@@ -40,8 +62,6 @@ void VelocitySolver::begin(int coordinates, int shared) {
     hessian_.assign(size * size, 0);
     for (auto* v : {&inverse_diagonal_, &gradient_, &change_, &inertia_v_, &inertia_change_})
       v->assign(size, 0);
-  } else {
-    std::ranges::fill(inertia_, 0.0);
   }
   first_.resize(size);
   for (int i = 0; i < size_; ++i) first_[static_cast<std::size_t>(i)] = i;
@@ -132,8 +152,8 @@ void VelocitySolver::multiply(const double* x, double* out) const {
     const int first = first_[static_cast<std::size_t>(i)];
     double sum = m[i] * x[i];
     if (i >= shared_ && to_shared_[static_cast<std::size_t>(i)] != 0) {
-      sum += dot(m, x, shared_);
-      add(x[i], m, out, shared_);
+      sum += dot_shared(m, x, shared_);
+      add_shared(x[i], m, out, shared_);
     }
     sum += dot(m + first, x + first, i - first);
     add(x[i], m + first, out + first, i - first);
@@ -196,6 +216,15 @@ void VelocitySolver::gradient(std::span<const double> momentum, std::span<const 
   }
 }
 
+// About the change that the gradient asks for, m/s or rad/s: each coordinate by itself.
+double VelocitySolver::change_left() const {
+  double largest = 0;
+  for (int i = 0; i < size_; ++i)
+    largest =
+        std::max(largest, std::abs(gradient_[static_cast<std::size_t>(i)]) / inertia_[at(i, i)]);
+  return largest;
+}
+
 // J^T D J, D the negative derivative of the impulses.
 void VelocitySolver::add_contact_stiffness(const Contact& contact) {
   if (contact.impulse[0] == 0) return;
@@ -219,34 +248,34 @@ void VelocitySolver::add_contact_stiffness(const Contact& contact) {
     friction(3, 2, contact.moment_give, most);
     friction(5, 1, contact.moment_give, most);
   }
-  // Row by row of J: D couples the two rows of friction alone.
-  const auto add_pair = [this, &contact](int r, const double* with) {
-    const double* a = row(contact, r);
-    int ia = 0;
-    for (int s = 0; s < contact.segment_count; ++s) {
-      const Segment& segment = contact.segments[static_cast<std::size_t>(s)];
-      for (int i = segment.first; i < segment.first + segment.length; ++i, ++ia) {
-        double* h = hessian_.data() + at(i, 0);
-        const double* b = with;
-        for (int t = 0; t <= s; ++t) {
-          const Segment& other = contact.segments[static_cast<std::size_t>(t)];
-          const int length = t == s ? i - segment.first + 1 : other.length;
-          add(a[ia], b, h + other.first, length);
-          b += other.length;
-        }
+  add_rows(contact, 0, d.topLeftCorner<3, 3>());
+  if (contact.rows == 6) add_rows(contact, 3, d.bottomRightCorner<3, 3>());
+}
+
+// J^T D J of three rows. Rows of the result are written as far as the segment goes: what stands above
+// the diagonal is never read.
+void VelocitySolver::add_rows(const Contact& contact, int first, const Eigen::Matrix3d& d) {
+  const double *a = row(contact, first), *b = row(contact, first + 1), *c = row(contact, first + 2);
+  const int length = contact.length;
+  scratch_.resize(static_cast<std::size_t>(3 * length));
+  double *u = scratch_.data(), *v = u + length, *w = v + length;
+  for (int i = 0; i < length; ++i) {
+    u[i] = d(0, 0) * a[i] + d(0, 1) * b[i] + d(0, 2) * c[i];
+    v[i] = d(1, 0) * a[i] + d(1, 1) * b[i] + d(1, 2) * c[i];
+    w[i] = d(2, 0) * a[i] + d(2, 1) * b[i] + d(2, 2) * c[i];
+  }
+  int k = 0;
+  for (int s = 0; s < contact.segment_count; ++s) {
+    const Segment& segment = contact.segments[static_cast<std::size_t>(s)];
+    for (int i = segment.first; i < segment.first + segment.length; ++i, ++k) {
+      int from = 0;
+      for (int t = 0; t <= s; ++t) {
+        const Segment& other = contact.segments[static_cast<std::size_t>(t)];
+        add_three(a[k], b[k], c[k], u + from, v + from, w + from,
+                  hessian_.data() + at(i, other.first), other.length);
+        from += other.length;
       }
     }
-  };
-  scratch_.resize(static_cast<std::size_t>(contact.length));
-  for (int r = 0; r < contact.rows; ++r) {
-    std::ranges::fill(scratch_, 0.0);
-    bool any = false;
-    for (int k = 0; k < contact.rows; ++k) {
-      if (d(r, k) == 0) continue;
-      add(d(r, k), row(contact, k), scratch_.data(), contact.length);
-      any = true;
-    }
-    if (any) add_pair(r, scratch_.data());
   }
 }
 
@@ -281,8 +310,10 @@ void VelocitySolver::factor() {
       add(-of_k[i], of_k + first, hessian_.data() + at(i, first), i - first + 1);
     if (!shared) continue;
     for (int i = 0; i < shared_; ++i) of_k[i] *= inverse;
-    for (int i = 0; i < shared_; ++i) add(-of_k[i], of_k, hessian_.data() + at(i, 0), i + 1);
-    for (int i = first; i < k; ++i) add(-of_k[i], of_k, hessian_.data() + at(i, 0), shared_);
+    // Above the diagonal too: what stands there is never read.
+    for (int i = 0; i < shared_; ++i)
+      add_shared(-of_k[i], of_k, hessian_.data() + at(i, 0), shared_);
+    for (int i = first; i < k; ++i) add_shared(-of_k[i], of_k, hessian_.data() + at(i, 0), shared_);
   }
 }
 
@@ -295,13 +326,13 @@ void VelocitySolver::back_solve(double* x) const {
     const int first = first_[static_cast<std::size_t>(i)];
     x[i] *= inverse_diagonal_[static_cast<std::size_t>(i)];
     add(-x[i], h + first, x + first, i - first);
-    if (shared(i)) add(-x[i], h, x, shared_);
+    if (shared(i)) add_shared(-x[i], h, x, shared_);
   }
   for (int i = 0; i < size_; ++i) {
     const double* h = hessian_.data() + at(i, 0);
     const int first = first_[static_cast<std::size_t>(i)];
     double sum = x[i] - dot(h + first, x + first, i - first);
-    if (shared(i)) sum -= dot(h, x, shared_);
+    if (shared(i)) sum -= dot_shared(h, x, shared_);
     x[i] = sum * inverse_diagonal_[static_cast<std::size_t>(i)];
   }
 }
@@ -353,8 +384,8 @@ void VelocitySolver::solve(std::span<const double> momentum, std::span<double> v
                            int most_steps) {
   multiply(v.data(), inertia_v_.data());
   gradient(momentum, v);
-  residual_ = 0;
-  for (steps_ = 0; steps_ < most_steps;) {
+  residual_ = change_left();
+  for (steps_ = 0; steps_ < most_steps && residual_ > kSafety * tolerance;) {
     ++steps_;
     add_stiffness();
     factor();
@@ -385,6 +416,7 @@ void VelocitySolver::solve(std::span<const double> momentum, std::span<double> v
     }
     gradient(momentum, v);
     if (residual_ <= tolerance) break;
+    residual_ = change_left();
   }
 }
 

@@ -115,7 +115,9 @@ class VelocitySolver {
   double bounded_impulse(const Bounded& row, double u) const;
   void gradient(std::span<const double> momentum, std::span<const double> v);
   void add_stiffness();
+  double change_left() const;
   void add_contact_stiffness(const Contact& contact);
+  void add_rows(const Contact& contact, int first, const Eigen::Matrix3d& d);
   void factor();
   void back_solve(double* x) const;
   double slope(double way, std::span<const double> v) const;
