@@ -7,7 +7,7 @@
 
 namespace kaz::sim::bench {
 
-inline constexpr std::array kSteppers{"exact", "quick8", "quick20", "quick50"};
+inline constexpr std::array kSteppers{"reduced", "exact", "quick8", "quick20", "quick50"};
 // Standing in the walking crouch; walking on the spot; the same among ten props and a ball.
 inline constexpr std::array kLoads{"alone", "walking", "props"};
 

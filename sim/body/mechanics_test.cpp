@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "sim/body/ode_world.h"
+#include "sim/body/staged_world.h"
 #include "sim/body/test_files.h"
 
 namespace kaz::sim {
@@ -19,11 +19,11 @@ class Robot : public testing::TestWithParam<const char*> {
     robot_ = *robot;
     motor_ = *motor;
   }
-  std::unique_ptr<OdeWorld> world(const WorldModel& around, bool hung = false) {
+  std::unique_ptr<StagedWorld> world(const WorldModel& around, bool hung = false) {
     WorldOptions options;
     options.hung = hung;
-    return std::make_unique<OdeWorld>(around, robot_, motor_, options,
-                                      std::string(GetParam()) == "exact" ? 0 : 50);
+    options.stepper = GetParam();
+    return std::move(*make_world(around, robot_, motor_, options));
   }
   Eigen::Vector3d centre_of_mass(const World& world) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -35,7 +35,7 @@ class Robot : public testing::TestWithParam<const char*> {
   MotorFigures motor_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Steppers, Robot, testing::Values("quick50", "exact"));
+INSTANTIATE_TEST_SUITE_P(Steppers, Robot, testing::Values("quick50", "exact", "reduced"));
 
 TEST_P(Robot, KeepsItsMomentumInFreeFlight) {
   WorldModel space;

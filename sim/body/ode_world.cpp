@@ -94,10 +94,6 @@ Eigen::Vector3d velocity_of(dBodyID body) {
   return body ? to_eigen(dBodyGetLinearVel(body)) : Eigen::Vector3d::Zero().eval();
 }
 
-// rad/s per Nm: with the ERP, a stop that gives by 1 mrad at the motor's 2.4 Nm, plastic and steel. Rigid, the
-// solver's rest would lift a joint off it again and again.
-constexpr double kStopSoftness = 0.08;
-
 }  // namespace
 
 OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const MotorFigures& motor,

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sim/body/motor_file.h"
-#include "sim/body/ode_world.h"
 #include "sim/body/robot_model.h"
+#include "sim/body/staged_world.h"
 #include "sim/body/test_files.h"
 
 namespace kaz::sim {
@@ -154,7 +154,9 @@ TEST(Motors, EachTurnsItsOwnJointPositively) {
   WorldModel space;
   space.gravity.setZero();
   for (std::size_t i = 0; i < KZ_JOINTS; ++i) {
-    OdeWorld world(space, *robot, *motor, {}, 50);
+    const auto loaded = make_world(space, *robot, *motor, {});
+    ASSERT_TRUE(loaded);
+    World& world = **loaded;
     Drives drives{};
     drives[i] = {0.5, true};
     run(world, 0.008, drives);  // before an arm turned inwards meets the leg

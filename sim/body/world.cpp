@@ -26,21 +26,31 @@ Result<int> iterations_of(const std::string& stepper) {
       return iterations;
     }
   }
-  return fail(Fault::usage, "stepper \"" + stepper +
-                                "\" is unknown; use \"reduced\", \"exact\", or \"quick50\" for 50 iterations");
+  return fail(Fault::usage,
+              "stepper \"" + stepper +
+                  "\" is unknown; use \"reduced\", \"exact\", or \"quick50\" for 50 iterations");
 }
 
 }  // namespace
 
-Result<std::unique_ptr<World>> World::load(const std::string& world_path,
-                                           const std::string& robot_path,
-                                           const WorldOptions& options) {
+Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
+                                                const MotorFigures& motor,
+                                                const WorldOptions& options) {
   const Result<int> iterations = iterations_of(options.stepper);
   if (!iterations) return tl::unexpected(iterations.error());
   if (!(options.step_s > 0 && options.step_s <= 0.01)) {
     return fail(Fault::usage, "physics step of " + std::to_string(options.step_s) +
                                   " s is outside 0..0.01 s; 0.001 is what all is tuned for");
   }
+  if (*iterations == kReduced) return std::make_unique<ReducedWorld>(world, robot, motor, options);
+  return std::make_unique<OdeWorld>(world, robot, motor, options, *iterations);
+}
+
+Result<std::unique_ptr<World>> World::load(const std::string& world_path,
+                                           const std::string& robot_path,
+                                           const WorldOptions& options) {
+  if (const auto known = iterations_of(options.stepper); !known)
+    return tl::unexpected(known.error());
   const Result<RobotModel> robot = load_robot(robot_path);
   if (!robot) return tl::unexpected(robot.error());
   const std::string motor_path = std::filesystem::path(robot_path).replace_filename("motor.xml");
@@ -48,11 +58,7 @@ Result<std::unique_ptr<World>> World::load(const std::string& world_path,
   if (!motor) return tl::unexpected(motor.error());
   const Result<WorldModel> world = load_world(world_path);
   if (!world) return tl::unexpected(world.error());
-  const MotorFigures figures = options.ideal_motors ? motor->ideal() : *motor;
-  if (*iterations == kReduced) {
-    return std::make_unique<ReducedWorld>(*world, *robot, figures, options);
-  }
-  return std::make_unique<OdeWorld>(*world, *robot, figures, options, *iterations);
+  return make_world(*world, *robot, options.ideal_motors ? motor->ideal() : *motor, options);
 }
 
 }  // namespace kaz::sim

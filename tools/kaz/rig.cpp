@@ -143,6 +143,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& optio
   sim.seed = options.seed;
   sim.ideal_eyes = options.eyes == "ideal";
   sim.eye_width = options.eye_width;
+  sim.stepper = options.dynamics;
   sim.frames = frames;
   const auto sensors = sim::sensors_by_name(options.sensors);
   if (!sensors)

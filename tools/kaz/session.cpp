@@ -101,7 +101,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& 
   const nlohmann::ordered_json robot{
       {"world", rig.world}, {"robot_file", rig.robot_file}, {"engine", rig.engine},
       {"image", rig.image}, {"sensors", rig.sensors},       {"imu", rig.imu},
-      {"eyes", rig.eyes},   {"eye_width", rig.eye_width},   {"seed", rig.seed}};
+      {"dynamics", rig.dynamics}, {"eyes", rig.eyes},   {"eye_width", rig.eye_width},   {"seed", rig.seed}};
   return {{"behavior", options.behavior},
           {"settings", nlohmann::json(options.settings).dump()},
           {"rig", robot.dump()}};

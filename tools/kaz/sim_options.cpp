@@ -24,6 +24,10 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
       ->check(CLI::IsMember({"nominal", "ideal", "as-built"}))
       ->capture_default_str();
   verb.add_flag("--imu", options.imu, "a board with gyro and accelerometer on AN3..AN5");
+  verb.add_option("--dynamics", options.dynamics,
+                  "reduced: exact joints (docs/dynamics.md); Open Dynamics Engine: exact, or quickN "
+                  "with N iterations")
+      ->capture_default_str();
   verb.add_option("--eyes", options.eyes,
                   "ideal: pinholes without noise; real: with lens, exposure and noise, rectified")
       ->check(CLI::IsMember({"ideal", "real"}))

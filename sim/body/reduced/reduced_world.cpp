@@ -15,9 +15,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A stop gives back this share of what a joint is beyond it each step, and yields that much, rad/s per
-// Nm.
-constexpr double kStopErp = 0.2, kStopSoftness = 1e-6;
 constexpr double kStopWatch = 0.02;  // rad, from which a stop is looked at
 // m/s per N: what is harder is taken as that hard.
 constexpr double kLeastSoftness = 1e-8;
@@ -328,6 +325,42 @@ void ReducedWorld::solve() {
   effort_ = {rough + solver_.steps(), solver_.residual()};
 }
 
+// By the velocities of the tree, which it keeps.
+void ReducedWorld::move_tree(double seconds) {
+  const std::vector<double>& v = tree_.velocity;
+  if (tree_.root_dofs() > 0) {
+    tree_.root_at += seconds * Vector3d(v[3], v[4], v[5]);
+    tree_.root_turn = turned(tree_.root_turn, seconds * Vector3d(v[0], v[1], v[2]));
+  }
+  for (const Joint& joint : joints_) {
+    const auto dof = static_cast<std::size_t>(joint.dof);
+    tree_.angle[dof - static_cast<std::size_t>(tree_.root_dofs())] += seconds * v[dof];
+  }
+  tree_.place();
+  tree_.velocities();
+}
+
+// The root moves as the momentum asks halfway, where the joints are halfway too: of second order. The
+// centre of mass goes where its momentum takes it.
+void ReducedWorld::fly(const ArticulatedTree::Momentum& after, const Vector3d& centre) {
+  const Vector3d at = tree_.root_at;
+  const Eigen::Quaterniond turn = tree_.root_turn;
+  const Vector3d mean = after.linear - step_s_ / 2 * tree_.mass() * gravity_;
+  move_tree(step_s_ / 2);
+  tree_.set_momentum({mean, after.angular});
+  tree_.root_at = at;
+  tree_.root_turn = turn;
+  // The joints have half of their way behind them.
+  for (const Joint& joint : joints_) {
+    const auto dof = static_cast<std::size_t>(joint.dof);
+    tree_.angle[dof - static_cast<std::size_t>(tree_.root_dofs())] -=
+        step_s_ / 2 * tree_.velocity[dof];
+  }
+  move_tree(step_s_);
+  tree_.set_momentum(after);
+  tree_.root_at += centre + step_s_ / tree_.mass() * mean - tree_.mass_centre();
+}
+
 void ReducedWorld::advance() {
   ArticulatedTree::Momentum momentum = tree_.momentum();
   const Vector3d centre = tree_.mass_centre();
@@ -351,7 +384,8 @@ void ReducedWorld::advance() {
         flies_[static_cast<std::size_t>(body) - robot_links_] = false;
         continue;
       }
-      robot_flies = false;
+      // What it does to itself does not hold it.
+      robot_flies = robot_flies && of_robot(touch.body_a) && of_robot(touch.body_b);
       momentum.linear += sign * impulse;
       momentum.angular += sign * ((touch.at - centre).cross(impulse) + moment);
     }
@@ -361,22 +395,13 @@ void ReducedWorld::advance() {
   }
   momentum.linear += step_s_ * tree_.mass() * gravity_;
 
-  if (tree_.root_dofs() > 0) {
-    const double old = robot_flies ? 0.5 : 0.0;
-    const auto mean = [&](std::size_t k) {
-      return old * tree_.velocity[k] + (1 - old) * velocity_[k];
-    };
-    tree_.root_at += step_s_ * Vector3d(mean(3), mean(4), mean(5));
-    tree_.root_turn = turned(tree_.root_turn, step_s_ * Vector3d(mean(0), mean(1), mean(2)));
-  }
-  for (const Joint& joint : joints_) {
-    const auto dof = static_cast<std::size_t>(joint.dof);
-    tree_.angle[dof - static_cast<std::size_t>(tree_.root_dofs())] += step_s_ * velocity_[dof];
-  }
   std::copy_n(velocity_.begin(), tree_.velocity.size(), tree_.velocity.begin());
-  tree_.place();
-  tree_.velocities();
-  tree_.set_momentum(momentum);
+  if (robot_flies && tree_.root_dofs() > 0) {
+    fly(momentum, centre);
+  } else {
+    move_tree(step_s_);
+    tree_.set_momentum(momentum);
+  }
 
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (coordinate_of_[i] < 0) continue;

@@ -6,7 +6,8 @@
 //   1. contacts by the colliders of contacts.h; for each joint its motor's row (joint_motor.h)
 //   2. velocities: roughly with c(q, v), then c anew with v as it is halfway, which makes what depends
 //      on velocity second order, and Newton's method to its end (velocity_solver.h)
-//   3. q moves by h times the new v; a root or a body that nothing touches by the mean of old and new v
+//   3. q moves by h times the new v; a root that nothing touches by its velocity halfway, a body by the
+//      mean of old and new v
 //   4. the momentum of the free robot is put to what it was plus what contacts and gravity gave: it
 //      does not drift. This changes the root's velocity by terms of h^2.
 #pragma once
@@ -88,6 +89,8 @@ class ReducedWorld final : public StagedWorld {
   Eigen::Vector3d velocity_at(int body, const Eigen::Vector3d& point) const;
   void make_joint_rows();
   void solve();
+  void move_tree(double seconds);
+  void fly(const ArticulatedTree::Momentum& after, const Eigen::Vector3d& centre);
   void advance();
   void read_joints();
   Eigen::Vector3d imu_velocity() const;

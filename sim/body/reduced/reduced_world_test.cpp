@@ -1,0 +1,162 @@
+// Dynamics in reduced coordinates against closed forms: what must be kept is kept, what is dropped or
+// crowded comes to rest.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/reduced/reduced_world.h"
+
+#include <cmath>
+
+#include "sim/body/motor_file.h"
+#include "sim/body/test_files.h"
+
+namespace kaz::sim {
+namespace {
+
+using test::Drives;
+
+std::unique_ptr<ReducedWorld> kaz_in(const WorldModel& around, const WorldOptions& options = {}) {
+  const auto robot = load_robot(test::kRobot);
+  const auto motor = load_motor_file("shared/robot/kaz/motor.xml", "");
+  EXPECT_TRUE(robot && motor);
+  if (!robot || !motor) return nullptr;
+  return std::make_unique<ReducedWorld>(around, *robot, *motor, options);
+}
+
+Drives swinging(const World& world) {
+  Drives drives;
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+    const double target = 0.4 * std::sin(6 * world.time_s() + static_cast<double>(j));
+    const JointState& joint = world.joints()[j];
+    drives[j] = {10 * (target - joint.angle) - 0.15 * joint.velocity, true};
+  }
+  return drives;
+}
+
+// Nothing outside pulls: whatever the motors do, momentum stays what it was, to rounding.
+TEST(Reduced, KeepsMomentumInFlightWhateverTheMotorsDo) {
+  WorldModel space;
+  space.gravity.setZero();
+  const auto world = kaz_in(space);
+  ASSERT_TRUE(world);
+  const Eigen::Vector3d start = world->tree().mass_centre();
+  double energy = 0;
+  for (int i = 0; i < 3000; ++i) {
+    world->step(swinging(*world), 10.0);
+    ArticulatedTree tree = world->tree();
+    energy = std::max(energy, tree.kinetic_energy());
+    ASSERT_LT(tree.momentum().angular.norm(), 1e-12);
+    ASSERT_LT(tree.momentum().linear.norm(), 1e-12);
+  }
+  EXPECT_GT(energy, 0.02) << "it must really move";
+  EXPECT_LT((world->tree().mass_centre() - start).norm(), 1e-12);
+}
+
+// Falling, the centre of mass is on its parabola at each step.
+TEST(Reduced, FallsByTheLaw) {
+  WorldModel empty;
+  const auto world = kaz_in(empty);
+  ASSERT_TRUE(world);
+  const double start = world->tree().mass_centre().z();
+  for (int i = 1; i <= 500; ++i) {
+    world->step(swinging(*world), 10.0);
+    ASSERT_NEAR(world->tree().mass_centre().z(), start - 9.81 / 2 * i * i * 1e-6, 1e-12);
+  }
+}
+
+// Torque-free tumbling of a body with three different moments: angular momentum to the last bit, energy
+// by the midpoint rule to (w h)^2, here 1e-4, without drift.
+TEST(Reduced, FreeBodyTumbles) {
+  RigidLink link;
+  link.mass = 0.2;
+  link.inertia = Eigen::Vector3d(1e-4, 2e-4, 2.5e-4).asDiagonal();
+  FreeBody body(link, Eigen::Isometry3d::Identity());
+  body.advance(Eigen::Vector3d::Zero(), {0.1, 10, 0.1}, true,
+               0);  // about the axis that is unstable
+  const auto momentum = [&] { return Eigen::Vector3d(body.inertia() * body.angular_velocity()); };
+  const Eigen::Vector3d start = momentum();
+  const double energy = start.dot(body.angular_velocity());
+  double flipped = 1;
+  for (int i = 0; i < 10'000; ++i) {
+    body.advance(Eigen::Vector3d::Zero(), body.angular_velocity(), true, 1e-3);
+    ASSERT_LT((momentum() - start).norm(), 1e-9 * start.norm());
+    ASSERT_NEAR(momentum().dot(body.angular_velocity()) / energy, 1, 1e-4);
+    flipped = std::min(flipped, body.axes()(1, 1));
+  }
+  EXPECT_LT(flipped, -0.9);
+}
+
+// A pyramid would let it slip sooner along its edges than across; a cone does not care. The block slides
+// at 30 degrees to every axis it could be aligned with, and its path does not bend.
+TEST(Reduced, FrictionHasNoDirectionOfItsOwn) {
+  VelocitySolver solver;
+  for (const double angle : {0.0, 0.3, 0.8, 1.3}) {
+    solver.begin(3, 0);
+    for (int i = 0; i < 3; ++i) solver.inertia_row(i)[i] = 0.5;
+    VelocitySolver::Point point;
+    point.softness = 1e-5;
+    point.mu = 0.6;
+    const VelocitySolver::Segment all{0, 3};
+    double* j = solver.add_point(point, {&all, 1});
+    j[2] = j[3] = j[7] = 1;  // normal z, tangents x and y
+    solver.close();
+    std::vector<double> v{2 * std::cos(angle), 2 * std::sin(angle), -1.0}, p(3);
+    for (std::size_t i = 0; i < 3; ++i) p[i] = 0.5 * v[i];
+    solver.solve(p, v, 1e-9, 60);
+    EXPECT_LE(solver.residual(), 1e-9);
+    // 0.5 kg stopped from 1 m/s: 0.5 N s, of which 0.6 act along the motion.
+    EXPECT_NEAR(std::hypot(v[0], v[1]), 2 - 0.6, 1e-4) << angle;
+    EXPECT_NEAR(std::atan2(v[1], v[0]), angle, 1e-9);
+    EXPECT_NEAR(v[2], 0, 1e-4);
+  }
+}
+
+// Dropped from 5 m with its motors off, on a floor of full hardness: it lands, and comes to rest.
+TEST(Reduced, SurvivesAFallFromFiveMetres) {
+  auto around = load_world(test::kEmpty);
+  ASSERT_TRUE(around);
+  around->robot_start.translation().z() = 5;
+  const auto world = kaz_in(*around);
+  ASSERT_TRUE(world);
+  double fastest = 0;
+  for (int i = 0; i < 4000; ++i) {
+    world->step({}, 10.0);
+    ArticulatedTree tree = world->tree();
+    const double energy = tree.kinetic_energy() + 9.81 * tree.mass() * tree.mass_centre().z();
+    ASSERT_TRUE(std::isfinite(energy)) << i;
+    // Contacts take energy; their correction of depth gives back what cannot be seen here.
+    ASSERT_LT(energy, 1.6 * 9.81 * 5.3) << i;
+    ASSERT_LE(world->effort().residual, 1e-6) << i;
+    fastest = std::max(fastest, tree.momentum().linear.norm() / tree.mass());
+    if (i == 3999) {
+      EXPECT_LT(tree.kinetic_energy(), 1e-4);
+    }
+  }
+  EXPECT_GT(fastest, 9.5);
+}
+
+// Bodies put into each other are driven apart at the pace of the correction, not shot away.
+TEST(Reduced, DrivesApartWhatIsInsideEachOther) {
+  test::Folder folder;
+  std::string models;
+  for (int i = 0; i < 10; ++i) {
+    models += "<model name=\"b" + std::to_string(i) + "\"><pose>0.5 0 0.0" +
+              std::to_string(10 + i) +
+              " 0 0 0</pose><link name=\"l\"><inertial><mass>0.05</mass><inertia><ixx>2e-5</ixx>"
+              "<iyy>2e-5</iyy><izz>2e-5</izz></inertia></inertial><collision name=\"c\"><geometry>"
+              "<box><size>0.04 0.04 0.04</size></box></geometry></collision></link></model>";
+  }
+  auto around = load_world(folder.write("w.sdf", test::world_text("0 0 -9.81", models)));
+  ASSERT_TRUE(around) << around.error().message;
+  const auto world = kaz_in(*around);
+  ASSERT_TRUE(world);
+  Eigen::Vector3d before = Eigen::Vector3d(0.5, 0, 0.010);
+  for (int i = 0; i < 1000; ++i) {
+    world->step({}, 10.0);
+    const Eigen::Vector3d now = *world->object_position("b0");
+    ASSERT_TRUE(now.allFinite());
+    ASSERT_LT((now - before).norm(), 3e-3) << i;  // 3 m/s
+    before = now;
+  }
+}
+
+}  // namespace
+}  // namespace kaz::sim
