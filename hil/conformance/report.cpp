@@ -7,31 +7,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/xml_text.hpp"
+
 namespace kaz::hil {
 namespace {
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 std::string fixed(double value, int digits) {
   char text[40];
@@ -75,14 +54,14 @@ std::string verdict_cell(const CaseResult& one) {
 std::string case_row(const CaseResult& one) {
   const bool failed = one.verdict == Verdict::failed;
   std::string row = failed ? "<tr class=\"failed-row\">" : "<tr>";
-  row += "<td><code>" + escaped(one.of->id) + "</code></td><td>" + escaped(one.of->sentence);
+  row += "<td><code>" + xml_text(one.of->id) + "</code></td><td>" + xml_text(one.of->sentence);
   if (!one.message.empty()) {
     row += "<br><span class=\"" + std::string(failed ? "failed" : "out") + "\">" +
-           escaped(one.message) + "</span>";
+           xml_text(one.message) + "</span>";
   }
   if (failed) {
     row += "<details><summary>bytes exchanged (&gt; to the board, &lt; from it)</summary><pre>" +
-           escaped(joined(one.transcript, "\n")) + "</pre></details>";
+           xml_text(joined(one.transcript, "\n")) + "</pre></details>";
   }
   row += "</td><td>" + joined(one.of->statements, ", ") + "</td>" + verdict_cell(one) +
          "<td class=\"number\">" + fixed(1e3 * one.seconds, 0) + " ms</td></tr>\n";
@@ -102,7 +81,7 @@ std::string statement_rows(const RunReport& report) {
     const auto found = counts.find(statement.id);
     if (found == counts.end()) continue;
     const auto [passed, failed, out] = found->second;
-    rows += "<tr><td>" + statement.id + "</td><td>" + escaped(statement.text) + "</td>";
+    rows += "<tr><td>" + statement.id + "</td><td>" + xml_text(statement.text) + "</td>";
     rows += failed   ? "<td class=\"failed\">failed</td>"
             : passed ? "<td class=\"passed\">passed</td>"
                      : "<td class=\"out\">left out</td>";
@@ -132,7 +111,8 @@ std::string junit_text(const RunReport& report, const ReportFacts& facts) {
           " skipped=\"" + std::to_string(report.count(Verdict::left_out)) + "\" time=\"" +
           fixed(total_seconds(report), 3) + "\">\n  <properties>\n";
   const auto property = [&](const char* name, const std::string& value) {
-    text += "    <property name=\"" + std::string(name) + "\" value=\"" + escaped(value) + "\"/>\n";
+    text +=
+        "    <property name=\"" + std::string(name) + "\" value=\"" + xml_text(value) + "\"/>\n";
   };
   property("board", report.board);
   property("port", facts.port);
@@ -141,16 +121,16 @@ std::string junit_text(const RunReport& report, const ReportFacts& facts) {
   text += "  </properties>\n";
   for (const CaseResult& one : report.results) {
     const std::string group = one.of->id.substr(0, one.of->id.find('.'));
-    text += "  <testcase classname=\"" + group + "\" name=\"" + escaped(one.of->id) + "\" time=\"" +
-            fixed(one.seconds, 3) + "\"";
+    text += "  <testcase classname=\"" + group + "\" name=\"" + xml_text(one.of->id) +
+            "\" time=\"" + fixed(one.seconds, 3) + "\"";
     if (one.verdict == Verdict::passed) {
       text += "/>\n";
     } else if (one.verdict == Verdict::left_out) {
-      text += "><skipped message=\"" + escaped(one.message) + "\"/></testcase>\n";
+      text += "><skipped message=\"" + xml_text(one.message) + "\"/></testcase>\n";
     } else {
-      text += "><failure message=\"" + escaped(one.message) + "\">" +
-              escaped(joined(one.of->statements, ", ") + ": " + one.of->sentence + "\n" +
-                      joined(one.transcript, "\n")) +
+      text += "><failure message=\"" + xml_text(one.message) + "\">" +
+              xml_text(joined(one.of->statements, ", ") + ": " + one.of->sentence + "\n" +
+                       joined(one.transcript, "\n")) +
               "</failure></testcase>\n";
     }
   }
@@ -186,7 +166,7 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
 std::string html_text(const RunReport& report, const ReportFacts& facts) {
   const int failed = report.count(Verdict::failed);
   std::string text = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n";
-  text += "<title>Kaz conformance: " + escaped(facts.port) + "</title>\n<style>" +
+  text += "<title>Kaz conformance: " + xml_text(facts.port) + "</title>\n<style>" +
           std::string(kStyle) + "</style></head><body>\n";
   text += "<h1>Protocol conformance: <span class=\"" +
           std::string(failed ? "failed\">does not conform" : "passed\">conforms") +
@@ -194,8 +174,8 @@ std::string html_text(const RunReport& report, const ReportFacts& facts) {
   text += "<p>" + std::to_string(report.count(Verdict::passed)) + " of " +
           std::to_string(report.results.size()) + " cases passed, " + std::to_string(failed) +
           " failed, " + std::to_string(report.count(Verdict::left_out)) + " left out.</p>\n";
-  text += "<p class=\"facts\">" + escaped(report.board) + "<br>on " + escaped(facts.port) +
-          "<br>examined by " + escaped(facts.program) + ", seed " + std::to_string(facts.seed) +
+  text += "<p class=\"facts\">" + xml_text(report.board) + "<br>on " + xml_text(facts.port) +
+          "<br>examined by " + xml_text(facts.program) + ", seed " + std::to_string(facts.seed) +
           ", in " + fixed(total_seconds(report), 1) + " s of the board's time</p>\n";
   const auto table = [&](Verdict verdict, const char* title) {
     std::string rows;

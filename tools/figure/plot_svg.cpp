@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "shared/base/xml_text.hpp"
 #include "tools/figure/painter.h"
 #include "tools/figure/surface.h"
 
@@ -22,29 +23,6 @@ std::string color_text(Color c) {
   std::snprintf(text.data(), text.size(), "#%02x%02x%02x", static_cast<int>(std::lround(c.r * 255)),
                 static_cast<int>(std::lround(c.g * 255)), static_cast<int>(std::lround(c.b * 255)));
   return text.data();
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
 }
 
 class SvgPainter final : public Painter {
@@ -77,7 +55,7 @@ class SvgPainter final : public Painter {
             kAnchors[static_cast<std::size_t>(style.anchor)] + "\"" +
             (style.bold ? " font-weight=\"bold\"" : "") +
             (style.upwards ? " transform=\"rotate(-90 " + x + " " + y + ")\"" : "") + ">" +
-            escaped(text) + "</text>\n";
+            xml_text(text) + "</text>\n";
   }
 
   void clip(Point corner, double width, double height) override {

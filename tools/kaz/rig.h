@@ -30,7 +30,7 @@ struct RigOptions {
   std::string sensors = "nominal";  // "nominal", "ideal" or "as-built"
   bool imu = false;                 // the board's option
   std::string eyes = "ideal";
-  std::string dynamics = "reduced";  // WorldOptions::stepper       // "ideal" or "real"
+  std::string dynamics = "reduced";  // WorldOptions::stepper
   int eye_width = 0;                // 320 or 640; 0: as in camera.json
   std::uint64_t seed = 1;
   std::string faults;          // file with a schedule of faults; none if empty
