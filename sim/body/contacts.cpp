@@ -169,6 +169,7 @@ void Contacts::add(const RigidLink& link, int robot_link, int body, const Eigen:
 
 void Contacts::pair_with_robot(std::size_t part, int robot_link) {
   robot_link_.push_back(robot_link);
+  spheres_.resize(robot_.size());
   for (std::size_t other = 0; other < part; ++other) {
     const auto a = static_cast<std::size_t>(robot_link_[other]);
     const auto b = static_cast<std::size_t>(robot_link);
@@ -235,7 +236,16 @@ void Contacts::update() {
   enter_ode();
   touches_.clear();
   place_parts();
-  for (const auto& [a, b] : selves_) meet(robot_[a], robot_[b]);
+  for (std::size_t i = 0; i < robot_.size(); ++i) {
+    const Part& part = robot_[i];
+    spheres_[i] = {part.at.x(), part.at.y(), part.at.z(), part.radius};
+  }
+  for (const auto& [a, b] : selves_) {
+    const Sphere &one = spheres_[a], &other = spheres_[b];
+    const double x = one.x - other.x, y = one.y - other.y, z = one.z - other.z;
+    const double reach = one.radius + other.radius;
+    if (x * x + y * y + z * z <= reach * reach) meet(robot_[a], robot_[b]);
+  }
   for (const Part& part : robot_) meet_planes(part);
   for (const Part& part : objects_) meet_planes(part);
   const auto meets_robot = [this](const Part& other) {

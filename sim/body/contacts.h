@@ -77,6 +77,10 @@ class Contacts {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();  // of the sphere, in the world
     bool awake = false;
   };
+  // Of a part, close together in memory: most pairs need no more.
+  struct Sphere {
+    double x = 0, y = 0, z = 0, radius = 0;
+  };
   struct Plane {
     std::size_t geom = 0;
     Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
@@ -107,6 +111,7 @@ class Contacts {
   std::vector<Geom> geoms_;
   std::vector<Plane> planes_;
   std::vector<Part> robot_, objects_, fixed_;
+  std::vector<Sphere> spheres_;                              // by robot_
   std::vector<int> robot_link_;                              // by robot_
   std::vector<std::pair<std::size_t, std::size_t>> selves_;  // of robot_, that may meet
   Eigen::Vector3d low_, high_;                               // box about the robot's spheres

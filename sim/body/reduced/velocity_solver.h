@@ -22,9 +22,9 @@
 // and the stretch kept, so that what sticks does not creep.
 //
 // Limits: what is hard has a `give` too, kGive of what an impulse does to the bodies if they were free:
-// 1 N shifts a ball of 15 g by 7 micrometres, and then no further. Where friction and normal force feed each other (a wedge that
-// jams) and the contact is hard, the lengths may need many steps: the most are bounded, and what is left
-// is told by residual().
+// 1 N shifts a ball of 15 g by 7 micrometres, and then no further. Where friction and normal force feed
+// each other (a wedge that jams) and the contact is hard, the lengths may need many steps: the most are
+// bounded, and what is left is told by residual().
 #pragma once
 
 #include <array>
