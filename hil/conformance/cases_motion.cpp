@@ -236,6 +236,7 @@ void add_ramps(Cases& to) {
         }
       });
   add(to, "ramp-zero-time", "Time 0 means as fast as the ramp allows.", "MOVE-4", [](Board& b) {
+    soften(b, 1);
     b.enable(1);
     const long goal = some_way(b, 0, 3000);
     b.target(0, goal, 0);
