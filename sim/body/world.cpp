@@ -28,7 +28,7 @@ Result<int> iterations_of(const std::string& stepper) {
   }
   return fail(Fault::usage,
               "stepper \"" + stepper +
-                  "\" is unknown; use \"reduced\", \"exact\", or \"quick50\" for 50 iterations");
+                  "\" is unknown; use \"reduced\", \"exact\", or \"quickN\" with N from 1 to 1000");
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
   verb.add_option("--world", options.world, "a world of Kaz by name, or an SDF file")
       ->capture_default_str();
   verb.add_option("--robot-file", options.robot_file,
-                  "URDF of another robot, with its motor.xml beside it; without it Kaz")
+                  "URDF of another robot, its motor.xml and sensors.xml beside it; without it Kaz")
       ->type_name("FILE");
   verb.add_option("--mcu", options.engine,
                   "engine of the servo board: h8 executes the firmware image, native runs the "
@@ -24,9 +24,10 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
       ->check(CLI::IsMember({"nominal", "ideal", "as-built"}))
       ->capture_default_str();
   verb.add_flag("--imu", options.imu, "a board with gyro and accelerometer on AN3..AN5");
-  verb.add_option("--dynamics", options.dynamics,
-                  "reduced: exact joints (docs/dynamics.md); Open Dynamics Engine: exact, or quickN "
-                  "with N iterations")
+  verb.add_option(
+          "--dynamics", options.dynamics,
+          "reduced: docs/dynamics.md; Open Dynamics Engine instead: exact, or quickN with N "
+          "iterations, 1 to 1000")
       ->capture_default_str();
   verb.add_option("--eyes", options.eyes,
                   "ideal: pinholes without noise; real: with lens, exposure and noise, rectified")

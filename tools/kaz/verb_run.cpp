@@ -121,6 +121,7 @@ void add_run(CLI::App& program, Action& action) {
       ->capture_default_str();
   verb->add_option("--out", session.out, "folder for pictures and result.json; none if not given");
   add_common(*verb, *arguments);
+  verb->get_option("--record-pictures")->needs("--out");  // else there is no recording
   verb->footer(behavior_list() +
                "Examples:\n"
                "  kaz run search-ball\n"
