@@ -1,4 +1,5 @@
-// Little-endian bytes appended to a buffer: as MCAP and the ROS 1 message encoding have them.
+// Little-endian bytes appended to a buffer, and taken off one: as MCAP and the ROS 1 message encoding
+// have them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,6 +7,7 @@
 #include <concepts>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -34,6 +36,41 @@ class LittleEndian {
 
  private:
   std::vector<std::uint8_t>& to_;
+};
+
+// Takes fields off the front; gives zeros and nothing once one would go beyond the end.
+class LittleEndianFields {
+ public:
+  using Bytes = std::span<const std::uint8_t>;
+  explicit LittleEndianFields(Bytes bytes) : bytes_(bytes) {}
+  template <std::unsigned_integral T>
+  T number() {
+    T value = 0;
+    const Bytes front = take(sizeof value);
+    for (std::size_t i = 0; i < front.size(); ++i)
+      value = static_cast<T>(value | static_cast<T>(T{front[i]} << (8 * i)));
+    return value;
+  }
+  // What follows its length in 4 bytes.
+  Bytes array() { return take(number<std::uint32_t>()); }
+  std::string text() {
+    const Bytes chars = array();
+    return {chars.begin(), chars.end()};
+  }
+  Bytes take(std::size_t size) {
+    good_ = good_ && size <= bytes_.size();
+    if (!good_) return {};
+    const Bytes front = bytes_.first(size);
+    bytes_ = bytes_.subspan(size);
+    return front;
+  }
+  Bytes rest() const { return bytes_; }
+  // Every field was there, and nothing is left.
+  bool whole() const { return good_ && bytes_.empty(); }
+
+ private:
+  Bytes bytes_;
+  bool good_ = true;
 };
 
 }  // namespace kaz::sim

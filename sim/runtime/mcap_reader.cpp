@@ -12,7 +12,7 @@
 #include <iterator>
 #include <span>
 
-#include "sim/mcu/archive.h"
+#include "sim/runtime/little_endian.h"
 
 namespace kaz::sim {
 namespace {
@@ -20,34 +20,8 @@ namespace {
 constexpr std::array<std::uint8_t, 8> magic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 constexpr std::size_t head_size = 9;  // opcode and length
 
-using Bytes = std::span<const std::uint8_t>;
-
-// Takes fields off the front; gives zeros beyond the end.
-class Fields {
- public:
-  explicit Fields(Bytes bytes) : bytes_(bytes) {}
-  template <class T>
-  T number() {
-    T value = 0;
-    StateReader from(bytes_);
-    from.number(value);
-    take(sizeof value);
-    return value;
-  }
-  std::string text() {
-    const Bytes chars = take(number<std::uint32_t>());
-    return {chars.begin(), chars.end()};
-  }
-  Bytes take(std::size_t size) {
-    const Bytes front = bytes_.first(std::min(size, bytes_.size()));
-    bytes_ = bytes_.subspan(front.size());
-    return front;
-  }
-  Bytes rest() const { return bytes_; }
-
- private:
-  Bytes bytes_;
-};
+using Bytes = LittleEndianFields::Bytes;
+using Fields = LittleEndianFields;
 
 class Loader {
  public:

@@ -8,40 +8,15 @@
 #include <span>
 #include <sstream>
 
+#include "sim/runtime/little_endian.h"
 #include "sim/runtime/time.h"
 
 namespace kaz::lockstep {
 namespace {
 
 using Message = sim::McapRecording::Message;
-using Bytes = std::span<const std::uint8_t>;
-
-// Fields of a message in the ROS 1 encoding; not good() beyond the end.
-class Fields {
- public:
-  explicit Fields(Bytes bytes) : bytes_(bytes) {}
-  template <class T>
-  T number() {
-    T value = 0;
-    const Bytes front = take(sizeof value);
-    for (std::size_t i = 0; i < front.size(); ++i)
-      value = static_cast<T>(value | static_cast<T>(T{front[i]} << (8 * i)));
-    return value;
-  }
-  Bytes array() { return take(number<std::uint32_t>()); }
-  Bytes take(std::size_t size) {
-    good_ = good_ && size <= bytes_.size();
-    if (!good_) return {};
-    const Bytes front = bytes_.first(size);
-    bytes_ = bytes_.subspan(size);
-    return front;
-  }
-  bool whole() const { return good_ && bytes_.empty(); }
-
- private:
-  Bytes bytes_;
-  bool good_ = true;
-};
+using Bytes = sim::LittleEndianFields::Bytes;
+using Fields = sim::LittleEndianFields;
 
 // Bytes of one millisecond, which ends at the message's time.
 bool add_bytes(const Message& message, std::vector<sim::SerialByte>& to) {
