@@ -9,9 +9,10 @@ namespace kaz::hil {
 namespace {
 
 constexpr long kStill = 80;  // 100 urad: noise, friction and one code of the potentiometer
-// 100 urad: what stiction and the play of a gear may leave between a joint that bears nothing and its
-// target. In simulated time the joint has no play.
-constexpr long kReached = 250;
+// 100 urad, for a joint that bears nothing: half of 0.4 degrees of play, 3.5 mrad; stiction at 12 per
+// rad, 6 mrad; noise, one code and the motion of the gear in its gap, 5 mrad. In simulated time the
+// joint has no play.
+constexpr long kReached = 145;
 
 void add(Cases& to, const char* id, const char* sentence, const char* statement,
          std::function<void(Board&)> run, unsigned needs = kMotion) {
