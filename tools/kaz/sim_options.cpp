@@ -37,6 +37,7 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
                   "width of the eyes' pictures: 320 or 640; that of camera.json if not given")
       ->check(CLI::IsMember({320, 640}));
   verb.add_option("--seed", options.seed, "of all noise; the same seed gives the same bytes")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }
 
