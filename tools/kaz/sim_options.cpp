@@ -37,7 +37,14 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
                   "width of the eyes' pictures: 320 or 640; that of camera.json if not given")
       ->check(CLI::IsMember({320, 640}));
   verb.add_option("--seed", options.seed, "of all noise; the same seed gives the same bytes")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            const bool sound = !text.empty() && text.size() < 20 &&
+                               text.find_first_not_of("0123456789") == std::string::npos;
+            return sound ? ""
+                         : "`" + text + "` is no seed: give a whole number of at most 19 digits";
+          },
+          ""))
       ->capture_default_str();
 }
 
