@@ -8,6 +8,7 @@
 namespace kaz::sim {
 namespace {
 
+constexpr double kStep = 1e-3;
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
 class Robot : public testing::TestWithParam<const char*> {
@@ -31,18 +32,79 @@ class Robot : public testing::TestWithParam<const char*> {
       sum += link.rigid.mass * (world.link_pose(link.rigid.name) * link.rigid.com);
     return sum / robot_.mass();
   }
+  std::vector<Eigen::Isometry3d> poses(const World& world) const {
+    std::vector<Eigen::Isometry3d> poses;
+    for (const RobotLink& link : robot_.links) poses.push_back(world.link_pose(link.rigid.name));
+    return poses;
+  }
+  // About a point, by differences over a step; and the sum of the links' sizes.
+  std::pair<Eigen::Vector3d, double> angular_momentum(const std::vector<Eigen::Isometry3d>& before,
+                                                      const std::vector<Eigen::Isometry3d>& now,
+                                                      const Eigen::Vector3d& about) const {
+    Eigen::Vector3d angular = Eigen::Vector3d::Zero();
+    double parts = 0;
+    for (std::size_t k = 0; k < robot_.links.size(); ++k) {
+      const RigidLink& link = robot_.links[k].rigid;
+      const Eigen::Vector3d at = now[k] * link.com, was = before[k] * link.com;
+      const Eigen::AngleAxisd turn(now[k].linear() * before[k].linear().transpose());
+      const Eigen::Matrix3d inertia = now[k].linear() * link.inertia * now[k].linear().transpose();
+      const Eigen::Vector3d own = link.mass * (at - about).cross((at - was) / kStep) +
+                                  inertia * (turn.axis() * turn.angle() / kStep);
+      angular += own;
+      parts += own.norm();
+    }
+    return {angular, parts};
+  }
   RobotModel robot_;
   MotorFigures motor_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Steppers, Robot, testing::Values("quick50", "exact", "reduced"));
 
+// In free flight a push gives all of its impulse, and its moment about the centre of mass, by differences
+// over a step: positions are of order 1 m and move by 1e-4 m, which leaves 1e-12; the rest is that the
+// step's velocities are those of its places to (w h)^2.
+TEST_P(Robot, GainsThePushThatItGets) {
+  WorldModel space;
+  space.gravity.setZero();
+  for (const char* name : {"trunk", "l_ankle_pitch"}) {
+    const auto flying = world(space);
+    const std::vector<MotorDrive> open(KZ_JOINTS);
+    for (int i = 0; i < 20; ++i) flying->step(open, 10.0);
+    const Eigen::Vector3d impulse(0.03, -0.02, 0.015);
+    ASSERT_TRUE(flying->push(name, impulse));
+    const auto link = std::ranges::find(robot_.links, std::string(name),
+                                        [](const RobotLink& l) { return l.rigid.name; });
+    const Eigen::Vector3d arm = flying->link_pose(name) * link->rigid.com - centre_of_mass(*flying);
+    const Eigen::Vector3d before = centre_of_mass(*flying);
+    flying->step(open, 10.0);
+    const Eigen::Vector3d middle = centre_of_mass(*flying);
+    EXPECT_LT((robot_.mass() * (middle - before) / kStep - impulse).norm(), 1e-3 * impulse.norm())
+        << name;
+    // And it was one step's push only.
+    for (int i = 0; i < 10; ++i) flying->step(open, 10.0);
+    const Eigen::Vector3d since = (centre_of_mass(*flying) - middle) / (10 * kStep);
+    EXPECT_LT((robot_.mass() * since - impulse).norm(), 1e-3 * impulse.norm()) << name;
+    const auto was = poses(*flying);
+    flying->step(open, 10.0);
+    const auto [angular, of_parts] = angular_momentum(was, poses(*flying), centre_of_mass(*flying));
+    EXPECT_LT((angular - arm.cross(impulse)).norm(), 0.02 * arm.cross(impulse).norm()) << name;
+  }
+}
+
+TEST_P(Robot, RefusesPushesOnWhatDoesNotMove) {
+  const auto hanging = world(WorldModel{}, true);
+  EXPECT_FALSE(hanging->push("trunk", {0.1, 0, 0}));
+  EXPECT_FALSE(hanging->push("tail", {0.1, 0, 0}));
+  EXPECT_FALSE(hanging->push("l_hand", {std::nan(""), 0, 0}));
+  EXPECT_TRUE(hanging->push("l_hand", {0.001, 0, 0}));
+}
+
 TEST_P(Robot, KeepsItsMomentumInFreeFlight) {
   WorldModel space;
   space.gravity.setZero();
   const auto flying = world(space);
   const Eigen::Vector3d start = centre_of_mass(*flying);
-  std::vector<Eigen::Isometry3d> before(robot_.links.size()), now(robot_.links.size());
   double worst = 0, of_parts = 0;
   std::array<MotorDrive, KZ_JOINTS> drives{};
   for (int i = 0; i < 1000; ++i) {
@@ -52,25 +114,9 @@ TEST_P(Robot, KeepsItsMomentumInFreeFlight) {
       drives[j] = {std::clamp(10 * (target - joint.angle) - 0.15 * joint.velocity, -1.0, 1.0),
                    true};
     }
+    const auto before = poses(*flying);
     flying->step(drives, 10.0);
-    // About the origin, by differences over a step.
-    Eigen::Vector3d angular = Eigen::Vector3d::Zero();
-    double parts = 0;
-    for (std::size_t k = 0; k < robot_.links.size(); ++k) {
-      const RigidLink& link = robot_.links[k].rigid;
-      now[k] = flying->link_pose(link.name);
-      if (i > 0) {
-        const Eigen::Vector3d at = now[k] * link.com, was = before[k] * link.com;
-        const Eigen::AngleAxisd turn(now[k].linear() * before[k].linear().transpose());
-        const Eigen::Matrix3d inertia =
-            now[k].linear() * link.inertia * now[k].linear().transpose();
-        const Eigen::Vector3d own =
-            link.mass * at.cross((at - was) / 1e-3) + inertia * (turn.axis() * turn.angle() / 1e-3);
-        angular += own;
-        parts += own.norm();
-      }
-      before[k] = now[k];
-    }
+    const auto [angular, parts] = angular_momentum(before, poses(*flying), Eigen::Vector3d::Zero());
     worst = std::max(worst, angular.norm());
     of_parts = std::max(of_parts, parts);
   }

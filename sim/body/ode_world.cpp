@@ -298,6 +298,11 @@ void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   prepare_motors(drives, supply_volts);
   for (std::size_t i = 0; i < rows_.size(); ++i) drive(i);
   sleep_.update(step_s_);
+  for (const HandPush& push : hand_pushes_) {
+    const Eigen::Vector3d force = push.impulse / step_s_;
+    dBodyAddForce(body(static_cast<int>(push.link)), force.x(), force.y(), force.z());
+  }
+  hand_pushes_.clear();
   const Eigen::Vector3d velocity_before = imu_velocity();
   solve();
   remember_contacts();

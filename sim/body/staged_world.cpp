@@ -105,6 +105,22 @@ void StagedWorld::kick_due() {
   }
 }
 
+Result<void> StagedWorld::push(const std::string& link, const Eigen::Vector3d& impulse) {
+  const auto frame = link_frames_.find(link);
+  if (frame == link_frames_.end()) {
+    return fail(Fault::usage, "the robot has no link `" + link + "` to push");
+  }
+  const int body = frame->second.link;
+  if (!bodies_[static_cast<std::size_t>(body)].moves || (hung_ && body == 0)) {
+    return fail(Fault::usage, "the link `" + link + "` is fixed: no push moves it");
+  }
+  if (!impulse.allFinite()) {
+    return fail(Fault::usage, "a push on `" + link + "` has no finite impulse, N s");
+  }
+  hand_pushes_.push_back({static_cast<std::uint32_t>(body), impulse});
+  return {};
+}
+
 void StagedWorld::prepare_motors(std::span<const MotorDrive> drives, double supply_volts) {
   for (std::size_t i = 0; i < motors_.size(); ++i) {
     const MotorDrive drive = i < drives.size() ? drives[i] : MotorDrive{};

@@ -37,6 +37,7 @@ class StagedWorld : public World {
   int head_frame() const override { return head_frame_; }
   Eigen::Isometry3d link_pose(const std::string& link) const override;
   Result<Eigen::Vector3d> object_position(const std::string& model) const override;
+  Result<void> push(const std::string& link, const Eigen::Vector3d& impulse) override;
   // What step() begins with, by itself: for measuring it. Number of points of contact.
   virtual int find_contacts() = 0;
 
@@ -51,6 +52,16 @@ class StagedWorld : public World {
     std::int64_t step = 0;
     int body = 0;
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  };
+  // Of a hand, on a link of the robot that moves, for the step under way.
+  struct HandPush {
+    std::uint32_t link = 0;
+    Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // N s, world axes, at the centre of mass
+    template <class A>
+    void transfer(A& a) {
+      a(link);
+      for (int k = 0; k < 3; ++k) a(impulse[k]);
+    }
   };
 
   StagedWorld(const WorldModel& world, const RobotModel& robot, const MotorFigures& motor,
@@ -78,7 +89,10 @@ class StagedWorld : public World {
     }
     if (!a.good()) return;
     if constexpr (A::reading) kicks_.assign(all_kicks_.begin(), all_kicks_.begin() + kicks);
-    a(steps_, current_);
+    a(steps_, current_, hand_pushes_);
+    for (const HandPush& push : hand_pushes_) {
+      if (push.link >= robot_links_) return a.refuse("it pushes what is not there");
+    }
     for (JointMotor& motor : motors_) a(motor);
     for (JointState& joint : joint_states_) {
       a(joint.angle, joint.velocity, joint.torque, joint.current, joint.winding_celsius);
@@ -100,6 +114,7 @@ class StagedWorld : public World {
   RobotFrame imu_frame_;
   ImuState imu_;
   double current_ = 0;
+  std::vector<HandPush> hand_pushes_;
 
  private:
   int add_frame(const std::string& name, int body);

@@ -94,6 +94,14 @@ class World {
   virtual void watch_contacts(bool on) { static_cast<void>(on); }
   virtual std::vector<ContactPoint> contacts() const { return {}; }
 
+  // A push on a link of the robot at its centre of mass, N s in world axes, as a hand would give it: it
+  // acts in the next step. For tests of disturbance only. Errors: no such link, or it cannot move; this
+  // kind of world knows no pushes.
+  virtual Result<void> push(const std::string& link, const Eigen::Vector3d& impulse) {
+    static_cast<void>(impulse);
+    return fail(Fault::usage, "this world cannot push `" + link + "`; load one with World::load");
+  }
+
   // All that goes on from step to step, for a world made of the same files and options. The
   // archive fails where a kind of world cannot.
   virtual void save(h8s::StateWriter& to) { to.refuse("this kind of world cannot be saved"); }

@@ -154,6 +154,10 @@ void ReducedWorld::write_momentum(const std::vector<double>& at_velocity) {
   }
   solver_.multiply(carried_.data(), momentum_.data());
   for (std::size_t i = 0; i < bias_.size(); ++i) momentum_[i] -= step_s_ * bias_[i];
+  for (const HandPush& push : hand_pushes_) {
+    const int link = static_cast<int>(push.link);
+    tree_.add_point_row(link, tree_.com(link), push.impulse, 1, momentum_.data());
+  }
 }
 
 // What the nearest point of the same shapes got in the step before.
@@ -394,6 +398,11 @@ void ReducedWorld::advance() {
                         impulse / step_s_});
   }
   momentum.linear += step_s_ * tree_.mass() * gravity_;
+  for (const HandPush& push : hand_pushes_) {
+    momentum.linear += push.impulse;
+    momentum.angular += (tree_.com(static_cast<int>(push.link)) - centre).cross(push.impulse);
+  }
+  hand_pushes_.clear();
 
   std::copy_n(velocity_.begin(), tree_.velocity.size(), tree_.velocity.begin());
   if (robot_flies && tree_.root_dofs() > 0) {
