@@ -147,6 +147,7 @@ void OdeWorld::build_joint(const RobotModel& robot, std::size_t number) {
   const RobotLink& link = robot.links[static_cast<std::size_t>(joint.child)];
   Joint& out = ode_joints_[number];
   out.child = body(joint.child);
+  out.link = joint.child;
   const dBodyID parent = body(link.parent);
   const Eigen::Isometry3d& start = bodies_[static_cast<std::size_t>(joint.child)].start;
   const Eigen::Vector3d anchor = start.translation();
@@ -304,10 +305,12 @@ void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   }
   hand_pushes_.clear();
   const Eigen::Vector3d velocity_before = imu_velocity();
+  keep_frames();
   solve();
   remember_contacts();
   ++steps_;
   read_joints();
+  measure_forces();
   read_imu(velocity_before);
   finish_motors();
 }

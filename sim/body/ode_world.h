@@ -29,6 +29,7 @@ class OdeWorld final : public StagedWorld {
   double largest_joint_gap_m() const override { return largest_gap_; }
   std::string stepper() const override;
   void watch_contacts(bool on) override { watch_ = on; }
+  void watch_loads(bool on) override;
   std::vector<ContactPoint> contacts() const override;
   void save(h8s::StateWriter& to) override;
   void restore(h8s::StateReader& from) override;
@@ -36,9 +37,10 @@ class OdeWorld final : public StagedWorld {
  private:
   struct Joint {
     dJointID hinge = nullptr, motor = nullptr;
-    dJointFeedback feedback{};
+    dJointFeedback feedback{}, bearing{};            // of motor and hinge
     Eigen::Vector3d axis = Eigen::Vector3d::Zero();  // in the child's frame
     dBodyID child = nullptr;
+    int link = 0;                    // of the child
     double lower = 0, upper = 0;     // mechanical stops, rad
     std::optional<double> pressing;  // Nm on a stop, in the step under way
   };
@@ -62,6 +64,9 @@ class OdeWorld final : public StagedWorld {
   void drive(std::size_t number);
   void set_row(dJointID motor, const JointMotor::Row& row) const;
   void solve();
+  void keep_frames();
+  void measure_forces();
+  void measure_loads();
   void read_joints();
   Eigen::Vector3d imu_velocity() const;
   void read_imu(const Eigen::Vector3d& velocity_before);
@@ -71,8 +76,9 @@ class OdeWorld final : public StagedWorld {
   OdeWorldHandle ode_;
   OdeJointGroupHandle contact_rows_;
   BodySleep sleep_;
-  std::vector<dBodyID> ode_bodies_;  // by number; null: does not move
-  std::vector<Joint> ode_joints_;    // never grows after the start: ODE writes into it
+  std::vector<dBodyID> ode_bodies_;               // by number; null: does not move
+  std::vector<Joint> ode_joints_;                 // never grows after the start: ODE writes into it
+  std::vector<Eigen::Isometry3d> frames_before_;  // of the robot's links, as the step began
   ContactMemory memory_;
   bool watch_ = false;
   std::deque<Watched> watched_;  // ODE keeps pointers to the feedbacks

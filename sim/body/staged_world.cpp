@@ -22,6 +22,7 @@ StagedWorld::StagedWorld(const WorldModel& world, const RobotModel& robot,
       motors_(robot.joints.size(), JointMotor(motor, options.step_s)),
       rows_(robot.joints.size()),
       joint_states_(robot.joints.size()),
+      link_forces_(robot.links.size()),
       joint_order_(robot.joint_order()),
       link_frames_(robot.frames) {
   scene_.frames.push_back("world");
@@ -70,6 +71,7 @@ void StagedWorld::add_robot(const RobotModel& robot, const Eigen::Isometry3d& ro
     const int body = add_body(link.rigid, at, moves);
     contacts_.add_robot_link(link.rigid, static_cast<int>(i), moves ? body : -1, at);
     const int frame = add_frame(link.rigid.name, body);
+    link_order_.push_back(link.rigid.name);
     add_visuals(link.rigid, frame, Eigen::Isometry3d::Identity());
     if (robot.eyes_link() == static_cast<int>(i)) head_frame_ = frame;
   }

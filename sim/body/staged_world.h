@@ -32,6 +32,10 @@ class StagedWorld : public World {
   std::span<const std::string> joint_order() const override { return joint_order_; }
   double supply_current_a() const override { return current_; }
   const ImuState& imu() const override { return imu_; }
+  std::span<const LinkForce> link_forces() const override { return link_forces_; }
+  std::span<const std::string> link_order() const override { return link_order_; }
+  void watch_loads(bool on) override { watch_loads_ = on; }
+  std::span<const JointLoad> joint_loads() const override { return joint_loads_; }
   const Scene& scene() const override { return scene_; }
   ScenePose pose() const override;
   int head_frame() const override { return head_frame_; }
@@ -99,6 +103,8 @@ class StagedWorld : public World {
     }
     for (Eigen::Vector3d* v : {&imu_.angular_velocity, &imu_.specific_force})
       for (int k = 0; k < 3; ++k) a((*v)[k]);
+    for (LinkForce& force : link_forces_) a(force);
+    if constexpr (A::reading) joint_loads_.clear();
   }
 
   double step_s_;
@@ -113,6 +119,9 @@ class StagedWorld : public World {
   std::vector<JointState> joint_states_;
   RobotFrame imu_frame_;
   ImuState imu_;
+  std::vector<LinkForce> link_forces_;  // by link of the robot
+  bool watch_loads_ = false;
+  std::vector<JointLoad> joint_loads_;  // by joint; empty: not watched
   double current_ = 0;
   std::vector<HandPush> hand_pushes_;
 
@@ -123,7 +132,7 @@ class StagedWorld : public World {
   void add_robot(const RobotModel& robot, const Eigen::Isometry3d& root);
   void add_object(const WorldBody& object);
 
-  std::vector<std::string> joint_order_;
+  std::vector<std::string> joint_order_, link_order_;
   std::map<std::string, RobotFrame> link_frames_;  // by link name
   std::map<std::string, Eigen::Isometry3d> fixed_objects_;
   std::map<std::string, int> objects_;  // first link of each model that can move

@@ -15,6 +15,7 @@
 #include <Eigen/Geometry>
 
 #include "shared/base/result.hpp"
+#include "sim/body/loads.h"
 #include "sim/body/scene.h"
 #include "sim/h8s/archive.h"
 
@@ -78,6 +79,13 @@ class World {
   virtual std::span<const std::string> joint_order() const = 0;  // names, as joints() has them
   virtual double supply_current_a() const = 0;  // sum of the motors' currents in the last step
   virtual const ImuState& imu() const = 0;
+  // What touches the robot, by link in the order of link_order(): after each step, always.
+  virtual std::span<const LinkForce> link_forces() const { return {}; }
+  virtual std::span<const std::string> link_order() const { return {}; }
+  // What the joints bore in the last step, in their order; empty if it was not watched in that step.
+  // Watching changes nothing but time.
+  virtual void watch_loads(bool on) { static_cast<void>(on); }
+  virtual std::span<const JointLoad> joint_loads() const { return {}; }
 
   virtual const Scene& scene() const = 0;
   virtual ScenePose pose() const = 0;

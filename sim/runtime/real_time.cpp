@@ -199,6 +199,19 @@ void RealTimeServer::Parts::report_overrun() {
                    std::to_string(overruns_reported) + " stalls");
 }
 
+// Of the links that touch something: newtons, and the centre of pressure in the link's frame.
+nlohmann::ordered_json link_forces(const World& world) {
+  auto links = nlohmann::ordered_json::object();
+  for (std::size_t i = 0; i < world.link_forces().size(); ++i) {
+    const LinkForce& link = world.link_forces()[i];
+    if (!(link.pressure > 0)) continue;
+    links[world.link_order()[i]] = {
+        {"force_n", {link.force.x(), link.force.y(), link.force.z()}},
+        {"centre_m", {link.centre.x(), link.centre.y(), link.centre.z()}}};
+  }
+  return links;
+}
+
 nlohmann::ordered_json RealTimeServer::Parts::status() const {
   const ServoBoard& board = simulation.board();
   return {{"time_s", seconds(simulation.time())},
@@ -208,6 +221,7 @@ nlohmann::ordered_json RealTimeServer::Parts::status() const {
           {"supply_volts", board.supply_volts()},
           {"driver_celsius", board.driver_celsius()},
           {"imu", board.imu().has_value()},
+          {"link_forces", link_forces(simulation.world())},
           {"host", watch.present()},
           {"camera_readers", cameras ? cameras->readers() : 0},
           {"pairs_left_out", simulation.pairs_left_out()},

@@ -5,6 +5,7 @@
 // decode by the schema text that stands in the file.
 #include "sim/runtime/recorder.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "sim/runtime/little_endian.h"
@@ -39,6 +40,24 @@ constexpr char contacts_schema[] =
     "string a\nstring b\n"
     "float64[3] at     # world frame, m\n"
     "float64[3] force  # on a, N\n";
+constexpr char link_forces_schema[] =
+    "# What everything but the robot itself does to its links, mean of the millisecond that ends\n"
+    "# then; of the links that touch something. In the link's axes.\n"
+    "kaz/LinkForce[] links\n"
+    "================================================================================\n"
+    "MSG: kaz/LinkForce\n"
+    "string link\n"
+    "float64[3] force   # N\n"
+    "float64[3] moment  # Nm, about the link's origin\n"
+    "float64[3] centre  # of pressure, in the link's frame, m\n"
+    "float64 pressure   # sum of the normal forces, N\n";
+constexpr char joint_loads_schema[] =
+    "# What each joint bears, from parent to child, by joint number, three numbers each: every\n"
+    "# 10 ms, of the millisecond that ends then. At the joint's origin, in the child's axes; "
+    "along\n"
+    "# the joint's axis the moment is motor and stop.\n"
+    "float64[54] force   # N\n"
+    "float64[54] moment  # Nm\n";
 constexpr char eyes_schema[] =
     "# SHA-256 of the RGB bytes of a stereo pair; the message's time is the exposure.\n"
     "uint64 sequence\nstring left_sha256\nstring right_sha256\n";
@@ -77,6 +96,10 @@ Recorder::Recorder(std::unique_ptr<McapWriter> file) : file_(std::move(file)) {
   supply_ = numbers("/board/supply", file_->add_schema("kaz/Supply", "ros1msg", supply_schema));
   contacts_ =
       numbers("/truth/contacts", file_->add_schema("kaz/Contacts", "ros1msg", contacts_schema));
+  link_forces_ = numbers("/truth/link_forces",
+                         file_->add_schema("kaz/LinkForces", "ros1msg", link_forces_schema));
+  joint_loads_ = numbers("/truth/joint_loads",
+                         file_->add_schema("kaz/JointLoads", "ros1msg", joint_loads_schema));
   eyes_ = numbers("/eyes", file_->add_schema("kaz/StereoDigest", "ros1msg", eyes_schema));
   const auto pictures = file_->add_schema("sensor_msgs/CompressedImage", "ros1msg", picture_schema);
   left_eye_ = numbers("/eyes/left", pictures);
@@ -154,6 +177,32 @@ void Recorder::contacts(States at, std::span<const ContactPoint> points) {
     for (int k = 0; k < 3; ++k) to.real(point.force[k]);
   }
   put(contacts_, time_of(at));
+}
+
+void Recorder::link_forces(States at, std::span<const std::string> names,
+                           std::span<const LinkForce> links) {
+  data_.clear();
+  LittleEndian to(data_);
+  const auto touches = [](const LinkForce& link) { return link.pressure > 0; };
+  to.number(static_cast<std::uint32_t>(std::ranges::count_if(links, touches)));
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (!touches(links[i])) continue;
+    to.text(names[i]);
+    for (const Eigen::Vector3d* v : {&links[i].force, &links[i].moment, &links[i].centre})
+      for (int k = 0; k < 3; ++k) to.real((*v)[k]);
+    to.real(links[i].pressure);
+  }
+  put(link_forces_, time_of(at));
+}
+
+void Recorder::joint_loads(States at, std::span<const JointLoad, KZ_JOINTS> loads) {
+  data_.clear();
+  LittleEndian to(data_);
+  for (const JointLoad& load : loads)
+    for (int k = 0; k < 3; ++k) to.real(load.force[k]);
+  for (const JointLoad& load : loads)
+    for (int k = 0; k < 3; ++k) to.real(load.moment[k]);
+  put(joint_loads_, time_of(at));
 }
 
 void Recorder::eyes(const Eyes::Digest& digest) {

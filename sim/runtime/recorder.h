@@ -36,6 +36,9 @@ class Recorder {
   // Volts at the board and amperes drawn from the supply.
   void supply(States at, double volts, double amperes);
   void contacts(States at, std::span<const ContactPoint> points);
+  // Those links alone that touch something; `names` by link.
+  void link_forces(States at, std::span<const std::string> names, std::span<const LinkForce> links);
+  void joint_loads(States at, std::span<const JointLoad, KZ_JOINTS> loads);
   // With the pictures, if they were kept.
   void eyes(const Eyes::Digest& digest);
   void behavior(States at, std::string_view json);
@@ -52,8 +55,8 @@ class Recorder {
                std::span<const std::uint8_t> png);
 
   std::unique_ptr<McapWriter> file_;
-  std::uint16_t to_board_, to_host_, pins_, analog_, joints_, ball_, supply_, contacts_, eyes_,
-      left_eye_, right_eye_, behavior_, faults_;
+  std::uint16_t to_board_, to_host_, pins_, analog_, joints_, ball_, supply_, contacts_,
+      link_forces_, joint_loads_, eyes_, left_eye_, right_eye_, behavior_, faults_;
   std::vector<std::uint8_t> data_;  // of the message being made
 };
 

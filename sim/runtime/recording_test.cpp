@@ -180,6 +180,10 @@ TEST(Recorder, MessagesHaveTheSizeOfTheirSchema) {
   (*recorder)->supply(18432, 10, 1);
   const ContactPoint touch{"a", "bc", {1, 2, 3}, {4, 5, 6}};
   (*recorder)->contacts(18432, {&touch, 1});
+  const std::string feet[] = {"abc", "de"};
+  const LinkForce forces[] = {{}, {{1, 2, 3}, {4, 5, 6}, 3, {7, 8, 9}}};
+  (*recorder)->link_forces(18432, feet, forces);
+  (*recorder)->joint_loads(18432, std::array<JointLoad, KZ_JOINTS>{});
   Eyes::Digest pair{1, Time(1'000'000'005), Time(1'015'000'005), {}};
   pair.kept.left = std::string(64, 'a');
   pair.kept.right = std::string(64, 'b');
@@ -200,6 +204,9 @@ TEST(Recorder, MessagesHaveTheSizeOfTheirSchema) {
   EXPECT_EQ(messages.at("/truth/ball").at(0).size(), 24u);
   EXPECT_EQ(messages.at("/board/supply").at(0).size(), 16u);
   EXPECT_EQ(messages.at("/truth/contacts").at(0).size(), 4u + 4 + 1 + 4 + 2 + 48);
+  // The first link touches nothing.
+  EXPECT_EQ(messages.at("/truth/link_forces").at(0).size(), 4u + 4 + 2 + 8 * 10);
+  EXPECT_EQ(messages.at("/truth/joint_loads").at(0).size(), 8u * 108);
   EXPECT_EQ(messages.at("/eyes").at(0).size(), 8u + 2 * (4 + 64));
   ASSERT_EQ(messages.at("/eyes/left").size(), 1u);  // the first pair was not kept
   Reader left(messages.at("/eyes/left").at(0));

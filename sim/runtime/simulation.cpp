@@ -164,6 +164,7 @@ Result<void> Simulation::advance() {
   for (std::size_t j = 0; j < KZ_JOINTS; ++j) drives[j] = {means[j].duty, means[j].powered};
   faults_.apply(time(), drives);
   for (std::size_t j = 0; j < channels_.size(); ++j) drives_[j] = drives[channels_[j]];
+  world_->watch_loads(recorder_ && end / KZ_STATES_PER_TICK % contact_interval_ms == 0);
   world_->step(drives_, board_.supply_volts());
 
   tell_sensors();
@@ -186,8 +187,14 @@ void Simulation::record(States start, std::span<const SerialByte> to_board,
   for (std::size_t j = 0; j < channels_.size(); ++j) joints[channels_[j]] = world_->joints()[j];
   recorder_->joints(now_, joints);
   recorder_->supply(now_, board_.supply_volts(), world_->supply_current_a());
+  recorder_->link_forces(now_, world_->link_order(), world_->link_forces());
   if (now_ / KZ_STATES_PER_TICK % contact_interval_ms == 0)
     recorder_->contacts(now_, world_->contacts());
+  if (const auto loads = world_->joint_loads(); !loads.empty()) {
+    std::array<JointLoad, KZ_JOINTS> by_channel{};
+    for (std::size_t j = 0; j < channels_.size(); ++j) by_channel[channels_[j]] = loads[j];
+    recorder_->joint_loads(now_, by_channel);
+  }
   if (const auto ball = world_->object_position("ball")) recorder_->ball(now_, *ball);
   if (eyes_) {
     for (const auto& digest : eyes_->take_digests(false)) recorder_->eyes(digest);

@@ -83,9 +83,10 @@ TEST_F(RecordingReader, FindsWhatOurOwnReaderFinds) {
   // Each channel with messages was decoded by its schema; read.mjs fails where that cannot be.
   const json& channels = indexed["channels"];
   EXPECT_EQ(channels.size(), counts.size());
-  for (const char* topic : {"/wire/to_board", "/wire/to_host", "/board/pins", "/board/analog",
-                            "/truth/joints", "/truth/ball", "/board/supply", "/truth/contacts",
-                            "/eyes", "/eyes/left", "/eyes/right", "/behavior"})
+  for (const char* topic :
+       {"/wire/to_board", "/wire/to_host", "/board/pins", "/board/analog", "/truth/joints",
+        "/truth/ball", "/board/supply", "/truth/contacts", "/truth/link_forces",
+        "/truth/joint_loads", "/eyes", "/eyes/left", "/eyes/right", "/behavior"})
     EXPECT_TRUE(channels.contains(topic)) << topic;
   for (const auto& [topic, channel] : channels.items())
     EXPECT_EQ(channel["first_time_ns"], std::to_string(earliest.at(topic)->time_ns)) << topic;
@@ -113,6 +114,13 @@ TEST_F(RecordingReader, DecodesTheNumbersThatWereWritten) {
     EXPECT_EQ(decoded["winding_celsius"][j].get<double>(), real_at(joints, 36 + j));
     EXPECT_NEAR(decoded["winding_celsius"][j].get<double>(), 25, 1);  // a millisecond after cold
   }
+  // It is set down on its feet: only floor and soles touch, and the floor pushes up.
+  const auto loads = first("/truth/joint_loads");
+  const json& borne = channels["/truth/joint_loads"]["first"];
+  ASSERT_EQ(borne["force"].size(), 54u);
+  for (std::size_t k = 0; k < 54; ++k)
+    EXPECT_EQ(borne["moment"][k].get<double>(), real_at(loads, 54 + k));
+  EXPECT_GT(borne["force"][2].get<double>(), 0.3) << "the neck bears a head of 80 g";
   const auto supply = first("/board/supply");
   EXPECT_EQ(channels["/board/supply"]["first"]["volts"].get<double>(), real_at(supply, 0));
   // The first bytes of a host: a frame, from zero to zero.

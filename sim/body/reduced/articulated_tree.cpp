@@ -223,6 +223,29 @@ void ArticulatedTree::bias(const std::vector<double>& v, const Vector3d& gravity
   }
 }
 
+void ArticulatedTree::joint_forces(const std::vector<double>& v, const std::vector<double>& a,
+                                   const Vector3d& gravity, std::vector<Spatial>& forces) {
+  twists(v);
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    Link& link = links_[i];
+    if (i > 0) {
+      link.acceleration = links_[index(link.parent)].acceleration +
+                          carried(link.twist, scaled(link.motion, v[index(link.dof)])) +
+                          scaled(link.motion, a[index(link.dof)]);
+    } else {
+      link.acceleration = {Vector3d::Zero(), -gravity};
+      if (root_dofs_ == 6)
+        link.acceleration = link.acceleration + Spatial{{a[0], a[1], a[2]}, {a[3], a[4], a[5]}};
+    }
+    forces[i] = link.inertia * link.acceleration +
+                carried_force(link.twist, link.inertia * link.twist) + scaled(forces[i], -1);
+  }
+  for (std::size_t i = links_.size(); i-- > 1;) {
+    Spatial& parent = forces[index(links_[i].parent)];
+    parent = parent + forces[i];
+  }
+}
+
 void ArticulatedTree::add_point_row(int link, const Vector3d& point, const Vector3d& direction,
                                     double sign, double* j) const {
   const Vector3d force = sign * direction;

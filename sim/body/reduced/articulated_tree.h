@@ -36,6 +36,7 @@ class ArticulatedTree {
   int dofs() const { return dofs_; }
   int root_dofs() const { return root_dofs_; }
   int dof_of_joint(int joint) const { return dof_of_joint_[static_cast<std::size_t>(joint)]; }
+  int link_of_dof(int dof) const { return dof - root_dofs_ + 1; }
 
   // State. Angles (rad) are of the joints alone, velocity has all coordinates.
   Eigen::Vector3d root_at;  // m, world
@@ -78,6 +79,13 @@ class ArticulatedTree {
   // angular x linear velocity.
   void bias(const std::vector<double>& velocity, const Eigen::Vector3d& gravity,
             std::vector<double>& c);
+
+  // What passes to each link through the joint that carries it, so that the tree moves at `velocity`
+  // with `acceleration` (both by coordinate, the root's linear one as bias() has it): recursive
+  // Newton-Euler. `forces`, by link: in, what pushes the link besides gravity; out, the root's in the
+  // place of a joint's.
+  void joint_forces(const std::vector<double>& velocity, const std::vector<double>& acceleration,
+                    const Eigen::Vector3d& gravity, std::vector<Spatial>& forces);
 
   // Coordinates of a link's branch, beside those of the root: all that may move it.
   struct Span {

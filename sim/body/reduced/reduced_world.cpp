@@ -42,6 +42,7 @@ ReducedWorld::ReducedWorld(const WorldModel& world, const RobotModel& robot,
   const auto dofs = static_cast<std::size_t>(tree_.dofs());
   for (std::vector<double>* v : {&bias_, &carried_, &halfway_, &scratch_}) v->assign(dofs, 0);
   coordinate_of_.assign(objects_.size(), -1);
+  outer_.resize(robot_links_);
   read_joints();
   read_imu(imu_velocity());
   read_motors();
@@ -428,6 +429,7 @@ void ReducedWorld::step(std::span<const MotorDrive> drives, double supply_volts)
   solve();
   for (std::size_t i = 0; i < joints_.size(); ++i)
     joint_states_[i].torque = solver_.bounded(i) / step_s_;
+  measure_forces();
   advance();
   ++steps_;
   read_joints();

@@ -91,6 +91,8 @@ class ReducedWorld final : public StagedWorld {
   void solve();
   void move_tree(double seconds);
   void fly(const ArticulatedTree::Momentum& after, const Eigen::Vector3d& centre);
+  void measure_forces();
+  void measure_loads();
   void advance();
   void read_joints();
   Eigen::Vector3d imu_velocity() const;
@@ -109,6 +111,7 @@ class ReducedWorld final : public StagedWorld {
   std::vector<double> bias_, carried_, halfway_;  // by coordinate of the tree
   std::vector<double> momentum_, velocity_;       // by coordinate of the solver
   std::vector<double> scratch_;
+  std::vector<Spatial> outer_;      // by link: what pushes it
   std::vector<int> coordinate_of_;  // where an object's begin: angular, linear; -1: it sleeps
   std::vector<Push> pushes_;        // of each point of the solver
   std::vector<bool> flies_;         // by object: nothing touched it

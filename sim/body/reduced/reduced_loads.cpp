@@ -1,0 +1,63 @@
+// World in reduced coordinates: forces on links and in joints, from what a step's solution is.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "sim/body/reduced/reduced_world.h"
+
+namespace kaz::sim {
+
+using Eigen::Vector3d;
+
+// To be called when the step is solved and nothing has moved yet.
+void ReducedWorld::measure_forces() {
+  std::ranges::fill(link_forces_, LinkForce{});
+  if (watch_loads_) std::ranges::fill(outer_, Spatial{});
+  for (std::size_t i = 0; i < pushes_.size(); ++i) {
+    const Touch& touch = contacts_.touches()[pushes_[i].touch];
+    const bool a = of_robot(touch.body_a), b = of_robot(touch.body_b);
+    if (!a && !b) continue;
+    const VelocitySolver::Impulse l = solver_.impulse(i) / step_s_;
+    const Vector3d force = pushes_[i].basis * l.head<3>();
+    const Vector3d moment = pushes_[i].basis * Vector3d(l[5], l[3], l[4]);
+    if (a != b) {
+      const int link = a ? touch.body_a : touch.body_b;
+      const double sign = a ? 1 : -1;
+      link_forces_[static_cast<std::size_t>(link)].add(moving_pose(link), touch.at, sign * force,
+                                                       sign * moment, l[0]);
+    }
+    if (!watch_loads_) continue;
+    const auto push = [&](int link, double sign) {
+      Spatial& outer = outer_[static_cast<std::size_t>(link)];
+      outer.linear += sign * force;
+      outer.angular += sign * ((touch.at - tree_.root_at).cross(force) + moment);
+    };
+    if (a) push(touch.body_a, 1);
+    if (b) push(touch.body_b, -1);
+  }
+  for (LinkForce& force : link_forces_) force.finish();
+  joint_loads_.resize(watch_loads_ ? joints_.size() : 0);
+  if (watch_loads_) measure_loads();
+}
+
+// The motion that the solver found, at the velocities with which it reckoned.
+void ReducedWorld::measure_loads() {
+  for (const HandPush& push : hand_pushes_) {
+    const int link = static_cast<int>(push.link);
+    const Vector3d force = push.impulse / step_s_;
+    Spatial& outer = outer_[push.link];
+    outer.linear += force;
+    outer.angular += (tree_.com(link) - tree_.root_at).cross(force);
+  }
+  for (std::size_t i = 0; i < scratch_.size(); ++i)
+    scratch_[i] = (velocity_[i] - carried_[i]) / step_s_;
+  tree_.joint_forces(halfway_, scratch_, gravity_, outer_);
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const int link = tree_.link_of_dof(joints_[i].dof);
+    const auto& [moment, force] = outer_[static_cast<std::size_t>(link)];
+    const Eigen::Matrix3d to_link = tree_.axes(link).transpose();
+    const Vector3d arm = tree_.origin(link) - tree_.root_at;
+    joint_loads_[i] = {to_link * force, to_link * (moment - arm.cross(force))};
+  }
+}
+
+}  // namespace kaz::sim
