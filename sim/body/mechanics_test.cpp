@@ -1,6 +1,7 @@
 // The whole robot against school mechanics: momentum; and what it may touch of itself.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <thread>
 
 #include "sim/body/staged_world.h"
 #include "sim/body/test_files.h"
@@ -126,6 +127,31 @@ TEST_P(Robot, KeepsItsMomentumInFreeFlight) {
   // Gyroscopic terms and arms are taken at the start of a step: a first-order error, w h = 1.2 % at
   // the motors' 12 rad/s.
   EXPECT_LT(worst, 0.02 * of_parts);
+}
+
+// Two at a time step as one alone does.
+TEST_P(Robot, StepsInTwoThreads) {
+  const auto around = load_world(test::kEmpty);
+  ASSERT_TRUE(around);
+  std::array<Eigen::Isometry3d, 3> trunks;
+  const auto stand = [&](std::size_t number) {
+    const auto standing = world(*around);
+    std::array<MotorDrive, KZ_JOINTS> drives{};
+    while (standing->time_s() < 0.4) {
+      for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+        const JointState& joint = standing->joints()[j];
+        drives[j] = {-20 * joint.angle - 0.15 * joint.velocity, true};
+      }
+      standing->step(drives, 10.0);
+    }
+    trunks[number] = standing->link_pose("trunk");
+  };
+  stand(0);
+  std::thread one([&] { stand(1); }), two([&] { stand(2); });
+  one.join();
+  two.join();
+  EXPECT_TRUE(trunks[1].matrix() == trunks[0].matrix());
+  EXPECT_TRUE(trunks[2].matrix() == trunks[0].matrix());
 }
 
 TEST_P(Robot, TouchesItselfInNoOrdinaryPosture) {

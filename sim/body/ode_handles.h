@@ -23,6 +23,9 @@ struct OdeDelete {
 
 // Destroying an ODE world destroys its bodies and joints. Shapes on bodies must be gone before.
 using OdeWorldHandle = std::unique_ptr<dxWorld, OdeDelete<dWorldDestroy>>;
+// What runs a world's step. ODE's own is one for all worlds, and does not stand two of them at a time.
+using OdeThreadingHandle =
+    std::unique_ptr<dxThreadingImplementation, OdeDelete<dThreadingFreeImplementation>>;
 using OdeGeomHandle = std::unique_ptr<dxGeom, OdeDelete<dGeomDestroy>>;
 using OdeJointGroupHandle = std::unique_ptr<dxJointGroup, OdeDelete<dJointGroupDestroy>>;
 

@@ -105,6 +105,9 @@ OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const Motor
       ode_(make_world(world.gravity, iterations)),
       contact_rows_(dJointGroupCreate(0)),
       ode_joints_(robot.joints.size()) {
+  threading_.reset(dThreadingAllocateSelfThreadedImplementation());
+  dWorldSetStepThreadingImplementation(
+      ode_.get(), dThreadingImplementationGetFunctions(threading_.get()), threading_.get());
   make_bodies();
   for (std::size_t j = 0; j < robot.joints.size(); ++j) build_joint(robot, j);
   if (hung_) hang();

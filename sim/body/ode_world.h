@@ -73,6 +73,7 @@ class OdeWorld final : public StagedWorld {
 
   int iterations_;
   unsigned long random_state_;
+  OdeThreadingHandle threading_;  // outlives ode_
   OdeWorldHandle ode_;
   OdeJointGroupHandle contact_rows_;
   BodySleep sleep_;
