@@ -1,5 +1,7 @@
 // What the benchmark of the body measures: loads and steppers. A further stepper is one string here.
 // SPDX-License-Identifier: Apache-2.0
+//
+// "bulletN": Bullet's multibody with N iterations, for comparison alone (bench_bullet/).
 #pragma once
 
 #include <array>
@@ -7,7 +9,8 @@
 
 namespace kaz::sim::bench {
 
-inline constexpr std::array kSteppers{"reduced", "exact", "quick8", "quick20", "quick50"};
+inline constexpr std::array kSteppers{"reduced", "exact",    "quick8",  "quick20",
+                                      "quick50", "bullet10", "bullet50"};
 // Standing in the walking crouch; walking on the spot; the same among ten props and a ball.
 inline constexpr std::array kLoads{"alone", "walking", "props"};
 

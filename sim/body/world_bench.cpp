@@ -18,6 +18,7 @@
 #include <valgrind/callgrind.h>
 
 #include "shared/board/board.h"
+#include "sim/body/bench_bullet/bullet_world.h"
 #include "sim/body/bench_gait.h"
 #include "sim/body/bench_names.h"
 #include "sim/body/staged_world.h"
@@ -38,8 +39,10 @@ class Run {
     WorldOptions options;
     options.stepper = stepper;
     const char* world = load == "props" ? "props" : "empty";
+    const auto load_world =
+        stepper.compare(0, 6, "bullet") == 0 ? bench::BulletWorld::load : World::load;
     auto loaded =
-        World::load(KAZ_TREE "/sim/worlds/" + std::string(world) + ".sdf", kRobot, options);
+        load_world(KAZ_TREE "/sim/worlds/" + std::string(world) + ".sdf", kRobot, options);
     if (loaded)
       world_ = std::move(*loaded);
     else
