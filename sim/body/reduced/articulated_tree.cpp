@@ -200,7 +200,8 @@ void ArticulatedTree::bias(const std::vector<double>& v, const Vector3d& gravity
                            std::vector<double>& c) {
   twists(v);
   Link& root = links_.front();
-  root.acceleration = {Vector3d::Zero(), -gravity};
+  // Of a spatial motion: what P as a point of the moving body accelerates by is more by this product.
+  root.acceleration = {Vector3d::Zero(), -gravity - root.twist.angular.cross(root.twist.linear)};
   for (std::size_t i = 0; i < links_.size(); ++i) {
     Link& link = links_[i];
     if (i > 0) {
@@ -246,30 +247,27 @@ void ArticulatedTree::joint_forces(const std::vector<double>& v, const std::vect
   }
 }
 
-void ArticulatedTree::add_point_row(int link, const Vector3d& point, const Vector3d& direction,
-                                    double sign, double* j) const {
-  const Vector3d force = sign * direction;
+void ArticulatedTree::add_force(int link, const Vector3d& point, const Vector3d& force,
+                                double* out) const {
   const Spatial wrench{(point - root_at).cross(force), force};
-  for (int i = link; i > 0; i = links_[index(i)].parent) {
-    const Link& at = links_[index(i)];
-    j[at.dof] += dot(at.motion, wrench);
-  }
+  for (int i = link; i > 0; i = links_[index(i)].parent)
+    out[links_[index(i)].dof] += dot(links_[index(i)].motion, wrench);
   if (root_dofs_ == 0) return;
   for (int k = 0; k < 3; ++k) {
-    j[k] += wrench.angular[k];
-    j[k + 3] += wrench.linear[k];
+    out[k] += wrench.angular[k];
+    out[k + 3] += wrench.linear[k];
   }
 }
 
-void ArticulatedTree::add_turn_row(int link, const Vector3d& direction, double sign,
-                                   double* j) const {
-  const Vector3d moment = sign * direction;
+void ArticulatedTree::add_motions(int link, double sign, int first, double* columns) const {
   for (int i = link; i > 0; i = links_[index(i)].parent) {
     const Link& at = links_[index(i)];
-    j[at.dof] += at.motion.angular.dot(moment);
+    double* column = columns + 6 * (at.dof - first);
+    for (int k = 0; k < 3; ++k) {
+      column[k] += sign * at.motion.angular[k];
+      column[k + 3] += sign * at.motion.linear[k];
+    }
   }
-  if (root_dofs_ == 0) return;
-  for (int k = 0; k < 3; ++k) j[k] += moment[k];
 }
 
 }  // namespace kaz::sim

@@ -75,8 +75,6 @@ class ArticulatedTree {
     for (int i = 0; i < root_dofs_; ++i) write_root_row(i, row(i));
   }
   // c for any velocity: what tau has to be so that nothing accelerates but what falls freely.
-  // The root's linear acceleration is then that of P as a point of the moving body minus
-  // angular x linear velocity.
   void bias(const std::vector<double>& velocity, const Eigen::Vector3d& gravity,
             std::vector<double>& c);
 
@@ -93,11 +91,16 @@ class ArticulatedTree {
   };
   Span span_of_link(int link) const { return links_[index(link)].span; }
   Span span_of_dof(int dof) const { return links_[index(dof - root_dofs_ + 1)].span; }
-  // j += sign * row of the velocity of `point` (world, m) of a link along `direction`, or of its
-  // angular velocity about it.
-  void add_point_row(int link, const Eigen::Vector3d& point, const Eigen::Vector3d& direction,
-                     double sign, double* j) const;
-  void add_turn_row(int link, const Eigen::Vector3d& direction, double sign, double* j) const;
+  // Coordinate of the joint that carries this one's link; -1: the root does.
+  int carrier_of_dof(int dof) const {
+    return links_[index(links_[index(dof - root_dofs_ + 1)].parent)].dof;
+  }
+  // Adds to `out`, by coordinate, what a force (N, or N s) on a point of a link does.
+  void add_force(int link, const Eigen::Vector3d& point, const Eigen::Vector3d& force,
+                 double* out) const;
+  // Motions of a link about P at unit rates of the joints that carry it, times `sign`, added to
+  // columns of six (angular, linear): that of coordinate i at columns + 6 (i - first).
+  void add_motions(int link, double sign, int first, double* columns) const;
 
  private:
   struct Inertia {  // about P

@@ -18,9 +18,8 @@ using Eigen::Vector3d;
 constexpr double kStopWatch = 0.02;  // rad, from which a stop is looked at
 // m/s per N: what is harder is taken as that hard.
 constexpr double kLeastSoftness = 1e-8;
-// Velocities change by no more than this in the last step of Newton's method, m/s or rad/s: before the
-// forces that depend on velocity are taken halfway, and at the end.
-constexpr double kRough = 1e-2, kExact = 1e-9;
+// Velocities change by no more than this in the last step of Newton's method, m/s or rad/s.
+constexpr double kExact = 1e-8;
 constexpr int kMostSteps = 60;
 constexpr double kSamePoint = 3e-3;  // m, that a point moves at most in a step
 
@@ -40,9 +39,10 @@ ReducedWorld::ReducedWorld(const WorldModel& world, const RobotModel& robot,
     joints_[i].upper = robot.joints[i].upper + kStopMargin;
   }
   const auto dofs = static_cast<std::size_t>(tree_.dofs());
-  for (std::vector<double>* v : {&bias_, &carried_, &halfway_, &scratch_}) v->assign(dofs, 0);
+  for (std::vector<double>* v : {&bias_, &halfway_, &velocity_before_}) v->assign(dofs, 0);
   coordinate_of_.assign(objects_.size(), -1);
   outer_.resize(robot_links_);
+  find_chains();
   read_joints();
   read_imu(imu_velocity());
   read_motors();
@@ -100,25 +100,46 @@ void ReducedWorld::settle_sleep() {
   }
 }
 
+// Joints in a row without a fork.
+void ReducedWorld::find_chains() {
+  const int root = tree_.root_dofs(), dofs = tree_.dofs();
+  if (root > 0) chains_.push_back({0, root, -1});
+  std::vector<int> carried(static_cast<std::size_t>(dofs), 0), chain_of(carried);
+  for (int i = root; i < dofs; ++i) {
+    if (tree_.carrier_of_dof(i) >= 0) ++carried[static_cast<std::size_t>(tree_.carrier_of_dof(i))];
+  }
+  for (int i = root; i < dofs; ++i) {
+    const int carrier = tree_.carrier_of_dof(i);
+    if (carrier >= 0 && carrier == i - 1 && carried[static_cast<std::size_t>(carrier)] == 1) {
+      ++chains_.back().length;
+    } else {
+      const int on = carrier >= 0 ? chain_of[static_cast<std::size_t>(carrier)] : root > 0 ? 0 : -1;
+      chains_.push_back({i, 1, on});
+    }
+    chain_of[static_cast<std::size_t>(i)] = static_cast<int>(chains_.size()) - 1;
+  }
+}
+
 void ReducedWorld::write_inertia() {
   int size = tree_.dofs();
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     coordinate_of_[i] = objects_[i].awake ? size : -1;
     if (objects_[i].awake) size += 6;
   }
-  const int root = tree_.root_dofs();
-  solver_.begin(size, root);
-  for (int i = root; i < tree_.dofs(); ++i) solver_.couple(i, tree_.span_of_dof(i).first, root > 0);
-  tree_.mass_matrix([this](int i) { return solver_.inertia_row(i); });
+  solver_.begin(size);
+  BlockMatrix& matrix = solver_.matrix();
+  for (const Chain& chain : chains_) matrix.add_block(chain.first, chain.length, chain.carrier);
+  tree_.mass_matrix([&matrix](int i) { return matrix.inertia_row(i); });
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const int first = coordinate_of_[i];
     if (first < 0) continue;
+    matrix.add_block(first, 6, -1);
     const Matrix3d inertia = objects_[i].inertia();
     for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b <= a; ++b) solver_.inertia_row(first + a)[first + b] = inertia(a, b);
-      solver_.inertia_row(first + 3 + a)[first + 3 + a] = objects_[i].mass();
-      solver_.couple(first + a, first, false);
-      solver_.couple(first + 3 + a, first, false);
+      for (int b = 0; b <= a; ++b) matrix.inertia_row(first + a)[first + b] = inertia(a, b);
+      double* linear = matrix.inertia_row(first + 3 + a) + first;
+      std::fill_n(linear, 6, 0.0);
+      linear[3 + a] = objects_[i].mass();
     }
   }
   velocity_.assign(static_cast<std::size_t>(size), 0);
@@ -134,30 +155,22 @@ void ReducedWorld::write_inertia() {
   }
 }
 
-// What the step leaves without rows, for forces that depend on velocity taken at `at_velocity`.
-void ReducedWorld::write_momentum(const std::vector<double>& at_velocity) {
-  tree_.bias(at_velocity, gravity_, bias_);
-  carried_.assign(velocity_.size(), 0);
-  std::ranges::copy(tree_.velocity, carried_.begin());
-  if (tree_.root_dofs() > 0) {
-    // P is a point of the robot: its velocity also turns with it.
-    const double* v = at_velocity.data();
-    const Vector3d turn = step_s_ * Vector3d(v[0], v[1], v[2]).cross(Vector3d(v[3], v[4], v[5]));
-    for (int k = 0; k < 3; ++k) carried_[static_cast<std::size_t>(k + 3)] += turn[k];
-  }
+// What the step leaves without rows. Forces that depend on velocity are taken for the one halfway, as the
+// last step lets expect it.
+void ReducedWorld::write_momentum() {
+  for (std::size_t i = 0; i < halfway_.size(); ++i)
+    halfway_[i] = tree_.velocity[i] + (tree_.velocity[i] - velocity_before_[i]) / 2;
+  tree_.bias(halfway_, gravity_, bias_);
+  solver_.multiply(velocity_.data(), momentum_.data());
+  for (std::size_t i = 0; i < bias_.size(); ++i) momentum_[i] -= step_s_ * bias_[i];
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (coordinate_of_[i] < 0) continue;
-    double* v = carried_.data() + coordinate_of_[i];
-    for (int k = 0; k < 3; ++k) {
-      v[k] = objects_[i].angular_velocity()[k];
-      v[k + 3] = objects_[i].velocity[k] + step_s_ * gravity_[k];
-    }
+    double* linear = momentum_.data() + coordinate_of_[i] + 3;
+    for (int k = 0; k < 3; ++k) linear[k] += step_s_ * objects_[i].mass() * gravity_[k];
   }
-  solver_.multiply(carried_.data(), momentum_.data());
-  for (std::size_t i = 0; i < bias_.size(); ++i) momentum_[i] -= step_s_ * bias_[i];
   for (const HandPush& push : hand_pushes_) {
     const int link = static_cast<int>(push.link);
-    tree_.add_point_row(link, tree_.com(link), push.impulse, 1, momentum_.data());
+    tree_.add_force(link, tree_.com(link), push.impulse, momentum_.data());
   }
 }
 
@@ -180,36 +193,65 @@ VelocitySolver::Impulse ReducedWorld::recall(const Touch& touch, const Matrix3d&
   return start;
 }
 
-// Rows of the robot's side, as sums of forces on both links where both are the robot's.
-void ReducedWorld::write_robot_rows(const Touch& touch, const ArticulatedTree::Span& span,
-                                    const Matrix3d& basis, int rows, int stride, double* out) {
-  const int root = tree_.root_dofs();
-  for (int r = 0; r < rows; ++r, out += stride) {
-    std::ranges::fill(scratch_, 0.0);
-    const Vector3d way = r < 3 ? basis.col(r) : basis.col((r - 2) % 3);
-    for (const auto& [body, sign] : {std::pair{touch.body_a, 1.0}, {touch.body_b, -1.0}}) {
-      if (!of_robot(body)) continue;
-      if (r < 3) {
-        tree_.add_point_row(body, touch.at, way, sign, scratch_.data());
-      } else {
-        tree_.add_turn_row(body, way, sign, scratch_.data());
-      }
+// The motion of one body against another, about the root's origin where the robot is one of them.
+void ReducedWorld::make_pair(const Touch& touch) {
+  std::array<VelocitySolver::Segment, 4> segments;
+  std::size_t count = 0;
+  const bool robot_a = of_robot(touch.body_a), robot_b = of_robot(touch.body_b);
+  const auto coordinate_of = [this](int body) {
+    return coordinate_of_[static_cast<std::size_t>(body) - robot_links_];
+  };
+  Meeting& meeting = meetings_.emplace_back();
+  meeting = {touch.body_a, touch.body_b, -1, tree_.root_at};
+  ArticulatedTree::Span span{tree_.dofs(), 0};
+  if (robot_a != robot_b) segments[count++] = {0, tree_.root_dofs(), robot_a ? 1.0 : -1.0};
+  for (const int body : {touch.body_a, touch.body_b}) {
+    if (!of_robot(body)) continue;
+    const ArticulatedTree::Span one = tree_.span_of_link(body);
+    if (one.first == one.end) continue;
+    span = {std::min(span.first, one.first), std::max(span.end, one.end)};
+  }
+  if (span.end > 0) segments[count++] = {span.first, span.end - span.first};
+  // Coordinates in rising order.
+  std::array<std::pair<int, double>, 2> sides{{{touch.body_a, 1.0}, {touch.body_b, -1.0}}};
+  if (sides[0].first > sides[1].first) std::swap(sides[0], sides[1]);
+  bool plain = !robot_a && !robot_b;  // a free body about its own centre of mass
+  for (const auto& [body, sign] : sides) {
+    if (body < 0 || of_robot(body)) continue;
+    if (plain) meeting.about = object(body).com;
+    segments[count++] = {coordinate_of(body), 6, plain ? sign : 0};
+    plain = false;
+  }
+  // A held root has no coordinates: then there is nothing to push.
+  if (std::ranges::all_of(std::span(segments).first(count),
+                          [](const auto& segment) { return segment.length == 0; }))
+    return;
+  meeting.pair = solver_.add_pair(std::span(segments).first(count));
+  double* columns = solver_.columns(meeting.pair);
+  if (robot_a) tree_.add_motions(touch.body_a, 1, span.first, columns);
+  if (robot_b) tree_.add_motions(touch.body_b, -1, span.first, columns);
+  columns += 6 * std::max(0, span.end - span.first);
+  for (const VelocitySolver::Segment& segment : std::span(segments).first(count)) {
+    if (segment.plain != 0 || segment.first < tree_.dofs()) continue;
+    const bool is_a = touch.body_a >= 0 && !robot_a && coordinate_of(touch.body_a) == segment.first;
+    const double sign = is_a ? 1 : -1;
+    const Vector3d arm = meeting.about - object(is_a ? touch.body_a : touch.body_b).com;
+    for (int k = 0; k < 3; ++k, columns += 6) {
+      columns[k] = sign;
+      Eigen::Map<Vector3d>(columns + 3) = sign * Vector3d::Unit(k).cross(arm);
+      columns[18 + 3 + k] = sign;
     }
-    std::copy_n(scratch_.data(), root, out);
-    std::copy(scratch_.data() + span.first, scratch_.data() + span.end, out + root);
+    columns += 18;
   }
 }
 
-void ReducedWorld::write_object_rows(const Touch& touch, int body, double sign,
-                                     const Matrix3d& basis, int rows, int stride, double* out) {
-  const FreeBody& free = object(body);
-  const Vector3d arm = touch.at - free.com;
-  for (int r = 0; r < rows; ++r, out += stride) {
-    const Vector3d way = sign * (r < 3 ? basis.col(r) : basis.col((r - 2) % 3));
-    Eigen::Map<Vector3d> angular(out), linear(out + 3);
-    angular = r < 3 ? Vector3d(arm.cross(way)) : way;
-    if (r < 3) linear = way;
+const ReducedWorld::Meeting& ReducedWorld::meeting_of(const Touch& touch) {
+  for (std::size_t i = meetings_.size(); i-- > 0;) {
+    if (meetings_[i].body_a == touch.body_a && meetings_[i].body_b == touch.body_b)
+      return meetings_[i];
   }
+  make_pair(touch);
+  return meetings_.back();
 }
 
 void ReducedWorld::make_contact_row(const Touch& touch) {
@@ -217,42 +259,15 @@ void ReducedWorld::make_contact_row(const Touch& touch) {
     return of_robot(body) || (body >= 0 && object(body).awake);
   };
   if (!moves(touch.body_a) && !moves(touch.body_b)) return;
-  Matrix3d basis;
-  basis.col(0) = touch.normal;
-  basis.col(1) = touch.normal.unitOrthogonal();
-  basis.col(2) = touch.normal.cross(basis.col(1));
-  const Surface& surface = touch.surface;
-  const int rows = surface.rolling_resistance > 0 ? 6 : 3;
-
-  std::array<VelocitySolver::Segment, 4> segments;
-  std::size_t count = 0;
-  ArticulatedTree::Span span{tree_.dofs(), 0};
-  const bool robot = of_robot(touch.body_a) || of_robot(touch.body_b);
-  for (const int body : {touch.body_a, touch.body_b}) {
-    if (!of_robot(body)) continue;
-    const ArticulatedTree::Span one = tree_.span_of_link(body);
-    if (one.first == one.end) continue;
-    span = {std::min(span.first, one.first), std::max(span.end, one.end)};
-  }
-  if (span.end == 0) span = {tree_.root_dofs(), tree_.root_dofs()};
-  int length = 0;
-  if (robot) {
-    segments[count++] = {0, tree_.root_dofs()};
-    segments[count++] = {span.first, span.end - span.first};
-    length += tree_.root_dofs() + span.end - span.first;
-  }
-  // Coordinates in rising order.
-  std::array<std::pair<int, double>, 2> sides{{{touch.body_a, 1.0}, {touch.body_b, -1.0}}};
-  if (sides[0].first > sides[1].first) std::swap(sides[0], sides[1]);
-  for (const auto& [body, sign] : sides) {
-    if (body < 0 || of_robot(body)) continue;
-    segments[count++] = {coordinate_of_[static_cast<std::size_t>(body) - robot_links_], 6};
-    length += 6;
-  }
-  // A held root has no coordinates: then there is nothing to push.
-  if (length == 0) return;
-
+  const Meeting& meeting = meeting_of(touch);
+  if (meeting.pair < 0) return;
   VelocitySolver::Point point;
+  point.pair = meeting.pair;
+  point.arm = touch.at - meeting.about;
+  point.basis.col(0) = touch.normal;
+  point.basis.col(1) = touch.normal.unitOrthogonal();
+  point.basis.col(2) = touch.normal.cross(point.basis.col(1));
+  const Surface& surface = touch.surface;
   point.softness = std::max(surface.softness, kLeastSoftness) / step_s_;
   point.mu = surface.mu;
   point.rolling = surface.rolling_resistance;
@@ -264,25 +279,17 @@ void ReducedWorld::make_contact_row(const Touch& touch) {
     if (approach > surface.bounce_threshold)
       point.target = std::max(point.target, surface.restitution * approach);
   }
-  point.before = recall(touch, basis);
   const auto number = static_cast<std::size_t>(&touch - contacts_.touches().data());
-  if (ContactMemory::has_shear(touch)) {
+  const bool soft = ContactMemory::has_shear(touch);
+  if (!soft || point.rolling > 0) point.before = recall(touch, point.basis);
+  if (soft) {
     // In N s: the spring's kContactErp / (h softness) times h times the shear.
     const Vector3d stretch = -kContactErp / surface.softness * shear_.shear(number);
     point.give = point.softness;
-    point.before.segment<2>(1) = (basis.transpose() * stretch).tail<2>();
+    point.before.segment<2>(1) = (point.basis.transpose() * stretch).tail<2>();
   }
-  double* j = solver_.add_point(point, std::span(segments).first(count));
-  pushes_.push_back({number, basis});
-  if (robot) {
-    write_robot_rows(touch, span, basis, rows, length, j);
-    j += tree_.root_dofs() + span.end - span.first;
-  }
-  for (const auto& [body, sign] : sides) {
-    if (body < 0 || of_robot(body)) continue;
-    write_object_rows(touch, body, sign, basis, rows, length, j);
-    j += 6;
-  }
+  solver_.add_point(point);
+  pushes_.push_back({number, point.basis});
 }
 
 Vector3d ReducedWorld::velocity_at(int body, const Vector3d& point) const {
@@ -316,18 +323,15 @@ void ReducedWorld::make_joint_rows() {
 void ReducedWorld::solve() {
   write_inertia();
   pushes_.clear();
+  meetings_.clear();
   shear_.recall(contacts_.touches());
   for (const Touch& touch : contacts_.touches()) make_contact_row(touch);
   make_joint_rows();
   solver_.close();
-  write_momentum(tree_.velocity);
-  solver_.solve(momentum_, velocity_, kRough, kMostSteps);
-  const int rough = solver_.steps();
-  for (std::size_t i = 0; i < halfway_.size(); ++i)
-    halfway_[i] = (tree_.velocity[i] + velocity_[i]) / 2;
-  write_momentum(halfway_);
+  write_momentum();
+  velocity_before_ = tree_.velocity;
   solver_.solve(momentum_, velocity_, kExact, kMostSteps);
-  effort_ = {rough + solver_.steps(), solver_.residual()};
+  effort_ = {solver_.steps(), solver_.residual()};
 }
 
 // By the velocities of the tree, which it keeps.
@@ -487,6 +491,7 @@ void ReducedWorld::transfer(A& a) {
   for (int k = 0; k < 4; ++k) a(tree_.root_turn.coeffs()[k]);
   for (double& angle : tree_.angle) a(angle);
   for (double& velocity : tree_.velocity) a(velocity);
+  for (double& velocity : velocity_before_) a(velocity);
   for (FreeBody& body : objects_) a(body);
   a(memory_, shear_);
   if constexpr (A::reading) {

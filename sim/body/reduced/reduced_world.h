@@ -61,6 +61,13 @@ class ReducedWorld final : public StagedWorld {
       for (int k = 0; k < 3; ++k) a(at[k], impulse[k], moment[k]);
     }
   };
+  struct Chain {  // of joints, as a block of the solver's matrix
+    int first = 0, length = 0, carrier = -1;
+  };
+  struct Meeting {                                    // two bodies in touch
+    int body_a = -1, body_b = -1, pair = -1;          // pair: of the solver; -1: neither can move
+    Eigen::Vector3d about = Eigen::Vector3d::Zero();  // m, point of reference of their motion
+  };
   struct Push {  // what a contact gave in this step, on body_a
     std::size_t touch = 0;
     Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();  // normal, two tangents
@@ -78,14 +85,13 @@ class ReducedWorld final : public StagedWorld {
     return objects_[static_cast<std::size_t>(body) - robot_links_];
   }
   void settle_sleep();
+  void find_chains();
   void write_inertia();
-  void write_momentum(const std::vector<double>& at_velocity);
+  void write_momentum();
   VelocitySolver::Impulse recall(const Touch& touch, const Eigen::Matrix3d& basis) const;
   void make_contact_row(const Touch& touch);
-  void write_robot_rows(const Touch& touch, const ArticulatedTree::Span& span,
-                        const Eigen::Matrix3d& basis, int rows, int stride, double* out);
-  void write_object_rows(const Touch& touch, int body, double sign, const Eigen::Matrix3d& basis,
-                         int rows, int stride, double* out);
+  const Meeting& meeting_of(const Touch& touch);
+  void make_pair(const Touch& touch);
   Eigen::Vector3d velocity_at(int body, const Eigen::Vector3d& point) const;
   void make_joint_rows();
   void solve();
@@ -101,20 +107,22 @@ class ReducedWorld final : public StagedWorld {
   ArticulatedTree tree_;
   std::vector<FreeBody> objects_;  // by number - robot_links_
   std::vector<Joint> joints_;
+  std::vector<Chain> chains_;
   VelocitySolver solver_;
   std::vector<Memory> memory_;
   ContactMemory shear_;
   Effort effort_;
   bool watch_ = false;
   std::vector<ContactPoint> watched_;
+  std::vector<double> velocity_before_;  // of the tree, one step ago
   // Of the step under way.
-  std::vector<double> bias_, carried_, halfway_;  // by coordinate of the tree
-  std::vector<double> momentum_, velocity_;       // by coordinate of the solver
-  std::vector<double> scratch_;
-  std::vector<Spatial> outer_;      // by link: what pushes it
+  std::vector<double> bias_, halfway_;       // by coordinate of the tree
+  std::vector<double> momentum_, velocity_;  // by coordinate of the solver
+  std::vector<Spatial> outer_;               // by link: what pushes it
   std::vector<int> coordinate_of_;  // where an object's begin: angular, linear; -1: it sleeps
-  std::vector<Push> pushes_;        // of each point of the solver
-  std::vector<bool> flies_;         // by object: nothing touched it
+  std::vector<Meeting> meetings_;
+  std::vector<Push> pushes_;  // of each point of the solver
+  std::vector<bool> flies_;   // by object: nothing touched it
 };
 
 }  // namespace kaz::sim

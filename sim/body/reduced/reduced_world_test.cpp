@@ -89,14 +89,20 @@ TEST(Reduced, FreeBodyTumbles) {
 TEST(Reduced, FrictionHasNoDirectionOfItsOwn) {
   VelocitySolver solver;
   for (const double angle : {0.0, 0.3, 0.8, 1.3}) {
-    solver.begin(3, 0);
-    for (int i = 0; i < 3; ++i) solver.inertia_row(i)[i] = 0.5;
+    solver.begin(3);
+    solver.matrix().add_block(0, 3, -1);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j <= i; ++j) solver.matrix().inertia_row(i)[j] = i == j ? 0.5 : 0.0;
+    }
     VelocitySolver::Point point;
     point.softness = 1e-5;
     point.mu = 0.6;
-    const VelocitySolver::Segment all{0, 3};
-    double* j = solver.add_point(point, {&all, 1});
-    j[2] = j[3] = j[7] = 1;  // normal z, tangents x and y
+    point.basis << 0, 1, 0, 0, 0, 1, 1, 0, 0;  // normal z, tangents x and y
+    const VelocitySolver::Segment all{0, 3, 0};
+    point.pair = solver.add_pair({&all, 1});
+    double* columns = solver.columns(point.pair);
+    for (int i = 0; i < 3; ++i) columns[6 * i + 3 + i] = 1;  // they are the velocity
+    solver.add_point(point);
     solver.close();
     std::vector<double> v{2 * std::cos(angle), 2 * std::sin(angle), -1.0}, p(3);
     for (std::size_t i = 0; i < 3; ++i) p[i] = 0.5 * v[i];

@@ -1,9 +1,10 @@
-// Velocities after a step: inertia, motors, stops and contacts with Coulomb friction in one solve.
+// Velocities after a step: Newton's method, island by island.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/reduced/velocity_solver.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kaz::sim {
 namespace {
@@ -13,340 +14,112 @@ constexpr double kSlopeShare = 1e-3;
 constexpr int kSearchSteps = 40;
 // What each coordinate by itself would still change may be less than what all of them do.
 constexpr double kSafety = 0.05;
+// Once a step is as small as this, m/s or rad/s, what is left is mostly the lengths of friction, and
+// these come in with the factors as they are; as long as each step is this share of the one before.
+constexpr double kNear = 1e-3, kContracts = 0.25;
 
-// Two sums side by side, for machines with two doubles in a register.
-double dot(const double* a, const double* b, int n) {
-  double even = 0, odd = 0;
-  int i = 0;
-  for (; i + 1 < n; i += 2) {
-    even += a[i] * b[i];
-    odd += a[i + 1] * b[i + 1];
-  }
-  if (i < n) even += a[i] * b[i];
-  return even + odd;
-}
-
-void add(double by, const double* __restrict from, double* __restrict to, int n) {
-  for (int i = 0; i < n; ++i) to[i] += by * from[i];
-}
-
-// The coordinates of a free root are so many that the compiler had better know how many.
-void add_shared(double by, const double* __restrict from, double* __restrict to, int n) {
-  if (n != 6) return add(by, from, to, n);
-  for (int i = 0; i < 6; ++i) to[i] += by * from[i];
-}
-
-void add_three(double a, double b, double c, const double* __restrict u, const double* __restrict v,
-               const double* __restrict w, double* __restrict to, int n) {
-  if (n == 6) {
-    for (int i = 0; i < 6; ++i) to[i] += a * u[i] + b * v[i] + c * w[i];
-    return;
-  }
-  for (int i = 0; i < n; ++i) to[i] += a * u[i] + b * v[i] + c * w[i];
-}
-
-double dot_shared(const double* a, const double* b, int n) {
-  if (n != 6) return dot(a, b, n);
-  return (a[0] * b[0] + a[2] * b[2] + a[4] * b[4]) + (a[1] * b[1] + a[3] * b[3] + a[5] * b[5]);
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
 }
 
 }  // namespace
 
-void VelocitySolver::begin(int coordinates, int shared) {
-  const bool same = coordinates == size_;
-  size_ = coordinates;
-  shared_ = shared;
-  const auto size = static_cast<std::size_t>(size_);
-  if (!same) {
-    inertia_.assign(size * size, 0);
-    hessian_.assign(size * size, 0);
-    for (auto* v : {&inverse_diagonal_, &gradient_, &change_, &inertia_v_, &inertia_change_})
-      v->assign(size, 0);
+void VelocitySolver::begin(int coordinates) {
+  if (coordinates != matrix_.size()) {
+    for (auto* v : {&gradient_, &change_, &inertia_v_, &inertia_change_})
+      v->assign(at(coordinates), 0);
   }
-  first_.resize(size);
-  for (int i = 0; i < size_; ++i) first_[static_cast<std::size_t>(i)] = i;
-  to_shared_.assign(size, 0);
-  for (int i = 0; i < shared; ++i) first_[static_cast<std::size_t>(i)] = 0;
-  pool_.clear();
+  matrix_.begin(coordinates);
+  columns_.clear();
+  pairs_.clear();
   points_.clear();
   bounded_.clear();
 }
 
-void VelocitySolver::couple(int i, int first, bool to_shared) {
-  int& own = first_[static_cast<std::size_t>(i)];
-  own = std::min(own, first);
-  if (to_shared) to_shared_[static_cast<std::size_t>(i)] = 1;
-}
-
-double* VelocitySolver::add_point(const Point& point, std::span<const Segment> segments) {
-  Contact& contact = points_.emplace_back();
-  contact.point = point;
-  contact.rows = point.rolling > 0 ? 6 : 3;
-  int lowest = size_;
-  bool shared = false;
-  for (const Segment& segment : segments) {
-    if (segment.length == 0) continue;
-    contact.segments[static_cast<std::size_t>(contact.segment_count++)] = segment;
-    contact.length += segment.length;
-    if (segment.first < shared_) {
-      shared = true;
-    } else {
-      lowest = std::min(lowest, segment.first);
-    }
-  }
-  for (const Segment& segment : segments) {
-    for (int i = std::max(segment.first, shared_); i < segment.first + segment.length; ++i)
-      couple(i, std::min(i, lowest), shared);
-  }
-  contact.pool = pool_.size();
-  contact.velocity.setZero();
-  contact.change.setZero();
-  contact.impulse.setZero();
-  pool_.resize(pool_.size() + static_cast<std::size_t>(contact.rows * contact.length), 0.0);
-  return pool_.data() + contact.pool;
-}
-
-double VelocitySolver::along(const Contact& contact, int r, const double* v) const {
-  const double* j = row(contact, r);
-  double sum = 0;
-  for (int s = 0; s < contact.segment_count; ++s) {
-    const Segment& segment = contact.segments[static_cast<std::size_t>(s)];
-    sum += dot(j, v + segment.first, segment.length);
-    j += segment.length;
-  }
-  return sum;
-}
-
-// What an impulse along a row does to its velocity, with each coordinate by itself: more than with all
-// of them, by a small factor.
-void VelocitySolver::set_give(Contact& contact) {
-  const auto yields = [&](int r) {
-    const double* j = row(contact, r);
-    double sum = 0;
-    for (int s = 0; s < contact.segment_count; ++s) {
-      const Segment& segment = contact.segments[static_cast<std::size_t>(s)];
-      for (int i = segment.first; i < segment.first + segment.length; ++i, ++j)
-        sum += *j * *j / inertia_[at(i, i)];
-    }
-    return sum;
-  };
-  contact.give =
-      contact.point.give > 0 ? contact.point.give : kGive * std::max(yields(1), yields(2));
-  if (contact.rows == 6) contact.moment_give = kGive * std::max({yields(3), yields(4), yields(5)});
-}
-
-// Eliminating i couples all that i is coupled to.
 void VelocitySolver::close() {
   for (Contact& contact : points_) set_give(contact);
-  for (int i = size_ - 1; i >= shared_; --i) {
-    const int first = first_[static_cast<std::size_t>(i)];
-    for (int j = i - 1; j >= std::max(first, shared_); --j)
-      couple(j, first, to_shared_[static_cast<std::size_t>(i)] != 0);
-  }
+  matrix_.close();
+  sort_members();
+  bounded_impulse_.assign(bounded_.size(), 0);
+  calm_yields_.assign(bounded_.size(), 0);
+  calm_island_ = kNone;
+}
+
+// Lists of the islands' members, one island's after the other's, each in the order of its rows.
+void VelocitySolver::sort_members() {
+  const std::size_t islands = matrix_.islands().size();
+  members_.assign(islands, {});
+  const auto sort = [&](std::size_t count, auto island_of, std::vector<int>& list, auto end) {
+    for (std::size_t i = 0; i < count; ++i) ++(members_[at(island_of(i))].*end);
+    int sum = 0;
+    for (Members& members : members_) sum = std::exchange(members.*end, sum) + sum;
+    // Now the beginnings, which grow to the ends.
+    list.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+      list[at((members_[at(island_of(i))].*end)++)] = static_cast<int>(i);
+  };
+  const auto of_pair = [this](std::size_t i) {
+    return matrix_.island_of(pairs_[i].segments.front().first);
+  };
+  sort(pairs_.size(), of_pair, pair_list_, &Members::pairs);
+  sort(
+      points_.size(), [&](std::size_t i) { return of_pair(at(points_[i].point.pair)); },
+      point_list_, &Members::points);
+  sort(
+      bounded_.size(), [&](std::size_t i) { return matrix_.island_of(bounded_[i].coordinate); },
+      bounded_list_, &Members::bounded);
 }
 
 void VelocitySolver::multiply(const double* x, double* out) const {
-  std::fill_n(out, size_, 0.0);
-  for (int i = 0; i < size_; ++i) {
-    const double* m = inertia_.data() + at(i, 0);
-    const int first = first_[static_cast<std::size_t>(i)];
-    double sum = m[i] * x[i];
-    if (i >= shared_ && to_shared_[static_cast<std::size_t>(i)] != 0) {
-      sum += dot_shared(m, x, shared_);
-      add_shared(x[i], m, out, shared_);
-    }
-    sum += dot(m + first, x + first, i - first);
-    add(x[i], m + first, out + first, i - first);
-    out[i] += sum;
-  }
-}
-
-// N m s, that a moment of rolling or spinning may have.
-double VelocitySolver::roll_length(const Contact& contact) {
-  return contact.point.rolling *
-         std::max(0.0, (contact.point.target - contact.velocity[0]) / contact.point.softness);
-}
-
-// From the velocities along the rows, with the length of friction as it is.
-void VelocitySolver::impulses(const Contact& contact, const Impulse& u, Impulse& l) const {
-  const Point& point = contact.point;
-  l[0] = std::max(0.0, (point.target - u[0]) / point.softness);
-  const auto cut = [](double force, double most) { return force > most ? most / force : 1.0; };
-  l.segment<2>(1) = point.before.segment<2>(1) - u.segment<2>(1) / contact.give;
-  l.segment<2>(1) *= cut(l.segment<2>(1).norm(), contact.length_t);
-  if (contact.rows == 3) return;
-  const double most = roll_length(contact);
-  l.tail<3>() = point.before.tail<3>() - u.tail<3>() / contact.moment_give;
-  l.segment<2>(3) *= cut(l.segment<2>(3).norm(), most);
-  l[5] *= cut(std::abs(l[5]), most);
-}
-
-double VelocitySolver::bounded_impulse(const Bounded& row, double u) const {
-  return std::clamp((row.target - u) / row.softness, row.least, row.most);
+  for (const BlockMatrix::Island& island : matrix_.islands()) matrix_.multiply(island, x, out);
 }
 
 // M v - p - J^T l, with the lengths of friction set anew.
 void VelocitySolver::gradient(std::span<const double> momentum, std::span<const double> v) {
-  for (int i = 0; i < size_; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    gradient_[k] = inertia_v_[k] - momentum[k];
+  for_each_coordinate([&](std::size_t k) { gradient_[k] = inertia_v_[k] - momentum[k]; });
+  for (const int i : its_pairs_) {
+    Pair& pair = pairs_[at(i)];
+    pair.motion = motion_of(pair, v.data());
+    pair.wrench.setZero();
   }
-  for (Contact& contact : points_) {
-    for (int r = 0; r < contact.rows; ++r) contact.velocity[r] = along(contact, r, v.data());
-    const Point& point = contact.point;
-    contact.length_t =
-        point.mu * std::max(0.0, (point.target - contact.velocity[0]) / point.softness);
+  for (const int i : its_points_) {
+    Contact& contact = points_[at(i)];
+    Pair& pair = pairs_[at(contact.point.pair)];
+    along(contact, pair.motion, contact.velocity);
+    set_lengths(contact);
     impulses(contact, contact.velocity, contact.impulse);
-    if (contact.impulse[0] == 0) continue;
-    for (int r = 0; r < contact.rows; ++r) {
-      const double* j = row(contact, r);
-      for (int s = 0; s < contact.segment_count; ++s) {
-        const Segment& segment = contact.segments[static_cast<std::size_t>(s)];
-        add(-contact.impulse[r], j, gradient_.data() + segment.first, segment.length);
-        j += segment.length;
-      }
-    }
+    if (contact.impulse[0] > 0) add_wrench(contact, pair.wrench);
   }
-  bounded_impulse_.resize(bounded_.size());
-  for (std::size_t i = 0; i < bounded_.size(); ++i) {
-    const Bounded& bounded = bounded_[i];
-    const auto c = static_cast<std::size_t>(bounded.coordinate);
-    bounded_impulse_[i] = bounded_impulse(bounded, bounded.sign * v[c]);
-    gradient_[c] -= bounded.sign * bounded_impulse_[i];
+  for (const int i : its_pairs_) take_wrench(pairs_[at(i)]);
+  for (const int i : its_bounded_) {
+    const Bounded& bounded = bounded_[at(i)];
+    const std::size_t c = at(bounded.coordinate);
+    bounded_impulse_[at(i)] = bounded_impulse(bounded, bounded.sign * v[c]);
+    gradient_[c] -= bounded.sign * bounded_impulse_[at(i)];
   }
 }
 
 // About the change that the gradient asks for, m/s or rad/s: each coordinate by itself.
 double VelocitySolver::change_left() const {
   double largest = 0;
-  for (int i = 0; i < size_; ++i)
-    largest =
-        std::max(largest, std::abs(gradient_[static_cast<std::size_t>(i)]) / inertia_[at(i, i)]);
+  for_each_coordinate([&](std::size_t k) {
+    largest = std::max(largest, std::abs(gradient_[k]) / matrix_.inertia(static_cast<int>(k)));
+  });
   return largest;
-}
-
-// J^T D J, D the negative derivative of the impulses.
-void VelocitySolver::add_contact_stiffness(const Contact& contact) {
-  if (contact.impulse[0] == 0) return;
-  Eigen::Matrix<double, 6, 6> d = Eigen::Matrix<double, 6, 6>::Zero();
-  d(0, 0) = 1 / contact.point.softness;
-  const auto friction = [&d, &contact](int first, int count, double give, double most) {
-    const Impulse free = contact.point.before - contact.velocity / give;
-    const double force = free.segment(first, count).norm();
-    if (force <= most) {
-      for (int k = 0; k < count; ++k) d(first + k, first + k) = 1 / give;
-      return;
-    }
-    if (count == 1) return;
-    const Eigen::Vector2d way = free.segment<2>(first) / force;
-    d.block<2, 2>(first, first) =
-        most / (force * give) * (Eigen::Matrix2d::Identity() - way * way.transpose());
-  };
-  friction(1, 2, contact.give, contact.length_t);
-  if (contact.rows == 6) {
-    const double most = roll_length(contact);
-    friction(3, 2, contact.moment_give, most);
-    friction(5, 1, contact.moment_give, most);
-  }
-  add_rows(contact, 0, d.topLeftCorner<3, 3>());
-  if (contact.rows == 6) add_rows(contact, 3, d.bottomRightCorner<3, 3>());
-}
-
-// J^T D J of three rows. Rows of the result are written as far as the segment goes: what stands above
-// the diagonal is never read.
-void VelocitySolver::add_rows(const Contact& contact, int first, const Eigen::Matrix3d& d) {
-  const double *a = row(contact, first), *b = row(contact, first + 1), *c = row(contact, first + 2);
-  const int length = contact.length;
-  scratch_.resize(static_cast<std::size_t>(3 * length));
-  double *u = scratch_.data(), *v = u + length, *w = v + length;
-  for (int i = 0; i < length; ++i) {
-    u[i] = d(0, 0) * a[i] + d(0, 1) * b[i] + d(0, 2) * c[i];
-    v[i] = d(1, 0) * a[i] + d(1, 1) * b[i] + d(1, 2) * c[i];
-    w[i] = d(2, 0) * a[i] + d(2, 1) * b[i] + d(2, 2) * c[i];
-  }
-  int k = 0;
-  for (int s = 0; s < contact.segment_count; ++s) {
-    const Segment& segment = contact.segments[static_cast<std::size_t>(s)];
-    for (int i = segment.first; i < segment.first + segment.length; ++i, ++k) {
-      int from = 0;
-      for (int t = 0; t <= s; ++t) {
-        const Segment& other = contact.segments[static_cast<std::size_t>(t)];
-        add_three(a[k], b[k], c[k], u + from, v + from, w + from,
-                  hessian_.data() + at(i, other.first), other.length);
-        from += other.length;
-      }
-    }
-  }
-}
-
-void VelocitySolver::add_stiffness() {
-  for (int i = 0; i < size_; ++i) {
-    const double* from = inertia_.data() + at(i, 0);
-    double* to = hessian_.data() + at(i, 0);
-    const int first = first_[static_cast<std::size_t>(i)];
-    if (to_shared_[static_cast<std::size_t>(i)] != 0) std::copy_n(from, shared_, to);
-    std::copy(from + first, from + i + 1, to + first);
-  }
-  for (const Contact& contact : points_) add_contact_stiffness(contact);
-  for (std::size_t i = 0; i < bounded_.size(); ++i) {
-    const Bounded& bounded = bounded_[i];
-    if (bounded_impulse_[i] <= bounded.least || bounded_impulse_[i] >= bounded.most) continue;
-    hessian_[at(bounded.coordinate, bounded.coordinate)] += 1 / bounded.softness;
-  }
-}
-
-// L^T L, from the last coordinate to the first: no fill beyond close().
-void VelocitySolver::factor() {
-  for (int k = size_ - 1; k >= 0; --k) {
-    double* of_k = hessian_.data() + at(k, 0);
-    const double root = std::sqrt(of_k[k]);
-    const double inverse = 1 / root;
-    of_k[k] = root;
-    inverse_diagonal_[static_cast<std::size_t>(k)] = inverse;
-    const int first = first_[static_cast<std::size_t>(k)];
-    const bool shared = k >= shared_ && to_shared_[static_cast<std::size_t>(k)] != 0;
-    for (int i = first; i < k; ++i) of_k[i] *= inverse;
-    for (int i = first; i < k; ++i)
-      add(-of_k[i], of_k + first, hessian_.data() + at(i, first), i - first + 1);
-    if (!shared) continue;
-    for (int i = 0; i < shared_; ++i) of_k[i] *= inverse;
-    // Above the diagonal too: what stands there is never read.
-    for (int i = 0; i < shared_; ++i)
-      add_shared(-of_k[i], of_k, hessian_.data() + at(i, 0), shared_);
-    for (int i = first; i < k; ++i) add_shared(-of_k[i], of_k, hessian_.data() + at(i, 0), shared_);
-  }
-}
-
-void VelocitySolver::back_solve(double* x) const {
-  const auto shared = [this](int i) {
-    return i >= shared_ && to_shared_[static_cast<std::size_t>(i)] != 0;
-  };
-  for (int i = size_ - 1; i >= 0; --i) {
-    const double* h = hessian_.data() + at(i, 0);
-    const int first = first_[static_cast<std::size_t>(i)];
-    x[i] *= inverse_diagonal_[static_cast<std::size_t>(i)];
-    add(-x[i], h + first, x + first, i - first);
-    if (shared(i)) add_shared(-x[i], h, x, shared_);
-  }
-  for (int i = 0; i < size_; ++i) {
-    const double* h = hessian_.data() + at(i, 0);
-    const int first = first_[static_cast<std::size_t>(i)];
-    double sum = x[i] - dot(h + first, x + first, i - first);
-    if (shared(i)) sum -= dot_shared(h, x, shared_);
-    x[i] = sum * inverse_diagonal_[static_cast<std::size_t>(i)];
-  }
 }
 
 // Derivative of the convex function at v + way * change.
 double VelocitySolver::slope(double way, std::span<const double> v) const {
   double sum = start_slope_ + way * curve_;
-  for (const Contact& contact : points_) {
+  for (const int i : its_points_) {
+    const Contact& contact = points_[at(i)];
     Impulse moved;
     impulses(contact, contact.velocity + way * contact.change, moved);
-    for (int r = 0; r < contact.rows; ++r) sum -= moved[r] * contact.change[r];
+    if (moved[0] > 0) sum -= moved.dot(contact.change);
   }
-  for (const Bounded& bounded : bounded_) {
-    const auto c = static_cast<std::size_t>(bounded.coordinate);
+  for (const int i : its_bounded_) {
+    const Bounded& bounded = bounded_[at(i)];
+    const std::size_t c = at(bounded.coordinate);
     const double change = bounded.sign * change_[c];
     sum -= change * bounded_impulse(bounded, bounded.sign * v[c] + way * change);
   }
@@ -380,43 +153,74 @@ double VelocitySolver::search(std::span<const double> v) const {
   return low > 0 ? low : high;
 }
 
-void VelocitySolver::solve(std::span<const double> momentum, std::span<double> v, double tolerance,
-                           int most_steps) {
-  multiply(v.data(), inertia_v_.data());
+// The slope's parts along the change, and its end.
+double VelocitySolver::way_along_change(std::span<const double> momentum,
+                                        std::span<const double> v) {
+  start_slope_ = 0;
+  curve_ = 0;
+  for_each_coordinate([&](std::size_t k) {
+    start_slope_ += change_[k] * (inertia_v_[k] - momentum[k]);
+    curve_ += change_[k] * inertia_change_[k];
+  });
+  for (const int i : its_pairs_) {
+    Pair& pair = pairs_[at(i)];
+    pair.change = motion_of(pair, change_.data());
+  }
+  for (const int i : its_points_) {
+    Contact& contact = points_[at(i)];
+    along(contact, pairs_[at(contact.point.pair)].change, contact.change);
+  }
+  return search(v);
+}
+
+int VelocitySolver::solve_island(std::span<const double> momentum, std::span<double> v,
+                                 double tolerance, int most_steps) {
+  const BlockMatrix::Island& island = matrix_.islands()[island_];
+  matrix_.multiply(island, v.data(), inertia_v_.data());
   gradient(momentum, v);
-  residual_ = change_left();
-  for (steps_ = 0; steps_ < most_steps && residual_ > kSafety * tolerance;) {
-    ++steps_;
-    add_stiffness();
-    factor();
-    for (int i = 0; i < size_; ++i)
-      change_[static_cast<std::size_t>(i)] = -gradient_[static_cast<std::size_t>(i)];
-    back_solve(change_.data());
-    residual_ = 0;
-    for (const double x : change_) residual_ = std::max(residual_, std::abs(x));
-    multiply(change_.data(), inertia_change_.data());
-    double way = 1;
-    if (residual_ > tolerance) {
-      start_slope_ = 0;
-      for (int i = 0; i < size_; ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        start_slope_ += change_[k] * (inertia_v_[k] - momentum[k]);
-      }
-      curve_ = dot(change_.data(), inertia_change_.data(), size_);
-      for (Contact& contact : points_) {
-        for (int r = 0; r < contact.rows; ++r)
-          contact.change[r] = along(contact, r, change_.data());
-      }
-      way = search(v);
+  double left = change_left();
+  int steps = 0;
+  bool keep = false;  // the factors of the step before
+  while (steps < most_steps && left > kSafety * tolerance) {
+    ++steps;
+    if (!keep) {
+      add_stiffness();
+      matrix_.factor(island);
     }
-    for (int i = 0; i < size_; ++i) {
-      const auto k = static_cast<std::size_t>(i);
+    for_each_coordinate([&](std::size_t k) { change_[k] = -gradient_[k]; });
+    matrix_.back_solve(island, change_.data());
+    const double last = left;
+    left = 0;
+    for_each_coordinate([&](std::size_t k) { left = std::max(left, std::abs(change_[k])); });
+    matrix_.multiply(island, change_.data(), inertia_change_.data());
+    const double way = keep || left <= tolerance ? 1 : way_along_change(momentum, v);
+    for_each_coordinate([&](std::size_t k) {
       v[k] += way * change_[k];
       inertia_v_[k] += way * inertia_change_[k];
-    }
+    });
     gradient(momentum, v);
-    if (residual_ <= tolerance) break;
-    residual_ = change_left();
+    if (left <= tolerance) break;
+    keep = left < kNear && way == 1 && (!keep || left < kContracts * last);
+  }
+  residual_ = std::max(residual_, left);
+  return steps;
+}
+
+void VelocitySolver::solve(std::span<const double> momentum, std::span<double> v, double tolerance,
+                           int most_steps) {
+  steps_ = 0;
+  residual_ = 0;
+  Members begin;
+  for (island_ = 0; island_ < members_.size(); ++island_) {
+    const Members& end = members_[island_];
+    const auto part = [](const std::vector<int>& list, int from, int to) {
+      return std::span(list).subspan(at(from), at(to - from));
+    };
+    its_pairs_ = part(pair_list_, begin.pairs, end.pairs);
+    its_points_ = part(point_list_, begin.points, end.points);
+    its_bounded_ = part(bounded_list_, begin.bounded, end.bounded);
+    begin = end;
+    steps_ = std::max(steps_, solve_island(momentum, v, tolerance, most_steps));
   }
 }
 

@@ -16,6 +16,9 @@
 // many points share a load; after each step the lengths are taken anew from l_n. That is Coulomb's law as
 // it stands: friction does not lift what slips, as it does where the cone itself is made convex.
 //
+// All points of two bodies that touch act on one motion, that of the one against the other: six numbers.
+// So their share of the matrix is first summed up in 6 x 6 and only then brought to the coordinates.
+//
 // Sources: the primal Newton solver of E. Todorov et al., MuJoCo ("Computation: solver algorithms"); A.
 // Castro et al., "An unconstrained convex formulation of compliant contact", IEEE T-RO 39(2), 2023, whose
 // regularised friction this is, with the normal force of the iteration instead of that of the last step
@@ -33,23 +36,31 @@
 
 #include <Eigen/Core>
 
+#include "sim/body/reduced/block_matrix.h"
+
 namespace kaz::sim {
 
 class VelocitySolver {
  public:
   static constexpr double kGive = 0.1;
 
-  // Coordinates in which a row is not zero.
+  using Motion = Eigen::Matrix<double, 6, 1>;  // angular velocity, velocity of a point of reference
+  using Impulse = Eigen::Matrix<double, 6, 1>;  // normal, two tangents, two rolling, spin
+  // Coordinates that a motion depends on.
   struct Segment {
     int first = 0, length = 0;
+    double plain =
+        0;  // 1 or -1: six coordinates that are the motion, or its opposite; 0: columns say
   };
-  using Impulse = Eigen::Matrix<double, 6, 1>;  // normal, two tangents, two rolling, spin
   struct Point {
-    double target = 0;    // m/s, of the normal velocity
-    double softness = 0;  // m/s per N s, above 0
+    int pair = 0;
+    Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();  // columns: normal, two tangents
+    Eigen::Vector3d arm = Eigen::Vector3d::Zero();        // m, from the pair's point of reference
+    double target = 0;                                    // m/s, of the normal velocity
+    double softness = 0;                                  // m/s per N s, above 0
     double mu = 0;
     double give = 0;     // m/s per N s, of friction; 0: kGive of what the bodies yield
-    double rolling = 0;  // m; 0: no rows for it
+    double rolling = 0;  // m; 0: no moments
     Impulse before = Impulse::Zero();  // of the step before
   };
   struct Bounded {
@@ -60,25 +71,26 @@ class VelocitySolver {
     double least = 0, most = 0;
   };
 
-  // Forgets all rows. `shared`: so many coordinates at the beginning that all others of the tree
-  // may be coupled to (those of a free root).
-  void begin(int coordinates, int shared);
-  // The inertia, lower triangle, zeros until written: coordinate i is coupled to the shared ones if
-  // `to_shared`, and to [first, i).
-  void couple(int i, int first, bool to_shared);
-  double* inertia_row(int i) { return inertia_.data() + at(i, 0); }
+  // Forgets all rows. Then the system's blocks and its inertia are to be written to matrix().
+  void begin(int coordinates);
+  BlockMatrix& matrix() { return matrix_; }
 
-  // 3 rows, or 6 with rolling, to be written over `segments` one after the other, row by row. Valid
-  // until the next call. Points whose bodies cannot move at all are to be left out.
-  double* add_point(const Point& point, std::span<const Segment> segments);
+  // The motion of one body against another, over `segments` in rising order of coordinates.
+  int add_pair(std::span<const Segment> segments);
+  // Six numbers for each coordinate of the segments that are not plain, one after another, zeros until
+  // written. Valid until the next pair.
+  double* columns(int pair) {
+    return columns_.data() + pairs_[static_cast<std::size_t>(pair)].pool;
+  }
+  void add_point(const Point& point);
   void add_bounded(const Bounded& row) { bounded_.push_back(row); }
 
   // After the last row, before what follows.
   void close();
   // out = M x.
   void multiply(const double* x, double* out) const;
-  // v: a guess in, the velocities out. `momentum` is p above. Ends with the step that changes no
-  // velocity by more than the tolerance, m/s or rad/s.
+  // v: a guess in, the velocities out. `momentum` is p above. Ends, for each island by itself, with the
+  // step that changes no velocity by more than the tolerance, m/s or rad/s.
   void solve(std::span<const double> momentum, std::span<double> v, double tolerance,
              int most_steps);
 
@@ -87,53 +99,83 @@ class VelocitySolver {
   // Along its rows, m/s and rad/s, after the step.
   const Impulse& velocity(std::size_t point) const { return points_[point].velocity; }
   double bounded(std::size_t row) const { return bounded_impulse_[row]; }
+  // Of the last solve(): most steps of an island, and the largest change of a velocity in its last one.
   int steps() const { return steps_; }
-  // Largest change of a velocity in the last step, m/s or rad/s.
   double residual() const { return residual_; }
 
  private:
+  using Stiffness = Eigen::Matrix<double, 6, 6>;
+  struct Pair {
+    std::array<Segment, 3> segments;
+    int segment_count = 0, length = 0;  // length: of the columns
+    std::size_t pool = 0;
+    Motion motion, change, wrench;
+    Stiffness stiffness;
+  };
   struct Contact {
     Point point;
-    std::array<Segment, 4> segments;
-    int segment_count = 0, length = 0, rows = 3;
-    std::size_t pool = 0;
-    double give = 0, moment_give = 0;  // m/s per N s, rad/s per N m s
-    double length_t = 0;               // N s, that friction may have in this step of the iteration
+    double hardness = 0;                   // 1 / softness
+    double firmness = 0, moment_firm = 0;  // 1 / give, of forces and of moments
+    double length_t = 0, length_r = 0;     // N s, N m s: that friction may have in this step
     Impulse velocity, change, impulse;
   };
-  std::size_t at(int i, int j) const {
-    return static_cast<std::size_t>(i) * static_cast<std::size_t>(size_) +
-           static_cast<std::size_t>(j);
-  }
-  const double* row(const Contact& contact, int r) const {
-    return pool_.data() + contact.pool + static_cast<std::size_t>(r * contact.length);
-  }
-  double along(const Contact& contact, int r, const double* v) const;
+  // Ends of an island's members in the lists below; the beginnings are the ends of the one before.
+  struct Members {
+    int pairs = 0, points = 0, bounded = 0;
+  };
+
+  // contact_rows.cpp
   void set_give(Contact& contact);
-  static double roll_length(const Contact& contact);
-  void impulses(const Contact& contact, const Impulse& u, Impulse& l) const;
-  double bounded_impulse(const Bounded& row, double u) const;
-  void gradient(std::span<const double> momentum, std::span<const double> v);
+  Motion motion_of(const Pair& pair, const double* x) const;
+  static void along(const Contact& contact, const Motion& motion, Impulse& u);
+  static void set_lengths(Contact& contact);
+  static void impulses(const Contact& contact, const Impulse& u, Impulse& l);
+  static double bounded_impulse(const Bounded& row, double u);
+  static void add_wrench(const Contact& contact, Motion& wrench);
+  void take_wrench(const Pair& pair);
+  static void add_point_stiffness(const Contact& contact, Stiffness& k);
+  void add_pair_rows(const Pair& pair);
+  bool yields(int bounded) const;
+  bool calm_rows_changed();
   void add_stiffness();
+  // velocity_solver.cpp
+  template <class Do>
+  void for_each_coordinate(Do what) const {
+    const BlockMatrix::Island& island = matrix_.islands()[island_];
+    for (int b = 0; b < island.blocks.length; ++b) {
+      const BlockMatrix::Range& range = matrix_.block(island, b);
+      for (int i = range.first; i < range.first + range.length; ++i)
+        what(static_cast<std::size_t>(i));
+    }
+  }
+  void sort_members();
+  void gradient(std::span<const double> momentum, std::span<const double> v);
   double change_left() const;
-  void add_contact_stiffness(const Contact& contact);
-  void add_rows(const Contact& contact, int first, const Eigen::Matrix3d& d);
-  void factor();
-  void back_solve(double* x) const;
   double slope(double way, std::span<const double> v) const;
   double search(std::span<const double> v) const;
+  double way_along_change(std::span<const double> momentum, std::span<const double> v);
+  int solve_island(std::span<const double> momentum, std::span<double> v, double tolerance,
+                   int most_steps);
 
-  int size_ = 0, shared_ = 0;
-  std::vector<double> inertia_, hessian_, inverse_diagonal_;
-  std::vector<int> first_;
-  std::vector<char> to_shared_;
-  std::vector<double> pool_;
+  BlockMatrix matrix_;
+  std::vector<double> columns_;
+  std::vector<Pair> pairs_;
   std::vector<Contact> points_;
   std::vector<Bounded> bounded_;
   std::vector<double> bounded_impulse_;
   std::vector<double> gradient_, change_, inertia_v_, inertia_change_;
   std::vector<double> scratch_;
+  // By island.
+  std::vector<int> pair_list_, point_list_, bounded_list_;
+  std::vector<Members> members_;
+  // Of the one that is being solved.
+  std::size_t island_ = 0;
+  std::span<const int> its_pairs_, its_points_, its_bounded_;
   double start_slope_ = 0, curve_ = 0;  // of the inertia's part along the change
+  // Which rows of calm blocks yielded when these were factored, and the island that they are of.
+  std::vector<char> calm_yields_;
+  std::size_t calm_island_ = kNone;
+  static constexpr std::size_t kNone = ~std::size_t{0};
   int steps_ = 0;
   double residual_ = 0;
 };

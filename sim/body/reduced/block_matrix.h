@@ -1,0 +1,93 @@
+// Symmetric positive definite matrix of a system of branches and free bodies: its blocks, what
+// couples them, and its factors.
+// SPDX-License-Identifier: Apache-2.0
+//
+// A block is the coordinates of a free root, of a chain of joints between two forks of the robot, or of
+// one free body. The inertia couples a chain to what carries it; contacts couple what touches. Blocks
+// that are coupled, over whatever others, are an island: islands are solved one by one.
+//
+// Two matrices of one pattern: the inertia M, and H = M plus what the rows of a step of Newton's method
+// add. H is factored as L^T L from the last coordinate to the first, so that branches leave no fill in
+// each other (R. Featherstone, "Rigid Body Dynamics Algorithms", 6.5: branch-induced sparsity). A chain on
+// the root that nothing touches is calm: its factors and what it leaves in the root's block are kept as
+// long as its rows stay the same.
+//
+// Nothing allocates where the numbers of coordinates and blocks have been reached before. The order of
+// all sums is fixed.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace kaz::sim {
+
+class BlockMatrix {
+ public:
+  struct Range {
+    int first = 0, length = 0;
+  };
+  struct Island {
+    Range blocks;       // in blocks_of()
+    bool calm = false;  // has calm blocks
+  };
+
+  // Forgets all blocks. Coordinates are covered by blocks in rising order, each once.
+  void begin(int coordinates);
+  // `carrier`: the block that carries it, -1 for none. M couples it to that and to its carriers.
+  int add_block(int first, int length, int carrier);
+  int block_of(int coordinate) const { return block_of_[at(coordinate)]; }
+  int island_of(int coordinate) const { return blocks_[at(block_of(coordinate))].island; }
+  void couple(int block_a, int block_b);
+  void touch(int block) { blocks_[at(block)].calm = false; }
+  // After the last of these.
+  void close();
+
+  int size() const { return size_; }
+  // Row i of M, lower triangle: to be written for the columns of its own block and its carriers'.
+  double* inertia_row(int i) { return inertia_.data() + row(i); }
+  double inertia(int i) const { return inertia_[row(i) + at(i)]; }
+
+  const std::vector<Island>& islands() const { return islands_; }
+  const Range& block(const Island& island, int k) const {
+    return blocks_[at(order_[at(island.blocks.first + k)])].range;
+  }
+  bool calm(int block) const { return blocks_[at(block)].calm; }
+
+  // out = M x, of an island's coordinates.
+  void multiply(const Island& island, const double* x, double* out) const;
+  // H = M for an island. `keep`: but for its calm blocks, which stay factored.
+  void load(const Island& island, bool keep);
+  // Lower triangle; columns above the diagonal may be written, and are never read.
+  double* row_of(int i) { return matrix_.data() + row(i); }
+  void factor_calm(const Island& island);
+  void factor(const Island& island);
+  // x = H^-1 x
+  void back_solve(const Island& island, double* x) const;
+
+ private:
+  struct Block {
+    Range range;
+    int carrier = -1, island = -1;
+    bool calm = true;
+    Range below;  // in below_: coupled blocks before it, as coordinates
+  };
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  std::size_t row(int i) const { return at(i) * at(size_); }
+  bool coupled(int a, int b) const { return coupled_[at(a) * blocks_.size() + at(b)] != 0; }
+  void spread_couplings();
+  void find_islands();
+  void find_calm();
+  void factor_block(const Block& block);
+
+  int size_ = 0;
+  std::vector<double> inertia_, matrix_, inverse_diagonal_;
+  std::vector<double> root_kept_;  // the root's rows with calm blocks eliminated
+  std::vector<int> block_of_, order_;
+  std::vector<Block> blocks_;
+  std::vector<Range> couplings_;  // asked for: two blocks
+  std::vector<char> coupled_;     // after elimination, by block and block before it
+  std::vector<Range> below_;
+  std::vector<Island> islands_;
+};
+
+}  // namespace kaz::sim

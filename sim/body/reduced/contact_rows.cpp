@@ -1,0 +1,293 @@
+// Velocities after a step: the rows, their impulses, and what they add to the matrix.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "sim/body/reduced/small_sums.h"
+#include "sim/body/reduced/velocity_solver.h"
+
+namespace kaz::sim {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+double cut(double force, double most) {
+  return force > most ? most / force : 1.0;
+}
+
+Matrix3d cross_of(const Vector3d& a) {
+  Matrix3d m;
+  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return m;
+}
+
+}  // namespace
+
+int VelocitySolver::add_pair(std::span<const Segment> segments) {
+  const int number = static_cast<int>(pairs_.size());
+  Pair& pair = pairs_.emplace_back();
+  for (const Segment& segment : segments) {
+    if (segment.length == 0) continue;
+    pair.segments[at(pair.segment_count++)] = segment;
+    if (segment.plain == 0) pair.length += segment.length;
+  }
+  const auto each_block = [&](auto what) {
+    for (int s = 0; s < pair.segment_count; ++s) {
+      const Segment& segment = pair.segments[at(s)];
+      const int end = matrix_.block_of(segment.first + segment.length - 1);
+      for (int block = matrix_.block_of(segment.first); block <= end; ++block) what(block);
+    }
+  };
+  each_block([&](int a) {
+    matrix_.touch(a);
+    each_block([&](int b) {
+      if (a < b) matrix_.couple(a, b);
+    });
+  });
+  pair.pool = columns_.size();
+  columns_.resize(columns_.size() + at(6 * pair.length), 0.0);
+  return number;
+}
+
+void VelocitySolver::add_point(const Point& point) {
+  Contact& contact = points_.emplace_back();
+  contact.point = point;
+  contact.hardness = 1 / point.softness;
+  contact.velocity.setZero();
+  contact.change.setZero();
+  contact.impulse.setZero();
+}
+
+// What an impulse along a row does to its velocity, with each coordinate by itself: more than with all
+// of them, by a small factor.
+void VelocitySolver::set_give(Contact& contact) {
+  const Point& point = contact.point;
+  if (point.give > 0 && point.rolling == 0) {
+    contact.firmness = 1 / point.give;
+    return;
+  }
+  const Pair& pair = pairs_[at(point.pair)];
+  Impulse yields = Impulse::Zero();
+  const double* column = columns_.data() + pair.pool;
+  for (int s = 0; s < pair.segment_count; ++s) {
+    const Segment& segment = pair.segments[at(s)];
+    for (int k = 0; k < segment.length; ++k) {
+      Motion motion;
+      if (segment.plain != 0) {
+        motion = Motion::Unit(k);
+      } else {
+        motion = Eigen::Map<const Motion>(column);
+        column += 6;
+      }
+      Impulse u;
+      along(contact, motion, u);
+      yields += u.cwiseAbs2() / matrix_.inertia(segment.first + k);
+    }
+  }
+  contact.firmness = 1 / (point.give > 0 ? point.give : kGive * std::max(yields[1], yields[2]));
+  contact.moment_firm = 1 / (kGive * yields.tail<3>().maxCoeff());
+}
+
+VelocitySolver::Motion VelocitySolver::motion_of(const Pair& pair, const double* x) const {
+  Motion motion = Motion::Zero();
+  const double* column = columns_.data() + pair.pool;
+  for (int s = 0; s < pair.segment_count; ++s) {
+    const Segment& segment = pair.segments[at(s)];
+    const double* of = x + segment.first;
+    if (segment.plain != 0) {
+      motion += segment.plain * Eigen::Map<const Motion>(of);
+      continue;
+    }
+    for (int k = 0; k < segment.length; ++k, column += 6)
+      motion += of[k] * Eigen::Map<const Motion>(column);
+  }
+  return motion;
+}
+
+// Velocities along a point's rows.
+void VelocitySolver::along(const Contact& contact, const Motion& motion, Impulse& u) {
+  const Matrix3d& basis = contact.point.basis;
+  const Vector3d angular = motion.head<3>();
+  u.head<3>() = basis.transpose() * (motion.tail<3>() + angular.cross(contact.point.arm));
+  if (contact.point.rolling == 0) {
+    u.tail<3>().setZero();
+    return;
+  }
+  u[3] = basis.col(1).dot(angular);
+  u[4] = basis.col(2).dot(angular);
+  u[5] = basis.col(0).dot(angular);
+}
+
+void VelocitySolver::set_lengths(Contact& contact) {
+  const double normal =
+      std::max(0.0, (contact.point.target - contact.velocity[0]) * contact.hardness);
+  contact.length_t = contact.point.mu * normal;
+  contact.length_r = contact.point.rolling * normal;
+}
+
+// From the velocities along the rows, with the lengths of friction as they are.
+void VelocitySolver::impulses(const Contact& contact, const Impulse& u, Impulse& l) {
+  const Point& point = contact.point;
+  l[0] = std::max(0.0, (point.target - u[0]) * contact.hardness);
+  l.segment<2>(1) = point.before.segment<2>(1) - u.segment<2>(1) * contact.firmness;
+  l.segment<2>(1) *= cut(l.segment<2>(1).norm(), contact.length_t);
+  if (point.rolling == 0) {
+    l.tail<3>().setZero();
+    return;
+  }
+  l.tail<3>() = point.before.tail<3>() - u.tail<3>() * contact.moment_firm;
+  l.segment<2>(3) *= cut(l.segment<2>(3).norm(), contact.length_r);
+  l[5] *= cut(std::abs(l[5]), contact.length_r);
+}
+
+double VelocitySolver::bounded_impulse(const Bounded& row, double u) {
+  return std::clamp((row.target - u) / row.softness, row.least, row.most);
+}
+
+void VelocitySolver::add_wrench(const Contact& contact, Motion& wrench) {
+  const Impulse& l = contact.impulse;
+  const Vector3d force = contact.point.basis * l.head<3>();
+  wrench.head<3>() += contact.point.arm.cross(force);
+  wrench.tail<3>() += force;
+  if (contact.point.rolling > 0)
+    wrench.head<3>() += contact.point.basis * Vector3d(l[5], l[3], l[4]);
+}
+
+// From the gradient.
+void VelocitySolver::take_wrench(const Pair& pair) {
+  const double* column = columns_.data() + pair.pool;
+  for (int s = 0; s < pair.segment_count; ++s) {
+    const Segment& segment = pair.segments[at(s)];
+    double* of = gradient_.data() + segment.first;
+    if (segment.plain != 0) {
+      Eigen::Map<Motion>{of} -= segment.plain * pair.wrench;
+      continue;
+    }
+    for (int k = 0; k < segment.length; ++k, column += 6)
+      of[k] -= dot_six(column, pair.wrench.data());
+  }
+}
+
+// J^T D J of a point about the pair's point of reference, D the negative derivative of its impulses.
+void VelocitySolver::add_point_stiffness(const Contact& contact, Stiffness& k) {
+  const Matrix3d& basis = contact.point.basis;
+  // Of two components along the columns a and b of the basis, cut to a length: the part across what is
+  // cut is left.
+  const auto plane = [&](int first, int a, int b, double firmness, double most, Matrix3d& d) {
+    const Eigen::Vector2d free =
+        contact.point.before.segment<2>(first) - contact.velocity.segment<2>(first) * firmness;
+    const double force = free.norm();
+    if (force <= most) {
+      d += firmness *
+           (basis.col(a) * basis.col(a).transpose() + basis.col(b) * basis.col(b).transpose());
+      return;
+    }
+    const Vector3d across = (free[0] * basis.col(b) - free[1] * basis.col(a)) / force;
+    d += most / force * firmness * across * across.transpose();
+  };
+  Matrix3d d = contact.hardness * basis.col(0) * basis.col(0).transpose();
+  plane(1, 1, 2, contact.firmness, contact.length_t, d);
+  const Matrix3d arm = cross_of(contact.point.arm);
+  const Matrix3d turned = arm * d;
+  k.bottomRightCorner<3, 3>() += d;
+  k.topRightCorner<3, 3>() += turned;
+  k.bottomLeftCorner<3, 3>() += turned.transpose();
+  k.topLeftCorner<3, 3>() -= turned * arm;
+  if (contact.point.rolling == 0) return;
+  Matrix3d r = Matrix3d::Zero();
+  plane(3, 1, 2, contact.moment_firm, contact.length_r, r);
+  if (std::abs(contact.point.before[5] - contact.velocity[5] * contact.moment_firm) <=
+      contact.length_r)
+    r += contact.moment_firm * basis.col(0) * basis.col(0).transpose();
+  k.topLeftCorner<3, 3>() += r;
+}
+
+// The rows that the pair's stiffness adds, as far as the diagonal: beyond it nothing is ever read.
+void VelocitySolver::add_pair_rows(const Pair& pair) {
+  const double* columns = columns_.data() + pair.pool;
+  scratch_.resize(at(6 * pair.length));  // stiffness times columns
+  for (int i = 0; i < pair.length; ++i)
+    Eigen::Map<Motion>(scratch_.data() + 6 * i) =
+        pair.stiffness * Eigen::Map<const Motion>(columns + 6 * i);
+  int of_s = 0;
+  for (int s = 0; s < pair.segment_count; ++s) {
+    const Segment& segment = pair.segments[at(s)];
+    for (int k = 0; k < segment.length; ++k) {
+      double* to = matrix_.row_of(segment.first + k);
+      int of_t = 0;
+      for (int t = 0; t <= s; ++t) {
+        const Segment& other = pair.segments[at(t)];
+        double* out = to + other.first;
+        if (other.plain != 0) {
+          const double* from =
+              segment.plain != 0 ? pair.stiffness.data() + 6 * k : scratch_.data() + 6 * (of_s + k);
+          const double sign = other.plain * (segment.plain != 0 ? segment.plain : 1);
+          for (int j = 0; j < 6; ++j) out[j] += sign * from[j];
+          continue;
+        }
+        const int end = t == s ? k + 1 : other.length;
+        for (int j = 0; j < end; ++j) {
+          const double* column = scratch_.data() + 6 * (of_t + j);
+          out[j] += segment.plain != 0 ? segment.plain * column[k]
+                                       : dot_six(columns + 6 * (of_s + k), column);
+        }
+        of_t += other.length;
+      }
+    }
+    if (segment.plain == 0) of_s += segment.length;
+  }
+}
+
+bool VelocitySolver::yields(int bounded) const {
+  const Bounded& row = bounded_[at(bounded)];
+  const double impulse = bounded_impulse_[at(bounded)];
+  return impulse > row.least && impulse < row.most;
+}
+
+// Whether calm blocks are to be factored anew.
+bool VelocitySolver::calm_rows_changed() {
+  bool changed = calm_island_ != island_;
+  calm_island_ = island_;
+  for (const int i : its_bounded_) {
+    if (!matrix_.calm(matrix_.block_of(bounded_[at(i)].coordinate))) continue;
+    const char now = yields(i) ? 1 : 0;
+    changed = changed || now != calm_yields_[at(i)];
+    calm_yields_[at(i)] = now;
+  }
+  return changed;
+}
+
+// H of the island, its calm blocks factored.
+void VelocitySolver::add_stiffness() {
+  const BlockMatrix::Island& island = matrix_.islands()[island_];
+  const auto add_bounded = [this](bool calm) {
+    for (const int i : its_bounded_) {
+      const Bounded& row = bounded_[at(i)];
+      if (matrix_.calm(matrix_.block_of(row.coordinate)) != calm || !yields(i)) continue;
+      matrix_.row_of(row.coordinate)[row.coordinate] += 1 / row.softness;
+    }
+  };
+  const bool keep = island.calm && !calm_rows_changed();
+  matrix_.load(island, keep);
+  if (island.calm && !keep) {
+    add_bounded(true);
+    matrix_.factor_calm(island);
+  }
+  add_bounded(false);
+  for (const int i : its_pairs_) pairs_[at(i)].stiffness.setZero();
+  for (const int i : its_points_) {
+    const Contact& contact = points_[at(i)];
+    if (contact.impulse[0] > 0)
+      add_point_stiffness(contact, pairs_[at(contact.point.pair)].stiffness);
+  }
+  for (const int i : its_pairs_) add_pair_rows(pairs_[at(i)]);
+}
+
+}  // namespace kaz::sim
