@@ -196,21 +196,31 @@ void ArticulatedTree::write_root_row(int i, double* m) const {
   m[i] = whole_.mass;
 }
 
-void ArticulatedTree::bias(const std::vector<double>& v, const Vector3d& gravity,
-                           std::vector<double>& c) {
+// What each link by itself needs to move as it does.
+void ArticulatedTree::inertial_forces(const std::vector<double>& v, const double* a,
+                                      const Vector3d& gravity) {
   twists(v);
   Link& root = links_.front();
   // Of a spatial motion: what P as a point of the moving body accelerates by is more by this product.
   root.acceleration = {Vector3d::Zero(), -gravity - root.twist.angular.cross(root.twist.linear)};
+  if (a != nullptr && root_dofs_ == 6)
+    root.acceleration = root.acceleration + Spatial{{a[0], a[1], a[2]}, {a[3], a[4], a[5]}};
   for (std::size_t i = 0; i < links_.size(); ++i) {
     Link& link = links_[i];
     if (i > 0) {
       link.acceleration = links_[index(link.parent)].acceleration +
                           carried(link.twist, scaled(link.motion, v[index(link.dof)]));
+      if (a != nullptr)
+        link.acceleration = link.acceleration + scaled(link.motion, a[index(link.dof)]);
     }
     link.force =
         link.inertia * link.acceleration + carried_force(link.twist, link.inertia * link.twist);
   }
+}
+
+void ArticulatedTree::bias(const std::vector<double>& v, const Vector3d& gravity,
+                           std::vector<double>& c) {
+  inertial_forces(v, nullptr, gravity);
   for (std::size_t i = links_.size(); i-- > 1;) {
     const Link& link = links_[i];
     c[index(link.dof)] = dot(link.motion, link.force);
@@ -218,29 +228,18 @@ void ArticulatedTree::bias(const std::vector<double>& v, const Vector3d& gravity
     parent.force = parent.force + link.force;
   }
   if (root_dofs_ == 0) return;
+  const Spatial& root = links_.front().force;
   for (int k = 0; k < 3; ++k) {
-    c[index(k)] = root.force.angular[k];
-    c[index(k + 3)] = root.force.linear[k];
+    c[index(k)] = root.angular[k];
+    c[index(k + 3)] = root.linear[k];
   }
 }
 
 void ArticulatedTree::joint_forces(const std::vector<double>& v, const std::vector<double>& a,
                                    const Vector3d& gravity, std::vector<Spatial>& forces) {
-  twists(v);
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    Link& link = links_[i];
-    if (i > 0) {
-      link.acceleration = links_[index(link.parent)].acceleration +
-                          carried(link.twist, scaled(link.motion, v[index(link.dof)])) +
-                          scaled(link.motion, a[index(link.dof)]);
-    } else {
-      link.acceleration = {Vector3d::Zero(), -gravity};
-      if (root_dofs_ == 6)
-        link.acceleration = link.acceleration + Spatial{{a[0], a[1], a[2]}, {a[3], a[4], a[5]}};
-    }
-    forces[i] = link.inertia * link.acceleration +
-                carried_force(link.twist, link.inertia * link.twist) + scaled(forces[i], -1);
-  }
+  inertial_forces(v, a.data(), gravity);
+  for (std::size_t i = 0; i < links_.size(); ++i)
+    forces[i] = links_[i].force + scaled(forces[i], -1);
   for (std::size_t i = links_.size(); i-- > 1;) {
     Spatial& parent = forces[index(links_[i].parent)];
     parent = parent + forces[i];

@@ -133,6 +133,8 @@ class ArticulatedTree {
   void write_mass_row(const Link& link, double* m) const;
   void write_root_row(int i, double* m) const;
   void twists(const std::vector<double>& velocity);
+  void inertial_forces(const std::vector<double>& velocity, const double* acceleration,
+                       const Eigen::Vector3d& gravity);
 
   std::vector<Link> links_;
   std::vector<int> dof_of_joint_;

@@ -48,9 +48,9 @@ void ReducedWorld::measure_loads() {
     outer.linear += force;
     outer.angular += (tree_.com(link) - tree_.root_at).cross(force);
   }
-  for (std::size_t i = 0; i < scratch_.size(); ++i)
-    scratch_[i] = (velocity_[i] - carried_[i]) / step_s_;
-  tree_.joint_forces(halfway_, scratch_, gravity_, outer_);
+  for (std::size_t i = 0; i < acceleration_.size(); ++i)
+    acceleration_[i] = (velocity_[i] - tree_.velocity[i]) / step_s_;
+  tree_.joint_forces(halfway_, acceleration_, gravity_, outer_);
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const int link = tree_.link_of_dof(joints_[i].dof);
     const auto& [moment, force] = outer_[static_cast<std::size_t>(link)];

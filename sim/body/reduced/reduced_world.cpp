@@ -39,7 +39,8 @@ ReducedWorld::ReducedWorld(const WorldModel& world, const RobotModel& robot,
     joints_[i].upper = robot.joints[i].upper + kStopMargin;
   }
   const auto dofs = static_cast<std::size_t>(tree_.dofs());
-  for (std::vector<double>* v : {&bias_, &halfway_, &velocity_before_}) v->assign(dofs, 0);
+  for (std::vector<double>* v : {&bias_, &halfway_, &acceleration_, &velocity_before_})
+    v->assign(dofs, 0);
   coordinate_of_.assign(objects_.size(), -1);
   outer_.resize(robot_links_);
   find_chains();

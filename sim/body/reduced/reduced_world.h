@@ -116,9 +116,9 @@ class ReducedWorld final : public StagedWorld {
   std::vector<ContactPoint> watched_;
   std::vector<double> velocity_before_;  // of the tree, one step ago
   // Of the step under way.
-  std::vector<double> bias_, halfway_;       // by coordinate of the tree
-  std::vector<double> momentum_, velocity_;  // by coordinate of the solver
-  std::vector<Spatial> outer_;               // by link: what pushes it
+  std::vector<double> bias_, halfway_, acceleration_;  // by coordinate of the tree
+  std::vector<double> momentum_, velocity_;            // by coordinate of the solver
+  std::vector<Spatial> outer_;                         // by link: what pushes it
   std::vector<int> coordinate_of_;  // where an object's begin: angular, linear; -1: it sleeps
   std::vector<Meeting> meetings_;
   std::vector<Push> pushes_;  // of each point of the solver
