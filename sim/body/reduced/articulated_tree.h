@@ -79,7 +79,7 @@ class ArticulatedTree {
             std::vector<double>& c);
 
   // What passes to each link through the joint that carries it, so that the tree moves at `velocity`
-  // with `acceleration` (both by coordinate, the root's linear one as bias() has it): recursive
+  // with `acceleration` (both by coordinate): recursive
   // Newton-Euler. `forces`, by link: in, what pushes the link besides gravity; out, the root's in the
   // place of a joint's.
   void joint_forces(const std::vector<double>& velocity, const std::vector<double>& acceleration,

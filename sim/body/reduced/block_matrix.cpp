@@ -5,9 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Core>
+
 #include "sim/body/reduced/small_sums.h"
 
 namespace kaz::sim {
+namespace {
+
+// Of a root or a free body.
+using Six = Eigen::Matrix<double, 6, 1>;
+
+}  // namespace
 
 void BlockMatrix::begin(int coordinates) {
   if (coordinates != size_) {
@@ -109,23 +117,38 @@ void BlockMatrix::find_calm() {
   }
 }
 
-void BlockMatrix::multiply(const Island& island, const double* x, double* out) const {
+void BlockMatrix::multiply(const Island& island, const double* __restrict x,
+                           double* __restrict out) const {
   for (int k = 0; k < island.blocks.length; ++k) {
     const Block& block = blocks_[at(order_[at(island.blocks.first + k)])];
-    const int begin = block.range.first;
-    for (int i = begin; i < begin + block.range.length; ++i) {
+    const int begin = block.range.first, end = begin + block.range.length;
+    for (int i = begin; i < end; ++i) {
       const double* m = inertia_.data() + row(i);
       double sum = m[i] * x[i];
       for (int j = begin; j < i; ++j) {
         sum += m[j] * x[j];
         out[j] += m[j] * x[i];
       }
-      for (int a = block.carrier; a >= 0; a = blocks_[at(a)].carrier) {
-        const Range& other = blocks_[at(a)].range;
-        sum += dot_range(m + other.first, x + other.first, other.length);
-        add_range(x[i], m + other.first, out + other.first, other.length);
-      }
       out[i] = sum;
+    }
+    for (int a = block.carrier; a >= 0; a = blocks_[at(a)].carrier) {
+      const Range& other = blocks_[at(a)].range;
+      if (other.length == 6) {
+        Eigen::Map<const Six> of(x + other.first);
+        Six given = Six::Zero();
+        for (int i = begin; i < end; ++i) {
+          Eigen::Map<const Six> m(inertia_.data() + row(i) + other.first);
+          out[i] += m.dot(of);
+          given += x[i] * m;
+        }
+        Eigen::Map<Six>(out + other.first) += given;
+        continue;
+      }
+      for (int i = begin; i < end; ++i) {
+        const double* m = inertia_.data() + row(i) + other.first;
+        out[i] += dot(m, x + other.first, other.length);
+        add_range(x[i], m, out + other.first, other.length);
+      }
     }
   }
 }
@@ -204,29 +227,47 @@ void BlockMatrix::factor(const Island& island) {
   }
 }
 
-void BlockMatrix::back_solve(const Island& island, double* x) const {
+void BlockMatrix::back_solve(const Island& island, double* __restrict x) const {
   for (int k = island.blocks.length; k-- > 0;) {
     const Block& block = blocks_[at(order_[at(island.blocks.first + k)])];
-    const Range* below = below_.data() + block.below.first;
-    const Range* end = below + block.below.length;
-    for (int i = block.range.first + block.range.length - 1; i >= block.range.first; --i) {
+    const int begin = block.range.first, end = begin + block.range.length;
+    for (int i = end - 1; i >= begin; --i) {
       const double* h = matrix_.data() + row(i);
-      x[i] *= inverse_diagonal_[at(i)];
-      for (int j = block.range.first; j < i; ++j) x[j] -= x[i] * h[j];
-      for (const Range* r = below; r < end; ++r)
-        add_range(-x[i], h + r->first, x + r->first, r->length);
+      const double xi = x[i] * inverse_diagonal_[at(i)];
+      x[i] = xi;
+      for (int j = begin; j < i; ++j) x[j] -= xi * h[j];
+    }
+    for (int b = 0; b < block.below.length; ++b) {
+      const Range& below = below_[at(block.below.first + b)];
+      if (below.length == 6) {
+        Six taken = Six::Zero();
+        for (int i = begin; i < end; ++i)
+          taken += x[i] * Eigen::Map<const Six>(matrix_.data() + row(i) + below.first);
+        Eigen::Map<Six>(x + below.first) -= taken;
+        continue;
+      }
+      for (int i = begin; i < end; ++i)
+        add_range(-x[i], matrix_.data() + row(i) + below.first, x + below.first, below.length);
     }
   }
   for (int k = 0; k < island.blocks.length; ++k) {
     const Block& block = blocks_[at(order_[at(island.blocks.first + k)])];
-    const Range* below = below_.data() + block.below.first;
-    const Range* end = below + block.below.length;
-    for (int i = block.range.first; i < block.range.first + block.range.length; ++i) {
+    const int begin = block.range.first, end = begin + block.range.length;
+    for (int b = 0; b < block.below.length; ++b) {
+      const Range& below = below_[at(block.below.first + b)];
+      if (below.length == 6) {
+        const Six of = Eigen::Map<const Six>(x + below.first);
+        for (int i = begin; i < end; ++i)
+          x[i] -= of.dot(Eigen::Map<const Six>(matrix_.data() + row(i) + below.first));
+        continue;
+      }
+      for (int i = begin; i < end; ++i)
+        x[i] -= dot(matrix_.data() + row(i) + below.first, x + below.first, below.length);
+    }
+    for (int i = begin; i < end; ++i) {
       const double* h = matrix_.data() + row(i);
       double sum = x[i];
-      for (int j = block.range.first; j < i; ++j) sum -= h[j] * x[j];
-      for (const Range* r = below; r < end; ++r)
-        sum -= dot_range(h + r->first, x + r->first, r->length);
+      for (int j = begin; j < i; ++j) sum -= h[j] * x[j];
       x[i] = sum * inverse_diagonal_[at(i)];
     }
   }

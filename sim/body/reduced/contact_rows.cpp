@@ -147,6 +147,21 @@ void VelocitySolver::impulses(const Contact& contact, const Impulse& u, Impulse&
   l[5] *= cut(std::abs(l[5]), contact.length_r);
 }
 
+// Off, slipping or sticking; the same of rolling and spinning.
+std::uint8_t VelocitySolver::pattern_of(const Contact& contact) {
+  const Impulse& l = contact.impulse;
+  if (l[0] <= 0) return 0;
+  // Cut to the length, up to rounding: whatever is meant, a pattern is only compared with itself.
+  constexpr double kCut = 1 - 1e-12;
+  const auto sticks = [](double force, double most) { return force < kCut * most ? 1 : 0; };
+  int pattern = 1 + 2 * sticks(l.segment<2>(1).norm(), contact.length_t);
+  if (contact.point.rolling > 0) {
+    pattern += 4 * sticks(l.segment<2>(3).norm(), contact.length_r) +
+               8 * sticks(std::abs(l[5]), contact.length_r);
+  }
+  return static_cast<std::uint8_t>(pattern);
+}
+
 double VelocitySolver::bounded_impulse(const Bounded& row, double u) {
   return std::clamp((row.target - u) / row.softness, row.least, row.most);
 }
@@ -251,6 +266,17 @@ bool VelocitySolver::yields(int bounded) const {
   return impulse > row.least && impulse < row.most;
 }
 
+// Whether rows act otherwise than when H was factored.
+bool VelocitySolver::pattern_changed() const {
+  return std::ranges::any_of(its_points_,
+                             [this](int i) {
+                               const Contact& contact = points_[at(i)];
+                               return contact.pattern != contact.factored;
+                             }) ||
+         std::ranges::any_of(its_bounded_,
+                             [this](int i) { return yields(i) != (factored_yields_[at(i)] != 0); });
+}
+
 // Whether calm blocks are to be factored anew.
 bool VelocitySolver::calm_rows_changed() {
   bool changed = calm_island_ != island_;
@@ -282,8 +308,10 @@ void VelocitySolver::add_stiffness() {
   }
   add_bounded(false);
   for (const int i : its_pairs_) pairs_[at(i)].stiffness.setZero();
+  for (const int i : its_bounded_) factored_yields_[at(i)] = yields(i) ? 1 : 0;
   for (const int i : its_points_) {
-    const Contact& contact = points_[at(i)];
+    Contact& contact = points_[at(i)];
+    contact.factored = contact.pattern;
     if (contact.impulse[0] > 0)
       add_point_stiffness(contact, pairs_[at(contact.point.pair)].stiffness);
   }

@@ -14,9 +14,9 @@ constexpr double kSlopeShare = 1e-3;
 constexpr int kSearchSteps = 40;
 // What each coordinate by itself would still change may be less than what all of them do.
 constexpr double kSafety = 0.05;
-// Once a step is as small as this, m/s or rad/s, what is left is mostly the lengths of friction, and
-// these come in with the factors as they are; as long as each step is this share of the one before.
-constexpr double kNear = 1e-3, kContracts = 0.25;
+// Where a step is as small as this, m/s or rad/s, and rows act as before, the factors serve once more.
+constexpr double kNear = 1e-3;
+constexpr double kFarthest = 4;  // changes that the next one may be foreseen to be
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -26,7 +26,8 @@ std::size_t at(int i) {
 
 void VelocitySolver::begin(int coordinates) {
   if (coordinates != matrix_.size()) {
-    for (auto* v : {&gradient_, &change_, &inertia_v_, &inertia_change_})
+    for (auto* v :
+         {&gradient_, &change_, &inertia_v_, &inertia_change_, &asked_before_, &gone_before_})
       v->assign(at(coordinates), 0);
   }
   matrix_.begin(coordinates);
@@ -42,6 +43,7 @@ void VelocitySolver::close() {
   sort_members();
   bounded_impulse_.assign(bounded_.size(), 0);
   calm_yields_.assign(bounded_.size(), 0);
+  factored_yields_.assign(bounded_.size(), 0);
   calm_island_ = kNone;
 }
 
@@ -88,6 +90,7 @@ void VelocitySolver::gradient(std::span<const double> momentum, std::span<const 
     along(contact, pair.motion, contact.velocity);
     set_lengths(contact);
     impulses(contact, contact.velocity, contact.impulse);
+    contact.pattern = pattern_of(contact);
     if (contact.impulse[0] > 0) add_wrench(contact, pair.wrench);
   }
   for (const int i : its_pairs_) take_wrench(pairs_[at(i)]);
@@ -173,6 +176,25 @@ double VelocitySolver::way_along_change(std::span<const double> momentum,
   return search(v);
 }
 
+// Where rows act as in the step before, what is left is the lengths of friction, which follow the normal
+// forces by one step: changes come to be multiples of each other, and their sum can be told (Aitken; here
+// for many coordinates, as D. Anderson, J. ACM 12(4), 1965, with one step remembered).
+void VelocitySolver::foresee() {
+  double product = 0, square = 0;
+  for_each_coordinate([&](std::size_t k) {
+    const double less = change_[k] - asked_before_[k];
+    product += change_[k] * less;
+    square += less * less;
+  });
+  const double share = square > 0 ? std::clamp(product / square, -kFarthest, 0.5) : 0;
+  for_each_coordinate([&](std::size_t k) {
+    const double asked = change_[k];
+    change_[k] -= share * (gone_before_[k] + asked - asked_before_[k]);
+    asked_before_[k] = asked;
+    gone_before_[k] = change_[k];
+  });
+}
+
 int VelocitySolver::solve_island(std::span<const double> momentum, std::span<double> v,
                                  double tolerance, int most_steps) {
   const BlockMatrix::Island& island = matrix_.islands()[island_];
@@ -180,27 +202,31 @@ int VelocitySolver::solve_island(std::span<const double> momentum, std::span<dou
   gradient(momentum, v);
   double left = change_left();
   int steps = 0;
-  bool keep = false;  // the factors of the step before
+  bool near = false;  // the same rows act as in the step before, and that was small
   while (steps < most_steps && left > kSafety * tolerance) {
     ++steps;
-    if (!keep) {
+    if (!near) {
       add_stiffness();
       matrix_.factor(island);
     }
     for_each_coordinate([&](std::size_t k) { change_[k] = -gradient_[k]; });
     matrix_.back_solve(island, change_.data());
-    const double last = left;
     left = 0;
     for_each_coordinate([&](std::size_t k) { left = std::max(left, std::abs(change_[k])); });
+    if (near) {
+      foresee();
+    } else {
+      for_each_coordinate([&](std::size_t k) { asked_before_[k] = gone_before_[k] = change_[k]; });
+    }
     matrix_.multiply(island, change_.data(), inertia_change_.data());
-    const double way = keep || left <= tolerance ? 1 : way_along_change(momentum, v);
+    const double way = near || left <= tolerance ? 1 : way_along_change(momentum, v);
     for_each_coordinate([&](std::size_t k) {
       v[k] += way * change_[k];
       inertia_v_[k] += way * inertia_change_[k];
     });
     gradient(momentum, v);
     if (left <= tolerance) break;
-    keep = left < kNear && way == 1 && (!keep || left < kContracts * last);
+    near = left < kNear && way == 1 && !pattern_changed();
   }
   residual_ = std::max(residual_, left);
   return steps;

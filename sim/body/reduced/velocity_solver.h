@@ -31,6 +31,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -118,6 +119,7 @@ class VelocitySolver {
     double firmness = 0, moment_firm = 0;  // 1 / give, of forces and of moments
     double length_t = 0, length_r = 0;     // N s, N m s: that friction may have in this step
     Impulse velocity, change, impulse;
+    std::uint8_t pattern = 0, factored = 0;  // which of its rows act how; and when H was factored
   };
   // Ends of an island's members in the lists below; the beginnings are the ends of the one before.
   struct Members {
@@ -130,6 +132,7 @@ class VelocitySolver {
   static void along(const Contact& contact, const Motion& motion, Impulse& u);
   static void set_lengths(Contact& contact);
   static void impulses(const Contact& contact, const Impulse& u, Impulse& l);
+  static std::uint8_t pattern_of(const Contact& contact);
   static double bounded_impulse(const Bounded& row, double u);
   static void add_wrench(const Contact& contact, Motion& wrench);
   void take_wrench(const Pair& pair);
@@ -137,6 +140,7 @@ class VelocitySolver {
   void add_pair_rows(const Pair& pair);
   bool yields(int bounded) const;
   bool calm_rows_changed();
+  bool pattern_changed() const;
   void add_stiffness();
   // velocity_solver.cpp
   template <class Do>
@@ -154,6 +158,7 @@ class VelocitySolver {
   double slope(double way, std::span<const double> v) const;
   double search(std::span<const double> v) const;
   double way_along_change(std::span<const double> momentum, std::span<const double> v);
+  void foresee();
   int solve_island(std::span<const double> momentum, std::span<double> v, double tolerance,
                    int most_steps);
 
@@ -164,6 +169,8 @@ class VelocitySolver {
   std::vector<Bounded> bounded_;
   std::vector<double> bounded_impulse_;
   std::vector<double> gradient_, change_, inertia_v_, inertia_change_;
+  std::vector<double> asked_before_,
+      gone_before_;  // change_ of the last step, before foresee() and after
   std::vector<double> scratch_;
   // By island.
   std::vector<int> pair_list_, point_list_, bounded_list_;
@@ -173,7 +180,7 @@ class VelocitySolver {
   std::span<const int> its_pairs_, its_points_, its_bounded_;
   double start_slope_ = 0, curve_ = 0;  // of the inertia's part along the change
   // Which rows of calm blocks yielded when these were factored, and the island that they are of.
-  std::vector<char> calm_yields_;
+  std::vector<char> calm_yields_, factored_yields_;
   std::size_t calm_island_ = kNone;
   static constexpr std::size_t kNone = ~std::size_t{0};
   int steps_ = 0;
