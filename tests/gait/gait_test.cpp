@@ -1,0 +1,165 @@
+// The known gait in short: through host, wire and emulated firmware, it walks, turns and picks up a ball.
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/gait/gait.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "sim/body/robot_model.h"
+#include "tests/gait/catch_motion.h"
+#include "tests/gait/report.h"
+
+namespace kaz::gait {
+namespace {
+
+const Task& task(const std::string& name) {
+  for (const Task& one : tasks())
+    if (one.name == name) return one;
+  ADD_FAILURE() << "no task " << name;
+  return tasks().front();
+}
+
+Outcome run(const std::string& name, std::uint64_t seed) {
+  Setting setting;
+  setting.image_path = KAZ_FIRMWARE_IMAGE;
+  setting.robot_folder = KAZ_ROBOT;
+  const auto outcome = run_episode(task(name), setting, seed);
+  EXPECT_TRUE(outcome) << outcome.error().message;
+  const Outcome out = outcome.value_or(Outcome{});
+  std::printf("%s, seed %d: %.2f m in %.1f s, heading %.2f deg\n", name.c_str(),
+              static_cast<int>(seed), out.forward_m, out.seconds, out.heading_deg);
+  return out;
+}
+
+// Of both bones and the foot, sole flat: where the ankle is, for angles as the robot's file has them.
+TEST(Gait, LegsReachWhereTheyAreAsked) {
+  const auto robot = sim::load_robot(KAZ_ROBOT "/kaz.urdf");
+  ASSERT_TRUE(robot);
+  for (const double roll : {-20.0, 0.0, 13.0}) {
+    const Body body{.x = -0.01, .z = 0.14, .pitch = 6 * kDegree, .roll = roll * kDegree};
+    JointAngles angles{};
+    set_leg(angles, host::Side::left, leg_to(body, host::Side::left, 0.018, 0.008));
+    set_leg(angles, host::Side::right, leg_to(body, host::Side::right, -0.015, 0));
+    Eigen::Isometry3d trunk = Eigen::Isometry3d::Identity();
+    trunk.translation() = Eigen::Vector3d(body.x, 0, body.z);
+    trunk.rotate(Eigen::AngleAxisd(body.pitch, Eigen::Vector3d::UnitY()));
+    trunk.rotate(Eigen::AngleAxisd(body.roll, Eigen::Vector3d::UnitX()));
+    for (const host::Side side : {host::Side::left, host::Side::right}) {
+      const bool left = side == host::Side::left;
+      const Eigen::Isometry3d sole = trunk * host::trunk_from_sole(angles, side);
+      EXPECT_NEAR(sole.translation().x(), left ? 0.018 : -0.015, 1e-6);
+      EXPECT_NEAR(sole.translation().z(), left ? 0.008 : 0, 1e-6);
+      EXPECT_NEAR((sole.linear() - Eigen::Matrix3d::Identity()).norm(), 0, 1e-6) << "flat";
+    }
+  }
+}
+
+// At 50 Hz nothing leaps: 12 rad/s is what the motors do unloaded. Starts and ends in the crouch.
+TEST(Gait, IsSmooth) {
+  const Shape walk, turn{.period = 1.8};
+  for (const double amplitude : {0.0, 0.5, 1.0}) {
+    JointAngles walked = walking(walk, 0, amplitude, {0.04, 0.04});
+    JointAngles turned = turning(turn, 0, amplitude, 0.012);
+    for (int i = 1; i <= 200; ++i) {
+      const JointAngles w = walking(walk, 0.02 * i / walk.period, amplitude, {0.04, 0.04});
+      const JointAngles t = turning(turn, 0.02 * i / turn.period, amplitude, 0.012);
+      for (std::size_t j = 0; j < w.size(); ++j) {
+        EXPECT_LT(std::abs(w[j] - walked[j]), 0.24) << i << " " << j;
+        EXPECT_LT(std::abs(t[j] - turned[j]), 0.24) << i << " " << j;
+        if (amplitude == 0) {
+          EXPECT_NEAR(w[j], standing()[j], 1e-12);
+        }
+      }
+      walked = w;
+      turned = t;
+    }
+  }
+}
+
+// The pose that was found by search, for shoulders 80 mm from the middle; 0.1 degrees is its rounding.
+TEST(Gait, PlansTheBendToABall) {
+  const auto robot = sim::load_robot(KAZ_ROBOT "/kaz.urdf");
+  ASSERT_TRUE(robot);
+  auto plan = CatchMotion::plan(*robot, 0.100, -0.055);
+  ASSERT_TRUE(plan) << plan.error().message;
+  const JointAngles bent = plan->at(3.0);
+  EXPECT_NEAR(bent[host::r_hip_pitch] / kDegree, -115.1, 0.1);
+  EXPECT_NEAR(bent[host::r_knee] / kDegree, 101.0, 0.1);
+  EXPECT_NEAR(bent[host::r_ankle_pitch] / kDegree, -35.9, 0.1);
+  EXPECT_NEAR(bent[host::r_sh_pitch] / kDegree, -58.4, 0.1);
+  EXPECT_NEAR(bent[host::r_sh_roll] / kDegree, 13.3, 0.1);
+  EXPECT_NEAR(bent[host::r_elbow] / kDegree, -13.5, 0.1);
+  EXPECT_FALSE(CatchMotion::plan(*robot, 0.3, -0.055)) << "out of reach";
+}
+
+// Margins: three times the scatter over 50 seeds (docs/dynamics.md).
+TEST(Gait, WalksHalfAMetre) {
+  for (const std::uint64_t seed : {1, 2}) {
+    const Outcome out = run("walk 0.5 m, roll 20", seed);
+    EXPECT_FALSE(out.fell);
+    EXPECT_NEAR(out.forward_m, 0.5, 0.03);
+    EXPECT_LT(std::abs(out.heading_deg), 4);
+    EXPECT_LT(out.aside_m, 0.05);
+    EXPECT_LT(out.seconds, 15);
+  }
+}
+
+TEST(Gait, TurnsBySlip) {
+  const Outcome left = run("slow turn +45, mu 0.7", 1);
+  EXPECT_FALSE(left.fell);
+  EXPECT_NEAR(left.heading_deg, 46, 6);
+  const Outcome cycles = run("slow turn 3 cycles, mu 0.4", 1);
+  EXPECT_FALSE(cycles.fell);
+  ASSERT_EQ(cycles.per_cycle_deg.size(), 3u);
+  for (const double turned : cycles.per_cycle_deg) EXPECT_NEAR(turned, 25, 5);
+}
+
+TEST(Gait, PicksUpTheBall) {
+  const Outcome out = run("catch", 1);
+  EXPECT_TRUE(out.caught);
+  EXPECT_LT(out.grasp_mm, 10);
+}
+
+// Same seed, same run; another seed, another.
+TEST(Gait, RunsAgainAsItDid) {
+  const Outcome one = run("slow turn +45, mu 0.7", 3), two = run("slow turn +45, mu 0.7", 3);
+  EXPECT_EQ(one.heading_deg, two.heading_deg);
+  EXPECT_EQ(one.path, two.path);
+  EXPECT_NE(one.heading_deg, run("slow turn +45, mu 0.7", 4).heading_deg);
+}
+
+TEST(Gait, ResultsAreKeptAndNeverMixed) {
+  const std::string path = testing::TempDir() + "kaz_gait_results.jsonl";
+  std::filesystem::remove(path);
+  Entry entry;
+  entry.outcome.heading_deg = 12.5;
+  entry.outcome.per_cycle_deg = {24, 25};
+  entry.outcome.path = {{1.5, -2.5}};
+  {
+    auto results = Results::open(path, "product");
+    ASSERT_TRUE(results);
+    ASSERT_TRUE(results->add({"a", "exact", 7}, entry));
+    ASSERT_TRUE(results->add({"a", "exact", 8}, {{}, "no answer"}));
+  }
+  std::ofstream(path, std::ios::app) << R"({"task":"a","step)";  // interrupted while writing
+  const auto results = Results::open(path, "product");
+  ASSERT_TRUE(results) << results.error().message;
+  EXPECT_TRUE(results->has({"a", "exact", 7}));
+  EXPECT_FALSE(results->has({"a", "reduced", 7}));
+  EXPECT_EQ(results->errors("a", "exact"), 1);
+  const auto outcomes = results->of("a", "exact");
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_EQ(outcomes[0].per_cycle_deg, entry.outcome.per_cycle_deg);
+  EXPECT_EQ(outcomes[0].path, entry.outcome.path);
+  EXPECT_FALSE(Results::open(path, "ideal")) << "of other motors";
+  std::ofstream(path, std::ios::app) << "{}\n";
+  EXPECT_FALSE(Results::open(path, "product"));
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace kaz::gait
