@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <regex>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -80,6 +81,8 @@ Result<nlohmann::json> json_of(const std::string& command) {
   char part[4096];
   while (const std::size_t n = std::fread(part, 1, sizeof part, output)) text.append(part, n);
   const int status = ::pclose(output);
+  // The spread of a counter that is 0 throughout is 0/0; Google Benchmark writes it as it is.
+  text = std::regex_replace(text, std::regex(": -?(NaN|Infinity)\\b"), ": null");
   auto value = nlohmann::json::parse(text, nullptr, false);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || value.is_discarded())
     return fail(Fault::failed, "this failed or gave no JSON: " + command);
