@@ -268,6 +268,14 @@ void BulletWorld::step(std::span<const MotorDrive> drives, double supply_volts) 
   kick_due();
   prepare_motors(drives, supply_volts);
   ask_joints();
+  for (const HandPush& push : hand_pushes_) {
+    const btVector3 force = to_bullet(Eigen::Vector3d(push.impulse / step_s_));
+    if (push.link == 0)
+      robot_->addBaseForce(force);
+    else
+      robot_->addLinkForce(static_cast<int>(push.link) - 1, force);
+  }
+  hand_pushes_.clear();
   world_.stepSimulation(step_s_, 0);  // 0: this one step, whole
   ++steps_;
   read_joints();
