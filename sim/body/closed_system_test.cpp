@@ -4,66 +4,34 @@
 #include <cstdio>
 #include <numbers>
 
-#include "sim/body/test_files.h"
-#include "sim/body/world.h"
+#include <gtest/gtest.h>
+
+#include "sim/body/plain_models.h"
+#include "sim/body/staged_world.h"
 
 namespace kaz::sim {
 namespace {
 
 constexpr double kG = 9.81;
 constexpr double kStep = 1e-3;
-constexpr double kRotor = 5e-4;  // kg m2, Kaz's; it turns with the joint and belongs to the answer
-
-// Without friction, gap and heat. The bridge is open, so that back-EMF does nothing.
-const char* const kFreeMotor = R"(<motors default="free"><motor name="free">
-<stall_slope value="0.2288"/><friction value="0"/><back_emf value="0.1764"/>
-<stiction_ratio value="1"/><rotor_inertia value="5e-4"/><max_supply value="12"/></motor></motors>)";
-
-std::string number(double value) {
-  std::ostringstream text;
-  text.precision(17);
-  text << value;
-  return text.str();
-}
-
-// Rods of this mass, length between joints, centre of mass in the middle, inertia about it.
-constexpr double kMass = 0.1, kLength = 0.2, kOwnInertia = 4e-4, kSlim = 2e-5;
-
-// `count` of them below each other, hanging at zero from what does not move; every second joint turns
-// about y, the others about x.
-std::string chain(int count) {
-  std::string text = "<robot name=\"chain\"><link name=\"world\"/>\n";
-  std::string parent = "world";
-  for (int i = 0; i < count; ++i) {
-    const std::string name = "rod" + std::to_string(i);
-    text += "<link name=\"" + name + "\"><inertial><origin xyz=\"0 0 " + number(-kLength / 2) +
-            "\"/><mass value=\"" + number(kMass) + "\"/><inertia ixx=\"" + number(kOwnInertia) +
-            "\" iyy=\"" + number(kOwnInertia) + "\" izz=\"" + number(kSlim) +
-            "\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\n";
-    text += "<joint name=\"j" + std::to_string(i) + "\" type=\"revolute\"><parent link=\"" +
-            parent + "\"/><child link=\"" + name + "\"/><origin xyz=\"0 0 " +
-            number(i ? -kLength : 0) + "\"/><axis xyz=\"" + (i % 2 ? "0 1 0" : "1 0 0") +
-            "\"/><limit lower=\"-3\" upper=\"3\" effort=\"1\" velocity=\"10\"/></joint>\n";
-    parent = name;
-  }
-  return text + "</robot>\n";
-}
+using test::kFreeRotor;
+using test::kRodInertia;
+using test::kRodLength;
+using test::kRodMass;
+using test::kRodSlim;
 
 class ClosedSystem : public testing::TestWithParam<const char*> {
  protected:
   std::unique_ptr<World> load(int rods, const Eigen::Vector3d& gravity) {
-    const std::string robot = folder_.write("chain.urdf", chain(rods));
-    folder_.write("motor.xml", kFreeMotor);
     WorldOptions options;
     options.stepper = GetParam();
     options.step_s = kStep;
-    const std::string pull =
-        number(gravity.x()) + " " + number(gravity.y()) + " " + number(gravity.z());
-    auto world = World::load(folder_.write("w.sdf", test::world_text(pull, "")), robot, options);
+    WorldModel around;
+    around.gravity = gravity;
+    auto world = make_world(around, test::chain(rods, true), test::free_motor(), options);
     EXPECT_TRUE(world) << world.error().message;
     return world ? std::move(*world) : nullptr;
   }
-  test::Folder folder_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Steppers, ClosedSystem, testing::Values("quick50", "exact", "reduced"));
@@ -90,8 +58,8 @@ TEST_P(ClosedSystem, PendulumHasThePeriodOfTheEllipticIntegral) {
       last = angle;
     }
     ASSERT_EQ(crossings.size(), 11u);
-    const double arm = kLength / 2, inertia = kOwnInertia + kMass * arm * arm + kRotor;
-    const double rate = std::sqrt(kMass * kG * arm / inertia);
+    const double arm = kRodLength / 2, inertia = kRodInertia + kRodMass * arm * arm + kFreeRotor;
+    const double rate = std::sqrt(kRodMass * kG * arm / inertia);
     const double expected = 4 / rate * std::comp_ellint_1(std::sin(amplitude / 2));
     const double period = (crossings[10] - crossings[0]) / 5;
     std::printf("%s, %.2f rad: period off by %+.1e, amplitude by %+.1e\n", GetParam(), amplitude,
@@ -115,8 +83,8 @@ TEST_P(ClosedSystem, ChainKeepsItsEnergy) {
   const auto world = load(rods, gravity);
   ASSERT_TRUE(world);
   const std::vector<MotorDrive> open(rods);
-  const Eigen::Vector3d centre(0, 0, -kLength / 2);
-  const Eigen::Matrix3d own = Eigen::Vector3d(kOwnInertia, kOwnInertia, kSlim).asDiagonal();
+  const Eigen::Vector3d centre(0, 0, -kRodLength / 2);
+  const Eigen::Matrix3d own = Eigen::Vector3d(kRodInertia, kRodInertia, kRodSlim).asDiagonal();
   using Poses = std::array<Eigen::Isometry3d, rods>;
   const auto poses = [&] {
     Poses now;
@@ -125,7 +93,7 @@ TEST_P(ClosedSystem, ChainKeepsItsEnergy) {
   };
   Poses before = poses();
   double start = 0, least = 0, most = 0, moves = 0, fastest = 0;
-  for (const auto& pose : before) start -= kMass * gravity.dot(pose * centre);
+  for (const auto& pose : before) start -= kRodMass * gravity.dot(pose * centre);
   while (world->time_s() < 20) {
     world->step(open, 10.0);
     const Poses now = poses();
@@ -136,8 +104,8 @@ TEST_P(ClosedSystem, ChainKeepsItsEnergy) {
       const Eigen::AngleAxisd turn(before[i].linear().transpose() * now[i].linear());
       const Eigen::Vector3d w = turn.axis() * turn.angle() / kStep;
       const double joint = world->joints()[i].velocity;
-      kinetic += 0.5 * (kMass * v.squaredNorm() + w.dot(own * w) + kRotor * joint * joint);
-      potential -= 0.5 * kMass * gravity.dot(now[i] * centre + before[i] * centre);
+      kinetic += 0.5 * (kRodMass * v.squaredNorm() + w.dot(own * w) + kFreeRotor * joint * joint);
+      potential -= 0.5 * kRodMass * gravity.dot(now[i] * centre + before[i] * centre);
       fastest = std::max(fastest, w.norm());
     }
     before = now;

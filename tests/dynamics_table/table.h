@@ -1,0 +1,56 @@
+// Differences of the steppers from closed forms, as one table.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace kaz::dynamics_table {
+
+inline constexpr std::array kSteppers{"reduced", "exact", "quick50"};
+inline constexpr std::array kStepsMs{0.25, 0.5, 1.0, 2.0, 4.0};
+inline constexpr std::array kPendulums{"double pendulum", "triple pendulum"};
+
+struct Row {
+  std::string scene, quantity;
+  std::string closed;  // the closed form, and its value
+  std::string unit;    // of the error; "" where it is a share of the closed form's value
+  std::map<std::string, double> error;  // by stepper
+};
+
+// Of a scene under one stepper.
+class Table {
+ public:
+  void put(const std::string& stepper, const std::string& scene, const std::string& quantity,
+           const std::string& closed, const std::string& unit, double error);
+  const std::vector<Row>& rows() const { return rows_; }
+  // Largest error of the energy in 10 s as a share of the most that ever moves, by pendulum, stepper
+  // and kStepsMs.
+  using Energies = std::map<std::string, std::map<std::string, std::vector<double>>>;
+  Energies energies;
+
+  std::string markdown() const;
+  std::string json() const;
+
+ private:
+  std::vector<Row> rows_;
+};
+
+// How fast the error falls with the step: slope of a straight line through the logarithms.
+double slope(const std::vector<double>& errors);
+
+// Each runs its scenes under one stepper.
+void fly(const std::string& stepper, Table& table);
+void swing(const std::string& stepper, Table& table);
+void swing_by_step(const std::string& stepper, Table& table);
+void slide(const std::string& stepper, Table& table);
+void roll(const std::string& stepper, Table& table);
+void stand(const std::string& stepper, Table& table);
+
+inline void run_all(const std::string& stepper, Table& table) {
+  for (const auto scene : {fly, swing, slide, roll, stand}) scene(stepper, table);
+}
+
+}  // namespace kaz::dynamics_table
