@@ -29,7 +29,7 @@ class Errors {
 TEST(DynamicsTable, Flight) {
   const Errors errors(fly);
   EXPECT_LT(errors.of("rigid body", "angular momentum"), 1e-9);
-  // Midpoint rule: (w h)^2 = 1.7e-4 a step without drift of the energy, and of that over 24 for each
+  // Midpoint rule: (w h)^2 = 1.7e-4, without drift of the energy; and a share of that for each
   // radian in the attitude.
   EXPECT_LT(errors.of("rigid body", "energy"), 1e-5);
   EXPECT_LT(errors.of("rigid body", "attitude after 1 s"), 13 * 1.7e-4 / 4);
@@ -43,7 +43,7 @@ TEST(DynamicsTable, Pendulums) {
   const Errors errors(swing);
   for (const char* pendulum : kPendulums) {
     EXPECT_LT(errors.of(pendulum, "energy"), 1e-3);
-    // The tip moves at up to 6 m/s; places are those of half a step later, and then of second order.
+    // The tip moves at up to 6 m/s; places are those of half a step later, then of second order.
     EXPECT_LT(errors.of(pendulum, "path"), 6 * 0.5e-3);
     EXPECT_LT(errors.of(pendulum, "the same"), 3e-4);
   }

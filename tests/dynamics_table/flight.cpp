@@ -14,8 +14,8 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// Two parts on a jammed joint, so that two pushes can set it spinning. The joint gives by 1e-6 rad for
-// each Nm (joint_motor.h): nothing here.
+// Two parts on a jammed joint, so that two pushes can set it spinning. The joint gives by 1e-6 rad
+// for each Nm (joint_motor.h): nothing here.
 sim::RobotModel tumbler() {
   sim::RobotModel robot;
   robot.name = "tumbler";

@@ -26,8 +26,8 @@ class Table {
   void put(const std::string& stepper, const std::string& scene, const std::string& quantity,
            const std::string& closed, const std::string& unit, double error);
   const std::vector<Row>& rows() const { return rows_; }
-  // Largest error of the energy in 10 s as a share of the most that ever moves, by pendulum, stepper
-  // and kStepsMs.
+  // Largest error of the energy in 10 s as a share of the most that ever moves, by pendulum,
+  // stepper and kStepsMs.
   using Energies = std::map<std::string, std::map<std::string, std::vector<double>>>;
   Energies energies;
 

@@ -1,11 +1,11 @@
 // The robot and its things in Bullet's multibody dynamics, for the benchmark of the body alone.
 // SPDX-License-Identifier: Apache-2.0
 //
-// btMultiBody: Featherstone's articulated bodies in reduced coordinates, rows of motors and contacts
-// by projected Gauss-Seidel with a number of iterations. The same files, masses, shapes, motor law,
-// stops and surfaces as under every stepper. What differs: contacts are found by Bullet and kept
-// from step to step; friction does not remember its shear (contact_memory.h); bodies that touch fall
-// asleep together.
+// btMultiBody: Featherstone's articulated bodies in reduced coordinates, rows of motors and
+// contacts by projected Gauss-Seidel with a number of iterations. The same files, masses, shapes,
+// motor law, stops and surfaces as under every stepper. What differs: contacts are found by Bullet
+// and kept from step to step; friction does not remember its shear (contact_memory.h); bodies that
+// touch fall asleep together.
 #pragma once
 
 #include <memory>
