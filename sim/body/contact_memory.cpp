@@ -40,7 +40,7 @@ void ContactMemory::remember(std::size_t touch, const Eigen::Vector3d& velocity,
                              double step_s) {
   Point& point = points_[touch];
   point.shear += step_s * (velocity - point.normal * point.normal.dot(velocity));
-  const double most = std::max(0.0, normal_n) * point.limit * step_s;
+  const double most = std::max(0.0, normal_n) * point.limit * kErpStep;
   const double size = point.shear.norm();
   if (size > most) point.shear *= size > 0 ? most / size : 0;
 }

@@ -43,13 +43,15 @@ OdeWorldHandle make_world(const Eigen::Vector3d& gravity, int iterations) {
 }
 
 // What ODE is told of a point of contact. `motion`: of a against b, m/s.
-dContact contact_of(const Touch& touch, const Eigen::Vector3d& motion, double least_softness) {
+dContact contact_of(const Touch& touch, const Eigen::Vector3d& motion, double least_softness,
+                    double step_s) {
   dContact contact{};
   const Surface& surface = touch.surface;
   contact.surface.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM;
   contact.surface.mu = surface.mu;
-  contact.surface.soft_erp = kContactErp;
-  contact.surface.soft_cfm = std::max(surface.softness, least_softness);
+  contact.surface.soft_erp = erp_for(step_s, kContactErp);
+  contact.surface.soft_cfm =
+      softness_for(step_s, kContactErp, std::max(surface.softness, least_softness));
   for (int k = 0; k < 3; ++k) {
     contact.geom.pos[k] = touch.at[k];
     contact.geom.normal[k] = touch.normal[k];
@@ -81,12 +83,13 @@ void add_shear(dContact& contact, const Touch& touch, const Eigen::Vector3d& she
   const double side = touch.body_a < 0 ? -1 : 1;
   const Eigen::Vector3d along = touch.normal.unitOrthogonal();
   const Eigen::Vector3d across = side * touch.normal.cross(along);
-  const double rate = side * kContactErp / step_s;
+  const double rate = side * erp_for(step_s, kContactErp) / step_s;
   contact.surface.mode |=
       dContactFDir1 | dContactMotion1 | dContactMotion2 | dContactSlip1 | dContactSlip2;
   contact.surface.motion1 = -rate * along.dot(shear);
   contact.surface.motion2 = -rate * across.dot(shear);
-  contact.surface.slip1 = contact.surface.slip2 = touch.surface.softness;
+  contact.surface.slip1 = contact.surface.slip2 =
+      softness_for(step_s, kContactErp, touch.surface.softness);
   for (int k = 0; k < 3; ++k) contact.fdir1[k] = along[k];
 }
 
@@ -165,7 +168,8 @@ void OdeWorld::build_joint(const RobotModel& robot, std::size_t number) {
   out.lower = joint.lower - kStopMargin;
   dJointSetHingeParam(out.hinge, dParamHiStop, out.upper);
   dJointSetHingeParam(out.hinge, dParamLoStop, out.lower);
-  dJointSetHingeParam(out.hinge, dParamStopCFM, kStopSoftness);
+  dJointSetHingeParam(out.hinge, dParamStopERP, erp_for(step_s_, kStopErp));
+  dJointSetHingeParam(out.hinge, dParamStopCFM, softness_for(step_s_, kStopErp, kStopSoftness));
 
   // The motor is a row of its own: ODE would replace a hinge's motor by its stop, and push without
   // limit.
@@ -203,7 +207,8 @@ void OdeWorld::make_contact_rows() {
   for (std::size_t i = 0; i < touches.size(); ++i) {
     const Touch& touch = touches[i];
     const dBodyID a = body(touch.body_a), b = body(touch.body_b);
-    dContact contact = contact_of(touch, velocity_of(a) - velocity_of(b), dWorldGetCFM(ode_.get()));
+    dContact contact =
+        contact_of(touch, velocity_of(a) - velocity_of(b), dWorldGetCFM(ode_.get()), step_s_);
     if (ContactMemory::has_shear(touch)) add_shear(contact, touch, memory_.shear(i), step_s_);
     if (iterations_ == 0) {
       contact.surface.mode |= dContactMotionN;

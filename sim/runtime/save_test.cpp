@@ -149,6 +149,7 @@ TEST(Snapshot, RefusesEachOtherOption) {
       {"world", [](auto& o) { o.world_path = KAZ_TREE "/sim/worlds/empty.sdf"; }},
       {"seed", [](auto& o) { o.seed = 6; }},
       {"stepper", [](auto& o) { o.stepper = "quick20"; }},
+      {"physics_step_ms", [](auto& o) { o.physics_step_ms = 0.5; }},
       {"sensors", [](auto& o) { o.sensors.gyro = false; }},
       {"imu", [](auto& o) { o.imu = true; }},
       {"eyes", [](auto& o) { o.ideal_eyes = false; }},

@@ -51,11 +51,14 @@ constexpr int detour_steps = 100;
 }  // namespace
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& options) {
+  if (const auto fits = step_ratio(options.physics_step_ms); !fits)
+    return tl::unexpected(fits.error());
   auto mcu = make_engine(options);
   if (!mcu) return tl::unexpected(mcu.error());
   WorldOptions world_options;
   world_options.seed = options.seed;
   world_options.stepper = options.stepper;
+  world_options.step_s = options.physics_step_ms / 1000;
   auto world = World::load(options.world_path, options.robot_path, world_options);
   if (!world) return tl::unexpected(world.error());
   Result<CameraFile> camera;
@@ -84,8 +87,10 @@ Result<std::unique_ptr<Simulation>> Simulation::assemble(const SimulationOptions
                                   " joints; the servo board has channels for " +
                                   std::to_string(KZ_JOINTS));
   }
+  const auto ratio = step_ratio(1000 * world->step_s());
+  if (!ratio) return tl::unexpected(ratio.error());
   std::unique_ptr<Simulation> simulation(
-      new Simulation(options, std::move(mcu), std::move(world), camera));
+      new Simulation(options, std::move(mcu), std::move(world), camera, *ratio));
   if (!options.recording_path.empty()) {
     if (auto started = simulation->start_recording(options.recording_path); !started)
       return tl::unexpected(started.error());
@@ -94,10 +99,11 @@ Result<std::unique_ptr<Simulation>> Simulation::assemble(const SimulationOptions
 }
 
 Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mcu,
-                       std::unique_ptr<World> world, const CameraFile& camera)
+                       std::unique_ptr<World> world, const CameraFile& camera, StepRatio ratio)
     : options_(options),
       camera_(camera),
       world_(std::move(world)),
+      ratio_(ratio),
       board_(std::move(mcu), {.seed = options.seed,
                               .figures = options.sensor_figures,
                               .sensors = options.sensors,
@@ -113,25 +119,29 @@ Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mc
     camera_.baseline_m = (eyes.left.translation() - eyes.right.translation()).norm();
   }
   line_.set_faults(&faults_.schedule());
-  tell_sensors();
+  tell_sensors(0);
+  tell_motion(world_->imu().specific_force);
 }
 
 Simulation::~Simulation() = default;
 
-// Potentiometers of channels without a joint stand at zero.
-void Simulation::tell_sensors() {
+// Potentiometers of channels without a joint stand at zero. `since_s`: from the end of the world's last
+// step; meanwhile a joint is taken to turn on as fast as it did there.
+void Simulation::tell_sensors(double since_s) {
   std::array<double, KZ_JOINTS> angles{};
   double motor_current = 0;
   const auto joints = world_->joints();
   for (std::size_t j = 0; j < channels_.size(); ++j) {
-    angles[channels_[j]] = joints[j].angle;
+    angles[channels_[j]] = joints[j].angle + since_s * joints[j].velocity;
     motor_current += std::abs(joints[j].current);
   }
   board_.set_joint_angles(angles);
   board_.set_supply_current(world_->supply_current_a());
   board_.set_motor_current(motor_current);
-  const ImuState& imu = world_->imu();
-  board_.set_motion({imu.angular_velocity.z(), imu.specific_force.x(), imu.specific_force.y()});
+}
+
+void Simulation::tell_motion(const Eigen::Vector3d& specific_force) {
+  board_.set_motion({world_->imu().angular_velocity.z(), specific_force.x(), specific_force.y()});
 }
 
 Result<void> Simulation::step() {
@@ -155,19 +165,22 @@ Result<void> Simulation::advance() {
   });
   const auto to_board = line_.take_for_board(end);
   for (const SerialByte& byte : to_board) board_.receive(byte);
-  if (auto ran = board_.run_until(end); !ran) return ran;
+  const States tick = end / KZ_STATES_PER_TICK;
+  // Of the step that will be the last one when they are recorded.
+  world_->watch_loads(recorder_ && (tick + ratio_.ticks_a_step - 1) / contact_interval_ms !=
+                                       (tick - 1) / contact_interval_ms);
+  Eigen::Vector3d felt = Eigen::Vector3d::Zero();
+  for (int part = 1; part <= ratio_.steps_a_tick; ++part) {
+    const States to = start + part * KZ_STATES_PER_TICK / ratio_.steps_a_tick;
+    if (auto ran = board_.run_until(to); !ran) return ran;
+    const States late = tick % ratio_.ticks_a_step;
+    if (late == 0) move_world();
+    tell_sensors(1e-3 * static_cast<double>(late));
+    felt += world_->imu().specific_force / ratio_.steps_a_tick;
+  }
+  tell_motion(felt);
   const auto from_board = board_.take_transmitted();
   line_.from_board(from_board);
-
-  std::array<MotorDrive, KZ_JOINTS> drives{};
-  const auto means = board_.take_drives();
-  for (std::size_t j = 0; j < KZ_JOINTS; ++j) drives[j] = {means[j].duty, means[j].powered};
-  faults_.apply(time(), drives);
-  for (std::size_t j = 0; j < channels_.size(); ++j) drives_[j] = drives[channels_[j]];
-  world_->watch_loads(recorder_ && end / KZ_STATES_PER_TICK % contact_interval_ms == 0);
-  world_->step(drives_, board_.supply_volts());
-
-  tell_sensors();
   now_ = end;
 
   if (eyes_open_) {
@@ -176,6 +189,16 @@ Result<void> Simulation::advance() {
   }
   if (recorder_) record(start, to_board, from_board);
   return {};
+}
+
+// By the drivers' mean over its step, which ends now.
+void Simulation::move_world() {
+  std::array<MotorDrive, KZ_JOINTS> drives{};
+  const auto means = board_.take_drives();
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j) drives[j] = {means[j].duty, means[j].powered};
+  faults_.apply(time(), drives);
+  for (std::size_t j = 0; j < channels_.size(); ++j) drives_[j] = drives[channels_[j]];
+  world_->step(drives_, board_.supply_volts());
 }
 
 void Simulation::record(States start, std::span<const SerialByte> to_board,
@@ -188,12 +211,13 @@ void Simulation::record(States start, std::span<const SerialByte> to_board,
   recorder_->joints(now_, joints);
   recorder_->supply(now_, board_.supply_volts(), world_->supply_current_a());
   recorder_->link_forces(now_, world_->link_order(), world_->link_forces());
-  if (now_ / KZ_STATES_PER_TICK % contact_interval_ms == 0)
+  if (now_ / KZ_STATES_PER_TICK % contact_interval_ms == 0) {
     recorder_->contacts(now_, world_->contacts());
-  if (const auto loads = world_->joint_loads(); !loads.empty()) {
-    std::array<JointLoad, KZ_JOINTS> by_channel{};
-    for (std::size_t j = 0; j < channels_.size(); ++j) by_channel[channels_[j]] = loads[j];
-    recorder_->joint_loads(now_, by_channel);
+    if (const auto loads = world_->joint_loads(); !loads.empty()) {
+      std::array<JointLoad, KZ_JOINTS> by_channel{};
+      for (std::size_t j = 0; j < channels_.size(); ++j) by_channel[channels_[j]] = loads[j];
+      recorder_->joint_loads(now_, by_channel);
+    }
   }
   if (const auto ball = world_->object_position("ball")) recorder_->ball(now_, *ball);
   if (eyes_) {

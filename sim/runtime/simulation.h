@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Time goes on only in step(), by one millisecond: the board runs to the end of the step, its mean
-// drives move the world, the joints' angles go back to the potentiometers. Nothing here reads the
+// drives move the world, the joints' angles go back to the potentiometers. The world may take shorter
+// steps than that, then board and world take turns within the millisecond, or longer ones (docs/time.md). Nothing here reads the
 // wall clock; the same options and the same calls give the same recording, byte for byte
 // (docs/time.md).
 #pragma once
@@ -27,6 +28,7 @@
 #include "sim/runtime/mcap_writer.h"
 #include "sim/runtime/render_thread.h"
 #include "sim/runtime/serial_line.h"
+#include "sim/runtime/step_ratio.h"
 #include "sim/runtime/time.h"
 #include "sim/view/renderer.h"
 #include "vision/frame.h"
@@ -43,6 +45,7 @@ struct SimulationOptions {
   std::string camera_path;        // camera.json beside the URDF; not read for a robot without eyes
   std::uint64_t seed = 1;
   std::string stepper = "reduced";  // sim/body/world.h
+  double physics_step_ms = 1;       // of the world: 0.125, 0.25, 0.5, 1, 2 or 4
   SensorSwitches sensors = {};
   SensorFigures sensor_figures = {};  // create() takes them from sensors.xml beside the URDF
   bool imu = false;                   // the board has gyro and accelerometer
@@ -67,7 +70,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
 class Simulation {
  public:
   // Errors: a file that is missing or wrong, an unknown engine, a robot of more joints than the
-  // servo board has channels.
+  // servo board has channels, a physics step that does not fit.
   static Result<std::unique_ptr<Simulation>> create(const SimulationOptions& options);
   // The two parts given: for tests and for other boards.
   static Result<std::unique_ptr<Simulation>> assemble(const SimulationOptions& options,
@@ -137,9 +140,11 @@ class Simulation {
 
  private:
   Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mcu,
-             std::unique_ptr<World> world, const CameraFile& camera);
+             std::unique_ptr<World> world, const CameraFile& camera, StepRatio ratio);
   Result<void> advance();
-  void tell_sensors();
+  void move_world();
+  void tell_sensors(double since_s);
+  void tell_motion(const Eigen::Vector3d& specific_force);
   Eyes::Keep kept_of_pairs() const;
   void make_eyes();
   template <class A>
@@ -150,6 +155,7 @@ class Simulation {
   SimulationOptions options_;
   CameraFile camera_;
   std::unique_ptr<World> world_;
+  StepRatio ratio_;
   ServoBoard board_;
   std::vector<std::size_t> channels_;  // of the servo board, by joint of the world
   std::vector<MotorDrive> drives_;     // by joint of the world

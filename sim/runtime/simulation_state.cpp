@@ -69,8 +69,8 @@ std::string name_of(const RendererFactory& renderer) {
 // Takes every field of the options by name: a new field does not compile before it stands here.
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world) {
-  const auto& [engine, image_path, world_path, robot_path, camera_path, seed, stepper, sensors,
-               sensor_figures, imu, ideal_eyes, eye_width, supply_volts, frames, faults,
+  const auto& [engine, image_path, world_path, robot_path, camera_path, seed, stepper,
+               physics_step_ms, sensors, sensor_figures, imu, ideal_eyes, eye_width, supply_volts, frames, faults,
                recording_path, record_pictures, recording_facts, renderer, detour_every] = options;
   static_cast<void>(stepper);         // the world says it with all figures
   static_cast<void>(recording_path);  // a recording changes nothing
@@ -80,6 +80,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
   return {{"engine", engine},
           {"seed", std::to_string(seed)},
           {"stepper", world.stepper()},
+          {"physics_step_ms", exact(physics_step_ms)},
           {"sensors", switches_of(sensors)},
           {"sensor_figures_sha256", digest_of(sensor_figures)},
           {"imu", imu ? "true" : "false"},

@@ -19,16 +19,20 @@ namespace kaz::sim {
 // Each joint turns at 5 rad/s times its duty; the head frame follows neck_pan.
 class TestWorld final : public World {
  public:
-  TestWorld() { scene_.frames = {"world", "neck_tilt"}; }
+  explicit TestWorld(double step_s = 0.001) : step_s_(step_s) {
+    scene_.frames = {"world", "neck_tilt"};
+  }
 
-  double step_s() const override { return 0.001; }
+  double step_s() const override { return step_s_; }
   double time_s() const override { return time_; }
   void step(std::span<const MotorDrive> drives, double supply_volts) override {
-    time_ += 0.001;
+    ++steps_;
+    last_duty_ = drives[0].duty;
+    time_ += step_s_;
     supply_volts_ = supply_volts;
     for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
       joints_[j].velocity = drives[j].powered ? 5.0 * drives[j].duty : 0.0;
-      joints_[j].angle += 0.001 * joints_[j].velocity;
+      joints_[j].angle += step_s_ * joints_[j].velocity;
     }
   }
   std::span<const JointState> joints() const override { return joints_; }
@@ -55,11 +59,15 @@ class TestWorld final : public World {
   std::string stepper() const override { return "none"; }
 
   double supply_volts() const { return supply_volts_; }
+  int steps() const { return steps_; }
+  double last_duty() const { return last_duty_; }
 
  private:
   Scene scene_;
   ImuState imu_{Eigen::Vector3d::Zero(), Eigen::Vector3d(0, 0, 9.81)};
-  double time_ = 0, supply_volts_ = 0;
+  double step_s_;
+  int steps_ = 0;
+  double time_ = 0, supply_volts_ = 0, last_duty_ = 0;
   std::array<JointState, KZ_JOINTS> joints_{};
 };
 
@@ -89,11 +97,12 @@ inline CameraFile small_camera() {
   return camera;
 }
 
-inline std::unique_ptr<Simulation> test_simulation(SimulationOptions options = {}) {
+inline std::unique_ptr<Simulation> test_simulation(SimulationOptions options = {},
+                                                   double step_s = 0.001) {
   options.renderer = make_test_renderer;
   options.sensor_figures = load_sensor_file("shared/robot/kaz/sensors.xml").value();
-  auto simulation =
-      Simulation::assemble(options, make_native(), std::make_unique<TestWorld>(), small_camera());
+  auto simulation = Simulation::assemble(options, make_native(),
+                                         std::make_unique<TestWorld>(step_s), small_camera());
   if (!simulation) return nullptr;
   return std::move(*simulation);
 }

@@ -21,7 +21,8 @@ namespace kaz {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// KAZ_LONG=1 asks for the long versions. KAZ_STEPPER chooses another stepper (sim/body/world.h).
+// KAZ_LONG=1 asks for the long versions. KAZ_STEPPER chooses another stepper (sim/body/world.h),
+// KAZ_PHYSICS_STEP another length of its step, ms.
 inline bool long_run() {
   const char* asked = std::getenv("KAZ_LONG");
   return asked != nullptr && std::string(asked) == "1";
@@ -65,6 +66,8 @@ class RobotBench {
     sim::SimulationOptions options;
     options.engine = "native";
     if (const char* stepper = std::getenv("KAZ_STEPPER")) options.stepper = stepper;
+    if (const char* step = std::getenv("KAZ_PHYSICS_STEP"))
+      options.physics_step_ms = std::atof(step);
     options.seed = seed;
     options.world_path = path;
     options.robot_path = "shared/robot/kaz/kaz.urdf";

@@ -144,6 +144,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& optio
   sim.ideal_eyes = options.eyes == "ideal";
   sim.eye_width = options.eye_width;
   sim.stepper = options.dynamics;
+  sim.physics_step_ms = options.physics_step_ms;
   sim.frames = frames;
   const auto sensors = sim::sensors_by_name(options.sensors);
   if (!sensors)

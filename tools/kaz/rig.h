@@ -31,6 +31,7 @@ struct RigOptions {
   bool imu = false;                 // the board's option
   std::string eyes = "ideal";
   std::string dynamics = "reduced";  // WorldOptions::stepper
+  double physics_step_ms = 1;        // SimulationOptions
   int eye_width = 0;                // 320 or 640; 0: as in camera.json
   std::uint64_t seed = 1;
   std::string faults;          // file with a schedule of faults; none if empty

@@ -161,6 +161,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     result["engine"] = report.rig.engine;
     result["world"] = report.rig.world;
     result["stepper"] = simulation->world().stepper();
+    result["physics_step_ms"] = report.rig.physics_step_ms;
     result["joint_gap_m"] = rounded(simulation->world().largest_joint_gap_m(), 1e-7);
     const auto sha256 = simulation->finish_recording();
     if (!sha256) return tl::unexpected(sha256.error());

@@ -99,9 +99,12 @@ double expected_seconds(const behavior::OptionValues& values,
 std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& options) {
   const RigOptions& rig = options.rig;
   const nlohmann::ordered_json robot{
-      {"world", rig.world}, {"robot_file", rig.robot_file}, {"engine", rig.engine},
-      {"image", rig.image}, {"sensors", rig.sensors},       {"imu", rig.imu},
-      {"dynamics", rig.dynamics}, {"eyes", rig.eyes},   {"eye_width", rig.eye_width},   {"seed", rig.seed}};
+      {"world", rig.world},       {"robot_file", rig.robot_file},
+      {"engine", rig.engine},     {"image", rig.image},
+      {"sensors", rig.sensors},   {"imu", rig.imu},
+      {"dynamics", rig.dynamics}, {"physics_step_ms", rig.physics_step_ms},
+      {"eyes", rig.eyes},         {"eye_width", rig.eye_width},
+      {"seed", rig.seed}};
   return {{"behavior", options.behavior},
           {"settings", nlohmann::json(options.settings).dump()},
           {"rig", robot.dump()}};

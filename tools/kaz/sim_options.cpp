@@ -29,6 +29,12 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
           "reduced: docs/dynamics.md; Open Dynamics Engine instead: exact, or quickN with N "
           "iterations, 1 to 1000")
       ->capture_default_str();
+  verb.add_option(
+          "--physics-step", options.physics_step_ms,
+          "length of a step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's "
+          "tick stays at 1 ms (docs/dynamics.md)")
+      ->type_name("MS")
+      ->capture_default_str();
   verb.add_option("--eyes", options.eyes,
                   "ideal: pinholes without noise; real: with lens, exposure and noise, rectified")
       ->check(CLI::IsMember({"ideal", "real"}))

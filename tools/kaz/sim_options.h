@@ -8,8 +8,8 @@
 
 namespace kaz::tools {
 
-// --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --dynamics, --eyes,
-// --eye-width, --seed.
+// --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --dynamics,
+// --physics-step, --eyes, --eye-width, --seed.
 void add_sim_options(CLI::App& verb, RigOptions& options);
 // --record-pictures, for verbs that record.
 void add_record_pictures(CLI::App& verb, RigOptions& options);

@@ -269,11 +269,13 @@ void ReducedWorld::make_contact_row(const Touch& touch) {
   point.basis.col(1) = touch.normal.unitOrthogonal();
   point.basis.col(2) = touch.normal.cross(point.basis.col(1));
   const Surface& surface = touch.surface;
-  point.softness = std::max(surface.softness, kLeastSoftness) / step_s_;
+  point.softness =
+      softness_for(step_s_, kContactErp, std::max(surface.softness, kLeastSoftness)) / step_s_;
   point.mu = surface.mu;
   point.rolling = surface.rolling_resistance;
-  point.target = std::min(kContactErp / step_s_ * std::max(0.0, touch.depth - kContactLayer),
-                          kContactMaxCorrection);
+  point.target =
+      std::min(erp_for(step_s_, kContactErp) / step_s_ * std::max(0.0, touch.depth - kContactLayer),
+               kContactMaxCorrection);
   if (surface.restitution > 0) {
     const double approach =
         touch.normal.dot(velocity_at(touch.body_b, touch.at) - velocity_at(touch.body_a, touch.at));
@@ -284,8 +286,9 @@ void ReducedWorld::make_contact_row(const Touch& touch) {
   const bool soft = ContactMemory::has_shear(touch);
   if (!soft || point.rolling > 0) point.before = recall(touch, point.basis);
   if (soft) {
-    // In N s: the spring's kContactErp / (h softness) times h times the shear.
-    const Vector3d stretch = -kContactErp / surface.softness * shear_.shear(number);
+    // In N s: the spring's kContactErp / (kErpStep softness) times h times the shear.
+    const Vector3d stretch =
+        -kContactErp / surface.softness * (step_s_ / kErpStep) * shear_.shear(number);
     point.give = point.softness;
     point.before.segment<2>(1) = (point.basis.transpose() * stretch).tail<2>();
   }
@@ -310,11 +313,13 @@ void ReducedWorld::make_joint_rows() {
   }
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const double angle = joint_states_[i].angle;
+    const double back = erp_for(step_s_, kStopErp);
+    const double yields = softness_for(step_s_, kStopErp, kStopSoftness) / step_s_;
     const double watch = kStopWatch + step_s_ * std::abs(joint_states_[i].velocity);
     const auto stop = [&](double way, double sign) {  // way: rad, left to it
       if (way > watch) return;
-      const double target = way > 0 ? -way / step_s_ : -kStopErp * way / step_s_;
-      solver_.add_bounded({joints_[i].dof, sign, target, kStopSoftness / step_s_, 0, kEndless});
+      const double target = way > 0 ? -way / step_s_ : -back * way / step_s_;
+      solver_.add_bounded({joints_[i].dof, sign, target, yields, 0, kEndless});
     };
     stop(angle - joints_[i].lower, 1);
     stop(joints_[i].upper - angle, -1);
