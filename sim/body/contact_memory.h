@@ -6,9 +6,9 @@
 // point of contact is a spring with a damper across, of the same softness as along its normal, and
 // slips when the spring would pull with more than mu times the normal force. Rows of the solver for
 // the two directions t across:
-//     t (v_a - v_b) = -kContactErp / h t shear - softness f,   |f| <= mu N
-// with f the force on a along t. That is a spring of kContactErp / (h softness) N/m. Surfaces without
-// softness have no shear.
+//     t (v_a - v_b) = -erp / h t shear - softness f,   |f| <= mu N
+// with f the force on a along t, erp and softness for the step h (contact_surface.h). That is a spring of
+// kContactErp / (kErpStep softness) N/m. Surfaces without softness have no shear.
 #pragma once
 
 #include <cstdint>
