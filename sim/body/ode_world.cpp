@@ -299,12 +299,27 @@ void OdeWorld::solve() {
   dRandSetSeed(others);
 }
 
+// Of the step that is over: ODE moves bodies in the call that finds their velocities.
+void OdeWorld::look_for_trouble() {
+  for (std::size_t i = 0; i < joint_states_.size(); ++i) {
+    if (!joint_can_turn(i, joint_states_[i].velocity)) return;
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const dBodyID id = body(static_cast<int>(i));
+    if (bodies_[i].moves && id != nullptr &&
+        !body_can_move(i, to_eigen(dBodyGetLinearVel(id)), to_eigen(dBodyGetAngularVel(id))))
+      return;
+  }
+}
+
 void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
+  if (!trouble_.broken.empty()) return;
   enter_ode();
   kick_due();
   find_contacts();
   make_contact_rows();
   prepare_motors(drives, supply_volts);
+  if (!drives_are_numbers()) return;
   for (std::size_t i = 0; i < rows_.size(); ++i) drive(i);
   sleep_.update(step_s_);
   for (const HandPush& push : hand_pushes_) {
@@ -321,6 +336,7 @@ void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   measure_forces();
   read_imu(velocity_before);
   finish_motors();
+  look_for_trouble();
 }
 
 void OdeWorld::read_joints() {

@@ -67,6 +67,7 @@ class OdeWorld final : public StagedWorld {
   void keep_frames();
   void measure_forces();
   void measure_loads();
+  void look_for_trouble();
   void read_joints();
   Eigen::Vector3d imu_velocity() const;
   void read_imu(const Eigen::Vector3d& velocity_before);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace kaz::sim {
 namespace {
@@ -129,6 +130,42 @@ void StagedWorld::prepare_motors(std::span<const MotorDrive> drives, double supp
     rows_[i] =
         motors_[i].prepare(drive, supply_volts, joint_states_[i].angle, joint_states_[i].velocity);
   }
+}
+
+void StagedWorld::break_down(const std::string& why) {
+  if (!trouble_.broken.empty()) return;
+  char when[32];
+  std::snprintf(when, sizeof when, "%.3f s", static_cast<double>(steps_) * step_s_);
+  trouble_.broken = "the physics broke down at " + std::string(when) + ": " + why +
+                    "; look at masses, inertias and motors of the model";
+}
+
+bool StagedWorld::drives_are_numbers() {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const JointMotor::Row& row = rows_[i];
+    if (std::isfinite(row.velocity) && row.softness > 0) continue;
+    break_down("what drives joint `" + joint_order_[i] + "` is no number");
+    return false;
+  }
+  return true;
+}
+
+bool StagedWorld::joint_can_turn(std::size_t joint, double velocity) {
+  if (std::abs(velocity) * step_s_ <= kMostTurn) return true;
+  char speed[48];
+  std::snprintf(speed, sizeof speed, "` turns at %.3g rad/s", velocity);
+  break_down("joint `" + joint_order_[joint] + speed + ", more than a step can follow");
+  return false;
+}
+
+bool StagedWorld::body_can_move(std::size_t body, const Eigen::Vector3d& velocity,
+                                const Eigen::Vector3d& angular) {
+  if (velocity.norm() * step_s_ <= kMostWay && angular.norm() * step_s_ <= kMostTurn) return true;
+  char speed[96];
+  std::snprintf(speed, sizeof speed, "` moves at %.3g m/s and turns at %.3g rad/s", velocity.norm(),
+                angular.norm());
+  break_down("link `" + bodies_[body].rigid.name + speed + ", more than a step can follow");
+  return false;
 }
 
 void StagedWorld::finish_motors() {

@@ -3,12 +3,23 @@
 #include "sim/body/world.h"
 
 #include <charconv>
+#include <cstdio>
 #include <filesystem>
 
 #include "sim/body/ode_world.h"
 #include "sim/body/reduced/reduced_world.h"
 
 namespace kaz::sim {
+
+std::string Trouble::sentence() const {
+  if (unsettled == 0) return "";
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "the solver of the physics left %lld steps before it was done, at worst with "
+                "velocities that still changed by %.1e m/s or rad/s",
+                static_cast<long long>(unsettled), worst);
+  return text;
+}
 namespace {
 
 constexpr int kReduced = -1;

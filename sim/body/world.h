@@ -53,6 +53,15 @@ struct ContactPoint {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on `a`, in the last step, N
 };
 
+// What makes a world's steps doubtful.
+struct Trouble {
+  std::string
+      broken;  // why nothing goes on, in a sentence: steps do nothing any more; empty: it does
+  std::int64_t unsettled = 0;  // steps so far that the solver left before it was done
+  double worst = 0;  // m/s or rad/s, by which velocities still changed in the worst of them
+  std::string sentence() const;  // of the unsettled steps, for people; empty where there are none
+};
+
 struct WorldOptions {
   std::uint64_t seed = 1;
   double step_s = 0.001;
@@ -98,6 +107,11 @@ class World {
   virtual Result<Eigen::Vector3d> object_position(const std::string& model) const = 0;
   virtual double largest_joint_gap_m() const = 0;  // since the start
   virtual std::string stepper() const = 0;
+  // Since the start. ODE's steppers do not tell how far they are from done: theirs is `broken` alone.
+  virtual const Trouble& trouble() const {
+    static const Trouble none;
+    return none;
+  }
   // Contacts of the last step, if they were watched in it. Watching changes nothing but time.
   virtual void watch_contacts(bool on) { static_cast<void>(on); }
   virtual std::vector<ContactPoint> contacts() const { return {}; }

@@ -224,6 +224,7 @@ nlohmann::ordered_json RealTimeServer::Parts::status() const {
           {"link_forces", link_forces(simulation.world())},
           {"host", watch.present()},
           {"camera_readers", cameras ? cameras->readers() : 0},
+          {"unsettled_steps", simulation.world().trouble().unsettled},
           {"pairs_left_out", simulation.pairs_left_out()},
           {"pairs_missed_by_readers", cameras ? cameras->missed() : 0},
           {"overruns", pacer.overruns()},

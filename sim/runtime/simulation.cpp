@@ -175,6 +175,8 @@ Result<void> Simulation::advance() {
     if (auto ran = board_.run_until(to); !ran) return ran;
     const States late = tick % ratio_.ticks_a_step;
     if (late == 0) move_world();
+    if (const std::string& broken = world_->trouble().broken; !broken.empty())
+      return fail(Fault::failed, broken);
     tell_sensors(1e-3 * static_cast<double>(late));
     felt += world_->imu().specific_force / ratio_.steps_a_tick;
   }

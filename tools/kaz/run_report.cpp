@@ -163,6 +163,9 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     result["stepper"] = simulation->world().stepper();
     result["physics_step_ms"] = report.rig.physics_step_ms;
     result["joint_gap_m"] = rounded(simulation->world().largest_joint_gap_m(), 1e-7);
+    const sim::Trouble& trouble = simulation->world().trouble();
+    result["unsettled_steps"] = trouble.unsettled;
+    if (trouble.unsettled > 0) result["beware"] = trouble.sentence();
     const auto sha256 = simulation->finish_recording();
     if (!sha256) return tl::unexpected(sha256.error());
     if (!sha256->empty()) result["recording_sha256"] = *sha256;
@@ -210,6 +213,8 @@ void print_report(const ordered_json& result, const RunReport& report, const std
                 100 * report.health.worst_8states / (KZ_STATES_PER_TICK / 8.0));
   }
   std::printf("\n");
+  if (result.contains("beware"))
+    std::printf("beware: %s\n", result["beware"].get<std::string>().c_str());
   if (result.contains("recording_sha256")) {
     std::printf("recording %s\n", result["recording_sha256"].get<std::string>().c_str());
   }

@@ -125,11 +125,11 @@ void VelocitySolver::along(const Contact& contact, const Motion& motion, Impulse
   u[5] = basis.col(0).dot(angular);
 }
 
-void VelocitySolver::set_lengths(Contact& contact) {
+void VelocitySolver::set_lengths(Contact& contact, double anew) {
   const double normal =
       std::max(0.0, (contact.point.target - contact.velocity[0]) * contact.hardness);
-  contact.length_t = contact.point.mu * normal;
-  contact.length_r = contact.point.rolling * normal;
+  contact.length_t += anew * (contact.point.mu * normal - contact.length_t);
+  contact.length_r += anew * (contact.point.rolling * normal - contact.length_r);
 }
 
 // From the velocities along the rows, with the lengths of friction as they are.

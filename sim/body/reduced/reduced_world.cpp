@@ -20,7 +20,8 @@ constexpr double kStopWatch = 0.02;  // rad, from which a stop is looked at
 constexpr double kLeastSoftness = 1e-8;
 // Velocities change by no more than this in the last step of Newton's method, m/s or rad/s.
 constexpr double kExact = 1e-8;
-constexpr int kMostSteps = 60;
+constexpr double kSettled = 1e-6;  // what nobody would see, m/s or rad/s
+constexpr int kMostSteps = 100;
 constexpr double kSamePoint = 3e-3;  // m, that a point moves at most in a step
 
 }  // namespace
@@ -315,7 +316,9 @@ void ReducedWorld::make_joint_rows() {
     const double angle = joint_states_[i].angle;
     const double back = erp_for(step_s_, kStopErp);
     const double yields = softness_for(step_s_, kStopErp, kStopSoftness) / step_s_;
-    const double watch = kStopWatch + step_s_ * std::abs(joint_states_[i].velocity);
+    // As far as it goes in this step, or as its motor would have it go.
+    const double watch = kStopWatch + step_s_ * std::max(std::abs(joint_states_[i].velocity),
+                                                         std::abs(rows_[i].velocity));
     const auto stop = [&](double way, double sign) {  // way: rad, left to it
       if (way > watch) return;
       const double target = way > 0 ? -way / step_s_ : -back * way / step_s_;
@@ -338,6 +341,10 @@ void ReducedWorld::solve() {
   velocity_before_ = tree_.velocity;
   solver_.solve(momentum_, velocity_, kExact, kMostSteps);
   effort_ = {solver_.steps(), solver_.residual()};
+  if (!(solver_.residual() <= kSettled)) {
+    ++trouble_.unsettled;
+    trouble_.worst = std::max(trouble_.worst, solver_.residual());
+  }
 }
 
 // By the velocities of the tree, which it keeps.
@@ -430,13 +437,37 @@ void ReducedWorld::advance() {
   }
 }
 
+// Whether the tree and the free bodies can go on with the velocities found.
+bool ReducedWorld::can_move() {
+  const std::vector<double>& v = velocity_;
+  if (!std::isfinite(solver_.residual())) {
+    break_down("the solver found no velocities");
+    return false;
+  }
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    if (!joint_can_turn(i, v[static_cast<std::size_t>(joints_[i].dof)])) return false;
+  }
+  const auto six = [&](std::size_t body, const double* of) {
+    return body_can_move(body, {of[3], of[4], of[5]}, {of[0], of[1], of[2]});
+  };
+  if (tree_.root_dofs() > 0 && !six(0, v.data())) return false;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (coordinate_of_[i] >= 0 && !six(robot_links_ + i, v.data() + coordinate_of_[i]))
+      return false;
+  }
+  return true;
+}
+
 void ReducedWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
+  if (!trouble_.broken.empty()) return;
   kick_due();
   find_contacts();
   prepare_motors(drives, supply_volts);
+  if (!drives_are_numbers()) return;
   settle_sleep();
   const Vector3d velocity_before = imu_velocity();
   solve();
+  if (!can_move()) return;
   for (std::size_t i = 0; i < joints_.size(); ++i)
     joint_states_[i].torque = solver_.bounded(i) / step_s_;
   measure_forces();

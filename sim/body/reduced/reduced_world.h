@@ -95,6 +95,7 @@ class ReducedWorld final : public StagedWorld {
   Eigen::Vector3d velocity_at(int body, const Eigen::Vector3d& point) const;
   void make_joint_rows();
   void solve();
+  bool can_move();
   void move_tree(double seconds);
   void fly(const ArticulatedTree::Momentum& after, const Eigen::Vector3d& centre);
   void measure_forces();

@@ -115,54 +115,5 @@ TEST(Reduced, FrictionHasNoDirectionOfItsOwn) {
   }
 }
 
-// Dropped from 5 m with its motors off, on a floor of full hardness: it lands, and comes to rest.
-TEST(Reduced, SurvivesAFallFromFiveMetres) {
-  auto around = load_world(test::kEmpty);
-  ASSERT_TRUE(around);
-  around->robot_start.translation().z() = 5;
-  const auto world = kaz_in(*around);
-  ASSERT_TRUE(world);
-  double fastest = 0;
-  for (int i = 0; i < 4000; ++i) {
-    world->step({}, 10.0);
-    ArticulatedTree tree = world->tree();
-    const double energy = tree.kinetic_energy() + 9.81 * tree.mass() * tree.mass_centre().z();
-    ASSERT_TRUE(std::isfinite(energy)) << i;
-    // Contacts take energy; their correction of depth gives back what cannot be seen here.
-    ASSERT_LT(energy, 1.6 * 9.81 * 5.3) << i;
-    ASSERT_LE(world->effort().residual, 1e-6) << i;
-    fastest = std::max(fastest, tree.momentum().linear.norm() / tree.mass());
-    if (i == 3999) {
-      EXPECT_LT(tree.kinetic_energy(), 1e-4);
-    }
-  }
-  EXPECT_GT(fastest, 9.5);
-}
-
-// Bodies put into each other are driven apart at the pace of the correction, not shot away.
-TEST(Reduced, DrivesApartWhatIsInsideEachOther) {
-  test::Folder folder;
-  std::string models;
-  for (int i = 0; i < 10; ++i) {
-    models += "<model name=\"b" + std::to_string(i) + "\"><pose>0.5 0 0.0" +
-              std::to_string(10 + i) +
-              " 0 0 0</pose><link name=\"l\"><inertial><mass>0.05</mass><inertia><ixx>2e-5</ixx>"
-              "<iyy>2e-5</iyy><izz>2e-5</izz></inertia></inertial><collision name=\"c\"><geometry>"
-              "<box><size>0.04 0.04 0.04</size></box></geometry></collision></link></model>";
-  }
-  auto around = load_world(folder.write("w.sdf", test::world_text("0 0 -9.81", models)));
-  ASSERT_TRUE(around) << around.error().message;
-  const auto world = kaz_in(*around);
-  ASSERT_TRUE(world);
-  Eigen::Vector3d before = Eigen::Vector3d(0.5, 0, 0.010);
-  for (int i = 0; i < 1000; ++i) {
-    world->step({}, 10.0);
-    const Eigen::Vector3d now = *world->object_position("b0");
-    ASSERT_TRUE(now.allFinite());
-    ASSERT_LT((now - before).norm(), 3e-3) << i;  // 3 m/s
-    before = now;
-  }
-}
-
 }  // namespace
 }  // namespace kaz::sim

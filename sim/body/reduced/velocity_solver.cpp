@@ -18,8 +18,17 @@ constexpr double kSafety = 0.05;
 constexpr double kNear = 1e-3;
 constexpr double kFarthest = 4;  // changes that the next one may be foreseen to be
 
+// After so many steps normal forces and lengths of friction chase each other round, as in a wedge that
+// jams: then lengths follow by a share only.
+constexpr int kPatience = 12;
+
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
+}
+
+// The larger; what is no number wins, and stays.
+double worse(double a, double b) {
+  return a >= b || std::isnan(a) ? a : b;
 }
 
 }  // namespace
@@ -88,7 +97,7 @@ void VelocitySolver::gradient(std::span<const double> momentum, std::span<const 
     Contact& contact = points_[at(i)];
     Pair& pair = pairs_[at(contact.point.pair)];
     along(contact, pair.motion, contact.velocity);
-    set_lengths(contact);
+    set_lengths(contact, anew_);
     impulses(contact, contact.velocity, contact.impulse);
     contact.pattern = pattern_of(contact);
     if (contact.impulse[0] > 0) add_wrench(contact, pair.wrench);
@@ -106,7 +115,7 @@ void VelocitySolver::gradient(std::span<const double> momentum, std::span<const 
 double VelocitySolver::change_left() const {
   double largest = 0;
   for_each_coordinate([&](std::size_t k) {
-    largest = std::max(largest, std::abs(gradient_[k]) / matrix_.inertia(static_cast<int>(k)));
+    largest = worse(largest, std::abs(gradient_[k]) / matrix_.inertia(static_cast<int>(k)));
   });
   return largest;
 }
@@ -199,12 +208,14 @@ int VelocitySolver::solve_island(std::span<const double> momentum, std::span<dou
                                  double tolerance, int most_steps) {
   const BlockMatrix::Island& island = matrix_.islands()[island_];
   matrix_.multiply(island, v.data(), inertia_v_.data());
+  anew_ = 1;
   gradient(momentum, v);
   double left = change_left();
   int steps = 0;
   bool near = false;  // the same rows act as in the step before, and that was small
   while (steps < most_steps && left > kSafety * tolerance) {
     ++steps;
+    anew_ = steps < kPatience ? 1 : steps < 2 * kPatience ? 0.5 : 0.25;
     if (!near) {
       add_stiffness();
       matrix_.factor(island);
@@ -212,7 +223,7 @@ int VelocitySolver::solve_island(std::span<const double> momentum, std::span<dou
     for_each_coordinate([&](std::size_t k) { change_[k] = -gradient_[k]; });
     matrix_.back_solve(island, change_.data());
     left = 0;
-    for_each_coordinate([&](std::size_t k) { left = std::max(left, std::abs(change_[k])); });
+    for_each_coordinate([&](std::size_t k) { left = worse(left, std::abs(change_[k])); });
     if (near) {
       foresee();
     } else {
@@ -228,7 +239,7 @@ int VelocitySolver::solve_island(std::span<const double> momentum, std::span<dou
     if (left <= tolerance) break;
     near = left < kNear && way == 1 && !pattern_changed();
   }
-  residual_ = std::max(residual_, left);
+  residual_ = worse(residual_, left);
   return steps;
 }
 

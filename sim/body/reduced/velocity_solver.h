@@ -130,7 +130,7 @@ class VelocitySolver {
   void set_give(Contact& contact);
   Motion motion_of(const Pair& pair, const double* x) const;
   static void along(const Contact& contact, const Motion& motion, Impulse& u);
-  static void set_lengths(Contact& contact);
+  static void set_lengths(Contact& contact, double anew);
   static void impulses(const Contact& contact, const Impulse& u, Impulse& l);
   static std::uint8_t pattern_of(const Contact& contact);
   static double bounded_impulse(const Bounded& row, double u);
@@ -183,6 +183,7 @@ class VelocitySolver {
   std::vector<char> calm_yields_, factored_yields_;
   std::size_t calm_island_ = kNone;
   static constexpr std::size_t kNone = ~std::size_t{0};
+  double anew_ = 1;  // share of the lengths of friction that is taken anew
   int steps_ = 0;
   double residual_ = 0;
 };
