@@ -1,5 +1,7 @@
-// The tasks of the tables. Where nothing else is said the floor has 0.7 and the
-// trunk rolls by 16 degrees. SPDX-License-Identifier: Apache-2.0
+// The tasks of the tables.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Where nothing else is said the trunk rolls by 16 degrees and the floor has a friction of 0.7.
 #include "tests/gait/episode.h"
 
 namespace kaz::gait {
@@ -49,6 +51,15 @@ std::vector<Task> make() {
        .shape = walk,
        .hold_heading = false,
        .reference = "0/6, mean 1.1, max 1.9 deg"},
+      {.name = "walk 0.5 m, no heading hold, calibrated",
+       .shape = walk,
+       .hold_heading = false,
+       .calibrated = true,
+       .reference = "-"},
+      {.name = "walk 0.5 m, roll 20, calibrated",
+       .shape = wide,
+       .calibrated = true,
+       .reference = "-"},
       {.name = "walk 1.0 m",
        .shape = walk,
        .distance = 1.0,
