@@ -28,6 +28,8 @@ struct Context {
   Sink& sink;
   OptionValues options;
   std::uint64_t seed = 1;  // of whatever a behaviour leaves to chance
+  // Of a robot that is no Kaz: its joints, on the first channels of the board. Empty: Kaz's.
+  std::vector<std::string> other_joints = {};
 };
 
 // How it ended. Figures go into result.json under their names, which carry their units.

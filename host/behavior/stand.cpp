@@ -47,15 +47,24 @@ struct Worst {
   double error_rad = 0;
 };
 
-Worst farthest(const JointAngles& from, const JointAngles& to) {
+Worst farthest(const JointAngles& from, const JointAngles& to, std::size_t joints = KZ_JOINTS) {
   Worst worst;
-  for (std::size_t j = 0; j < from.size(); ++j) {
+  for (std::size_t j = 0; j < joints; ++j) {
     if (std::abs(to[j] - from[j]) >= std::abs(worst.error_rad)) worst = {j, to[j] - from[j]};
   }
   return worst;
 }
 
 Result<Outcome> run(Context& context) {
+  const std::vector<std::string>& others = context.other_joints;
+  if (const std::string& asked = context.options.choice("posture");
+      !others.empty() && asked != "keep") {
+    std::string names;
+    for (const std::string& name : others) names += (names.empty() ? "" : ", ") + name;
+    return fail(Fault::usage, "the posture `" + asked +
+                                  "` is Kaz's, and this robot has the joints " + names +
+                                  "; leave it where it is: posture=keep");
+  }
   if (auto held = hold_still(context.robot); !held) return tl::unexpected(held.error());
   const auto start = context.robot.state();
   if (!start) return tl::unexpected(start.error());
@@ -79,14 +88,18 @@ Result<Outcome> run(Context& context) {
     last = input->posture;
   }
 
-  const Worst worst = farthest(last.angle, goal);
+  const Worst worst =
+      farthest(last.angle, goal,
+               others.empty() ? KZ_JOINTS : std::min<std::size_t>(KZ_JOINTS, others.size()));
   const double degrees = std::abs(worst.error_rad) * 180 / std::numbers::pi;
   Outcome outcome;
   outcome.success = std::abs(worst.error_rad) <= kTolerance;
-  char text[120];
-  std::snprintf(text, sizeof text, "%s: %s is farthest from its place, by %.1f degrees",
-                outcome.success ? "the robot stands" : "the robot does not stand as it should",
-                host::joint_table()[worst.joint].name, degrees);
+  char text[160];
+  std::snprintf(
+      text, sizeof text, "%s: %s is farthest from its place, by %.1f degrees",
+      outcome.success ? "the robot stands" : "the robot does not stand as it should",
+      others.empty() ? host::joint_table()[worst.joint].name : others[worst.joint].c_str(),
+      degrees);
   outcome.sentence = text;
   outcome.figures = {{"largest_joint_error_deg", degrees}};
   return outcome;

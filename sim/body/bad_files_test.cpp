@@ -258,6 +258,18 @@ TEST(SoundWorldFile, IsTaken) {
   EXPECT_EQ(world->bodies[0].rigid.visuals[0].texture, "wood");
 }
 
+TEST(BadWorldFile, NamesTheLinkToo) {
+  const test::Folder folder;
+  std::string text = kSoundWorld;
+  const auto mass = text.find("<mass>");
+  ASSERT_NE(mass, std::string::npos);
+  text.replace(mass, text.find("</mass>") - mass, "<mass>heavy");
+  const auto world = load_world(folder.write("world.sdf", text));
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().message.find("(link `"), std::string::npos) << world.error().message;
+  EXPECT_NE(world.error().message.find("` of model `"), std::string::npos);
+}
+
 TEST(BadWorldFile, HasAReservedName) {
   const test::Folder folder;
   std::string text = kSoundWorld;

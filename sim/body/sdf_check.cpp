@@ -132,7 +132,7 @@ class Check {
     if (auto ok = check(file_.root()); !ok) return ok;
     const Element* world = file_.root().FirstChildElement("world");
     if (world == nullptr || world->NextSiblingElement("world") != nullptr) {
-      return file_.error(file_.root(), "<sdf> must hold one <world>");
+      return error(file_.root(), "<sdf> must hold one <world>");
     }
     for (auto* e = world->FirstChildElement("model"); e; e = e->NextSiblingElement("model")) {
       if (auto ok = check_model(*e); !ok) return ok;
@@ -156,21 +156,19 @@ class Check {
             known += k;
           }
         }
-        return file_.error(
+        return error(
             *e, "unknown element <" + name + "> in <" + element.Name() + ">, which takes " + known);
       }
       if (const char* own_name = e->Attribute("name");
           own_name != nullptr && !names.insert(name + " " + own_name).second) {
-        return file_.error(*e,
-                           std::string("there is another ") + name + " `" + own_name + "` above");
+        return error(*e, std::string("there is another ") + name + " `" + own_name + "` above");
       }
       if (auto ok = check(*e); !ok) return ok;
     }
     if (const auto needed = kNeeded.find(element.Name()); needed != kNeeded.end()) {
       for (const std::string& child : needed->second) {
         if (element.FirstChildElement(child.c_str()) == nullptr) {
-          return file_.error(element,
-                             std::string("<") + element.Name() + "> lacks <" + child + ">");
+          return error(element, std::string("<") + element.Name() + "> lacks <" + child + ">");
         }
       }
     }
@@ -182,29 +180,28 @@ class Check {
     if (const auto numbers = look_up(kNumbers, element); numbers != kNumbers.end()) {
       const char* text = element.GetText();
       if (!fits(parse_numbers(text ? text : "", numbers->second.count), numbers->second)) {
-        return file_.error(element, "<" + name + "> must hold " + describe(numbers->second) +
-                                        ", not \"" + (text ? text : "") + "\"");
+        return error(element, "<" + name + "> must hold " + describe(numbers->second) + ", not \"" +
+                                  (text ? text : "") + "\"");
       }
     }
     if (kNamed.count(name) && element.Attribute("name") == nullptr) {
-      return file_.error(element, "<" + name + "> lacks the attribute `name`");
+      return error(element, "<" + name + "> lacks the attribute `name`");
     }
     if (element.Attribute("relative_to") != nullptr) {
-      return file_.error(element,
-                         "`relative_to` is not taken; give the pose in the parent's frame");
+      return error(element, "`relative_to` is not taken; give the pose in the parent's frame");
     }
     for (const OwnAttribute& own : kOwn) {
       if (name != own.element) continue;
       const char* text = element.Attribute(own.attribute);
       if (!fits(parse_numbers(text ? text : "", own.numbers.count), own.numbers)) {
-        return file_.error(element, "<" + name + "> needs the attribute `" + own.attribute +
-                                        "` with " + describe(own.numbers));
+        return error(element, "<" + name + "> needs the attribute `" + own.attribute + "` with " +
+                                  describe(own.numbers));
       }
     }
     if (name == "static") {
       bool fixed = false;
       if (element.QueryBoolText(&fixed) != tinyxml2::XML_SUCCESS) {
-        return file_.error(element, "<static> must hold true or false");
+        return error(element, "<static> must hold true or false");
       }
     }
     if (name == "visual" || name == "collision") {
@@ -212,13 +209,13 @@ class Check {
       const Element* shape = geometry ? geometry->FirstChildElement() : nullptr;
       if (shape == nullptr || shape->NextSiblingElement() != nullptr ||
           geometry->NextSiblingElement("geometry") != nullptr) {
-        return file_.error(element, "<" + name + "> must hold one <geometry> with one shape");
+        return error(element, "<" + name + "> must hold one <geometry> with one shape");
       }
     }
     if (name == "kaz:texture") {
       const char* texture = element.Attribute("name");
       if (texture == nullptr || !kTextures.count(texture)) {
-        return file_.error(element, "<kaz:texture> needs a `name` of checker, wood or carpet");
+        return error(element, "<kaz:texture> needs a `name` of checker, wood or carpet");
       }
     }
     return {};
@@ -229,7 +226,7 @@ class Check {
     const Element* fixed = model.FirstChildElement("static");
     if (fixed != nullptr && fixed->BoolText(false)) {
       if (const Element* kick = model.FirstChildElement("kaz:kick")) {
-        return file_.error(*kick, "model `" + name + "` is static, so <kaz:kick> cannot move it");
+        return error(*kick, "model `" + name + "` is static, so <kaz:kick> cannot move it");
       }
       return {};
     }
@@ -240,7 +237,7 @@ class Check {
            c = c->NextSiblingElement("collision")) {
         const Element* geometry = c->FirstChildElement("geometry");
         if (geometry != nullptr && geometry->FirstChildElement("plane") != nullptr) {
-          return file_.error(*geometry, "a plane collides only as part of a static model");
+          return error(*geometry, "a plane collides only as part of a static model");
         }
       }
     }
@@ -251,9 +248,9 @@ class Check {
   Result<void> check_inertial(const Element& link) {
     const Element* inertial = link.FirstChildElement("inertial");
     if (inertial == nullptr) {
-      return file_.error(link,
-                         "a link that can move lacks <inertial>; add it, or make the model "
-                         "<static>true</static>");
+      return error(link,
+                   "a link that can move lacks <inertial>; add it, or make the model "
+                   "<static>true</static>");
     }
     const Element* mass = inertial->FirstChildElement("mass");
     const Element* inertia = inertial->FirstChildElement("inertia");
@@ -266,11 +263,25 @@ class Check {
         of("ixy", 0), of("iyy", 1), of("iyz", 0),        //
         of("ixz", 0), of("iyz", 0), of("izz", 1);
     if (!physical(mass->DoubleText(), tensor)) {
-      return file_.error(*inertia,
-                         "no body can have this mass and inertia: the mass must be above 0, "
-                         "moments positive and each at most the sum of the other two");
+      return error(*inertia,
+                   "no body can have this mass and inertia: the mass must be above 0, "
+                   "moments positive and each at most the sum of the other two");
     }
     return {};
+  }
+
+  // With the link that it is about.
+  tl::unexpected<Error> error(const Element& at, const std::string& message) const {
+    for (const Element* e = &at; e != nullptr;
+         e = e->Parent() != nullptr ? e->Parent()->ToElement() : nullptr) {
+      const char* link = std::string(e->Name()) == "link" ? e->Attribute("name") : nullptr;
+      const Element* model = link && e->Parent() ? e->Parent()->ToElement() : nullptr;
+      const char* of = model ? model->Attribute("name") : nullptr;
+      if (link == nullptr) continue;
+      return file_.error(at, message + " (link `" + link + "`" +
+                                 (of ? " of model `" + std::string(of) + "`" : "") + ")");
+    }
+    return file_.error(at, message);
   }
 
   const XmlFile& file_;

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "shared/board/table.h"
 #include "sim/body/robot_model.h"
 #include "sim/runtime/recorder.h"
 
@@ -43,6 +44,29 @@ std::vector<std::size_t> channels_of(const World& world) {
   return channels;
 }
 
+constexpr double kLimitRounding = 2e-4;  // rad; the table counts in 100 microradians
+
+// The firmware would never let a joint of another robot go beyond the limits that its channel has.
+Result<void> check_limits(const std::string& robot_path) {
+  const auto robot = load_robot(robot_path);
+  if (!robot) return tl::unexpected(robot.error());
+  const auto& board = joint_names();
+  const std::size_t count = std::min<std::size_t>(KZ_JOINTS, robot->joints.size());
+  for (std::size_t j = 0; j < count; ++j) {
+    const RobotJoint& joint = robot->joints[j];
+    if (std::ranges::find(board, joint.name) != board.end()) continue;
+    const double least = 1e-4 * kz_board_joints[j].lower, most = 1e-4 * kz_board_joints[j].upper;
+    if (joint.lower >= least - kLimitRounding && joint.upper <= most + kLimitRounding) continue;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "limits of %.3f to %.3f rad are beyond %.3f to %.3f, which channel %zu of the "
+                  "servo board (Kaz's %s) has; make them narrower, or put another joint there",
+                  joint.lower, joint.upper, least, most, j, board[j].c_str());
+    return fail(Fault::usage, robot_path + ": joint `" + joint.name + "`: " + text);
+  }
+  return {};
+}
+
 // Contacts are many and change slowly.
 constexpr States contact_interval_ms = 10;
 
@@ -61,6 +85,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& 
   world_options.step_s = options.physics_step_ms / 1000;
   auto world = World::load(options.world_path, options.robot_path, world_options);
   if (!world) return tl::unexpected(world.error());
+  if (auto fits = check_limits(options.robot_path); !fits) return tl::unexpected(fits.error());
   Result<CameraFile> camera;
   if ((*world)->head_frame() >= 0) camera = CameraFile::load(options.camera_path);
   if (!camera) return tl::unexpected(camera.error());

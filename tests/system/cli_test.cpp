@@ -174,7 +174,39 @@ TEST(Cli, RobotWithoutEyes) {
   const Finished stands = with_arm("stand");
   EXPECT_EQ(stands.exit_code, 0) << stands.err;
   EXPECT_NE(stands.out.find("the robot stands"), std::string::npos) << stands.out;
+  // By the joint's own name, and no posture of Kaz.
+  EXPECT_NE(stands.out.find(" is farthest"), std::string::npos) << stands.out;
+  EXPECT_EQ(stands.out.find("neck"), std::string::npos) << stands.out;
   EXPECT_TRUE(one_sentence(with_arm("track-ball"), 2, {"no eyes", "left_eye", "right_eye"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"run", "stand", "--set", "posture=home", "--robot-file",
+                                    "sim/robots/arm/arm.urdf", "--mcu", "native"})),
+                           2, {"home", "Kaz", "shoulder", "posture=keep"}));
+}
+
+// What its channel of the servo board would never let it reach.
+TEST(Cli, LimitsBeyondTheChannel) {
+  const TemporaryFolder folder;
+  for (const char* name : {"motor.xml", "sensors.xml"})
+    write_file(folder / name, read_file(std::string("sim/robots/arm/") + name));
+  std::string arm = read_file("sim/robots/arm/arm.urdf");
+  arm.replace(arm.find("upper=\"1.5\""), 11, "upper=\"1.9\"");
+  write_file(folder / "arm.urdf", arm);
+  EXPECT_TRUE(one_sentence(run(kaz({"run", "stand", "--robot-file", folder / "arm.urdf"})), 2,
+                           {folder / "arm.urdf", "`turn`", "1.900", "1.571", "channel 0"}));
+}
+
+TEST(Cli, DurationThatIsNone) {
+  const TemporaryFolder folder;
+  for (const char* wrong : {"5s", "-1", "nan"})
+    EXPECT_TRUE(one_sentence(run(kaz({"demo", "--duration", wrong, "--out", folder / "out"})), 2,
+                             {"--duration", wrong, "seconds", "0.1"}));
+}
+
+TEST(Cli, PhysicsStepThatDoesNotFit) {
+  const TemporaryFolder folder;
+  EXPECT_TRUE(
+      one_sentence(run(kaz({"run", "stand", "--physics-step", "3", "--out", folder / "out"})), 2,
+                   {"3 ms", "give 0.125, 0.25, 0.5, 1, 2 or 4"}));
 }
 
 TEST(Cli, WorldWithTypingError) {

@@ -95,6 +95,13 @@ double expected_seconds(const behavior::OptionValues& values,
   return 10;
 }
 
+// Joints of a robot that is no Kaz; of Kaz none.
+std::vector<std::string> other_joints(const sim::World& world) {
+  const auto joints = world.joint_order();
+  if (joints.empty() || host::joint_index(joints.front())) return {};
+  return {joints.begin(), joints.end()};
+}
+
 // What `kaz replay` runs it again with.
 std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& options) {
   const RigOptions& rig = options.rig;
@@ -167,6 +174,8 @@ Result<bool> run_session(SessionOptions options) {
   const auto wall_start = std::chrono::steady_clock::now();
   behavior::Context context{*robot,   robot->clock(), sees ? &sight : nullptr,
                             listener, *values,        options.rig.seed};
+  if (const auto* simulation = (*rig)->simulation())
+    context.other_joints = other_joints(simulation->world());
   const Result<behavior::Outcome> outcome = behavior->run(context);
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();

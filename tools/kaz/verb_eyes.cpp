@@ -109,6 +109,10 @@ void add_eyes(CLI::App& program, Action& action) {
   arguments->rig.engine = "native";
   verb->add_option("--out", arguments->out, "folder for the pictures")->capture_default_str();
   add_sim_options(*verb, arguments->rig);
+  // All kinds of eyes are drawn, and nothing moves.
+  for (const char* useless : {"--eyes", "--mcu", "--image", "--faults", "--sensors", "--imu",
+                              "--dynamics", "--physics-step"})
+    verb->remove_option(verb->get_option(useless));
   verb->footer(
       "Each eye is drawn as a pinhole, through its lens and sensor, and rectified from that.\n"
       "Examples:\n"

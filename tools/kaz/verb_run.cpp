@@ -57,10 +57,18 @@ void add_common(CLI::App& verb, RunArguments& arguments) {
                 "print the result as JSON on standard output, no progress");
 }
 
-bool has_duration(const behavior::Behavior& behavior) {
-  return std::ranges::any_of(behavior.options, [](const behavior::Option& option) {
-    return option.name == std::string_view("seconds");
-  });
+// Errors: the behaviour ends by itself; the text is no number that it takes.
+Result<void> check_duration(const behavior::Behavior& behavior, const std::string& text) {
+  const auto option =
+      std::ranges::find(behavior.options, std::string_view("seconds"), &behavior::Option::name);
+  if (option == behavior.options.end())
+    return fail(Fault::usage, "--duration: " + std::string(behavior.name) +
+                                  " ends by itself; leave the option out");
+  if (behavior::OptionValues::parse(std::span(&*option, 1), {{"seconds", text}})) return {};
+  char range[80];
+  std::snprintf(range, sizeof range, "from %g to %g, as in --duration %s", option->least,
+                option->most, std::string(option->initial).c_str());
+  return fail(Fault::usage, "--duration " + text + ": give a number of seconds " + range);
 }
 
 Result<bool> start(RunArguments arguments) {
@@ -74,10 +82,8 @@ Result<bool> start(RunArguments arguments) {
   if (!arguments.duration.empty()) {
     const auto behavior = behavior::find_behavior(arguments.session.behavior);
     if (!behavior) return tl::unexpected(behavior.error());
-    if (!has_duration(*behavior)) {
-      return fail(Fault::usage, "--duration: " + std::string(behavior->name) +
-                                    " ends by itself; leave the option out");
-    }
+    if (auto sound = check_duration(*behavior, arguments.duration); !sound)
+      return tl::unexpected(sound.error());
     arguments.session.settings["seconds"] = arguments.duration;
   }
   return run_session(arguments.session);
