@@ -4,8 +4,8 @@
 //
 // One step of h seconds, from q, v to the next:
 //   1. contacts by the colliders of contacts.h; for each joint its motor's row (joint_motor.h)
-//   2. velocities: roughly with c(q, v), then c anew with v as it is halfway, which makes what depends
-//      on velocity second order, and Newton's method to its end (velocity_solver.h)
+//   2. velocities: c for the one halfway, as the last step lets expect it, which makes what depends on
+//      velocity second order; then Newton's method to its end (velocity_solver.h)
 //   3. q moves by h times the new v; a root that nothing touches by its velocity halfway, a body by the
 //      mean of old and new v
 //   4. the momentum of the free robot is put to what it was plus what contacts and gravity gave: it
