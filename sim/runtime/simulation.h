@@ -3,8 +3,8 @@
 //
 // Time goes on only in step(), by one millisecond: the board runs to the end of the step, its mean
 // drives move the world, the joints' angles go back to the potentiometers. The world may take shorter
-// steps than that, then board and world take turns within the millisecond, or longer ones (docs/time.md). Nothing here reads the
-// wall clock; the same options and the same calls give the same recording, byte for byte
+// steps than that, then board and world take turns within the millisecond, or longer ones. Nothing here
+// reads the wall clock; the same options and the same calls give the same recording, byte for byte
 // (docs/time.md).
 #pragma once
 

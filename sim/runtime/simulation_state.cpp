@@ -70,8 +70,9 @@ std::string name_of(const RendererFactory& renderer) {
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world) {
   const auto& [engine, image_path, world_path, robot_path, camera_path, seed, stepper,
-               physics_step_ms, sensors, sensor_figures, imu, ideal_eyes, eye_width, supply_volts, frames, faults,
-               recording_path, record_pictures, recording_facts, renderer, detour_every] = options;
+               physics_step_ms, sensors, sensor_figures, imu, ideal_eyes, eye_width, supply_volts,
+               frames, faults, recording_path, record_pictures, recording_facts, renderer,
+               detour_every] = options;
   static_cast<void>(stepper);         // the world says it with all figures
   static_cast<void>(recording_path);  // a recording changes nothing
   static_cast<void>(record_pictures);

@@ -2,8 +2,8 @@
 // apart.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Host, wire, native firmware with its tick of 1 ms, sensors without noise, Kaz's motors. Targets are those of
-// sim/body/bench_gait.h, sent each 20 ms as ramps of 20 ms.
+// Host, wire, native firmware with its tick of 1 ms, sensors without noise, Kaz's motors. Targets are
+// those of sim/body/bench_gait.h, sent each 20 ms as ramps of 20 ms.
 #pragma once
 
 #include <array>

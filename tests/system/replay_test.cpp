@@ -36,6 +36,10 @@ TEST(Replay, IdenticalUnlessSomethingIsChanged) {
   EXPECT_EQ(difference["identical"], false);
   EXPECT_LT(difference["time_s"].get<double>(), 1.0);  // noise is there from the first tick on
   EXPECT_NE(difference["recorded"], difference["now"]);
+  // A number, not a row of bytes.
+  EXPECT_EQ(difference["topic"], "/board/analog");
+  EXPECT_EQ(difference["recorded"].get<std::string>().find("code["), 0u) << difference["recorded"];
+  EXPECT_EQ(difference["now"].get<std::string>().find("code["), 0u) << difference["now"];
 }
 
 json replayed(const std::string& file, std::vector<std::string> more, int exit_code) {

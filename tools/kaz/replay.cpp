@@ -8,6 +8,7 @@
 #include <fstream>
 #include <span>
 
+#include "tools/kaz/message_fields.h"
 #include "tools/kaz/output.h"
 #include "tools/kaz/replay_host.h"
 #include "tools/kaz/session.h"
@@ -130,8 +131,13 @@ std::optional<Difference> first_difference(const sim::McapRecording& recorded,
   difference.topic = only_now ? topic_of(now, *other) : topic_of(recorded, *at);
   difference.recorded = only_now ? "nothing" : shown(at->data);
   difference.now = only_there ? "nothing" : shown(other->data);
-  if (!only_there && !only_now && at->channel != other->channel)
+  if (only_there || only_now) return difference;
+  if (at->channel != other->channel) {
     difference.now = topic_of(now, *other) + ": " + difference.now;
+  } else if (const auto field = field_difference(difference.topic, at->data, other->data)) {
+    difference.recorded = field->recorded;
+    difference.now = field->now;
+  }
   return difference;
 }
 

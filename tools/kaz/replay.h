@@ -29,7 +29,9 @@ struct ReplayOptions {
 struct Difference {
   double time_s = 0;
   std::string topic;
-  std::string recorded, now;  // content: text as it is, else hexadecimal; "nothing" beyond an end
+  // The first field that differs, where the channel has a fixed layout; else the content: text as it is,
+  // the rest hexadecimal. "nothing" beyond an end.
+  std::string recorded, now;
 };
 std::optional<Difference> first_difference(const sim::McapRecording& recorded,
                                            const sim::McapRecording& now);
