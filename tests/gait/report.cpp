@@ -160,7 +160,7 @@ std::string tables(const Results& results, const std::vector<Task>& tasks,
       std::vector<std::string> found(head.size());
       found[1] = "where found";
       found[2] = task.reference;
-      if (any) line(rows, found);
+      if (any && task.reference != "-") line(rows, found);
     }
     if (rows.empty()) continue;
     line(out, head);

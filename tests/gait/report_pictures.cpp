@@ -52,7 +52,7 @@ Result<void> pictures(const Results& results, const std::vector<Task>& tasks,
   figure::PlotPage walks, turns;
   walks.title = "Paths of the trunk from above";
   walks.x_label = "ahead, cm";
-  turns.title = "How turns are spread";
+  turns.title = "How the turns of those that did not fall are spread";
   turns.x_label = "turned, degrees";
   walks.plot_height_px = turns.plot_height_px = 170;
   for (const Task& task : tasks) {
@@ -66,6 +66,7 @@ Result<void> pictures(const Results& results, const std::vector<Task>& tasks,
       const std::vector<Outcome> outcomes = results.of(task.name, steppers[s]);
       std::vector<double> turned;
       for (const Outcome& out : outcomes) {
+        if (out.fell) continue;
         if (task.kind == Kind::turn) turned.push_back(std::abs(out.heading_deg));
         turned.insert(turned.end(), out.per_cycle_deg.begin(), out.per_cycle_deg.end());
       }
