@@ -1,9 +1,14 @@
-// Times of colour extraction, regions and the whole ball detector.
+// Times of vision's parts on one core; peer.* is what stands beside them, in the same run.
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+
 #include "vision/ball.h"
+#include "vision/depth.h"
 #include "vision/test_pictures.h"
+#include "vision/test_stereo.h"
 
 namespace kaz::vision {
 namespace {
@@ -51,12 +56,53 @@ void ball(benchmark::State& state, int width) {
   }
 }
 
+void depth(benchmark::State& state, int width) {
+  cv::setNumThreads(1);
+  const CameraModel camera = test_camera(width, width * 3 / 4);
+  const StereoImages pair = test_room().pictures(camera, 2, 5);
+  DepthFinder finder;
+  DepthImage image;
+  const FrameInfo info = test_info(camera);
+  for (auto _ : state) {
+    if (!finder.find(pair, info, image)) state.SkipWithError("no depth");
+  }
+}
+
+// StereoBM by itself on grey pictures, with the same block, disparities and left-right check. It
+// gives nothing in the columns on the left that the disparities take.
+void peer_depth(benchmark::State& state, int width) {
+  cv::setNumThreads(1);
+  const CameraModel camera = test_camera(width, width * 3 / 4);
+  const StereoImages pair = test_room().pictures(camera, 2, 5);
+  cv::Mat grey[2], disparity;
+  for (const Image* image : {&pair.left, &pair.right}) {
+    cv::Mat& g = grey[image == &pair.left ? 0 : 1];
+    g.create(image->height, image->width, CV_8UC1);
+    for (std::size_t i = 0; i < image->rgb.size() / 3; ++i) g.data[i] = image->rgb[3 * i];
+  }
+  const int disparities =
+      (static_cast<int>(std::ceil(camera.fx * camera.baseline_m / DepthOptions().nearest_m)) + 15) /
+      16 * 16;
+  const auto matcher = cv::StereoBM::create(disparities, 15);
+  matcher->setDisp12MaxDiff(1);
+  matcher->setUniquenessRatio(10);
+  for (auto _ : state) matcher->compute(grey[0], grey[1], disparity);
+}
+
 BENCHMARK_CAPTURE(color, 320, 320)->Name("vision.color_ms.320")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(color, 640, 640)->Name("vision.color_ms.640")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(regions, 320, 320)->Name("vision.regions_ms.320")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(regions, 640, 640)->Name("vision.regions_ms.640")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(ball, 320, 320)->Name("vision.ball_ms.320")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(ball, 640, 640)->Name("vision.ball_ms.640")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(depth, 320, 320)->Name("vision.depth_ms.320")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(peer_depth, 320, 320)
+    ->Name("peer.opencv_stereobm_ms.320")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(depth, 640, 640)->Name("vision.depth_ms.640")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(peer_depth, 640, 640)
+    ->Name("peer.opencv_stereobm_ms.640")
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace kaz::vision
