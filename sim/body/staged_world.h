@@ -18,10 +18,9 @@ namespace kaz::sim {
 
 // Mechanical stop beyond the firmware's limit, rad.
 constexpr double kStopMargin = 0.0174533;
-// It gives back this share of what a joint is beyond it in 1 ms (contact_surface.h), and yields, rad/s
-// per Nm:
-// by 1 mrad at the motor's 2.4 Nm, plastic and steel. Under a rigid one the rest that an iterative
-// solver leaves would lift the joint off again and again.
+// It gives back this share of what a joint is beyond it in 1 ms (contact_surface.h), and yields,
+// rad/s per Nm: by 1 mrad at the motor's 2.4 Nm, plastic and steel. Under a rigid one the rest that an
+// iterative solver leaves would lift the joint off again and again.
 constexpr double kStopErp = 0.2;
 constexpr double kStopSoftness = 0.08;
 

@@ -1,0 +1,251 @@
+// World in reduced coordinates: what a step's solver is given, inertia, momentum and rows.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "sim/body/contact_surface.h"
+#include "sim/body/reduced/reduced_world.h"
+
+namespace kaz::sim {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kStopWatch = 0.02;  // rad, from which a stop is looked at
+// m/s per N: what is harder is taken as that hard.
+constexpr double kLeastSoftness = 1e-8;
+constexpr double kSamePoint = 3e-3;  // m, that a point moves at most in a step
+
+}  // namespace
+
+// Joints in a row without a fork.
+void ReducedWorld::find_chains() {
+  const int root = tree_.root_dofs(), dofs = tree_.dofs();
+  if (root > 0) chains_.push_back({0, root, -1});
+  std::vector<int> carried(static_cast<std::size_t>(dofs), 0), chain_of(carried);
+  for (int i = root; i < dofs; ++i) {
+    if (tree_.carrier_of_dof(i) >= 0) ++carried[static_cast<std::size_t>(tree_.carrier_of_dof(i))];
+  }
+  for (int i = root; i < dofs; ++i) {
+    const int carrier = tree_.carrier_of_dof(i);
+    if (carrier >= 0 && carrier == i - 1 && carried[static_cast<std::size_t>(carrier)] == 1) {
+      ++chains_.back().length;
+    } else {
+      const int on = carrier >= 0 ? chain_of[static_cast<std::size_t>(carrier)] : root > 0 ? 0 : -1;
+      chains_.push_back({i, 1, on});
+    }
+    chain_of[static_cast<std::size_t>(i)] = static_cast<int>(chains_.size()) - 1;
+  }
+}
+
+void ReducedWorld::write_inertia() {
+  int size = tree_.dofs();
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    coordinate_of_[i] = objects_[i].awake ? size : -1;
+    if (objects_[i].awake) size += 6;
+  }
+  solver_.begin(size);
+  BlockMatrix& matrix = solver_.matrix();
+  for (const Chain& chain : chains_) matrix.add_block(chain.first, chain.length, chain.carrier);
+  tree_.mass_matrix([&matrix](int i) { return matrix.inertia_row(i); });
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const int first = coordinate_of_[i];
+    if (first < 0) continue;
+    matrix.add_block(first, 6, -1);
+    const Matrix3d inertia = objects_[i].inertia();
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b <= a; ++b) matrix.inertia_row(first + a)[first + b] = inertia(a, b);
+      double* linear = matrix.inertia_row(first + 3 + a) + first;
+      std::fill_n(linear, 6, 0.0);
+      linear[3 + a] = objects_[i].mass();
+    }
+  }
+  velocity_.assign(static_cast<std::size_t>(size), 0);
+  momentum_.assign(velocity_.size(), 0);
+  std::ranges::copy(tree_.velocity, velocity_.begin());
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (coordinate_of_[i] < 0) continue;
+    double* v = velocity_.data() + coordinate_of_[i];
+    for (int k = 0; k < 3; ++k) {
+      v[k] = objects_[i].angular_velocity()[k];
+      v[k + 3] = objects_[i].velocity[k];
+    }
+  }
+}
+
+// What the step leaves without rows. Forces that depend on velocity are taken for the one halfway, as the
+// last step lets expect it.
+void ReducedWorld::write_momentum() {
+  for (std::size_t i = 0; i < halfway_.size(); ++i)
+    halfway_[i] = tree_.velocity[i] + (tree_.velocity[i] - velocity_before_[i]) / 2;
+  tree_.bias(halfway_, gravity_, bias_);
+  solver_.multiply(velocity_.data(), momentum_.data());
+  for (std::size_t i = 0; i < bias_.size(); ++i) momentum_[i] -= step_s_ * bias_[i];
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (coordinate_of_[i] < 0) continue;
+    double* linear = momentum_.data() + coordinate_of_[i] + 3;
+    for (int k = 0; k < 3; ++k) linear[k] += step_s_ * objects_[i].mass() * gravity_[k];
+  }
+  for (const HandPush& push : hand_pushes_) {
+    const int link = static_cast<int>(push.link);
+    tree_.add_force(link, tree_.com(link), push.impulse, momentum_.data());
+  }
+}
+
+// What the nearest point of the same shapes got in the step before.
+VelocitySolver::Impulse ReducedWorld::recall(const Touch& touch, const Matrix3d& basis) const {
+  const Memory* best = nullptr;
+  double nearest = kSamePoint * kSamePoint;
+  for (const Memory& memory : memory_) {
+    if (memory.shape_a != touch.shape_a || memory.shape_b != touch.shape_b) continue;
+    const double distance = (memory.at - touch.at).squaredNorm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    best = &memory;
+  }
+  VelocitySolver::Impulse start = VelocitySolver::Impulse::Zero();
+  if (best == nullptr) return start;
+  start.head<3>() = basis.transpose() * best->impulse;
+  const Vector3d moment = basis.transpose() * best->moment;
+  start.tail<3>() = Vector3d(moment[1], moment[2], moment[0]);
+  return start;
+}
+
+// The motion of one body against another, about the root's origin where the robot is one of them.
+void ReducedWorld::make_pair(const Touch& touch) {
+  std::array<VelocitySolver::Segment, 4> segments;
+  std::size_t count = 0;
+  const bool robot_a = of_robot(touch.body_a), robot_b = of_robot(touch.body_b);
+  const auto coordinate_of = [this](int body) {
+    return coordinate_of_[static_cast<std::size_t>(body) - robot_links_];
+  };
+  Meeting& meeting = meetings_.emplace_back();
+  meeting = {touch.body_a, touch.body_b, -1, tree_.root_at};
+  ArticulatedTree::Span span{tree_.dofs(), 0};
+  if (robot_a != robot_b) segments[count++] = {0, tree_.root_dofs(), robot_a ? 1.0 : -1.0};
+  for (const int body : {touch.body_a, touch.body_b}) {
+    if (!of_robot(body)) continue;
+    const ArticulatedTree::Span one = tree_.span_of_link(body);
+    if (one.first == one.end) continue;
+    span = {std::min(span.first, one.first), std::max(span.end, one.end)};
+  }
+  if (span.end > 0) segments[count++] = {span.first, span.end - span.first};
+  // Coordinates in rising order.
+  std::array<std::pair<int, double>, 2> sides{{{touch.body_a, 1.0}, {touch.body_b, -1.0}}};
+  if (sides[0].first > sides[1].first) std::swap(sides[0], sides[1]);
+  bool plain = !robot_a && !robot_b;  // a free body about its own centre of mass
+  for (const auto& [body, sign] : sides) {
+    if (body < 0 || of_robot(body)) continue;
+    if (plain) meeting.about = object(body).com;
+    segments[count++] = {coordinate_of(body), 6, plain ? sign : 0};
+    plain = false;
+  }
+  // A held root has no coordinates: then there is nothing to push.
+  if (std::ranges::all_of(std::span(segments).first(count),
+                          [](const auto& segment) { return segment.length == 0; }))
+    return;
+  meeting.pair = solver_.add_pair(std::span(segments).first(count));
+  double* columns = solver_.columns(meeting.pair);
+  if (robot_a) tree_.add_motions(touch.body_a, 1, span.first, columns);
+  if (robot_b) tree_.add_motions(touch.body_b, -1, span.first, columns);
+  columns += 6 * std::max(0, span.end - span.first);
+  for (const VelocitySolver::Segment& segment : std::span(segments).first(count)) {
+    if (segment.plain != 0 || segment.first < tree_.dofs()) continue;
+    const bool is_a = touch.body_a >= 0 && !robot_a && coordinate_of(touch.body_a) == segment.first;
+    const double sign = is_a ? 1 : -1;
+    const Vector3d arm = meeting.about - object(is_a ? touch.body_a : touch.body_b).com;
+    for (int k = 0; k < 3; ++k, columns += 6) {
+      columns[k] = sign;
+      Eigen::Map<Vector3d>(columns + 3) = sign * Vector3d::Unit(k).cross(arm);
+      columns[18 + 3 + k] = sign;
+    }
+    columns += 18;
+  }
+}
+
+const ReducedWorld::Meeting& ReducedWorld::meeting_of(const Touch& touch) {
+  for (std::size_t i = meetings_.size(); i-- > 0;) {
+    if (meetings_[i].body_a == touch.body_a && meetings_[i].body_b == touch.body_b)
+      return meetings_[i];
+  }
+  make_pair(touch);
+  return meetings_.back();
+}
+
+void ReducedWorld::make_contact_row(const Touch& touch) {
+  const auto moves = [this](int body) {
+    return of_robot(body) || (body >= 0 && object(body).awake);
+  };
+  if (!moves(touch.body_a) && !moves(touch.body_b)) return;
+  const Meeting& meeting = meeting_of(touch);
+  if (meeting.pair < 0) return;
+  VelocitySolver::Point point;
+  point.pair = meeting.pair;
+  point.arm = touch.at - meeting.about;
+  point.basis.col(0) = touch.normal;
+  point.basis.col(1) = touch.normal.unitOrthogonal();
+  point.basis.col(2) = touch.normal.cross(point.basis.col(1));
+  const Surface& surface = touch.surface;
+  point.softness =
+      softness_for(step_s_, kContactErp, std::max(surface.softness, kLeastSoftness)) / step_s_;
+  point.mu = surface.mu;
+  point.rolling = surface.rolling_resistance;
+  point.target =
+      std::min(erp_for(step_s_, kContactErp) / step_s_ * std::max(0.0, touch.depth - kContactLayer),
+               kContactMaxCorrection);
+  if (surface.restitution > 0) {
+    const double approach =
+        touch.normal.dot(velocity_at(touch.body_b, touch.at) - velocity_at(touch.body_a, touch.at));
+    if (approach > surface.bounce_threshold)
+      point.target = std::max(point.target, surface.restitution * approach);
+  }
+  const auto number = static_cast<std::size_t>(&touch - contacts_.touches().data());
+  const bool soft = ContactMemory::has_shear(touch);
+  if (!soft || point.rolling > 0) point.before = recall(touch, point.basis);
+  if (soft) {
+    // In N s: the spring's kContactErp / (kErpStep softness) times h times the shear.
+    const Vector3d stretch =
+        -kContactErp / surface.softness * (step_s_ / kErpStep) * shear_.shear(number);
+    point.give = point.softness;
+    point.before.segment<2>(1) = (point.basis.transpose() * stretch).tail<2>();
+  }
+  solver_.add_point(point);
+  pushes_.push_back({number, point.basis});
+}
+
+Vector3d ReducedWorld::velocity_at(int body, const Vector3d& point) const {
+  if (body < 0) return Vector3d::Zero();
+  if (of_robot(body)) return tree_.velocity_at(body, point);
+  const FreeBody& free = object(body);
+  return free.velocity + free.angular_velocity().cross(point - free.com);
+}
+
+// First the motors, joint by joint, then the stops that are near.
+void ReducedWorld::make_joint_rows() {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const JointMotor::Row& row = rows_[i];
+    solver_.add_bounded({joints_[i].dof, 1, row.velocity, row.softness / step_s_,
+                         step_s_ * row.least, step_s_ * row.most});
+  }
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const double angle = joint_states_[i].angle;
+    const double back = erp_for(step_s_, kStopErp);
+    const double yields = softness_for(step_s_, kStopErp, kStopSoftness) / step_s_;
+    // As far as it goes in this step, or as its motor would have it go.
+    const double watch = kStopWatch + step_s_ * std::max(std::abs(joint_states_[i].velocity),
+                                                         std::abs(rows_[i].velocity));
+    const auto stop = [&](double way, double sign) {  // way: rad, left to it
+      if (way > watch) return;
+      const double target = way > 0 ? -way / step_s_ : -back * way / step_s_;
+      solver_.add_bounded({joints_[i].dof, sign, target, yields, 0, kEndless});
+    };
+    stop(angle - joints_[i].lower, 1);
+    stop(joints_[i].upper - angle, -1);
+  }
+}
+
+}  // namespace kaz::sim
