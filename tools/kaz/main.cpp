@@ -67,6 +67,7 @@ int parse_and_run(int argc, char** argv) {
   kaz::tools::add_run(program, action);
   kaz::tools::add_sim(program, action);
   kaz::tools::add_eyes(program, action);
+  kaz::tools::add_calibrate(program, action);
   kaz::tools::add_replay(program, action);
   kaz::tools::add_mcu(program, action);
   kaz::tools::add_conformance(program, action);

@@ -40,6 +40,7 @@ void add_demo(CLI::App& program, Action& action);
 void add_run(CLI::App& program, Action& action);
 void add_sim(CLI::App& program, Action& action);
 void add_eyes(CLI::App& program, Action& action);
+void add_calibrate(CLI::App& program, Action& action);
 void add_replay(CLI::App& program, Action& action);
 void add_mcu(CLI::App& program, Action& action);
 void add_conformance(CLI::App& program, Action& action);
