@@ -6,8 +6,8 @@
 // - has texture to hold on to,
 // - is better than any other disparity by some per cent,
 // - is found again when the right picture is matched against the left one (left-right check),
-// and is then placed between pixels by the parabola through the costs of its neighbours. All else is
-// marked as having no depth.
+// and is then placed between pixels by the parabola through the costs of its neighbours. All else
+// is marked as having no depth.
 //
 // A point at depth z shows d = fx baseline / z pixels further left in the right picture. Frames:
 // optical (x right, y down, z forward, origin at the left lens) and foot, as in frame.h. m, px.
@@ -27,12 +27,13 @@
 namespace kaz::vision {
 
 struct DepthOptions {
-  // Nearer things have no depth. The work grows with fx baseline / nearest_m, which is rounded up to
-  // a multiple of 16 px.
+  // Nearer things have no depth. The work grows with fx baseline / nearest_m, which is rounded up
+  // to a multiple of 16 px.
   double nearest_m = 0.13;
   int block_px = 15;  // side of the squares that are compared; odd, 5..51
   // Least sum of the filtered picture's codes over a block of 15 x 15; grows with the block's area.
-  int least_texture = 150;
+  // Noise of 1.6 codes alone gives 1000: below that a match is chance as likely as not.
+  int least_texture = 1000;
   int uniqueness_percent = 10;  // how much worse all other disparities must be
   int left_right_px = 1;        // how far the way back may miss; negative: no check
 };

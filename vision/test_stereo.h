@@ -156,4 +156,17 @@ inline TestStereoScene test_room(double height = 0.3, double tilt = 0.6) {
   return s;
 }
 
+// A floor 0.3 m below the lens, a wall 1 m ahead, and the front and top of a box.
+inline TestStereoScene test_corner() {
+  const double tilt = 0.5;
+  const Eigen::Vector3d down(0, std::cos(tilt), std::sin(tilt)),
+      ahead(0, -std::sin(tilt), std::cos(tilt)), right = Eigen::Vector3d::UnitX();
+  TestStereoScene s;
+  s.add(0.3 * down, 6 * right, 6 * ahead);
+  s.add(1.0 * ahead, 6 * right, 3 * down);
+  s.add(0.25 * down + 0.45 * ahead, 0.2 * right, 0.1 * down);
+  s.add(0.20 * down + 0.55 * ahead, 0.2 * right, 0.2 * ahead);
+  return s;
+}
+
 }  // namespace kaz::vision

@@ -7,6 +7,7 @@
 
 #include "vision/ball.h"
 #include "vision/depth.h"
+#include "vision/plane_segments.h"
 #include "vision/test_pictures.h"
 #include "vision/test_stereo.h"
 
@@ -89,6 +90,23 @@ void peer_depth(benchmark::State& state, int width) {
   for (auto _ : state) matcher->compute(grey[0], grey[1], disparity);
 }
 
+// Floor, wall, and a box's front and top, with 0.2 px of noise.
+void planes(benchmark::State& state, int width) {
+  const CameraModel camera = test_camera(width, width * 3 / 4);
+  std::vector<int> patch;
+  DepthImage image = test_corner().truth(camera, patch);
+  for (std::size_t i = 0; i < image.disparity_px.size(); ++i) {
+    float& d = image.disparity_px[i];
+    if (d > 0) d += static_cast<float>(0.2 * keyed_normal(1, 2, i));
+  }
+  PlaneSegmentFinder finder;
+  PlaneSegments found;
+  for (auto _ : state) {
+    if (!finder.find(image, found) || found.segments.size() < 3) state.SkipWithError("no planes");
+  }
+  state.counters["segments"] = static_cast<double>(found.segments.size());
+}
+
 BENCHMARK_CAPTURE(color, 320, 320)->Name("vision.color_ms.320")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(color, 640, 640)->Name("vision.color_ms.640")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(regions, 320, 320)->Name("vision.regions_ms.320")->Unit(benchmark::kMillisecond);
@@ -103,6 +121,8 @@ BENCHMARK_CAPTURE(depth, 640, 640)->Name("vision.depth_ms.640")->Unit(benchmark:
 BENCHMARK_CAPTURE(peer_depth, 640, 640)
     ->Name("peer.opencv_stereobm_ms.640")
     ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(planes, 320, 320)->Name("vision.psf_ms.320")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(planes, 640, 640)->Name("vision.psf_ms.640")->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace kaz::vision

@@ -26,7 +26,8 @@ class RenderedScene {
     Eigen::Vector3d middle, size;
   };
 
-  // Boxes and a wall on a floor of this texture, seen from 0.3 m above it, `tilt` below the horizon.
+  // Boxes and a wall on a floor of this texture, seen from 0.3 m above it, `tilt` below the
+  // horizon.
   RenderedScene(int width, const std::string& texture, double tilt_rad)
       : calibration_(make_calibration(model(width), 2, kEyeBaseline_m)),
         left_(model(width), calibration_, Sensor::Eye::left, 1),
