@@ -73,6 +73,7 @@ int parse_and_run(int argc, char** argv) {
   kaz::tools::add_conformance(program, action);
   kaz::tools::add_fuzz(program, action);
   kaz::tools::add_status(program, action);
+  kaz::tools::add_vision(program, action);
   kaz::tools::add_shell(program, action);
   try {
     program.parse(argc, argv);

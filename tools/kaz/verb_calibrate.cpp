@@ -286,9 +286,7 @@ void add_calibrate(CLI::App& program, Action& action) {
       ->required()
       ->check(positive())
       ->type_name("M");
-  stereo
-      ->add_option("--out", arguments->out,
-                   "calibration file: .yml or .json of OpenCV's kind")
+  stereo->add_option("--out", arguments->out, "calibration file: .yml or .json of OpenCV's kind")
       ->required()
       ->type_name("FILE");
   stereo

@@ -1,0 +1,120 @@
+// `kaz vision`: colours learned from a picture, and vision on recorded pictures.
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <filesystem>
+
+#include "tools/figure/figure.h"
+#include "tools/kaz/color_file.h"
+#include "tools/kaz/recorded_pictures.h"
+#include "tools/kaz/verbs.h"
+#include "vision/color_learning.h"
+#include "vision/picture_file.h"
+
+namespace kaz::tools {
+namespace {
+
+struct LearnArguments {
+  std::string in, region, out;
+  bool json = false;
+};
+
+Result<vision::PictureRegion> parse_region(const std::string& text) {
+  vision::PictureRegion r;
+  int end = 0;
+  if (text.size() < 40 &&
+      std::sscanf(text.c_str(), "%9d,%9d,%9d,%9d%n", &r.x, &r.y, &r.width, &r.height, &end) == 4 &&
+      end == static_cast<int>(text.size()))
+    return r;
+  return fail(Fault::usage, "--region '" + text +
+                                "' is not like 120,80,40,30: left, top, width and height in px");
+}
+
+Result<Outcome> learn(const LearnArguments& arguments) {
+  const auto region = parse_region(arguments.region);
+  if (!region) return tl::unexpected(region.error());
+  const auto image = vision::read_picture(arguments.in);
+  if (!image) return tl::unexpected(image.error());
+  const auto learned = vision::learn_color(*image, *region);
+  if (!learned) return fail(learned.error().fault, arguments.in + ": " + learned.error().message);
+  nlohmann::ordered_json json = color_json(learned->range);
+  json["share_of_region"] = learned->inside;
+  json["share_of_rest"] = learned->outside;
+  const std::string text = json.dump(2) + "\n";
+  const auto written = figure::write_file(
+      arguments.out, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  if (!written) return tl::unexpected(written.error());
+  if (arguments.json) {
+    std::printf("%s", text.c_str());
+    return Outcome(true);
+  }
+  std::printf(
+      "hue %.3f to %.3f rad, saturation from %.2f, lightness from %.0f: %.1f %% of the "
+      "region, %.2f %% of the rest of the picture\nwritten: %s\n",
+      learned->range.hue_min, learned->range.hue_max, learned->range.saturation_min,
+      learned->range.y_min, 100 * learned->inside, 100 * learned->outside, arguments.out.c_str());
+  return Outcome(true);
+}
+
+void add_learn(CLI::App& vision, Action& action) {
+  auto* verb = vision.add_subcommand("learn-color", "thresholds of a colour from a marked region");
+  auto arguments = std::make_shared<LearnArguments>();
+  verb->add_option("--in", arguments->in, "picture with the object in it")
+      ->required()
+      ->type_name("PICTURE");
+  verb->add_option("--region", arguments->region, "part of it that shows the object, px")
+      ->required()
+      ->type_name("X,Y,W,H");
+  verb->add_option("--out", arguments->out, "thresholds as JSON")->required()->type_name("FILE");
+  verb->add_flag("--json", arguments->json, "print them too");
+  verb->footer(
+      "It tells how much of the rest of the picture has the colour: that should be the rest of "
+      "the\n"
+      "object and nothing else.\n"
+      "Examples:\n"
+      "  kaz vision learn-color --in eyes/left_raw.png --region 150,110,12,12 --out ball.json");
+  verb->callback([&action, arguments] { action = [arguments] { return learn(*arguments); }; });
+}
+
+void add_run_on_pictures(CLI::App& vision, Action& action) {
+  auto* verb = vision.add_subcommand("run", "finds the ball in recorded pictures");
+  auto options = std::make_shared<RecordedOptions>();
+  verb->add_option("--in", options->in, "folder with pictures, taken in the order of their names")
+      ->required()
+      ->type_name("DIR");
+  verb->add_option("--out", options->out, "folder for overlays, ball.csv and result.json")
+      ->required()
+      ->type_name("DIR");
+  verb->add_option("--modules", options->modules, "color: the ball by its colour")
+      ->capture_default_str();
+  verb->add_option("--color", options->color,
+                   "thresholds from kaz vision learn-color; without it the red ball's")
+      ->type_name("FILE");
+  verb->add_option("--calibration", options->calibration,
+                   "of the eyes (kaz calibrate stereo): the pictures are the left eye's")
+      ->type_name("FILE");
+  verb->add_option("--view", options->view_deg, "instead: width of a pinhole's view, degrees")
+      ->check(CLI::Range(1.0, 170.0))
+      ->type_name("DEGREES");
+  verb->add_option("--radius", options->radius_m, "of the ball, m")
+      ->check(positive())
+      ->capture_default_str();
+  verb->add_flag("--json", options->json, "print result.json, no progress");
+  verb->footer(
+      "Exit status: 0 done, also without a ball; 1 no picture could be looked at; 2 wrong usage.\n"
+      "Examples:\n"
+      "  kaz vision run --in pictures --view 60 --out found\n"
+      "  kaz vision run --in left --calibration stereo.yml --color ball.json --radius 0.033 \\\n"
+      "      --out found --json");
+  verb->callback([&action, options] { action = [options] { return run_on_pictures(*options); }; });
+}
+
+}  // namespace
+
+void add_vision(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand("vision", "what is seen in recorded pictures");
+  verb->require_subcommand(1);
+  add_run_on_pictures(*verb, action);
+  add_learn(*verb, action);
+}
+
+}  // namespace kaz::tools
