@@ -7,10 +7,12 @@
 
 #include <Eigen/Cholesky>
 
+#include "vision/plane_rows.h"
+
 namespace kaz::vision {
 namespace {
 
-constexpr float kFar = 1e9F;
+constexpr float kFar = kMostDisparity_px;
 
 }  // namespace
 
@@ -34,14 +36,7 @@ void CellGrid::fill(const DepthImage& depth) {
     for (int y = row * size; y < (row + 1) * size; ++y) {
       const float* from =
           &depth.disparity_px[static_cast<std::size_t>(y) * static_cast<std::size_t>(width)];
-      for (std::size_t x = 0; x < n; ++x) {  // whole rows, for the processor's vectors
-        const float d = from[x];
-        const bool known = d > 0 && d < kFar;
-        sum_[x] += known ? d : 0.0F;
-        least_[x] = std::min(least_[x], known ? d : kFar);
-        most_[x] = std::max(most_[x], known ? d : 0.0F);
-        count_[x] += known ? 1 : 0;
-      }
+      add_row(from, n, {sum_.data(), least_.data(), most_.data(), count_.data()});
     }
     for (int column = 0; column < columns; ++column) {
       Cell& cell = cells[static_cast<std::size_t>(row * columns + column)];

@@ -9,6 +9,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "vision/plane_rows.h"
+
 namespace kaz::vision {
 
 void PlanePixels::begin(const CellGrid& grid) {
@@ -83,16 +85,8 @@ void PlanePixels::assign_run(const DepthImage& depth, int column, int end, int r
     std::uint8_t* to = &found.label[first];
     const float start =
         p.at(static_cast<float>(column * size) - grid_->cx, static_cast<float>(y) - grid_->cy);
-    for (int x = 0; x < width; ++x) {
-      const float r = from[x] - (start + p.a * static_cast<float>(x));
-      const bool on = (std::abs(r) < tolerance) & (from[x] > 0);
-      square[x] += on ? r * r : 0.0F;
-      count[x] += on ? 1 : 0;
-    }
-    for (int x = 0; x < width; ++x) {
-      const float r = from[x] - (start + p.a * static_cast<float>(x));
-      to[x] = (std::abs(r) < tolerance) & (from[x] > 0) ? label : std::uint8_t{0};
-    }
+    label_row(from, static_cast<std::size_t>(width), {start, p.a, tolerance, label}, to, square,
+              count);
   }
   for (int c = column; c < end; ++c) {
     int n = 0;

@@ -66,10 +66,10 @@ struct PlaneSegmentFinder::State {
   // Least squares over every `stride`-th of these cells, of those near the plane, three times:
   // first within `widest`, then within 2.5 times the rms of those before, so that what adjoins at
   // an angle does not bend it. How many cells the last one had; 0 where they span no plane.
-  int fit(const std::vector<int>& among, std::size_t stride, DisparityPlane& plane) {
+  int fit(const std::vector<int>& among, std::size_t stride, int rounds, DisparityPlane& plane) {
     double band = widest;
     int count = 0;
-    for (int round = 0; round < 3; ++round) {
+    for (int round = 0; round < rounds; ++round) {
       PlaneFit sums;
       double square = 0;
       count = 0;
@@ -169,16 +169,16 @@ struct PlaneSegmentFinder::State {
     std::vector<Ranked> ranked;
     const std::size_t stride = std::max<std::size_t>(1, open_cells.size() / kSample);
     for (DisparityPlane candidate : candidates) {
-      const int count = static_cast<int>(stride) * fit(open_cells, stride, candidate);
+      const int count = static_cast<int>(stride) * fit(open_cells, stride, 2, candidate);
       ranked.push_back({count, candidate});
     }
     std::stable_sort(ranked.begin(), ranked.end(),
                      [](const Ranked& a, const Ranked& b) { return a.count > b.count; });
     for (Ranked& r : ranked) {
       if (3 * r.count < least) break;
-      if (fit(open_cells, 1, r.plane) < least / 2) continue;
+      if (fit(open_cells, 1, 2, r.plane) < least / 2) continue;
       connect(r.plane, least);
-      if (parts.empty() || fit(parts.front(), 1, r.plane) == 0) continue;
+      if (parts.empty() || fit(parts.front(), 1, 3, r.plane) == 0) continue;
       connect(r.plane, least);
       if (parts.empty()) continue;
       plane = r.plane;

@@ -28,7 +28,7 @@ class RenderedScene {
 
   // Boxes and a wall on a floor of this texture, seen from 0.3 m above it, `tilt` below the
   // horizon.
-  RenderedScene(int width, const std::string& texture, double tilt_rad)
+  RenderedScene(int width, const std::string& texture, double tilt_rad, bool textured_boxes = false)
       : calibration_(make_calibration(model(width), 2, kEyeBaseline_m)),
         left_(model(width), calibration_, Sensor::Eye::left, 1),
         right_(model(width), calibration_, Sensor::Eye::right, 1),
@@ -38,7 +38,9 @@ class RenderedScene {
     boxes_ = {{{0.45, 0.12, 0.04}, {0.08, 0.10, 0.08}},
               {{0.65, -0.20, 0.06}, {0.10, 0.15, 0.12}},
               {{1.60, 0.00, 0.50}, {0.10, 4.00, 1.00}}};
-    for (const Box& b : boxes_) scene_.add(Shape::Kind::box, b.size, b.middle, {0.5F, 0.7F, 0.6F});
+    for (const Box& b : boxes_)
+      scene_.add(Shape::Kind::box, b.size, b.middle, {0.5F, 0.7F, 0.6F},
+                 textured_boxes ? "carpet" : "");
   }
 
   const vision::CameraModel& camera() const { return calibration_.rectified; }
