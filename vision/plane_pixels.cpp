@@ -34,13 +34,23 @@ void PlanePixels::add(const DisparityPlane& plane, const std::vector<std::vector
     const auto label = static_cast<std::uint8_t>(plane_of_.size());
     for (const int i : part) {
       at[static_cast<std::size_t>(i)] = label;
-      // Cells beside it may have pixels of it, at the edges of what is nearer.
-      const int column = i % grid_->columns, row = i / grid_->columns;
+      mask_[static_cast<std::size_t>(i)] |= static_cast<std::uint16_t>(1U << number);
+    }
+    // Cells beside it may have pixels of it, at the edges of what is nearer.
+    for (const int i : part) {
+      const int columns = grid_->columns, column = i % columns, row = i / columns;
+      if (column > 0 && row > 0 && column + 1 < columns && row + 1 < grid_->rows) {
+        const std::uint8_t *here = &at[static_cast<std::size_t>(i)], *up = here - columns,
+                           *down = here + columns;
+        if (up[-1] == label && up[0] == label && up[1] == label && here[-1] == label &&
+            here[1] == label && down[-1] == label && down[0] == label && down[1] == label)
+          continue;
+      }
       for (int y = std::max(0, row - 1); y <= std::min(grid_->rows - 1, row + 1); ++y) {
-        for (int x = std::max(0, column - 1); x <= std::min(grid_->columns - 1, column + 1); ++x) {
-          const auto j = static_cast<std::size_t>(y * grid_->columns + x);
+        for (int x = std::max(0, column - 1); x <= std::min(columns - 1, column + 1); ++x) {
+          const auto j = static_cast<std::size_t>(y * columns + x);
           if (at[j] == 0) at[j] = label;
-          mask_[j] = static_cast<std::uint16_t>(mask_[j] | 1U << number);
+          mask_[j] |= static_cast<std::uint16_t>(1U << number);
         }
       }
     }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint8_t kOff = 0, kOn = 1, kUnknown = 2, kPart = 3;
 constexpr int kGap = 2;
-constexpr std::size_t kSample = 400;  // cells that candidates are compared by
+constexpr std::size_t kSample = 250;  // cells that candidates are compared by
 
 Result<void> check(const DepthImage& depth, const PlaneOptions& o) {
   const CameraModel& c = depth.info.camera;
@@ -50,7 +50,8 @@ struct PlaneSegmentFinder::State {
   PlanePixels pixels;
   std::vector<std::uint8_t> open;  // per cell: usable and on no plane yet
   std::vector<int> open_cells;
-  std::vector<std::uint8_t> on;  // per cell: kOff and so on, of the plane in question
+  std::vector<std::uint8_t> unknown;  // per cell: kUnknown or kOff
+  std::vector<std::uint8_t> on;       // per cell: kOff and so on, of the plane in question
   struct Visit {
     int cell, gap;
   };
@@ -91,10 +92,7 @@ struct PlaneSegmentFinder::State {
   // Cells on the plane that hang together by their sides, in `parts`, those of at least `least`
   // cells, largest first. What is not known between them, up to kGap cells, does not part them.
   void connect(const DisparityPlane& plane, int least) {
-    on.assign(grid.cells.size(), kOff);
-    for (std::size_t i = 0; i < on.size(); ++i) {
-      if (!grid.cells[i].usable) on[i] = kUnknown;
-    }
+    on = unknown;
     for (const int i : open_cells) {
       const auto at = static_cast<std::size_t>(i);
       if (off(grid.cells[at], plane) < widest) on[at] = kOn;
@@ -203,7 +201,11 @@ Result<void> PlaneSegmentFinder::find(const DepthImage& depth, PlaneSegments& fo
   if (auto ok = check(depth, o); !ok) return ok;
   s.grid.fill(depth);
   s.open.resize(s.grid.cells.size());
-  for (std::size_t i = 0; i < s.open.size(); ++i) s.open[i] = s.grid.cells[i].usable;
+  s.unknown.resize(s.open.size());
+  for (std::size_t i = 0; i < s.open.size(); ++i) {
+    s.open[i] = s.grid.cells[i].usable ? 1 : 0;
+    s.unknown[i] = s.grid.cells[i].usable ? kOff : kUnknown;
+  }
   s.list_open();
   s.pixels.begin(s.grid);
   const int least =

@@ -62,6 +62,12 @@ std::vector<Name> all_names() {
       {"vision.regions_ms.640", "ms", 2, 0.4, false, 3},
       {"vision.ball_ms.320", "ms", 0, 0, false, 3},
       {"vision.ball_ms.640", "ms", 0, 0, false, 3},
+      {"vision.depth_ms.320", "ms", 2.4, 1.2, false, 3},
+      {"vision.depth_ms.640", "ms", 22, 11, false, 3},
+      {"peer.opencv_stereobm_ms.320", "ms", 0, 0, false, 3},
+      {"peer.opencv_stereobm_ms.640", "ms", 0, 0, false, 3},
+      {"vision.psf_ms.320", "ms", 0.8, 0.36, false, 3},
+      {"vision.psf_ms.640", "ms", 3, 1.4, false, 3},
   };
   const auto view = std::find_if(all.begin(), all.end(),
                                  [](const Name& name) { return name.name == "view.pair_ms.320"; });

@@ -59,7 +59,9 @@ const std::vector<Program>& programs() {
       {"vision_bench",
        "cpu_time",
        {"vision.color_ms.320", "vision.color_ms.640", "vision.regions_ms.320",
-        "vision.regions_ms.640", "vision.ball_ms.320", "vision.ball_ms.640"}},
+        "vision.regions_ms.640", "vision.ball_ms.320", "vision.ball_ms.640", "vision.depth_ms.320",
+        "vision.depth_ms.640", "peer.opencv_stereobm_ms.320", "peer.opencv_stereobm_ms.640",
+        "vision.psf_ms.320", "vision.psf_ms.640"}},
   };
   return all;
 }
