@@ -286,7 +286,7 @@ TEST(Load, NamesAnUnknownStepper) {
   options.stepper = "fast";
   const auto world = World::load(test::kEmpty, test::kRobot, options);
   ASSERT_FALSE(world);
-  EXPECT_NE(world.error().message.find("stepper \"fast\" is unknown"), std::string::npos);
+  EXPECT_NE(world.error().message.find("stepper \"fast\" is unknown (--dynamics)"), std::string::npos);
 }
 
 TEST(Load, NamesAnUnknownMotor) {

@@ -53,7 +53,7 @@ Result<void> pictures(const Results& results, const std::vector<Task>& tasks,
   walks.title = "Paths of the trunk from above";
   walks.x_label = "ahead, cm";
   turns.title = "How the turns of those that did not fall are spread";
-  turns.x_label = "turned, degrees";
+  turns.x_label = "turned, degrees (rows of 3 cycles: in each)";
   walks.plot_height_px = turns.plot_height_px = 170;
   for (const Task& task : tasks) {
     const bool walks_task = task.kind == Kind::walk;
@@ -61,7 +61,9 @@ Result<void> pictures(const Results& results, const std::vector<Task>& tasks,
     if (!walks_task && !turns_task) continue;
     figure::LinePlot plot;
     plot.title = task.name;
-    plot.y_label = walks_task ? "to the left, mm" : "runs, %";
+    plot.y_label = walks_task                ? "to the left, mm"
+                   : task.kind == Kind::spin ? "cycles, %"
+                                             : "runs, %";
     for (std::size_t s = 0; s < steppers.size(); ++s) {
       const std::vector<Outcome> outcomes = results.of(task.name, steppers[s]);
       std::vector<double> turned;

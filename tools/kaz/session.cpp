@@ -117,6 +117,19 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& 
           {"rig", robot.dump()}};
 }
 
+// What there is of a run that broke off is its recording up to there: it moves in all the same.
+Error with_recording(Error error, sim::Simulation* simulation, const SessionOptions& options,
+                     const std::string& partial) {
+  if (simulation == nullptr || partial.empty() || options.rig.recording != partial) return error;
+  const auto ended = simulation->finish_recording();
+  if (!ended || ended->empty()) return error;
+  const auto folder = OutputFolder::open(options.out);
+  if (!folder) return error;
+  const std::string path = folder->path("recording.mcap");
+  if (move_file(partial, path)) error.message += "; the recording up to there is " + path;
+  return error;
+}
+
 }  // namespace
 
 Result<bool> run_session(SessionOptions options) {
@@ -183,7 +196,9 @@ Result<bool> run_session(SessionOptions options) {
   const auto health = outcome ? robot->board_statistics() : Result<kz_statistics_reply>{};
   robot->disable_all();
   progress.done();
-  if (!outcome) return tl::unexpected(outcome.error());
+  if (!outcome) {
+    return tl::unexpected(with_recording(outcome.error(), (*rig)->simulation(), options, partial));
+  }
   if (!health) return tl::unexpected(health.error());
 
   RunReport report{options.behavior,

@@ -32,7 +32,7 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
   verb.add_option(
           "--physics-step", options.physics_step_ms,
           "length of a step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's "
-          "tick stays at 1 ms (docs/dynamics.md)")
+          "tick stays at 1 ms. Balls thrown want 1 or less, servos 2 or less (docs/dynamics.md)")
       ->type_name("MS")
       ->capture_default_str();
   verb.add_option("--eyes", options.eyes,
