@@ -5,7 +5,7 @@
 // R, T (m, from the left to the right camera as cv::stereoCalibrate gives them), and the
 // rectification R1, R2, P1, P2, Q. In place of the long names those of OpenCV's own stereo sample are
 // read too: M1, D1, M2, D2. A file without R1, R2, P1, P2 is rectified as cv::stereoRectify does it
-// (CALIB_ZERO_DISPARITY, alpha 0: no black edges).
+// (CALIB_ZERO_DISPARITY, alpha 0: hardly any black edges).
 #pragma once
 
 #include <string>

@@ -18,6 +18,8 @@
 namespace kaz::vision {
 namespace {
 
+constexpr std::uint64_t kMostPixels = std::uint64_t{1}
+                                      << 26;  // 200 MB: a short file may claim more
 constexpr std::size_t kLargestFile = std::size_t{256} << 20;
 
 using Bytes = std::span<const std::uint8_t>;
@@ -27,7 +29,8 @@ bool begins_with(Bytes bytes, std::initializer_list<std::uint8_t> magic) {
 }
 
 bool sound_size(std::uint64_t width, std::uint64_t height) {
-  return width >= 1 && height >= 1 && width <= kLargestPictureSide && height <= kLargestPictureSide;
+  return width >= 1 && height >= 1 && width <= kLargestPictureSide &&
+         height <= kLargestPictureSide && width * height <= kMostPixels;
 }
 
 tl::unexpected<Error> bad(const std::string& name, const std::string& what) {
@@ -37,7 +40,7 @@ tl::unexpected<Error> bad(const std::string& name, const std::string& what) {
 tl::unexpected<Error> bad_size(const std::string& name, std::uint64_t width, std::uint64_t height) {
   return bad(name, "is " + std::to_string(width) + " x " + std::to_string(height) +
                        " pixels; sides of 1 to " + std::to_string(kLargestPictureSide) +
-                       " can be read");
+                       " and 67 million together can be read");
 }
 
 Image blank(std::uint64_t width, std::uint64_t height) {

@@ -153,6 +153,7 @@ TEST(PictureFile, SaysWhatCannotBeRead) {
   EXPECT_NE(message("GIF89a").find("PNG, JPEG"), std::string::npos);
   EXPECT_NE(message("P6\n0 4\n255\n").find("0 x 4"), std::string::npos);
   EXPECT_NE(message("P6\n99999 99999\n255\n").find("99999 x 99999"), std::string::npos);
+  EXPECT_NE(message("P6\n16000 16000\n255\n").find("67 million"), std::string::npos);
   EXPECT_NE(message("P6\n4 4\n65535\n").find("8 bits"), std::string::npos);
   const auto none = read_picture("/nowhere/left01.jpg");
   ASSERT_FALSE(none);

@@ -110,6 +110,61 @@ TEST(Calibrate, PhotographsOfAChessboardToUnderHalfAPixel) {
   EXPECT_LT(std::sqrt(sum / corners), 0.5);
 }
 
+// What was calibrated from photographs gives depth in them: the board is a plane of known size.
+TEST(Calibrate, TheBoardIsAPlaneInTheDepthOfItsPhotographs) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(calibrate(kPictures, folder / "stereo.yml", {"--json"}).exit_code, 0);
+  copy_pairs(folder.path(), {"01"});
+  const Finished seen =
+      run(kaz({"vision", "run", "--left", folder / "left01.jpg", "--right", folder / "right01.jpg",
+               "--calibration", folder / "stereo.yml", "--modules", "color,depth,planes",
+               "--nearest", "0.3", "--out", folder / "found", "--json"}));
+  ASSERT_EQ(seen.exit_code, 0) << seen.err;
+  const json pair = json::parse(seen.out)["pairs"][0];
+  EXPECT_FALSE(pair["ball"]["found"].get<bool>());  // grey pictures
+  EXPECT_GT(pair["depth"]["known"].get<double>(), 0.1);
+  ASSERT_FALSE(pair["planes"].empty());
+
+  // The plane through the corners, by where both eyes see them in rectified pictures.
+  const auto calibration = vision::read_calibration(folder / "stereo.yml");
+  ASSERT_TRUE(calibration);
+  vision::StereoImages rectified;
+  vision::Rectifier(*calibration)
+      .rectify({*vision::read_picture(folder / "left01.jpg"),
+                *vision::read_picture(folder / "right01.jpg")},
+               rectified);
+  const auto a = vision::find_board(rectified.left, {9, 6, 0.025});
+  auto b = vision::find_board(rectified.right, {9, 6, 0.025});
+  ASSERT_EQ(a.size(), 54u);
+  ASSERT_EQ(b.size(), 54u);
+  if ((a.back() - a.front()).dot(b.back() - b.front()) < 0) std::reverse(b.begin(), b.end());
+  const vision::CameraModel& c = calibration->rectified;
+  std::vector<Eigen::Vector3d> points;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double z = c.fx * c.baseline_m / (a[i].x() - b[i].x());
+    points.emplace_back((a[i].x() - c.cx) * z / c.fx, (a[i].y() - c.cy) * z / c.fy, z);
+  }
+  // A ruler: 8 squares along a row. 1 % is 0.5 px of 50 over the board, far more than corners err.
+  EXPECT_NEAR((points[8] - points[0]).norm(), 8 * 0.025, 0.01 * 8 * 0.025);
+  // That of the segments which holds the board's middle.
+  const Eigen::Vector3d middle = points[22];
+  const json* board = nullptr;
+  for (const json& plane : pair["planes"]) {
+    const auto& box = plane["box_px"];
+    if (box[0] < a[22].x() && a[22].x() < box[2] && box[1] < a[22].y() && a[22].y() < box[3] &&
+        (board == nullptr || plane["pixels"] > (*board)["pixels"]))
+      board = &plane;
+  }
+  ASSERT_NE(board, nullptr) << pair["planes"].dump();
+  const Eigen::Vector3d normal((*board)["normal"][0], (*board)["normal"][1], (*board)["normal"][2]);
+  const double off = normal.dot(middle) + (*board)["distance_m"].get<double>();
+  const double one_px_m = middle.z() * middle.z() / (c.fx * c.baseline_m);
+  std::printf("board at %.3f m: plane %.4f m off, %.2f px of disparity\n", middle.z(), off,
+              off / one_px_m);
+  EXPECT_LT(std::abs(off), 0.6 * one_px_m);
+  EXPECT_TRUE(fs::exists(folder / "found/left01.jpg.pair.png"));
+}
+
 TEST(Calibrate, NamesAndLeavesOutWhatShowsNoBoard) {
   const TemporaryFolder folder;
   copy_pairs(folder.path(), {"01", "03", "04", "05", "06", "07", "08"});

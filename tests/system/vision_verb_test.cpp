@@ -108,6 +108,9 @@ TEST(VisionVerb, RefusesInOneSentence) {
                  {"1.png", "holds no image_width"});
   expect_refusal(look({"--in", folder / "bad", "--view", "60"}), 1,
                  {"none of the 1 pictures", "no picture that can be read"});
+  expect_refusal(look({}), 2, {"--in DIR", "--left"});
+  expect_refusal(look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm"}), 2,
+                 {"--calibration"});
   const auto learn = [&](const std::string& region) {
     return run(kaz({"vision", "learn-color", "--in", folder / "grey.ppm", "--region", region,
                     "--out", folder / "a.json"}));

@@ -107,16 +107,9 @@ Image overlay(const Image& image, const vision::Mask& mask, const BallObservatio
 }
 
 Json as_json(const Looked& looked) {
-  Json one{{"picture", looked.picture}, {"found", looked.ball.found}};
+  Json one{{"picture", looked.picture}};
+  one.update(ball_json(looked.ball));
   if (!looked.trouble.empty()) one["trouble"] = looked.trouble;
-  if (looked.ball.found) {
-    const BallObservation& b = looked.ball;
-    one["center_px"] = {b.center_u, b.center_v};
-    one["radius_px"] = b.radius_px;
-    one["distance_m"] = b.distance_m;
-    one["position_m"] = {b.position().x(), b.position().y(), b.position().z()};
-    one["confidence"] = b.confidence;
-  }
   return one;
 }
 
@@ -219,9 +212,22 @@ Result<Outcome> report(const std::vector<Looked>& all, const RecordedOptions& op
 
 }  // namespace
 
+Json ball_json(const BallObservation& b) {
+  Json json{{"found", b.found}};
+  if (!b.found) return json;
+  json["center_px"] = {b.center_u, b.center_v};
+  json["radius_px"] = b.radius_px;
+  json["distance_m"] = b.distance_m;
+  json["position_m"] = {b.position().x(), b.position().y(), b.position().z()};
+  json["confidence"] = b.confidence;
+  return json;
+}
+
 Result<Outcome> run_on_pictures(const RecordedOptions& options) {
   if (options.modules != "color")
-    return fail(Fault::usage, "--modules '" + options.modules + "' is not known; there is: color");
+    return fail(Fault::usage, "--modules '" + options.modules +
+                                  "' is not known of single pictures; there is color, "
+                                  "and on pairs (--left, --right) depth and planes");
   if (options.calibration.empty() == (options.view_deg == 0))
     return fail(Fault::usage,
                 "distances need the lens: give either --calibration FILE or --view "

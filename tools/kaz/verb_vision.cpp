@@ -76,15 +76,25 @@ void add_learn(CLI::App& vision, Action& action) {
 }
 
 void add_run_on_pictures(CLI::App& vision, Action& action) {
-  auto* verb = vision.add_subcommand("run", "finds the ball in recorded pictures");
+  auto* verb = vision.add_subcommand("run", "ball, depth and planes in recorded pictures");
   auto options = std::make_shared<RecordedOptions>();
-  verb->add_option("--in", options->in, "folder with pictures, taken in the order of their names")
+  auto* in =
+      verb->add_option("--in", options->in, "folder with pictures, in the order of their names")
+          ->type_name("DIR");
+  auto* left = verb->add_option("--left", options->left,
+                                "instead: left pictures of stereo pairs; a pattern in quotes")
+                   ->excludes(in)
+                   ->type_name("PATTERN");
+  auto* right = verb->add_option("--right", options->right, "the right ones, with the same numbers")
+                    ->needs(left)
+                    ->type_name("PATTERN");
+  left->needs(right);
+  verb->add_option("--out", options->out, "folder for overlays, a table (CSV) and result.json")
       ->required()
       ->type_name("DIR");
-  verb->add_option("--out", options->out, "folder for overlays, ball.csv and result.json")
-      ->required()
-      ->type_name("DIR");
-  verb->add_option("--modules", options->modules, "color: the ball by its colour")
+  verb->add_option(
+          "--modules", options->modules,
+          "color: the ball by its colour; of pairs also depth, planes, with commas between")
       ->capture_default_str();
   verb->add_option("--color", options->color,
                    "thresholds from kaz vision learn-color; without it the red ball's")
@@ -98,14 +108,25 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
   verb->add_option("--radius", options->radius_m, "of the ball, m")
       ->check(positive())
       ->capture_default_str();
+  verb->add_option("--nearest", options->nearest_m, "of depth, m: what is nearer has none")
+      ->check(positive())
+      ->capture_default_str();
   verb->add_flag("--json", options->json, "print result.json, no progress");
   verb->footer(
       "Exit status: 0 done, also without a ball; 1 no picture could be looked at; 2 wrong usage.\n"
       "Examples:\n"
       "  kaz vision run --in pictures --view 60 --out found\n"
       "  kaz vision run --in left --calibration stereo.yml --color ball.json --radius 0.033 \\\n"
-      "      --out found --json");
-  verb->callback([&action, options] { action = [options] { return run_on_pictures(*options); }; });
+      "      --out found --json\n"
+      "  kaz vision run --left 'eyes/left*.png' --right 'eyes/right*.png' \\\n"
+      "      --calibration stereo.yml --modules color,depth,planes --out found");
+  verb->callback([&action, options] {
+    action = [options]() -> Result<Outcome> {
+      if (!options->left.empty()) return run_on_pairs(*options);
+      if (!options->in.empty()) return run_on_pictures(*options);
+      return fail(Fault::usage, "give pictures: --in DIR, or --left and --right of stereo pairs");
+    };
+  });
 }
 
 }  // namespace
