@@ -39,7 +39,8 @@ Result<int> iterations_of(const std::string& stepper) {
   }
   return fail(Fault::usage,
               "stepper \"" + stepper +
-                  "\" is unknown (--dynamics); use \"reduced\", \"exact\", or \"quickN\" with N from 1 to 1000");
+                  "\" is unknown (--dynamics); use \"reduced\", \"exact\", or \"quickN\" with N "
+                  "from 1 to 1000");
 }
 
 }  // namespace
