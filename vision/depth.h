@@ -29,7 +29,7 @@ namespace kaz::vision {
 struct DepthOptions {
   // Nearer things have no depth. The work grows with fx baseline / nearest_m, which is rounded up
   // to a multiple of 16 px.
-  double nearest_m = 0.13;
+  double nearest_m = 0.14;
   int block_px = 15;  // side of the squares that are compared; odd, 5..51
   // Least sum of the filtered picture's codes over a block of 15 x 15; grows with the block's area.
   // Noise of 1.6 codes alone gives 1000: below that a match is chance as likely as not.
