@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
+#include <utility>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
@@ -19,9 +21,15 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-// `bytes` a pixel: 3 for colour, 1 for grey.
-Result<void> check_picture(const char* name, int width, int height, std::size_t size, int bytes,
-                           int block) {
+// A picture as it was given: so many channels of 8 bits, rows from the top.
+struct Sight {
+  int width, height, channels;
+  std::span<const std::uint8_t> bytes;
+};
+
+Result<void> check_picture(const char* name, const Sight& picture, int block) {
+  const int width = picture.width, height = picture.height;
+  const std::size_t size = picture.bytes.size();
   const std::string what = std::string("depth: the ") + name + " picture ";
   if (width <= 0 || height <= 0 || size == 0)
     return fail(Fault::usage, what + "is empty: is the camera running?");
@@ -33,7 +41,7 @@ Result<void> check_picture(const char* name, int width, int height, std::size_t 
                                   " pixels, too few for blocks of " + std::to_string(block) +
                                   ": take smaller blocks or larger pictures");
   const std::size_t needed = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-                             static_cast<std::size_t>(bytes);
+                             static_cast<std::size_t>(picture.channels);
   if (size != needed)
     return fail(Fault::usage, what + "has " + std::to_string(size) + " bytes where " +
                                   size_text(width, height) + " pixels need " +
@@ -103,6 +111,33 @@ struct DepthFinder::State {
     return disparities;
   }
 
+  // Of one size, grey, beside the columns that matching needs.
+  Result<void> find(const Sight& l, const Sight& r, const FrameInfo& info, DepthImage& depth) {
+    depth.info = info;
+    if (auto ok = check_options(options); !ok) return ok;
+    for (const auto& [name, side] : {std::pair{"left", &l}, {"right", &r}}) {
+      if (auto ok = check_picture(name, *side, options.block_px); !ok) return ok;
+    }
+    if (l.width != r.width || l.height != r.height)
+      return fail(Fault::usage, "depth: the left picture has " + size_text(l.width, l.height) +
+                                    " pixels, the right one " + size_text(r.width, r.height) +
+                                    ": both must be rectified to one size");
+    if (auto ok = check_camera(info.camera, l.width, l.height); !ok) return ok;
+    const auto disparities = prepare(l.width, l.height, info.camera);
+    if (!disparities) return tl::unexpected(disparities.error());
+    for (const auto& [side, grey] : {std::pair{&l, &left}, {&r, &right}}) {
+      const cv::Mat pixels = as_mat(side->bytes.data(), side->width, side->height,
+                                    side->channels == 3 ? CV_8UC3 : CV_8UC1);
+      cv::Mat to = grey->colRange(*disparities, *disparities + side->width);
+      if (side->channels == 3) {
+        cv::cvtColor(pixels, to, cv::COLOR_RGB2GRAY);
+      } else {
+        pixels.copyTo(to);
+      }
+    }
+    return match(l.width, l.height, *disparities, depth);
+  }
+
   Result<void> match(int width, int height, int disparities, DepthImage& depth) {
     for (cv::Mat* side : {&left, &right}) {
       double least = 0, most = 0;
@@ -143,48 +178,18 @@ DepthFinder::DepthFinder(DepthFinder&&) noexcept = default;
 DepthFinder& DepthFinder::operator=(DepthFinder&&) noexcept = default;
 
 Result<void> DepthFinder::find(const StereoImages& pair, const FrameInfo& info, DepthImage& depth) {
-  const Image &l = pair.left, &r = pair.right;
-  State& s = *state_;
-  depth.info = info;
-  if (auto ok = check_options(s.options); !ok) return ok;
-  const int block = s.options.block_px;
-  if (auto ok = check_picture("left", l.width, l.height, l.rgb.size(), 3, block); !ok) return ok;
-  if (auto ok = check_picture("right", r.width, r.height, r.rgb.size(), 3, block); !ok) return ok;
-  if (l.width != r.width || l.height != r.height)
-    return fail(Fault::usage, "depth: the left picture has " + size_text(l.width, l.height) +
-                                  " pixels, the right one " + size_text(r.width, r.height) +
-                                  ": both must be rectified to one size");
-  if (auto ok = check_camera(info.camera, l.width, l.height); !ok) return ok;
-  const auto disparities = s.prepare(l.width, l.height, info.camera);
-  if (!disparities) return tl::unexpected(disparities.error());
-  cv::cvtColor(as_mat(l.rgb.data(), l.width, l.height, CV_8UC3),
-               s.left.colRange(*disparities, *disparities + l.width), cv::COLOR_RGB2GRAY);
-  cv::cvtColor(as_mat(r.rgb.data(), r.width, r.height, CV_8UC3),
-               s.right.colRange(*disparities, *disparities + r.width), cv::COLOR_RGB2GRAY);
-  return s.match(l.width, l.height, *disparities, depth);
+  const auto sight = [](const Image& image) {
+    return Sight{image.width, image.height, 3, image.rgb};
+  };
+  return state_->find(sight(pair.left), sight(pair.right), info, depth);
 }
 
 Result<void> DepthFinder::find(const GreyPicture& l, const GreyPicture& r, const FrameInfo& info,
                                DepthImage& depth) {
-  State& s = *state_;
-  depth.info = info;
-  if (auto ok = check_options(s.options); !ok) return ok;
-  const int block = s.options.block_px;
-  if (auto ok = check_picture("left", l.width, l.height, l.pixels.size(), 1, block); !ok) return ok;
-  if (auto ok = check_picture("right", r.width, r.height, r.pixels.size(), 1, block); !ok)
-    return ok;
-  if (l.width != r.width || l.height != r.height)
-    return fail(Fault::usage, "depth: the left picture has " + size_text(l.width, l.height) +
-                                  " pixels, the right one " + size_text(r.width, r.height) +
-                                  ": both must be rectified to one size");
-  if (auto ok = check_camera(info.camera, l.width, l.height); !ok) return ok;
-  const auto disparities = s.prepare(l.width, l.height, info.camera);
-  if (!disparities) return tl::unexpected(disparities.error());
-  as_mat(l.pixels.data(), l.width, l.height, CV_8UC1)
-      .copyTo(s.left.colRange(*disparities, *disparities + l.width));
-  as_mat(r.pixels.data(), r.width, r.height, CV_8UC1)
-      .copyTo(s.right.colRange(*disparities, *disparities + r.width));
-  return s.match(l.width, l.height, *disparities, depth);
+  const auto sight = [](const GreyPicture& picture) {
+    return Sight{picture.width, picture.height, 1, picture.pixels};
+  };
+  return state_->find(sight(l), sight(r), info, depth);
 }
 
 void point_cloud(const DepthImage& depth, PointCloud& cloud) {

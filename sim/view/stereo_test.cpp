@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "sim/view/sensor.h"
+#include "sim/view/test_eye.h"
 #include "sim/view/test_scenes.h"
 #include "vision/rectify.h"
 
@@ -55,18 +56,8 @@ TEST(Stereo, DepthIsRightWithinHalfAPixelOfDisparity) {
           const Eigen::Vector3d at(across * depth, down * depth, depth);
           s.pose.frames[static_cast<std::size_t>(ball)].translation() = eye * at;
           vision::StereoImages raw, rectified;
-          const auto look = [&](const Sensor& sensor, const Eigen::Isometry3d& from,
-                                vision::Image& image) {
-            View view;
-            view.camera = sensor.ideal();
-            view.world_from_optical = from * sensor.mounting_from_optical();
-            Picture ideal, picture;
-            ASSERT_TRUE(renderer->render(s.pose, view, ideal));
-            sensor.expose(ideal, exposure, picture);
-            image = {picture.width, picture.height, picture.rgb};
-          };
-          look(left, eye, raw.left);
-          look(right, other, raw.right);
+          raw.left = take(*renderer, s.pose, left, eye, exposure);
+          raw.right = take(*renderer, s.pose, right, other, exposure);
           ++exposure;
           rectifier.rectify(raw, rectified);
           const auto l = red(rectified.left), r = red(rectified.right);

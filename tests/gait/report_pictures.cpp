@@ -83,7 +83,7 @@ Result<void> pictures(const Results& results, const std::vector<Task>& tasks,
     }
     if (!plot.series.empty()) (walks_task ? walks : turns).plots.push_back(std::move(plot));
   }
-  for (const auto& [page, name] : {std::pair{&walks, "gait-paths"}, {&turns, "gait-turns"}}) {
+  for (const auto& [page, name] : {std::pair{&walks, "gait_paths"}, {&turns, "gait_turns"}}) {
     if (page->plots.empty()) continue;
     if (auto written = figure::write_plot_svg(folder + "/" + name + ".svg", *page); !written)
       return written;

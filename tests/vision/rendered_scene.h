@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/view/sensor.h"
+#include "sim/view/test_eye.h"
 #include "sim/view/test_scenes.h"
 #include "vision/rectify.h"
 
@@ -62,18 +63,9 @@ class RenderedScene {
   // Rectified pictures of real eyes: lenses, noise of exposure number `exposure`.
   vision::StereoImages take(Renderer& renderer, std::uint64_t exposure) const {
     vision::StereoImages raw, rectified;
-    const auto look = [&](const Sensor& sensor, const Eigen::Isometry3d& from,
-                          vision::Image& image) {
-      View view;
-      view.camera = sensor.ideal();
-      view.world_from_optical = from * sensor.mounting_from_optical();
-      Picture ideal, picture;
-      EXPECT_TRUE(renderer.render(scene_.pose, view, ideal));
-      sensor.expose(ideal, exposure, picture);
-      image = {picture.width, picture.height, picture.rgb};
-    };
-    look(left_, eye_, raw.left);
-    look(right_, eye_ * Eigen::Translation3d(kEyeBaseline_m, 0, 0), raw.right);
+    raw.left = sim::take(renderer, scene_.pose, left_, eye_, exposure);
+    raw.right = sim::take(renderer, scene_.pose, right_,
+                          eye_ * Eigen::Translation3d(kEyeBaseline_m, 0, 0), exposure);
     rectifier_.rectify(raw, rectified);
     return rectified;
   }

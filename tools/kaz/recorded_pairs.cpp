@@ -243,13 +243,8 @@ Result<Outcome> run_on_pairs(const RecordedOptions& options) {
   if (!files) return tl::unexpected(files.error());
   const auto calibration = vision::read_calibration(options.calibration);
   if (!calibration) return tl::unexpected(calibration.error());
-  vision::BallOptions ball;
-  ball.radius_m = options.radius_m;
-  if (!options.color.empty()) {
-    const auto color = read_color(options.color);
-    if (!color) return tl::unexpected(color.error());
-    ball.color = *color;
-  }
+  const auto ball = ball_options(options);
+  if (!ball) return tl::unexpected(ball.error());
   vision::DepthOptions depth;
   depth.nearest_m = options.nearest_m;
   const auto folder = OutputFolder::open(options.out);
@@ -257,7 +252,7 @@ Result<Outcome> run_on_pairs(const RecordedOptions& options) {
   Looker looker{*modules,
                 *calibration,
                 vision::Rectifier(*calibration),
-                vision::BallDetector(ball),
+                vision::BallDetector(*ball),
                 vision::DepthFinder(depth),
                 vision::PlaneSegmentFinder(),
                 {}};

@@ -223,6 +223,17 @@ Json ball_json(const BallObservation& b) {
   return json;
 }
 
+Result<vision::BallOptions> ball_options(const RecordedOptions& options) {
+  vision::BallOptions ball;
+  ball.radius_m = options.radius_m;
+  if (!options.color.empty()) {
+    const auto color = read_color(options.color);
+    if (!color) return tl::unexpected(color.error());
+    ball.color = *color;
+  }
+  return ball;
+}
+
 Result<Outcome> run_on_pictures(const RecordedOptions& options) {
   if (options.modules != "color")
     return fail(Fault::usage, "--modules '" + options.modules +
@@ -236,13 +247,8 @@ Result<Outcome> run_on_pictures(const RecordedOptions& options) {
   if (!paths) return tl::unexpected(paths.error());
   const auto lens = Lens::of(options);
   if (!lens) return tl::unexpected(lens.error());
-  vision::BallOptions ball;
-  ball.radius_m = options.radius_m;
-  if (!options.color.empty()) {
-    const auto color = read_color(options.color);
-    if (!color) return tl::unexpected(color.error());
-    ball.color = *color;
-  }
+  const auto ball = ball_options(options);
+  if (!ball) return tl::unexpected(ball.error());
   std::error_code error;
   if (fs::equivalent(options.in, options.out, error))
     return fail(Fault::usage,
@@ -250,7 +256,7 @@ Result<Outcome> run_on_pictures(const RecordedOptions& options) {
                 "pictures");
   const auto folder = OutputFolder::open(options.out);
   if (!folder) return tl::unexpected(folder.error());
-  vision::BallDetector detector(ball);
+  vision::BallDetector detector(*ball);
   std::vector<Looked> all;
   {
     Progress progress("kaz vision", options.json);
@@ -263,7 +269,7 @@ Result<Outcome> run_on_pictures(const RecordedOptions& options) {
     }
     progress.update(1, "done");
   }
-  return report(all, options, ball.color, *folder);
+  return report(all, options, ball->color, *folder);
 }
 
 }  // namespace kaz::tools

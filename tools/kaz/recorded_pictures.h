@@ -9,6 +9,7 @@
 
 #include "tools/kaz/verbs.h"
 #include "vision/ball.h"
+#include "vision/depth.h"
 
 namespace kaz::tools {
 
@@ -18,7 +19,7 @@ struct RecordedOptions {
   std::string color, calibration;  // files; empty: the red ball, no calibration
   double view_deg = 0;             // horizontally, of a pinhole, where there is no calibration
   double radius_m = 0.020;
-  double nearest_m = 0.13;  // nearer things get no depth
+  double nearest_m = vision::DepthOptions{}.nearest_m;
   bool json = false;
 };
 
@@ -28,6 +29,8 @@ Result<Outcome> run_on_pictures(const RecordedOptions& options);
 // The same of stereo pairs, with depth and planes: LEFT.pair.png, pairs.csv, result.json.
 Result<Outcome> run_on_pairs(const RecordedOptions& options);
 
+// The ball to look for: its radius, and its colour from the file if one is named.
+Result<vision::BallOptions> ball_options(const RecordedOptions& options);
 // What result.json says of a ball.
 nlohmann::ordered_json ball_json(const vision::BallObservation& ball);
 
