@@ -17,7 +17,6 @@ using Eigen::Vector3d;
 // Joint origins in the parent's frame: shared/robot/kaz/kaz.urdf.
 const Vector3d kNeckPan(0, 0, 0.118), kNeckTilt(0, 0, 0.018);
 constexpr double kEyeX = 0.030, kEyeY = 0.020, kEyeZ = 0.022;  // right eye: y negative
-constexpr double kHipY = 0.033, kThigh = 0.065, kShank = 0.065, kAnkleHeight = 0.030;
 
 // Optical axes (x right, y down, z forward) in a frame with x forward, y left, z up.
 Eigen::Matrix3d optical_axes() {
@@ -42,12 +41,12 @@ Isometry3d trunk_from_eye(const JointAngles& angle, Side eye) {
 
 Isometry3d trunk_from_sole(const JointAngles& angle, Side foot) {
   const bool left = foot == Side::left;
-  return turn({0, left ? kHipY : -kHipY, 0}, angle[left ? l_hip_roll : r_hip_roll],
+  return turn({0, left ? kLeg.hip_y : -kLeg.hip_y, 0}, angle[left ? l_hip_roll : r_hip_roll],
               Vector3d::UnitX()) *
          turn(Vector3d::Zero(), angle[left ? l_hip_pitch : r_hip_pitch], Vector3d::UnitY()) *
-         turn({0, 0, -kThigh}, angle[left ? l_knee : r_knee], Vector3d::UnitY()) *
-         turn({0, 0, -kShank}, angle[left ? l_ankle_pitch : r_ankle_pitch], Vector3d::UnitY()) *
-         Translation3d(0, 0, -kAnkleHeight);
+         turn({0, 0, -kLeg.thigh}, angle[left ? l_knee : r_knee], Vector3d::UnitY()) *
+         turn({0, 0, -kLeg.shank}, angle[left ? l_ankle_pitch : r_ankle_pitch], Vector3d::UnitY()) *
+         Translation3d(0, 0, -kLeg.ankle_height);
 }
 
 Side supporting_foot(const JointAngles& angle) {

@@ -14,6 +14,13 @@ namespace kaz::host {
 
 enum class Side { left, right };
 
+// Of the URDF, m: hip axes off the middle, bones between the pitch joints, ankle above the sole. The
+// test that compares the soles' places with the URDF compares these.
+struct LegGeometry {
+  double hip_y = 0.033, thigh = 0.065, shank = 0.065, ankle_height = 0.030;
+};
+inline constexpr LegGeometry kLeg;
+
 // Pose of an eye's optical frame in the trunk's frame. Exact to 0.01 mm with the URDF (a test
 // compares).
 Eigen::Isometry3d trunk_from_eye(const JointAngles& angle, Side eye = Side::left);

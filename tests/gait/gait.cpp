@@ -49,12 +49,14 @@ JointAngles stepping(const Shape& shape, double phase, double amplitude, Forward
 }  // namespace
 
 Leg leg_to(const Body& body, Side side, double forward, double lift) {
-  using Eigen::AngleAxisd, Eigen::Vector3d;
-  const Vector3d hip =
-      Vector3d(body.x, 0, body.z) + AngleAxisd(body.pitch, Vector3d::UnitY()) *
-                                        (AngleAxisd(body.roll, Vector3d::UnitX()) *
-                                         Vector3d(0, side == Side::left ? kHipSide : -kHipSide, 0));
-  const double along = forward - hip.x(), down = hip.z() - (lift + kAnkleHeight);
+  using Eigen::AngleAxisd, Eigen::Vector3d, host::kLeg;
+  static_assert(kLeg.thigh == kLeg.shank);
+  constexpr double kBone = kLeg.thigh;
+  const Vector3d hip = Vector3d(body.x, 0, body.z) +
+                       AngleAxisd(body.pitch, Vector3d::UnitY()) *
+                           (AngleAxisd(body.roll, Vector3d::UnitX()) *
+                            Vector3d(0, side == Side::left ? kLeg.hip_y : -kLeg.hip_y, 0));
+  const double along = forward - hip.x(), down = hip.z() - (lift + kLeg.ankle_height);
   const double length = std::min(std::hypot(along, down), 2 * kBone);
   Leg leg;
   leg.hip_roll = -body.roll;

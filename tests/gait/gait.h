@@ -18,7 +18,6 @@ namespace kaz::gait {
 using host::JointAngles;
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
-constexpr double kHipSide = 0.033, kAnkleHeight = 0.030, kBone = 0.065;  // of the body
 
 // Where the middle of the hips is, seen from the middle of the ankles on the floor below it.
 struct Body {
