@@ -62,6 +62,7 @@ const std::vector<Program>& programs() {
         "vision.regions_ms.640", "vision.ball_ms.320", "vision.ball_ms.640", "vision.depth_ms.320",
         "vision.depth_ms.640", "peer.opencv_stereobm_ms.320", "peer.opencv_stereobm_ms.640",
         "vision.psf_ms.320", "vision.psf_ms.640"}},
+      {"map_bench", "cpu_time", {"vision.map_ms.320", "vision.map_ms.640"}},
   };
   return all;
 }

@@ -1,0 +1,124 @@
+// The local map: where there is floor and where there are obstacles around the robot.
+// SPDX-License-Identifier: Apache-2.0
+//
+// After the paper, section 4.1 "Conversion of Coordinates to Generate Local Map" and "Map Merging":
+// what each picture shows of the floor is put where the eyes were when it was taken, and pictures
+// are merged cell by cell, with a confidence.
+//
+// Frame of the map: x forward, y left, z up, as the foot frame (vision/frame.h) of the moment the
+// map was begun; the floor is z = 0. Units m, px.
+//
+// One picture, one vote a cell:
+// - Floor. The middle of each cell in view is projected into the picture. Where a pixel of the
+//   floor segment is, the cell is seen as floor. Asked from the map's side there are no holes far
+//   away, where a pixel is larger than a cell, and nothing behind an obstacle is cleared.
+// - Obstacle. Each other pixel with a depth is placed as a point. One above the floor by more than
+//   `obstacle_m` and by more than twice what its height may err, and lower than the robot, votes
+//   for its cell. A whole vote is a quarter of a cell's width and height full of pixels. A point in a cell
+//   that the same picture shows as floor is put farther along its ray, by twice its error at most,
+//   into one that is not: stereo errs along the ray, and a face does not stand before its own foot.
+// A vote weighs cell_m / dz, 1 at most, with dz = z^2 / (fx baseline) disparity_error_px what depth
+// errs at z. Votes add up as log-odds, so their order does not count until a cell is full.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "shared/base/result.hpp"
+#include "vision/depth.h"
+#include "vision/frame.h"
+#include "vision/plane_segments.h"
+
+namespace kaz::map {
+
+enum class CellState { unknown, floor, obstacle };
+
+struct LocalMapOptions {
+  double cell_m = 0.01;
+  double size_m = 4.0;              // side; the origin is in the middle. 2..2000 cells
+  double farthest_m = 1.5;          // from the eye over the floor: beyond it nothing is entered
+  double obstacle_m = 0.015;        // lower things are none
+  double robot_m = 0.36;            // higher things pass above the robot
+  double own_m = 0.13;              // points nearer to the foot's middle are the robot's own body
+  double disparity_error_px = 0.2;  // one sigma
+};
+
+struct Cell {
+  CellState state = CellState::unknown;
+  double confidence = 0;  // 0..1: |2p - 1|, p the probability of an obstacle
+};
+
+// What stands under a rectangle: free only if all of it is known to be floor.
+enum class Footprint { free, blocked, unknown };
+
+struct MapCounts {
+  std::uint64_t updates = 0;
+  std::uint64_t without_posture = 0;  // refused
+  std::uint64_t out_of_order = 0;     // refused
+};
+
+class LocalMap {
+ public:
+  // Errors: options out of range.
+  static Result<LocalMap> make(const LocalMapOptions& options = {});
+
+  // Enters one pair's floor and depth, seen with `info` (as a rule planes.info), the foot of that
+  // moment standing at `map_from_foot` with its sole on z = 0. After an error nothing is changed
+  // but counts(). Errors: the posture at the exposure is not known; the exposure is not later than
+  // that of the last update; planes and depth of different moments or sizes, no camera model,
+  // numbers that are not finite.
+  Result<void> update(const vision::PlaneSegments& planes, const vision::DepthImage& depth,
+                      const vision::FrameInfo& info,
+                      const Eigen::Isometry3d& map_from_foot = Eigen::Isometry3d::Identity());
+  void clear();
+
+  // Cells by number; 0 is at the rear right corner. Outside the map all is unknown.
+  int cells() const { return cells_; }  // along each side
+  const LocalMapOptions& options() const { return options_; }
+  Cell cell(int x, int y) const;
+  Cell at(double x_m, double y_m) const { return cell(number(x_m), number(y_m)); }
+  int number(double m) const;     // of the cell in which this coordinate lies
+  double middle(int cell) const;  // m
+  // Log-odds of an obstacle; 0 where unknown.
+  double log_odds(int x, int y) const;
+
+  // A rectangle of `length_m` along its own forward axis and `width_m`, any cell of which it covers
+  // the middle counting; `pose` is that of its middle in the map.
+  Footprint footprint(const Eigen::Isometry2d& pose, double length_m, double width_m) const;
+
+  // Floor green, obstacle red, unknown grey; paler where less sure. Forward is up, one pixel a
+  // cell.
+  vision::Image picture() const;
+  const MapCounts& counts() const { return counts_; }
+
+ private:
+  struct View;
+  explicit LocalMap(const LocalMapOptions& options);
+  Result<void> check(const vision::PlaneSegments& planes, const vision::DepthImage& depth,
+                     const vision::FrameInfo& info, const Eigen::Isometry3d& map_from_foot);
+  void see_floor(const View& view, const vision::PlaneSegments& planes);
+  void see_obstacles(const View& view, const vision::PlaneSegments& planes,
+                     const vision::DepthImage& depth, const Eigen::Vector2d& foot);
+  void enter_obstacles();
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(x) * static_cast<std::size_t>(cells_) +
+           static_cast<std::size_t>(y);
+  }
+
+  LocalMapOptions options_;
+  int cells_ = 0;
+  Time last_{};
+  MapCounts counts_;
+  std::vector<std::int16_t> odds_;  // in steps of kStep
+  // Of the picture that is being entered.
+  std::vector<std::uint32_t> seen_;  // number of the update that last showed floor here
+  std::vector<float> hits_;          // obstacles' votes
+  std::vector<std::uint32_t> touched_;
+  std::vector<int> row_u_, row_v_, row_vote_;  // of a row of cells
+  std::vector<float> row_up_;                  // of a row of pixels: height, m
+};
+
+}  // namespace kaz::map

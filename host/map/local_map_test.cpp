@@ -1,0 +1,279 @@
+// The local map from depth images made of rays: what it shows, and what must not change it.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/map/local_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "host/map/test_view.h"
+
+namespace kaz::map {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+LocalMap make(const LocalMapOptions& options = {}) {
+  return LocalMap::make(options).value();
+}
+
+void enter(LocalMap& map, const TestSight& sight,
+           const Isometry3d& map_from_foot = Isometry3d::Identity()) {
+  const auto done = map.update(sight.planes, sight.depth, sight.depth.info, map_from_foot);
+  ASSERT_TRUE(done) << done.error().message;
+}
+
+bool same(const LocalMap& a, const LocalMap& b) {
+  for (int x = 0; x < a.cells(); ++x) {
+    for (int y = 0; y < a.cells(); ++y) {
+      if (a.log_odds(x, y) != b.log_odds(x, y)) return false;
+    }
+  }
+  return true;
+}
+
+int known(const LocalMap& map) {
+  int n = 0;
+  for (int x = 0; x < map.cells(); ++x) {
+    for (int y = 0; y < map.cells(); ++y) n += map.cell(x, y).state != CellState::unknown ? 1 : 0;
+  }
+  return n;
+}
+
+const TestYard kBoxAhead{{{{0.50, 0.05, 0.05}, {0.10, 0.20, 0.10}}}};
+
+// Box from 0.45 to 0.55 m ahead, 0.05 m right to 0.15 m left.
+TEST(LocalMap, ShowsFloorABoxAndNothingOfWhatTheBoxHides) {
+  LocalMap map = make();
+  for (std::uint64_t k = 1; k <= 3; ++k) enter(map, kBoxAhead.seen(test_eye(0, 0.5), 0.1, k));
+  for (const double y : {-0.2, -0.1, -0.06, 0.0, 0.1, 0.16, 0.25})
+    EXPECT_EQ(map.at(0.35, y).state, CellState::floor) << y;
+  EXPECT_EQ(map.at(0.445, 0.05).state, CellState::floor);
+  for (const double y : {-0.03, 0.0, 0.05, 0.1})
+    EXPECT_EQ(map.at(0.455, y).state, CellState::obstacle) << y;
+  EXPECT_EQ(map.at(0.5, 0.05).state, CellState::obstacle);  // its top
+  // Its top edge at 0.55 m is seen from 0.27 m: up to 0.55 * 0.27 / 0.17 = 0.87 m all is hidden.
+  for (double x = 0.57; x < 0.86; x += 0.02)
+    EXPECT_EQ(map.at(x, 0.05).state, CellState::unknown) << x;
+  EXPECT_EQ(map.at(0.95, 0.05).state, CellState::floor);
+  EXPECT_EQ(map.at(-0.3, 0).state, CellState::unknown);
+  EXPECT_EQ(map.at(9, 9).state, CellState::unknown);
+  EXPECT_EQ(map.counts().updates, 3U);
+}
+
+// Each cell whose middle is in view is known: none is left out where a pixel is larger than a cell.
+TEST(LocalMap, HasNoHolesInTheFloorFarAway) {
+  for (const int width : {160, 320, 640}) {
+    LocalMap map = make();
+    const TestSight sight = TestYard{}.seen(test_eye(0.3, 0.45), 0, 1, width);
+    enter(map, sight);
+    const vision::CameraModel& c = sight.depth.info.camera;
+    int in_view = 0;
+    for (int x = 0; x < map.cells(); ++x) {
+      for (int y = 0; y < map.cells(); ++y) {
+        const Vector3d at(map.middle(x), map.middle(y), 0);
+        const Vector3d p = sight.depth.info.foot_from_eye.inverse() * at;
+        const double u = c.fx * p.x() / p.z() + c.cx, v = c.fy * p.y() / p.z() + c.cy;
+        const bool view = p.z() > 0.03 && u > -0.5 && v > -0.5 && u < width - 0.5 &&
+                          v < c.height - 0.5 && at.norm() < 1.5;
+        const double edge =
+            std::min(std::min(std::abs(u + 0.5), std::abs(v + 0.5)),
+                     std::min(std::abs(u - width + 0.5), std::abs(v - c.height + 0.5)));
+        if (edge < 2e-3 || std::abs(at.norm() - 1.5) < 1e-6) continue;  // of single precision
+        EXPECT_EQ(map.log_odds(x, y) < 0, view) << width << ": " << at.transpose();
+        in_view += view ? 1 : 0;
+      }
+    }
+    EXPECT_GT(in_view, 5000);
+  }
+}
+
+TEST(LocalMap, EdgesAreWithinACellFromAnySideAndWithNoise) {
+  for (const double pan : {-0.5, 0.0, 0.4}) {
+    LocalMap map = make();
+    for (std::uint64_t k = 1; k <= 8; ++k)
+      enter(map, kBoxAhead.seen(test_eye(pan, 0.5), 0.2, k, 640));
+    for (double y = -0.045; y < 0.15; y += 0.01) {
+      const Vector3d p = test_eye(pan, 0.5).inverse() * Vector3d(0.45, y, 0);
+      if (std::abs(p.x()) > 0.8 * p.z()) continue;  // out of view
+      double x = 0.35;
+      while (map.at(x, y).state == CellState::floor) x += 0.001;
+      EXPECT_NEAR(x, 0.45, 0.01) << pan << " " << y;
+    }
+  }
+}
+
+TEST(LocalMap, TakesWhatIsAboveTheFloorForAnObstacleAlsoWhereFloorIsSeenBelow) {
+  // A board over the floor, 8 to 10 cm high: what is under its front edge is seen by both.
+  const TestYard yard{{{{0.55, 0, 0.09}, {0.30, 0.4, 0.02}}}};
+  LocalMap map = make();
+  for (std::uint64_t k = 1; k <= 3; ++k) enter(map, yard.seen(test_eye(0, 0.5), 0.1, k));
+  EXPECT_EQ(map.at(0.41, 0).state, CellState::obstacle);
+  EXPECT_EQ(map.at(0.45, 0).state, CellState::obstacle);
+  EXPECT_EQ(map.at(0.38, 0).state, CellState::floor);
+}
+
+TEST(LocalMap, IgnoresWhatIsLowHighOrTheRobotsOwn) {
+  const TestYard yard{{{{0.40, 0, 0.005}, {0.1, 0.3, 0.01}},       // a mat of 1 cm
+                       {{0.70, 0, 0.45}, {0.05, 0.6, 0.1}},        // a beam from 0.40 m up
+                       {{0.09, 0.03, 0.05}, {0.04, 0.04, 0.1}}}};  // a knee
+  LocalMap map = make();
+  enter(map, yard.seen(test_eye(0, 0.2)));
+  enter(map, yard.seen(test_eye(0, 0.8), 0, 2));
+  EXPECT_GT(known(map), 1000);
+  for (int x = 0; x < map.cells(); ++x) {
+    for (int y = 0; y < map.cells(); ++y)
+      ASSERT_NE(map.cell(x, y).state, CellState::obstacle) << map.middle(x) << " " << map.middle(y);
+  }
+}
+
+TEST(LocalMap, TrustsFarThingsLess) {
+  LocalMap map = make();
+  enter(map, TestYard{}.seen(test_eye(0, 0.4)));
+  EXPECT_GT(map.at(0.4, 0).confidence, 1.2 * map.at(1.2, 0).confidence);
+  EXPECT_GT(map.at(1.2, 0).confidence, 0);
+  const double before = map.at(0.4, 0).confidence;
+  enter(map, TestYard{}.seen(test_eye(0, 0.4), 0, 2));
+  EXPECT_GT(map.at(0.4, 0).confidence, before);
+}
+
+// The same sights under other numbers: the order of times is given, that of contents is not.
+TEST(LocalMap, IsTheSameInAnyOrderOfUpdates) {
+  std::vector<TestSight> sights;
+  for (std::uint64_t k = 0; k < 7; ++k)
+    sights.push_back(kBoxAhead.seen(
+        test_eye(0.5 * keyed_normal(3, k, 0), 0.5 + 0.1 * keyed_normal(3, k, 1)), 0.15, k + 1));
+  LocalMap there = make(), back = make(), mixed = make();
+  const auto enter_as = [&](LocalMap& map, std::size_t which, std::uint64_t number) {
+    TestSight s = sights[which];
+    s.planes.info.exposure = s.depth.info.exposure = Time(number);
+    enter(map, s);
+  };
+  for (std::size_t k = 0; k < 7; ++k) {
+    enter_as(there, k, k + 1);
+    enter_as(back, 6 - k, k + 1);
+    enter_as(mixed, (3 * k + 2) % 7, k + 1);
+  }
+  EXPECT_GT(known(there), 3000);
+  EXPECT_TRUE(same(there, back));
+  EXPECT_TRUE(same(there, mixed));
+}
+
+// Whole cells and quarter turns move cells onto cells. Rounding decides which pixel shows a cell
+// whose middle falls between two: one in a thousand may differ there.
+TEST(LocalMap, MovesWithTheFoot) {
+  const TestSight sight = kBoxAhead.seen(test_eye(0.2, 0.5), 0.1);
+  LocalMap still = make(), moved = make(), turned = make();
+  enter(still, sight);
+  Isometry3d step = Isometry3d::Identity();
+  step.translation() << 0.25, -0.13, 0;
+  enter(moved, sight, step);
+  Isometry3d turn = Isometry3d::Identity();
+  turn.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // 90 degrees to the left: x, y go to -y, x
+  enter(turned, sight, turn);
+  int differ = 0;
+  for (int x = 30; x < still.cells() - 30; ++x) {
+    for (int y = 30; y < still.cells() - 30; ++y) {
+      const double here = still.log_odds(x, y);
+      differ += std::abs(moved.log_odds(x + 25, y - 13) - here) > 0.02 ? 1 : 0;
+      differ += std::abs(turned.log_odds(still.cells() - 1 - y, x) - here) > 0.02 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(known(still), 3000);
+  EXPECT_LT(differ, known(still) / 500);
+}
+
+TEST(LocalMap, RefusesWhatItCannotPlaceAndStaysAsItIs) {
+  LocalMap map = make();
+  const TestSight good = kBoxAhead.seen(test_eye(0, 0.5), 0, 5);
+  enter(map, good);
+  const LocalMap before = map;
+  const auto refuses = [&](auto&& spoil) {
+    TestSight s = kBoxAhead.seen(test_eye(0.2, 0.5), 0, 6);
+    Isometry3d foot = Isometry3d::Identity();
+    spoil(s, foot);
+    const auto done = map.update(s.planes, s.depth, s.depth.info, foot);
+    EXPECT_FALSE(done);
+    EXPECT_TRUE(same(map, before));
+    EXPECT_EQ(map.counts().updates, 1U);
+    return done ? std::string() : done.error().message;
+  };
+  EXPECT_NE(
+      refuses([](TestSight& s, auto&) { s.depth.info.posture_known = false; }).find("posture"),
+      std::string::npos);
+  EXPECT_EQ(map.counts().without_posture, 1U);
+  for (const Time late : {Time(0), good.depth.info.exposure})
+    refuses([&](TestSight& s, auto&) { s.depth.info.exposure = s.planes.info.exposure = late; });
+  EXPECT_EQ(map.counts().out_of_order, 2U);
+  refuses([](TestSight& s, auto&) { s.planes.info.exposure += Time(1); });
+  refuses([](TestSight& s, auto&) { s.planes.label.pop_back(); });
+  refuses([](TestSight& s, auto&) { s.planes.label[7] = 9; });
+  refuses([](TestSight& s, auto&) { s.depth.width = 0; });
+  refuses([](TestSight& s, auto&) { s.depth.info.camera.baseline_m = 0; });
+  refuses([](TestSight& s, auto&) { s.depth.info.camera.width = 640; });
+  refuses([](TestSight&, Isometry3d& foot) { foot.translation().x() = std::nan(""); });
+  enter(map, kBoxAhead.seen(test_eye(0, 0.5), 0, 6));  // and goes on
+  map.clear();
+  EXPECT_EQ(known(map), 0);
+  enter(map, good);
+  EXPECT_TRUE(same(map, before));
+}
+
+TEST(LocalMap, SurvivesDepthsOfAnySize) {
+  LocalMap map = make();
+  TestSight s = kBoxAhead.seen(test_eye(0, 0.5));
+  const float odd[] = {std::nanf(""), INFINITY, -INFINITY, -3.0F, 1e-30F, 1e30F, 0.0F};
+  for (std::size_t k = 0; k < s.depth.disparity_px.size(); ++k) {
+    s.depth.disparity_px[k] = odd[k % 7];
+    s.planes.label[k] = 0;
+  }
+  enter(map, s);
+  EXPECT_EQ(known(map), 0);
+}
+
+TEST(LocalMap, TellsWhetherAFootprintIsFree) {
+  LocalMap map = make();
+  for (std::uint64_t k = 1; k <= 3; ++k) enter(map, kBoxAhead.seen(test_eye(0, 0.5), 0, k));
+  const auto at = [&](double x, double y, double turn, double length = 0.10) {
+    return map.footprint(Eigen::Translation2d(x, y) * Eigen::Rotation2Dd(turn), length, 0.06);
+  };
+  EXPECT_EQ(at(0.36, 0, 0), Footprint::free);
+  EXPECT_EQ(at(0.36, 0, 1.2), Footprint::free);
+  EXPECT_EQ(at(0.42, 0, 0), Footprint::blocked);
+  EXPECT_EQ(at(0.42, 0, M_PI / 2), Footprint::free);  // sideways it fits before the box
+  EXPECT_EQ(at(-0.5, 0, 0), Footprint::unknown);
+  EXPECT_EQ(at(2.0, 0, 0), Footprint::unknown);
+  EXPECT_EQ(map.footprint(Eigen::Isometry2d(Eigen::Translation2d(0.361, 0.001)), 1e-3, 1e-3),
+            Footprint::free);
+}
+
+TEST(LocalMap, IsDrawnWithForwardUp) {
+  LocalMap map = make();
+  enter(map, kBoxAhead.seen(test_eye(0, 0.5)));
+  const vision::Image image = map.picture();
+  ASSERT_EQ(image.width, map.cells());
+  const auto pixel = [&](double x, double y) {
+    const int row = map.cells() - 1 - map.number(x), column = map.cells() - 1 - map.number(y);
+    return &image.rgb[3 * static_cast<std::size_t>(row * image.width + column)];
+  };
+  EXPECT_GT(pixel(0.35, 0.2)[1], pixel(0.35, 0.2)[0]);    // green
+  EXPECT_GT(pixel(0.455, 0.1)[0], pixel(0.455, 0.1)[1]);  // red, left of the middle
+  EXPECT_EQ(pixel(-1, 0)[0], 150);
+  EXPECT_LT(map.cells() - 1 - map.number(0.5), map.cells() / 2);
+}
+
+TEST(LocalMap, RefusesOptionsThatMakeNoMap) {
+  for (const auto& spoil :
+       {+[](LocalMapOptions& o) { o.cell_m = 0; }, +[](LocalMapOptions& o) { o.size_m = 1e6; },
+        +[](LocalMapOptions& o) { o.size_m = std::nan(""); },
+        +[](LocalMapOptions& o) { o.disparity_error_px = -1; },
+        +[](LocalMapOptions& o) { o.robot_m = 0.01; }}) {
+    LocalMapOptions options;
+    spoil(options);
+    EXPECT_FALSE(LocalMap::make(options));
+  }
+}
+
+}  // namespace
+}  // namespace kaz::map

@@ -1,0 +1,170 @@
+// How a picture's floor and points become votes for cells.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/map/votes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace kaz::map {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kNearest_m = 0.03;  // of the lens: nothing is seen nearer
+
+std::array<bool, 256> floor_labels(const vision::PlaneSegments& planes) {
+  std::array<bool, 256> floor{};
+  for (std::size_t k = 0; k < planes.segments.size() && k < 255; ++k)
+    floor[k + 1] = planes.segments[k].floor;
+  return floor;
+}
+
+std::int16_t added(std::int16_t odds, int steps) {
+  constexpr int kFull = static_cast<int>(kMost / kStep);
+  return static_cast<std::int16_t>(std::clamp(odds + steps, -kFull, kFull));
+}
+
+// Narrows [from, to] to where a + b k >= 0.
+void keep_above(double a, double b, double& from, double& to) {
+  if (b > 0) {
+    from = std::max(from, -a / b);
+  } else if (b < 0) {
+    to = std::min(to, -a / b);
+  } else if (a < 0) {
+    to = from - 1;
+  }
+}
+
+}  // namespace
+
+// Along a row of cells (y goes on) the middle's place in the picture, (u w, v w, w), is linear in
+// the cell's number: which cells are in view follows from the picture's four edges.
+void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes) {
+  const vision::CameraModel& c = view.camera;
+  const std::array<bool, 256> floor = floor_labels(planes);
+  if (std::find(floor.begin(), floor.end(), true) == floor.end()) return;
+  Matrix3d k;
+  k << c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1;
+  const Matrix3d turn = k * view.eye.linear().transpose();
+  const Vector3d eye = view.eye.translation(), step = turn.col(1) * options_.cell_m;
+  if (eye.z() <= 0) return;  // below the floor: nothing of it is in view
+  const auto update = static_cast<std::uint32_t>(counts_.updates);
+  const int width = c.width, height = c.height;
+  int *const row_u = row_u_.data(), *const row_v = row_v_.data(),
+             *const row_vote = row_vote_.data();
+  const int first_x = std::max(0, number(eye.x() - options_.farthest_m));
+  const int last_x = std::min(cells_ - 1, number(eye.x() + options_.farthest_m));
+  for (int x = first_x; x <= last_x; ++x) {
+    const double dx = middle(x) - eye.x();
+    const double aside = options_.farthest_m * options_.farthest_m - dx * dx;
+    if (aside < 0) continue;
+    const double reach = std::sqrt(aside) / options_.cell_m;
+    const double under = (eye.y() - middle(0)) / options_.cell_m;
+    double from = std::max(0.0, under - reach), to = std::min(cells_ - 1.0, under + reach);
+    const Vector3d at = turn * (Vector3d(middle(x), middle(0), 0) - eye);
+    keep_above(at.z() - kNearest_m, step.z(), from, to);
+    keep_above(at.x() + 0.5 * at.z(), step.x() + 0.5 * step.z(), from, to);
+    keep_above(at.y() + 0.5 * at.z(), step.y() + 0.5 * step.z(), from, to);
+    keep_above((width - 0.5) * at.z() - at.x(), (width - 0.5) * step.z() - step.x(), from, to);
+    keep_above((height - 0.5) * at.z() - at.y(), (height - 0.5) * step.z() - step.y(), from, to);
+    if (from > to) continue;
+    // Single precision errs by a thousandth of a pixel, and goes four at a time.
+    const int first = static_cast<int>(std::ceil(from)), count = static_cast<int>(to) - first + 1;
+    const Eigen::Vector3f at0 = (at + first * step).cast<float>(), step1 = step.cast<float>();
+    const auto votes = static_cast<float>(kFloorVote / kStep);
+    const auto weight_z2 = static_cast<float>(view.weight_z2);
+    for (int n = 0; n < count; ++n) {
+      const auto y = static_cast<float>(n);
+      const float w = 1 / (at0.z() + y * step1.z());
+      row_u[n] = static_cast<int>((at0.x() + y * step1.x()) * w + 0.5F);
+      row_v[n] = static_cast<int>((at0.y() + y * step1.y()) * w + 0.5F);
+      row_vote[n] = static_cast<int>(votes * std::min(1.0F, weight_z2 * w * w) + 0.5F);
+    }
+    const std::size_t row = index(x, first);
+    for (int n = 0; n < count; ++n) {
+      // Rounding may put a cell on the very edge one pixel outside.
+      const int u = std::clamp(row_u[n], 0, width - 1), v = std::clamp(row_v[n], 0, height - 1);
+      if (!floor[planes.label[static_cast<std::size_t>(v * width + u)]]) continue;
+      const std::size_t cell = row + static_cast<std::size_t>(n);
+      odds_[cell] = added(odds_[cell], -row_vote[n]);
+      seen_[cell] = update;
+    }
+  }
+}
+
+// Points are placed in single precision: within a hundredth of a millimetre.
+void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& planes,
+                             const vision::DepthImage& depth, const Vector2d& foot) {
+  const vision::CameraModel& c = view.camera;
+  const std::array<bool, 256> floor = floor_labels(planes);
+  const auto update = static_cast<std::uint32_t>(counts_.updates);
+  // Of pixels that are looked at: some two a cell at 1 m, of rows one.
+  const int stride = std::max(1, depth.width / 320), stride_v = std::max(1, depth.width / 160);
+  const Eigen::Vector3f eye = view.eye.translation().cast<float>();
+  const Eigen::Vector3f along = (view.eye.linear().col(0) / c.fx).cast<float>();
+  const auto fb = static_cast<float>(view.fb);
+  const auto low = static_cast<float>(options_.obstacle_m);
+  const auto high = static_cast<float>(options_.robot_m);
+  const auto farthest2 = static_cast<float>(options_.farthest_m * options_.farthest_m);
+  const auto own2 = static_cast<float>(options_.own_m * options_.own_m);
+  const auto error = static_cast<float>(options_.disparity_error_px);
+  const auto weight_z2 = static_cast<float>(view.weight_z2);
+  // Votes of a pixel at 1 m.
+  const auto share = static_cast<float>(kFullAt * stride * stride_v /
+                                        (c.fx * options_.cell_m * c.fx * options_.cell_m));
+  const auto nearest_d = static_cast<float>(view.fb / kNearest_m);
+  const auto per_m = static_cast<float>(1 / options_.cell_m),
+             half = 0.5F * static_cast<float>(cells_);
+  const auto cells = static_cast<float>(cells_);
+  const auto cell_of = [&](float z, const Eigen::Vector3f& ray) {
+    const float x = (eye.x() + z * ray.x()) * per_m + half;
+    const float y = (eye.y() + z * ray.y()) * per_m + half;
+    if (!(x >= 0 && y >= 0 && x < cells && y < cells)) return -1;
+    return static_cast<int>(index(static_cast<int>(x), static_cast<int>(y)));
+  };
+  const int width = depth.width;
+  float* const up = row_up_.data();
+  for (int v = stride_v / 2; v < depth.height; v += stride_v) {
+    const Eigen::Vector3f start = (view.eye.linear() * Vector3d(-c.cx / c.fx, (v - c.cy) / c.fy, 1))
+                                      .cast<float>();  // of the ray at u = 0
+    const float* d = depth.disparity_px.data() + static_cast<std::ptrdiff_t>(v) * width;
+    const std::uint8_t* label = planes.label.data() + static_cast<std::ptrdiff_t>(v) * width;
+    for (int u = 0; u < width; ++u)
+      up[u] = eye.z() + fb / d[u] * (start.z() + static_cast<float>(u) * along.z());
+    for (int u = stride / 2; u < width; u += stride) {
+      if (!(up[u] > low && up[u] < high) || floor[label[u]]) continue;
+      if (!(d[u] > 0 && d[u] < nearest_d)) continue;
+      const Eigen::Vector3f ray = start + static_cast<float>(u) * along;
+      const float z = fb / d[u];
+      if (up[u] < 2 * z * z / fb * error * std::abs(ray.z())) continue;
+      const Eigen::Vector2f way = z * ray.head<2>();  // over the floor
+      if (way.squaredNorm() > farthest2) continue;
+      if ((eye.head<2>() + way - foot.cast<float>()).squaredNorm() < own2) continue;
+      int cell = cell_of(z, ray);
+      for (int sigmas = 1; cell >= 0 && sigmas <= 2; ++sigmas) {
+        const float farther = d[u] - static_cast<float>(sigmas) * error;
+        if (seen_[static_cast<std::size_t>(cell)] != update || farther <= 0) break;
+        const int other = cell_of(fb / farther, ray);
+        if (other >= 0 && seen_[static_cast<std::size_t>(other)] != update) cell = other;
+      }
+      if (cell < 0) continue;
+      float& hits = hits_[static_cast<std::size_t>(cell)];
+      if (hits == 0) touched_.push_back(static_cast<std::uint32_t>(cell));
+      hits += share * std::min(z * z, weight_z2);
+    }
+  }
+}
+
+void LocalMap::enter_obstacles() {
+  for (const std::uint32_t cell : touched_) {
+    const double vote = std::min(1.0, static_cast<double>(hits_[cell]));
+    odds_[cell] = added(odds_[cell], static_cast<int>(std::lround(vote * kObstacleVote / kStep)));
+    hits_[cell] = 0;
+  }
+  touched_.clear();
+}
+
+}  // namespace kaz::map
