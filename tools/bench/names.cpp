@@ -70,6 +70,12 @@ std::vector<Name> all_names() {
       {"vision.psf_ms.640", "ms", 3, 1.4, false, 3},
       {"vision.map_ms.320", "ms", 0.5, 0, false, 3},
       {"vision.map_ms.640", "ms", 0, 0, false, 3},
+      {"vision.flow_ms.320", "ms", 0.8, 0.55, false, 3},
+      {"vision.flow_ms.640", "ms", 4, 2.7, false, 3},
+      {"peer.opencv_dis_ms.320", "ms", 0, 0, false, 3},
+      {"peer.opencv_dis_ms.640", "ms", 0, 0, false, 3},
+      {"vision.sparse_flow_ms.320", "ms", 0, 0, false, 3},
+      {"vision.sparse_flow_ms.640", "ms", 0, 0, false, 3},
   };
   const auto view = std::find_if(all.begin(), all.end(),
                                  [](const Name& name) { return name.name == "view.pair_ms.320"; });

@@ -63,6 +63,10 @@ const std::vector<Program>& programs() {
         "vision.depth_ms.640", "peer.opencv_stereobm_ms.320", "peer.opencv_stereobm_ms.640",
         "vision.psf_ms.320", "vision.psf_ms.640"}},
       {"map_bench", "cpu_time", {"vision.map_ms.320", "vision.map_ms.640"}},
+      {"flow_bench",
+       "cpu_time",
+       {"vision.flow_ms.320", "vision.flow_ms.640", "peer.opencv_dis_ms.320",
+        "peer.opencv_dis_ms.640", "vision.sparse_flow_ms.320", "vision.sparse_flow_ms.640"}},
   };
   return all;
 }
