@@ -1,60 +1,101 @@
-// Where vision runs: beside the control loop, with results delivered at a defined time.
+// Modules of vision at work: each on its own thread, results delivered to subscribers with the
+// frame they are of.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Design section 3. In lockstep a result arrives exactly a declared latency after its picture,
-// however long the computation took; against the wall clock it arrives when it is done, and old
-// pictures are skipped.
+// Paper section 4.1: a module broadcasts its result, and the frame information it is of, to those
+// that follow. Two paces:
+// - lockstep: all frames are looked at, and a result is delivered exactly its declared latency
+//   after what it needs, in simulated time. The same run again gives the same results at the same
+//   times.
+// - real time: a module that is not done when frames come in looks at the newest of them next; older
+//   ones are dropped for it and for what needs it, and counted. Results are delivered when done.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <stop_token>
+#include <string>
+#include <vector>
 
-#include "vision/frame.h"
+#include "vision/module.h"
 
 namespace kaz::vision {
 
-// One module's work on one frame.
-struct Work {
-  const void* module =
-      nullptr;  // whose work: of one module, the newest waiting frame wins in real time
-  Time due{};   // when the result exists in simulated time
-  // On a worker thread. Must return soon once the token is stopped, and must not throw:
-  // run_guarded() of this header turns exceptions into an Error.
-  std::function<void(std::stop_token)> run;
-  std::function<void()> deliver;  // on the thread that calls poll(), after run() returned
+enum class Pace { lockstep, realtime };
+
+struct PipelineOptions {
+  Pace pace = Pace::lockstep;
+  Time camera_latency{};  // from exposure to arrival at the host; counts in lockstep
 };
 
-struct ExecutorStatistics {
-  std::uint64_t submitted = 0, delivered = 0;
-  std::uint64_t dropped = 0;  // replaced by a newer frame before work on them began
+// Of one module, since the pipeline began.
+struct ModuleStatistics {
+  std::string name;
+  std::uint64_t delivered = 0, failed = 0;
+  std::uint64_t dropped = 0;  // a newer frame came before work on this one began
+  // Of the last thousand frames: time the module computed, on the wall clock, s.
+  double computing_median_s = 0, computing_p95_s = 0, computing_most_s = 0;
+  // The same from exposure to delivery, in the host's time (simulated in lockstep), s.
+  double age_median_s = 0, age_p95_s = 0, age_most_s = 0;
 };
 
-// submit(), poll() and statistics() belong to one thread. The destructor stops and joins the
-// workers; work not delivered by then is forgotten.
-class Executor {
+// One result as it is delivered: times for a log.
+struct Delivery {
+  std::string_view module;
+  std::uint64_t sequence = 0;
+  Time exposure{}, delivered{};
+  double computing_s = 0;
+  bool failed = false;
+};
+
+// All calls belong to one thread, on which subscribers are called, too. The destructor stops the
+// modules, also while pixels are still awaited; what was not delivered by then is forgotten.
+class Pipeline {
  public:
-  virtual ~Executor() = default;
-  virtual void submit(Work work) = 0;  // never waits
-  // Delivers what has become ready and returns how much that was.
-  virtual std::size_t poll(Time now) = 0;
-  virtual ExecutorStatistics statistics() const = 0;
+  explicit Pipeline(const PipelineOptions& options);
+  ~Pipeline();
+  Pipeline(const Pipeline&) = delete;
+  Pipeline& operator=(const Pipeline&) = delete;
+
+  // Before the first submit(). Errors: a name that is taken, a need that was not added before.
+  Result<void> add(std::unique_ptr<Module> module);
+  bool has(std::string_view module) const;
+
+  // `use(frame, value, error)`: of each frame that was not dropped; one of value and error is null.
+  // An error if there is no such module, or if submit() was called before. A module whose results
+  // are another T gives errors to `use`.
+  template <class T>
+  Result<void> subscribe(const std::string& module,
+                         std::function<void(const Frame&, const T*, const Error*)> use);
+  // Hears of each delivery.
+  void log(std::function<void(const Delivery&)> use);
+
+  // Never waits, though the pair's pixels may still be on their way.
+  void submit(StereoPair pair);
+  // Calls subscribers with what has become ready, and returns how much that was. In lockstep waits
+  // for what is due and not computed yet.
+  std::size_t poll(Time now);
+
+  // In the order they were added.
+  std::vector<ModuleStatistics> statistics() const;
+
+ private:
+  using Use = std::function<void(const Frame&, const std::any*, const Error*)>;
+  Result<void> subscribe_any(const std::string& module, Use use);
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
-// Deterministic: work starts at once on a worker, in order of submission; poll() delivers it when
-// now >= due, in order of due time, and waits for the worker where it is not finished.
-std::unique_ptr<Executor> make_lockstep_executor();
-
-// Real time: one worker; per module the newest waiting frame replaces an older one; poll() delivers
-// whatever is done, whenever it was due.
-std::unique_ptr<Executor> make_realtime_executor();
-
-// Waits for the pixels of a pair, giving up when stopped; an error where the camera dropped them.
-Result<std::shared_ptr<const StereoImages>> wait_for_images(const StereoPair& pair,
-                                                            std::stop_token stop);
-
-// Runs f and turns what it throws into an Error that names the module.
-Result<void> run_guarded(const char* module, const std::function<void()>& f);
+template <class T>
+Result<void> Pipeline::subscribe(const std::string& module,
+                                 std::function<void(const Frame&, const T*, const Error*)> use) {
+  return subscribe_any(module, [module, use = std::move(use)](
+                                   const Frame& frame, const std::any* value, const Error* error) {
+    const T* typed = std::any_cast<T>(value);
+    if (typed != nullptr || error != nullptr) return use(frame, typed, error);
+    const Error other{Fault::usage, "results of module '" + module + "' are of another type"};
+    use(frame, nullptr, &other);
+  });
+}
 
 }  // namespace kaz::vision

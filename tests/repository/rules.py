@@ -34,6 +34,15 @@ def check_packages():
         fault("tools/packages.txt, docs/dependencies.md", f"'{name}' stands in only one of them")
 
 
+def check_printed():
+    """A whole file printed in a document is that file."""
+    sources = {path.read_text() for path in files("*.cpp", "*.py", "*.h")}
+    for path in files("docs/*.md", "README.md"):
+        for block in re.findall(r"^```(?:cpp|python)\n(.*?)^```$", path.read_text(), re.M | re.S):
+            if "SPDX-License-Identifier" in block and block not in sources:
+                fault(path.relative_to(ROOT), "a file printed there differs from the one in the tree")
+
+
 def check_sources():
     for path in files("*.c", "*.h", "*.cpp", "*.hpp", "*.S", "*.def", "*.py"):
         text = path.read_text()
@@ -76,6 +85,7 @@ def check_links():
 
 
 check_packages()
+check_printed()
 check_sources()
 check_directions()
 check_links()

@@ -1,7 +1,9 @@
 // `kaz vision` on pictures of the virtual eyes: a colour learned in one is found, and bad pictures named.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -86,6 +88,70 @@ TEST(VisionVerb, FindsTheBallWhoseColourItLearned) {
   EXPECT_NE(red.out.find("0 balls in 1 of 3 pictures"), std::string::npos) << red.out;
 }
 
+// A recording carries the posture, so the floor is known; the same file gives the same frames.
+TEST(VisionVerb, FindsTheFloorInARecording) {
+  const TemporaryFolder folder;
+  const Finished seen =
+      run(kaz({"run", "search-ball", "--mcu", "native", "--duration", "1", "--record-pictures",
+               "--modules", "planes", "--out", folder / "seen", "--json"}));
+  const json recorded = json::parse(seen.out, nullptr, false);
+  ASSERT_TRUE(recorded.is_object()) << seen.err;
+  const json& planes = recorded["vision"]["planes"];
+  EXPECT_GE(planes["frames"], 25);
+  EXPECT_EQ(planes["dropped"], 0);
+  EXPECT_GT(planes["computing_ms"]["median"], 0);
+  // Camera 15 ms, depth 20, planes 30.
+  EXPECT_EQ(planes["age_ms"]["most"], 65);
+  const std::string table = read_file(folder / "seen/vision.csv");
+  EXPECT_NE(table.find("\nplanes,20,"), std::string::npos);
+
+  std::vector<std::string> tables;
+  for (const char* out : {"one", "two"}) {
+    const Finished found = run(kaz({"vision", "run", "--in", folder / "seen/recording.mcap",
+                                    "--modules", "planes", "--out", folder / out, "--json"}));
+    ASSERT_EQ(found.exit_code, 0) << found.err;
+    const json result = json::parse(found.out);
+    int floors = 0;
+    for (const json& frame : result["frames"]) {
+      if (!frame.contains("planes")) continue;
+      for (const json& segment : frame["planes"]) floors += segment.value("floor", false);
+    }
+    // In the last third of the second the head looks at the horizon.
+    EXPECT_GE(floors, 15);
+    EXPECT_TRUE(vision::read_picture(folder / (std::string(out) + "/000020.vision.png")));
+    tables.push_back(read_file(folder / (std::string(out) + "/frames.csv")));
+  }
+  EXPECT_EQ(tables[0], tables[1]);
+}
+
+TEST(VisionVerb, LooksThroughALiveCamera) {
+  const TemporaryFolder folder;
+  Process sim(kaz({"sim", "--world", "ball", "--mcu", "native", "--serial", folder / "board",
+                   "--cameras", folder / "eyes"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", std::chrono::seconds(30)));
+  const Finished found = run(
+      kaz({"vision", "run", "--in", folder / "eyes", "--robot", "serial:" + (folder / "board"),
+           "--modules", "color,planes", "--frames", "12", "--out", folder / "found", "--json"}));
+  ASSERT_EQ(found.exit_code, 0) << found.err;
+  const json result = json::parse(found.out);
+  EXPECT_GE(result["frames"].size(), 12u);
+  int with_floor = 0;
+  for (const json& frame : result["frames"]) {
+    if (!frame.contains("planes")) continue;
+    for (const json& segment : frame["planes"]) with_floor += segment.value("floor", false);
+  }
+  EXPECT_GE(with_floor, 4);
+  // Its camera ends, and what was seen until then is kept.
+  Process watching(kaz({"vision", "run", "--in", folder / "eyes", "--out", folder / "until"}));
+  ASSERT_TRUE(watching.wait_for_output("pairs", std::chrono::seconds(20)));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  sim.signal(SIGINT);
+  const Finished until = watching.wait(std::chrono::seconds(20));
+  EXPECT_EQ(until.exit_code, 0) << until.err;
+  EXPECT_NE(until.err.find("stopped"), std::string::npos) << until.err;
+  EXPECT_GE(json::parse(read_file(folder / "until/result.json"))["frames_looked_at"], 5);
+}
+
 TEST(VisionVerb, RefusesInOneSentence) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "empty");
@@ -97,7 +163,7 @@ TEST(VisionVerb, RefusesInOneSentence) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(kaz(arguments));
   };
-  expect_refusal(look({"--in", folder / "none", "--view", "60"}), 2, {"none", "looked into"});
+  expect_refusal(look({"--in", folder / "none", "--view", "60"}), 2, {"none", "no such folder"});
   expect_refusal(look({"--in", folder / "empty", "--view", "60"}), 2, {"holds no picture"});
   expect_refusal(look({"--in", folder / "bad"}), 2, {"--calibration", "--view"});
   expect_refusal(look({"--in", folder / "bad", "--view", "60", "--modules", "smell"}), 2,
@@ -108,7 +174,7 @@ TEST(VisionVerb, RefusesInOneSentence) {
                  {"1.png", "holds no image_width"});
   expect_refusal(look({"--in", folder / "bad", "--view", "60"}), 1,
                  {"none of the 1 pictures", "no picture that can be read"});
-  expect_refusal(look({}), 2, {"--in DIR", "--left"});
+  expect_refusal(look({}), 2, {"--in", "--left"});
   expect_refusal(look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm"}), 2,
                  {"--calibration"});
   const auto learn = [&](const std::string& region) {

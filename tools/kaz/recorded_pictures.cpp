@@ -12,6 +12,7 @@
 #include "tools/figure/figure.h"
 #include "tools/kaz/color_file.h"
 #include "tools/kaz/output.h"
+#include "tools/kaz/vision_report.h"
 #include "vision/ball.h"
 #include "vision/calibration_file.h"
 #include "vision/picture_file.h"
@@ -211,17 +212,6 @@ Result<Outcome> report(const std::vector<Looked>& all, const RecordedOptions& op
 }
 
 }  // namespace
-
-Json ball_json(const BallObservation& b) {
-  Json json{{"found", b.found}};
-  if (!b.found) return json;
-  json["center_px"] = {b.center_u, b.center_v};
-  json["radius_px"] = b.radius_px;
-  json["distance_m"] = b.distance_m;
-  json["position_m"] = {b.position().x(), b.position().y(), b.position().z()};
-  json["confidence"] = b.confidence;
-  return json;
-}
 
 Result<vision::BallOptions> ball_options(const RecordedOptions& options) {
   vision::BallOptions ball;

@@ -16,6 +16,8 @@ namespace kaz::tools {
 struct RecordedOptions {
   std::vector<std::string> left, right;  // stereo pairs, in place of `in`
   std::string in, out, modules = "color";
+  std::string robot;               // serial:PATH[@BAUD]; of a live camera
+  std::uint64_t frames = 0;        // 0: all, or until interrupted
   std::string color, calibration;  // files; empty: the red ball, no calibration
   double view_deg = 0;             // horizontally, of a pinhole, where there is no calibration
   double radius_m = 0.020;
@@ -29,9 +31,12 @@ Result<Outcome> run_on_pictures(const RecordedOptions& options);
 // The same of stereo pairs, with depth and planes: LEFT.pair.png, pairs.csv, result.json.
 Result<Outcome> run_on_pairs(const RecordedOptions& options);
 
+// The same of a live camera, until so many pairs have been looked at or it is interrupted; with a
+// robot at a port frames carry its posture, and the floor is known.
+Result<Outcome> run_on_camera(const RecordedOptions& options);
+// The same of a recording (kaz run --record-pictures), with the posture that the board told then.
+Result<Outcome> run_on_recording(const RecordedOptions& options);
+
 // The ball to look for: its radius, and its colour from the file if one is named.
 Result<vision::BallOptions> ball_options(const RecordedOptions& options);
-// What result.json says of a ball.
-nlohmann::ordered_json ball_json(const vision::BallObservation& ball);
-
 }  // namespace kaz::tools

@@ -70,6 +70,8 @@ Result<SessionOptions> session_of(const sim::McapRecording& recording,
   session.rig.seed = options.seed.value_or(rig.value("seed", std::uint64_t{1}));
   for (const auto& [name, value] : options.settings) session.settings[name] = value;
   session.quiet = true;
+  session.vision = options.vision;
+  session.watcher = options.watcher;
   session.label = "kaz replay";
   session.json = options.json;
   return session;

@@ -10,6 +10,7 @@
 
 #include "shared/base/result.hpp"
 #include "sim/runtime/mcap_reader.h"
+#include "tools/kaz/vision_modules.h"
 
 namespace kaz::tools {
 
@@ -23,6 +24,9 @@ struct ReplayOptions {
   std::optional<std::uint64_t> seed;            // another one than the recording's; whole only
   std::map<std::string, std::string> settings;  // instead of the recording's
   bool json = false;
+  bool quiet = false;  // prints no result
+  VisionOptions vision;
+  VisionWatcher* watcher = nullptr;
 };
 
 // The first message in which two recordings differ.

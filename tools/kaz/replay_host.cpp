@@ -30,7 +30,7 @@ class ReplayRig final : public Rig {
   vision::Camera& camera() override {
     return board_.run().has_pictures ? static_cast<vision::Camera&>(camera_) : no_camera_;
   }
-  vision::Executor& executor() override { return *executor_; }
+  vision::Pace pace() const override { return vision::Pace::lockstep; }
   Time camera_latency() const override { return board_.run().camera_latency; }
   sim::Simulation* simulation() override { return nullptr; }
   void record_behavior(const std::string& json) override { board_.think(json); }
@@ -42,7 +42,6 @@ class ReplayRig final : public Rig {
   lockstep::ReplayLink link_{board_};
   lockstep::ReplayCamera camera_{board_};
   NoCamera no_camera_;
-  std::unique_ptr<vision::Executor> executor_ = vision::make_lockstep_executor();
 };
 
 nlohmann::ordered_json json_of(const HostDifference& difference) {
@@ -114,7 +113,7 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
   if (!ran && (!stopped || ran.error().message.find(stopped->message) == std::string::npos))
     return tl::unexpected(ran.error());
   board.finish();
-  print(options, *run, board);
+  if (!options.quiet) print(options, *run, board);
   return !board.difference() && !board.other_thought();
 }
 

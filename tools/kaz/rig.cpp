@@ -30,7 +30,7 @@ class LockstepRig final : public Rig {
   Result<void> open_camera() override { return {}; }
   bool sees() const override { return simulation_->has_eyes(); }
   vision::Camera& camera() override { return camera_; }
-  vision::Executor& executor() override { return *executor_; }
+  vision::Pace pace() const override { return vision::Pace::lockstep; }
   Time camera_latency() const override { return from_seconds(simulation_->camera().latency_s); }
   sim::Simulation* simulation() override { return simulation_.get(); }
   void record_behavior(const std::string& json) override { simulation_->record_behavior(json); }
@@ -41,7 +41,6 @@ class LockstepRig final : public Rig {
   InterruptibleClock clock_;
   lockstep::LockstepLink link_{*simulation_};
   lockstep::LockstepCamera camera_{*simulation_};
-  std::unique_ptr<vision::Executor> executor_ = vision::make_lockstep_executor();
 };
 
 class RealRig final : public Rig {
@@ -65,7 +64,7 @@ class RealRig final : public Rig {
   vision::Camera& camera() override {
     return camera_ ? static_cast<vision::Camera&>(*camera_) : no_camera_;
   }
-  vision::Executor& executor() override { return *executor_; }
+  vision::Pace pace() const override { return vision::Pace::realtime; }
   Time camera_latency() const override { return camera_ ? camera_->latency() : Time::zero(); }
   sim::Simulation* simulation() override { return nullptr; }
 
@@ -76,7 +75,6 @@ class RealRig final : public Rig {
   NoCamera no_camera_;
   host::WallClock clock_;
   std::optional<host::FaultyLink> faulty_;
-  std::unique_ptr<vision::Executor> executor_ = vision::make_realtime_executor();
 };
 
 struct SerialAddress {

@@ -32,7 +32,7 @@ struct RigOptions {
   std::string eyes = "ideal";
   std::string dynamics = "reduced";  // WorldOptions::stepper
   double physics_step_ms = 1;        // SimulationOptions
-  int eye_width = 0;                // 320 or 640; 0: as in camera.json
+  int eye_width = 0;                 // 320 or 640; 0: as in camera.json
   std::uint64_t seed = 1;
   std::string faults;          // file with a schedule of faults; none if empty
   std::string recording;       // path of the recording; none if empty
@@ -59,7 +59,8 @@ class Rig {
   // False: nothing sees, and camera() has no pictures. To be asked after open_camera().
   virtual bool sees() const = 0;
   virtual vision::Camera& camera() = 0;
-  virtual vision::Executor& executor() = 0;
+  // Of the vision that runs on it.
+  virtual vision::Pace pace() const = 0;
   // From exposure to arrival at the host.
   virtual Time camera_latency() const = 0;
   // For recording, pictures and scoring; null where the robot is not simulated in this process.

@@ -174,6 +174,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   }
   result["board"] = board_json(report);
   result["link"] = link_json(report.link);
+  result["vision"] = report.vision;
   if (!out.empty()) {
     const auto folder = OutputFolder::open(out);
     if (!folder) return tl::unexpected(folder.error());
@@ -185,6 +186,11 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     const auto names = write_pictures(report, album, *folder);
     if (!names) return tl::unexpected(names.error());
     result["pictures"] = *names;
+    const auto table =
+        figure::write_file(folder->path("vision.csv"),
+                           {reinterpret_cast<const std::uint8_t*>(report.vision_table.data()),
+                            report.vision_table.size()});
+    if (!table) return tl::unexpected(table.error());
     result["tracking_error"] = thinned_errors(report.score);
     if (auto written = folder->write_json("result.json", result); !written) {
       return tl::unexpected(written.error());
@@ -213,6 +219,8 @@ void print_report(const ordered_json& result, const RunReport& report, const std
                 100 * report.health.worst_8states / (KZ_STATES_PER_TICK / 8.0));
   }
   std::printf("\n");
+  if (!report.vision_text.empty())
+    std::printf("vision, computing a picture: %s\n", report.vision_text.c_str());
   if (result.contains("beware"))
     std::printf("beware: %s\n", result["beware"].get<std::string>().c_str());
   if (result.contains("recording_sha256")) {

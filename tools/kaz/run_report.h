@@ -27,6 +27,9 @@ struct RunReport {
   Time start{};
   const behavior::Recording& recording;
   const TruthProbe* probe = nullptr;
+  nlohmann::ordered_json vision;  // by module: frames, times
+  std::string vision_text;        // the same for people
+  std::string vision_table;       // CSV, a line for each result
 };
 
 // Ends the recording and, where `out` is not empty, makes the folder and fills it, result.json

@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/behavior/ball_finder_sight.h"
 #include "host/behavior/behavior.h"
+#include "host/behavior/pipeline_sight.h"
 #include "host/robot/capture.h"
 #include "host/robot/measure_link.h"
 #include "host/robot/robot.h"
@@ -18,6 +18,7 @@
 #include "tools/kaz/output.h"
 #include "tools/kaz/run_report.h"
 #include "tools/kaz/score.h"
+#include "tools/kaz/vision_report.h"
 
 namespace kaz::tools {
 namespace {
@@ -137,6 +138,8 @@ Result<bool> run_session(SessionOptions options) {
   if (!behavior) return tl::unexpected(behavior.error());
   const auto values = behavior::OptionValues::parse(behavior->options, options.settings);
   if (!values) return tl::unexpected(values.error());
+  if (auto known = parse_modules(options.vision.modules); !known)
+    return tl::unexpected(known.error());
   options.rig.needs_sight = behavior->needs_sight;
   if (auto sound = check(options.rig); !sound) return tl::unexpected(sound.error());
   if (auto usable = OutputFolder::check(options.out); !usable)
@@ -175,10 +178,13 @@ Result<bool> run_session(SessionOptions options) {
   if (behavior->needs_sight && !sees) return tl::unexpected(sim::Simulation::no_eyes());
   RememberingCamera camera((*rig)->camera());
   host::Capture capture(camera, *robot);
-  vision::BallFinderOptions finder_options;
-  finder_options.camera_latency = (*rig)->camera_latency();
-  vision::BallFinder finder((*rig)->executor(), finder_options);
-  behavior::BallFinderSight sight(capture, finder);
+  vision::Pipeline pipeline({(*rig)->pace(), (*rig)->camera_latency()});
+  VisionOptions modules = options.vision;
+  modules.modules = "color," + modules.modules;
+  if (auto added = add_modules(modules, pipeline); !added) return tl::unexpected(added.error());
+  DeliveryTable deliveries(pipeline);
+  if (options.watcher != nullptr) options.watcher->begin(pipeline);
+  behavior::PipelineSight sight(capture, pipeline);
   Album album(camera, (*rig)->simulation());
   Progress progress(options.label, options.json);
   const Time start = (*rig)->clock().now();
@@ -196,6 +202,7 @@ Result<bool> run_session(SessionOptions options) {
   const auto health = outcome ? robot->board_statistics() : Result<kz_statistics_reply>{};
   robot->disable_all();
   progress.done();
+  if (options.watcher != nullptr) options.watcher->end(pipeline);
   if (!outcome) {
     return tl::unexpected(with_recording(outcome.error(), (*rig)->simulation(), options, partial));
   }
@@ -212,7 +219,10 @@ Result<bool> run_session(SessionOptions options) {
                    robot->statistics(),
                    start,
                    listener.recording(),
-                   listener.probe()};
+                   listener.probe(),
+                   module_statistics_json(pipeline),
+                   module_statistics_text(pipeline),
+                   deliveries.text()};
   auto written = write_report(report, (*rig)->simulation(), album, options.out, partial);
   if (!written) return tl::unexpected(written.error());
   if (!options.quiet) print_report(*written, report, options.out, options.json);

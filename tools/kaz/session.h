@@ -9,6 +9,7 @@
 
 #include "shared/base/result.hpp"
 #include "tools/kaz/rig.h"
+#include "tools/kaz/vision_modules.h"
 
 namespace kaz::tools {
 
@@ -20,6 +21,8 @@ struct SessionOptions {
   bool quiet = false;                           // prints no result
   bool json = false;                            // result.json on standard output, no progress
   std::string label = "kaz run";                // begins progress lines
+  VisionOptions vision;                         // always with the module color
+  VisionWatcher* watcher = nullptr;             // must outlive the session
   // In place of Rig::open(); what it refers to must outlive the session.
   std::function<Result<std::unique_ptr<Rig>>(host::Interrupt&)> open_rig;
 };

@@ -53,6 +53,10 @@ void add_common(CLI::App& verb, RunArguments& arguments) {
           "unrecorded for 0.1 s and is restored; the recording must not show it")
       ->check(CLI::Range(0.001, 1e6))
       ->type_name("SECONDS");
+  verb.add_option("--modules", arguments.session.vision.modules,
+                  "of vision that run beside it: " + module_names() +
+                      ", with commas between; color always does")
+      ->capture_default_str();
   verb.add_flag("--json", arguments.session.json,
                 "print the result as JSON on standard output, no progress");
 }
@@ -110,6 +114,7 @@ void add_demo(CLI::App& program, Action& action) {
       "Examples:\n"
       "  kaz demo\n"
       "  kaz demo --seed 7 --out seven\n"
+      "  kaz demo --modules depth,planes --record-pictures\n"
       "  kaz demo --mcu native --duration 10 --json");
   verb->callback([&action, arguments] { action = [arguments] { return start(*arguments); }; });
 }

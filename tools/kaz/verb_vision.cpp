@@ -7,6 +7,7 @@
 #include "tools/kaz/color_file.h"
 #include "tools/kaz/recorded_pictures.h"
 #include "tools/kaz/verbs.h"
+#include "tools/kaz/vision_modules.h"
 #include "vision/color_learning.h"
 #include "vision/picture_file.h"
 
@@ -75,12 +76,37 @@ void add_learn(CLI::App& vision, Action& action) {
   verb->callback([&action, arguments] { action = [arguments] { return learn(*arguments); }; });
 }
 
+Result<Outcome> run_on_source(const RecordedOptions& options) {
+  std::error_code error;
+  const auto status = std::filesystem::status(options.in, error);
+  if (!options.robot.empty() && status.type() != std::filesystem::file_type::socket)
+    return fail(Fault::usage,
+                "--robot goes with the socket of a camera; '" + options.in + "' is none");
+  switch (status.type()) {
+    case std::filesystem::file_type::directory:
+      return run_on_pictures(options);
+    case std::filesystem::file_type::socket:
+      return run_on_camera(options);
+    case std::filesystem::file_type::regular:
+      return run_on_recording(options);
+    case std::filesystem::file_type::not_found:
+      return fail(Fault::usage,
+                  "--in '" + options.in + "': there is no such folder, recording or socket");
+    default:
+      return fail(Fault::usage,
+                  "--in '" + options.in + "' is no folder, recording or camera socket");
+  }
+}
+
 void add_run_on_pictures(CLI::App& vision, Action& action) {
-  auto* verb = vision.add_subcommand("run", "ball, depth and planes in recorded pictures");
+  auto* verb = vision.add_subcommand("run", "what is seen in pictures: files, recordings, live");
   auto options = std::make_shared<RecordedOptions>();
   auto* in =
-      verb->add_option("--in", options->in, "folder with pictures, in the order of their names")
-          ->type_name("DIR");
+      verb->add_option("--in", options->in,
+                       "folder with pictures, in the order of their names; or a recording "
+                       "(recording.mcap, made with --record-pictures); or the socket of a camera "
+                       "(kaz sim --cameras)")
+          ->type_name("SOURCE");
   auto* left = verb->add_option("--left", options->left,
                                 "instead: left pictures of stereo pairs; a pattern in quotes")
                    ->excludes(in)
@@ -92,9 +118,10 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
   verb->add_option("--out", options->out, "folder for overlays, a table (CSV) and result.json")
       ->required()
       ->type_name("DIR");
-  verb->add_option(
-          "--modules", options->modules,
-          "color: the ball by its colour; of pairs also depth, planes, with commas between")
+  verb->add_option("--modules", options->modules,
+                   "of " + module_names() +
+                       ", with commas between; color is the ball by its colour, the "
+                       "others need stereo pairs")
       ->capture_default_str();
   verb->add_option("--color", options->color,
                    "thresholds from kaz vision learn-color; without it the red ball's")
@@ -111,6 +138,13 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
   verb->add_option("--nearest", options->nearest_m, "of depth, m: what is nearer has none")
       ->check(positive())
       ->capture_default_str();
+  verb->add_option("--frames", options->frames, "of pairs: stop after so many")
+      ->check(CLI::Range(1, 100000000));
+  verb->add_option(
+          "--robot", options->robot,
+          "of a camera's socket: the robot that has it (serial:PATH[@BAUD]), whose posture "
+          "tells which plane is the floor")
+      ->type_name("ROBOT");
   verb->add_flag("--json", options->json, "print result.json, no progress");
   verb->footer(
       "Exit status: 0 done, also without a ball; 1 no picture could be looked at; 2 wrong usage.\n"
@@ -119,12 +153,17 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       "  kaz vision run --in left --calibration stereo.yml --color ball.json --radius 0.033 \\\n"
       "      --out found --json\n"
       "  kaz vision run --left 'eyes/left*.png' --right 'eyes/right*.png' \\\n"
-      "      --calibration stereo.yml --modules color,depth,planes --out found");
+      "      --calibration stereo.yml --modules color,depth,planes --out found\n"
+      "  kaz run search-ball --record-pictures --out seen\n"
+      "  kaz vision run --in seen/recording.mcap --modules color,planes --out found\n"
+      "  kaz vision run --in robot.eyes --robot serial:robot.pty --modules planes --frames 90 \\\n"
+      "      --out found");
   verb->callback([&action, options] {
     action = [options]() -> Result<Outcome> {
       if (!options->left.empty()) return run_on_pairs(*options);
-      if (!options->in.empty()) return run_on_pictures(*options);
-      return fail(Fault::usage, "give pictures: --in DIR, or --left and --right of stereo pairs");
+      if (!options->in.empty()) return run_on_source(*options);
+      return fail(Fault::usage,
+                  "give pictures: --in SOURCE, or --left and --right of stereo pairs");
     };
   });
 }

@@ -1,6 +1,6 @@
-// The whole way of a picture: camera, capture, ball finder, sight, tracker.
+// The whole way of a picture: camera, capture, pipeline, sight, tracker.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/behavior/ball_finder_sight.h"
+#include "host/behavior/pipeline_sight.h"
 
 #include <gtest/gtest.h>
 
@@ -11,6 +11,7 @@
 #include "host/robot/capture.h"
 #include "host/robot/kinematics.h"
 #include "host/robot/test_board.h"
+#include "vision/modules.h"
 
 namespace kaz::behavior {
 namespace {
@@ -75,18 +76,16 @@ class DrawingCamera final : public vision::Camera {
   Time next_;
 };
 
-TEST(BallFinderSight, PlacesTheBallWhileTheHeadMoves) {
+TEST(PipelineSight, PlacesTheBallWhileTheHeadMoves) {
   host::TestBoard board;
   host::Robot robot = host::connect_to(board);
   ASSERT_TRUE(robot.state());  // pictures from before the first state would have no posture
   const Vector3d place(0.45, 0.12, -0.10);
   DrawingCamera camera(board, place);
   host::Capture capture(camera, robot);
-  const auto executor = vision::make_lockstep_executor();
-  vision::BallFinderOptions options;
-  options.camera_latency = 15ms;
-  vision::BallFinder finder(*executor, options);
-  BallFinderSight sight(capture, finder);
+  vision::Pipeline pipeline({vision::Pace::lockstep, 15ms});
+  ASSERT_TRUE(pipeline.add(vision::make_color_module({}, 5ms)));
+  PipelineSight sight(capture, pipeline);
 
   ASSERT_TRUE(robot.enable(host::kAllJoints));
   const host::JointTarget turned[] = {{host::neck_pan, 0.6}, {host::neck_tilt, 0.7}};
@@ -102,7 +101,7 @@ TEST(BallFinderSight, PlacesTheBallWhileTheHeadMoves) {
     for (const vision::BallObservation& observation : *seen) {
       ASSERT_TRUE(observation.found);
       EXPECT_GE(board.now() - observation.info.exposure,
-                20ms);  // 15 of the camera, 5 of the finder
+                20ms);  // 15 of the camera, 5 of the module
       EXPECT_NEAR(
           observation.distance_m,
           (host::trunk_from_eye(board.angles_at(observation.info.exposure)).translation() - place)
@@ -122,6 +121,16 @@ TEST(BallFinderSight, PlacesTheBallWhileTheHeadMoves) {
   const auto end = sight.poll(board.now());
   ASSERT_FALSE(end);
   EXPECT_EQ(end.error().message, "camera gone");
+}
+
+TEST(PipelineSight, SaysThatNothingLooksForTheBall) {
+  host::TestBoard board;
+  DrawingCamera camera(board, {0.4, 0, 0});
+  vision::Pipeline pipeline({vision::Pace::lockstep, 15ms});
+  PipelineSight sight(camera, pipeline);
+  const auto seen = sight.poll(board.now());
+  ASSERT_FALSE(seen);
+  EXPECT_NE(seen.error().message.find("color"), std::string::npos);
 }
 
 }  // namespace

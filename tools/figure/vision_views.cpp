@@ -1,0 +1,51 @@
+// Depth and planes in colours.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/figure/vision_views.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/figure/figure.h"
+
+namespace kaz::figure {
+namespace {
+
+void paint(vision::Image& image, std::size_t pixel, const Color& color, double share) {
+  const double to[3] = {color.r, color.g, color.b};
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::uint8_t& code = image.rgb[3 * pixel + c];
+    code = static_cast<std::uint8_t>(std::lround((1 - share) * code + share * 255 * to[c]));
+  }
+}
+
+}  // namespace
+
+vision::Image depth_picture(const vision::DepthImage& depth) {
+  vision::Image image{depth.width, depth.height, {}};
+  image.rgb.assign(depth.disparity_px.size() * 3, 0);
+  if (depth.disparity_px.empty()) return image;
+  const float most = *std::max_element(depth.disparity_px.begin(), depth.disparity_px.end());
+  for (std::size_t i = 0; i < depth.disparity_px.size(); ++i) {
+    if (depth.disparity_px[i] <= 0) continue;
+    // The root spreads what is far over more of the colours.
+    const double near = std::sqrt(static_cast<double>(depth.disparity_px[i] / most));
+    const auto ramp = [near](double middle) {
+      return std::clamp(1.5 - 4 * std::abs(near - middle), 0.0, 1.0);
+    };
+    paint(image, i, {ramp(0.78), ramp(0.52), ramp(0.26)}, 1);
+  }
+  return image;
+}
+
+vision::Image plane_picture(const vision::Image& left, const vision::PlaneSegments& planes) {
+  constexpr Color kOthers[] = {kOrange, kPurple, kBlue, kYellow, kRed};
+  vision::Image image = left;
+  for (std::size_t i = 0; i < planes.label.size(); ++i) {
+    const std::size_t label = planes.label[i];
+    if (label == 0) continue;
+    paint(image, i, planes.segments[label - 1].floor ? kGreen : kOthers[label % 5], 0.55);
+  }
+  return image;
+}
+
+}  // namespace kaz::figure

@@ -1,0 +1,15 @@
+// What vision made of a picture, as pictures.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "vision/depth.h"
+#include "vision/plane_segments.h"
+
+namespace kaz::figure {
+
+// Red is near, blue far, by disparity; black where there is no depth.
+vision::Image depth_picture(const vision::DepthImage& depth);
+// The floor in green, other segments in other colours, on the picture that they are of.
+vision::Image plane_picture(const vision::Image& left, const vision::PlaneSegments& planes);
+
+}  // namespace kaz::figure
