@@ -1,16 +1,19 @@
-// Depth from a rectified stereo pair: checks around OpenCV's block matching.
+// Depth from a rectified stereo pair: checks around the matching of blocks.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/depth.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
-#include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "vision/depth_match.h"
 
 namespace kaz::vision {
 namespace {
@@ -67,8 +70,8 @@ Result<void> check_camera(const CameraModel& camera, int width, int height) {
 }
 
 Result<void> check_options(const DepthOptions& o) {
-  if (o.block_px < 5 || o.block_px > 51 || o.block_px % 2 == 0)
-    return fail(Fault::usage, "depth: block_px must be odd and 5 to 51");
+  if (o.block_px < 5 || o.block_px > kLargestBlock || o.block_px % 2 == 0)
+    return fail(Fault::usage, "depth: block_px must be odd and 5 to 21");
   if (!(o.nearest_m > 0)) return fail(Fault::usage, "depth: nearest_m must be above 0");
   if (o.least_texture < 0 || o.uniqueness_percent < 0 || o.uniqueness_percent > 100)
     return fail(Fault::usage,
@@ -76,42 +79,32 @@ Result<void> check_options(const DepthOptions& o) {
   return {};
 }
 
-cv::Mat as_mat(const std::uint8_t* data, int width, int height, int type) {
-  return {height, width, type, const_cast<std::uint8_t*>(data)};  // only read from
+// The picture's own bytes where they are grey, else made in `grey`.
+const std::uint8_t* grey_of(const Sight& picture, std::vector<std::uint8_t>& grey) {
+  if (picture.channels == 1) return picture.bytes.data();
+  grey.resize(picture.bytes.size() / 3);
+  const cv::Mat from(picture.height, picture.width, CV_8UC3,
+                     const_cast<std::uint8_t*>(picture.bytes.data()));  // only read from
+  cv::Mat to(picture.height, picture.width, CV_8UC1, grey.data());
+  cv::cvtColor(from, to, cv::COLOR_RGB2GRAY);
+  return grey.data();
 }
 
 }  // namespace
 
 struct DepthFinder::State {
   DepthOptions options;
-  cv::Ptr<cv::StereoBM> matcher;
-  // With columns to the left of the picture, so that matching does not begin as many columns from
-  // its edge as there are disparities: far things are seen there by both eyes.
-  cv::Mat left, right;
-  cv::Mat sixteenths;
+  StereoMatcher matcher;
+  std::vector<std::uint8_t> left, right;  // grey
 
-  Result<int> prepare(int width, int height, const CameraModel& camera) {
+  Result<int> disparities(int width, const CameraModel& camera) const {
     const double most = std::ceil(camera.fx * camera.baseline_m / options.nearest_m);
     if (!(most < width))
       return fail(Fault::usage,
                   "depth: at nearest_m the eyes' pictures have nothing in common: raise it");
-    const int disparities = std::max(16, (static_cast<int>(most) + 15) / 16 * 16);
-    if (!matcher) {
-      matcher = cv::StereoBM::create(disparities, options.block_px);
-      matcher->setPreFilterType(cv::StereoBM::PREFILTER_XSOBEL);
-      matcher->setPreFilterCap(31);
-      matcher->setTextureThreshold(options.least_texture * options.block_px * options.block_px /
-                                   225);
-      matcher->setUniquenessRatio(options.uniqueness_percent);
-      matcher->setDisp12MaxDiff(options.left_right_px);
-    }
-    matcher->setNumDisparities(disparities);
-    left.create(height, width + disparities, CV_8UC1);
-    right.create(height, width + disparities, CV_8UC1);
-    return disparities;
+    return std::max(16, (static_cast<int>(most) + 15) / 16 * 16);
   }
 
-  // Of one size, grey, beside the columns that matching needs.
   Result<void> find(const Sight& l, const Sight& r, const FrameInfo& info, DepthImage& depth) {
     depth.info = info;
     if (auto ok = check_options(options); !ok) return ok;
@@ -123,49 +116,25 @@ struct DepthFinder::State {
                                     " pixels, the right one " + size_text(r.width, r.height) +
                                     ": both must be rectified to one size");
     if (auto ok = check_camera(info.camera, l.width, l.height); !ok) return ok;
-    const auto disparities = prepare(l.width, l.height, info.camera);
-    if (!disparities) return tl::unexpected(disparities.error());
-    for (const auto& [side, grey] : {std::pair{&l, &left}, {&r, &right}}) {
-      const cv::Mat pixels = as_mat(side->bytes.data(), side->width, side->height,
-                                    side->channels == 3 ? CV_8UC3 : CV_8UC1);
-      cv::Mat to = grey->colRange(*disparities, *disparities + side->width);
-      if (side->channels == 3) {
-        cv::cvtColor(pixels, to, cv::COLOR_RGB2GRAY);
-      } else {
-        pixels.copyTo(to);
-      }
-    }
-    return match(l.width, l.height, *disparities, depth);
-  }
-
-  Result<void> match(int width, int height, int disparities, DepthImage& depth) {
-    for (cv::Mat* side : {&left, &right}) {
-      double least = 0, most = 0;
-      cv::minMaxLoc(side->colRange(disparities, disparities + width), &least, &most);
-      if (least == most)
-        return fail(Fault::failed, std::string("depth: the ") + (side == &left ? "left" : "right") +
+    const auto count = disparities(l.width, info.camera);
+    if (!count) return tl::unexpected(count.error());
+    const std::uint8_t *left_grey = grey_of(l, left), *right_grey = grey_of(r, right);
+    const std::size_t pixels =
+        static_cast<std::size_t>(l.width) * static_cast<std::size_t>(l.height);
+    for (const auto& [name, grey] : {std::pair{"left", left_grey}, {"right", right_grey}}) {
+      if (std::all_of(grey, grey + pixels, [first = *grey](std::uint8_t x) { return x == first; }))
+        return fail(Fault::failed, std::string("depth: the ") + name +
                                        " picture has one colour from edge to edge: is the lens "
                                        "covered, is there light?");
-      for (int v = 0; v < height; ++v) {
-        std::uint8_t* row = side->ptr(v);
-        std::fill(row, row + disparities, row[disparities]);
-      }
     }
-    matcher->compute(left, right, sixteenths);
-    depth.width = width;
-    depth.height = height;
-    depth.disparity_px.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    const int half = options.block_px / 2;
-    for (int v = 0; v < height; ++v) {
-      const std::int16_t* from = sixteenths.ptr<std::int16_t>(v) + disparities;
-      float* to =
-          &depth.disparity_px[static_cast<std::size_t>(v) * static_cast<std::size_t>(width)];
-      for (int u = 0; u < width; ++u) {
-        // A block that would reach into the columns before the right picture has matched nothing.
-        const int room = 16 * (u - half);
-        to[u] = from[u] > 0 && from[u] <= room ? static_cast<float>(from[u]) / 16 : 0.0F;
-      }
-    }
+    depth.width = l.width;
+    depth.height = l.height;
+    matcher.match(
+        {left_grey, right_grey, l.width, l.height}, *count,
+        {{options.block_px, options.uniqueness_percent, options.left_right_px, options.vectors},
+         options.least_texture,
+         options.slants},
+        depth.disparity_px);
     return {};
   }
 };

@@ -1,13 +1,18 @@
 // Depth from a rectified stereo pair: disparity, depth, points before the eye and before the foot.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Block matching on pictures filtered by a horizontal derivative (OpenCV's StereoBM: K. Konolige,
-// "Small vision systems", ISRR 1997): exposure and shading cancel out. A match counts only where it
+// Block matching on pictures filtered by a horizontal derivative (K. Konolige, "Small vision
+// systems", ISRR 1997), so that exposure and shading cancel out. A match counts only where it
 // - has texture to hold on to,
 // - is better than any other disparity by some per cent,
 // - is found again when the right picture is matched against the left one (left-right check),
-// and is then placed between pixels by the parabola through the costs of its neighbours. All else
-// is marked as having no depth.
+// and is then placed between pixels by the costs of its neighbours. All else is marked as having no
+// depth.
+// Departures: a block of a slanted surface, such as the floor, holds several disparities, and gets
+// that of its strongest edges, wherever in the block they are. So the largest slanted planes among
+// the disparities found are looked for (depth_slants.h), the right picture is moved by each, after
+// which the plane faces the eyes, and what is found within 1 px of it, at a cost not worse, counts.
+// Nothing of the posture is needed for that.
 //
 // A point at depth z shows d = fx baseline / z pixels further left in the right picture. Frames:
 // optical (x right, y down, z forward, origin at the left lens) and foot, as in frame.h. m, px.
@@ -30,12 +35,16 @@ struct DepthOptions {
   // Nearer things have no depth. The work grows with fx baseline / nearest_m, which is rounded up
   // to a multiple of 16 px.
   double nearest_m = 0.14;
-  int block_px = 15;  // side of the squares that are compared; odd, 5..51
+  int block_px = 15;  // side of the squares that are compared; odd, 5..21
   // Least sum of the filtered picture's codes over a block of 15 x 15; grows with the block's area.
   // Noise of 1.6 codes alone gives 1000: below that a match is chance as likely as not.
   int least_texture = 1000;
   int uniqueness_percent = 10;  // how much worse all other disparities must be
   int left_right_px = 1;        // how far the way back may miss; negative: no check
+  // Planes in the picture, such as the floor, that blocks are slanted like in a second comparison:
+  // blocks facing the eyes see a slant where its edges are, not where their middle is. 0: none.
+  int slants = 2;
+  bool vectors = true;  // the processor's, where it has them; results are the same without
 };
 
 // One disparity a pixel of the left picture; rows from the top, no padding.
@@ -62,8 +71,7 @@ struct GreyPicture {
   std::span<const std::uint8_t> pixels;
 };
 
-// Same pair, same result, on every machine with the same OpenCV. OpenCV may share the work between
-// threads; cv::setNumThreads(1) keeps it in the caller's.
+// Same pair, same result, with the processor's vectors or without. In the caller's thread.
 class DepthFinder {
  public:
   explicit DepthFinder(const DepthOptions& options = {});

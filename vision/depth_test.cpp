@@ -82,6 +82,49 @@ TEST(Depth, IsTheSameTwiceAndFromGreyPictures) {
   EXPECT_EQ(first.disparity_px, grey.disparity_px);
 }
 
+TEST(Depth, IsTheSameWithoutVectors) {
+  const TestStereoScene scene = test_room();
+  for (const double nearest : {0.14, 0.3, 0.05}) {  // 64, 32 and 160 disparities
+    for (const int width : {320, 323}) {
+      const CameraModel camera = test_camera(width, 240);
+      const StereoImages pair = scene.pictures(camera, 2, 5);
+      DepthFinder fast({.nearest_m = nearest}), plain({.nearest_m = nearest, .vectors = false});
+      DepthImage with, without;
+      ASSERT_TRUE(fast.find(pair, test_info(camera), with));
+      ASSERT_TRUE(plain.find(pair, test_info(camera), without));
+      EXPECT_EQ(with.disparity_px, without.disparity_px);
+    }
+  }
+}
+
+// Half the floor's blocks hold an edge at one side only. What they find must not be that edge's
+// disparity, which is 0.1 px a row more or less.
+TEST(Depth, OfAFloorIsThatOfTheBlocksMiddle) {
+  const CameraModel camera = test_camera();
+  const TestStereoScene scene = test_room();
+  const StereoImages pair = scene.pictures(camera, 2, 5);
+  std::vector<int> patch;
+  const DepthImage truth = scene.truth(camera, patch);
+  double rms[2];
+  for (const int slants : {0, 2}) {
+    DepthFinder finder({.slants = slants});
+    DepthImage depth;
+    ASSERT_TRUE(finder.find(pair, test_info(camera), depth));
+    double sum = 0;
+    int n = 0;
+    for (std::size_t i = 0; i < patch.size(); ++i) {
+      const double error = static_cast<double>(depth.disparity_px[i] - truth.disparity_px[i]);
+      if (patch[i] != 0 || depth.disparity_px[i] == 0 || std::abs(error) > 2) continue;
+      sum += error * error;
+      ++n;
+    }
+    ASSERT_GT(n, 10000);
+    rms[slants / 2] = std::sqrt(sum / n);
+  }
+  std::printf("floor: rms %.3f px with blocks facing the eyes, %.3f px slanted\n", rms[0], rms[1]);
+  EXPECT_LT(rms[1], 0.8 * rms[0]);  // texture everywhere is the mildest case
+}
+
 TEST(Depth, SurfacesWithoutTextureAreMarkedUnknown) {
   const CameraModel camera = test_camera();
   TestStereoScene scene;

@@ -12,7 +12,8 @@
 namespace kaz::sim {
 namespace {
 
-// Root mean square of the change from pixel to pixel along the row over the block that is matched,
+// What stereo needs: edges across the row. Root mean square of the change from pixel to pixel along
+// the row over the block that is matched,
 // in codes of the noiseless picture.
 double texture_at(const vision::Image& image, int u, int v) {
   double sum = 0;
@@ -73,8 +74,7 @@ TEST(RenderedDepth, IsWithinSixTenthsOfAPixelOnTexture) {
             width, floor, tilt, s.textured, 100.0 * s.good / std::max(1, s.textured),
             100.0 * s.known / std::max(1, s.textured), s.percentile(0.5), s.percentile(0.9),
             s.percentile(0.99));
-        // A checkered floor has edges along few directions, and grey between them.
-        EXPECT_GE(s.good, (std::string(floor) == "checker" ? 0.75 : 0.9) * s.textured);
+        EXPECT_GE(s.good, 0.9 * s.textured);
         textured += s.textured;
         good += s.good;
       }
