@@ -41,6 +41,38 @@ class DepthModule final : public Module {
   Time latency_;
 };
 
+class FlowModule final : public Module {
+ public:
+  FlowModule(const FlowOptions& options, Time latency, Time longest)
+      : finder_(options), latency_(latency), longest_(longest) {}
+  std::string name() const override { return "flow"; }
+  Time latency() const override { return latency_; }
+  Result<std::any> look(const Frame& frame) override {
+    const auto before = std::exchange(before_, frame.shared_images());
+    const FrameInfo info = std::exchange(info_, frame.info());
+    FlowImage flow;
+    flow.before = info;
+    flow.after = frame.info();
+    // What was left out in between is no gap of the camera's, where it is short: a module that is
+    // late looks at every second frame.
+    const Time between = flow.after.exposure - info.exposure;
+    if (before == nullptr || between <= Time(0) || between > longest_) {
+      flow.before = flow.after;
+      return std::any(std::move(flow));
+    }
+    if (auto found = finder_.find(before->left, info, frame.images().left, frame.info(), flow);
+        !found)
+      return tl::unexpected(found.error());
+    return std::any(std::move(flow));
+  }
+
+ private:
+  FlowFinder finder_;
+  Time latency_, longest_;
+  std::shared_ptr<const StereoImages> before_;
+  FrameInfo info_;
+};
+
 class PlanesModule final : public Module {
  public:
   PlanesModule(const PlaneOptions& options, Time latency) : finder_(options), latency_(latency) {}
@@ -66,6 +98,9 @@ std::unique_ptr<Module> make_color_module(const BallOptions& options, Time laten
 }
 std::unique_ptr<Module> make_depth_module(const DepthOptions& options, Time latency) {
   return std::make_unique<DepthModule>(options, latency);
+}
+std::unique_ptr<Module> make_flow_module(const FlowOptions& options, Time latency, Time longest) {
+  return std::make_unique<FlowModule>(options, latency, longest);
 }
 std::unique_ptr<Module> make_planes_module(const PlaneOptions& options, Time latency) {
   return std::make_unique<PlanesModule>(options, latency);

@@ -5,6 +5,7 @@
 // |---|---|---|
 // | color | BallObservation: the ball by its colour, in the left picture | |
 // | depth | DepthImage | |
+// | flow | FlowImage: of the left picture since the frame before; its width is 0 where there is none | |
 // | planes | PlaneSegments | depth |
 //
 // Latencies are those that the design declares for lockstep (section 3), from measured runs.
@@ -14,6 +15,7 @@
 
 #include "vision/ball.h"
 #include "vision/depth.h"
+#include "vision/flow.h"
 #include "vision/module.h"
 #include "vision/plane_segments.h"
 
@@ -21,11 +23,16 @@ namespace kaz::vision {
 
 inline constexpr Time kColorLatency = std::chrono::milliseconds(5);
 inline constexpr Time kDepthLatency = std::chrono::milliseconds(20);
+inline constexpr Time kFlowLatency = std::chrono::milliseconds(10);
 inline constexpr Time kPlanesLatency = std::chrono::milliseconds(30);
 
 std::unique_ptr<Module> make_color_module(const BallOptions& options, Time latency = kColorLatency);
 std::unique_ptr<Module> make_depth_module(const DepthOptions& options,
                                           Time latency = kDepthLatency);
+// No flow for the first frame, where the camera's clock stepped back, and where the frame before is
+// longer ago than `longest`.
+std::unique_ptr<Module> make_flow_module(const FlowOptions& options, Time latency = kFlowLatency,
+                                         Time longest = std::chrono::milliseconds(200));
 std::unique_ptr<Module> make_planes_module(const PlaneOptions& options,
                                            Time latency = kPlanesLatency);
 

@@ -392,6 +392,29 @@ INSTANTIATE_TEST_SUITE_P(Pipeline, Paces, testing::Values(Pace::lockstep, Pace::
                            return pace.param == Pace::lockstep ? "lockstep" : "realtime";
                          });
 
+TEST(Pipeline, FlowBeginsAnewAfterAGap) {
+  Pipeline pipeline(kLockstep);
+  ASSERT_TRUE(pipeline.add(make_flow_module({})));
+  std::vector<int> widths;
+  ASSERT_TRUE(pipeline.subscribe<FlowImage>(
+      "flow", [&](const Frame& frame, const FlowImage* flow, const Error* error) {
+        ASSERT_NE(flow, nullptr) << error->message;
+        EXPECT_EQ(flow->after.sequence, frame.info().sequence);
+        if (flow->width > 0) {
+          EXPECT_LT(flow->before.sequence, frame.info().sequence);
+        }
+        widths.push_back(flow->width);
+      }));
+  // First, next, clock stepped back, next, one left out, a second of nothing.
+  const std::pair<std::uint64_t, int> frames[] = {{1, 100}, {2, 133}, {3, 50},
+                                                  {4, 83},  {6, 150}, {7, 1150}};
+  for (const auto& [sequence, ms] : frames) {
+    pipeline.submit(pair_with(sequence, milliseconds(ms), ball_images(160)));
+    pipeline.poll(milliseconds(2000));
+  }
+  EXPECT_EQ(widths, (std::vector<int>{0, 320, 0, 320, 320, 0}));
+}
+
 TEST(Pipeline, TakesAUsersModule) {
   Pipeline pipeline(kLockstep);
   ASSERT_TRUE(pipeline.add(make_brightness_module()));

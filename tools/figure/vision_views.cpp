@@ -48,4 +48,21 @@ vision::Image plane_picture(const vision::Image& left, const vision::PlaneSegmen
   return image;
 }
 
+vision::Image flow_picture(const vision::FlowImage& flow, double longest_px) {
+  vision::Image image{flow.width, flow.height, {}};
+  image.rgb.assign(flow.flow_px.size() * 3, 60);
+  for (std::size_t i = 0; i < flow.flow_px.size(); ++i) {
+    const Eigen::Vector2f f = flow.flow_px[i];
+    if (std::isnan(f.x())) continue;
+    const double strength = std::min(1.0, static_cast<double>(f.norm()) / longest_px);
+    const double direction = std::atan2(f.y(), f.x());
+    // White at rest; red right, yellow-green down, cyan left, violet up.
+    const auto part = [&](double at) {
+      return 1 - strength * 0.5 * (1 - std::cos(direction - at));
+    };
+    paint(image, i, {part(0), part(2.0944), part(-2.0944)}, 1);
+  }
+  return image;
+}
+
 }  // namespace kaz::figure

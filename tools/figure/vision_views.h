@@ -3,6 +3,7 @@
 #pragma once
 
 #include "vision/depth.h"
+#include "vision/flow.h"
 #include "vision/plane_segments.h"
 
 namespace kaz::figure {
@@ -11,5 +12,8 @@ namespace kaz::figure {
 vision::Image depth_picture(const vision::DepthImage& depth);
 // The floor in green, other segments in other colours, on the picture that they are of.
 vision::Image plane_picture(const vision::Image& left, const vision::PlaneSegments& planes);
+
+// Hue is the direction, strength the length: `longest_px` in full colour. Grey where unknown.
+vision::Image flow_picture(const vision::FlowImage& flow, double longest_px);
 
 }  // namespace kaz::figure

@@ -18,6 +18,7 @@ struct Kind {
 constexpr Kind kKinds[] = {
     {"color", [](const VisionOptions& o) { return vision::make_color_module(o.ball); }},
     {"depth", [](const VisionOptions& o) { return vision::make_depth_module(o.depth); }},
+    {"flow", [](const VisionOptions&) { return vision::make_flow_module({}); }},
     {"planes", [](const VisionOptions&) { return vision::make_planes_module({}); }},
 };
 

@@ -28,6 +28,28 @@ Json depth_json(const vision::DepthImage& depth) {
   return json;
 }
 
+struct FlowSummary {
+  double known = 0, median_px = 0, p95_px = 0;  // lengths
+};
+
+FlowSummary summarize(const vision::FlowImage& flow) {
+  std::vector<float> lengths;
+  for (const Eigen::Vector2f& f : flow.flow_px) {
+    if (!std::isnan(f.x())) lengths.push_back(f.norm());
+  }
+  FlowSummary summary;
+  if (lengths.empty()) return summary;
+  std::sort(lengths.begin(), lengths.end());
+  summary.known = static_cast<double>(lengths.size()) / static_cast<double>(flow.flow_px.size());
+  summary.median_px = static_cast<double>(lengths[lengths.size() / 2]);
+  summary.p95_px = static_cast<double>(lengths[(lengths.size() - 1) * 95 / 100]);
+  return summary;
+}
+
+Json flow_json(const FlowSummary& summary) {
+  return {{"known", summary.known}, {"median_px", summary.median_px}, {"p95_px", summary.p95_px}};
+}
+
 Json planes_json(const vision::PlaneSegments& planes) {
   Json all = Json::array();
   for (const vision::PlaneSegment& s : planes.segments) {
@@ -157,6 +179,22 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
         }
         heard(frame, error);
       });
+  subscribe<vision::FlowImage>(
+      pipeline, "flow", [this](const vision::Frame& frame, const auto* flow, const Error* error) {
+        if (flow != nullptr && flow->width > 0) {
+          Entry& e = entry(frame);
+          const FlowSummary summary = summarize(*flow);
+          e.json["flow"] = flow_json(summary);
+          if (folder_ != nullptr) {
+            const double longest = std::max(2.0, summary.p95_px);
+            char caption[64];
+            std::snprintf(caption, sizeof caption, "flow: colour is direction, full at %.0f px",
+                          longest);
+            e.panels.push_back({figure::flow_picture(*flow, longest), caption});
+          }
+        }
+        heard(frame, error);
+      });
   subscribe<vision::PlaneSegments>(
       pipeline, "planes",
       [this](const vision::Frame& frame, const auto* planes, const Error* error) {
@@ -226,12 +264,15 @@ Result<void> VisionReport::end() {
 }
 
 std::string VisionReport::table() const {
-  std::string text = "frame,ball,ball_distance_m,depth_known,depth_median_m,planes,floor,trouble\n";
+  std::string text =
+      "frame,ball,ball_distance_m,depth_known,depth_median_m,flow_known,flow_median_px,planes,"
+      "floor,trouble\n";
   for (const Json& one : frames_) {
     const auto cell = [](const Json& of, const char* key) {
       return of.contains(key) ? csv_text(of[key]) : std::string();
     };
-    const Json ball = one.value("ball", Json::object()), depth = one.value("depth", Json::object());
+    const Json ball = one.value("ball", Json::object()), depth = one.value("depth", Json::object()),
+               flow = one.value("flow", Json::object());
     std::string planes, floor;
     if (one.contains("planes")) {
       planes = std::to_string(one["planes"].size());
@@ -242,7 +283,8 @@ std::string VisionReport::table() const {
     }
     text += cell(one, one.contains("left") ? "left" : "frame") + "," + cell(ball, "found") + "," +
             cell(ball, "distance_m") + "," + cell(depth, "known") + "," + cell(depth, "median_m") +
-            "," + planes + "," + floor + "," + cell(one, "trouble") + "\n";
+            "," + cell(flow, "known") + "," + cell(flow, "median_px") + "," + planes + "," + floor +
+            "," + cell(one, "trouble") + "\n";
   }
   return text;
 }
