@@ -14,16 +14,17 @@ namespace {
 
 // All but the way back. Between pixels a match is where the costs beside the least one put it, if
 // they rise as evenly as sums of absolute differences do.
-BlockMatch judge(const RowWinners& w, int u, int disparities, int uniqueness_percent) {
+BlockMatch judge(const RowWinners& w, int u, int disparities, int doubt_share,
+                 std::uint8_t wanted) {
   const int d = w.disparity[u], least = w.cost[u], before = w.before[u], after = w.after[u];
-  const int limit = doubt(least, uniqueness_percent);
+  const int limit = doubt(least, doubt_share);
   const int own = 1 + (before <= limit ? 1 : 0) + (after <= limit ? 1 : 0);
   const bool inner = (d > 0) & (d + 1 < disparities);
   const int rise = 2 * (std::max(before, after) - least);
   const int shift = inner ? before - after : 0;
   return {static_cast<float>(d) + static_cast<float>(shift) / static_cast<float>(std::max(rise, 1)),
           static_cast<std::int16_t>(least),
-          static_cast<std::uint8_t>(inner & (w.in_doubt[u] == own) ? 1 : 0)};
+          static_cast<std::uint8_t>(inner & (w.in_doubt[u] == own) & (wanted != 0) ? 1 : 0)};
 }
 
 }  // namespace
@@ -81,7 +82,8 @@ void MirroredPicture::warp(const FilteredPicture& picture, double a, double b, d
 }
 
 void BlockMatcher::match(const FilteredPicture& left, const MirroredPicture& right,
-                         const BlockOptions& o, std::vector<BlockMatch>& found) {
+                         const std::vector<std::uint8_t>& wanted, const BlockOptions& o,
+                         std::vector<BlockMatch>& found) {
   const int width = left.width, height = left.height, n = right.disparities, half = o.block / 2;
   const auto w = static_cast<std::size_t>(width);
   found.resize(w * static_cast<std::size_t>(height));
@@ -90,14 +92,14 @@ void BlockMatcher::match(const FilteredPicture& left, const MirroredPicture& rig
   columns_.assign(w * static_cast<std::size_t>(n), 0);
   zero_.assign(right.pitch(), 0);
   window_.assign(static_cast<std::size_t>(n) + 2, INT16_MAX);
-  winners_.resize(5 * w);
+  winners_.assign(5 * w, 0);
   right_cost_.resize(right.pitch());
   right_disparity_.resize(right.pitch());
   BlockRow row;
   row.width = width;
   row.disparities = n;
   row.half = half;
-  row.uniqueness_percent = o.uniqueness_percent;
+  row.doubt_share = std::min(0xffff, o.uniqueness_percent * 65536 / 100);
   row.columns = columns_.data();
   row.window = &window_[1];
   row.right_cost = right_cost_.data();
@@ -111,26 +113,31 @@ void BlockMatcher::match(const FilteredPicture& left, const MirroredPicture& rig
     row.right = right.row(v);
     row.left_gone = first ? zero_.data() : left.row(v - o.block);
     row.right_gone = first ? zero_.data() : right.row(v - o.block);
+    const std::size_t middle = static_cast<std::size_t>(std::max(0, v - half)) * w;
     row.winners = v + 1 < o.block ? nullptr : &winners;
+    row.wanted = &wanted[middle];
     match_row(row, o.vectors);
     if (row.winners == nullptr) continue;
-    BlockMatch* to = &found[static_cast<std::size_t>(v - half) * w];
+    BlockMatch* to = &found[middle];
     std::fill_n(to, half, BlockMatch{});
     std::fill_n(to + width - half, half, BlockMatch{});
-    for (int u = half; u < width - half; ++u) to[u] = judge(winners, u, n, o.uniqueness_percent);
+    for (int u = half; u < width - half; ++u)
+      to[u] = judge(winners, u, n, row.doubt_share, row.wanted[u]);
     if (o.left_right_px < 0) continue;
     for (int u = half; u < width - half; ++u) {
       const int d = winners.disparity[u];
       const int other = right_disparity_[static_cast<std::size_t>(width - 1 - u + d)];
-      if (std::abs(other - d) > o.left_right_px) to[u].good = 0;
+      const int off = std::abs(other - d);
+      to[u].good = static_cast<std::uint8_t>(to[u].good & (off <= o.left_right_px ? 1 : 0));
     }
   }
 }
 
-void BlockTexture::sum(const FilteredPicture& picture, int block, std::vector<std::int32_t>& sums) {
+void BlockTexture::find(const FilteredPicture& picture, int block, int least,
+                        std::vector<std::uint8_t>& textured) {
   const int width = picture.width, height = picture.height, half = block / 2;
   const auto w = static_cast<std::size_t>(width);
-  sums.assign(w * static_cast<std::size_t>(height), 0);
+  textured.assign(w * static_cast<std::size_t>(height), 0);
   columns_.assign(w, 0);
   for (int v = 0; v < height; ++v) {
     const std::uint8_t* in = picture.row(v);
@@ -140,12 +147,12 @@ void BlockTexture::sum(const FilteredPicture& picture, int block, std::vector<st
       if (out != nullptr) columns_[static_cast<std::size_t>(u)] -= std::abs(out[u] - kFilterCap);
     }
     if (v + 1 < block) continue;
-    std::int32_t* to = &sums[static_cast<std::size_t>(v - half) * w];
+    std::uint8_t* to = &textured[static_cast<std::size_t>(v - half) * w];
     std::int32_t sum = 0;
     for (int u = 0; u < width; ++u) {
       sum += columns_[static_cast<std::size_t>(u)];
       if (u >= block) sum -= columns_[static_cast<std::size_t>(u - block)];
-      if (u + 1 >= block) to[u - half] = sum;
+      if (u + 1 >= block) to[u - half] = sum >= least ? 1 : 0;
     }
   }
 }

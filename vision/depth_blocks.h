@@ -62,8 +62,10 @@ struct BlockOptions {
 
 class BlockMatcher {
  public:
-  // Disparities a multiple of 16. No match in the half block along the picture's edges.
-  void match(const FilteredPicture& left, const MirroredPicture& right, const BlockOptions& options,
+  // Disparities a multiple of 16. No match where `wanted`, one a pixel, is 0, nor in the half block
+  // along the picture's edges.
+  void match(const FilteredPicture& left, const MirroredPicture& right,
+             const std::vector<std::uint8_t>& wanted, const BlockOptions& options,
              std::vector<BlockMatch>& found);
 
  private:
@@ -71,10 +73,12 @@ class BlockMatcher {
   std::vector<std::uint8_t> zero_;
 };
 
-// Per pixel the sum of the filtered picture's codes, from their middle, over the block around it.
+// 1 for each pixel around which the filtered picture's codes, from their middle, sum up to at least
+// so much over a block, else 0.
 class BlockTexture {
  public:
-  void sum(const FilteredPicture& picture, int block, std::vector<std::int32_t>& sums);
+  void find(const FilteredPicture& picture, int block, int least,
+            std::vector<std::uint8_t>& textured);
 
  private:
   std::vector<std::int32_t> columns_;

@@ -34,10 +34,10 @@ class StereoMatcher {
   BlockTexture texture_;
   SlantFinder slants_;
   std::vector<BlockMatch> facing_, slanted_;
-  std::vector<std::int32_t> textures_;
+  std::vector<std::uint8_t> textured_, wanted_;
 
   // Puts what lies on the plane where blocks slanted like it find it.
-  void slant(const DisparityPlane& plane, const MatchOptions& options, int least_texture,
+  void slant(const DisparityPlane& plane, const MatchOptions& options,
              std::vector<float>& disparity);
 };
 

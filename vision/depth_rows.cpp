@@ -23,7 +23,7 @@ void winners(const BlockRow& r, int u) {
   const std::int16_t *begin = r.window, *end = begin + r.disparities;
   const auto best = std::min_element(begin, end);
   const int d = static_cast<int>(best - begin), least = *best;
-  const int limit = doubt(least, r.uniqueness_percent);
+  const int limit = doubt(least, r.doubt_share);
   const auto near = std::count_if(begin, end, [limit](std::int16_t c) { return c <= limit; });
   put_winner(r, u, d, least, static_cast<int>(near));
 }
@@ -39,7 +39,7 @@ void plain_row(const BlockRow& r) {
       const int out = u < block ? 0 : in[d - block * n];
       r.window[d] = static_cast<std::int16_t>(r.window[d] + in[d] - out);
     }
-    if (u + 1 >= block) winners(r, u - r.half);
+    if (u + 1 >= block && r.wanted[u - r.half] != 0) winners(r, u - r.half);
   }
 }
 

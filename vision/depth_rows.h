@@ -24,14 +24,15 @@ struct BlockRow {
   std::int16_t* columns;  // per column and disparity: sum over the block's rows
   std::int16_t* window;   // per disparity; before and after them INT16_MAX
   std::int16_t *right_cost, *right_disparity;  // winners of the right picture, mirrored
-  int uniqueness_percent;
-  RowWinners* winners;  // of the block's middle row; none while the block is not full
+  int doubt_share;                             // of 65536
+  RowWinners* winners;         // of the block's middle row; none while the block is not full
+  const std::uint8_t* wanted;  // of that row: 0 where no winner is asked for
 };
 void match_row(const BlockRow& row, bool vectors);
 
-// How much another disparity may cost and still leave the winner in doubt.
-inline int doubt(int least, int uniqueness_percent) {
-  const int limit = least + least * uniqueness_percent / 100;
+// How much another disparity may cost and still leave the winner in doubt; `share` of 65536.
+inline int doubt(int least, int share) {
+  const int limit = least + ((least * share) >> 16);
   return limit < INT16_MAX ? limit : INT16_MAX - 1;
 }
 

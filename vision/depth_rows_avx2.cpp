@@ -27,22 +27,27 @@ KAZ_AVX2_INLINE void store(std::int16_t* to, __m256i x) {
 KAZ_AVX2_INLINE __m256i wide(const std::uint8_t* from) {
   return _mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from)));
 }
-// The least of the sixteen, none of which is negative.
-KAZ_AVX2_INLINE int least_of(__m256i x) {
+// The least of the sixteen, none of which is negative, in the lowest of eight lanes.
+KAZ_AVX2_INLINE __m128i least_of(__m256i x) {
   const __m128i half = _mm_min_epu16(_mm256_castsi256_si128(x), _mm256_extracti128_si256(x, 1));
-  return _mm_extract_epi16(_mm_minpos_epu16(half), 0);
+  return _mm_minpos_epu16(half);
+}
+// depth_rows.h's doubt(), sixteen times.
+KAZ_AVX2_INLINE __m256i doubt_of(__m256i least, int share) {
+  const __m256i more =
+      _mm256_mulhi_epu16(least, _mm256_set1_epi16(static_cast<std::int16_t>(share)));
+  return _mm256_min_epi16(_mm256_adds_epi16(least, more), _mm256_set1_epi16(INT16_MAX - 1));
 }
 
 // How many of the costs are at most `limit`.
 template <int B>
-KAZ_AVX2_INLINE int in_the_way(const std::int16_t* window, int blocks, int limit) {
+KAZ_AVX2_INLINE int in_doubt(const std::int16_t* window, int blocks, __m256i limit) {
   const int count = B > 0 ? B : blocks;
-  const __m256i above = _mm256_set1_epi16(static_cast<std::int16_t>(limit));
   int most = 0;
 #pragma GCC unroll 4
   for (int b = 0; b < count; b += 2) {
-    const __m256i one = _mm256_cmpgt_epi16(load(window + b * kLanes), above);
-    const __m256i two = b + 1 < count ? _mm256_cmpgt_epi16(load(window + (b + 1) * kLanes), above)
+    const __m256i one = _mm256_cmpgt_epi16(load(window + b * kLanes), limit);
+    const __m256i two = b + 1 < count ? _mm256_cmpgt_epi16(load(window + (b + 1) * kLanes), limit)
                                       : _mm256_set1_epi16(-1);
     const auto mask = static_cast<unsigned>(_mm256_movemask_epi8(_mm256_packs_epi16(one, two)));
     most += 32 - std::popcount(mask);
@@ -87,12 +92,12 @@ KAZ_AVX2_INLINE void move(const BlockRow& r, int u, int blocks, Least& best) {
 
 template <int B>
 KAZ_AVX2_INLINE void decide(const BlockRow& r, int u, int blocks, const Least& best) {
-  const int cost = least_of(best.cost);
-  const __m256i loses =
-      _mm256_cmpgt_epi16(best.cost, _mm256_set1_epi16(static_cast<std::int16_t>(cost)));
-  const int d = least_of(_mm256_or_si256(best.disparity, loses));
-  const int limit = doubt(cost, r.uniqueness_percent);
-  put_winner(r, u, d, cost, in_the_way<B>(r.window, blocks, limit));
+  const __m128i least = least_of(best.cost);
+  const __m256i all = _mm256_broadcastw_epi16(least);
+  const __m256i loses = _mm256_cmpgt_epi16(best.cost, all);
+  const __m128i d = least_of(_mm256_or_si256(best.disparity, loses));
+  put_winner(r, u, _mm_extract_epi16(d, 0), _mm_extract_epi16(least, 0),
+             in_doubt<B>(r.window, blocks, doubt_of(all, r.doubt_share)));
 }
 
 template <int B>  // blocks of sixteen disparities, so that the compiler unrolls; 0: any number
@@ -106,10 +111,10 @@ KAZ_AVX2_INLINE void match(const BlockRow& row) {
   }
   std::fill(r.window, r.window + blocks * kLanes, std::int16_t{0});
   for (int u = 0; u < block; ++u) move<B, true, false>(r, u, blocks, best);
-  decide<B>(r, r.half, blocks, best);
+  if (r.wanted[r.half] != 0) decide<B>(r, r.half, blocks, best);
   for (int u = block; u < r.width; ++u) {
     move<B, true, true>(r, u, blocks, best);
-    decide<B>(r, u - r.half, blocks, best);
+    if (r.wanted[u - r.half] != 0) decide<B>(r, u - r.half, blocks, best);
   }
 }
 

@@ -55,18 +55,20 @@ bool has_avx2() {
 
 }  // namespace
 
-void add_row(const float* disparity, std::size_t pixels, const ColumnSums& sums) {
+void add_row(const float* disparity, std::size_t pixels, const ColumnSums& sums, bool vectors) {
 #ifdef KAZ_X86
-  if (has_avx2()) return add_avx2(disparity, pixels, sums);
+  if (vectors && has_avx2()) return add_avx2(disparity, pixels, sums);
 #endif
+  (void)vectors;
   add(disparity, pixels, sums.sum, sums.least, sums.most, sums.count);
 }
 
 void label_row(const float* disparity, std::size_t pixels, const RowPlane& plane,
-               std::uint8_t* labels, float* square, int* count) {
+               std::uint8_t* labels, float* square, int* count, bool vectors) {
 #ifdef KAZ_X86
-  if (has_avx2()) return label_avx2(disparity, pixels, plane, labels, square, count);
+  if (vectors && has_avx2()) return label_avx2(disparity, pixels, plane, labels, square, count);
 #endif
+  (void)vectors;
   label(disparity, pixels, plane, labels, square, count);
 }
 

@@ -1,4 +1,5 @@
-// The two loops over all pixels that plane segments need, with the processor's widest vectors.
+// The two loops over all pixels that plane segments need, with the processor's widest vectors
+// or, for tests, without: the results are the same.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,7 +17,8 @@ struct ColumnSums {
   float* most;   // 0 where none is known
   int* count;
 };
-void add_row(const float* disparity, std::size_t pixels, const ColumnSums& sums);
+void add_row(const float* disparity, std::size_t pixels, const ColumnSums& sums,
+             bool vectors = true);
 
 // Pixels within `tolerance` of the disparity start + slope x get the label, others 0. Adds to each
 // column's sum of squares and count.
@@ -25,6 +27,6 @@ struct RowPlane {
   std::uint8_t label;
 };
 void label_row(const float* disparity, std::size_t pixels, const RowPlane& plane,
-               std::uint8_t* labels, float* square, int* count);
+               std::uint8_t* labels, float* square, int* count, bool vectors = true);
 
 }  // namespace kaz::vision

@@ -4,8 +4,10 @@
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "vision/ball.h"
+#include "vision/bench_corner.h"
 #include "vision/depth.h"
 #include "vision/plane_segments.h"
 #include "vision/test_pictures.h"
@@ -39,12 +41,42 @@ void color(benchmark::State& state, int width) {
   }
 }
 
+enum class PeerColor { yuv, hsv };
+
+// OpenCV's colour space and a box in it: six comparisons a pixel as ours, though not of a cone.
+void peer_color(benchmark::State& state, int width, PeerColor space) {
+  cv::setNumThreads(1);
+  Image image = bench_picture(test_camera(width, width * 3 / 4));
+  const cv::Mat rgb(image.height, image.width, CV_8UC3, image.rgb.data());
+  const bool hsv = space == PeerColor::hsv;
+  cv::Mat other, mask;
+  for (auto _ : state) {
+    cv::cvtColor(rgb, other, hsv ? cv::COLOR_RGB2HSV : cv::COLOR_RGB2YUV);
+    cv::inRange(other, hsv ? cv::Scalar(0, 120, 40) : cv::Scalar(14, 40, 140),
+                hsv ? cv::Scalar(12, 255, 255) : cv::Scalar(255, 120, 255), mask);
+  }
+  state.counters["set"] = cv::countNonZero(mask);
+}
+
 void regions(benchmark::State& state, int width) {
   const Image image = bench_picture(test_camera(width, width * 3 / 4));
   Mask mask;
   ColorExtractor(ColorRange::red_ball()).extract(image, mask);
   RegionFinder finder;
   for (auto _ : state) benchmark::DoNotOptimize(finder.find(mask, 9).data());
+}
+
+void peer_regions(benchmark::State& state, int width) {
+  cv::setNumThreads(1);
+  Mask mask;
+  ColorExtractor(ColorRange::red_ball())
+      .extract(bench_picture(test_camera(width, width * 3 / 4)), mask);
+  const cv::Mat pixels(mask.height, mask.width, CV_8UC1, mask.pixels.data());
+  cv::Mat labels, boxes, middles;
+  int found = 0;
+  for (auto _ : state)
+    found = cv::connectedComponentsWithStats(pixels, labels, boxes, middles, 8, CV_32S);
+  state.counters["regions"] = found - 1;
 }
 
 void ball(benchmark::State& state, int width) {
@@ -90,15 +122,8 @@ void peer_depth(benchmark::State& state, int width) {
   for (auto _ : state) matcher->compute(grey[0], grey[1], disparity);
 }
 
-// Floor, wall, and a box's front and top, with 0.2 px of noise.
 void planes(benchmark::State& state, int width) {
-  const CameraModel camera = test_camera(width, width * 3 / 4);
-  std::vector<int> patch;
-  DepthImage image = test_corner().truth(camera, patch);
-  for (std::size_t i = 0; i < image.disparity_px.size(); ++i) {
-    float& d = image.disparity_px[i];
-    if (d > 0) d += static_cast<float>(0.2 * keyed_normal(1, 2, i));
-  }
+  const DepthImage image = bench_corner(width);
   PlaneSegmentFinder finder;
   PlaneSegments found;
   for (auto _ : state) {
@@ -107,22 +132,27 @@ void planes(benchmark::State& state, int width) {
   state.counters["segments"] = static_cast<double>(found.segments.size());
 }
 
-BENCHMARK_CAPTURE(color, 320, 320)->Name("vision.color_ms.320")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(color, 640, 640)->Name("vision.color_ms.640")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(regions, 320, 320)->Name("vision.regions_ms.320")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(regions, 640, 640)->Name("vision.regions_ms.640")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(ball, 320, 320)->Name("vision.ball_ms.320")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(ball, 640, 640)->Name("vision.ball_ms.640")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(depth, 320, 320)->Name("vision.depth_ms.320")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(peer_depth, 320, 320)
-    ->Name("peer.opencv_stereobm_ms.320")
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(depth, 640, 640)->Name("vision.depth_ms.640")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(peer_depth, 640, 640)
-    ->Name("peer.opencv_stereobm_ms.640")
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(planes, 320, 320)->Name("vision.psf_ms.320")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(planes, 640, 640)->Name("vision.psf_ms.640")->Unit(benchmark::kMillisecond);
+#define KAZ_BENCH(name, ...) \
+  BENCHMARK_CAPTURE(__VA_ARGS__)->Name(name)->Unit(benchmark::kMillisecond)
+KAZ_BENCH("vision.color_ms.320", color, 320, 320);
+KAZ_BENCH("peer.opencv_color_ms.yuv.320", peer_color, yuv320, 320, PeerColor::yuv);
+KAZ_BENCH("peer.opencv_color_ms.hsv.320", peer_color, hsv320, 320, PeerColor::hsv);
+KAZ_BENCH("vision.regions_ms.320", regions, 320, 320);
+KAZ_BENCH("peer.opencv_regions_ms.320", peer_regions, 320, 320);
+KAZ_BENCH("vision.ball_ms.320", ball, 320, 320);
+KAZ_BENCH("vision.depth_ms.320", depth, 320, 320);
+KAZ_BENCH("peer.opencv_stereobm_ms.320", peer_depth, 320, 320);
+KAZ_BENCH("vision.psf_ms.320", planes, 320, 320);
+KAZ_BENCH("vision.color_ms.640", color, 640, 640);
+KAZ_BENCH("peer.opencv_color_ms.yuv.640", peer_color, yuv640, 640, PeerColor::yuv);
+KAZ_BENCH("peer.opencv_color_ms.hsv.640", peer_color, hsv640, 640, PeerColor::hsv);
+KAZ_BENCH("vision.regions_ms.640", regions, 640, 640);
+KAZ_BENCH("peer.opencv_regions_ms.640", peer_regions, 640, 640);
+KAZ_BENCH("vision.ball_ms.640", ball, 640, 640);
+KAZ_BENCH("vision.depth_ms.640", depth, 640, 640);
+KAZ_BENCH("peer.opencv_stereobm_ms.640", peer_depth, 640, 640);
+KAZ_BENCH("vision.psf_ms.640", planes, 640, 640);
+#undef KAZ_BENCH
 
 }  // namespace
 }  // namespace kaz::vision
