@@ -36,7 +36,6 @@ struct FlowFinder::State {
   cv::Mat grey_before, grey_after, flow;
   cv::Mat small8[2], small[2];
   cv::Mat products[3], sums[3];  // see compare()
-  cv::Mat good;                  // by small pixel
 
   Result<void> find(const FlowSight& before, const FrameInfo& info_before, const FlowSight& after,
                     const FrameInfo& info_after, FlowImage& image) {
@@ -74,7 +73,7 @@ struct FlowFinder::State {
     for (int i = 0; i < 3; ++i)
       cv::boxFilter(products[i], sums[i], -1, {kPatch, kPatch}, {-1, -1}, true,
                     cv::BORDER_CONSTANT);  // zeros beyond the edge: they weigh nothing
-    judge();
+    judge(image);
     mark(image);
   }
 
@@ -117,19 +116,21 @@ struct FlowFinder::State {
     }
   }
 
-  void judge() {
-    good.create(small[0].size(), CV_8UC1);
+  void judge(FlowImage& image) {
+    const cv::Size cells = small[0].size();
+    image.cells_across = cells.width;
+    image.cells_down = cells.height;
+    image.certainty.assign(static_cast<std::size_t>(cells.area()), {});
+    auto* to = image.certainty.data();
     constexpr float kLeastShare = 0.5F;  // of the patch that was compared
     const float error2 =
         static_cast<float>(options.most_error_px * options.most_error_px) / (kSmall * kSmall);
     const float step2 =
         static_cast<float>(options.most_step_px * options.most_step_px) / (kSmall * kSmall);
-    for (int y = 0; y < good.rows; ++y) {
-      for (int x = 0; x < good.cols; ++x) {
+    for (int y = 0; y < cells.height; ++y) {
+      for (int x = 0; x < cells.width; ++x, ++to) {
         const auto &h = sums[0].at<cv::Vec4f>(y, x), &m = sums[1].at<cv::Vec4f>(y, x),
                    &n = sums[2].at<cv::Vec4f>(y, x);
-        std::uint8_t& yes = good.at<std::uint8_t>(y, x);
-        yes = 0;
         const float w = m[3];
         if (products[1].at<cv::Vec4f>(y, x)[3] == 0 || w < kLeastShare) continue;
         const float xx = h[0] / w, xy = h[1] / w, yy = h[2] / w;
@@ -142,7 +143,9 @@ struct FlowFinder::State {
         const float bx = h[3] / w - d * n[0] / w, by = m[0] / w - d * n[1] / w;
         const float det = xx * yy - xy * xy;
         const float sx = (yy * bx - xy * by) / det, sy = (xx * by - xy * bx) / det;
-        yes = sx * sx + sy * sy <= step2 ? 1 : 0;
+        if (!(sx * sx + sy * sy <= step2)) continue;
+        const float per = kPatch * kPatch / (std::max(unlike, kNoise2) * kSmall * kSmall);
+        *to = {per * xx, per * xy, per * yy};
       }
     }
   }
@@ -152,10 +155,12 @@ struct FlowFinder::State {
     for (int v = 0; v < image.height; ++v) {
       Eigen::Vector2f* to = &image.flow_px[static_cast<std::size_t>(v) * width];
       std::memcpy(static_cast<void*>(to), flow.ptr(v), width * sizeof *to);
-      const std::uint8_t* row = good.ptr(std::min(v / kSmall, good.rows - 1));
-      for (int x = 0; x < good.cols; ++x) {
-        if (row[x]) continue;
-        const int end = x + 1 == good.cols ? image.width : (x + 1) * kSmall;
+      const FlowCertainty* row =
+          &image.certainty[static_cast<std::size_t>(std::min(v / kSmall, image.cells_down - 1)) *
+                           static_cast<std::size_t>(image.cells_across)];
+      for (int x = 0; x < image.cells_across; ++x) {
+        if (row[x].xx > 0) continue;
+        const int end = x + 1 == image.cells_across ? image.width : (x + 1) * kSmall;
         std::fill(to + x * kSmall, to + end, Eigen::Vector2f(kNan, kNan));
       }
     }

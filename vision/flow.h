@@ -10,8 +10,8 @@
 //   it may slide along an edge), and
 // - rests there: one more step of Lucas and Kanade from the other picture's side stays short, which
 //   is what flow back and forth is asked for, without a second flow.
-// All else is marked. Flow is in px from the earlier picture to the later one, at the pixels of the
-// earlier one: what is at (u, v) before is at (u, v) + flow after. No state but memory: the same two
+// All else is marked. Flow is in px from the earlier picture to the later, by pixel of the earlier
+// one: what is at (u, v) before is at (u, v) + flow after. No state but memory: the same two
 // pictures give the same flow.
 #pragma once
 
@@ -38,10 +38,27 @@ struct FlowOptions {
   double most_step_px = 1.0;  // the further step, px of the full picture
 };
 
+// Inverse of the covariance that least squares would give a patch's flow, 1/px^2: of two errors
+// along an edge and across it, the first is the larger one. All 0 where the flow is unknown.
+struct FlowCertainty {
+  float xx = 0, xy = 0, yy = 0;
+
+  // Square of how many standard deviations `off` is.
+  float surprise(const Eigen::Vector2f& off) const {
+    return xx * off.x() * off.x() + 2 * xy * off.x() * off.y() + yy * off.y() * off.y();
+  }
+};
+
 struct FlowImage {
+  static constexpr int kCell_px = 4;  // side of a cell
+
   FrameInfo before, after;
   int width = 0, height = 0;
   std::vector<Eigen::Vector2f> flow_px;  // (right, down); NaN in both where unknown
+  // By cell, rows from the top; what is left of the picture at its right and lower edge belongs to
+  // the last ones. All pixels of a cell are known, or none.
+  int cells_across = 0, cells_down = 0;
+  std::vector<FlowCertainty> certainty;
 
   const Eigen::Vector2f& at(int u, int v) const {
     return flow_px[static_cast<std::size_t>(v) * static_cast<std::size_t>(width) +
