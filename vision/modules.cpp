@@ -91,6 +91,24 @@ class PlanesModule final : public Module {
   Time latency_;
 };
 
+class FloorModule final : public Module {
+ public:
+  FloorModule(const FloorEdgeOptions& options, Time latency) : edges_(options), latency_(latency) {}
+  std::string name() const override { return "floor"; }
+  std::vector<std::string> needs() const override { return {"planes"}; }
+  Time latency() const override { return latency_; }
+  Result<std::any> look(const Frame& frame) override {
+    PlaneSegments planes = frame.of<PlaneSegments>("planes");
+    if (auto done = edges_.sharpen(frame.images().left, planes); !done)
+      return tl::unexpected(done.error());
+    return std::any(std::move(planes));
+  }
+
+ private:
+  FloorEdges edges_;
+  Time latency_;
+};
+
 }  // namespace
 
 std::unique_ptr<Module> make_color_module(const BallOptions& options, Time latency) {
@@ -104,6 +122,9 @@ std::unique_ptr<Module> make_flow_module(const FlowOptions& options, Time latenc
 }
 std::unique_ptr<Module> make_planes_module(const PlaneOptions& options, Time latency) {
   return std::make_unique<PlanesModule>(options, latency);
+}
+std::unique_ptr<Module> make_floor_module(const FloorEdgeOptions& options, Time latency) {
+  return std::make_unique<FloorModule>(options, latency);
 }
 
 }  // namespace kaz::vision

@@ -7,6 +7,7 @@
 // | depth | DepthImage | |
 // | flow | FlowImage: of the left picture since the frame before; its width is 0 where there is none | |
 // | planes | PlaneSegments | depth |
+// | floor | PlaneSegments with the floor's edges as the left picture has them | planes |
 //
 // Latencies are those that the design declares for lockstep (section 3), from measured runs.
 #pragma once
@@ -15,6 +16,7 @@
 
 #include "vision/ball.h"
 #include "vision/depth.h"
+#include "vision/floor_edges.h"
 #include "vision/flow.h"
 #include "vision/module.h"
 #include "vision/plane_segments.h"
@@ -25,6 +27,7 @@ inline constexpr Time kColorLatency = std::chrono::milliseconds(5);
 inline constexpr Time kDepthLatency = std::chrono::milliseconds(20);
 inline constexpr Time kFlowLatency = std::chrono::milliseconds(10);
 inline constexpr Time kPlanesLatency = std::chrono::milliseconds(30);
+inline constexpr Time kFloorLatency = std::chrono::milliseconds(10);
 
 std::unique_ptr<Module> make_color_module(const BallOptions& options, Time latency = kColorLatency);
 std::unique_ptr<Module> make_depth_module(const DepthOptions& options,
@@ -35,5 +38,7 @@ std::unique_ptr<Module> make_flow_module(const FlowOptions& options, Time latenc
                                          Time longest = std::chrono::milliseconds(200));
 std::unique_ptr<Module> make_planes_module(const PlaneOptions& options,
                                            Time latency = kPlanesLatency);
+std::unique_ptr<Module> make_floor_module(const FloorEdgeOptions& options,
+                                          Time latency = kFloorLatency);
 
 }  // namespace kaz::vision

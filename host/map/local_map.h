@@ -13,10 +13,11 @@
 //   floor segment is, the cell is seen as floor. Asked from the map's side there are no holes far
 //   away, where a pixel is larger than a cell, and nothing behind an obstacle is cleared.
 // - Obstacle. Each other pixel with a depth is placed as a point. One above the floor by more than
-//   `obstacle_m` and by more than twice what its height may err, and lower than the robot, votes
-//   for its cell. A whole vote is a quarter of a cell's width and height full of pixels. A point in a cell
-//   that the same picture shows as floor is put farther along its ray, by twice its error at most,
-//   into one that is not: stereo errs along the ray, and a face does not stand before its own foot.
+//   `obstacle_m` and by more than three times what its height may err, and lower than the robot,
+//   votes for its cell. A whole vote is a quarter of a cell's width and height full of pixels, less
+//   where a cell beside it has more. A point in a cell that the same picture shows as floor is put
+//   farther along its ray, by twice its error at most, into one that is not: stereo errs along the
+//   ray, and a face does not stand before its own foot.
 // A vote weighs cell_m / dz, 1 at most, with dz = z^2 / (fx baseline) disparity_error_px what depth
 // errs at z. Votes add up as log-odds, so their order does not count until a cell is full.
 #pragma once

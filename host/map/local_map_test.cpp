@@ -109,7 +109,7 @@ TEST(LocalMap, TakesWhatIsAboveTheFloorForAnObstacleAlsoWhereFloorIsSeenBelow) {
   const TestYard yard{{{{0.55, 0, 0.09}, {0.30, 0.4, 0.02}}}};
   LocalMap map = make();
   for (std::uint64_t k = 1; k <= 3; ++k) enter(map, yard.seen(test_eye(0, 0.5), 0.1, k));
-  EXPECT_EQ(map.at(0.41, 0).state, CellState::obstacle);
+  EXPECT_EQ(map.at(0.425, 0).state, CellState::obstacle);
   EXPECT_EQ(map.at(0.45, 0).state, CellState::obstacle);
   EXPECT_EQ(map.at(0.38, 0).state, CellState::floor);
 }

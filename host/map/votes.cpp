@@ -139,7 +139,7 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
       if (!(d[u] > 0 && d[u] < nearest_d)) continue;
       const Eigen::Vector3f ray = start + static_cast<float>(u) * along;
       const float z = fb / d[u];
-      if (up[u] < 2 * z * z / fb * error * std::abs(ray.z())) continue;
+      if (up[u] < 3 * z * z / fb * error * std::abs(ray.z())) continue;
       const Eigen::Vector2f way = z * ray.head<2>();  // over the floor
       if (way.squaredNorm() > farthest2) continue;
       if ((eye.head<2>() + way - foot.cast<float>()).squaredNorm() < own2) continue;
@@ -158,12 +158,22 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
   }
 }
 
+// A face has all its points over few cells. What its errors scatter before and behind it is little
+// beside what lies on it, and counts as little; rows of pixels may fall unevenly on cells.
 void LocalMap::enter_obstacles() {
   for (const std::uint32_t cell : touched_) {
-    const double vote = std::min(1.0, static_cast<double>(hits_[cell]));
+    const float hits = hits_[cell];
+    const int x = static_cast<int>(cell) / cells_, y = static_cast<int>(cell) % cells_;
+    float most = hits;
+    for (int i = std::max(0, x - 1); i <= std::min(cells_ - 1, x + 1); ++i) {
+      for (int j = std::max(0, y - 1); j <= std::min(cells_ - 1, y + 1); ++j)
+        most = std::max(most, hits_[index(i, j)]);
+    }
+    const double vote =
+        static_cast<double>(std::min(1.0F, hits) * std::min(1.0F, kUneven * hits / most));
     odds_[cell] = added(odds_[cell], static_cast<int>(std::lround(vote * kObstacleVote / kStep)));
-    hits_[cell] = 0;
   }
+  for (const std::uint32_t cell : touched_) hits_[cell] = 0;
   touched_.clear();
 }
 

@@ -15,6 +15,7 @@ inline constexpr double kObstacleVote = 1.2;  // 77 %: an obstacle overseen cost
 inline constexpr double kMost = 10;           // a cell is full: it has to be able to change
 inline constexpr double kKnown = 0.1;         // log-odds: below that a cell is unknown
 inline constexpr double kFullAt = 4;          // a whole vote is a quarter of a cell full of pixels
+inline constexpr float kUneven = 1.6F;        // 1 / share of its neighbour's points that is whole
 
 struct LocalMap::View {
   View(const vision::CameraModel& model, const Eigen::Isometry3d& map_from_eye,

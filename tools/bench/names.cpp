@@ -68,6 +68,8 @@ std::vector<Name> all_names() {
       {"peer.opencv_stereobm_ms.640", "ms", 0, 0, false, 3},
       {"vision.psf_ms.320", "ms", 0.8, 0.36, false, 3},
       {"vision.psf_ms.640", "ms", 3, 1.4, false, 3},
+      {"vision.edges_ms.320", "ms", 0, 0, false, 3},
+      {"vision.edges_ms.640", "ms", 0, 0, false, 3},
       {"vision.map_ms.320", "ms", 0.5, 0, false, 3},
       {"vision.map_ms.640", "ms", 0, 0, false, 3},
       {"vision.flow_ms.320", "ms", 0.8, 0.55, false, 3},
