@@ -10,25 +10,6 @@
 
 namespace kaz::vision {
 
-namespace {
-
-// All but the way back. Between pixels a match is where the costs beside the least one put it, if
-// they rise as evenly as sums of absolute differences do.
-BlockMatch judge(const RowWinners& w, int u, int disparities, int doubt_share,
-                 std::uint8_t wanted) {
-  const int d = w.disparity[u], least = w.cost[u], before = w.before[u], after = w.after[u];
-  const int limit = doubt(least, doubt_share);
-  const int own = 1 + (before <= limit ? 1 : 0) + (after <= limit ? 1 : 0);
-  const bool inner = (d > 0) & (d + 1 < disparities);
-  const int rise = 2 * (std::max(before, after) - least);
-  const int shift = inner ? before - after : 0;
-  return {static_cast<float>(d) + static_cast<float>(shift) / static_cast<float>(std::max(rise, 1)),
-          static_cast<std::int16_t>(least),
-          static_cast<std::uint8_t>(inner & (w.in_doubt[u] == own) & (wanted != 0) ? 1 : 0)};
-}
-
-}  // namespace
-
 void FilteredPicture::filter(const std::uint8_t* grey, int w, int h) {
   width = w;
   height = h;
@@ -83,12 +64,13 @@ void MirroredPicture::warp(const FilteredPicture& picture, double a, double b, d
 
 void BlockMatcher::match(const FilteredPicture& left, const MirroredPicture& right,
                          const std::vector<std::uint8_t>& wanted, const BlockOptions& o,
-                         std::vector<BlockMatch>& found) {
+                         BlockMatches& found) {
   const int width = left.width, height = left.height, n = right.disparities, half = o.block / 2;
   const auto w = static_cast<std::size_t>(width);
-  found.resize(w * static_cast<std::size_t>(height));
-  std::fill_n(found.begin(), w * static_cast<std::size_t>(half), BlockMatch{});
-  std::fill_n(found.rbegin(), w * static_cast<std::size_t>(half), BlockMatch{});
+  const std::size_t pixels = w * static_cast<std::size_t>(height);
+  found.disparity.resize(pixels);
+  found.cost.resize(pixels);
+  found.good.assign(pixels, 0);
   columns_.assign(w * static_cast<std::size_t>(n), 0);
   zero_.assign(right.pitch(), 0);
   window_.assign(static_cast<std::size_t>(n) + 2, INT16_MAX);
@@ -118,17 +100,15 @@ void BlockMatcher::match(const FilteredPicture& left, const MirroredPicture& rig
     row.wanted = &wanted[middle];
     match_row(row, o.vectors);
     if (row.winners == nullptr) continue;
-    BlockMatch* to = &found[middle];
-    std::fill_n(to, half, BlockMatch{});
-    std::fill_n(to + width - half, half, BlockMatch{});
-    for (int u = half; u < width - half; ++u)
-      to[u] = judge(winners, u, n, row.doubt_share, row.wanted[u]);
+    std::uint8_t* good = &found.good[middle];
+    judge_row(winners, row.wanted, half, width - half, n, row.doubt_share,
+              {&found.disparity[middle], &found.cost[middle], good});
     if (o.left_right_px < 0) continue;
     for (int u = half; u < width - half; ++u) {
       const int d = winners.disparity[u];
       const int other = right_disparity_[static_cast<std::size_t>(width - 1 - u + d)];
       const int off = std::abs(other - d);
-      to[u].good = static_cast<std::uint8_t>(to[u].good & (off <= o.left_right_px ? 1 : 0));
+      good[u] = static_cast<std::uint8_t>(good[u] & (off <= o.left_right_px ? 1 : 0));
     }
   }
 }

@@ -44,13 +44,13 @@ struct MirroredPicture {
   void resize(const FilteredPicture& picture, int n);
 };
 
-// One a pixel of the left picture.
-struct BlockMatch {
-  float disparity = 0;  // of least difference, placed between pixels
-  std::int16_t cost = INT16_MAX;
-  // Whether it is neither the first nor the last disparity, is better than all others but the two
-  // beside it, and is found again from right to left. A byte: loops over it become vectors.
-  std::uint8_t good = 0;
+// One a pixel of the left picture. Loops over each of them become vectors.
+struct BlockMatches {
+  std::vector<float> disparity;  // of least difference, placed between pixels
+  std::vector<std::int16_t> cost;
+  // 1 where it is neither the first nor the last disparity, is better than all others but the two
+  // beside it, and is found again from right to left.
+  std::vector<std::uint8_t> good;
 };
 
 struct BlockOptions {
@@ -66,7 +66,7 @@ class BlockMatcher {
   // along the picture's edges.
   void match(const FilteredPicture& left, const MirroredPicture& right,
              const std::vector<std::uint8_t>& wanted, const BlockOptions& options,
-             std::vector<BlockMatch>& found);
+             BlockMatches& found);
 
  private:
   std::vector<std::int16_t> columns_, window_, winners_, right_cost_, right_disparity_;

@@ -17,6 +17,15 @@ constexpr float kNear_px = 3;  // what blocks facing the eyes find further off i
 // block's cost may be and still count as not worse.
 constexpr int kNotWorse_percent = 125;
 
+// Where a plane of disparity start + slope u may be.
+void want(const float* __restrict disparity, const std::uint8_t* __restrict textured, int width,
+          float start, float slope, std::uint8_t* __restrict wanted) {
+  for (int u = 0; u < width; ++u) {
+    const float d = disparity[u], off = std::abs(d - (start + slope * static_cast<float>(u)));
+    wanted[u] = static_cast<std::uint8_t>(((d == 0) | (off < kNear_px) ? 1 : 0) & textured[u]);
+  }
+}
+
 }  // namespace
 
 void StereoMatcher::match(const GreyPair& pair, int disparities, const MatchOptions& o,
@@ -28,14 +37,14 @@ void StereoMatcher::match(const GreyPair& pair, int disparities, const MatchOpti
   texture_.find(left_, o.block.block, least, textured_);
   blocks_.match(left_, mirrored_, textured_, o.block, facing_);
   const int half = o.block.block / 2;
-  disparity.resize(facing_.size());
+  disparity.resize(facing_.disparity.size());
   std::size_t i = 0;
   for (int v = 0; v < pair.height; ++v) {
     for (int u = 0; u < pair.width; ++u, ++i) {
-      const BlockMatch& m = facing_[i];
+      const float d = facing_.disparity[i];
       // A block that would reach into the columns before the right picture has matched nothing.
-      const bool good = (m.good != 0) & (m.disparity <= static_cast<float>(u - half));
-      disparity[i] = good ? m.disparity : 0;
+      const bool good = (facing_.good[i] != 0) & (d <= static_cast<float>(u - half));
+      disparity[i] = good ? d : 0;
     }
   }
   if (o.slants == 0) return;
@@ -49,30 +58,28 @@ void StereoMatcher::slant(const DisparityPlane& plane, const MatchOptions& o,
   constexpr float kMiddle = kAround / 2;
   const int half = o.block.block / 2;
   wanted_.resize(disparity.size());
-  std::size_t i = 0;
   for (int v = 0; v < left_.height; ++v) {
-    for (int u = 0; u < left_.width; ++u, ++i) {
-      const float d = disparity[i];
-      const float off = std::abs(d - plane.at(static_cast<float>(u), static_cast<float>(v)));
-      wanted_[i] = static_cast<std::uint8_t>((d == 0) | (off < kNear_px) ? textured_[i] : 0);
-    }
+    const std::size_t first = static_cast<std::size_t>(v) * static_cast<std::size_t>(left_.width);
+    want(&disparity[first], &textured_[first], left_.width, plane.at(0, static_cast<float>(v)),
+         plane.a, &wanted_[first]);
   }
   mirrored_.warp(right_, static_cast<double>(plane.a), static_cast<double>(plane.b),
                  static_cast<double>(plane.c - kMiddle), kAround);
   blocks_.match(left_, mirrored_, wanted_, o.block, slanted_);
-  i = 0;
+  std::size_t i = 0;
   for (int v = 0; v < left_.height; ++v) {
     for (int u = 0; u < left_.width; ++u, ++i) {
-      const BlockMatch& m = slanted_[i];
-      if (m.good == 0 || std::abs(m.disparity - kMiddle) > kOn_px ||
-          100 * m.cost > kNotWorse_percent * facing_[i].cost)
+      if (slanted_.good[i] == 0) continue;
+      const float away = slanted_.disparity[i];
+      if (std::abs(away - kMiddle) > kOn_px ||
+          100 * slanted_.cost[i] > kNotWorse_percent * facing_.cost[i])
         continue;
-      // The moved pixel u - m.disparity of the right picture is where the plane had put it.
-      const float moved = plane.at(static_cast<float>(u) - m.disparity, static_cast<float>(v));
-      const float d = m.disparity + moved - kMiddle;
+      // The moved pixel u - away of the right picture is where the plane had put it.
+      const float moved = plane.at(static_cast<float>(u) - away, static_cast<float>(v));
+      const float d = away + moved - kMiddle;
       if (d <= 0 || d > static_cast<float>(u - half)) continue;
       disparity[i] = d;
-      facing_[i].cost = std::min(m.cost, facing_[i].cost);  // for the planes after this one
+      facing_.cost[i] = std::min(slanted_.cost[i], facing_.cost[i]);  // for the next plane
     }
   }
 }

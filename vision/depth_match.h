@@ -33,7 +33,7 @@ class StereoMatcher {
   BlockMatcher blocks_;
   BlockTexture texture_;
   SlantFinder slants_;
-  std::vector<BlockMatch> facing_, slanted_;
+  BlockMatches facing_, slanted_;
   std::vector<std::uint8_t> textured_, wanted_;
 
   // Puts what lies on the plane where blocks slanted like it find it.

@@ -57,7 +57,39 @@ void plain_row(const BlockRow& r) {
   for (int u = 1; u + 1 < width; ++u) to[u] = at(u - 1, u + 1);
 }
 
+[[gnu::always_inline]] inline void judge(
+    const std::int16_t* __restrict winner, const std::int16_t* __restrict least,
+    const std::int16_t* __restrict before, const std::int16_t* __restrict after,
+    const std::int16_t* __restrict in_doubt, const std::uint8_t* __restrict wanted, int count,
+    int disparities, int share, float* __restrict disparity, std::int16_t* __restrict cost,
+    std::uint8_t* __restrict good) {
+  const int last = disparities - 1;
+  for (int u = 0; u < count; ++u) {
+    const int d = winner[u], c = least[u], p = before[u], q = after[u];
+    const int limit = doubt(c, share);
+    const int own = 1 + (p <= limit ? 1 : 0) + (q <= limit ? 1 : 0);
+    const int inner = (d > 0 ? 1 : 0) & (d < last ? 1 : 0);
+    const int rise = std::max(1, 2 * (std::max(p, q) - c));
+    const int shift = inner != 0 ? p - q : 0;
+    disparity[u] = static_cast<float>(d) + static_cast<float>(shift) / static_cast<float>(rise);
+    cost[u] = static_cast<std::int16_t>(c);
+    good[u] = static_cast<std::uint8_t>(inner & (in_doubt[u] == own ? 1 : 0) & wanted[u]);
+  }
+}
+
+[[gnu::always_inline]] inline void judge(const RowWinners& w, const std::uint8_t* wanted, int begin,
+                                         int end, int disparities, int share,
+                                         const RowMatches& to) {
+  judge(w.disparity + begin, w.cost + begin, w.before + begin, w.after + begin, w.in_doubt + begin,
+        wanted + begin, end - begin, disparities, share, to.disparity + begin, to.cost + begin,
+        to.good + begin);
+}
+
 #ifdef KAZ_DEPTH_AVX2
+[[gnu::target("avx2")]] void judge_avx2(const RowWinners& w, const std::uint8_t* wanted, int begin,
+                                        int end, int disparities, int share, const RowMatches& to) {
+  judge(w, wanted, begin, end, disparities, share, to);
+}
 [[gnu::target("avx2")]] void filter_avx2(const std::uint8_t* above, const std::uint8_t* here,
                                          const std::uint8_t* below, int width, std::uint8_t* to) {
   filter(above, here, below, width, to);
@@ -80,6 +112,14 @@ void match_row(const BlockRow& r, bool vectors) {
 #endif
   (void)vectors;
   plain_row(r);
+}
+
+void judge_row(const RowWinners& w, const std::uint8_t* wanted, int begin, int end, int disparities,
+               int share, const RowMatches& to) {
+#ifdef KAZ_DEPTH_AVX2
+  if (has_avx2()) return judge_avx2(w, wanted, begin, end, disparities, share, to);
+#endif
+  judge(w, wanted, begin, end, disparities, share, to);
 }
 
 void filter_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,

@@ -16,6 +16,16 @@ struct RowWinners {
   std::int16_t *disparity, *cost, *before, *after, *in_doubt;
 };
 
+// Of winners u .. end - 1, all but the way back. Between pixels a match is where the costs beside
+// the least one put it, if they rise as evenly as sums of absolute differences do.
+struct RowMatches {
+  float* disparity;
+  std::int16_t* cost;
+  std::uint8_t* good;
+};
+void judge_row(const RowWinners& winners, const std::uint8_t* wanted, int begin, int end,
+               int disparities, int doubt_share, const RowMatches& to);
+
 // One more row of both pictures under the blocks, and the one that leaves them.
 struct BlockRow {
   int width, disparities, half;
