@@ -8,7 +8,6 @@
 #include <numbers>
 #include <set>
 
-#include "host/behavior/angle_filter.h"
 #include "host/behavior/control_cycle.h"
 #include "host/behavior/search_pattern.h"
 #include "host/robot/test_board.h"
@@ -58,53 +57,6 @@ TEST(Options, AreCheckedAgainstRangeAndChoices) {
     EXPECT_EQ(bad.error().fault, Fault::usage);
     EXPECT_NE(bad.error().message.find(hint), std::string::npos) << bad.error().message;
   }
-}
-
-constexpr AngleFilter::Noise kNoise{
-    .measurement_rad = 0.01, .acceleration_psd = 1, .initial_rate = 1, .jump_rad = 0.5};
-
-TEST(AngleFilter, LearnsASteadyMotionExactly) {
-  AngleFilter filter(kNoise);
-  EXPECT_FALSE(filter.known());
-  for (int i = 0; i <= 60; ++i) filter.observe(i * 33ms, 0.1 + 0.7 * i * 0.033);
-  EXPECT_NEAR(filter.rate(), 0.7, 1e-6);
-  EXPECT_NEAR(filter.at(60 * 33ms + 100ms), 0.1 + 0.7 * (60 * 0.033 + 0.1), 1e-6);
-}
-
-TEST(AngleFilter, AimsAtWhatIsAtRest) {
-  AngleFilter filter(kNoise);
-  for (int i = 0; i < 100; ++i)
-    filter.observe(i * 33ms, i % 2 ? 0.005 : -0.005);  // noise about zero
-  const Time ahead = filter.latest() + 100ms;
-  EXPECT_LT(std::abs(filter.aim(ahead)), std::abs(filter.at(ahead)) / 2);
-  for (int i = 0; i < 100; ++i) filter.observe(4s + i * 33ms, i * 0.033);  // 1 rad/s
-  EXPECT_NEAR(filter.aim(filter.latest() + 100ms), 99 * 0.033 + 0.1, 0.01);
-}
-
-// The steady gains of this filter follow from the tracking index L, L^2 = T^3 q / r^2, alone
-// (white-noise acceleration in continuous time; Bar-Shalom et al., section 6.5):
-//   beta^2 / (1 - alpha) = L^2,   alpha = sqrt(2 beta + beta^2 / 12) - beta / 2
-TEST(AngleFilter, SteadyGainsFollowTheTrackingIndex) {
-  AngleFilter filter(kNoise);
-  for (int i = 0; i < 300; ++i) filter.observe(i * 33ms, 0);
-  const double rate_before = filter.rate();
-  filter.observe(300 * 33ms, 0.1);  // one step: the answer shows the gains
-  const double alpha = filter.at(filter.latest()) / 0.1;
-  const double beta = (filter.rate() - rate_before) * 0.033 / 0.1;
-  const double index_squared = std::pow(0.033, 3) * 1 / (0.01 * 0.01);
-  EXPECT_NEAR(beta * beta / (1 - alpha), index_squared, 0.001 * index_squared);
-  EXPECT_NEAR(alpha, std::sqrt(2 * beta + beta * beta / 12) - beta / 2, 0.001);
-}
-
-TEST(AngleFilter, StartsAnewAfterAJumpAndIgnoresThePast) {
-  AngleFilter filter(kNoise);
-  filter.observe(0ms, 0);
-  filter.observe(100ms, 0.1);
-  filter.observe(50ms, 0.4);
-  EXPECT_EQ(filter.latest(), 100ms);
-  filter.observe(200ms, 2);
-  EXPECT_DOUBLE_EQ(filter.at(200ms), 2);
-  EXPECT_DOUBLE_EQ(filter.rate(), 0);
 }
 
 // Every direction that the head can see comes into the middle part of the view during the first
