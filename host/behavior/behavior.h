@@ -37,6 +37,8 @@ struct Outcome {
   bool success = false;
   std::string sentence;  // for people: "the ball was found after 1.4 s"
   std::vector<std::pair<std::string, double>> figures;
+  // Of a failure, in a word or two that are the same each time: for tables. "not found".
+  std::string cause = {};
 };
 
 struct Behavior {

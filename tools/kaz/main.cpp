@@ -65,6 +65,7 @@ int parse_and_run(int argc, char** argv) {
   kaz::tools::Action action;
   kaz::tools::add_demo(program, action);
   kaz::tools::add_run(program, action);
+  kaz::tools::add_evaluate(program, action);
   kaz::tools::add_sim(program, action);
   kaz::tools::add_eyes(program, action);
   kaz::tools::add_calibrate(program, action);

@@ -65,6 +65,7 @@ Result<SessionOptions> session_of(const sim::McapRecording& recording,
   session.rig.imu = rig.value("imu", false);
   session.rig.dynamics = rig.value("dynamics", session.rig.dynamics);
   session.rig.physics_step_ms = rig.value("physics_step_ms", session.rig.physics_step_ms);
+  session.rig.supply_volts = rig.value("supply_volts", session.rig.supply_volts);
   session.rig.eyes = rig.value("eyes", "");
   session.rig.eye_width = rig.value("eye_width", 0);
   session.rig.seed = options.seed.value_or(rig.value("seed", std::uint64_t{1}));

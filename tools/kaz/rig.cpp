@@ -149,6 +149,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& optio
     return fail(Fault::usage, "--sensors " + options.sensors + ": give nominal, ideal or as-built");
   sim.sensors = *sensors;
   sim.imu = options.imu;
+  sim.supply_volts = options.supply_volts;
   sim.recording_path = options.recording;
   sim.detour_every = std::chrono::milliseconds(std::llround(1000 * options.restore_every_s));
   sim.record_pictures = options.record_pictures;

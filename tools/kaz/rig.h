@@ -32,6 +32,7 @@ struct RigOptions {
   std::string eyes = "ideal";
   std::string dynamics = "reduced";  // WorldOptions::stepper
   double physics_step_ms = 1;        // SimulationOptions
+  double supply_volts = 10;
   int eye_width = 0;                 // 320 or 640; 0: as in camera.json
   std::uint64_t seed = 1;
   std::string faults;          // file with a schedule of faults; none if empty

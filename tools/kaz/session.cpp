@@ -88,6 +88,24 @@ class Listener final : public behavior::Sink {
   behavior::Recording recording_;
 };
 
+// Lets somebody look at the world whenever the host has waited.
+class WatchedClock final : public host::Clock {
+ public:
+  WatchedClock(host::Clock& clock, sim::Simulation* simulation, Onlooker* onlooker)
+      : clock_(clock), simulation_(simulation), onlooker_(onlooker) {}
+  Time now() const override { return clock_.now(); }
+  Result<void> sleep_until(Time t) override {
+    auto slept = clock_.sleep_until(t);
+    if (slept && onlooker_ != nullptr && simulation_ != nullptr) onlooker_->look(*simulation_);
+    return slept;
+  }
+
+ private:
+  host::Clock& clock_;
+  sim::Simulation* simulation_;
+  Onlooker* onlooker_;
+};
+
 double expected_seconds(const behavior::OptionValues& values,
                         std::span<const behavior::Option> options) {
   for (const auto& option : options) {
@@ -106,13 +124,18 @@ std::vector<std::string> other_joints(const sim::World& world) {
 // What `kaz replay` runs it again with.
 std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& options) {
   const RigOptions& rig = options.rig;
-  const nlohmann::ordered_json robot{
-      {"world", rig.world},       {"robot_file", rig.robot_file},
-      {"engine", rig.engine},     {"image", rig.image},
-      {"sensors", rig.sensors},   {"imu", rig.imu},
-      {"dynamics", rig.dynamics}, {"physics_step_ms", rig.physics_step_ms},
-      {"eyes", rig.eyes},         {"eye_width", rig.eye_width},
-      {"seed", rig.seed}};
+  const nlohmann::ordered_json robot{{"world", rig.world},
+                                     {"robot_file", rig.robot_file},
+                                     {"engine", rig.engine},
+                                     {"image", rig.image},
+                                     {"sensors", rig.sensors},
+                                     {"imu", rig.imu},
+                                     {"dynamics", rig.dynamics},
+                                     {"physics_step_ms", rig.physics_step_ms},
+                                     {"eyes", rig.eyes},
+                                     {"eye_width", rig.eye_width},
+                                     {"supply_volts", rig.supply_volts},
+                                     {"seed", rig.seed}};
   return {{"behavior", options.behavior},
           {"settings", nlohmann::json(options.settings).dump()},
           {"rig", robot.dump()}};
@@ -162,8 +185,9 @@ Result<bool> run_session(SessionOptions options) {
                  options.label.c_str(), seconds(resumption.lost - connecting),
                  text(resumption.cause), seconds(resumption.resumed - resumption.lost));
   };
+  WatchedClock clock((*rig)->clock(), (*rig)->simulation(), options.onlooker);
   auto robot =
-      host::Robot::connect((*rig)->link(), (*rig)->clock(),
+      host::Robot::connect((*rig)->link(), clock,
                            {.on_resumed = tell_resumption,
                             .frames_path = real ? temporary_file("frames.txt") : std::string()});
   if (!robot) return tl::unexpected(robot.error());
@@ -199,6 +223,7 @@ Result<bool> run_session(SessionOptions options) {
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
   const double run_s = seconds((*rig)->clock().now() - start);
+  if (options.on_end) options.on_end(outcome, run_s, run_s / wall_s);
   const auto health = outcome ? robot->board_statistics() : Result<kz_statistics_reply>{};
   robot->disable_all();
   progress.done();

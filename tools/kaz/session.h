@@ -7,11 +7,19 @@
 #include <memory>
 #include <string>
 
+#include "host/behavior/behavior.h"
 #include "shared/base/result.hpp"
 #include "tools/kaz/rig.h"
 #include "tools/kaz/vision_modules.h"
 
 namespace kaz::tools {
+
+// Sees the simulated world as it is while a behaviour runs: for scores. No behaviour sees it.
+class Onlooker {
+ public:
+  virtual ~Onlooker() = default;
+  virtual void look(sim::Simulation& simulation) = 0;
+};
 
 struct SessionOptions {
   RigOptions rig;
@@ -23,6 +31,9 @@ struct SessionOptions {
   std::string label = "kaz run";                // begins progress lines
   VisionOptions vision;                         // always with the module color
   VisionWatcher* watcher = nullptr;             // must outlive the session
+  Onlooker* onlooker = nullptr;                 // of a simulated robot; must outlive the session
+  // How the behaviour ended, how long it took (s of the robot), and that over wall time.
+  std::function<void(const Result<behavior::Outcome>&, double, double)> on_end;
   // In place of Rig::open(); what it refers to must outlive the session.
   std::function<Result<std::unique_ptr<Rig>>(host::Interrupt&)> open_rig;
 };

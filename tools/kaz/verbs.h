@@ -39,6 +39,7 @@ inline CLI::Validator positive() {
 void add_demo(CLI::App& program, Action& action);
 void add_run(CLI::App& program, Action& action);
 void add_sim(CLI::App& program, Action& action);
+void add_evaluate(CLI::App& program, Action& action);
 void add_eyes(CLI::App& program, Action& action);
 void add_calibrate(CLI::App& program, Action& action);
 void add_replay(CLI::App& program, Action& action);

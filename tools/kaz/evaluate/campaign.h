@@ -1,0 +1,49 @@
+// Many episodes of one behaviour: each in a process of its own, each kept as soon as it has ended.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "host/behavior/behavior.h"
+#include "shared/base/result.hpp"
+#include "tools/kaz/evaluate/scenario.h"
+#include "tools/kaz/rig.h"
+
+namespace kaz::tools {
+
+struct CampaignOptions {
+  std::string behavior;
+  std::map<std::string, std::string> settings;  // of the behaviour
+  RigOptions rig;                               // engine, eyes, sensors, imu and so on
+  Variation variation;
+  std::uint64_t seed = 1;
+  std::uint64_t episodes = 20;
+  std::uint64_t shard = 1, shards = 1;  // this is part `shard` of so many
+  int jobs = 1;
+  std::string out;
+  bool json = false;
+};
+
+// What decides how each episode goes: campaigns with the same text differ only in which they ran.
+nlohmann::ordered_json campaign_json(const CampaignOptions& options);
+
+// Runs those episodes of the part that are not in the folder yet, then writes summary and table.
+// False where not one episode succeeded. Errors: a folder of another campaign, interruption (what
+// has ended is kept), a behaviour that there is none of.
+Result<bool> run_campaign(const CampaignOptions& options);
+
+// Joins folders of parts of one campaign. Errors: parts of different campaigns, the same episode
+// with different results, none.
+Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std::string& out,
+                             bool json);
+
+// Wilson's interval of a share at 95 %: E. B. Wilson, "Probable inference, the law of succession,
+// and statistical inference", J. Am. Stat. Assoc. 22 (1927). 0..1 where n is 0.
+Interval wilson(std::uint64_t successes, std::uint64_t n);
+
+}  // namespace kaz::tools

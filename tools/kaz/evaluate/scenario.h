@@ -1,0 +1,74 @@
+// What differs from episode to episode, and the files that make it so.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "shared/base/result.hpp"
+#include "vision/color.h"
+
+namespace kaz::tools {
+
+// A colour that balls have: as painted, and as it is looked for.
+struct BallColor {
+  const char* name;
+  std::array<double, 3> rgb;  // 0..1
+  vision::ColorRange range;
+};
+std::span<const BallColor> ball_colors();
+// Fails (usage) with the names that there are.
+Result<BallColor> ball_color(const std::string& name);
+
+// From where to where something is drawn, evenly.
+struct Interval {
+  double least = 0, most = 0;
+};
+
+struct Variation {
+  Interval friction{0.6, 0.8};         // of the floor
+  Interval supply_volts{9.5, 10.5};    // at the board
+  Interval ball_distance_m{0.3, 0.8};  // from between the feet, on the floor
+  double bearing_deg = 90;             // of the ball, at most so far to either side
+  std::vector<double> radii_m{0.018, 0.020};
+  std::vector<std::string> colors{"red", "green"};
+  double mass_sigma = 0.05;  // of each link's mass and inertia, as a share
+};
+
+struct Scenario {
+  std::uint64_t seed = 1;  // of the episode: sensors, and all below
+  double friction = 0.7, supply_volts = 10;
+  double ball_x_m = 0, ball_y_m = 0;  // from between the feet; x ahead, y left
+  double ball_radius_m = 0.020;
+  std::string ball_color = "red", floor = "wood";
+  double mass_sigma = 0.05;
+
+  // Of the evaluation's seed and the episode's number, and nothing else.
+  static Scenario draw(const Variation& variation, std::uint64_t seed, std::uint64_t episode);
+};
+nlohmann::ordered_json scenario_json(const Scenario& scenario);
+
+// A folder with robot and world of a scenario, which goes with the object.
+class ScenarioFiles {
+ public:
+  // `robot`: folder of kaz.urdf and its companions. Errors: a file that cannot be read or written.
+  static Result<ScenarioFiles> make(const Scenario& scenario, const std::string& robot);
+  ScenarioFiles(ScenarioFiles&& other) noexcept : folder_(std::exchange(other.folder_, {})) {}
+  ScenarioFiles& operator=(ScenarioFiles&&) = delete;
+  ~ScenarioFiles();
+
+  std::string world() const { return folder_ / "world.sdf"; }
+  std::string robot() const { return folder_ / "kaz.urdf"; }
+
+ private:
+  explicit ScenarioFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  std::filesystem::path folder_;
+};
+
+}  // namespace kaz::tools

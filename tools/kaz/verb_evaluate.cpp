@@ -1,0 +1,171 @@
+// `kaz evaluate`: many episodes of a behaviour, and how many succeed.
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
+#include "tools/kaz/evaluate/campaign.h"
+#include "tools/kaz/sim_options.h"
+#include "tools/kaz/verbs.h"
+
+namespace kaz::tools {
+namespace {
+
+struct Arguments {
+  CampaignOptions campaign;
+  std::vector<std::string> settings;
+  std::string shard = "1/1";
+  std::vector<double> friction, supply, distance;
+  bool blind_to_turns = false;
+};
+
+Result<void> take_interval(const char* option, const std::vector<double>& given, Interval& to) {
+  if (given.empty()) return {};
+  if (given.size() != 2 || !(given[0] > 0) || !(given[0] <= given[1]))
+    return fail(Fault::usage, std::string(option) +
+                                  ": give two numbers above 0, the smaller one "
+                                  "first, as in " +
+                                  option + " 0.6 0.8");
+  to = {given[0], given[1]};
+  return {};
+}
+
+Result<Outcome> start(Arguments a) {
+  CampaignOptions& c = a.campaign;
+  for (const auto& setting : a.settings) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0)
+      return fail(Fault::usage, "--set " + setting + ": give NAME=VALUE, as in --set distance=1");
+    c.settings[setting.substr(0, equals)] = setting.substr(equals + 1);
+  }
+  unsigned long long part = 0, parts = 0;
+  int end = 0;
+  if (a.shard.size() > 20 ||
+      std::sscanf(a.shard.c_str(), "%llu/%llu%n", &part, &parts, &end) != 2 ||
+      end != static_cast<int>(a.shard.size()) || part < 1 || part > parts)
+    return fail(Fault::usage, "--shard " + a.shard + ": give I/N, the first of four parts is 1/4");
+  c.shard = part;
+  c.shards = parts;
+  for (const auto& done :
+       {take_interval("--friction", a.friction, c.variation.friction),
+        take_interval("--supply", a.supply, c.variation.supply_volts),
+        take_interval("--ball-distance", a.distance, c.variation.ball_distance_m)}) {
+    if (!done) return tl::unexpected(done.error());
+  }
+  for (const std::string& color : c.variation.colors) {
+    if (auto known = ball_color(color); !known) return tl::unexpected(known.error());
+  }
+  c.rig.imu = !a.blind_to_turns;
+  const auto succeeded = run_campaign(c);
+  if (!succeeded) return tl::unexpected(succeeded.error());
+  return Outcome(*succeeded);
+}
+
+void add_merge(CLI::App& evaluate, Action& action) {
+  auto* verb = evaluate.add_subcommand("merge", "join the parts of an evaluation");
+  struct Merge {
+    std::vector<std::string> folders;
+    std::string out;
+    bool json = false;
+  };
+  auto arguments = std::make_shared<Merge>();
+  verb->add_option("DIR", arguments->folders, "folders of the parts")->required()->type_name("");
+  verb->add_option("--out", arguments->out, "folder for the whole")->required()->type_name("DIR");
+  verb->add_flag("--json", arguments->json, "print result.json");
+  verb->footer(
+      "Parts are those of one evaluation: the same options but for --shard, --jobs and --out.\n"
+      "Examples:\n"
+      "  kaz evaluate search-ball --episodes 8 --shard 1/2 --out one\n"
+      "  kaz evaluate search-ball --episodes 8 --shard 2/2 --out two\n"
+      "  kaz evaluate merge one two --out all");
+  verb->callback([&action, arguments] {
+    action = [arguments]() -> Result<Outcome> {
+      const auto succeeded = merge_campaigns(arguments->folders, arguments->out, arguments->json);
+      if (!succeeded) return tl::unexpected(succeeded.error());
+      return Outcome(*succeeded);
+    };
+  });
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand(
+      "evaluate",
+      "many episodes of a behaviour on robots and worlds that differ; how many succeed");
+  auto arguments = std::make_shared<Arguments>();
+  CampaignOptions& c = arguments->campaign;
+  c.rig.eyes = "real";
+  verb->add_option("BEHAVIOUR", c.behavior, "as of kaz run")->type_name("");
+  verb->add_option("--episodes", c.episodes, "how many")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  verb->add_option("--seed", c.seed, "of what differs; the same seed gives the same episodes")
+      ->check(CLI::Range(0ull, 1000000000000ull))
+      ->capture_default_str();
+  verb->add_option("--jobs", c.jobs, "episodes at the same time")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  verb->add_option("--out", c.out,
+                   "folder for result.json, episodes.csv and recordings of failures; the same "
+                   "command goes on where it was interrupted")
+      ->type_name("DIR");
+  verb->add_option("--shard", arguments->shard,
+                   "part I of N: independent, repeatable, to be merged")
+      ->type_name("I/N")
+      ->capture_default_str();
+  verb->add_option("--set", arguments->settings, "an option of the behaviour: NAME=VALUE")
+      ->type_name("NAME=VALUE");
+  verb->add_option("--friction", arguments->friction, "of the floor, from and to (0.6 0.8)")
+      ->expected(2)
+      ->type_name("NUMBER");
+  verb->add_option("--supply", arguments->supply, "volts, from and to (9.5 10.5)")
+      ->expected(2)
+      ->type_name("NUMBER");
+  verb->add_option("--ball-distance", arguments->distance, "m from the feet, from and to (0.3 0.8)")
+      ->expected(2)
+      ->type_name("NUMBER");
+  verb->add_option("--bearing", c.variation.bearing_deg,
+                   "of the ball, degrees to either side of straight ahead at most")
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str();
+  verb->add_option("--radii", c.variation.radii_m, "of balls, m")
+      ->check(CLI::Range(0.005, 0.5))
+      ->capture_default_str();
+  verb->add_option("--colors", c.variation.colors, "of balls: red, green, blue")
+      ->capture_default_str();
+  verb->add_option("--mass-sigma", c.variation.mass_sigma, "of each link's mass, as a share of it")
+      ->check(CLI::Range(0.0, 0.3))
+      ->capture_default_str();
+  verb->add_option("--mcu", c.rig.engine, "engine of the servo board: h8 or native")
+      ->check(CLI::IsMember({"h8", "native"}))
+      ->capture_default_str();
+  verb->add_option("--eyes", c.rig.eyes, "ideal or real")
+      ->check(CLI::IsMember({"ideal", "real"}))
+      ->capture_default_str();
+  verb->add_option("--sensors", c.rig.sensors, "nominal, ideal or as-built")
+      ->check(CLI::IsMember({"nominal", "ideal", "as-built"}))
+      ->capture_default_str();
+  verb->add_flag("--no-imu", arguments->blind_to_turns, "a board without gyro and accelerometer");
+  verb->add_flag("--json", c.json, "print result.json, no progress");
+  verb->footer(
+      "Each episode has its own robot (masses, sensors), floor (friction, pattern), supply and "
+      "ball (place,\nradius, colour), all from --seed and the episode's number. Success is judged "
+      "by the simulator's truth:\nno fall, and what the behaviour claims is so.\n"
+      "Exit status: 0; 1 where no episode succeeded.\n"
+      "Examples:\n"
+      "  kaz evaluate search-ball --episodes 20 --jobs 2 --out searched\n"
+      "  kaz evaluate track-ball --set seconds=5 --episodes 10 --mcu native --out tracked --json");
+  verb->callback([&action, arguments, verb] {
+    if (!verb->get_subcommands().empty()) return;
+    action = [arguments]() -> Result<Outcome> {
+      if (arguments->campaign.behavior.empty())
+        return fail(Fault::usage,
+                    "say which behaviour, as in kaz evaluate search-ball --out found");
+      if (arguments->campaign.out.empty())
+        return fail(Fault::usage, "--out is missing: the folder for what is found");
+      return start(*arguments);
+    };
+  });
+  add_merge(*verb, action);
+}
+
+}  // namespace kaz::tools
