@@ -10,7 +10,7 @@
 
 namespace kaz::vision {
 
-void FilteredPicture::filter(const std::uint8_t* grey, int w, int h) {
+void FilteredPicture::filter(const std::uint8_t* grey, int w, int h, bool vectors) {
   width = w;
   height = h;
   const auto pitch = static_cast<std::size_t>(w);
@@ -18,7 +18,7 @@ void FilteredPicture::filter(const std::uint8_t* grey, int w, int h) {
   for (int v = 0; v < h; ++v) {
     const std::uint8_t* here = grey + static_cast<std::size_t>(v) * pitch;
     filter_row(v > 0 ? here - pitch : here, here, v + 1 < h ? here + pitch : here, w,
-               &code[static_cast<std::size_t>(v) * pitch]);
+               &code[static_cast<std::size_t>(v) * pitch], vectors);
   }
 }
 
@@ -102,7 +102,7 @@ void BlockMatcher::match(const FilteredPicture& left, const MirroredPicture& rig
     if (row.winners == nullptr) continue;
     std::uint8_t* good = &found.good[middle];
     judge_row(winners, row.wanted, half, width - half, n, row.doubt_share,
-              {&found.disparity[middle], &found.cost[middle], good});
+              {&found.disparity[middle], &found.cost[middle], good}, o.vectors);
     if (o.left_right_px < 0) continue;
     for (int u = half; u < width - half; ++u) {
       const int d = winners.disparity[u];

@@ -21,7 +21,7 @@ struct FilteredPicture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> code;
 
-  void filter(const std::uint8_t* grey, int w, int h);
+  void filter(const std::uint8_t* grey, int w, int h, bool vectors = true);
   const std::uint8_t* row(int v) const {
     return &code[static_cast<std::size_t>(v) * static_cast<std::size_t>(width)];
   }

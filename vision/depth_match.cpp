@@ -30,8 +30,8 @@ void want(const float* __restrict disparity, const std::uint8_t* __restrict text
 
 void StereoMatcher::match(const GreyPair& pair, int disparities, const MatchOptions& o,
                           std::vector<float>& disparity) {
-  left_.filter(pair.left, pair.width, pair.height);
-  right_.filter(pair.right, pair.width, pair.height);
+  left_.filter(pair.left, pair.width, pair.height, o.block.vectors);
+  right_.filter(pair.right, pair.width, pair.height, o.block.vectors);
   mirrored_.mirror(right_, disparities);
   const int least = o.least_texture * o.block.block * o.block.block / 225;
   texture_.find(left_, o.block.block, least, textured_);

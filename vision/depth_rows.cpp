@@ -115,18 +115,20 @@ void match_row(const BlockRow& r, bool vectors) {
 }
 
 void judge_row(const RowWinners& w, const std::uint8_t* wanted, int begin, int end, int disparities,
-               int share, const RowMatches& to) {
+               int share, const RowMatches& to, bool vectors) {
 #ifdef KAZ_DEPTH_AVX2
-  if (has_avx2()) return judge_avx2(w, wanted, begin, end, disparities, share, to);
+  if (vectors && has_avx2()) return judge_avx2(w, wanted, begin, end, disparities, share, to);
 #endif
+  (void)vectors;
   judge(w, wanted, begin, end, disparities, share, to);
 }
 
 void filter_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
-                int width, std::uint8_t* to) {
+                int width, std::uint8_t* to, bool vectors) {
 #ifdef KAZ_DEPTH_AVX2
-  if (has_avx2()) return filter_avx2(above, here, below, width, to);
+  if (vectors && has_avx2()) return filter_avx2(above, here, below, width, to);
 #endif
+  (void)vectors;
   filter(above, here, below, width, to);
 }
 

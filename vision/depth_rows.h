@@ -9,7 +9,7 @@
 namespace kaz::vision {
 
 void filter_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
-                int width, std::uint8_t* to);
+                int width, std::uint8_t* to, bool vectors);
 
 // Per column: the disparity of least cost, that cost and those beside it.
 struct RowWinners {
@@ -24,7 +24,7 @@ struct RowMatches {
   std::uint8_t* good;
 };
 void judge_row(const RowWinners& winners, const std::uint8_t* wanted, int begin, int end,
-               int disparities, int doubt_share, const RowMatches& to);
+               int disparities, int doubt_share, const RowMatches& to, bool vectors);
 
 // One more row of both pictures under the blocks, and the one that leaves them.
 struct BlockRow {
