@@ -3,9 +3,9 @@
 #include "vision/ball.h"
 
 #include <algorithm>
-#include <bitset>
 #include <cmath>
 
+#include "vision/ball_edge.h"
 #include "vision/cone.h"
 #include "vision/outline.h"
 
@@ -42,26 +42,24 @@ std::vector<OutlinePoint> well_crossed(const Image& image, const std::vector<Out
   return chosen;
 }
 
-// Share of the outline on the cone, and how many of 16 directions around the axis it covers.
+// Share of the outline on the cone, and the directions around the axis that it covers.
 struct Support {
   double share = 0;
-  std::size_t sectors = 0;
+  EdgeSectors sectors;
 };
 
 Support support_of(const Cone& cone, const std::vector<Eigen::Vector3d>& rays,
                    double tolerance_rad) {
-  const Eigen::Vector3d x = cone.axis.cross(Eigen::Vector3d::UnitY()).normalized();
-  const Eigen::Vector3d y = cone.axis.cross(x);
-  std::bitset<16> sectors;
+  const SectorFrame frame(cone.axis);
+  EdgeSectors sectors;
   std::size_t on = 0;
   for (const Eigen::Vector3d& r : rays) {
     if (std::abs(angle_outside(cone, r)) > tolerance_rad) continue;
     ++on;
-    const double turn = std::atan2(r.dot(y), r.dot(x)) / (2 * 3.14159265358979323846) + 0.5;
-    sectors.set(static_cast<std::size_t>(turn * 16) % 16);
+    sectors.set(frame.sector(r));
   }
   if (rays.empty()) return {};
-  return {static_cast<double>(on) / static_cast<double>(rays.size()), sectors.count()};
+  return {static_cast<double>(on) / static_cast<double>(rays.size()), sectors};
 }
 
 // Pixels of the picture that lie within the cone. Of large balls every n-th in both directions
@@ -94,33 +92,51 @@ std::optional<BallObservation> measure(const Image& image, const CameraModel& ca
   const double pixel = 1 / focal(camera);
   const std::vector<OutlinePoint> crossings = outline_of(region, image.width, image.height);
   std::vector<Eigen::Vector3d> rays = rays_of(camera, crossings);
-  std::optional<Cone> cone = fit_cone(rays, 0.4 * pixel);
-  if (!cone || !(cone->axis.z() > 0.05)) return std::nullopt;
+  const std::optional<Cone> coarse = fit_cone(rays, 0.4 * pixel);
+  if (!coarse || !(coarse->axis.z() > 0.05)) return std::nullopt;
+  Cone cone = *coarse;
   const auto center_of = [&](const Cone& c) {
     return Eigen::Vector2d(camera.fx * c.axis.x() / c.axis.z() + camera.cx,
                            camera.fy * c.axis.y() / c.axis.z() + camera.cy);
   };
-  const std::vector<OutlinePoint> fine = well_crossed(image, crossings, center_of(*cone));
+  const std::vector<OutlinePoint> fine = well_crossed(image, crossings, center_of(cone));
   const std::vector<Eigen::Vector3d> fine_rays = rays_of(camera, fine);
-  if (const std::optional<Cone> better = fit_cone(fine_rays, 0.2 * pixel)) cone = better;
-  const std::optional<EllipseAxes> axes = ellipse_axes(*cone);
+  if (const std::optional<Cone> better = fit_cone(fine_rays, 0.2 * pixel)) cone = *better;
+  std::optional<EllipseAxes> axes = ellipse_axes(cone);
   if (!axes) return std::nullopt;
+  // What a raster of pixels explains, or for large balls a twentieth of the radius.
+  const Support support = support_of(cone, rays, std::max(0.6 * pixel, 0.05 * cone.half_angle));
+  const double within = pixels_within(cone, *axes, camera);
+  // Small balls have few pixels of outline: a sector without one is seen if its neighbours are.
+  const EdgeSectors& on = support.sectors;
+  const EdgeSectors seen =
+      on | (((on << 1) | (on >> (kEdgeSectors - 1))) & ((on >> 1) | (on << (kEdgeSectors - 1))));
+  double explained = 0.5;
+  if (const std::optional<EdgeFit> better = fit_edge(image, camera, cone, seen)) {
+    if (const std::optional<EllipseAxes> its = ellipse_axes(better->cone)) {
+      // Of little more than half an edge, blur and radius cannot be told apart as well as by crossings.
+      if (3 * seen.count() > 2 * kEdgeSectors) {
+        cone = better->cone;
+        axes = its;
+      }
+      // Blurred by motion over a good part of its width it is no blurred disc any more.
+      const double sharp = focal(camera) * axes->across / (3 * better->sigma_px);
+      explained = better->explained * std::min(1.0, sharp);
+    }
+  }
 
   BallObservation ball;
-  const Eigen::Vector2d center = center_of(*cone);
+  const Eigen::Vector2d center = center_of(cone);
   ball.center_u = center.x();
   ball.center_v = center.y();
   ball.radius_px = focal(camera) * std::sqrt(axes->across * axes->along);
-  ball.direction = cone->axis;
-  ball.distance_m = options.radius_m / std::sin(cone->half_angle);
-  // What a raster of pixels explains, or for large balls a twentieth of the radius.
-  const Support support = support_of(*cone, rays, std::max(0.6 * pixel, 0.05 * cone->half_angle));
-  const double within = pixels_within(*cone, *axes, camera);
+  ball.direction = cone.axis;
+  ball.distance_m = options.radius_m / std::sin(cone.half_angle);
   constexpr double kEnoughSectors = 5;  // a third of the circumference
   const double area = region.area;
   const double filled = std::min(area / std::max(within, 1.0), within / area);
-  ball.confidence = std::sqrt(support.share * filled) *
-                    std::min(1.0, static_cast<double>(support.sectors) / kEnoughSectors);
+  ball.confidence = std::cbrt(support.share * filled * explained) *
+                    std::min(1.0, static_cast<double>(support.sectors.count()) / kEnoughSectors);
   return ball;
 }
 
@@ -151,23 +167,23 @@ std::optional<Error> unfit(const Image& image, const CameraModel& camera) {
 }  // namespace
 
 BallObservation BallDetector::detect(const Image& image, const FrameInfo& info) {
-  BallObservation none;
-  none.info = info;
-  none.error = unfit(image, info.camera);
+  BallObservation best;
+  best.info = info;
+  best.error = unfit(image, info.camera);
   mask_ = {};
-  if (none.error) return none;
+  if (best.error) return best;
   extractor_.extract(image, mask_);
   // Something else of that colour may be larger than the ball, but is hardly as round.
   constexpr std::size_t kCandidates = 4;
   const std::span<const Region> regions = regions_.find(mask_, options_.min_area);
   for (const Region& region : regions.first(std::min(regions.size(), kCandidates))) {
     std::optional<BallObservation> ball = measure(image, info.camera, region, options_);
-    if (!ball || ball->confidence < options_.min_confidence) continue;
-    ball->info = info;
-    ball->found = true;
-    return *ball;
+    if (!ball || ball->confidence < std::max(options_.min_confidence, best.confidence)) continue;
+    best = std::move(*ball);
+    best.info = info;
+    best.found = true;
   }
-  return none;
+  return best;
 }
 
 }  // namespace kaz::vision

@@ -20,8 +20,8 @@ namespace kaz::vision {
 struct BallOptions {
   double radius_m = 0.020;
   ColorRange color = ColorRange::red_ball();
-  int min_area = 12;            // pixels; smaller regions are noise
-  double min_confidence = 0.6;  // less is not reported as found
+  int min_area = 12;             // pixels; smaller regions are noise
+  double min_confidence = 0.68;  // less is not reported as found
 };
 
 struct BallObservation {
@@ -33,8 +33,9 @@ struct BallObservation {
   // Unit vector to the ball's centre, optical frame.
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
   double distance_m = 0;  // lens to centre
-  // 0..1: geometric mean of the share of the region's outline that lies on the fitted cone and the
-  // share of the cone that the region fills; less where under a third of the circumference was
+  // 0..1: geometric mean of the share of the region's outline that lies on the cone, the share of
+  // the cone that the region fills, and how well the cone explains the mixed colours along its edge
+  // (ball_edge.h; a half where they say nothing); less where under a third of the circumference was
   // seen.
   double confidence = 0;
   // Why the picture could not be looked at (camera gone, no pixels, wrong size): `found` is false

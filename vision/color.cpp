@@ -123,7 +123,7 @@ ColorRange ColorRange::red_ball() {
   range.y_min = 14;
   range.hue_min = 5.5 * kPi / 180;
   range.hue_max = 33.5 * kPi / 180;
-  range.saturation_min = 0.7;
+  range.saturation_min = 0.4;
   return range;
 }
 

@@ -82,6 +82,14 @@ class GlRenderer final : public Renderer {
     if (!(c.fx > 0 && c.fy > 0 && std::isfinite(c.fx + c.fy + c.cx + c.cy))) {
       return fail(Fault::usage, "a camera needs positive focal lengths and a finite centre");
     }
+    const Light& light = view.light;
+    // A lower lamp's shadows reach beyond every map.
+    if (!light.to_key.allFinite() || !(light.to_key.z() > 0.05 * light.to_key.norm()) ||
+        !(light.key >= 0 && light.shaded >= 0 && std::isfinite(light.key + light.shaded))) {
+      return fail(Fault::usage,
+                  "a lamp needs a direction 3 degrees or more above the ground and factors of 0 or "
+                  "more");
+    }
     return {};
   }
 

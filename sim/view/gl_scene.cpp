@@ -51,7 +51,6 @@ Result<void> GlScene::build_programs() {
     program->set_sampler("pattern", 0);
     program->set_sampler("shadow_map", 1);
     program->set("shadow_texel", 1.0 / kPictureShadowTexels);
-    program->set("to_key", Eigen::Vector3d(Eigen::Vector3d::Map(kKeyLight).normalized()));
   }
   Result<GlProgram> depth = GlProgram::build(*gl_, depth_vertex_shader(), depth_fragment_shader());
   if (!depth) return tl::unexpected(depth.error());
@@ -135,15 +134,18 @@ void GlScene::draw_triangles(std::uint32_t first_index, std::uint32_t count) con
                     offset(first_index * sizeof(std::uint32_t)));
 }
 
-void GlScene::draw_shadow_map(const ScenePose& pose, ShadowMap& map) {
+void GlScene::draw_shadow_map(const ScenePose& pose, const Eigen::Vector3d& to_key,
+                              ShadowMap& map) {
   const auto same = [](const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
     return a.matrix() == b.matrix();
   };
-  if (std::equal(pose.frames.begin(), pose.frames.end(), map.pose.begin(), map.pose.end(), same)) {
+  if (map.to_key == to_key &&
+      std::equal(pose.frames.begin(), pose.frames.end(), map.pose.begin(), map.pose.end(), same)) {
     return;  // the other eye of a pair
   }
   map.pose = pose.frames;
-  map.view = fit_shadow_view(model_->pieces, pose, map.texels);
+  map.to_key = to_key;
+  map.view = fit_shadow_view(model_->pieces, pose, map.texels, to_key);
   gl_->BindFramebuffer(GL_FRAMEBUFFER, map.framebuffer);
   gl_->Viewport(0, 0, map.texels, map.texels);
   gl_->Clear(GL_DEPTH_BUFFER_BIT);
@@ -172,6 +174,9 @@ void GlScene::use(const Surface& surface, const Piece& piece, Frame& frame) {
     program.set("clip_from_world", frame.clip_from_world);
     program.set("shadow_from_world", frame.map.view.texture_from_world);
     program.set("eye", Eigen::Vector3d(frame.view.world_from_optical.translation()));
+    program.set("to_key", Eigen::Vector3d(frame.view.light.to_key.normalized()));
+    program.set("key_gain", frame.view.light.key);
+    program.set("shaded_gain", frame.view.light.shaded);
     frame.in_use = &surface;
   }
   if (piece.texture >= 0) {
@@ -263,7 +268,7 @@ void GlScene::draw_surfaces(Frame& frame) {
 void GlScene::draw(const ScenePose& pose, const View& view, GLuint framebuffer) {
   const int n = view.samples_per_axis;
   ShadowMap& map = shadow_maps_[n > 1 ? 1 : 0];
-  draw_shadow_map(pose, map);
+  draw_shadow_map(pose, view.light.to_key, map);
   gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   gl_->Viewport(0, 0, view.camera.width * n, view.camera.height * n);
   gl_->Clear(GL_DEPTH_BUFFER_BIT);

@@ -34,6 +34,7 @@ class GlScene {
     GLuint framebuffer = 0, texture = 0;
     ShadowView view{};
     std::vector<Eigen::Isometry3d> pose;  // for which it was drawn; empty: never
+    Eigen::Vector3d to_key = Eigen::Vector3d::Zero();
   };
 
   // What is being drawn.
@@ -49,7 +50,7 @@ class GlScene {
   void upload_textures();
   Result<void> make_shadow_map(int texels);
   Result<void> build_programs();
-  void draw_shadow_map(const ScenePose& pose, ShadowMap& map);
+  void draw_shadow_map(const ScenePose& pose, const Eigen::Vector3d& to_key, ShadowMap& map);
   void draw_surfaces(Frame& frame);
   const Surface& surface(const Piece& piece, Shadow shadow) const {
     return surfaces_[2 * static_cast<std::size_t>(shadow) + (piece.texture >= 0 ? 1 : 0)];

@@ -8,7 +8,6 @@
 #include <cstdint>
 
 #include "sim/view/projection.h"
-#include "sim/view/shaders.h"
 
 namespace kaz::sim {
 namespace {
@@ -96,7 +95,7 @@ class Blocks {
 
 GroundParts parts_of_ground(std::span<const Piece> pieces, const ScenePose& pose, const View& view,
                             const GroundPlane& ground, double edge_m) {
-  const Eigen::Vector3d to_key = Eigen::Vector3d::Map(kKeyLight).normalized();
+  const Eigen::Vector3d to_key = view.light.to_key.normalized();
   const int n = view.samples_per_axis;
   const Pinhole& camera = view.camera;
   const Eigen::Isometry3d optical_from_world = view.world_from_optical.inverse();

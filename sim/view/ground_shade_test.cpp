@@ -32,7 +32,7 @@ bool inside(const std::vector<PictureRectangle>& parts, int u, int v) {
 
 // Spheres anywhere, also behind the lens and below the ground; tilted grounds and eyes.
 TEST(GroundShade, EveryShadowIsInTheShadedPartsAndAllIsCoveredOnce) {
-  const Eigen::Vector3d to_key = Eigen::Vector3d::Map(kKeyLight).normalized();
+  const Eigen::Vector3d to_key = Light{}.to_key.normalized();
   long dark = 0, shaded = 0, samples = 0;
   for (std::uint64_t scene = 0; scene < 40; ++scene) {
     auto next = [&, k = std::uint64_t{0}](double low, double high) mutable {

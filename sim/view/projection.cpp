@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/view/shaders.h"
-
 namespace kaz::sim {
 
 Eigen::Matrix4d clip_from_optical(const Pinhole& camera) {
@@ -36,9 +34,9 @@ bool may_be_seen(const Pinhole& camera, const Eigen::Vector3d& center, double ra
          !outside(-center.y(), bottom);
 }
 
-ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose, int texels) {
-  const Eigen::Vector3d back =
-      Eigen::Vector3d(kKeyLight[0], kKeyLight[1], kKeyLight[2]).normalized();
+ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose, int texels,
+                           const Eigen::Vector3d& to_key) {
+  const Eigen::Vector3d back = to_key.normalized();
   Eigen::Matrix3d light_from_world;
   light_from_world.row(0) = Eigen::Vector3d::UnitY().cross(back).normalized();
   light_from_world.row(1) = back.cross(Eigen::Vector3d(light_from_world.row(0)));

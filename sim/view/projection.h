@@ -27,6 +27,7 @@ struct ShadowView {
 };
 // `texels`: side of the map, of which the outermost ring stays free. Bounds move in whole texels,
 // so that the shadows' edges do not crawl while something moves elsewhere.
-ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose, int texels);
+ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose, int texels,
+                           const Eigen::Vector3d& to_key);
 
 }  // namespace kaz::sim

@@ -274,6 +274,33 @@ TEST(Renderer, NamesTheVisualThatItCannotBuild) {
   EXPECT_NE(message(wrong).find("/nonexistent/foot.stl"), std::string::npos);
 }
 
+TEST(Renderer, TheLampTurnsAndDims) {
+  TestScene s;
+  s.add(Shape::Kind::plane, {6, 6, 0}, {0, 0, 0}, {0.8F, 0.8F, 0.8F});
+  s.add(Shape::Kind::box, {0.1, 0.1, 0.1}, {0.6, 0, 0.05}, {0.8F, 0.8F, 0.8F});
+  const auto renderer = renderer_for(s.scene);
+  View view = eye_view();
+  const Picture usual = draw(*renderer, s.pose, view);
+  const auto red = [&view](const Picture& p, const Eigen::Vector3d& at) {
+    const Eigen::Vector2d pixel = project(view, at).array().round();
+    return static_cast<int>(p.rgb[static_cast<std::size_t>(pixel.y() * p.width + pixel.x()) * 3]);
+  };
+  // Ground 2.5 cm beside the box, near its front: the shadow is on the side away from the lamp.
+  const Eigen::Vector3d left(0.57, 0.075, 0), right(0.57, -0.075, 0);
+  EXPECT_LT(red(usual, left), red(usual, right) - 20);
+  view.light.to_key = {0, 0.8, 0.6};
+  const Picture turned = draw(*renderer, s.pose, view);
+  EXPECT_GT(red(turned, left), red(turned, right) + 20);
+  view.light.key = 0;  // no lamp, no shadow
+  const Picture overcast = draw(*renderer, s.pose, view);
+  EXPECT_NEAR(red(overcast, left), red(overcast, right), 1);
+  view.light = {};
+  EXPECT_EQ(draw(*renderer, s.pose, view).rgb, usual.rgb);
+  view.light.to_key = {1, 0, 0};
+  Picture none;
+  EXPECT_FALSE(renderer->render(s.pose, view, none));
+}
+
 TEST(Renderer, AnEmptySceneIsBackground) {
   TestScene s;
   const Picture p = draw(*renderer_for(s.scene), s.pose, eye_view(16));

@@ -42,6 +42,8 @@ uniform mat4 clip_from_world;
 uniform mat4 shadow_from_world;
 uniform vec3 eye;
 uniform vec3 to_key;
+uniform float key_gain;
+uniform float shaded_gain;
 out vec3 v_to_eye;
 #ifdef SHADOW
 out vec3 v_shadow;
@@ -65,8 +67,8 @@ void main() {
   vec3 n = mat3(world_from_model) * normal;
 #ifdef TEXTURED
   v_uv = uv * repeats_per_m;
-  v_shaded = color * color * shaded_light(n);
-  v_key = color * color * key_light * max(dot(n, to_key), 0.0);
+  v_shaded = color * color * shaded_light(n) * shaded_gain;
+  v_key = color * color * key_light * (max(dot(n, to_key), 0.0) * key_gain);
 #else
   v_normal = n;
   v_color = color;
@@ -77,6 +79,8 @@ void main() {
 constexpr const char* kSurfaceFragment = R"(
 in vec3 v_to_eye;
 uniform vec3 to_key;
+uniform float key_gain;
+uniform float shaded_gain;
 #ifdef SHADOW
 in vec3 v_shadow;
 uniform sampler2DShadow shadow_map;
@@ -118,8 +122,8 @@ void main() {
   vec3 color = pattern_code * pattern_code * (v_shaded + v_key * lit());
 #else
   vec3 n = normalize(v_normal);
-  float key = max(dot(n, to_key), 0.0) * lit();
-  vec3 color = v_color * v_color * (shaded_light(n) + key_light * key);
+  float key = max(dot(n, to_key), 0.0) * lit() * key_gain;
+  vec3 color = v_color * v_color * (shaded_light(n) * shaded_gain + key_light * key);
   vec3 view = v_to_eye * inversesqrt(distance2);
   float s = max(dot(n, normalize(view + to_key)), 0.0);
   s *= s; s *= s; s *= s; s *= s; s *= s;

@@ -30,7 +30,4 @@ std::string depth_fragment_shader();
 std::string background_vertex_shader();
 std::string background_fragment_shader();
 
-// Towards the key light, world frame, not normalised.
-inline constexpr double kKeyLight[3] = {0.55, -0.50, 1.0};
-
 }  // namespace kaz::sim
