@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/modules.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace kaz::vision {
 
@@ -109,6 +111,42 @@ class FloorModule final : public Module {
   Time latency_;
 };
 
+class MovingModule final : public Module {
+ public:
+  MovingModule(const MovingOptions& options, Time latency) : finder_(options), latency_(latency) {}
+  std::string name() const override { return "moving"; }
+  std::vector<std::string> needs() const override { return {"flow", "depth"}; }
+  Time latency() const override { return latency_; }
+  Result<std::any> look(const Frame& frame) override {
+    const auto& flow = frame.of<FlowImage>("flow");
+    const auto images = frame.shared_images();
+    const auto before = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& one) {
+      return one.sequence == flow.before.sequence;
+    });
+    MovingRegions moving;
+    moving.before = moving.after = frame.info();
+    Result<void> found;
+    // Where this module left out the frame that the flow begins at, nothing is said.
+    if (flow.width > 0 && before != kept_.end())
+      found = finder_.find(flow, before->images->left, images->left, &frame.of<DepthImage>("depth"),
+                           moving);
+    kept_.push_back({frame.info().sequence, images});
+    if (kept_.size() > kMostKept) kept_.erase(kept_.begin());
+    if (!found) return tl::unexpected(found.error());
+    return std::any(std::move(moving));
+  }
+
+ private:
+  static constexpr std::size_t kMostKept = 6;
+  struct Kept {
+    std::uint64_t sequence;
+    std::shared_ptr<const StereoImages> images;
+  };
+  MovingFinder finder_;
+  Time latency_;
+  std::vector<Kept> kept_;
+};
+
 }  // namespace
 
 std::unique_ptr<Module> make_color_module(const BallOptions& options, Time latency) {
@@ -125,6 +163,10 @@ std::unique_ptr<Module> make_planes_module(const PlaneOptions& options, Time lat
 }
 std::unique_ptr<Module> make_floor_module(const FloorEdgeOptions& options, Time latency) {
   return std::make_unique<FloorModule>(options, latency);
+}
+
+std::unique_ptr<Module> make_moving_module(const MovingOptions& options, Time latency) {
+  return std::make_unique<MovingModule>(options, latency);
 }
 
 }  // namespace kaz::vision

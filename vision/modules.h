@@ -8,6 +8,7 @@
 // | flow | FlowImage: of the left picture since the frame before; its width is 0 where there is none | |
 // | planes | PlaneSegments | depth |
 // | floor | PlaneSegments with the floor's edges as the left picture has them | planes |
+// | moving | MovingRegions: what moves by itself; 0 cells across where there is no flow | flow, depth |
 //
 // Latencies are those that the design declares for lockstep (section 3), from measured runs.
 #pragma once
@@ -19,6 +20,7 @@
 #include "vision/floor_edges.h"
 #include "vision/flow.h"
 #include "vision/module.h"
+#include "vision/moving.h"
 #include "vision/plane_segments.h"
 
 namespace kaz::vision {
@@ -27,6 +29,7 @@ inline constexpr Time kColorLatency = std::chrono::milliseconds(5);
 inline constexpr Time kDepthLatency = std::chrono::milliseconds(20);
 inline constexpr Time kFlowLatency = std::chrono::milliseconds(10);
 inline constexpr Time kPlanesLatency = std::chrono::milliseconds(30);
+inline constexpr Time kMovingLatency = std::chrono::milliseconds(10);
 inline constexpr Time kFloorLatency = std::chrono::milliseconds(10);
 
 std::unique_ptr<Module> make_color_module(const BallOptions& options, Time latency = kColorLatency);
@@ -40,5 +43,9 @@ std::unique_ptr<Module> make_planes_module(const PlaneOptions& options,
                                            Time latency = kPlanesLatency);
 std::unique_ptr<Module> make_floor_module(const FloorEdgeOptions& options,
                                           Time latency = kFloorLatency);
+
+// Of what the flow is of. An error where the posture is not known at both moments.
+std::unique_ptr<Module> make_moving_module(const MovingOptions& options,
+                                           Time latency = kMovingLatency);
 
 }  // namespace kaz::vision

@@ -252,8 +252,10 @@ TEST(Realtime, NewestFrameWins) {
 TEST(Realtime, ASlowModuleDelaysNoOtherAndNothingIsMixed) {
   Pipeline pipeline(kRealtime);
   std::latch go(1);
+  std::atomic<bool> begun{false};
   add(pipeline, "fast", {}, Time(0), sequence_of);
   add(pipeline, "slow", {}, Time(0), [&](const Frame& frame) {
+    begun = true;
     go.wait();
     return sequence_of(frame);
   });
@@ -270,7 +272,7 @@ TEST(Realtime, ASlowModuleDelaysNoOtherAndNothingIsMixed) {
     pipeline.submit(grey_pair(i, milliseconds(33 * i)));
     EXPECT_TRUE(wait_until([&] {
       pipeline.poll(milliseconds(33 * i));
-      return fast.values.size() == i + 1;
+      return fast.values.size() == i + 1 && begun;
     }));
   }
   EXPECT_TRUE(slow.values.empty());
@@ -413,6 +415,29 @@ TEST(Pipeline, FlowBeginsAnewAfterAGap) {
     pipeline.poll(milliseconds(2000));
   }
   EXPECT_EQ(widths, (std::vector<int>{0, 320, 0, 320, 320, 0}));
+}
+
+TEST(Pipeline, WhatMovesIsSaidOfFramesWithFlow) {
+  Pipeline pipeline(kLockstep);
+  ASSERT_TRUE(pipeline.add(make_flow_module({})));
+  ASSERT_TRUE(pipeline.add(make_depth_module({})));
+  ASSERT_TRUE(pipeline.add(make_moving_module({})));
+  std::vector<bool> said;
+  std::vector<std::string> errors;
+  ASSERT_TRUE(pipeline.subscribe<MovingRegions>(
+      "moving", [&](const Frame&, const MovingRegions* moving, const Error* error) {
+        if (error != nullptr) return errors.push_back(error->message);
+        said.push_back(moving->cells_across > 0);
+      }));
+  for (std::uint64_t i = 0; i < 4; ++i) {
+    StereoPair pair = pair_with(i, milliseconds(33 * i), ball_images(160));
+    pair.info.posture_known = i != 3;
+    pipeline.submit(std::move(pair));
+  }
+  pipeline.poll(milliseconds(2000));
+  EXPECT_EQ(said, (std::vector<bool>{false, true, true}));
+  ASSERT_EQ(errors.size(), 1U);
+  EXPECT_NE(errors[0].find("posture"), std::string::npos) << errors[0];
 }
 
 TEST(Pipeline, TakesAUsersModule) {

@@ -20,6 +20,8 @@ constexpr Kind kKinds[] = {
     {"depth", [](const VisionOptions& o) { return vision::make_depth_module(o.depth); }},
     {"flow", [](const VisionOptions&) { return vision::make_flow_module({}); }},
     {"planes", [](const VisionOptions&) { return vision::make_planes_module({}); }},
+    {"floor", [](const VisionOptions&) { return vision::make_floor_module({}); }},
+    {"moving", [](const VisionOptions&) { return vision::make_moving_module({}); }},
 };
 
 }  // namespace

@@ -50,6 +50,23 @@ Json flow_json(const FlowSummary& summary) {
   return {{"known", summary.known}, {"median_px", summary.median_px}, {"p95_px", summary.p95_px}};
 }
 
+Json moving_json(const vision::MovingRegions& moving) {
+  Json all = Json::array();
+  for (const vision::MovingRegion& region : moving.regions) {
+    Json one{{"center_px", {region.center_u, region.center_v}},
+             {"box_px", {region.left, region.top, region.right, region.bottom}},
+             {"velocity_px_s", {region.velocity_px_s.x(), region.velocity_px_s.y()}},
+             {"confidence", region.confidence}};
+    if (region.position_m && region.velocity_m_s) {
+      const Eigen::Vector3d p = *region.position_m, v = *region.velocity_m_s;
+      one["position_m"] = {p.x(), p.y(), p.z()};
+      one["velocity_m_s"] = {v.x(), v.y(), v.z()};
+    }
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
 Json planes_json(const vision::PlaneSegments& planes) {
   Json all = Json::array();
   for (const vision::PlaneSegment& s : planes.segments) {
@@ -195,6 +212,34 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
         }
         heard(frame, error);
       });
+  subscribe<vision::MovingRegions>(
+      pipeline, "moving",
+      [this](const vision::Frame& frame, const auto* moving, const Error* error) {
+        if (moving != nullptr && moving->cells_across > 0) {
+          Entry& e = entry(frame);
+          e.json["moving"] = moving_json(*moving);
+          if (folder_ != nullptr) {
+            // Regions are of the earlier picture; its things have not gone far.
+            vision::Image image = frame.images().left;
+            for (const vision::MovingRegion& region : moving->regions) {
+              figure::draw_circle(
+                  image, region.center_u, region.center_v,
+                  0.5 * std::hypot(region.right - region.left, region.bottom - region.top),
+                  figure::kOrange);
+            }
+            e.panels.push_back({std::move(image), std::to_string(moving->regions.size()) +
+                                                      " things move by themselves"});
+          }
+        }
+        heard(frame, error);
+      });
+  subscribe<vision::PlaneSegments>(
+      pipeline, "floor", [this](const vision::Frame& frame, const auto* floor, const Error* error) {
+        if (floor != nullptr && folder_ != nullptr)
+          entry(frame).panels.push_back({figure::plane_picture(frame.images().left, *floor),
+                                         "planes, the floor's edges sharpened"});
+        heard(frame, error);
+      });
   subscribe<vision::PlaneSegments>(
       pipeline, "planes",
       [this](const vision::Frame& frame, const auto* planes, const Error* error) {
@@ -265,7 +310,8 @@ Result<void> VisionReport::end() {
 
 std::string VisionReport::table() const {
   std::string text =
-      "frame,ball,ball_distance_m,depth_known,depth_median_m,flow_known,flow_median_px,planes,"
+      "frame,ball,ball_distance_m,depth_known,depth_median_m,flow_known,flow_median_px,moving,"
+      "planes,"
       "floor,trouble\n";
   for (const Json& one : frames_) {
     const auto cell = [](const Json& of, const char* key) {
@@ -273,7 +319,8 @@ std::string VisionReport::table() const {
     };
     const Json ball = one.value("ball", Json::object()), depth = one.value("depth", Json::object()),
                flow = one.value("flow", Json::object());
-    std::string planes, floor;
+    std::string planes, floor, moving;
+    if (one.contains("moving")) moving = std::to_string(one["moving"].size());
     if (one.contains("planes")) {
       planes = std::to_string(one["planes"].size());
       for (const Json& s : one["planes"]) {
@@ -283,8 +330,8 @@ std::string VisionReport::table() const {
     }
     text += cell(one, one.contains("left") ? "left" : "frame") + "," + cell(ball, "found") + "," +
             cell(ball, "distance_m") + "," + cell(depth, "known") + "," + cell(depth, "median_m") +
-            "," + cell(flow, "known") + "," + cell(flow, "median_px") + "," + planes + "," + floor +
-            "," + cell(one, "trouble") + "\n";
+            "," + cell(flow, "known") + "," + cell(flow, "median_px") + "," + moving + "," +
+            planes + "," + floor + "," + cell(one, "trouble") + "\n";
   }
   return text;
 }
