@@ -43,7 +43,7 @@ struct View {
   // n x n samples a pixel, 1..4. A camera's picture takes 1; one for documentation 2 (smooth
   // edges).
   int samples_per_axis = 1;
-  Light light;  // the sky in the background stays as it is
+  Light light = {};  // the sky in the background stays as it is
 };
 
 class Renderer {
