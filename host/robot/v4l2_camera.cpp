@@ -125,7 +125,8 @@ void V4l2Camera::stop(Error error) {
 }
 
 void V4l2Camera::read_devices() {
-  heard_.fill(WallClock().now());
+  paired_ = WallClock().now();
+  heard_.fill(paired_);
   while (true) {
     std::array<pollfd, 3> watched{pollfd{devices_[0]->descriptor(), POLLIN, 0},
                                   pollfd{devices_[1]->descriptor(), POLLIN, 0},
@@ -141,17 +142,35 @@ void V4l2Camera::read_devices() {
     for (const Side side : kSides) {
       const short events = ready > 0 ? watched[index(side)].revents : short{0};
       if (events != 0 && !take_all(side, (events & (POLLERR | POLLHUP | POLLNVAL)) != 0)) return;
-      if (WallClock().now() >= heard_[index(side)] + silence_) {
-        char text[200];
-        std::snprintf(text, sizeof text,
-                      " stopped: no picture came for %.3g s; look at its cable, and start again",
-                      seconds(silence_));
-        return stop({Fault::environment, "camera " + devices_[index(side)]->path() + text});
-      }
     }
     while (const auto pair = pairing_.next()) deliver(*pair);
-    count();
+    {
+      const std::lock_guard lock(mutex_);
+      count();
+    }
+    if (!still_alive()) return;
   }
+}
+
+bool V4l2Camera::still_alive() {
+  const Time now = WallClock().now();
+  char text[240];
+  for (const Side side : kSides) {
+    if (now < heard_[index(side)] + silence_) continue;
+    std::snprintf(text, sizeof text,
+                  " stopped: no picture came for %.3g s; look at its cable, and start again",
+                  seconds(silence_));
+    stop({Fault::environment, "camera " + devices_[index(side)]->path() + text});
+    return false;
+  }
+  if (now < paired_ + silence_) return true;
+  std::snprintf(text, sizeof text,
+                " stopped: pictures come, but for %.3g s no two were sound and at most %.3g ms "
+                "apart; try another format or fps",
+                seconds(silence_), 1e3 * seconds(pairing_.tolerance()));
+  stop({Fault::environment,
+        "cameras " + devices_[0]->path() + " and " + devices_[1]->path() + text});
+  return false;
 }
 
 // Everything that waits at one device. False: it has stopped. `must_have_some`: it signalled an error,
@@ -180,7 +199,6 @@ bool V4l2Camera::take_all(Side side, bool must_have_some) {
 }
 
 void V4l2Camera::count() {
-  const std::lock_guard lock(mutex_);
   statistics_.without_partner =
       pairing_.without_partner(Side::left) + pairing_.without_partner(Side::right);
   statistics_.out_of_order = pairing_.out_of_order(Side::left) + pairing_.out_of_order(Side::right);
@@ -197,6 +215,7 @@ void V4l2Camera::deliver(const RawPair& raw) {
   if (sound) rectifier_.rectify(scratch_, *images);
 
   const std::lock_guard lock(mutex_);
+  count();
   const std::uint64_t sequence = sequence_++;
   if (!sound) {
     ++statistics_.damaged;
@@ -209,6 +228,7 @@ void V4l2Camera::deliver(const RawPair& raw) {
   std::promise<std::shared_ptr<const vision::StereoImages>> pixels;
   pixels.set_value(std::move(images));
   pair.images = pixels.get_future().share();
+  paired_ = WallClock().now();
   ++statistics_.pairs;
   statistics_.largest_gap = std::max(statistics_.largest_gap, raw.gap());
   waiting_.push_back(std::move(pair));

@@ -36,7 +36,8 @@ Result<V4l2Source> parse_v4l2_source(const std::string& text);
 struct V4l2Options {
   // Between the two pictures of a pair; 0: half the time between two pictures of the slower camera.
   Time tolerance{};
-  // A device that is silent for so long has stopped. Long exposures in the dark stay far below it.
+  // A device that is silent for so long has stopped; so have both when for so long no two pictures
+  // were a pair. Long exposures in the dark stay far below it.
   Time silence = std::chrono::seconds(2);
 };
 
@@ -83,7 +84,8 @@ class V4l2Camera final : public vision::Camera {
   void read_devices();
   bool take_all(Side side, bool must_have_some);
   void deliver(const RawPair& raw);
-  void count();
+  void count();  // under the lock
+  bool still_alive();
   void stop(Error error);
 
   const Devices devices_;
@@ -93,6 +95,7 @@ class V4l2Camera final : public vision::Camera {
   const Time silence_;
   StereoPairing pairing_;         // of the thread
   std::array<Time, 2> heard_{};   // of the thread
+  Time paired_{};                 // of the thread: when the last sound pair came
   vision::StereoImages scratch_;  // of the thread
   std::uint64_t sequence_ = 0;    // of the thread
   mutable std::mutex mutex_;

@@ -164,6 +164,10 @@ TEST(VisionVerb, RefusesInOneSentence) {
     return run(kaz(arguments));
   };
   expect_refusal(look({"--in", folder / "none", "--view", "60"}), 2, {"none", "no such folder"});
+  expect_refusal(look({"--in", "v4l2:/dev/a,/dev/b"}), 2, {"v4l2:/dev/a,/dev/b", "--calibration"});
+  expect_refusal(look({"--in", "v4l2:/dev/a", "--calibration", "x"}), 2, {"two devices", "as in"});
+  expect_refusal(look({"--in", "v4l2:/dev/a,/dev/b", "--calibration", folder / "grey.ppm"}), 2,
+                 {"grey.ppm", "image_width"});
   expect_refusal(look({"--in", folder / "empty", "--view", "60"}), 2, {"holds no picture"});
   expect_refusal(look({"--in", folder / "bad"}), 2, {"--calibration", "--view"});
   expect_refusal(look({"--in", folder / "bad", "--view", "60", "--modules", "smell"}), 2,

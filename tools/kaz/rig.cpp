@@ -4,13 +4,14 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 
 #include "host/robot/faulty_link.h"
-#include "host/robot/published_camera.h"
 #include "host/robot/tty_link.h"
 #include "host/robot/wall_clock.h"
 #include "tools/kaz/interruptible_clock.h"
+#include "tools/kaz/live_camera.h"
 #include "tools/kaz/no_camera.h"
 #include "tools/kaz/paths.h"
 #include "tools/kaz/version.h"
@@ -45,33 +46,38 @@ class LockstepRig final : public Rig {
 
 class RealRig final : public Rig {
  public:
-  RealRig(std::unique_ptr<host::TtyLink> link, std::string camera_path, faults::Schedule faults,
-          std::uint64_t seed, const host::Interrupt& interrupt)
-      : link_(std::move(link)), camera_path_(std::move(camera_path)), clock_(&interrupt) {
-    if (!faults.empty()) faulty_.emplace(*link_, clock_, std::move(faults), seed);
+  RealRig(std::unique_ptr<host::TtyLink> link, const RigOptions& options, faults::Schedule faults,
+          const host::Interrupt& interrupt)
+      : link_(std::move(link)),
+        camera_path_(options.camera),
+        calibration_(options.calibration),
+        clock_(&interrupt) {
+    if (!faults.empty()) faulty_.emplace(*link_, clock_, std::move(faults), options.seed);
+  }
+  ~RealRig() override {
+    if (const std::string told = camera_.summary(); !told.empty())
+      std::fprintf(stderr, "kaz: cameras: %s\n", told.c_str());
   }
   host::Link& link() override { return faulty_ ? static_cast<host::Link&>(*faulty_) : *link_; }
   const host::TtyLink* port() const override { return link_.get(); }
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override {
     if (camera_path_ == "sim") return {};  // left out
-    auto camera = host::PublishedCamera::connect(camera_path_);
+    auto camera = open_live_camera(camera_path_, calibration_);
     if (!camera) return tl::unexpected(camera.error());
     camera_ = std::move(*camera);
     return {};
   }
-  bool sees() const override { return camera_ != nullptr; }
-  vision::Camera& camera() override {
-    return camera_ ? static_cast<vision::Camera&>(*camera_) : no_camera_;
-  }
+  bool sees() const override { return camera_.camera != nullptr; }
+  vision::Camera& camera() override { return camera_.camera ? *camera_.camera : no_camera_; }
   vision::Pace pace() const override { return vision::Pace::realtime; }
-  Time camera_latency() const override { return camera_ ? camera_->latency() : Time::zero(); }
+  Time camera_latency() const override { return camera_.latency; }
   sim::Simulation* simulation() override { return nullptr; }
 
  private:
   std::unique_ptr<host::TtyLink> link_;
-  std::string camera_path_;
-  std::unique_ptr<host::PublishedCamera> camera_;
+  std::string camera_path_, calibration_;
+  LiveCamera camera_;
   NoCamera no_camera_;
   host::WallClock clock_;
   std::optional<host::FaultyLink> faulty_;
@@ -129,8 +135,13 @@ Result<void> check(const RigOptions& options) {
     return fail(Fault::usage,
                 sim_robot ? "--robot sim sees through its own eyes: leave --camera out"
                           : "--camera is missing: a robot on a serial port needs the path of a "
-                            "camera socket, as `kaz sim --cameras PATH` makes it");
+                            "camera socket, as `kaz sim --cameras PATH` makes it, or real cameras "
+                            "(v4l2:/dev/video0,/dev/video2)");
   }
+  if (!sim_robot && options.camera != "sim")
+    return check_live_camera(options.camera, options.calibration);
+  if (!options.calibration.empty())
+    return fail(Fault::usage, "--calibration goes with real cameras (v4l2:...); leave it out");
   return {};
 }
 
@@ -194,8 +205,7 @@ Result<std::unique_ptr<Rig>> Rig::open(const RigOptions& options, host::Interrup
   const auto address = parse_robot(options.robot);
   auto link = host::TtyLink::open(address->path, address->baud, &interrupt);
   if (!link) return tl::unexpected(link.error());
-  return std::make_unique<RealRig>(std::move(*link), options.camera, std::move(*faults),
-                                   options.seed, interrupt);
+  return std::make_unique<RealRig>(std::move(*link), options, std::move(*faults), interrupt);
 }
 
 }  // namespace kaz::tools

@@ -1,5 +1,5 @@
 // What a behaviour runs on: the virtual robot in lockstep, or a board on a serial port with a
-// published camera. Behind the same three interfaces, so that nothing further up can tell.
+// published camera or real ones. Behind the same three interfaces, so that nothing further up can tell.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -21,7 +21,8 @@ namespace kaz::tools {
 
 struct RigOptions {
   std::string robot = "sim";        // "sim" or "serial:PATH[@BAUD]"
-  std::string camera = "sim";       // "sim" or the path of a camera socket
+  std::string camera = "sim";       // "sim", or as open_live_camera() has it
+  std::string calibration;          // file; of real cameras
   bool needs_sight = true;          // false: at a port the camera may be left out
   std::string world = "ball";       // the rest for "sim" only
   std::string robot_file;           // URDF of the simulated robot; Kaz if empty

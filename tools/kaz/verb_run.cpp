@@ -128,8 +128,12 @@ void add_run(CLI::App& program, Action& action) {
       ->type_name("");
   verb->add_option("--robot", session.rig.robot, "sim, or serial:PATH[@BAUD]")
       ->capture_default_str();
-  verb->add_option("--camera", session.rig.camera, "sim, or the path of a camera socket")
+  verb->add_option("--camera", session.rig.camera,
+                   "sim, the path of a camera socket, or v4l2:LEFT,RIGHT[,fps=N][,format=NAME]")
       ->capture_default_str();
+  verb->add_option("--calibration", session.rig.calibration,
+                   "of v4l2 cameras (kaz calibrate stereo); it says which size they are run at")
+      ->type_name("FILE");
   verb->add_option("--out", session.out, "folder for pictures and result.json; none if not given");
   add_common(*verb, *arguments);
   verb->get_option("--record-pictures")->needs("--out");  // else there is no recording
@@ -138,6 +142,8 @@ void add_run(CLI::App& program, Action& action) {
                "  kaz run search-ball\n"
                "  kaz run track-ball --seed 3 --duration 12 --out three\n"
                "  kaz run track-ball --robot serial:/dev/ttyUSB0 --camera board.eyes\n"
+               "  kaz run track-ball --robot serial:/dev/ttyUSB0 \\\n"
+               "      --camera v4l2:/dev/video0,/dev/video2 --calibration stereo.yml\n"
                "With a port nothing of the simulator is used; --world, --mcu, --image and --seed "
                "are then\nwithout effect.");
   verb->callback([&action, arguments] { action = [arguments] { return start(*arguments); }; });

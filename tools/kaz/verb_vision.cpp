@@ -5,6 +5,7 @@
 
 #include "tools/figure/figure.h"
 #include "tools/kaz/color_file.h"
+#include "tools/kaz/live_camera.h"
 #include "tools/kaz/recorded_pictures.h"
 #include "tools/kaz/verbs.h"
 #include "tools/kaz/vision_modules.h"
@@ -77,11 +78,11 @@ void add_learn(CLI::App& vision, Action& action) {
 }
 
 Result<Outcome> run_on_source(const RecordedOptions& options) {
+  if (is_real_camera(options.in)) return run_on_camera(options);
   std::error_code error;
   const auto status = std::filesystem::status(options.in, error);
   if (!options.robot.empty() && status.type() != std::filesystem::file_type::socket)
-    return fail(Fault::usage,
-                "--robot goes with the socket of a camera; '" + options.in + "' is none");
+    return fail(Fault::usage, "--robot goes with a live camera; '" + options.in + "' is none");
   switch (status.type()) {
     case std::filesystem::file_type::directory:
       return run_on_pictures(options);
@@ -105,7 +106,8 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       verb->add_option("--in", options->in,
                        "folder with pictures, in the order of their names; or a recording "
                        "(recording.mcap, made with --record-pictures); or the socket of a camera "
-                       "(kaz sim --cameras)")
+                       "(kaz sim --cameras); or v4l2:LEFT,RIGHT[,fps=N][,format=NAME], two cameras "
+                       "at this machine, as v4l2:/dev/video0,/dev/video2")
           ->type_name("SOURCE");
   auto* left = verb->add_option("--left", options->left,
                                 "instead: left pictures of stereo pairs; a pattern in quotes")
@@ -140,10 +142,9 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->capture_default_str();
   verb->add_option("--frames", options->frames, "of pairs: stop after so many")
       ->check(CLI::Range(1, 100000000));
-  verb->add_option(
-          "--robot", options->robot,
-          "of a camera's socket: the robot that has it (serial:PATH[@BAUD]), whose posture "
-          "tells which plane is the floor")
+  verb->add_option("--robot", options->robot,
+                   "of a live camera: the robot that has it (serial:PATH[@BAUD]), whose posture "
+                   "tells which plane is the floor")
       ->type_name("ROBOT");
   verb->add_flag("--json", options->json, "print result.json, no progress");
   verb->footer(
@@ -157,7 +158,9 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       "  kaz run search-ball --record-pictures --out seen\n"
       "  kaz vision run --in seen/recording.mcap --modules color,planes --out found\n"
       "  kaz vision run --in robot.eyes --robot serial:robot.pty --modules planes --frames 90 \\\n"
-      "      --out found");
+      "      --out found\n"
+      "  kaz vision run --in v4l2:/dev/video0,/dev/video2 --calibration stereo.yml \\\n"
+      "      --modules color,depth --frames 90 --out found");
   verb->callback([&action, options] {
     action = [options]() -> Result<Outcome> {
       if (!options->left.empty()) return run_on_pairs(*options);

@@ -4,10 +4,10 @@
 #include <filesystem>
 
 #include "host/robot/capture.h"
-#include "host/robot/published_camera.h"
 #include "host/robot/robot.h"
 #include "host/robot/wall_clock.h"
 #include "tools/kaz/interrupt_signals.h"
+#include "tools/kaz/live_camera.h"
 #include "tools/kaz/picture_pairs.h"
 #include "tools/kaz/recorded_pictures.h"
 #include "tools/kaz/replay.h"
@@ -124,21 +124,22 @@ class RecordingWatcher final : public VisionWatcher {
 struct LiveSource {
   std::unique_ptr<Rig> rig;
   std::optional<host::Robot> robot;
-  std::unique_ptr<host::PublishedCamera> alone;
+  LiveCamera alone;
   std::optional<host::Capture> capture;
   vision::Camera* camera = nullptr;
 
   Result<void> open(const RecordedOptions& options, host::Interrupt& interrupt) {
     if (options.robot.empty()) {
-      auto connected = host::PublishedCamera::connect(options.in);
+      auto connected = open_live_camera(options.in, options.calibration);
       if (!connected) return tl::unexpected(connected.error());
       alone = std::move(*connected);
-      camera = alone.get();
+      camera = alone.camera.get();
       return {};
     }
     RigOptions rig_options;
     rig_options.robot = options.robot;
     rig_options.camera = options.in;
+    rig_options.calibration = options.calibration;
     auto opened = Rig::open(rig_options, interrupt);
     if (!opened) return tl::unexpected(opened.error());
     rig = std::move(*opened);
@@ -243,6 +244,8 @@ Result<Outcome> run_on_camera(const RecordedOptions& options) {
   }
   progress.done();
   if (!end.empty()) std::fprintf(stderr, "kaz vision: %s\n", end.c_str());
+  if (const std::string told = source.alone.summary(); !told.empty())
+    std::fprintf(stderr, "kaz vision: cameras: %s\n", told.c_str());
   return finish(report, module_statistics_json(pipeline), module_statistics_text(pipeline), options,
                 *folder);
 }
