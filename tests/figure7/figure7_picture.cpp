@@ -1,7 +1,8 @@
 // docs/pictures/figure7.png: the map that slow vision makes while the head turns, and its figures.
 // SPDX-License-Identifier: Apache-2.0
 //
-// figure7_picture FILE [WIDTH]    of the eyes' pictures, 320 or 640 px
+// figure7_picture FILE [WIDTH [WORLD]]    width of the eyes' pictures, 320 or 640 px; an SDF file
+// of boxes on a floor
 #include <cstdio>
 #include <cstdlib>
 
@@ -9,12 +10,13 @@
 #include "tools/figure/figure.h"
 
 int main(int count, char** words) {
-  if (count != 2 && count != 3) {
-    std::fprintf(stderr, "usage: figure7_picture FILE [WIDTH]\n");
+  if (count < 2 || count > 4) {
+    std::fprintf(stderr, "usage: figure7_picture FILE [WIDTH [WORLD]]\n");
     return 2;
   }
   kaz::figure7::Options options{KAZ_YARD, KAZ_ROBOT, KAZ_FIRMWARE_IMAGE};
-  if (count == 3) options.eye_width = std::atoi(words[2]);
+  if (count >= 3) options.eye_width = std::atoi(words[2]);
+  if (count == 4) options.world = words[3];
   const auto run = kaz::figure7::sweep(options);
   const auto done = run ? kaz::figure::write_png(words[1], kaz::figure7::panels(*run))
                         : kaz::Result<void>(tl::unexpected(run.error()));
