@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 
 #include <opencv2/imgproc.hpp>
@@ -51,6 +52,11 @@ Result<void> FloorEdges::sharpen(const Image& left, PlaneSegments& planes) {
       largest = static_cast<int>(k) + 1;
   }
   if (largest == 0) return {};
+  const PlaneSegment& ground = planes.segments[static_cast<std::size_t>(largest - 1)];
+  for (std::size_t k = 0; k < planes.segments.size() && k < 255; ++k) {
+    const double above = ground.normal.dot(planes.segments[k].middle) + ground.distance_m;
+    if (std::abs(above) > state_->options.step_m) floor[k + 1] = false;
+  }
 
   // Rows without floor near them stay out of it.
   State& s = *state_;

@@ -22,6 +22,8 @@ namespace kaz::vision {
 
 struct FloorEdgeOptions {
   int reach_px = 8;  // half a block of depth, and one; 1..64
+  // Segments whose middle is farther from the plane of the largest are no floor here: a low step.
+  double step_m = 0.01;
 };
 
 class FloorEdges {

@@ -41,6 +41,9 @@ PlaneSegments planes(int shift, bool holes) {
   planes.segments.resize(2);
   planes.segments[0].pixels = 500;
   planes.segments[1].floor = true;
+  planes.segments[0].middle = planes.segments[1].middle = {0, 0, 1};
+  planes.segments[1].normal = {0, 0, -1};
+  planes.segments[1].distance_m = 1;
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
       const bool hole = holes && keyed_normal(9, static_cast<std::uint64_t>(v),

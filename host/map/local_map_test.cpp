@@ -128,6 +128,116 @@ TEST(LocalMap, IgnoresWhatIsLowHighOrTheRobotsOwn) {
   }
 }
 
+// A step of 2 cm agrees with the sole within what vision allows, and its top is called floor.
+TEST(LocalMap, TakesALowStepForAnObstacleThoughItsTopIsCalledFloor) {
+  const TestYard yard{{{{0.50, 0, 0.01}, {0.10, 0.20, 0.02}}}};
+  LocalMap map = make();
+  for (std::uint64_t number = 1; number <= 3; ++number) {
+    const Isometry3d eye = test_eye(0, 0.5 + 0.02 * static_cast<double>(number));
+    TestSight sight = yard.seen(eye, 0.05, number);
+    vision::PlaneSegment top = sight.planes.segments[0];
+    top.middle = eye.inverse() * Vector3d(0.5, 0, 0.02);
+    sight.planes.segments.push_back(top);
+    for (std::size_t k = 0; k < sight.planes.label.size(); ++k) {
+      if (sight.planes.label[k] == 0 && sight.depth.disparity_px[k] > 0) sight.planes.label[k] = 2;
+    }
+    enter(map, sight);
+  }
+  EXPECT_EQ(map.at(0.5, 0.05).state, CellState::obstacle);  // its top
+  // Its top edge at 0.55 m is seen from 0.27 m: up to 0.55 * 0.27 / 0.17 = 0.87 m all is hidden.
+  for (double x = 0.57; x < 0.86; x += 0.02)
+    EXPECT_EQ(map.at(x, 0.05).state, CellState::unknown) << x;
+  EXPECT_EQ(map.at(0.95, 0.05).state, CellState::floor);
+  EXPECT_EQ(map.at(-0.3, 0).state, CellState::unknown);
+  EXPECT_EQ(map.at(9, 9).state, CellState::unknown);
+  EXPECT_EQ(map.counts().updates, 3U);
+}
+
+// Each cell whose middle is in view is known: none is left out where a pixel is larger than a cell.
+TEST(LocalMap, HasNoHolesInTheFloorFarAway) {
+  for (const int width : {160, 320, 640}) {
+    LocalMap map = make();
+    const TestSight sight = TestYard{}.seen(test_eye(0.3, 0.45), 0, 1, width);
+    enter(map, sight);
+    const vision::CameraModel& c = sight.depth.info.camera;
+    int in_view = 0;
+    for (int x = 0; x < map.cells(); ++x) {
+      for (int y = 0; y < map.cells(); ++y) {
+        const Vector3d at(map.middle(x), map.middle(y), 0);
+        const Vector3d p = sight.depth.info.foot_from_eye.inverse() * at;
+        const double u = c.fx * p.x() / p.z() + c.cx, v = c.fy * p.y() / p.z() + c.cy;
+        const bool view = p.z() > 0.03 && u > -0.5 && v > -0.5 && u < width - 0.5 &&
+                          v < c.height - 0.5 && at.norm() < 1.5;
+        const double edge =
+            std::min(std::min(std::abs(u + 0.5), std::abs(v + 0.5)),
+                     std::min(std::abs(u - width + 0.5), std::abs(v - c.height + 0.5)));
+        if (edge < 2e-3 || std::abs(at.norm() - 1.5) < 1e-6) continue;  // of single precision
+        EXPECT_EQ(map.log_odds(x, y) < 0, view) << width << ": " << at.transpose();
+        in_view += view ? 1 : 0;
+      }
+    }
+    EXPECT_GT(in_view, 5000);
+  }
+}
+
+TEST(LocalMap, EdgesAreWithinACellFromAnySideAndWithNoise) {
+  for (const double pan : {-0.5, 0.0, 0.4}) {
+    LocalMap map = make();
+    for (std::uint64_t k = 1; k <= 8; ++k)
+      enter(map, kBoxAhead.seen(test_eye(pan, 0.5), 0.2, k, 640));
+    for (double y = -0.045; y < 0.15; y += 0.01) {
+      const Vector3d p = test_eye(pan, 0.5).inverse() * Vector3d(0.45, y, 0);
+      if (std::abs(p.x()) > 0.8 * p.z()) continue;  // out of view
+      double x = 0.35;
+      while (map.at(x, y).state == CellState::floor) x += 0.001;
+      EXPECT_NEAR(x, 0.45, 0.01) << pan << " " << y;
+    }
+  }
+}
+
+TEST(LocalMap, TakesWhatIsAboveTheFloorForAnObstacleAlsoWhereFloorIsSeenBelow) {
+  // A board over the floor, 8 to 10 cm high: what is under its front edge is seen by both.
+  const TestYard yard{{{{0.55, 0, 0.09}, {0.30, 0.4, 0.02}}}};
+  LocalMap map = make();
+  for (std::uint64_t k = 1; k <= 3; ++k) enter(map, yard.seen(test_eye(0, 0.5), 0.1, k));
+  EXPECT_EQ(map.at(0.425, 0).state, CellState::obstacle);
+  EXPECT_EQ(map.at(0.45, 0).state, CellState::obstacle);
+  EXPECT_EQ(map.at(0.38, 0).state, CellState::floor);
+}
+
+TEST(LocalMap, IgnoresWhatIsLowHighOrTheRobotsOwn) {
+  const TestYard yard{{{{0.40, 0, 0.005}, {0.1, 0.3, 0.01}},       // a mat of 1 cm
+                       {{0.70, 0, 0.45}, {0.05, 0.6, 0.1}},        // a beam from 0.40 m up
+                       {{0.09, 0.03, 0.05}, {0.04, 0.04, 0.1}}}};  // a knee
+  LocalMap map = make();
+  enter(map, yard.seen(test_eye(0, 0.2)));
+  enter(map, yard.seen(test_eye(0, 0.8), 0, 2));
+  EXPECT_GT(known(map), 1000);
+  for (int x = 0; x < map.cells(); ++x) {
+    for (int y = 0; y < map.cells(); ++y)
+      ASSERT_NE(map.cell(x, y).state, CellState::obstacle) << map.middle(x) << " " << map.middle(y);
+  }
+}
+
+// A step of 2 cm agrees with the sole within what vision allows, and its top is called floor.
+TEST(LocalMap, TakesALowStepForAnObstacleThoughItsTopIsCalledFloor) {
+  const TestYard yard{{{{0.50, 0, 0.01}, {0.10, 0.20, 0.02}}}};
+  TestSight sight = yard.seen(test_eye(0, 0.5));
+  vision::PlaneSegment top = sight.planes.segments[0];
+  top.middle = test_eye(0, 0.5).inverse() * Vector3d(0.5, 0, 0.02);
+  sight.planes.segments.push_back(top);
+  for (std::size_t k = 0; k < sight.planes.label.size(); ++k) {
+    const Vector3d ray = vision::TestStereoScene::ray(
+        sight.depth.info.camera, static_cast<double>(k % 320), static_cast<double>(k / 320));
+    if (sight.planes.label[k] == 0 && (test_eye(0, 0.5).linear() * ray).z() < 0)
+      sight.planes.label[k] = 2;
+  }
+  LocalMap map = make();
+  enter(map, sight);
+  EXPECT_EQ(map.at(0.5, 0.05).state, CellState::obstacle);
+  EXPECT_EQ(map.at(0.4, 0.05).state, CellState::floor);
+}
+
 TEST(LocalMap, TrustsFarThingsLess) {
   LocalMap map = make();
   enter(map, TestYard{}.seen(test_eye(0, 0.4)));

@@ -68,7 +68,9 @@ struct TestYard {
     sight.planes.info = info;
     sight.planes.width = sight.depth.width;
     sight.planes.height = sight.depth.height;
-    sight.planes.segments.emplace_back().floor = true;
+    vision::PlaneSegment& floor = sight.planes.segments.emplace_back();
+    floor.floor = true;
+    floor.middle = in * Vector3d(0.5, 0, 0);
     return sight;
   }
 };

@@ -15,10 +15,14 @@ using Eigen::Vector3d;
 
 constexpr double kNearest_m = 0.03;  // of the lens: nothing is seen nearer
 
-std::array<bool, 256> floor_labels(const vision::PlaneSegments& planes) {
+// What agrees with the sole as loosely as vision takes it may still be an obstacle here.
+std::array<bool, 256> floor_labels(const vision::PlaneSegments& planes,
+                                   const Eigen::Isometry3d& eye, double obstacle_m) {
   std::array<bool, 256> floor{};
-  for (std::size_t k = 0; k < planes.segments.size() && k < 255; ++k)
-    floor[k + 1] = planes.segments[k].floor;
+  for (std::size_t k = 0; k < planes.segments.size() && k < 255; ++k) {
+    const vision::PlaneSegment& s = planes.segments[k];
+    floor[k + 1] = s.floor && (eye * s.middle).z() < obstacle_m;
+  }
   return floor;
 }
 
@@ -44,7 +48,7 @@ void keep_above(double a, double b, double& from, double& to) {
 // the cell's number: which cells are in view follows from the picture's four edges.
 void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes) {
   const vision::CameraModel& c = view.camera;
-  const std::array<bool, 256> floor = floor_labels(planes);
+  const std::array<bool, 256> floor = floor_labels(planes, view.eye, options_.obstacle_m);
   if (std::find(floor.begin(), floor.end(), true) == floor.end()) return;
   Matrix3d k;
   k << c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1;
@@ -99,7 +103,7 @@ void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes) 
 void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& planes,
                              const vision::DepthImage& depth, const Vector2d& foot) {
   const vision::CameraModel& c = view.camera;
-  const std::array<bool, 256> floor = floor_labels(planes);
+  const std::array<bool, 256> floor = floor_labels(planes, view.eye, options_.obstacle_m);
   const auto update = static_cast<std::uint32_t>(counts_.updates);
   // Of pixels that are looked at: some two a cell at 1 m, of rows one.
   const int stride = std::max(1, depth.width / 320), stride_v = std::max(1, depth.width / 160);
