@@ -22,7 +22,7 @@ void want(const float* __restrict disparity, const std::uint8_t* __restrict text
           float start, float slope, std::uint8_t* __restrict wanted) {
   for (int u = 0; u < width; ++u) {
     const float d = disparity[u], off = std::abs(d - (start + slope * static_cast<float>(u)));
-    wanted[u] = static_cast<std::uint8_t>(((d == 0) | (off < kNear_px) ? 1 : 0) & textured[u]);
+    wanted[u] = static_cast<std::uint8_t>((((d == 0) | (off < kNear_px)) ? 1 : 0) & textured[u]);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <iterator>
 
 namespace kaz::tools {
 namespace {
@@ -31,10 +32,16 @@ nlohmann::ordered_json color_json(const vision::ColorRange& range) {
 }
 
 Result<vision::ColorRange> read_color(const std::string& path) {
-  const auto bad = [&](const std::string& what) { return fail(Fault::usage, path + ": " + what); };
   std::ifstream file(path);
-  if (!file) return bad("cannot be opened; kaz vision learn-color writes such a file");
-  const auto json = nlohmann::json::parse(file, nullptr, false);
+  if (!file)
+    return fail(Fault::usage,
+                path + ": cannot be opened; kaz vision learn-color writes such a file");
+  return parse_color({std::istreambuf_iterator<char>(file), {}}, path);
+}
+
+Result<vision::ColorRange> parse_color(const std::string& content, const std::string& name) {
+  const auto bad = [&](const std::string& what) { return fail(Fault::usage, name + ": " + what); };
+  const auto json = nlohmann::json::parse(content, nullptr, false);
   if (!json.is_object()) return bad("is no JSON object of colour thresholds");
   vision::ColorRange range;
   bool any = false;

@@ -1,0 +1,38 @@
+// Frames out of a string of bytes: pictures, camera models, postures, clocks, sound and unsound.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "hil/fuzz/choices.h"
+#include "vision/frame.h"
+
+namespace kaz::fuzz {
+
+struct HostileFrame {
+  vision::FrameInfo info;
+  std::shared_ptr<const vision::StereoImages> images;
+};
+
+// A red ball before a textured ground, both eyes, 96 x 72.
+HostileFrame sound_frame(std::uint64_t sequence, Time exposure);
+
+class HostileFrames {
+ public:
+  explicit HostileFrames(hil::fuzz::Choices& choices) : choices_(choices) {}
+  HostileFrame next();
+
+ private:
+  int side();
+  double number(double sound);
+  vision::Image picture(int width, int height);
+  vision::CameraModel camera(int width, int height);
+  Eigen::Isometry3d posture();
+  void advance_clock();
+
+  hil::fuzz::Choices& choices_;
+  std::uint64_t sequence_ = 0;
+  Time clock_{1'000'000'000};
+};
+
+}  // namespace kaz::fuzz

@@ -1,0 +1,39 @@
+// Hostile input for vision: each function takes any bytes; what it says is wrong, if anything.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Errors are fine, and expected: what may not happen is a crash, undefined behaviour, or a result
+// that is no sound one (not finite, outside of the picture, of another frame).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace kaz::fuzz {
+
+using Bytes = std::span<const std::uint8_t>;
+using Complaint = std::optional<std::string>;
+
+// A file of a picture: PNG, JPEG, PPM, PGM. Files that claim more than 4 megapixels are left out:
+// what they cost is memory alone.
+Complaint try_picture(Bytes bytes);
+// A calibration file; what is read is written and read again, and pictures are rectified by it.
+Complaint try_calibration(Bytes bytes);
+// A file of colour thresholds, and pixels that are judged by it.
+Complaint try_color(Bytes bytes);
+// Frames through a pipeline of all modules: the bytes choose sizes, contents, camera models,
+// postures, sequence numbers and clocks. The last frame is a sound one, and must come out as it does
+// of a fresh pipeline.
+Complaint try_vision(Bytes bytes);
+
+struct Target {
+  const char* name;
+  Complaint (*run)(Bytes);
+};
+inline constexpr Target kVisionTargets[] = {{"picture", try_picture},
+                                            {"calibration", try_calibration},
+                                            {"color", try_color},
+                                            {"vision", try_vision}};
+
+}  // namespace kaz::fuzz
