@@ -20,8 +20,11 @@ namespace kaz::vision {
 struct BallOptions {
   double radius_m = 0.020;
   ColorRange color = ColorRange::red_ball();
-  int min_area = 12;             // pixels; smaller regions are noise
-  double min_confidence = 0.68;  // less is not reported as found
+  int min_area = 12;  // pixels; smaller regions are noise
+  // Less is not reported as found. Highest threshold at which the shares of missed, wrong and false
+  // finds, of whole, cut, half hidden balls and of red and orange clutter, sum up to within a standard
+  // error of the least (docs/vision.md).
+  double min_confidence = 0.68;
 };
 
 struct BallObservation {
@@ -35,8 +38,8 @@ struct BallObservation {
   double distance_m = 0;  // lens to centre
   // 0..1: geometric mean of the share of the region's outline that lies on the cone, the share of
   // the cone that the region fills, and how well the cone explains the mixed colours along its edge
-  // (ball_edge.h; a half where they say nothing); less where under a third of the circumference was
-  // seen.
+  // (ball_edge.h; a quarter where they say nothing); less where under a third of the circumference
+  // was seen, and where motion blur is as wide as the radius: the distance is open then.
   double confidence = 0;
   // Why the picture could not be looked at (camera gone, no pixels, wrong size): `found` is false
   // then.

@@ -27,20 +27,41 @@ struct Pixel {
   double share;
 };
 
-// px that a ray (z = 1) lies outside the cone; `per_px`: change of its angle with a pixel outwards.
-double outside(const Cone& cone, const CameraModel& camera, const Eigen::Vector3d& ray,
-               double& per_px) {
-  const double length = ray.norm(), along = cone.axis.dot(ray);
-  const double cosine = std::clamp(along / length, -1.0, 1.0);
-  const double sine = std::sqrt(std::max(1 - cosine * cosine, 1e-12));
-  const auto slope = [&](int i, double focal) {
-    return (cone.axis[i] - along * ray[i] / (length * length)) / (length * focal * sine);
-  };
-  per_px = std::hypot(slope(0, camera.fx), slope(1, camera.fy));
-  // On the axis itself the slope has no direction.
-  per_px = std::max(per_px, 0.2 / std::max(camera.fx, camera.fy));
-  return (std::acos(cosine) - cone.half_angle) / per_px;
-}
+// How far rays (z = 1) lie outside a cone, in pixels of the picture.
+class ConeEdge {
+ public:
+  ConeEdge(const Cone& cone, const CameraModel& camera)
+      : axis_(cone.axis),
+        half_angle_(cone.half_angle),
+        sine_(std::sin(cone.half_angle)),
+        cosine_(std::cos(cone.half_angle)),
+        inverse_fx_(1 / camera.fx),
+        inverse_fy_(1 / camera.fy),
+        // On the axis itself the slope has no direction.
+        least_per_px_(0.2 / std::max(camera.fx, camera.fy)) {}
+
+  // `along`: axis . ray; `length`: the ray's. `per_px`: change of its angle with a pixel outwards.
+  double outside(const Eigen::Vector3d& ray, double along, double length, double& per_px) const {
+    const double inverse = 1 / length, cosine = std::clamp(along * inverse, -1.0, 1.0);
+    const double sine = std::sqrt(std::max(1 - cosine * cosine, 1e-12));
+    const double share = along * inverse * inverse, scale = inverse / sine;
+    const double slope_x = (axis_.x() - share * ray.x()) * scale * inverse_fx_;
+    const double slope_y = (axis_.y() - share * ray.y()) * scale * inverse_fy_;
+    per_px = std::max(std::sqrt(slope_x * slope_x + slope_y * slope_y), least_per_px_);
+    return turn(sine, cosine) / per_px;
+  }
+
+ private:
+  // acos(cosine) - half angle. Near the edge by the first terms of the arc sine, right to 1e-13.
+  double turn(double sine, double cosine) const {
+    const double x = sine * cosine_ - cosine * sine_, xx = x * x;
+    if (xx > 2.5e-3 || cosine * cosine_ + sine * sine_ < 0) return std::acos(cosine) - half_angle_;
+    return x * (1 + xx * (1.0 / 6 + xx * (3.0 / 40 + xx * (15.0 / 336 + xx * (105.0 / 3456)))));
+  }
+
+  Eigen::Vector3d axis_;
+  double half_angle_, sine_, cosine_, inverse_fx_, inverse_fy_, least_per_px_;
+};
 
 std::vector<Pixel> pixels_beside(const Image& image, const CameraModel& camera, const Cone& cone) {
   std::vector<Pixel> pixels;
@@ -57,20 +78,22 @@ std::vector<Pixel> pixels_beside(const Image& image, const CameraModel& camera, 
     return static_cast<int>(std::clamp(center + reach, -1.0, size - 1.0));
   };
   const SectorFrame frame(cone.axis);
+  const ConeEdge edge(cone, camera);
   // Of large balls every n-th row and column: 250 to 800 pixels in all.
   const double radius = focal * std::sqrt(axes->across * axes->along);
   const int step = std::max(1, static_cast<int>(std::sqrt(radius / 8) + 0.5));
-  // Rays whose cosine is beyond these are not near the edge: spares most of them the arc cosine.
+  pixels.reserve(800);
+  // Rays whose cosine is beyond these are not near the edge: most of them.
   const double margin = 6 / std::min(camera.fx, camera.fy);
   const double most = std::cos(std::max(cone.half_angle - margin, 0.0));
   const double least = std::cos(std::min(cone.half_angle + margin, std::numbers::pi));
   for (int y = from(v); y <= to(v, image.height); y += step) {
     for (int x = from(u); x <= to(u, image.width); x += step) {
       const Eigen::Vector3d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
-      const double cosine = cone.axis.dot(ray) / ray.norm();
-      if (cosine > most || cosine < least) continue;
+      const double along = cone.axis.dot(ray), length = ray.norm();
+      if (along > most * length || along < least * length) continue;
       double per_px = 0;
-      const double d = outside(cone, camera, ray, per_px);
+      const double d = edge.outside(ray, along, length, per_px);
       if (d < kInnerFrom || d > kOuterTo) continue;
       const std::uint8_t* c =
           &image.rgb[(static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
@@ -177,24 +200,31 @@ class BlurredEdge {
     constexpr double kSigma = 0.7, kSpread = 0.3, kNoise = 0.1;
     sigma_px_ = start_sigma_px;
     for (int iteration = 0; iteration < 10; ++iteration) {
-      Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-      Eigen::Vector4d right = Eigen::Vector4d::Zero();
       const double prior = 4 * kNoise * kNoise / (kSpread * kSpread);
-      normal(3, 3) = prior;
-      right(3) = prior * (kSigma - sigma_px_);
+      const double inverse_sigma = 1 / sigma_px_;
+      // Upper triangle of the normal equations, row by row, and their right side.
+      double n00 = 0, n01 = 0, n02 = 0, n03 = 0, n11 = 0, n12 = 0, n13 = 0, n22 = 0, n23 = 0;
+      double n33 = prior, r0 = 0, r1 = 0, r2 = 0, r3 = prior * (kSigma - sigma_px_);
       for (const Row& row : pixels_) {
-        const double q = (row.inside_px + row.slope.dot(turn_)) / sigma_px_;
+        const double q = (row.inside_px + row.slope.dot(turn_)) * inverse_sigma;
         const Normal n = normal_at(q);
         const double residual = row.share - n.below;
         // Huber's: what is a grain of the floor's texture, or a highlight, counts less.
-        const double weight = std::min(1.0, 2 * kNoise / std::max(std::abs(residual), 1e-9));
+        const double weight =
+            std::abs(residual) > 2 * kNoise ? 2 * kNoise / std::abs(residual) : 1.0;
         // A turn of the axis towards the pixel, and a wider cone, both put it further inside.
-        const double gain = n.density / sigma_px_;
-        const Eigen::Vector4d gradient(gain * row.slope.x(), gain * row.slope.y(),
-                                       gain * row.slope.z(), -gain * q);
-        normal += weight * gradient * gradient.transpose();
-        right += weight * residual * gradient;
+        const double gain = n.density * inverse_sigma;
+        const double g0 = gain * row.slope.x(), g1 = gain * row.slope.y(),
+                     g2 = gain * row.slope.z(), g3 = -gain * q;
+        const double w0 = weight * g0, w1 = weight * g1, w2 = weight * g2, w3 = weight * g3;
+        n00 += w0 * g0, n01 += w0 * g1, n02 += w0 * g2, n03 += w0 * g3;
+        n11 += w1 * g1, n12 += w1 * g2, n13 += w1 * g3;
+        n22 += w2 * g2, n23 += w2 * g3, n33 += w3 * g3;
+        r0 += w0 * residual, r1 += w1 * residual, r2 += w2 * residual, r3 += w3 * residual;
       }
+      Eigen::Matrix4d normal;
+      normal << n00, n01, n02, n03, n01, n11, n12, n13, n02, n12, n22, n23, n03, n13, n23, n33;
+      const Eigen::Vector4d right(r0, r1, r2, r3);
       const Eigen::LDLT<Eigen::Matrix4d> solver(normal);
       if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-14)) return false;
       const Eigen::Vector4d step = solver.solve(right);
@@ -252,9 +282,15 @@ SectorFrame::SectorFrame(const Eigen::Vector3d& axis) {
   y_ = axis.cross(x_);
 }
 
+// Sectors begin at the negative x and go round as atan2 does; a quarter has four of them.
 std::size_t SectorFrame::sector(const Eigen::Vector3d& ray) const {
-  const double turn = std::atan2(ray.dot(y_), ray.dot(x_)) / (2 * std::numbers::pi) + 0.5;
-  return static_cast<std::size_t>(turn * kEdgeSectors) % kEdgeSectors;
+  const double x = ray.dot(x_), y = ray.dot(y_), ax = std::abs(x), ay = std::abs(y);
+  constexpr double kTan = 0.41421356237309503;  // of 22.5 degrees
+  const std::size_t up = static_cast<std::size_t>(ay >= kTan * ax) +
+                         static_cast<std::size_t>(ay >= ax) +
+                         static_cast<std::size_t>(kTan * ay >= ax);
+  if (y >= 0) return x >= 0 ? 8 + up : 15 - up;
+  return x >= 0 ? 7 - up : up;
 }
 
 std::optional<EdgeFit> fit_edge(const Image& image, const CameraModel& camera, const Cone& cone,

@@ -127,6 +127,41 @@ TEST(BallDetector, AHighlightIsNoHole) {
   EXPECT_NEAR(ball.distance_m, 0.2, 0.015 * 0.2);
 }
 
+// As the head turns while the picture is exposed: the ball painted along `smear_px` to the right.
+Image smeared(const CameraModel& camera, double u, double v, double distance, int smear_px) {
+  std::vector<int> sum;
+  const int steps = 2 * smear_px + 1;  // half a pixel each
+  for (int i = 0; i < steps; ++i) {
+    Image image = plain_picture(camera.width, camera.height, kTestGrey);
+    paint_sphere(image, camera, place(camera, u + 0.5 * i - 0.5 * smear_px, v, distance), kRadius,
+                 kTestRed);
+    sum.resize(image.rgb.size());
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += image.rgb[k];
+  }
+  Image image{camera.width, camera.height, {}};
+  for (const int s : sum) image.rgb.push_back(static_cast<std::uint8_t>(s / steps));
+  return image;
+}
+
+// Rather no ball than one at the wrong distance; the radius is 3.9 to 7.6 px here.
+TEST(BallDetector, WideMotionBlurIsNoDistance) {
+  CameraModel camera = test_camera();  // the middle of its picture
+  camera.width = 100, camera.height = 80, camera.cx = 49.5, camera.cy = 39.5;
+  int lost = 0;
+  for (const double distance : {0.5, 0.6, 0.7, 0.8, 0.9, 1.0}) {
+    for (const double v : {40.0, 40.5}) {
+      const BallObservation slow = look(smeared(camera, 50, v, distance, 2), camera);
+      ASSERT_TRUE(slow.found) << distance;
+      EXPECT_NEAR(slow.distance_m, distance, 0.05 * distance);
+      const BallObservation fast = look(smeared(camera, 50, v, distance, 8), camera);
+      lost += fast.found ? 0 : 1;
+      if (!fast.found) continue;
+      EXPECT_NEAR(fast.distance_m, distance, 0.1 * distance);
+    }
+  }
+  EXPECT_GT(lost, 0);
+}
+
 TEST(BallDetector, PrefersTheRoundRegionToALargerSquare) {
   const CameraModel camera = test_camera();
   Image image = plain_picture(320, 240, kTestGrey);

@@ -48,8 +48,8 @@ Result<vision::Image> Eyes::raw(sim::Renderer& renderer, const sim::ScenePose& p
                                 const sim::Sensor& sensor, const Eigen::Isometry3d& eye,
                                 double baseline_m, std::uint64_t number) const {
   const double turn = conditions_.turn_rad_s * conditions_.exposure_s;
-  // Half a pixel from one to the next.
-  const int parts = 1 + static_cast<int>(std::ceil(2 * std::abs(turn) * sensor.ideal().fx));
+  // A pixel from one to the next; the lens blurs by as much.
+  const int parts = 1 + static_cast<int>(std::ceil(std::abs(turn) * sensor.ideal().fx));
   std::vector<double> light;
   sim::Picture ideal;
   for (int i = 0; i < parts; ++i) {

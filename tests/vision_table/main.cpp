@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tests/vision_table/table.h"
+#include "tests/vision_table/pictures.h"
 #include "tools/figure/figure.h"
 
 namespace {
@@ -13,7 +13,7 @@ namespace {
 using namespace kaz;
 using namespace kaz::vision_table;
 
-Result<void> measure(const std::string& only, int pictures, Table& table) {
+Result<void> measure(const std::string& only, int pictures, int robust, Table& table) {
   const auto all = [&](const char* part) { return only.empty() || only == part; };
   if (all("accuracy")) {
     for (const int width : {320, 640}) {
@@ -24,8 +24,10 @@ Result<void> measure(const std::string& only, int pictures, Table& table) {
     }
   }
   if (only != "accuracy" && only != "boards") {
-    std::fprintf(stderr, "vision_table: robustness\n");
-    if (auto done = measure_robustness(pictures, only, table); !done) return done;
+    for (const int width : {320, 640}) {
+      std::fprintf(stderr, "vision_table: robustness, %d px\n", width);
+      if (auto done = measure_robustness(width, robust, only, table); !done) return done;
+    }
   }
   if (all("boards")) {
     std::fprintf(stderr, "vision_table: photographed chessboards\n");
@@ -45,7 +47,10 @@ Result<void> write(const std::string& folder, const Table& table) {
     return figure::write_file(folder + "/" + name, {bytes, all.size()});
   };
   if (auto done = text("table.md", table.markdown()); !done) return done;
-  return text("table.json", table.json());
+  if (auto done = text("table.json", table.json()); !done) return done;
+  // Of the rows of whole balls.
+  return table.accuracy.empty() ? Result<void>{}
+                                : write_picture(folder + "/vision_table.png", table);
 }
 
 }  // namespace
@@ -57,19 +62,23 @@ int main(int argc, char** argv) {
       "  vision_table --out out/vision    table.md, table.json and pictures there"};
   bool json = false;
   std::string out, only;
-  int pictures = 250;
+  int pictures = 250, robust = 90;
   program.add_flag("--json", json, "print JSON instead of the tables");
   program.add_option("--out", out, "also write tables and pictures into this folder");
   program.add_option("--only", only, "accuracy, boards, or a row or group of the robustness table");
   program.add_option("--pictures", pictures, "pictures for each row of the accuracy tables")
       ->check(CLI::Range(1, 100000));
+  program
+      .add_option("--robust-pictures", robust,
+                  "pictures for each row of the robustness tables; a third is without a ball")
+      ->check(CLI::Range(3, 100000));
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? 0 : static_cast<int>(Fault::usage);
   }
   Table table;
-  auto done = measure(only, pictures, table);
+  auto done = measure(only, pictures, robust, table);
   if (done) std::printf("%s", (json ? table.json() : table.markdown()).c_str());
   if (done && !out.empty()) done = write(out, table);
   if (done) return 0;

@@ -16,7 +16,7 @@ std::string text(const char* format, double a, double b = 0) {
 
 void add_light(std::vector<RobustCase>& rows) {
   const auto add = [&](const std::string& name, const Conditions& c, bool learn = false) {
-    rows.push_back({"light", name, c, "wood", sim::kRedBall, learn, false, ""});
+    rows.push_back({"light", name, c, "wood", sim::kRedBall, learn, false});
   };
   add("lamp above, as the simulator has it", {});
   Conditions dim;

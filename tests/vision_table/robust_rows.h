@@ -16,7 +16,6 @@ struct RobustCase {
   sim::Rgb ball = sim::kRedBall;
   bool learn = false;    // the colour from one picture in this light; else ColorRange::red_ball()
   bool clutter = false;  // red and orange things
-  std::string why = "";  // where it breaks
 };
 
 std::vector<RobustCase> robust_cases();

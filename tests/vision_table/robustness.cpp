@@ -12,8 +12,6 @@
 namespace kaz::vision_table {
 namespace {
 
-constexpr int kWidth = 320;
-
 // From a ball 0.25 m away in the middle of the picture; the marked region reaches beyond it nowhere.
 Result<vision::ColorRange> learned(const RobustCase& row, const Eyes& eyes, sim::Renderer& renderer,
                                    World& world) {
@@ -141,21 +139,21 @@ Result<void> depths(const Eyes& eyes, int pictures, sim::Renderer& renderer, Wor
 
 }  // namespace
 
-Result<void> measure_robustness(int pictures, const std::string& only, Table& table) {
+Result<void> measure_robustness(int width, int pictures, const std::string& only, Table& table) {
   for (const RobustCase& row : robust_cases()) {
     if (!only.empty() && row.group != only && row.name != only) continue;
     RobustRow result;
+    result.width = width;
     result.group = row.group;
     result.name = row.name;
-    result.why = row.why;
     World world(row.floor, row.ball, true, row.clutter);
-    const Eyes eyes(kWidth, row.conditions);
+    const Eyes eyes(width, row.conditions);
     auto renderer = renderer_of(world);
     if (!renderer) return tl::unexpected(renderer.error());
     if (auto done = balls(row, pictures, eyes, **renderer, world, result); !done) return done;
     const bool looks_at_depth = row.group.rfind("ball", 0) != 0 && !row.learn;
     if (looks_at_depth) {
-      const int pairs = std::max(2, pictures / 12);
+      const int pairs = std::max(2, pictures / 11);
       if (auto done = depths(eyes, pairs, **renderer, world, result); !done) return done;
     }
     table.robust.push_back(std::move(result));

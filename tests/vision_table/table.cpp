@@ -58,12 +58,21 @@ std::string accuracy_text(const std::vector<AccuracyRow>& rows) {
 
 std::string robustness(const std::vector<RobustRow>& rows) {
   if (rows.empty()) return "";
-  std::string out =
-      "\n| | ball found | wrong, false | centre rms | distance 95 % | depth right, known | floor "
-      "found | normal, height 95 % | what breaks |\n|---|---|---|---|---|---|---|---|---|\n";
-  std::string group;
+  std::string out, group;
+  int width = 0;
   for (const RobustRow& r : rows) {
-    if (r.group != group) out += "| **" + r.group + "** | | | | | | | | |\n";
+    if (r.width != width) {
+      out += text(
+          "\nBall at 0.25 to 1 m, depth and floor, %d x %d; a row has up to %d pictures with a ",
+          r.width, r.width * 3 / 4, r.balls);
+      out += text("ball, %d without, %d pairs:\n\n", r.without, r.floors);
+      out +=
+          "| | ball found | wrong, false | centre rms | distance 95 % | depth right, known | floor "
+          "found | normal, height 95 % |\n|---|---|---|---|---|---|---|---|\n";
+      group.clear();
+    }
+    width = r.width;
+    if (r.group != group) out += "| **" + r.group + "** | | | | | | | |\n";
     group = r.group;
     out += "| " + r.name;
     if (r.balls > 0) {
@@ -86,7 +95,7 @@ std::string robustness(const std::vector<RobustRow>& rows) {
     } else {
       out += " | | | ";
     }
-    out += " | " + r.why + " |\n";
+    out += " |\n";
   }
   return out;
 }
@@ -136,9 +145,9 @@ std::string Table::json() const {
                                {"distance_mean", r.distance.bias()}});
   }
   for (const RobustRow& r : robust) {
-    all["robustness"].push_back({{"group", r.group},
+    all["robustness"].push_back({{"width", r.width},
+                                 {"group", r.group},
                                  {"name", r.name},
-                                 {"why", r.why},
                                  {"balls", r.balls},
                                  {"found", r.found},
                                  {"wrong", r.wrong},

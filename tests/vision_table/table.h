@@ -35,10 +35,10 @@ struct AccuracyRow {
   Errors center_px, distance;              // distance as a share
 };
 
-// Ball, depth and floor under conditions, 320 x 240.
+// Ball, depth and floor under conditions.
 struct RobustRow {
+  int width = 0;
   std::string group, name;
-  std::string why;  // where it breaks
   int balls = 0, found = 0, wrong = 0;
   int without = 0, false_finds = 0;  // pictures in which there is no such ball
   Errors center_px, distance;
@@ -63,8 +63,8 @@ struct Table {
 
 // Each adds its rows. `pictures`: per row. Errors where OpenGL cannot be had.
 Result<void> measure_accuracy(int width, Sight sight, int pictures, Table& table);
-// Rows whose group or name is `only`; all where that is empty.
-Result<void> measure_robustness(int pictures, const std::string& only, Table& table);
+// Rows whose group or name is `only`; all where that is empty. Every third picture is without a ball.
+Result<void> measure_robustness(int width, int pictures, const std::string& only, Table& table);
 // From OpenCV's photographs in `folder`; an error where they are not there.
 Result<void> measure_boards(const std::string& folder, Table& table);
 

@@ -2,16 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "tests/vision_table/table.h"
+#include "tests/vision_table/pictures.h"
 
 namespace kaz::vision_table {
 namespace {
-
-// What is asked of the ball's distance, 95 % of it.
-double bound(int width, double distance_m) {
-  if (width == 320) return distance_m <= 0.6 ? 0.03 : distance_m <= 0.8 ? 0.05 : 0.12;
-  return distance_m <= 1.0 ? 0.03 : 0.06;
-}
 
 void hold(int width, int pictures) {
   Table table;
@@ -23,7 +17,7 @@ void hold(int width, int pictures) {
     EXPECT_GE(row.found, (width == 320 && row.distance_m > 1.3 ? 0.7 : 0.95) * row.pictures);
     EXPECT_EQ(row.wrong, 0);
     EXPECT_LT(row.center_px.rms(), 0.5);
-    EXPECT_LT(row.distance.percentile(0.95), bound(width, row.distance_m));
+    EXPECT_LT(row.distance.percentile(0.95), due(width, row.distance_m));
   }
 }
 
@@ -36,7 +30,7 @@ TEST(VisionTable, BallAt640) {
 
 RobustRow row_of(const std::string& name) {
   Table table;
-  const auto done = measure_robustness(18, name, table);
+  const auto done = measure_robustness(320, 18, name, table);
   EXPECT_TRUE(done) << done.error().message;
   EXPECT_EQ(table.robust.size(), 1U) << name;
   return table.robust.empty() ? RobustRow{} : table.robust.front();
