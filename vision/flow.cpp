@@ -3,9 +3,11 @@
 #include "vision/flow.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
@@ -35,7 +37,10 @@ struct FlowFinder::State {
   cv::Size searched;  // the search fits its scales to the first pictures' size
   cv::Mat grey_before, grey_after, flow;
   cv::Mat small8[2], small[2];
-  cv::Mat products[3], sums[3];  // see compare()
+  // See compare(); by small pixel, half a patch of zeros around, summed in place.
+  using Products = std::array<float, 12>;
+  std::vector<Products> sums;
+  std::vector<std::uint8_t> compared;
 
   Result<void> find(const FlowSight& before, const FrameInfo& info_before, const FlowSight& after,
                     const FrameInfo& info_after, FlowImage& image) {
@@ -70,9 +75,7 @@ struct FlowFinder::State {
       small8[i].convertTo(small[i], CV_32F);
     }
     compare();
-    for (int i = 0; i < 3; ++i)
-      cv::boxFilter(products[i], sums[i], -1, {kPatch, kPatch}, {-1, -1}, true,
-                    cv::BORDER_CONSTANT);  // zeros beyond the edge: they weigh nothing
+    sum_patches(small[0].size());
     judge(image);
     mark(image);
   }
@@ -83,14 +86,13 @@ struct FlowFinder::State {
   }
 
   // By small pixel, with gradient (gx, gy), brightness q, change d along the flow and weight w:
-  // gx gx, gx gy, gy gy, gx d | gy d, d d, d, w | gx, gy, q, q q. The weight is 0 where the flow
+  // gx gx, gx gy, gy gy, gx d, gy d, d d, d, w, gx, gy, q, q q. The weight is 0 where the flow
   // leaves the picture.
   void compare() {
     const cv::Mat &a = small[0], &b = small[1];
-    for (cv::Mat& p : products) {
-      p.create(a.size(), CV_32FC4);
-      p.setTo(0);
-    }
+    const auto across = static_cast<std::size_t>(a.cols + kPatch);
+    sums.assign(across * static_cast<std::size_t>(a.rows + kPatch), {});
+    compared.assign(static_cast<std::size_t>(a.size().area()), 0);
     const float per_x = static_cast<float>(a.cols) / static_cast<float>(flow.cols);
     const float per_y = static_cast<float>(a.rows) / static_cast<float>(flow.rows);
     for (int y = 1; y + 1 < a.rows; ++y) {
@@ -109,9 +111,25 @@ struct FlowFinder::State {
             (1 - t) * ((1 - s) * here[0] + s * here[1]) + t * ((1 - s) * below[0] + s * below[1]);
         const float q = row[x] - 128, d = there - row[x];
         const float gx = (row[x + 1] - row[x - 1]) / 2, gy = (down[x] - up[x]) / 2;
-        products[0].at<cv::Vec4f>(y, x) = {gx * gx, gx * gy, gy * gy, gx * d};
-        products[1].at<cv::Vec4f>(y, x) = {gy * d, d * d, d, 1};
-        products[2].at<cv::Vec4f>(y, x) = {gx, gy, q, q * q};
+        sums[static_cast<std::size_t>(y + kPatch / 2) * across +
+             static_cast<std::size_t>(x + kPatch / 2)] = {
+            gx * gx, gx * gy, gy * gy, gx * d, gy * d, d * d, d, 1, gx, gy, q, q * q};
+        compared[static_cast<std::size_t>(y * a.cols + x)] = 1;
+      }
+    }
+  }
+
+  // Over the patch around each small pixel, zeros beyond the edge: they weigh nothing. No running
+  // sum, so no error that grows.
+  void sum_patches(cv::Size size) {
+    const auto across = static_cast<std::size_t>(size.width + kPatch);
+    for (const std::size_t step : {across, std::size_t{1}}) {
+      for (std::size_t i = 0; i + (kPatch - 1) * step < sums.size(); ++i) {
+        Products sum = sums[i];
+        for (std::size_t r = 1; r < kPatch; ++r) {
+          for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += sums[i + r * step][k];
+        }
+        sums[i] = sum;
       }
     }
   }
@@ -127,12 +145,14 @@ struct FlowFinder::State {
         static_cast<float>(options.most_error_px * options.most_error_px) / (kSmall * kSmall);
     const float step2 =
         static_cast<float>(options.most_step_px * options.most_step_px) / (kSmall * kSmall);
+    const std::uint8_t* was_compared = compared.data();
     for (int y = 0; y < cells.height; ++y) {
-      for (int x = 0; x < cells.width; ++x, ++to) {
-        const auto &h = sums[0].at<cv::Vec4f>(y, x), &m = sums[1].at<cv::Vec4f>(y, x),
-                   &n = sums[2].at<cv::Vec4f>(y, x);
+      const Products* sum =
+          &sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(cells.width + kPatch)];
+      for (int x = 0; x < cells.width; ++x, ++to, ++sum, ++was_compared) {
+        const float *h = sum->data(), *m = h + 4, *n = h + 8;
         const float w = m[3];
-        if (products[1].at<cv::Vec4f>(y, x)[3] == 0 || w < kLeastShare) continue;
+        if (*was_compared == 0 || w < kLeastShare * kPatch * kPatch) continue;
         const float xx = h[0] / w, xy = h[1] / w, yy = h[2] / w;
         const float lesser = (xx + yy) / 2 - std::sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
         if (!(lesser > 0)) continue;
