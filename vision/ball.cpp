@@ -95,11 +95,13 @@ double pixels_within(const Cone& cone, const EllipseAxes& axes, const CameraMode
 
 // 1 where the distance can be told. What the blur has beyond the camera's own is a smear; a smear in
 // one direction makes the ball seem nearer or further by up to 0.6 of its share of the radius (8 px
-// of it before the simulated eyes). Where that may be a tenth, this is below 0.75.
+// of it before the simulated eyes): at a sixth of the radius by a tenth. From there on it falls
+// steeply.
 double sharpness(double radius_px, double sigma_px) {
   constexpr double kOwn_px = 0.7;
   const double smear = std::sqrt(std::max(0.0, sigma_px * sigma_px - kOwn_px * kOwn_px));
-  return std::min(1.0, radius_px / std::max(8 * smear, 1e-9));
+  const double told = std::min(1.0, radius_px / std::max(6 * smear, 1e-9));
+  return told * told * told * told;
 }
 
 std::optional<BallObservation> measure(const Image& image, const CameraModel& camera,
