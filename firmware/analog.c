@@ -1,4 +1,5 @@
-// A/D conversion: AN0, AN1, AN2 in scan mode, once for each input of the multiplexers.
+// A/D conversion: AN0, AN1, AN2 in scan mode, once for each input of the multiplexers, AN3 with the
+// first of them; then AN4 and AN5.
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/analog.h"
 
@@ -8,13 +9,14 @@
 
 // The slow, exact conversion (CKS = 0). The input that was just selected has 63 states to settle
 // before AN0's sample is taken.
-#define SCAN_STOPPED (ADCSR_ADIE | ADCSR_SCAN | ADCSR_AN0_TO_2)
+#define SCAN_STOPPED (ADCSR_ADIE | ADCSR_SCAN | ADCSR_AN0_TO_3)
 #define SCAN_RUNNING (SCAN_STOPPED | ADCSR_ADST)
 
 // The potentiometers' inputs are converted each time, of the supplies' two one, in turn, first.
 #define OTHER_SUPPLY_INPUT(input) ((u8)((input) ^ 1))
 
-// The interrupt (analog_interrupt.S) fills the codes and ends the scan after the last input.
+// The interrupt (analog_interrupt.S) fills the codes and ends the scan after the last input. AN3's
+// stands in its data register meanwhile, which no other channel of these shares.
 u16 kz_analog_code[KZ_ANALOG];
 volatile u8 kz_analog_scanning;
 static u8 supply_input;

@@ -1,4 +1,5 @@
-// A/D conversion of all potentiometers and supplies: the multiplexer inputs of AN0, AN1 and AN2.
+// A/D conversion of all potentiometers and supplies, the multiplexer inputs of AN0, AN1 and AN2, and
+// of the inertial option's AN3, AN4 and AN5.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_FIRMWARE_ANALOG_H
 #define KAZ_FIRMWARE_ANALOG_H
@@ -6,9 +7,9 @@
 #include "shared/servo/tick.h"
 
 void kz_analog_init(void);
-// Starts a scan, which goes on by interrupts and takes about 6,000 states: the inputs of the
+// Starts a scan, which goes on by interrupts and takes about 7,000 states: the inputs of the
 // potentiometers, and of inputs 6 and 7 (supply, temperature, reference) the one or the other in
-// turn.
+// turn; last the inertial option.
 void kz_analog_start(void);
 // The last scan is done.
 u8 kz_analog_ready(void);

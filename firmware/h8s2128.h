@@ -137,7 +137,7 @@
 #define ADCSR_ADIE 0x40
 #define ADCSR_ADST 0x20
 #define ADCSR_SCAN 0x10
-#define ADCSR_AN0_TO_2 0x02
+#define ADCSR_AN0_TO_3 0x03
 
 // Interrupts
 #define KZ_INTERRUPTS_OFF() __asm__ volatile("orc #0x80,ccr" : : : "memory")

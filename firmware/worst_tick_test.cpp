@@ -109,7 +109,7 @@ class WorstTick : public testing::Test {
   }
 
   void any_request() {
-    switch (random() % 15) {
+    switch (random() % 16) {
       case 0:
         return joints();
       case 1:
@@ -134,6 +134,8 @@ class WorstTick : public testing::Test {
         return send(KZ_TYPE_heartbeat, {0, 0});
       case 11:
         return joints();
+      case 12:
+        return send(KZ_TYPE_inertial, {});
       default:
         return targets();
     }

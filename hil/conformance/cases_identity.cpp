@@ -52,7 +52,8 @@ void add_identity_cases(Cases& to) {
   add(to, "answered-while-latched", "Questions are answered whatever is latched.", "ID-2",
       [](Board& b) {
         b.done("stop");
-        for (const char* name : {"identify", "state", "health", "statistics", "self_test"}) {
+        for (const char* name :
+             {"identify", "state", "health", "statistics", "self_test", "inertial"}) {
           equal(std::string(name) + ": reason in the status", b.done(name).reason(),
                 KZ_SHUTDOWN_STOP);
         }

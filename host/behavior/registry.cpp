@@ -3,14 +3,16 @@
 #include <array>
 
 #include "host/behavior/behavior.h"
+#include "host/behavior/go_forward.h"
 #include "host/behavior/search_ball.h"
 #include "host/behavior/stand.h"
 #include "host/behavior/track_ball.h"
+#include "host/behavior/turn.h"
 
 namespace kaz::behavior {
 
 std::span<const Behavior> behaviors() {
-  static const std::array all{kSearchBall, kStand, kTrackBall};
+  static const std::array all{kGoForward, kSearchBall, kStand, kTrackBall, kTurnLeft, kTurnRight};
   return all;
 }
 

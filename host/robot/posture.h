@@ -8,6 +8,7 @@
 #include <span>
 #include <string_view>
 
+#include "host/robot/inertial.h"
 #include "shared/board/board.h"
 #include "vision/frame.h"  // Time
 
@@ -38,6 +39,7 @@ struct Posture {
   JointAngles angle{};       // rad, as measured by the potentiometers
   std::uint16_t status = 0;  // KZ_STATUS_*
   double supply_volts = 0;
+  std::optional<Inertial> inertial = {};  // after Robot::sense_inertial()
 };
 
 }  // namespace kaz::host

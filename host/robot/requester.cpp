@@ -32,6 +32,7 @@ bool is_query(std::uint8_t type) {
     case KZ_TYPE_joints:
     case KZ_TYPE_settings:
     case KZ_TYPE_calibration:
+    case KZ_TYPE_inertial:
       return true;
     default:
       return false;

@@ -36,6 +36,10 @@ Request state_request() {
   return make_request(KZ_TYPE_state, kz_state{}, kz_pack_state);
 }
 
+Request inertial_request() {
+  return make_request(KZ_TYPE_inertial, kz_inertial{}, kz_pack_inertial);
+}
+
 }  // namespace
 
 Robot::Robot(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -106,28 +110,58 @@ Result<void> Robot::set_targets(std::span<const JointTarget> targets, Time durat
 }
 
 Result<Posture> Robot::state() {
-  const Request request = state_request();
+  const Request requests[] = {state_request(), inertial_request()};
+  const auto replies =
+      parts_->exchange({requests, parts_->inertial ? 2u : 1u}, AfterLoss::ask_again);
+  if (!replies) return tl::unexpected(replies.error());
+  return parts_->take_sensed((*replies)[0], parts_->inertial ? &(*replies)[1] : nullptr);
+}
+
+Result<bool> Robot::sense_inertial() {
+  const Request request = inertial_request();
   const auto replies = parts_->exchange({&request, 1}, AfterLoss::ask_again);
   if (!replies) return tl::unexpected(replies.error());
-  return parts_->take_state(replies->front());
+  parts_->inertial = false;
+  if (replies->front().refused) return false;  // firmware of before there was such a request
+  const auto codes = read_reply(replies->front(), kz_unpack_inertial_reply);
+  if (!codes) return tl::unexpected(codes.error());
+  parts_->inertial = std::max({codes->yaw_rate, codes->forward, codes->left}) >= kNotFitted;
+  return parts_->inertial;
+}
+
+Result<Posture> Robot::Parts::take_sensed(const Reply& state, const Reply* motion) {
+  auto posture = take_state(state);
+  if (!posture || !motion) return posture;
+  const auto codes = read_reply(*motion, kz_unpack_inertial_reply);
+  if (!codes) return tl::unexpected(codes.error());
+  // A code stands for the middle of what the converter rounds down to it.
+  const auto from_middle = [](unsigned code) { return code + 0.5 - KZ_POT_CODES / 2; };
+  posture->inertial = {.time = relation.host_time(codes->tick),
+                       .yaw_rate_rad_per_s = from_middle(codes->yaw_rate) * kYawRatePerCode,
+                       .forward_m_per_s2 = from_middle(codes->forward) * kForcePerCode,
+                       .left_m_per_s2 = from_middle(codes->left) * kForcePerCode};
+  return posture;
 }
 
 Result<Posture> Robot::exchange(std::span<const JointTarget> targets, Time duration) {
   if (targets.empty()) return state();
   const auto move = targets_request(targets, duration);
   if (!move) return tl::unexpected(move.error());
-  const Request requests[] = {*move, state_request()};
-  const auto replies = parts_->exchange(requests, AfterLoss::report);
+  const Request requests[] = {*move, state_request(), inertial_request()};
+  const bool inertial = parts_->inertial;
+  const auto replies = parts_->exchange({requests, inertial ? 3u : 2u}, AfterLoss::report);
   if (!replies) {
     if (parts_->resumed) return state();
     return tl::unexpected(replies.error());
   }
-  return parts_->take_cycle(&(*replies)[0], (*replies)[1], targets);
+  return parts_->take_cycle(&(*replies)[0], (*replies)[1], targets,
+                            inertial ? &(*replies)[2] : nullptr);
 }
 
 Result<Posture> Robot::Parts::take_cycle(const Reply* move, const Reply& state,
-                                         std::span<const JointTarget> targets) {
-  auto posture = take_state(state);
+                                         std::span<const JointTarget> targets,
+                                         const Reply* motion) {
+  auto posture = take_sensed(state, motion);
   if (!move) return posture;
   if (const auto taken = read_reply(*move, kz_unpack_targets_reply, targets); !taken) {
     // Why the targets were refused the state may tell better.

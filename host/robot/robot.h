@@ -71,6 +71,9 @@ class Robot {
   // `deadline`. Fails if a cycle is received that was not sent.
   Result<void> send_cycle(std::span<const JointTarget> targets, Time duration);
   Result<std::optional<Posture>> receive_cycle(Time deadline);
+  // Whether the board has the option `imu`; if so, from now on state() and exchange() ask along, and
+  // Posture::inertial has what they say: 2 ms more on the wire. A cycle of send_cycle() does not.
+  Result<bool> sense_inertial();
   // Angle, speed, duty, load and flags, in the order of the joints. More than 9 joints are two
   // requests, of which the second is some ticks younger.
   Result<std::vector<JointDetail>> joints(std::uint32_t mask);

@@ -86,10 +86,12 @@ struct Robot::Parts {
   // Tick and status of a reply: is this still the board as we left it?
   void observe(std::uint8_t request, const Reply& reply);
   Result<Posture> take_state(const Reply& reply);
+  // The state, and where it was asked along (not null) how the board moves.
+  Result<Posture> take_sensed(const Reply& state, const Reply* motion);
   // The replies of a cycle; `move` is null if no targets were sent.
   std::string describe_fault(std::uint16_t status);
   Result<Posture> take_cycle(const Reply* move, const Reply& state,
-                             std::span<const JointTarget> targets);
+                             std::span<const JointTarget> targets, const Reply* motion = nullptr);
   void take_telemetry(std::uint8_t type, std::span<const std::uint8_t> fields, Time now);
 
   // Called when `requester` has failed with `error` (null: it has not, but `trouble` was observed).
@@ -129,6 +131,7 @@ struct Robot::Parts {
   // What the board was told, to be told again.
   std::uint32_t on = 0;
   bool telemetry_on = false;
+  bool inertial = false;  // asked along with the state
   u8 watchdog_10ms = 0, reaction = 0;
   std::array<std::optional<kz_gains>, KZ_JOINTS> gains;
   std::array<std::optional<kz_limits>, KZ_JOINTS> limits;

@@ -25,6 +25,11 @@
 #define KZ_ANALOG_REFERENCE 7
 // Motor drivers: 0 °C at code 0, KZ_TEMPERATURE_FULL_DC at full scale.
 #define KZ_ANALOG_TEMPERATURE 14
+// The inertial option on AN3..AN5, which are grounded where it is not fitted: half of AVCC stands
+// for zero. These places are of multiplexer inputs to which nothing is connected.
+#define KZ_ANALOG_YAW_RATE 15
+#define KZ_ANALOG_FORWARD_FORCE 22
+#define KZ_ANALOG_LEFT_FORCE 23
 #define KZ_SUPPLY_FULL_MV 15360      // 15 mV a code
 #define KZ_TEMPERATURE_FULL_DC 1024  // 0.1 °C a code: 102.4 °C
 

@@ -40,7 +40,7 @@ TEST(JointTable, AngleOfACodeIsTheGeometryOfThePotentiometer) {
   constexpr double rad_per_decideg = std::numbers::pi / 1800;
   for (const Wiring& joint : wiring) {
     for (int code = 0; code < KZ_POT_CODES; ++code) {
-      const double decideg = joint.pot_centre + joint.sign * (code - 512) *
+      const double decideg = joint.pot_centre + joint.sign * (code + 0.5 - 512) *
                                                     double{KZ_POT_RANGE_DECIDEG} / KZ_POT_CODES;
       const double exact = decideg * rad_per_decideg * KZ_ANGLE_PER_RAD;
       ASSERT_NEAR(kz_pot_angle(&kz_board_joints[joint.index], static_cast<u16>(code)), exact, 2.5)

@@ -48,6 +48,7 @@ kz_outcome kz_command(kz_servo* servo, u8 type, const u8* fields, u8 length, u32
     case KZ_TYPE_self_test:
     case KZ_TYPE_state:
     case KZ_TYPE_calibration:
+    case KZ_TYPE_inertial:
       TAKE_NOTHING()
       return KZ_DONE;
     case KZ_TYPE_read_targets:

@@ -1,7 +1,7 @@
 // Ramps and the position loop: timing, gains, saturation, signs; and the loop around a motor.
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/servo/joint_loop.h"
 #include "shared/servo/joints.h"
+#include "shared/servo/joint_loop.h"
 
 #include <gtest/gtest.h>
 
@@ -60,18 +60,19 @@ TEST(Ramp, TheJointsRampIsItsHighestSpeed) {
   ASSERT_EQ(board.enable(1), 0);
   ASSERT_EQ(board.gains(1, 0, 0), 0);
   const kz_joint& joint = board.servo.joint[neck_pan];
+  const s16 here = joint.angle;
   for (const int duration : {0, 1, 83}) {
-    ASSERT_EQ(joint.command, 0);
-    go(board, neck_pan, 5000, duration);
+    ASSERT_EQ(joint.command, here);
+    go(board, neck_pan, static_cast<s16>(here + 5000), duration);
     EXPECT_EQ(joint.ramp_left, 84);  // 5000 / 60 = 83.3
-    int before = 0;
+    int before = here;
     for (int i = 0; i < 84; ++i) {
       run(board, 1);
       ASSERT_LE(joint.command - before, 60);
       before = joint.command;
     }
-    EXPECT_EQ(joint.command, 5000);
-    go(board, neck_pan, 0, 100);
+    EXPECT_EQ(joint.command, here + 5000);
+    go(board, neck_pan, here, 100);
     run(board, 100);
   }
 }
@@ -79,12 +80,13 @@ TEST(Ramp, TheJointsRampIsItsHighestSpeed) {
 TEST(Ramp, ANewTargetStartsFromWhereTheRampIs) {
   TestBoard board;
   ASSERT_EQ(board.enable(1), 0);
-  go(board, neck_pan, 4000, 100);
+  const s16 here = board.servo.joint[neck_pan].angle;
+  go(board, neck_pan, static_cast<s16>(here + 4000), 100);
   run(board, 50);
-  ASSERT_EQ(board.servo.joint[neck_pan].command, 2000);
-  go(board, neck_pan, 0, 100);
+  ASSERT_EQ(board.servo.joint[neck_pan].command, here + 2000);
+  go(board, neck_pan, here, 100);
   board.tick();
-  EXPECT_EQ(board.servo.joint[neck_pan].command, 1980);
+  EXPECT_EQ(board.servo.joint[neck_pan].command, here + 1980);
   EXPECT_EQ(board.status() & KZ_STATUS_MOVING, KZ_STATUS_MOVING);
   run(board, 100);
   EXPECT_EQ(board.status(), KZ_STATUS_ENABLED);
@@ -109,11 +111,13 @@ TEST(Ramp, TheWidestWayDoesNotOverflow) {
 TEST(PositionLoop, DutyIsGainTimesError) {
   TestBoard board;
   ASSERT_EQ(board.enable(1), 0);
-  ASSERT_EQ(board.target(neck_pan, 100, 0), 0);  // 0.01 rad at 20 /rad: 0.2 of 255
+  const s16 here = board.servo.joint[neck_pan].angle;
+  // 0.01 rad at 20 /rad: 0.2 of 255.
+  ASSERT_EQ(board.target(neck_pan, static_cast<s16>(here + 100), 0), 0);
   board.ticks(20);
   EXPECT_EQ(board.output.pw[0], 51);
   EXPECT_EQ(board.output.p3 & 1, 1);
-  ASSERT_EQ(board.target(neck_pan, -100, 0), 0);
+  ASSERT_EQ(board.target(neck_pan, static_cast<s16>(here - 100), 0), 0);
   board.ticks(20);
   EXPECT_EQ(board.output.pw[0], 51);
   EXPECT_EQ(board.output.p3 & 1, 0);
@@ -122,7 +126,7 @@ TEST(PositionLoop, DutyIsGainTimesError) {
 TEST(PositionLoop, AMirroredServoTurnsTheOtherWay) {
   TestBoard board;
   ASSERT_EQ(board.enable(1u << r_sh_pitch), 0);
-  const s16 here = KZ_DECIDEG(-500);
+  const s16 here = KZ_DECIDEG(-500) - 16;  // mirrored: half a code to the other side
   EXPECT_EQ(board.servo.joint[r_sh_pitch].angle, here);
   ASSERT_EQ(board.target(r_sh_pitch, static_cast<s16>(here + 100), 0), 0);
   board.ticks(20);

@@ -57,6 +57,16 @@ static u8 reply_statistics(const kz_servo* servo, const kz_tick_input* input, u8
   return kz_pack_statistics_reply(&reply, fields);
 }
 
+static u8 reply_inertial(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
+  kz_inertial_reply reply;
+  reply.tick = servo->tick;
+  reply.status = kz_status(servo);
+  reply.yaw_rate = input->analog[KZ_ANALOG_YAW_RATE];
+  reply.forward = input->analog[KZ_ANALOG_FORWARD_FORCE];
+  reply.left = input->analog[KZ_ANALOG_LEFT_FORCE];
+  return kz_pack_inertial_reply(&reply, fields);
+}
+
 static u8 reply_self_test(const kz_servo* servo, u8* fields) {
   kz_self_test_reply reply;
   reply.tick = servo->tick;
@@ -113,6 +123,8 @@ u8 kz_reply(const kz_servo* servo, const kz_tick_input* input, const kz_answer* 
       return reply_statistics(servo, input, fields);
     case KZ_TYPE_self_test:
       return reply_self_test(servo, fields);
+    case KZ_TYPE_inertial:
+      return reply_inertial(servo, input, fields);
     case KZ_TYPE_enable:
       return reply_enable(servo, fields);
     case KZ_TYPE_settings:

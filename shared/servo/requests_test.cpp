@@ -43,7 +43,7 @@ TEST(Requests, StateReplyHasTheAnglesAndTheTickOfTheirMeasurement) {
   ASSERT_EQ(board.replies.size(), 1u);
   const auto state = fields_of<kz_state_reply, kz_unpack_state_reply>(board.replies[0]);
   EXPECT_EQ(state.tick, tick);
-  EXPECT_EQ(state.angle[0], 0);  // mid-scale
+  EXPECT_EQ(state.angle[0], kz_board_joints[0].pot_centre);  // code 512
   EXPECT_EQ(state.supply_mv, 667 * 15);
 }
 
@@ -105,7 +105,7 @@ TEST(Requests, RefusesATargetOutsideTheLimitsAsAWhole) {
   EXPECT_EQ(board.targets(request), KZ_REFUSED_LIMIT);
   EXPECT_EQ(board.detail, 1);
   EXPECT_EQ(board.servo.joint[0].ramp_left, 0);  // nothing of it was done
-  EXPECT_EQ(board.servo.joint[0].command, 0);
+  EXPECT_EQ(board.servo.joint[0].command, kz_board_joints[0].pot_centre);
   request.angle[1] = kz_board_joints[1].upper;
   EXPECT_EQ(board.targets(request), 0);
   request.angle[0] = static_cast<s16>(kz_board_joints[0].lower - 1);

@@ -47,12 +47,12 @@ TEST(Potentiometer, IdealIsTheNominalLawAndStopsAtItsEnds) {
 }
 
 TEST(Potentiometer, NominalIsWhereTheFirmwareThinksItIs) {
-  // Code and angle through the firmware's own table: half a code and its rounding.
+  // Code and angle through the firmware's own table: half a code and its rounding, to both sides.
   for (int joint = 0; joint < KZ_JOINTS; ++joint) {
     const Potentiometer pot(joint, figures(), {}, 5);
     const kz_board_joint& board = kz_board_joints[joint];
     for (int angle = board.lower; angle <= board.upper; angle += 37) {
-      const auto code = static_cast<u16>(std::lround(pot.ratio(angle * 1e-4) * KZ_POT_CODES));
+      const auto code = static_cast<u16>(std::floor(pot.ratio(angle * 1e-4) * KZ_POT_CODES));
       ASSERT_NEAR(kz_pot_angle(&board, code), angle, 18) << joint;
     }
   }

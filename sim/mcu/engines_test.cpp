@@ -69,12 +69,19 @@ TEST(Engines, BytesTakeTheSameTime) {
 TEST(Engines, SampleEveryInputWithItsSelect) {
   for (const auto& mcu : {h8(), native()}) {
     mcu->set_analog([](int channel, const PinLevels& levels, States) {
-      return channel < KZ_MUXES ? (channel * 8 + (levels.p4 & 7) + 0.5) / KZ_POT_CODES : 0.0;
+      return ((channel < KZ_MUXES ? channel * 8 + (levels.p4 & 7) : 900 + channel) + 0.5) /
+             KZ_POT_CODES;
     });
     kz_tick_input last{};
     mcu->on_tick([&last](const TickRecord& record) { last = record.input; });
     ASSERT_TRUE(mcu->run_until(mcu->now() + 5 * ms));
-    for (unsigned i = 0; i < KZ_ANALOG; ++i) EXPECT_EQ(last.analog[i], i) << mcu->engine();
+    for (unsigned i = 0; i < KZ_ANALOG; ++i) {
+      const unsigned code = i == KZ_ANALOG_YAW_RATE        ? 903
+                            : i == KZ_ANALOG_FORWARD_FORCE ? 904
+                            : i == KZ_ANALOG_LEFT_FORCE    ? 905
+                                                           : i;
+      EXPECT_EQ(last.analog[i], code) << mcu->engine();
+    }
     mcu->on_tick(nullptr);
   }
 }

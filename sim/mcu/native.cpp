@@ -254,16 +254,25 @@ class NativeMcu final : public Mcu {
     return tick_at_ - KZ_STATES_PER_TICK + scan_start + setting_ * scan_interval;
   }
 
+  u16 code_of(int channel) {
+    const double ratio = analog_ ? analog_(channel, pins_, now_ + channel * convert_states) : 0.0;
+    const int code = static_cast<int>(std::floor(KZ_POT_CODES * ratio));
+    return static_cast<u16>(std::clamp(code, 0, KZ_POT_CODES - 1));
+  }
+
   // One multiplexer setting: AN0, AN1, AN2 in turn.
   void sample() {
     PinLevels selected = pins_;
     selected.p4 = static_cast<std::uint8_t>((pins_.p4 & ~KZ_P4_MUX_MASK) | setting_);
     show(selected);
     for (int mux = 0; mux < KZ_MUXES; ++mux) {
-      const double ratio = analog_ ? analog_(mux, pins_, now_ + mux * convert_states) : 0.0;
-      const int code = static_cast<int>(std::floor(KZ_POT_CODES * ratio));
-      input_.analog[mux * KZ_MUX_INPUTS + setting_] =
-          static_cast<u16>(std::clamp(code, 0, KZ_POT_CODES - 1));
+      input_.analog[mux * KZ_MUX_INPUTS + setting_] = code_of(mux);
+    }
+    // Then the inertial option's, over the inputs to which nothing is connected.
+    if (setting_ == KZ_MUX_INPUTS - 1) {
+      constexpr std::pair<int, int> kInertial[] = {
+          {3, KZ_ANALOG_YAW_RATE}, {4, KZ_ANALOG_FORWARD_FORCE}, {5, KZ_ANALOG_LEFT_FORCE}};
+      for (const auto& [channel, at] : kInertial) input_.analog[at] = code_of(channel);
     }
     ++setting_;
   }

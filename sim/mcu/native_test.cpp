@@ -90,7 +90,11 @@ TEST(Native, ByteIsNotThereBeforeItsStopBit) {
 TEST(Native, SamplesEveryInputWithItsSelect) {
   auto mcu = make_native();
   mcu->set_analog([](int channel, const PinLevels& levels, States) {
-    return (channel * 8 + (levels.p4 & 7) + 0.5) / KZ_POT_CODES;
+    // The inertial option's channels have the codes of the places that they take.
+    constexpr int kInertial[] = {KZ_ANALOG_YAW_RATE, KZ_ANALOG_FORWARD_FORCE, KZ_ANALOG_LEFT_FORCE};
+    const int place =
+        channel < KZ_MUXES ? channel * 8 + (levels.p4 & 7) : kInertial[channel - KZ_MUXES];
+    return (place + 0.5) / KZ_POT_CODES;
   });
   kz_tick_input last{};
   mcu->on_tick([&last](const TickRecord& record) { last = record.input; });

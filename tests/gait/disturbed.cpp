@@ -98,7 +98,7 @@ std::string with_motors(std::string xml, Motors motors) {
 
 std::string world_of(const Surroundings& around, std::uint64_t seed) {
   // No floor of less than a fifth of its friction, however far out its seed is.
-  const double mu = around.mu * std::max(0.2, 1 + 0.15 * noise(seed, Noise::friction, 0));
+  const double mu = around.mu * std::max(0.2, 1 + around.mu_spread * noise(seed, Noise::friction, 0));
   std::string text = R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="gait">
 <model name="floor"><static>true</static><link name="l"><collision name="c">

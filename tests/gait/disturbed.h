@@ -25,6 +25,7 @@ enum class Motors {
 
 struct Surroundings {
   double mu = 0.7;                      // of the floor, mean over seeds
+  double mu_spread = 0.15;              // one sigma, as a share of it
   std::optional<Eigen::Vector2d> ball;  // where one of 40 mm and 15 g lies, m
   Motors motors = Motors::product;
 };

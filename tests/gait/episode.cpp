@@ -92,7 +92,6 @@ class Episode {
     if (!robot) return tl::unexpected(robot.error());
     robot_.emplace(std::move(*robot));
     if (auto set = set_gains(); !set) return set;
-    if (auto done = calibrate(); !done) return done;
     if (auto on = robot_->enable(host::kAllJoints); !on) return on;
     // Into the crouch, each joint off its place by a little.
     JointAngles first = standing();
@@ -104,15 +103,6 @@ class Episode {
     if (auto moved = send(first, 2.0); !moved) return moved;
     beat_ = clock_->now() + from_seconds(2.5);
     return robot_->clock().sleep_until(beat_);
-  }
-
-  Result<void> calibrate() {
-    if (!task_.calibrated) return {};
-    const auto now = robot_->calibration();
-    if (!now) return tl::unexpected(now.error());
-    auto joints = now->joints;
-    for (host::JointCalibration& joint : joints) joint.centre_rad += 0.5 * joint.scale_rad / 512;
-    return robot_->set_calibration(host::kAllJoints, joints);
   }
 
   // Each joint's by 5 %. The neck's is lower because its light head would hunt across the gear's gap.

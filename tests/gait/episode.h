@@ -32,9 +32,6 @@ struct Task {
   double mu = 0.7;
   double distance = 0.5;  // m
   bool hold_heading = true;
-  // Potentiometers calibrated to half a code, as on a bench: converters round down, so that of two
-  // mirrored servos each is off to its own side.
-  bool calibrated = false;
   double turn = 0;  // rad, + to the left
   int cycles = 3;   // of spin
   double push_ns = 0, push_every_s = 1.7;

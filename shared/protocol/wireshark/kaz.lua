@@ -110,6 +110,15 @@ local messages = {
     {name = "load", kind = "u8", size = 1, count = 9, unit = "1/255", mask = "mask"},
     {name = "faults", kind = "u8", size = 1, count = 9, unit = "", mask = "mask"},
   }},
+  [25] = {name = "inertial", fields = {
+  }},
+  [153] = {name = "inertial_reply", fields = {
+    {name = "tick", kind = "u32", size = 4, count = 1, unit = "ms"},
+    {name = "status", kind = "u16", size = 2, count = 1, unit = ""},
+    {name = "yaw_rate", kind = "u16", size = 2, count = 1, unit = "1/1024"},
+    {name = "forward", kind = "u16", size = 2, count = 1, unit = "1/1024"},
+    {name = "left", kind = "u16", size = 2, count = 1, unit = "1/1024"},
+  }},
   [7] = {name = "stop", fields = {
   }},
   [135] = {name = "stop_reply", fields = {

@@ -1,0 +1,59 @@
+// go-forward: by odometry of the carrying feet, the heading held by the gyro where the board has one.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/behavior/go_forward.h"
+
+#include <cmath>
+
+#include "host/behavior/walker.h"
+
+namespace kaz::behavior {
+
+namespace {
+
+constexpr Option kOptions[] = {
+    {"distance", "0.5", "", -2, 5, "metres ahead; negative: back"},
+    {"gyro", "use", "use|ignore", 0, 0, "ignore: walk as if the board had none"},
+};
+
+constexpr double kNear = 0.03;  // m, that its own reckoning may miss the goal by
+
+Result<Outcome> run(Context& context) {
+  motion::Settings settings;
+  settings.use_gyro = context.options.choice("gyro") == "use";
+  auto walker = Walker::begin(context, kGoForward.name, settings);
+  if (!walker) return tl::unexpected(walker.error());
+  const double distance = context.options.number("distance");
+  const motion::Motion& motion = walker->motion();
+  const double start = motion.walked(), heading = motion.heading();
+  const Time began = walker->input().now;
+  if (!walker->fallen()) {
+    walker->phase("walk");
+    walker->motion().walk(distance);
+    if (auto done = walker->finish(); !done) return tl::unexpected(done.error());
+  }
+  const double walked = motion.walked() - start;
+  const double turned = (motion.heading() - heading) / motion::kDegree;
+  const motion::Place place = motion.place();
+
+  Outcome outcome;
+  outcome.success = !walker->fallen() && std::abs(walked - distance) < kNear;
+  char text[160];
+  std::snprintf(text, sizeof text, "the robot %s %.2f m, %.1f degrees off its heading%s",
+                walker->fallen() ? "fell after" : "walked", walked, turned,
+                motion.has_gyro() ? "" : " by its strides (no gyro)");
+  outcome.sentence = text;
+  outcome.figures = {{"walked_m", walked},
+                     {"turned_deg", turned},
+                     {"sigma_along_m", place.sigma_along},
+                     {"sigma_across_m", place.sigma_across},
+                     {"sigma_heading_deg", place.sigma_heading / motion::kDegree},
+                     {"walking_s", seconds(walker->input().now - began)}};
+  return outcome;
+}
+
+}  // namespace
+
+constinit const Behavior kGoForward{"go-forward", "walk straight ahead for a distance", false,
+                                    kOptions, run};
+
+}  // namespace kaz::behavior
