@@ -7,7 +7,7 @@
 #include "shared/servo/tick.h"
 
 void kz_analog_init(void);
-// Starts a scan, which goes on by interrupts and takes about 7,000 states: the inputs of the
+// Starts a scan, which goes on by interrupts and takes about 6,500 states: the inputs of the
 // potentiometers, and of inputs 6 and 7 (supply, temperature, reference) the one or the other in
 // turn; last the inertial option.
 void kz_analog_start(void);

@@ -42,7 +42,7 @@ Bytes calibrate_one(int joint, long centre, long scale) {
 Values nominal() {
   Values values;
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) \
-  values.centre.push_back(KZ_DECIDEG(pot_centre));                          \
+  values.centre.push_back(KZ_POT_CENTRE(pot_centre, sign));                 \
   values.scale.push_back((sign)*16581);
 #include "shared/board/joints.def"
 #undef KZ_JOINT

@@ -50,7 +50,7 @@ void add_answers(Cases& to) {
   });
   add(to, "refusal-form", "A refusal carries number and type of the request.", "REQ-2",
       [](Board& b) {
-        for (const int type : {0x00, 0x19, 0x40, 0x7F}) {
+        for (const int type : {0x00, 0x1A, 0x40, 0x7F}) {
           b.refused_type(static_cast<std::uint8_t>(type), {}, KZ_REFUSED_UNKNOWN_TYPE, kNoDetail);
         }
       });

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 
 namespace kaz::motion {
 namespace {
@@ -48,6 +49,8 @@ TEST(Gait, ZeroMomentPointStaysInsideTheCarryingSoleDuringEachSwing) {
     const double roll = roll_for(shape);
     EXPECT_GT(roll, 10 * kDegree);
     EXPECT_LE(roll, shape.most_roll);
+    std::printf("period %.1f s: roll %.1f deg, zero moment point within %.1f mm\n", shape.period,
+                roll / kDegree, 1e3 * zmp_amplitude(shape, roll));
     const double from = shape.lag + 0.25 - shape.swing / 2, to = from + shape.swing;
     for (double phase = from; phase <= to; phase += 0.01) {
       const double y = zmp_of_all_masses(shape, roll, phase);

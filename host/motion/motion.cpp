@@ -111,7 +111,7 @@ void Motion::begin(State state) {
   ending_ = false;
   steps_ = {};
   still_s_ = 0;
-  reach_before_ = 0;
+  amplitude_before_ = 0;
   heading_before_ = heading();
   state == State::walking ? choose_strides() : choose_reach();
 }
@@ -194,7 +194,8 @@ void Motion::choose_reach() {
 // How far the support that is over has turned the robot: measured where there is a gyro, and learnt
 // for the next one, because it is friction that decides; else reckoned.
 void Motion::count_turn() {
-  const double share = reach_before_ / settings_.reach * steps_.amplitude;
+  const double amplitude = (amplitude_before_ + steps_.amplitude) / 2;
+  const double share = steps_.reach / settings_.reach * amplitude;
   if (!gyro_) {
     reckoned_ += share * turned_a_support_;
   } else if (std::abs(share) > 0.5) {
@@ -204,7 +205,7 @@ void Motion::count_turn() {
         (std::clamp(turned, 0.5 * kTurnedASupport, 1.6 * kTurnedASupport) - turned_a_support_);
   }
   heading_before_ = heading();
-  reach_before_ = steps_.reach;
+  amplitude_before_ = steps_.amplitude;
 }
 
 void Motion::reckon_strides() {

@@ -98,7 +98,7 @@ class Motion {
   Heading heading_;
   Odometry odometry_;
   double reckoned_ = 0;  // rad, heading without a gyro
-  double turned_a_support_, reach_before_ = 0, heading_before_ = 0;
+  double turned_a_support_, amplitude_before_ = 0, heading_before_ = 0;
   double still_s_ = 0, tipped_s_ = 0;
   double forward_g_ = 0, left_g_ = 0;  // smoothed specific force, in g
   std::optional<Time> last_;

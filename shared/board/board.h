@@ -49,5 +49,8 @@
 // Tenths of a degree to 100 microradians, exact in integers on both compilers: pi/1800 * 1e4
 // = 17.453293.
 #define KZ_DECIDEG(d) ((s16)((s32)(d)*17453L / 1000L))
+// What a potentiometer's code 512 stands for, in 100 urad, from the columns of joints.def: half a code
+// (16.19) beyond the angle at which it begins, because the converter rounds down.
+#define KZ_POT_CENTRE(decideg, sign) ((s16)(KZ_DECIDEG(decideg) + ((sign) > 0 ? 16 : -16)))
 
 #endif

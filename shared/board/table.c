@@ -5,17 +5,11 @@
 #include "kz_limits.h"
 #include "shared/board/pot.h"
 
-// Of the joint's angle, 100 urad: 16.19 rounded.
-#define HALF_A_CODE(sign) ((s16)((sign) > 0 ? 16 : -16))
-
 const kz_board_joint kz_board_joints[KZ_JOINTS] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) \
-  [index] = {KZ_DECIDEG(pot_centre) + HALF_A_CODE(sign),                    \
-             KZ_POT_SCALE(sign),                                            \
-             KZ_LIMIT_LOWER_##name,                                         \
-             KZ_LIMIT_UPPER_##name,                                         \
-             (mux)*KZ_MUX_INPUTS + (input),                                 \
-             (sign) < 0},
+  [index] = {KZ_POT_CENTRE(pot_centre, sign), KZ_POT_SCALE(sign),           \
+             KZ_LIMIT_LOWER_##name,           KZ_LIMIT_UPPER_##name,        \
+             (mux)*KZ_MUX_INPUTS + (input),   (sign) < 0},
 #include "shared/board/joints.def"
 #undef KZ_JOINT
 };
