@@ -211,7 +211,9 @@ TEST_F(Firmware, WalkingLoadFitsTheTick) {
               worst, 100.0 * worst / ms);
   EXPECT_EQ(missed, 0);
   EXPECT_LT(worst, ms * 75 / 100);
-  EXPECT_LT(median, ms * 45 / 100);
+  // The inertial inputs cost 60 states of each tick. Ticks come in two crowds, up to 8,200 states and from
+  // 8,400 on (those in which bytes come), and the median is now the first of the second.
+  EXPECT_LT(median, ms * 46 / 100);
   for (const h8s::Misuse& misuse : chip().misuse()) ADD_FAILURE() << misuse.text;
 }
 
