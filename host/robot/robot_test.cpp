@@ -236,5 +236,27 @@ TEST(Robot, PostureAtInterpolates) {
   EXPECT_FALSE(robot.posture_at(board.now() - 6s));
 }
 
+// A code of the gyro is 0.977 degrees/s, one of the accelerometer 0.0157 g; each stands
+// for its middle.
+TEST(Robot, AsksGyroAndAccelerometerAlong) {
+  TestBoard board;
+  Robot robot = connect_to(board);
+  EXPECT_FALSE(robot.sense_inertial().value()) << "all three inputs grounded";
+  EXPECT_FALSE(robot.state()->inertial);
+  board.inertial = {612, 448, 511};
+  EXPECT_TRUE(robot.sense_inertial().value());
+  ASSERT_TRUE(robot.enable(kAllJoints));
+  const JointTarget target[] = {{neck_pan, 0.01}};
+  for (const auto& posture :
+       {robot.state(), robot.exchange(target, std::chrono::milliseconds(12))}) {
+    ASSERT_TRUE(posture) << posture.error().message;
+    ASSERT_TRUE(posture->inertial);
+    EXPECT_NEAR(posture->inertial->yaw_rate_rad_per_s * 180 / 3.14159265, 100.5 * 0.9765625, 1e-3);
+    EXPECT_NEAR(posture->inertial->forward_m_per_s2, -63.5 / 1024 / 0.0624 * 9.80665, 1e-6);
+    EXPECT_NEAR(posture->inertial->left_m_per_s2, -0.5 / 1024 / 0.0624 * 9.80665, 1e-6);
+    EXPECT_GE(posture->inertial->time, posture->time);
+  }
+}
+
 }  // namespace
 }  // namespace kaz::host

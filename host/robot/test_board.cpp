@@ -121,6 +121,9 @@ void TestBoard::run_tick(Time start) {
   input.analog[KZ_ANALOG_SUPPLY] =
       static_cast<u16>(std::lround(supply_volts.value_or(10) * 1000 / 15));
   input.analog[KZ_ANALOG_REFERENCE] = 512;
+  input.analog[KZ_ANALOG_YAW_RATE] = inertial[0];
+  input.analog[KZ_ANALOG_FORWARD_FORCE] = inertial[1];
+  input.analog[KZ_ANALOG_LEFT_FORCE] = inertial[2];
   while (!to_board_.empty() && to_board_.front().at <= start && input.rx_count < KZ_RX_PER_TICK) {
     input.rx[input.rx_count++] = to_board_.front().value;
     to_board_.pop_front();

@@ -58,9 +58,10 @@ class TestBoard final : public Clock, public Link {
   std::function<Bytes(Bytes)> to_board, to_host;
   // If set, called after each tick with its start.
   std::function<void(Time)> after_tick;
-  bool mute = false;                   // the board is off
-  std::optional<Error> link_failure;   // what reads and writes return from now on
-  std::optional<double> supply_volts;  // instead of 10 V
+  bool mute = false;                        // the board is off
+  std::optional<Error> link_failure;        // what reads and writes return from now on
+  std::optional<double> supply_volts;       // instead of 10 V
+  std::array<std::uint16_t, 3> inertial{};  // codes of yaw rate, forward and left; 0: not fitted
 
  private:
   static constexpr Time kByte = std::chrono::nanoseconds(86805);
