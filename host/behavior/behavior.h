@@ -30,6 +30,7 @@ struct Context {
   std::uint64_t seed = 1;  // of whatever a behaviour leaves to chance
   // Of a robot that is no Kaz: its joints, on the first channels of the board. Empty: Kaz's.
   std::vector<std::string> other_joints = {};
+  double ball_radius_m = 0.020;  // of the ball that `sight` looks for
 };
 
 // How it ended. Figures go into result.json under their names, which carry their units.

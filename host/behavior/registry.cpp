@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 
+#include "host/behavior/approach.h"
 #include "host/behavior/behavior.h"
+#include "host/behavior/catch_ball.h"
 #include "host/behavior/go_forward.h"
 #include "host/behavior/search_ball.h"
 #include "host/behavior/stand.h"
@@ -12,7 +14,7 @@
 namespace kaz::behavior {
 
 std::span<const Behavior> behaviors() {
-  static const std::array all{kGoForward, kSearchBall, kStand, kTrackBall, kTurnLeft, kTurnRight};
+  static const std::array all{kApproachBall, kCatchBall, kGoForward, kSearchBall, kStand, kTrackBall, kTurnLeft, kTurnRight};
   return all;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "host/behavior/approach.h"
 #include "host/behavior/search_pattern.h"
 
 namespace kaz::behavior {

@@ -88,19 +88,28 @@ class Listener final : public behavior::Sink {
   behavior::Recording recording_;
 };
 
-// Lets somebody look at the world whenever the host has waited.
+// Lets somebody look at the world whenever the host has waited or asked for the time: whoever is busy on
+// the line all the time waits for nothing else.
 class WatchedClock final : public host::Clock {
  public:
   WatchedClock(host::Clock& clock, sim::Simulation* simulation, Onlooker* onlooker)
       : clock_(clock), simulation_(simulation), onlooker_(onlooker) {}
-  Time now() const override { return clock_.now(); }
+  Time now() const override {
+    const Time now = clock_.now();
+    if (onlooker_ != nullptr && simulation_ != nullptr && now > looked_) {
+      onlooker_->look(*simulation_);
+      looked_ = now;
+    }
+    return now;
+  }
   Result<void> sleep_until(Time t) override {
     auto slept = clock_.sleep_until(t);
-    if (slept && onlooker_ != nullptr && simulation_ != nullptr) onlooker_->look(*simulation_);
+    if (slept) now();
     return slept;
   }
 
  private:
+  mutable Time looked_{-1};
   host::Clock& clock_;
   sim::Simulation* simulation_;
   Onlooker* onlooker_;
@@ -217,6 +226,7 @@ Result<bool> run_session(SessionOptions options) {
   const auto wall_start = std::chrono::steady_clock::now();
   behavior::Context context{*robot,   robot->clock(), sees ? &sight : nullptr,
                             listener, *values,        options.rig.seed};
+  context.ball_radius_m = options.vision.ball.radius_m;
   if (const auto* simulation = (*rig)->simulation())
     context.other_joints = other_joints(simulation->world());
   const Result<behavior::Outcome> outcome = behavior->run(context);

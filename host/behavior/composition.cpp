@@ -1,0 +1,90 @@
+// Steps, tries, and a clock that rings.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/behavior/composition.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace kaz::behavior {
+
+namespace {
+
+// That of another, up to a time: then every wait ends with an error.
+class Deadline final : public host::Clock {
+ public:
+  Deadline(host::Clock& clock, Time end) : clock_(clock), end_(end) {}
+  Time now() const override { return clock_.now(); }
+  Result<void> sleep_until(Time t) override {
+    if (auto slept = clock_.sleep_until(std::min(t, end_)); !slept) return slept;
+    if (t <= end_) return {};
+    over_ = true;
+    return fail(Fault::environment, "the time for it is over: give it more");
+  }
+  bool over() const { return over_; }
+
+ private:
+  host::Clock& clock_;
+  Time end_;
+  bool over_ = false;
+};
+
+}  // namespace
+
+Task sequence(std::string behavior, std::vector<Step> steps) {
+  return [behavior = std::move(behavior),
+          steps = std::move(steps)](Context& context) -> Result<Outcome> {
+    Outcome all;
+    all.success = true;
+    for (const Step& step : steps) {
+      context.sink.phase(context.clock.now(), behavior, step.name);
+      auto outcome = step.run(context);
+      if (!outcome) return outcome;
+      outcome->figures.insert(outcome->figures.begin(), all.figures.begin(), all.figures.end());
+      all = std::move(*outcome);
+      if (!all.success) break;
+    }
+    return all;
+  };
+}
+
+Task fallback(std::string behavior, std::vector<Step> steps) {
+  return [behavior = std::move(behavior),
+          steps = std::move(steps)](Context& context) -> Result<Outcome> {
+    Result<Outcome> last = Outcome{false, "there was nothing to try", {}, "nothing to try"};
+    for (const Step& step : steps) {
+      context.sink.phase(context.clock.now(), behavior, step.name);
+      last = step.run(context);
+      if (!last || last->success) break;
+    }
+    return last;
+  };
+}
+
+Task retry(int times, Task task, std::function<bool(const Outcome&)> worth) {
+  return [times, task = std::move(task),
+          worth = std::move(worth)](Context& context) -> Result<Outcome> {
+    for (int tries = 1;; ++tries) {
+      auto outcome = task(context);
+      if (!outcome) return outcome;
+      if (outcome->success || tries >= times || (worth && !worth(*outcome))) {
+        outcome->figures.emplace_back("tries", tries);
+        return outcome;
+      }
+    }
+  };
+}
+
+Task within(Time limit, Task task) {
+  return [limit, task = std::move(task)](Context& context) -> Result<Outcome> {
+    Deadline clock(context.clock, context.clock.now() + limit);
+    Context limited{context.robot,   clock,        context.sight,        context.sink,
+                    context.options, context.seed, context.other_joints, context.ball_radius_m};
+    auto outcome = task(limited);
+    if (outcome || !clock.over()) return outcome;
+    char text[80];
+    std::snprintf(text, sizeof text, "it was not done in %g s", seconds(limit));
+    return Outcome{false, text, {}, "time"};
+  };
+}
+
+}  // namespace kaz::behavior

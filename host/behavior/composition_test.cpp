@@ -1,0 +1,103 @@
+// Order, tries, replacement and time, with tasks that say what they were asked.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/behavior/composition.h"
+
+#include <gtest/gtest.h>
+
+#include "host/robot/test_board.h"
+
+namespace kaz::behavior {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Composition : ::testing::Test {
+  host::TestBoard board;
+  host::Robot robot = host::connect_to(board);
+  Recording recording;
+  Context context{robot, board, nullptr, recording, *OptionValues::parse({}, {})};
+  int calls = 0;
+
+  Task ends(bool success, std::string cause = {}) {
+    return [=, this](Context&) -> Result<Outcome> {
+      ++calls;
+      return Outcome{success, cause, {{"call", calls}}, cause};
+    };
+  }
+  static Task breaks() {
+    return [](Context&) -> Result<Outcome> { return fail(Fault::environment, "no link"); };
+  }
+};
+
+TEST_F(Composition, SequenceRunsInOrderAndStopsAtTheFirstFailure) {
+  const auto all = sequence("dance", {{"bow", ends(true)}, {"turn", ends(true)}})(context);
+  ASSERT_TRUE(all && all->success);
+  EXPECT_EQ(all->figures.size(), 2u);
+  ASSERT_EQ(recording.phases.size(), 2u);
+  EXPECT_EQ(recording.phases[0].behavior, "dance");
+  EXPECT_EQ(recording.phases[1].phase, "turn");
+
+  const auto part = sequence(
+      "dance", {{"bow", ends(true)}, {"leap", ends(false, "fell")}, {"end", ends(true)}})(context);
+  ASSERT_TRUE(part);
+  EXPECT_FALSE(part->success);
+  EXPECT_EQ(part->cause, "fell");
+  EXPECT_EQ(calls, 4);
+  EXPECT_TRUE(sequence("dance", {})(context)->success);
+}
+
+TEST_F(Composition, FallbackTakesTheFirstThatSucceeds) {
+  const auto outcome = fallback(
+      "hold", {{"left", ends(false)}, {"right", ends(true)}, {"both", ends(true)}})(context);
+  ASSERT_TRUE(outcome && outcome->success);
+  EXPECT_EQ(calls, 2);
+  EXPECT_EQ(
+      fallback("hold", {{"left", ends(false, "a")}, {"right", ends(false, "b")}})(context)->cause,
+      "b");
+}
+
+TEST_F(Composition, RetryEndsWithSuccessOrWhenItIsNotWorthIt) {
+  const auto third = [this](Context&) -> Result<Outcome> {
+    return Outcome{++calls == 3, "", {}, "missed"};
+  };
+  auto outcome = retry(5, third)(context);
+  ASSERT_TRUE(outcome && outcome->success);
+  EXPECT_EQ(outcome->figures.back().second, 3);
+  calls = 0;
+  outcome = retry(2, third)(context);
+  EXPECT_FALSE(outcome->success);
+  EXPECT_EQ(calls, 2);
+  calls = 0;
+  outcome =
+      retry(5, ends(false, "fell"), [](const Outcome& o) { return o.cause != "fell"; })(context);
+  EXPECT_EQ(calls, 1);
+}
+
+TEST_F(Composition, AnErrorEndsAllAtOnce) {
+  EXPECT_FALSE(sequence("a", {{"x", breaks()}, {"y", ends(true)}})(context));
+  EXPECT_FALSE(fallback("a", {{"x", breaks()}, {"y", ends(true)}})(context));
+  EXPECT_FALSE(retry(3, breaks())(context));
+  EXPECT_FALSE(within(1s, breaks())(context)) << "not its time";
+  EXPECT_EQ(calls, 0);
+}
+
+TEST_F(Composition, TimeIsLimitedWhereverATaskWaits) {
+  const Time start = board.now();
+  Task waits = [](Context& c) -> Result<Outcome> {
+    for (;;)
+      if (auto slept = c.clock.sleep_until(c.clock.now() + 300ms); !slept)
+        return tl::unexpected(slept.error());
+  };
+  const auto outcome = retry(3, within(1s, waits), [](const Outcome&) { return false; })(context);
+  ASSERT_TRUE(outcome);
+  EXPECT_FALSE(outcome->success);
+  EXPECT_EQ(outcome->cause, "time");
+  EXPECT_EQ(board.now() - start, 1s);
+  EXPECT_TRUE(within(1s, ends(true))(context)->success);
+  // The shorter of two limits counts, and the longer one does not take it for its own.
+  EXPECT_EQ(within(5s, within(500ms, waits))(context)->cause, "time");
+  EXPECT_LT(board.now() - start, 1600ms);
+}
+
+}  // namespace
+}  // namespace kaz::behavior
