@@ -30,6 +30,8 @@ constexpr double kRolling = 0.04;          // m/s; odometry's own errors look li
 constexpr Time kGone = std::chrono::milliseconds(1000);
 constexpr Time kLookFor = std::chrono::milliseconds(350);
 constexpr Time kPatience = std::chrono::seconds(150);
+constexpr Time kRemembered = std::chrono::seconds(6);
+constexpr double kBehindShoulder = 40 * kDegree;
 constexpr std::size_t kPictures = 8;
 constexpr int kMostMoves = 30;
 
@@ -191,15 +193,27 @@ Result<bool> look_around(BodyControl& body, int turns, bool left_first) {
 Result<Approached> approach(BodyControl& body) {
   const Time end = body.now() + kPatience;
   Approached result;
+  bool turned_blindly = false;
   for (int i = 0; i < kMostMoves && body.now() < end; ++i) {
     body.phase("look");
     const auto seen = look(body);
     if (!seen) return tl::unexpected(seen.error());
     if (body.fallen()) break;
     if (!*seen) {
-      result.cause = "lost";
-      return result;
+      // Far to the side a shoulder hides it: turn to where it was, once.
+      const bool aside = body.ball().known() &&
+                         body.now() - body.ball().last_seen() < kRemembered &&
+                         std::abs(turn_for(body.ball_now())) > kBehindShoulder;
+      if (!aside || turned_blindly) {
+        result.cause = "lost";
+        return result;
+      }
+      turned_blindly = true;
+      if (auto done = turn(body, turn_for(body.ball_now())); !done)
+        return tl::unexpected(done.error());
+      continue;
     }
+    turned_blindly = false;
     result.ball = (*seen)->ball;
     const auto hand = hand_for(result.ball);
     if (hand && (*seen)->speed <= kRolling) {

@@ -18,6 +18,19 @@ constexpr double kHeadSpeed = 2.5;  // rad/s, most that the head is turned
 constexpr double kMargin = 0.017;   // rad, inside the joints' limits
 // Bent forward, gravity along the trunk says little; to the side it says when the robot lies.
 constexpr double kTipped = 0.7, kGravity = 9.81, kTippedFor_s = 0.3, kSmoothing_s = 0.15;
+// Turned far down, and aside besides, the eyes come so low over the chest that it hides what lies
+// before the feet. They see 32 degrees below their axis: what lies there is looked at from less far
+// down, nearly straight ahead.
+constexpr double kDown = 40 * motion::kDegree, kFarthestDown = 52 * motion::kDegree;
+constexpr double kLeastPan = 0.3;  // of the ball's
+
+host::Gaze past_the_chest(host::Gaze gaze) {
+  const double share = std::clamp((gaze.tilt_rad - kDown) / (kFarthestDown - kDown), 0.0, 1.0);
+  gaze.pan_rad *= std::lerp(1.0, kLeastPan, share);
+  gaze.tilt_rad = std::min(gaze.tilt_rad, kFarthestDown);
+  return gaze;
+}
+
 constexpr Time kZero = std::chrono::milliseconds(2600);  // 2 s of them for the gyro's zero
 
 }  // namespace
@@ -47,7 +60,8 @@ host::Gaze BodyControl::head() {
     const host::Side foot = host::supporting_foot(measured());
     const Eigen::Vector3d hips = motion::hips_over_sole(measured(), foot);
     const Eigen::Vector3d from_sole(hips.x() + at.x(), hips.y() + at.y(), context_->ball_radius_m);
-    const host::Gaze ball = host::gaze_at(host::trunk_from_sole(measured(), foot) * from_sole);
+    const host::Gaze ball =
+        past_the_chest(host::gaze_at(host::trunk_from_sole(measured(), foot) * from_sole));
     const double most = kHeadSpeed * seconds(beat_);
     gaze_.pan_rad += std::clamp(ball.pan_rad - gaze_.pan_rad, -most, most);
     gaze_.tilt_rad += std::clamp(ball.tilt_rad - gaze_.tilt_rad, -most, most);

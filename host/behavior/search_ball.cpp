@@ -2,30 +2,75 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/search_ball.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <numbers>
 
 #include "host/behavior/approach.h"
+#include "host/behavior/composition.h"
 #include "host/behavior/search_pattern.h"
 
 namespace kaz::behavior {
 
 namespace {
 
-constexpr Option kOptions[] = {{"seconds", "20", "", 0.1, 3600, "gives up after this time, s"}};
+constexpr Option kOptions[] = {
+    {"seconds", "100", "", 0.1, 3600, "gives up after this time, s"},
+    {"turns", "3", "", 0, 3, "quarter turns of the body, each after a scan that showed nothing"}};
 
 constexpr double kDegree = std::numbers::pi / 180;
 // At 90 degrees/s a thing stays in a view 80 degrees wide for 0.9 s: 26 pictures at 30 Hz.
 constexpr double kSpeed = 90 * kDegree;
 constexpr int kPicturesInARow = 3;
 
+Outcome not_found(const char* text) {
+  return {false, text, {}, "not found"};
+}
+
+// With the body's help, where the head alone saw nothing: from the walking crouch, all around.
+Result<Outcome> run_turning(Context& context) {
+  auto body = BodyControl::begin(context, kSearchBall.name);
+  if (!body) return tl::unexpected(body.error());
+  const Time start = body->now();
+  const auto found =
+      look_around(*body, static_cast<int>(context.options.number("turns")), context.seed & 1);
+  if (!found) return tl::unexpected(found.error());
+  if (body->fallen()) return Outcome{false, "the robot fell", {}, "fell"};
+  if (!*found) return not_found("no ball was found");
+  const Eigen::Vector2d ball = body->ball_now();
+  char text[120];
+  const double after = seconds(body->now() - start);
+  std::snprintf(text, sizeof text, "the ball was found after %.1f s, %.2f m away", after,
+                ball.norm());
+  return Outcome{true,
+                 text,
+                 {{"found_s", after},
+                  {"ball_bearing_deg", std::atan2(ball.y(), ball.x()) / kDegree},
+                  {"ball_distance_m", ball.norm()},
+                  {"turned_deg", body->motion().heading() / kDegree}}};
+}
+
 Result<Outcome> run(Context& context) {
   auto head = HeadControl::begin(context, kSearchBall.name);
   if (!head) return tl::unexpected(head.error());
   const Time start = head->now();
   const double limit = context.options.number("seconds");
-  const auto found = search(*head, from_seconds(limit), context.seed & 1);
+  const bool turns = context.options.number("turns") >= 1 && context.other_joints.empty();
+  const SearchPattern once(head->measured(), kSpeed, context.seed & 1);
+  const double alone = turns ? std::min(limit, once.once()) : limit;
+  const auto found = search(*head, from_seconds(alone), context.seed & 1);
   if (!found) return tl::unexpected(found.error());
+  if (!*found && alone < limit) {
+    auto outcome = within(from_seconds(limit - alone), run_turning)(context);
+    if (outcome && !outcome->success && outcome->cause != "fell") {
+      char text[80];
+      std::snprintf(text, sizeof text, "no ball was found in %.3g s",
+                    seconds(context.clock.now() - start));
+      *outcome = not_found(text);
+    }
+    return outcome;
+  }
 
   Outcome outcome;
   outcome.success = *found;
@@ -41,6 +86,7 @@ Result<Outcome> run(Context& context) {
                        {"ball_distance_m", head->ball()->distance_m}};
   } else {
     std::snprintf(text, sizeof text, "no ball was found in %g s", limit);
+    outcome.cause = "not found";
   }
   outcome.sentence = text;
   return outcome;

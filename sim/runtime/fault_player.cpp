@@ -67,6 +67,7 @@ void FaultPlayer::apply(faults::Time start, std::span<MotorDrive, KZ_JOINTS> dri
     MotorDrive& drive = drives[static_cast<std::size_t>(fault.joint)];
     if (fault.name == Name::joint_stuck) drive.jammed = true;
     if (fault.name == Name::joint_reversed) drive.duty = -drive.duty;
+    if (fault.name == Name::motor_weak) drive.duty *= fault.value;
     if (fault.name == Name::joint_slipping) drive.slip_nm = std::min(drive.slip_nm, fault.value);
   }
 }

@@ -135,6 +135,15 @@ TEST(FaultPlayer, LateBytesComeInOrder) {
   for (std::size_t i = 1; i < bytes.size(); ++i) EXPECT_LE(bytes[i - 1].at, bytes[i].at);
 }
 
+TEST(FaultPlayer, AWeakMotorGetsAShareOfItsDuty) {
+  const FaultPlayer player(faults::Schedule({fault_of("motor_weak joint 3 0.5")}));
+  std::array<MotorDrive, KZ_JOINTS> drives{};
+  drives[2] = drives[3] = {-0.8, true};
+  player.apply(faults::Time::zero(), drives);
+  EXPECT_EQ(drives[2].duty, -0.8);
+  EXPECT_EQ(drives[3].duty, -0.4);
+}
+
 TEST(FaultPlayer, GearsJamReverseAndSlip) {
   FaultPlayer player(
       faults::Schedule({fault_of("at 1 ms joint_stuck joint 0"), fault_of("joint_reversed joint 1"),

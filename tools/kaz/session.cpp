@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/kaz/session.h"
 
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -37,6 +38,12 @@ class Listener final : public behavior::Sink {
     phase_ = phase;
     record({{"behavior", behavior}, {"phase", phase}});
     progress_.announce(seconds(time - start_), phase_);
+    // Of catch-ball: tracking, walking there, the hand at the ball, the ball lifted. Each the first time.
+    for (std::size_t i = 0; i < kCatchPhases.size(); ++i) {
+      if (behavior != "catch-ball" || phase_ != kCatchPhases[i] || caught_[i]) continue;
+      caught_[i] = true;
+      take_moment(time);
+    }
   }
 
   void cycle(const behavior::CycleRow& row) override {
@@ -58,6 +65,9 @@ class Listener final : public behavior::Sink {
 
  private:
   static constexpr int kMoments = 4;
+  static constexpr std::array<std::string_view, kMoments> kCatchPhases{"look", "walk", "close",
+                                                                       "hold"};
+  std::array<bool, kMoments> caught_{};
 
   // Moments are spread evenly over the time of tracking, which begins with the first sight of the ball.
   double next_moment_s() const {
