@@ -71,7 +71,7 @@ TEST(CatchBall, FollowsABallThatRollsAndTakesItWhenItRests) {
 TEST(CatchBall, StandsAndWaitsWhileTheCameraIsFrozen) {
   Scene scene;
   scene.ball = {0.5, 0.02};
-  scene.frozen_from_s = 14;
+  scene.frozen_from_s = 11;
   scene.frozen_for_s = 1;
   const auto ending = play(scene);
   ASSERT_TRUE(ending) << ending.error().message;
