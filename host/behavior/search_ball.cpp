@@ -63,10 +63,9 @@ Result<Outcome> run(Context& context) {
   if (!found) return tl::unexpected(found.error());
   if (!*found && alone < limit) {
     auto outcome = within(from_seconds(limit - alone), run_turning)(context);
-    if (outcome && !outcome->success && outcome->cause != "fell") {
+    if (outcome && outcome->cause == "time") {
       char text[80];
-      std::snprintf(text, sizeof text, "no ball was found in %.3g s",
-                    seconds(context.clock.now() - start));
+      std::snprintf(text, sizeof text, "no ball was found in %g s", limit);
       *outcome = not_found(text);
     }
     return outcome;
