@@ -6,6 +6,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "vision/flow.h"
+#include "vision/moving.h"
 #include "vision/sparse_flow.h"
 #include "vision/test_stereo.h"
 
@@ -47,6 +48,24 @@ void flow(benchmark::State& state, int width) {
   state.counters["known"] = static_cast<double>(known) / static_cast<double>(image.flow_px.size());
 }
 
+// After the flow; nothing moves, and depth is not known but by the floor.
+void moving(benchmark::State& state, int width) {
+  Pair pair(width);
+  for (FrameInfo& info : pair.info) info.posture_known = true;
+  pair.info[1].foot_from_eye = pair.info[0].foot_from_eye * Eigen::Translation3d(0.008, 0, 0);
+  FlowFinder flows;
+  FlowImage image;
+  if (!flows.find(pair.picture(0), pair.info[0], pair.picture(1), pair.info[1], image))
+    return state.SkipWithError("no flow");
+  MovingFinder finder;
+  MovingRegions found;
+  for (auto _ : state) {
+    if (!finder.find(image, pair.picture(0), pair.picture(1), nullptr, found))
+      state.SkipWithError("nothing said");
+  }
+  state.counters["regions"] = static_cast<double>(found.regions.size());
+}
+
 void sparse(benchmark::State& state, int width) {
   const Pair pair(width);
   SparseFlow finder;
@@ -77,6 +96,7 @@ void peer(benchmark::State& state, int width) {
   BENCHMARK_CAPTURE(run, 640, 640)->Name(name ".640")->Unit(benchmark::kMillisecond)
 KAZ_SIZES(flow, "vision.flow_ms");
 KAZ_SIZES(peer, "peer.opencv_dis_ms");
+KAZ_SIZES(moving, "vision.moving_ms");
 KAZ_SIZES(sparse, "vision.sparse_flow_ms");
 
 }  // namespace

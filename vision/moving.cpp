@@ -18,28 +18,6 @@ constexpr int kReach_px = 3;             // of the pixels around a cell's middle
 constexpr double kNoise2 = 8;            // codes^2: of the change from noise of 2 codes a pixel
 constexpr double kLeastLook_rad = 0.17;  // down on something, to see which way it moves
 
-// Flow of what rests, from the posture at both exposures.
-class EyeMotion {
- public:
-  EyeMotion(const FrameInfo& before, const FrameInfo& after)
-      : camera_(before.camera), later_(after.foot_from_eye.inverse() * before.foot_from_eye) {}
-
-  Vector3d ray(double u, double v) const {
-    return {(u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1};
-  }
-  // False where the point comes to lie behind the eye.
-  bool flow(double u, double v, double inverse_depth, Vector2d& px) const {
-    const Vector3d p = later_.linear() * ray(u, v) + inverse_depth * later_.translation();
-    if (p.z() < 0.05) return false;
-    px = {camera_.fx * p.x() / p.z() + camera_.cx - u, camera_.fy * p.y() / p.z() + camera_.cy - v};
-    return true;
-  }
-
- private:
-  CameraModel camera_;
-  Eigen::Isometry3d later_;  // later optical frame from the earlier one
-};
-
 // Middle one of the known disparities around the middle of a cell; 0 if under a third is known.
 float middle_disparity(const DepthImage& depth, int u, int v) {
   std::array<float, FlowImage::kCell_px * FlowImage::kCell_px> d;
@@ -126,20 +104,26 @@ Result<void> MovingFinder::find(const FlowImage& flow, const GreyReader& before,
   moves_.pixels.assign(cells, 0);
   proven_.assign(cells, 0);
   explain(flow, depth, moving);
+  if (moving.turn_error_rad.norm() > options_.most_posture_error_rad ||
+      moving.shift_error_m.norm() > options_.most_posture_error_m)
+    return fail(Fault::failed,
+                "moving: most of the picture flows otherwise than the posture says, by more than a "
+                "posture is wrong: the robot slips or falls, or something before the eyes hides "
+                "the rest; take the next pair");
   ask(flow, before, after, moving);
   collect(flow, before, after, moving);
   return {};
 }
 
 void MovingFinder::explain(const FlowImage& flow, const DepthImage* depth, MovingRegions& moving) {
-  const EyeMotion eye(flow.before, flow.after);
+  EyeMotion eye(flow.before, flow.after);
   const Eigen::Matrix3d foot_from_ray = flow.before.foot_from_eye.linear();
   const double height = flow.before.foot_from_eye.translation().z();
   const bool later = depth && depth->info.exposure == flow.after.exposure;
   const double per_px = depth ? 1 / (depth->info.camera.fx * depth->info.camera.baseline_m) : 0;
-  const double allowed =
-      options_.flow_error_px + options_.posture_error_rad * flow.before.camera.fx;
-  const double surprise = options_.least_surprise * options_.least_surprise;
+  sights_.clear();
+  cell_.clear();
+  sight_.assign(flow.certainty.size(), 0);
   for (int y = 0; y < flow.cells_down; ++y) {
     for (int x = 0; x < flow.cells_across; ++x) {
       const auto i = static_cast<std::size_t>(y * flow.cells_across + x);
@@ -169,21 +153,37 @@ void MovingFinder::explain(const FlowImage& flow, const DepthImage* depth, Movin
       } else {
         moving.depth[i] = MovingRegions::Depth::far;
       }
-      Vector2d from, to;
-      if (!eye.flow(u, v, least, from) || !eye.flow(u, v, most, to)) continue;
-      const Vector2d way = to - from;
-      const double along =
-          way.squaredNorm() > 0
-              ? std::clamp((measured - from).dot(way) / way.squaredNorm(), 0.0, 1.0)
-              : 0.0;
-      const Vector2d residual = measured - from - along * way;
-      moving.residual_px[i] = residual.cast<float>();
-      moves_.pixels[i] =
-          residual.norm() > allowed &&
-                  static_cast<double>(flow.certainty[i].surprise(moving.residual_px[i])) > surprise
-              ? 255
-              : 0;
+      sights_.push_back({Vector2d(u, v), measured, least, most});
+      cell_.push_back(i);
+      sight_[i] = static_cast<int>(cell_.size());
     }
+  }
+  const auto correction =
+      eye.correct(sights_, {options_.posture_error_rad, options_.posture_error_m});
+  moving.turn_error_rad = correction.turn_rad;
+  moving.shift_error_m = correction.shift_m;
+  moving.spread_px = correction.spread_px;
+  later_ = eye.later();
+  const double allowed = options_.flow_error_px + 3 * correction.spread_px;
+  const double surprise = options_.least_surprise * options_.least_surprise;
+  for (std::size_t k = 0; k < sights_.size(); ++k) {
+    Vector2d residual, way;
+    if (!eye.residual(sights_[k], residual, way)) continue;
+    const std::size_t i = cell_[k];
+    if (moving.depth[i] == MovingRegions::Depth::stereo && residual.norm() > allowed) {
+      // Stereo is wrong here and there: what any depth explains does not move for certain.
+      FlowSight any = sights_[k];
+      any.least = 0;
+      any.most = std::max(any.most, 1 / options_.nearest_elsewhere_m);
+      Vector2d other;
+      if (eye.residual(any, other, way) && other.norm() <= allowed) residual = other;
+    }
+    moving.residual_px[i] = residual.cast<float>();
+    moves_.pixels[i] =
+        residual.norm() > allowed &&
+                static_cast<double>(flow.certainty[i].surprise(moving.residual_px[i])) > surprise
+            ? 255
+            : 0;
   }
 }
 
@@ -198,10 +198,18 @@ void MovingFinder::ask(const FlowImage& flow, const GreyReader& before, const Gr
       const int v = cell_middle(y, flow.cells_down, flow.height);
       const Vector2d measured = flow.at(u, v).cast<double>();
       const double moved = misfit(before, after, u, v, kReach_px, measured);
-      const double rests =
-          misfit(before, after, u, v, kReach_px, measured - moving.residual_px[i].cast<double>());
+      const Vector2d rest = measured - moving.residual_px[i].cast<double>();
+      const double rests = misfit(before, after, u, v, kReach_px, rest);
       if (!(moved <= 1.5 * rests + kNoise2)) moves_.pixels[i] = 0;
-      proven_[i] = rests > 2 * moved + 4 * kNoise2 ? 1 : 0;
+      if (!moves_.pixels[i] || !(rests > 2 * moved + 4 * kNoise2)) continue;
+      // Rest itself is known up to an error, and a sharp edge does not fit a pixel beside.
+      double nearby = rests;
+      const double off = options_.flow_error_px + moving.spread_px;
+      for (const Vector2d& way :
+           {Vector2d(1, 0), Vector2d(-1, 0), Vector2d(0, 1), Vector2d(0, -1), Vector2d(0.7, 0.7),
+            Vector2d(0.7, -0.7), Vector2d(-0.7, 0.7), Vector2d(-0.7, -0.7)})
+        nearby = std::min(nearby, misfit(before, after, u, v, kReach_px, rest + off * way));
+      proven_[i] = nearby > 2 * moved + 4 * kNoise2 ? 1 : 0;
     }
   }
 }
@@ -228,7 +236,9 @@ void MovingFinder::collect(const FlowImage& flow, const GreyReader& before, cons
         corners_.emplace_back(x * kCell, run.row * kCell);
       }
     }
-    if (proven < options_.least_proven_cells) continue;
+    if (proven < options_.least_proven_cells || proven < options_.least_proven * found.area)
+      continue;
+    if (is_near(flow, found, options_.flow_error_px + 3 * moving.spread_px)) continue;
     for (const Run& run : found.runs)
       for (int x = run.left; x <= run.right; ++x)
         moving.label[static_cast<std::size_t>(run.row * flow.cells_across + x)] =
@@ -240,6 +250,13 @@ void MovingFinder::collect(const FlowImage& flow, const GreyReader& before, cons
     region.right = std::min(found.right * kCell + kCell, flow.width) - 1;
     region.bottom = std::min(found.bottom * kCell + kCell, flow.height) - 1;
     Vector2d own = rest + residual;
+    // A few hundred pixels tell the flow of a large region as well as all of them.
+    constexpr std::size_t kMostSquares = 60;
+    if (const std::size_t step = (corners_.size() - 1) / kMostSquares + 1; step > 1) {
+      std::size_t n = 0;
+      for (std::size_t k = 0; k < corners_.size(); k += step) corners_[n++] = corners_[k];
+      corners_.resize(n);
+    }
     if (refine_flow(before, after, corners_, kCell, own)) residual = own - rest;
     // A patch's half further: cells at the edges of what moves are the ones left out.
     constexpr int kMore = 2 * kCell;
@@ -254,6 +271,29 @@ void MovingFinder::collect(const FlowImage& flow, const GreyReader& before, cons
   }
 }
 
+bool MovingFinder::is_near(const FlowImage& flow, const Region& cells, double allowed_px) const {
+  if (10 * (cells.bottom + 1) < 9 * flow.cells_down) return false;
+  // The eye's way is known to half a millimetre at best, and that is much from near.
+  constexpr double kWay_m = 0.0005, kNear_m = 0.1;
+  FrameInfo later = flow.after;
+  later.foot_from_eye = flow.before.foot_from_eye * later_.inverse();
+  const EyeMotion eye(flow.before, later);
+  int near = 0;
+  for (const Run& run : cells.runs) {
+    for (int x = run.left; x <= run.right; ++x) {
+      const auto i = static_cast<std::size_t>(run.row * flow.cells_across + x);
+      if (sight_[i] == 0 || inverse_depth_[i] > 0) continue;
+      FlowSight any = sights_[static_cast<std::size_t>(sight_[i] - 1)];
+      any.least = 0;
+      any.most = 1 / options_.nearest_body_m;
+      Vector2d left, way;
+      near += eye.residual(any, left, way) &&
+              left.norm() <= allowed_px + flow.before.camera.fx * kWay_m / kNear_m;
+    }
+  }
+  return 3 * near > 2 * cells.area;
+}
+
 void MovingFinder::place(const FlowImage& flow, MovingRegion& region, const Region& cells) const {
   std::vector<float> known;
   for (const Run& run : cells.runs)
@@ -265,14 +305,16 @@ void MovingFinder::place(const FlowImage& flow, MovingRegion& region, const Regi
   const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
   std::nth_element(known.begin(), middle, known.end());
   const auto w = static_cast<double>(*middle);
-  const EyeMotion eye(flow.before, flow.after);
+  FrameInfo later = flow.after;
+  later.foot_from_eye = flow.before.foot_from_eye * later_.inverse();
+  const EyeMotion eye(flow.before, later);
   const double u = region.center_u, v = region.center_v, dt = flow.seconds_between();
   Vector2d rest;
   if (!eye.flow(u, v, w, rest)) return;
   const Vector3d from = flow.before.foot_from_eye * (eye.ray(u, v) / w);
   const Vector2d to = Vector2d(u, v) + rest + dt * region.velocity_px_s;
-  const Vector3d eye_then = flow.after.foot_from_eye.translation();
-  const Vector3d look = (flow.after.foot_from_eye.linear() * eye.ray(to.x(), to.y())).normalized();
+  const Vector3d eye_then = later.foot_from_eye.translation();
+  const Vector3d look = (later.foot_from_eye.linear() * eye.ray(to.x(), to.y())).normalized();
   region.position_m = from;
   const double level = (from.z() - eye_then.z()) / look.z();  // along the look
   const double across = (from - eye_then).dot(look);

@@ -1,7 +1,8 @@
 // What moves by itself: flow that the eye's own motion does not explain.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The posture says where the eye was at both exposures, so a thing at rest at a known depth has a
+// The posture says where the eye was at both exposures, up to its errors, which the flow of most of
+// the picture puts right (moving_eye.h); so a thing at rest at a known depth has a
 // known flow: with R and t from the earlier optical frame to the later one, r the ray (x, y, 1) of
 // a pixel and w = 1/depth, it goes to where R r + w t points. w comes, cell by cell,
 // 1. from stereo, where the depth image has it, up to a pixel of disparity;
@@ -29,6 +30,7 @@
 #include "shared/base/result.hpp"
 #include "vision/depth.h"
 #include "vision/flow.h"
+#include "vision/moving_eye.h"
 #include "vision/moving_pictures.h"
 #include "vision/regions.h"
 
@@ -36,12 +38,18 @@ namespace kaz::vision {
 
 struct MovingOptions {
   double flow_error_px = 1.0;  // residuals up to that are flow's errors
-  // Of the turn between the two exposures, as the posture has it: half a code of the
-  // potentiometers, at both.
-  double posture_error_rad = 0.002;
+  // What reaches the lower tenth of the picture, has no depth from stereo and flows as what rests
+  // this near would is left out: the robot's own shoulders, too near for stereo.
+  double nearest_body_m = 0.05;
+  // Of turn and way of the eye between the two exposures, as the posture has them: codes and noise
+  // of the potentiometers, play of the gears (0.4 degrees), sway. Standard deviations, and what is
+  // no error of the posture any more.
+  double posture_error_rad = 0.005, most_posture_error_rad = 0.03;
+  double posture_error_m = 0.002, most_posture_error_m = 0.01;
   double least_surprise = 3;   // standard deviations of the flow
   int least_cells = 4;         // of a region
   int least_proven_cells = 3;  // of those, where rest does not fit at all
+  double least_proven = 0.2;   // share of the region's cells
   double highest_on_floor_m = 0.10;
   double nearest_elsewhere_m = 0.5;  // where neither stereo nor floor tells
 };
@@ -65,6 +73,9 @@ struct MovingRegions {
   enum class Depth : std::uint8_t { none, stereo, floor, far };
 
   FrameInfo before, after;
+  // By what the posture was wrong, as most of the picture has it: later optical frame.
+  Eigen::Vector3d turn_error_rad{0, 0, 0}, shift_error_m{0, 0, 0};
+  double spread_px = 0;  // of the residuals of what rests: standard deviation each way
   // By cell of the flow image.
   int cells_across = 0, cells_down = 0;
   std::vector<Eigen::Vector2f> residual_px;  // NaN where flow is unknown
@@ -95,9 +106,14 @@ class MovingFinder {
            const MovingRegions& moving);
   void collect(const FlowImage& flow, const GreyReader& before, const GreyReader& after,
                MovingRegions& moving);
+  bool is_near(const FlowImage& flow, const Region& cells, double allowed_px) const;
   void place(const FlowImage& flow, MovingRegion& region, const Region& cells) const;
 
   MovingOptions options_;
+  std::vector<FlowSight> sights_;
+  std::vector<std::size_t> cell_;     // of each
+  std::vector<int> sight_;            // by cell: number of its sight, from 1
+  Eigen::Isometry3d later_;           // later optical frame from the earlier one, corrected
   std::vector<float> inverse_depth_;  // by cell, from stereo; 0 where unknown
   Mask moves_;
   std::vector<std::uint8_t> proven_;  // by cell: rest does not fit at all

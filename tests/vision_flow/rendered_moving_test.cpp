@@ -22,14 +22,15 @@ struct Way {
   const char* floor;
   double pan_deg_s;
   Vector3d eye_m_s, ball_m_s;
+  double posture_rad = 0;  // by which pan and tilt are read wrong, this way and that
 };
 
 std::string text(const vision::MovingRegions& moving) {
   std::string all;
   for (const auto& r : moving.regions) {
     char one[120];
-    std::snprintf(one, sizeof one, "%d px at %.1f %.1f with %.0f %.0f px/s; ", r.pixels, r.center_u,
-                  r.center_v, r.velocity_px_s.x(), r.velocity_px_s.y());
+    std::snprintf(one, sizeof one, "%d px at %.1f %.1f with %.0f %.0f px/s (%.2f); ", r.pixels,
+                  r.center_u, r.center_v, r.velocity_px_s.x(), r.velocity_px_s.y(), r.confidence);
     all += one;
   }
   return all;
@@ -41,6 +42,16 @@ class RenderedMoving : public ::testing::TestWithParam<Way> {
     const Way& w = GetParam();
     return {MovingScene::turned(0.05 + w.pan_deg_s * kDegree * t, 0.55, w.eye_m_s * t),
             Vector3d(0.45, 0.02, MovingScene::kBallRadius) + w.ball_m_s * t};
+  }
+  // As the potentiometers say, at exposure `number`.
+  vision::FrameInfo info(const MovingScene& scene, double t, std::uint64_t number) const {
+    const Way& w = GetParam();
+    const double pan = number % 2 == 0 ? w.posture_rad : -w.posture_rad;
+    const double tilt = number % 4 < 2 ? w.posture_rad : -w.posture_rad;
+    Moment read = moment(t);
+    read.eye =
+        MovingScene::turned(0.05 + w.pan_deg_s * kDegree * t + pan, 0.55 + tilt, w.eye_m_s * t);
+    return scene.info(read, number);
   }
 };
 
@@ -58,9 +69,9 @@ TEST_P(RenderedMoving, TheBallAloneMoves) {
     const Moment before = moment(i / 30.0), after = moment((i + 1) / 30.0);
     const auto number = static_cast<std::uint64_t>(i + 1);
     const auto a = scene.take(before, number), b = scene.take(after, number + 1);
-    const auto info = scene.info(before, number);
-    ASSERT_TRUE(flows.find(a.left, info, b.left, scene.info(after, number + 1), flow));
-    ASSERT_TRUE(depths.find(a, info, depth));
+    const auto read = info(scene, i / 30.0, number);
+    ASSERT_TRUE(flows.find(a.left, read, b.left, info(scene, (i + 1) / 30.0, number + 1), flow));
+    ASSERT_TRUE(depths.find(a, read, depth));
     for (const bool stereo : {true, false}) {
       const auto found = finder.find(flow, a.left, b.left, stereo ? &depth : nullptr, moving);
       ASSERT_TRUE(found) << found.error().message;
@@ -81,12 +92,14 @@ TEST_P(RenderedMoving, TheBallAloneMoves) {
       worst_px_s = std::max(worst_px_s, wrong);
       // Half of the ball's radius (7.6 px, 15 px): its bright upper side is as grey as the floor.
       EXPECT_LT(off, w.width == 320 ? 4 : 8) << where << centre.transpose();
-      EXPECT_LT(wrong, 0.15) << where << own.transpose();
+      // Flow of wood errs by half a pixel in a whole picture, and so does the turn found from it.
+      const double most = w.floor == std::string("wood") ? 0.2 : 0.15;
+      EXPECT_LT(wrong, most) << where << own.transpose();
       EXPECT_EQ(region.velocity_m_s.has_value(), stereo);
       if (!stereo) continue;
       const double wrong_m = (*region.velocity_m_s - w.ball_m_s).norm() / w.ball_m_s.norm();
       worst_m_s = std::max(worst_m_s, wrong_m);
-      EXPECT_LT(wrong_m, 0.15) << where << region.velocity_m_s->transpose();
+      EXPECT_LT(wrong_m, most) << where << region.velocity_m_s->transpose();
       // Half a block of the disparity is 7 px: floor in front of the ball or behind it.
       EXPECT_LT((*region.position_m - before.ball).norm(), 0.05) << region.position_m->transpose();
     }
@@ -106,7 +119,10 @@ INSTANTIATE_TEST_SUITE_P(
                       Way{"wood", 320, "wood", 30, kNot, {0, -0.3, 0}},
                       Way{"rests", 320, "carpet", 30, {0.1, 0, 0}, kNot},
                       Way{"restswood", 320, "wood", 30, {0.1, 0, 0}, kNot},
-                      Way{"restsfine", 640, "carpet", 60, {0.1, 0, 0}, kNot}),
+                      Way{"restsfine", 640, "carpet", 60, {0.1, 0, 0}, kNot},
+                      // A code of a potentiometer: twice the standard deviation of its noise.
+                      Way{"noisy", 320, "carpet", 30, kNot, {0, -0.3, 0}, 0.0033},
+                      Way{"restsnoisy", 320, "carpet", 30, {0.1, 0, 0}, kNot, 0.0033}),
     [](const auto& tested) { return std::string(tested.param.name); });
 
 class MovingErrors : public ::testing::Test {

@@ -76,6 +76,8 @@ std::vector<Name> all_names() {
       {"vision.pipeline_ms.640", "ms", 0, 0, false, 3},
       {"vision.flow_ms.320", "ms", 0.8, 0.55, false, 3},
       {"vision.flow_ms.640", "ms", 4, 2.7, false, 3},
+      {"vision.moving_ms.320", "ms", 0, 0, false, 3},
+      {"vision.moving_ms.640", "ms", 0, 0, false, 3},
       {"peer.opencv_dis_ms.320", "ms", 0, 0, false, 3},
       {"peer.opencv_dis_ms.640", "ms", 0, 0, false, 3},
       {"vision.sparse_flow_ms.320", "ms", 0, 0, false, 3},
