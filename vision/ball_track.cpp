@@ -83,9 +83,9 @@ void BallTrack::start(const Entry& seen) {
 bool BallTrack::restart(const Entry& seen) {
   const std::optional<Entry> first = outlier_;
   outlier_ = seen;
-  if (!first || seen.time <= first->time || seen.time - first->time > options_.lost_after)
+  if (!first || seen.time <= first->time || between(seen.time, first->time) > options_.lost_after)
     return false;
-  const double dt = seconds(seen.time - first->time);
+  const double dt = seconds(between(seen.time, first->time));
   const double reach =
       kFastest_m_s * dt + 3 * std::sqrt((first->covariance + seen.covariance).trace());
   if ((seen.position - first->position).norm() > reach) return false;
@@ -106,7 +106,7 @@ BallTrack::Taken BallTrack::insert(const Entry& seen) {
   const bool newest = place == history_.end();
   Entry entry = seen;
   entry.after = std::prev(place)->after;
-  advance(entry.after, seconds(seen.time - std::prev(place)->time));
+  advance(entry.after, seconds(between(seen.time, std::prev(place)->time)));
   if (!correct(entry.after, entry)) {
     if (newest && restart(entry)) return Taken::restarted;
     return Taken::outlier;
@@ -115,7 +115,7 @@ BallTrack::Taken BallTrack::insert(const Entry& seen) {
   for (auto e = history_.insert(place, entry); std::next(e) != history_.end(); ++e) {
     Entry& next = *std::next(e);
     next.after = e->after;
-    advance(next.after, seconds(next.time - e->time));
+    advance(next.after, seconds(between(next.time, e->time)));
     correct(next.after, next);
   }
   if (history_.size() > kRemembered) history_.pop_front();
@@ -207,7 +207,7 @@ const BallTrack::Entry& BallTrack::before(Time t) const {
 BallState BallTrack::at(Time t) const {
   const Entry& from = before(t);
   BallState state = from.after;
-  if (t > from.time) advance(state, seconds(t - from.time));
+  if (t > from.time) advance(state, seconds(between(t, from.time)));
   return state;
 }
 
@@ -216,7 +216,7 @@ Vector3d BallTrack::aim(Time t) const {
   BallState state = from.after;
   const double m = state.velocity.dot(state.velocity_covariance().ldlt().solve(state.velocity));
   state.velocity *= m / (1 + m);
-  if (t > from.time) advance(state, seconds(t - from.time));
+  if (t > from.time) advance(state, seconds(between(t, from.time)));
   return state.position;
 }
 

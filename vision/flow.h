@@ -65,7 +65,7 @@ struct FlowImage {
                    static_cast<std::size_t>(u)];
   }
   bool known(int u, int v) const { return !std::isnan(at(u, v).x()); }
-  double seconds_between() const { return seconds(after.exposure - before.exposure); }
+  double seconds_between() const { return seconds(between(after.exposure, before.exposure)); }
 };
 
 // OpenCV may share the work between threads; cv::setNumThreads(1) keeps it in the caller's.

@@ -64,7 +64,7 @@ Result<void> check_flow_pair(const FlowSight& before, const FrameInfo& info_befo
   if (info_after.exposure <= info_before.exposure)
     return fail(Fault::failed,
                 "flow: the later picture was exposed " +
-                    std::to_string(seconds(info_before.exposure - info_after.exposure)) +
+                    std::to_string(seconds(between(info_before.exposure, info_after.exposure))) +
                     " s before the earlier one or at its time: the clock jumped back, begin anew "
                     "with the later one");
   return {};

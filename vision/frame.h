@@ -15,6 +15,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -32,6 +33,19 @@ inline double seconds(Time t) {
 }
 inline Time from_seconds(double s) {
   return Time(static_cast<std::int64_t>(s * 1e9 + (s < 0 ? -0.5 : 0.5)));
+}
+
+// a - b and a + b, where a clock says something wild the nearest that there is.
+inline Time between(Time a, Time b) {
+  std::int64_t ns = 0;
+  if (__builtin_sub_overflow(a.count(), b.count(), &ns)) return a < b ? Time::min() : Time::max();
+  return Time(ns);
+}
+inline Time later(Time a, Time b) {
+  std::int64_t ns = 0;
+  if (__builtin_add_overflow(a.count(), b.count(), &ns))
+    return b < Time(0) ? Time::min() : Time::max();
+  return Time(ns);
 }
 
 }  // namespace kaz
@@ -71,6 +85,13 @@ struct StereoPair {
   FrameInfo info;
   std::shared_future<std::shared_ptr<const StereoImages>> images;
 };
+
+// Of pictures that are there already: files, for example.
+inline StereoPair stereo_pair(FrameInfo info, StereoImages images) {
+  std::promise<std::shared_ptr<const StereoImages>> pixels;
+  pixels.set_value(std::make_shared<const StereoImages>(std::move(images)));
+  return {std::move(info), pixels.get_future().share()};
+}
 
 // A source of stereo pairs. Simulated, published by another process, V4L2, or files: vision cannot
 // tell.

@@ -57,8 +57,8 @@ class FlowModule final : public Module {
     flow.after = frame.info();
     // What was left out in between is no gap of the camera's, where it is short: a module that is
     // late looks at every second frame.
-    const Time between = flow.after.exposure - info.exposure;
-    if (before == nullptr || between <= Time(0) || between > longest_) {
+    const Time passed = between(flow.after.exposure, info.exposure);
+    if (before == nullptr || passed <= Time(0) || passed > longest_) {
       flow.before = flow.after;
       return std::any(std::move(flow));
     }

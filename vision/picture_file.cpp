@@ -202,4 +202,15 @@ Result<Image> read_picture(const std::string& path) {
   return decode_picture(bytes, path);
 }
 
+bool looks_like_picture(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  char first[3] = {};
+  in.read(first, sizeof first);
+  if (!in) return false;
+  const auto begins = [&](std::string_view with) {
+    return std::string_view(first, sizeof first).starts_with(with);
+  };
+  return begins("\x89PN") || begins("\xff\xd8\xff") || begins("P6") || begins("P5");
+}
+
 }  // namespace kaz::vision

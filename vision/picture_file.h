@@ -21,4 +21,7 @@ Result<Image> read_picture(const std::string& path);
 // The same of a file's content; `name` stands in the errors.
 Result<Image> decode_picture(std::span<const std::uint8_t> bytes, const std::string& name);
 
+// By its first bytes: PNG, JPEG, PPM or PGM. False where it cannot be read.
+bool looks_like_picture(const std::string& path);
+
 }  // namespace kaz::vision

@@ -31,7 +31,7 @@ class Times {
     std::vector<double> sorted = s_;
     std::sort(sorted.begin(), sorted.end());
     median = sorted[sorted.size() / 2];
-    p95 = sorted[(sorted.size() - 1) * 95 / 100];
+    p95 = sorted[(sorted.size() * 95 + 99) / 100 - 1];
     most = sorted.back();
   }
 
@@ -105,7 +105,9 @@ struct Pipeline::State {
 
   std::mutex mutex;
   std::condition_variable_any changed;
-  std::vector<Due> done;  // real time; under the mutex
+  std::vector<Due> done;      // real time; under the mutex
+  std::size_t under_way = 0;  // results that are waited for; under the mutex
+  Time latest_poll{};
 
   ~State() {
     for (auto& worker : workers) worker->thread.request_stop();
@@ -140,6 +142,7 @@ struct Pipeline::State {
   // The module is through with the frame; those that need it may go on, or never will.
   void finish(std::size_t module, const FramePointer& frame, Slot::State state) {
     frame->slots_[module].state = state;
+    --under_way;
     if (options.pace == Pace::realtime && state != Slot::State::dropped)
       done.push_back({Time{}, module, frame});
     for (const std::size_t next : workers[module]->feeds) {
@@ -203,7 +206,7 @@ struct Pipeline::State {
     const Time delivered = options.pace == Pace::lockstep ? item.due : now;
     ++(failed ? worker.failed : worker.delivered);
     worker.computing.add(slot.computing_s);
-    worker.age.add(seconds(delivered - item.frame->info().exposure));
+    worker.age.add(seconds(between(delivered, item.frame->info().exposure)));
     if (log) {
       log({worker.name, item.frame->info().sequence, item.frame->info().exposure, delivered,
            slot.computing_s, failed});
@@ -281,13 +284,14 @@ void Pipeline::submit(StereoPair pair) {
   std::vector<Time> due(s.workers.size());
   for (std::size_t i = 0; i < s.workers.size(); ++i) {
     const auto& needs = s.workers[i]->needs;
-    Time ready = info.exposure + s.options.camera_latency;
+    Time ready = later(info.exposure, s.options.camera_latency);
     for (const std::size_t need : needs) ready = std::max(ready, due[need]);
-    due[i] = ready + s.workers[i]->latency;
+    due[i] = later(ready, s.workers[i]->latency);
     frame->slots_[i].missing = static_cast<int>(needs.size());
     if (s.options.pace == Pace::lockstep) s.pending.push_back({due[i], i, frame});
   }
   const std::lock_guard lock(s.mutex);
+  s.under_way += s.workers.size();
   for (std::size_t i = 0; i < s.workers.size(); ++i) {
     if (s.workers[i]->needs.empty()) s.post(i, frame);
   }
@@ -295,6 +299,7 @@ void Pipeline::submit(StereoPair pair) {
 
 std::size_t Pipeline::poll(Time now) {
   State& s = *state_;
+  s.latest_poll = now;
   std::vector<State::Due> ready;
   if (s.options.pace == Pace::lockstep) {
     ready = s.take_due(now);
@@ -312,6 +317,15 @@ std::size_t Pipeline::poll(Time now) {
     s.deliver(item, now);
   }
   return ready.size();
+}
+
+std::size_t Pipeline::finish() {
+  State& s = *state_;
+  {
+    std::unique_lock lock(s.mutex);
+    s.changed.wait(lock, [&] { return s.under_way == 0; });
+  }
+  return poll(s.options.pace == Pace::lockstep ? Time::max() : s.latest_poll);
 }
 
 std::vector<ModuleStatistics> Pipeline::statistics() const {

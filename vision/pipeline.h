@@ -76,6 +76,10 @@ class Pipeline {
   // for what is due and not computed yet.
   std::size_t poll(Time now);
 
+  // For the end of a stream, and for files: waits until nothing is under way and delivers all of it,
+  // whenever it was due. Pixels that never come would be waited for.
+  std::size_t finish();
+
   // In the order they were added.
   std::vector<ModuleStatistics> statistics() const;
 

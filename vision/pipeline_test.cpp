@@ -373,6 +373,21 @@ TEST_P(Paces, GapsAreMarked) {
   EXPECT_EQ(gaps, (std::vector<bool>{true, false, true, true, false}));
 }
 
+TEST_P(Paces, FinishDeliversAllThatIsUnderWay) {
+  Pipeline pipeline(options());
+  add(pipeline, "slow", {}, milliseconds(30), [](const Frame& frame) {
+    std::this_thread::sleep_for(milliseconds(20));
+    return sequence_of(frame);
+  });
+  add(pipeline, "next", {"slow"}, milliseconds(30), sequence_of);
+  Heard next;
+  hear(pipeline, "next", next);
+  pipeline.submit(grey_pair(1, milliseconds(0)));
+  EXPECT_EQ(pipeline.finish(), 2U);
+  EXPECT_EQ(next.values, (Sequences{1}));
+  EXPECT_EQ(pipeline.finish(), 0U);
+}
+
 TEST_P(Paces, ShutsDownWhileAFrameIsStillOnItsWay) {
   std::promise<std::shared_ptr<const StereoImages>> never;
   auto pipeline = std::make_unique<Pipeline>(options());

@@ -24,11 +24,13 @@ vision::Image depth_picture(const vision::DepthImage& depth) {
   vision::Image image{depth.width, depth.height, {}};
   image.rgb.assign(depth.disparity_px.size() * 3, 0);
   if (depth.disparity_px.empty()) return image;
-  const float most = *std::max_element(depth.disparity_px.begin(), depth.disparity_px.end());
+  const vision::CameraModel& camera = depth.info.camera;
   for (std::size_t i = 0; i < depth.disparity_px.size(); ++i) {
     if (depth.disparity_px[i] <= 0) continue;
-    // The root spreads what is far over more of the colours.
-    const double near = std::sqrt(static_cast<double>(depth.disparity_px[i] / most));
+    const double z = camera.fx * camera.baseline_m / static_cast<double>(depth.disparity_px[i]);
+    // By the logarithm: stereo's error is a share of the depth.
+    const double share = std::log(z / 0.2) / std::log(3.0 / 0.2);
+    const double near = 0.78 - 0.52 * std::clamp(share, 0.0, 1.0);
     const auto ramp = [near](double middle) {
       return std::clamp(1.5 - 4 * std::abs(near - middle), 0.0, 1.0);
     };

@@ -8,7 +8,7 @@
 
 namespace kaz::figure {
 
-// Red is near, blue far, by disparity; black where there is no depth.
+// Red at 0.2 m and nearer, green at 0.7 m, blue at 3 m and beyond; black where there is no depth.
 vision::Image depth_picture(const vision::DepthImage& depth);
 // The floor in green, other segments in other colours, on the picture that they are of.
 vision::Image plane_picture(const vision::Image& left, const vision::PlaneSegments& planes);

@@ -28,6 +28,7 @@ using vision::Image;
 
 Result<std::vector<std::string>> pictures_in(const std::string& folder) {
   std::error_code error;
+  if (fs::is_regular_file(folder, error)) return std::vector{folder};
   std::vector<std::string> paths;
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
     std::string ending = at->path().extension().string();
@@ -227,8 +228,10 @@ Result<vision::BallOptions> ball_options(const RecordedOptions& options) {
 Result<Outcome> run_on_pictures(const RecordedOptions& options) {
   if (options.modules != "color")
     return fail(Fault::usage, "--modules '" + options.modules +
-                                  "' is not known of single pictures; there is color, "
-                                  "and on pairs (--left, --right) depth and planes");
+                                  "' is not known of single pictures; there is color. Pairs "
+                                  "(--left, --right), recordings "
+                                  "and cameras have more: " +
+                                  module_names());
   if (options.calibration.empty() == (options.view_deg == 0))
     return fail(Fault::usage,
                 "distances need the lens: give either --calibration FILE or --view "

@@ -247,6 +247,7 @@ Result<bool> run_session(SessionOptions options) {
   const auto health = outcome ? robot->board_statistics() : Result<kz_statistics_reply>{};
   robot->disable_all();
   progress.done();
+  pipeline.finish();
   if (options.watcher != nullptr) options.watcher->end(pipeline);
   if (!outcome) {
     return tl::unexpected(with_recording(outcome.error(), (*rig)->simulation(), options, partial));

@@ -85,11 +85,19 @@ Result<Outcome> run_on_source(const RecordedOptions& options) {
     return fail(Fault::usage, "--robot goes with a live camera; '" + options.in + "' is none");
   switch (status.type()) {
     case std::filesystem::file_type::directory:
+      // Of a folder that kaz run made its recording is meant.
+      if (options.calibration.empty() && options.view_deg == 0 &&
+          std::filesystem::exists(options.in + "/recording.mcap", error)) {
+        RecordedOptions recording = options;
+        recording.in += "/recording.mcap";
+        return run_on_recording(recording);
+      }
       return run_on_pictures(options);
     case std::filesystem::file_type::socket:
       return run_on_camera(options);
     case std::filesystem::file_type::regular:
-      return run_on_recording(options);
+      return vision::looks_like_picture(options.in) ? run_on_pictures(options)
+                                                    : run_on_recording(options);
     case std::filesystem::file_type::not_found:
       return fail(Fault::usage,
                   "--in '" + options.in + "': there is no such folder, recording or socket");
@@ -174,7 +182,8 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
 }  // namespace
 
 void add_vision(CLI::App& program, Action& action) {
-  auto* verb = program.add_subcommand("vision", "what is seen in recorded pictures");
+  auto* verb =
+      program.add_subcommand("vision", "what is seen in pictures: files, recordings, live");
   verb->require_subcommand(1);
   add_run_on_pictures(*verb, action);
   add_learn(*verb, action);

@@ -35,7 +35,11 @@ std::string module_names() {
 Result<std::vector<std::string>> parse_modules(const std::string& list) {
   std::vector<std::string> wanted;
   std::istringstream words(list);
-  for (std::string word; std::getline(words, word, ',');) wanted.push_back(word);
+  for (std::string word; std::getline(words, word, ',');) {
+    word.erase(0, word.find_first_not_of(' '));
+    word.erase(word.find_last_not_of(' ') + 1);
+    wanted.push_back(word);
+  }
   if (wanted.empty()) wanted.emplace_back();
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const auto kind = std::find_if(std::begin(kKinds), std::end(kKinds),

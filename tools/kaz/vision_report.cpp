@@ -168,8 +168,8 @@ DeliveryTable::DeliveryTable(vision::Pipeline& pipeline) {
 }
 
 VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& options,
-                           const OutputFolder* folder)
-    : folder_(folder), color_(options.ball.color) {
+                           const OutputFolder* folder, std::uint64_t most)
+    : folder_(folder), color_(options.ball.color), most_(most) {
   for (const vision::ModuleStatistics& m : pipeline.statistics()) modules_.push_back(m.name);
   subscribe<vision::BallObservation>(
       pipeline, "color", [this](const vision::Frame& frame, const auto* ball, const Error* error) {
@@ -192,7 +192,8 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
           Entry& e = entry(frame);
           e.json["depth"] = depth_json(*depth);
           if (folder_ != nullptr)
-            e.panels.push_back({figure::depth_picture(*depth), "depth: red near, blue far"});
+            e.panels.push_back(
+                {figure::depth_picture(*depth), "depth: red at 0.2 m, green 0.7, blue 3"});
         }
         heard(frame, error);
       });
@@ -281,11 +282,14 @@ void VisionReport::heard(const vision::Frame& frame, const Error* error) {
 void VisionReport::close(std::uint64_t sequence) {
   while (!open_.empty() && open_.begin()->first <= sequence) {
     Entry& e = open_.begin()->second;
+    if (full()) {
+      open_.erase(open_.begin());
+      continue;
+    }
     if (e.seen) ++looked_at_;
-    if (folder_ != nullptr && !e.panels.empty() && written_) {
+    if (folder_ != nullptr && !e.panels.empty()) {
       const int columns = e.panels.size() > 2 && e.panels.size() % 3 == 0 ? 3 : 2;
-      written_ = figure::write_png(folder_->path(e.name + ".vision.png"),
-                                   figure::compose(e.panels, columns, e.panels[0].image.height));
+      writer_.add(folder_->path(e.name + ".vision.png"), std::move(e.panels), columns);
     }
     frames_.push_back(std::move(e.json));
     open_.erase(open_.begin());
@@ -305,7 +309,7 @@ void VisionReport::trouble(Json facts, const std::string& why) {
 
 Result<void> VisionReport::end() {
   if (!open_.empty()) close(open_.rbegin()->first);
-  return written_;
+  return writer_.finish();
 }
 
 std::string VisionReport::table() const {

@@ -10,6 +10,7 @@
 
 #include "tools/figure/figure.h"
 #include "tools/kaz/output.h"
+#include "tools/kaz/picture_writer.h"
 #include "tools/kaz/vision_modules.h"
 
 namespace kaz::tools {
@@ -41,8 +42,9 @@ class VisionReport {
   // Subscribes to the modules, all of which the pipeline has; it has to outlive the pipeline's
   // last poll().
   // `options` is what the modules were made with. `folder`: where overlays go; null: none.
-  VisionReport(vision::Pipeline& pipeline, const VisionOptions& options,
-               const OutputFolder* folder);
+  // `most`: frames after so many are passed over; 0: none are.
+  VisionReport(vision::Pipeline& pipeline, const VisionOptions& options, const OutputFolder* folder,
+               std::uint64_t most = 0);
   VisionReport(const VisionReport&) = delete;
   VisionReport& operator=(const VisionReport&) = delete;
 
@@ -57,6 +59,7 @@ class VisionReport {
   Result<void> end();
 
   const nlohmann::ordered_json& frames() const { return frames_; }
+  bool full() const { return most_ > 0 && frames_.size() >= most_; }
   // Frames with a result of at least one module.
   std::size_t looked_at() const { return looked_at_; }
   // A line for each frame.
@@ -80,7 +83,8 @@ class VisionReport {
   std::map<std::uint64_t, Entry> open_;
   nlohmann::ordered_json frames_ = nlohmann::ordered_json::array();
   std::size_t looked_at_ = 0;
-  Result<void> written_;
+  std::uint64_t most_;
+  PictureWriter writer_;
 };
 
 }  // namespace kaz::tools

@@ -1,5 +1,6 @@
 // `kaz vision run` on stereo pairs: of files, of a live camera, of a recording.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
@@ -31,6 +32,17 @@ Result<VisionOptions> vision_options(const RecordedOptions& options) {
   vision.ball = *ball;
   if (auto known = parse_modules(vision.modules); !known) return tl::unexpected(known.error());
   return vision;
+}
+
+// Modules that need a sequence of pictures or the posture, where there is none.
+Result<void> refuse(const VisionOptions& vision, std::initializer_list<std::string_view> modules,
+                    const std::string& why) {
+  const auto names = parse_modules(vision.modules);
+  for (const std::string& name : *names) {
+    if (std::find(modules.begin(), modules.end(), name) != modules.end())
+      return fail(Fault::usage, "--modules " + name + ": " + why);
+  }
+  return {};
 }
 
 // The end of each kind: files, and what is told.
@@ -78,9 +90,8 @@ struct PairReader {
   vision::StereoCalibration calibration;
   vision::Rectifier rectifier;
 
-  Result<std::shared_ptr<const vision::StereoImages>> read(const PicturePair& files) const {
-    vision::StereoImages raw;
-    auto rectified = std::make_shared<vision::StereoImages>();
+  Result<vision::StereoImages> read(const PicturePair& files) const {
+    vision::StereoImages raw, rectified;
     for (const auto& [path, image] :
          {std::pair(&files.left, &raw.left), std::pair(&files.right, &raw.right)}) {
       auto read = vision::read_picture(*path);
@@ -91,7 +102,7 @@ struct PairReader {
                                       std::to_string(calibration.height));
       *image = std::move(*read);
     }
-    rectifier.rectify(raw, *rectified);
+    rectifier.rectify(raw, rectified);
     return rectified;
   }
 };
@@ -103,9 +114,11 @@ std::string file_name(const std::string& path) {
 // For a run that a recording is of.
 class RecordingWatcher final : public VisionWatcher {
  public:
-  RecordingWatcher(const VisionOptions& options, const OutputFolder& folder)
-      : options_(options), folder_(folder) {}
-  void begin(vision::Pipeline& pipeline) override { report_.emplace(pipeline, options_, &folder_); }
+  RecordingWatcher(const VisionOptions& options, const OutputFolder& folder, std::uint64_t most)
+      : options_(options), folder_(folder), most_(most) {}
+  void begin(vision::Pipeline& pipeline) override {
+    report_.emplace(pipeline, options_, &folder_, most_);
+  }
   void end(const vision::Pipeline& pipeline) override {
     statistics = module_statistics_json(pipeline);
     text = module_statistics_text(pipeline);
@@ -117,6 +130,7 @@ class RecordingWatcher final : public VisionWatcher {
  private:
   VisionOptions options_;
   const OutputFolder& folder_;
+  std::uint64_t most_;
   std::optional<VisionReport> report_;
 };
 
@@ -158,6 +172,11 @@ struct LiveSource {
 Result<Outcome> run_on_pairs(const RecordedOptions& options) {
   const auto vision = vision_options(options);
   if (!vision) return tl::unexpected(vision.error());
+  if (auto fits = refuse(*vision, {"flow", "moving", "floor"},
+                         "single pictures have no time and no posture; take a recording or a live "
+                         "camera with --robot");
+      !fits)
+    return tl::unexpected(fits.error());
   if (options.calibration.empty())
     return fail(Fault::usage, "stereo pairs need --calibration FILE (kaz calibrate stereo)");
   const auto files = find_pairs(options.left, options.right);
@@ -180,21 +199,18 @@ Result<Outcome> run_on_pairs(const RecordedOptions& options) {
     const std::string left = file_name(pair.left);
     progress.update(static_cast<double>(i) / static_cast<double>(most), left);
     const Json facts{{"left", left}, {"right", file_name(pair.right)}};
-    const auto images = reader.read(pair);
+    auto images = reader.read(pair);
     if (!images) {
       report.trouble(facts, images.error().message);
       continue;
     }
-    vision::StereoPair frame;
-    frame.info.sequence = i;
-    frame.info.exposure = std::chrono::seconds(i);
-    frame.info.camera = calibration->rectified;
-    std::promise<std::shared_ptr<const vision::StereoImages>> pixels;
-    pixels.set_value(*images);
-    frame.images = pixels.get_future().share();
+    vision::FrameInfo info;
+    info.sequence = i;
+    info.exposure = std::chrono::seconds(i);
+    info.camera = calibration->rectified;
     report.begin(i, left, facts);
-    pipeline.submit(std::move(frame));
-    pipeline.poll(Time::max());
+    pipeline.submit(vision::stereo_pair(std::move(info), std::move(*images)));
+    pipeline.finish();
   }
   progress.update(1, "done");
   progress.done();
@@ -205,6 +221,12 @@ Result<Outcome> run_on_pairs(const RecordedOptions& options) {
 Result<Outcome> run_on_camera(const RecordedOptions& options) {
   const auto vision = vision_options(options);
   if (!vision) return tl::unexpected(vision.error());
+  if (options.robot.empty()) {
+    if (auto fits = refuse(*vision, {"moving", "floor"},
+                           "needs the posture: name the robot that has the eyes with --robot");
+        !fits)
+      return tl::unexpected(fits.error());
+  }
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   host::WallClock clock(&interrupt);
@@ -215,11 +237,11 @@ Result<Outcome> run_on_camera(const RecordedOptions& options) {
 
   vision::Pipeline pipeline({vision::Pace::realtime, Time(0)});
   if (auto added = add_modules(*vision, pipeline); !added) return tl::unexpected(added.error());
-  VisionReport report(pipeline, *vision, &*folder);
+  VisionReport report(pipeline, *vision, &*folder, options.frames);
   Progress progress("kaz vision", options.json);
   std::uint64_t taken = 0;
   std::string end;
-  while (end.empty() && (options.frames == 0 || report.frames().size() < options.frames)) {
+  while (end.empty() && !report.full()) {
     // The board's state between pictures: what frames get their posture from.
     if (source.robot) {
       if (auto state = source.robot->state(); !state) {
@@ -242,6 +264,7 @@ Result<Outcome> run_on_camera(const RecordedOptions& options) {
     if (auto slept = clock.sleep_until(clock.now() + std::chrono::milliseconds(5)); !slept)
       end = slept.error().message;
   }
+  pipeline.finish();
   progress.done();
   if (!end.empty()) std::fprintf(stderr, "kaz vision: %s\n", end.c_str());
   if (const std::string told = source.alone.summary(); !told.empty())
@@ -253,9 +276,15 @@ Result<Outcome> run_on_camera(const RecordedOptions& options) {
 Result<Outcome> run_on_recording(const RecordedOptions& options) {
   const auto vision = vision_options(options);
   if (!vision) return tl::unexpected(vision.error());
+  if (!options.calibration.empty() || options.view_deg != 0)
+    return fail(Fault::usage, "a recording knows its eyes: leave --calibration and --view out");
+  const auto recorded = sim::McapRecording::load(options.in);
+  if (!recorded) return tl::unexpected(recorded.error());
+  if (!recorded->has_messages("/eyes/left"))
+    return fail(Fault::usage, options.in + ": it has no pictures; record with --record-pictures");
   const auto folder = OutputFolder::open(options.out);
   if (!folder) return tl::unexpected(folder.error());
-  RecordingWatcher watcher(*vision, *folder);
+  RecordingWatcher watcher(*vision, *folder, options.frames);
   ReplayOptions replayed;
   replayed.file = options.in;
   replayed.mode = ReplayMode::host;

@@ -1,0 +1,43 @@
+// Writes pictures beside the work that makes them: compressing one takes longer than looking at it.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "shared/base/result.hpp"
+#include "tools/figure/figure.h"
+
+namespace kaz::tools {
+
+class PictureWriter {
+ public:
+  PictureWriter() : worker_([this](const std::stop_token& stop) { work(stop); }) {}
+
+  // Panels as figure::compose() takes them. Waits while kMostWaiting pictures are not written yet.
+  void add(std::string path, std::vector<figure::Panel> panels, int columns);
+  // Until all are written; the first error, if there was one.
+  Result<void> finish();
+
+ private:
+  static constexpr std::size_t kMostWaiting = 64;
+  struct Job {
+    std::string path;
+    std::vector<figure::Panel> panels;
+    int columns = 2;
+  };
+  void work(const std::stop_token& stop);
+
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::deque<Job> jobs_;
+  bool busy_ = false;
+  Result<void> written_;
+  std::jthread worker_;  // last: it uses all of the above
+};
+
+}  // namespace kaz::tools
