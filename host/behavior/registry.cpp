@@ -14,7 +14,8 @@
 namespace kaz::behavior {
 
 std::span<const Behavior> behaviors() {
-  static const std::array all{kApproachBall, kCatchBall, kGoForward, kSearchBall, kStand, kTrackBall, kTurnLeft, kTurnRight};
+  static const std::array all{kApproachBall, kCatchBall, kGoForward, kSearchBall,
+                              kStand,        kTrackBall, kTurnLeft,  kTurnRight};
   return all;
 }
 
