@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "host/behavior/control_cycle.h"
+#include "host/motion/gait.h"
 
 namespace kaz::behavior {
 
@@ -21,20 +22,6 @@ constexpr Option kOptions[] = {
 constexpr double kSpeed = 0.5;  // rad/s, of the joint that has farthest to go
 constexpr Time kSettle = std::chrono::milliseconds(500);   // after the ramps
 constexpr double kTolerance = 5 * std::numbers::pi / 180;  // of each joint under load
-
-// Walking-ready crouch: docs/robot.md, table of joints, column home.
-JointAngles home() {
-  constexpr double kDegree = std::numbers::pi / 180;
-  JointAngles angle{};
-  angle[host::l_sh_pitch] = angle[host::r_sh_pitch] = 10 * kDegree;
-  angle[host::l_sh_roll] = 12 * kDegree;
-  angle[host::r_sh_roll] = -12 * kDegree;
-  angle[host::l_elbow] = angle[host::r_elbow] = -40 * kDegree;
-  angle[host::l_hip_pitch] = angle[host::r_hip_pitch] = -30.8 * kDegree;
-  angle[host::l_knee] = angle[host::r_knee] = 55.6 * kDegree;
-  angle[host::l_ankle_pitch] = angle[host::r_ankle_pitch] = -27.8 * kDegree;
-  return angle;
-}
 
 std::vector<host::JointTarget> all_to(const JointAngles& goal) {
   std::vector<host::JointTarget> targets;
@@ -72,7 +59,7 @@ Result<Outcome> run(Context& context) {
   context.sink.phase(context.clock.now(), kStand.name, "move");
 
   JointAngles goal = start->angle;
-  if (posture != "keep") goal = posture == "home" ? home() : JointAngles{};
+  if (posture != "keep") goal = posture == "home" ? motion::home() : JointAngles{};
   ControlCycle cycle(context);
   host::Posture last = *start;
   bool begin = true;  // also after a lost link, which ends all ramps

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 
+#include "host/motion/gait.h"
 #include "host/robot/capture.h"
 #include "host/robot/kinematics.h"
 #include "host/robot/robot.h"
@@ -24,19 +25,6 @@ using host::JointAngles;
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr Time kBeat = std::chrono::milliseconds(10);
-
-// The crouch of docs/robot.md, column home.
-JointAngles crouch() {
-  JointAngles angle{};
-  angle[host::l_sh_pitch] = angle[host::r_sh_pitch] = 10 * kDegree;
-  angle[host::l_sh_roll] = 12 * kDegree;
-  angle[host::r_sh_roll] = -12 * kDegree;
-  angle[host::l_elbow] = angle[host::r_elbow] = -40 * kDegree;
-  angle[host::l_hip_pitch] = angle[host::r_hip_pitch] = -30.8 * kDegree;
-  angle[host::l_knee] = angle[host::r_knee] = 55.6 * kDegree;
-  angle[host::l_ankle_pitch] = angle[host::r_ankle_pitch] = -27.8 * kDegree;
-  return angle;
-}
 
 class Run {
  public:
@@ -73,26 +61,15 @@ class Run {
     auto robot = host::Robot::connect(*link_, *clock_);
     if (!robot) return tl::unexpected(robot.error());
     robot_.emplace(std::move(*robot));
-    auto done = calibrate();
     // With the board's own gain the light head hunts across the gear's gap, by a degree.
-    if (done)
-      done = robot_->set_gains(1U << host::neck_pan | 1U << host::neck_tilt, {.kp_per_rad = 12});
+    auto done = robot_->set_gains(1U << host::neck_pan | 1U << host::neck_tilt, {.kp_per_rad = 12});
     if (done) done = robot_->enable(host::kAllJoints);
-    goal_ = crouch();
+    goal_ = motion::home();
     goal_[host::neck_pan] = options_.pan_deg * kDegree;
     if (!options_.tilts_deg.empty()) goal_[host::neck_tilt] = options_.tilts_deg[0] * kDegree;
     if (done) done = send(2.0);
     if (done) done = robot_->clock().sleep_until(clock_->now() + from_seconds(2.6));
     return done;
-  }
-
-  // To half a code, as on a bench: converters round down.
-  Result<void> calibrate() {
-    const auto now = robot_->calibration();
-    if (!now) return tl::unexpected(now.error());
-    auto joints = now->joints;
-    for (host::JointCalibration& joint : joints) joint.centre_rad += 0.5 * joint.scale_rad / 512;
-    return robot_->set_calibration(host::kAllJoints, joints);
   }
 
   Result<void> send(double duration_s) {
@@ -168,6 +145,7 @@ class Run {
   // A picture's floor has come, `delay` late.
   std::optional<Error> enter(const vision::Frame& frame, const vision::PlaneSegments& planes) {
     const vision::FrameInfo& then = frame.info();
+    if (out_->pictures == 0 && !then.posture_known) return std::nullopt;  // before the first state
     const auto& depth = frame.of<vision::DepthImage>("depth");
     auto done = out_->with.update(planes, depth, then);
     vision::FrameInfo now = then;

@@ -3,13 +3,13 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 
 #include <Eigen/Core>
 
 #include "shared/base/result.hpp"
+#include "tools/trials/robot_folder.h"
 
 namespace kaz::gait {
 
@@ -30,24 +30,10 @@ struct Surroundings {
   Motors motors = Motors::product;
 };
 
-// A folder with robot and world, which goes with the object. Link masses (inertias with them) are off by
-// 5 %, friction of the floor by 15 %, one sigma each.
-class DisturbedFiles {
- public:
-  // `robot`: folder of kaz.urdf and its companions. Errors: a file that cannot be read or written.
-  static Result<DisturbedFiles> make(const std::string& robot, const Surroundings& around,
-                                     std::uint64_t seed);
-  DisturbedFiles(DisturbedFiles&& other) noexcept;
-  DisturbedFiles& operator=(DisturbedFiles&&) = delete;
-  ~DisturbedFiles();
-
-  std::string world() const { return folder_ / "world.sdf"; }
-  std::string robot() const { return folder_ / "kaz.urdf"; }
-  std::string camera() const { return folder_ / "camera.json"; }
-
- private:
-  explicit DisturbedFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  std::filesystem::path folder_;
-};
+// Robot and world in a folder that goes with the object. Link masses (inertias with them) are off by
+// 5 %, friction of the floor by 15 %, one sigma each. `robot`: folder of kaz.urdf and its companions.
+// Errors: a file that cannot be read or written.
+Result<trials::RobotFolder> disturbed_files(const std::string& robot, const Surroundings& around,
+                                            std::uint64_t seed);
 
 }  // namespace kaz::gait

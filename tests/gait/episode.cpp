@@ -73,7 +73,7 @@ class Episode {
       around.ball = kBallAt + task_.off[seed_ % task_.off.size()] +
                     0.003 * Vector2d(noise(seed_, Noise::ball, 0), noise(seed_, Noise::ball, 1));
     }
-    const auto files = DisturbedFiles::make(setting_.robot_folder, around, seed_);
+    const auto files = disturbed_files(setting_.robot_folder, around, seed_);
     if (!files) return tl::unexpected(files.error());
     sim::SimulationOptions options;
     options.engine = setting_.engine;

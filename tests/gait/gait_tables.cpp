@@ -1,18 +1,16 @@
 // gait_tables: many runs of the known gait under several steppers, and their tables.
 // SPDX-License-Identifier: Apache-2.0
-#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <mutex>
 #include <regex>
-#include <thread>
 
 #include <CLI/CLI.hpp>
 
 #include "tests/gait/report.h"
 #include "tools/figure/figure.h"
+#include "tools/trials/run_jobs.h"
 
 namespace {
 
@@ -58,40 +56,30 @@ std::vector<Job> jobs_of(const Arguments& arguments, const std::vector<Task>& ch
 }
 
 Result<void> work(const Arguments& arguments, const std::vector<Job>& jobs, Results& results) {
-  std::mutex mutex;
-  std::atomic<std::size_t> next = 0;
   std::size_t done = 0;
-  Result<void> kept;
-  const auto worker = [&] {
-    for (std::size_t i = next++; i < jobs.size(); i = next++) {
-      const Job& job = jobs[i];
-      const Setting setting{.stepper = job.key.stepper,
-                            .engine = arguments.engine,
-                            .image_path = KAZ_FIRMWARE_IMAGE,
-                            .robot_folder = KAZ_ROBOT,
-                            .motors = kMotors.at(arguments.motors)};
-      const auto outcome = run_episode(*job.task, setting, job.key.seed);
-      const std::lock_guard lock(mutex);
-      // A setting that is wrong is so for all.
-      if (!outcome && outcome.error().fault == Fault::usage) kept = tl::unexpected(outcome.error());
-      if (kept) {
-        kept = results.add(job.key,
-                           outcome ? Entry{*outcome, ""} : Entry{{}, outcome.error().message});
-      }
-      if (!kept) next = jobs.size();
-      std::fprintf(stderr, "gait %zu/%zu: %s, %s, seed %llu%s\n", ++done, jobs.size(),
-                   job.key.task.c_str(), job.key.stepper.c_str(),
-                   static_cast<unsigned long long>(job.key.seed),
-                   !outcome          ? (": " + outcome.error().message).c_str()
-                   : outcome->fell   ? ": fell"
-                   : outcome->caught ? ": caught"
-                                     : "");
-    }
-  };
-  std::vector<std::thread> threads;
-  for (int i = 0; i < arguments.jobs; ++i) threads.emplace_back(worker);
-  for (std::thread& thread : threads) thread.join();
-  return kept;
+  return trials::run_jobs(jobs.size(), arguments.jobs, [&](std::size_t i) {
+    const Job& job = jobs[i];
+    const Setting setting{.stepper = job.key.stepper,
+                          .engine = arguments.engine,
+                          .image_path = KAZ_FIRMWARE_IMAGE,
+                          .robot_folder = KAZ_ROBOT,
+                          .motors = kMotors.at(arguments.motors)};
+    return
+        [&, &job = job, outcome = run_episode(*job.task, setting, job.key.seed)]() -> Result<void> {
+          // A setting that is wrong is so for all.
+          if (!outcome && outcome.error().fault == Fault::usage)
+            return tl::unexpected(outcome.error());
+          std::fprintf(stderr, "gait %zu/%zu: %s, %s, seed %llu%s\n", ++done, jobs.size(),
+                       job.key.task.c_str(), job.key.stepper.c_str(),
+                       static_cast<unsigned long long>(job.key.seed),
+                       !outcome          ? (": " + outcome.error().message).c_str()
+                       : outcome->fell   ? ": fell"
+                       : outcome->caught ? ": caught"
+                                         : "");
+          return results.add(job.key,
+                             outcome ? Entry{*outcome, ""} : Entry{{}, outcome.error().message});
+        };
+  });
 }
 
 Result<void> write(const std::string& path, const std::string& text) {

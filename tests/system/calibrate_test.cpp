@@ -120,7 +120,7 @@ TEST(Calibrate, TheBoardIsAPlaneInTheDepthOfItsPhotographs) {
                "--calibration", folder / "stereo.yml", "--modules", "color,depth,planes",
                "--nearest", "0.3", "--out", folder / "found", "--json"}));
   ASSERT_EQ(seen.exit_code, 0) << seen.err;
-  const json pair = json::parse(seen.out)["pairs"][0];
+  const json pair = json::parse(seen.out)["frames"][0];
   EXPECT_FALSE(pair["ball"]["found"].get<bool>());  // grey pictures
   EXPECT_GT(pair["depth"]["known"].get<double>(), 0.1);
   ASSERT_FALSE(pair["planes"].empty());
@@ -162,7 +162,7 @@ TEST(Calibrate, TheBoardIsAPlaneInTheDepthOfItsPhotographs) {
   std::printf("board at %.3f m: plane %.4f m off, %.2f px of disparity\n", middle.z(), off,
               off / one_px_m);
   EXPECT_LT(std::abs(off), 0.6 * one_px_m);
-  EXPECT_TRUE(fs::exists(folder / "found/left01.jpg.pair.png"));
+  EXPECT_TRUE(fs::exists(folder / "found/left01.jpg.vision.png"));
 }
 
 TEST(Calibrate, NamesAndLeavesOutWhatShowsNoBoard) {

@@ -121,7 +121,7 @@ class WatchedClock final : public host::Clock {
 };
 
 Result<std::unique_ptr<sim::Simulation>> make(const Trial& trial, const Setting& setting,
-                                              const gait::DisturbedFiles& files,
+                                              const trials::RobotFolder& files,
                                               std::uint64_t seed) {
   sim::SimulationOptions options;
   options.engine = setting.engine;
@@ -144,7 +144,7 @@ Result<Outcome> run_trial(const Trial& trial, const Setting& setting, std::uint6
   gait::Surroundings around;
   around.mu = trial.mu;
   around.mu_spread = trial.mu_spread;
-  const auto files = gait::DisturbedFiles::make(setting.robot_folder, around, seed);
+  const auto files = gait::disturbed_files(setting.robot_folder, around, seed);
   if (!files) return tl::unexpected(files.error());
   const auto simulation = make(trial, setting, *files, seed);
   if (!simulation) return tl::unexpected(simulation.error());

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/figure/figure.h"
+#include "tools/trials/statistics.h"
 
 namespace kaz::walking {
 namespace {
@@ -41,7 +42,10 @@ Line line_of(const Trial& trial, const std::vector<Outcome>& outcomes) {
     line.heading_most = std::max(line.heading_most, std::abs(out.heading_deg));
     line.seconds += out.seconds;
   }
-  std::tie(line.low, line.high) = wilson(line.done, line.all);
+  const auto interval =
+      trials::wilson(static_cast<std::uint64_t>(line.done), static_cast<std::uint64_t>(line.all));
+  line.low = interval.least;
+  line.high = interval.most;
   const int stood = line.all - line.falls;
   if (stood == 0) return line;
   line.mean = sum / stood;
@@ -70,15 +74,6 @@ bool succeeded(const Trial& trial, const Outcome& out) {
     default:
       return true;
   }
-}
-
-std::pair<double, double> wilson(int done, int all) {
-  if (all == 0) return {0, 1};
-  constexpr double z = 1.959964;
-  const double n = all, p = done / n;
-  const double middle = (p + z * z / (2 * n)) / (1 + z * z / n);
-  const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
-  return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
 }
 
 std::string table(const gait::Results& results, const std::vector<Trial>& trials,

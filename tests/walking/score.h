@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tests/walking/course.h"
@@ -13,9 +12,6 @@ namespace kaz::walking {
 // No fall, and the end within 10 % of the distance and 8 degrees of heading; of a turn: within 6
 // degrees; of standing: no fall.
 bool succeeded(const Trial& trial, const Outcome& outcome);
-
-// Of a share of `done` in `all`, 95 %: Wilson's interval (Wilson 1927).
-std::pair<double, double> wilson(int done, int all);
 
 // Markdown, a line for each trial that has outcomes.
 std::string table(const gait::Results& results, const std::vector<Trial>& trials,

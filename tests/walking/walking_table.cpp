@@ -1,17 +1,15 @@
 // walking_table: many runs of the walking behaviours, and their table.
 // SPDX-License-Identifier: Apache-2.0
-#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
-#include <mutex>
 #include <regex>
-#include <thread>
 
 #include <CLI/CLI.hpp>
 
 #include "tests/walking/score.h"
 #include "tools/figure/figure.h"
+#include "tools/trials/run_jobs.h"
 
 namespace {
 
@@ -44,42 +42,32 @@ std::vector<Job> jobs_of(const Arguments& arguments, const std::vector<Trial>& c
 
 Result<void> work(const Arguments& arguments, const std::vector<Job>& jobs,
                   gait::Results& results) {
-  std::mutex mutex;
-  std::atomic<std::size_t> next = 0;
   std::size_t done = 0;
-  Result<void> kept;
-  const auto worker = [&] {
-    for (std::size_t i = next++; i < jobs.size(); i = next++) {
-      const Job& job = jobs[i];
-      const Setting setting{.engine = arguments.engine,
-                            .image_path = KAZ_FIRMWARE_IMAGE,
-                            .robot_folder = KAZ_ROBOT,
-                            .trace = arguments.trace};
-      const auto outcome = run_trial(*job.trial, setting, job.key.seed);
-      const std::lock_guard lock(mutex);
-      if (!outcome && outcome.error().fault == Fault::usage) kept = tl::unexpected(outcome.error());
-      if (kept) {
-        kept = results.add(job.key, outcome ? gait::Entry{*outcome, ""}
-                                            : gait::Entry{{}, outcome.error().message});
-      }
-      if (!kept) next = jobs.size();
+  return trials::run_jobs(jobs.size(), arguments.jobs, [&](std::size_t i) {
+    const Job& job = jobs[i];
+    const Setting setting{.engine = arguments.engine,
+                          .image_path = KAZ_FIRMWARE_IMAGE,
+                          .robot_folder = KAZ_ROBOT,
+                          .trace = arguments.trace};
+    return [&, &job = job,
+            outcome = run_trial(*job.trial, setting, job.key.seed)]() -> Result<void> {
+      // A setting that is wrong is so for all.
+      if (!outcome && outcome.error().fault == Fault::usage) return tl::unexpected(outcome.error());
       std::fprintf(stderr, "walking %zu/%zu: %s, seed %llu: ", ++done, jobs.size(),
                    job.key.task.c_str(), static_cast<unsigned long long>(job.key.seed));
-      if (!outcome) {
+      if (outcome) {
+        std::fprintf(stderr, "%s %.3f m, aside %+.3f m, heading %+.2f deg, %.1f s\n",
+                     outcome->fell                     ? "FELL"
+                     : succeeded(*job.trial, *outcome) ? "done"
+                                                       : "MISSED",
+                     outcome->forward_m, outcome->aside_m, outcome->heading_deg, outcome->seconds);
+      } else {
         std::fprintf(stderr, "%s\n", outcome.error().message.c_str());
-        continue;
       }
-      std::fprintf(stderr, "%s %.3f m, aside %+.3f m, heading %+.2f deg, %.1f s\n",
-                   outcome->fell                     ? "FELL"
-                   : succeeded(*job.trial, *outcome) ? "done"
-                                                     : "MISSED",
-                   outcome->forward_m, outcome->aside_m, outcome->heading_deg, outcome->seconds);
-    }
-  };
-  std::vector<std::thread> threads;
-  for (int i = 0; i < arguments.jobs; ++i) threads.emplace_back(worker);
-  for (std::thread& thread : threads) thread.join();
-  return kept;
+      return results.add(
+          job.key, outcome ? gait::Entry{*outcome, ""} : gait::Entry{{}, outcome.error().message});
+    };
+  });
 }
 
 Result<void> write(const std::string& path, const std::string& text) {
@@ -91,7 +79,7 @@ Result<void> run(const Arguments& arguments) {
   std::vector<Trial> chosen;
   try {
     const std::regex wanted(arguments.rows);
-    std::ranges::copy_if(trials(), std::back_inserter(chosen),
+    std::ranges::copy_if(walking::trials(), std::back_inserter(chosen),
                          [&](const Trial& trial) { return std::regex_search(trial.name, wanted); });
   } catch (const std::regex_error&) {
     return fail(Fault::usage, "--rows " + arguments.rows + " is no regular expression; see --help");

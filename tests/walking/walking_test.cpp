@@ -40,15 +40,6 @@ TEST(Walking, TurnsByTheGyro) {
   EXPECT_TRUE(succeeded(asked, run(asked, 1)));
 }
 
-// 2 of 2: by hand from Wilson's formula, (1 + z^2/4) / (1 + z^2/2) -+ z^2/4 / (1 + z^2/2) with z = 1.96.
-TEST(Walking, IntervalsAreWilsons) {
-  const auto [low, high] = wilson(2, 2);
-  EXPECT_NEAR(low, 0.3424, 1e-4);
-  EXPECT_NEAR(high, 1, 1e-9);
-  EXPECT_NEAR(wilson(196, 200).first, 0.9497, 2e-4);
-  EXPECT_NEAR(wilson(196, 200).second, 0.9922, 2e-4);
-}
-
 TEST(Walking, CountsFallsAndMisses) {
   const Trial walk{.distance = 1}, turn{.judged = Judged::turn, .turn_deg = -45};
   EXPECT_TRUE(succeeded(walk, {.forward_m = 0.95, .aside_m = 0.05, .heading_deg = 7}));

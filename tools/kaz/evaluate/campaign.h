@@ -42,8 +42,4 @@ Result<bool> run_campaign(const CampaignOptions& options);
 Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std::string& out,
                              bool json);
 
-// Wilson's interval of a share at 95 %: E. B. Wilson, "Probable inference, the law of succession,
-// and statistical inference", J. Am. Stat. Assoc. 22 (1927). 0..1 where n is 0.
-Interval wilson(std::uint64_t successes, std::uint64_t n);
-
 }  // namespace kaz::tools

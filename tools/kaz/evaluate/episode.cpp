@@ -29,7 +29,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   const Scenario scenario = Scenario::draw(options.variation, options.seed, number);
   const auto robot = data_file("robot/kaz/kaz.urdf");
   if (!robot) return tl::unexpected(robot.error());
-  const auto files = ScenarioFiles::make(scenario, fs::path(*robot).parent_path().string());
+  const auto files = scenario_files(scenario, fs::path(*robot).parent_path().string());
   if (!files) return tl::unexpected(files.error());
   const auto color = ball_color(scenario.ball_color);
   if (!color) return tl::unexpected(color.error());

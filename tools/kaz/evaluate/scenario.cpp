@@ -4,18 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <functional>
 #include <numbers>
-#include <sstream>
 
 #include "shared/base/random.hpp"
-#include "tools/kaz/output.h"
 
 namespace kaz::tools {
 namespace {
 
-namespace fs = std::filesystem;
+using trials::digits;
 
 // What random numbers are for: each has its own stream.
 enum class Draw : std::uint64_t {
@@ -53,66 +49,6 @@ vision::ColorRange range_around(const std::array<double, 3>& rgb) {
   range.hue_max = hue + 14 * kPi / 180;
   range.saturation_min = std::min(range.saturation_min, 0.5 * std::hypot(yiq.i, yiq.q) / yiq.y);
   return range;
-}
-
-Result<std::string> read(const fs::path& path) {
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) return fail(Fault::environment, path.string() + ": cannot be read");
-  return text.str();
-}
-
-Result<void> write(const fs::path& path, const std::string& text) {
-  std::ofstream out(path);
-  out << text;
-  out.close();
-  if (!out)
-    return fail(Fault::environment, path.string() + ": cannot be written; is the disk full?");
-  return {};
-}
-
-std::string digits(double value) {
-  std::ostringstream text;
-  text.precision(9);
-  text << value;
-  return text.str();
-}
-
-// The number after each `before`, up to the next quote, times `factor`.
-std::string scaled(const std::string& text, const std::string& before, double factor) {
-  std::string out;
-  std::size_t from = 0;
-  for (std::size_t at = 0; (at = text.find(before, from)) != std::string::npos;) {
-    at += before.size();
-    const std::size_t end = text.find('"', at);
-    if (end == std::string::npos) break;
-    out.append(text, from, at - from);
-    out += digits(factor * std::stod(text.substr(at, end - at)));
-    from = end;
-  }
-  return out.append(text, from, std::string::npos);
-}
-
-// Each <inertial> by a factor of its own.
-std::string with_other_masses(const std::string& urdf, const Scenario& scenario) {
-  std::string out;
-  std::size_t from = 0;
-  std::uint64_t number = 0;
-  for (std::size_t at = 0; (at = urdf.find("<inertial>", from)) != std::string::npos;) {
-    const std::size_t end = urdf.find("</inertial>", at);
-    if (end == std::string::npos) break;
-    const double factor =
-        1 + scenario.mass_sigma *
-                keyed_normal(scenario.seed, number++, static_cast<std::uint64_t>(Draw::mass));
-    std::string inertial = urdf.substr(at, end - at);
-    for (const char* value :
-         {"<mass value=\"", "ixx=\"", "iyy=\"", "izz=\"", "ixy=\"", "ixz=\"", "iyz=\""})
-      inertial = scaled(inertial, value, factor);
-    out.append(urdf, from, at - from).append(inertial);
-    from = end;
-  }
-  return out.append(urdf, from, std::string::npos);
 }
 
 // A floor and a ball of hard rubber.
@@ -197,28 +133,17 @@ nlohmann::ordered_json scenario_json(const Scenario& s) {
           {"floor", s.floor}};
 }
 
-Result<ScenarioFiles> ScenarioFiles::make(const Scenario& scenario, const std::string& robot) {
+Result<trials::RobotFolder> scenario_files(const Scenario& scenario, const std::string& robot) {
   const auto world = world_of(scenario);
   if (!world) return tl::unexpected(world.error());
-  const fs::path folder = temporary_file("episode");
-  std::error_code wrong;
-  if (!fs::create_directories(folder, wrong))
-    return fail(Fault::environment, folder.string() + ": cannot be made: " + wrong.message());
-  ScenarioFiles files(folder);
-  for (const char* name : {"kaz.urdf", "motor.xml", "camera.json", "sensors.xml"}) {
-    auto text = read(fs::path(robot) / name);
-    if (!text) return tl::unexpected(text.error());
-    if (name == std::string("kaz.urdf")) *text = with_other_masses(*text, scenario);
-    if (auto written = write(folder / name, *text); !written)
-      return tl::unexpected(written.error());
-  }
-  if (auto written = write(files.world(), *world); !written) return tl::unexpected(written.error());
-  return files;
-}
-
-ScenarioFiles::~ScenarioFiles() {
-  std::error_code ignored;
-  if (!folder_.empty()) fs::remove_all(folder_, ignored);
+  const auto factor = [&](std::uint64_t number) {
+    return 1 + scenario.mass_sigma *
+                   keyed_normal(scenario.seed, number, static_cast<std::uint64_t>(Draw::mass));
+  };
+  return trials::RobotFolder::make(
+      robot,
+      {{"kaz.urdf", [&](const std::string& urdf) { return trials::with_masses(urdf, factor); }}},
+      *world);
 }
 
 }  // namespace kaz::tools

@@ -4,14 +4,14 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "shared/base/result.hpp"
+#include "tools/trials/robot_folder.h"
+#include "tools/trials/statistics.h"
 #include "vision/color.h"
 
 namespace kaz::tools {
@@ -27,9 +27,7 @@ std::span<const BallColor> ball_colors();
 Result<BallColor> ball_color(const std::string& name);
 
 // From where to where something is drawn, evenly.
-struct Interval {
-  double least = 0, most = 0;
-};
+using trials::Interval;
 
 struct Variation {
   Interval friction{0.6, 0.8};         // of the floor
@@ -54,21 +52,8 @@ struct Scenario {
 };
 nlohmann::ordered_json scenario_json(const Scenario& scenario);
 
-// A folder with robot and world of a scenario, which goes with the object.
-class ScenarioFiles {
- public:
-  // `robot`: folder of kaz.urdf and its companions. Errors: a file that cannot be read or written.
-  static Result<ScenarioFiles> make(const Scenario& scenario, const std::string& robot);
-  ScenarioFiles(ScenarioFiles&& other) noexcept : folder_(std::exchange(other.folder_, {})) {}
-  ScenarioFiles& operator=(ScenarioFiles&&) = delete;
-  ~ScenarioFiles();
-
-  std::string world() const { return folder_ / "world.sdf"; }
-  std::string robot() const { return folder_ / "kaz.urdf"; }
-
- private:
-  explicit ScenarioFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  std::filesystem::path folder_;
-};
+// Robot and world of a scenario. `robot`: folder of kaz.urdf and its companions. Errors: a file that
+// cannot be read or written.
+Result<trials::RobotFolder> scenario_files(const Scenario& scenario, const std::string& robot);
 
 }  // namespace kaz::tools

@@ -3,24 +3,18 @@
 #include "tools/kaz/evaluate/summary.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <vector>
 
 #include "tools/figure/figure.h"
 #include "tools/kaz/evaluate/campaign.h"
+#include "tools/trials/statistics.h"
 
 namespace kaz::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const double rank = std::ceil(q * static_cast<double>(values.size()));
-  return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
-}
+using trials::quantile;
 
 // Median and spread of every figure that successful episodes told.
 Json figures_json(const Episodes& episodes) {
@@ -75,16 +69,6 @@ void print(const Json& result, const OutputFolder& folder) {
 
 }  // namespace
 
-Interval wilson(std::uint64_t successes, std::uint64_t n) {
-  if (n == 0) return {0, 1};
-  constexpr double z = 1.959963984540054;  // 97.5 % of the normal distribution
-  const double count = static_cast<double>(n), p = static_cast<double>(successes) / count;
-  const double middle = p + z * z / (2 * count);
-  const double half = z * std::sqrt(p * (1 - p) / count + z * z / (4 * count * count));
-  const double scale = 1 + z * z / count;
-  return {std::max(0.0, (middle - half) / scale), std::min(1.0, (middle + half) / scale)};
-}
-
 Result<bool> summarize(const Json& campaign, const Episodes& episodes, const OutputFolder& folder,
                        bool json) {
   std::uint64_t successes = 0, falls = 0;
@@ -103,7 +87,7 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Out
     speeds.push_back(e["rtf"].get<double>());
   }
   const auto n = static_cast<std::uint64_t>(episodes.size());
-  const Interval interval = wilson(successes, n);
+  const Interval interval = trials::wilson(successes, n);
   const Json result{
       {"success_rate", n == 0 ? 0 : static_cast<double>(successes) / static_cast<double>(n)},
       {"episodes", n},

@@ -1,0 +1,106 @@
+// A robot's files, changed a little, in a folder that goes with the object.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/trials/robot_folder.h"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <fstream>
+#include <sstream>
+
+namespace kaz::trials {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<std::string> read(const fs::path& path) {
+  std::ifstream in(path);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in)
+    return fail(Fault::usage,
+                path.string() + ": cannot be read; give the folder of kaz.urdf and its companions");
+  return text.str();
+}
+
+Result<void> write(const fs::path& path, const std::string& text) {
+  std::ofstream out(path);
+  out << text;
+  out.close();
+  if (!out)
+    return fail(Fault::environment, path.string() + ": cannot be written; is the disk full?");
+  return {};
+}
+
+}  // namespace
+
+std::string digits(double value) {
+  std::ostringstream text;
+  text.precision(9);
+  text << value;
+  return text.str();
+}
+
+std::string with_numbers(const std::string& text, const std::string& before,
+                         const std::function<double(double)>& change) {
+  std::string out;
+  std::size_t from = 0;
+  for (std::size_t at = 0; (at = text.find(before, from)) != std::string::npos;) {
+    at += before.size();
+    const std::size_t end = text.find('"', at);
+    if (end == std::string::npos) break;
+    out.append(text, from, at - from);
+    out += digits(change(std::stod(text.substr(at, end - at))));
+    from = end;
+  }
+  return out.append(text, from, std::string::npos);
+}
+
+std::string with_masses(const std::string& urdf,
+                        const std::function<double(std::uint64_t)>& factor) {
+  std::string out;
+  std::size_t from = 0;
+  std::uint64_t number = 0;
+  for (std::size_t at = 0; (at = urdf.find("<inertial>", from)) != std::string::npos;) {
+    const std::size_t end = urdf.find("</inertial>", at);
+    if (end == std::string::npos) break;
+    const double by = factor(number++);
+    std::string inertial = urdf.substr(at, end - at);
+    for (const char* value :
+         {"<mass value=\"", "ixx=\"", "iyy=\"", "izz=\"", "ixy=\"", "ixz=\"", "iyz=\""})
+      inertial = with_numbers(inertial, value, [by](double v) { return by * v; });
+    out.append(urdf, from, at - from).append(inertial);
+    from = end;
+  }
+  return out.append(urdf, from, std::string::npos);
+}
+
+Result<RobotFolder> RobotFolder::make(const std::string& robot,
+                                      const std::map<std::string, Change>& changes,
+                                      const std::string& world) {
+  static std::atomic<int> count = 0;
+  std::error_code wrong;
+  const fs::path folder = fs::temp_directory_path(wrong) /
+                          ("kaz-robot-" + std::to_string(getpid()) + "-" + std::to_string(++count));
+  if (wrong || !fs::create_directories(folder, wrong))
+    return fail(Fault::environment, folder.string() + ": cannot be made: " + wrong.message() +
+                                        "; is TMPDIR a folder that can be written?");
+  RobotFolder files(folder);
+  for (const char* name : {"kaz.urdf", "motor.xml", "camera.json", "sensors.xml"}) {
+    auto text = read(fs::path(robot) / name);
+    if (!text) return tl::unexpected(text.error());
+    if (const auto change = changes.find(name); change != changes.end())
+      *text = change->second(*text);
+    if (auto written = write(folder / name, *text); !written)
+      return tl::unexpected(written.error());
+  }
+  if (auto written = write(files.world(), world); !written) return tl::unexpected(written.error());
+  return files;
+}
+
+RobotFolder::~RobotFolder() {
+  std::error_code ignored;
+  if (!folder_.empty()) fs::remove_all(folder_, ignored);
+}
+
+}  // namespace kaz::trials

@@ -1,0 +1,46 @@
+// A robot's files, changed a little, in a folder that goes with the object.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::trials {
+
+// Nine digits.
+std::string digits(double value);
+// The number after each `before`, up to the next quote, replaced by what `change` makes of it.
+std::string with_numbers(const std::string& text, const std::string& before,
+                         const std::function<double(double)>& change);
+// Each <inertial> of a URDF, mass and moments, by a factor of its own: factor(number), in the order
+// of the file.
+std::string with_masses(const std::string& urdf,
+                        const std::function<double(std::uint64_t)>& factor);
+
+class RobotFolder {
+ public:
+  using Change = std::function<std::string(const std::string&)>;
+  // kaz.urdf, motor.xml, camera.json and sensors.xml out of `robot`, those named in `changes`
+  // changed, and `world` as world.sdf. Errors: a file that cannot be read or written.
+  static Result<RobotFolder> make(const std::string& robot,
+                                  const std::map<std::string, Change>& changes,
+                                  const std::string& world);
+  RobotFolder(RobotFolder&& other) noexcept : folder_(std::exchange(other.folder_, {})) {}
+  RobotFolder& operator=(RobotFolder&&) = delete;
+  ~RobotFolder();
+
+  std::string world() const { return folder_ / "world.sdf"; }
+  std::string robot() const { return folder_ / "kaz.urdf"; }
+  std::string camera() const { return folder_ / "camera.json"; }
+
+ private:
+  explicit RobotFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  std::filesystem::path folder_;
+};
+
+}  // namespace kaz::trials

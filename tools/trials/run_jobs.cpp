@@ -1,0 +1,34 @@
+// Work shared out over threads.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/trials/run_jobs.h"
+
+#include <atomic>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace kaz::trials {
+
+Result<void> run_jobs(std::size_t count, int threads,
+                      const std::function<std::function<Result<void>()>(std::size_t)>& work) {
+  std::mutex mutex;
+  std::atomic<std::size_t> next = 0;
+  Result<void> kept;
+  {
+    std::vector<std::jthread> workers;
+    for (int t = 0; t < threads; ++t) {
+      workers.emplace_back([&] {
+        for (std::size_t i = next++; i < count; i = next++) {
+          const auto keep = work(i);
+          const std::lock_guard lock(mutex);
+          if (!kept) return;
+          kept = keep();
+          if (!kept) next = count;
+        }
+      });
+    }
+  }
+  return kept;
+}
+
+}  // namespace kaz::trials
