@@ -100,6 +100,13 @@ void Chip::reset() {
   machine_->log_input([](Chip& c) { c.reset(); });
   machine_->reset(ResetCause::pin, machine_->cpu.now);
 }
+void Chip::set_mode_pins(int mode) {
+  machine_->log_input([mode](Chip& c) { c.set_mode_pins(mode); });
+  machine_->options.mode = mode;
+}
+bool Chip::in_boot_rom() const {
+  return machine_->boot.active();
+}
 Stop Chip::run_until(States until) {
   return machine_->run(*this, until, false);
 }

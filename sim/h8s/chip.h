@@ -81,9 +81,12 @@ struct ReceivedByte {
   bool framing_error = false;
   bool parity_error = false;
   bool multiprocessor = false;  // its multiprocessor bit, where SMR.MP asks for one
+  // Its sender's bit time. Where the channel has another one, it hears what that makes of the byte.
+  // 0: that of the channel.
+  States bit_states = 0;
   template <class A>
   void transfer(A& a) {
-    a(value, at, framing_error, parity_error, multiprocessor);
+    a(value, at, framing_error, parity_error, multiprocessor, bit_states);
   }
 };
 
@@ -177,6 +180,10 @@ class Chip {
   void power_on(std::uint8_t ram_fill = 0xa5);
   // RES pin low and high again, taking no time. RAM is kept. A Stop for an error is forgotten.
   void reset();
+  // Levels of MD1, MD0 from the next reset on (Options::mode).
+  void set_mode_pins(int mode);
+  // The boot ROM runs, not yet what it has loaded.
+  bool in_boot_rom() const;
   // Runs until now() >= until (whole instructions) or something stops it. An error stop repeats at
   // each further call until reset.
   Stop run_until(States until);

@@ -23,7 +23,8 @@ struct Options {
   Engine engine = Engine::translator;
   // How often a place is jumped to before the translator takes it on; matters for speed alone.
   std::uint32_t translate_after = 1000;
-  // MD1, MD0 at reset: 2 is advanced (24-bit), 3 normal (16-bit), both single chip.
+  // MD1, MD0 at reset: 2 is advanced (24-bit), 3 normal (16-bit), both single chip; 0 with P42 to P40
+  // high is boot mode.
   int mode = 2;
   // A request is taken at the first instruction boundary later than this many states after it.
   int interrupt_decision_states = 3;
@@ -73,6 +74,20 @@ struct Options {
   int subclock_states = 0;
   // STC to memory writes the register into the low byte of the word too (else 0).
   bool stc_copies = false;
+  // Boot mode. The channel that it talks on: SCI0 (P50, P51) or SCI1 (P25, P26).
+  int boot_channel = 0;
+  // The bit rates of the A-mask parts (19,200 to 4,800), else those of the others (9,600 to 2,400).
+  bool boot_a_mask_rates = false;
+  // It answers H'55 with H'AA.
+  bool boot_acknowledges = true;
+  // As A-mask parts do: the program has to begin with 8 bytes of identification, and starts behind them.
+  bool boot_checks_id = false;
+  // Two H'AA before the program starts, one behind the erase check; else one.
+  bool boot_answers_twice = false;
+  // The longest program that it takes.
+  int boot_program_bytes = 2048;
+  // For tests: erase pulses do not move the cells of this block, 0..9; -1: all are sound.
+  int flash_worn_block = -1;
   // Treat each register misuse as fatal instead of counting it.
   bool stop_on_misuse = false;
 };

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/chip/flash.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "sim/h8s/chip/machine.h"
@@ -130,16 +131,28 @@ void FlashControl::program(Machine& m, double share) {
 }
 
 void FlashControl::erase(Machine& m, double share) {
-  const unsigned blocks = static_cast<unsigned>(ebr1_ & 3) << 8 | ebr2_;
-  if (std::popcount(blocks) != 1) {
+  const unsigned selected = static_cast<unsigned>(ebr1_ & 3) << 8 | ebr2_;
+  if (std::popcount(selected) != 1) {
     m.misuse(0xff82, "flash erased with other than exactly one block selected");
     return;
   }
-  const auto n = static_cast<unsigned>(std::countr_zero(blocks));
+  erase_block(m, static_cast<unsigned>(std::countr_zero(selected)), share);
+}
+
+std::uint32_t FlashControl::size_of(unsigned block) {
+  return kBlocks[block + 1] - kBlocks[block];
+}
+
+bool FlashControl::blank(Machine& m, unsigned block) const {
+  const std::uint8_t* p = m.memory_at(kBlocks[block]);
+  return std::all_of(p, p + size_of(block), [](std::uint8_t byte) { return byte == 0xff; });
+}
+
+void FlashControl::erase_block(Machine& m, unsigned n, double share) {
   FlashStatistics::Block& b = statistics.blocks[n];
   ++b.erase_pulses;
   if (share < 1) ++b.weak_pulses;
-  if (share < times::nothing_below) return;
+  if (share < times::nothing_below || m.options.flash_worn_block == static_cast<int>(n)) return;
   if (++b.erasures == times::endurance + 1)
     m.misuse(0xff82, "flash block erased more often than its endurance of 100");
   std::uint8_t* p = m.memory_at(kBlocks[n]);

@@ -38,6 +38,11 @@ class FlashControl {
   std::uint8_t read(Machine& m, std::uint32_t address, std::uint8_t cell, States at);
   // Protection: the pulse ends where it is, and no other begins before reset.
   void error(Machine& m, const char* text, States at);
+  // What the boot ROM does: one erase pulse over a block; below 1 it was cut off.
+  void erase_block(Machine& m, unsigned block, double share);
+  static constexpr unsigned blocks = 10;
+  static std::uint32_t size_of(unsigned block);
+  bool blank(Machine& m, unsigned block) const;
   // Power or reset ends a pulse in the middle.
   void cut(Machine& m, States at);
 

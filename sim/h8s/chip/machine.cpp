@@ -68,6 +68,7 @@ void Machine::take_state(const Machine& other) {
   adc = other.adc;
   wdt = other.wdt;
   flash_control = other.flash_control;
+  boot = other.boot;
   dtc = other.dtc;
   system = other.system;
   epoch = other.epoch;
@@ -122,6 +123,7 @@ void Machine::forget_all_code() {
 }
 
 void Machine::power_on(std::uint8_t ram_fill) {
+  boot.leave(*this, cpu.now);
   flash_control.cut(*this, cpu.now);
   block_.fill(ram_fill);
   const std::array<Sci, 2> fresh{};
@@ -147,6 +149,7 @@ void Machine::reset(ResetCause why, States at) {
   cpu.mask = cpu.normal ? 0xffff : 0xffffff;
   cpu.flash_size = cpu.normal ? 0xe000 : kFlashSize;
   cpu.ram_size = kRamSize;
+  boot.leave(*this, began);
   flash_control.cut(*this, began);
   choose_paths();
   cpu.exr = 0x7f;
@@ -168,7 +171,11 @@ void Machine::reset(ResetCause why, States at) {
   dtc = {};
   system = {};
   system.mdcr = static_cast<std::uint8_t>(options.mode & 3);
-  if (options.mode != 2 && options.mode != 3)
+  const bool boots = options.mode == 0 && (ports.pins(*this, 4, at) & 7) == 7;
+  if (options.mode == 0 && !boots)
+    misuse(0xffc5,
+           "mode pins 0 without P42, P41 and P40 high is no mode; boot mode wants them high");
+  else if (options.mode != 0 && options.mode != 2 && options.mode != 3)
     misuse(0xffc5, "mode pins select a mode other than 2 and 3: expanded buses are not modelled");
   if (why != ResetCause::watchdog) system.syscr |= 0x08;
   if (why == ResetCause::watchdog) system.syscr = 0x01;
@@ -178,6 +185,7 @@ void Machine::reset(ResetCause why, States at) {
   forget_all_code();
   set_pc(cpu.normal ? big16(flash_.data()) : big32(flash_.data()));
   first_after_reset_ = true;
+  if (boots) boot.enter(*this, at);
   for (Observer* o : observers) o->was_reset(why, at);
   if (pins.active()) pins.sample(*this, began);
   notify(OutputChange::Unit::port, 0, at);

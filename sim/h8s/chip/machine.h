@@ -12,6 +12,7 @@
 
 #include "sim/h8s/chip.h"
 #include "sim/h8s/chip/adc.h"
+#include "sim/h8s/chip/boot.h"
 #include "sim/h8s/chip/dtc.h"
 #include "sim/h8s/chip/flash.h"
 #include "sim/h8s/chip/frt.h"
@@ -55,8 +56,8 @@ struct SystemRegisters {
 };
 
 // Modules that have events, in the order in which those of one state are worked off.
-enum class Source : unsigned { sci0, wdt0, sci1, wdt1, adc, frt, tmr, tmr_xy, pins };
-inline constexpr unsigned kSources = 9;
+enum class Source : unsigned { sci0, wdt0, sci1, wdt1, adc, frt, tmr, tmr_xy, pins, boot };
+inline constexpr unsigned kSources = 10;
 
 struct Place;
 
@@ -173,6 +174,7 @@ class Machine {
   Adc adc;
   std::array<Wdt, 2> wdt;
   FlashControl flash_control;
+  BootRom boot;
   PinWatch pins;
   Dtc dtc;
   SystemRegisters system;

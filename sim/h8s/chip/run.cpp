@@ -49,6 +49,8 @@ States Machine::event_of(Source source) {
       return stopped(Stop_tmrxy) ? kNever : tmr_xy.next_event(*this);
     case Source::pins:
       return pins.active() ? pins.next_event(*this) : kNever;
+    case Source::boot:
+      return boot.next_event();
   }
   return kNever;
 }
@@ -73,6 +75,8 @@ void Machine::advance(Source source, States to) {
       return tmr_xy.advance(*this, to);
     case Source::pins:
       return pins.advance(*this, to);
+    case Source::boot:
+      return boot.advance(*this, to);
   }
 }
 
@@ -279,6 +283,12 @@ Stop Machine::run(Chip& chip, States until, bool single) {
       return {Stop::Reason::requested, report("stopped by an observer")};
     }
     if (single ? cpu.executed != executed || cpu.now != began : cpu.now >= until) return {};
+    if (boot.active()) {
+      const States next = std::min(next_event(), until);
+      if (next == kNever) return {};
+      sleep_until(next);
+      continue;
+    }
     if ((cpu.asleep || standby_) && stands_by()) {
       if (!stand_by(until))
         return error_stop(

@@ -3,6 +3,7 @@
 #include "sim/h8s/chip/machine.h"
 #include "sim/h8s/chip/sci.h"
 #include "sim/h8s/chip/sci_bits.h"
+#include "sim/h8s/line_rate.h"
 
 namespace kaz::h8s {
 using namespace sci_bits;
@@ -17,7 +18,17 @@ constexpr int kClocksPerBit = 16, kClocksToSample = 7;
 
 // Rules of reception: errors block, an overrun loses the new byte, a bad frame is copied without
 // RDRF.
-void Sci::take(Machine& m, unsigned n, const ReceivedByte& byte) {
+void Sci::take(Machine& m, unsigned n, const ReceivedByte& arrived) {
+  if (m.boot.measuring() && n == static_cast<unsigned>(m.options.boot_channel))
+    return m.boot.heard(m, arrived);
+  ReceivedByte byte = arrived;
+  if (byte.bit_states > 0 && byte.bit_states != bit_states() && frame_bits() == 10 &&
+      !synchronous()) {
+    const HeardByte heard = heard_at(byte.value, byte.bit_states, bit_states());
+    if (!heard.heard) return;
+    byte.value = heard.value;
+    byte.framing_error |= heard.framing_error;
+  }
   if (!(scr_ & kRe) || m.stopped(n == 0 ? Stop_sci0 : Stop_sci1) || flags_.has(kErrors)) return;
   if (multiprocessor() && (scr_ & kMpie)) {
     if (!byte.multiprocessor) return;
@@ -37,6 +48,9 @@ void Sci::take(Machine& m, unsigned n, const ReceivedByte& byte) {
 }
 
 void Sci::rxd_edge(Machine& m, unsigned n, bool level, bool driven, States at) {
+  if (m.boot.measuring() && driven && level != rxd_ &&
+      n == static_cast<unsigned>(m.options.boot_channel))
+    m.boot.edge(m, level, at);
   if (m.stopped(n == 0 ? Stop_sci0 : Stop_sci1)) {
     rxd_ = level;
     rxd_driven_ = driven;

@@ -66,7 +66,7 @@ void Machine::transfer(A& a) {
   }
   a(block_);
   transfer_cpu(a);
-  a(irq, ports, frt, tmr, tmr_xy, pwm, pwmx, sci, adc, wdt, flash_control, dtc, system, epoch,
+  a(irq, ports, frt, tmr, tmr_xy, pwm, pwmx, sci, adc, wdt, flash_control, boot, dtc, system, epoch,
     sub_epoch, standby_, watch_, wakes_at_, slow_from_, slow_by_, cause, watchdog_reset, misuses,
     dead, first_after_reset_);
 }

@@ -1,0 +1,269 @@
+// The boot ROM's steps: bit rate, program, erase check, start.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/chip/boot.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "sim/h8s/chip/machine.h"
+
+namespace kaz::h8s {
+namespace {
+
+constexpr unsigned kSmr = 0, kBrr = 1, kScr = 2, kTdr = 3, kSsr = 4, kRdr = 5;
+constexpr std::uint8_t kTdre = 0x80, kRdrf = 0x40, kErrors = 0x38, kTend = 0x04;
+
+constexpr States kPoll = 32;         // its loops look at the channel so often
+constexpr States kCheckPerWord = 8;  // reading the flash: 8 states a word
+constexpr std::uint32_t kWords = kFlashSize / 2;
+constexpr double kPulseUs = 10'000, kAroundPulseUs = 240, kVerifyWordUs = 3;
+// RAM that it works in (2148A manual, boot mode): afterwards it holds anything.
+constexpr std::uint32_t kOwnRam = 0xffe880, kOwnRamEnd = 0xfff000;
+constexpr std::uint32_t kOwnShortRam = 0xffff00, kOwnShortRamEnd = 0xffff80;
+constexpr std::uint32_t kFirstRam = 0xffe080;
+// A mask: the first bytes of the program, '@' FE "df2128".
+constexpr std::uint8_t kId[] = {0x40, 0xfe, 0x64, 0x66, 0x32, 0x31, 0x32, 0x38};
+
+struct Rate {
+  std::int64_t baud, least_hz, most_hz;
+};
+constexpr Rate kRates[] = {
+    {9600, 8'000'000, 20'000'000}, {4800, 4'000'000, 20'000'000}, {2400, 2'000'000, 18'000'000}};
+constexpr Rate kRatesOfA[] = {
+    {19200, 8'000'000, 20'000'000}, {9600, 4'000'000, 20'000'000}, {4800, 2'000'000, 18'000'000}};
+
+unsigned channel(const Machine& m) {
+  return m.options.boot_channel == 1 ? 1 : 0;
+}
+
+Source source_of(unsigned n) {
+  return n == 0 ? Source::sci0 : Source::sci1;
+}
+
+States states(const Machine& m, double us) {
+  return static_cast<States>(us * static_cast<double>(m.options.clock_hz) / 1e6);
+}
+
+// Whether the manual's table allows a rate that was measured, to a twentieth.
+bool allowed(const Machine& m, States bit) {
+  const auto fits = [&](const Rate& rate) {
+    const States nominal = m.options.clock_hz / rate.baud;
+    return std::abs(bit - nominal) * 20 <= nominal && m.options.clock_hz >= rate.least_hz &&
+           m.options.clock_hz <= rate.most_hz;
+  };
+  return m.options.boot_a_mask_rates ? std::ranges::any_of(kRatesOfA, fits)
+                                     : std::ranges::any_of(kRates, fits);
+}
+
+}  // namespace
+
+void BootRom::enter(Machine& m, States at) {
+  *this = {};
+  step_ = Step::measure;
+  const unsigned n = channel(m);
+  m.system.mstpcr =
+      static_cast<std::uint16_t>(m.system.mstpcr & ~(1u << (n == 0 ? Stop_sci0 : Stop_sci1)));
+  std::uint32_t mess = 0x2128;
+  const auto fill = [&](std::uint32_t from, std::uint32_t to) {
+    for (std::uint32_t a = from; a < to; ++a) {
+      mess = mess * 1103515245u + 12345u;
+      *m.memory_at(a) = static_cast<std::uint8_t>(mess >> 16);
+    }
+  };
+  fill(kOwnRam, kOwnRamEnd);
+  fill(kOwnShortRam, kOwnShortRamEnd);
+  low_since_ = kNever;
+  (void)at;
+}
+
+void BootRom::leave(Machine& m, States at) {
+  if (step_ == Step::erase && pulse_from_ != kNever && at > pulse_from_) {
+    const double done =
+        static_cast<double>(at - pulse_from_) / static_cast<double>(states(m, kPulseUs));
+    if (done < 1) m.flash_control.erase_block(m, block_, done);
+  }
+  *this = {};
+}
+
+void BootRom::edge(Machine& m, bool level, States at) {
+  if (!level) {
+    low_since_ = at;
+  } else if (low_since_ != kNever) {
+    measured(m, at - low_since_, at);
+    low_since_ = kNever;
+  }
+}
+
+// Of a whole byte the first low stretch counts: the start bit and the zeros behind it.
+void BootRom::heard(Machine& m, const ReceivedByte& byte) {
+  if (byte.bit_states <= 0) return;
+  const int zeros = byte.value == 0 ? 8 : std::countr_zero(byte.value);
+  measured(m, (1 + zeros) * byte.bit_states, byte.at);
+}
+
+void BootRom::measured(Machine& m, States low, States at) {
+  const States bit = low / 9;
+  if (!allowed(m, bit)) {
+    m.misuse(0xffd9, "boot mode: the low time measured is that of no bit rate which it allows");
+    return;
+  }
+  const unsigned n = channel(m);
+  const States unit = 9 * 32;
+  const auto brr =
+      static_cast<std::uint8_t>(std::clamp<States>((low + unit / 2) / unit, 1, 256) - 1);
+  m.sci[n].write(m, n, kSmr, 0, at);
+  m.sci[n].write(m, n, kBrr, brr, at);
+  m.sci[n].write(m, n, kScr, 0x30, at);
+  m.rescheduled(source_of(n));
+  step_ = Step::greet;
+  sending_ = 0x00;
+  wake_ = at + m.sci[n].bit_states();
+  m.rescheduled(Source::boot);
+}
+
+void BootRom::halt(std::uint8_t answer) {
+  sending_ = answer;
+  step_ = Step::halted;
+}
+
+void BootRom::take(Machine& m, std::uint8_t byte, States) {
+  const Options& o = m.options;
+  switch (step_) {
+    case Step::match:
+      // The host may still be sending its H'00.
+      if (byte != 0x55) return;
+      step_ = Step::count_high;
+      if (o.boot_acknowledges) sending_ = 0xaa;
+      return;
+    case Step::count_high:
+      expected_ = static_cast<std::uint32_t>(byte) << 8;
+      sending_ = byte;
+      step_ = Step::count_low;
+      return;
+    case Step::count_low:
+      expected_ |= byte;
+      sending_ = byte;
+      stored_ = 0;
+      step_ = Step::load;
+      if (expected_ == 0 || expected_ > static_cast<std::uint32_t>(o.boot_program_bytes))
+        halt(0xff);
+      return;
+    case Step::load: {
+      const std::uint32_t at = kFirstRam + stored_++;
+      *m.memory_at(at) = byte;
+      m.forget_code_at(at);
+      sending_ = byte;
+      if (stored_ == expected_) step_ = Step::check;
+      return;
+    }
+    default:
+      return;
+  }
+}
+
+// One look at the channel.
+void BootRom::poll(Machine& m, States at) {
+  const unsigned n = channel(m);
+  Sci& sci = m.sci[n];
+  const std::uint8_t flags = sci.read(m, n, kSsr, at);
+  wake_ = at + kPoll;
+  if (sending_ >= 0) {
+    if (!(flags & kTdre)) return;
+    sci.write(m, n, kTdr, static_cast<std::uint8_t>(sending_), at);
+    sci.write(m, n, kSsr, static_cast<std::uint8_t>(flags & ~kTdre), at);
+    sending_ = -1;
+    if (step_ == Step::greet) step_ = Step::match;
+    return;
+  }
+  const bool quiet = (flags & kTend) != 0;
+  switch (step_) {
+    case Step::match:
+      // It began to listen in the middle of a byte.
+      if (flags & kErrors)
+        sci.write(m, n, kSsr, static_cast<std::uint8_t>(flags & ~(kErrors | kRdrf)), at);
+      [[fallthrough]];
+    case Step::count_high:
+    case Step::count_low:
+    case Step::load:
+      if (!(flags & kRdrf)) return;
+      sci.write(m, n, kSsr, static_cast<std::uint8_t>(flags & ~kRdrf), at);
+      return take(m, sci.read(m, n, kRdr, at), at);
+    case Step::check:
+      if (!quiet) return;
+      block_ = 0;
+      step_ = Step::erase;
+      pulse_from_ = kNever;
+      wake_ = at + kWords * kCheckPerWord;
+      return;
+    case Step::answer:
+      if (!quiet) return;
+      if (answers_ == 0) return start_program(m, at);
+      --answers_;
+      sending_ = 0xaa;
+      return;
+    case Step::halted:
+      wake_ = kNever;
+      return;
+    default:
+      return;
+  }
+}
+
+// A block is not blank: it is erased, and looked at again.
+void BootRom::next_block(Machine& m, States at) {
+  if (pulse_from_ != kNever) {
+    m.flash_control.erase_block(m, block_, 1);
+    pulse_from_ = kNever;
+    if (!m.flash_control.blank(m, block_)) {
+      halt(0xff);
+      wake_ = at + kPoll;
+      return;
+    }
+    ++block_;
+  }
+  // Any byte that is not FF, and all blocks are erased.
+  bool blank = true;
+  for (unsigned n = 0; n < FlashControl::blocks; ++n) blank &= m.flash_control.blank(m, n);
+  while (block_ < FlashControl::blocks && m.flash_control.blank(m, block_)) ++block_;
+  if (blank || block_ == FlashControl::blocks) return finish(m, at);
+  const double verify = kVerifyWordUs * static_cast<double>(FlashControl::size_of(block_)) / 2;
+  pulse_from_ = at + states(m, kAroundPulseUs);
+  wake_ = pulse_from_ + states(m, kPulseUs + verify);
+}
+
+void BootRom::finish(Machine& m, States at) {
+  wake_ = at + kPoll;
+  if (m.options.boot_checks_id) {
+    for (std::uint32_t k = 0; k < sizeof kId; ++k)
+      if (*m.memory_at(kFirstRam + k) != kId[k]) return halt(0xff);
+  }
+  step_ = Step::answer;
+  answers_ = m.options.boot_answers_twice ? 2 : 1;
+}
+
+void BootRom::start_program(Machine& m, States at) {
+  const unsigned n = channel(m);
+  m.sci[n].write(m, n, kScr, 0, at);
+  const unsigned port = n == 0 ? 5 : 2;
+  const auto txd = static_cast<std::uint8_t>(n == 0 ? 0x01 : 0x20);
+  m.ports.write(m, port == 5 ? 0xffba : 0xffb3, txd, at);
+  m.ports.write(m, port == 5 ? 0xffb8 : 0xffb1, txd, at);
+  for (unsigned k = 0; k < 8; ++k) m.cpu.er[k] = 0xdead0000u + k;
+  step_ = Step::off;
+  wake_ = kNever;
+  m.set_pc(kFirstRam + (m.options.boot_checks_id ? sizeof kId : 0));
+}
+
+void BootRom::advance(Machine& m, States to) {
+  while (wake_ <= to) {
+    const States at = wake_;
+    if (step_ == Step::erase)
+      next_block(m, at);
+    else
+      poll(m, at);
+    m.rescheduled(source_of(channel(m)));
+    if (step_ == Step::off) m.disturbed();
+  }
+}
+
+}  // namespace kaz::h8s

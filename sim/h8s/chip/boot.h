@@ -1,0 +1,69 @@
+// The boot ROM: loads a program into RAM over a serial channel (hardware manual, boot mode).
+// SPDX-License-Identifier: Apache-2.0
+//
+// Its instructions are not known, so it is a sequence of steps at their times; the bytes go through
+// the serial channel bit by bit as any program's. The CPU stands until the loaded program starts.
+#pragma once
+
+#include <cstdint>
+
+#include "sim/h8s/chip.h"
+#include "sim/h8s/cpu/cpu.h"
+
+namespace kaz::h8s {
+
+class BootRom {
+ public:
+  // The mode pins ask for it at a reset.
+  void enter(Machine& m, States at);
+  // Reset or power cut at `at`: an erase pulse ends in the middle.
+  void leave(Machine& m, States at);
+  bool active() const { return step_ != Step::off; }
+  bool measuring() const { return step_ == Step::measure; }
+
+  States next_event() const { return wake_; }
+  void advance(Machine& m, States to);
+
+  // While it measures: a whole byte whose last stop bit ended at `byte.at`, or an edge.
+  void heard(Machine& m, const ReceivedByte& byte);
+  void edge(Machine& m, bool level, States at);
+
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(step_, wake_, low_since_, sending_, answers_, expected_, stored_, block_, pulse_from_);
+  }
+
+ private:
+  enum class Step : std::uint8_t {
+    off,
+    measure,     // of the host's H'00
+    greet,       // H'00 back
+    match,       // waits for H'55
+    count_high,  // of bytes
+    count_low,
+    load,   // the program
+    check,  // is the flash blank?
+    erase,  // a pulse runs
+    answer,
+    halted,
+  };
+  void measured(Machine& m, States low, States at);
+  void poll(Machine& m, States at);
+  void take(Machine& m, std::uint8_t byte, States at);
+  void next_block(Machine& m, States at);
+  void finish(Machine& m, States at);
+  void halt(std::uint8_t answer);
+  void start_program(Machine& m, States at);
+
+  Step step_ = Step::off;
+  States wake_ = kNever;
+  States low_since_ = kNever;  // RxD
+  std::int32_t sending_ = -1;  // waits for the transmitter
+  std::int32_t answers_ = 0;   // H'AA still to be sent before the program starts
+  std::uint32_t expected_ = 0, stored_ = 0;
+  std::uint32_t block_ = 0;
+  States pulse_from_ = kNever;
+};
+
+}  // namespace kaz::h8s
