@@ -115,10 +115,10 @@ TEST(Calibrate, TheBoardIsAPlaneInTheDepthOfItsPhotographs) {
   const TemporaryFolder folder;
   ASSERT_EQ(calibrate(kPictures, folder / "stereo.yml", {"--json"}).exit_code, 0);
   copy_pairs(folder.path(), {"01"});
-  const Finished seen =
-      run(kaz({"vision", "run", "--left", folder / "left01.jpg", "--right", folder / "right01.jpg",
-               "--calibration", folder / "stereo.yml", "--modules", "color,depth,planes",
-               "--nearest", "0.3", "--out", folder / "found", "--json"}));
+  const Finished seen = run(
+      kaz({"vision", "run", "--left", folder / "left01.jpg", "--right", folder / "right01.jpg",
+           "--calibration", folder / "stereo.yml", "--modules", "color,depth,planes", "--nearest",
+           "0.3", "--export", "depth,points", "--out", folder / "found", "--json"}));
   ASSERT_EQ(seen.exit_code, 0) << seen.err;
   const json pair = json::parse(seen.out)["frames"][0];
   EXPECT_FALSE(pair["ball"]["found"].get<bool>());  // grey pictures
@@ -163,6 +163,16 @@ TEST(Calibrate, TheBoardIsAPlaneInTheDepthOfItsPhotographs) {
               off / one_px_m);
   EXPECT_LT(std::abs(off), 0.6 * one_px_m);
   EXPECT_TRUE(fs::exists(folder / "found/left01.jpg.vision.png"));
+  EXPECT_TRUE(fs::exists(folder / "found/left01.jpg.depth.png"));
+  EXPECT_GT(fs::file_size(folder / "found/left01.jpg.points.ply"),
+            15 * pair["depth"]["known"].get<double>() * 640 * 480);
+
+  // The cameras the wrong way round.
+  copy_pairs(folder.path(), {"02"});
+  const Finished wrong = run(kaz({"vision", "run", "--left", folder / "right02.jpg", "--right",
+                                  folder / "left02.jpg", "--calibration", folder / "stereo.yml",
+                                  "--modules", "depth", "--out", folder / "wrong"}));
+  EXPECT_NE(wrong.out.find("left and right look exchanged"), std::string::npos) << wrong.out;
 }
 
 TEST(Calibrate, NamesAndLeavesOutWhatShowsNoBoard) {

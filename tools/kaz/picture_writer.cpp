@@ -5,9 +5,15 @@
 namespace kaz::tools {
 
 void PictureWriter::add(std::string path, std::vector<figure::Panel> panels, int columns) {
+  add([path = std::move(path), panels = std::move(panels), columns] {
+    return figure::write_png(path, figure::compose(panels, columns, panels.front().image.height));
+  });
+}
+
+void PictureWriter::add(std::function<Result<void>()> write) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return jobs_.size() < kMostWaiting; });
-  jobs_.push_back({std::move(path), std::move(panels), columns});
+  jobs_.push_back(std::move(write));
   changed_.notify_all();
 }
 
@@ -19,7 +25,7 @@ Result<void> PictureWriter::finish() {
 
 void PictureWriter::work(const std::stop_token& stop) {
   for (;;) {
-    Job job;
+    std::function<Result<void>()> job;
     {
       std::unique_lock lock(mutex_);
       busy_ = false;
@@ -29,8 +35,7 @@ void PictureWriter::work(const std::stop_token& stop) {
       jobs_.pop_front();
       busy_ = true;
     }
-    auto done = figure::write_png(
-        job.path, figure::compose(job.panels, job.columns, job.panels.front().image.height));
+    auto done = job();
     const std::lock_guard lock(mutex_);
     if (written_ && !done) written_ = std::move(done);
   }

@@ -4,6 +4,7 @@
 
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -18,23 +19,20 @@ class PictureWriter {
  public:
   PictureWriter() : worker_([this](const std::stop_token& stop) { work(stop); }) {}
 
-  // Panels as figure::compose() takes them. Waits while kMostWaiting pictures are not written yet.
+  // Something that makes and writes a file. Waits while kMostWaiting are not written yet.
+  void add(std::function<Result<void>()> write);
+  // Panels as figure::compose() takes them.
   void add(std::string path, std::vector<figure::Panel> panels, int columns);
   // Until all are written; the first error, if there was one.
   Result<void> finish();
 
  private:
   static constexpr std::size_t kMostWaiting = 64;
-  struct Job {
-    std::string path;
-    std::vector<figure::Panel> panels;
-    int columns = 2;
-  };
   void work(const std::stop_token& stop);
 
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::deque<Job> jobs_;
+  std::deque<std::function<Result<void>()>> jobs_;
   bool busy_ = false;
   Result<void> written_;
   std::jthread worker_;  // last: it uses all of the above

@@ -232,6 +232,10 @@ Result<Outcome> run_on_pictures(const RecordedOptions& options) {
                                   "(--left, --right), recordings "
                                   "and cameras have more: " +
                                   module_names());
+  if (!options.exported.empty())
+    return fail(Fault::usage, "--export " + options.exported +
+                                  ": single pictures have no depth; pairs (--left, "
+                                  "--right), recordings and cameras have it");
   if (options.calibration.empty() == (options.view_deg == 0))
     return fail(Fault::usage,
                 "distances need the lens: give either --calibration FILE or --view "

@@ -16,6 +16,7 @@ namespace kaz::tools {
 struct RecordedOptions {
   std::vector<std::string> left, right;  // stereo pairs, in place of `in`
   std::string in, out, modules = "color";
+  std::string exported;            // of depth,points; empty: none
   std::string robot;               // serial:PATH[@BAUD]; of a live camera
   std::uint64_t frames = 0;        // 0: all, or until interrupted
   std::string color, calibration;  // files; empty: the red ball, no calibration
@@ -28,7 +29,7 @@ struct RecordedOptions {
 // For each picture NAME: NAME.ball.png, a line of ball.csv and an entry of result.json. What cannot be
 // read is an entry with its trouble. 1 if none could be looked at.
 Result<Outcome> run_on_pictures(const RecordedOptions& options);
-// The same of stereo pairs, with depth and planes: LEFT.pair.png, pairs.csv, result.json.
+// Of stereo pairs: for each LEFT.vision.png, a line of frames.csv and an entry of result.json.
 Result<Outcome> run_on_pairs(const RecordedOptions& options);
 
 // The same of a live camera, until so many pairs have been looked at or it is interrupted; with a

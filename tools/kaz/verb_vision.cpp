@@ -148,6 +148,10 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
   verb->add_option("--nearest", options->nearest_m, "of depth, m: what is nearer has none")
       ->check(positive())
       ->capture_default_str();
+  verb->add_option("--export", options->exported,
+                   "also write depth (FRAME.depth.png, 16 bits, mm, 0 where unknown) or points "
+                   "(FRAME.points.ply, m, left eye's optical frame), or both: depth,points")
+      ->type_name("LIST");
   verb->add_option("--frames", options->frames, "of pairs: stop after so many")
       ->check(CLI::Range(1, 100000000));
   verb->add_option("--robot", options->robot,
@@ -163,6 +167,8 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       "      --out found --json\n"
       "  kaz vision run --left 'eyes/left*.png' --right 'eyes/right*.png' \\\n"
       "      --calibration stereo.yml --modules color,depth,planes --out found\n"
+      "  kaz vision run --left left01.jpg --right right01.jpg --calibration stereo.yml \\\n"
+      "      --export depth,points --out cloud\n"
       "  kaz run search-ball --record-pictures --out seen\n"
       "  kaz vision run --in seen/recording.mcap --modules color,planes --out found\n"
       "  kaz vision run --in robot.eyes --robot serial:robot.pty --modules planes --frames 90 \\\n"

@@ -14,6 +14,8 @@ struct VisionOptions {
   std::string modules = "color";  // names with commas between
   vision::BallOptions ball;
   vision::DepthOptions depth;
+  // What VisionReport writes beside overlays, of each frame with depth.
+  bool export_depth = false, export_points = false;
 };
 
 // All names there are, with commas between, for help.

@@ -6,6 +6,8 @@
 #include <cstdio>
 
 #include "tools/figure/vision_views.h"
+#include "vision/depth_file.h"
+#include "vision/exchanged_eyes.h"
 
 namespace kaz::tools {
 namespace {
@@ -169,7 +171,7 @@ DeliveryTable::DeliveryTable(vision::Pipeline& pipeline) {
 
 VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& options,
                            const OutputFolder* folder, std::uint64_t most)
-    : folder_(folder), color_(options.ball.color), most_(most) {
+    : folder_(folder), options_(options), most_(most) {
   for (const vision::ModuleStatistics& m : pipeline.statistics()) modules_.push_back(m.name);
   subscribe<vision::BallObservation>(
       pipeline, "color", [this](const vision::Frame& frame, const auto* ball, const Error* error) {
@@ -179,7 +181,7 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
           if (folder_ != nullptr) {
             const vision::Image& left = frame.images().left;
             vision::Mask mask;
-            vision::ColorExtractor(color_).extract(left, mask);
+            vision::ColorExtractor(options_.ball.color).extract(left, mask);
             e.panels.push_back({ball_picture(left, *ball), ball->found ? "ball" : "no ball"});
             e.panels.push_back({figure::mask_picture(mask, left), "colour"});
           }
@@ -194,6 +196,8 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
           if (folder_ != nullptr)
             e.panels.push_back(
                 {figure::depth_picture(*depth), "depth: red at 0.2 m, green 0.7, blue 3"});
+          check_eyes(frame, *depth, e.json);
+          export_files(frame, *depth, e.name);
         }
         heard(frame, error);
       });
@@ -253,6 +257,37 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
         }
         heard(frame, error);
       });
+}
+
+// On the first frames that have hardly any depth; one alone may show too little to tell.
+void VisionReport::check_eyes(const vision::Frame& frame, const vision::DepthImage& depth,
+                              Json& entry) {
+  if (eyes_checked_ == 3 || entry["depth"]["known"].get<double>() > 0.2) return;
+  ++eyes_checked_;
+  if (vision::eyes_look_exchanged(frame.images(), depth.info, options_.depth))
+    entry["trouble"] =
+        "left and right look exchanged: the other way round the pair has depth, so it has hardly "
+        "any; exchange the pictures or cameras, or calibrate them as they are";
+}
+
+void VisionReport::export_files(const vision::Frame& frame, const vision::DepthImage& depth,
+                                const std::string& name) {
+  if (folder_ == nullptr || full()) return;
+  if (options_.export_depth)
+    writer_.add([path = folder_->path(name + ".depth.png"), depth]() -> Result<void> {
+      const auto bytes = vision::depth_png(depth);
+      if (!bytes) return tl::unexpected(bytes.error());
+      return figure::write_file(path, *bytes);
+    });
+  if (options_.export_points)
+    writer_.add([path = folder_->path(name + ".points.ply"), depth,
+                 images = frame.shared_images()]() -> Result<void> {
+      vision::PointCloud cloud;
+      vision::point_cloud(depth, cloud);
+      const auto bytes = vision::points_ply(cloud, images->left);
+      if (!bytes) return tl::unexpected(bytes.error());
+      return figure::write_file(path, *bytes);
+    });
 }
 
 VisionReport::Entry& VisionReport::entry(const vision::Frame& frame) {

@@ -74,11 +74,16 @@ class VisionReport {
     bool seen = false;
   };
   Entry& entry(const vision::Frame& frame);
+  void check_eyes(const vision::Frame& frame, const vision::DepthImage& depth,
+                  nlohmann::ordered_json& entry);
+  void export_files(const vision::Frame& frame, const vision::DepthImage& depth,
+                    const std::string& name);
   void heard(const vision::Frame& frame, const Error* error);
   void close(std::uint64_t sequence);
 
   const OutputFolder* folder_;
-  vision::ColorRange color_;
+  VisionOptions options_;
+  int eyes_checked_ = 0;
   std::vector<std::string> modules_;
   std::map<std::uint64_t, Entry> open_;
   nlohmann::ordered_json frames_ = nlohmann::ordered_json::array();

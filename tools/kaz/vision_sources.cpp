@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <sstream>
 
 #include "host/robot/capture.h"
 #include "host/robot/robot.h"
@@ -30,6 +31,15 @@ Result<VisionOptions> vision_options(const RecordedOptions& options) {
   const auto ball = ball_options(options);
   if (!ball) return tl::unexpected(ball.error());
   vision.ball = *ball;
+  if (!options.exported.empty()) {
+    std::istringstream words(options.exported);
+    for (std::string word; std::getline(words, word, ',');) {
+      if (word != "depth" && word != "points")
+        return fail(Fault::usage, "--export '" + word + "': there are depth and points");
+      (word == "depth" ? vision.export_depth : vision.export_points) = true;
+    }
+    vision.modules += vision.modules.empty() ? "depth" : ",depth";
+  }
   if (auto known = parse_modules(vision.modules); !known) return tl::unexpected(known.error());
   return vision;
 }
