@@ -49,6 +49,7 @@ bool eyes_look_exchanged(const StereoImages& pair, const FrameInfo& info,
   CameraModel& camera = small.camera;
   camera.width = kWidth;
   camera.height = static_cast<int>(info.camera.height * scale);
+  if (camera.height < options.block_px) return false;
   camera.fx *= scale;
   camera.fy *= scale;
   camera.cx *= scale;

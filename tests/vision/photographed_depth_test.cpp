@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
 #include "vision/depth.h"
 #include "vision/picture_file.h"
 
@@ -75,6 +78,25 @@ std::vector<bool> seen_by_both(const Image& measured) {
   return seen;
 }
 
+struct Score {
+  int all = 0, known = 0, fine = 0, near = 0;  // pixels
+  void add(double error_px, bool is_known) {
+    ++all;
+    if (!is_known) return;
+    ++known;
+    fine += std::abs(error_px) <= 0.6 ? 1 : 0;
+    near += std::abs(error_px) <= 1 ? 1 : 0;
+  }
+};
+
+cv::Mat grey(const Image& image) {
+  const cv::Mat rgb(image.height, image.width, CV_8UC3,
+                    const_cast<std::uint8_t*>(image.rgb.data()));  // only read
+  cv::Mat one;
+  cv::cvtColor(rgb, one, cv::COLOR_RGB2GRAY);
+  return one;
+}
+
 TEST(PhotographedDepth, OfTheAloeIsMostlyRight) {
   const auto left = read_picture(kFolder + "aloeL.jpg"),
              right = read_picture(kFolder + "aloeR.jpg"),
@@ -101,32 +123,45 @@ TEST(PhotographedDepth, OfTheAloeIsMostlyRight) {
     DepthImage depth;
     const auto found = finder.find(pair, info, depth);
     ASSERT_TRUE(found) << found.error().message;
-    int all = 0, known = 0, fine = 0, near = 0;
-    for (int v = 8; v < depth.height - 8; ++v) {
-      for (int u = 8; u < depth.width - 8; ++u) {
-        // Half size: of the upper left of four pixels.
-        const auto at = static_cast<std::size_t>(scale * v * left->width + scale * u);
-        const double d = static_cast<double>(measured->rgb[3 * at]) / scale;
-        if (d == 0 || u - d < 8 || !seen[at] || texture_at(pair.left, u, v, 7) < 2) continue;
-        ++all;
-        if (!depth.known(u, v)) continue;
-        ++known;
-        const double error = std::abs(static_cast<double>(depth.disparity(u, v)) - d);
-        fine += error <= 0.6 ? 1 : 0;
-        near += error <= 1 ? 1 : 0;
+    const auto judged = [&](const char* name, int first, const auto& disparity) {
+      Score score;
+      for (int v = 8; v < depth.height - 8; ++v) {
+        for (int u = first; u < depth.width - 8; ++u) {
+          // Half size: of the upper left of four pixels.
+          const auto at = static_cast<std::size_t>(scale * v * left->width + scale * u);
+          const double d = static_cast<double>(measured->rgb[3 * at]) / scale;
+          if (d == 0 || u - d < 8 || !seen[at] || texture_at(pair.left, u, v, 7) < 2) continue;
+          score.add(static_cast<double>(disparity(u, v)) - d, disparity(u, v) > 0);
+        }
       }
-    }
-    std::printf(
-        "aloe, %d x %d, disparities to %d px: %.1f %% known; of the known %.1f %% within 1 px, "
-        "%.1f %% within 0.6 px; of all %.1f %%, %.1f %%\n",
-        depth.width, depth.height, most / scale, 100.0 * known / all, 100.0 * near / known,
-        100.0 * fine / known, 100.0 * near / all, 100.0 * fine / all);
+      std::printf(
+          "aloe, %d x %d, disparities to %d px, %s: %.1f %% known; of the known %.1f %% within "
+          "1 px, %.1f %% within 0.6 px; of all %.1f %%, %.1f %%\n",
+          depth.width, depth.height, most / scale, name, 100.0 * score.known / score.all,
+          100.0 * score.near / score.known, 100.0 * score.fine / score.known,
+          100.0 * score.near / score.all, 100.0 * score.fine / score.all);
+      return score;
+    };
+    const Score own = judged("kaz", 8, [&](int u, int v) { return depth.disparity(u, v); });
+    // OpenCV's, with the same disparities and left-right check. It gives nothing in the columns on
+    // the left that the disparities take; those are left out for all in these lines.
+    const int range = (most / scale + 16) / 16 * 16;
+    judged("kaz, right part", range + 8, [&](int u, int v) { return depth.disparity(u, v); });
+    const auto peer = [&](const char* name, cv::StereoMatcher& matcher) {
+      matcher.setDisp12MaxDiff(1);
+      cv::Mat codes;
+      matcher.compute(grey(pair.left), grey(pair.right), codes);
+      judged(name, range + 8,
+             [&](int u, int v) { return static_cast<float>(codes.at<short>(v, u)) / 16; });
+    };
+    peer("StereoBM", *cv::StereoBM::create(range, 15));
+    peer("StereoSGBM", *cv::StereoSGBM::create(0, range, 5, 8 * 25, 32 * 25, 1, 0, 10));
     // Leaves narrower than a block of 15 px, and their rims, are where depth is missing or wrong:
     // of all pixels with texture less than nine in ten are right, of those called known more are.
-    EXPECT_GT(known, 0.85 * all);
-    EXPECT_GT(near, 0.9 * known);
+    EXPECT_GT(own.known, 0.85 * own.all);
+    EXPECT_GT(own.near, 0.9 * own.known);
     if (scale == 2) {  // full size is measured to 1 px only
-      EXPECT_GT(fine, 0.9 * known);
+      EXPECT_GT(own.fine, 0.9 * own.known);
     }
   }
 }

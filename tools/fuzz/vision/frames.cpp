@@ -5,6 +5,8 @@
 #include "tools/fuzz/vision/hostile_frames.h"
 #include "tools/fuzz/vision/targets.h"
 #include "vision/ball_track.h"
+#include "vision/depth_file.h"
+#include "vision/exchanged_eyes.h"
 #include "vision/modules.h"
 #include "vision/moving.h"
 #include "vision/pipeline.h"
@@ -109,6 +111,10 @@ class Run {
     add<PlaneSegments>(make_planes_module({}));
     add<PlaneSegments>(make_floor_module({}));
     add<MovingRegions>(std::make_unique<Watch>());
+    (void)pipeline_.subscribe<DepthImage>(
+        "depth", [this](const Frame& f, const DepthImage* depth, const Error*) {
+          if (depth != nullptr) write(f, *depth);
+        });
     (void)pipeline_.subscribe<BallObservation>(
         "color", [this](const Frame& f, const BallObservation* ball, const Error*) {
           if (ball != nullptr) follow(f.info(), *ball);
@@ -162,6 +168,14 @@ class Run {
   void keep(const PlaneSegments& p) { labels_ = p.label; }
   template <class T>
   void keep(const T&) {}
+
+  void write(const Frame& frame, const DepthImage& depth) {
+    (void)eyes_look_exchanged(frame.images(), frame.info());
+    PointCloud cloud;
+    point_cloud(depth, cloud);
+    if (!depth_png(depth) || !points_ply(cloud, frame.images().left))
+      complain("depth that cannot be written");
+  }
 
   void follow(const FrameInfo& info, const BallObservation& ball) {
     track_.observe(ball, info.foot_from_eye);
