@@ -19,6 +19,9 @@ Imu::Imu(const SensorFigures& figures, const SensorSwitches& switches, std::uint
     axis.real = i == 0 ? switches.gyro : switches.accelerometer;
     if (!axis.real) continue;
     axis.offset = spread(axis.figures.zero_offset, seed, kImuOffset + i);
+    axis.stay = std::exp(-tick_s / axis.figures.wander_time_s);
+    axis.stir = axis.figures.wander * std::sqrt(1 - axis.stay * axis.stay);
+    axis.wandered = axis.figures.wander * keyed_normal(seed, 0, kImuWander + i);
     axis.sigma = axis.figures.noise_density * std::sqrt(0.5 / tick_s);
     axis.follow = 1 - std::exp(-2 * std::numbers::pi * axis.figures.bandwidth_hz * tick_s);
   }
@@ -32,6 +35,11 @@ void Imu::advance(std::int64_t tick, const ImuMotion& motion) {
     if (!started_) axis.filtered = input;  // it was on, and at rest, before the run began
     if (axis.sigma > 0)
       input += axis.sigma * keyed_normal(seed_, static_cast<std::uint64_t>(tick), kImuNoise + i);
+    if (axis.stir > 0) {
+      axis.wandered =
+          axis.stay * axis.wandered +
+          axis.stir * keyed_normal(seed_, static_cast<std::uint64_t>(tick), kImuWander + i);
+    }
     axis.filtered += axis.follow * (input - axis.filtered);
   }
   started_ = true;
@@ -39,7 +47,7 @@ void Imu::advance(std::int64_t tick, const ImuMotion& motion) {
 
 double Imu::ratio(int index) const {
   const Axis& axis = axes_[static_cast<std::size_t>(index)];
-  double value = axis.filtered + axis.offset;
+  double value = axis.filtered + axis.offset + axis.wandered;
   if (axis.real) value = std::clamp(value, -axis.figures.range, axis.figures.range);
   return std::clamp(0.5 + axis.figures.share_per_unit * value, 0.0, 1.0);
 }

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Each axis: white noise is added to what is measured, both go through a filter of first order, then
-// offset, scale and saturation. The filter is exact for an input that holds still within a
+// offset, scale and saturation. The offset is one of the part, and what wanders about it: a Gauss-Markov
+// process, x' = e x + sigma sqrt(1 - e^2) n with e = exp(-1 ms / time), which begins anywhere in its
+// spread. The filter is exact for an input that holds still within a
 // millisecond. White noise of one-sided density N is, sampled at 1 kHz, normal with
 // sigma N sqrt(1000 / 2): half the sampling rate is its bandwidth.
 #pragma once
@@ -34,7 +36,10 @@ class Imu {
   template <class A>
   void transfer(A& a) {
     a(started_);
-    for (Axis& axis : axes_) a(axis.filtered);
+    for (Axis& axis : axes_) {
+      a(axis.filtered);
+      a(axis.wandered);
+    }
   }
 
  private:
@@ -42,6 +47,7 @@ class Imu {
     AxisFigures figures;
     bool real = false;  // with its errors
     double offset = 0, sigma = 0, follow = 1, filtered = 0;
+    double stay = 1, stir = 0, wandered = 0;  // per millisecond
   };
   std::uint64_t seed_;
   bool started_ = false;

@@ -19,7 +19,8 @@ SensorFigures figures() {
 }
 SensorFigures quiet() {
   SensorFigures f = figures();
-  f.gyro.noise_density = f.gyro.zero_offset = 0;
+  f.gyro.noise_density = f.gyro.zero_offset = f.gyro.wander = 0;
+  f.accelerometer.wander = 0;
   f.accelerometer.noise_density = f.accelerometer.zero_offset = 0;
   return f;
 }
@@ -58,7 +59,7 @@ TEST(Imu, OffsetIsTheSeedsOwnAndWithinTheLimit) {
   constexpr int count = 2000;
   for (int seed = 0; seed < count; ++seed) {
     SensorFigures f = figures();
-    f.gyro.noise_density = 0;
+    f.gyro.noise_density = f.gyro.wander = 0;
     Imu imu(f, {}, static_cast<std::uint64_t>(seed));
     imu.advance(1, {});
     const double offset = (imu.ratio(0) - 0.5) * 1000;  // degrees/s
@@ -72,7 +73,7 @@ TEST(Imu, OffsetIsTheSeedsOwnAndWithinTheLimit) {
 // Rate noise of the gyro at rest, degrees/s, sampled each millisecond.
 std::vector<double> gyro_at_rest(int count) {
   SensorFigures f = figures();
-  f.gyro.zero_offset = 0;
+  f.gyro.zero_offset = f.gyro.wander = 0;
   Imu imu(f, {}, 11);
   std::vector<double> rates;
   for (int t = 0; t < count; ++t) {
@@ -101,6 +102,27 @@ TEST(Imu, AllanDeviationIsThatOfTheNoiseDensity) {
     // 500 differences or more at 2 s: 4 % of one standard error; three of them.
     EXPECT_NEAR(allan / (0.1 / std::sqrt(2 * tau)), 1.0, 0.12) << tau;
   }
+}
+
+TEST(Imu, ZeroWandersAsAGaussMarkovProcess) {
+  // In t it moves by sigma sqrt(2 (1 - exp(-t / time))), whenever one looks; 300 parts know that to 4 %
+  // of one standard error.
+  constexpr int parts = 300, looked_s = 20;
+  double moved = 0, where = 0;
+  for (int part = 0; part < parts; ++part) {
+    SensorFigures f = quiet();
+    f.gyro.wander = 0.5 * deg;
+    f.gyro.wander_time_s = 100;
+    Imu imu(f, {}, static_cast<std::uint64_t>(part));
+    imu.advance(1, {});
+    const double first = (imu.ratio(0) - 0.5) * 1000;
+    for (int t = 2; t <= looked_s * 1000; ++t) imu.advance(t, {});
+    const double last = (imu.ratio(0) - 0.5) * 1000;
+    moved += (last - first) * (last - first);
+    where += last * last;
+  }
+  EXPECT_NEAR(std::sqrt(where / parts) / 0.5, 1, 0.13);
+  EXPECT_NEAR(std::sqrt(moved / parts) / (0.5 * std::sqrt(2 * (1 - std::exp(-0.2)))), 1, 0.13);
 }
 
 TEST(Imu, NoiseHasTheBandwidthOfTheFilter) {

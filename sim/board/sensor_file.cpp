@@ -31,7 +31,7 @@ constexpr const char* kAccel = "accelerometer";
 // What must not be zero is at least this.
 constexpr double kTiny = 1e-6;
 
-constexpr std::array<Figure, 22> kFigures{{
+constexpr std::array<Figure, 26> kFigures{{
     {kPot, "noise", [](F& f) -> double& { return f.potentiometer.noise_codes; }, 0, 1024, 1},
     {kPot, "linearity", [](F& f) -> double& { return f.potentiometer.linearity; }, 0, 0.05, 1},
     {kPot, "mounting", [](F& f) -> double& { return f.potentiometer.mounting_rad; }, 0, 90,
@@ -51,6 +51,8 @@ constexpr std::array<Figure, 22> kFigures{{
     {"gyro", "scale", [](F& f) -> double& { return f.gyro.share_per_unit; }, kTiny, kAny,
      1 / kDegree},
     {"gyro", "zero_offset", [](F& f) -> double& { return f.gyro.zero_offset; }, 0, kAny, kDegree},
+    {"gyro", "wander", [](F& f) -> double& { return f.gyro.wander; }, 0, kAny, kDegree},
+    {"gyro", "wander_time", [](F& f) -> double& { return f.gyro.wander_time_s; }, kTiny, kAny, 1},
     {"gyro", "bandwidth", [](F& f) -> double& { return f.gyro.bandwidth_hz; }, kTiny, kAny, 1},
     {"gyro", "noise_density", [](F& f) -> double& { return f.gyro.noise_density; }, 0, kAny,
      kDegree},
@@ -59,6 +61,9 @@ constexpr std::array<Figure, 22> kFigures{{
      1 / kGravity},
     {kAccel, "zero_offset", [](F& f) -> double& { return f.accelerometer.zero_offset; }, 0, kAny,
      kGravity},
+    {kAccel, "wander", [](F& f) -> double& { return f.accelerometer.wander; }, 0, kAny, kGravity},
+    {kAccel, "wander_time", [](F& f) -> double& { return f.accelerometer.wander_time_s; }, kTiny,
+     kAny, 1},
     {kAccel, "bandwidth", [](F& f) -> double& { return f.accelerometer.bandwidth_hz; }, kTiny, kAny,
      1},
     {kAccel, "noise_density", [](F& f) -> double& { return f.accelerometer.noise_density; }, 0,

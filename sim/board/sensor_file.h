@@ -35,6 +35,8 @@ struct DriverFigures {
 struct AxisFigures {
   double share_per_unit = 0;  // of AVCC; zero stands at half
   double zero_offset = 0;     // largest, in units
+  double wander = 0;          // of the zero about its offset, one sigma, in units
+  double wander_time_s = 1;   // after which it has forgotten where it was, but for 1/e
   double bandwidth_hz = 40;   // first order, -3 dB
   double noise_density = 0;   // one-sided, units per root Hz
   double range = 0;           // in units; beyond it the output stands
