@@ -1,6 +1,7 @@
 // Registry, options, filter, search pattern, and stand.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/behavior.h"
+#include "host/behavior/get_up.h"
 
 #include <gtest/gtest.h>
 
@@ -174,6 +175,15 @@ TEST_F(Stand, KeepsWhatItFinds) {
   ASSERT_TRUE(outcome);
   EXPECT_TRUE(outcome->success);
   EXPECT_NEAR(board.angles_at(board.now())[host::l_elbow], -0.7, 0.01);
+}
+
+// At rest the accelerometer says which way is up; the part may be 0.2 g off.
+TEST(GetUp, KnowsHowItLies) {
+  EXPECT_EQ(lies_by(-0.8, 0.2), Lies::on_face);
+  EXPECT_EQ(lies_by(1.0, -0.2), Lies::on_back);
+  EXPECT_EQ(lies_by(0.2, -1.0), Lies::on_left);  // up is to its right
+  EXPECT_EQ(lies_by(-0.2, 0.8), Lies::on_right);
+  EXPECT_EQ(lies_by(0.25, -0.2), Lies::upright);
 }
 
 }  // namespace

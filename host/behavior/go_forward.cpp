@@ -44,6 +44,8 @@ Result<Outcome> run(Context& context) {
   outcome.sentence = text;
   outcome.figures = {{"walked_m", walked},
                      {"turned_deg", turned},
+                     {"ahead_m", place.x},
+                     {"aside_m", place.y},
                      {"sigma_along_m", place.sigma_along},
                      {"sigma_across_m", place.sigma_across},
                      {"sigma_heading_deg", place.sigma_heading / motion::kDegree},

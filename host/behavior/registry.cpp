@@ -5,6 +5,7 @@
 #include "host/behavior/approach.h"
 #include "host/behavior/behavior.h"
 #include "host/behavior/catch_ball.h"
+#include "host/behavior/get_up.h"
 #include "host/behavior/go_forward.h"
 #include "host/behavior/search_ball.h"
 #include "host/behavior/stand.h"
@@ -14,8 +15,8 @@
 namespace kaz::behavior {
 
 std::span<const Behavior> behaviors() {
-  static const std::array all{kApproachBall, kCatchBall, kGoForward, kSearchBall,
-                              kStand,        kTrackBall, kTurnLeft,  kTurnRight};
+  static const std::array all{kApproachBall, kCatchBall, kGetUp,    kGoForward, kSearchBall,
+                              kStand,        kTrackBall, kTurnLeft, kTurnRight};
   return all;
 }
 

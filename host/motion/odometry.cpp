@@ -8,7 +8,7 @@ namespace kaz::motion {
 
 namespace {
 
-constexpr double kSlip = 0.03;       // of the way, one sigma
+constexpr double kSlip = 0.015;      // of the way, one sigma
 constexpr double kStanding = 0.001;  // m, what sagging and play leave of a robot that stands
 
 }  // namespace

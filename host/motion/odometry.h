@@ -15,7 +15,7 @@ namespace kaz::motion {
 
 struct Place {
   double x = 0, y = 0, heading = 0;
-  // One sigma. Of the way: 3 % of what was walked (slip, and play in the gears; docs/motion.md), and
+  // One sigma. Of the way: 1.5 % of what was walked (slip, and play in the gears; docs/motion.md), and
   // what the heading's error makes of it across.
   double sigma_along = 0, sigma_across = 0, sigma_heading = 0;
 };
@@ -26,6 +26,7 @@ class Odometry {
   void add(const JointAngles& measured, double left_share, double heading, double sigma_heading);
   const Place& place() const { return place_; }
   double walked() const { return walked_; }  // m, ahead positive
+  double way() const { return way_; }        // m, to and fro
 
  private:
   Place place_;

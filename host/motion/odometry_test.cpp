@@ -28,7 +28,7 @@ TEST(Odometry, CountsWhatTheCarryingFeetDo) {
   EXPECT_NEAR(odometry.walked(), expected, 0.005);
   EXPECT_NEAR(odometry.place().x, expected * std::cos(0.3), 0.03);
   EXPECT_NEAR(odometry.place().y, expected * std::sin(0.3), 0.03);
-  EXPECT_NEAR(odometry.place().sigma_along, 0.03 * expected, 0.003);
+  EXPECT_NEAR(odometry.place().sigma_along, 0.015 * expected, 0.0015);
   EXPECT_GT(odometry.place().sigma_across, odometry.place().sigma_along);
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,6 +60,7 @@ struct Outcome {
   bool caught = false;
   double grasp_mm = 0;  // ball from the centre of the grasp, at the end
   std::vector<std::pair<double, double>> path = {};  // of the trunk, mm, each 0.2 s
+  std::map<std::string, double> figures = {};        // what the robot itself says of it
 };
 
 // Errors: files; the board stopped or refused.

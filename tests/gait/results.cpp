@@ -33,6 +33,7 @@ Json to_json(const Key& key, const std::string& motors, const Entry& entry) {
   // To the tenth of a millimetre: for pictures.
   Json& path = line["path_tenth_mm"] = Json::array();
   for (const auto& [x, y] : out.path) path.push_back({std::lround(10 * x), std::lround(10 * y)});
+  if (!out.figures.empty()) line["figures"] = out.figures;
   return line;
 }
 
@@ -55,6 +56,7 @@ Entry from_json(const Json& line) {
   line.at("grasp_mm").get_to(out.grasp_mm);
   for (const Json& at : line.at("path_tenth_mm"))
     out.path.push_back({at.at(0).get<double>() / 10, at.at(1).get<double>() / 10});
+  if (line.contains("figures")) line.at("figures").get_to(out.figures);
   return entry;
 }
 

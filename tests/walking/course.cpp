@@ -24,6 +24,10 @@ using motion::kDegree;
 constexpr double kFallen_m = 0.11,
                  kFallen_deg = 50;  // hips' height, and trunk against the vertical
 constexpr double kPathEvery_s = 0.2;
+constexpr double kKnock_ns = 0.5;
+constexpr Time kLook = std::chrono::milliseconds(20);
+// Of who got up: hips' height in the crouch is 0.145 m.
+constexpr double kUp_m = 0.135, kUp_deg = 10;
 
 // The truth, millisecond by millisecond; and the hand that pushes.
 class Onlooker final : public behavior::Sink {
@@ -63,9 +67,13 @@ class Onlooker final : public behavior::Sink {
       }
     }
     if (trial_.push_ns > 0 && now >= trial_.push_every_s * static_cast<double>(pushes_ + 1)) {
-      const double way = 2 * std::numbers::pi * 1000 * noise(seed_, gait::Noise::push, pushes_++);
+      const double way = trial_.push_to_deg ? *trial_.push_to_deg * kDegree
+                                            : 2 * std::numbers::pi * 1000 *
+                                                  noise(seed_, gait::Noise::push, pushes_);
+      ++pushes_;
+      const double to = way + yaw_of(pose);
       return simulation_.world().push("trunk",
-                                      trial_.push_ns * Vector3d(std::cos(way), std::sin(way), 0));
+                                      trial_.push_ns * Vector3d(std::cos(to), std::sin(to), 0));
     }
     return {};
   }
@@ -77,9 +85,15 @@ class Onlooker final : public behavior::Sink {
     out_.heading_deg = heading_ / kDegree;
     for (const sim::JointState& joint : simulation_.world().joints())
       out_.hottest_celsius = std::max(out_.hottest_celsius, joint.winding_celsius);
+    if (trial_.judged == Judged::get_up) {
+      const double tilt = std::acos(std::clamp(trunk().linear()(2, 2), -1.0, 1.0)) / kDegree;
+      out_.fell = trunk().translation().z() < kUp_m || tilt > kUp_deg;
+      out_.seconds = seconds(simulation_.time()) - begun_;
+    }
     return out_;
   }
 
+  void begin() { begun_ = seconds(simulation_.time()); }
   bool fell() const { return out_.fell; }
 
  private:
@@ -98,7 +112,7 @@ class Onlooker final : public behavior::Sink {
   const bool trace_;
   Eigen::Isometry3d origin_ = Eigen::Isometry3d::Identity();
   Outcome out_;
-  double begin_ = 0, heading_ = 0;
+  double begun_ = 0, begin_ = 0, heading_ = 0;
   std::uint64_t pushes_ = 0;
 };
 
@@ -119,6 +133,32 @@ class WatchedClock final : public host::Clock {
   lockstep::LockstepClock clock_;
   Onlooker& onlooker_;
 };
+
+// Into the crouch, then motors off and pushed over; 2.5 s to come to rest.
+Result<void> knock_down(host::Robot& robot, sim::Simulation& simulation, double to_deg,
+                        std::uint64_t seed) {
+  const auto wait = [&robot](double time_s) -> Result<void> {
+    const Time end = robot.clock().now() + from_seconds(time_s);
+    while (robot.clock().now() < end) {
+      if (auto slept = robot.clock().sleep_until(robot.clock().now() + kLook); !slept) return slept;
+      if (auto state = robot.state(); !state) return tl::unexpected(state.error());
+    }
+    return {};
+  };
+  if (auto on = robot.enable(host::kAllJoints); !on) return on;
+  std::vector<host::JointTarget> crouch;
+  for (int j = 0; j < KZ_JOINTS; ++j)
+    crouch.push_back({j, motion::home()[static_cast<std::size_t>(j)]});
+  if (auto set = robot.set_targets(crouch, from_seconds(1.5)); !set) return set;
+  if (auto done = wait(2.0); !done) return done;
+  if (auto off = robot.enable(0); !off) return off;
+  const double to = (to_deg + 20 * noise(seed, gait::Noise::push, 0)) * kDegree;
+  if (auto pushed =
+          simulation.world().push("trunk", kKnock_ns * Vector3d(std::cos(to), std::sin(to), 0));
+      !pushed)
+    return pushed;
+  return wait(2.5);
+}
 
 Result<std::unique_ptr<sim::Simulation>> make(const Trial& trial, const Setting& setting,
                                               const trials::RobotFolder& files,
@@ -158,10 +198,15 @@ Result<Outcome> run_trial(const Trial& trial, const Setting& setting, std::uint6
   auto options = behavior::OptionValues::parse(behavior->options, trial.options);
   if (!options) return tl::unexpected(options.error());
   behavior::Context context{*robot, clock, nullptr, onlooker, *options, seed};
+  if (trial.knocked_to_deg) {
+    if (auto down = knock_down(*robot, **simulation, *trial.knocked_to_deg, seed); !down)
+      return tl::unexpected(down.error());
+  }
+  onlooker.begin();
   const auto done = behavior->run(context);
   if (setting.trace && done) std::fprintf(stderr, "%s\n", done->sentence.c_str());
   if (!done && !onlooker.fell()) return tl::unexpected(done.error());
-  if (done && trial.push_ns > 0) {
+  if (done && trial.judged == Judged::stand) {
     // Standing under pushes: ten of them, heard of by nobody.
     onlooker.phase(clock.now(), trial.name, "hold");
     const Time end = clock.now() + from_seconds(10.5 * trial.push_every_s);
@@ -170,7 +215,11 @@ Result<Outcome> run_trial(const Trial& trial, const Setting& setting, std::uint6
           !slept && !onlooker.fell())
         return tl::unexpected(slept.error());
   }
-  return onlooker.outcome();
+  Outcome out = onlooker.outcome();
+  if (done) {
+    for (const auto& [name, value] : done->figures) out.figures[name] = value;
+  }
+  return out;
 }
 
 }  // namespace kaz::walking

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ namespace kaz::walking {
 
 using gait::Outcome;
 
-enum class Judged { walk, turn, stand };
+enum class Judged { walk, turn, stand, get_up };
 
 struct Trial {
   std::string name = {};
@@ -30,8 +31,12 @@ struct Trial {
   double supply_volts = 10;
   bool imu = true;  // the board has the option
   std::string sensors = "nominal";
-  double push_ns = 0;  // on the trunk, of random direction, every push_every_s
+  double push_ns = 0;  // on the trunk, every push_every_s
+  std::optional<double> push_to_deg =
+      {};  // against ahead, + to the left; none: any way, by the seed
   double push_every_s = 1.5;
+  // Before the behaviour begins: motors off and a push of 0.5 Ns that way, 20 degrees (one sigma) beside.
+  std::optional<double> knocked_to_deg = {};
 };
 
 struct Setting {

@@ -3,6 +3,7 @@
 #include "tests/walking/score.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
 
@@ -90,8 +91,9 @@ std::string table(const gait::Results& results, const std::vector<Trial>& trials
     out << "| " << trial.name
         << text_of(" | %d of %d | %.1f to %.1f %% | %d", line.done, line.all, 100 * line.low,
                    100 * line.high, line.falls);
-    if (trial.judged == Judged::stand) {
-      out << " |  |  |  |  |\n";
+    if (trial.judged == Judged::stand || trial.judged == Judged::get_up) {
+      out << " |  |  |  |" << (trial.judged == Judged::stand ? "" : text_of(" %.1f", line.seconds))
+          << " |\n";
       continue;
     }
     out << text_of(" | %+.1f ± %.1f%s | %.1f%s | ", line.mean, line.sigma, unit, line.most, unit);
@@ -100,6 +102,46 @@ std::string table(const gait::Results& results, const std::vector<Trial>& trials
     out << text_of(" | %.1f |\n", line.seconds);
     if (const int errors = results.errors(trial.name, variant); errors > 0)
       out << "|  | and " << errors << " that broke off |  |  |  |  |  |  |\n";
+  }
+  return out.str();
+}
+
+std::string odometry_table(const gait::Results& results, const std::vector<Trial>& trials,
+                           const std::string& variant) {
+  std::ostringstream out;
+  for (const Trial& trial : trials) {
+    if (trial.judged != Judged::walk) continue;
+    // Along, across, heading.
+    std::array<double, 3> sum{}, squares{}, sigmas{};
+    int count = 0;
+    for (const Outcome& one : results.of(trial.name, variant)) {
+      if (one.fell || !one.figures.contains("ahead_m")) continue;
+      const auto said = [&one](const char* name) { return one.figures.at(name); };
+      const std::array<double, 3> off{said("ahead_m") - one.forward_m,
+                                      said("aside_m") - one.aside_m,
+                                      said("turned_deg") - one.heading_deg};
+      const std::array<double, 3> sigma{said("sigma_along_m"), said("sigma_across_m"),
+                                        said("sigma_heading_deg")};
+      for (std::size_t i = 0; i < 3; ++i) {
+        sum[i] += off[i];
+        squares[i] += off[i] * off[i];
+        sigmas[i] += off[i] * off[i] / (sigma[i] * sigma[i]);
+      }
+      ++count;
+    }
+    if (count == 0) continue;
+    if (out.str().empty()) {
+      out << "| walk | along, mm | in sigmas | across, mm | in sigmas | heading, ° | in sigmas |\n"
+             "| --- | --- | --- | --- | --- | --- | --- |\n";
+    }
+    out << "| " << trial.name << " (" << count << ")";
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double unit = i < 2 ? 1e3 : 1, mean = sum[i] / count;
+      out << text_of(" | %+.1f ± %.1f | %.2f", unit * mean,
+                     unit * std::sqrt(std::max(0.0, squares[i] / count - mean * mean)),
+                     std::sqrt(sigmas[i] / count));
+    }
+    out << " |\n";
   }
   return out.str();
 }

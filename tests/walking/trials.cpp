@@ -58,6 +58,20 @@ std::vector<Trial> make() {
     trial.push_ns = push;
     all.push_back(trial);
   }
+  for (const double push : {0.2, 0.3, 0.4}) {
+    for (const auto& [to, degrees] : {std::pair{"ahead", 0.0}, {"left", 90.0}, {"back", 180.0}}) {
+      all.push_back(walk("walk 1 m, pushes " + number(push) + " Ns to " + to));
+      all.back().push_ns = push;
+      all.back().push_to_deg = degrees;
+    }
+  }
+  for (const auto& [to, degrees] :
+       {std::pair{"ahead", 0.0}, {"back", 180.0}, {"to its left", 90.0}, {"to its right", -90.0}}) {
+    Trial trial{
+        .name = std::string("get up, fell ") + to, .judged = Judged::get_up, .behavior = "get-up"};
+    trial.knocked_to_deg = degrees;
+    all.push_back(trial);
+  }
   return all;
 }
 

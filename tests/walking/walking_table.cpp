@@ -100,7 +100,11 @@ Result<void> run(const Arguments& arguments) {
     if (auto done = work(arguments, jobs_of(arguments, chosen, *results), *results); !done)
       return done;
   }
-  const std::string text = table(*results, chosen, arguments.engine);
+  std::string text = table(*results, chosen, arguments.engine);
+  if (const std::string believed = odometry_table(*results, chosen, arguments.engine);
+      !believed.empty()) {
+    text += "\n" + believed;
+  }
   std::printf("%s", text.c_str());
   if (auto done = write(arguments.out + "/table.md", text); !done) return done;
   if (auto done =

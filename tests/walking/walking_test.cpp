@@ -40,6 +40,16 @@ TEST(Walking, TurnsByTheGyro) {
   EXPECT_TRUE(succeeded(asked, run(asked, 1)));
 }
 
+TEST(Walking, GetsUpFromItsFace) {
+  const Outcome out = run(trial("get up, fell ahead"), 1);
+  EXPECT_FALSE(out.fell);
+}
+
+TEST(Walking, GetsUpFromItsBack) {
+  const Outcome out = run(trial("get up, fell back"), 1);
+  EXPECT_FALSE(out.fell);
+}
+
 TEST(Walking, CountsFallsAndMisses) {
   const Trial walk{.distance = 1}, turn{.judged = Judged::turn, .turn_deg = -45};
   EXPECT_TRUE(succeeded(walk, {.forward_m = 0.95, .aside_m = 0.05, .heading_deg = 7}));
