@@ -49,6 +49,19 @@ TEST(Pickup, KeepsTheWeightOverTheSolesAndTheSolesFlat) {
   }
 }
 
+// The pose that was found by search when the body was designed; 0.1 degrees is its rounding.
+TEST(Pickup, BendsAsWasFound) {
+  const auto plan = Pickup::plan(Side::right, {0.100, -0.055}, 0.020);
+  ASSERT_TRUE(plan);
+  const JointAngles bent = plan->at(plan->down_s());
+  EXPECT_NEAR(bent[host::r_hip_pitch] / kDegree, -115.1, 0.1);
+  EXPECT_NEAR(bent[host::r_knee] / kDegree, 101.0, 0.1);
+  EXPECT_NEAR(bent[host::r_ankle_pitch] / kDegree, -35.9, 0.1);
+  EXPECT_NEAR(bent[host::r_sh_pitch] / kDegree, -58.4, 0.1);
+  EXPECT_NEAR(bent[host::r_sh_roll] / kDegree, 13.3, 0.1);
+  EXPECT_NEAR(bent[host::r_elbow] / kDegree, -13.5, 0.1);
+}
+
 TEST(Pickup, SidesAreAlike) {
   const auto right = Pickup::plan(Side::right, {0.1, -0.05}, 0.018);
   const auto left = Pickup::plan(Side::left, {0.1, 0.05}, 0.018);

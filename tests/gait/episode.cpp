@@ -6,9 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/motion/reach.h"
 #include "host/robot/robot.h"
-#include "sim/body/robot_model.h"
-#include "tests/gait/catch_motion.h"
 #include "tools/lockstep/lockstep.h"
 
 namespace kaz::gait {
@@ -26,6 +25,7 @@ constexpr double kTurnPerSupport = 11.5 * kDegree;  // of one double support at 
 constexpr double kTurnedEnough = 3 * kDegree;
 constexpr double kStand_s = 12, kSettle_s = 0.5;
 const Vector2d kBallAt(0.100, -0.055);
+constexpr double kBallRadius = 0.020;
 
 class Episode {
  public:
@@ -94,7 +94,7 @@ class Episode {
     if (auto set = set_gains(); !set) return set;
     if (auto on = robot_->enable(host::kAllJoints); !on) return on;
     // Into the crouch, each joint off its place by a little.
-    JointAngles first = standing();
+    JointAngles first = home();
     for (std::size_t j = 0; j < first.size(); ++j) {
       const auto& limit = host::joint_table()[j];
       first[j] = std::clamp(first[j] + 0.5 * kDegree * noise(seed_, Noise::start, j),
@@ -179,7 +179,7 @@ class Episode {
       if (ending && amplitude == 0) break;
     }
     out_.seconds = time_;
-    return stay(standing(), kSettle_s);
+    return stay(home(), kSettle_s);
   }
 
   Result<void> stay(const JointAngles& angles, double for_s) {
@@ -238,27 +238,25 @@ class Episode {
   }
 
   Result<void> stand() {
-    auto done = stay(standing(), kStand_s);
+    auto done = stay(home(), kStand_s);
     out_.seconds = time_;
     return done;
   }
 
   Result<void> grab() {
-    const auto robot = sim::load_robot(setting_.robot_folder + "/kaz.urdf");
-    if (!robot) return tl::unexpected(robot.error());
-    auto plan = CatchMotion::plan(*robot, kBallAt.x(), kBallAt.y());
-    if (!plan) return tl::unexpected(plan.error());
+    const auto plan = motion::Pickup::plan(host::Side::right, kBallAt, kBallRadius);
+    if (!plan) return fail(Fault::failed, "the arm does not reach the ball where it is assumed");
     // Smoothly from standing to the same with the centre of mass where the plan has it.
     if (auto sent = send(plan->at(0), 0.5); !sent) return sent;
     beat_ += from_seconds(0.5);
     if (auto slept = robot_->clock().sleep_until(beat_); !slept) return slept;
-    while (time_ < plan->duration() - 1e-9 && !out_.fell)
+    while (time_ < plan->end_s() - 1e-9 && !out_.fell)
       if (auto done = step(plan->at(time_ + kBeat_s)); !done) return done;
     out_.seconds = time_;
-    if (auto done = stay(plan->at(plan->duration()), 1.0); !done) return done;
+    if (auto done = stay(plan->at(plan->end_s()), 1.0); !done) return done;
     const auto ball = world().object_position("ball");
     if (!ball) return tl::unexpected(ball.error());
-    out_.grasp_mm = 1e3 * (*ball - world().link_pose("r_elbow") * CatchMotion::grasp()).norm();
+    out_.grasp_mm = 1e3 * (*ball - world().link_pose("r_elbow") * motion::kGrasp).norm();
     out_.caught = !out_.fell && out_.grasp_mm < 30 && ball->z() > 0.05;
     return {};
   }

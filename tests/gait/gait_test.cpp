@@ -11,7 +11,6 @@
 
 #include "sim/body/robot_model.h"
 #include "sim/body/world.h"
-#include "tests/gait/catch_motion.h"
 #include "tests/gait/report.h"
 
 namespace kaz::gait {
@@ -36,29 +35,6 @@ Outcome run(const std::string& name, std::uint64_t seed) {
   return out;
 }
 
-// Of both bones and the foot, sole flat: where the ankle is, for angles as the robot's file has them.
-TEST(Gait, LegsReachWhereTheyAreAsked) {
-  const auto robot = sim::load_robot(KAZ_ROBOT "/kaz.urdf");
-  ASSERT_TRUE(robot);
-  for (const double roll : {-20.0, 0.0, 13.0}) {
-    const Body body{.x = -0.01, .z = 0.14, .pitch = 6 * kDegree, .roll = roll * kDegree};
-    JointAngles angles{};
-    set_leg(angles, host::Side::left, leg_to(body, host::Side::left, 0.018, 0.008));
-    set_leg(angles, host::Side::right, leg_to(body, host::Side::right, -0.015, 0));
-    Eigen::Isometry3d trunk = Eigen::Isometry3d::Identity();
-    trunk.translation() = Eigen::Vector3d(body.x, 0, body.z);
-    trunk.rotate(Eigen::AngleAxisd(body.pitch, Eigen::Vector3d::UnitY()));
-    trunk.rotate(Eigen::AngleAxisd(body.roll, Eigen::Vector3d::UnitX()));
-    for (const host::Side side : {host::Side::left, host::Side::right}) {
-      const bool left = side == host::Side::left;
-      const Eigen::Isometry3d sole = trunk * host::trunk_from_sole(angles, side);
-      EXPECT_NEAR(sole.translation().x(), left ? 0.018 : -0.015, 1e-6);
-      EXPECT_NEAR(sole.translation().z(), left ? 0.008 : 0, 1e-6);
-      EXPECT_NEAR((sole.linear() - Eigen::Matrix3d::Identity()).norm(), 0, 1e-6) << "flat";
-    }
-  }
-}
-
 // At 50 Hz nothing leaps: 12 rad/s is what the motors do unloaded. Starts and ends in the crouch.
 TEST(Gait, IsSmooth) {
   const Shape walk, turn{.period = 1.8};
@@ -72,29 +48,13 @@ TEST(Gait, IsSmooth) {
         EXPECT_LT(std::abs(w[j] - walked[j]), 0.24) << i << " " << j;
         EXPECT_LT(std::abs(t[j] - turned[j]), 0.24) << i << " " << j;
         if (amplitude == 0) {
-          EXPECT_NEAR(w[j], standing()[j], 1e-12);
+          EXPECT_NEAR(w[j], home()[j], 1e-12);
         }
       }
       walked = w;
       turned = t;
     }
   }
-}
-
-// The pose that was found by search, for shoulders 80 mm from the middle; 0.1 degrees is its rounding.
-TEST(Gait, PlansTheBendToABall) {
-  const auto robot = sim::load_robot(KAZ_ROBOT "/kaz.urdf");
-  ASSERT_TRUE(robot);
-  auto plan = CatchMotion::plan(*robot, 0.100, -0.055);
-  ASSERT_TRUE(plan) << plan.error().message;
-  const JointAngles bent = plan->at(3.0);
-  EXPECT_NEAR(bent[host::r_hip_pitch] / kDegree, -115.1, 0.1);
-  EXPECT_NEAR(bent[host::r_knee] / kDegree, 101.0, 0.1);
-  EXPECT_NEAR(bent[host::r_ankle_pitch] / kDegree, -35.9, 0.1);
-  EXPECT_NEAR(bent[host::r_sh_pitch] / kDegree, -58.4, 0.1);
-  EXPECT_NEAR(bent[host::r_sh_roll] / kDegree, 13.3, 0.1);
-  EXPECT_NEAR(bent[host::r_elbow] / kDegree, -13.5, 0.1);
-  EXPECT_FALSE(CatchMotion::plan(*robot, 0.3, -0.055)) << "out of reach";
 }
 
 // Without sensors' noise and rounding, and without backlash, the gait that starts with the other foot is the
