@@ -95,6 +95,7 @@ class Onlooker final : public behavior::Sink {
 
   void begin() { begun_ = seconds(simulation_.time()); }
   bool fell() const { return out_.fell; }
+  bool gives_up() const { return out_.fell && !trial_.to_the_end; }
 
  private:
   Eigen::Isometry3d trunk() const { return simulation_.world().link_pose("trunk"); }
@@ -125,7 +126,7 @@ class WatchedClock final : public host::Clock {
   Result<void> sleep_until(Time t) override {
     if (auto slept = clock_.sleep_until(t); !slept) return slept;
     if (auto looked = onlooker_.look(); !looked) return looked;
-    if (onlooker_.fell()) return fail(Fault::failed, "the robot has fallen");
+    if (onlooker_.gives_up()) return fail(Fault::failed, "the robot has fallen");
     return {};
   }
 
@@ -216,6 +217,11 @@ Result<Outcome> run_trial(const Trial& trial, const Setting& setting, std::uint6
         return tl::unexpected(slept.error());
   }
   Outcome out = onlooker.outcome();
+  if (trial.to_the_end && done) {
+    out.figures["seen_to_fall"] = done->sentence.find("fell") != std::string::npos;
+    for (const sim::JointState& joint : (*simulation)->world().joints())
+      out.figures["current_a"] += std::abs(joint.current);
+  }
   if (done) {
     for (const auto& [name, value] : done->figures) out.figures[name] = value;
   }

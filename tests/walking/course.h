@@ -37,6 +37,9 @@ struct Trial {
   double push_every_s = 1.5;
   // Before the behaviour begins: motors off and a push of 0.5 Ns that way, 20 degrees (one sigma) beside.
   std::optional<double> knocked_to_deg = {};
+  // Whoever falls is watched to the behaviour's own end: figures `seen_to_fall`, which the behaviour says,
+  // and `current_a`, then, of all motors together.
+  bool to_the_end = false;
 };
 
 struct Setting {

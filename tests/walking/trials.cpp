@@ -58,7 +58,7 @@ std::vector<Trial> make() {
     trial.push_ns = push;
     all.push_back(trial);
   }
-  for (const double push : {0.2, 0.3, 0.4}) {
+  for (const double push : {0.3, 0.4, 0.5, 0.6}) {
     for (const auto& [to, degrees] : {std::pair{"ahead", 0.0}, {"left", 90.0}, {"back", 180.0}}) {
       all.push_back(walk("walk 1 m, pushes " + number(push) + " Ns to " + to));
       all.back().push_ns = push;

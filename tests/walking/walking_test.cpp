@@ -50,6 +50,20 @@ TEST(Walking, GetsUpFromItsBack) {
   EXPECT_FALSE(out.fell);
 }
 
+// Pushed over in the middle of a walk: the robot itself notices, says so, and is limp.
+TEST(Walking, NoticesAFallAndGoesLimp) {
+  Trial asked = trial("walk 1 m");
+  asked.options["distance"] = "0.3";
+  asked.push_ns = 1.5;
+  asked.push_every_s = 3;
+  asked.push_to_deg = 0;
+  asked.to_the_end = true;
+  Outcome out = run(asked, 1);
+  EXPECT_TRUE(out.fell);
+  EXPECT_EQ(out.figures["seen_to_fall"], 1);
+  EXPECT_LT(out.figures["current_a"], 1e-6);
+}
+
 TEST(Walking, CountsFallsAndMisses) {
   const Trial walk{.distance = 1}, turn{.judged = Judged::turn, .turn_deg = -45};
   EXPECT_TRUE(succeeded(walk, {.forward_m = 0.95, .aside_m = 0.05, .heading_deg = 7}));
