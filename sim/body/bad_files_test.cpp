@@ -226,6 +226,12 @@ INSTANTIATE_TEST_SUITE_P(
              "<kaz:kick> needs the attribute `velocity` with 3 numbers"},
         Case{"robot_pose", "<kaz:robot pose=\"0 0 0 0 0 0\"/>", "<kaz:robot pose=\"0 0 0\"/>", 0,
              "<kaz:robot> needs the attribute `pose` with 6 numbers"},
+        Case{"lamp_below", "<kaz:robot",
+             "<kaz:light to_lamp=\"1 0 0\" lamp=\"1\" shade=\"1\"/><kaz:robot", 0,
+             "<kaz:light> needs a lamp 3 degrees or more above"},
+        Case{"lamp_dark", "<kaz:robot",
+             "<kaz:light to_lamp=\"1 0 1\" lamp=\"-1\" shade=\"1\"/><kaz:robot", 0,
+             "<kaz:light> needs the attribute `lamp` with 1 number not below 0"},
         Case{"texture", "<kaz:texture name=\"wood\"/>", "<kaz:texture name=\"oak\"/>", 0,
              "<kaz:texture> needs a `name` of checker, wood or carpet"},
         Case{"frozen_ball", "<kaz:kick time=\"7.0\"", "<static>true</static><kaz:kick time=\"7.0\"",
@@ -256,6 +262,14 @@ TEST(SoundWorldFile, IsTaken) {
   EXPECT_EQ(ball.rigid.collisions[0].surface.restitution, 0.7);
   EXPECT_EQ(ball.rigid.collisions[0].surface.rolling_resistance, 0.0002);
   EXPECT_EQ(world->bodies[0].rigid.visuals[0].texture, "wood");
+  EXPECT_EQ(world->light.to_key, Light{}.to_key) << "without <kaz:light>";
+  const Case light{"", "<kaz:robot",
+                   "<kaz:light to_lamp=\"0 2 3\" lamp=\"0.5\" shade=\"1.2\"/><kaz:robot", 0, ""};
+  const auto lit = load_world(folder.write("lit.sdf", changed(kSoundWorld, light).first));
+  ASSERT_TRUE(lit) << lit.error().message;
+  EXPECT_EQ(lit->light.to_key, Eigen::Vector3d(0, 2, 3));
+  EXPECT_EQ(lit->light.key, 0.5);
+  EXPECT_EQ(lit->light.shaded, 1.2);
 }
 
 TEST(BadWorldFile, NamesTheLinkToo) {
@@ -286,7 +300,8 @@ TEST(Load, NamesAnUnknownStepper) {
   options.stepper = "fast";
   const auto world = World::load(test::kEmpty, test::kRobot, options);
   ASSERT_FALSE(world);
-  EXPECT_NE(world.error().message.find("stepper \"fast\" is unknown (--dynamics)"), std::string::npos);
+  EXPECT_NE(world.error().message.find("stepper \"fast\" is unknown (--dynamics)"),
+            std::string::npos);
 }
 
 TEST(Load, NamesAnUnknownMotor) {

@@ -32,10 +32,18 @@ struct Visual {
   std::string texture;  // "", "checker", "wood", "carpet": procedural, drawn with `color` as base
 };
 
+// A lamp or sun far away, and what the sky and the surroundings give.
+struct Light {
+  Eigen::Vector3d to_key{0.55, -0.50, 1.0};  // direction to the lamp, any length; from above
+  double key = 1,
+         shaded = 1;  // factors on the light of the lamp, and on that where it does not reach
+};
+
 // Does not change while the world runs.
 struct Scene {
   std::vector<Visual> visuals;
   std::vector<std::string> frames;  // name of each moving body; frame 0 is the world
+  Light light;
 };
 
 // One instant: world pose of each frame.

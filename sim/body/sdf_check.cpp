@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/sdf_check.h"
 
+#include <cmath>
 #include <map>
 #include <set>
 #include <vector>
@@ -17,7 +18,7 @@ using Element = tinyxml2::XMLElement;
 // What may stand in what. Some names stand in several places, so keys are the ends of paths.
 const std::map<std::string, std::set<std::string>> kChildren{
     {"sdf", {"world"}},
-    {"world", {"gravity", "model", "kaz:robot"}},
+    {"world", {"gravity", "model", "kaz:light", "kaz:robot"}},
     {"model", {"static", "pose", "link", "kaz:kick"}},
     {"link", {"pose", "inertial", "visual", "collision"}},
     {"inertial", {"mass", "pose", "inertia"}},
@@ -88,6 +89,9 @@ struct OwnAttribute {
 };
 const OwnAttribute kOwn[] = {
     {"kaz:robot", "pose", {6}},
+    {"kaz:light", "to_lamp", {3}},
+    {"kaz:light", "lamp", {1, 0, 10}},
+    {"kaz:light", "shade", {1, 0, 10}},
     {"kaz:kick", "time", {1, 0}},
     {"kaz:kick", "velocity", {3}},
     {"kaz:rolling_resistance", "metres", {1, 0}},
@@ -211,6 +215,11 @@ class Check {
           geometry->NextSiblingElement("geometry") != nullptr) {
         return error(element, "<" + name + "> must hold one <geometry> with one shape");
       }
+    }
+    if (name == "kaz:light") {  // the renderer's limit: shadows of a lower lamp are endless
+      const auto to = parse_numbers(element.Attribute("to_lamp"), 3).value();
+      if (!(to[2] > 0.05 * std::hypot(to[0], to[1], to[2])))
+        return error(element, "<kaz:light> needs a lamp 3 degrees or more above the floor");
     }
     if (name == "kaz:texture") {
       const char* texture = element.Attribute("name");

@@ -27,6 +27,7 @@ StagedWorld::StagedWorld(const WorldModel& world, const RobotModel& robot,
       joint_order_(robot.joint_order()),
       link_frames_(robot.frames) {
   scene_.frames.push_back("world");
+  scene_.light = world.light;
   // The root's origin hangs above the point between the soles.
   const double feet = options.hung ? kHungHeight : 0.0;
   const Eigen::AlignedBox3d extent = robot.extent();

@@ -189,6 +189,13 @@ Result<WorldModel> load_world(const std::string& sdf_path) {
     const auto p = numbers(world.Element()->GetElement("kaz:robot"), "pose", 6);
     out.robot_start = pose_of(ignition::math::Pose3d(p[0], p[1], p[2], p[3], p[4], p[5]));
   }
+  if (world.Element()->HasElement("kaz:light")) {
+    const sdf::ElementPtr e = world.Element()->GetElement("kaz:light");
+    const auto to_lamp = numbers(e, "to_lamp", 3);
+    out.light = {{to_lamp[0], to_lamp[1], to_lamp[2]},
+                 numbers(e, "lamp", 1).front(),
+                 numbers(e, "shade", 1).front()};
+  }
   for (std::uint64_t i = 0; i < world.ModelCount(); ++i) add(*world.ModelByIndex(i), out);
   return out;
 }

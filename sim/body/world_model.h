@@ -30,6 +30,7 @@ struct WorldBody {
 struct WorldModel {
   Eigen::Vector3d gravity{0, 0, -9.81};
   std::vector<WorldBody> bodies;
+  Light light;
   // Where the robot starts: the point between its soles, x forward.
   Eigen::Isometry3d robot_start = Eigen::Isometry3d::Identity();
 };

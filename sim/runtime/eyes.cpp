@@ -121,6 +121,7 @@ void Eyes::expose(Time now, ScenePose pose) {
     right = {optics_->right.ideal(),
              right.world_from_optical * optics_->right.mounting_from_optical()};
   }
+  left.light = right.light = mounting_.light;
 
   auto drawn = std::make_shared<std::promise<Drawn>>();
   auto images = std::make_shared<std::promise<std::shared_ptr<const vision::StereoImages>>>();

@@ -57,6 +57,7 @@ class Eyes {
     int head_frame = 0;  // index into ScenePose::frames
     // Optical frames in that frame.
     Eigen::Isometry3d left = Eigen::Isometry3d::Identity(), right = Eigen::Isometry3d::Identity();
+    Light light = {};  // of the world that they are in
   };
 
   // What the recording keeps of each pair.

@@ -47,6 +47,20 @@ class GatedRenderer final : public Renderer {
   Gate& gate_;
 };
 
+// Keeps what light it was asked for.
+class LightRenderer final : public Renderer {
+ public:
+  explicit LightRenderer(std::vector<double>& keys) : keys_(keys) {}
+  Result<void> set_scene(const Scene&) override { return {}; }
+  Result<void> render(const ScenePose& pose, const View& view, Picture& picture) override {
+    keys_.push_back(view.light.key);
+    return TestRenderer().render(pose, view, picture);
+  }
+
+ private:
+  std::vector<double>& keys_;
+};
+
 RendererFactory gated(Gate& gate) {
   return [&gate]() -> Result<std::unique_ptr<Renderer>> {
     return std::unique_ptr<Renderer>(std::make_unique<GatedRenderer>(gate));
@@ -63,6 +77,26 @@ Eyes::Mounting mounting() {
   m.left.translation() = Eigen::Vector3d(0.03, 0.02, 0);
   m.right.translation() = Eigen::Vector3d(0.03, -0.02, 0);
   return m;
+}
+
+TEST(Eyes, SeeByTheLightOfTheirWorld) {
+  for (const bool ideal : {true, false}) {
+    std::vector<double> keys;
+    {
+      RenderThread draws({}, [&]() -> Result<std::unique_ptr<Renderer>> {
+        return std::unique_ptr<Renderer>(std::make_unique<LightRenderer>(keys));
+      });
+      CameraFile camera = small_camera();
+      camera.ideal = ideal;
+      Eyes::Mounting dim = mounting();
+      dim.light.key = 0.25;
+      Eyes eyes(draws, camera, dim, FramePolicy::wait, Eyes::Keep::digests);
+      for (int t = 1; t <= 34; ++t) ASSERT_TRUE(eyes.look(milliseconds(t), still));
+      eyes.take_digests(true);  // waits for the drawing
+    }
+    ASSERT_GE(keys.size(), 2u);
+    for (const double key : keys) EXPECT_EQ(key, 0.25);
+  }
 }
 
 TEST(Eyes, ExposeThirtyTimesASecondOnTheStepGrid) {

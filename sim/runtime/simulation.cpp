@@ -28,7 +28,7 @@ Eyes::Mounting eye_mounting(const World& world) {
   const Eigen::Isometry3d world_from_head = pose.frames[static_cast<std::size_t>(frame)];
   const Eigen::Isometry3d head_from_world = world_from_head.inverse();
   return {frame, head_from_world * world.link_pose("left_eye"),
-          head_from_world * world.link_pose("right_eye")};
+          head_from_world * world.link_pose("right_eye"), world.scene().light};
 }
 
 // Which channel of the servo board drives each joint: that of its name in joints.def, or, if the
@@ -288,10 +288,12 @@ std::uint64_t Simulation::pairs_left_out() const {
 Result<Picture> Simulation::picture(const View& view, const ScenePose& pose) {
   std::promise<Result<Picture>> promise;
   auto future = promise.get_future();
-  draws_.submit([&promise, &view, &pose](const Result<Renderer*>& renderer) {
+  View lit = view;
+  lit.light = world_->scene().light;
+  draws_.submit([&promise, &lit, &pose](const Result<Renderer*>& renderer) {
     Picture picture;
     if (!renderer) return promise.set_value(tl::unexpected(renderer.error()));
-    if (auto drawn = (*renderer)->render(pose, view, picture); !drawn)
+    if (auto drawn = (*renderer)->render(pose, lit, picture); !drawn)
       return promise.set_value(tl::unexpected(drawn.error()));
     promise.set_value(std::move(picture));
   });

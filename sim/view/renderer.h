@@ -30,13 +30,6 @@ struct Pinhole {
   static Pinhole from_horizontal_view(int width, int height, double horizontal_rad);
 };
 
-// A lamp or sun far away, and what the sky and the surroundings give.
-struct Light {
-  Eigen::Vector3d to_key{0.55, -0.50, 1.0};  // direction to the lamp, any length; from above
-  double key = 1,
-         shaded = 1;  // factors on the light of the lamp, and on that where it does not reach
-};
-
 struct View {
   Pinhole camera;
   Eigen::Isometry3d world_from_optical = Eigen::Isometry3d::Identity();

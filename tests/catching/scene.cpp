@@ -105,6 +105,11 @@ class Onlooker final : public behavior::Sink {
   Onlooker(sim::Simulation& simulation, const Scene& scene, Ending& ending)
       : simulation_(simulation), scene_(scene), ending_(ending) {}
   void phase(Time, std::string_view, std::string_view phase) override {
+    if (!scene_.fault_phase.empty() && phase == scene_.fault_phase && !ending_.did(phase)) {
+      const auto fault = faults::parse("at " + std::to_string(seconds(simulation_.time())) + " s " +
+                                       scene_.fault_then);
+      if (fault) simulation_.add_fault(*fault);
+    }
     ending_.phases.emplace_back(phase);
   }
   void cycle(const behavior::CycleRow& row) override {
@@ -129,10 +134,10 @@ class Onlooker final : public behavior::Sink {
 
 }  // namespace
 
-bool Ending::did(const std::string& phase) const {
+bool Ending::did(std::string_view phase) const {
   return times(phase) > 0;
 }
-int Ending::times(const std::string& phase) const {
+int Ending::times(std::string_view phase) const {
   return static_cast<int>(std::count(phases.begin(), phases.end(), phase));
 }
 

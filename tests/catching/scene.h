@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -34,6 +35,8 @@ struct Scene {
   std::vector<Eigen::Vector2d> other_balls{};  // blue
   double frozen_from_s = 0, frozen_for_s = 0;  // no picture comes
   std::vector<std::string> faults = {};        // docs/faults.md
+  // Begins when the behaviour first says so; the fault without `at`.
+  std::string fault_phase = {}, fault_then = {};
   std::uint64_t seed = 1;
 };
 
@@ -45,8 +48,8 @@ struct Ending {
   double walked_while_frozen = 0;  // m, of the trunk, from 0.5 s after the pictures stopped
   double seconds = 0;
 
-  bool did(const std::string& phase) const;
-  int times(const std::string& phase) const;
+  bool did(std::string_view phase) const;
+  int times(std::string_view phase) const;
 };
 
 // Errors: files; the board or the camera stopped.

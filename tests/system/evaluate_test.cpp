@@ -48,7 +48,12 @@ TEST(Evaluate, PartsJoinToTheWhole) {
   EXPECT_GT(result["interval"][1].get<double>() - result["interval"][0].get<double>(), 0.3);
   const auto all = without_speed(folder / "whole", 4);
   ASSERT_EQ(all.size(), 4u);
-  EXPECT_NE(all[0]["scenario"], all[1]["scenario"]);
+  // Each thing that is to differ does.
+  for (const char* what : {"seed", "friction", "supply_volts", "ball_m", "start", "lamp", "shade",
+                           "lamp_azimuth_rad", "lamp_height_rad"}) {
+    ASSERT_TRUE(all[0]["scenario"].contains(what)) << what;
+    EXPECT_NE(all[0]["scenario"][what], all[1]["scenario"][what]) << what;
+  }
   // A failure leaves its recording, a success does not.
   for (int i = 0; i < 4; ++i) {
     const bool success = all[static_cast<std::size_t>(i)]["success"].get<bool>();
@@ -103,6 +108,22 @@ TEST(Evaluate, GoesOnAfterAnInterruption) {
   EXPECT_TRUE(std::equal(kept.begin(), kept.end(), all.begin()));
 }
 
+// Two more processes and a pty. Whether it finds the ball in time is the machine's affair here: that
+// the behaviour ran to an end of its own is not.
+TEST(Evaluate, RunsInRealTimeToo) {
+  const TemporaryFolder folder;
+  const Finished finished =
+      evaluate({"--realtime", "--episodes", "1", "--colors", "green", "--out", folder / "live"});
+  EXPECT_LE(finished.exit_code, 1) << finished.err;
+  const auto all = without_speed(folder / "live", 1);
+  ASSERT_EQ(all.size(), 1u) << finished.err;
+  const std::string cause = all[0]["cause"];
+  EXPECT_TRUE(cause.empty() || cause == "not found") << all[0].dump(1);
+  EXPECT_NE(all[0]["simulator"].get<std::string>().find("overruns"), std::string::npos) << all[0];
+  EXPECT_GT(all[0]["seconds"].get<double>(), 0);
+  EXPECT_EQ(fs::exists(folder / "live/failures/000000/recording.mcap"), !cause.empty());
+}
+
 TEST(Evaluate, RefusesInOneSentence) {
   const TemporaryFolder folder;
   const auto refused = [&](std::vector<std::string> arguments, const std::string& word) {
@@ -117,6 +138,8 @@ TEST(Evaluate, RefusesInOneSentence) {
   refused({"search-ball", "--set", "second=3", "--out", folder / "a"}, "seconds");
   refused({"search-ball", "--shard", "3/2", "--out", folder / "a"}, "1/4");
   refused({"search-ball", "--supply", "11", "9", "--out", folder / "a"}, "smaller");
+  refused({"search-ball", "--lamp", "2", "1", "--out", folder / "a"}, "smaller");
+  refused({"go-forward", "--realtime", "--out", folder / "a"}, "--realtime");
   refused({"search-ball", "--colors", "pink", "--out", folder / "a"}, "red");
   EXPECT_FALSE(fs::exists(folder / "a"));
 }

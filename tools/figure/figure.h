@@ -29,6 +29,8 @@ inline constexpr Color kBlue{0.12, 0.42, 0.75}, kRed{0.84, 0.19, 0.15}, kGreen{0
 // or the new one, never half of it. Errors name the path and the system's reason.
 
 Result<void> write_png(const std::string& path, const Image& image);
+// quality: 1..100.
+Result<void> write_jpeg(const std::string& path, const Image& image, int quality = 85);
 Result<void> write_file(const std::string& path, std::span<const std::uint8_t> bytes);
 
 // --- pictures

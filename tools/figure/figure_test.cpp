@@ -11,6 +11,7 @@
 #include <iterator>
 
 #include "tools/figure/axis.h"
+#include "vision/picture_file.h"
 
 namespace kaz::figure {
 namespace {
@@ -61,6 +62,23 @@ TEST_F(Files, PngHasSignatureAndSize) {
   // Nothing but the file itself is left, and others may read it.
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
   EXPECT_NE(fs::status(path("a.png")).permissions() & fs::perms::owner_read, fs::perms::none);
+}
+
+// Smooth, so that JPEG loses little: 8 codes of 255 are twice what it lost here.
+TEST_F(Files, JpegHoldsThePicture) {
+  Image image{40, 24, {}};
+  for (int v = 0; v < 24; ++v)
+    for (int u = 0; u < 40; ++u)
+      for (const int code : {6 * u, 10 * v, 128})
+        image.rgb.push_back(static_cast<std::uint8_t>(code));
+  ASSERT_TRUE(write_jpeg(path("a.jpg"), image, 90));
+  const auto read = vision::read_picture(path("a.jpg"));
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->width, 40);
+  ASSERT_EQ(read->height, 24);
+  for (std::size_t i = 0; i < image.rgb.size(); ++i)
+    EXPECT_NEAR(read->rgb[i], image.rgb[i], 8) << i;
+  EXPECT_FALSE(write_jpeg(path("b.jpg"), Image{}));
 }
 
 TEST_F(Files, SameImageSameBytes) {

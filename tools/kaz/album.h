@@ -9,6 +9,7 @@
 #include "host/behavior/sink.h"
 #include "sim/runtime/simulation.h"
 #include "tools/kaz/output.h"
+#include "vision/ball.h"
 #include "vision/frame.h"
 
 namespace kaz::tools {
@@ -33,26 +34,33 @@ class RememberingCamera final : public vision::Camera {
 class Album {
  public:
   // `simulation` may be null: then there is no onlooker.
-  Album(const RememberingCamera& camera, sim::Simulation* simulation)
-      : camera_(camera), simulation_(simulation) {}
+  // `ball`: what is looked for in the left eye.
+  Album(const RememberingCamera& camera, sim::Simulation* simulation,
+        const vision::BallOptions& ball)
+      : camera_(camera), simulation_(simulation), ball_(ball) {}
 
-  // Keeps what is to be seen now. The onlooker's view is drawn only by write().
-  void take(Time now);
+  // Keeps what is to be seen now, called `shown`, or nothing. The onlooker's view is drawn only by
+  // write().
+  void take(Time now, const std::string& shown);
 
   // left_eye.png, color_extraction.png, outside.png of the latest moment with a ball in sight, and
-  // moments.png with all of them. Returns the names written.
+  // moments.png with all of them, and the same as moments.jpg, a tenth as large. Returns the names written.
   Result<std::vector<std::string>> write(const OutputFolder& folder) const;
 
  private:
   struct Moment {
     Time time{};
+    std::string shown;
     vision::StereoPair pair;
-    sim::ScenePose pose;  // of the world; empty without a simulation
+    sim::ScenePose pose;                  // of the world; empty without a simulation
+    std::optional<Eigen::Vector3d> near;  // where an onlooker looks from close by
+    double extent_m = 0;                  // of what is to be seen there
   };
   Result<vision::Image> outside(const Moment& moment) const;
 
   const RememberingCamera& camera_;
   sim::Simulation* simulation_;
+  vision::BallOptions ball_;
   std::vector<Moment> moments_;
 };
 

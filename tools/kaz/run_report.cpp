@@ -154,6 +154,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
                       {"tracking_rms_deg", rounded(report.score.rms_deg, 1e-4)},
                       {"tracking_measured_by", report.score.measured_by}};
   if (report.score.found_s) result["found_s"] = rounded(*report.score.found_s, 1e-3);
+  if (!report.outcome.success) result["cause"] = report.outcome.cause;
   for (const auto& [name, value] : report.outcome.figures) {
     if (!result.contains(name) || result[name].is_null()) result[name] = rounded(value, 1e-6);
   }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/kaz/session.h"
 
-#include <array>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -16,6 +15,7 @@
 #include "host/robot/robot.h"
 #include "tools/kaz/album.h"
 #include "tools/kaz/interrupt_signals.h"
+#include "tools/kaz/moments.h"
 #include "tools/kaz/output.h"
 #include "tools/kaz/run_report.h"
 #include "tools/kaz/score.h"
@@ -38,12 +38,8 @@ class Listener final : public behavior::Sink {
     phase_ = phase;
     record({{"behavior", behavior}, {"phase", phase}});
     progress_.announce(seconds(time - start_), phase_);
-    // Of catch-ball: tracking, walking there, the hand at the ball, the ball lifted. Each the first time.
-    for (std::size_t i = 0; i < kCatchPhases.size(); ++i) {
-      if (behavior != "catch-ball" || phase_ != kCatchPhases[i] || caught_[i]) continue;
-      caught_[i] = true;
-      take_moment(time);
-    }
+    if (const auto shown = moments_.on_phase(seconds(time - start_), behavior, phase))
+      album_.take(time, *shown);
   }
 
   void cycle(const behavior::CycleRow& row) override {
@@ -52,7 +48,7 @@ class Listener final : public behavior::Sink {
     record({{"pan_target", row.pan_target}, {"tilt_target", row.tilt_target}});
     const double elapsed = seconds(row.time - start_);
     progress_.update(elapsed / expected_s_, phase_);
-    if (phase_ == "track" && elapsed >= next_moment_s()) take_moment(row.time);
+    if (const auto shown = moments_.on_cycle(elapsed)) album_.take(row.time, *shown);
   }
 
   void picture(const behavior::PictureRow& row) override {
@@ -64,27 +60,6 @@ class Listener final : public behavior::Sink {
   const TruthProbe* probe() const { return probe_ ? &*probe_ : nullptr; }
 
  private:
-  static constexpr int kMoments = 4;
-  static constexpr std::array<std::string_view, kMoments> kCatchPhases{"look", "walk", "close",
-                                                                       "hold"};
-  std::array<bool, kMoments> caught_{};
-
-  // Moments are spread evenly over the time of tracking, which begins with the first sight of the ball.
-  double next_moment_s() const {
-    const double began = seconds(track_began() - start_);
-    return began + 0.4 + (expected_s_ - 0.4) * moments_ / kMoments;
-  }
-  Time track_began() const {
-    for (const auto& phase : recording_.phases) {
-      if (phase.phase == "track") return phase.time;
-    }
-    return start_;
-  }
-  void take_moment(Time now) {
-    if (moments_ == kMoments) return;
-    ++moments_;
-    album_.take(now);
-  }
   void record(const nlohmann::ordered_json& value) { rig_.record_behavior(value.dump()); }
 
   Rig& rig_;
@@ -93,7 +68,7 @@ class Listener final : public behavior::Sink {
   Time start_;
   double expected_s_;
   std::string phase_;
-  int moments_ = 0;
+  Moments moments_{expected_s_};
   std::optional<TruthProbe> probe_;
   behavior::Recording recording_;
 };
@@ -228,7 +203,7 @@ Result<bool> run_session(SessionOptions options) {
   DeliveryTable deliveries(pipeline);
   if (options.watcher != nullptr) options.watcher->begin(pipeline);
   behavior::PipelineSight sight(capture, pipeline);
-  Album album(camera, (*rig)->simulation());
+  Album album(camera, (*rig)->simulation(), options.vision.ball);
   Progress progress(options.label, options.json);
   const Time start = (*rig)->clock().now();
   Listener listener(**rig, album, progress, start, expected_seconds(*values, behavior->options));

@@ -35,6 +35,9 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
           "tick stays at 1 ms. Balls thrown want 1 or less, servos 2 or less (docs/dynamics.md)")
       ->type_name("MS")
       ->capture_default_str();
+  verb.add_option("--supply", options.supply_volts, "of the board, V")
+      ->check(CLI::Range(1.0, 20.0))
+      ->capture_default_str();
   verb.add_option("--eyes", options.eyes,
                   "ideal: pinholes without noise; real: with lens, exposure and noise, rectified")
       ->check(CLI::IsMember({"ideal", "real"}))

@@ -13,7 +13,7 @@ struct Arguments {
   CampaignOptions campaign;
   std::vector<std::string> settings;
   std::string shard = "1/1";
-  std::vector<double> friction, supply, distance;
+  std::vector<double> friction, supply, distance, lamp, shade;
   bool blind_to_turns = false;
 };
 
@@ -47,7 +47,9 @@ Result<Outcome> start(Arguments a) {
   for (const auto& done :
        {take_interval("--friction", a.friction, c.variation.friction),
         take_interval("--supply", a.supply, c.variation.supply_volts),
-        take_interval("--ball-distance", a.distance, c.variation.ball_distance_m)}) {
+        take_interval("--ball-distance", a.distance, c.variation.ball_distance_m),
+        take_interval("--lamp", a.lamp, c.variation.lamp),
+        take_interval("--shade", a.shade, c.variation.shade)}) {
     if (!done) return tl::unexpected(done.error());
   }
   for (const std::string& color : c.variation.colors) {
@@ -132,6 +134,16 @@ void add_evaluate(CLI::App& program, Action& action) {
       ->capture_default_str();
   verb->add_option("--colors", c.variation.colors, "of balls: red, green, blue")
       ->capture_default_str();
+  verb->add_option(
+          "--lamp", arguments->lamp,
+          "factor on the light of the lamp, from and to (0.5 1.3); it stands anywhere around, "
+          "35 to 80 degrees up")
+      ->expected(2)
+      ->type_name("NUMBER");
+  verb->add_option("--shade", arguments->shade,
+                   "factor on the light where the lamp does not reach, from and to (0.6 1.3)")
+      ->expected(2)
+      ->type_name("NUMBER");
   verb->add_option("--mass-sigma", c.variation.mass_sigma, "of each link's mass, as a share of it")
       ->check(CLI::Range(0.0, 0.3))
       ->capture_default_str();
@@ -144,15 +156,20 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->add_option("--sensors", c.rig.sensors, "nominal, ideal or as-built")
       ->check(CLI::IsMember({"nominal", "ideal", "as-built"}))
       ->capture_default_str();
+  verb->add_flag("--realtime", c.realtime,
+                 "in real time, kaz sim and kaz run as processes of their own with a pty between "
+                 "them; wants two processors for each job");
   verb->add_flag("--no-imu", arguments->blind_to_turns, "a board without gyro and accelerometer");
   verb->add_flag("--json", c.json, "print result.json, no progress");
   verb->footer(
-      "Each episode has its own robot (masses, sensors), floor (friction, pattern), supply and "
-      "ball (place,\nradius, colour), all from --seed and the episode's number. Success is judged "
+      "Each episode has its own robot (masses, sensors), floor (friction, pattern), start, light, "
+      "supply and ball\n(place, radius, colour), all from --seed and the episode's number. Success "
+      "is judged "
       "by the simulator's truth:\nno fall, and what the behaviour claims is so.\n"
       "Exit status: 0; 1 where no episode succeeded.\n"
       "Examples:\n"
       "  kaz evaluate search-ball --episodes 20 --jobs 2 --out searched\n"
+      "  kaz evaluate catch-ball --realtime --episodes 10 --out live\n"
       "  kaz evaluate track-ball --set seconds=5 --episodes 10 --mcu native --out tracked --json");
   verb->callback([&action, arguments, verb] {
     if (!verb->get_subcommands().empty()) return;

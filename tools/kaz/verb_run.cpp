@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "host/behavior/behavior.h"
+#include "tools/kaz/color_file.h"
 #include "tools/kaz/session.h"
 #include "tools/kaz/sim_options.h"
 #include "tools/kaz/verbs.h"
@@ -37,6 +38,7 @@ struct RunArguments {
   SessionOptions session;
   std::vector<std::string> settings;
   std::string duration;
+  std::string color;  // file
 };
 
 void add_common(CLI::App& verb, RunArguments& arguments) {
@@ -56,6 +58,12 @@ void add_common(CLI::App& verb, RunArguments& arguments) {
   verb.add_option("--modules", arguments.session.vision.modules,
                   "of vision that run beside it: " + module_names() +
                       ", with commas between; color always does")
+      ->capture_default_str();
+  verb.add_option("--color", arguments.color,
+                  "of the ball, from kaz vision learn-color; without it the red ball's")
+      ->type_name("FILE");
+  verb.add_option("--radius", arguments.session.vision.ball.radius_m, "of the ball, m")
+      ->check(CLI::Range(0.005, 0.5))
       ->capture_default_str();
   verb.add_flag("--json", arguments.session.json,
                 "print the result as JSON on standard output, no progress");
@@ -90,6 +98,11 @@ Result<bool> start(RunArguments arguments) {
       return tl::unexpected(sound.error());
     arguments.session.settings["seconds"] = arguments.duration;
   }
+  if (!arguments.color.empty()) {
+    const auto color = read_color(arguments.color);
+    if (!color) return tl::unexpected(color.error());
+    arguments.session.vision.ball.color = *color;
+  }
   return run_session(arguments.session);
 }
 
@@ -105,7 +118,8 @@ void add_demo(CLI::App& program, Action& action) {
       ->capture_default_str();
   add_common(*verb, *arguments);
   verb->footer(
-      "Leaves left_eye.png, color_extraction.png, outside.png, moments.png, pan_tilt.png,\n"
+      "Leaves left_eye.png, color_extraction.png, outside.png, moments.png (and "
+      ".jpg),\npan_tilt.png, "
       "recording.mcap and result.json. The recording holds bytes, pins, joints, contacts and the "
       "rest "
       "on\none clock: `kaz replay` runs it again; Foxglove (foxglove.dev), PlotJuggler and `mcap "
@@ -141,6 +155,7 @@ void add_run(CLI::App& program, Action& action) {
                "Examples:\n"
                "  kaz run search-ball\n"
                "  kaz run track-ball --seed 3 --duration 12 --out three\n"
+               "  kaz run catch-ball --world catch --eyes real --imu --out caught\n"
                "  kaz run track-ball --robot serial:/dev/ttyUSB0 --camera board.eyes\n"
                "  kaz run track-ball --robot serial:/dev/ttyUSB0 \\\n"
                "      --camera v4l2:/dev/video0,/dev/video2 --calibration stereo.yml\n"

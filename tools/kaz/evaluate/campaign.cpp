@@ -61,25 +61,26 @@ Result<Episodes> read_episodes(const std::string& folder) {
   return all;
 }
 
-struct Child {
+struct Job {
   pid_t pid = -1;
   std::uint64_t number = 0;
 };
 
 // The episode in a process of its own: what breaks there breaks nothing else, and each has its own
 // world and renderer. It writes its file and ends.
-Result<Child> begin(const CampaignOptions& options, const OutputFolder& folder,
-                    std::uint64_t number) {
+Result<Job> begin(const CampaignOptions& options, const OutputFolder& folder,
+                  std::uint64_t number) {
   std::fflush(nullptr);
   const pid_t pid = ::fork();
   if (pid < 0)
     return fail(Fault::environment, std::string("no process for an episode: ") +
                                         std::strerror(errno) + "; give fewer --jobs");
-  if (pid > 0) return Child{pid, number};
+  if (pid > 0) return Job{pid, number};
   // Ctrl-C is the parent's: it ends its children itself.
   ::signal(SIGINT, SIG_IGN);
   ::signal(SIGTERM, SIG_DFL);
-  const auto episode = run_episode(options, number, folder.path("failures"));
+  const auto episode = (options.realtime ? run_realtime_episode : run_episode)(
+      options, number, folder.path("failures"));
   int status = 0;
   if (!episode) {
     std::fprintf(stderr, "kaz evaluate: episode %llu: %s\n",
@@ -118,8 +119,8 @@ class Runner {
         progress_("kaz evaluate", options.json) {}
 
   ~Runner() {
-    for (const Child& child : children_) ::kill(child.pid, SIGKILL);
-    for (const Child& child : children_) ::waitpid(child.pid, nullptr, 0);
+    for (const Job& child : children_) ::kill(child.pid, SIGKILL);
+    for (const Job& child : children_) ::waitpid(child.pid, nullptr, 0);
   }
 
   Result<void> run(const std::vector<std::uint64_t>& numbers, const host::Interrupt& interrupt) {
@@ -182,7 +183,7 @@ class Runner {
   Episodes& episodes_;
   Progress progress_;
   std::size_t total_ = 0;
-  std::vector<Child> children_;
+  std::vector<Job> children_;
 };
 
 Result<void> make_folder(const std::string& path) {
@@ -219,6 +220,7 @@ Json campaign_json(const CampaignOptions& o) {
   const auto pair = [](const Interval& i) { return Json{i.least, i.most}; };
   return {{"behavior", o.behavior},
           {"settings", o.settings},
+          {"realtime", o.realtime},
           {"seed", o.seed},
           {"engine", o.rig.engine},
           {"image", o.rig.image},
@@ -234,7 +236,10 @@ Json campaign_json(const CampaignOptions& o) {
           {"bearing_deg", o.variation.bearing_deg},
           {"radii_m", o.variation.radii_m},
           {"colors", o.variation.colors},
-          {"mass_sigma", o.variation.mass_sigma}};
+          {"mass_sigma", o.variation.mass_sigma},
+          {"lamp_height_deg", pair(o.variation.lamp_height_deg)},
+          {"lamp", pair(o.variation.lamp)},
+          {"shade", pair(o.variation.shade)}};
 }
 
 Result<bool> run_campaign(const CampaignOptions& options) {
@@ -242,6 +247,10 @@ Result<bool> run_campaign(const CampaignOptions& options) {
   if (!known) return tl::unexpected(known.error());
   const auto asked = behavior::OptionValues::parse(known->options, options.settings);
   if (!asked) return tl::unexpected(asked.error());
+  if (options.realtime && (known->name == "go-forward" || known->name.starts_with("turn-")))
+    return fail(Fault::usage, options.behavior +
+                                  " is judged by the robot's true place, which no recording of a "
+                                  "robot in another process has: leave --realtime out");
   const auto folder = OutputFolder::open(options.out);
   if (!folder) return tl::unexpected(folder.error());
   const Json campaign = campaign_json(options);

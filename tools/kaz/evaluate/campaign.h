@@ -24,6 +24,7 @@ struct CampaignOptions {
   std::uint64_t seed = 1;
   std::uint64_t episodes = 20;
   std::uint64_t shard = 1, shards = 1;  // this is part `shard` of so many
+  bool realtime = false;                // two processes and a pty instead of lockstep
   int jobs = 1;
   std::string out;
   bool json = false;

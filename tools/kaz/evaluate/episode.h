@@ -15,4 +15,10 @@ namespace kaz::tools {
 Result<nlohmann::ordered_json> run_episode(const CampaignOptions& options, std::uint64_t number,
                                            const std::string& failures);
 
+// The same in real time, robot and behaviour in processes of their own, a pty between them: nothing
+// repeats to the bit. For behaviours whose success does not need the robot's true place.
+Result<nlohmann::ordered_json> run_realtime_episode(const CampaignOptions& options,
+                                                    std::uint64_t number,
+                                                    const std::string& failures);
+
 }  // namespace kaz::tools

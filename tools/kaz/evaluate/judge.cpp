@@ -9,7 +9,6 @@ namespace kaz::tools {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kClear_m = 0.02;  // under a ball that is lifted
 
 double yaw_of(const Eigen::Isometry3d& pose) {
   const Eigen::Vector3d ahead = pose.linear().col(0);
@@ -33,7 +32,7 @@ void Judge::look(sim::Simulation& simulation) {
   has_ball_ = ball.has_value();
   if (!ball) return;
   ball_ = *ball;
-  if (ball_.z() < ball_radius_m_ + kClear_m) {
+  if (ball_.z() < ball_radius_m_ + kClearOfFloor_m) {
     lifted_.reset();
   } else if (!lifted_) {
     lifted_ = now_;

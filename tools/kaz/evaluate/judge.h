@@ -12,6 +12,8 @@
 
 namespace kaz::tools {
 
+constexpr double kClearOfFloor_m = 0.02;  // under a ball that is lifted
+
 class Judge final : public Onlooker {
  public:
   explicit Judge(double ball_radius_m) : ball_radius_m_(ball_radius_m) {}

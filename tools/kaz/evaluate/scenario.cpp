@@ -22,7 +22,14 @@ enum class Draw : std::uint64_t {
   radius,
   color,
   floor,
-  mass
+  mass,
+  start_x,
+  start_y,
+  start_yaw,
+  lamp_azimuth,
+  lamp_height,
+  lamp,
+  shade
 };
 
 // 0..1, from the normal distribution that is keyed alike on all machines.
@@ -55,11 +62,21 @@ vision::ColorRange range_around(const std::array<double, 3>& rgb) {
 Result<std::string> world_of(const Scenario& scenario) {
   const auto color = ball_color(scenario.ball_color);
   if (!color) return tl::unexpected(color.error());
-  const double r = scenario.ball_radius_m;
+  const Scenario& s = scenario;
+  const double r = s.ball_radius_m;
+  const double c = std::cos(s.start_yaw_rad), d = std::sin(s.start_yaw_rad);
+  const double ball_x = s.start_x_m + c * s.ball_x_m - d * s.ball_y_m;
+  const double ball_y = s.start_y_m + d * s.ball_x_m + c * s.ball_y_m;
+  const double aside = std::cos(s.lamp_height_rad);
   const double mass = 0.015 * std::pow(r / 0.020, 3);
   const std::string moment = digits(0.4 * mass * r * r);
   return R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="episode">
+<kaz:robot pose=")" +
+         digits(s.start_x_m) + " " + digits(s.start_y_m) + " 0 0 0 " + digits(s.start_yaw_rad) +
+         R"("/><kaz:light to_lamp=")" + digits(aside * std::cos(s.lamp_azimuth_rad)) + " " +
+         digits(aside * std::sin(s.lamp_azimuth_rad)) + " " + digits(std::sin(s.lamp_height_rad)) +
+         "\" lamp=\"" + digits(s.lamp) + "\" shade=\"" + digits(s.shade) + R"("/>
 <model name="floor"><static>true</static><link name="slab"><collision name="hull">
 <geometry><plane><normal>0 0 1</normal><size>8 8</size></plane></geometry>
 <surface><friction><ode><mu>)" +
@@ -68,7 +85,7 @@ Result<std::string> world_of(const Scenario& scenario) {
 <material><diffuse>0.72 0.60 0.44 1</diffuse></material><kaz:texture name=")" +
          scenario.floor + R"("/></visual></link></model>
 <model name="ball"><pose>)" +
-         digits(scenario.ball_x_m) + " " + digits(scenario.ball_y_m) + " " + digits(r) +
+         digits(ball_x) + " " + digits(ball_y) + " " + digits(r) +
          R"( 0 0 0</pose><link name="ball"><inertial><mass>)" + digits(mass) +
          "</mass><inertia><ixx>" + moment + "</ixx><iyy>" + moment + "</iyy><izz>" + moment +
          R"(</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial>
@@ -120,6 +137,13 @@ Scenario Scenario::draw(const Variation& variation, std::uint64_t seed, std::uin
   s.ball_color = one_of(variation.colors, s.seed, Draw::color);
   s.floor = one_of(std::vector<std::string>{"wood", "carpet", "checker"}, s.seed, Draw::floor);
   s.mass_sigma = variation.mass_sigma;
+  s.start_x_m = within({-0.5, 0.5}, s.seed, Draw::start_x);
+  s.start_y_m = within({-0.5, 0.5}, s.seed, Draw::start_y);
+  s.start_yaw_rad = within({-kPi, kPi}, s.seed, Draw::start_yaw);
+  s.lamp_azimuth_rad = within({-kPi, kPi}, s.seed, Draw::lamp_azimuth);
+  s.lamp_height_rad = within(variation.lamp_height_deg, s.seed, Draw::lamp_height) * kPi / 180;
+  s.lamp = within(variation.lamp, s.seed, Draw::lamp);
+  s.shade = within(variation.shade, s.seed, Draw::shade);
   return s;
 }
 
@@ -130,7 +154,12 @@ nlohmann::ordered_json scenario_json(const Scenario& s) {
           {"ball_m", {s.ball_x_m, s.ball_y_m}},
           {"ball_radius_m", s.ball_radius_m},
           {"ball_color", s.ball_color},
-          {"floor", s.floor}};
+          {"floor", s.floor},
+          {"start", {s.start_x_m, s.start_y_m, s.start_yaw_rad}},
+          {"lamp_azimuth_rad", s.lamp_azimuth_rad},
+          {"lamp_height_rad", s.lamp_height_rad},
+          {"lamp", s.lamp},
+          {"shade", s.shade}};
 }
 
 Result<trials::RobotFolder> scenario_files(const Scenario& scenario, const std::string& robot) {

@@ -36,11 +36,16 @@ struct Variation {
   double bearing_deg = 90;             // of the ball, at most so far to either side
   std::vector<double> radii_m{0.018, 0.020};
   std::vector<std::string> colors{"red", "green"};
+  Interval lamp_height_deg{35, 80};  // over the horizon
+  Interval lamp{0.5, 1.3}, shade{0.6, 1.3};
   double mass_sigma = 0.05;  // of each link's mass and inertia, as a share
 };
 
 struct Scenario {
   std::uint64_t seed = 1;  // of the episode: sensors, and all below
+  // In the world: where the robot starts, and the light.
+  double start_x_m = 0, start_y_m = 0, start_yaw_rad = 0;
+  double lamp_azimuth_rad = 0, lamp_height_rad = 1, lamp = 1, shade = 1;  // factors: docs/worlds.md
   double friction = 0.7, supply_volts = 10;
   double ball_x_m = 0, ball_y_m = 0;  // from between the feet; x ahead, y left
   double ball_radius_m = 0.020;

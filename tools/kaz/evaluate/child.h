@@ -1,0 +1,37 @@
+// A program of its own beside this one.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::tools {
+
+// Ends when its object goes, and when the process that began it is gone, however that ended.
+class Child {
+ public:
+  // This very program with other arguments; what it prints goes into the file `log`.
+  static Result<Child> begin(const std::vector<std::string>& arguments, const std::string& log);
+  Child(Child&& other) noexcept : pid_(std::exchange(other.pid_, -1)), status_(other.status_) {}
+  Child& operator=(Child&&) = delete;
+  ~Child();
+
+  // Its exit status, 128 + signal if one ended it; nothing while it runs.
+  std::optional<int> ended();
+  std::optional<int> wait(std::chrono::seconds at_most);
+  void signal(int number);
+
+ private:
+  explicit Child(pid_t pid) : pid_(pid) {}
+  pid_t pid_;
+  std::optional<int> status_;
+};
+
+}  // namespace kaz::tools
