@@ -212,6 +212,13 @@ nlohmann::ordered_json link_forces(const World& world) {
   return links;
 }
 
+// In the world's frame, m; null where there is no model `ball`.
+nlohmann::ordered_json ball(const World& world) {
+  const auto place = world.object_position("ball");
+  if (!place) return nullptr;
+  return {place->x(), place->y(), place->z()};
+}
+
 nlohmann::ordered_json RealTimeServer::Parts::status() const {
   const ServoBoard& board = simulation.board();
   return {{"time_s", seconds(simulation.time())},
@@ -222,6 +229,7 @@ nlohmann::ordered_json RealTimeServer::Parts::status() const {
           {"driver_celsius", board.driver_celsius()},
           {"imu", board.imu().has_value()},
           {"link_forces", link_forces(simulation.world())},
+          {"ball_m", ball(simulation.world())},
           {"host", watch.present()},
           {"camera_readers", cameras ? cameras->readers() : 0},
           {"unsettled_steps", simulation.world().trouble().unsettled},

@@ -249,8 +249,8 @@ Result<bool> run_campaign(const CampaignOptions& options) {
   if (!asked) return tl::unexpected(asked.error());
   if (options.realtime && (known->name == "go-forward" || known->name.starts_with("turn-")))
     return fail(Fault::usage, options.behavior +
-                                  " is judged by the robot's true place, which no recording of a "
-                                  "robot in another process has: leave --realtime out");
+                                  " is judged by where the robot truly is, which a robot in "
+                                  "another process does not tell: leave --realtime out");
   const auto folder = OutputFolder::open(options.out);
   if (!folder) return tl::unexpected(folder.error());
   const Json campaign = campaign_json(options);

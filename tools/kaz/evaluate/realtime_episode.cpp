@@ -1,15 +1,17 @@
 // One episode in real time: the robot in one process, the behaviour in another, a pty between them.
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
-#include <bit>
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
 #include <unistd.h>
 
-#include "sim/runtime/mcap_reader.h"
 #include "tools/kaz/color_file.h"
 #include "tools/kaz/evaluate/child.h"
 #include "tools/kaz/evaluate/episode.h"
@@ -39,23 +41,69 @@ std::string last_line(const std::string& text) {
   return text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin);
 }
 
-// For how long at most the ball was clear of the floor without a break, s, by what the simulator
-// recorded. It has gone on after the behaviour ended and switched the motors off.
-Result<double> longest_held(const std::string& recording, double radius_m) {
-  const auto file = sim::McapRecording::load(recording);
-  if (!file) return tl::unexpected(file.error());
-  std::uint64_t on_floor = 0;  // when it last was; it starts there
-  double longest = 0;
-  for (const auto& message : file->messages) {
-    const auto topic = file->topics.find(message.channel);
-    if (topic == file->topics.end() || topic->second != "/truth/ball" || message.data.size() < 24)
-      continue;
-    std::uint64_t bits = 0;
-    for (std::size_t i = 24; i-- > 16;) bits = bits << 8 | message.data[i];
-    if (std::bit_cast<double>(bits) < radius_m + kClearOfFloor_m) on_floor = message.time_ns;
-    longest = std::max(longest, 1e-9 * static_cast<double>(message.time_ns - on_floor));
+// Asks `kaz sim` how it goes.
+class Control {
+ public:
+  static Result<Control> open(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    Control control(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    if (path.size() >= sizeof address.sun_path)
+      return fail(Fault::usage,
+                  path + ": the path is too long for a socket; set TMPDIR to a shorter one");
+    std::strcpy(address.sun_path, path.c_str());
+    const timeval most{5, 0};
+    ::setsockopt(control.socket_, SOL_SOCKET, SO_RCVTIMEO, &most, sizeof most);
+    if (::connect(control.socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) !=
+        0)
+      return fail(Fault::environment, path + ": " + std::strerror(errno));
+    return control;
   }
-  return longest;
+  Control(Control&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
+  Control& operator=(Control&&) = delete;
+  ~Control() {
+    if (socket_ >= 0) ::close(socket_);
+  }
+
+  // Nothing where it has ended.
+  std::optional<Json> status() {
+    if (::send(socket_, "status\n", 7, MSG_NOSIGNAL) != 7) return std::nullopt;
+    std::string line;
+    for (char c = 0; c != '\n'; line += c)
+      if (::recv(socket_, &c, 1, 0) != 1) return std::nullopt;
+    Json status = Json::parse(line, nullptr, false);
+    if (!status.is_object() || !status.contains("time_s")) return std::nullopt;
+    return status;
+  }
+
+ private:
+  explicit Control(int socket) : socket_(socket) {}
+  int socket_;
+};
+
+// For how long at most the ball was clear of the floor without a break, in the simulator's time.
+class Held {
+ public:
+  explicit Held(double radius_m) : clear_m_(radius_m + kClearOfFloor_m) {}
+  void see(const Json& status) {
+    const double now = status["time_s"].get<double>();
+    const Json& ball = status["ball_m"];
+    if (ball.is_null() || ball[2].get<double>() < clear_m_) {
+      lifted_s_ = -1;
+      return;
+    }
+    if (lifted_s_ < 0) lifted_s_ = now;
+    longest_ = std::max(longest_, now - lifted_s_);
+  }
+  double longest() const { return longest_; }
+
+ private:
+  double clear_m_, longest_ = 0;
+  double lifted_s_ = -1;  // since when; negative: it is not
+};
+
+std::string board_of(const trials::RobotFolder& files) {
+  return fs::path(files.robot()).replace_filename("board").string();
 }
 
 // Both programs' arguments.
@@ -69,7 +117,8 @@ Result<Commands> commands(const CampaignOptions& options, const Scenario& scenar
   const std::string color_file = folder + "/color.json";
   std::ofstream(color_file) << color_json(color->range).dump(1) << "\n";
   const RigOptions& rig = options.rig;
-  const std::string board = folder + "/board", eyes = folder + "/eyes";
+  // Short paths: a socket's has at most 107 characters.
+  const std::string board = board_of(files), eyes = board + ".eyes";
   Commands both{{"sim",
                  "--serial",
                  board,
@@ -140,7 +189,16 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
     return fail(Fault::environment, "kaz sim did not begin: " + last_line(text_of(sim_log)));
   auto behaviour = Child::begin(both->behaviour, run_log);
   if (!behaviour) return tl::unexpected(behaviour.error());
-  const auto status = behaviour->wait(kMost);
+  auto control = Control::open(board_of(*files) + ".ctl");
+  if (!control) return tl::unexpected(control.error());
+  Held held(scenario.ball_radius_m);
+  Json last = Json::object();
+  const auto run_begun = std::chrono::steady_clock::now();
+  while (!behaviour->ended() && std::chrono::steady_clock::now() - run_begun < kMost) {
+    if (const auto status = control->status()) held.see(last = *status);
+    ::usleep(100'000);
+  }
+  const auto status = behaviour->ended();
   if (!status) {
     behaviour->signal(SIGINT);
     behaviour->wait(kEnd);
@@ -150,18 +208,17 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
     return fail(Fault::environment, "kaz sim did not end; its log is " + sim_log);
 
   const Json result = result_of(text_of(run_log));
-  const auto held = longest_held(kept + "/recording.mcap", scenario.ball_radius_m);
-  if (!held) return tl::unexpected(held.error());
   std::string cause = result.value("cause", std::string());
   if (cause.empty()) cause = status ? "error" : "time";
   if (result.value("outcome", "") == "done")
-    cause = options.behavior == "catch-ball" && *held < 3 ? "not held" : "";
+    cause = options.behavior == "catch-ball" && held.longest() < 3 ? "not held" : "";
   Json figures = Json::object();
   for (const char* figure : {"found_s", "catch_s", "held_s", "hand_load", "hand_gap_deg"})
     if (result.contains(figure) && result[figure].is_number()) figures[figure] = result[figure];
   const std::string told = last_line(text_of(run_log));
-  const std::string simulated =
-      last_line(text_of(sim_log).substr(0, text_of(sim_log).rfind("recording ")));
+  Json simulator_json = Json::object();
+  for (const char* figure : {"overruns", "lost_s", "pairs_left_out", "unsettled_steps"})
+    if (last.contains(figure)) simulator_json[figure] = last[figure];
   if (cause.empty()) fs::remove_all(kept, wrong);
   return Json{{"episode", number},
               {"scenario", scenario_json(scenario)},
@@ -171,8 +228,8 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
               {"seconds", result.value("duration_s", 0.0)},
               {"rtf", result.value("rtf", 0.0)},
               {"figures", figures},
-              {"truth", {{"fell", cause == "fell"}, {"longest_held_s", *held}}},
-              {"simulator", simulated}};
+              {"truth", {{"fell", cause == "fell"}, {"longest_held_s", held.longest()}}},
+              {"simulator", simulator_json}};
 }
 
 }  // namespace kaz::tools
