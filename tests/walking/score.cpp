@@ -96,6 +96,10 @@ std::string table(const gait::Results& results, const std::vector<Trial>& trials
           << " |\n";
       continue;
     }
+    if (line.falls == line.all) {
+      out << " |  |  |  |  |\n";
+      continue;
+    }
     out << text_of(" | %+.1f ± %.1f%s | %.1f%s | ", line.mean, line.sigma, unit, line.most, unit);
     if (trial.judged == Judged::walk)
       out << text_of("%.1f / %.1f", line.heading_sigma, line.heading_most);

@@ -71,6 +71,13 @@ std::vector<Trial> make() {
         .name = std::string("get up, fell ") + to, .judged = Judged::get_up, .behavior = "get-up"};
     trial.knocked_to_deg = degrees;
     all.push_back(trial);
+    if (degrees != 0 && degrees != 180) continue;
+    for (const double mu : {0.4, 1.0}) {
+      all.push_back(trial);
+      all.back().name += ", mu " + number(mu);
+      all.back().mu = mu;
+      all.back().mu_spread = 0;
+    }
   }
   return all;
 }
