@@ -121,7 +121,7 @@ TEST_F(Firmware, AnswersAt115200BaudWithTheImagesCrc) {
   ASSERT_EQ(kz_unpack_identify_reply(&identity, receiver.body + KZ_HEADER_SIZE,
                                      static_cast<u8>(receiver.length - KZ_HEADER_SIZE)),
             1);
-  EXPECT_EQ(identity.image_crc, chip().peek16(0x11FE));  // of the header (firmware/image.h)
+  EXPECT_EQ(identity.image_crc, chip().peek16(0x11FE));  // of the header (shared/flash/image.h)
   EXPECT_EQ(identity.reset_cause, KZ_RESET_POWER);
   // Within a tick's bytes there is no gap.
   EXPECT_EQ(bytes[5].at - bytes[0].at, 5 * KZ_STATES_PER_BYTE);

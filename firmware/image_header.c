@@ -1,6 +1,6 @@
 // The application's header.
 // SPDX-License-Identifier: Apache-2.0
-#include "firmware/image.h"
+#include "shared/flash/image.h"
 #include "kz_build_id.h"
 #include "shared/servo/servo.h"
 

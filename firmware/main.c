@@ -3,7 +3,7 @@
 #include "firmware/analog.h"
 #include "firmware/clock.h"
 #include "firmware/h8s2128.h"
-#include "firmware/image.h"
+#include "shared/flash/image.h"
 #include "firmware/memory.h"
 #include "firmware/pins.h"
 #include "firmware/restart.h"

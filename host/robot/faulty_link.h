@@ -23,6 +23,7 @@ class FaultyLink final : public Link {
 
   std::string name() const override { return link_.name(); }
   Time byte_time() const override { return link_.byte_time(); }
+  Result<void> set_baud(int baud) override { return link_.set_baud(baud); }
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
 

@@ -30,6 +30,10 @@ class Link {
   // How long one byte takes on the wire at the least; zero if that is not known. Sharpens the
   // relation of the board's clock to the host's (clock_relation.h).
   virtual Time byte_time() const { return Time::zero(); }
+  // Another bit rate for both directions from now on; bytes still queued may leave at either.
+  virtual Result<void> set_baud(int baud) {
+    return fail(Fault::usage, name() + " cannot change its bit rate to " + std::to_string(baud));
+  }
   // Queues bytes for the wire; does not wait for them to leave.
   virtual Result<void> write(std::span<const std::uint8_t> bytes) = 0;
   // Waits until at least one byte is there or `deadline` has come; returns how many were stored (0:

@@ -153,6 +153,19 @@ std::string permission_sentence(const std::string& path, const std::string& vend
          "\", GROUP=\"dialout\", MODE=\"0660\", SYMLINK+=\"kaz\"";
 }
 
+Result<void> set_serial_rate(int descriptor, const std::string& path, int baud) {
+  const auto rate = rate_of(baud);
+  if (!rate) return tl::unexpected(rate.error());
+  termios settings{};
+  bool done = tcgetattr(descriptor, &settings) == 0;
+  cfsetispeed(&settings, *rate);
+  cfsetospeed(&settings, *rate);
+  done = done && tcsetattr(descriptor, TCSANOW, &settings) == 0;
+  if (done) return {};
+  return fail(Fault::environment, "cannot set " + path + " to " + std::to_string(baud) +
+                                      " baud: " + std::strerror(errno));
+}
+
 Result<OpenPort> open_serial_port(const std::string& path, int baud) {
   const auto rate = rate_of(baud);
   if (!rate) return tl::unexpected(rate.error());

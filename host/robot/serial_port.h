@@ -26,6 +26,9 @@ struct OpenPort {
 // `baud` (Fault::usage).
 Result<OpenPort> open_serial_port(const std::string& path, int baud);
 
+// Another rate for a port that is open. Errors: Fault::usage for a rate that no port has here.
+Result<void> set_serial_rate(int descriptor, const std::string& path, int baud);
+
 // The sentence for a port that we may not open: what to do once, or for good with a rule for the
 // adapter. Numbers in hexadecimal, as sysfs has them; empty if it is no USB adapter.
 std::string permission_sentence(const std::string& path, const std::string& vendor,

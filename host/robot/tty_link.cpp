@@ -3,6 +3,8 @@
 #include "host/robot/tty_link.h"
 
 #include <poll.h>
+#include <sys/ioctl.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -52,6 +54,23 @@ Result<void> TtyLink::reopen() {
 
 Time TtyLink::byte_time() const {
   return Time(10'000'000'000 / baud_);  // start bit, 8 data bits, stop bit
+}
+
+Result<void> TtyLink::set_baud(int baud) {
+  if (fd_ < 0) return tl::unexpected(closed());
+  if (auto set = set_serial_rate(fd_, path_, baud); !set) return set;
+  baud_ = baud;
+  return {};
+}
+
+Result<void> TtyLink::set_dtr_rts(bool dtr, bool rts) {
+  if (fd_ < 0) return tl::unexpected(closed());
+  int lines = 0;
+  bool done = ioctl(fd_, TIOCMGET, &lines) == 0;
+  lines = (lines & ~(TIOCM_DTR | TIOCM_RTS)) | (dtr ? TIOCM_DTR : 0) | (rts ? TIOCM_RTS : 0);
+  done = done && ioctl(fd_, TIOCMSET, &lines) == 0;
+  if (done) return {};
+  return fail(Fault::environment, path_ + " has no lines DTR and RTS: " + std::strerror(errno));
 }
 
 Error TtyLink::closed() const {

@@ -25,6 +25,9 @@ class TtyLink final : public Link {
 
   std::string name() const override { return path_; }
   Time byte_time() const override;
+  Result<void> set_baud(int baud) override;
+  // The modem lines: true is the active level (low at a TTL adapter's pins). A pseudo-terminal has none.
+  Result<void> set_dtr_rts(bool dtr, bool rts);
   LowLatency low_latency() const { return low_latency_; }
   // Fails when the port is gone, or when it has taken no byte of the last 64 KB.
   Result<void> write(std::span<const std::uint8_t> bytes) override;

@@ -96,6 +96,8 @@ class ServoBoard {
   void set_power(bool on);
   bool power() const { return power_; }
   void reset();  // the RES pin
+  // The switch at the mode pins; counts at the next reset.
+  Result<void> set_boot_pins(bool boot) { return mcu_->set_boot_pins(boot); }
 
   void save(StateWriter& to);
   void restore(StateReader& from);

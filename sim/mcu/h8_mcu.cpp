@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/h8_mcu.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -40,6 +41,10 @@ Result<std::unique_ptr<H8Mcu>> H8Mcu::load(const std::string& image_path,
   return std::unique_ptr<H8Mcu>(new H8Mcu(std::move(chip)));
 }
 
+std::unique_ptr<H8Mcu> H8Mcu::erased(const h8s::Options& options) {
+  return std::unique_ptr<H8Mcu>(new H8Mcu(h8s::Chip(options)));
+}
+
 H8Mcu::H8Mcu(h8s::Chip chip) : chip_(std::move(chip)) {
   const auto& names = chip_.symbols();
   const auto input = names.address_of("kz_input");
@@ -61,7 +66,8 @@ void H8Mcu::connect() {
   }
   chip_.on_output([this](const h8s::OutputChange& change) { output_changed(change); });
   chip_.on_transmit([this](int sci, const h8s::TransmittedByte& byte) {
-    if (sci == 0) transmitted_.push_back({byte.value, base_ + byte.end, false});
+    if (sci == 0)
+      transmitted_.push_back({byte.value, base_ + byte.end, false, (byte.end - byte.start) / 10});
   });
   chip_.on_watchdog_reset([this](h8s::States at) {
     read_all_pins();
@@ -72,13 +78,35 @@ void H8Mcu::connect() {
 
 Result<void> H8Mcu::run_until(States until) {
   if (wiring_error_) return tl::unexpected(*wiring_error_);
+  if (hung_) {
+    hung_at_ = std::max(hung_at_, until);
+    return {};
+  }
   const h8s::Stop stop = chip_.run_until(until - base_);
   if (stop.reason == h8s::Stop::Reason::reached) return {};
+  if (on_hang_) {
+    hung_at_ = std::max(now(), until);
+    hung_ = true;
+    on_hang_(stop.report);
+    return {};
+  }
   return fail(Fault::failed, "the firmware stopped the emulated H8S/2128 at state " +
                                  std::to_string(now()) + ": " + stop.report);
 }
 
+// Chip time has stood still while it hung.
+void H8Mcu::wake() {
+  if (hung_) base_ = hung_at_ - chip_.now();
+  hung_ = false;
+}
+
+Result<void> H8Mcu::set_boot_pins(bool boot) {
+  chip_.set_mode_pins(boot ? 0 : 2);
+  return {};
+}
+
 void H8Mcu::reset() {
+  wake();
   wiring_error_.reset();
   chip_.reset();
   read_all_pins();
@@ -86,6 +114,7 @@ void H8Mcu::reset() {
 }
 
 void H8Mcu::power_cycle() {
+  wake();
   wiring_error_.reset();
   transmitted_.clear();
   base_ += chip_.now();
@@ -106,13 +135,13 @@ void H8Mcu::set_memory(std::span<const std::uint8_t, memory_size> bytes) {
 
 void H8Mcu::save(StateWriter& to) {
   if (wiring_error_) return to.refuse("the chip has stopped: " + wiring_error_->message);
-  to(base_, transmitted_, pins_);
+  to(base_, transmitted_, pins_, hung_, hung_at_);
   chip_.write_state(to);
 }
 
 void H8Mcu::restore(StateReader& from) {
   wiring_error_.reset();
-  from(base_, transmitted_, pins_);
+  from(base_, transmitted_, pins_, hung_, hung_at_);
   chip_.read_state(from);
 }
 
@@ -127,10 +156,12 @@ void H8Mcu::set_analog(AnalogSource source) {
 }
 
 void H8Mcu::receive(const SerialByte& byte) {
+  if (hung_) return;
   h8s::ReceivedByte received;
   received.value = byte.value;
   received.at = byte.at - base_;
   received.framing_error = byte.framing_error;
+  received.bit_states = byte.bit_states;
   if (auto taken = chip_.receive(0, received); !taken && !wiring_error_)
     wiring_error_ = Error{Fault::failed, taken.error().message};
 }
@@ -236,6 +267,10 @@ Result<std::unique_ptr<Mcu>> make_h8(const std::string& image_path) {
   auto mcu = H8Mcu::load(image_path);
   if (!mcu) return tl::unexpected(mcu.error());
   return std::unique_ptr<Mcu>(std::move(*mcu));
+}
+
+std::unique_ptr<Mcu> make_erased_h8() {
+  return H8Mcu::erased();
 }
 
 }  // namespace kaz::sim

@@ -22,11 +22,18 @@ class H8Mcu final : public Mcu {
   static Result<std::unique_ptr<H8Mcu>> load(const std::string& image_path,
                                              const h8s::Options& options = {});
 
+  static std::unique_ptr<H8Mcu> erased(const h8s::Options& options = {});
+
   std::string engine() const override { return "h8"; }
-  States now() const override { return base_ + chip_.now(); }
+  States now() const override { return hung_ ? hung_at_ : base_ + chip_.now(); }
   Result<void> run_until(States until) override;
   void reset() override;
   void power_cycle() override;
+  Result<void> set_boot_pins(bool boot) override;
+  bool in_boot_rom() const override { return chip_.in_boot_rom(); }
+  void on_hang(std::function<void(const std::string&)> listener) override {
+    on_hang_ = std::move(listener);
+  }
   std::array<std::uint8_t, memory_size> memory() const override;
   void set_memory(std::span<const std::uint8_t, memory_size> bytes) override;
   const PinLevels& pins() const override { return pins_; }
@@ -57,6 +64,7 @@ class H8Mcu final : public Mcu {
 
   explicit H8Mcu(h8s::Chip chip);
   void connect();
+  void wake();
   void output_changed(const h8s::OutputChange& change);
   void read_all_pins();
   void read_port(h8s::Port port);
@@ -66,6 +74,8 @@ class H8Mcu final : public Mcu {
 
   h8s::Chip chip_;
   States base_ = 0;  // our time minus the chip's, which starts anew when power is applied
+  bool hung_ = false;
+  States hung_at_ = 0;
   PinLevels pins_;
   std::optional<TickSymbols> symbols_;
   std::vector<SerialByte> transmitted_;
@@ -73,6 +83,7 @@ class H8Mcu final : public Mcu {
   std::function<void(States, const PinLevels&)> on_pins_;
   std::function<void(const TickRecord&)> on_tick_;
   std::function<void(States)> on_reset_;
+  std::function<void(const std::string&)> on_hang_;
 };
 
 }  // namespace kaz::sim

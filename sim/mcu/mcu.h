@@ -40,9 +40,10 @@ struct SerialByte {
   std::uint8_t value = 0;
   States at = 0;  // when its last stop bit has passed
   bool framing_error = false;
+  States bit_states = KZ_STATES_PER_BIT;  // its sender's bit time
   template <class A>
   void transfer(A& a) {
-    a(value, at, framing_error);
+    a(value, at, framing_error, bit_states);
   }
 };
 
@@ -67,6 +68,17 @@ class Mcu {
 
   virtual void reset() = 0;        // RES pin; RAM is kept
   virtual void power_cycle() = 0;  // everything but flash is lost
+
+  // The mode pins say boot mode, or to run what is in flash: from the next reset on. h8 only.
+  virtual Result<void> set_boot_pins(bool boot) {
+    if (!boot) return {};
+    return fail(Fault::usage, "the " + engine() + " engine has no boot mode; h8 has");
+  }
+  // The boot ROM runs, not yet what it has loaded.
+  virtual bool in_boot_rom() const { return false; }
+  // With a listener a chip that does what no program should hangs until reset, and run_until()
+  // does not fail.
+  virtual void on_hang(std::function<void(const std::string& report)> listener) { (void)listener; }
 
   // What the board remembers without power: flash blocks EB1 to EB3, calibration and address
   // (shared/servo/store.h). Setting it takes effect at the next reset.
@@ -108,6 +120,8 @@ class Mcu {
 // The firmware image: S-record or COFF. With symbols (COFF) reports are readable and `on_tick`
 // works; for an S-record the symbols are looked for in a file of the same name ending in `.coff`.
 Result<std::unique_ptr<Mcu>> make_h8(const std::string& image_path);
+// A chip as it comes from the factory.
+std::unique_ptr<Mcu> make_erased_h8();
 std::unique_ptr<Mcu> make_native();
 
 }  // namespace kaz::sim

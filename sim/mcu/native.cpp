@@ -10,6 +10,7 @@
 
 #include "shared/servo/servo.h"
 #include "shared/servo/startup.h"
+#include "sim/h8s/line_rate.h"
 #include "sim/mcu/mcu.h"
 #include "sim/mcu/native_memory.h"
 
@@ -71,7 +72,11 @@ class NativeMcu final : public Mcu {
     on_pins_ = std::move(listener);
   }
   void set_analog(AnalogSource source) override { analog_ = std::move(source); }
-  void receive(const SerialByte& byte) override { received_.push_back(byte); }
+  void receive(const SerialByte& byte) override {
+    const auto heard = h8s::heard_at(byte.value, byte.bit_states, KZ_STATES_PER_BIT);
+    if (heard.heard)
+      received_.push_back({heard.value, byte.at, byte.framing_error || heard.framing_error});
+  }
   void on_tick(std::function<void(const TickRecord&)> listener) override {
     on_tick_ = std::move(listener);
   }

@@ -62,7 +62,7 @@ Json ControlCommands::fault(const std::string& line) const {
 }
 
 Json ControlCommands::run(const std::string& command, const std::string& argument) const {
-  const bool with_argument = command == "power" || command == "fault";
+  const bool with_argument = command == "power" || command == "fault" || command == "mode";
   if (!with_argument && !argument.empty())
     return refusal("\"" + command + "\" takes no argument, got \"" + argument + "\"");
   if (command == "help") {
@@ -70,6 +70,7 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
             {"commands",
              {{"help", "this list"},
               {"reset", "the board's reset pin, low and high"},
+              {"mode boot|run", "the mode pins, which count at the next reset"},
               {"power on|off", "the board's power switch"},
               {"fault LINE", "a fault, from now on or `at` a time; \"fault none\" ends them all"},
               {"status", "time, engine, power, host, losses"}}}};
@@ -82,6 +83,13 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
     if (argument != "on" && argument != "off")
       return refusal("\"power\" takes \"on\" or \"off\", got \"" + argument + "\"");
     handlers_.power(argument == "on");
+    return {{"ok", true}};
+  }
+  if (command == "mode") {
+    if (argument != "boot" && argument != "run")
+      return refusal("\"mode\" takes \"boot\" or \"run\", got \"" + argument + "\"");
+    if (auto set = handlers_.boot_pins(argument == "boot"); !set)
+      return refusal(set.error().message);
     return {{"ok", true}};
   }
   if (command == "fault") return fault(argument);

@@ -23,6 +23,7 @@ class ControlCommands {
  public:
   struct Handlers {
     std::function<void()> reset;
+    std::function<Result<void>(bool boot)> boot_pins;
     std::function<void(bool on)> power;
     std::function<nlohmann::ordered_json()> status;
     std::function<void(const faults::Fault& fault)> fault;

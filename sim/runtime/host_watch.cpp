@@ -34,7 +34,7 @@ void HostWatch::presence(Time now, bool present, long baud) {
     if (baud != 115200)
       say("host set " + port_ + " to " +
           (baud == 0 ? "an odd speed" : std::to_string(baud) + " baud") +
-          "; the board talks at 115200 baud, so every byte arrives damaged");
+          "; the firmware talks at 115200 baud and hears damaged bytes, boot mode wants 9600");
   }
 }
 

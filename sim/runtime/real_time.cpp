@@ -72,6 +72,7 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
             p->simulation.board().reset();
             p->watch.board_restarted("reset by the control socket");
           },
+      .boot_pins = [p](bool boot) { return p->simulation.board().set_boot_pins(boot); },
       .power = [p](bool on) { p->set_power(on); },
       .status = [p] { return p->status(); },
       .fault = [p](const faults::Fault& fault) { p->simulation.add_fault(fault); },
@@ -90,6 +91,12 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
     if (!cameras) return tl::unexpected(cameras.error());
     parts->cameras = std::move(*cameras);
   }
+  if (options.keep_hung) {
+    simulation.board().mcu().on_hang([p](const std::string& report) {
+      if (p->options.report)
+        p->options.report("board hangs until reset: " + report.substr(0, report.find('\n')));
+    });
+  }
   simulation.board().mcu().on_watchdog_reset([p](States) {
     p->watch.board_restarted(
         "through its watchdog, asked for by the host or because its program hung (`identify` tells "
@@ -102,6 +109,7 @@ RealTimeServer::RealTimeServer(std::unique_ptr<Parts> parts) : parts_(std::move(
 
 RealTimeServer::~RealTimeServer() {
   parts_->simulation.board().mcu().on_watchdog_reset([](States) {});
+  parts_->simulation.board().mcu().on_hang(nullptr);
   parts_->simulation.close_eyes();
 }
 
@@ -135,6 +143,7 @@ void RealTimeServer::Parts::host_to_board() {
   const bool present = pty->host_present();
   const long baud = present ? pty->baud() : 115200;
   watch.presence(now, present, baud);
+  if (baud > 0) simulation.line().set_host_bit(KZ_CLOCK_HZ / baud);
 
   std::array<std::uint8_t, adapter_bytes> buffer{};
   const std::size_t waiting = simulation.line().waiting(simulation.now());
@@ -144,7 +153,7 @@ void RealTimeServer::Parts::host_to_board() {
   if (count > 0) {
     watch.bytes_came(now);
     const auto bytes = std::span<const std::uint8_t>(buffer).first(count);
-    if (baud == 115200) {
+    if (baud > 0) {
       simulation.line().write(bytes, simulation.now());
     } else {
       simulation.line().write_garbled(bytes, simulation.now());
@@ -224,6 +233,7 @@ nlohmann::ordered_json RealTimeServer::Parts::status() const {
   return {{"time_s", seconds(simulation.time())},
           {"engine", board.mcu().engine()},
           {"power", board.power()},
+          {"boot_rom", board.mcu().in_boot_rom()},
           {"motors", board.drivers_enabled()},
           {"supply_volts", board.supply_volts()},
           {"driver_celsius", board.driver_celsius()},

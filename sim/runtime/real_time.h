@@ -20,6 +20,8 @@ struct RealTimeOptions {
   std::string serial_path;   // symbolic link to the pty; the control socket is serial_path + ".ctl"
   std::string cameras_path;  // Unix socket of shared/base/camera_stream.hpp; none if empty
   bool fast = false;         // as fast as the machine allows instead of paced
+  // A program that does what none should hangs the board until reset, instead of ending run().
+  bool keep_hung = false;
   // One line for the user: host connected, silent, gone; motors off; overruns. Without newline.
   std::function<void(const std::string&)> report;
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "sim/h8s/line_rate.h"
 #include "sim/runtime/time.h"
 
 namespace kaz::sim {
@@ -11,8 +12,8 @@ namespace kaz::sim {
 void SerialLine::queue(std::span<const std::uint8_t> bytes, States now, bool framing_error) {
   wire_free_ = std::max(wire_free_, now);
   for (const std::uint8_t value : bytes) {
-    wire_free_ += KZ_STATES_PER_BYTE;
-    pass(fault_to_board_, {value, wire_free_, framing_error}, to_board_);
+    wire_free_ += 10 * host_bit_;
+    pass(fault_to_board_, {value, wire_free_, framing_error, host_bit_}, to_board_);
   }
 }
 
@@ -21,14 +22,14 @@ void SerialLine::pass(faults::LinkFaults& link, const SerialByte& byte,
                       std::deque<SerialByte>& to) {
   if (schedule_ == nullptr || schedule_->empty()) {
     const States at = to.empty() ? byte.at : std::max(byte.at, to.back().at);
-    to.push_back({byte.value, at, byte.framing_error});
+    to.push_back({byte.value, at, byte.framing_error, byte.bit_states});
     return;
   }
   const auto out = link.pass(*schedule_, time_of(byte.at), {byte.value, byte.framing_error});
   States at = byte.at + states_of(out.delay);
   for (std::size_t i = 0; i < out.count; ++i) {
-    if (!to.empty()) at = std::max(at, to.back().at + KZ_STATES_PER_BYTE);
-    to.push_back({out.bytes[i].value, at, out.bytes[i].framing_error});
+    if (!to.empty()) at = std::max(at, to.back().at + 10 * byte.bit_states);
+    to.push_back({out.bytes[i].value, at, out.bytes[i].framing_error, byte.bit_states});
   }
 }
 
@@ -43,7 +44,8 @@ void SerialLine::write_garbled(std::span<const std::uint8_t> bytes, States now) 
 std::size_t SerialLine::waiting(States now) const {
   if (wire_free_ <= now) return 0;
   const States left = wire_free_ - now;
-  return static_cast<std::size_t>((left + KZ_STATES_PER_BYTE - 1) / KZ_STATES_PER_BYTE);
+  const States byte = 10 * host_bit_;
+  return static_cast<std::size_t>((left + byte - 1) / byte);
 }
 
 std::vector<SerialByte> SerialLine::take_for_board(States until) {
@@ -56,7 +58,11 @@ std::vector<SerialByte> SerialLine::take_for_board(States until) {
 }
 
 void SerialLine::from_board(std::span<const SerialByte> bytes) {
-  for (const SerialByte& byte : bytes) pass(fault_to_host_, byte, to_host_);
+  for (const SerialByte& byte : bytes) {
+    const auto heard = h8s::heard_at(byte.value, byte.bit_states, host_bit_);
+    if (heard.heard)
+      pass(fault_to_host_, {heard.value, byte.at, heard.framing_error, byte.bit_states}, to_host_);
+  }
 }
 
 std::size_t SerialLine::read(std::span<std::uint8_t> bytes, States now) {

@@ -1,4 +1,4 @@
-// The wire between host and board: a byte each way every 1,600 states at most, 115,200 baud 8N1.
+// The wire between host and board: 8N1, each side at its own bit rate, 115,200 baud if not told.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -22,9 +22,12 @@ class SerialLine {
   // Its link faults happen to bytes that are written or sent from now on. Null: none. Must outlive the
   // line.
   void set_faults(const faults::Schedule* schedule) { schedule_ = schedule; }
+  // The host's bit rate from now on; the board's is that of its bytes. Where they differ, each hears
+  // what that makes of a byte.
+  void set_host_bit(States bit) { host_bit_ = bit; }
   // Bytes that the host gives at `now`. The first starts then, or when the byte before it has left.
   void write(std::span<const std::uint8_t> bytes, States now);
-  // The same with every byte damaged: what the board sees when the host talks at another speed.
+  // The same with every byte damaged.
   void write_garbled(std::span<const std::uint8_t> bytes, States now);
   // Bytes written whose stop bit has not passed by `now`: full adapters make their writers wait.
   std::size_t waiting(States now) const;
@@ -42,7 +45,7 @@ class SerialLine {
   // All that it remembers (archive.h).
   template <class A>
   void transfer(A& a) {
-    a(fault_to_board_, fault_to_host_, to_board_, to_host_, wire_free_);
+    a(fault_to_board_, fault_to_host_, to_board_, to_host_, wire_free_, host_bit_);
   }
 
  private:
@@ -54,6 +57,7 @@ class SerialLine {
   faults::LinkFaults fault_to_board_, fault_to_host_;
   std::deque<SerialByte> to_board_, to_host_;
   States wire_free_ = 0;
+  States host_bit_ = KZ_STATES_PER_BIT;
 };
 
 }  // namespace kaz::sim

@@ -63,6 +63,23 @@ TEST(SerialLine, HostReadsOnlyWhatHasArrived) {
   EXPECT_EQ(buffer[0], 8);
 }
 
+TEST(SerialLine, EachSideHasItsOwnRate) {
+  SerialLine line;
+  line.set_host_bit(1920);  // 9600 baud
+  line.write(Bytes{1, 2}, 0);
+  EXPECT_EQ(line.waiting(0), 2u);
+  const auto arrived = line.take_for_board(100'000);
+  ASSERT_EQ(arrived.size(), 2u);
+  EXPECT_EQ(arrived[1].at, 2 * 19200);
+  EXPECT_EQ(arrived[1].bit_states, 1920);
+  // The board talks at 9600 baud, and then at 115200, of which a slow receiver hears little.
+  std::array<std::uint8_t, 4> buffer{};
+  line.from_board(
+      std::array{SerialByte{7, 19200, false, 1920}, SerialByte{0xff, 20800, false, 160}});
+  EXPECT_EQ(line.read(buffer, 100'000), 1u);
+  EXPECT_EQ(buffer[0], 7);
+}
+
 TEST(SerialLine, WrongSpeedDamagesEveryByte) {
   SerialLine line;
   line.write_garbled(Bytes{1, 2}, 0);

@@ -16,7 +16,8 @@ namespace kaz::sim {
 namespace {
 
 Result<std::unique_ptr<Mcu>> make_engine(const SimulationOptions& options) {
-  if (options.engine == "h8") return make_h8(options.image_path);
+  if (options.engine == "h8")
+    return options.image_path.empty() ? make_erased_h8() : make_h8(options.image_path);
   if (options.engine == "native") return make_native();
   return fail(Fault::usage,
               "there is no engine \"" + options.engine + "\"; use \"h8\" or \"native\"");

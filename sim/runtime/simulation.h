@@ -39,7 +39,7 @@ class Recorder;
 
 struct SimulationOptions {
   std::string engine = "native";  // "h8" or "native"
-  std::string image_path;         // firmware, for "h8"
+  std::string image_path;         // firmware, for "h8"; empty: its flash is erased
   std::string world_path;         // SDF
   std::string robot_path;         // URDF
   std::string camera_path;        // camera.json beside the URDF; not read for a robot without eyes

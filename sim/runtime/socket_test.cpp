@@ -184,6 +184,10 @@ struct Board {
   std::string power;
   ControlCommands commands{{
       .reset = [this] { ++resets; },
+      .boot_pins = [this](bool boot) -> Result<void> {
+        power += boot ? "b" : "r";
+        return {};
+      },
       .power = [this](bool on) { power += on ? "+" : "-"; },
       .status =
           [] {
@@ -202,7 +206,9 @@ TEST(ControlCommands, TakeWordsAndJson) {
   EXPECT_EQ(board.resets, 2);
   EXPECT_TRUE(board.commands.answer("power off\r")["ok"]);
   EXPECT_TRUE(board.commands.answer(R"({"command": "power", "argument": "on"})")["ok"]);
-  EXPECT_EQ(board.power, "-+");
+  EXPECT_TRUE(board.commands.answer("mode boot")["ok"]);
+  EXPECT_TRUE(board.commands.answer("mode run")["ok"]);
+  EXPECT_EQ(board.power, "-+br");
   EXPECT_EQ(board.commands.answer("status")["time_s"], 1.5);
   EXPECT_TRUE(board.commands.answer("help")["commands"].contains("reset"));
 }
@@ -219,8 +225,8 @@ TEST(ControlCommands, FaultsBeginNowOrAtTheirTime) {
 
 TEST(ControlCommands, RefuseWithAReason) {
   Board board;
-  for (const char* line : {"", "   ", "restart", "power", "power maybe", "reset now", "{",
-                           "{\"command\": 7}", "{}", "[1]", "\xff\xfe"}) {
+  for (const char* line : {"", "   ", "restart", "power", "power maybe", "mode", "mode 3",
+                           "reset now", "{", "{\"command\": 7}", "{}", "[1]", "\xff\xfe"}) {
     const auto reply = board.commands.answer(line);
     EXPECT_FALSE(reply["ok"]) << line;
     EXPECT_FALSE(reply["error"].get<std::string>().empty()) << line;

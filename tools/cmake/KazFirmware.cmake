@@ -20,8 +20,48 @@ endif()
 set(KAZ_H8_FLAGS -ms -O2 -g -Wall -Werror -ffreestanding -std=gnu99 -fomit-frame-pointer
                  -fno-strict-aliasing)
 
+# The flash writer: DIR/writer.bin, as it lies in RAM, and COPY_DIR/writer.bin.
+function(kaz_flash_writer name dir copy_dir shared_root)
+  set(firmware ${PROJECT_SOURCE_DIR}/firmware)
+  file(MAKE_DIRECTORY ${dir})
+  set(objects)
+  foreach(stem writer_start writer writer_flash writer_rest)
+    set(source ${firmware}/${stem}.c)
+    if(stem STREQUAL writer_start)
+      set(source ${firmware}/${stem}.S)
+    endif()
+    set(object ${dir}/${stem}.o)
+    set(to_section)
+    if(stem STREQUAL writer_rest)
+      set(to_section COMMAND ${KAZ_H8_OBJCOPY} --rename-section .text=.rest
+                             --rename-section .rodata=.rest2 ${object})
+    endif()
+    # -Os: boot mode takes 2048 bytes.
+    add_custom_command(
+      OUTPUT ${object}
+      COMMAND ${KAZ_H8_GCC} ${KAZ_H8_FLAGS} -Os -I${shared_root} -I${PROJECT_SOURCE_DIR}
+              -MMD -MF ${object}.d -MT ${object} -c ${source} -o ${object}
+      ${to_section}
+      DEPENDS ${source}
+      DEPFILE ${object}.d
+      COMMENT "H8 ${name}: ${stem}" VERBATIM)
+    list(APPEND objects ${object})
+  endforeach()
+  set(generators ${PROJECT_SOURCE_DIR}/tools/gen)
+  add_custom_command(
+    OUTPUT ${dir}/writer.bin ${dir}/writer.coff ${copy_dir}/writer.bin
+    COMMAND ${KAZ_H8_LD} -m h8300s --fatal-warnings -T ${firmware}/writer.ld -o ${dir}/writer.coff ${objects}
+    COMMAND Python3::Interpreter -B ${generators}/writer_report.py ${KAZ_H8_OBJDUMP} ${dir}/writer.coff
+    COMMAND ${KAZ_H8_OBJCOPY} -O binary -j .text -j .rest ${dir}/writer.coff ${dir}/writer.bin
+    COMMAND ${CMAKE_COMMAND} -E copy ${dir}/writer.bin ${copy_dir}/writer.bin
+    DEPENDS ${objects} ${firmware}/writer.ld ${generators}/writer_report.py ${generators}/stack_bound.py
+            ${generators}/coff.py
+    COMMENT "H8 ${name}: flash writer" VERBATIM)
+endfunction()
+
 # kaz_firmware_image(NAME name SHARED_DIR dir OUTPUT_DIR dir [FLAGS flag ...] [ALL])
-# Target NAME_firmware: OUTPUT_DIR/NAME.coff (with symbols) and NAME.mot (S-records), from the sources
+# Target NAME_firmware: OUTPUT_DIR/NAME.coff (with symbols) and NAME.mot (S-records), NAME.objects/writer.bin
+# (the flash writer, which the loader's block holds too) and a copy of it beside NAME.mot, from the sources
 # in firmware/ and those of a folder that is, or is a copy of, shared/: a test can build a patched copy.
 # Joint limits and build id are those of the main build. FLAGS come after KAZ_H8_FLAGS.
 # Without a cross compiler the target does not exist.
@@ -48,8 +88,10 @@ function(kaz_firmware_image)
     ${ARG_SHARED_DIR}/protocol/crc16.c ${ARG_SHARED_DIR}/protocol/frame.c
     ${ARG_SHARED_DIR}/protocol/messages.c ${ARG_SHARED_DIR}/board/table.c ${servo})
   set(loader_sources
-    ${firmware}/loader_start.S ${firmware}/loader.c ${firmware}/loader_crc16.c)
+    ${firmware}/loader_start.S ${firmware}/loader.c ${firmware}/loader_crc16.c
+    ${firmware}/loader_writer.S)
   set(ram_sources ${firmware}/flash_ram.c)
+  kaz_flash_writer(${ARG_NAME} ${ARG_OUTPUT_DIR}/${ARG_NAME}.objects ${ARG_OUTPUT_DIR} ${shared_root})
 
   set(objects_dir ${ARG_OUTPUT_DIR}/${ARG_NAME}.objects)
   file(MAKE_DIRECTORY ${objects_dir})
@@ -68,10 +110,11 @@ function(kaz_firmware_image)
     add_custom_command(
       OUTPUT ${object}
       COMMAND ${KAZ_H8_GCC} ${KAZ_H8_FLAGS} ${ARG_FLAGS} -I${shared_root} -I${PROJECT_SOURCE_DIR}
-              -I${generated} -MMD -MF ${object}.d -MT ${object} -c ${source} -o ${object}
+              -I${generated} -Wa,-I${objects_dir}
+              -MMD -MF ${object}.d -MT ${object} -c ${source} -o ${object}
       ${to_section}
       # The first of shared/ stands for all: a patched copy is made in one go.
-      DEPENDS ${source} ${ARG_SHARED_DIR}/protocol/crc16.c ${generated}/kz_limits.h
+      DEPENDS ${source} ${objects_dir}/writer.bin ${ARG_SHARED_DIR}/protocol/crc16.c ${generated}/kz_limits.h
               ${generated}/kz_build_id.h kaz_generated_headers
       DEPFILE ${object}.d
       COMMENT "H8 ${ARG_NAME}: ${stem}" VERBATIM)

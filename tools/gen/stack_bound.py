@@ -27,7 +27,7 @@ class Function:
     is_handler: bool = False
 
 
-CODE_SECTIONS = (".text", ".ltext", ".ramtext")
+CODE_SECTIONS = (".text", ".ltext", ".ramtext", ".rest")
 
 
 def disassemble(objdump, path):

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: stamp_image.py COFF
 
-firmware/image.h tells the header's layout and what the CRC covers.
+shared/flash/image.h tells the header's layout and what the CRC covers.
 """
 import struct
 import sys

@@ -188,7 +188,8 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& optio
     sim.camera_path =
         std::filesystem::path(options.robot_file).replace_filename("camera.json").string();
   }
-  if (found && options.engine == "h8") found = find(firmware_image(options.image), sim.image_path);
+  if (found && options.engine == "h8" && !options.erased)
+    found = find(firmware_image(options.image), sim.image_path);
   if (!found) return tl::unexpected(found.error());
   return sim::Simulation::create(sim);
 }

@@ -28,13 +28,14 @@ struct RigOptions {
   std::string robot_file;           // URDF of the simulated robot; Kaz if empty
   std::string engine = "h8";        // "h8" or "native"
   std::string image;                // firmware image; the built one if empty
+  bool erased = false;              // no image: the flash is blank
   std::string sensors = "nominal";  // "nominal", "ideal" or "as-built"
   bool imu = false;                 // the board's option
   std::string eyes = "ideal";
   std::string dynamics = "reduced";  // WorldOptions::stepper
   double physics_step_ms = 1;        // SimulationOptions
   double supply_volts = 10;
-  int eye_width = 0;                 // 320 or 640; 0: as in camera.json
+  int eye_width = 0;  // 320 or 640; 0: as in camera.json
   std::uint64_t seed = 1;
   std::string faults;          // file with a schedule of faults; none if empty
   std::string recording;       // path of the recording; none if empty

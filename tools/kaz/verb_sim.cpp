@@ -20,6 +20,7 @@ struct SimArguments {
   RigOptions rig;
   sim::RealTimeOptions real_time;
   std::string memory;       // file of the board's flash; none if empty
+  bool boot = false;        // the mode pins ask for boot mode
   std::string calibration;  // file to write the eyes' calibration to; none if empty
 };
 
@@ -45,6 +46,10 @@ class StopFlag {
 };
 
 Result<bool> serve(SimArguments arguments) {
+  if ((arguments.rig.erased || arguments.boot) && arguments.rig.engine != "h8")
+    return fail(Fault::usage, "--erased and --boot are for --mcu h8: native has no flash");
+  if (arguments.rig.erased && !arguments.rig.image.empty())
+    return fail(Fault::usage, "--erased and --image exclude each other");
   auto simulation = make_simulation(arguments.rig, sim::FramePolicy::drop);
   if (!simulation) return tl::unexpected(simulation.error());
   if (!arguments.real_time.cameras_path.empty() && !(*simulation)->has_eyes())
@@ -65,6 +70,11 @@ Result<bool> serve(SimArguments arguments) {
       return tl::unexpected(loaded.error());
     mcu.reset();
   }
+  if (arguments.boot) {
+    if (auto set = mcu.set_boot_pins(true); !set) return tl::unexpected(set.error());
+    mcu.reset();
+  }
+  arguments.real_time.keep_hung = arguments.boot || arguments.rig.erased;
   arguments.real_time.report = [](const std::string& line) {
     std::printf("%s\n", line.c_str());
     std::fflush(stdout);
@@ -115,6 +125,9 @@ void add_sim(CLI::App& program, Action& action) {
   verb->add_option("--memory", arguments->memory,
                    "file that keeps the board's calibration and address from one run to the next")
       ->type_name("FILE");
+  verb->add_flag("--erased", arguments->rig.erased,
+                 "the board's flash is blank, as the chip comes from the factory (kaz flash)");
+  verb->add_flag("--boot", arguments->boot, "the board's switch stands at boot mode");
   verb->add_option("--write-calibration", arguments->calibration,
                    "write the eyes' calibration as OpenCV does (YAML); without --serial, only that")
       ->type_name("FILE");
@@ -125,9 +138,11 @@ void add_sim(CLI::App& program, Action& action) {
   add_record_pictures(*verb, arguments->rig);
   verb->footer(
       "The link behaves as a port with a board at the other end. PATH.ctl takes commands: reset,\n"
-      "power off, power on, status, one a line. Ends with Ctrl-C and removes what it made.\n"
+      "mode boot, mode run, power off, power on, status, one a line. Ends with Ctrl-C and removes "
+      "what it made.\n"
       "Examples:\n"
       "  kaz sim --serial board --cameras board.eyes\n"
+      "  kaz sim --serial board --erased   (kaz flash puts a firmware into it)\n"
       "  kaz sim --eyes real --write-calibration eyes.yml\n"
       "  kaz sim --serial board --record run.mcap   (Foxglove, PlotJuggler and `mcap info` open "
       "it)\n"

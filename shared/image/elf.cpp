@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "sim/h8s/image.h"
+#include "shared/image/image.h"
 
 namespace kaz::h8s {
 namespace {

@@ -1,11 +1,11 @@
 // The application's header in flash: by it the loader knows whether what lies there is whole.
 // SPDX-License-Identifier: Apache-2.0
-#ifndef KAZ_FIRMWARE_IMAGE_H
-#define KAZ_FIRMWARE_IMAGE_H
+#ifndef KAZ_SHARED_FLASH_IMAGE_H
+#define KAZ_SHARED_FLASH_IMAGE_H
 
 #include "shared/base/types.h"
 
-// Flash map: kaz.ld. The application starts with the jump table, whose first entry is its start.
+// Flash map: firmware/kaz.ld. The application starts with the jump table, whose first entry is its start.
 #define KZ_APPLICATION 0x1000UL
 #define KZ_APPLICATION_HEADER 0x11E0UL
 #define KZ_APPLICATION_CODE 0x1200UL

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <numeric>
 
-#include "sim/h8s/image.h"
+#include "shared/image/image.h"
 
 namespace kaz::h8s {
 

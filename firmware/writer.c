@@ -1,0 +1,242 @@
+// The flash writer's line: bytes into two frames that take turns, requests, replies.
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/writer.h"
+
+#include "firmware/h8s2128.h"
+#include "shared/flash/protocol.h"
+
+#define BRR_115200 4
+#define RAM_PAGE 0x00FF  // upper half of the addresses of RAM
+#define SILENCE KZ_COUNTS(20000)  // a frame does not go on: what came of it is thrown away
+
+static frame frames[2] NEAR;
+static frame* receiving NEAR;
+static u8* in NEAR;      // next byte of `receiving`
+static u8* in_end NEAR;  // header or frame is whole there; equal to `in`: nothing is received
+static frame* work NEAR;  // whole, not done yet
+static u16 last_byte NEAR;
+static u16* filled NEAR;  // the program is there up to here
+static u16 board NEAR;
+u16 kz_writer_crc NEAR;
+static volatile u8 next_is_whole SHORT;
+static volatile u8 damaged SHORT;
+volatile u8 kz_writer_by_loader SHORT;
+volatile u8 kz_writer_heard SHORT;
+static volatile u8 rest_is_there SHORT;
+
+static void receive_into(frame* to) {
+  receiving = to;
+  in = (u8*)to;
+  in_end = to->payload;
+}
+
+static frame* other(frame* one) {
+  return one == frames ? frames + 1 : frames;
+}
+
+// The header is there, or the frame.
+static void piece_is_whole(void) {
+  frame* const now = receiving;
+  if (in == now->payload) {
+    const u8* byte = (const u8*)now;
+    if (now->length > KZ_WRITER_PAYLOAD_MAX ||
+        (u8)(byte[1] + byte[2] + byte[3] + byte[4] + byte[5]) != 0xFF) {
+      damaged = 1;
+    } else {
+      in_end = in + now->length + 2;
+    }
+  } else if (work == 0) {
+    work = now;
+    receive_into(other(now));
+  } else {
+    next_is_whole = 1;
+  }
+}
+
+void kz_writer_poll(void) {
+  const u8 flags = SCI0_SSR;
+  u8 byte;
+  if (!(flags & (SSR_RDRF | SSR_ORER | SSR_FER | SSR_PER))) return;
+  byte = SCI0_RDR;
+  SCI0_SSR = (u8)(flags & ~(SSR_RDRF | SSR_ORER | SSR_FER | SSR_PER));
+  last_byte = FRT_FRC;
+  if (!(flags & SSR_RDRF) || in == in_end) return;
+  if (in == (u8*)receiving && byte != KZ_WRITER_SYNC) return;
+  *in++ = byte;
+  if (in == in_end) piece_is_whole();
+}
+
+void kz_writer_wait(u16 counts) {
+  const u16 from = FRT_FRC;
+  do {
+    kz_writer_poll();
+  } while ((u16)(FRT_FRC - from) < counts);
+}
+
+// The CRC's polynomial is 0x1021: a byte at once without a table.
+void kz_writer_count(u8 byte) {
+  u16 wide = (u16)((kz_writer_crc >> 8) ^ byte);
+  wide ^= (u16)(wide >> 4);
+  kz_writer_crc = (u16)((u16)(kz_writer_crc << 8) ^ (u16)(wide << 12) ^ (u16)(wide << 5) ^ wide);
+  kz_writer_poll();
+}
+
+static void put(u8 byte) {
+  while (!(SCI0_SSR & SSR_TDRE)) kz_writer_poll();
+  SCI0_TDR = byte;
+  SCI0_SSR &= (u8)~SSR_TDRE;
+  kz_writer_count(byte);
+}
+
+// The request becomes the reply: `bytes` of payload, the status among them. The transmitter is on only
+// while it sends: on a shared line TxD floats otherwise.
+void kz_writer_reply(frame* it, u16 bytes) {
+  const u8* next = &it->type;
+  u16 sent;
+  it->type |= KZ_WRITER_REPLY;
+  it->length = bytes;
+  it->check = (u8) ~(it->type + (u8)(bytes >> 8) + (u8)bytes + it->number);
+  bytes = (u16)(bytes + KZ_WRITER_HEADER - 1);
+  SCI0_SCR = SCR_TE | SCR_RE;
+  put(KZ_WRITER_SYNC);
+  kz_writer_crc = 0xFFFF;
+  do {
+    put(*next++);
+  } while (--bytes != 0);
+  sent = kz_writer_crc;
+  put((u8)(sent >> 8));
+  put((u8)sent);
+  while (!(SCI0_SSR & SSR_TEND)) kz_writer_poll();
+  SCI0_SCR = SCR_RE;
+}
+
+// For a writer that the loader started.
+static u8 is_protected(u16 high, u16 low) {
+  return (u8)(kz_writer_by_loader && high == 0 && (low < 0x400 || (low & 0xE000) == 0xC000));
+}
+
+// writer.ld
+extern u16 kz_writer_rest_start[];
+extern u16 kz_writer_program_end[];
+
+// `*at` ends at the line that failed.
+static u8 write(u32* at, const u16* data, u16 bytes) {
+  u8 status = KZ_WRITER_OK;
+  if ((u8)((u8)*at | (u8)bytes) % KZ_WRITER_LINE != 0) return KZ_WRITER_ARGUMENTS;
+  if (((u16*)at)[0] == RAM_PAGE) {
+    u16* to = (u16*)*at;
+    if (to > filled) return KZ_WRITER_ARGUMENTS;
+    for (; bytes != 0; bytes = (u16)(bytes - 2)) {
+      *to++ = *data++;
+      kz_writer_poll();
+    }
+    if (to > filled) filled = to;
+    rest_is_there = (u8)(filled == kz_writer_program_end);
+    return status;
+  }
+  for (; bytes != 0; bytes = (u16)(bytes - KZ_WRITER_LINE)) {
+    if (is_protected(((u16*)at)[0], ((u16*)at)[1])) return KZ_WRITER_PROTECTED;
+    status = kz_writer_program(*at, data);
+    if (status != KZ_WRITER_OK) break;
+    *at += KZ_WRITER_LINE;
+    data += KZ_WRITER_LINE / 2;
+  }
+  return status;
+}
+
+static void kz_writer_rate(u8 brr) {
+  SCI0_SCR = 0;
+  SCI0_BRR = brr;
+  kz_writer_wait(KZ_COUNTS(200));  // longer than a bit at 9,600
+  SCI0_SCR = SCR_RE;
+}
+
+static void perform(frame* it) {
+  const u8 type = it->type;
+  u32* const address = (u32*)it->payload;
+  u16* const more = (u16*)it->payload + 1;  // behind the status
+  const u8 brr = it->payload[0];
+  u16 bytes = 2;
+  u8 status = KZ_WRITER_OK;
+  if (type == KZ_WRITER_WRITE) {
+    status = KZ_WRITER_ARGUMENTS;
+    if (address[0] < KZ_FLASH_BYTES || ((u16*)address)[0] == RAM_PAGE)
+      status = write(address, (const u16*)(address + 1), (u16)(it->length - 4));
+    more[0] = more[1];
+    bytes = 4;
+  } else if (type == KZ_WRITER_INFO) {
+    more[0] = (u16)(KZ_WRITER_PROTOCOL << 8 | kz_writer_by_loader);
+    more[1] = board;
+    bytes = 6;
+  } else if (type != KZ_WRITER_RATE) {
+    if (rest_is_there) return kz_writer_perform(it);
+    status = KZ_WRITER_UNKNOWN;
+  }
+  it->payload[0] = status;
+  kz_writer_reply(it, bytes);
+  if (type == KZ_WRITER_RATE) kz_writer_rate(brr);
+}
+
+static u16 quiet(void) {
+  return (u16)(FRT_FRC - last_byte);
+}
+
+// Throws away what comes until the line is silent; then says so, to a host that it has kz_writer_heard.
+static void complain(void) {
+  in = in_end;
+  while (quiet() < SILENCE) kz_writer_poll();
+  work = 0;
+  next_is_whole = 0;
+  damaged = 0;
+  receive_into(frames);
+  if (!kz_writer_heard) return;
+  frames[1].type = 0;
+  frames[1].payload[0] = KZ_WRITER_DAMAGED;
+  kz_writer_reply(frames + 1, 2);
+}
+
+static void work_off(void) {
+  const u8* byte = &work->type;
+  u16 left = (u16)(work->length + KZ_WRITER_OVERHEAD - 1);
+  kz_writer_crc = 0xFFFF;
+  while (left-- != 0) kz_writer_count(*byte++);
+  if (kz_writer_crc != 0) {
+    damaged = 1;
+    return;
+  }
+  kz_writer_heard = 1;
+  kz_writer_silent = 0;
+  perform(work);
+  work = 0;
+  if (next_is_whole) {
+    next_is_whole = 0;
+    work = receiving;
+    receive_into(other(work));
+  }
+}
+
+// `loader`: 1 if started by it, and all of the program is there; it waits `seconds`, or without end if 0.
+void kz_writer_main(u16 loader, u16 seconds, u16 board_id) {
+  kz_writer_by_loader = (u8)loader;
+  rest_is_there = (u8)loader;
+  filled = kz_writer_rest_start;
+  board = board_id;
+  kz_writer_heard = 0;
+  next_is_whole = 0;
+  damaged = 0;
+  work = 0;
+  receive_into(frames);
+  MSTPCRH = MSTPCRH_RESET & (u8)~MSTPCRH_FRT;
+  MSTPCRL = MSTPCRL_RESET & (u8)~MSTPCRL_SCI0;
+  FRT_TCR = FRT_TCR_PHI_8;
+  // Boot mode has left its rate.
+  kz_writer_rate((u8)(loader ? BRR_115200 : SCI0_BRR));
+  STCR = STCR_FLSHE;
+  if (loader) kz_writer_wait_for(seconds);
+  for (;;) {
+    kz_writer_poll();
+    if (work) work_off();
+    if (damaged || (in != (u8*)receiving && quiet() >= SILENCE)) complain();
+    if (rest_is_there) kz_writer_idle();
+  }
+}

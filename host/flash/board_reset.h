@@ -1,0 +1,60 @@
+// Ways to a board's reset and mode pins.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "host/robot/link.h"
+#include "host/robot/tty_link.h"
+#include "shared/base/result.hpp"
+
+namespace kaz::host {
+
+class BoardReset {
+ public:
+  virtual ~BoardReset() = default;
+  // Resets the board, into boot mode or into what stands in its flash.
+  virtual Result<void> reset(bool boot) = 0;
+  virtual std::string name() const = 0;
+};
+
+// DTR is wired to RES (active: in reset), RTS to the mode pins (active: boot mode). Resets last 25 ms:
+// RES wants 20 states while the oscillator runs.
+class ModemLineReset final : public BoardReset {
+ public:
+  ModemLineReset(TtyLink& port, Clock& clock) : port_(port), clock_(clock) {}
+  Result<void> reset(bool boot) override;
+  std::string name() const override { return "dtr-rts"; }
+
+ private:
+  TtyLink& port_;
+  Clock& clock_;
+};
+
+// The control socket of `kaz sim` (docs/simulator.md): "mode boot", "reset".
+class ControlSocketReset final : public BoardReset {
+ public:
+  explicit ControlSocketReset(std::string path) : path_(std::move(path)) {}
+  Result<void> reset(bool boot) override;
+  std::string name() const override { return "ctl:" + path_; }
+
+ private:
+  Result<void> command(const std::string& line) const;
+  std::string path_;
+};
+
+// Somebody sets a switch and presses a button; `ask` gets what to do, and returns when it is done.
+class ManualReset final : public BoardReset {
+ public:
+  explicit ManualReset(std::function<Result<void>(const std::string& prompt)> ask)
+      : ask_(std::move(ask)) {}
+  Result<void> reset(bool boot) override;
+  std::string name() const override { return "manual"; }
+
+ private:
+  std::function<Result<void>(const std::string&)> ask_;
+};
+
+}  // namespace kaz::host

@@ -1,0 +1,71 @@
+// What is to stand in the flash of an H8S/2128: bytes, which lines of it, and whose program it is.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "shared/base/result.hpp"
+#include "shared/flash/image.h"
+#include "shared/image/image.h"
+
+namespace kaz::host {
+
+inline constexpr std::uint32_t kFlashBytes = 0x20000;
+inline constexpr std::uint32_t kFlashLine = 32;  // what is programmed at once
+inline constexpr int kFlashBlocks = 10;          // what is erased at once
+// First addresses of EB0..EB9, and the end.
+inline constexpr std::uint32_t kBlockStart[kFlashBlocks + 1] = {
+    0x0000, 0x0400, 0x0800, 0x0c00, 0x1000, 0x8000, 0xc000, 0xe000, 0x10000, 0x18000, 0x20000};
+// Of a board that a resident loader updates: what it keeps (firmware/kaz.ld).
+inline constexpr int kVectorBlock = 0, kLoaderBlock = 6;
+
+struct FlashRange {
+  std::uint32_t from = 0, to = 0;  // behind the last byte
+  std::uint32_t size() const { return to - from; }
+};
+
+// The header of a Kaz application (shared/flash/image.h).
+struct ImageIdentity {
+  std::uint16_t board_id = 0, version = 0;
+  std::uint32_t build_id = 0, length = 0;
+  std::uint16_t crc = 0;
+};
+
+class FlashImage {
+ public:
+  FlashImage();
+  // S-record, Intel HEX, COFF, ELF, told by their contents; raw with an address. Errors (usage): a
+  // damaged file, bytes outside the flash.
+  static Result<FlashImage> load(const std::string& path, const h8s::LoadOptions& options = {});
+
+  // Takes bytes over; the lines that they touch are part of the image.
+  void put(std::uint32_t address, std::span<const std::uint8_t> bytes);
+  std::span<const std::uint8_t> bytes(FlashRange range) const {
+    return std::span(bytes_).subspan(range.from, range.size());
+  }
+  // Lines of the image that are not blank anyway, one behind the other as one range; at most
+  // `longest` bytes each.
+  std::vector<FlashRange> ranges(std::uint32_t longest = kFlashBytes) const;
+  // Whether any line of the block is part of the image.
+  bool touches(int block) const;
+  std::uint32_t size() const;  // bytes of all ranges
+
+  // A Kaz application, whole or not; nothing if it is something else.
+  std::optional<ImageIdentity> identity() const;
+  // What is wrong with the application, against its header; empty: it is whole.
+  std::string damage() const;
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::vector<bool> lines_;
+};
+
+inline FlashRange block_range(int block) {
+  return {kBlockStart[block], kBlockStart[block + 1]};
+}
+
+}  // namespace kaz::host

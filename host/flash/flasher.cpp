@@ -1,0 +1,437 @@
+// The order of things: find the board, check, erase, write, verify, the header last.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/flash/flasher.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "host/flash/trouble.h"
+#include "host/robot/connect.h"
+#include "host/robot/requester.h"
+
+namespace kaz::host {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr double kByteAt9600 = 10.0 / 9600, kByteAt115200 = 10.0 / 115200;
+constexpr std::uint8_t kBrr115200 = 4;  // 18.432 MHz / (32 * 115200) - 1
+constexpr std::uint32_t kRam = 0xffe080;
+constexpr int kBootTries = 3;
+// An erased block: one pulse and its verification of up to 32 KB, at most 230 pulses of a worn one.
+constexpr Time kErasePatience = milliseconds(1500);
+
+std::string id_text(std::uint16_t id) {
+  char text[8];
+  std::snprintf(text, sizeof text, "%04x", id);
+  return text;
+}
+
+WriterRequest write_request(std::uint32_t address, std::span<const std::uint8_t> bytes) {
+  WriterRequest request{KZ_WRITER_WRITE, {}};
+  append(request.payload, address, 4);
+  request.payload.insert(request.payload.end(), bytes.begin(), bytes.end());
+  return request;
+}
+
+// Ranges that follow each other as one, up to 8 KB.
+std::vector<FlashRange> joined(const std::vector<FlashRange>& ranges) {
+  std::vector<FlashRange> result;
+  for (const FlashRange& range : ranges) {
+    if (!result.empty() && result.back().to == range.from && result.back().size() < 8192)
+      result.back().to = range.to;
+    else
+      result.push_back(range);
+  }
+  return result;
+}
+
+}  // namespace
+
+Flasher::Flasher(Link& link, Clock& clock, std::span<const std::uint8_t> program,
+                 FlasherOptions options)
+    : link_(link),
+      clock_(clock),
+      program_(program),
+      options_(std::move(options)),
+      writer_(link, clock),
+      started_(clock.now()) {}
+
+void Flasher::say(const std::string& line) const {
+  if (options_.note) options_.note(line);
+}
+
+void Flasher::tell(const char* phase, std::uint32_t done, std::uint32_t total) {
+  if (phase_ != phase) {
+    phase_ = phase;
+    phase_began_ = clock_.now();
+  }
+  if (!options_.progress) return;
+  const double took = std::chrono::duration<double>(clock_.now() - phase_began_).count();
+  options_.progress({phase, done, total, took > 0 ? done / took : 0});
+}
+
+Result<void> Flasher::check(const FlashImage& image) const {
+  const auto identity = image.identity();
+  if (!identity) {
+    if (options_.force) return {};
+    return fail(
+        Fault::usage,
+        Trouble{"the image is no application of a Kaz board",
+                "the id \"KAZA\" at " + hex_address(KZ_APPLICATION_HEADER),
+                hex_of({image.bytes({KZ_APPLICATION_HEADER, KZ_APPLICATION_HEADER + 4}).begin(),
+                        image.bytes({KZ_APPLICATION_HEADER, KZ_APPLICATION_HEADER + 4}).end()}),
+                {"it is another file", "it was built for another address"},
+                "name the firmware's kaz.mot, or add --force to write a foreign program"});
+  }
+  if (const std::string damage = image.damage(); !damage.empty()) {
+    return fail(Fault::usage, Trouble{"the image is not whole",
+                                      "an application that fits its header",
+                                      damage,
+                                      {"the file was cut off or changed",
+                                       "it was linked but not stamped (tools/gen/stamp_image.py)"},
+                                      "build it again; --force does not write a damaged image"});
+  }
+  if (board_id_ && *board_id_ != identity->board_id && !options_.force) {
+    return fail(Fault::failed,
+                Trouble{"the image is for another board; nothing was changed",
+                        "board id " + id_text(identity->board_id) + ", of the image",
+                        id_text(*board_id_) + ", of the board on " + link_.name(),
+                        {"the port is that of another board", "the image is of another board"},
+                        "check --port and IMAGE; --force overrides this guard alone"});
+  }
+  return {};
+}
+
+Result<bool> Flasher::enter_loader() {
+  if (auto set = link_.set_baud(115200); !set) return tl::unexpected(set.error());
+  writer_.rate_is(115200);
+  const auto listening = [&](Time patience, int tries) -> Result<bool> {
+    const auto info = writer_.info(patience, tries);
+    if (!info) return false;
+    info_ = *info;
+    if (info->board_id) board_id_ = info->board_id;
+    return true;
+  };
+  // A writer may be there already: of a loader without an application, or of an earlier try.
+  if (auto there = listening(milliseconds(60), 2); !there || *there) return there;
+  Requester requester(link_, clock_, {});
+  requester.limit_tries(3);
+  const auto board = identify_board(requester);
+  if (!board) {
+    // The port itself may be gone.
+    std::uint8_t byte = 0;
+    if (auto alive = link_.read(std::span(&byte, 1), clock_.now()); !alive)
+      return tl::unexpected(alive.error());
+    return false;
+  }
+  Request leave{KZ_TYPE_loader, {}};
+  const kz_loader key{KZ_KEY};
+  leave.fields.length = kz_pack_loader(&key, leave.fields.bytes.data());
+  const auto reply = requester.ask(std::span(&leave, 1));
+  if (reply && reply->front().refused) {
+    return fail(Fault::failed,
+                Trouble{"the board does not go to its loader",
+                        "it leaves its application",
+                        "a refusal",
+                        {"its motors are on"},
+                        "stop the motors (`kaz status --port " + link_.name() + "`), try again"});
+  }
+  // The reply may be lost though the board has gone. It takes the watchdog 7 ms and the loader 1.
+  for (int k = 0; k < 10; ++k) {
+    if (auto there = listening(milliseconds(60), 1); !there || *there) return there;
+  }
+  return fail(Fault::environment,
+              Trouble{"the resident loader does not answer",
+                      "the flash writer's reply",
+                      "nothing",
+                      {"the board's loader is older than this program", "the line is noisy"},
+                      "use boot mode: --reset dtr-rts, ctl:PATH or manual"});
+}
+
+Result<void> Flasher::load_writer_rest() {
+  const auto boot_size = static_cast<std::uint32_t>(program_[2] << 8 | program_[3]);
+  std::uint32_t at = boot_size;
+  return writer_.ask_all(
+      [&]() -> std::optional<WriterRequest> {
+        if (at >= program_.size()) return std::nullopt;
+        const auto size = std::min<std::size_t>(KZ_WRITER_DATA_MAX, program_.size() - at);
+        auto request = write_request(kRam + at, program_.subspan(at, size));
+        at += static_cast<std::uint32_t>(size);
+        return request;
+      },
+      milliseconds(300),
+      [](const WriterRequest&, const WriterReply& reply) -> Result<void> {
+        if (reply.status == KZ_WRITER_OK) return {};
+        return kaz::fail(Fault::failed,
+                         "the flash writer takes no more of itself: " + status_text(reply.status) +
+                             "; is writer.bin that of this program?");
+      });
+}
+
+Result<void> Flasher::enter_boot(BoardReset& reset) {
+  if (program_.size() < 64 || program_.size() % kFlashLine != 0)
+    return kaz::fail(Fault::usage, "the flash writer's file is no writer.bin");
+  const auto boot_size = static_cast<std::size_t>(program_[2] << 8 | program_[3]);
+  if (boot_size > program_.size() || boot_size > 2048)
+    return kaz::fail(Fault::usage, "the flash writer's file is no writer.bin");
+  Result<void> entered;
+  for (int k = 0; k < kBootTries; ++k) {
+    if (k > 0)
+      say("boot mode once more: " +
+          entered.error().message.substr(0, entered.error().message.find('\n')));
+    tell("boot", 0, static_cast<std::uint32_t>(program_.size()));
+    if (entered = reset.reset(true); !entered) return entered;
+    if (k == 0) started_ = clock_.now();
+    entered = load_through_boot(link_, clock_, program_.first(boot_size), options_.boot);
+    writer_.rate_is(options_.boot.baud);
+    if (entered) entered = writer_.set_rate(options_.baud, kBrr115200);
+    if (entered) entered = load_writer_rest();
+    if (entered) {
+      const auto info = writer_.info();
+      if (info) info_ = *info;
+      if (!info) entered = tl::unexpected(info.error());
+    }
+    if (entered) break;
+    std::uint8_t byte = 0;
+    if (auto alive = link_.read(std::span(&byte, 1), clock_.now()); !alive)
+      return tl::unexpected(alive.error());
+  }
+  if (!entered) return entered;
+  blank_ = true;
+  least_seconds_ = static_cast<double>(boot_size) * kByteAt9600;
+  tell("boot", static_cast<std::uint32_t>(program_.size()),
+       static_cast<std::uint32_t>(program_.size()));
+  return {};
+}
+
+bool Flasher::kept(std::uint32_t address) const {
+  const auto in = [&](int block) {
+    return address >= kBlockStart[block] && address < kBlockStart[block + 1];
+  };
+  return info_ && info_->by_loader && (in(kVectorBlock) || in(kLoaderBlock));
+}
+
+Result<bool> Flasher::same(FlashRange range, const FlashImage& image) {
+  WriterSums wanted;
+  for (const std::uint8_t byte : image.bytes(range)) wanted.add(byte);
+  const auto is = writer_.sums(range.from, range.size());
+  if (!is) return tl::unexpected(is.error());
+  return *is == wanted;
+}
+
+Result<void> Flasher::erase_block(int block) {
+  const auto reply =
+      writer_.ask({KZ_WRITER_ERASE, {static_cast<std::uint8_t>(block)}}, kErasePatience);
+  if (!reply) return tl::unexpected(reply.error());
+  if (reply->status == KZ_WRITER_OK) return {};
+  return fail(Fault::failed, Trouble{"block EB" + std::to_string(block) + " cannot be erased",
+                                     "every cell erased",
+                                     status_text(reply->status),
+                                     {"the block is worn out: the part endures 100 erasures",
+                                      "the supply is too low while it erases"},
+                                     "measure the supply, try again; else change the part"});
+}
+
+Result<void> Flasher::write_ranges(const std::vector<FlashRange>& ranges, const FlashImage& image,
+                                   std::uint32_t& done, std::uint32_t total) {
+  std::size_t next = 0;
+  return writer_.ask_all(
+      [&]() -> std::optional<WriterRequest> {
+        if (next == ranges.size()) return std::nullopt;
+        const FlashRange range = ranges[next++];
+        return write_request(range.from, image.bytes(range));
+      },
+      milliseconds(400),
+      [&](const WriterRequest& request, const WriterReply& reply) -> Result<void> {
+        if (reply.status == KZ_WRITER_OK) {
+          const auto size = static_cast<std::uint32_t>(request.payload.size()) - 4;
+          done += size;
+          least_seconds_ +=
+              size / kFlashLine * std::max(kFlashLine * kByteAt115200, FlashTimes::program_line_s);
+          tell("write", done, total);
+          return {};
+        }
+        std::uint32_t at = 0;
+        for (std::size_t k = 0; k < 4; ++k) at = at << 8 | request.payload[k];
+        if (reply.data.size() >= 2)
+          at = (at & 0xffff0000u) | static_cast<std::uint32_t>(reply.data[0] << 8 | reply.data[1]);
+        return fail(Fault::failed, Trouble{"the line at " + hex_address(at) + " cannot be written",
+                                           "its bytes in the flash",
+                                           status_text(reply.status),
+                                           {"the block is worn out: the part endures 100 erasures",
+                                            "the supply is too low", "the flash was not erased"},
+                                           "the same command again; it erases the block first"});
+      });
+}
+
+Result<void> Flasher::compare(const std::vector<FlashRange>& ranges, const FlashImage& image) {
+  std::uint32_t done = 0, total = 0;
+  for (const FlashRange& range : ranges) total += range.size();
+  for (const FlashRange& range : ranges) {
+    const auto equal = same(range, image);
+    if (!equal) return tl::unexpected(equal.error());
+    if (!*equal) {
+      return fail(Fault::failed, Trouble{"the flash does not hold the image",
+                                         "the image's bytes from " + hex_address(range.from) +
+                                             " to " + hex_address(range.to - 1),
+                                         "other sums",
+                                         {"cells lose their charge: the part is worn",
+                                          "another image was flashed since"},
+                                         "kaz flash write IMAGE --port " + link_.name() + " …"});
+    }
+    tell("verify", done += range.size(), total);
+  }
+  return {};
+}
+
+Result<FlashReport> Flasher::write(const FlashImage& image) {
+  if (auto allowed = check(image); !allowed) return tl::unexpected(allowed.error());
+  FlashReport report;
+  report.bytes = image.size();
+  const bool application = image.identity().has_value();
+  // Everything but what the loader keeps, and but the header.
+  std::vector<FlashRange> all;
+  bool header = false;
+  std::vector<bool> wanted(kFlashBlocks, false);
+  int skipped = 0;
+  for (int block = 0; block < kFlashBlocks; ++block) {
+    if (!image.touches(block)) continue;
+    if (kept(kBlockStart[block])) {
+      const auto equal = same(block_range(block), image);
+      if (!equal) return tl::unexpected(equal.error());
+      if (!*equal)
+        say("EB" + std::to_string(block) +
+            " stays as it is: the loader keeps it; boot mode changes it");
+      ++skipped;
+      continue;
+    }
+    if (!blank_) {
+      const auto equal = same(block_range(block), image);
+      if (!equal) return tl::unexpected(equal.error());
+      if (*equal) {
+        ++skipped;
+        continue;
+      }
+    }
+    wanted[static_cast<std::size_t>(block)] = true;
+  }
+  report.unchanged = skipped;
+  if (!blank_) {
+    const auto blocks = static_cast<std::uint32_t>(std::ranges::count(wanted, true));
+    // EB4 first: with its header the application is none any more, whatever happens now.
+    for (const int block : {4, 0, 1, 2, 3, 5, 6, 7, 8, 9}) {
+      if (!wanted[static_cast<std::size_t>(block)]) continue;
+      tell("erase", static_cast<std::uint32_t>(report.erased), blocks);
+      if (auto erased = erase_block(block); !erased) return tl::unexpected(erased.error());
+      least_seconds_ += FlashTimes::erase_pulse_s + FlashTimes::erase_setup_s;
+      ++report.erased;
+    }
+  }
+  blank_ = false;
+  const FlashRange header_line{KZ_APPLICATION_HEADER, KZ_APPLICATION_HEADER + kFlashLine};
+  std::uint32_t total = 0;
+  for (const FlashRange& range : image.ranges(KZ_WRITER_DATA_MAX)) {
+    int block = 0;
+    while (range.from >= kBlockStart[block + 1]) ++block;
+    // A range may go on into the next block, which is wanted or not by itself.
+    for (std::uint32_t at = range.from; at < range.to;) {
+      const std::uint32_t bound = std::min(range.to, kBlockStart[block + 1]);
+      std::vector<FlashRange> pieces{{at, bound}};
+      if (application && at <= header_line.from && header_line.from < bound)
+        pieces = {{at, header_line.from}, {header_line.to, bound}};
+      for (const FlashRange& piece : pieces) {
+        if (piece.from >= piece.to || !wanted[static_cast<std::size_t>(block)]) continue;
+        all.push_back(piece);
+        total += piece.size();
+      }
+      if (pieces.size() == 2 && wanted[static_cast<std::size_t>(block)]) header = true;
+      at = bound;
+      ++block;
+    }
+  }
+  if (header) total += kFlashLine;
+  std::uint32_t done = 0;
+  if (auto written = write_ranges(all, image, done, total); !written)
+    return tl::unexpected(written.error());
+  if (auto right = compare(joined(all), image); !right) return tl::unexpected(right.error());
+  if (header) {
+    if (auto written = write_ranges({header_line}, image, done, total); !written)
+      return tl::unexpected(written.error());
+    if (auto right = compare({header_line}, image); !right) return tl::unexpected(right.error());
+  }
+  report.written = done;
+  report.verified = true;
+  report.repeated = writer_.repeated();
+  report.seconds = std::chrono::duration<double>(clock_.now() - started_).count();
+  report.least_seconds = least_seconds_;
+  return report;
+}
+
+Result<FlashReport> Flasher::verify(const FlashImage& image) {
+  FlashReport report;
+  report.bytes = image.size();
+  std::vector<FlashRange> ranges;
+  for (const FlashRange& range : image.ranges(4096)) {
+    if (!kept(range.from)) ranges.push_back(range);
+  }
+  if (auto right = compare(ranges, image); !right) return tl::unexpected(right.error());
+  report.verified = true;
+  report.seconds = std::chrono::duration<double>(clock_.now() - started_).count();
+  return report;
+}
+
+Result<void> Flasher::erase(const std::vector<int>& blocks) {
+  std::uint32_t done = 0;
+  for (const int block : blocks) {
+    if (kept(kBlockStart[block])) {
+      say("EB" + std::to_string(block) + " stays as it is: the loader keeps it");
+      continue;
+    }
+    tell("erase", done++, static_cast<std::uint32_t>(blocks.size()));
+    if (auto erased = erase_block(block); !erased) return erased;
+  }
+  return {};
+}
+
+Result<std::vector<std::uint8_t>> Flasher::read(FlashRange range) {
+  std::vector<std::uint8_t> bytes;
+  std::uint32_t at = range.from;
+  const auto next = [&]() -> std::optional<WriterRequest> {
+    if (at >= range.to) return std::nullopt;
+    const std::uint32_t size = std::min<std::uint32_t>(KZ_WRITER_DATA_MAX, range.to - at);
+    WriterRequest request{KZ_WRITER_READ, {}};
+    append(request.payload, at, 4);
+    append(request.payload, size, 2);
+    at += size;
+    return request;
+  };
+  const auto taken = writer_.ask_all(
+      next, milliseconds(400),
+      [&](const WriterRequest& request, const WriterReply& reply) -> Result<void> {
+        const auto size = static_cast<std::size_t>(request.payload[4] << 8 | request.payload[5]);
+        if (reply.status != KZ_WRITER_OK || reply.data.size() != size)
+          return kaz::fail(Fault::failed,
+                           "the board does not read its flash: " + status_text(reply.status));
+        bytes.insert(bytes.end(), reply.data.begin(), reply.data.end());
+        tell("read", static_cast<std::uint32_t>(bytes.size()), range.size());
+        return {};
+      });
+  if (!taken) return tl::unexpected(taken.error());
+  return bytes;
+}
+
+Result<void> Flasher::run(BoardReset* reset) {
+  info_.reset();
+  if (reset != nullptr) {
+    if (auto done = reset->reset(false); !done) return done;
+    return link_.set_baud(115200);
+  }
+  const auto reply = writer_.ask({KZ_WRITER_RUN, {}}, milliseconds(150), 3);
+  if (!reply) return tl::unexpected(reply.error());
+  if (reply->status != KZ_WRITER_OK)
+    return kaz::fail(Fault::failed, "there is no program to run: " + status_text(reply->status));
+  return {};
+}
+
+}  // namespace kaz::host

@@ -1,0 +1,110 @@
+// Flashes an H8S/2128: boot mode or resident loader, then erase, write, verify, read, run.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Stands on Link and Clock, so that it runs against a port and in simulated time alike. Everything that
+// can go wrong is an Error with a text of several lines (trouble.h). Nothing is a success that was not
+// read back: the flash's sums, by three independent rules, against those of the image.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/flash/board_reset.h"
+#include "host/flash/boot_mode.h"
+#include "host/flash/flash_image.h"
+#include "host/flash/writer_link.h"
+#include "host/robot/link.h"
+
+namespace kaz::host {
+
+struct FlashProgress {
+  std::string phase;                  // "boot", "erase", "write", "verify"
+  std::uint32_t done = 0, total = 0;  // bytes; blocks while erasing
+  double bytes_per_s = 0;             // over the last moments
+};
+
+struct FlasherOptions {
+  BootOptions boot;
+  int baud = 115200;   // of the writer
+  bool force = false;  // the image may be for another board, or no Kaz application
+  std::function<void(const FlashProgress&)> progress;
+  std::function<void(const std::string&)> note;  // one line for the user
+};
+
+// Times of the part (32-byte generation), for what flashing takes at the least.
+struct FlashTimes {
+  static constexpr double erase_pulse_s = 0.0051, erase_setup_s = 0.00024;
+  // SWE 10, PSU 50, P 150, alpha 10, beta 10, PV 4, 16 words of 2, 4 and SWE off 100 us.
+  static constexpr double program_line_s = 0.00037;
+};
+
+struct FlashReport {
+  std::uint32_t bytes = 0;        // of the image
+  std::uint32_t written = 0;      // bytes
+  int erased = 0, unchanged = 0;  // blocks
+  int repeated = 0;               // requests
+  bool verified = false;
+  double seconds = 0;        // from the first byte to the board until everything is verified
+  double least_seconds = 0;  // what the wire and the cells take: docs/flash.md
+  double efficiency() const { return seconds > 0 ? least_seconds / seconds : 0; }
+};
+
+class Flasher {
+ public:
+  // `program` is the flash writer (firmware's writer.bin). All must outlive it.
+  Flasher(Link& link, Clock& clock, std::span<const std::uint8_t> program, FlasherOptions options);
+
+  // Whether `image` may go to the board that was found: whole, and for this board. Errors: Fault::usage
+  // for an image that is damaged or foreign, Fault::failed for another board.
+  Result<void> check(const FlashImage& image) const;
+
+  // A board whose firmware or loader answers at 115,200 baud goes into its loader; `found` then knows
+  // its id. False: nobody answers, which an erased board does not.
+  Result<bool> enter_loader();
+  // Through boot mode: erases the whole flash. Tries again where the line has damaged something. If a
+  // board id is known, from enter_loader(), it stays known.
+  Result<void> enter_boot(BoardReset& reset);
+
+  const std::optional<WriterInfo>& found() const { return info_; }
+  std::optional<std::uint16_t> board_id() const { return board_id_; }
+
+  // Erases what differs, writes everything but the application's header, verifies it, writes the header,
+  // and verifies that. Through the loader the blocks of vectors and loader stay as they are.
+  Result<FlashReport> write(const FlashImage& image);
+  // Errors (failed): which block differs.
+  Result<FlashReport> verify(const FlashImage& image);
+  Result<void> erase(const std::vector<int>& blocks);
+  Result<std::vector<std::uint8_t>> read(FlashRange range);
+  // Leaves the writer through the reset vector, or by a reset.
+  Result<void> run(BoardReset* reset);
+
+ private:
+  Result<void> load_writer_rest();
+  Result<void> write_ranges(const std::vector<FlashRange>& ranges, const FlashImage& image,
+                            std::uint32_t& done, std::uint32_t total);
+  Result<bool> same(FlashRange range, const FlashImage& image);
+  Result<void> erase_block(int block);
+  Result<void> compare(const std::vector<FlashRange>& ranges, const FlashImage& image);
+  bool kept(std::uint32_t address) const;
+  void say(const std::string& line) const;
+  void tell(const char* phase, std::uint32_t done, std::uint32_t total);
+
+  Link& link_;
+  Clock& clock_;
+  std::span<const std::uint8_t> program_;
+  FlasherOptions options_;
+  WriterLink writer_;
+  std::optional<WriterInfo> info_;
+  std::optional<std::uint16_t> board_id_;
+  bool blank_ = false;  // boot mode has just erased everything
+  Time started_{};
+  double least_seconds_ = 0;
+  std::string phase_;
+  Time phase_began_{};
+};
+
+}  // namespace kaz::host

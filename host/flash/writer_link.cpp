@@ -1,0 +1,264 @@
+// Frames to and from the flash writer.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/flash/writer_link.h"
+
+#include <algorithm>
+#include <array>
+
+#include "host/flash/trouble.h"
+#include "shared/protocol/crc16.h"
+
+namespace kaz::host {
+namespace {
+
+using std::chrono::milliseconds;
+
+// Longer than the writer waits for a frame to go on.
+constexpr Time kQuiet = milliseconds(30);
+
+std::uint16_t crc_of(std::span<const std::uint8_t> bytes) {
+  std::uint16_t crc = 0xffff;
+  for (const std::uint8_t byte : bytes) crc = kz_crc16_step(crc, byte);
+  return crc;
+}
+
+tl::unexpected<Error> no_answer(const std::string& port, int tries) {
+  return fail(Fault::environment,
+              Trouble{"the flash writer in the board's RAM does not answer any more",
+                      "a reply to a request that was sent " + std::to_string(tries) + " times",
+                      "nothing sound on " + port,
+                      {"power or reset of the board was cut while it was being written",
+                       "the line is damaged: cable, ground, another program on the port",
+                       "the adapter does not keep up with 115200 baud"},
+                      "the same command again; in boot mode the board can always be flashed"});
+}
+
+}  // namespace
+
+void append(std::vector<std::uint8_t>& to, std::uint32_t value, int bytes) {
+  for (int k = bytes - 1; k >= 0; --k) to.push_back(static_cast<std::uint8_t>(value >> (8 * k)));
+}
+
+std::string status_text(int status) {
+  switch (status) {
+    case KZ_WRITER_OK:
+      return "done";
+    case KZ_WRITER_DAMAGED:
+      return "a frame came damaged";
+    case KZ_WRITER_UNKNOWN:
+      return "it does not know the request";
+    case KZ_WRITER_ARGUMENTS:
+      return "address or length is out of range";
+    case KZ_WRITER_PROTECTED:
+      return "the block holds the loader or the vectors, which it keeps";
+    case KZ_WRITER_NOT_ERASED:
+      return "cells stay programmed after all erase pulses";
+    case KZ_WRITER_NOT_WRITTEN:
+      return "cells do not take their value after all program pulses";
+    case KZ_WRITER_NOT_BLANK:
+      return "other data stand there, which have to be erased first";
+    case KZ_WRITER_LOCKED:
+      return "the chip's error protection is on until reset";
+    case KZ_WRITER_NOTHING:
+      return "the reset vector is blank";
+    default:
+      return "status " + std::to_string(status);
+  }
+}
+
+void WriterSums::add(std::uint8_t byte) {
+  crc = kz_crc16_step(crc, byte);
+  plain = static_cast<std::uint16_t>(plain + byte);
+  sums = static_cast<std::uint16_t>(sums + plain);
+}
+
+Result<void> WriterLink::send(const WriterRequest& request, std::uint8_t number) {
+  std::vector<std::uint8_t> frame{KZ_WRITER_SYNC, request.type};
+  append(frame, static_cast<std::uint32_t>(request.payload.size()), 2);
+  frame.push_back(number);
+  unsigned sum = 0;
+  for (std::size_t k = 1; k < frame.size(); ++k) sum += frame[k];
+  frame.push_back(static_cast<std::uint8_t>(~sum));
+  frame.insert(frame.end(), request.payload.begin(), request.payload.end());
+  append(frame, crc_of(std::span(frame).subspan(1)), 2);
+  return link_.write(frame);
+}
+
+// Takes a frame from the front of what came; what cannot be one is thrown away.
+bool WriterLink::parse(WriterReply& reply) {
+  while (!buffer_.empty()) {
+    const auto start = std::find(buffer_.begin(), buffer_.end(), KZ_WRITER_SYNC);
+    buffer_.erase(buffer_.begin(), start);
+    if (buffer_.size() < KZ_WRITER_HEADER) return false;
+    unsigned sum = 0;
+    for (std::size_t k = 1; k < 6; ++k) sum += buffer_[k];
+    const std::size_t length = static_cast<std::size_t>(buffer_[2]) << 8 | buffer_[3];
+    if ((sum & 0xff) != 0xff || length < 2 || length > KZ_WRITER_PAYLOAD_MAX ||
+        !(buffer_[1] & KZ_WRITER_REPLY)) {
+      buffer_.erase(buffer_.begin());
+      continue;
+    }
+    const std::size_t whole = length + KZ_WRITER_OVERHEAD;
+    if (buffer_.size() < whole) return false;
+    if (crc_of(std::span(buffer_).subspan(1, whole - 1)) != 0) {
+      buffer_.erase(buffer_.begin());
+      continue;
+    }
+    reply.type = static_cast<std::uint8_t>(buffer_[1] & ~KZ_WRITER_REPLY);
+    reply.number = buffer_[4];
+    reply.status = buffer_[KZ_WRITER_HEADER];
+    reply.data.assign(buffer_.begin() + KZ_WRITER_HEADER + 2,
+                      buffer_.begin() + static_cast<std::ptrdiff_t>(whole) - 2);
+    buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(whole));
+    return true;
+  }
+  return false;
+}
+
+Result<std::optional<WriterReply>> WriterLink::receive(Time deadline) {
+  WriterReply reply;
+  while (!parse(reply)) {
+    std::array<std::uint8_t, 1024> bytes{};
+    const auto count = link_.read(bytes, deadline);
+    if (!count) return tl::unexpected(count.error());
+    if (*count == 0) return std::optional<WriterReply>();
+    buffer_.insert(buffer_.end(), bytes.begin(),
+                   bytes.begin() + static_cast<std::ptrdiff_t>(*count));
+  }
+  return std::optional(std::move(reply));
+}
+
+Result<void> WriterLink::settle() {
+  std::array<std::uint8_t, 256> bytes{};
+  // A line that is never quiet is talked over.
+  const Time end = clock_.now() + milliseconds(300);
+  while (clock_.now() < end) {
+    const auto count = link_.read(bytes, clock_.now() + kQuiet);
+    if (!count) return tl::unexpected(count.error());
+    if (*count == 0) break;
+  }
+  buffer_.clear();
+  return {};
+}
+
+Result<WriterReply> WriterLink::ask(const WriterRequest& request, Time patience, int tries) {
+  const std::uint8_t number = ++number_;
+  silent_ = false;
+  for (int k = 0; k < tries; ++k) {
+    if (k > 0) {
+      ++repeated_;
+      if (auto quiet = settle(); !quiet) return tl::unexpected(quiet.error());
+    }
+    if (auto sent = send(request, number); !sent) return tl::unexpected(sent.error());
+    const Time deadline = clock_.now() + patience * (k < 3 ? 1 : 2);
+    while (true) {
+      auto reply = receive(deadline);
+      if (!reply) return tl::unexpected(reply.error());
+      if (!*reply || (*reply)->status == KZ_WRITER_DAMAGED) break;  // again
+      if ((*reply)->number == number && (*reply)->type == request.type) return std::move(**reply);
+    }
+  }
+  silent_ = true;
+  return no_answer(link_.name(), tries);
+}
+
+Result<void> WriterLink::ask_all(
+    const std::function<std::optional<WriterRequest>()>& next, Time patience,
+    const std::function<Result<void>(const WriterRequest&, const WriterReply&)>& answered) {
+  struct UnderWay {
+    WriterRequest request;
+    std::uint8_t number;
+    int tries;
+  };
+  constexpr int kTries = 8;
+  std::deque<UnderWay> under_way;
+  bool more = true;
+  Time deadline = clock_.now() + patience;
+  while (true) {
+    while (more && under_way.size() < KZ_WRITER_WINDOW) {
+      auto request = next();
+      more = request.has_value();
+      if (!more) break;
+      under_way.push_back({std::move(*request), ++number_, 1});
+      if (auto sent = send(under_way.back().request, number_); !sent) return sent;
+    }
+    if (under_way.empty()) return {};
+    auto reply = receive(deadline);
+    if (!reply) return tl::unexpected(reply.error());
+    const UnderWay& first = under_way.front();
+    if (*reply && (*reply)->number == first.number && (*reply)->type == first.request.type) {
+      if (auto taken = answered(first.request, **reply); !taken) return taken;
+      under_way.pop_front();
+      deadline = clock_.now() + patience;
+      continue;
+    }
+    const bool later = *reply && std::any_of(under_way.begin(), under_way.end(), [&](auto& one) {
+      return one.number == (*reply)->number;
+    });
+    const bool damaged = *reply && (*reply)->status == KZ_WRITER_DAMAGED;
+    if (*reply && !later && !damaged) continue;  // late: of an earlier try
+    // What is not answered goes again, in order; the writer finds done what is done.
+    if (auto quiet = settle(); !quiet) return quiet;
+    for (UnderWay& one : under_way) {
+      if (++one.tries > kTries) return no_answer(link_.name(), kTries);
+      ++repeated_;
+      if (auto sent = send(one.request, one.number); !sent) return sent;
+    }
+    deadline = clock_.now() + patience * under_way.front().tries;
+  }
+}
+
+Result<WriterInfo> WriterLink::info(Time patience, int tries) {
+  const auto reply = ask({KZ_WRITER_INFO, {}}, patience, tries);
+  if (!reply) return tl::unexpected(reply.error());
+  if (reply->data.size() < 4)
+    return kaz::fail(Fault::environment, "the flash writer's information is cut short");
+  WriterInfo info;
+  info.protocol = reply->data[0];
+  info.by_loader = reply->data[1] != 0;
+  const auto id = static_cast<std::uint16_t>(reply->data[2] << 8 | reply->data[3]);
+  if (id != 0xffff) info.board_id = id;
+  if (info.protocol != KZ_WRITER_PROTOCOL)
+    return kaz::fail(Fault::environment, "the flash writer speaks version " +
+                                             std::to_string(info.protocol) + ", this program " +
+                                             std::to_string(KZ_WRITER_PROTOCOL) +
+                                             "; use the writer.bin of this program");
+  return info;
+}
+
+// The writer changes once its reply has left, or the reply was lost: both rates are tried.
+Result<void> WriterLink::set_rate(int baud, std::uint8_t brr) {
+  const WriterRequest request{KZ_WRITER_RATE, {brr}};
+  for (int k = 0; k < 6; ++k) {
+    const auto reply = ask(request, milliseconds(150), 1);
+    if (!reply && !silent_) return tl::unexpected(reply.error());
+    const int before = rate_;
+    if (auto set = link_.set_baud(baud); !set) return set;
+    if (auto waited = clock_.sleep_until(clock_.now() + milliseconds(2)); !waited) return waited;
+    if (info(milliseconds(60), 2)) {
+      rate_ = baud;
+      return {};
+    }
+    if (auto set = link_.set_baud(before); !set) return set;
+    if (auto quiet = settle(); !quiet) return quiet;
+  }
+  return no_answer(link_.name(), 6);
+}
+
+Result<WriterSums> WriterLink::sums(std::uint32_t address, std::uint32_t length) {
+  WriterRequest request{KZ_WRITER_SUM, {}};
+  append(request.payload, address, 4);
+  append(request.payload, length, 4);
+  const auto reply = ask(request, milliseconds(300) + length * std::chrono::microseconds(15));
+  if (!reply) return tl::unexpected(reply.error());
+  if (reply->status != KZ_WRITER_OK || reply->data.size() < 6)
+    return kaz::fail(Fault::failed, "the board cannot sum " + std::to_string(length) +
+                                        " bytes at " + hex_address(address) + ": " +
+                                        status_text(reply->status));
+  const auto word = [&](std::size_t k) {
+    return static_cast<std::uint16_t>(reply->data[2 * k] << 8 | reply->data[2 * k + 1]);
+  };
+  return WriterSums{word(0), word(1), word(2)};
+}
+
+}  // namespace kaz::host

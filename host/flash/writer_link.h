@@ -1,0 +1,82 @@
+// Talks to the flash writer in a board's RAM (shared/flash/protocol.h): frames, repetitions, windows.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/robot/link.h"
+#include "shared/flash/protocol.h"
+
+namespace kaz::host {
+
+struct WriterRequest {
+  std::uint8_t type = 0;
+  std::vector<std::uint8_t> payload;
+};
+
+struct WriterReply {
+  std::uint8_t type = 0, number = 0, status = 0;
+  std::vector<std::uint8_t> data;  // behind the status
+};
+
+struct WriterInfo {
+  int protocol = 0;
+  bool by_loader = false;
+  std::optional<std::uint16_t> board_id;  // unknown in boot mode
+};
+
+// Three sums over a stretch of flash.
+struct WriterSums {
+  std::uint16_t crc = 0xffff, plain = 0, sums = 0;
+  void add(std::uint8_t byte);
+  bool operator==(const WriterSums&) const = default;
+};
+
+// Big-endian, appended.
+void append(std::vector<std::uint8_t>& to, std::uint32_t value, int bytes);
+std::string status_text(int status);
+
+class WriterLink {
+ public:
+  // Both must outlive it.
+  WriterLink(Link& link, Clock& clock) : link_(link), clock_(clock) {}
+
+  // One request, repeated until a reply comes. Errors: none came, the link's. A status is no error.
+  Result<WriterReply> ask(const WriterRequest& request, Time patience, int tries = 6);
+  // Requests in order, up to WINDOW of them on their way; each is repeated as need be. `answered`
+  // gets each reply in order, and ends everything by an error. Requests are made when there is room.
+  Result<void> ask_all(
+      const std::function<std::optional<WriterRequest>()>& next, Time patience,
+      const std::function<Result<void>(const WriterRequest&, const WriterReply&)>& answered);
+
+  Result<WriterInfo> info(Time patience = std::chrono::milliseconds(250), int tries = 6);
+  Result<void> set_rate(int baud, std::uint8_t brr);
+  Result<WriterSums> sums(std::uint32_t address, std::uint32_t length);
+
+  // The rate of the link now; set_rate() goes back to it where the writer does not follow.
+  void rate_is(int baud) { rate_ = baud; }
+  int repeated() const { return repeated_; }
+
+ private:
+  Result<void> send(const WriterRequest& request, std::uint8_t number);
+  // A sound frame, or nothing until `deadline`.
+  Result<std::optional<WriterReply>> receive(Time deadline);
+  bool parse(WriterReply& reply);
+  Result<void> settle();  // until the line is quiet
+
+  Link& link_;
+  Clock& clock_;
+  std::uint8_t number_ = 0;
+  std::vector<std::uint8_t> buffer_;
+  int repeated_ = 0;
+  int rate_ = 115200;
+  bool silent_ = false;  // the last ask() failed because no reply came
+};
+
+}  // namespace kaz::host

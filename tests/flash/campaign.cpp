@@ -1,0 +1,207 @@
+// The campaign's run: what goes wrong, when, and the three judgements.
+// SPDX-License-Identifier: Apache-2.0
+//
+// After every run: a success that was reported has to be one, byte by byte; a firmware that answers has
+// to be a whole image; and the board, with line and power sound again, has to take the image in the same
+// way, the loader's without mode pins.
+#include "tests/flash/campaign.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <random>
+
+#include "host/flash/flasher.h"
+#include "tests/flash/flash_bench.h"
+
+namespace kaz::flash_test {
+namespace {
+
+using host::Flasher;
+using host::FlashImage;
+using std::chrono::milliseconds;
+
+enum class Kind { power, flips, drops, wrong_board, truncated, foreign, unplugged, killed };
+constexpr const char* kKinds[] = {"power cut",   "line noise",      "bytes dropped",
+                                  "wrong board", "truncated image", "foreign image",
+                                  "unplugged",   "killed"};
+enum class Way { boot_erased, boot_running, loader };
+constexpr const char* kWays[] = {"boot mode, erased board", "boot mode, running board", "loader"};
+// How long each takes undisturbed, somewhat more than measured.
+constexpr double kLasts[] = {3.6, 4.0, 2.2};
+
+// The firmware with another build id, or for another board, and a right CRC.
+FlashImage variant(const FlashImage& original, std::uint32_t offset, std::uint8_t flip) {
+  FlashImage image = original;
+  const auto put = [&](std::uint32_t at, std::uint8_t byte) { image.put(at, std::array{byte}); };
+  const std::uint32_t at = KZ_APPLICATION_HEADER + offset;
+  put(at, static_cast<std::uint8_t>(image.bytes({at, at + 1})[0] ^ flip));
+  host::WriterSums sums;
+  const std::uint32_t end = KZ_APPLICATION + image.identity()->length;
+  for (std::uint32_t a = KZ_APPLICATION; a < end; ++a)
+    if (a / 2 != (KZ_APPLICATION_HEADER + 30) / 2) sums.add(image.bytes({a, a + 1})[0]);
+  put(KZ_APPLICATION_HEADER + 30, static_cast<std::uint8_t>(sums.crc >> 8));
+  put(KZ_APPLICATION_HEADER + 31, static_cast<std::uint8_t>(sums.crc));
+  return image;
+}
+
+bool holds(FlashBench& bench, const FlashImage& image, bool application_only) {
+  for (const host::FlashRange& range : image.ranges(host::kFlashLine)) {
+    const bool inside =
+        range.from >= KZ_APPLICATION && range.from < KZ_APPLICATION + KZ_APPLICATION_MAX;
+    if (application_only && !inside) continue;
+    std::vector<std::uint8_t> is(range.size());
+    bench.chip().peek(range.from, is);
+    if (!std::ranges::equal(is, image.bytes(range))) return false;
+  }
+  return true;
+}
+
+// What `kaz flash write` does, without its terminal.
+Result<void> flash(FlashBench& bench, Way way, const FlashImage& image,
+                   std::span<const std::uint8_t> writer) {
+  Flasher flasher(bench, bench, writer, {});
+  if (way != Way::boot_erased) {
+    const auto there = flasher.enter_loader();
+    if (!there && way == Way::loader) return tl::unexpected(there.error());
+    if (there && !*there && way == Way::loader)
+      return fail(Fault::environment, "no loader answers");
+  }
+  if (auto allowed = flasher.check(image); !allowed) return allowed;
+  if (way != Way::loader) {
+    if (auto entered = flasher.enter_boot(bench); !entered) return entered;
+  }
+  const auto report = flasher.write(image);
+  if (!report) return tl::unexpected(report.error());
+  if (!report->verified) return fail(Fault::failed, "not verified");
+  return flasher.run(way == Way::loader ? nullptr : &bench);
+}
+
+struct Plan {
+  Kind kind;
+  Way way;
+  double at, length, rate;
+};
+
+Plan plan_of(std::uint64_t seed) {
+  std::mt19937_64 random(seed * 7919 + 17);
+  const auto share = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  Plan plan{};
+  plan.kind = static_cast<Kind>(seed % 8);
+  plan.way = static_cast<Way>(random() % 3);
+  plan.at = share() * kLasts[static_cast<int>(plan.way)];
+  plan.length = 0.05 + share();
+  plan.rate = 0.0001 * std::exp(share() * 5);
+  // An erased board knows no id that could be the wrong one.
+  if (plan.kind == Kind::wrong_board && plan.way == Way::boot_erased) plan.way = Way::loader;
+  return plan;
+}
+
+}  // namespace
+
+CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
+                         const std::string& writer_path) {
+  CampaignRun run;
+  const Plan plan = plan_of(seed);
+  std::ifstream file(writer_path, std::ios::binary);
+  const std::vector<std::uint8_t> writer{std::istreambuf_iterator<char>(file), {}};
+  const auto loaded = FlashImage::load(image_path);
+  if (!loaded) {
+    run.fault = loaded.error().message;
+    return run;
+  }
+  const FlashImage& before = *loaded;
+  const FlashImage next = variant(before, 8, static_cast<std::uint8_t>(1 + seed % 255));
+  h8s::Options options;
+  options.flash_seed = seed;
+  FlashBench bench(plan.way == Way::boot_erased ? "" : image_path, options, seed);
+  (void)bench.sleep_until(milliseconds(150));
+  const Time at = bench.now() + Time(static_cast<std::int64_t>(plan.at * 1e9));
+  FlashImage sent = next;
+  faults::Schedule faults;
+  const auto line_fault = [&](faults::Name name) {
+    faults::Fault fault;
+    fault.name = name;
+    fault.at = at;
+    fault.length = Time(static_cast<std::int64_t>(plan.length * 1e9));
+    fault.value = plan.rate * 10;
+    faults.add(fault);
+    bench.set_faults(&faults);
+  };
+  switch (plan.kind) {
+    case Kind::power:
+      bench.cut_power_at(at, Time(static_cast<std::int64_t>(plan.length * 1e9)));
+      break;
+    case Kind::flips:
+      line_fault(faults::Name::link_flip);
+      break;
+    case Kind::drops:
+      line_fault(faults::Name::link_drop);
+      break;
+    case Kind::wrong_board:
+      sent = variant(next, 5, 0x44);
+      break;
+    case Kind::truncated: {
+      // Without what is behind some line of the application, which is blank then.
+      const std::uint32_t lines = (next.identity()->length - 0x400) / host::kFlashLine;
+      const auto kept = static_cast<std::uint32_t>(plan.at / 4.0 * lines);
+      sent = FlashImage();
+      for (const host::FlashRange& range : next.ranges(host::kFlashLine))
+        if (range.from < KZ_APPLICATION_CODE + kept * host::kFlashLine)
+          sent.put(range.from, next.bytes(range));
+      break;
+    }
+    case Kind::foreign:
+      sent = FlashImage();
+      sent.put(0, std::array<std::uint8_t, 4>{0, 0, 1, 0});
+      break;
+    case Kind::unplugged:
+    case Kind::killed:
+      bench.unplug_at(at);
+      break;
+  }
+  const auto done = flash(bench, plan.way, sent, writer);
+  run.kind = kKinds[static_cast<int>(plan.kind)];
+  run.reported_success = done.has_value();
+  char text[160];
+  std::snprintf(
+      text, sizeof text, "seed %llu: %s, %s at %.3f s: %s", static_cast<unsigned long long>(seed),
+      kWays[static_cast<int>(plan.way)], kKinds[static_cast<int>(plan.kind)], plan.at,
+      done ? "done" : done.error().message.substr(0, done.error().message.find('\n')).c_str());
+  run.text = text;
+  const bool guarded =
+      plan.kind == Kind::wrong_board || plan.kind == Kind::truncated || plan.kind == Kind::foreign;
+  if (guarded && done) run.fault = "an image that must be refused was written";
+  if (guarded && plan.way != Way::boot_erased && !holds(bench, before, false))
+    run.fault = "a refused image has changed the flash";
+  if (!guarded && done && !holds(bench, sent, plan.way == Way::loader))
+    run.fault = "success was reported, and the flash does not hold the image";
+
+  // What runs is whole: the image before, or the one that was sent.
+  bench.repair();
+  // A killed program is started again at once: the board is where it was left.
+  const bool at_once = plan.kind == Kind::killed;
+  (void)bench.mcu().set_boot_pins(false);
+  if (!at_once) bench.mcu().power_cycle();
+  const auto crc = at_once ? std::nullopt : bench.running_image();
+  if (crc) {
+    const bool old = *crc == before.identity()->crc && holds(bench, before, true);
+    const bool fresh = *crc == next.identity()->crc && holds(bench, next, true);
+    if (!old && !fresh) run.fault = "an image runs that is none";
+  } else if (done && !guarded && !at_once) {
+    run.fault = "success was reported, and the firmware does not run";
+  }
+
+  // And the board can be flashed again.
+  const auto again = flash(bench, plan.way, next, writer);
+  if (!again) {
+    run.fault = "it cannot be flashed again: " + again.error().message;
+  } else if (bench.running_image() != next.identity()->crc) {
+    run.fault = "flashed again, it does not run";
+  }
+  return run;
+}
+
+}  // namespace kaz::flash_test

@@ -1,0 +1,58 @@
+// A board on a bench in simulated time, to be flashed: its chip, line, power, reset and mode switch, and
+// what can happen to them.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "host/flash/board_reset.h"
+#include "host/robot/link.h"
+#include "sim/mcu/h8_mcu.h"
+#include "sim/runtime/serial_line.h"
+
+namespace kaz::flash_test {
+
+class FlashBench final : public host::Link, public host::Clock, public host::BoardReset {
+ public:
+  // An erased chip, or one with an image (path of kaz.mot).
+  explicit FlashBench(const std::string& image = "", const h8s::Options& options = {},
+                      std::uint64_t seed = 1);
+
+  // --- what happens, at a time of now()
+  void cut_power_at(Time when, Time length) { cut_at_ = when, cut_length_ = length; }
+  void unplug_at(Time when) { unplug_at_ = when; }
+  void set_faults(const faults::Schedule* faults) { line_.set_faults(faults); }
+  // The adapter hands bytes over so late, both ways.
+  void set_latency(Time latency);
+
+  // --- host::Clock, host::Link, host::BoardReset
+  Time now() const override;
+  Result<void> sleep_until(Time t) override;
+  std::string name() const override { return "bench"; }
+  Result<void> set_baud(int baud) override;
+  Result<void> write(std::span<const std::uint8_t> bytes) override;
+  Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
+  Result<void> reset(bool boot) override;
+
+  h8s::Chip& chip() { return mcu_->chip(); }
+  sim::H8Mcu& mcu() { return *mcu_; }
+  // Everything is sound again: plugged in, powered, no faults.
+  void repair();
+  // The firmware that runs answers `identify`; the CRC of its image, or nothing.
+  std::optional<std::uint16_t> running_image();
+
+ private:
+  Result<void> step();
+  Error unplugged() const;
+
+  std::unique_ptr<sim::H8Mcu> mcu_;
+  sim::SerialLine line_;
+  sim::States now_ = 0, off_ = 0, latency_ = 0;
+  bool power_ = true;
+  std::optional<Time> cut_at_, unplug_at_;
+  Time cut_length_{};
+};
+
+}  // namespace kaz::flash_test
