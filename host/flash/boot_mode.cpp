@@ -53,8 +53,7 @@ tl::unexpected<Error> Boot::trouble(const std::string& step, const std::string& 
   for (const std::uint8_t byte : came_) bytes.push_back(byte);
   return fail(Fault::environment,
               Trouble{"boot mode failed at " + step, expected, hex_of(bytes), std::move(causes),
-                      "kaz flash info --port " + link_.name() +
-                          " --reset … once more; boot mode can always be entered again"});
+                      "the same command once more; boot mode can always be entered again"});
 }
 
 Result<int> Boot::get(Time patience) {

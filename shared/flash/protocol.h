@@ -24,13 +24,21 @@
 #define KZ_WRITER_WINDOW 2
 
 // Requests: payload -> what follows the status in the reply
-#define KZ_WRITER_INFO 1   // -> protocol, 1 if started by the loader, board id (2; FFFF: unknown)
-#define KZ_WRITER_RATE 2   // BRR (1); takes effect behind the reply
-#define KZ_WRITER_ERASE 3  // block (1), 0..9
-#define KZ_WRITER_WRITE 4  // address (4), data: whole lines of 32 bytes -> low half of the address of the line that failed (2)
-#define KZ_WRITER_SUM 5    // address (4), length (4) -> CRC-16, sum, sum of sums (2 each)
-#define KZ_WRITER_READ 6   // address (4), length (2) -> data
-#define KZ_WRITER_RUN 7    // leaves through the reset vector behind the reply
+// -> protocol, 1 if started by the loader, board id (2; FFFF: unknown)
+#define KZ_WRITER_INFO 1
+// BRR (1); takes effect behind the reply
+#define KZ_WRITER_RATE 2
+// block (1), 0..9
+#define KZ_WRITER_ERASE 3
+// address (4), data: whole lines of 32 bytes -> low half of the address of the line that failed (2).
+// To RAM: the rest of the writer itself, from its beginning on.
+#define KZ_WRITER_WRITE 4
+// address (4), length (4) -> CRC-16, sum, sum of sums (2 each)
+#define KZ_WRITER_SUM 5
+// address (4), length (2) -> data
+#define KZ_WRITER_READ 6
+// leaves through the reset vector behind the reply
+#define KZ_WRITER_RUN 7
 
 // Statuses
 #define KZ_WRITER_OK 0

@@ -229,7 +229,7 @@ Result<void> show_info(Session& session) {
   const auto id = session.flasher().board_id();
   std::printf(
       "flash writer %d, started by %s; board id %s\n", found->protocol,
-      found->by_loader ? "the resident loader" : "boot mode (the flash is erased now)",
+      found->by_loader ? "the resident loader" : "boot mode",
       id ? host::hex_of({static_cast<std::uint8_t>(*id >> 8), static_cast<std::uint8_t>(*id)})
                .c_str()
          : "unknown");
@@ -276,8 +276,7 @@ Result<Outcome> flash(const Arguments& arguments) {
     std::printf("port %s can be opened; nothing was sent (--dry-run)\n", arguments.port.c_str());
     return true;
   }
-  if (!changes && arguments.verb != "erase" && !arguments.reset.empty() &&
-      arguments.verb != "info" && arguments.verb != "run")
+  if (!changes && arguments.verb != "erase" && !arguments.reset.empty() && arguments.verb != "run")
     return fail(Fault::usage, "boot mode erases the flash: `kaz flash " + arguments.verb +
                                   "` goes through the resident loader, without --reset");
   if (arguments.verb == "run" && session.reset() != nullptr) {
