@@ -6,13 +6,13 @@
 #include "shared/flash/protocol.h"
 
 #define BRR_115200 4
-#define RAM_PAGE 0x00FF  // upper half of the addresses of RAM
+#define RAM_PAGE 0x00FF           // upper half of the addresses of RAM
 #define SILENCE KZ_COUNTS(20000)  // a frame does not go on: what came of it is thrown away
 
 static frame frames[2] NEAR;
 static frame* receiving NEAR;
-static u8* in NEAR;      // next byte of `receiving`
-static u8* in_end NEAR;  // header or frame is whole there; equal to `in`: nothing is received
+static u8* in NEAR;       // next byte of `receiving`
+static u8* in_end NEAR;   // header or frame is whole there; equal to `in`: nothing is received
 static frame* work NEAR;  // whole, not done yet
 static u16 last_byte NEAR;
 static u16* filled NEAR;  // the program is there up to here
@@ -181,10 +181,10 @@ static u16 quiet(void) {
   return (u16)(FRT_FRC - last_byte);
 }
 
-// Throws away what comes until the line is silent; then says so, to a host that it has kz_writer_heard.
+// What came is thrown away until the line is silent; then a host that has been heard is told.
 static void complain(void) {
   in = in_end;
-  while (quiet() < SILENCE) kz_writer_poll();
+  if (quiet() < SILENCE) return;
   work = 0;
   next_is_whole = 0;
   damaged = 0;
@@ -235,8 +235,9 @@ void kz_writer_main(u16 loader, u16 seconds, u16 board_id) {
   if (loader) kz_writer_wait_for(seconds);
   for (;;) {
     kz_writer_poll();
-    if (work) work_off();
-    if (damaged || (in != (u8*)receiving && quiet() >= SILENCE)) complain();
+    if (work && !damaged) work_off();
+    if (in != (u8*)receiving && quiet() >= SILENCE) damaged = 1;
+    if (damaged) complain();
     if (rest_is_there) kz_writer_idle();
   }
 }

@@ -9,8 +9,8 @@
 #define PER_SECOND 35
 #define SESSION 350  // 10 s; started by the loader, it leaves where no host talks for so long
 
-static const u32 block_start[KZ_WRITER_BLOCKS + 1] = {0x0000, 0x0400, 0x0800,  0x0c00,  0x1000, 0x8000,
-                                                      0xc000, 0xe000, 0x10000, 0x18000, 0x20000};
+static const u32 block_start[KZ_WRITER_BLOCKS + 1] = {
+    0x0000, 0x0400, 0x0800, 0x0c00, 0x1000, 0x8000, 0xc000, 0xe000, 0x10000, 0x18000, 0x20000};
 
 u16 kz_writer_silent NEAR;
 static u16 patience NEAR;  // overflows; 0: without end
