@@ -68,7 +68,7 @@ void Flasher::tell(const char* phase, std::uint32_t done, std::uint32_t total) {
   }
   if (!options_.progress) return;
   const double took = std::chrono::duration<double>(clock_.now() - phase_began_).count();
-  options_.progress({phase, done, total, took > 0 ? done / took : 0});
+  options_.progress({phase, done, total, took > 0.01 ? done / took : 0});
 }
 
 Result<void> Flasher::check(const FlashImage& image) const {

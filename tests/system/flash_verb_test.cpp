@@ -26,7 +26,7 @@ class FlashVerb : public ::testing::Test {
   void SetUp() override {
     if (!std::filesystem::exists(image())) GTEST_SKIP() << "there is no cross compiler";
     sim_ = std::make_unique<Process>(
-        kaz({"sim", "--world", "floor", "--serial", folder_ / "board", "--erased"}));
+        kaz({"sim", "--world", "empty", "--serial", folder_ / "board", "--erased"}));
     ASSERT_TRUE(sim_->wait_for_output("ready", seconds(30))) << sim_->wait(seconds(0)).err;
   }
   std::vector<std::string> write(std::vector<std::string> more) const {

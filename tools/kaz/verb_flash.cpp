@@ -192,10 +192,11 @@ void print(const host::FlashReport& report, const Arguments& arguments) {
     return;
   }
   std::printf(
-      "written and verified: %u bytes, %d blocks erased, %d unchanged, %d requests "
-      "repeated\n%.2f s, of which line and cells take %.2f: efficiency %.1f %%\n",
-      report.written, report.erased, report.unchanged, report.repeated, report.seconds,
-      report.least_seconds, 100 * report.efficiency());
+      "written and verified: %u bytes, %d blocks erased, %d unchanged, %d requests repeated\n",
+      report.written, report.erased, report.unchanged, report.repeated);
+  if (report.written > 0)
+    std::printf("%.2f s, of which line and cells take %.2f: efficiency %.1f %%\n", report.seconds,
+                report.least_seconds, 100 * report.efficiency());
 }
 
 Result<void> write_image(Session& session, const Arguments& arguments,
@@ -227,12 +228,10 @@ Result<void> show_info(Session& session) {
   const auto& found = session.flasher().found();
   session.done();
   const auto id = session.flasher().board_id();
-  std::printf(
-      "flash writer %d, started by %s; board id %s\n", found->protocol,
-      found->by_loader ? "the resident loader" : "boot mode",
-      id ? host::hex_of({static_cast<std::uint8_t>(*id >> 8), static_cast<std::uint8_t>(*id)})
-               .c_str()
-         : "unknown");
+  char id_text[8] = "unknown";
+  if (id) std::snprintf(id_text, sizeof id_text, "%04x", *id);
+  std::printf("flash writer %d, started by %s; board id %s\n", found->protocol,
+              found->by_loader ? "the resident loader" : "boot mode", id_text);
   const auto header = session.flasher().read({KZ_APPLICATION_HEADER, KZ_APPLICATION_HEADER + 32});
   session.done();
   if (!header) return tl::unexpected(header.error());
