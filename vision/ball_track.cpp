@@ -51,12 +51,12 @@ BallTrack::Taken BallTrack::observe(Time exposure, const Vector3d& position,
     start(seen);
     return Taken::started;
   }
-  if (latest() - exposure > options_.latest_late) {
+  if (between(latest(), exposure) > options_.latest_late) {
     ++gaps_;
     start(seen);
     return Taken::new_clock;
   }
-  if (exposure - latest() > options_.lost_after) {
+  if (between(exposure, latest()) > options_.lost_after) {
     start(seen);
     return Taken::started;
   }

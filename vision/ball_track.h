@@ -78,7 +78,7 @@ class BallTrack {
   bool known() const { return !history_.empty(); }
   Time latest() const { return history_.back().time; }  // newest exposure; known() must hold
   // Whether it was seen not longer before `t` than lost_after.
-  bool seen(Time t) const { return known() && t - latest() <= options_.lost_after; }
+  bool seen(Time t) const { return known() && between(t, latest()) <= options_.lost_after; }
   int gaps() const { return gaps_; }  // how often the clock was set back
 
   // Most likely state; known() must hold. Before the oldest that is remembered, that one.

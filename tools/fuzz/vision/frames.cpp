@@ -180,7 +180,7 @@ class Run {
   void follow(const FrameInfo& info, const BallObservation& ball) {
     track_.observe(ball, info.foot_from_eye);
     if (!track_.known()) return;
-    for (const Time t : {track_.latest(), info.exposure, track_.latest() + Time(100'000'000)}) {
+    for (const Time t : {track_.latest(), info.exposure, later(track_.latest(), Time(100'000'000))}) {
       const BallState s = track_.at(t);
       if (!s.position.allFinite() || !s.velocity.allFinite() || !track_.aim(t).allFinite())
         return complain("a track that is not finite");
