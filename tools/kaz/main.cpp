@@ -75,6 +75,7 @@ int parse_and_run(int argc, char** argv) {
   kaz::tools::add_flash(program, action);
   kaz::tools::add_fuzz(program, action);
   kaz::tools::add_status(program, action);
+  kaz::tools::add_monitor(program, action);
   kaz::tools::add_vision(program, action);
   kaz::tools::add_shell(program, action);
   try {

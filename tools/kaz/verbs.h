@@ -48,6 +48,7 @@ void add_conformance(CLI::App& program, Action& action);
 void add_flash(CLI::App& program, Action& action);
 void add_fuzz(CLI::App& program, Action& action);
 void add_status(CLI::App& program, Action& action);
+void add_monitor(CLI::App& program, Action& action);
 void add_vision(CLI::App& program, Action& action);
 void add_shell(CLI::App& program, Action& action);  // last: it tells of all others
 

@@ -1,0 +1,39 @@
+// What the monitor shows of a board, and its lines on the screen.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/robot/robot.h"
+
+namespace kaz::tools {
+
+struct BoardView {
+  std::string port;
+  std::string build;   // identity
+  bool there = false;  // the last round was answered
+  host::Health health;
+  kz_statistics_reply counts{};
+  host::LinkStatistics link;
+  std::vector<host::JointDetail> joints;  // all, by number; empty: none were read yet
+  host::JointAngles targets{};            // rad; of a joint that is off, its angle
+  std::string fault;                      // Robot::describe_fault, or why nothing is heard
+  double rounds_per_s = 0;
+};
+
+// How a line is to look.
+enum class Ink { plain, bold, good, warning, bad, selected };
+
+struct Span {
+  std::string text;
+  Ink ink = Ink::plain;
+};
+using Line = std::vector<Span>;
+
+// 24 lines of at most 80 columns: title, board, link, head of the table, a line a joint, what was
+// said last, keys. Angles in degrees, as on a protractor beside the joint.
+inline constexpr int kLines = 24, kColumns = 80;
+std::vector<Line> lines(const BoardView& view, int selected, const std::string& said);
+
+}  // namespace kaz::tools
