@@ -127,7 +127,9 @@ Result<Image> parse_intel_hex(std::string_view text, const std::string& name) {
   Reader reader(name);
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
-    if (auto ok = reader.line(text.substr(0, end)); !ok) return tl::unexpected(ok.error());
+    if (auto ok = reader.line(text.substr(0, end)); !ok)
+      return fail(ok.error().message +
+                  (end == text.size() ? "; the file ends within this line: it seems cut off" : ""));
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return reader.finish();
