@@ -104,6 +104,9 @@ class Monitor {
       view_.health = *health;
       view_.counts = *counts;
       view_.fault = health->shutdown.empty() ? "" : robot_->describe_fault(health->status);
+      // What line 1 says already would push what to do out of the line.
+      if (const auto at = view_.fault.find("went off: "); at != std::string::npos)
+        view_.fault.erase(0, at + std::string_view("went off: ").size());
       const Time now = clock_.now();
       if (now - since_ > std::chrono::milliseconds(300)) {
         if (since_ > Time::zero()) view_.rounds_per_s = rounds_ / seconds(now - since_);
@@ -176,7 +179,8 @@ class Monitor {
         said_ = "stopped: all motors are off";
         return robot_->stop();
       case Key::clear:
-        said_ = "nothing is latched any more; motors stay off";
+        said_ = on() != 0 ? "nothing was latched: motors are on"
+                          : "nothing is latched any more; motors stay off";
         return robot_->clear();
       default:
         return {};
