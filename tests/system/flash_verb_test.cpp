@@ -24,7 +24,8 @@ std::string image() {
 class FlashVerb : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(image())) GTEST_SKIP() << "there is no cross compiler";
+    ASSERT_TRUE(std::filesystem::exists(image()))
+        << image() << " is missing: ./tools/dev setup installs its compiler";
     sim_ = std::make_unique<Process>(
         kaz({"sim", "--world", "empty", "--serial", folder_ / "board", "--erased"}));
     ASSERT_TRUE(sim_->wait_for_output("ready", seconds(30))) << sim_->wait(seconds(0)).err;
