@@ -1,0 +1,101 @@
+// What the bench finds: values with unit, limits and verdict, and curves to look at.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/report/verdict.h"
+#include "shared/base/result.hpp"
+
+namespace kaz::hil {
+
+enum class BenchGroup { motor, link, tick };
+const char* text(BenchGroup group);  // "motor"
+
+// A line of measurements.def. A side without limit is infinite.
+struct MeasurementInfo {
+  BenchGroup group;
+  std::string name, unit;
+  double low, high;
+  std::string text;
+};
+
+// All, in the order of the file. Names are unique.
+const std::vector<MeasurementInfo>& measurement_infos();
+// Null: there is none of this name.
+const MeasurementInfo* find_measurement(const std::string& name);
+
+struct Measurement {
+  const MeasurementInfo* of = nullptr;
+  std::string subject;  // joint, "link" or "board"
+  Verdict verdict = Verdict::left_out;
+  double value = 0;  // in of->unit; NaN where nothing could be measured
+  double error = 0;  // standard error of the value, 0: not known
+  double low = 0, high = 0;  // the limits that were applied
+  std::string message;  // why it failed or was left out
+};
+
+// A curve or a cloud of points.
+struct Series {
+  std::string name;
+  enum class Style { line, points, dashed } style = Style::line;
+  std::vector<std::pair<double, double>> points;
+};
+
+struct Plot {
+  std::string id;       // "stall": unique within a report together with the subject
+  std::string subject;  // joint, "link" or "board"
+  std::string title, x_label, y_label;  // labels with their unit: "motor voltage, V"
+  bool x_logarithmic = false;
+  std::vector<Series> series;
+  std::string caption;  // what is to be seen, one sentence
+};
+
+// Limits other than those of measurements.def, by measurement.
+using Limits = std::map<std::string, std::pair<double, double>>;
+// From JSON: {"stall.torque_10v": {"low": 2.0, "high": 2.3}}; a side that is missing or null has no
+// limit. Errors (usage): no JSON, unknown name or key, low above high.
+Result<Limits> parse_limits(const std::string& json, const std::string& file_name);
+
+struct BenchReport {
+  std::string board;    // "Kaz servo board, protocol 2, firmware 0.2, build 1a2b3c4d"
+  std::string port;     // "/dev/ttyUSB0", "virtual board (h8)"
+  std::string program;  // "kaz 0.1.0"
+  std::uint64_t seed = 1;
+  // What the bench was: disc on the shaft, supplies. Name with unit, and value; for `bench fit`.
+  std::vector<std::pair<std::string, double>> conditions;
+  std::vector<Measurement> measurements;
+  std::vector<Plot> plots;
+  double seconds = 0;  // on the board's clock
+
+  int count(Verdict verdict) const;
+};
+
+// Collects what is measured and judges it: a value inside its limits passes, NaN fails.
+class BenchJudge {
+ public:
+  // Told of each measurement as it is entered.
+  using Listener = std::function<void(const Measurement&)>;
+  BenchJudge(BenchReport& report, const Limits& limits, Listener listener = nullptr)
+      : report_(report), limits_(limits), listener_(std::move(listener)) {}
+
+  // `name` of measurements.def; `note` says what was special about it.
+  void enter(const std::string& subject, const std::string& name, double value, double error = 0,
+             const std::string& note = {});
+  void leave_out(const std::string& subject, const std::string& name, const std::string& why);
+  void add(Plot plot) { report_.plots.push_back(std::move(plot)); }
+
+ private:
+  Measurement begin(const std::string& subject, const std::string& name) const;
+  void finish(Measurement measurement);
+
+  BenchReport& report_;
+  const Limits& limits_;
+  Listener listener_;
+};
+
+}  // namespace kaz::hil
