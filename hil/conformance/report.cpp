@@ -93,17 +93,6 @@ std::string statement_rows(const RunReport& report) {
 
 }  // namespace
 
-const char* verdict_text(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::passed:
-      return "passed";
-    case Verdict::failed:
-      return "failed";
-    default:
-      return "left out";
-  }
-}
-
 std::string junit_text(const RunReport& report, const ReportFacts& facts) {
   std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   text += "<testsuite name=\"kaz conformance\" tests=\"" + std::to_string(report.results.size()) +

@@ -19,7 +19,4 @@ std::string json_text(const RunReport& report, const ReportFacts& facts);
 // Self-contained: no script, nothing fetched.
 std::string html_text(const RunReport& report, const ReportFacts& facts);
 
-// "passed", "failed", "left out"
-const char* verdict_text(Verdict verdict);
-
 }  // namespace kaz::hil

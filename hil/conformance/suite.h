@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hil/conformance/board.h"
+#include "hil/report/verdict.h"
 
 namespace kaz::hil {
 
@@ -35,8 +36,6 @@ struct Statement {
 };
 // Those of docs/protocol.md, in its order.
 const std::vector<Statement>& statements();
-
-enum class Verdict { passed, failed, left_out };
 
 struct CaseResult {
   const Case* of = nullptr;

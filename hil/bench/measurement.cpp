@@ -1,0 +1,175 @@
+// The table of measurements, limit files, and the judge.
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/bench/measurement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+namespace kaz::hil {
+namespace {
+
+using Json = nlohmann::json;
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+std::vector<MeasurementInfo> read_table() {
+  constexpr double kNoLimit = std::numeric_limits<double>::quiet_NaN();
+  std::vector<MeasurementInfo> infos = {
+#define KZ_NO_LIMIT kNoLimit
+#define KZ_MEASUREMENT(group, name, unit, low, high, text) \
+  {BenchGroup::group, name, unit, low, high, text},
+#include "hil/bench/measurements.def"
+#undef KZ_NO_LIMIT
+  };
+  for (MeasurementInfo& info : infos) {
+    if (std::isnan(info.low)) info.low = -kInfinite;
+    if (std::isnan(info.high)) info.high = kInfinite;
+  }
+  return infos;
+}
+
+std::string with_unit(double value, const std::string& unit) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text + (unit.empty() ? "" : " " + unit);
+}
+
+// The judgement in words; empty: the value is as it should be.
+std::string what_is_wrong(const Measurement& one) {
+  const std::string& unit = one.of->unit;
+  if (std::isnan(one.value)) return "nothing could be measured";
+  if (one.value < one.low) {
+    return with_unit(one.value, unit) + " is below the limit of " + with_unit(one.low, unit);
+  }
+  if (one.value > one.high) {
+    return with_unit(one.value, unit) + " is above the limit of " + with_unit(one.high, unit);
+  }
+  return {};
+}
+
+tl::unexpected<Error> wrong(const std::string& file_name, const std::string& what) {
+  return fail(Fault::usage, "limit file '" + file_name + "': " + what);
+}
+
+// Error: what is wrong with this entry, for wrong().
+tl::expected<std::pair<double, double>, std::string> parse_entry(const std::string& name,
+                                                                 const Json& entry) {
+  if (!find_measurement(name)) {
+    return tl::unexpected("there is no measurement '" + name + "'; docs/bench.md names them");
+  }
+  if (!entry.is_object()) {
+    return tl::unexpected("'" + name + R"(' is not of the form {"low": number, "high": number})");
+  }
+  std::pair<double, double> limits(-kInfinite, kInfinite);
+  for (const auto& [key, value] : entry.items()) {
+    if (key != "low" && key != "high") {
+      return tl::unexpected("'" + name + "' has a key '" + key + "'; there are 'low' and 'high'");
+    }
+    if (value.is_null()) continue;
+    if (!value.is_number()) {
+      return tl::unexpected("'" + key + "' of '" + name + "' is neither a number nor null");
+    }
+    (key == "low" ? limits.first : limits.second) = value.get<double>();
+  }
+  if (limits.first > limits.second)
+    return tl::unexpected("'low' of '" + name + "' is above its 'high'");
+  return limits;
+}
+
+}  // namespace
+
+const char* text(BenchGroup group) {
+  switch (group) {
+    case BenchGroup::motor:
+      return "motor";
+    case BenchGroup::link:
+      return "link";
+    default:
+      return "tick";
+  }
+}
+
+const std::vector<MeasurementInfo>& measurement_infos() {
+  static const std::vector<MeasurementInfo> infos = read_table();
+  return infos;
+}
+
+const MeasurementInfo* find_measurement(const std::string& name) {
+  const auto& all = measurement_infos();
+  const auto found = std::find_if(all.begin(), all.end(),
+                                  [&](const MeasurementInfo& info) { return info.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+Result<Limits> parse_limits(const std::string& json, const std::string& file_name) {
+  Json all;
+  try {
+    all = Json::parse(json);
+  } catch (const Json::parse_error& error) {
+    const auto until =
+        json.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, json.size()));
+    return wrong(file_name, "line " + std::to_string(1 + std::count(json.begin(), until, '\n')) +
+                                " is no JSON");
+  } catch (const Json::exception&) {
+    return wrong(file_name, "a number in it is too large");
+  }
+  if (!all.is_object()) {
+    return wrong(file_name, "it is not an object with measurements by name");
+  }
+  Limits limits;
+  for (const auto& [name, entry] : all.items()) {
+    const auto parsed = parse_entry(name, entry);
+    if (!parsed) return wrong(file_name, parsed.error());
+    limits[name] = *parsed;
+  }
+  return limits;
+}
+
+int BenchReport::count(Verdict verdict) const {
+  return static_cast<int>(
+      std::count_if(measurements.begin(), measurements.end(),
+                    [&](const Measurement& one) { return one.verdict == verdict; }));
+}
+
+Measurement BenchJudge::begin(const std::string& subject, const std::string& name) const {
+  Measurement measurement;
+  measurement.of = find_measurement(name);
+  if (!measurement.of) throw std::logic_error("no measurement '" + name + "' in measurements.def");
+  measurement.subject = subject;
+  measurement.low = measurement.of->low;
+  measurement.high = measurement.of->high;
+  if (const auto other = limits_.find(name); other != limits_.end()) {
+    std::tie(measurement.low, measurement.high) = other->second;
+  }
+  return measurement;
+}
+
+void BenchJudge::finish(Measurement measurement) {
+  report_.measurements.push_back(std::move(measurement));
+  if (listener_) listener_(report_.measurements.back());
+}
+
+void BenchJudge::enter(const std::string& subject, const std::string& name, double value,
+                       double error, const std::string& note) {
+  Measurement measurement = begin(subject, name);
+  measurement.value = value;
+  measurement.error = error;
+  measurement.message = what_is_wrong(measurement);
+  measurement.verdict = measurement.message.empty() ? Verdict::passed : Verdict::failed;
+  if (!note.empty()) measurement.message += (measurement.message.empty() ? "" : "; ") + note;
+  finish(std::move(measurement));
+}
+
+void BenchJudge::leave_out(const std::string& subject, const std::string& name,
+                           const std::string& why) {
+  Measurement measurement = begin(subject, name);
+  measurement.value = std::numeric_limits<double>::quiet_NaN();
+  measurement.message = why;
+  finish(std::move(measurement));
+}
+
+}  // namespace kaz::hil

@@ -1,0 +1,134 @@
+// Every limit of the table can fail, and files with other limits.
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+#include <set>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "hil/bench/measurement.h"
+
+namespace kaz::hil {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+Measurement judged(const std::string& name, double value, const Limits& limits = {}) {
+  BenchReport report;
+  BenchJudge(report, limits).enter("board", name, value);
+  return report.measurements.at(0);
+}
+
+// A value that lies inside, and how far to go from a limit to be past it.
+double inside(const MeasurementInfo& info) {
+  if (std::isinf(info.low)) return info.high;
+  return std::isinf(info.high) ? info.low : (info.low + info.high) / 2;
+}
+double a_little(double limit) {
+  return 1e-6 * (1 + std::abs(limit));
+}
+
+TEST(MeasurementTable, NamesAreUniqueAndEachHasALimitAndAMeaning) {
+  std::set<std::string> names;
+  for (const MeasurementInfo& info : measurement_infos()) {
+    EXPECT_TRUE(names.insert(info.name).second) << info.name << " stands twice";
+    EXPECT_TRUE(std::isfinite(info.low) || std::isfinite(info.high)) << info.name;
+    EXPECT_LE(info.low, info.high) << info.name;
+    EXPECT_FALSE(info.text.empty()) << info.name;
+    EXPECT_EQ(find_measurement(info.name), &info);
+    const std::string prefix = std::string(text(info.group)) + ".";
+    EXPECT_EQ(info.name.rfind(prefix, 0) == 0, info.group != BenchGroup::motor) << info.name;
+  }
+  EXPECT_GE(names.size(), 34u);
+  EXPECT_EQ(find_measurement("stall"), nullptr);
+}
+
+TEST(MeasurementTable, EachLimitFailsJustBeyondAndPassesAt) {
+  for (const MeasurementInfo& info : measurement_infos()) {
+    EXPECT_EQ(judged(info.name, inside(info)).verdict, Verdict::passed) << info.name;
+    if (std::isfinite(info.low)) {
+      EXPECT_EQ(judged(info.name, info.low).verdict, Verdict::passed) << info.name;
+      const Measurement below = judged(info.name, info.low - a_little(info.low));
+      EXPECT_EQ(below.verdict, Verdict::failed) << info.name;
+      EXPECT_NE(below.message.find("is below the limit of "), std::string::npos) << below.message;
+    }
+    if (std::isfinite(info.high)) {
+      EXPECT_EQ(judged(info.name, info.high).verdict, Verdict::passed) << info.name;
+      const Measurement above = judged(info.name, info.high + a_little(info.high));
+      EXPECT_EQ(above.verdict, Verdict::failed) << info.name;
+      EXPECT_NE(above.message.find("is above the limit of "), std::string::npos) << above.message;
+    }
+  }
+}
+
+TEST(MeasurementTable, NothingMeasuredFailsEverywhere) {
+  for (const MeasurementInfo& info : measurement_infos()) {
+    const Measurement none = judged(info.name, std::nan(""));
+    EXPECT_EQ(none.verdict, Verdict::failed) << info.name;
+    EXPECT_EQ(none.message, "nothing could be measured");
+  }
+}
+
+TEST(BenchJudge, EntersWhatWasMeasuredAndTellsOfIt) {
+  BenchReport report;
+  const Limits limits;
+  std::vector<std::string> told;
+  BenchJudge judge(report, limits, [&](const Measurement& one) { told.push_back(one.of->name); });
+  judge.enter("neck_pan", "backlash", 0.4, 0.02, "cold");
+  judge.enter("neck_pan", "backlash", 0.7, 0.02, "warm");
+  judge.leave_out("neck_pan", "stall.slope", "needs --allow-motion");
+  EXPECT_EQ(told, (std::vector<std::string>{"backlash", "backlash", "stall.slope"}));
+  EXPECT_EQ(report.count(Verdict::passed), 1);
+  EXPECT_EQ(report.count(Verdict::failed), 1);
+  EXPECT_EQ(report.count(Verdict::left_out), 1);
+  EXPECT_EQ(report.measurements[0].subject, "neck_pan");
+  EXPECT_EQ(report.measurements[0].error, 0.02);
+  EXPECT_EQ(report.measurements[0].message, "cold");
+  EXPECT_EQ(report.measurements[1].message, "0.7 deg is above the limit of 0.6 deg; warm");
+  EXPECT_TRUE(std::isnan(report.measurements[2].value));
+  EXPECT_EQ(report.measurements[2].message, "needs --allow-motion");
+  EXPECT_THROW(judge.enter("board", "no.such", 0), std::logic_error);
+}
+
+TEST(LimitFile, ReplacesLimits) {
+  const auto limits = parse_limits(
+      R"({"backlash": {"low": 1, "high": 2}, "stall.slope": {"low": null, "high": 0.1},
+          "pot.noise": {}})",
+      "limits.json");
+  ASSERT_TRUE(limits) << limits.error().message;
+  EXPECT_EQ(judged("backlash", 1.5, *limits).verdict, Verdict::passed);
+  EXPECT_EQ(judged("backlash", 0.4, *limits).verdict, Verdict::failed);
+  const Measurement slope = judged("stall.slope", 0, *limits);
+  EXPECT_EQ(slope.verdict, Verdict::passed);
+  EXPECT_EQ(slope.low, -kInfinite);
+  EXPECT_EQ(slope.high, 0.1);
+  EXPECT_EQ(judged("pot.noise", 1e9, *limits).verdict, Verdict::passed);
+  EXPECT_EQ(judged("pot.offset", 0, *limits).high, find_measurement("pot.offset")->high);
+}
+
+TEST(LimitFile, EveryMistakeIsOneSentenceWithFileAndKey) {
+  const std::pair<const char*, const char*> mistakes[] = {
+      {"{\n\"backlash\": {\"low\": 1,}}", "line 2 is no JSON"},
+      {"", "is no JSON"},
+      {"[1]", "not an object"},
+      {R"({"backlsh": {}})", "no measurement 'backlsh'"},
+      {R"({"backlash": 3})", "'backlash' is not of the form"},
+      {R"({"backlash": {"lo": 3}})", "'backlash' has a key 'lo'"},
+      {R"({"backlash": {"low": "3"}})", "'low' of 'backlash' is neither"},
+      {R"({"backlash": {"low": 3, "high": 2}})", "'low' of 'backlash' is above"},
+      {R"({"backlash": {"low": 1e999}})", "too large"},
+  };
+  for (const auto& [json, part] : mistakes) {
+    const auto limits = parse_limits(json, "my/limits.json");
+    ASSERT_FALSE(limits) << json;
+    EXPECT_EQ(limits.error().fault, Fault::usage);
+    EXPECT_EQ(limits.error().message.rfind("limit file 'my/limits.json': ", 0), 0u)
+        << limits.error().message;
+    EXPECT_NE(limits.error().message.find(part), std::string::npos) << limits.error().message;
+    EXPECT_EQ(limits.error().message.find('\n'), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace kaz::hil
