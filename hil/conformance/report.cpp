@@ -2,27 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/conformance/report.h"
 
-#include <cstdio>
+#include <array>
 #include <map>
 
 #include <nlohmann/json.hpp>
 
+#include "hil/report/junit.h"
+#include "hil/report/page.h"
 #include "shared/base/xml_text.hpp"
 
 namespace kaz::hil {
 namespace {
-
-std::string fixed(double value, int digits) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
-
-std::string joined(const std::vector<std::string>& lines, const char* between) {
-  std::string text;
-  for (const std::string& line : lines) text += (text.empty() ? "" : between) + line;
-  return text;
-}
 
 double total_seconds(const RunReport& report) {
   double total = 0;
@@ -30,30 +20,9 @@ double total_seconds(const RunReport& report) {
   return total;
 }
 
-const char* const kStyle = R"(
-body { font: 15px/1.45 system-ui, sans-serif; margin: 2em auto; max-width: 72em; padding: 0 1em;
-       color: #222; background: #fff }
-h1 { font-size: 1.5em; margin-bottom: .2em } h2 { font-size: 1.15em; margin-top: 2em }
-.facts { color: #555 } table { border-collapse: collapse; width: 100% }
-th { text-align: left; border-bottom: 2px solid #888; padding: .3em .6em }
-td { border-bottom: 1px solid #ddd; padding: .3em .6em; vertical-align: top }
-td.number { text-align: right; white-space: nowrap } code { font-size: .92em }
-.passed { color: #176b2c } .failed { color: #b00020; font-weight: 600 } .out { color: #777 }
-tr.failed-row td { background: #fdf1f2; font-weight: normal; color: #222 }
-pre { background: #f5f5f5; padding: .6em; overflow-x: auto; font-size: .85em; white-space: pre-wrap }
-@media print { pre { white-space: pre-wrap } }
-)";
-
-std::string verdict_cell(const CaseResult& one) {
-  const char* style = one.verdict == Verdict::passed   ? "passed"
-                      : one.verdict == Verdict::failed ? "failed"
-                                                       : "out";
-  return std::string("<td class=\"") + style + "\">" + verdict_text(one.verdict) + "</td>";
-}
-
 std::string case_row(const CaseResult& one) {
   const bool failed = one.verdict == Verdict::failed;
-  std::string row = failed ? "<tr class=\"failed-row\">" : "<tr>";
+  std::string row = row_begin(one.verdict);
   row += "<td><code>" + xml_text(one.of->id) + "</code></td><td>" + xml_text(one.of->sentence);
   if (!one.message.empty()) {
     row += "<br><span class=\"" + std::string(failed ? "failed" : "out") + "\">" +
@@ -63,7 +32,7 @@ std::string case_row(const CaseResult& one) {
     row += "<details><summary>bytes exchanged (&gt; to the board, &lt; from it)</summary><pre>" +
            xml_text(joined(one.transcript, "\n")) + "</pre></details>";
   }
-  row += "</td><td>" + joined(one.of->statements, ", ") + "</td>" + verdict_cell(one) +
+  row += "</td><td>" + joined(one.of->statements, ", ") + "</td>" + verdict_cell(one.verdict) +
          "<td class=\"number\">" + fixed(1e3 * one.seconds, 0) + " ms</td></tr>\n";
   return row;
 }
@@ -94,36 +63,25 @@ std::string statement_rows(const RunReport& report) {
 }  // namespace
 
 std::string junit_text(const RunReport& report, const ReportFacts& facts) {
-  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-  text += "<testsuite name=\"kaz conformance\" tests=\"" + std::to_string(report.results.size()) +
-          "\" failures=\"" + std::to_string(report.count(Verdict::failed)) + "\" errors=\"0\"" +
-          " skipped=\"" + std::to_string(report.count(Verdict::left_out)) + "\" time=\"" +
-          fixed(total_seconds(report), 3) + "\">\n  <properties>\n";
-  const auto property = [&](const char* name, const std::string& value) {
-    text +=
-        "    <property name=\"" + std::string(name) + "\" value=\"" + xml_text(value) + "\"/>\n";
-  };
-  property("board", report.board);
-  property("port", facts.port);
-  property("program", facts.program);
-  property("seed", std::to_string(facts.seed));
-  text += "  </properties>\n";
+  JunitSuite suite("kaz conformance",
+                   {report.count(Verdict::passed), report.count(Verdict::failed),
+                    report.count(Verdict::left_out)},
+                   total_seconds(report));
+  suite.property("board", report.board);
+  suite.property("port", facts.port);
+  suite.property("program", facts.program);
+  suite.property("seed", std::to_string(facts.seed));
   for (const CaseResult& one : report.results) {
-    const std::string group = one.of->id.substr(0, one.of->id.find('.'));
-    text += "  <testcase classname=\"" + group + "\" name=\"" + xml_text(one.of->id) +
-            "\" time=\"" + fixed(one.seconds, 3) + "\"";
-    if (one.verdict == Verdict::passed) {
-      text += "/>\n";
-    } else if (one.verdict == Verdict::left_out) {
-      text += "><skipped message=\"" + xml_text(one.message) + "\"/></testcase>\n";
-    } else {
-      text += "><failure message=\"" + xml_text(one.message) + "\">" +
-              xml_text(joined(one.of->statements, ", ") + ": " + one.of->sentence + "\n" +
-                       joined(one.transcript, "\n")) +
-              "</failure></testcase>\n";
-    }
+    suite.add({one.of->id.substr(0, one.of->id.find('.')),
+               one.of->id,
+               one.seconds,
+               one.verdict,
+               one.message,
+               joined(one.of->statements, ", ") + ": " + one.of->sentence + "\n" +
+                   joined(one.transcript, "\n"),
+               {}});
   }
-  return text + "</testsuite>\n";
+  return suite.finish();
 }
 
 std::string json_text(const RunReport& report, const ReportFacts& facts) {
@@ -154,9 +112,7 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
 
 std::string html_text(const RunReport& report, const ReportFacts& facts) {
   const int failed = report.count(Verdict::failed);
-  std::string text = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n";
-  text += "<title>Kaz conformance: " + xml_text(facts.port) + "</title>\n<style>" +
-          std::string(kStyle) + "</style></head><body>\n";
+  std::string text = page_head("Kaz conformance: " + facts.port);
   text += "<h1>Protocol conformance: <span class=\"" +
           std::string(failed ? "failed\">does not conform" : "passed\">conforms") +
           "</span></h1>\n";
@@ -184,7 +140,7 @@ std::string html_text(const RunReport& report, const ReportFacts& facts) {
       statement_rows(report) + "</table>\n";
   table(Verdict::passed, "Cases that passed");
   table(Verdict::left_out, "Cases that were left out");
-  return text + "</body></html>\n";
+  return text + kPageEnd;
 }
 
 }  // namespace kaz::hil

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <limits>
 
-#include "tools/figure/axis.h"
+#include "shared/plot/axis.h"
 #include "tools/figure/painter.h"
 
 namespace kaz::figure {
 
 namespace {
+
+using plot::Axis;
+using plot::make_axis;
 
 constexpr double kLeft = 76, kRight = 22, kTop = 34, kBottom = 26;  // px around each plot's frame
 constexpr double kTitle = 40, kFoot = 26;                           // px of the page

@@ -1,13 +1,13 @@
 // Axis ticks at 1, 2 and 5 times powers of ten.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/figure/axis.h"
+#include "shared/plot/axis.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 
-namespace kaz::figure {
+namespace kaz::plot {
 
 Axis make_axis(double low, double high, int count, bool widen) {
   if (!std::isfinite(low) || !std::isfinite(high)) {
@@ -57,4 +57,4 @@ std::string Axis::label(double value) const {
   return label;
 }
 
-}  // namespace kaz::figure
+}  // namespace kaz::plot

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace kaz::figure {
+namespace kaz::plot {
 
 struct Axis {
   double low = 0, high = 1;
@@ -19,4 +19,4 @@ struct Axis {
 // that are equal, in the wrong order or not finite give a range that can be drawn nevertheless.
 Axis make_axis(double low, double high, int count, bool widen);
 
-}  // namespace kaz::figure
+}  // namespace kaz::plot

@@ -1,0 +1,34 @@
+// A report as JUnit XML: a measurement is a test case of its subject.
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/bench/numbers.h"
+#include "hil/bench/report.h"
+#include "hil/report/junit.h"
+
+namespace kaz::hil {
+
+std::string bench_junit(const BenchReport& report) {
+  JunitSuite suite("kaz bench",
+                   {report.count(Verdict::passed), report.count(Verdict::failed),
+                    report.count(Verdict::left_out)},
+                   report.seconds);
+  suite.property("board", report.board);
+  suite.property("port", report.port);
+  suite.property("program", report.program);
+  suite.property("seed", std::to_string(report.seed));
+  for (const auto& [name, value] : report.conditions) suite.property(name, exact_text(value));
+  for (const Measurement& one : report.measurements) {
+    JunitCase test;
+    test.group = one.subject;
+    test.name = one.of->name;
+    test.verdict = one.verdict;
+    test.message = one.message;
+    test.detail = one.of->text;
+    if (one.verdict != Verdict::left_out) {
+      test.output = value_with_unit(one) + ", limits: " + limits_text(one.low, one.high);
+    }
+    suite.add(test);
+  }
+  return suite.finish();
+}
+
+}  // namespace kaz::hil

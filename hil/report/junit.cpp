@@ -1,0 +1,44 @@
+// A test suite as XML, line by line.
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/report/junit.h"
+
+#include "hil/report/page.h"
+#include "shared/base/xml_text.hpp"
+
+namespace kaz::hil {
+
+JunitSuite::JunitSuite(const std::string& name, const Counts& counts, double seconds) {
+  text_ = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"" + xml_text(name) +
+          "\" tests=\"" + std::to_string(counts.passed + counts.failed + counts.left_out) +
+          "\" failures=\"" + std::to_string(counts.failed) + "\" errors=\"0\" skipped=\"" +
+          std::to_string(counts.left_out) + "\" time=\"" + fixed(seconds, 3) +
+          "\">\n  <properties>\n";
+}
+
+void JunitSuite::property(const std::string& name, const std::string& value) {
+  text_ += "    <property name=\"" + xml_text(name) + "\" value=\"" + xml_text(value) + "\"/>\n";
+}
+
+void JunitSuite::add(const JunitCase& one) {
+  if (in_properties_) text_ += "  </properties>\n";
+  in_properties_ = false;
+  std::string inside;
+  if (one.verdict == Verdict::left_out) {
+    inside = "<skipped message=\"" + xml_text(one.message) + "\"/>";
+  } else if (one.verdict == Verdict::failed) {
+    inside =
+        "<failure message=\"" + xml_text(one.message) + "\">" + xml_text(one.detail) + "</failure>";
+  }
+  if (!one.output.empty()) inside += "<system-out>" + xml_text(one.output) + "</system-out>";
+  text_ += "  <testcase classname=\"" + xml_text(one.group) + "\" name=\"" + xml_text(one.name);
+  if (one.seconds) text_ += "\" time=\"" + fixed(*one.seconds, 3);
+  text_ += inside.empty() ? "\"/>\n" : "\">" + inside + "</testcase>\n";
+}
+
+std::string JunitSuite::finish() {
+  if (in_properties_) text_ += "  </properties>\n";
+  in_properties_ = false;
+  return text_ + "</testsuite>\n";
+}
+
+}  // namespace kaz::hil
