@@ -148,6 +148,11 @@ Measurement BenchJudge::begin(const std::string& subject, const std::string& nam
   return measurement;
 }
 
+std::pair<double, double> BenchJudge::limits(const std::string& name) const {
+  const Measurement measurement = begin("", name);
+  return {measurement.low, measurement.high};
+}
+
 void BenchJudge::finish(Measurement measurement) {
   report_.measurements.push_back(std::move(measurement));
   if (listener_) listener_(report_.measurements.back());

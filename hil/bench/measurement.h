@@ -88,6 +88,8 @@ class BenchJudge {
   void enter(const std::string& subject, const std::string& name, double value, double error = 0,
              const std::string& note = {});
   void leave_out(const std::string& subject, const std::string& name, const std::string& why);
+  // Those that enter() applies.
+  std::pair<double, double> limits(const std::string& name) const;
   void add(Plot plot) { report_.plots.push_back(std::move(plot)); }
 
  private:

@@ -1,6 +1,6 @@
 // A report made up, and XML taken apart.
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/bench/test_report.h"
+#include "hil/bench/report/test_report.h"
 
 #include <cmath>
 #include <limits>

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "hil/bench/numbers.h"
 #include "hil/bench/report.h"
+#include "hil/bench/report/numbers.h"
 
 namespace kaz::hil {
 namespace {

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "hil/bench/numbers.h"
-#include "hil/bench/test_report.h"
+#include "hil/bench/report/numbers.h"
+#include "hil/bench/report/test_report.h"
 
 namespace kaz::hil {
 namespace {

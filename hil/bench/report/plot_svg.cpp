@@ -8,8 +8,8 @@
 #include <set>
 #include <sstream>
 
-#include "hil/bench/plot_axis.h"
 #include "hil/bench/report.h"
+#include "hil/bench/report/plot_axis.h"
 #include "shared/base/xml_text.hpp"
 
 namespace kaz::hil {
@@ -219,16 +219,21 @@ class Drawing {
            "\" fill-opacity=\"0.75\"/>\n";
   }
 
-  // Those that cannot be told apart are drawn once.
+  // As strokes without length, which are short to write; those that cannot be told apart once.
   void draw_points(const Series& series, const char* of_color) {
     std::set<std::pair<long, long>> taken;
+    std::string path;
     for (const auto& point : series.points) {
       if (!can_be_shown(plot_, point)) continue;
       const Point at = place(point);
-      if (taken.insert({std::lround(2 * at.x), std::lround(2 * at.y)}).second) {
-        body_ += dot(at, of_color);
-      }
+      if (!taken.insert({std::lround(2 * at.x), std::lround(2 * at.y)}).second) continue;
+      path += 'M';
+      path += px(at.x) + "," + px(at.y) + "h0";
     }
+    if (path.empty()) return;
+    body_ += "<path fill=\"none\" stroke=\"" + std::string(of_color) +
+             "\" stroke-width=\"4.4\" stroke-linecap=\"round\" stroke-opacity=\"0.75\" d=\"" +
+             path + "\"/>\n";
   }
 
   void draw_line(const std::vector<Point>& run, const char* of_color, bool dashed) {

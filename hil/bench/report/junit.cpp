@@ -1,8 +1,8 @@
 // A report as JUnit XML: a measurement is a test case of its subject.
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/bench/numbers.h"
-#include "hil/bench/report.h"
 #include "hil/report/junit.h"
+#include "hil/bench/report.h"
+#include "hil/bench/report/numbers.h"
 
 namespace kaz::hil {
 

@@ -1,6 +1,6 @@
 // Numbers for machines and for people.
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/bench/numbers.h"
+#include "hil/bench/report/numbers.h"
 
 #include <algorithm>
 #include <charconv>

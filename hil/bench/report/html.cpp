@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/bench/numbers.h"
 #include "hil/bench/report.h"
+#include "hil/bench/report/numbers.h"
 #include "hil/report/page.h"
 #include "shared/base/xml_text.hpp"
 

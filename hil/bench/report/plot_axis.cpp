@@ -1,6 +1,6 @@
 // Linear axes by shared/plot; decades for logarithmic ones.
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/bench/plot_axis.h"
+#include "hil/bench/report/plot_axis.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,110 @@
+// A board as the bench talks to it: typed requests, and each frame of telemetry with its moment.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Below host::Robot, which makes good what the bench is to count: no link is sought again here.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/robot/requester.h"
+#include "host/robot/typed_request.h"
+
+namespace kaz::hil {
+
+// Told now and then: what is under way, and which share of it all is done.
+using BenchProgress = std::function<void(double share, const std::string& what)>;
+
+// A frame of telemetry that came.
+struct Arrival {
+  std::uint8_t type = 0;   // KZ_TYPE_telemetry_*
+  std::uint32_t tick = 0;  // of the board
+  Time at{};
+  double busy = 0, worst = 0;  // telemetry_health: shares of a tick
+};
+
+class BoardLine {
+ public:
+  BoardLine(host::Link& link, host::Clock& clock, std::uint8_t address);
+
+  // Finds the board and ends a stream that somebody has left behind. Errors (environment): there is
+  // none, or its motors are on, for they would go off when nobody talks to it any more.
+  Result<void> begin();
+  // Best effort: motors off, no stream.
+  void end() noexcept;
+
+  template <class Message, class Answer>
+  Result<Answer> ask(std::uint8_t type, const Message& message, u8 (*pack)(const Message*, u8*),
+                     u8 (*unpack)(Answer*, const u8*, u8)) {
+    const host::Request request = host::make_request(type, message, pack);
+    const auto replies = requester_.ask({&request, 1});
+    if (!replies) return tl::unexpected(replies.error());
+    observe(replies->front());
+    return host::read_reply(replies->front(), unpack);
+  }
+  Result<kz_statistics_reply> statistics();
+  Result<kz_state_reply> state();
+
+  // Frames of the selection every `period_ms`, or none. The tick from which on.
+  Result<std::uint32_t> stream(int period_ms, std::uint8_t selection);
+  // Whether a stream is to be had at all: not on a shared line.
+  bool can_stream() const;
+  // Reads until then, and keeps the board's link watchdog content, which would end the stream; each
+  // time just after a frame, so that no reply is in the way of the next one.
+  Result<void> listen_until(Time t);
+  // Those that came since the last call.
+  std::vector<Arrival> take_arrivals();
+
+  // All that a board says has its tick: whether that has ever gone back.
+  bool was_reset() const { return was_reset_; }
+  void observe(const host::Reply& reply);
+
+  // Holds all joints where they are; refused while a shutdown is latched.
+  Result<void> enable(bool on);
+
+  host::Requester& requester() { return requester_; }
+  host::Clock& clock() { return clock_; }
+  const host::LinkStatistics& counts() const { return requester_.statistics(); }
+
+ private:
+  void observe_tick(std::uint32_t tick);
+  void take(std::uint8_t type, std::span<const std::uint8_t> fields, Time at);
+
+  host::Link& link_;
+  host::Clock& clock_;
+  host::Requester requester_;
+  kz_identify_reply identity_{};
+  std::vector<Arrival> arrivals_;
+  std::uint32_t last_tick_ = 0;
+  bool on_ = false, streaming_ = false, was_reset_ = false;
+};
+
+// Control cycles: 18 targets out, 18 angles back. With the joints off the board refuses the targets,
+// which takes as many bytes; with the joints on they are where the joints stood.
+class CycleLoad {
+ public:
+  // `state`: where the joints stand.
+  CycleLoad(BoardLine& line, const kz_state_reply& state);
+  // At `rate_hz`, or as fast as the link takes them (0), until `end`; then waits for the last reply.
+  Result<void> run(double rate_hz, Time end);
+  int cycles() const { return cycles_; }  // whose angles came
+  double rate_hz() const;                 // of those, over the time of run()
+
+ private:
+  struct Cycle {
+    host::Requester::Ticket targets, state;
+  };
+  Result<void> run_fast(Time end);
+  Result<void> run_paced(Time beat, Time end);
+  Result<void> send();
+  Result<bool> receive(Time deadline);  // the oldest cycle
+
+  BoardLine& line_;
+  host::Request targets_, state_;
+  std::vector<Cycle> under_way_;
+  int cycles_ = 0;
+  double seconds_ = 0;
+};
+
+}  // namespace kaz::hil

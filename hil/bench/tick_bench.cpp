@@ -1,0 +1,212 @@
+// Telemetry that tells the length of ticks, without load and under it; and the moments at which it
+// comes.
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/bench/tick_bench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "hil/bench/samples.h"
+
+namespace kaz::hil {
+namespace {
+
+constexpr const char* kSubject = "board";
+constexpr double kLoadHz = 100;
+constexpr double kLoadReached = 0.97;  // less is not the load that was meant
+// Under load the wire has no room for more; and not the beat of the load, so each phase of a cycle is
+// seen.
+constexpr int kQuietPeriodMs = 10, kLoadPeriodMs = 33;
+constexpr double kPercent = 100, kPerMillion = 1e6;
+
+// Below it there is nothing but the rounding of sums.
+double to_nanoseconds(double ms) {
+  return std::round(1e6 * ms) / 1e6;
+}
+
+class TickBench {
+ public:
+  TickBench(host::Link& link, host::Clock& clock, const TickBenchOptions& options,
+            BenchJudge& judge)
+      : line_(link, clock, options.address), clock_(clock), options_(options), judge_(judge) {}
+
+  Result<void> run() {
+    if (auto begun = line_.begin(); !begun) return begun;
+    auto ran = measure();
+    line_.end();
+    if (ran && line_.was_reset()) {
+      return fail(Fault::environment, "the board was reset while its ticks were measured");
+    }
+    return ran;
+  }
+
+ private:
+  Result<void> measure() {
+    const auto before = line_.statistics();
+    if (!before) return tl::unexpected(before.error());
+    first_tick_ = before->tick;
+    if (auto ran = keep_quiet(0, "without load"); !ran) return ran;
+    if (auto ran = put_load(); !ran) return ran;
+    if (auto ran = keep_quiet(0.7, "without load again"); !ran) return ran;
+    const auto after = line_.statistics();
+    if (!after) return tl::unexpected(after.error());
+    enter_lengths(*before, *after);
+    enter_moments();
+    return {};
+  }
+
+  void progress(double share, const char* what) const {
+    if (options_.progress) options_.progress(share, what);
+  }
+
+  Result<void> stream(int period_ms) {
+    if (!line_.can_stream()) return {};
+    const auto streamed = line_.stream(period_ms, KZ_TELEMETRY_HEALTH);
+    return streamed ? Result<void>() : tl::unexpected(streamed.error());
+  }
+
+  // Nothing but telemetry is on the line then, so that nothing is in its way.
+  Result<void> keep_quiet(double done, const char* what) {
+    if (auto streamed = stream(kQuietPeriodMs); !streamed) return streamed;
+    (void)line_.take_arrivals();
+    const Time start = clock_.now();
+    for (int part = 1; part <= 8; ++part) {
+      if (auto heard = line_.listen_until(start + part * options_.quiet_time / 16); !heard) {
+        return heard;
+      }
+      progress(done + 0.3 * part / 8, what);
+    }
+    for (const Arrival& arrival : line_.take_arrivals()) quiet_.push_back(arrival);
+    return {};
+  }
+
+  Result<void> put_load() {
+    const auto state = line_.state();
+    if (!state) return tl::unexpected(state.error());
+    if (options_.allow_motion) {
+      if (auto on = line_.enable(true); !on) return on;
+    }
+    if (auto streamed = stream(kLoadPeriodMs); !streamed) return streamed;
+    (void)line_.take_arrivals();
+    progress(0.3, "under load");
+    CycleLoad load(line_, *state);
+    if (auto ran = load.run(kLoadHz, clock_.now() + options_.load_time); !ran) return ran;
+    load_hz_ = load.rate_hz();
+    loaded_ = line_.take_arrivals();
+    return options_.allow_motion ? line_.enable(false) : Result<void>();
+  }
+
+  void enter_lengths(const kz_statistics_reply& before, const kz_statistics_reply& after) {
+    constexpr double kShare = kPercent * 8 / KZ_STATES_PER_TICK;
+    std::vector<double> lengths;
+    for (const Arrival& arrival : loaded_) lengths.push_back(kPercent * arrival.busy);
+    std::string note = options_.allow_motion ? "" : "joints off";
+    if (load_hz_ < kLoadReached * kLoadHz) {
+      char text[80];
+      std::snprintf(text, sizeof text, "%sthe link took only %.0f control cycles a second",
+                    note.empty() ? "" : ", ", load_hz_);
+      note += text;
+    }
+    if (line_.can_stream()) {
+      judge_.enter(kSubject, "tick.median", quantile(lengths, 0.5), median_error(lengths), note);
+    } else {
+      judge_.leave_out(kSubject, "tick.median", kNoStream);
+    }
+    double worst = kShare * after.worst_8states;
+    for (const auto* frames : {&quiet_, &loaded_}) {
+      for (const Arrival& arrival : *frames) worst = std::max(worst, kPercent * arrival.worst);
+    }
+    judge_.enter(kSubject, "tick.worst", worst);
+    judge_.enter(kSubject, "tick.missed", after.missed_ticks - before.missed_ticks, 0,
+                 before.missed_ticks == 0
+                     ? ""
+                     : std::to_string(before.missed_ticks) + " more before this measurement");
+    if (line_.can_stream()) plot_lengths();
+  }
+
+  double board_seconds(const Arrival& arrival) const {
+    return 1e-3 * static_cast<double>(arrival.tick - first_tick_);
+  }
+
+  void plot_lengths() {
+    const auto series = [&](const char* name, const std::vector<Arrival>& frames) {
+      Series one{name, Series::Style::points, {}};
+      for (const Arrival& arrival : frames) {
+        one.points.emplace_back(board_seconds(arrival), kPercent * arrival.busy);
+      }
+      return one;
+    };
+    Series worst{"longest since reset", Series::Style::line, {}};
+    std::vector<Arrival> all = quiet_;
+    all.insert(all.end(), loaded_.begin(), loaded_.end());
+    std::sort(all.begin(), all.end(),
+              [](const Arrival& a, const Arrival& b) { return a.at < b.at; });
+    for (const Arrival& arrival : all) {
+      worst.points.emplace_back(board_seconds(arrival), kPercent * arrival.worst);
+    }
+    judge_.add({"tick_length",
+                kSubject,
+                "Length of ticks",
+                "board time, s",
+                "share of a tick, %",
+                false,
+                {series("telemetry alone", quiet_), series("18 joints at 100 Hz", loaded_), worst},
+                "Each point is the length of one tick, as the board has measured it."});
+  }
+
+  // Against the straight line through all moments, whose slope is how the clocks differ.
+  void enter_moments() {
+    if (!line_.can_stream()) {
+      judge_.leave_out(kSubject, "tick.jitter", kNoStream);
+      judge_.leave_out(kSubject, "tick.clock_error", kNoStream);
+      return;
+    }
+    std::vector<std::pair<double, double>> moments;
+    for (const Arrival& arrival : quiet_) {
+      moments.emplace_back(board_seconds(arrival), seconds(arrival.at - quiet_.front().at));
+    }
+    const Line line = fit_line(moments);
+    std::vector<double> late_ms;
+    Series plotted{"telemetry", Series::Style::points, {}};
+    for (const auto& [tick_s, at_s] : moments) {
+      late_ms.push_back(to_nanoseconds(1e3 * (at_s - line.offset - line.slope * tick_s)));
+      plotted.points.emplace_back(tick_s, late_ms.back());
+    }
+    const double jitter = standard_deviation(late_ms);
+    judge_.enter(
+        kSubject, "tick.jitter", jitter,
+        jitter / std::sqrt(2.0 * static_cast<double>(std::max<std::size_t>(late_ms.size(), 1))));
+    judge_.enter(kSubject, "tick.clock_error", kPerMillion * (1 / line.slope - 1),
+                 kPerMillion * line.slope_error);
+    judge_.add({"arrival",
+                kSubject,
+                "When telemetry comes",
+                "board time, s",
+                "late by, ms",
+                false,
+                {std::move(plotted)},
+                "Moment at which a frame was there, against its tick and the mean delay; while "
+                "there is load nothing is judged."});
+  }
+
+  static constexpr const char* kNoStream =
+      "the board is on a shared line, where it sends no telemetry";
+
+  BoardLine line_;
+  host::Clock& clock_;
+  const TickBenchOptions& options_;
+  BenchJudge& judge_;
+  std::uint32_t first_tick_ = 0;
+  std::vector<Arrival> quiet_, loaded_;
+  double load_hz_ = 0;
+};
+
+}  // namespace
+
+Result<void> bench_tick(host::Link& link, host::Clock& clock, const TickBenchOptions& options,
+                        BenchJudge& judge) {
+  return TickBench(link, clock, options, judge).run();
+}
+
+}  // namespace kaz::hil

@@ -1,0 +1,22 @@
+// How long a board's ticks are, and how even: the group `tick` of measurements.def.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hil/bench/board_line.h"
+#include "hil/bench/measurement.h"
+
+namespace kaz::hil {
+
+struct TickBenchOptions {
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;
+  Time quiet_time = std::chrono::seconds(10);  // telemetry alone: half before the load, half after
+  Time load_time = std::chrono::seconds(10);   // 18 joints at 100 Hz
+  bool allow_motion = false;                   // as in LinkBenchOptions
+  BenchProgress progress;
+};
+
+// Errors: as bench_link.
+Result<void> bench_tick(host::Link& link, host::Clock& clock, const TickBenchOptions& options,
+                        BenchJudge& judge);
+
+}  // namespace kaz::hil
