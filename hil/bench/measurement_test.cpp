@@ -1,6 +1,8 @@
 // Every limit of the table can fail, and files with other limits.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <set>
 #include <stdexcept>
@@ -8,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "hil/bench/measurement.h"
+#include "hil/bench/report/numbers.h"
 
 namespace kaz::hil {
 namespace {
@@ -67,6 +70,20 @@ TEST(MeasurementTable, NothingMeasuredFailsEverywhere) {
     const Measurement none = judged(info.name, std::nan(""));
     EXPECT_EQ(none.verdict, Verdict::failed) << info.name;
     EXPECT_EQ(none.message, "nothing could be measured");
+  }
+}
+
+// docs/bench.md has a row for each, with its unit and its limits.
+TEST(MeasurementTable, ThePageTellsTheSame) {
+  std::ifstream file("docs/bench.md");
+  ASSERT_TRUE(file) << "to be run in the root of the tree";
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  for (const MeasurementInfo& info : measurement_infos()) {
+    if (info.group == BenchGroup::motor) continue;
+    const std::string row = "| `" + info.name + "` | " + (info.unit.empty() ? "–" : info.unit) +
+                            " | " + limits_text(info.low, info.high) + " | " +
+                            info.text.substr(0, 20);
+    EXPECT_NE(page.find(row), std::string::npos) << row;
   }
 }
 
