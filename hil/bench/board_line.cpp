@@ -58,7 +58,11 @@ Result<void> BoardLine::begin() {
 void BoardLine::end() noexcept {
   requester_.start_anew();
   requester_.limit_tries(kTriesAtEnd);
-  if (on_) (void)enable(false);
+  if (on_ && !enable(false)) {
+    // Nobody listens here any more (interrupted, or the board is deaf), but the wire may carry it.
+    const host::Request off = host::make_request(KZ_TYPE_enable, kz_enable{0}, kz_pack_enable);
+    for (int i = 0; i < kTriesAtEnd; ++i) (void)requester_.tell(off);
+  }
   if (streaming_) (void)stream(0, 0);
 }
 
@@ -102,6 +106,7 @@ std::vector<Arrival> BoardLine::take_arrivals() {
 }
 
 Result<void> BoardLine::enable(bool on) {
+  on_ = true;  // for what is known until the board has said otherwise
   const auto reply = ask(KZ_TYPE_enable, kz_enable{on ? u32{KZ_ALL_JOINTS} : 0}, kz_pack_enable,
                          kz_unpack_enable_reply);
   if (!reply) return tl::unexpected(reply.error());

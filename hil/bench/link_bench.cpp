@@ -193,7 +193,7 @@ class LinkBench {
 
   // By the ticks of those that came: one each period from `first` on.
   void enter_stream(std::uint32_t first, std::uint32_t last) {
-    const std::uint32_t length = last - first - kOnTheWayMs;
+    const std::uint32_t length = std::max(last - first, kOnTheWayMs) - kOnTheWayMs;
     const double due = length / kStreamPeriodMs;
     std::set<std::uint32_t> periods;
     for (const Arrival& arrival : line_.take_arrivals()) {

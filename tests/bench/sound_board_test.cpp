@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "hil/bench/report.h"
+#include "host/robot/connect.h"
 #include "tests/bench/measured.h"
 #include "tests/bench/rewriting_link.h"
 
@@ -125,6 +126,47 @@ TEST(BoardLine, MotorsThatAreOnAreAnErrorAndStayOn) {
   const auto state = robot->state();
   ASSERT_TRUE(state);
   EXPECT_TRUE(state->status & KZ_STATUS_ENABLED);
+}
+
+TEST(BoardLine, AnInterruptionLeavesTheMotorsOff) {
+  lockstep::VirtualBench board(sim::make_native());
+  // From the first cycle on nothing can be read, and the first `enable` is lost.
+  struct Interrupted final : host::Link {
+    explicit Interrupted(host::Link& other) : link(other) {}
+    std::string name() const override { return link.name(); }
+    Result<void> write(std::span<const std::uint8_t> bytes) override {
+      constexpr std::size_t kType = 3;  // behind a zero, the stuffing byte and the address
+      if (now && bytes[kType] == KZ_TYPE_enable && lost++ == 0) return {};
+      return link.write(bytes);
+    }
+    Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override {
+      if (now) return fail(Fault::environment, "interrupted");
+      return link.read(bytes, deadline);
+    }
+    host::Link& link;
+    bool now = false;
+    int lost = 0;
+  } link(board);
+  bool was_on = false;
+  RewritingLink watched(link, [&](RewritingLink::Body& body) {
+    if (body[1] == KZ_TYPE_targets_reply) link.now = was_on = true;
+  });
+  LinkBenchOptions options;
+  options.allow_motion = true;
+  options.round_trips = 10;
+  BenchReport report;
+  const Limits none;
+  BenchJudge judge(report, none);
+  const auto measured = bench_link(watched, board, options, judge);
+  ASSERT_FALSE(measured);
+  EXPECT_EQ(measured.error().message, "interrupted");
+  EXPECT_TRUE(was_on);
+  // What was written last reaches the board, long before its link watchdog would have held it.
+  ASSERT_TRUE(board.sleep_until(board.now() + milliseconds(40)));
+  host::Requester after(board, board, {});
+  const auto identity = host::identify_board(after);
+  ASSERT_TRUE(identity) << identity.error().message;
+  EXPECT_FALSE(identity->status & KZ_STATUS_ENABLED);
 }
 
 TEST(BoardLine, WithoutABoardThereIsASentence) {
