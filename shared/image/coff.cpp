@@ -1,16 +1,11 @@
 // COFF as h8300-hms writes it: sections, symbols, line numbers. All fields are big-endian.
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
 #include <map>
 
-#include "shared/image/image.h"
+#include "shared/image/object_file.h"
 
 namespace kaz::h8s {
 namespace {
-
-// Against files made to exhaust memory.
-constexpr std::size_t kLongestName = 1024;
-constexpr std::uint64_t kMostContents = 0x2000000;
 
 constexpr std::size_t kFileHeader = 20, kSectionHeader = 40, kSymbol = 18, kLine = 8, kEntryAt = 16;
 // Dummy, not loaded, copy, BSS and information sections: no contents for the memory.
@@ -19,10 +14,9 @@ constexpr std::uint32_t kNotInMemory = 0x01 | 0x02 | 0x10 | 0x80 | 0x200;
 constexpr unsigned kExternal = 2, kStatic = 3, kFunctionMark = 101, kFileName = 103,
                    kFunctionType = 0x20;
 
-class Reader {
+class Reader final : public ObjectFile {
  public:
-  Reader(std::span<const std::uint8_t> bytes, const std::string& name)
-      : bytes_(bytes), name_(name) {}
+  using ObjectFile::ObjectFile;
 
   Result<Image> read() {
     if (bytes_.size() < kFileHeader) return error(0, "the file ends inside its header");
@@ -55,31 +49,6 @@ class Reader {
     std::uint32_t address = 0;
     std::uint32_t first_line = 0;
   };
-
-  bool fits(std::size_t at, std::size_t size) const {
-    return at <= bytes_.size() && size <= bytes_.size() - at;
-  }
-  // Callers have checked that the field lies inside the file.
-  unsigned u16(std::size_t at) const {
-    return static_cast<unsigned>(bytes_[at] << 8 | bytes_[at + 1]);
-  }
-  std::uint32_t u32(std::size_t at) const {
-    return static_cast<std::uint32_t>(u16(at)) << 16 | static_cast<std::uint32_t>(u16(at + 2));
-  }
-
-  tl::unexpected<Error> error(std::size_t at, const std::string& what) const {
-    char offset[32];
-    std::snprintf(offset, sizeof offset, "0x%zx", at);
-    return fail(name_ + ": at offset " + offset + ": " + what);
-  }
-
-  // Names go into messages: one that holds anything but printable characters shows them as '?'.
-  std::string text(std::size_t at, std::size_t most) const {
-    std::string s;
-    for (std::size_t k = at; k < bytes_.size() && k < at + most && bytes_[k] != 0; ++k)
-      s += bytes_[k] < 0x20 || bytes_[k] == 0x7f ? '?' : static_cast<char>(bytes_[k]);
-    return s;
-  }
 
   // Eight bytes of name, or zero and an offset into the string table.
   std::string name_at(std::size_t at, std::size_t most) const {
@@ -122,14 +91,7 @@ class Reader {
     const std::size_t lines = u16(at + 34);
     const std::string name = text(at, 8);
     if (where != 0 && size != 0 && !(flags & kNotInMemory)) {
-      if (!fits(where, size))
-        return error(at, "the contents of section " + name + " lie outside the file");
-      contents_ += size;
-      if (contents_ > kMostContents)
-        return error(at, "section " + name +
-                             " brings the contents to more than 32 MB; the chip addresses 16");
-      const auto contents = bytes_.subspan(where, size);
-      image_.segments.push_back({load, run, name, {contents.begin(), contents.end()}});
+      if (auto ok = add(at, "section " + name, {load, run, name, {}}, where, size); !ok) return ok;
     }
     if (lines == 0) return {};
     if (!fits(lines_at, lines * kLine))
@@ -153,14 +115,9 @@ class Reader {
     }
   }
 
-  std::span<const std::uint8_t> bytes_;
-  const std::string& name_;
-  std::uint64_t contents_ = 0;  // bytes of all sections so far: they may share the file's
   std::size_t symbols_at_ = 0, symbol_count_ = 0, strings_at_ = 0;
   std::map<std::uint32_t, Function> functions_;
-  std::vector<Symbol> symbols_;
   std::vector<SourceLine> lines_;
-  Image image_;
 };
 
 }  // namespace

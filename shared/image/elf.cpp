@@ -1,16 +1,11 @@
 // ELF32, big-endian, machine 46 (H8/300 family): contents, entry and symbols.
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
 #include <cstring>
 
-#include "shared/image/image.h"
+#include "shared/image/object_file.h"
 
 namespace kaz::h8s {
 namespace {
-
-// Against files made to exhaust memory.
-constexpr std::size_t kLongestName = 1024;
-constexpr std::uint64_t kMostContents = 0x2000000;
 
 constexpr std::size_t kHeader = 52, kProgramHeader = 32, kSectionHeader = 40, kSymbolSize = 16;
 constexpr unsigned kMachine = 46, kExecutable = 2, kRelocatable = 1;
@@ -19,10 +14,9 @@ constexpr std::uint32_t kSymbolTable = 2, kNoBits = 8, kAllocated = 2, kLoad = 1
 constexpr std::uint32_t kMemberMask = 0x00ff0000, kH8300 = 0x00800000, kH8300hn = 0x00840000,
                         kH8300sn = 0x00850000;
 
-class Reader {
+class Reader final : public ObjectFile {
  public:
-  Reader(std::span<const std::uint8_t> bytes, const std::string& name)
-      : bytes_(bytes), name_(name) {}
+  using ObjectFile::ObjectFile;
 
   Result<Image> read() {
     if (bytes_.size() < kHeader) return error(0, "the file ends inside its header");
@@ -65,31 +59,10 @@ class Reader {
     std::uint32_t type, offset, run, load, size;
   };
 
-  bool fits(std::size_t at, std::size_t size) const {
-    return at <= bytes_.size() && size <= bytes_.size() - at;
-  }
-  // Callers have checked that the field lies inside the file.
-  unsigned u16(std::size_t at) const {
-    return static_cast<unsigned>(bytes_[at] << 8 | bytes_[at + 1]);
-  }
-  std::uint32_t u32(std::size_t at) const {
-    return static_cast<std::uint32_t>(u16(at)) << 16 | static_cast<std::uint32_t>(u16(at + 2));
-  }
-
-  tl::unexpected<Error> error(std::size_t at, const std::string& what) const {
-    char offset[32];
-    std::snprintf(offset, sizeof offset, "0x%zx", at);
-    return fail(name_ + ": at offset " + offset + ": " + what);
-  }
-
-  // Names go into messages: one that holds anything but printable characters shows them as '?'.
-  std::string text(std::uint32_t table, std::uint32_t offset) const {
-    std::string s;
-    if (table >= sections_.size()) return s;
-    const std::size_t from = std::size_t{sections_[table].offset} + offset;
-    for (std::size_t k = from; k < bytes_.size() && k < from + kLongestName && bytes_[k]; ++k)
-      s += bytes_[k] < 0x20 || bytes_[k] == 0x7f ? '?' : static_cast<char>(bytes_[k]);
-    return s;
+  // A name of a string table; none where there is no such section.
+  std::string name_in(std::uint32_t table, std::uint32_t offset) const {
+    if (table >= sections_.size()) return "";
+    return text(std::size_t{sections_[table].offset} + offset, kLongestName);
   }
 
   Result<void> read_headers() {
@@ -114,17 +87,6 @@ class Reader {
     return {};
   }
 
-  Result<void> add(std::size_t at, const std::string& name, std::uint32_t load, std::uint32_t run,
-                   std::uint32_t offset, std::uint32_t size) {
-    if (!fits(offset, size)) return error(at, "the contents of " + name + " lie outside the file");
-    contents_ += size;
-    if (contents_ > kMostContents)
-      return error(at, name + " brings the contents to more than 32 MB; the chip addresses 16");
-    const auto contents = bytes_.subspan(offset, size);
-    image_.segments.push_back({load, run, name, {contents.begin(), contents.end()}});
-    return {};
-  }
-
   // Where the segment that holds the section's bytes is put: .data is loaded behind .text.
   std::uint32_t load_address(const Section& s) const {
     for (const Program& p : programs_) {
@@ -138,12 +100,13 @@ class Reader {
   Result<void> read_section(const Section& s) {
     if (s.type == kSymbolTable) return read_symbols(s);
     if (!(s.flags & kAllocated) || s.type == kNoBits || s.size == 0) return {};
-    return add(s.at, text(u16(50), s.name), load_address(s), s.address, s.offset, s.size);
+    const std::string name = name_in(u16(50), s.name);
+    return add(s.at, name, {load_address(s), s.address, name, {}}, s.offset, s.size);
   }
 
   Result<void> read_program(const Program& p) {
     if (p.type != kLoad || p.size == 0) return {};
-    return add(p.at, "segment", p.load, p.run, p.offset, p.size);
+    return add(p.at, "segment", {p.load, p.run, "segment", {}}, p.offset, p.size);
   }
 
   Result<void> read_symbols(const Section& s) {
@@ -155,20 +118,15 @@ class Reader {
       const unsigned type = bytes_[at + 12] & 15u, section = u16(at + 14);
       // Data, functions and those without a type; not sections and files; not absolute numbers.
       if (type > 2 || section == 0 || section >= 0xff00) continue;
-      std::string name = text(s.link, u32(at));
+      std::string name = name_in(s.link, u32(at));
       if (name.empty() || name[0] == '.') continue;
       symbols_.push_back({std::move(name), u32(at + 4), type == 2});
     }
     return {};
   }
 
-  std::span<const std::uint8_t> bytes_;
-  const std::string& name_;
-  std::uint64_t contents_ = 0;  // bytes of all sections so far: they may share the file's
   std::vector<Program> programs_;
   std::vector<Section> sections_;
-  std::vector<Symbol> symbols_;
-  Image image_;
 };
 
 }  // namespace

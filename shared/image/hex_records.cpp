@@ -1,0 +1,75 @@
+// Lines, digits and segments of the two hex formats.
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/image/hex_records.h"
+
+#include <algorithm>
+
+namespace kaz::h8s {
+namespace {
+
+int digit(char ch) {
+  if (ch >= '0' && ch <= '9') return ch - '0';
+  if (ch >= 'A' && ch <= 'F') return ch - 'A' + 10;
+  if (ch >= 'a' && ch <= 'f') return ch - 'a' + 10;
+  return -1;
+}
+
+}  // namespace
+
+Result<Image> HexRecords::parse(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    if (auto ok = line(text.substr(0, end)); !ok)
+      return fail(ok.error().message +
+                  (end == text.size() ? "; the file ends within this line: it seems cut off" : ""));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  if (image_.segments.empty()) return fail(name_ + ": no data records");
+  if (!ended_) return fail(name_ + ": no end record (" + end_ + "); the file is cut off");
+  return std::move(image_);
+}
+
+Result<void> HexRecords::line(std::string_view text) {
+  ++line_;
+  while (!text.empty() && (text.back() == '\r' || text.back() == ' ')) text.remove_suffix(1);
+  if (text.empty()) return {};
+  if (ended_) return error("record after the end record");
+  return record(text);
+}
+
+tl::unexpected<Error> HexRecords::error(const std::string& what) const {
+  return fail(name_ + ":" + std::to_string(line_) + ": " + what);
+}
+
+Result<std::vector<std::uint8_t>> HexRecords::digits(std::string_view line,
+                                                     std::size_t first) const {
+  if ((line.size() - first) % 2 != 0) return error("odd number of hex digits");
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t k = first; k < line.size(); k += 2) {
+    const int high = digit(line[k]), low = digit(line[k + 1]);
+    if (high < 0 || low < 0)
+      return error("column " + std::to_string(k + 1) + ": two hex digits expected");
+    bytes.push_back(static_cast<std::uint8_t>(high << 4 | low));
+  }
+  return bytes;
+}
+
+std::uint32_t HexRecords::big(std::span<const std::uint8_t> bytes) {
+  std::uint32_t value = 0;
+  for (const std::uint8_t b : bytes) value = value << 8 | b;
+  return value;
+}
+
+void HexRecords::append(std::uint32_t address, std::span<const std::uint8_t> data) {
+  if (data.empty()) return;
+  if (!image_.segments.empty()) {
+    Segment& last = image_.segments.back();
+    if (last.load_address + last.bytes.size() == address) {
+      last.bytes.insert(last.bytes.end(), data.begin(), data.end());
+      return;
+    }
+  }
+  image_.segments.push_back({address, address, segment_, {data.begin(), data.end()}});
+}
+
+}  // namespace kaz::h8s
