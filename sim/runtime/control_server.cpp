@@ -62,7 +62,8 @@ Json ControlCommands::fault(const std::string& line) const {
 }
 
 Json ControlCommands::run(const std::string& command, const std::string& argument) const {
-  const bool with_argument = command == "power" || command == "fault" || command == "mode";
+  const bool with_argument =
+      command == "power" || command == "fault" || command == "mode" || command == "plug";
   if (!with_argument && !argument.empty())
     return refusal("\"" + command + "\" takes no argument, got \"" + argument + "\"");
   if (command == "help") {
@@ -72,6 +73,7 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
               {"reset", "the board's reset pin, low and high"},
               {"mode boot|run", "the mode pins, which count at the next reset"},
               {"power on|off", "the board's power switch"},
+              {"plug out|in", "the plug of the serial port, which is gone while it is out"},
               {"fault LINE", "a fault, from now on or `at` a time; \"fault none\" ends them all"},
               {"status", "time, engine, power, host, losses"}}}};
   }
@@ -90,6 +92,12 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
       return refusal("\"mode\" takes \"boot\" or \"run\", got \"" + argument + "\"");
     if (auto set = handlers_.boot_pins(argument == "boot"); !set)
       return refusal(set.error().message);
+    return {{"ok", true}};
+  }
+  if (command == "plug") {
+    if (argument != "out" && argument != "in")
+      return refusal("\"plug\" takes \"out\" or \"in\", got \"" + argument + "\"");
+    if (auto done = handlers_.plug(argument == "in"); !done) return refusal(done.error().message);
     return {{"ok", true}};
   }
   if (command == "fault") return fault(argument);

@@ -25,6 +25,7 @@ class ControlCommands {
     std::function<void()> reset;
     std::function<Result<void>(bool boot)> boot_pins;
     std::function<void(bool on)> power;
+    std::function<Result<void>(bool in)> plug;
     std::function<nlohmann::ordered_json()> status;
     std::function<void(const faults::Fault& fault)> fault;
     std::function<void()> clear_faults;

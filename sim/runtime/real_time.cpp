@@ -47,6 +47,7 @@ struct RealTimeServer::Parts {
   void board_to_host();
   void pictures();
   void set_power(bool on);
+  Result<void> plug(bool in);
   void report_overrun();
   nlohmann::ordered_json status() const;
 
@@ -74,6 +75,7 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
           },
       .boot_pins = [p](bool boot) { return p->simulation.board().set_boot_pins(boot); },
       .power = [p](bool on) { p->set_power(on); },
+      .plug = [p](bool in) { return p->plug(in); },
       .status = [p] { return p->status(); },
       .fault = [p](const faults::Fault& fault) { p->simulation.add_fault(fault); },
       .clear_faults = [p] { p->simulation.clear_faults(); },
@@ -140,7 +142,7 @@ Result<RealTimeStatistics> RealTimeServer::run(const std::atomic<bool>& stop) {
 
 void RealTimeServer::Parts::host_to_board() {
   const Time now = simulation.time();
-  const bool present = pty->host_present();
+  const bool present = pty && pty->host_present();
   const long baud = present ? pty->baud() : 115200;
   watch.presence(now, present, baud);
   if (baud > 0) simulation.line().set_host_bit(KZ_CLOCK_HZ / baud);
@@ -149,7 +151,7 @@ void RealTimeServer::Parts::host_to_board() {
   const std::size_t waiting = simulation.line().waiting(simulation.now());
   const std::size_t room = waiting < adapter_bytes ? adapter_bytes - waiting : 0;
   // A host that is gone by now may have left bytes.
-  const std::size_t count = room > 0 ? pty->read(std::span(buffer).first(room)) : 0;
+  const std::size_t count = pty && room > 0 ? pty->read(std::span(buffer).first(room)) : 0;
   if (count > 0) {
     watch.bytes_came(now);
     const auto bytes = std::span<const std::uint8_t>(buffer).first(count);
@@ -162,7 +164,7 @@ void RealTimeServer::Parts::host_to_board() {
   watch.check_silence(now);
   if (present) {
     discard_until = now + echo_of_a_host;
-  } else if (now < discard_until) {
+  } else if (pty && now < discard_until) {
     pty->discard_unread();
   }
 }
@@ -175,6 +177,21 @@ void RealTimeServer::Parts::board_to_host() {
   if (count == 0 || !watch.present()) return;
   const std::size_t taken = pty->write(std::span<const std::uint8_t>(buffer).first(count));
   if (taken < count) watch.bytes_lost(count - taken);
+}
+
+// Out: whoever has the port open finds it gone, as with an adapter that is pulled; the board goes on.
+Result<void> RealTimeServer::Parts::plug(bool in) {
+  if (!in) {
+    pty.reset();
+    if (options.report) options.report(options.serial_path + " is unplugged");
+    return {};
+  }
+  if (pty) return {};
+  auto opened = Pty::open(options.serial_path);
+  if (!opened) return tl::unexpected(opened.error());
+  pty = std::move(*opened);
+  if (options.report) options.report(options.serial_path + " is plugged in");
+  return {};
 }
 
 void RealTimeServer::Parts::pictures() {

@@ -189,6 +189,10 @@ struct Board {
         return {};
       },
       .power = [this](bool on) { power += on ? "+" : "-"; },
+      .plug = [this](bool in) -> Result<void> {
+        power += in ? "i" : "o";
+        return {};
+      },
       .status =
           [] {
             return nlohmann::ordered_json{{"time_s", 1.5}};
@@ -208,7 +212,9 @@ TEST(ControlCommands, TakeWordsAndJson) {
   EXPECT_TRUE(board.commands.answer(R"({"command": "power", "argument": "on"})")["ok"]);
   EXPECT_TRUE(board.commands.answer("mode boot")["ok"]);
   EXPECT_TRUE(board.commands.answer("mode run")["ok"]);
-  EXPECT_EQ(board.power, "-+br");
+  EXPECT_TRUE(board.commands.answer("plug out")["ok"]);
+  EXPECT_TRUE(board.commands.answer("plug in")["ok"]);
+  EXPECT_EQ(board.power, "-+broi");
   EXPECT_EQ(board.commands.answer("status")["time_s"], 1.5);
   EXPECT_TRUE(board.commands.answer("help")["commands"].contains("reset"));
 }
@@ -225,8 +231,9 @@ TEST(ControlCommands, FaultsBeginNowOrAtTheirTime) {
 
 TEST(ControlCommands, RefuseWithAReason) {
   Board board;
-  for (const char* line : {"", "   ", "restart", "power", "power maybe", "mode", "mode 3",
-                           "reset now", "{", "{\"command\": 7}", "{}", "[1]", "\xff\xfe"}) {
+  for (const char* line :
+       {"", "   ", "restart", "power", "power maybe", "mode", "mode 3", "plug", "plug up",
+        "reset now", "{", "{\"command\": 7}", "{}", "[1]", "\xff\xfe"}) {
     const auto reply = board.commands.answer(line);
     EXPECT_FALSE(reply["ok"]) << line;
     EXPECT_FALSE(reply["error"].get<std::string>().empty()) << line;
