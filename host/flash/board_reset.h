@@ -7,7 +7,7 @@
 #include <string>
 
 #include "host/robot/link.h"
-#include "host/robot/tty_link.h"
+#include "host/robot/modem_lines.h"
 #include "shared/base/result.hpp"
 
 namespace kaz::host {
@@ -21,15 +21,16 @@ class BoardReset {
 };
 
 // DTR is wired to RES (active: in reset), RTS to the mode pins (active: boot mode). Resets last 25 ms:
-// RES wants 20 states while the oscillator runs.
+// RES wants 20 states while the oscillator runs. Opening a port makes both active: until the first
+// reset the board stands still.
 class ModemLineReset final : public BoardReset {
  public:
-  ModemLineReset(TtyLink& port, Clock& clock) : port_(port), clock_(clock) {}
+  ModemLineReset(ModemLines& port, Clock& clock) : port_(port), clock_(clock) {}
   Result<void> reset(bool boot) override;
   std::string name() const override { return "dtr-rts"; }
 
  private:
-  TtyLink& port_;
+  ModemLines& port_;
   Clock& clock_;
 };
 

@@ -10,7 +10,8 @@
 namespace kaz::host {
 namespace {
 
-constexpr std::uint32_t kCrcAt = KZ_APPLICATION_HEADER + 30;
+// Of the application's header and of the loader's mark.
+constexpr std::uint32_t kCrcOffset = 30;
 
 std::uint32_t big(std::span<const std::uint8_t> bytes) {
   std::uint32_t value = 0;
@@ -83,8 +84,13 @@ std::optional<ImageIdentity> FlashImage::identity() const {
   identity.version = static_cast<std::uint16_t>(field(6, 2));
   identity.build_id = field(8, 4);
   identity.length = field(12, 4);
-  identity.crc = static_cast<std::uint16_t>(field(30, 2));
+  identity.crc = static_cast<std::uint16_t>(field(kCrcOffset, 2));
   return identity;
+}
+
+std::uint16_t FlashImage::crc(FlashRange range, std::uint16_t from) const {
+  for (const std::uint8_t byte : bytes(range)) from = kz_crc16_step(from, byte);
+  return from;
 }
 
 std::string FlashImage::damage() const {
@@ -92,14 +98,22 @@ std::string FlashImage::damage() const {
   if (!is) return "it has no header of a Kaz application at " + hex_address(KZ_APPLICATION_HEADER);
   if (is->length > KZ_APPLICATION_MAX || is->length < KZ_APPLICATION_CODE - KZ_APPLICATION)
     return "its header says a length of " + std::to_string(is->length) + " bytes";
-  std::uint16_t crc = 0xffff;
-  for (std::uint32_t a = KZ_APPLICATION; a < KZ_APPLICATION + is->length; ++a) {
-    if (a != kCrcAt && a != kCrcAt + 1) crc = kz_crc16_step(crc, bytes_[a]);
-  }
-  if (crc == is->crc) return "";
-  char text[96];
-  std::snprintf(text, sizeof text, "its header says CRC %04x, its bytes have %04x", is->crc, crc);
-  return text;
+  const std::uint32_t at = KZ_APPLICATION_HEADER + kCrcOffset;
+  const auto end = static_cast<std::uint32_t>(KZ_APPLICATION + is->length);
+  const std::uint16_t has = crc({at + 2, end}, crc({KZ_APPLICATION, at}, 0xffff));
+  if (has == is->crc) return "";
+  return "its header says CRC " + hex_word(is->crc) + ", its bytes have " + hex_word(has);
+}
+
+std::string FlashImage::loader_damage() const {
+  const auto mark = std::span(bytes_).subspan(KZ_LOADER_MARK, kFlashLine);
+  if (big(mark.first(4)) != KZ_LOADER_ID)
+    return "no mark at " + hex_address(KZ_LOADER_MARK) + ", the last line of the loader's block";
+  const auto wanted = static_cast<std::uint16_t>(big(mark.subspan(kCrcOffset, 2)));
+  const std::uint16_t has = crc({KZ_LOADER, KZ_LOADER_MARK}, crc({0, KZ_VECTORS_SIZE}, 0xffff));
+  if (has == wanted) return "";
+  return "the loader's mark says CRC " + hex_word(wanted) + ", vectors and loader have " +
+         hex_word(has);
 }
 
 }  // namespace kaz::host

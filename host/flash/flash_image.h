@@ -58,8 +58,15 @@ class FlashImage {
   std::optional<ImageIdentity> identity() const;
   // What is wrong with the application, against its header; empty: it is whole.
   std::string damage() const;
+  // Whether vectors or loader are part of the image, which a board in the field keeps.
+  bool has_loader() const { return touches(kVectorBlock) || touches(kLoaderBlock); }
+  // What is wrong with vectors and loader, against the loader's mark; empty: they are whole.
+  std::string loader_damage() const;
 
  private:
+  // Goes on from the CRC `from`.
+  std::uint16_t crc(FlashRange range, std::uint16_t from) const;
+
   std::vector<std::uint8_t> bytes_;
   std::vector<bool> lines_;
 };

@@ -3,7 +3,6 @@
 #include "host/flash/flasher.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "host/flash/trouble.h"
 #include "host/robot/connect.h"
@@ -20,12 +19,6 @@ constexpr std::uint32_t kRam = 0xffe080;
 constexpr int kBootTries = 3;
 // An erased block: one pulse and its verification of up to 32 KB, at most 230 pulses of a worn one.
 constexpr Time kErasePatience = milliseconds(1500);
-
-std::string id_text(std::uint16_t id) {
-  char text[8];
-  std::snprintf(text, sizeof text, "%04x", id);
-  return text;
-}
 
 WriterRequest write_request(std::uint32_t address, std::span<const std::uint8_t> bytes) {
   WriterRequest request{KZ_WRITER_WRITE, {}};
@@ -71,7 +64,28 @@ void Flasher::tell(const char* phase, std::uint32_t done, std::uint32_t total) {
   options_.progress({phase, done, total, took > 0.01 ? done / took : 0});
 }
 
-Result<void> Flasher::check(const FlashImage& image) const {
+Result<void> Flasher::check_loader(const FlashImage& image, bool through_boot) const {
+  if (!image.has_loader()) {
+    if (!through_boot) return {};
+    return fail(Fault::usage,
+                Trouble{"the image is an application alone, and boot mode erases the whole flash",
+                        "vectors (0x000000) and loader (0x00c000) beside the application",
+                        "neither of them",
+                        {"it was made for the resident loader, which keeps both"},
+                        "name the firmware's kaz.mot, or leave --reset out"});
+  }
+  const std::string damage = image.loader_damage();
+  if (damage.empty()) return {};
+  return fail(Fault::usage, Trouble{"the image's vectors or loader are not whole",
+                                    "EB0 and EB6 that fit the loader's mark",
+                                    damage,
+                                    {"the file was cut off within the loader's block (0x00c000 to "
+                                     "0x00dfff) or before it",
+                                     "it is older than this program"},
+                                    "build it again; --force does not write a damaged image"});
+}
+
+Result<void> Flasher::check(const FlashImage& image, bool through_boot) const {
   const auto identity = image.identity();
   if (!identity) {
     if (options_.force) return {};
@@ -92,11 +106,12 @@ Result<void> Flasher::check(const FlashImage& image) const {
                                        "it was linked but not stamped (tools/gen/stamp_image.py)"},
                                       "build it again; --force does not write a damaged image"});
   }
+  if (auto whole = check_loader(image, through_boot); !whole) return whole;
   if (board_id_ && *board_id_ != identity->board_id && !options_.force) {
     return fail(Fault::failed,
                 Trouble{"the image is for another board; nothing was changed",
-                        "board id " + id_text(identity->board_id) + ", of the image",
-                        id_text(*board_id_) + ", of the board on " + link_.name(),
+                        "board id " + hex_word(identity->board_id) + ", of the image",
+                        hex_word(*board_id_) + ", of the board on " + link_.name(),
                         {"the port is that of another board", "the image is of another board"},
                         "check --port and IMAGE; --force overrides this guard alone"});
   }
@@ -146,7 +161,9 @@ Result<bool> Flasher::enter_loader() {
                       "the flash writer's reply",
                       "nothing",
                       {"the board's loader is older than this program", "the line is noisy"},
-                      "use boot mode: --reset dtr-rts, ctl:PATH or manual"});
+                      "the same command again; else boot mode, which erases the whole flash: kaz "
+                      "flash write IMAGE --port " +
+                          link_.name() + " --reset dtr-rts (or ctl:PATH, or manual)"});
 }
 
 Result<void> Flasher::load_writer_rest() {
@@ -182,6 +199,7 @@ Result<void> Flasher::enter_boot(BoardReset& reset) {
           entered.error().message.substr(0, entered.error().message.find('\n')));
     tell("boot", 0, static_cast<std::uint32_t>(program_.size()));
     if (entered = reset.reset(true); !entered) return entered;
+    state_ = State::boot_mode;
     if (k == 0) started_ = clock_.now();
     entered = load_through_boot(link_, clock_, program_.first(boot_size), options_.boot);
     writer_.rate_is(options_.boot.baud);
@@ -221,6 +239,7 @@ Result<bool> Flasher::same(FlashRange range, const FlashImage& image) {
 }
 
 Result<void> Flasher::erase_block(int block) {
+  if (state_ == State::untouched) state_ = State::loader_erased;
   const auto reply =
       writer_.ask({KZ_WRITER_ERASE, {static_cast<std::uint8_t>(block)}}, kErasePatience);
   if (!reply) return tl::unexpected(reply.error());
@@ -286,7 +305,8 @@ Result<void> Flasher::compare(const std::vector<FlashRange>& ranges, const Flash
 }
 
 Result<FlashReport> Flasher::write(const FlashImage& image) {
-  if (auto allowed = check(image); !allowed) return tl::unexpected(allowed.error());
+  if (auto allowed = check(image, info_ && !info_->by_loader); !allowed)
+    return tl::unexpected(allowed.error());
   FlashReport report;
   report.bytes = image.size();
   const bool application = image.identity().has_value();
@@ -360,6 +380,7 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
       return tl::unexpected(written.error());
     if (auto right = compare({header_line}, image); !right) return tl::unexpected(right.error());
   }
+  state_ = State::untouched;
   report.written = done;
   report.verified = true;
   report.repeated = writer_.repeated();
@@ -419,6 +440,21 @@ Result<std::vector<std::uint8_t>> Flasher::read(FlashRange range) {
       });
   if (!taken) return tl::unexpected(taken.error());
   return bytes;
+}
+
+std::string Flasher::left_behind() const {
+  switch (state_) {
+    case State::boot_mode:
+      return "the board is still in boot mode and has no firmware, or only a part of it, which "
+             "does "
+             "not run; give the same command again: boot mode can always be entered";
+    case State::loader_erased:
+      return "what was erased is not whole again, and the board's loader starts nothing that is "
+             "not; "
+             "give the same command again: the loader waits for it";
+    default:
+      return "";
+  }
 }
 
 Result<void> Flasher::run(BoardReset* reset) {

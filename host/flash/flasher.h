@@ -58,9 +58,10 @@ class Flasher {
   // `program` is the flash writer (firmware's writer.bin). All must outlive it.
   Flasher(Link& link, Clock& clock, std::span<const std::uint8_t> program, FlasherOptions options);
 
-  // Whether `image` may go to the board that was found: whole, and for this board. Errors: Fault::usage
-  // for an image that is damaged or foreign, Fault::failed for another board.
-  Result<void> check(const FlashImage& image) const;
+  // Whether `image` may go to the board that was found: whole, and for this board. Through boot mode it
+  // needs vectors and loader too, which are erased there. Errors: Fault::usage for an image that is
+  // damaged, not enough or foreign, Fault::failed for another board.
+  Result<void> check(const FlashImage& image, bool through_boot) const;
 
   // A board whose firmware or loader answers at 115,200 baud goes into its loader; `found` then knows
   // its id. False: nobody answers, which an erased board does not.
@@ -82,7 +83,13 @@ class Flasher {
   // Leaves the writer through the reset vector, or by a reset.
   Result<void> run(BoardReset* reset);
 
+  // What a failure has left on the board, and what to do about it; empty while nothing was changed.
+  std::string left_behind() const;
+
  private:
+  enum class State { untouched, boot_mode, loader_erased };
+
+  Result<void> check_loader(const FlashImage& image, bool through_boot) const;
   Result<void> load_writer_rest();
   Result<void> write_ranges(const std::vector<FlashRange>& ranges, const FlashImage& image,
                             std::uint32_t& done, std::uint32_t total);
@@ -101,6 +108,7 @@ class Flasher {
   std::optional<WriterInfo> info_;
   std::optional<std::uint16_t> board_id_;
   bool blank_ = false;  // boot mode has just erased everything
+  State state_ = State::untouched;
   Time started_{};
   double least_seconds_ = 0;
   std::string phase_;

@@ -41,4 +41,10 @@ std::string hex_address(std::uint32_t address) {
   return text;
 }
 
+std::string hex_word(std::uint16_t word) {
+  char text[8];
+  std::snprintf(text, sizeof text, "%04x", word);
+  return text;
+}
+
 }  // namespace kaz::host

@@ -25,5 +25,7 @@ tl::unexpected<Error> fail(Fault fault, const Trouble& trouble);
 std::string hex_of(const std::vector<std::uint8_t>& bytes);
 // "0x0011e0"
 std::string hex_address(std::uint32_t address);
+// "6ef7"
+std::string hex_word(std::uint16_t word);
 
 }  // namespace kaz::host

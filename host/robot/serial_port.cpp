@@ -70,7 +70,17 @@ std::string usb_number(const std::string& path, const char* which) {
   return "";
 }
 
+// The control socket of a virtual board stands beside its port.
+std::string socket_sentence(const std::string& path) {
+  constexpr std::string_view kEnd = ".ctl";
+  if (!path.ends_with(kEnd)) return path + " is a socket, no serial port";
+  const std::string port = path.substr(0, path.size() - kEnd.size());
+  return path + " is the control socket of `kaz sim`; its serial port is " + port;
+}
+
 tl::unexpected<Error> open_failure(const std::string& path, int error) {
+  std::error_code ignored;
+  if (fs::is_socket(path, ignored)) return fail(Fault::environment, socket_sentence(path));
   switch (error) {
     case ENOENT:
     case ENOTDIR:

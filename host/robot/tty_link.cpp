@@ -65,9 +65,12 @@ Result<void> TtyLink::set_baud(int baud) {
 
 Result<void> TtyLink::set_dtr_rts(bool dtr, bool rts) {
   if (fd_ < 0) return tl::unexpected(closed());
+  if (low_latency_ == LowLatency::pseudo_terminal)
+    return fail(Fault::environment,
+                path_ + " is a pseudo-terminal, which has no lines DTR and RTS");
   int lines = 0;
   bool done = ioctl(fd_, TIOCMGET, &lines) == 0;
-  lines = (lines & ~(TIOCM_DTR | TIOCM_RTS)) | (dtr ? TIOCM_DTR : 0) | (rts ? TIOCM_RTS : 0);
+  lines = with_dtr_rts(lines, dtr, rts);
   done = done && ioctl(fd_, TIOCMSET, &lines) == 0;
   if (done) return {};
   return fail(Fault::environment, path_ + " has no lines DTR and RTS: " + std::strerror(errno));

@@ -8,11 +8,12 @@
 
 #include "host/robot/interrupt.h"
 #include "host/robot/link.h"
+#include "host/robot/modem_lines.h"
 #include "host/robot/serial_port.h"
 
 namespace kaz::host {
 
-class TtyLink final : public Link {
+class TtyLink final : public Link, public ModemLines {
  public:
   // Errors: those of open_serial_port (serial_port.h). `interrupt` may be null; else it must
   // outlive the link, and makes `read` fail once it is requested. Deadlines are on WallClock's
@@ -26,8 +27,8 @@ class TtyLink final : public Link {
   std::string name() const override { return path_; }
   Time byte_time() const override;
   Result<void> set_baud(int baud) override;
-  // The modem lines: true is the active level (low at a TTL adapter's pins). A pseudo-terminal has none.
-  Result<void> set_dtr_rts(bool dtr, bool rts);
+  // Error (environment): a pseudo-terminal has no such lines.
+  Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const { return low_latency_; }
   // Fails when the port is gone, or when it has taken no byte of the last 64 KB.
   Result<void> write(std::span<const std::uint8_t> bytes) override;

@@ -5,6 +5,8 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <pty.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <array>
@@ -227,6 +229,25 @@ TEST(TtyLink, SaysWhyAPortCannotBeOpened) {
   ASSERT_FALSE(no_tty);
   EXPECT_NE(no_tty.error().message.find("is no serial port"), std::string::npos);
   std::filesystem::remove(file);
+
+  // The control socket of a virtual board, and another one.
+  for (const std::string& name : {std::string("board.ctl"), std::string("other")}) {
+    const std::string path =
+        std::filesystem::temp_directory_path() / ("kaz-" + std::to_string(getpid()) + name);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    const int fd = socket(AF_UNIX, SOCK_STREAM, 0);
+    ASSERT_EQ(bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    const auto opened = TtyLink::open(path);
+    ASSERT_FALSE(opened);
+    const std::string& message = opened.error().message;
+    EXPECT_NE(message.find("socket"), std::string::npos) << message;
+    if (name == "board.ctl")
+      EXPECT_TRUE(message.ends_with(path.substr(0, path.size() - 4))) << message;
+    close(fd);
+    std::filesystem::remove(path);
+  }
 
   FarEnd board;
   const auto rate = TtyLink::open(board.path(), 12345);

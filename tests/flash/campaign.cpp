@@ -11,16 +11,20 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <map>
+#include <memory>
 #include <random>
 
 #include "host/flash/flasher.h"
-#include "tests/flash/flash_bench.h"
+#include "tests/flash/variant.h"
+#include "tools/lockstep/flash_bench.h"
 
 namespace kaz::flash_test {
 namespace {
 
 using host::Flasher;
 using host::FlashImage;
+using lockstep::FlashBench;
 using std::chrono::milliseconds;
 
 enum class Kind { power, flips, drops, wrong_board, truncated, foreign, unplugged, killed };
@@ -29,24 +33,6 @@ constexpr const char* kKinds[] = {"power cut",   "line noise",      "bytes dropp
                                   "unplugged",   "killed"};
 enum class Way { boot_erased, boot_running, loader };
 constexpr const char* kWays[] = {"boot mode, erased board", "boot mode, running board", "loader"};
-// How long each takes undisturbed, somewhat more than measured.
-constexpr double kLasts[] = {3.6, 4.0, 2.2};
-
-// The firmware with another build id, or for another board, and a right CRC.
-FlashImage variant(const FlashImage& original, std::uint32_t offset, std::uint8_t flip) {
-  FlashImage image = original;
-  const auto put = [&](std::uint32_t at, std::uint8_t byte) { image.put(at, std::array{byte}); };
-  const std::uint32_t at = KZ_APPLICATION_HEADER + offset;
-  put(at, static_cast<std::uint8_t>(image.bytes({at, at + 1})[0] ^ flip));
-  host::WriterSums sums;
-  const std::uint32_t end = KZ_APPLICATION + image.identity()->length;
-  for (std::uint32_t a = KZ_APPLICATION; a < end; ++a)
-    if (a / 2 != (KZ_APPLICATION_HEADER + 30) / 2) sums.add(image.bytes({a, a + 1})[0]);
-  put(KZ_APPLICATION_HEADER + 30, static_cast<std::uint8_t>(sums.crc >> 8));
-  put(KZ_APPLICATION_HEADER + 31, static_cast<std::uint8_t>(sums.crc));
-  return image;
-}
-
 bool holds(FlashBench& bench, const FlashImage& image, bool application_only) {
   for (const host::FlashRange& range : image.ranges(host::kFlashLine)) {
     const bool inside =
@@ -59,6 +45,26 @@ bool holds(FlashBench& bench, const FlashImage& image, bool application_only) {
   return true;
 }
 
+// One of the two applications, to the last bit, or none.
+Stands standing(FlashBench& bench, const FlashImage& before, const FlashImage& next) {
+  if (holds(bench, before, true)) return Stands::before;
+  return holds(bench, next, true) ? Stands::fresh : Stands::none;
+}
+
+// Without what is behind some byte of the application, or of the loader behind it.
+FlashImage truncated(const FlashImage& whole, bool in_loader, double share) {
+  host::FlashRange part{KZ_LOADER, KZ_LOADER_MARK + host::kFlashLine};
+  if (!in_loader) {
+    part.from = KZ_APPLICATION_CODE;
+    part.to = KZ_APPLICATION + whole.identity()->length;
+  }
+  const std::uint32_t end = part.from + static_cast<std::uint32_t>(share * (part.size() - 1));
+  FlashImage cut;
+  for (const host::FlashRange& range : whole.ranges(host::kFlashLine))
+    if (range.from < end) cut.put(range.from, whole.bytes({range.from, std::min(range.to, end)}));
+  return cut;
+}
+
 // What `kaz flash write` does, without its terminal.
 Result<void> flash(FlashBench& bench, Way way, const FlashImage& image,
                    std::span<const std::uint8_t> writer) {
@@ -69,7 +75,7 @@ Result<void> flash(FlashBench& bench, Way way, const FlashImage& image,
     if (there && !*there && way == Way::loader)
       return fail(Fault::environment, "no loader answers");
   }
-  if (auto allowed = flasher.check(image); !allowed) return allowed;
+  if (auto allowed = flasher.check(image, way != Way::loader); !allowed) return allowed;
   if (way != Way::loader) {
     if (auto entered = flasher.enter_boot(bench); !entered) return entered;
   }
@@ -82,8 +88,31 @@ Result<void> flash(FlashBench& bench, Way way, const FlashImage& image,
 struct Plan {
   Kind kind;
   Way way;
-  double at, length, rate;
+  double share;         // of the run's length, at which it happens
+  double length, rate;  // s; of bytes
+  bool in_loader;       // what is truncated
 };
+
+// A board on which a run starts.
+std::unique_ptr<FlashBench> bench_of(Way way, const std::string& image_path, std::uint64_t seed) {
+  h8s::Options options;
+  options.flash_seed = seed;
+  auto bench =
+      std::make_unique<FlashBench>(way == Way::boot_erased ? "" : image_path, options, seed);
+  (void)bench->sleep_until(milliseconds(150));
+  return bench;
+}
+
+// How long each way takes undisturbed, s; tried once.
+double lasts(Way way, const std::string& image_path, const FlashImage& next,
+             std::span<const std::uint8_t> writer) {
+  static std::map<Way, double> known;
+  if (known.contains(way)) return known[way];
+  const auto bench = bench_of(way, image_path, 1);
+  const Time begin = bench->now();
+  if (!flash(*bench, way, next, writer)) std::abort();  // nothing was in its way
+  return known[way] = std::chrono::duration<double>(bench->now() - begin).count();
+}
 
 Plan plan_of(std::uint64_t seed) {
   std::mt19937_64 random(seed * 7919 + 17);
@@ -91,9 +120,10 @@ Plan plan_of(std::uint64_t seed) {
   Plan plan{};
   plan.kind = static_cast<Kind>(seed % 8);
   plan.way = static_cast<Way>(random() % 3);
-  plan.at = share() * kLasts[static_cast<int>(plan.way)];
+  plan.share = share();
   plan.length = 0.05 + share();
   plan.rate = 0.0001 * std::exp(share() * 5);
+  plan.in_loader = random() % 2 != 0;
   // An erased board knows no id that could be the wrong one.
   if (plan.kind == Kind::wrong_board && plan.way == Way::boot_erased) plan.way = Way::loader;
   return plan;
@@ -113,12 +143,15 @@ CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
     return run;
   }
   const FlashImage& before = *loaded;
-  const FlashImage next = variant(before, 8, static_cast<std::uint8_t>(1 + seed % 255));
-  h8s::Options options;
-  options.flash_seed = seed;
-  FlashBench bench(plan.way == Way::boot_erased ? "" : image_path, options, seed);
-  (void)bench.sleep_until(milliseconds(150));
-  const Time at = bench.now() + Time(static_cast<std::int64_t>(plan.at * 1e9));
+  const FlashImage next = variant(before, kBuildId, static_cast<std::uint8_t>(1 + seed % 255));
+  const auto the_bench = bench_of(plan.way, image_path, seed);
+  FlashBench& bench = *the_bench;
+  const double at_s = plan.share * lasts(plan.way, image_path, next, writer);
+  const Time at = bench.now() + Time(static_cast<std::int64_t>(at_s * 1e9));
+  bench.on_application([&] {
+    if (standing(bench, before, next) == Stands::none)
+      run.fault = "an image was started that is not whole";
+  });
   FlashImage sent = next;
   faults::Schedule faults;
   const auto line_fault = [&](faults::Name name) {
@@ -141,18 +174,11 @@ CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
       line_fault(faults::Name::link_drop);
       break;
     case Kind::wrong_board:
-      sent = variant(next, 5, 0x44);
+      sent = variant(next, kBoardId, 0x44);
       break;
-    case Kind::truncated: {
-      // Without what is behind some line of the application, which is blank then.
-      const std::uint32_t lines = (next.identity()->length - 0x400) / host::kFlashLine;
-      const auto kept = static_cast<std::uint32_t>(plan.at / 4.0 * lines);
-      sent = FlashImage();
-      for (const host::FlashRange& range : next.ranges(host::kFlashLine))
-        if (range.from < KZ_APPLICATION_CODE + kept * host::kFlashLine)
-          sent.put(range.from, next.bytes(range));
+    case Kind::truncated:
+      sent = truncated(next, plan.in_loader, plan.share);
       break;
-    }
     case Kind::foreign:
       sent = FlashImage();
       sent.put(0, std::array<std::uint8_t, 4>{0, 0, 1, 0});
@@ -165,10 +191,11 @@ CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
   const auto done = flash(bench, plan.way, sent, writer);
   run.kind = kKinds[static_cast<int>(plan.kind)];
   run.reported_success = done.has_value();
+  run.stands = standing(bench, before, next);
   char text[160];
   std::snprintf(
       text, sizeof text, "seed %llu: %s, %s at %.3f s: %s", static_cast<unsigned long long>(seed),
-      kWays[static_cast<int>(plan.way)], kKinds[static_cast<int>(plan.kind)], plan.at,
+      kWays[static_cast<int>(plan.way)], kKinds[static_cast<int>(plan.kind)], at_s,
       done ? "done" : done.error().message.substr(0, done.error().message.find('\n')).c_str());
   run.text = text;
   const bool guarded =
@@ -187,8 +214,9 @@ CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
   if (!at_once) bench.mcu().power_cycle();
   const auto crc = at_once ? std::nullopt : bench.running_image();
   if (crc) {
-    const bool old = *crc == before.identity()->crc && holds(bench, before, true);
-    const bool fresh = *crc == next.identity()->crc && holds(bench, next, true);
+    const Stands stands = standing(bench, before, next);
+    const bool old = *crc == before.identity()->crc && stands == Stands::before;
+    const bool fresh = *crc == next.identity()->crc && stands == Stands::fresh;
     if (!old && !fresh) run.fault = "an image runs that is none";
   } else if (done && !guarded && !at_once) {
     run.fault = "success was reported, and the firmware does not run";

@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
 
 #include "host/flash/flasher.h"
-#include "tests/flash/flash_bench.h"
+#include "tests/flash/variant.h"
+#include "tools/lockstep/flash_bench.h"
 
 namespace kaz::flash_test {
 namespace {
@@ -15,6 +18,7 @@ namespace {
 using host::Flasher;
 using host::FlasherOptions;
 using host::FlashImage;
+using lockstep::FlashBench;
 using std::chrono::milliseconds;
 
 const std::vector<std::uint8_t>& writer() {
@@ -31,22 +35,8 @@ FlashImage firmware() {
   return *image;
 }
 
-// The same program with another build id and a right CRC, or for another board.
 FlashImage changed(std::uint32_t offset, std::uint8_t flip) {
-  FlashImage image = firmware();
-  const std::uint32_t at = KZ_APPLICATION_HEADER + offset;
-  const auto old = image.bytes({at, at + 1})[0];
-  image.put(at, std::array{static_cast<std::uint8_t>(old ^ flip)});
-  std::uint16_t crc = 0xffff;
-  host::WriterSums sums;
-  const auto length = image.identity()->length;
-  for (std::uint32_t a = KZ_APPLICATION; a < KZ_APPLICATION + length; ++a) {
-    if (a != KZ_APPLICATION_HEADER + 30 && a != KZ_APPLICATION_HEADER + 31)
-      sums.add(image.bytes({a, a + 1})[0]);
-  }
-  crc = sums.crc;
-  image.put(KZ_APPLICATION_HEADER + 30,
-            std::array{static_cast<std::uint8_t>(crc >> 8), static_cast<std::uint8_t>(crc)});
+  FlashImage image = variant(firmware(), offset, flip);
   EXPECT_EQ(image.damage(), "");
   return image;
 }
@@ -113,7 +103,7 @@ TEST(Flash, LeavesThroughTheResetVectorToo) {
 TEST(Flash, LoaderUpdatesARunningBoard) {
   FlashBench bench(KAZ_FIRMWARE_IMAGE);
   ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
-  const FlashImage next = changed(8, 0x55);
+  const FlashImage next = changed(kBuildId, 0x55);
   Flasher flasher(bench, bench, writer(), {});
   const auto entered = flasher.enter_loader();
   ASSERT_TRUE(entered) << entered.error().message;
@@ -168,7 +158,7 @@ TEST(Flash, LoaderLeavesWhereNobodyTalks) {
 TEST(Flash, AnImageForAnotherBoardChangesNothing) {
   FlashBench bench(KAZ_FIRMWARE_IMAGE);
   ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
-  const FlashImage other = changed(5, 0x0f);
+  const FlashImage other = changed(kBoardId, 0x0f);
   Flasher flasher(bench, bench, writer(), {});
   ASSERT_TRUE(flasher.enter_loader());
   const auto report = flasher.write(other);
@@ -191,13 +181,94 @@ TEST(Flash, DamagedAndForeignImagesAreRefused) {
   Flasher plain(bench, bench, writer(), {}), forced(bench, bench, writer(), force);
   FlashImage damaged = firmware();
   damaged.put(0x1300, std::array<std::uint8_t, 2>{1, 2});
-  EXPECT_FALSE(plain.check(damaged));
-  EXPECT_FALSE(forced.check(damaged));
+  EXPECT_FALSE(plain.check(damaged, false));
+  EXPECT_FALSE(forced.check(damaged, true));
   FlashImage foreign;
   foreign.put(0, std::array<std::uint8_t, 4>{0, 0, 1, 0});
-  EXPECT_FALSE(plain.check(foreign));
-  EXPECT_TRUE(forced.check(foreign));
-  EXPECT_TRUE(plain.check(firmware()));
+  EXPECT_FALSE(plain.check(foreign, true));
+  EXPECT_TRUE(forced.check(foreign, true));
+  EXPECT_TRUE(plain.check(firmware(), true));
+}
+
+// A raw file of the firmware up to `end`, as a user would give it.
+FlashImage raw_up_to(std::uint32_t end) {
+  const std::string path = testing::TempDir() + "kaz-flash-" + std::to_string(getpid()) + ".bin";
+  const FlashImage whole = firmware();
+  const auto bytes = whole.bytes({0, end});
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(end));
+  h8s::LoadOptions options;
+  options.format = h8s::Format::raw;
+  options.address = 0;
+  auto image = FlashImage::load(path, options);
+  std::remove(path.c_str());
+  EXPECT_TRUE(image) << image.error().message;
+  return *image;
+}
+
+TEST(Flash, AnImageCutOffWithinTheLoaderIsRefused) {
+  FlashBench bench;
+  FlasherOptions force;
+  force.force = true;
+  Flasher flasher(bench, bench, writer(), force);
+  ASSERT_TRUE(flasher.check(raw_up_to(0xe000), true));
+  for (const std::uint32_t end : {0xa000u, 0xc000u, 0xc800u, 0xdfe0u, 0xdfffu}) {
+    const auto checked = flasher.check(raw_up_to(end), false);
+    ASSERT_FALSE(checked) << end;
+    EXPECT_EQ(checked.error().fault, Fault::usage);
+    for (const char* part : {"loader", "cut off", "came:"})
+      EXPECT_NE(checked.error().message.find(part), std::string::npos) << checked.error().message;
+  }
+  // A byte of the loader, and a vector.
+  for (const std::uint32_t at : {0xc100u, 0x0u, 0x3ffu}) {
+    FlashImage damaged = firmware();
+    damaged.put(at, std::array{static_cast<std::uint8_t>(~damaged.bytes({at, at + 1})[0])});
+    EXPECT_FALSE(flasher.check(damaged, false)) << at;
+  }
+}
+
+// It suits the resident loader, which keeps its own block; boot mode would erase that.
+TEST(Flash, AnApplicationAloneGoesThroughTheLoaderOnly) {
+  const FlashImage whole = changed(kBuildId, 0x21);
+  FlashImage alone;
+  const host::FlashRange part{
+      KZ_APPLICATION, static_cast<std::uint32_t>(KZ_APPLICATION + whole.identity()->length)};
+  alone.put(part.from, whole.bytes(part));
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  Flasher flasher(bench, bench, writer(), {});
+  EXPECT_FALSE(flasher.check(alone, true));
+  ASSERT_TRUE(flasher.enter_loader());
+  const auto report = flasher.write(alone);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(flasher.left_behind(), "");
+  ASSERT_TRUE(flasher.run(nullptr));
+  EXPECT_EQ(bench.running_image(), whole.identity()->crc);
+
+  FlashBench erased;
+  Flasher boot(erased, erased, writer(), {});
+  ASSERT_TRUE(boot.enter_boot(erased));
+  EXPECT_FALSE(boot.write(alone));
+}
+
+TEST(Flash, AFailureSaysWhatItLeaves) {
+  FlashBench bench;
+  Flasher flasher(bench, bench, writer(), {});
+  EXPECT_EQ(flasher.left_behind(), "");
+  ASSERT_TRUE(flasher.enter_boot(bench));
+  bench.unplug_at(bench.now() + milliseconds(500));
+  EXPECT_FALSE(flasher.write(firmware()));
+  for (const char* part : {"still in boot mode", "same command again"})
+    EXPECT_NE(flasher.left_behind().find(part), std::string::npos) << flasher.left_behind();
+
+  FlashBench running(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(running.sleep_until(milliseconds(200)));
+  Flasher loader(running, running, writer(), {});
+  ASSERT_TRUE(loader.enter_loader());
+  EXPECT_EQ(loader.left_behind(), "");
+  running.unplug_at(running.now() + milliseconds(500));
+  EXPECT_FALSE(loader.write(changed(kBuildId, 3)));
+  EXPECT_NE(loader.left_behind().find("loader waits"), std::string::npos) << loader.left_behind();
 }
 
 TEST(Flash, NobodyThereSaysWhatToLookAt) {
@@ -221,7 +292,7 @@ TEST(Flash, WornBlockIsNamed) {
   ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
   Flasher flasher(bench, bench, writer(), {});
   ASSERT_TRUE(flasher.enter_loader());
-  const auto report = flasher.write(changed(8, 1));
+  const auto report = flasher.write(changed(kBuildId, 1));
   ASSERT_FALSE(report);
   EXPECT_NE(report.error().message.find("EB4"), std::string::npos) << report.error().message;
   EXPECT_NE(report.error().message.find("worn"), std::string::npos);
@@ -242,7 +313,7 @@ TEST(Flash, ReadsWhatStandsThere) {
   const FlashImage image = firmware();
   EXPECT_TRUE(std::ranges::equal(*bytes, image.bytes({0x1000, 0x1a40})));
   EXPECT_TRUE(flasher.verify(image));
-  const auto other = flasher.verify(changed(8, 1));
+  const auto other = flasher.verify(changed(kBuildId, 1));
   ASSERT_FALSE(other);
   EXPECT_EQ(other.error().fault, Fault::failed);
 }

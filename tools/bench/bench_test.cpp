@@ -49,6 +49,18 @@ TEST_F(Bench, EmulatorAndFirmwareAreMeasured) {
   EXPECT_FALSE(all.contains("mcu.tick_median"));
 }
 
+// Simulated time: what is due has to be reached here.
+TEST_F(Bench, FlashingIsMeasured) {
+  for (int k = 0; k < 2; ++k) {
+    ASSERT_EQ(run("--filter flash --json " + json_.string()), 0);
+    static nlohmann::json first;
+    if (k == 0) first = numbers();
+    EXPECT_EQ(numbers(), first);
+    EXPECT_GE(numbers().value("flash.efficiency", 0.0), 85);
+    EXPECT_LT(numbers().value("flash.efficiency", 0.0), 100);
+  }
+}
+
 TEST_F(Bench, OtherEnginesHaveTheirNameAtTheEnd) {
   ASSERT_EQ(run("--quick --filter mips.crc --engine reference --json " + json_.string()), 0);
   const auto all = numbers();

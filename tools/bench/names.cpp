@@ -49,6 +49,7 @@ std::vector<Name> all_names() {
       {"mcu.tick_median", "% of tick", 45, 35, false, 1},
       {"wire.rate_hz", "Hz", 100, 0, true, 1},
       {"wire.share", "% of line", 60, 0, false, 1},
+      {"flash.efficiency", "% of time", 85, 95, true, 1},
       {"loop.rtf", "x real", 4, 10, true, 1},
       {"view.pair_ms.320", "ms", 4, 1.2, false, 2},
       {"view.pair_ms.640", "ms", 11, 5, false, 2},

@@ -157,6 +157,19 @@ Result<void> wire(const Settings&, Results& results) {
   return {};
 }
 
+// An erased board flashed through boot mode.
+Result<void> flashing(const Settings&, Results& results) {
+  const fs::path program = beside_this("flash_efficiency");
+  if (!fs::exists(program)) {
+    results.remark("flash_efficiency is not built: flash.efficiency is left out");
+    return {};
+  }
+  const auto report = json_of(quoted(program.string()));
+  if (!report) return tl::unexpected(report.error());
+  results.put("flash.efficiency", 100 * report->value("efficiency", 0.0));
+  return {};
+}
+
 // The main job in lockstep: servo firmware, physics, eyes and vision.
 Result<void> loop(const Settings& settings, Results& results) {
   const fs::path kaz = beside_this("kaz");
@@ -186,7 +199,9 @@ Result<void> loop(const Settings& settings, Results& results) {
 }  // namespace
 
 std::vector<Group> program_groups() {
-  std::vector<Group> groups{{{"wire.rate_hz", "wire.share"}, wire}, {{"loop.rtf"}, loop}};
+  std::vector<Group> groups{{{"wire.rate_hz", "wire.share"}, wire},
+                            {{"flash.efficiency"}, flashing},
+                            {{"loop.rtf"}, loop}};
   for (const Program& program : programs()) {
     std::vector<std::string> gives = program.gives;
     for (const Counter& counter : program.counters) gives.push_back(counter.gives);

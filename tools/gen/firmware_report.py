@@ -12,7 +12,7 @@ from stack_bound import Unbounded, calls_out_of, disassemble, parse, stack_bound
 from tick_divisions import Forbidden, tick_divisions
 
 APPLICATION, APPLICATION_END = 0x1000, 0xC000  # erase blocks EB4, EB5
-LOADER, LOADER_END = 0xC000, 0xE000  # EB6
+LOADER, LOADER_END = 0xC000, 0xDFE0  # EB6, up to its mark
 RAM, RAM_SIZE = 0xFFE080, 0xF80
 
 

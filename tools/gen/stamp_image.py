@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-# Fills in length and CRC of the application's header, in the linked COFF file.
+# Fills in length and CRC of the application's header, and the CRC of the loader's mark, in the linked COFF
+# file.
 # SPDX-License-Identifier: Apache-2.0
 """usage: stamp_image.py COFF
 
-shared/flash/image.h tells the header's layout and what the CRC covers.
+shared/flash/image.h tells the layout of both and what the CRCs cover.
 """
 import struct
 import sys
@@ -11,7 +12,8 @@ import sys
 from coff import Coff, CoffError
 
 APPLICATION = 0x1000
-LOADER = 0xC000
+LOADER, MARK = 0xC000, 0xDFE0
+VECTORS_SIZE = 0x400
 LENGTH_AT, CRC_AT, HEADER_SIZE = 12, 30, 32
 
 
@@ -23,28 +25,39 @@ def crc16(data, crc=0xFFFF):
     return crc
 
 
-def application(coff):
-    """The application's bytes from APPLICATION on, as they lie in flash."""
-    sections = coff.flash(APPLICATION, LOADER)
-    end = sections[-1].load + sections[-1].size
-    image = bytearray(b"\xff" * (end - APPLICATION))
-    for section in sections:
-        start = section.load - APPLICATION
+def flash(coff, first, end):
+    """The bytes from first to end-1, as they lie in flash; blank where there is no section."""
+    image = bytearray(b"\xff" * (end - first))
+    for section in coff.flash(first, end):
+        start = section.load - first
         image[start:start + section.size] = coff.data[section.offset:section.offset + section.size]
     return image
 
 
-def stamp(coff):
-    header = coff.section(".header")
-    if header.size != HEADER_SIZE:
+def application(coff):
+    last = coff.flash(APPLICATION, LOADER)[-1]
+    return flash(coff, APPLICATION, last.load + last.size)
+
+
+def line_section(coff, name):
+    section = coff.section(name)
+    if section.size != HEADER_SIZE:
         raise CoffError(
-            f"{coff.path}: section '.header' has {header.size} bytes, not {HEADER_SIZE}")
+            f"{coff.path}: section '{name}' has {section.size} bytes, not {HEADER_SIZE}")
+    return section
+
+
+def stamp(coff):
+    header = line_section(coff, ".header")
     length = len(application(coff))
     struct.pack_into(">I", coff.data, header.offset + LENGTH_AT, length)
     image = application(coff)
     crc_at = header.load - APPLICATION + CRC_AT
     crc = crc16(image[:crc_at] + image[crc_at + 2:])
     struct.pack_into(">H", coff.data, header.offset + CRC_AT, crc)
+    mark = line_section(coff, ".lmark")
+    crc = crc16(flash(coff, LOADER, MARK), crc16(flash(coff, 0, VECTORS_SIZE)))
+    struct.pack_into(">H", coff.data, mark.offset + CRC_AT, crc)
 
 
 def main(arguments):

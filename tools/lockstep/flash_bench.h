@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,7 +13,7 @@
 #include "sim/mcu/h8_mcu.h"
 #include "sim/runtime/serial_line.h"
 
-namespace kaz::flash_test {
+namespace kaz::lockstep {
 
 class FlashBench final : public host::Link, public host::Clock, public host::BoardReset {
  public:
@@ -24,6 +25,8 @@ class FlashBench final : public host::Link, public host::Clock, public host::Boa
   void cut_power_at(Time when, Time length) { cut_at_ = when, cut_length_ = length; }
   void unplug_at(Time when) { unplug_at_ = when; }
   void set_faults(const faults::Schedule* faults) { line_.set_faults(faults); }
+  // The program counter has come into the application, from outside: within a step of when it did.
+  void on_application(std::function<void()> listener) { on_application_ = std::move(listener); }
   // The adapter hands bytes over so late, both ways.
   void set_latency(Time latency);
 
@@ -45,14 +48,16 @@ class FlashBench final : public host::Link, public host::Clock, public host::Boa
 
  private:
   Result<void> step();
+  void watch();
   Error unplugged() const;
 
   std::unique_ptr<sim::H8Mcu> mcu_;
   sim::SerialLine line_;
   sim::States now_ = 0, off_ = 0, latency_ = 0;
-  bool power_ = true;
+  bool power_ = true, in_application_ = false;
+  std::function<void()> on_application_;
   std::optional<Time> cut_at_, unplug_at_;
   Time cut_length_{};
 };
 
-}  // namespace kaz::flash_test
+}  // namespace kaz::lockstep

@@ -1,14 +1,15 @@
 // The bench: steps of an eighth of a millisecond.
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/flash/flash_bench.h"
+#include "tools/lockstep/flash_bench.h"
 
 #include <algorithm>
 
 #include "host/robot/connect.h"
 #include "host/robot/requester.h"
+#include "shared/flash/image.h"
 #include "sim/runtime/time.h"
 
-namespace kaz::flash_test {
+namespace kaz::lockstep {
 namespace {
 
 constexpr sim::States kStep = KZ_STATES_PER_TICK / 8;
@@ -22,7 +23,7 @@ FlashBench::FlashBench(const std::string& image, const h8s::Options& options, st
   } else if (auto loaded = sim::H8Mcu::load(image, options)) {
     mcu_ = std::move(*loaded);
   } else {
-    std::abort();  // the test's own image
+    std::abort();  // the caller's own image
   }
   mcu_->on_hang([](const std::string&) {});
   mcu_->set_analog([](int channel, const sim::PinLevels& levels, sim::States) {
@@ -63,7 +64,16 @@ Result<void> FlashBench::step() {
   auto sent = mcu_->take_transmitted();
   for (sim::SerialByte& byte : sent) byte.at += off_;
   line_.from_board(sent);
+  if (on_application_) watch();
   return {};
+}
+
+void FlashBench::watch() {
+  const std::uint32_t pc = chip().registers().pc;
+  const bool was = in_application_;
+  in_application_ =
+      !chip().in_boot_rom() && pc >= KZ_APPLICATION && pc < KZ_APPLICATION + KZ_APPLICATION_MAX;
+  if (in_application_ && !was) on_application_();
 }
 
 Result<void> FlashBench::sleep_until(Time t) {
@@ -118,4 +128,4 @@ std::optional<std::uint16_t> FlashBench::running_image() {
   return board->image_crc;
 }
 
-}  // namespace kaz::flash_test
+}  // namespace kaz::lockstep
