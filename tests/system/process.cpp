@@ -20,22 +20,25 @@ namespace kaz::test {
 
 using Steady = std::chrono::steady_clock;
 
-Process::Process(const std::vector<std::string>& arguments) {
-  int out[2], err[2];
-  if (pipe2(out, O_CLOEXEC) != 0 || pipe2(err, O_CLOEXEC) != 0) throw std::runtime_error("pipe2");
+Process::Process(const std::vector<std::string>& arguments, bool typing) {
+  int in[2] = {-1, -1}, out[2], err[2];
+  if (pipe2(out, O_CLOEXEC) != 0 || pipe2(err, O_CLOEXEC) != 0 ||
+      (typing && pipe2(in, O_CLOEXEC) != 0))
+    throw std::runtime_error("pipe2");
   pid_ = fork();
   if (pid_ < 0) throw std::runtime_error("fork");
   if (pid_ == 0) {
     dup2(out[1], STDOUT_FILENO);
     dup2(err[1], STDERR_FILENO);
-    const int nothing = open("/dev/null", O_RDONLY);
-    dup2(nothing, STDIN_FILENO);
+    dup2(typing ? in[0] : open("/dev/null", O_RDONLY), STDIN_FILENO);
     std::vector<char*> argv;
     for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
     execv(argv[0], argv.data());
     _exit(127);
   }
+  if (typing) close(in[0]);
+  in_ = in[1];
   close(out[1]);
   close(err[1]);
   out_ = out[0];
@@ -49,8 +52,14 @@ Process::~Process() {
     kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
   }
+  if (in_ >= 0) close(in_);
   close(out_);
   close(err_);
+}
+
+void Process::type(const std::string& text) {
+  if (write(in_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+    throw std::runtime_error("the program does not read its standard input");
 }
 
 void Process::signal(int number) {

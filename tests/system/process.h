@@ -18,12 +18,15 @@ struct Finished {
 // A program under way; killed when the object goes.
 class Process {
  public:
-  explicit Process(const std::vector<std::string>& arguments);
+  // Its standard input is empty, or with `typing` what type() gives it.
+  explicit Process(const std::vector<std::string>& arguments, bool typing = false);
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
   void signal(int number);
+  // To its standard input, which is a pipe that stays open as long as the object does.
+  void type(const std::string& text);
   // Waits until standard output or standard error holds `text`; false if it ended or took too long.
   bool wait_for_output(const std::string& text, std::chrono::seconds at_most);
   // Waits for the end. A process that does not end in time is killed, and its exit code says so
@@ -33,7 +36,7 @@ class Process {
  private:
   void drain(int milliseconds);
   pid_t pid_ = -1;
-  int out_ = -1, err_ = -1;
+  int in_ = -1, out_ = -1, err_ = -1;
   bool ended_ = false;
   Finished result_;
 };

@@ -8,7 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/mcu/compare.h"
+#include "tools/kaz/image_options.h"
 #include "tools/kaz/mcu_run.h"
+#include "tools/kaz/one_of.h"
 #include "tools/kaz/output.h"
 #include "tools/kaz/paths.h"
 #include "tools/kaz/verbs.h"
@@ -26,23 +28,6 @@ const CLI::Validator kCountAboveZero(
                  : "'" + text + "' is not a whole number above 0, such as 1000000";
     },
     "INT");
-
-// A name for an enumerator.
-template <class T>
-CLI::Validator one_of(const std::map<std::string, T>& values) {
-  return CLI::Validator(
-      [values](std::string& text) {
-        const auto found = values.find(text);
-        if (found != values.end()) {
-          text = std::to_string(static_cast<int>(found->second));
-          return std::string{};
-        }
-        std::string names;
-        for (const auto& [name, value] : values) names += (names.empty() ? "" : ", ") + name;
-        return "'" + text + "' is none of " + names;
-      },
-      "");
-}
 
 struct CompareArguments {
   sim::CompareOptions options;
@@ -200,21 +185,7 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
 void add_bare_run(CLI::App& mcu, Action& action) {
   auto* verb = mcu.add_subcommand("run", "the bare emulator on any image, no board around it");
   auto options = std::make_shared<McuRunOptions>();
-  verb->add_option("IMAGE", options->image, "COFF, ELF, S-record, Intel HEX or raw")
-      ->required()
-      ->type_name("");
-  const std::map<std::string, h8s::Format> formats{{"coff", h8s::Format::coff},
-                                                   {"elf", h8s::Format::elf},
-                                                   {"srec", h8s::Format::srecord},
-                                                   {"ihex", h8s::Format::intel_hex},
-                                                   {"raw", h8s::Format::raw}};
-  verb->add_option("--format", options->load.format,
-                   "coff, elf, srec, ihex or raw; told by the contents if not given")
-      ->transform(one_of(formats))
-      ->type_name("");
-  verb->add_option("--address", options->load.address, "of a raw image's first byte, and its entry")
-      ->check(CLI::Range(0, 0xffffff))
-      ->type_name("");
+  add_image_options(*verb, options->image, options->load, 0xffffff);
   add_machine_options(*verb, *options);
   verb->add_flag("--entry{image}", options->entry,
                  "start at the image's entry, or with --entry=ADDRESS there, not by reset")

@@ -46,6 +46,7 @@ Json as_json(const kz_identify_reply& board, const host::Health& health, const h
       {"protocol", board.protocol_version},
       {"joints", board.joints},
       {"build", board.build_id},
+      {"image_crc", board.image_crc},
       {"on_for_s", health.tick * 1e-3},
       {"last_reset", cause_of_reset(board.reset_cause)},
       {"motors", motors(health.status)},
