@@ -129,25 +129,35 @@ Result<std::optional<WriterReply>> WriterLink::receive(Time deadline) {
 }
 
 Result<void> WriterLink::settle() {
-  std::array<std::uint8_t, 256> bytes{};
+  std::array<std::uint8_t, 1024> bytes{};
   // A line that is never quiet is talked over.
   const Time end = clock_.now() + milliseconds(300);
   while (clock_.now() < end) {
     const auto count = link_.read(bytes, clock_.now() + kQuiet);
     if (!count) return tl::unexpected(count.error());
     if (*count == 0) break;
+    buffer_.insert(buffer_.end(), bytes.begin(),
+                   bytes.begin() + static_cast<std::ptrdiff_t>(*count));
   }
-  buffer_.clear();
   return {};
 }
 
 Result<WriterReply> WriterLink::ask(const WriterRequest& request, Time patience, int tries) {
   const std::uint8_t number = ++number_;
   silent_ = false;
+  const auto is_mine = [&](const WriterReply& reply) {
+    return reply.number == number && reply.type == request.type &&
+           reply.status != KZ_WRITER_DAMAGED;
+  };
   for (int k = 0; k < tries; ++k) {
     if (k > 0) {
-      ++repeated_;
       if (auto quiet = settle(); !quiet) return tl::unexpected(quiet.error());
+      WriterReply late;
+      while (parse(late)) {
+        if (is_mine(late)) return late;
+      }
+      buffer_.clear();
+      ++repeated_;
     }
     if (auto sent = send(request, number); !sent) return tl::unexpected(sent.error());
     const Time deadline = clock_.now() + patience * (k < 3 ? 1 : 2);
@@ -155,7 +165,7 @@ Result<WriterReply> WriterLink::ask(const WriterRequest& request, Time patience,
       auto reply = receive(deadline);
       if (!reply) return tl::unexpected(reply.error());
       if (!*reply || (*reply)->status == KZ_WRITER_DAMAGED) break;  // again
-      if ((*reply)->number == number && (*reply)->type == request.type) return std::move(**reply);
+      if (is_mine(**reply)) return std::move(**reply);
     }
   }
   silent_ = true;
@@ -173,7 +183,21 @@ Result<void> WriterLink::ask_all(
   constexpr int kTries = 8;
   std::deque<UnderWay> under_way;
   bool more = true;
-  Time deadline = clock_.now() + patience;
+  // A slow board or adapter (an emulated one on a busy machine) is not asked again and again.
+  const auto patient = [&] { return std::clamp(2 * took_, patience, 4 * patience); };
+  Time since = clock_.now(), deadline = since + patient();
+  const auto answers_first = [&](const WriterReply& reply) {
+    return !under_way.empty() && reply.number == under_way.front().number &&
+           reply.type == under_way.front().request.type;
+  };
+  const auto take = [&](const WriterReply& reply) -> Result<void> {
+    if (auto taken = answered(under_way.front().request, reply); !taken) return taken;
+    under_way.pop_front();
+    took_ = std::max(clock_.now() - since, took_ * 3 / 4);
+    since = clock_.now();
+    deadline = since + patient();
+    return {};
+  };
   while (true) {
     while (more && under_way.size() < KZ_WRITER_WINDOW) {
       auto request = next();
@@ -185,11 +209,8 @@ Result<void> WriterLink::ask_all(
     if (under_way.empty()) return {};
     auto reply = receive(deadline);
     if (!reply) return tl::unexpected(reply.error());
-    const UnderWay& first = under_way.front();
-    if (*reply && (*reply)->number == first.number && (*reply)->type == first.request.type) {
-      if (auto taken = answered(first.request, **reply); !taken) return taken;
-      under_way.pop_front();
-      deadline = clock_.now() + patience;
+    if (*reply && answers_first(**reply)) {
+      if (auto taken = take(**reply); !taken) return taken;
       continue;
     }
     const bool later = *reply && std::any_of(under_way.begin(), under_way.end(), [&](auto& one) {
@@ -199,12 +220,19 @@ Result<void> WriterLink::ask_all(
     if (*reply && !later && !damaged) continue;  // late: of an earlier try
     // What is not answered goes again, in order; the writer finds done what is done.
     if (auto quiet = settle(); !quiet) return quiet;
+    WriterReply late;
+    while (parse(late)) {
+      if (!answers_first(late)) continue;
+      if (auto taken = take(late); !taken) return taken;
+    }
+    buffer_.clear();
+    if (under_way.empty()) continue;
     for (UnderWay& one : under_way) {
       if (++one.tries > kTries) return no_answer(link_.name(), kTries);
       ++repeated_;
       if (auto sent = send(one.request, one.number); !sent) return sent;
     }
-    deadline = clock_.now() + patience * under_way.front().tries;
+    deadline = clock_.now() + patient() * under_way.front().tries;
   }
 }
 

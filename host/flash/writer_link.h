@@ -68,13 +68,15 @@ class WriterLink {
   // A sound frame, or nothing until `deadline`.
   Result<std::optional<WriterReply>> receive(Time deadline);
   bool parse(WriterReply& reply);
-  Result<void> settle();  // until the line is quiet
+  // Until the line is quiet. What comes meanwhile counts: a board may be slow, and no reply lost.
+  Result<void> settle();
 
   Link& link_;
   Clock& clock_;
   std::uint8_t number_ = 0;
   std::vector<std::uint8_t> buffer_;
   int repeated_ = 0;
+  Time took_{};  // replies lately, from when they were waited for
   int rate_ = 115200;
   bool silent_ = false;  // the last ask() failed because no reply came
 };

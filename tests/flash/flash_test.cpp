@@ -318,6 +318,19 @@ TEST(Flash, ReadsWhatStandsThere) {
   EXPECT_EQ(other.error().fault, Fault::failed);
 }
 
+// Replies come later than they are waited for at first, and hardly any request is repeated for it.
+TEST(Flash, SlowRepliesAreWaitedFor) {
+  FlashBench bench;
+  Flasher flasher(bench, bench, writer(), {});
+  ASSERT_TRUE(flasher.enter_boot(bench));
+  bench.set_latency(milliseconds(250));
+  const auto report = flasher.write(firmware());
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_GT(report->repeated, 0);
+  EXPECT_LT(report->repeated, 20);
+  EXPECT_TRUE(holds(bench, firmware()));
+}
+
 TEST(Flash, NoiseIsRepeatedAway) {
   auto noise = faults::Schedule::parse("at 2 s for 60 s link_flip 0.0005\n", "test");
   ASSERT_TRUE(noise) << noise.error().message;
