@@ -232,7 +232,7 @@ Result<void> WriterLink::ask_all(
       ++repeated_;
       if (auto sent = send(one.request, one.number); !sent) return sent;
     }
-    deadline = clock_.now() + patient() * under_way.front().tries;
+    deadline = clock_.now() + patient() * std::min(under_way.front().tries, 3);
   }
 }
 
