@@ -144,13 +144,17 @@ CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
   }
   const FlashImage& before = *loaded;
   const FlashImage next = variant(before, kBuildId, static_cast<std::uint8_t>(1 + seed % 255));
+  // The first fault is the one that is told.
+  const auto blame = [&run](const std::string& fault) {
+    if (run.fault.empty()) run.fault = fault;
+  };
   const auto the_bench = bench_of(plan.way, image_path, seed);
   FlashBench& bench = *the_bench;
   const double at_s = plan.share * lasts(plan.way, image_path, next, writer);
   const Time at = bench.now() + Time(static_cast<std::int64_t>(at_s * 1e9));
   bench.on_application([&] {
     if (standing(bench, before, next) == Stands::none)
-      run.fault = "an image was started that is not whole";
+      blame("an image was started that is not whole");
   });
   FlashImage sent = next;
   faults::Schedule faults;
@@ -200,11 +204,11 @@ CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
   run.text = text;
   const bool guarded =
       plan.kind == Kind::wrong_board || plan.kind == Kind::truncated || plan.kind == Kind::foreign;
-  if (guarded && done) run.fault = "an image that must be refused was written";
+  if (guarded && done) blame("an image that must be refused was written");
   if (guarded && plan.way != Way::boot_erased && !holds(bench, before, false))
-    run.fault = "a refused image has changed the flash";
+    blame("a refused image has changed the flash");
   if (!guarded && done && !holds(bench, sent, plan.way == Way::loader))
-    run.fault = "success was reported, and the flash does not hold the image";
+    blame("success was reported, and the flash does not hold the image");
 
   // What runs is whole: the image before, or the one that was sent.
   bench.repair();
@@ -217,17 +221,17 @@ CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
     const Stands stands = standing(bench, before, next);
     const bool old = *crc == before.identity()->crc && stands == Stands::before;
     const bool fresh = *crc == next.identity()->crc && stands == Stands::fresh;
-    if (!old && !fresh) run.fault = "an image runs that is none";
+    if (!old && !fresh) blame("an image runs that is none");
   } else if (done && !guarded && !at_once) {
-    run.fault = "success was reported, and the firmware does not run";
+    blame("success was reported, and the firmware does not run");
   }
 
   // And the board can be flashed again.
   const auto again = flash(bench, plan.way, next, writer);
   if (!again) {
-    run.fault = "it cannot be flashed again: " + again.error().message;
+    blame("it cannot be flashed again: " + again.error().message);
   } else if (bench.running_image() != next.identity()->crc) {
-    run.fault = "flashed again, it does not run";
+    blame("flashed again, it does not run");
   }
   return run;
 }
