@@ -13,6 +13,7 @@
 
 #include "sim/mcu/test_host.h"
 #include "sim/runtime/descriptor.h"
+#include "sim/runtime/test_socket.h"
 #include "sim/runtime/test_world.h"
 
 namespace kaz::sim {
@@ -80,21 +81,49 @@ std::vector<std::uint8_t> read_frame(int fd) {
   }
 }
 
+// The board's answer to `identify`; it may still be starting: as a client does, ask again.
+std::vector<std::uint8_t> identify(int host) {
+  std::vector<std::uint8_t> reply;
+  for (std::uint8_t n = 1; reply.empty() && n < 100; ++n) {
+    write_all(host, frame_of(KZ_TYPE_identify, n, {}));
+    pollfd readable{host, POLLIN, 0};
+    if (::poll(&readable, 1, 100) > 0) reply = read_frame(host);
+  }
+  return reply;
+}
+
 TEST(RealTimeServer, HostTalksThroughThePty) {
   const TestFolder folder;
   Running server(folder);
   const Descriptor host(::open(server.port.c_str(), O_RDWR | O_NOCTTY));
   ASSERT_TRUE(host);
   server.wait_for("host opened");
-  std::vector<std::uint8_t> reply;
-  // The board may still be starting: as a client does, ask again.
-  for (std::uint8_t n = 1; reply.empty() && n < 100; ++n) {
-    write_all(host.get(), frame_of(KZ_TYPE_identify, n, {}));
-    pollfd readable{host.get(), POLLIN, 0};
-    if (::poll(&readable, 1, 100) > 0) reply = read_frame(host.get());
-  }
+  const auto reply = identify(host.get());
   ASSERT_GT(reply.size(), 3u);
   EXPECT_EQ(reply[1], KZ_TYPE_identify_reply);
+}
+
+// As with an adapter that is pulled: who has the port open finds it gone, and the board goes on.
+TEST(RealTimeServer, ThePlugCanBePulledAndPutBack) {
+  const TestFolder folder;
+  Running server(folder);
+  const Descriptor host(::open(server.port.c_str(), O_RDWR | O_NOCTTY));
+  ASSERT_TRUE(host);
+  server.wait_for("host opened");
+  ASSERT_FALSE(identify(host.get()).empty());
+  const Descriptor control = connect_to(server.port + ".ctl");
+  ASSERT_EQ(::send(control.get(), "plug out\n", 9, MSG_NOSIGNAL), 9);
+  server.wait_for("is unplugged");
+  pollfd hung_up{host.get(), POLLIN, 0};
+  EXPECT_EQ(::poll(&hung_up, 1, 10000), 1);
+  EXPECT_NE(hung_up.revents & POLLHUP, 0);
+  EXPECT_FALSE(std::filesystem::exists(std::filesystem::symlink_status(server.port)));
+  server.wait_for("host closed");
+  ASSERT_EQ(::send(control.get(), "plug in\n", 8, MSG_NOSIGNAL), 8);
+  server.wait_for("is plugged in");
+  const Descriptor again(::open(server.port.c_str(), O_RDWR | O_NOCTTY));
+  ASSERT_TRUE(again);
+  EXPECT_FALSE(identify(again.get()).empty());
 }
 
 TEST(RealTimeServer, KilledHostLeavesMotorsOff) {

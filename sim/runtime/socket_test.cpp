@@ -13,20 +13,11 @@
 #include "shared/base/camera_stream.hpp"
 #include "sim/runtime/camera_server.h"
 #include "sim/runtime/control_server.h"
+#include "sim/runtime/test_socket.h"
 #include "sim/runtime/test_world.h"
 
 namespace kaz::sim {
 namespace {
-
-Descriptor connect_to(const std::string& path) {
-  Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
-  if (::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    return {};
-  return socket;
-}
 
 // Waits for all of it, 10 s at most; false if the other side closed.
 bool receive(const Descriptor& socket, void* to, std::size_t size) {
