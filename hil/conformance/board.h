@@ -14,17 +14,12 @@
 #include <vector>
 
 #include "hil/conformance/bench.h"
-#include "hil/conformance/check.h"
+#include "hil/report/check.h"
 #include "hil/conformance/message.h"
 #include "host/robot/link.h"
 #include "shared/protocol/messages.h"
 
 namespace kaz::hil {
-
-// The port is gone, or the program was interrupted.
-struct Lost {
-  Error error;
-};
 
 constexpr int kNoDetail = 255;
 constexpr int kAnyDetail = -1;

@@ -5,7 +5,7 @@
 #include <bit>
 #include <stdexcept>
 
-#include "hil/conformance/check.h"
+#include "hil/report/check.h"
 #include "shared/protocol/messages.h"
 
 namespace kaz::hil {

@@ -121,8 +121,9 @@ class Robot {
 
   // Allows what only a bench needs, for 1..60 s; zero locks again.
   Result<void> unlock(int seconds);
-  // Drives one motor at a duty of -1..1 without its loop for 1 ms..2 s. Needs unlock().
-  Result<void> raw_drive(int joint, double duty, Time duration);
+  // Drives one motor at a duty of -1..1 without its loop for 1 ms..2 s. Needs unlock(). Returns the
+  // board's tick, after which it begins.
+  Result<std::uint32_t> raw_drive(int joint, double duty, Time duration);
   // Starts the board anew and waits until it answers; gains and limits are those after a reset.
   Result<void> reset();
   // The board leaves for its loader, and does not answer for 3 s.

@@ -297,8 +297,8 @@ Result<void> Robot::unlock(int for_seconds) {
   return {};
 }
 
-Result<void> Robot::raw_drive(int joint, double duty, Time duration) {
-  if (auto exists = check_joint(joint); !exists) return exists;
+Result<std::uint32_t> Robot::raw_drive(int joint, double duty, Time duration) {
+  if (auto exists = check_joint(joint); !exists) return tl::unexpected(exists.error());
   const auto share = to_wire<s16>(duty / kShare);
   const auto duration_ms = to_wire<u16>(seconds(duration) * 1e3);
   if (!share || std::abs(duty) > 1 || !duration_ms || *duration_ms < 1 || *duration_ms > 2000) {
@@ -308,7 +308,7 @@ Result<void> Robot::raw_drive(int joint, double duty, Time duration) {
       parts_->ask(KZ_TYPE_raw_drive, kz_raw_drive{static_cast<u8>(joint), *share, *duration_ms},
                   kz_pack_raw_drive, kz_unpack_raw_drive_reply, AfterLoss::report);
   if (!reply) return tl::unexpected(reply.error());
-  return {};
+  return reply->tick;
 }
 
 Result<void> Robot::reset() {

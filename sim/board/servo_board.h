@@ -75,7 +75,9 @@ class ServoBoard {
   void set_motion(const ImuMotion& motion);
   const std::optional<Imu>& imu() const { return imu_; }
   double supply_volts() const;
-  // Added to what the supply gives without load, V. Held until set again.
+  // What the supply gives without load, V: the knob of a laboratory's supply.
+  void set_supply(double volts) { options_.supply_volts = volts; }
+  // Added to that. Held until set again.
   void set_supply_change(double volts) { supply_change_ = volts; }
   // Held until set again.
   void set_pot_fault(int joint, const PotFault& fault) {

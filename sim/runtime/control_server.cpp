@@ -63,7 +63,8 @@ Json ControlCommands::fault(const std::string& line) const {
 
 Json ControlCommands::run(const std::string& command, const std::string& argument) const {
   const bool with_argument =
-      command == "power" || command == "fault" || command == "mode" || command == "plug";
+      command == "power" || command == "fault" || command == "mode" || command == "plug" ||
+      command == "stand";
   if (!with_argument && !argument.empty())
     return refusal("\"" + command + "\" takes no argument, got \"" + argument + "\"");
   if (command == "help") {
@@ -74,6 +75,7 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
               {"mode boot|run", "the mode pins, which count at the next reset"},
               {"power on|off", "the board's power switch"},
               {"plug out|in", "the plug of the serial port, which is gone while it is out"},
+              {"stand LINE", "a motor stand's tools; \"stand help\" lists them"},
               {"fault LINE", "a fault, from now on or `at` a time; \"fault none\" ends them all"},
               {"status", "time, engine, power, host, losses"}}}};
   }
@@ -101,6 +103,15 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
     return {{"ok", true}};
   }
   if (command == "fault") return fault(argument);
+  if (command == "stand") {
+    if (!handlers_.stand)
+      return refusal("this is a robot, no motor stand; `kaz sim --stand` is one");
+    auto reply = handlers_.stand(argument);
+    if (!reply) return refusal(reply.error().message);
+    Json all{{"ok", true}};
+    all.update(*reply);
+    return all;
+  }
   if (command == "status") {
     Json reply{{"ok", true}};
     reply.update(handlers_.status());

@@ -30,6 +30,8 @@ class ControlCommands {
     std::function<void(const faults::Fault& fault)> fault;
     std::function<void()> clear_faults;
     std::function<Time()> now;  // simulated
+    // Of a motor stand: the rest of the line, to its reply without "ok". Empty: there is none.
+    std::function<Result<nlohmann::ordered_json>(const std::string& line)> stand;
   };
   explicit ControlCommands(Handlers handlers) : handlers_(std::move(handlers)) {}
   nlohmann::ordered_json answer(std::string_view line) const;

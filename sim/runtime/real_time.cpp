@@ -80,6 +80,7 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
       .fault = [p](const faults::Fault& fault) { p->simulation.add_fault(fault); },
       .clear_faults = [p] { p->simulation.clear_faults(); },
       .now = [p] { return p->simulation.time(); },
+      .stand = options.stand,
   });
   auto control = ControlServer::open(options.serial_path + ".ctl", std::move(commands));
   if (!control) return tl::unexpected(control.error());

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "shared/base/result.hpp"
@@ -22,6 +23,8 @@ struct RealTimeOptions {
   bool fast = false;         // as fast as the machine allows instead of paced
   // A program that does what none should hangs the board until reset, instead of ending run().
   bool keep_hung = false;
+  // Of a motor stand: what answers `stand ...` on the control socket (control_server.h).
+  std::function<Result<nlohmann::ordered_json>(const std::string&)> stand;
   // One line for the user: host connected, silent, gone; motors off; overruns. Without newline.
   std::function<void(const std::string&)> report;
 };

@@ -15,14 +15,6 @@
 namespace kaz::sim {
 namespace {
 
-Result<std::unique_ptr<Mcu>> make_engine(const SimulationOptions& options) {
-  if (options.engine == "h8")
-    return options.image_path.empty() ? make_erased_h8() : make_h8(options.image_path);
-  if (options.engine == "native") return make_native();
-  return fail(Fault::usage,
-              "there is no engine \"" + options.engine + "\"; use \"h8\" or \"native\"");
-}
-
 Eyes::Mounting eye_mounting(const World& world) {
   const ScenePose pose = world.pose();
   const int frame = world.head_frame();
@@ -74,6 +66,14 @@ constexpr States contact_interval_ms = 10;
 constexpr int detour_steps = 100;
 
 }  // namespace
+
+Result<std::unique_ptr<Mcu>> make_engine(const SimulationOptions& options) {
+  if (options.engine == "h8")
+    return options.image_path.empty() ? make_erased_h8() : make_h8(options.image_path);
+  if (options.engine == "native") return make_native();
+  return fail(Fault::usage,
+              "there is no engine \"" + options.engine + "\"; use \"h8\" or \"native\"");
+}
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& options) {
   if (const auto fits = step_ratio(options.physics_step_ms); !fits)

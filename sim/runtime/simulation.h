@@ -67,6 +67,9 @@ struct SimulationOptions {
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world);
 
+// The microcontroller that the options name. Errors: an unknown engine, a file that is no image.
+Result<std::unique_ptr<Mcu>> make_engine(const SimulationOptions& options);
+
 class Simulation {
  public:
   // Errors: a file that is missing or wrong, an unknown engine, a robot of more joints than the

@@ -10,6 +10,7 @@
 #include "host/robot/faulty_link.h"
 #include "host/robot/tty_link.h"
 #include "host/robot/wall_clock.h"
+#include "sim/stand/stand_commands.h"
 #include "tools/kaz/interruptible_clock.h"
 #include "tools/kaz/live_camera.h"
 #include "tools/kaz/no_camera.h"
@@ -145,6 +146,29 @@ Result<void> check(const RigOptions& options) {
   return {};
 }
 
+namespace {
+
+Result<std::unique_ptr<sim::Simulation>> make_stand(const RigOptions& options,
+                                                    sim::SimulationOptions sim) {
+  const auto robot = data_file("robot/kaz/kaz.urdf");
+  if (!robot) return tl::unexpected(robot.error());
+  const std::filesystem::path beside(*robot);
+  const auto sensors =
+      sim::load_sensor_file(std::filesystem::path(beside).replace_filename("sensors.xml"));
+  if (!sensors) return tl::unexpected(sensors.error());
+  sim.sensor_figures = *sensors;
+  const std::string file =
+      options.motor_file.empty()
+          ? std::filesystem::path(beside).replace_filename("motor.xml").string()
+          : options.motor_file;
+  const auto motor = sim::load_motor_file(file, options.motor);
+  if (!motor) return tl::unexpected(motor.error());
+  return sim::make_stand(sim,
+                         {.motor = *motor, .disc_kgm2 = options.disc_kgm2, .seed = options.seed});
+}
+
+}  // namespace
+
 Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& options,
                                                          sim::FramePolicy frames) {
   sim::SimulationOptions sim;
@@ -179,19 +203,22 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const RigOptions& optio
     to = *path;
     return {};
   };
-  Result<void> found = find(world_file(options.world), sim.world_path);
-  if (options.robot_file.empty()) {
-    if (found) found = find(data_file("robot/kaz/kaz.urdf"), sim.robot_path);
-    if (found) found = find(data_file("robot/kaz/camera.json"), sim.camera_path);
-  } else {
-    sim.robot_path = options.robot_file;
-    sim.camera_path =
-        std::filesystem::path(options.robot_file).replace_filename("camera.json").string();
+  Result<void> found;
+  if (!options.stand) {
+    found = find(world_file(options.world), sim.world_path);
+    if (options.robot_file.empty()) {
+      if (found) found = find(data_file("robot/kaz/kaz.urdf"), sim.robot_path);
+      if (found) found = find(data_file("robot/kaz/camera.json"), sim.camera_path);
+    } else {
+      sim.robot_path = options.robot_file;
+      sim.camera_path =
+          std::filesystem::path(options.robot_file).replace_filename("camera.json").string();
+    }
   }
   if (found && options.engine == "h8" && !options.erased)
     found = find(firmware_image(options.image), sim.image_path);
   if (!found) return tl::unexpected(found.error());
-  return sim::Simulation::create(sim);
+  return options.stand ? make_stand(options, sim) : sim::Simulation::create(sim);
 }
 
 Result<std::unique_ptr<Rig>> Rig::open(const RigOptions& options, host::Interrupt& interrupt) {

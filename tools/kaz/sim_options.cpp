@@ -57,6 +57,18 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
       ->capture_default_str();
 }
 
+void add_motor_options(CLI::App& verb, RigOptions& options) {
+  verb.add_option("--motor-file", options.motor_file,
+                  "of the motors on the virtual stand; without it Kaz's motor.xml")
+      ->type_name("FILE");
+  verb.add_option("--motor", options.motor, "the motor of that file; without it the file's default")
+      ->type_name("NAME");
+  verb.add_option("--disc", options.disc_kgm2,
+                  "inertia of the disc on each shaft of the virtual stand, kg m2")
+      ->check(CLI::Range(1e-6, 1e-1))
+      ->capture_default_str();
+}
+
 void add_record_pictures(CLI::App& verb, RigOptions& options) {
   verb.add_flag("--record-pictures", options.record_pictures,
                 "the eyes' pictures into the recording too, not only their SHA-256");

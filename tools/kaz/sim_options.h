@@ -11,6 +11,8 @@ namespace kaz::tools {
 // --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --dynamics,
 // --physics-step, --eyes, --eye-width, --seed.
 void add_sim_options(CLI::App& verb, RigOptions& options);
+// --motor-file, --motor, --disc: what stands on a virtual motor stand.
+void add_motor_options(CLI::App& verb, RigOptions& options);
 // --record-pictures, for verbs that record.
 void add_record_pictures(CLI::App& verb, RigOptions& options);
 

@@ -8,6 +8,7 @@
 
 #include "sim/mcu/memory_file.h"
 #include "sim/runtime/real_time.h"
+#include "sim/stand/stand_commands.h"
 #include "tools/figure/figure.h"
 #include "tools/kaz/interrupt_signals.h"
 #include "tools/kaz/sim_options.h"
@@ -74,6 +75,11 @@ Result<bool> serve(SimArguments arguments) {
     if (auto set = mcu.set_boot_pins(true); !set) return tl::unexpected(set.error());
     mcu.reset();
   }
+  if (arguments.rig.stand) {
+    arguments.real_time.stand = [&s = **simulation](const std::string& line) {
+      return sim::answer_stand(s, line);
+    };
+  }
   arguments.real_time.keep_hung = arguments.boot || arguments.rig.erased;
   arguments.real_time.report = [](const std::string& line) {
     std::printf("%s\n", line.c_str());
@@ -134,15 +140,22 @@ void add_sim(CLI::App& program, Action& action) {
   verb->add_option("--record", arguments->rig.recording,
                    "record everything into this file (MCAP), from the start to Ctrl-C")
       ->type_name("FILE");
+  verb->add_flag(
+      "--stand", arguments->rig.stand,
+      "a motor stand instead of a robot: each motor alone with a disc on its shaft, clamp, "
+      "scale, weight and supply at PATH.ctl (kaz bench)");
+  add_motor_options(*verb, arguments->rig);
   add_sim_options(*verb, arguments->rig);
   add_record_pictures(*verb, arguments->rig);
   verb->footer(
       "The link behaves as a port with a board at the other end. PATH.ctl takes commands: reset,\n"
-      "mode boot, mode run, power off, power on, status, one a line. Ends with Ctrl-C and removes "
+      "mode boot, mode run, power off, power on, status, stand help, one a line. Ends with Ctrl-C "
+      "and removes "
       "what it made.\n"
       "Examples:\n"
       "  kaz sim --serial board --cameras board.eyes\n"
       "  kaz sim --serial board --erased   (kaz flash puts a firmware into it)\n"
+      "  kaz sim --serial board --stand   (kaz bench motor --port board --stand ctl:board.ctl)\n"
       "  kaz sim --eyes real --write-calibration eyes.yml\n"
       "  kaz sim --serial board --record run.mcap   (Foxglove, PlotJuggler and `mcap info` open "
       "it)\n"

@@ -1,10 +1,26 @@
-// How a case fails: by an exception that its runner catches.
+// How a case or a measurement fails: by an exception that its runner catches.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
+#include <type_traits>
+#include <utility>
+
+#include "shared/base/result.hpp"
 
 namespace kaz::hil {
+
+// The port is gone, or the program was interrupted: all further ones are pointless.
+struct Lost {
+  Error error;
+};
+
+// A step that can fail only so.
+template <class T>
+T sure(Result<T> result) {
+  if (!result) throw Lost{result.error()};
+  if constexpr (!std::is_void_v<T>) return std::move(*result);
+}
 
 // What was wrong, in one sentence.
 struct Failed {

@@ -1,0 +1,145 @@
+// A bench's tools by words to a machine, and by words to a person.
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/bench/stand.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "host/robot/posture.h"
+
+namespace kaz::hil {
+namespace {
+
+constexpr double kHandSpeed = 2;  // rad/s, of what turns the virtual stand's shafts
+
+std::string joint_name(int joint) {
+  return host::joint_table()[static_cast<std::size_t>(joint)].name;
+}
+
+std::string with_digits(double value, int digits) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+double degrees(double rad) {
+  return rad * 180 / std::numbers::pi;
+}
+
+}  // namespace
+
+Result<void> CommandStand::tell(const std::string& line) {
+  const auto reply = ask_(line);
+  if (!reply) return tl::unexpected(reply.error());
+  return {};
+}
+
+Result<double> CommandStand::number(const std::string& line, const char* key) {
+  const auto reply = ask_(line);
+  if (!reply) return tl::unexpected(reply.error());
+  const auto found = reply->find(key);
+  if (found == reply->end() || !found->is_number())
+    return fail(Fault::environment,
+                "stand " + name_ + ": its reply to `" + line + "` has no number `" + key + "`");
+  return found->get<double>();
+}
+
+Result<double> CommandStand::disc_kgm2() {
+  return number("disc", "disc_kgm2");
+}
+
+Result<void> CommandStand::set_supply(double volts) {
+  return tell("supply " + with_digits(volts, 3));
+}
+
+Result<void> CommandStand::clamp(int joint, bool on) {
+  return tell("clamp " + joint_name(joint) + (on ? " on" : " off"));
+}
+
+Result<double> CommandStand::scale_nm(int joint) {
+  return number("scale " + joint_name(joint), "torque_nm");
+}
+
+Result<void> CommandStand::press(int joint, double torque_nm) {
+  return tell("press " + joint_name(joint) + " " + with_digits(torque_nm, 4));
+}
+
+Result<double> CommandStand::turn(int joint, double angle_rad) {
+  const std::string protractor = "protractor " + joint_name(joint);
+  const auto before = number(protractor, "angle_rad");
+  if (!before) return before;
+  if (auto told = tell("turn " + joint_name(joint) + " " + with_digits(angle_rad, 4)); !told)
+    return tl::unexpected(told.error());
+  const double takes = std::abs(angle_rad - *before) / kHandSpeed + settling_s();
+  if (auto waited = clock_.sleep_until(clock_.now() + from_seconds(takes)); !waited)
+    return tl::unexpected(waited.error());
+  return number(protractor, "angle_rad");
+}
+
+Result<void> CommandStand::let_go(int joint) {
+  return tell("let " + joint_name(joint));
+}
+
+Result<void> ManualStand::done(const std::string& prompt) {
+  const auto typed = ask_(prompt + ", then press Enter");
+  if (!typed) return tl::unexpected(typed.error());
+  return {};
+}
+
+Result<double> ManualStand::read(const std::string& prompt) {
+  std::string again;
+  while (true) {
+    const auto typed = ask_(again + prompt);
+    if (!typed) return tl::unexpected(typed.error());
+    const auto first = typed->find_first_not_of(" \t\r\n");
+    const auto last = typed->find_last_not_of(" \t\r\n");
+    double value = 0;
+    if (first != std::string::npos) {
+      const char* end = typed->data() + last + 1;
+      const auto [stop, error] = std::from_chars(typed->data() + first, end, value);
+      if (error == std::errc() && stop == end && std::isfinite(value)) return value;
+    }
+    again = "That is no number. ";
+  }
+}
+
+Result<void> ManualStand::set_supply(double volts) {
+  return done("Set the supply to " + with_digits(volts, 2) + " V without load");
+}
+
+Result<void> ManualStand::clamp(int joint, bool on) {
+  if (!on) return done("Take the lever off the shaft of " + joint_name(joint));
+  return done("Hold the shaft of " + joint_name(joint) +
+              " by its lever against the scale, and set the scale to zero; the motor then presses "
+              "for " +
+              with_digits(pressing_s(), 1) + " s");
+}
+
+Result<double> ManualStand::scale_nm(int joint) {
+  return read("What did the scale show, in Nm (force times lever), positive as " +
+              joint_name(joint) + " turns positively? ");
+}
+
+Result<void> ManualStand::press(int joint, double torque_nm) {
+  if (torque_nm == 0) return done("Take the weight off " + joint_name(joint));
+  return done("Press gently on the shaft of " + joint_name(joint) + " with " +
+              with_digits(std::abs(torque_nm), 2) + " Nm in its " +
+              (torque_nm > 0 ? "positive" : "negative") + " sense, and keep pressing");
+}
+
+Result<double> ManualStand::turn(int joint, double angle_rad) {
+  const auto shown = read("Turn " + joint_name(joint) + " to about " +
+                          with_digits(degrees(angle_rad), 0) +
+                          " degrees and keep it; what does the protractor show, in degrees? ");
+  if (!shown) return shown;
+  return *shown * std::numbers::pi / 180;
+}
+
+Result<void> ManualStand::let_go(int joint) {
+  return done("Let go of " + joint_name(joint));
+}
+
+}  // namespace kaz::hil

@@ -1,0 +1,93 @@
+// What a workbench has besides the board: supply, clamp and scale, weight, protractor, a disc.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Angles and torques in the joint's own sense, rad and Nm at the output shaft. Errors: what the tools
+// themselves say (no such stand, interrupted).
+#pragma once
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "host/robot/link.h"
+#include "shared/base/result.hpp"
+
+namespace kaz::hil {
+
+class Stand {
+ public:
+  virtual ~Stand() = default;
+  virtual std::string name() const = 0;
+  // Inertia of the disc on the shaft, kg m2.
+  virtual Result<double> disc_kgm2() = 0;
+  // Volts of the supply without load.
+  virtual Result<void> set_supply(double volts) = 0;
+  // The shaft held by a lever against a scale, which is set to zero; or free again.
+  virtual Result<void> clamp(int joint, bool on) = 0;
+  // What the motor has pressed with since then, at the end of its drive.
+  virtual Result<double> scale_nm(int joint) = 0;
+  // A weight laid on gently; 0: lifted off.
+  virtual Result<void> press(int joint, double torque_nm) = 0;
+  // A hand turns the shaft to about this angle; returns where the protractor shows it. The hand
+  // keeps it until let_go().
+  virtual Result<double> turn(int joint, double angle_rad) = 0;
+  virtual Result<void> let_go(int joint) = 0;
+  // How long the motor has to press for the scale to be read.
+  virtual double pressing_s() const = 0;
+  // For how long what is under way is left to come to rest after press().
+  virtual double settling_s() const = 0;
+};
+
+// Whoever understands the words of docs/bench.md: the simulator, in process or by its control socket.
+class CommandStand final : public Stand {
+ public:
+  using Ask = std::function<Result<nlohmann::ordered_json>(const std::string& line)>;
+  CommandStand(std::string name, Ask ask, host::Clock& clock)
+      : name_(std::move(name)), ask_(std::move(ask)), clock_(clock) {}
+
+  std::string name() const override { return name_; }
+  Result<double> disc_kgm2() override;
+  Result<void> set_supply(double volts) override;
+  Result<void> clamp(int joint, bool on) override;
+  Result<double> scale_nm(int joint) override;
+  Result<void> press(int joint, double torque_nm) override;
+  Result<double> turn(int joint, double angle_rad) override;
+  Result<void> let_go(int joint) override;
+  double pressing_s() const override { return 0.1; }
+  double settling_s() const override { return 0.3; }
+
+ private:
+  Result<void> tell(const std::string& line);
+  Result<double> number(const std::string& line, const char* key);
+  std::string name_;
+  Ask ask_;
+  host::Clock& clock_;
+};
+
+// Somebody at the bench: `ask` gets what to do or to read, and returns what was typed.
+class ManualStand final : public Stand {
+ public:
+  using Ask = std::function<Result<std::string>(const std::string& prompt)>;
+  // disc_kgm2: what they have put on the shaft.
+  ManualStand(Ask ask, double disc_kgm2) : ask_(std::move(ask)), disc_(disc_kgm2) {}
+
+  std::string name() const override { return "manual"; }
+  Result<double> disc_kgm2() override { return disc_; }
+  Result<void> set_supply(double volts) override;
+  Result<void> clamp(int joint, bool on) override;
+  Result<double> scale_nm(int joint) override;
+  Result<void> press(int joint, double torque_nm) override;
+  Result<double> turn(int joint, double angle_rad) override;
+  Result<void> let_go(int joint) override;
+  // Below the second after which the board takes a press for a stall.
+  double pressing_s() const override { return 0.7; }
+  double settling_s() const override { return 0.1; }
+
+ private:
+  Result<void> done(const std::string& prompt);
+  Result<double> read(const std::string& prompt);
+  Ask ask_;
+  double disc_;
+};
+
+}  // namespace kaz::hil

@@ -1,0 +1,104 @@
+// A motor stand instead of a robot: each of the board's motors alone on the workbench, with a disc
+// on its shaft. What a person does there, hands and tools do: a clamp holds the shaft against a
+// scale, a weight presses on it, a hand turns it by the protractor, a knob sets the supply.
+// SPDX-License-Identifier: Apache-2.0
+//
+// One body with one degree of freedom for each motor, so its step is solved by hand, with the same
+// motor (joint_motor.h) and the same length of step as under a robot:
+//
+//   (I/h + c + k h) w1 = I/h w0 + k e + load + T,   T = (velocity - w1) / softness within its bounds
+//
+// with the disc I, a guiding hand's stiffness k and damping c, its way e still to go, weight `load`
+// and the motor's torque T. The shafts have the servos' own stops, where a robot has them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sim/body/joint_motor.h"
+#include "sim/body/world.h"
+
+namespace kaz::sim {
+
+struct StandOptions {
+  MotorFigures motor;
+  double disc_kgm2 = 1e-4;  // 60 g, 58 mm across
+  double step_s = 0.001;
+  std::uint64_t seed = 1;  // of the scale's noise
+};
+
+class MotorStand final : public World {
+ public:
+  explicit MotorStand(const StandOptions& options);
+
+  double disc_kgm2() const { return options_.disc_kgm2; }
+  const MotorFigures& motor() const { return options_.motor; }
+
+  // ---- The bench's tools; `joint` is a channel of the board.
+  // A lever on the shaft against a scale. Either way the scale is set to zero.
+  void clamp(std::size_t joint, bool on);
+  // Nm, what the motor has pressed with, as the joint turns: mean of the last 50 ms in which it was
+  // driven against the clamp, held by the scale since; 0 before. Sigma 2 mNm, in steps of 1 mNm.
+  double scale_nm(std::size_t joint) const;
+  // A weight laid on gently, or lifted off (0 Nm).
+  void press(std::size_t joint, double torque_nm);
+  // A hand turns the shaft there at 2 rad/s, and keeps it until it lets go.
+  void turn(std::size_t joint, double angle_rad);
+  void let_go(std::size_t joint);
+  // The protractor, in steps of 0.01 degrees.
+  double protractor_rad(std::size_t joint) const;
+
+  double step_s() const override { return options_.step_s; }
+  double time_s() const override { return static_cast<double>(steps_) * options_.step_s; }
+  void step(std::span<const MotorDrive> drives, double supply_volts) override;
+  std::span<const JointState> joints() const override { return states_; }
+  std::span<const std::string> joint_order() const override;
+  double supply_current_a() const override { return current_; }
+  const ImuState& imu() const override { return imu_; }
+  const Scene& scene() const override { return scene_; }
+  ScenePose pose() const override { return {{Eigen::Isometry3d::Identity()}}; }
+  int head_frame() const override { return -1; }
+  Eigen::Isometry3d link_pose(const std::string& link) const override;
+  Result<Eigen::Vector3d> object_position(const std::string& model) const override;
+  double largest_joint_gap_m() const override { return 0; }
+  std::string stepper() const override { return "stand"; }
+  const Trouble& trouble() const override { return trouble_; }
+  void save(h8s::StateWriter& to) override { transfer(to); }
+  void restore(h8s::StateReader& from) override { transfer(from); }
+
+ private:
+  static constexpr std::size_t kScaleSteps = 50;  // of 1 ms
+  struct Shaft {
+    bool clamped = false, guided = false, pressing = false;
+    double press_nm = 0, goal_rad = 0, guide_rad = 0;
+    // Of the scale: the newest reading is the last one written.
+    std::array<double, kScaleSteps> pressed{};
+    std::uint32_t next = 0, count = 0;
+    template <class A>
+    void transfer(A& a) {
+      a(clamped, guided, pressing, press_nm, goal_rad, guide_rad, pressed, next, count);
+    }
+  };
+  void step_shaft(std::size_t joint, const MotorDrive& drive, double supply_volts);
+  void guide(Shaft& shaft) const;
+  template <class A>
+  void transfer(A& a) {
+    a(steps_, current_, shafts_);
+    for (JointMotor& motor : motors_) a(motor);
+    for (JointState& s : states_) a(s.angle, s.velocity, s.torque, s.current, s.winding_celsius);
+  }
+
+  StandOptions options_;
+  std::int64_t steps_ = 0;
+  double current_ = 0;
+  std::vector<Shaft> shafts_;
+  std::vector<JointMotor> motors_;
+  std::vector<JointState> states_;
+  ImuState imu_;
+  Scene scene_;
+  Trouble trouble_;
+};
+
+}  // namespace kaz::sim

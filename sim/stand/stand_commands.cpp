@@ -1,0 +1,140 @@
+// A motor stand's tools by words.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/stand/stand_commands.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <vector>
+
+#include "sim/body/robot_model.h"
+
+namespace kaz::sim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMostVolts = 15;  // of the supply: more than a board's motors may have
+constexpr double kMostPress = 1;   // Nm
+constexpr double kMostTurn = 4;    // rad
+
+Result<double> number(const std::string& word, const std::string& what, double low, double high) {
+  double value = 0;
+  const auto end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, value);
+  if (error != std::errc() || stop != end || !std::isfinite(value) || value < low || value > high) {
+    std::ostringstream bounds;
+    bounds << what << " is a number from " << low << " to " << high;
+    return fail(Fault::usage, bounds.str() + ", got `" + word + "`");
+  }
+  return value;
+}
+
+Result<std::size_t> joint_of(const std::string& word) {
+  const auto& names = joint_names();
+  const auto found = std::ranges::find(names, word);
+  if (found == names.end())
+    return fail(Fault::usage, "there is no joint `" + word + "`; they are those of docs/robot.md");
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+struct Words {
+  std::string command;
+  std::vector<std::string> arguments;
+};
+
+Words words_of(const std::string& line) {
+  std::istringstream from(line);
+  Words words;
+  from >> words.command;
+  for (std::string word; from >> word;) words.arguments.push_back(word);
+  return words;
+}
+
+const Json kHelp = {
+    {"disc", "what is on the shafts"},
+    {"supply V", "the supply's knob: volts without load"},
+    {"clamp JOINT on|off", "the lever on the shaft against the scale, which is set to zero"},
+    {"scale JOINT", "what the motor has pressed with"},
+    {"press JOINT NM", "a weight on the shaft; 0 lifts it off"},
+    {"turn JOINT RAD", "a hand turns the shaft there and keeps it"},
+    {"let JOINT", "the hand lets go"},
+    {"protractor JOINT", "where the shaft stands"}};
+
+// Of the commands about one joint.
+Result<Json> answer_joint(MotorStand& stand, const Words& words, std::size_t joint) {
+  const std::string& command = words.command;
+  if (command == "scale") return Json{{"torque_nm", stand.scale_nm(joint)}};
+  if (command == "protractor") return Json{{"angle_rad", stand.protractor_rad(joint)}};
+  if (command == "let") {
+    stand.let_go(joint);
+    return Json::object();
+  }
+  const std::string& word = words.arguments[1];
+  if (command == "clamp") {
+    if (word != "on" && word != "off")
+      return fail(Fault::usage, "`clamp` takes a joint and on or off, got `" + word + "`");
+    stand.clamp(joint, word == "on");
+    return Json::object();
+  }
+  if (command == "press") {
+    const auto torque = number(word, "a weight's torque in Nm", -kMostPress, kMostPress);
+    if (!torque) return tl::unexpected(torque.error());
+    stand.press(joint, *torque);
+    return Json::object();
+  }
+  const auto angle = number(word, "an angle in rad", -kMostTurn, kMostTurn);
+  if (!angle) return tl::unexpected(angle.error());
+  stand.turn(joint, *angle);
+  return Json::object();
+}
+
+// How many words follow the command; nothing: there is no such command.
+std::optional<std::size_t> arguments_of(const std::string& command) {
+  for (const auto& [form, text] : kHelp.items()) {
+    const Words words = words_of(form);
+    if (words.command == command) return words.arguments.size();
+  }
+  return command == "help" ? std::optional<std::size_t>(0) : std::nullopt;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
+                                               const StandOptions& stand) {
+  auto mcu = make_engine(options);
+  if (!mcu) return tl::unexpected(mcu.error());
+  return Simulation::assemble(options, std::move(*mcu), std::make_unique<MotorStand>(stand), {});
+}
+
+MotorStand* stand_of(Simulation& simulation) {
+  return dynamic_cast<MotorStand*>(&simulation.world());
+}
+
+Result<Json> answer_stand(Simulation& simulation, const std::string& line) {
+  MotorStand& stand = *stand_of(simulation);
+  const Words words = words_of(line);
+  const auto wanted = arguments_of(words.command);
+  if (!wanted)
+    return fail(Fault::usage,
+                "there is no command `stand " + words.command + "`; `stand help` lists them");
+  if (words.arguments.size() != *wanted)
+    return fail(Fault::usage, "`stand " + words.command + "` takes " + std::to_string(*wanted) +
+                                  " words, got " + std::to_string(words.arguments.size()));
+  if (words.command == "help") return Json{{"commands", kHelp}};
+  if (words.command == "disc") return Json{{"disc_kgm2", stand.disc_kgm2()}};
+  if (words.command == "supply") {
+    const auto volts = number(words.arguments[0], "the supply in V", 0, kMostVolts);
+    if (!volts) return tl::unexpected(volts.error());
+    simulation.board().set_supply(*volts);
+    return Json::object();
+  }
+  const auto joint = joint_of(words.arguments[0]);
+  if (!joint) return tl::unexpected(joint.error());
+  return answer_joint(stand, words, *joint);
+}
+
+}  // namespace kaz::sim
