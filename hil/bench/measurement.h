@@ -91,6 +91,7 @@ class BenchJudge {
   // Those that enter() applies.
   std::pair<double, double> limits(const std::string& name) const;
   void add(Plot plot) { report_.plots.push_back(std::move(plot)); }
+  BenchReport& report() { return report_; }
 
  private:
   Measurement begin(const std::string& subject, const std::string& name) const;

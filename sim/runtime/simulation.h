@@ -53,6 +53,7 @@ struct SimulationOptions {
       true;           // pinholes without noise; else lenses and sensors as the camera file says
   int eye_width = 0;  // px of 4:3 pictures; 0: as the camera file says
   double supply_volts = 10.0;
+  double supply_ohms = 0.15;  // battery, switch and wires
   FramePolicy frames = FramePolicy::wait;
   faults::Schedule faults;               // times since the start
   std::string recording_path;            // none if empty

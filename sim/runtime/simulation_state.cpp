@@ -71,8 +71,8 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
                                                           const World& world) {
   const auto& [engine, image_path, world_path, robot_path, camera_path, seed, stepper,
                physics_step_ms, sensors, sensor_figures, imu, ideal_eyes, eye_width, supply_volts,
-               frames, faults, recording_path, record_pictures, recording_facts, renderer,
-               detour_every] = options;
+               supply_ohms, frames, faults, recording_path, record_pictures, recording_facts,
+               renderer, detour_every] = options;
   static_cast<void>(stepper);         // the world says it with all figures
   static_cast<void>(recording_path);  // a recording changes nothing
   static_cast<void>(record_pictures);
@@ -90,6 +90,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
           {"frames", frames == FramePolicy::wait ? "wait" : "drop"},
           {"renderer", name_of(renderer)},
           {"supply_volts", exact(supply_volts)},
+          {"supply_ohms", exact(supply_ohms)},
           {"world_sha256", digest_of(world_path)},
           {"robot_sha256", digest_of(robot_path)},
           {"sensors_sha256", digest_beside(robot_path, "sensors.xml")},

@@ -24,7 +24,7 @@ namespace kaz::sim {
 
 struct StandOptions {
   MotorFigures motor;
-  double disc_kgm2 = 1e-4;  // 60 g, 58 mm across
+  double disc_kgm2 = 4e-4;  // aluminium, 120 mm across and 7 mm thick
   double step_s = 0.001;
   std::uint64_t seed = 1;  // of the scale's noise
 };

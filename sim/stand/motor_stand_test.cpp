@@ -161,7 +161,7 @@ TEST(StandCommands, DoWhatTheySay) {
     EXPECT_TRUE(answer) << answer.error().message;
     return answer.value_or(nlohmann::ordered_json());
   };
-  EXPECT_EQ(ask("disc")["disc_kgm2"], 1e-4);
+  EXPECT_EQ(ask("disc")["disc_kgm2"], 4e-4);
   EXPECT_EQ(ask("help")["commands"].size(), 8u);
   ask("supply 6.5");
   EXPECT_NEAR(simulation.board().supply_volts(), 6.5, 1e-9);

@@ -105,9 +105,12 @@ std::optional<std::size_t> arguments_of(const std::string& command) {
 
 Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
                                                const StandOptions& stand) {
+  // A laboratory's supply by short thick wires, where the robot has a battery and a switch.
+  SimulationOptions wired = options;
+  wired.supply_ohms = 0.02;
   auto mcu = make_engine(options);
   if (!mcu) return tl::unexpected(mcu.error());
-  return Simulation::assemble(options, std::move(*mcu), std::make_unique<MotorStand>(stand), {});
+  return Simulation::assemble(wired, std::move(*mcu), std::make_unique<MotorStand>(stand), {});
 }
 
 MotorStand* stand_of(Simulation& simulation) {

@@ -30,7 +30,7 @@ struct RigOptions {
   std::string image;                // firmware image; the built one if empty
   bool stand = false;               // a motor stand instead of robot and world
   std::string motor_file, motor;    // of the stand; Kaz's motor.xml and its default if empty
-  double disc_kgm2 = 1e-4;          // on each shaft of the stand
+  double disc_kgm2 = 4e-4;          // on each shaft of the stand
   bool erased = false;              // no image: the flash is blank
   std::string sensors = "nominal";  // "nominal", "ideal" or "as-built"
   bool imu = false;                 // the board's option

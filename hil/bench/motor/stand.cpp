@@ -1,6 +1,6 @@
 // A bench's tools by words to a machine, and by words to a person.
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/bench/stand.h"
+#include "hil/bench/motor/stand.h"
 
 #include <charconv>
 #include <cmath>
@@ -131,9 +131,9 @@ Result<void> ManualStand::press(int joint, double torque_nm) {
 }
 
 Result<double> ManualStand::turn(int joint, double angle_rad) {
-  const auto shown = read("Turn " + joint_name(joint) + " to about " +
-                          with_digits(degrees(angle_rad), 0) +
-                          " degrees and keep it; what does the protractor show, in degrees? ");
+  const auto shown =
+      read("Turn " + joint_name(joint) + " to about " + with_digits(degrees(angle_rad), 0) +
+           " degrees and keep it; what does the protractor show, in degrees? ");
   if (!shown) return shown;
   return *shown * std::numbers::pi / 180;
 }

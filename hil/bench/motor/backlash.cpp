@@ -1,0 +1,58 @@
+// Backlash: how far the shaft gives way to gentle presses from both sides.
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <numbers>
+
+#include "hil/bench/motor/line_fit.h"
+#include "hil/bench/motor/motor_bench.h"
+
+namespace kaz::hil {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+// Well below what turns the motor through its gear, far above what a disc needs.
+constexpr double kPress = 0.03;  // Nm
+// Each reading is off by half a code: some thousand of them find a hundredth of the way.
+constexpr int kRounds = 8;
+constexpr double kWatched = 2;  // s
+
+}  // namespace
+
+void measure_backlash(MotorOnBench& motor, BenchJudge& judge) {
+  Stand& stand = motor.stand();
+  motor.go_to(motor.middle_rad());
+  const auto pressed = [&](double torque) {
+    sure(stand.press(motor.joint(), torque));
+    motor.wait(stand.settling_s());
+    return motor.watch(kWatched);
+  };
+  Series shown{"angle", Series::Style::line, {}};
+  double at = 0;
+  const auto show = [&](const Trace& trace) {
+    for (const Sample& sample : trace)
+      shown.points.emplace_back(at + sample.t_s, sample.angle_rad / kDegree);
+    at += kWatched;
+  };
+  std::vector<double> ways;
+  for (int round = 0; round < kRounds; ++round) {
+    const Trace back = pressed(-kPress), forth = pressed(kPress);
+    show(back);
+    show(forth);
+    ways.push_back((mean_angle(forth) - mean_angle(back)) / kDegree);
+  }
+  sure(stand.press(motor.joint(), 0));
+  const Mean way = mean_of(ways);
+  judge.enter(motor.name(), "backlash", way.value, way.error);
+  judge.add(
+      {"backlash",
+       motor.name(),
+       "Backlash",
+       "time pressed, s",
+       "angle told, degrees",
+       false,
+       {shown},
+       "The shaft pressed with 0.03 Nm backward and forward in turn, motor off: the step is the "
+       "backlash, the rest the potentiometer's noise."});
+}
+
+}  // namespace kaz::hil

@@ -1,0 +1,158 @@
+// Which measurements are made, in which order, and what becomes of the rest.
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/bench/motor/motor_bench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <regex>
+#include <vector>
+
+namespace kaz::hil {
+namespace {
+
+struct Part {
+  std::string what;
+  std::vector<std::string> names;
+  bool needs_stand;
+  std::function<void(MotorOnBench&, BenchJudge&)> run;
+};
+
+// Torques want a cold motor, and heat takes minutes to go.
+std::vector<Part> parts_of(double supply_volts, std::optional<double>& slope) {
+  return {
+      {"noise of the potentiometer", {"pot.noise"}, false, measure_potentiometer_noise},
+      {"line of the potentiometer",
+       {"pot.linearity", "pot.scale", "pot.offset"},
+       true,
+       measure_potentiometer_line},
+      {"backlash", {"backlash"}, true, measure_backlash},
+      {"torque at standstill",
+       {"stall.torque_4v8", "stall.torque_10v", "stall.slope", "stall.line_error",
+        "stall.asymmetry", "friction.sliding"},
+       true,
+       [&slope, supply_volts](MotorOnBench& motor, BenchJudge& judge) {
+         slope = measure_stall(motor, judge, supply_volts);
+       }},
+      {"dead band",
+       {"dead_band", "friction.breakaway"},
+       false,
+       [&slope, supply_volts](MotorOnBench& motor, BenchJudge& judge) {
+         measure_dead_band(motor, judge, supply_volts, slope);
+       }},
+      {"speed without load",
+       {"no_load.speed", "no_load.slope", "start.time_constant"},
+       false,
+       measure_speed},
+      {"step",
+       {"step.rise_time", "step.overshoot", "step.settling_time", "step.error"},
+       false,
+       measure_step},
+      {"frequency response",
+       {"frequency.bandwidth", "frequency.phase_2hz"},
+       false,
+       measure_frequency},
+      {"heat",
+       {"thermal.torque_loss"},
+       true,
+       [supply_volts](MotorOnBench& motor, BenchJudge& judge) {
+         measure_heat(motor, judge, supply_volts);
+       }},
+  };
+}
+
+// What a failed part has not entered yet has failed with it.
+void fail_rest(const Part& part, const std::string& subject,
+               const std::vector<std::string>& entered, const std::string& why, BenchJudge& judge) {
+  for (const std::string& name : part.names) {
+    if (std::ranges::find(entered, name) == entered.end())
+      judge.enter(subject, name, std::nan(""), 0, why);
+  }
+}
+
+void tidy(MotorOnBench& motor, double supply_volts) {
+  if (motor.has_stand()) {
+    sure(motor.stand().press(motor.joint(), 0));
+    sure(motor.stand().let_go(motor.joint()));
+    sure(motor.stand().clamp(motor.joint(), false));
+    sure(motor.stand().set_supply(supply_volts));
+    motor.wait(0.1);
+  }
+}
+
+Result<std::vector<Part>> chosen_parts(std::vector<Part> parts, const std::string& filter) {
+  std::vector<Part> taken;
+  try {
+    const std::regex pattern(filter);
+    for (Part& part : parts) {
+      if (std::ranges::any_of(part.names, [&](const std::string& name) {
+            return std::regex_search(name, pattern);
+          }))
+        taken.push_back(std::move(part));
+    }
+  } catch (const std::regex_error& wrong) {
+    return fail(Fault::usage, "--filter " + filter + " is no regular expression: " + wrong.what());
+  }
+  if (taken.empty())
+    return fail(Fault::usage, "--filter " + filter +
+                                  " takes no measurement of a motor; `kaz bench list` names them");
+  return taken;
+}
+
+void run_part(const Part& part, MotorOnBench& motor, BenchJudge& judge, double supply_volts) {
+  if (part.needs_stand && !motor.has_stand()) {
+    for (const std::string& name : part.names)
+      judge.leave_out(motor.name(), name,
+                      "needs a motor stand: --stand ctl:PATH or --stand manual");
+    return;
+  }
+  const std::size_t before = judge.report().measurements.size();
+  try {
+    motor.come_to_rest();
+    part.run(motor, judge);
+  } catch (const Failed& failed) {
+    std::vector<std::string> entered;
+    const auto& all = judge.report().measurements;
+    for (std::size_t i = before; i < all.size(); ++i) entered.push_back(all[i].of->name);
+    fail_rest(part, motor.name(), entered, failed.message, judge);
+    motor.come_to_rest();
+    tidy(motor, supply_volts);
+  }
+}
+
+}  // namespace
+
+host::ConnectOptions bench_connection() {
+  host::ConnectOptions options;
+  options.watchdog = std::chrono::milliseconds(500);
+  options.reaction = host::Reaction::limp;
+  return options;
+}
+
+Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptions& options,
+                         BenchJudge& judge) {
+  std::optional<double> slope;
+  const auto parts = chosen_parts(parts_of(options.supply_volts, slope), options.filter);
+  if (!parts) return tl::unexpected(parts.error());
+  if (options.joint < 0 || options.joint >= KZ_JOINTS)
+    return fail(Fault::usage,
+                "joints have the numbers 0 to 17, not " + std::to_string(options.joint));
+  try {
+    MotorOnBench motor(robot, stand, options.joint);
+    motor.come_to_rest();
+    if (stand) {
+      sure(stand->set_supply(options.supply_volts));
+      judge.report().conditions.emplace_back("disc_kgm2", sure(stand->disc_kgm2()));
+    }
+    for (std::size_t i = 0; i < parts->size(); ++i) {
+      if (options.progress)
+        options.progress(static_cast<double>(i) / static_cast<double>(parts->size()),
+                         motor.name() + ": " + (*parts)[i].what);
+      run_part((*parts)[i], motor, judge, options.supply_volts);
+    }
+  } catch (const Lost& lost) {
+    return tl::unexpected(lost.error);
+  }
+  return {};
+}
+
+}  // namespace kaz::hil

@@ -1,0 +1,199 @@
+// One motor on the bench.
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/bench/motor/motor_on_bench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kaz::hil {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr Time kSampling = milliseconds(5);
+constexpr Time kCycle = milliseconds(10);
+constexpr double kTravelSpeed = 1.5;  // rad/s, of go_to
+constexpr int kUnlockSeconds = 60;
+constexpr Time kUnlockSpare = std::chrono::seconds(5);
+
+std::uint32_t bit(int joint) {
+  return std::uint32_t{1} << joint;
+}
+
+}  // namespace
+
+MotorOnBench::MotorOnBench(host::Robot& robot, Stand* stand, int joint)
+    : robot_(robot), stand_(stand), joint_(joint) {
+  const host::JointSettings settings = sure(robot_.settings(joint));
+  lower_ = settings.limits.lower_rad;
+  upper_ = settings.limits.upper_rad;
+}
+
+MotorOnBench::~MotorOnBench() {
+  if (listening_) (void)robot_.subscribe(Time::zero(), 0);
+  robot_.disable_all();
+}
+
+std::string MotorOnBench::name() const {
+  return host::joint_table()[static_cast<std::size_t>(joint_)].name;
+}
+
+void MotorOnBench::come_to_rest() {
+  if (!robot_.enable(0)) {
+    sure(robot_.clear());
+    sure(robot_.enable(0));
+  }
+  wait(0.1);
+}
+
+void MotorOnBench::wait(double seconds) {
+  sure(robot_.clock().sleep_until(robot_.clock().now() + from_seconds(seconds)));
+}
+
+void MotorOnBench::unlock() {
+  const Time now = robot_.clock().now();
+  if (now < unlocked_until_) return;
+  sure(robot_.unlock(kUnlockSeconds));
+  unlocked_until_ = now + std::chrono::seconds(kUnlockSeconds) - kUnlockSpare;
+}
+
+void MotorOnBench::listen(bool on) {
+  // Asked again each time: the link watchdog may have ended it.
+  sure(robot_.subscribe(on ? kSampling : Time::zero(), on ? KZ_TELEMETRY_STATE : 0));
+  listening_ = on;
+}
+
+void MotorOnBench::forget_telemetry() {
+  while (sure(robot_.next_telemetry(robot_.clock().now()))) continue;
+}
+
+template <class Enough>
+void MotorOnBench::collect(Trace& to, std::uint32_t begin_tick, Time until, Enough enough) {
+  while (robot_.clock().now() < until) {
+    const auto frame = sure(robot_.next_telemetry(until));
+    if (!frame || frame->selection != KZ_TELEMETRY_STATE) continue;
+    const auto ms = static_cast<std::int32_t>(frame->tick - begin_tick);
+    if (ms < 0) continue;
+    if (const std::uint16_t why = frame->status & host::kMotorsOffFaults; why != 0) {
+      throw Failed{robot_.describe_fault(frame->status)};
+    }
+    to.push_back({1e-3 * ms, frame->values[static_cast<std::size_t>(joint_)], frame->supply_volts});
+    if (enough(to.back())) return;
+  }
+}
+
+void MotorOnBench::go_to(double angle_rad) {
+  const double at = sure(robot_.state()).angle[static_cast<std::size_t>(joint_)];
+  const double goal = std::clamp(angle_rad, lower_, upper_);
+  const double takes = std::max(0.2, std::abs(goal - at) / kTravelSpeed);
+  sure(robot_.enable(bit(joint_)));
+  const host::JointTarget target{joint_, goal};
+  sure(robot_.set_targets({&target, 1}, from_seconds(takes)));
+  wait(takes + 0.3);
+  const host::Posture there = sure(robot_.state());
+  if ((there.status & host::kMotorsOffFaults) != 0)
+    throw Failed{robot_.describe_fault(there.status)};
+  sure(robot_.enable(0));
+  wait(0.1);
+}
+
+Trace MotorOnBench::watch(double seconds) {
+  listen(true);
+  forget_telemetry();
+  const std::uint32_t begin = sure(robot_.state()).tick;
+  Trace trace;
+  collect(trace, begin, robot_.clock().now() + from_seconds(seconds),
+          [](const Sample&) { return false; });
+  listen(false);
+  return trace;
+}
+
+Trace MotorOnBench::drive(double duty, double seconds, double within_rad, double after_s) {
+  unlock();
+  listen(true);
+  forget_telemetry();
+  const std::uint32_t begin = sure(robot_.raw_drive(joint_, duty, from_seconds(seconds)));
+  const Time end = robot_.clock().now() + from_seconds(seconds);
+  Trace trace;
+  bool near = false;
+  collect(trace, begin, end, [&](const Sample& sample) {
+    const double left = duty > 0 ? upper_ - sample.angle_rad : sample.angle_rad - lower_;
+    return near = within_rad > 0 && left < within_rad;
+  });
+  if (near) (void)sure(robot_.raw_drive(joint_, 0, milliseconds(1)));
+  if (after_s > 0) {
+    collect(trace, begin, robot_.clock().now() + from_seconds(after_s),
+            [](const Sample&) { return false; });
+  }
+  listen(false);
+  return trace;
+}
+
+void MotorOnBench::keep_driving(double duty, double seconds) {
+  unlock();
+  (void)sure(robot_.raw_drive(joint_, duty, from_seconds(seconds)));
+}
+
+Trace MotorOnBench::step(double from_rad, double to_rad, double seconds) {
+  sure(robot_.enable(bit(joint_)));
+  const host::JointTarget from{joint_, from_rad}, to{joint_, to_rad};
+  sure(robot_.set_targets({&from, 1}, from_seconds(0.3)));
+  wait(0.7);
+  listen(true);
+  forget_telemetry();
+  const std::uint32_t begin = sure(robot_.exchange({&to, 1}, Time::zero())).tick;
+  Trace trace;
+  collect(trace, begin, robot_.clock().now() + from_seconds(seconds),
+          [](const Sample&) { return false; });
+  listen(false);
+  sure(robot_.enable(0));
+  return trace;
+}
+
+MotorOnBench::Sine MotorOnBench::follow(double middle_rad, double amplitude_rad, double hertz,
+                                        double seconds) {
+  sure(robot_.enable(bit(joint_)));
+  const host::JointTarget start{joint_, middle_rad};
+  sure(robot_.set_targets({&start, 1}, from_seconds(0.3)));
+  wait(0.5);
+  Sine sine;
+  const Time begin = robot_.clock().now();
+  const std::uint32_t begin_tick = sure(robot_.state()).tick;
+  const auto cycles = static_cast<int>(seconds / kaz::seconds(kCycle));
+  for (int i = 0; i < cycles; ++i) {
+    sure(robot_.clock().sleep_until(begin + (i + 1) * kCycle));
+    const double t = kaz::seconds(robot_.clock().now() - begin);
+    const double angle = middle_rad + amplitude_rad * std::sin(2 * std::numbers::pi * hertz * t);
+    const host::JointTarget target{joint_, angle};
+    const host::Posture posture = sure(robot_.exchange({&target, 1}, kCycle));
+    if ((posture.status & host::kMotorsOffFaults) != 0)
+      throw Failed{robot_.describe_fault(posture.status)};
+    sine.target.push_back({t, angle, posture.supply_volts});
+    sine.answer.push_back({1e-3 * static_cast<std::int32_t>(posture.tick - begin_tick),
+                           posture.angle[static_cast<std::size_t>(joint_)], posture.supply_volts});
+  }
+  sure(robot_.enable(0));
+  return sine;
+}
+
+double mean_angle(const Trace& trace) {
+  check(!trace.empty(), "no readings came");
+  double sum = 0;
+  for (const Sample& sample : trace) sum += sample.angle_rad;
+  return sum / static_cast<double>(trace.size());
+}
+
+double mean_volts(const Trace& trace, double from_s, double to_s) {
+  double sum = 0;
+  int count = 0;
+  for (const Sample& sample : trace) {
+    if (sample.t_s < from_s || sample.t_s > to_s) continue;
+    sum += sample.volts;
+    ++count;
+  }
+  check(count > 0, "no readings of the supply came");
+  return sum / count;
+}
+
+}  // namespace kaz::hil

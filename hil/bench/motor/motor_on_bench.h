@@ -1,0 +1,84 @@
+// One motor on the bench: driven, left alone, led by its loop, and what its potentiometer told
+// meanwhile.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Every call ends the bench (Lost) when the link or the stand is gone, and the measurement (Failed)
+// when the board does not do what it was asked.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hil/bench/motor/stand.h"
+#include "hil/report/check.h"
+#include "host/robot/robot.h"
+
+namespace kaz::hil {
+
+struct Sample {
+  double t_s = 0;        // by the board's clock, since the drive or the step began
+  double angle_rad = 0;  // as the board tells it
+  double volts = 0;      // at the drivers' terminals
+};
+using Trace = std::vector<Sample>;
+
+class MotorOnBench {
+ public:
+  // `stand` may be null. The robot's link watchdog must be 0.5 s or more.
+  MotorOnBench(host::Robot& robot, Stand* stand, int joint);
+  ~MotorOnBench();
+  MotorOnBench(const MotorOnBench&) = delete;
+  MotorOnBench& operator=(const MotorOnBench&) = delete;
+
+  host::Robot& robot() { return robot_; }
+  bool has_stand() const { return stand_ != nullptr; }
+  Stand& stand() { return *stand_; }
+  int joint() const { return joint_; }
+  std::string name() const;
+  double lower_rad() const { return lower_; }  // soft limits
+  double upper_rad() const { return upper_; }
+  double middle_rad() const { return 0.5 * (lower_ + upper_); }
+
+  // All motors off and nothing latched. The same before each measurement.
+  void come_to_rest();
+  void wait(double seconds);
+  // By the loop, then off.
+  void go_to(double angle_rad);
+  // The motor off: what its potentiometer tells, every 5 ms.
+  Trace watch(double seconds);
+  // Duty -1..1, rounded to 1/255, for that long or, with a shaft that may turn, until it has come
+  // `within_rad` of the limit it runs to; then off, and watched for `after_s` more.
+  Trace drive(double duty, double seconds, double within_rad = 0, double after_s = 0);
+  // Without watching: a drive that goes on from the one before.
+  void keep_driving(double duty, double seconds);
+  // The loop's answer to a step of the target, from rest at `from`.
+  Trace step(double from_rad, double to_rad, double seconds);
+  struct Sine {
+    Trace target, answer;
+  };
+  // The loop led along middle + amplitude sin(2 pi f t), a new target every 10 ms.
+  Sine follow(double middle_rad, double amplitude_rad, double hertz, double seconds);
+
+ private:
+  void unlock();
+  void listen(bool on);
+  void forget_telemetry();
+  // Until `until` on the host's clock, or as soon as `enough` says so.
+  template <class Enough>
+  void collect(Trace& to, std::uint32_t begin_tick, Time until, Enough enough);
+
+  host::Robot& robot_;
+  Stand* stand_;
+  int joint_;
+  double lower_ = 0, upper_ = 0;
+  bool listening_ = false;
+  Time unlocked_until_{};
+};
+
+// Mean of the samples' angles; Failed if there are none.
+double mean_angle(const Trace& trace);
+// Mean of the volts of the samples from t on.
+double mean_volts(const Trace& trace, double from_s, double to_s);
+
+}  // namespace kaz::hil

@@ -1,0 +1,61 @@
+// Noise, line and zero of a joint's potentiometer.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "hil/bench/motor/line_fit.h"
+#include "hil/bench/motor/motor_bench.h"
+#include "shared/board/table.h"
+
+namespace kaz::hil {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kRange = 2e-4 * KZ_POT_HALF_SPAN;  // rad
+constexpr double kCode = kRange / 1024;
+constexpr int kPlaces = 13;
+constexpr double kMargin = 0.05;  // rad, from the soft limits
+
+Plot line_plot(const std::string& joint, const Points& read, const Line& line) {
+  Series off{"read, less the line", Series::Style::line, {}};
+  for (const auto& [turned, told] : read)
+    off.points.emplace_back(turned / kDegree, (told - line(turned)) / kDegree);
+  return {"potentiometer",
+          joint,
+          "Potentiometer against protractor",
+          "shaft, degrees",
+          "deviation, degrees",
+          false,
+          {off},
+          "What the board tells, less the straight line through all places."};
+}
+
+}  // namespace
+
+void measure_potentiometer_noise(MotorOnBench& motor, BenchJudge& judge) {
+  std::vector<double> codes;
+  for (const Sample& sample : motor.watch(2)) codes.push_back(sample.angle_rad / kCode);
+  const Mean mean = mean_of(codes);
+  judge.enter(motor.name(), "pot.noise", mean.deviation,
+              mean.deviation / std::sqrt(2.0 * static_cast<double>(codes.size())));
+}
+
+void measure_potentiometer_line(MotorOnBench& motor, BenchJudge& judge) {
+  Stand& stand = motor.stand();
+  const double low = motor.lower_rad() + kMargin, high = motor.upper_rad() - kMargin;
+  Points read;
+  for (int place = 0; place < kPlaces; ++place) {
+    const double goal = low + (high - low) * place / (kPlaces - 1);
+    const double turned = sure(stand.turn(motor.joint(), goal));
+    read.emplace_back(turned, mean_angle(motor.watch(0.5)));
+  }
+  sure(stand.let_go(motor.joint()));
+  const Line line = fit_line(read);
+  judge.enter(motor.name(), "pot.linearity", 100 * line.worst / kRange);
+  judge.enter(motor.name(), "pot.scale", 100 * (line.slope - 1), 100 * line.slope_error);
+  judge.enter(motor.name(), "pot.offset", line.at_zero / kDegree, line.at_zero_error / kDegree);
+  judge.add(line_plot(motor.name(), read, line));
+}
+
+}  // namespace kaz::hil

@@ -1,0 +1,190 @@
+// Torque at standstill: against voltage, and as the motor warms.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "hil/bench/motor/line_fit.h"
+#include "hil/bench/motor/motor_bench.h"
+
+namespace kaz::hil {
+namespace {
+
+// Without load: at full duty the lowest leaves more than the 4 V below which the board switches off,
+// the highest more than 10 V.
+constexpr double kSupplies[] = {4.5, 5.0, 5.8, 7.0, 8.2, 9.4, 10.6};
+constexpr double kPause = 0.5;  // s between two presses
+constexpr double kRead = 0.05;  // s at a press's end in which it is read
+
+struct Press {
+  double volts = 0;   // at the drivers' terminals
+  double torque = 0;  // Nm, in the sense of the drive
+  double warmth = 0;  // V2 s since the first press: what has warmed the winding until it was read
+};
+
+// `warmth`: before it; then after it.
+Press press_once(MotorOnBench& motor, double sign, double& warmth) {
+  const double length = motor.stand().pressing_s();
+  const Trace trace = motor.drive(sign, length);
+  Press press;
+  press.volts = mean_volts(trace, length - kRead, length);
+  press.torque = sign * sure(motor.stand().scale_nm(motor.joint()));
+  const double square = press.volts * press.volts;
+  press.warmth = warmth + square * (length - 0.5 * kRead);
+  warmth += square * length;
+  motor.wait(kPause);
+  return press;
+}
+
+void hold(MotorOnBench& motor, double at_rad) {
+  motor.go_to(at_rad);
+  sure(motor.stand().clamp(motor.joint(), true));
+}
+
+struct Readings {
+  std::vector<Press> positive, negative;
+  std::vector<Press> all() const {
+    std::vector<Press> both = positive;
+    both.insert(both.end(), negative.begin(), negative.end());
+    return both;
+  }
+};
+
+// Up and down again, so that warmth and volts can be told apart.
+Readings read_all(MotorOnBench& motor) {
+  std::vector<double> supplies(std::begin(kSupplies), std::end(kSupplies));
+  supplies.insert(supplies.end(), std::rbegin(kSupplies), std::rend(kSupplies));
+  Readings readings;
+  double warmth = 0;
+  for (const double supply : supplies) {
+    sure(motor.stand().set_supply(supply));
+    for (const double sign : {1.0, -1.0}) {
+      (sign > 0 ? readings.positive : readings.negative).push_back(press_once(motor, sign, warmth));
+    }
+  }
+  return readings;
+}
+
+// torque = slope volts - fading volts warmth - friction, by least squares: `slope` is that of a cold
+// motor, whose winding's resistance grows with what has been pressed into it.
+struct ColdLine {
+  Line line;
+  double fading = 0;
+  double cold_torque(const Press& press) const {
+    return press.torque + fading * press.volts * press.warmth;
+  }
+};
+
+ColdLine fit_cold(const std::vector<Press>& presses) {
+  const auto n = static_cast<Eigen::Index>(presses.size());
+  Eigen::MatrixX3d factors(n, 3);
+  Eigen::VectorXd torques(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Press& press = presses[static_cast<std::size_t>(i)];
+    factors.row(i) << press.volts, -press.volts * press.warmth, 1;
+    torques(i) = press.torque;
+  }
+  const Eigen::Vector3d found = factors.colPivHouseholderQr().solve(torques);
+  const Eigen::VectorXd off = torques - factors * found;
+  const Eigen::Matrix3d spread =
+      (factors.transpose() * factors).inverse() * off.squaredNorm() / static_cast<double>(n - 3);
+  ColdLine cold;
+  cold.line = {found(2), found(0), std::sqrt(spread(2, 2)), std::sqrt(spread(0, 0)),
+               off.cwiseAbs().maxCoeff()};
+  cold.fading = found(1);
+  return cold;
+}
+
+Points points_of(const std::vector<Press>& presses, const ColdLine& cold) {
+  Points points;
+  for (const Press& press : presses) points.emplace_back(press.volts, cold.cold_torque(press));
+  return points;
+}
+
+Plot stall_plot(const std::string& joint, const Readings& readings, const ColdLine& cold) {
+  const Line& line = cold.line;
+  Series fitted{"line", Series::Style::line, {{-line.at_zero / line.slope, 0}, {10.5, line(10.5)}}};
+  return {"stall",
+          joint,
+          "Torque at standstill",
+          "motor voltage, V",
+          "torque, Nm",
+          false,
+          {{"positive", Series::Style::points, points_of(readings.positive, cold)},
+           {"negative", Series::Style::points, points_of(readings.negative, cold)},
+           fitted,
+           {"paper, section 2.1", Series::Style::points, {{4.8, 0.97}, {10, 2.16}}}},
+          "At the driver's terminals, under load, cold: what warming took is added again. The "
+          "line's slope is torque for each volt, what it "
+          "lacks at 0 V is sliding friction."};
+}
+
+}  // namespace
+
+double measure_stall(MotorOnBench& motor, BenchJudge& judge, double supply_volts) {
+  hold(motor, motor.middle_rad());
+  const Readings readings = read_all(motor);
+  sure(motor.stand().clamp(motor.joint(), false));
+  sure(motor.stand().set_supply(supply_volts));
+  const std::vector<Press> all = readings.all();
+  const ColdLine cold = fit_cold(all);
+  const Line& line = cold.line;
+  check(line.slope > 0, "the torque does not grow with the voltage");
+  judge.enter(motor.name(), "stall.torque_4v8", line(4.8), line.worst / std::sqrt(all.size()));
+  judge.enter(motor.name(), "stall.torque_10v", line(10), line.worst / std::sqrt(all.size()));
+  judge.enter(motor.name(), "stall.slope", line.slope, line.slope_error);
+  double most = 0;
+  for (const Press& press : all) most = std::max(most, press.torque);
+  judge.enter(motor.name(), "stall.line_error", 100 * line.worst / most);
+  const Line plus = fit_line(points_of(readings.positive, cold));
+  const Line minus = fit_line(points_of(readings.negative, cold));
+  judge.enter(motor.name(), "stall.asymmetry", 100 * (plus(7) / minus(7) - 1));
+  judge.enter(motor.name(), "friction.sliding", -line.at_zero, line.at_zero_error);
+  judge.add(stall_plot(motor.name(), readings, cold));
+  return line.slope;
+}
+
+void measure_heat(MotorOnBench& motor, BenchJudge& judge, double supply_volts) {
+  constexpr double kSupply = 6.5, kSeconds = 10, kBetween = 2, kRenewed = 0.4;
+  sure(motor.stand().set_supply(kSupply));
+  hold(motor, motor.middle_rad());
+  Series shown{"torque", Series::Style::points, {}};
+  double pressed_s = 0;
+  const auto read = [&] {
+    // Anew: a motor that weakens while it presses is held up by its friction.
+    motor.wait(0.05);
+    double warmth = 0;
+    const double torque = press_once(motor, 1, warmth).torque;
+    shown.points.emplace_back(pressed_s, torque);
+    return torque;
+  };
+  const double cold = read();
+  check(cold > 0.1, "the motor does not press");
+  double warm = cold;
+  while (pressed_s < kSeconds - 0.5 * kBetween) {
+    for (double left = kBetween; left > 0.5 * kRenewed; left -= kRenewed) {
+      motor.keep_driving(1, kRenewed + 0.1);
+      motor.wait(kRenewed);
+    }
+    pressed_s += kBetween;
+    motor.keep_driving(0, 0.001);
+    // Whoever reads the scale by eye would let it cool meanwhile.
+    const bool last = pressed_s > kSeconds - 0.5 * kBetween;
+    if (last || motor.stand().pressing_s() < 0.5) warm = read();
+  }
+  sure(motor.stand().clamp(motor.joint(), false));
+  sure(motor.stand().set_supply(supply_volts));
+  judge.enter(motor.name(), "thermal.torque_loss", 100 * (1 - warm / cold));
+  judge.add({"thermal",
+             motor.name(),
+             "Torque of a motor that presses",
+             "pressed at 6.5 V for, s",
+             "torque, Nm",
+             false,
+             {shown},
+             "Copper warms and its resistance grows. Each point is a press of its own after 50 ms "
+             "off."});
+}
+
+}  // namespace kaz::hil

@@ -1,0 +1,33 @@
+// An emulated board with its motors on a stand, and the host's way to both.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "hil/bench/motor/motor_bench.h"
+#include "sim/stand/stand_commands.h"
+#include "tools/lockstep/lockstep.h"
+
+namespace kaz::lockstep {
+
+class StandRig {
+ public:
+  // A simulation that make_stand() has made.
+  explicit StandRig(std::unique_ptr<sim::Simulation> simulation);
+
+  sim::Simulation& simulation() { return *simulation_; }
+  host::Link& link() { return link_; }
+  host::Clock& clock() { return clock_; }
+  hil::Stand& stand() { return stand_; }
+
+  // The motor measurements of `options`, in simulated time.
+  Result<void> run(const hil::MotorBenchOptions& options, hil::BenchJudge& judge);
+
+ private:
+  std::unique_ptr<sim::Simulation> simulation_;
+  LockstepClock clock_{*simulation_};
+  LockstepLink link_{*simulation_};
+  hil::CommandStand stand_;
+};
+
+}  // namespace kaz::lockstep
