@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <numbers>
 #include <vector>
 
+#include "shared/base/xml_text.hpp"
 #include "sim/body/xml_file.h"
 
 namespace kaz::sim {
@@ -144,6 +146,24 @@ Result<MotorFigures> load_motor_file(const std::string& path, const std::string&
   const Motor* found = find(motors, wanted);
   if (found) return found->figures;
   return file->error(file->root(), "has no motor `" + wanted + "`; it has: " + names_of(motors));
+}
+
+std::string motor_file_text(const MotorFigures& motor, const std::string& about) {
+  std::string comment = about;
+  for (auto at = comment.find("--"); at != std::string::npos; at = comment.find("--", at))
+    comment.replace(at, 2, "- ");  // XML's comments must not have it
+  const std::string name = xml_text(motor.name);
+  std::string text = "<?xml version=\"1.0\"?>\n<!-- " + comment + " -->\n<motors default=\"" +
+                     name + "\">\n  <motor name=\"" + name + "\">\n";
+  for (const Figure& figure : kFigures) {
+    if (figure.need == Need::with_heat && motor.winding_heat_capacity == 0) continue;
+    char number[40];
+    const auto end =
+        std::to_chars(number, number + sizeof number, motor.*figure.member / figure.unit);
+    text += std::string("    <") + figure.element + " value=\"" + std::string(number, end.ptr) +
+            "\"/>\n";
+  }
+  return text + "  </motor>\n</motors>\n";
 }
 
 }  // namespace kaz::sim

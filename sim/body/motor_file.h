@@ -39,4 +39,8 @@ struct MotorFigures {
 // The motor called `name`, or the file's default where `name` is empty. Errors name file and line.
 Result<MotorFigures> load_motor_file(const std::string& path, const std::string& name);
 
+// A motor file with this motor alone, its default. `about` goes into a comment: why it is as it is.
+// load_motor_file() reads the same figures from it, to the last digit but the backlash's.
+std::string motor_file_text(const MotorFigures& motor, const std::string& about);
+
 }  // namespace kaz::sim

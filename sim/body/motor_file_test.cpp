@@ -32,6 +32,27 @@ TEST(MotorFile, VariantSaysOnlyWhatDiffers) {
   EXPECT_NEAR(original->backlash_rad, 0.00698132, 1e-8);
 }
 
+TEST(MotorFile, ReadsWhatItWrites) {
+  const test::Folder folder;
+  for (const char* name : {"", "s9204-original"}) {
+    auto motor = *load_motor_file("shared/robot/kaz/motor.xml", name);
+    motor.name = "a <new> \"one\"";
+    motor.rotor_inertia_kgm2 = 1.0 / 3000;
+    for (const bool warms : {true, false}) {
+      if (!warms) motor = motor.ideal();
+      const auto again = load_motor_file(
+          folder.write("motor.xml", motor_file_text(motor, "fitted -- by hand ---")), "");
+      ASSERT_TRUE(again) << again.error().message;
+      EXPECT_NEAR(again->backlash_rad, motor.backlash_rad, 1e-15);
+      auto same = *again;
+      same.backlash_rad = motor.backlash_rad;
+      if (warms) EXPECT_EQ(same, motor);
+      EXPECT_EQ(same.winding_heat_capacity, motor.winding_heat_capacity);
+      EXPECT_EQ(same.rotor_inertia_kgm2, motor.rotor_inertia_kgm2);
+    }
+  }
+}
+
 TEST(MotorFile, NeedsNeitherBacklashNorHeat) {
   const test::Folder folder;
   const auto motor = load_motor_file(

@@ -31,7 +31,7 @@ class ControlCommands {
     std::function<void()> clear_faults;
     std::function<Time()> now;  // simulated
     // Of a motor stand: the rest of the line, to its reply without "ok". Empty: there is none.
-    std::function<Result<nlohmann::ordered_json>(const std::string& line)> stand;
+    std::function<Result<nlohmann::ordered_json>(const std::string& line)> stand = nullptr;
   };
   explicit ControlCommands(Handlers handlers) : handlers_(std::move(handlers)) {}
   nlohmann::ordered_json answer(std::string_view line) const;

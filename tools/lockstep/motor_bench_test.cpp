@@ -52,3 +52,27 @@ TEST(MotorBench, Truth) {
   }
 }
 }
+#include "tools/lockstep/motor_fit.h"
+namespace kaz::lockstep {
+TEST(MotorFit, Recovers) {
+  sim::SimulationOptions options;
+  options.sensors = *sim::sensors_by_name("nominal");
+  options.sensor_figures = *sim::load_sensor_file("shared/robot/kaz/sensors.xml");
+  for (int k = 0; k < 4; ++k) {
+  auto altered = sim::test::motor_figures();
+  const double f = k % 2 ? 1.3 : 0.75, g = k / 2 ? 0.85 : 1.2;
+  altered.friction_nm *= f; altered.backlash_rad *= 2 - f; altered.stall_slope_nm_per_v *= g; altered.stiction_ratio = k%2 ? 1.1 : 1.6;
+  altered.back_emf_nms_per_rad *= 2.1 - g; altered.rotor_inertia_kgm2 *= k%2 ? 0.7 : 1.6; altered.winding_heat_capacity *= 1.4;
+  auto made = sim::make_stand(options, {.motor = altered});
+  StandRig rig(std::move(*made));
+  hil::BenchReport report; hil::Limits limits; hil::BenchJudge judge(report, limits);
+  auto rr = rig.run({}, judge); if (!rr) { for (auto& m: report.measurements) std::printf("%s %g %s\n", m.of->name.c_str(), m.value, m.message.c_str()); FAIL() << rr.error().message << " k " << k; }
+  auto fit = fit_motor(report, {.joint = "", .start = sim::test::motor_figures(), .board = options, .progress = nullptr});
+  ASSERT_TRUE(fit) << fit.error().message;
+  const double truth[] = {altered.stall_slope_nm_per_v, altered.friction_nm, altered.back_emf_nms_per_rad, altered.stiction_ratio, altered.rotor_inertia_kgm2, altered.backlash_rad, altered.winding_heat_capacity};
+  std::printf("rounds %d change %.4f\n", fit->rounds, fit->last_change);
+  for (size_t i = 0; i < fit->figures.size(); ++i) std::printf("%-24s before %.5f true %.5f fitted %.5f off %.2f %%\n", fit->figures[i].name.c_str(), fit->figures[i].before, truth[i], fit->figures[i].after, 100*(fit->figures[i].after/truth[i]-1));
+  for (auto& q : fit->gaps) std::printf("   %-24s %8.4f before %8.4f after %8.4f %s\n", q.name.c_str(), q.measured, q.before, q.after, q.unit.c_str());
+  }
+}
+}

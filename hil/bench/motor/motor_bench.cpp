@@ -40,9 +40,9 @@ std::vector<Part> parts_of(double supply_volts, std::optional<double>& slope) {
          measure_dead_band(motor, judge, supply_volts, slope);
        }},
       {"speed without load",
-       {"no_load.speed", "no_load.slope", "start.time_constant"},
+       {"no_load.speed", "no_load.slope", "start.time_constant", "friction.running"},
        false,
-       measure_speed},
+       [&slope](MotorOnBench& motor, BenchJudge& judge) { measure_speed(motor, judge, slope); }},
       {"step",
        {"step.rise_time", "step.overshoot", "step.settling_time", "step.error"},
        false,
@@ -69,7 +69,12 @@ void fail_rest(const Part& part, const std::string& subject,
   }
 }
 
+// After a failure. What cannot be tidied fails the next one.
 void tidy(MotorOnBench& motor, double supply_volts) {
+  try {
+    motor.come_to_rest();
+  } catch (const Failed&) {
+  }
   if (motor.has_stand()) {
     sure(motor.stand().press(motor.joint(), 0));
     sure(motor.stand().let_go(motor.joint()));
@@ -114,7 +119,6 @@ void run_part(const Part& part, MotorOnBench& motor, BenchJudge& judge, double s
     const auto& all = judge.report().measurements;
     for (std::size_t i = before; i < all.size(); ++i) entered.push_back(all[i].of->name);
     fail_rest(part, motor.name(), entered, failed.message, judge);
-    motor.come_to_rest();
     tidy(motor, supply_volts);
   }
 }
@@ -141,7 +145,8 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
     motor.come_to_rest();
     if (stand) {
       sure(stand->set_supply(options.supply_volts));
-      judge.report().conditions.emplace_back("disc_kgm2", sure(stand->disc_kgm2()));
+      judge.report().conditions = {{"disc_kgm2", sure(stand->disc_kgm2())},
+                                   {"supply_volts", options.supply_volts}};
     }
     for (std::size_t i = 0; i < parts->size(); ++i) {
       if (options.progress)

@@ -39,7 +39,8 @@ void measure_backlash(MotorOnBench& motor, BenchJudge& judge);
 // `supply_volts` afterwards, here and below.
 void measure_dead_band(MotorOnBench& motor, BenchJudge& judge, double supply_volts,
                        std::optional<double> slope_nm_per_v);
-void measure_speed(MotorOnBench& motor, BenchJudge& judge);      // no_load.*, start.*
+// no_load.*, start.*, and friction.running if the torque for each volt is known.
+void measure_speed(MotorOnBench& motor, BenchJudge& judge, std::optional<double> slope_nm_per_v);
 void measure_step(MotorOnBench& motor, BenchJudge& judge);       // step.*
 void measure_frequency(MotorOnBench& motor, BenchJudge& judge);  // frequency.*
 // stall.* and friction.sliding; returns stall.slope.

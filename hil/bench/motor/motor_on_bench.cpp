@@ -41,8 +41,8 @@ std::string MotorOnBench::name() const {
 
 void MotorOnBench::come_to_rest() {
   if (!robot_.enable(0)) {
-    sure(robot_.clear());
-    sure(robot_.enable(0));
+    asked(robot_.clear());
+    asked(robot_.enable(0));
   }
   wait(0.1);
 }
@@ -54,24 +54,24 @@ void MotorOnBench::wait(double seconds) {
 void MotorOnBench::unlock() {
   const Time now = robot_.clock().now();
   if (now < unlocked_until_) return;
-  sure(robot_.unlock(kUnlockSeconds));
+  asked(robot_.unlock(kUnlockSeconds));
   unlocked_until_ = now + std::chrono::seconds(kUnlockSeconds) - kUnlockSpare;
 }
 
 void MotorOnBench::listen(bool on) {
   // Asked again each time: the link watchdog may have ended it.
-  sure(robot_.subscribe(on ? kSampling : Time::zero(), on ? KZ_TELEMETRY_STATE : 0));
+  asked(robot_.subscribe(on ? kSampling : Time::zero(), on ? KZ_TELEMETRY_STATE : 0));
   listening_ = on;
 }
 
 void MotorOnBench::forget_telemetry() {
-  while (sure(robot_.next_telemetry(robot_.clock().now()))) continue;
+  while (asked(robot_.next_telemetry(robot_.clock().now()))) continue;
 }
 
 template <class Enough>
 void MotorOnBench::collect(Trace& to, std::uint32_t begin_tick, Time until, Enough enough) {
   while (robot_.clock().now() < until) {
-    const auto frame = sure(robot_.next_telemetry(until));
+    const auto frame = asked(robot_.next_telemetry(until));
     if (!frame || frame->selection != KZ_TELEMETRY_STATE) continue;
     const auto ms = static_cast<std::int32_t>(frame->tick - begin_tick);
     if (ms < 0) continue;
@@ -84,24 +84,24 @@ void MotorOnBench::collect(Trace& to, std::uint32_t begin_tick, Time until, Enou
 }
 
 void MotorOnBench::go_to(double angle_rad) {
-  const double at = sure(robot_.state()).angle[static_cast<std::size_t>(joint_)];
+  const double at = asked(robot_.state()).angle[static_cast<std::size_t>(joint_)];
   const double goal = std::clamp(angle_rad, lower_, upper_);
   const double takes = std::max(0.2, std::abs(goal - at) / kTravelSpeed);
-  sure(robot_.enable(bit(joint_)));
+  asked(robot_.enable(bit(joint_)));
   const host::JointTarget target{joint_, goal};
-  sure(robot_.set_targets({&target, 1}, from_seconds(takes)));
+  asked(robot_.set_targets({&target, 1}, from_seconds(takes)));
   wait(takes + 0.3);
-  const host::Posture there = sure(robot_.state());
+  const host::Posture there = asked(robot_.state());
   if ((there.status & host::kMotorsOffFaults) != 0)
     throw Failed{robot_.describe_fault(there.status)};
-  sure(robot_.enable(0));
+  asked(robot_.enable(0));
   wait(0.1);
 }
 
 Trace MotorOnBench::watch(double seconds) {
   listen(true);
   forget_telemetry();
-  const std::uint32_t begin = sure(robot_.state()).tick;
+  const std::uint32_t begin = asked(robot_.state()).tick;
   Trace trace;
   collect(trace, begin, robot_.clock().now() + from_seconds(seconds),
           [](const Sample&) { return false; });
@@ -113,7 +113,7 @@ Trace MotorOnBench::drive(double duty, double seconds, double within_rad, double
   unlock();
   listen(true);
   forget_telemetry();
-  const std::uint32_t begin = sure(robot_.raw_drive(joint_, duty, from_seconds(seconds)));
+  const std::uint32_t begin = asked(robot_.raw_drive(joint_, duty, from_seconds(seconds)));
   const Time end = robot_.clock().now() + from_seconds(seconds);
   Trace trace;
   bool near = false;
@@ -121,7 +121,7 @@ Trace MotorOnBench::drive(double duty, double seconds, double within_rad, double
     const double left = duty > 0 ? upper_ - sample.angle_rad : sample.angle_rad - lower_;
     return near = within_rad > 0 && left < within_rad;
   });
-  if (near) (void)sure(robot_.raw_drive(joint_, 0, milliseconds(1)));
+  if (near) (void)asked(robot_.raw_drive(joint_, 0, milliseconds(1)));
   if (after_s > 0) {
     collect(trace, begin, robot_.clock().now() + from_seconds(after_s),
             [](const Sample&) { return false; });
@@ -132,48 +132,48 @@ Trace MotorOnBench::drive(double duty, double seconds, double within_rad, double
 
 void MotorOnBench::keep_driving(double duty, double seconds) {
   unlock();
-  (void)sure(robot_.raw_drive(joint_, duty, from_seconds(seconds)));
+  (void)asked(robot_.raw_drive(joint_, duty, from_seconds(seconds)));
 }
 
 Trace MotorOnBench::step(double from_rad, double to_rad, double seconds) {
-  sure(robot_.enable(bit(joint_)));
+  asked(robot_.enable(bit(joint_)));
   const host::JointTarget from{joint_, from_rad}, to{joint_, to_rad};
-  sure(robot_.set_targets({&from, 1}, from_seconds(0.3)));
+  asked(robot_.set_targets({&from, 1}, from_seconds(0.3)));
   wait(0.7);
   listen(true);
   forget_telemetry();
-  const std::uint32_t begin = sure(robot_.exchange({&to, 1}, Time::zero())).tick;
+  const std::uint32_t begin = asked(robot_.exchange({&to, 1}, Time::zero())).tick;
   Trace trace;
   collect(trace, begin, robot_.clock().now() + from_seconds(seconds),
           [](const Sample&) { return false; });
   listen(false);
-  sure(robot_.enable(0));
+  asked(robot_.enable(0));
   return trace;
 }
 
 MotorOnBench::Sine MotorOnBench::follow(double middle_rad, double amplitude_rad, double hertz,
                                         double seconds) {
-  sure(robot_.enable(bit(joint_)));
+  asked(robot_.enable(bit(joint_)));
   const host::JointTarget start{joint_, middle_rad};
-  sure(robot_.set_targets({&start, 1}, from_seconds(0.3)));
+  asked(robot_.set_targets({&start, 1}, from_seconds(0.3)));
   wait(0.5);
   Sine sine;
   const Time begin = robot_.clock().now();
-  const std::uint32_t begin_tick = sure(robot_.state()).tick;
+  const std::uint32_t begin_tick = asked(robot_.state()).tick;
   const auto cycles = static_cast<int>(seconds / kaz::seconds(kCycle));
   for (int i = 0; i < cycles; ++i) {
     sure(robot_.clock().sleep_until(begin + (i + 1) * kCycle));
     const double t = kaz::seconds(robot_.clock().now() - begin);
     const double angle = middle_rad + amplitude_rad * std::sin(2 * std::numbers::pi * hertz * t);
     const host::JointTarget target{joint_, angle};
-    const host::Posture posture = sure(robot_.exchange({&target, 1}, kCycle));
+    const host::Posture posture = asked(robot_.exchange({&target, 1}, kCycle));
     if ((posture.status & host::kMotorsOffFaults) != 0)
       throw Failed{robot_.describe_fault(posture.status)};
     sine.target.push_back({t, angle, posture.supply_volts});
     sine.answer.push_back({1e-3 * static_cast<std::int32_t>(posture.tick - begin_tick),
                            posture.angle[static_cast<std::size_t>(joint_)], posture.supply_volts});
   }
-  sure(robot_.enable(0));
+  asked(robot_.enable(0));
   return sine;
 }
 

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hil/bench/motor/stand.h"
@@ -61,6 +62,12 @@ class MotorOnBench {
   Sine follow(double middle_rad, double amplitude_rad, double hertz, double seconds);
 
  private:
+  // A refusal fails the measurement: the board is there.
+  template <class T>
+  T asked(Result<T> result) {
+    if (!result && robot_.health()) throw Failed{result.error().message};
+    return sure(std::move(result));
+  }
   void unlock();
   void listen(bool on);
   void forget_telemetry();

@@ -100,7 +100,7 @@ Plot start_plot(const std::string& joint, const Run& run) {
 
 }  // namespace
 
-void measure_speed(MotorOnBench& motor, BenchJudge& judge) {
+void measure_speed(MotorOnBench& motor, BenchJudge& judge, std::optional<double> slope_nm_per_v) {
   Points points;
   std::vector<double> lags;
   Run shown;
@@ -125,6 +125,13 @@ void measure_speed(MotorOnBench& motor, BenchJudge& judge) {
               std::hypot(line.at_zero_error, kAtVolts * line.slope_error));
   judge.enter(motor.name(), "no_load.slope", line.slope, line.slope_error);
   judge.enter(motor.name(), "start.time_constant", lag.value, lag.error);
+  if (slope_nm_per_v) {
+    const double worth = *slope_nm_per_v / line.slope;
+    judge.enter(motor.name(), "friction.running", -line.at_zero * worth,
+                line.at_zero_error * worth);
+  } else {
+    judge.leave_out(motor.name(), "friction.running", "needs stall.slope in the same run");
+  }
   judge.add(speed_plot(motor.name(), points, line));
   judge.add(start_plot(motor.name(), shown));
 }

@@ -1,0 +1,323 @@
+// From a bench's report to the figures of the motor model.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/lockstep/motor_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "host/robot/posture.h"
+#include "tools/lockstep/stand_rig.h"
+
+namespace kaz::lockstep {
+namespace {
+
+using sim::MotorFigures;
+using Values = std::map<std::string, double>;  // by measurement; only those that are numbers
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr int kSeeds = 2;          // of the simulated bench in each round
+constexpr int kRough = 3;          // rounds that come near, before the fine ones
+constexpr double kSettled = 2e-3;  // relative change of every figure
+constexpr double kMostFactor = 3;  // that a round may change a figure by
+const std::vector<std::string> kCurves = {"stall", "no_load", "start", "step", "thermal", "gain"};
+
+Values values_of(const hil::BenchReport& report, const std::string& joint) {
+  Values values;
+  for (const hil::Measurement& one : report.measurements) {
+    if (one.subject == joint && one.verdict != hil::Verdict::left_out && std::isfinite(one.value))
+      values[one.of->name] = one.value;
+  }
+  return values;
+}
+
+// A figure, the measurements it takes, and its estimate by formula.
+struct Estimator {
+  const char* name;
+  const char* unit;
+  double MotorFigures::*figure;
+  std::vector<std::string> needs;
+  double (*estimate)(const Values&, double disc_kgm2);
+};
+
+// start.time_constant = (rotor + disc) / back_emf, and what gap and tick add, which is corrected.
+const std::vector<Estimator>& estimators() {
+  static const std::vector<Estimator> all = {
+      {"stall_slope",
+       "Nm/V",
+       &MotorFigures::stall_slope_nm_per_v,
+       {"stall.slope"},
+       [](const Values& v, double) { return v.at("stall.slope"); }},
+      {"friction",
+       "Nm",
+       &MotorFigures::friction_nm,
+       {"friction.running"},
+       [](const Values& v, double) { return v.at("friction.running"); }},
+      {"back_emf",
+       "Nm s/rad",
+       &MotorFigures::back_emf_nms_per_rad,
+       {"stall.slope", "no_load.slope"},
+       [](const Values& v, double) { return v.at("stall.slope") / v.at("no_load.slope"); }},
+      {"stiction_ratio",
+       "",
+       &MotorFigures::stiction_ratio,
+       {"friction.breakaway", "friction.running"},
+       [](const Values& v, double) {
+         return v.at("friction.breakaway") / v.at("friction.running");
+       }},
+      {"rotor_inertia",
+       "kg m2",
+       &MotorFigures::rotor_inertia_kgm2,
+       {"start.time_constant", "stall.slope", "no_load.slope"},
+       [](const Values& v, double) {
+         return 1e-3 * v.at("start.time_constant") * v.at("stall.slope") / v.at("no_load.slope");
+       }},
+      {"backlash",
+       "rad",
+       &MotorFigures::backlash_rad,
+       {"backlash"},
+       [](const Values& v, double) { return v.at("backlash") * kDegree; }},
+      {"winding_heat_capacity",
+       "J/K",
+       &MotorFigures::winding_heat_capacity,
+       {"thermal.torque_loss"},
+       [](const Values& v, double) { return 1 / v.at("thermal.torque_loss"); }},
+  };
+  return all;
+}
+
+bool has_all(const Estimator& estimator, const Values& values) {
+  return std::ranges::all_of(estimator.needs, [&](const std::string& name) {
+    const auto found = values.find(name);
+    return found != values.end() && found->second > 0;
+  });
+}
+
+struct Bench {
+  int joint = 0;
+  double disc_kgm2 = 0, supply_volts = 0;
+  sim::SimulationOptions board;
+};
+
+Result<hil::BenchReport> simulate(const Bench& bench, const MotorFigures& motor,
+                                  std::uint64_t seed) {
+  sim::SimulationOptions board = bench.board;
+  board.engine = "native";
+  board.seed = seed;
+  auto simulation =
+      sim::make_stand(board, {.motor = motor, .disc_kgm2 = bench.disc_kgm2, .seed = seed});
+  if (!simulation) return tl::unexpected(simulation.error());
+  StandRig rig(std::move(*simulation));
+  hil::BenchReport report;
+  const hil::Limits limits;
+  hil::BenchJudge judge(report, limits);
+  hil::MotorBenchOptions options;
+  options.joint = bench.joint;
+  options.supply_volts = bench.supply_volts;
+  if (auto ran = rig.run(options, judge); !ran) return tl::unexpected(ran.error());
+  return report;
+}
+
+struct Model {
+  Values values;            // means over the seeds
+  hil::BenchReport report;  // of the first
+};
+
+Result<Model> run_model(const Bench& bench, const MotorFigures& motor) {
+  Model model;
+  for (int i = 0; i < kSeeds; ++i) {
+    auto report = simulate(bench, motor, bench.board.seed + 1000 + static_cast<std::uint64_t>(i));
+    if (!report) return tl::unexpected(report.error());
+    const std::string joint = host::joint_table()[static_cast<std::size_t>(bench.joint)].name;
+    for (const auto& [name, value] : values_of(*report, joint))
+      model.values[name] += value / kSeeds;
+    if (i == 0) model.report = std::move(*report);
+  }
+  return model;
+}
+
+void halve_the_way(MotorFigures& motor, const MotorFigures& last) {
+  for (const Estimator& estimator : estimators())
+    motor.*estimator.figure = 0.5 * (motor.*estimator.figure + last.*estimator.figure);
+}
+
+// Returns the largest relative change. Inertia of rotor and disc together are what a start shows.
+double correct(MotorFigures& motor, const Values& measured, const Values& model, double disc) {
+  double largest = 0;
+  for (const Estimator& estimator : estimators()) {
+    if (!has_all(estimator, measured) || !has_all(estimator, model)) continue;
+    const bool with_disc = estimator.figure == &MotorFigures::rotor_inertia_kgm2;
+    const double more = with_disc ? disc : 0;
+    const double ratio =
+        std::clamp(estimator.estimate(measured, disc) / estimator.estimate(model, disc),
+                   1 / kMostFactor, kMostFactor);
+    const double before = motor.*estimator.figure;
+    double after = (before + more) * ratio - more;
+    if (estimator.figure == &MotorFigures::stiction_ratio) after = std::max(after, 1.0);
+    if (with_disc) after = std::max(after, 0.01 * disc);
+    motor.*estimator.figure = after;
+    largest = std::max(largest, std::abs(after / before - 1));
+  }
+  return largest;
+}
+
+const hil::Plot* find_plot(const hil::BenchReport& report, const std::string& joint,
+                           const std::string& id) {
+  for (const hil::Plot& plot : report.plots) {
+    if (plot.subject == joint && plot.id == id) return &plot;
+  }
+  return nullptr;
+}
+
+// What a series says at x, between its points; NaN outside.
+double at(const hil::Series& series, double x) {
+  auto points = series.points;
+  std::ranges::stable_sort(points, {}, &std::pair<double, double>::first);
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const auto& [x0, y0] = points[i - 1];
+    const auto& [x1, y1] = points[i];
+    if (x < x0 || x > x1) continue;
+    return x1 > x0 ? y0 + (y1 - y0) * (x - x0) / (x1 - x0) : 0.5 * (y0 + y1);
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+// Root mean square of the difference of two series, over the points of the first within the second.
+double difference(const hil::Series& measured, const hil::Series& model) {
+  double squares = 0;
+  int count = 0;
+  for (const auto& [x, y] : measured.points) {
+    const double there = at(model, x);
+    if (!std::isfinite(there)) continue;
+    squares += (y - there) * (y - there);
+    ++count;
+  }
+  return count > 0 ? std::sqrt(squares / count) : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string unit_of(const std::string& label) {
+  const auto comma = label.rfind(", ");
+  return comma == std::string::npos ? "" : label.substr(comma + 2);
+}
+
+void compare_curve(MotorFit& fit, const hil::Plot& measured, const hil::Plot& before,
+                   const hil::Plot& after) {
+  const hil::Series& curve = measured.series.front();
+  fit.gaps.push_back({"curve of " + measured.id, unit_of(measured.y_label),
+                      std::numeric_limits<double>::quiet_NaN(),
+                      difference(curve, before.series.front()),
+                      difference(curve, after.series.front())});
+  hil::Plot plot = measured;
+  plot.series = {curve, before.series.front(), after.series.front()};
+  const char* names[] = {"measured", "model before", "model after"};
+  const hil::Series::Style styles[] = {hil::Series::Style::points, hil::Series::Style::dashed,
+                                       hil::Series::Style::line};
+  for (std::size_t i = 0; i < plot.series.size(); ++i) {
+    plot.series[i].name = names[i];
+    plot.series[i].style = styles[i];
+    std::ranges::stable_sort(plot.series[i].points, {}, &std::pair<double, double>::first);
+  }
+  plot.caption = "Measured, and the same bench on the model before and after the fit.";
+  fit.plots.push_back(std::move(plot));
+}
+
+void compare(MotorFit& fit, const hil::BenchReport& measured, const std::string& joint,
+             const Model& before, const Model& after) {
+  for (const auto& info : hil::measurement_infos()) {
+    const Values values = values_of(measured, joint);
+    const auto found = values.find(info.name);
+    const auto was = before.values.find(info.name), is = after.values.find(info.name);
+    if (found == values.end() || was == before.values.end() || is == after.values.end()) continue;
+    fit.gaps.push_back({info.name, info.unit, found->second, was->second, is->second});
+  }
+  for (const std::string& id : kCurves) {
+    const hil::Plot* curve = find_plot(measured, joint, id);
+    const hil::Plot* was = find_plot(before.report, joint, id);
+    const hil::Plot* is = find_plot(after.report, joint, id);
+    if (curve && was && is && !curve->series.empty()) compare_curve(fit, *curve, *was, *is);
+  }
+}
+
+Result<std::string> joint_of(const hil::BenchReport& report, const std::string& wanted) {
+  std::set<std::string> joints;
+  for (const hil::Measurement& one : report.measurements) {
+    if (one.of->group == hil::BenchGroup::motor) joints.insert(one.subject);
+  }
+  if (joints.empty())
+    return fail(Fault::usage, "the report has no motor in it; `kaz bench motor` makes one");
+  if (wanted.empty() && joints.size() > 1)
+    return fail(Fault::usage, "the report is of several joints; say which one with --joint");
+  const std::string joint = wanted.empty() ? *joints.begin() : wanted;
+  if (!joints.contains(joint) || !host::joint_index(joint))
+    return fail(Fault::usage, "the report has nothing of a joint `" + joint + "`");
+  return joint;
+}
+
+Result<Bench> bench_of(const hil::BenchReport& report, const std::string& joint,
+                       const sim::SimulationOptions& board) {
+  Bench bench;
+  bench.joint = *host::joint_index(joint);
+  bench.board = board;
+  for (const auto& [name, value] : report.conditions) {
+    if (name == "disc_kgm2") bench.disc_kgm2 = value;
+    if (name == "supply_volts") bench.supply_volts = value;
+  }
+  if (!(bench.disc_kgm2 > 0) || !(bench.supply_volts > 0))
+    return fail(
+        Fault::usage,
+        "the report does not say what disc and supply it was made with; a fit needs one that "
+        "was made with a motor stand (--stand)");
+  return bench;
+}
+
+}  // namespace
+
+Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptions& options) {
+  const auto joint = joint_of(measured, options.joint);
+  if (!joint) return tl::unexpected(joint.error());
+  const auto bench = bench_of(measured, *joint, options.board);
+  if (!bench) return tl::unexpected(bench.error());
+  const Values values = values_of(measured, *joint);
+  MotorFit fit;
+  fit.motor = options.start;
+  bool any = false;
+  for (const Estimator& estimator : estimators()) any |= has_all(estimator, values);
+  if (!any)
+    return fail(Fault::usage,
+                "the report of " + *joint +
+                    " tells no figure of the motor: its measurements were left out or failed");
+  const auto tell = [&](int done) {
+    if (options.progress)
+      options.progress(static_cast<double>(done) / (options.most_rounds + 1),
+                       "the bench on the model, round " + std::to_string(done + 1));
+  };
+  tell(0);
+  const auto before = run_model(*bench, fit.motor);
+  if (!before) return tl::unexpected(before.error());
+  Model model = *before;
+  MotorFigures last = fit.motor;
+  while (fit.rounds < options.most_rounds) {
+    fit.last_change = correct(fit.motor, values, model.values, bench->disc_kgm2);
+    // Late rounds differ by the model's own noise: their middle is better than either.
+    const MotorFigures corrected = fit.motor;
+    if (fit.rounds >= kRough) halve_the_way(fit.motor, last);
+    last = corrected;
+    tell(++fit.rounds);
+    auto next = run_model(*bench, fit.motor);
+    if (!next) return tl::unexpected(next.error());
+    model = std::move(*next);
+    if (fit.last_change < kSettled) break;
+  }
+  for (const Estimator& estimator : estimators()) {
+    fit.figures.push_back({estimator.name, estimator.unit, options.start.*estimator.figure,
+                           fit.motor.*estimator.figure, has_all(estimator, values)});
+  }
+  fit.motor.name = options.start.name + "-fitted";
+  compare(fit, measured, *joint, *before, model);
+  return fit;
+}
+
+}  // namespace kaz::lockstep
