@@ -34,10 +34,10 @@ struct Measurement {
   const MeasurementInfo* of = nullptr;
   std::string subject;  // joint, "link" or "board"
   Verdict verdict = Verdict::left_out;
-  double value = 0;  // in of->unit; NaN where nothing could be measured
-  double error = 0;  // standard error of the value, 0: not known
+  double value = 0;          // in of->unit; NaN where nothing could be measured
+  double error = 0;          // standard error of the value, 0: not known
   double low = 0, high = 0;  // the limits that were applied
-  std::string message;  // why it failed or was left out
+  std::string message;       // why it failed or was left out
 };
 
 // A curve or a cloud of points.
@@ -48,8 +48,8 @@ struct Series {
 };
 
 struct Plot {
-  std::string id;       // "stall": unique within a report together with the subject
-  std::string subject;  // joint, "link" or "board"
+  std::string id;                       // "stall": unique within a report together with the subject
+  std::string subject;                  // joint, "link" or "board"
   std::string title, x_label, y_label;  // labels with their unit: "motor voltage, V"
   bool x_logarithmic = false;
   std::vector<Series> series;

@@ -41,7 +41,15 @@ double median_error(const std::vector<double>& samples) {
   return 1.2533 * standard_deviation(samples) / std::sqrt(static_cast<double>(samples.size()));
 }
 
-Line fit_line(const std::vector<std::pair<double, double>>& points) {
+Mean mean_of(const std::vector<double>& samples) {
+  if (samples.empty()) return {kNone, kNone};
+  const double error = samples.size() < 2 ? 0
+                                          : standard_deviation(samples) /
+                                                std::sqrt(static_cast<double>(samples.size()));
+  return {mean(samples), error};
+}
+
+Line fit_line(const Points& points) {
   const auto count = static_cast<double>(points.size());
   double x_mean = 0, y_mean = 0;
   for (const auto& [x, y] : points) {
@@ -53,12 +61,19 @@ Line fit_line(const std::vector<std::pair<double, double>>& points) {
     xx += (x - x_mean) * (x - x_mean);
     xy += (x - x_mean) * (y - y_mean);
   }
-  if (points.size() < 3 || !(xx > 0)) return {kNone, kNone, kNone};
-  Line line{0, xy / xx, 0};
-  line.offset = y_mean - line.slope * x_mean;
+  if (points.size() < 3 || !(xx > 0)) return {kNone, kNone, kNone, kNone, kNone};
+  Line line;
+  line.slope = xy / xx;
+  line.at_zero = y_mean - line.slope * x_mean;
   double rest = 0;
-  for (const auto& [x, y] : points) rest += std::pow(y - line.offset - line.slope * x, 2);
-  line.slope_error = std::sqrt(rest / (count - 2) / xx);
+  for (const auto& [x, y] : points) {
+    const double off = y - line(x);
+    line.worst = std::max(line.worst, std::abs(off));
+    rest += off * off;
+  }
+  const double sigma = std::sqrt(rest / (count - 2));
+  line.slope_error = sigma / std::sqrt(xx);
+  line.at_zero_error = sigma * std::sqrt(1 / count + x_mean * x_mean / xx);
   return line;
 }
 

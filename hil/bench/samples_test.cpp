@@ -32,7 +32,7 @@ TEST(Samples, ALineIsFoundAgain) {
   std::vector<std::pair<double, double>> points;
   for (int i = 0; i < 50; ++i) points.emplace_back(i, 3 - 0.25 * i);
   const Line exact = fit_line(points);
-  EXPECT_NEAR(exact.offset, 3, 1e-12);
+  EXPECT_NEAR(exact.at_zero, 3, 1e-12);
   EXPECT_NEAR(exact.slope, -0.25, 1e-12);
   EXPECT_NEAR(exact.slope_error, 0, 1e-12);
   for (int i = 0; i < 50; ++i) points[static_cast<std::size_t>(i)].second += i % 2 ? 0.1 : -0.1;

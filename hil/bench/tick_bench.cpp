@@ -170,7 +170,7 @@ class TickBench {
     std::vector<double> late_ms;
     Series plotted{"telemetry", Series::Style::points, {}};
     for (const auto& [tick_s, at_s] : moments) {
-      late_ms.push_back(to_nanoseconds(1e3 * (at_s - line.offset - line.slope * tick_s)));
+      late_ms.push_back(to_nanoseconds(1e3 * (at_s - line.at_zero - line.slope * tick_s)));
       plotted.points.emplace_back(tick_s, late_ms.back());
     }
     const double jitter = standard_deviation(late_ms);

@@ -42,7 +42,6 @@ class ControlSocketReset final : public BoardReset {
   std::string name() const override { return "ctl:" + path_; }
 
  private:
-  Result<void> command(const std::string& line) const;
   std::string path_;
 };
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/robot/connect.h"
 
+#include <cstdio>
+
 #include "shared/protocol/messages.h"
 
 namespace kaz::host {
@@ -74,6 +76,14 @@ Result<kz_identify_reply> identify_board(Requester& requester) {
                                         ": this is another robot's board");
   }
   return identity;
+}
+
+std::string board_text(const kz_identify_reply& identity) {
+  char text[120];
+  std::snprintf(text, sizeof text, "Kaz servo board, protocol %u, firmware %u.%u, build %08x",
+                identity.protocol_version, identity.firmware_version >> 8u,
+                identity.firmware_version & 0xFFu, static_cast<unsigned>(identity.build_id));
+  return text;
 }
 
 }  // namespace kaz::host

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 #include "host/robot/requester.h"
 
 namespace kaz::host {
@@ -10,5 +12,8 @@ namespace kaz::host {
 // case: nothing answers; something answers that is no Kaz board, with its first bytes; the line
 // echoes; the protocol version or the number of joints is another.
 Result<kz_identify_reply> identify_board(Requester& requester);
+
+// "Kaz servo board, protocol 2, firmware 0.2, build 1a2b3c4d"
+std::string board_text(const kz_identify_reply& identity);
 
 }  // namespace kaz::host

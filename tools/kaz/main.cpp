@@ -72,6 +72,7 @@ int parse_and_run(int argc, char** argv) {
   kaz::tools::add_replay(program, action);
   kaz::tools::add_mcu(program, action);
   kaz::tools::add_conformance(program, action);
+  kaz::tools::add_bench(program, action);
   kaz::tools::add_flash(program, action);
   kaz::tools::add_fuzz(program, action);
   kaz::tools::add_status(program, action);

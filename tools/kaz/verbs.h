@@ -45,6 +45,7 @@ void add_calibrate(CLI::App& program, Action& action);
 void add_replay(CLI::App& program, Action& action);
 void add_mcu(CLI::App& program, Action& action);
 void add_conformance(CLI::App& program, Action& action);
+void add_bench(CLI::App& program, Action& action);
 void add_flash(CLI::App& program, Action& action);
 void add_fuzz(CLI::App& program, Action& action);
 void add_status(CLI::App& program, Action& action);

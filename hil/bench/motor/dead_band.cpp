@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "hil/bench/motor/line_fit.h"
 #include "hil/bench/motor/motor_bench.h"
+#include "hil/bench/samples.h"
 
 namespace kaz::hil {
 namespace {

@@ -5,8 +5,8 @@
 #include <complex>
 #include <numbers>
 
-#include "hil/bench/motor/line_fit.h"
 #include "hil/bench/motor/motor_bench.h"
+#include "hil/bench/samples.h"
 
 namespace kaz::hil {
 namespace {
@@ -44,6 +44,7 @@ StepFigures figures_of(const Trace& trace, double from, double to) {
   for (const Sample& sample : trace) {
     if (sample.t_s >= kStepEnd) rest.push_back(sample.angle_rad);
   }
+  check(!rest.empty(), "no readings came");
   const double end = mean_of(rest).value;
   StepFigures figures;
   figures.rise_ms = 1e3 * (passes(trace, from, way, 0.9) - passes(trace, from, way, 0.1));
@@ -107,7 +108,7 @@ void measure_step(MotorOnBench& motor, BenchJudge& judge) {
       rise.push_back(figures.rise_ms);
       overshoot.push_back(figures.overshoot);
       settling.push_back(figures.settling_ms);
-      error.push_back(sign * figures.error_mrad);
+      error.push_back(std::abs(figures.error_mrad));
       if (round > 0) continue;
       for (const Sample& sample : trace)
         (sign > 0 ? up : down)

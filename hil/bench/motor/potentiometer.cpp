@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "hil/bench/motor/line_fit.h"
 #include "hil/bench/motor/motor_bench.h"
+#include "hil/bench/samples.h"
 #include "shared/board/table.h"
 
 namespace kaz::hil {
@@ -36,9 +36,9 @@ Plot line_plot(const std::string& joint, const Points& read, const Line& line) {
 void measure_potentiometer_noise(MotorOnBench& motor, BenchJudge& judge) {
   std::vector<double> codes;
   for (const Sample& sample : motor.watch(2)) codes.push_back(sample.angle_rad / kCode);
-  const Mean mean = mean_of(codes);
-  judge.enter(motor.name(), "pot.noise", mean.deviation,
-              mean.deviation / std::sqrt(2.0 * static_cast<double>(codes.size())));
+  const double noise = standard_deviation(codes);
+  judge.enter(motor.name(), "pot.noise", noise,
+              noise / std::sqrt(2.0 * static_cast<double>(codes.size())));
 }
 
 void measure_potentiometer_line(MotorOnBench& motor, BenchJudge& judge) {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <optional>
 
-#include "hil/bench/motor/line_fit.h"
 #include "hil/bench/motor/motor_bench.h"
+#include "hil/bench/samples.h"
 
 namespace kaz::hil {
 namespace {

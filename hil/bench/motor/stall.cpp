@@ -5,8 +5,8 @@
 
 #include <Eigen/Dense>
 
-#include "hil/bench/motor/line_fit.h"
 #include "hil/bench/motor/motor_bench.h"
+#include "hil/bench/samples.h"
 
 namespace kaz::hil {
 namespace {

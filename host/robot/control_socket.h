@@ -1,0 +1,15 @@
+// The simulator's control socket, seen from the host: what a pty has no wires for.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::host {
+
+// Sends one request (docs/simulator.md) to the socket `path` and returns its reply, one JSON object.
+// Errors (environment): nobody there, no reply within 5 s, or the request was refused.
+Result<std::string> ask_control_socket(const std::string& path, const std::string& line);
+
+}  // namespace kaz::host

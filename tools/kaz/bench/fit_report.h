@@ -1,0 +1,18 @@
+// A fit of the motor model for machines and people.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "tools/lockstep/motor_fit.h"
+
+namespace kaz::tools {
+
+nlohmann::ordered_json fit_json(const lockstep::MotorFit& fit);
+// One page with the figures, the gap before and after, and the curves. `from`: the report's name.
+std::string fit_html(const lockstep::MotorFit& fit, const std::string& from);
+// The same figures and gaps as lines of text.
+std::string fit_text(const lockstep::MotorFit& fit);
+
+}  // namespace kaz::tools
