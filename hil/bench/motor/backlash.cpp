@@ -20,7 +20,6 @@ constexpr double kWatched = 2;  // s
 
 void measure_backlash(MotorOnBench& motor, BenchJudge& judge) {
   Stand& stand = motor.stand();
-  motor.go_to(motor.middle_rad());
   const auto pressed = [&](double torque) {
     sure(stand.press(motor.joint(), torque));
     motor.wait(stand.settling_s());

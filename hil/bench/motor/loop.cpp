@@ -130,7 +130,7 @@ void measure_step(MotorOnBench& motor, BenchJudge& judge) {
              "way, rad",
              false,
              {up, down, {"target", Series::Style::dashed, {{0, kStepWay}, {600, kStepWay}}}},
-             "0.3 rad at once, with the board's gains and its ramp of 6 rad/s."});
+             "0.3 rad at once, with 20 /rad, 0.15 s/rad and the board's ramp of 6 rad/s."});
 }
 
 void measure_frequency(MotorOnBench& motor, BenchJudge& judge) {
@@ -164,7 +164,7 @@ void measure_frequency(MotorOnBench& motor, BenchJudge& judge) {
        true,
        {{"answer over target", Series::Style::line, gain},
         {"-3 dB", Series::Style::dashed, {{kHertz[0], -3}, {kHertz[std::size(kHertz) - 1], -3}}}},
-       "Sines of 0.05 rad, targets every 10 ms, with the board's gains."});
+       "Sines of 0.05 rad, targets every 10 ms, with 20 /rad and 0.15 s/rad."});
   judge.add({"phase",
              motor.name(),
              "Frequency response: phase",

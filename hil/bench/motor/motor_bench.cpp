@@ -141,7 +141,7 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
     return fail(Fault::usage,
                 "joints have the numbers 0 to 17, not " + std::to_string(options.joint));
   try {
-    MotorOnBench motor(robot, stand, options.joint);
+    MotorOnBench motor(robot, stand, options.joint, options.gains);
     motor.come_to_rest();
     if (stand) {
       sure(stand->set_supply(options.supply_volts));

@@ -23,16 +23,19 @@ std::uint32_t bit(int joint) {
 
 }  // namespace
 
-MotorOnBench::MotorOnBench(host::Robot& robot, Stand* stand, int joint)
+MotorOnBench::MotorOnBench(host::Robot& robot, Stand* stand, int joint, const host::Gains& gains)
     : robot_(robot), stand_(stand), joint_(joint) {
   const host::JointSettings settings = sure(robot_.settings(joint));
   lower_ = settings.limits.lower_rad;
   upper_ = settings.limits.upper_rad;
+  own_gains_ = settings.gains;
+  sure(robot_.set_gains(bit(joint), gains));
 }
 
 MotorOnBench::~MotorOnBench() {
   if (listening_) (void)robot_.subscribe(Time::zero(), 0);
   robot_.disable_all();
+  (void)robot_.set_gains(bit(joint_), own_gains_);
 }
 
 std::string MotorOnBench::name() const {
@@ -47,8 +50,8 @@ void MotorOnBench::come_to_rest() {
   wait(0.1);
 }
 
-void MotorOnBench::wait(double seconds) {
-  sure(robot_.clock().sleep_until(robot_.clock().now() + from_seconds(seconds)));
+void MotorOnBench::wait(double length_s) {
+  sure(robot_.clock().sleep_until(robot_.clock().now() + from_seconds(length_s)));
 }
 
 void MotorOnBench::unlock() {
@@ -98,23 +101,23 @@ void MotorOnBench::go_to(double angle_rad) {
   wait(0.1);
 }
 
-Trace MotorOnBench::watch(double seconds) {
+Trace MotorOnBench::watch(double length_s) {
   listen(true);
   forget_telemetry();
   const std::uint32_t begin = asked(robot_.state()).tick;
   Trace trace;
-  collect(trace, begin, robot_.clock().now() + from_seconds(seconds),
+  collect(trace, begin, robot_.clock().now() + from_seconds(length_s),
           [](const Sample&) { return false; });
   listen(false);
   return trace;
 }
 
-Trace MotorOnBench::drive(double duty, double seconds, double within_rad, double after_s) {
+Trace MotorOnBench::drive(double duty, double length_s, double within_rad, double after_s) {
   unlock();
   listen(true);
   forget_telemetry();
-  const std::uint32_t begin = asked(robot_.raw_drive(joint_, duty, from_seconds(seconds)));
-  const Time end = robot_.clock().now() + from_seconds(seconds);
+  const std::uint32_t begin = asked(robot_.raw_drive(joint_, duty, from_seconds(length_s)));
+  const Time end = robot_.clock().now() + from_seconds(length_s);
   Trace trace;
   bool near = false;
   collect(trace, begin, end, [&](const Sample& sample) {
@@ -130,12 +133,12 @@ Trace MotorOnBench::drive(double duty, double seconds, double within_rad, double
   return trace;
 }
 
-void MotorOnBench::keep_driving(double duty, double seconds) {
+void MotorOnBench::keep_driving(double duty, double length_s) {
   unlock();
-  (void)asked(robot_.raw_drive(joint_, duty, from_seconds(seconds)));
+  (void)asked(robot_.raw_drive(joint_, duty, from_seconds(length_s)));
 }
 
-Trace MotorOnBench::step(double from_rad, double to_rad, double seconds) {
+Trace MotorOnBench::step(double from_rad, double to_rad, double length_s) {
   asked(robot_.enable(bit(joint_)));
   const host::JointTarget from{joint_, from_rad}, to{joint_, to_rad};
   asked(robot_.set_targets({&from, 1}, from_seconds(0.3)));
@@ -144,7 +147,7 @@ Trace MotorOnBench::step(double from_rad, double to_rad, double seconds) {
   forget_telemetry();
   const std::uint32_t begin = asked(robot_.exchange({&to, 1}, Time::zero())).tick;
   Trace trace;
-  collect(trace, begin, robot_.clock().now() + from_seconds(seconds),
+  collect(trace, begin, robot_.clock().now() + from_seconds(length_s),
           [](const Sample&) { return false; });
   listen(false);
   asked(robot_.enable(0));
@@ -152,7 +155,7 @@ Trace MotorOnBench::step(double from_rad, double to_rad, double seconds) {
 }
 
 MotorOnBench::Sine MotorOnBench::follow(double middle_rad, double amplitude_rad, double hertz,
-                                        double seconds) {
+                                        double length_s) {
   asked(robot_.enable(bit(joint_)));
   const host::JointTarget start{joint_, middle_rad};
   asked(robot_.set_targets({&start, 1}, from_seconds(0.3)));
@@ -160,7 +163,7 @@ MotorOnBench::Sine MotorOnBench::follow(double middle_rad, double amplitude_rad,
   Sine sine;
   const Time begin = robot_.clock().now();
   const std::uint32_t begin_tick = asked(robot_.state()).tick;
-  const auto cycles = static_cast<int>(seconds / kaz::seconds(kCycle));
+  const auto cycles = static_cast<int>(length_s / kaz::seconds(kCycle));
   for (int i = 0; i < cycles; ++i) {
     sure(robot_.clock().sleep_until(begin + (i + 1) * kCycle));
     const double t = kaz::seconds(robot_.clock().now() - begin);

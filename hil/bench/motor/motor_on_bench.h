@@ -26,8 +26,9 @@ using Trace = std::vector<Sample>;
 
 class MotorOnBench {
  public:
-  // `stand` may be null. The robot's link watchdog must be 0.5 s or more.
-  MotorOnBench(host::Robot& robot, Stand* stand, int joint);
+  // `stand` may be null. The robot's link watchdog must be 0.5 s or more. The joint gets these gains;
+  // it has its own again afterwards.
+  MotorOnBench(host::Robot& robot, Stand* stand, int joint, const host::Gains& gains);
   ~MotorOnBench();
   MotorOnBench(const MotorOnBench&) = delete;
   MotorOnBench& operator=(const MotorOnBench&) = delete;
@@ -43,23 +44,23 @@ class MotorOnBench {
 
   // All motors off and nothing latched. The same before each measurement.
   void come_to_rest();
-  void wait(double seconds);
+  void wait(double length_s);
   // By the loop, then off.
   void go_to(double angle_rad);
   // The motor off: what its potentiometer tells, every 5 ms.
-  Trace watch(double seconds);
+  Trace watch(double length_s);
   // Duty -1..1, rounded to 1/255, for that long or, with a shaft that may turn, until it has come
   // `within_rad` of the limit it runs to; then off, and watched for `after_s` more.
-  Trace drive(double duty, double seconds, double within_rad = 0, double after_s = 0);
+  Trace drive(double duty, double length_s, double within_rad = 0, double after_s = 0);
   // Without watching: a drive that goes on from the one before.
-  void keep_driving(double duty, double seconds);
+  void keep_driving(double duty, double length_s);
   // The loop's answer to a step of the target, from rest at `from`.
-  Trace step(double from_rad, double to_rad, double seconds);
+  Trace step(double from_rad, double to_rad, double length_s);
   struct Sine {
     Trace target, answer;
   };
   // The loop led along middle + amplitude sin(2 pi f t), a new target every 10 ms.
-  Sine follow(double middle_rad, double amplitude_rad, double hertz, double seconds);
+  Sine follow(double middle_rad, double amplitude_rad, double hertz, double length_s);
 
  private:
   // A refusal fails the measurement: the board is there.
@@ -78,6 +79,7 @@ class MotorOnBench {
   host::Robot& robot_;
   Stand* stand_;
   int joint_;
+  host::Gains own_gains_;
   double lower_ = 0, upper_ = 0;
   bool listening_ = false;
   Time unlocked_until_{};
