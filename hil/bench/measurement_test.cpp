@@ -79,7 +79,6 @@ TEST(MeasurementTable, ThePageTellsTheSame) {
   ASSERT_TRUE(file) << "to be run in the root of the tree";
   const std::string page{std::istreambuf_iterator<char>(file), {}};
   for (const MeasurementInfo& info : measurement_infos()) {
-    if (info.group == BenchGroup::motor) continue;
     const std::string row = "| `" + info.name + "` | " + (info.unit.empty() ? "–" : info.unit) +
                             " | " + limits_text(info.low, info.high) + " | " +
                             info.text.substr(0, 20);

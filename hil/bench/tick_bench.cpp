@@ -108,21 +108,31 @@ class TickBench {
                     note.empty() ? "" : ", ", load_hz_);
       note += text;
     }
+    double worst = kShare * after.worst_8states;
+    for (const auto* frames : {&quiet_, &loaded_}) {
+      for (const Arrival& arrival : *frames) worst = std::max(worst, kPercent * arrival.worst);
+    }
+    if (quantile(lengths, 1) == 0 && worst == 0) {
+      constexpr const char* kNoTimer = "this board has no timer that measures its ticks";
+      judge_.leave_out(kSubject, "tick.median", kNoTimer);
+      judge_.leave_out(kSubject, "tick.worst", kNoTimer);
+      return enter_missed(before, after);
+    }
     if (line_.can_stream()) {
       judge_.enter(kSubject, "tick.median", quantile(lengths, 0.5), median_error(lengths), note);
     } else {
       judge_.leave_out(kSubject, "tick.median", kNoStream);
     }
-    double worst = kShare * after.worst_8states;
-    for (const auto* frames : {&quiet_, &loaded_}) {
-      for (const Arrival& arrival : *frames) worst = std::max(worst, kPercent * arrival.worst);
-    }
     judge_.enter(kSubject, "tick.worst", worst);
+    enter_missed(before, after);
+    if (line_.can_stream()) plot_lengths();
+  }
+
+  void enter_missed(const kz_statistics_reply& before, const kz_statistics_reply& after) {
     judge_.enter(kSubject, "tick.missed", after.missed_ticks - before.missed_ticks, 0,
                  before.missed_ticks == 0
                      ? ""
                      : std::to_string(before.missed_ticks) + " more before this measurement");
-    if (line_.can_stream()) plot_lengths();
   }
 
   double board_seconds(const Arrival& arrival) const {

@@ -27,10 +27,10 @@ void expect_recovered(const sim::MotorFigures& motor) {
   const BenchReport measured = measure_motor(test);
   const auto fit = fit_motor(measured, from_kaz());
   ASSERT_TRUE(fit) << fit.error().message;
-  const auto near = [&](const char* what, double found, double truth) {
+  const auto near = [&](const char* what, double found, double truth, double share = 0.05) {
     std::printf("%-16s %.5g, fitted %.5g: %+.1f %%\n", what, truth, found,
                 100 * (found / truth - 1));
-    EXPECT_NEAR(found, truth, 0.05 * truth) << what;
+    EXPECT_NEAR(found, truth, share * truth) << what;
   };
   const sim::MotorFigures& found = fit->motor;
   near("gain", found.stall_slope_nm_per_v, motor.stall_slope_nm_per_v);
@@ -39,7 +39,8 @@ void expect_recovered(const sim::MotorFigures& motor) {
   near("dead band", found.friction_nm * found.stiction_ratio / found.stall_slope_nm_per_v,
        motor.friction_nm * motor.stiction_ratio / motor.stall_slope_nm_per_v);
   near("back-EMF", found.back_emf_nms_per_rad, motor.back_emf_nms_per_rad);
-  near("rotor inertia", found.rotor_inertia_kgm2, motor.rotor_inertia_kgm2);
+  // A start shows it together with the disc, of which it is the smaller part.
+  near("rotor inertia", found.rotor_inertia_kgm2, motor.rotor_inertia_kgm2, 0.1);
   near("heat capacity", found.winding_heat_capacity, motor.winding_heat_capacity);
   // The model is nearer to the motor in everything that was fitted, and in the curves.
   for (const lockstep::Gap& gap : fit->gaps) {

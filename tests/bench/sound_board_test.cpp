@@ -24,6 +24,7 @@ std::unique_ptr<sim::Mcu> make_engine(const std::string& engine) {
 
 class SoundBoard : public ::testing::TestWithParam<const char*> {
  protected:
+  std::string engine() const { return GetParam(); }
   lockstep::VirtualBench board_{make_engine(GetParam())};
 };
 
@@ -39,9 +40,16 @@ TEST_P(SoundBoard, PassesAllOfTheLink) {
 
 TEST_P(SoundBoard, PassesAllOfTheTick) {
   const BenchReport report = measure_tick(board_, board_);
-  EXPECT_EQ(names_with(report, Verdict::passed), names_of(BenchGroup::tick)) << all_values(report);
+  // The engine native has no timer that measures its ticks.
+  Names due = names_of(BenchGroup::tick);
+  if (engine() == "native") {
+    due.erase("tick.median");
+    due.erase("tick.worst");
+  }
+  EXPECT_EQ(names_with(report, Verdict::passed), due) << all_values(report);
+  EXPECT_EQ(failed(report), Names{});
   EXPECT_NEAR(value(report, "tick.clock_error"), 0, 1);
-  EXPECT_EQ(report.plots.size(), 2u);
+  EXPECT_EQ(report.plots.size(), engine() == "native" ? 1u : 2u);
 }
 
 TEST_P(SoundBoard, PassesWithItsJointsOnAndHoldsThem) {
@@ -52,12 +60,7 @@ TEST_P(SoundBoard, PassesWithItsJointsOnAndHoldsThem) {
   TickBenchOptions tick;
   tick.allow_motion = true;
   const BenchReport report = measure_tick(board_, board_, tick);
-  // All joints on cost this firmware 46 to 47 % of a tick (docs/benchmarks.md): past the limit, and
-  // the bench says so.
-  Names wrong = failed(report);
-  wrong.erase("tick.median");
-  EXPECT_EQ(wrong, Names{}) << all_values(report);
-  EXPECT_LT(value(report, "tick.median"), 50);
+  EXPECT_EQ(failed(report), Names{}) << all_values(report);
   for (int joint = 0; joint < KZ_JOINTS; ++joint) {
     EXPECT_NEAR(board_.angle_rad(joint), 0, 0.02);
     EXPECT_EQ(board_.drive(joint), 0) << "motors are off again";

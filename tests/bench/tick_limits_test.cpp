@@ -33,11 +33,11 @@ BenchReport measure_with(RewritingLink::Change change) {
 
 TEST(TickLimits, Median) {
   const BenchReport report = measure_with(
-      change_health([](kz_telemetry_health& h) { h.busy_8states = in_8states(0.46); }));
+      change_health([](kz_telemetry_health& h) { h.busy_8states = in_8states(0.51); }));
   EXPECT_EQ(failed(report), Names{"tick.median"}) << all_values(report);
-  EXPECT_NEAR(value(report, "tick.median"), 46, 0.1);
+  EXPECT_NEAR(value(report, "tick.median"), 51, 0.1);
   const BenchReport below = measure_with(
-      change_health([](kz_telemetry_health& h) { h.busy_8states = in_8states(0.44); }));
+      change_health([](kz_telemetry_health& h) { h.busy_8states = in_8states(0.49); }));
   EXPECT_EQ(failed(below), Names{}) << all_values(below);
 }
 

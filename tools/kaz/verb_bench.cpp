@@ -137,6 +137,18 @@ Result<void> measure(const Arguments& arguments, const std::vector<int>& joints,
   return measure_motors(arguments, joints, target, judge, part(motor));
 }
 
+// For pages and papers: each plot of the report as a file of its own.
+Result<void> leave_plots(const OutputFolder& folder, const std::vector<hil::Plot>& plots) {
+  const auto into = OutputFolder::open(folder.path("plots"));
+  if (!into) return tl::unexpected(into.error());
+  for (const hil::Plot& plot : plots) {
+    if (auto written = write(*into, plot.subject + "-" + plot.id + ".svg", hil::plot_svg(plot));
+        !written)
+      return written;
+  }
+  return {};
+}
+
 Result<void> leave_reports(const OutputFolder& folder, const hil::BenchReport& report) {
   const std::pair<const char*, std::string> files[] = {
       {"report.html", hil::bench_html(report)},
@@ -147,7 +159,7 @@ Result<void> leave_reports(const OutputFolder& folder, const hil::BenchReport& r
   for (const auto& [name, text] : files) {
     if (auto written = write(folder, name, text); !written) return written;
   }
-  return {};
+  return leave_plots(folder, report.plots);
 }
 
 Result<std::string> describe(BenchTarget& target) {
@@ -221,6 +233,12 @@ Result<lockstep::MotorFitOptions> fit_options(const FitArguments& arguments) {
       sim::load_sensor_file(std::filesystem::path(*standard).replace_filename("sensors.xml"));
   if (!sensors) return tl::unexpected(sensors.error());
   options.board.sensor_figures = *sensors;
+  options.board.engine = arguments.model.engine;
+  if (options.board.engine == "h8") {
+    const auto image = firmware_image(arguments.model.image);
+    if (!image) return tl::unexpected(image.error());
+    options.board.image_path = *image;
+  }
   options.board.sensors = *sim::sensors_by_name("nominal");
   options.board.seed = arguments.model.seed;
   return options;
@@ -254,6 +272,7 @@ Result<Outcome> fit(const FitArguments& arguments) {
     if (auto written = write(*folder, name, content); !written)
       return tl::unexpected(written.error());
   }
+  if (auto left = leave_plots(*folder, fitted->plots); !left) return tl::unexpected(left.error());
   if (auto written = folder->write_json("result.json", fit_json(*fitted)); !written)
     return tl::unexpected(written.error());
   if (arguments.json) {
@@ -300,8 +319,9 @@ void add_common(CLI::App& verb, Arguments& arguments) {
                   "JSON file with limits other than those of `kaz bench list`: "
                   "{\"stall.torque_10v\": {\"low\": 2.0, \"high\": 2.3}}")
       ->type_name("FILE");
-  verb.add_option("--out", arguments.out,
-                  "folder for report.html, result.json, measurements.csv, curves.csv, junit.xml")
+  verb.add_option(
+          "--out", arguments.out,
+          "folder for report.html, result.json, measurements.csv, curves.csv, junit.xml, plots/")
       ->capture_default_str()
       ->type_name("DIR");
   verb.add_flag("--json", arguments.json, "the report as JSON on standard output, nothing else");
@@ -365,9 +385,17 @@ void add_fit(CLI::App& bench_verb, Action& action) {
   verb->add_option("--motor", arguments->model.motor,
                    "the motor of that file; without it the file's default")
       ->type_name("NAME");
+  verb->add_option(
+          "--mcu", arguments->model.engine,
+          "of the model's board: h8 executes the firmware image, native is five times as fast "
+          "and 0.1 ms off in a start")
+      ->check(CLI::IsMember({"h8", "native"}))
+      ->capture_default_str();
+  verb->add_option("--image", arguments->model.image, "firmware image for h8: S-record or COFF");
   verb->add_option("--seed", arguments->model.seed, "of the noise on the model's bench")
       ->capture_default_str();
-  verb->add_option("--out", arguments->out, "folder for motor.xml, report.html, result.json")
+  verb->add_option("--out", arguments->out,
+                   "folder for motor.xml, report.html, result.json, plots/")
       ->capture_default_str()
       ->type_name("DIR");
   verb->add_flag("--json", arguments->json, "the result as JSON on standard output");

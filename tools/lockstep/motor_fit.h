@@ -44,7 +44,9 @@ struct MotorFit {
 struct MotorFitOptions {
   std::string joint;             // subject of the report; empty: the only one there is
   sim::MotorFigures start;       // the model before
-  sim::SimulationOptions board;  // sensors and seed of the simulated board; its engine is native
+  // The simulated board: engine and image, sensors, seed. The firmware's own timing is part of what
+  // the bench measures, some 0.1 ms of a start: h8 is the model of a real board.
+  sim::SimulationOptions board;
   int most_rounds = 6;
   std::function<void(double share, const std::string& what)> progress;
 };

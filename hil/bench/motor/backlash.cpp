@@ -14,7 +14,8 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kPress = 0.03;  // Nm
 // Each reading is off by half a code: some thousand of them find a hundredth of the way.
 constexpr int kRounds = 8;
-constexpr double kWatched = 2;  // s
+constexpr double kWatched = 2;         // s
+constexpr std::ptrdiff_t kShown = 20;  // readings to a point of the plot
 
 }  // namespace
 
@@ -27,9 +28,11 @@ void measure_backlash(MotorOnBench& motor, BenchJudge& judge) {
   };
   Series shown{"angle", Series::Style::line, {}};
   double at = 0;
+  // Means of 0.1 s: single readings jump by whole codes.
   const auto show = [&](const Trace& trace) {
-    for (const Sample& sample : trace)
-      shown.points.emplace_back(at + sample.t_s, sample.angle_rad / kDegree);
+    for (auto first = trace.begin(); trace.end() - first >= kShown; first += kShown) {
+      shown.points.emplace_back(at + first->t_s, mean_angle({first, first + kShown}) / kDegree);
+    }
     at += kWatched;
   };
   std::vector<double> ways;
@@ -51,7 +54,7 @@ void measure_backlash(MotorOnBench& motor, BenchJudge& judge) {
        false,
        {shown},
        "The shaft pressed with 0.03 Nm backward and forward in turn, motor off: the step is the "
-       "backlash, the rest the potentiometer's noise."});
+       "backlash. Means of 0.1 s."});
 }
 
 }  // namespace kaz::hil

@@ -16,6 +16,7 @@ constexpr double kFromLimit = 0.08;  // rad, where a run begins
 constexpr double kSteady = 0.06;     // s after which the start is over
 constexpr double kPress = 0.03;      // Nm, to begin with the gear's flanks on the driving side
 constexpr double kAtVolts = 10;
+constexpr double kShown = 0.06;     // s, of a start
 constexpr std::size_t kFewest = 6;  // readings at steady speed
 
 // Where a run is broken off, rad before the limit: near one the board holds fast joints back, and the disc
@@ -82,10 +83,10 @@ Plot start_plot(const std::string& joint, const Run& run) {
   Series measured{"angle", Series::Style::points, {}},
       steady{"steady speed", Series::Style::dashed, {}};
   for (const Sample& sample : run.trace) {
-    if (sample.t_s < 0.15)
+    if (sample.t_s < kShown)
       measured.points.emplace_back(1e3 * sample.t_s, sample.angle_rad - run.from);
   }
-  for (const double t : {run.lag, 0.15})
+  for (const double t : {run.lag, kShown})
     steady.points.emplace_back(1e3 * t, run.speed * (t - run.lag));
   return {"start",
           joint,

@@ -215,7 +215,7 @@ class Drawing {
   }
 
   static std::string dot(Point at, const char* of_color) {
-    return "<circle cx=\"" + px(at.x) + "\" cy=\"" + px(at.y) + "\" r=\"2.2\" fill=\"" + of_color +
+    return "<circle cx=\"" + px(at.x) + "\" cy=\"" + px(at.y) + "\" r=\"3\" fill=\"" + of_color +
            "\" fill-opacity=\"0.75\"/>\n";
   }
 
