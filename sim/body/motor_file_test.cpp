@@ -46,7 +46,9 @@ TEST(MotorFile, ReadsWhatItWrites) {
       EXPECT_NEAR(again->backlash_rad, motor.backlash_rad, 1e-15);
       auto same = *again;
       same.backlash_rad = motor.backlash_rad;
-      if (warms) EXPECT_EQ(same, motor);
+      if (warms) {
+        EXPECT_EQ(same, motor);
+      }
       EXPECT_EQ(same.winding_heat_capacity, motor.winding_heat_capacity);
       EXPECT_EQ(same.rotor_inertia_kgm2, motor.rotor_inertia_kgm2);
     }
