@@ -103,7 +103,8 @@ void ServoBoard::set_motion(const ImuMotion& motion) {
 template <class A>
 void ServoBoard::transfer(A& a) {
   a(power_, now_, off_time_, pot_, pot_faults_, options_.supply_volts, supply_current_,
-    supply_change_, motor_current_, heated_to_, heat_, pins_, integrated_from_, integrated_to_, enabled_states_, duty_states_);
+    supply_change_, motor_current_, heated_to_, heat_, pins_, integrated_from_, integrated_to_,
+    enabled_states_, duty_states_);
   if (imu_) a(*imu_);
 }
 
