@@ -1,7 +1,7 @@
 // The application's header, and the mark of vectors and loader.
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/flash/image.h"
 #include "kz_build_id.h"
+#include "shared/flash/image.h"
 #include "shared/servo/servo.h"
 
 typedef char header_has_32_bytes[sizeof(kz_image_header) == 32 ? 1 : -1];

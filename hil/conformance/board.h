@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "hil/conformance/bench.h"
-#include "hil/report/check.h"
 #include "hil/conformance/message.h"
+#include "hil/report/check.h"
 #include "host/robot/link.h"
 #include "shared/protocol/messages.h"
 

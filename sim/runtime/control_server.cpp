@@ -62,9 +62,8 @@ Json ControlCommands::fault(const std::string& line) const {
 }
 
 Json ControlCommands::run(const std::string& command, const std::string& argument) const {
-  const bool with_argument =
-      command == "power" || command == "fault" || command == "mode" || command == "plug" ||
-      command == "stand";
+  const bool with_argument = command == "power" || command == "fault" || command == "mode" ||
+                             command == "plug" || command == "stand";
   if (!with_argument && !argument.empty())
     return refusal("\"" + command + "\" takes no argument, got \"" + argument + "\"");
   if (command == "help") {

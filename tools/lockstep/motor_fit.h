@@ -42,8 +42,8 @@ struct MotorFit {
 };
 
 struct MotorFitOptions {
-  std::string joint;             // subject of the report; empty: the only one there is
-  sim::MotorFigures start;       // the model before
+  std::string joint;        // subject of the report; empty: the only one there is
+  sim::MotorFigures start;  // the model before
   // The simulated board: engine and image, sensors, seed. The firmware's own timing is part of what
   // the bench measures, some 0.1 ms of a start: h8 is the model of a real board.
   sim::SimulationOptions board;
