@@ -36,6 +36,16 @@ BoardLine::BoardLine(host::Link& link, host::Clock& clock, std::uint8_t address)
   });
 }
 
+Result<void> BoardLine::measure(const std::string& what,
+                                const std::function<Result<void>()>& measure) {
+  if (auto begun = begin(); !begun) return begun;
+  auto ran = measure();
+  end();
+  if (ran && was_reset_)
+    return fail(Fault::environment, "the board was reset while " + what + " measured");
+  return ran;
+}
+
 Result<void> BoardLine::begin() {
   requester_.limit_tries(kTriesToFind);
   const auto identity = host::identify_board(requester_);

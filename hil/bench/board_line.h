@@ -28,11 +28,11 @@ class BoardLine {
  public:
   BoardLine(host::Link& link, host::Clock& clock, std::uint8_t address);
 
-  // Finds the board and ends a stream that somebody has left behind. Errors (environment): there is
-  // none, or its motors are on, for they would go off when nobody talks to it any more.
-  Result<void> begin();
-  // Best effort: motors off, no stream.
-  void end() noexcept;
+  // Finds the board, ends a stream that somebody has left behind, measures, and leaves motors off and
+  // no stream, whatever came of it. `what`: "its link was", for the error. Errors (environment): there
+  // is no board, its motors are on, for they would go off when nobody talks to it any more; it was
+  // reset meanwhile; those of `measure`.
+  Result<void> measure(const std::string& what, const std::function<Result<void>()>& measure);
 
   template <class Message, class Answer>
   Result<Answer> ask(std::uint8_t type, const Message& message, u8 (*pack)(const Message*, u8*),
@@ -56,8 +56,7 @@ class BoardLine {
   // Those that came since the last call.
   std::vector<Arrival> take_arrivals();
 
-  // All that a board says has its tick: whether that has ever gone back.
-  bool was_reset() const { return was_reset_; }
+  // All that a board says has its tick, which must not go back.
   void observe(const host::Reply& reply);
 
   // Holds all joints where they are; refused while a shutdown is latched.
@@ -68,6 +67,8 @@ class BoardLine {
   const host::LinkStatistics& counts() const { return requester_.statistics(); }
 
  private:
+  Result<void> begin();
+  void end() noexcept;
   void observe_tick(std::uint32_t tick);
   void take(std::uint8_t type, std::span<const std::uint8_t> fields, Time at);
 

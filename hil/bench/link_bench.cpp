@@ -47,13 +47,7 @@ class LinkBench {
       : line_(link, clock, options.address), clock_(clock), options_(options), judge_(judge) {}
 
   Result<void> run() {
-    if (auto begun = line_.begin(); !begun) return begun;
-    auto ran = measure();
-    line_.end();
-    if (ran && line_.was_reset()) {
-      return fail(Fault::environment, "the board was reset while its link was measured");
-    }
-    return ran;
+    return line_.measure("its link was", [this] { return measure(); });
   }
 
  private:

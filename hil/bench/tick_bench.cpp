@@ -32,13 +32,7 @@ class TickBench {
       : line_(link, clock, options.address), clock_(clock), options_(options), judge_(judge) {}
 
   Result<void> run() {
-    if (auto begun = line_.begin(); !begun) return begun;
-    auto ran = measure();
-    line_.end();
-    if (ran && line_.was_reset()) {
-      return fail(Fault::environment, "the board was reset while its ticks were measured");
-    }
-    return ran;
+    return line_.measure("its ticks were", [this] { return measure(); });
   }
 
  private:
