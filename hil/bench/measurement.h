@@ -71,7 +71,8 @@ struct BenchReport {
   std::vector<std::pair<std::string, double>> conditions;
   std::vector<Measurement> measurements;
   std::vector<Plot> plots;
-  double seconds = 0;  // on the board's clock
+  double seconds = 0;       // on the board's clock
+  std::string interrupted;  // why it ended before its time; empty: it did not
 
   int count(Verdict verdict) const;
 };

@@ -295,8 +295,8 @@ Result<void> Flasher::compare(const std::vector<FlashRange>& ranges, const Flash
                                          "the image's bytes from " + hex_address(range.from) +
                                              " to " + hex_address(range.to - 1),
                                          "other sums",
-                                         {"cells lose their charge: the part is worn",
-                                          "another image was flashed since"},
+                                         {"another image was flashed since",
+                                          "cells lose their charge: the part is worn"},
                                          "kaz flash write IMAGE --port " + link_.name() + " …"});
     }
     tell("verify", done += range.size(), total);
@@ -392,11 +392,18 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
 Result<FlashReport> Flasher::verify(const FlashImage& image) {
   FlashReport report;
   report.bytes = image.size();
-  std::vector<FlashRange> ranges;
-  for (const FlashRange& range : image.ranges(4096)) {
-    if (!kept(range.from)) ranges.push_back(range);
+  std::vector<FlashRange> written, loaders;
+  for (const FlashRange& range : image.ranges(4096))
+    (kept(range.from) ? loaders : written).push_back(range);
+  if (auto right = compare(written, image); !right) return tl::unexpected(right.error());
+  // An update through the loader leaves them as they were: not the same is not damaged.
+  if (auto same = compare(loaders, image); !same) {
+    if (same.error().fault != Fault::failed) return tl::unexpected(same.error());
+    return kaz::fail(Fault::failed,
+                     "the application is that of the image, vectors or loader (EB0, EB6) are not: "
+                     "updates through the resident loader keep those of the board. To have the "
+                     "image's, write it through boot mode (--reset)");
   }
-  if (auto right = compare(ranges, image); !right) return tl::unexpected(right.error());
   report.verified = true;
   report.seconds = std::chrono::duration<double>(clock_.now() - started_).count();
   return report;

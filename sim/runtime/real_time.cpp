@@ -43,6 +43,7 @@ struct RealTimeServer::Parts {
   Parts(Simulation& s, const RealTimeOptions& o)
       : simulation(s), options(o), watch(o.serial_path, o.report) {}
 
+  void keep_hung();
   void host_to_board();
   void board_to_host();
   void pictures();
@@ -73,7 +74,12 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
             p->simulation.board().reset();
             p->watch.board_restarted("reset by the control socket");
           },
-      .boot_pins = [p](bool boot) { return p->simulation.board().set_boot_pins(boot); },
+      .boot_pins =
+          [p](bool boot) {
+            // Whoever flashes leaves boards without a program on the way.
+            if (boot) p->keep_hung();
+            return p->simulation.board().set_boot_pins(boot);
+          },
       .power = [p](bool on) { p->set_power(on); },
       .plug = [p](bool in) { return p->plug(in); },
       .status = [p] { return p->status(); },
@@ -94,12 +100,7 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
     if (!cameras) return tl::unexpected(cameras.error());
     parts->cameras = std::move(*cameras);
   }
-  if (options.keep_hung) {
-    simulation.board().mcu().on_hang([p](const std::string& report) {
-      if (p->options.report)
-        p->options.report("board hangs until reset: " + report.substr(0, report.find('\n')));
-    });
-  }
+  if (options.keep_hung) p->keep_hung();
   simulation.board().mcu().on_watchdog_reset([p](States) {
     p->watch.board_restarted(
         "through its watchdog, asked for by the host or because its program hung (`identify` tells "
@@ -139,6 +140,13 @@ Result<RealTimeStatistics> RealTimeServer::run(const std::atomic<bool>& stop) {
                             .lost_s = seconds(p.pacer.lost()),
                             .worst_late_s = seconds(p.pacer.worst_late()),
                             .pairs_left_out = p.simulation.pairs_left_out()};
+}
+
+void RealTimeServer::Parts::keep_hung() {
+  simulation.board().mcu().on_hang([this](const std::string& hang) {
+    if (options.report)
+      options.report("board hangs until reset: " + hang.substr(0, hang.find('\n')));
+  });
 }
 
 void RealTimeServer::Parts::host_to_board() {

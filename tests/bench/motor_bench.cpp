@@ -13,6 +13,9 @@ class BentScale final : public Stand {
   Result<double> disc_kgm2() override { return stand_.disc_kgm2(); }
   Result<void> set_supply(double volts) override { return stand_.set_supply(volts); }
   Result<void> clamp(int joint, bool on) override { return stand_.clamp(joint, on); }
+  Result<void> prepare_press(int joint, bool positive) override {
+    return stand_.prepare_press(joint, positive);
+  }
   Result<double> scale_nm(int joint) override {
     auto torque = stand_.scale_nm(joint);
     if (torque && *torque > 0) *torque *= forward_;

@@ -41,7 +41,8 @@ void expect_recovered(const sim::MotorFigures& motor) {
   near("back-EMF", found.back_emf_nms_per_rad, motor.back_emf_nms_per_rad);
   // A start shows it together with the disc, of which it is the smaller part.
   near("rotor inertia", found.rotor_inertia_kgm2, motor.rotor_inertia_kgm2, 0.1);
-  near("heat capacity", found.winding_heat_capacity, motor.winding_heat_capacity);
+  // By a loss of 8 % of a torque that is read within some 0.3 %.
+  near("heat capacity", found.winding_heat_capacity, motor.winding_heat_capacity, 0.1);
   // The model is nearer to the motor in everything that was fitted, and in the curves.
   for (const lockstep::Gap& gap : fit->gaps) {
     if (gap.name == "curve of stall" || gap.name == "curve of no_load" ||
@@ -83,11 +84,12 @@ TEST(MotorFit, LeavesWhatWasNotMeasured) {
   const auto fit = fit_motor(measure_motor(test), options);
   ASSERT_TRUE(fit) << fit.error().message;
   EXPECT_NEAR(fit->motor.stall_slope_nm_per_v, test.motor.stall_slope_nm_per_v, 0.005);
-  EXPECT_EQ(fit->motor.friction_nm, kaz_motor().friction_nm)
-      << "speeds tell it, torques too roughly";
+  EXPECT_NEAR(fit->motor.friction_nm, test.motor.friction_nm, 0.1 * test.motor.friction_nm)
+      << "torques tell it roughly where no speeds were measured";
   EXPECT_EQ(fit->motor.rotor_inertia_kgm2, kaz_motor().rotor_inertia_kgm2);
   for (const lockstep::FittedFigure& figure : fit->figures)
-    EXPECT_EQ(figure.measured, figure.name == "stall_slope" || figure.name == "backlash")
+    EXPECT_EQ(figure.measured, figure.name == "stall_slope" || figure.name == "friction" ||
+                                   figure.name == "backlash")
         << figure.name;
 }
 

@@ -161,6 +161,21 @@ TEST(SoundMotor, IsMeasuredAsItIs) {
   EXPECT_NEAR(value(report, "no_load.speed"), speed, 0.01 * speed);
 }
 
+// The servo as sold, whose circuit gives its motor 6 V at most: the paper's other figure.
+TEST(SoundMotor, OriginalCircuitHasThePapersTorqueAndNoMoreAbove) {
+  MotorTest test;
+  const auto original =
+      sim::load_motor_file(std::string(KAZ_TREE) + "/shared/robot/kaz/motor.xml", "s9204-original");
+  ASSERT_TRUE(original) << original.error().message;
+  test.motor = *original;
+  test.options.filter = "stall";
+  const BenchReport report = measure_motor(test);
+  EXPECT_NEAR(value(report, "stall.torque_4v8"), 0.97, 0.03 * 0.97) << all_values(report);
+  EXPECT_TRUE(names_with(report, Verdict::passed).contains("stall.torque_4v8"));
+  EXPECT_TRUE(failed(report).contains("stall.torque_10v"));
+  EXPECT_TRUE(failed(report).contains("stall.line_error"));
+}
+
 TEST(SoundMotor, IsTheSameEachTime) {
   MotorTest test;
   test.options.filter = "pot.noise|backlash|no_load";

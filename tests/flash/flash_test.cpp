@@ -318,6 +318,25 @@ TEST(Flash, ReadsWhatStandsThere) {
   EXPECT_EQ(other.error().fault, Fault::failed);
 }
 
+// The loader keeps vectors and itself; what stands there is compared all the same.
+TEST(Flash, VerifyLooksAtVectorsAndLoaderToo) {
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  Flasher flasher(bench, bench, writer(), {});
+  ASSERT_TRUE(flasher.enter_loader());
+  for (const std::uint32_t at : {0x10u, 0xc100u}) {
+    FlashImage image = firmware();
+    const std::uint8_t other = image.bytes({at, at + 1})[0] ^ 1u;
+    image.put(at, {&other, 1});
+    const auto verified = flasher.verify(image);
+    ASSERT_FALSE(verified) << at;
+    EXPECT_EQ(verified.error().fault, Fault::failed);
+    EXPECT_NE(verified.error().message.find("vectors or loader (EB0, EB6) are not"),
+              std::string::npos)
+        << verified.error().message;
+  }
+}
+
 // Replies come later than they are waited for at first, and hardly any request is repeated for it.
 TEST(Flash, SlowRepliesAreWaitedFor) {
   FlashBench bench;

@@ -88,8 +88,16 @@ TEST(BenchVerb, StandBehindAPort) {
   EXPECT_NEAR(measurement(report, "stall.torque_10v")["value"].get<double>(), 2.16, 0.03 * 2.16);
   EXPECT_EQ(report["port"], folder / "board");
 
-  const Finished alone = run(kaz(at_port), seconds(60));
-  EXPECT_EQ(alone.exit_code, 0) << alone.err;
+  const Finished careful = run(kaz(at_port), seconds(60));
+  EXPECT_EQ(careful.exit_code, 2);
+  EXPECT_NE(careful.err.find("give --stand if the motor is on a bench, or --allow-motion"),
+            std::string::npos)
+      << careful.err;
+  auto allowed = at_port;
+  allowed.push_back("--allow-motion");
+  const Finished alone = run(kaz(allowed), seconds(60));
+  EXPECT_EQ(alone.exit_code, 1) << "nothing measured is no success";
+  EXPECT_NE(alone.err.find("nothing was measured"), std::string::npos) << alone.err;
   const Json left = measurement(Json::parse(alone.out), "stall.torque_10v");
   EXPECT_EQ(left["verdict"], "left out");
   EXPECT_EQ(left["message"], "needs a motor stand: --stand ctl:PATH or --stand manual");
@@ -112,7 +120,7 @@ TEST(BenchVerb, ErrorsSayWhatToDo) {
       {{"motor", "--stand", "manual"}, 2, "--stand goes with --port"},
       {{"motor", "--limits", folder / "none.json"}, 2, "cannot read it"},
       {{"motor", "--filter", "wings", "--mcu", "native"}, 2, "takes no measurement of a motor"},
-      {{"motor", "--port", folder / "none"}, 3, "none"},
+      {{"motor", "--port", folder / "none", "--allow-motion"}, 3, "none"},
       {{"motor", "--motor", "v8", "--mcu", "native"}, 2, "v8"},
       {{"fit", folder / "none"}, 2, "cannot read it"},
       {{"link", "--mcu", "native", "--port", "x"}, 2, "excludes"},

@@ -1,6 +1,7 @@
 // `kaz bench`: measures a board's motors, link and tick, and fits the motor model to a motor.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include "hil/bench/link_bench.h"
 #include "hil/bench/motor/motor_bench.h"
 #include "hil/bench/report.h"
+#include "hil/bench/report/numbers.h"
 #include "hil/bench/tick_bench.h"
 #include "host/robot/connect.h"
 #include "sim/board/sensor_file.h"
@@ -42,14 +44,23 @@ struct FitArguments {
 };
 
 Result<std::string> read_file(const std::string& path) {
+  std::error_code none;
   std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(Fault::usage, path + ": cannot read it: is there such a file?");
+  if (!file || std::filesystem::is_directory(path, none))
+    return fail(Fault::usage, path + ": cannot read it: is there such a file, and no folder?");
   return std::string{std::istreambuf_iterator<char>(file), {}};
 }
 
 Result<void> write(const OutputFolder& folder, const std::string& name, const std::string& text) {
   return figure::write_file(folder.path(name),
                             {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+std::string all_joint_names() {
+  std::string names;
+  for (const host::JointInfo& joint : host::joint_table())
+    names += (names.empty() ? "" : ", ") + std::string(joint.name);
+  return names;
 }
 
 Result<std::vector<int>> joints_of(const std::string& text) {
@@ -64,9 +75,10 @@ Result<std::vector<int>> joints_of(const std::string& text) {
     const std::string name = text.substr(from, comma - from);
     const auto joint = host::joint_index(name);
     if (!joint)
-      return fail(Fault::usage, "--joint " + text + ": there is no joint `" + name +
-                                    "`; give names of docs/robot.md, with commas between, or all");
-    joints.push_back(*joint);
+      return fail(Fault::usage,
+                  "--joint " + text + ": there is no joint `" + name +
+                      "`; give all, or of these, with commas between: " + all_joint_names());
+    if (std::ranges::find(joints, *joint) == joints.end()) joints.push_back(*joint);
     from = comma + 1;
   }
   return joints;
@@ -169,7 +181,27 @@ Result<std::string> describe(BenchTarget& target) {
   return host::board_text(*who);
 }
 
+// A motor is driven at full speed through nearly all of its joint's range.
+Result<void> check_motion(const Arguments& arguments) {
+  if (!arguments.motor || arguments.target.port.empty() || !arguments.target.stand.empty() ||
+      arguments.allow_motion)
+    return {};
+  return fail(Fault::usage,
+              "this drives " + arguments.joints +
+                  " at full speed through its range: give --stand if the motor is on a bench, or "
+                  "--allow-motion if the joint may move so and you stand by");
+}
+
 Result<Outcome> bench(const Arguments& arguments) {
+  const RigOptions& rig = arguments.target.rig;
+  if (!arguments.target.port.empty() && !(rig.motor_file.empty() && rig.motor.empty()))
+    return fail(
+        Fault::usage,
+        "--motor-file and --motor are of the emulated board; at a port the motor is the one "
+        "that is there");
+  if (auto allowed = check_motion(arguments); !allowed) return tl::unexpected(allowed.error());
+  if (auto sound = hil::check_motor_filter(arguments.filter); !sound)
+    return tl::unexpected(sound.error());
   const auto joints = joints_of(arguments.joints);
   if (!joints) return tl::unexpected(joints.error());
   const auto limits = limits_of(arguments.limits);
@@ -193,20 +225,19 @@ Result<Outcome> bench(const Arguments& arguments) {
     progress.done();
     if (!arguments.json) say(one);
   });
+  auto folder = OutputFolder::open(arguments.out);
+  if (!folder) return tl::unexpected(folder.error());
   const Time begin = (*target)->clock().now();
   const auto ran =
       measure(arguments, *joints, **target, judge,
               [&](double share, const std::string& what) { progress.update(share, what); });
   progress.done();
   report.seconds = seconds((*target)->clock().now() - begin);
-  if (!ran && report.measurements.empty()) return tl::unexpected(ran.error());
-  auto folder = OutputFolder::open(arguments.out);
-  if (!folder) return tl::unexpected(folder.error());
+  if (!ran) report.interrupted = ran.error().message;
   if (auto left = leave_reports(*folder, report); !left) return tl::unexpected(left.error());
   if (!ran)
     return tl::unexpected(Error{ran.error().fault, ran.error().message +
-                                                       "; what was measured until "
-                                                       "then is in " +
+                                                       "; what was measured until then is in " +
                                                        folder->path("report.html")});
   const int failed = report.count(hil::Verdict::failed);
   if (arguments.json) {
@@ -216,7 +247,9 @@ Result<Outcome> bench(const Arguments& arguments) {
                 report.board.c_str(), report.port.c_str(), report.count(hil::Verdict::passed),
                 failed, report.count(hil::Verdict::left_out), folder->path("report.html").c_str());
   }
-  return failed == 0;
+  if (failed == 0 && report.count(hil::Verdict::passed) == 0)
+    std::fprintf(stderr, "kaz bench: nothing was measured, so nothing has passed\n");
+  return failed == 0 && report.count(hil::Verdict::passed) > 0;
 }
 
 Result<lockstep::MotorFitOptions> fit_options(const FitArguments& arguments) {
@@ -259,11 +292,11 @@ Result<Outcome> fit(const FitArguments& arguments) {
   if (!options) return tl::unexpected(options.error());
   Progress progress("kaz bench fit", arguments.json);
   options->progress = [&](double share, const std::string& what) { progress.update(share, what); };
+  auto folder = OutputFolder::open(arguments.out);
+  if (!folder) return tl::unexpected(folder.error());
   const auto fitted = lockstep::fit_motor(*report, *options);
   progress.done();
   if (!fitted) return tl::unexpected(fitted.error());
-  auto folder = OutputFolder::open(arguments.out);
-  if (!folder) return tl::unexpected(folder.error());
   const std::string about = "Fitted by kaz " + std::string(kVersion) + " to " + path + ", " +
                             report->board + " on " + report->port + ".";
   for (const auto& [name, content] : {std::pair<std::string, std::string>(
@@ -284,12 +317,24 @@ Result<Outcome> fit(const FitArguments& arguments) {
   return true;
 }
 
-Result<Outcome> list() {
+Result<Outcome> list(bool json) {
+  if (json) {
+    auto all = nlohmann::ordered_json::array();
+    for (const hil::MeasurementInfo& info : hil::measurement_infos()) {
+      nlohmann::ordered_json one{{"name", info.name}, {"group", hil::text(info.group)},
+                                 {"unit", info.unit}, {"low", nullptr},
+                                 {"high", nullptr},   {"text", info.text}};
+      if (std::isfinite(info.low)) one["low"] = info.low;
+      if (std::isfinite(info.high)) one["high"] = info.high;
+      all.push_back(std::move(one));
+    }
+    std::printf("%s\n", all.dump(2).c_str());
+    return true;
+  }
   for (const hil::MeasurementInfo& info : hil::measurement_infos()) {
-    char limits[64];
-    std::snprintf(limits, sizeof limits, "%g .. %g", info.low, info.high);
-    std::printf("%-6s %-24s %-8s %-16s %s\n", hil::text(info.group), info.name.c_str(),
-                info.unit.c_str(), limits, info.text.c_str());
+    std::printf("%-6s %-24s %-8s %-17s %s\n", hil::text(info.group), info.name.c_str(),
+                info.unit.c_str(), hil::limits_text(info.low, info.high).c_str(),
+                info.text.c_str());
   }
   return true;
 }
@@ -356,12 +401,12 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
   choose(*arguments);
   add_common(*verb, *arguments);
   if (arguments->motor) add_motor_arguments(*verb, *arguments);
-  if (arguments->link || arguments->tick) {
-    verb->add_flag(
-        "--allow-motion", arguments->allow_motion,
-        "the joints are switched on for the load and held where they are; else the board "
-        "refuses targets that are as long");
-  }
+  verb->add_flag(
+      "--allow-motion", arguments->allow_motion,
+      arguments->motor
+          ? "at a port without a stand: the joint may move at full speed through its range"
+          : "the joints are switched on for the load and held where they are; else the "
+            "board refuses targets that are as long");
   verb->footer(
       std::string("Exit status: 0 all within its limits, 1 a limit failed, 2 wrong usage, 3 "
                   "port trouble.\nExamples:\n") +
@@ -435,7 +480,9 @@ void add_bench(CLI::App& program, Action& action) {
       "  kaz bench all --out board-42\n  kaz bench all --port /dev/ttyUSB0 --stand manual");
   add_fit(*verb, action);
   auto* names = verb->add_subcommand("list", "the measurements with their limits, and runs none");
-  names->callback([&action] { action = [] { return list(); }; });
+  auto as_json = std::make_shared<bool>(false);
+  names->add_flag("--json", *as_json, "as JSON; a side without limit is null");
+  names->callback([&action, as_json] { action = [as_json] { return list(*as_json); }; });
   verb->footer(
       "Examples:\n  kaz bench motor --out motor\n  kaz bench fit motor --out fit\n  kaz bench "
       "list");

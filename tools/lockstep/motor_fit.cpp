@@ -36,6 +36,12 @@ Values values_of(const hil::BenchReport& report, const std::string& joint) {
   return values;
 }
 
+// The rougher measurement of friction in place of the sharper one, in motor and model alike.
+void take_sliding(Values& values) {
+  if (const auto sliding = values.find("friction.sliding"); sliding != values.end())
+    values["friction.running"] = sliding->second;
+}
+
 // A figure, the measurements it takes, and its estimate by formula.
 struct Estimator {
   const char* name;
@@ -100,7 +106,8 @@ bool has_all(const Estimator& estimator, const Values& values) {
 
 struct Bench {
   int joint = 0;
-  double disc_kgm2 = 0, supply_volts = 0;
+  double disc_kgm2 = 0, supply_volts = 0, pressing_s = 0.1;
+  bool running = true;  // friction.running was measured; else friction.sliding stands in
   sim::SimulationOptions board;
 };
 
@@ -111,7 +118,7 @@ Result<hil::BenchReport> simulate(const Bench& bench, const MotorFigures& motor,
   auto simulation =
       sim::make_stand(board, {.motor = motor, .disc_kgm2 = bench.disc_kgm2, .seed = seed});
   if (!simulation) return tl::unexpected(simulation.error());
-  StandRig rig(std::move(*simulation));
+  StandRig rig(std::move(*simulation), bench.pressing_s);
   hil::BenchReport report;
   const hil::Limits limits;
   hil::BenchJudge judge(report, limits);
@@ -149,6 +156,7 @@ Result<Model> run_model(const Bench& bench, const MotorFigures& motor) {
     if (i == 0) model.report = std::move(*report);
   }
   if (error) return tl::unexpected(*error);
+  if (!bench.running) take_sliding(model.values);
   return model;
 }
 
@@ -277,6 +285,7 @@ Result<Bench> bench_of(const hil::BenchReport& report, const std::string& joint,
   for (const auto& [name, value] : report.conditions) {
     if (name == "disc_kgm2") bench.disc_kgm2 = value;
     if (name == "supply_volts") bench.supply_volts = value;
+    if (name == "pressing_s") bench.pressing_s = value;
   }
   if (!(bench.disc_kgm2 > 0) || !(bench.supply_volts > 0))
     return fail(
@@ -291,9 +300,11 @@ Result<Bench> bench_of(const hil::BenchReport& report, const std::string& joint,
 Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptions& options) {
   const auto joint = joint_of(measured, options.joint);
   if (!joint) return tl::unexpected(joint.error());
-  const auto bench = bench_of(measured, *joint, options.board);
+  auto bench = bench_of(measured, *joint, options.board);
   if (!bench) return tl::unexpected(bench.error());
-  const Values values = values_of(measured, *joint);
+  Values values = values_of(measured, *joint);
+  bench->running = values.contains("friction.running");
+  if (!bench->running) take_sliding(values);
   MotorFit fit;
   fit.motor = options.start;
   bool any = false;

@@ -7,12 +7,12 @@
 
 namespace kaz::lockstep {
 
-StandRig::StandRig(std::unique_ptr<sim::Simulation> simulation)
+StandRig::StandRig(std::unique_ptr<sim::Simulation> simulation, double pressing_s)
     : simulation_(std::move(simulation)),
       stand_(
           "virtual",
-          [this](const std::string& line) { return sim::answer_stand(*simulation_, line); },
-          clock_) {}
+          [this](const std::string& line) { return sim::answer_stand(*simulation_, line); }, clock_,
+          pressing_s) {}
 
 Result<void> StandRig::run(const hil::MotorBenchOptions& options, hil::BenchJudge& judge) {
   auto robot = host::Robot::connect(link_, clock_, hil::bench_connection());

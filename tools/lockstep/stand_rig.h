@@ -13,7 +13,8 @@ namespace kaz::lockstep {
 class StandRig {
  public:
   // A simulation that make_stand() has made.
-  explicit StandRig(std::unique_ptr<sim::Simulation> simulation);
+  // pressing_s: how long the bench presses against the scale.
+  explicit StandRig(std::unique_ptr<sim::Simulation> simulation, double pressing_s = 0.1);
 
   sim::Simulation& simulation() { return *simulation_; }
   host::Link& link() { return link_; }

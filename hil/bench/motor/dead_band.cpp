@@ -60,10 +60,10 @@ void measure_dead_band(MotorOnBench& motor, BenchJudge& judge, double supply_vol
   };
   if (motor.has_stand()) {
     for (const double supply : kSupplies) {
-      sure(motor.stand().set_supply(supply));
+      motor.set_supply(supply);
       at_this_supply();
     }
-    sure(motor.stand().set_supply(supply_volts));
+    motor.set_supply(supply_volts);
   } else {
     at_this_supply();
   }

@@ -132,6 +132,13 @@ host::ConnectOptions bench_connection() {
   return options;
 }
 
+Result<void> check_motor_filter(const std::string& filter) {
+  std::optional<double> none;
+  const auto parts = chosen_parts(parts_of(0, none), filter);
+  if (!parts) return tl::unexpected(parts.error());
+  return {};
+}
+
 Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptions& options,
                          BenchJudge& judge) {
   std::optional<double> slope;
@@ -146,7 +153,8 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
     if (stand) {
       sure(stand->set_supply(options.supply_volts));
       judge.report().conditions = {{"disc_kgm2", sure(stand->disc_kgm2())},
-                                   {"supply_volts", options.supply_volts}};
+                                   {"supply_volts", options.supply_volts},
+                                   {"pressing_s", stand->pressing_s()}};
     }
     for (std::size_t i = 0; i < parts->size(); ++i) {
       if (options.progress)

@@ -26,6 +26,9 @@ struct MotorBenchOptions {
 // How the robot is to be connected: its link watchdog lets a stand's tools take their time.
 host::ConnectOptions bench_connection();
 
+// Error (usage): no regular expression, or one that takes no measurement of a motor.
+Result<void> check_motor_filter(const std::string& filter);
+
 // The robot must be connected with a link watchdog of 0.5 s or more; all motors must be off. What
 // fails is entered as failed and the next one goes on. Errors: link or stand are gone (environment),
 // no such joint or filter (usage).

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 namespace kaz::hil {
@@ -48,6 +49,16 @@ void MotorOnBench::come_to_rest() {
     asked(robot_.enable(0));
   }
   wait(0.1);
+}
+
+void MotorOnBench::set_supply(double volts) {
+  sure(stand_->set_supply(volts));
+  wait(0.05);
+  const double there = asked(robot_.health()).supply_volts;
+  char text[100];
+  std::snprintf(text, sizeof text, "the supply was to be %.1f V, the board reads %.1f V", volts,
+                there);
+  check(std::abs(there - volts) <= 0.2 + 0.03 * volts, text);
 }
 
 void MotorOnBench::wait(double length_s) {

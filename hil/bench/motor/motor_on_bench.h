@@ -44,6 +44,8 @@ class MotorOnBench {
 
   // All motors off and nothing latched. The same before each measurement.
   void come_to_rest();
+  // The stand's supply; Failed if the board, with its motors off, reads another.
+  void set_supply(double volts);
   void wait(double length_s);
   // By the loop, then off.
   void go_to(double angle_rad);

@@ -26,6 +26,7 @@ struct Press {
 // `warmth`: before it; then after it.
 Press press_once(MotorOnBench& motor, double sign, double& warmth) {
   const double length = motor.stand().pressing_s();
+  sure(motor.stand().prepare_press(motor.joint(), sign > 0));
   const Trace trace = motor.drive(sign, length);
   Press press;
   press.volts = mean_volts(trace, length - kRead, length);
@@ -58,7 +59,7 @@ Readings read_all(MotorOnBench& motor) {
   Readings readings;
   double warmth = 0;
   for (const double supply : supplies) {
-    sure(motor.stand().set_supply(supply));
+    motor.set_supply(supply);
     for (const double sign : {1.0, -1.0}) {
       (sign > 0 ? readings.positive : readings.negative).push_back(press_once(motor, sign, warmth));
     }
@@ -102,6 +103,18 @@ Points points_of(const std::vector<Press>& presses, const ColdLine& cold) {
   return points;
 }
 
+// The torque at these volts by the readings around them alone, and its standard error: a circuit may
+// give less at others than the line of all readings has.
+std::pair<double, double> near(const Points& points, double volts) {
+  constexpr double kAround = 1;  // V
+  Points around;
+  for (const auto& [v, torque] : points) {
+    if (std::abs(v - volts) <= kAround) around.emplace_back(v - volts, torque);
+  }
+  const Line line = fit_line(around);
+  return {line.at_zero, line.at_zero_error};
+}
+
 Plot stall_plot(const std::string& joint, const Readings& readings, const ColdLine& cold) {
   const Line& line = cold.line;
   Series fitted{"line", Series::Style::line, {{-line.at_zero / line.slope, 0}, {10.5, line(10.5)}}};
@@ -126,13 +139,18 @@ double measure_stall(MotorOnBench& motor, BenchJudge& judge, double supply_volts
   hold(motor, motor.middle_rad());
   const Readings readings = read_all(motor);
   sure(motor.stand().clamp(motor.joint(), false));
-  sure(motor.stand().set_supply(supply_volts));
+  motor.set_supply(supply_volts);
   const std::vector<Press> all = readings.all();
   const ColdLine cold = fit_cold(all);
   const Line& line = cold.line;
   check(line.slope > 0, "the torque does not grow with the voltage");
-  judge.enter(motor.name(), "stall.torque_4v8", line(4.8), line.worst / std::sqrt(all.size()));
-  judge.enter(motor.name(), "stall.torque_10v", line(10), line.worst / std::sqrt(all.size()));
+  const Points points = points_of(all, cold);
+  const auto torque_at = [&](const char* name, double volts) {
+    const auto [torque, error] = near(points, volts);
+    judge.enter(motor.name(), name, torque, error);
+  };
+  torque_at("stall.torque_4v8", 4.8);
+  torque_at("stall.torque_10v", 10);
   judge.enter(motor.name(), "stall.slope", line.slope, line.slope_error);
   double most = 0;
   for (const Press& press : all) most = std::max(most, press.torque);
@@ -147,7 +165,7 @@ double measure_stall(MotorOnBench& motor, BenchJudge& judge, double supply_volts
 
 void measure_heat(MotorOnBench& motor, BenchJudge& judge, double supply_volts) {
   constexpr double kSupply = 6.5, kSeconds = 10, kBetween = 2, kRenewed = 0.4;
-  sure(motor.stand().set_supply(kSupply));
+  motor.set_supply(kSupply);
   hold(motor, motor.middle_rad());
   Series shown{"torque", Series::Style::points, {}};
   double pressed_s = 0;
@@ -174,7 +192,7 @@ void measure_heat(MotorOnBench& motor, BenchJudge& judge, double supply_volts) {
     if (last || motor.stand().pressing_s() < 0.5) warm = read();
   }
   sure(motor.stand().clamp(motor.joint(), false));
-  sure(motor.stand().set_supply(supply_volts));
+  motor.set_supply(supply_volts);
   // Of all readings where there are several: the motor's friction leaves each some milli-Nm aside.
   const Line line = fit_line(shown.points);
   const bool fitted = std::isfinite(line.slope);

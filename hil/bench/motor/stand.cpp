@@ -59,6 +59,10 @@ Result<void> CommandStand::clamp(int joint, bool on) {
   return tell("clamp " + joint_name(joint) + (on ? " on" : " off"));
 }
 
+Result<void> CommandStand::prepare_press(int, bool) {
+  return {};
+}
+
 Result<double> CommandStand::scale_nm(int joint) {
   return number("scale " + joint_name(joint), "torque_nm");
 }
@@ -102,7 +106,7 @@ Result<double> ManualStand::read(const std::string& prompt) {
       const auto [stop, error] = std::from_chars(typed->data() + first, end, value);
       if (error == std::errc() && stop == end && std::isfinite(value)) return value;
     }
-    again = "That is no number. ";
+    again = "That is no number; give one like -0.95. ";
   }
 }
 
@@ -113,14 +117,18 @@ Result<void> ManualStand::set_supply(double volts) {
 Result<void> ManualStand::clamp(int joint, bool on) {
   if (!on) return done("Take the lever off the shaft of " + joint_name(joint));
   return done("Hold the shaft of " + joint_name(joint) +
-              " by its lever against the scale, and set the scale to zero; the motor then presses "
-              "for " +
-              with_digits(pressing_s(), 1) + " s");
+              " by its lever against the scale, and set the scale to zero");
+}
+
+Result<void> ManualStand::prepare_press(int joint, bool positive) {
+  return done("Watch the scale: " + joint_name(joint) + " is about to press in its " +
+              (positive ? "positive" : "negative") + " sense for " + with_digits(pressing_s(), 1) +
+              " s; read at the end of it");
 }
 
 Result<double> ManualStand::scale_nm(int joint) {
-  return read("What did the scale show, in Nm (force times lever), positive as " +
-              joint_name(joint) + " turns positively? ");
+  return read("What did the scale show, in Nm (force times lever; negative where " +
+              joint_name(joint) + " pressed in its negative sense)? ");
 }
 
 Result<void> ManualStand::press(int joint, double torque_nm) {

@@ -24,6 +24,8 @@ class Stand {
   virtual Result<void> set_supply(double volts) = 0;
   // The shaft held by a lever against a scale, which is set to zero; or free again.
   virtual Result<void> clamp(int joint, bool on) = 0;
+  // Before the motor presses, in the joint's positive sense or the negative one.
+  virtual Result<void> prepare_press(int joint, bool positive) = 0;
   // What the motor has pressed with since then, at the end of its drive.
   virtual Result<double> scale_nm(int joint) = 0;
   // A weight laid on gently; 0: lifted off.
@@ -42,18 +44,20 @@ class Stand {
 class CommandStand final : public Stand {
  public:
   using Ask = std::function<Result<nlohmann::ordered_json>(const std::string& line)>;
-  CommandStand(std::string name, Ask ask, host::Clock& clock)
-      : name_(std::move(name)), ask_(std::move(ask)), clock_(clock) {}
+  // pressing_s: how long a press is to last; the virtual scale wants 0.05 s.
+  CommandStand(std::string name, Ask ask, host::Clock& clock, double pressing_s = 0.1)
+      : name_(std::move(name)), ask_(std::move(ask)), clock_(clock), pressing_s_(pressing_s) {}
 
   std::string name() const override { return name_; }
   Result<double> disc_kgm2() override;
   Result<void> set_supply(double volts) override;
   Result<void> clamp(int joint, bool on) override;
+  Result<void> prepare_press(int joint, bool positive) override;
   Result<double> scale_nm(int joint) override;
   Result<void> press(int joint, double torque_nm) override;
   Result<double> turn(int joint, double angle_rad) override;
   Result<void> let_go(int joint) override;
-  double pressing_s() const override { return 0.1; }
+  double pressing_s() const override { return pressing_s_; }
   double settling_s() const override { return 0.3; }
 
  private:
@@ -62,6 +66,7 @@ class CommandStand final : public Stand {
   std::string name_;
   Ask ask_;
   host::Clock& clock_;
+  double pressing_s_;
 };
 
 // Somebody at the bench: `ask` gets what to do or to read, and returns what was typed.
@@ -75,6 +80,7 @@ class ManualStand final : public Stand {
   Result<double> disc_kgm2() override { return disc_; }
   Result<void> set_supply(double volts) override;
   Result<void> clamp(int joint, bool on) override;
+  Result<void> prepare_press(int joint, bool positive) override;
   Result<double> scale_nm(int joint) override;
   Result<void> press(int joint, double torque_nm) override;
   Result<double> turn(int joint, double angle_rad) override;

@@ -84,12 +84,14 @@ struct Person {
 
 TEST(ManualStand, AsksAndReads) {
   Person person;
-  person.answers = {"", "", "1.31", " -44.5 \r", ""};
+  person.answers = {"", "", "", "1.31", " -44.5 \r", ""};
   EXPECT_EQ(*person.stand.disc_kgm2(), 4e-4);
   EXPECT_TRUE(person.stand.set_supply(10));
   EXPECT_EQ(person.asked.back(), "Set the supply to 10.00 V without load, then press Enter");
   EXPECT_TRUE(person.stand.clamp(kJoint, true));
   EXPECT_NE(person.asked.back().find("against the scale"), std::string::npos);
+  EXPECT_TRUE(person.stand.prepare_press(kJoint, false));
+  EXPECT_NE(person.asked.back().find("in its negative sense for 0.7 s"), std::string::npos);
   EXPECT_EQ(*person.stand.scale_nm(kJoint), 1.31);
   EXPECT_NEAR(*person.stand.turn(kJoint, -0.8), -44.5 * std::numbers::pi / 180, 1e-12);
   EXPECT_NE(person.asked.back().find("about -46 degrees"), std::string::npos)
@@ -103,7 +105,8 @@ TEST(ManualStand, AsksAgainWhereNoNumberCame) {
   person.answers = {"", "two", "1.2 Nm", "nan", "1.2"};
   EXPECT_EQ(*person.stand.scale_nm(kJoint), 1.2);
   ASSERT_EQ(person.asked.size(), 5u);
-  EXPECT_EQ(person.asked[1].rfind("That is no number. What did", 0), 0u) << person.asked[1];
+  EXPECT_EQ(person.asked[1].rfind("That is no number; give one like -0.95. What did", 0), 0u)
+      << person.asked[1];
 }
 
 TEST(ManualStand, NobodyThereIsAnErrorAtOnce) {

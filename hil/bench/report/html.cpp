@@ -161,6 +161,11 @@ std::string facts(const BenchReport& report) {
 }
 
 std::string verdict_heading(const BenchReport& report) {
+  if (!report.interrupted.empty()) {
+    return "<h1>Bench: <span class=\"failed\">incomplete</span></h1>\n<p class=\"failed\">It ended "
+           "before its time: " +
+           xml_text(report.interrupted) + "</p>\n";
+  }
   if (report.count(Verdict::failed) > 0) {
     return "<h1>Bench: <span class=\"failed\">outside its limits</span></h1>\n";
   }

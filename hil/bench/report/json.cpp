@@ -147,6 +147,7 @@ BenchReport to_report(const Json& all) {
   report.program = all.at("program");
   report.seed = all.at("seed");
   report.seconds = to_number(all.at("seconds"));
+  report.interrupted = all.value("interrupted", "");
   for (const Json& one : all.at("conditions")) {
     report.conditions.emplace_back(one.at("name"), to_number(one.at("value")));
   }
@@ -169,6 +170,7 @@ std::string bench_json(const BenchReport& report) {
   entry("program", report.program);
   entry("seed", report.seed);
   entry("seconds", number(report.seconds));
+  if (!report.interrupted.empty()) entry("interrupted", report.interrupted);
   entry("passed", report.count(Verdict::passed));
   entry("failed", report.count(Verdict::failed));
   entry("left_out", report.count(Verdict::left_out));

@@ -7,8 +7,9 @@
 namespace kaz::hil {
 
 std::string bench_junit(const BenchReport& report) {
+  const int broken_off = report.interrupted.empty() ? 0 : 1;
   JunitSuite suite("kaz bench",
-                   {report.count(Verdict::passed), report.count(Verdict::failed),
+                   {report.count(Verdict::passed), report.count(Verdict::failed) + broken_off,
                     report.count(Verdict::left_out)},
                    report.seconds);
   suite.property("board", report.board);
@@ -26,6 +27,14 @@ std::string bench_junit(const BenchReport& report) {
     if (one.verdict != Verdict::left_out) {
       test.output = value_with_unit(one) + ", limits: " + limits_text(one.low, one.high);
     }
+    suite.add(test);
+  }
+  if (broken_off != 0) {
+    JunitCase test;
+    test.group = "bench";
+    test.name = "runs to its end";
+    test.verdict = Verdict::failed;
+    test.message = report.interrupted;
     suite.add(test);
   }
   return suite.finish();
