@@ -27,7 +27,8 @@ Error no_board(const Requester& requester, const LinkStatistics& before, const s
     return {Fault::environment, "nothing answers on " + port +
                                     ": check that the robot is powered, the cable plugged in, no "
                                     "other program has the port "
-                                    "open, and the baud rate is the board's (115200)"};
+                                    "open, and the baud rate is the board's (115200); after an "
+                                    "interrupted update the board waits in its loader (kaz flash)"};
   }
   if (statistics.ignored > before.ignored) {
     return {Fault::environment,

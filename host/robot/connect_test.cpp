@@ -43,7 +43,8 @@ TEST(Connect, NothingAnswers) {
   EXPECT_EQ(
       connect_error(board),
       "nothing answers on test-port: check that the robot is powered, the cable plugged in, no "
-      "other program has the port open, and the baud rate is the board's (115200)");
+      "other program has the port open, and the baud rate is the board's (115200); after an "
+      "interrupted update the board waits in its loader (kaz flash)");
 }
 
 TEST(Connect, SomethingElseAnswers) {
