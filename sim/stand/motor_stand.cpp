@@ -62,7 +62,8 @@ double MotorStand::scale_nm(std::size_t joint) const {
   double sum = 0;
   for (std::size_t i = 0; i < shaft.count; ++i) sum += shaft.pressed[i];
   // The same pressing reads the same, however often it is looked at.
-  const double noise = keyed_normal(options_.seed, shaft.next, 100 + joint);
+  const double noise =
+      keyed_normal(options_.seed, static_cast<std::uint64_t>(shaft.pressed_at), 100 + joint);
   return in_steps(sum / shaft.count + kScaleNoise * noise, kScaleResolution);
 }
 
@@ -124,6 +125,7 @@ void MotorStand::step_shaft(std::size_t joint, const MotorDrive& drive, double s
   if (shaft.clamped && drive.powered && drive.duty != 0) {
     shaft.next = (shaft.next + 1) % kScaleSteps;
     shaft.pressed[shaft.next] = torque;
+    shaft.pressed_at = steps_;
     shaft.count = std::min<std::uint32_t>(shaft.count + 1, kScaleSteps);
   }
   motor.finish(velocity, torque);

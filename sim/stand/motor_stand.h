@@ -76,9 +76,10 @@ class MotorStand final : public World {
     // Of the scale: the newest reading is the last one written.
     std::array<double, kScaleSteps> pressed{};
     std::uint32_t next = 0, count = 0;
+    std::int64_t pressed_at = 0;  // the step of the newest reading
     template <class A>
     void transfer(A& a) {
-      a(clamped, guided, pressing, press_nm, goal_rad, guide_rad, pressed, next, count);
+      a(clamped, guided, pressing, press_nm, goal_rad, guide_rad, pressed, next, count, pressed_at);
     }
   };
   void step_shaft(std::size_t joint, const MotorDrive& drive, double supply_volts);
