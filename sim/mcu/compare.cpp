@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/compare.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstring>
@@ -86,6 +87,9 @@ class Comparison {
         options_.progress(report_.ticks, options_.ticks);
     }
     report_.frames_sent_to_board = host_.frames();
+    report_.engine = h8s::name_of(h8_.chip().engine());
+    report_.instructions = h8_.chip().instructions();
+    report_.translated_instructions = h8_.chip().translated_instructions();
     report_.chip_s = static_cast<double>(h8_.now()) / KZ_CLOCK_HZ;
     return report_;
   }
@@ -248,7 +252,14 @@ std::string CompareReport::text() const {
                                               "loader"};
       return action < std::size(names) ? names[action] : "unknown";
     };
-    return std::string(line) + "\n  pins equal to the output before in " +
+    char executed[120];
+    std::snprintf(executed, sizeof executed,
+                  "\n  emulator's engine: %s, %.1f %% of %lld instructions as translated code",
+                  engine.c_str(),
+                  100.0 * static_cast<double>(translated_instructions) /
+                      static_cast<double>(std::max<std::int64_t>(instructions, 1)),
+                  static_cast<long long>(instructions));
+    return std::string(line) + executed + "\n  pins equal to the output before in " +
            std::to_string(pins_compared) + " ticks; " + std::to_string(resets) + " resets" +
            "\n  replies: " + listed(coverage.replies, message_name) +
            "\n  refusals: " + listed(coverage.refusals, kz_refusal_text) +
@@ -269,7 +280,9 @@ std::string CompareReport::text() const {
 Result<CompareReport> compare_engines(const CompareOptions& options) {
   if (options.ticks < 1 || options.state_every < 1)
     return fail(Fault::usage, "the comparison takes at least one tick");
-  auto h8 = H8Mcu::load(options.image_path);
+  h8s::Options chip;
+  chip.engine = options.engine;
+  auto h8 = H8Mcu::load(options.image_path, chip);
   if (!h8) return tl::unexpected(h8.error());
   if (!(*h8)->has_tick_symbols() || (*h8)->global("kz_servo_state", 1).empty() ||
       (*h8)->global("kz_startup_found", 1).empty())

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "sim/h8s/options.h"
 
 namespace kaz::sim {
 
@@ -23,6 +24,7 @@ struct CompareOptions {
   std::int64_t ticks = 100000;  // to compare
   std::uint64_t seed = 1;
   std::int64_t state_every = 1;  // compare the whole servo state every so many ticks
+  h8s::Engine engine = h8s::Engine::translator;  // the emulator's; the default is what users get
   std::function<void(std::int64_t done, std::int64_t total)> progress;
 };
 
@@ -41,6 +43,9 @@ struct CompareCoverage {
 
 struct CompareReport {
   std::int64_t ticks = 0;  // compared
+  std::string engine;      // of the emulator, that which executed: "translator"
+  // Executed by the emulated chip, and how many of them as translated host code.
+  std::int64_t instructions = 0, translated_instructions = 0;
   // Traffic that these ticks saw.
   std::int64_t bytes_received = 0, bytes_sent = 0, frames_sent_to_board = 0;
   std::uint16_t worst_busy_8states = 0;

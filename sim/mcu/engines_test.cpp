@@ -138,9 +138,38 @@ TEST_P(CompareSeeds, FindNoDifference) {
   EXPECT_GT(report->coverage.replies.size(), 12u) << report->text();
   EXPECT_GT(report->coverage.refusals.size(), 6u) << report->text();
   EXPECT_GT(report->coverage.shutdowns.size(), 2u) << report->text();
+  // It was the engine that every verb uses, and it did translate.
+  EXPECT_EQ(report->engine, h8s::translator_available() ? "translator" : "interpreter");
+  if (h8s::translator_available()) {
+    EXPECT_GT(report->translated_instructions, report->instructions / 2) << report->text();
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Traffic, CompareSeeds, testing::Values(1, 2, 3, 4));
+
+// The emulator's engines are one machine: the same traffic, seen by the same native build, state by state.
+TEST(Compare, TheEmulatorsEnginesSeeTheSame) {
+  std::optional<CompareReport> first;
+  for (const auto engine : {h8s::Engine::interpreter, h8s::Engine::translator}) {
+    CompareOptions options;
+    options.image_path = KAZ_FIRMWARE_IMAGE;
+    options.ticks = 20000;
+    options.engine = engine;
+    const auto report = compare_engines(options);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(report->equal()) << report->text();
+    if (!first) {
+      first = *report;
+      EXPECT_EQ(report->engine, "interpreter");
+      EXPECT_EQ(report->translated_instructions, 0);
+      continue;
+    }
+    EXPECT_EQ(report->instructions, first->instructions);
+    EXPECT_EQ(report->bytes_sent, first->bytes_sent);
+    EXPECT_EQ(report->worst_busy_8states, first->worst_busy_8states);
+    EXPECT_EQ(report->chip_s, first->chip_s);
+  }
+}
 
 TEST(Compare, IsRepeatable) {
   CompareOptions options;

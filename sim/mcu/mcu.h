@@ -59,6 +59,8 @@ class Mcu {
 
   // "h8" or "native".
   virtual std::string engine() const = 0;
+  // h8: the engine that the emulator executes with, "translator" by default; native: empty.
+  virtual std::string emulator_engine() const { return {}; }
   virtual States now() const = 0;
 
   // Runs until `now() >= until`. Fails, once and for all until the next reset, when the chip does

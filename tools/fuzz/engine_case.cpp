@@ -48,8 +48,7 @@ class BodyJudge {
   void restart() {
     for (Joint& joint : joints_) joint = {};
   }
-  void step(std::span<const sim::MotorDrive> drives,
-            std::span<const sim::JointState> joints) {
+  void step(std::span<const sim::MotorDrive> drives, std::span<const sim::JointState> joints) {
     if (servo_ == nullptr) return;
     for (std::size_t j = 0; j < KZ_JOINTS; ++j) judge(j, drives[j], joints[j]);
   }
@@ -182,6 +181,11 @@ Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,
   static_cast<hil::fuzz::Verdict&>(verdict) = *run;
   verdict.features.insert(ticks.features().begin(), ticks.features().end());
   verdict.ticks = ticks.ticks();
+  if (engine->h8 != nullptr) {
+    verdict.emulator_engine = engine->h8->emulator_engine();
+    verdict.instructions = engine->h8->chip().instructions();
+    verdict.translated_instructions = engine->h8->chip().translated_instructions();
+  }
   verdict.worst_overshoot_rad = body.worst_overshoot();
   return verdict;
 }

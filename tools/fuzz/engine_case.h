@@ -23,7 +23,10 @@ struct EngineOptions {
 struct EngineVerdict : hil::fuzz::Verdict {
   long long ticks = 0;
   std::uint16_t worst_busy_8states = 0;  // h8: the longest tick
-  double worst_overshoot_rad = 0;        // how far a driven joint went past its soft limit
+  std::string emulator_engine;           // h8: what executed, "translator"
+  // h8: executed, and how many of them as translated code.
+  long long instructions = 0, translated_instructions = 0;
+  double worst_overshoot_rad = 0;  // how far a driven joint went past its soft limit
 };
 
 Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,

@@ -160,6 +160,8 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   }
   if (simulation != nullptr) {
     result["engine"] = report.rig.engine;
+    if (const std::string emulator = simulation->board().mcu().emulator_engine(); !emulator.empty())
+      result["emulator_engine"] = emulator;
     result["world"] = report.rig.world;
     result["stepper"] = simulation->world().stepper();
     result["physics_step_ms"] = report.rig.physics_step_ms;

@@ -1,5 +1,6 @@
 // `kaz fuzz`: a hostile host against a board, and a judge beside it.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -36,6 +37,8 @@ struct Totals {
   long long cases = 0, ticks = 0, requests = 0, replies = 0, refusals = 0, damaged = 0;
   double board_s = 0, worst_overshoot_rad = 0;
   std::uint16_t worst_busy_8states = 0;
+  std::string emulator_engine;
+  long long instructions = 0, translated_instructions = 0;
 };
 
 bool in_process(const FuzzArguments& arguments) {
@@ -175,6 +178,9 @@ class Fuzzing {
     if (!verdict) return tl::unexpected(verdict.error());
     count(*verdict);
     totals_.ticks += verdict->ticks;
+    totals_.emulator_engine = verdict->emulator_engine;
+    totals_.instructions += verdict->instructions;
+    totals_.translated_instructions += verdict->translated_instructions;
     totals_.worst_busy_8states = std::max(totals_.worst_busy_8states, verdict->worst_busy_8states);
     totals_.worst_overshoot_rad =
         std::max(totals_.worst_overshoot_rad, verdict->worst_overshoot_rad);
@@ -222,7 +228,12 @@ class Fuzzing {
           {"replies", totals_.replies},       {"refusals", totals_.refusals},
           {"corpus", search.corpus().size()}, {"features", search.features()}};
       if (!port_) json["ticks"] = totals_.ticks;
-      if (engine_.engine == "h8") json["worst_tick_8states"] = totals_.worst_busy_8states;
+      if (engine_.engine == "h8") {
+        json["worst_tick_8states"] = totals_.worst_busy_8states;
+        json["emulator_engine"] = totals_.emulator_engine;
+        json["instructions"] = totals_.instructions;
+        json["translated_instructions"] = totals_.translated_instructions;
+      }
       if (arguments_.body) json["worst_overshoot_rad"] = totals_.worst_overshoot_rad;
       if (violation) {
         json["violation"] = *violation;
@@ -237,7 +248,12 @@ class Fuzzing {
                 totals_.cases, totals_.board_s, totals_.requests, totals_.replies,
                 totals_.refusals);
     if (arguments_.target == "h8")
-      std::printf("longest tick: %d of 18432 states\n", 8 * totals_.worst_busy_8states);
+      std::printf(
+          "longest tick: %d of 18432 states; emulator's engine: %s, %.0f %% of instructions as "
+          "translated code\n",
+          8 * totals_.worst_busy_8states, totals_.emulator_engine.c_str(),
+          100.0 * static_cast<double>(totals_.translated_instructions) /
+              static_cast<double>(std::max(1LL, totals_.instructions)));
     if (arguments_.body)
       std::printf("furthest past a soft limit: %.4f rad\n", totals_.worst_overshoot_rad);
     if (!violation) return;

@@ -29,6 +29,10 @@ const CLI::Validator kCountAboveZero(
     },
     "INT");
 
+const std::map<std::string, h8s::Engine> kEngines{{"reference", h8s::Engine::reference},
+                                                  {"interpreter", h8s::Engine::interpreter},
+                                                  {"translator", h8s::Engine::translator}};
+
 struct CompareArguments {
   sim::CompareOptions options;
   bool json = false;
@@ -48,6 +52,9 @@ nlohmann::ordered_json to_json(const sim::CompareCoverage& coverage) {
 
 nlohmann::ordered_json to_json(const sim::CompareReport& report) {
   nlohmann::ordered_json result{{"equal", report.equal()},
+                                {"engine", report.engine},
+                                {"instructions", report.instructions},
+                                {"translated_instructions", report.translated_instructions},
                                 {"ticks", report.ticks},
                                 {"bytes_received", report.bytes_received},
                                 {"bytes_sent", report.bytes_sent},
@@ -100,6 +107,12 @@ void add_compare(CLI::App& mcu, Action& action) {
                    "compare the whole state every so many ticks; outputs and pins in each")
       ->check(positive())
       ->capture_default_str();
+  verb->add_option(
+          "--engine", arguments->options.engine,
+          "of the emulator: reference, interpreter or translator (the default, which every "
+          "other verb uses)")
+      ->transform(one_of(kEngines))
+      ->type_name("");
   verb->add_option("--image", arguments->options.image_path,
                    "firmware image, with its .coff beside it; the built one if not given");
   verb->add_flag("--json", arguments->json, "print the report as JSON, no progress");
@@ -109,7 +122,8 @@ void add_compare(CLI::App& mcu, Action& action) {
       "first difference side by side where they are not.\n"
       "Examples:\n"
       "  kaz mcu compare\n"
-      "  kaz mcu compare --ticks 1000000 --seed 7");
+      "  kaz mcu compare --ticks 1000000 --seed 7\n"
+      "  kaz mcu compare --ticks 1000000 --engine interpreter");
   verb->callback([&action, arguments] { action = [arguments] { return compare(*arguments); }; });
 }
 
@@ -126,11 +140,8 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
   verb.add_option("--max-insns", options.max_insns, "with --flat: stop there")
       ->check(kCountAboveZero)
       ->needs("--flat");
-  const std::map<std::string, h8s::Engine> engines{{"reference", h8s::Engine::reference},
-                                                   {"interpreter", h8s::Engine::interpreter},
-                                                   {"translator", h8s::Engine::translator}};
   verb.add_option("--engine", options.engine, "reference, interpreter or translator (the default)")
-      ->transform(one_of(engines))
+      ->transform(one_of(kEngines))
       ->type_name("");
   verb.add_option("--mode", options.mode, "mode pins: 2 advanced (24-bit), 3 normal (16-bit)")
       ->check(CLI::IsMember({2, 3}))

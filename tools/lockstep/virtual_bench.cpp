@@ -68,6 +68,11 @@ double VirtualBench::share(int channel, const sim::PinLevels& levels) const {
   return 0;
 }
 
+std::string VirtualBench::name() const {
+  const std::string emulator = mcu_->emulator_engine();
+  return "virtual board (" + mcu_->engine() + (emulator.empty() ? "" : ", " + emulator) + ")";
+}
+
 Time VirtualBench::now() const {
   return sim::time_of(now_);
 }

@@ -24,7 +24,7 @@ class VirtualBench final : public hil::Bench, public host::Link, public host::Cl
   Time now() const override;
   Result<void> sleep_until(Time t) override;
   // host::Link
-  std::string name() const override { return "virtual board (" + mcu_->engine() + ")"; }
+  std::string name() const override;
   Time byte_time() const override;
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;

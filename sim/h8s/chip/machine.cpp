@@ -130,6 +130,7 @@ void Machine::power_on(std::uint8_t ram_fill) {
   sci = fresh;
   cpu.now = cpu.stall = 0;
   cpu.executed = 0;
+  if (translator_) translator_->count_anew();
   cpu.er.fill(0);
   misuses.clear();
   reset(ResetCause::power_on, 0);
@@ -246,18 +247,27 @@ void Machine::pin_edge(unsigned port, unsigned bit, bool rising, States at) {
 }
 
 void Machine::set_hook(std::uint32_t address, Chip::CodeHook hook) {
-  clear_hook(address);
   hooks[address] = std::move(hook);
   cpu.hooks = true;
-  Insn* slot = const_cast<Insn*>(at_address(cpu, address));
-  slot->run = nullptr;
+  hook_changed(address);
 }
 
 void Machine::clear_hook(std::uint32_t address) {
-  hooks.erase(address);
+  if (hooks.erase(address) == 0) return;
   cpu.hooks = !hooks.empty();
-  const Insn* slot = at_address(cpu, address);
-  if (slot != &cpu.outside) const_cast<Insn*>(slot)->run = nullptr;
+  hook_changed(address);
+}
+
+// The instruction there is decoded again, and no translated code runs over it.
+void Machine::hook_changed(std::uint32_t address) {
+  const Insn outside = cpu.outside;  // the chip may stand at an address without memory
+  Insn* slot = const_cast<Insn*>(at_address(cpu, address));
+  if (slot == &cpu.outside) {
+    cpu.outside = outside;
+    return;
+  }
+  slot->run = nullptr;
+  if (translator_) translator_->hook_changed(static_cast<std::uint32_t>(slot - cpu.code));
 }
 
 }  // namespace kaz::h8s

@@ -147,6 +147,7 @@ class Machine {
   bool hooked(std::uint32_t pc) const { return pc != unhooked_ && hooks.contains(pc); }
   void set_hook(std::uint32_t pc, Chip::CodeHook hook);
   void clear_hook(std::uint32_t pc);
+  void hook_changed(std::uint32_t address);
   void set_pc(std::uint32_t pc);
   std::uint32_t pc() const { return pc_of(cpu, cpu.ip); }
 

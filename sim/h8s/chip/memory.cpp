@@ -73,8 +73,7 @@ std::uint16_t slow_load16(Cpu& c, std::uint32_t address) {
     if (m.flash_control.plain()) return seen(big16(c.flash + address));
     const unsigned high = m.flash_control.read(m, address, c.flash[address], m.time());
     if (m.flash_control.plain()) return seen(high << 8 | c.flash[address + 1]);
-    return seen(high << 8 |
-                m.flash_control.read(m, address + 1, c.flash[address + 1], m.time()));
+    return seen(high << 8 | m.flash_control.read(m, address + 1, c.flash[address + 1], m.time()));
   }
   if (!c.machine->is_io(address)) {
     raise_fault(c, Fault::unmapped, address);
@@ -130,6 +129,10 @@ void mask_changed(Cpu& c, bool hold_off) {
 
 bool hooked_here(const Cpu& c, std::uint32_t pc) {
   return c.machine && c.machine->hooked(pc);
+}
+
+bool has_hook(const Cpu& c, std::uint32_t pc) {
+  return c.machine && c.machine->hooks.contains(pc);
 }
 
 std::uint8_t* Machine::memory_at(std::uint32_t address) {

@@ -194,8 +194,10 @@ void run_observed(Cpu& c);
 // Tells the observers of an access.
 void observe_access(Cpu& c, std::uint32_t address, unsigned size, unsigned value, bool write);
 
-// Whether Machine keeps a code hook for this address.
+// Whether the instruction at this address is to be replaced by a call of its code hook, now.
 bool hooked_here(const Cpu& c, std::uint32_t pc);
+// Whether Machine keeps a code hook for this address at all, also while its instruction runs.
+bool has_hook(const Cpu& c, std::uint32_t pc);
 
 void raise_fault(Cpu& c, Fault fault, std::uint32_t address);
 

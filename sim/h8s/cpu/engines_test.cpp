@@ -314,6 +314,68 @@ void run_seed(unsigned seed, bool in_ram, int slices) {
   compare_memory(judge, translator, seed);
 }
 
+// Code hooks at random instructions, set and cleared on the way: each engine calls them at the same
+// states with the same registers, and runs as without them. The translator goes on translating.
+void run_hooked_seed(unsigned seed, bool in_ram, std::int64_t& translated) {
+  Random random(seed * 2654435761u + 7);
+  const std::uint32_t base = in_ram ? kRamProgram : kCode;
+  const RandomProgram program(seed, base, 20 + static_cast<int>(pick(random, 60)));
+  Registers r;
+  for (auto& e : r.er) e = static_cast<std::uint32_t>(random());
+  for (unsigned n = 4; n < 7; ++n) r.er[n] = kRamData + 2 * pick(random, 64);
+  r.er[7] = kStack - 0x400 + 2 * pick(random, 16);
+  r.pc = base;
+  r.ccr = static_cast<std::uint8_t>(random() & 0xff);
+  struct Seen {
+    Registers registers;
+    States at;
+    bool operator==(const Seen&) const = default;
+  };
+  Chip plain = chip_for(Engine::interpreter, 1, program.words(), base, r);
+  Chip hooked[] = {chip_for(Engine::reference, 1, program.words(), base, r),
+                   chip_for(Engine::interpreter, 1, program.words(), base, r),
+                   chip_for(Engine::translator, 1 + pick(random, 3), program.words(), base, r)};
+  std::vector<Seen> seen[3];
+  std::vector<std::uint32_t> set;
+  for (int slice = 0; slice < 30; ++slice) {
+    // Any word of the program: hooks inside an instruction are never reached, and harm nothing.
+    const std::uint32_t at = base + 2 * pick(random, static_cast<unsigned>(program.words().size()));
+    const bool clear = !set.empty() && pick(random, 3) == 0;
+    const std::uint32_t gone = clear ? set[pick(random, static_cast<unsigned>(set.size()))] : 0;
+    for (int n = 0; n < 3; ++n) {
+      if (clear) hooked[n].clear_hook(gone);
+      hooked[n].set_hook(at, [&seen, n, at](Chip& chip) {
+        EXPECT_EQ(chip.registers().pc, at);
+        seen[n].push_back({chip.registers(), chip.now()});
+        return HookAction::go_on;
+      });
+    }
+    set.push_back(at);
+    const States to = plain.now() + 1 + pick(random, 1500);
+    const Stop stop = plain.run_until(to);
+    for (int n = 0; n < 3; ++n) {
+      ASSERT_EQ(hooked[n].run_until(to).reason, stop.reason) << seed << ", engine " << n;
+      compare(plain, hooked[n], seed, slice, name_of(hooked[n].engine()));
+      if (::testing::Test::HasFatalFailure()) return;
+      ASSERT_EQ(seen[n], seen[0]) << seed << ", engine " << n << ", slice " << slice;
+    }
+    if (stop.reason != Stop::Reason::reached) break;
+  }
+  for (Chip& chip : hooked) compare_memory(plain, chip, seed);
+  translated += hooked[2].translated_instructions();
+}
+
+void run_hooked_seeds(unsigned first, bool in_ram) {
+  std::int64_t translated = 0;
+  for (unsigned seed = first; seed < first + 60; ++seed) {
+    run_hooked_seed(seed, in_ram, translated);
+    if (::testing::Test::HasFatalFailure()) return;
+  }
+  if (translator_available()) {
+    EXPECT_GT(translated, 10'000);
+  }
+}
+
 // More by hand: KAZ_ENGINE_SEEDS=first,count.
 void run_seeds(unsigned first, unsigned count, bool in_ram) {
   if (const char* text = std::getenv("KAZ_ENGINE_SEEDS"))
@@ -351,6 +413,39 @@ TEST(Engines, AgreeAfterEachPowerOn) {
 
 TEST(Engines, AgreeOnRandomProgramsInFlash) {
   run_seeds(1, 60, false);
+}
+
+TEST(Engines, AgreeWithCodeHooks) {
+  run_hooked_seeds(1, false);
+  run_hooked_seeds(1000, true);
+}
+
+// A hook in the middle of a loop that is translated already, and away again.
+TEST(Engines, AHookInTranslatedCodeIsCalledEachTime) {
+  Options options;
+  options.translate_after = 1;
+  // inc.w #1,r0 ; inc.w #1,r1 ; inc.w #1,r2 ; bra back
+  Chip chip = make_chip({0x0b50, 0x0b51, 0x0b52, 0x40f8}, options);
+  const States start = chip.now();
+  chip.run_until(start + 5000);
+  if (translator_available()) {
+    EXPECT_GT(chip.translated_instructions(), 3000);
+  }
+  int calls = 0;
+  chip.set_hook(kCode + 2, [&calls](Chip&) {
+    ++calls;
+    return HookAction::go_on;
+  });
+  const std::int64_t hooked_from = chip.translated_instructions();
+  chip.run_until(start + 10000);  // 5 states a turn
+  EXPECT_EQ(calls, 1000);
+  if (translator_available()) {
+    EXPECT_GT(chip.translated_instructions() - hooked_from, 2000);
+  }
+  chip.clear_hook(kCode + 2);
+  chip.run_until(start + 15000);
+  EXPECT_EQ(calls, 1000);
+  EXPECT_EQ(chip.now() - start, 15000);
 }
 
 TEST(Engines, AgreeOnRandomProgramsThatChangeThemselves) {

@@ -37,7 +37,7 @@ void run_stretch(Cpu& c) {
     run_observed(c);
   else if (c.engine == Engine::reference)
     run_reference(c);
-  else if (c.translator && !c.hooks && !c.normal)
+  else if (c.translator && !c.normal)
     c.translator->run(c);
   else
     run_interpreter(c);

@@ -14,11 +14,17 @@ void Translator::run(Cpu& c) {
 }
 
 void Translator::forget(std::uint32_t, std::uint32_t) {}
+void Translator::hook_changed(std::uint32_t) {}
 void Translator::forget_all() {}
 
 std::int64_t Translator::translated() const {
   return 0;
 }
+
+std::int64_t Translator::executed() const {
+  return 0;
+}
+void Translator::count_anew() {}
 
 void TranslatorFree::operator()(Translator* p) const {
   delete p;

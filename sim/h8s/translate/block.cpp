@@ -251,6 +251,8 @@ bool take_step(Cpu& c, std::uint32_t index, Step& step) {
   if (step.form.op == Op::none || !resolve_memory(c, step)) return false;
   const Op op = step.form.op;
   const std::uint32_t pc = pc_of(c, c.code + index);
+  // Translated code is left before an instruction with a code hook, which Machine::run_hook calls.
+  if (c.hooks && has_hook(c, pc)) return false;
   if (op == Op::bcc || op == Op::bsr)
     step.target = index_at(c, pc + 2u * step.insn.units + step.insn.imm);
   else if ((op == Op::jmp || op == Op::jsr) && step.form.src == Mode::absolute)

@@ -22,10 +22,15 @@ class Translator {
   void run(Cpu& c);
   // Instructions in Cpu::code from `first` on, `count` of them, have changed.
   void forget(std::uint32_t first, std::uint32_t count);
+  // A code hook was set or cleared at `index`: blocks that hold the instruction are translated again.
+  void hook_changed(std::uint32_t index);
   // Everything: also where the code array itself or the memory map has changed.
   void forget_all();
   // Blocks translated since the start, for measurements.
   std::int64_t translated() const;
+  // Instructions executed in translated code since the start or the last count_anew().
+  std::int64_t executed() const;
+  void count_anew();
 
  private:
   struct Cache;
