@@ -8,6 +8,7 @@
 
 #include "sim/h8s/chip/machine.h"
 #include "sim/h8s/cpu/access.h"
+#include "sim/h8s/translate/translator.h"
 
 namespace kaz::h8s {
 namespace {
@@ -118,6 +119,26 @@ States Chip::now() const {
 }
 std::int64_t Chip::instructions() const {
   return machine_->cpu.executed;
+}
+std::int64_t Chip::translated_instructions() const {
+  const Translator* translator = machine_->cpu.translator;
+  return translator ? translator->executed() : 0;
+}
+Engine Chip::engine() const {
+  const Cpu& cpu = machine_->cpu;
+  if (cpu.engine != Engine::translator) return cpu.engine;
+  return cpu.translator && !cpu.normal ? Engine::translator : Engine::interpreter;
+}
+const char* name_of(Engine engine) {
+  switch (engine) {
+    case Engine::reference:
+      return "reference";
+    case Engine::interpreter:
+      return "interpreter";
+    case Engine::translator:
+      break;
+  }
+  return "translator";
 }
 bool Chip::asleep() const {
   return machine_->cpu.asleep;

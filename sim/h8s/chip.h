@@ -191,8 +191,12 @@ class Chip {
   // While asleep not beyond `no_later`.
   Stop step(States no_later = std::numeric_limits<States>::max());
   States now() const;
-  std::int64_t instructions()
-      const;  // executed since power-on; counted by step() and where asked (count)
+  // Executed since power-on.
+  std::int64_t instructions() const;
+  // Of those, the ones that ran as translated host code (for measurements; no part of save()).
+  std::int64_t translated_instructions() const;
+  // The engine that executes: `Options::engine`, but the interpreter where nothing can be translated.
+  Engine engine() const;
   bool asleep() const;
   ResetCause reset_cause() const;
   // Called at each reset by a watchdog, before the first instruction.

@@ -18,6 +18,9 @@ enum class Engine {
 // Whether this build and host can translate.
 bool translator_available();
 
+// "reference", "interpreter" or "translator".
+const char* name_of(Engine engine);
+
 // Defaults are the best reading of the H8S/2128's siblings; README.md tells the evidence of each.
 struct Options {
   Engine engine = Engine::translator;

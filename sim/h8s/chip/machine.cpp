@@ -130,6 +130,7 @@ void Machine::power_on(std::uint8_t ram_fill) {
   sci = fresh;
   cpu.now = cpu.stall = 0;
   cpu.executed = 0;
+  if (translator_) translator_->count_anew();
   cpu.er.fill(0);
   misuses.clear();
   reset(ResetCause::power_on, 0);

@@ -20,6 +20,11 @@ std::int64_t Translator::translated() const {
   return 0;
 }
 
+std::int64_t Translator::executed() const {
+  return 0;
+}
+void Translator::count_anew() {}
+
 void TranslatorFree::operator()(Translator* p) const {
   delete p;
 }

@@ -40,6 +40,7 @@ struct Translator::Cache {
   std::vector<std::uint32_t> touched;  // entries with code, or covered
   std::size_t bytes = 0;
   std::int64_t blocks = 0;
+  std::int64_t executed = 0;     // instructions, in translated code
   std::uint32_t impatience = 0;  // how often code has changed: doubles the patience
   bool unusable = false;         // the host gives no memory for code
 
@@ -171,6 +172,14 @@ std::int64_t Translator::translated() const {
   return cache_->blocks;
 }
 
+std::int64_t Translator::executed() const {
+  return cache_->executed;
+}
+
+void Translator::count_anew() {
+  cache_->executed = 0;
+}
+
 void Translator::forget(std::uint32_t first, std::uint32_t count) {
   Cache& cache = *cache_;
   if (cache.touched.empty()) return;
@@ -205,11 +214,11 @@ void Translator::run(Cpu& c) {
       if (entry.code && c.stop - c.now > entry.bound) {
         const auto enter =
             reinterpret_cast<Enter>(reinterpret_cast<std::uintptr_t>(cache.gate.enter));
-        if (enter(&c, entry.code) == kGoOn) {
-          record_jump(c, nullptr, c.ip);
-          continue;
-        }
+        const std::int64_t before = c.executed;
+        const std::uint32_t answer = enter(&c, entry.code);
+        cache.executed += c.executed - before;
         record_jump(c, nullptr, c.ip);
+        if (answer == kGoOn) continue;
         if (c.now >= c.stop) return;
         ip = c.ip;
         left = true;

@@ -26,6 +26,9 @@ class Translator {
   void forget_all();
   // Blocks translated since the start, for measurements.
   std::int64_t translated() const;
+  // Instructions executed in translated code since the start or the last count_anew().
+  std::int64_t executed() const;
+  void count_anew();
 
  private:
   struct Cache;
