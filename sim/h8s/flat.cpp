@@ -59,6 +59,7 @@ class Flat::Body {
     cpu.semihost = chosen.semihost;
     cpu.engine = chosen.engine;
     cpu.translate_after = chosen.translate_after;
+    cpu.predecrement_stores_decremented = chosen.predecrement_stores_decremented;
     if (chosen.engine == Engine::translator) translator = make_translator();
     cpu.translator = translator.get();
     set_ccr(cpu, 0x80);

@@ -24,6 +24,7 @@ struct FlatOptions {
   bool semihost = true;
   // How often a place is jumped to before it is translated; affects speed only.
   std::uint32_t translate_after = 1000;
+  bool predecrement_stores_decremented = true;  // as in Options
 };
 
 // Why Flat::run came back.

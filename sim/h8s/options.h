@@ -77,6 +77,10 @@ struct Options {
   int subclock_states = 0;
   // STC to memory writes the register into the low byte of the word too (else 0).
   bool stc_copies = false;
+  // MOV Rs,@-ERd with Rs in ERd (PUSH.W R7, PUSH.L ER7 too) stores the register as it is after the
+  // decrement, else as it was before. Loads need no option: of MOV @ERs+,Rd with Rd in ERs the
+  // loaded value is written last.
+  bool predecrement_stores_decremented = true;
   // Boot mode. The channel that it talks on: SCI0 (P50, P51) or SCI1 (P25, P26).
   int boot_channel = 0;
   // The bit rates of the A-mask parts (19,200 to 4,800), else those of the others (9,600 to 2,400).

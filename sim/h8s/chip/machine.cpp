@@ -159,6 +159,7 @@ void Machine::reset(ResetCause why, States at) {
   cpu.fault = Fault::none;
   cpu.stc_copies = options.stc_copies;
   cpu.rte_holds_off = options.rte_holds_off;
+  cpu.predecrement_stores_decremented = options.predecrement_stores_decremented;
   cpu.trail = {};
   cpu.jumps = 0;
   irq.reset();

@@ -23,7 +23,8 @@ template <class A>
 void Machine::transfer_cpu(A& a) {
   a(cpu.er, cpu.flags, cpu.now, cpu.stall, cpu.executed, cpu.ram_size, cpu.flash_size, cpu.mask,
     cpu.control, cpu.exr, cpu.request, cpu.normal, cpu.two_level, cpu.stc_copies, cpu.rte_holds_off,
-    cpu.hold_off, cpu.asleep, cpu.moving, cpu.fault, cpu.fault_address, cpu.fault_pc, cpu.jumps);
+    cpu.predecrement_stores_decremented, cpu.hold_off, cpu.asleep, cpu.moving, cpu.fault,
+    cpu.fault_address, cpu.fault_pc, cpu.jumps);
   // Where it is, and the last jumps.
   std::array<std::int64_t, 1 + 2 * kTrail> places{};
   std::uint32_t outside = 0;

@@ -114,6 +114,7 @@ struct Cpu {
   bool two_level = false;    // interrupt control mode 1: exceptions set UI too
   bool stc_copies = false;   // Options
   bool rte_holds_off = false;
+  bool predecrement_stores_decremented = true;
   bool hold_off = false;  // no interrupt before one more instruction has run
   bool asleep = false;
   bool moving = false;  // EEPMOV.W interrupted between two bytes

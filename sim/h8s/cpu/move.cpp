@@ -47,27 +47,28 @@ const Insn* mov_store_absolute(Cpu& c, const Insn* i) {
   return i + i->units;
 }
 
-// With ER7 as pointer: bytes too keep SP even, and the address must lie in RAM.
+// With ER7 as pointer the address must lie in RAM; a byte leaves SP odd. Rd may be part of ERs: the
+// loaded value is written last.
 template <class T>
 const Insn* mov_load_increment(Cpu& c, const Insn* i) {
   const std::uint32_t address = ereg(c, i->rs);
   const bool stack = i->rs == 4 * 7;
   if (stack && !stack_ok(c, address)) return i + i->units;
   const T value = load<T>(c, address);
-  const auto step = static_cast<std::uint32_t>(stack && sizeof(T) == 1 ? 2 : sizeof(T));
-  set_reg<std::uint32_t>(c, i->rs, address + step);
+  set_reg<std::uint32_t>(c, i->rs, address + std::uint32_t{sizeof(T)});
   set_reg<T>(c, i->rd, flags_logic<T>(c, value));
   return i + i->units;
 }
 
+// Rs may be part of ERd: Options::predecrement_stores_decremented.
 template <class T>
 const Insn* mov_store_decrement(Cpu& c, const Insn* i) {
   const bool stack = i->rd == 4 * 7;
-  const T value = reg<T>(c, i->rs);
-  const auto step = static_cast<std::uint32_t>(stack && sizeof(T) == 1 ? 2 : sizeof(T));
-  const std::uint32_t address = ereg(c, i->rd) - step;
+  const T before = reg<T>(c, i->rs);
+  const std::uint32_t address = ereg(c, i->rd) - std::uint32_t{sizeof(T)};
   set_reg<std::uint32_t>(c, i->rd, address);
   if (stack && !stack_ok(c, address)) return i + i->units;
+  const T value = c.predecrement_stores_decremented ? reg<T>(c, i->rs) : before;
   store<T>(c, address, flags_logic<T>(c, value));
   return i + i->units;
 }

@@ -29,6 +29,8 @@ struct World {
   bool i = true, ui = false, h = false, u = false, n = false, z = false, v = false, c = false;
   u8 exr = 0x7f;
   bool normal = false;  // 16-bit addresses
+  // MOV Rs,@-ERd with Rs in ERd stores the register as the decrement leaves it, else as it was.
+  bool predecrement_stores_decremented = true;
 
   std::function<u8(u32)> read;
   std::function<void(u32, u8)> write;

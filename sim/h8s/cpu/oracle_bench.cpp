@@ -21,6 +21,23 @@ bool has(const Form& form, const char* part) {
   return form.name.find(part) != std::string::npos;
 }
 
+bool moves_pointer(const Form& form) {
+  return has(form, "@-ERn");
+}
+bool uses_pointer(const Form& form) {
+  return has(form, "@ERn") || has(form, "@(d") || has(form, "@ERd") || form.name == "tas";
+}
+char pointer_letter(const Form& form) {
+  return has(form, "@ERd") ? 'd' : 'r';
+}
+int operand_bytes(const Form& form) {
+  const bool word = has(form, "ldc") || has(form, "stc") || has(form, ".w");
+  return has(form, ".l") ? 4 : word ? 2 : 1;
+}
+bool jumps(const Form& form) {
+  return has(form, "jmp") || has(form, "jsr");
+}
+
 std::string hex(u32 value) {
   char text[16];
   std::snprintf(text, sizeof text, "%x", value);
@@ -67,6 +84,7 @@ Bench::Bench(bool normal, const Options& options)
   (void)chip.load(image);
   chip.power_on();
   world.normal = normal;
+  world.predecrement_stores_decremented = options.predecrement_stores_decremented;
   world.read = [this](u32 a) { return model_read(a); };
   world.write = [this](u32 a, u8 v) { model_write(a, v); };
   for (u32 at = 0; at < 0x2000; ++at) {
@@ -115,15 +133,7 @@ int Bench::io_states(const Access& a) const {
 std::string Bench::trial(const Form& form, const std::vector<u16>& units, const World& before,
                          u32 at) {
   if (code_at_ != at || code_ != units) {
-    for (std::size_t k = 0; k < 2 * units.size(); ++k) {
-      const u32 byte = units[k / 2] >> (k % 2 ? 0 : 8) & 0xffu;
-      const u32 place = at + static_cast<u32>(k);
-      chip.poke(place, static_cast<u8>(byte));
-      if (at < 0x20000)
-        flash_[place] = static_cast<u8>(byte);
-      else
-        ram_[place - kBase] = static_cast<u8>(byte);
-    }
+    put(at, units);
     code_at_ = at;
     code_ = units;
   }
@@ -132,7 +142,7 @@ std::string Bench::trial(const Form& form, const std::vector<u16>& units, const 
   w.set_ccr(before.ccr());
   w.exr = before.exr;
   w.pc = at & w.mask();
-  outside_.clear();
+  outside();
 
   chip.set_registers({w.er, w.pc, w.ccr(), w.exr});
   const States start = chip.now();
@@ -145,29 +155,12 @@ std::string Bench::trial(const Form& form, const std::vector<u16>& units, const 
   int states = step(w, form, units);
   for (const Access& a : w.data) states += io_states(a);
 
-  std::string wrong = outside_;
+  std::string wrong = outside();
   if (stop.reason != Stop::Reason::reached) wrong.append(" stopped: ").append(stop.report);
-  const Registers r = chip.registers();
-  for (u32 n = 0; n < 8; ++n) {
-    if (r.er[n] == w.er[n]) continue;
-    // What the manual leaves open is the chip's choice.
-    if (!w.open_result) wrong += differ("er", n, r.er[n], w.er[n]);
-    w.er[n] = r.er[n];
-  }
-  if (r.pc != w.pc) wrong += differ("pc", 0, r.pc, w.pc);
-  if ((r.ccr ^ w.ccr()) & ~w.open_flags) wrong += differ("ccr", 0, r.ccr, w.ccr());
-  if (r.exr != w.exr) wrong += differ("exr", 0, r.exr, w.exr);
+  wrong += compare(w.data, w.open_flags, w.open_result);
   const auto took = static_cast<u32>(chip.now() - start);
   if (took != static_cast<u32>(states))
     wrong += differ("states", 0, took, static_cast<u32>(states));
-  if (chip.asleep() != w.asleep) wrong += differ("asleep", 0, chip.asleep(), w.asleep);
-  for (const Access& a : w.data) {
-    for (u32 k = 0; k < static_cast<u32>(a.bytes); ++k) {
-      const u32 place = (a.bytes == 2 ? a.address & ~1u : a.address) + k;
-      const u32 got = chip.peek(place).value_or(0), wanted = model_read(place);
-      if (got != wanted) wrong += differ("memory", place, got, wanted);
-    }
-  }
   if (wrong.empty()) return {};
   std::string text = form.name;
   text.append(" [");
@@ -175,6 +168,30 @@ std::string Bench::trial(const Form& form, const std::vector<u16>& units, const 
   text.append(" ] er");
   for (const u32 er : before.er) text.append(" ").append(hex(er));
   return text.append(" ccr ").append(hex(before.ccr())).append(":").append(wrong);
+}
+
+std::string Bench::compare(std::span<const Access> accesses, u8 open_flags, bool open_result) {
+  World& w = world;
+  std::string wrong;
+  const Registers r = chip.registers();
+  for (u32 n = 0; n < 8; ++n) {
+    if (r.er[n] == w.er[n]) continue;
+    // What the manual leaves open is the chip's choice.
+    if (!open_result) wrong += differ("er", n, r.er[n], w.er[n]);
+    w.er[n] = r.er[n];
+  }
+  if (r.pc != w.pc) wrong += differ("pc", 0, r.pc, w.pc);
+  if ((r.ccr ^ w.ccr()) & ~open_flags) wrong += differ("ccr", 0, r.ccr, w.ccr());
+  if (r.exr != w.exr) wrong += differ("exr", 0, r.exr, w.exr);
+  if (chip.asleep() != w.asleep) wrong += differ("asleep", 0, chip.asleep(), w.asleep);
+  for (const Access& a : accesses) {
+    for (u32 k = 0; k < static_cast<u32>(a.bytes); ++k) {
+      const u32 place = (a.bytes == 2 ? a.address & ~1u : a.address) + k;
+      const u32 got = chip.peek(place).value_or(0), wanted = model_read(place);
+      if (got != wanted) wrong += differ("memory", place, got, wanted);
+    }
+  }
+  return wrong;
 }
 
 // Any number, or one at a border of its 8, 16 or 32 bits.
@@ -195,83 +212,136 @@ u32 Bench::border(u32 bits) {
   }
 }
 
-u32 Bench::data_address(const Form& form, int bytes, bool io) {
+u32 Bench::data_address(const Form& form, bool io, bool in_ram) {
+  const int bytes = operand_bytes(form);
   if (io) return random() % 2 && bytes < 4 ? kNarrow : kWide;
   const bool reads_only = has(form, "mov") && has(form, ",Rd");
-  if (reads_only && random() % 4 == 0)
+  if (!in_ram && reads_only && random() % 4 == 0)
     return static_cast<u32>(0x4000 + random() % 0x4000) & (bytes == 1 ? ~0u : ~1u);
   const u32 at = kData + random() % (kDataSize - 8);
   // Odd addresses of words now and then: bit 0 is ignored.
   return bytes == 1 || random() % 16 == 0 ? at : at & ~1u;
 }
 
-// Makes the operand address one that has memory.
-void Bench::aim(const Form& form, Fields& f, World& before, bool io) {
-  auto& value = f.value;
-  const auto field = [&](char ch) -> u32& { return value[static_cast<std::size_t>(ch - 'a')]; };
-  const bool word = has(form, "ldc") || has(form, "stc") || has(form, ".w");
-  const int bytes = has(form, ".l") ? 4 : word ? 2 : 1;
-  const u32 target = data_address(form, bytes, io);
+// Where a jump may lead; odd now and then.
+u32 Bench::landing() {
+  if (landings.empty() || random() % 4 == 0) return static_cast<u32>(random());
+  const u32 at = landings[random() % landings.size()];
+  return random() % 16 == 0 ? at | 1 : at;
+}
+
+// Fields that hold an address: one that has memory. Address registers: not the stack pointer where
+// the access would end with "stack outside RAM".
+void Bench::aim_fields(const Form& form, Fields& f, bool io) {
+  const auto field = [&](char ch) -> u32& { return f.value[static_cast<std::size_t>(ch - 'a')]; };
+  const u32 target = data_address(form, io, false);
   const u32 garbage = static_cast<u32>(random()) & (world.normal ? 0xffff0000 : 0xff000000);
-  before.er[7] = (kStackArea + random() % 0x100 * 2) & 0xffffff;
-  if (random() % 2) before.er[7] = (before.er[7] & world.mask()) | garbage;
-  if (has(form, "eepmov")) {
-    before.er[4] = (before.er[4] & ~0xffffu) | random() % 24;
-    before.er[5] = (target & world.mask()) | garbage;
-    before.er[6] = (kData + random() % (kDataSize - 32)) & (world.mask() | garbage);
-    return;
-  }
   if (has(form, "@aa:8")) {
     // The vectors of JMP and JSR lie at the beginning of memory.
-    field('a') = has(form, "jmp") || has(form, "jsr") ? random() % 128 * 2
-                 : io                                 ? target % 256
-                                                      : random() % 0x80;
+    field('a') = jumps(form) ? random() % 128 * 2 : io ? target % 256 : random() % 0x80;
   } else if (has(form, "@aa:16")) {
     field('a') = target % 65536;
     if (target >= 0x8000 && target < 0xff8000) field('a') = kData % 65536;
   } else if (has(form, "@aa:32")) {
     field('a') = (target & world.mask()) | garbage;
-  } else if (has(form, "@ERn") || has(form, "@(d") || has(form, "@ERd") || form.name == "tas") {
-    if (has(form, "jmp") || has(form, "jsr")) return;
-    const char letter = has(form, "@ERd") ? 'd' : 'r';
-    u32& pointer = field(letter);
-    const bool moves = has(form, "@-ERn");
-    const bool store = has(form, ",@");
-    if (moves && (field('d') % 8 == pointer || pointer == 7)) pointer = (field('d') + 1) % 7;
-    if (has(form, "d:16")) {
-      const u32 d = field('o') < 0x8000 ? field('o') : field('o') + 0xffff0000;
-      before.er[pointer] = ((target - d) & world.mask()) | garbage;
-    } else if (has(form, "d:32")) {
-      before.er[pointer] = ((target - field('o')) & world.mask()) | garbage;
-    } else {
-      const u32 step = moves && store ? static_cast<u32>(bytes) : 0;
-      before.er[pointer] = ((target + step) & world.mask()) | garbage;
+  } else if (has(form, "@aa:24")) {
+    if (!landings.empty()) field('a') = landing() & 0xffffff;
+  } else if (uses_pointer(form) && moves_pointer(form) && io && field('r') == 7) {
+    field('r') = static_cast<u32>(random() % 7);
+  }
+}
+
+// Address registers for these fields, and what the stack holds for RTS and RTE.
+void Bench::aim_registers(const Form& form, const Fields& f, World& before, bool io) {
+  const u32 garbage = static_cast<u32>(random()) & (world.normal ? 0xffff0000 : 0xff000000);
+  before.er[7] = (kStackArea + random() % 0x100 * 2) & 0xffffff;
+  if (random() % 32 == 0) ++before.er[7];  // words lie at the even addresses below
+  if (random() % 2) before.er[7] = (before.er[7] & world.mask()) | garbage;
+  if (has(form, "eepmov")) {
+    before.er[4] = (before.er[4] & ~0xffffu) | random() % 24;
+    before.er[5] = (data_address(form, io, false) & world.mask()) | garbage;
+    before.er[6] = (kData + random() % (kDataSize - 32)) & (world.mask() | garbage);
+  } else if ((form.name == "rts" || form.name == "rte") && !landings.empty()) {
+    const u32 to = landing(), at = (before.er[7] | (world.normal ? 0xff0000 : 0)) & 0xfffffe;
+    const auto high = static_cast<u8>(random());
+    const u8 bytes[] = {high, static_cast<u8>(to >> 16), static_cast<u8>(to >> 8),
+                        static_cast<u8>(to)};
+    put(at, std::span<const u8>(bytes));
+  } else if (jumps(form)) {
+    if (uses_pointer(form) && !landings.empty() && f['r'] != 7) before.er[f['r']] = landing();
+  } else if (uses_pointer(form)) {
+    const u32 pointer = f[pointer_letter(form)];
+    const bool moves = moves_pointer(form), store = has(form, ",@");
+    const u32 target = data_address(form, io, moves && pointer == 7);
+    u32 at = target;
+    if (has(form, "d:16")) at -= f['o'] < 0x8000 ? f['o'] : f['o'] + 0xffff0000;
+    if (has(form, "d:32")) at -= f['o'];
+    if (moves && store) at += static_cast<u32>(operand_bytes(form));
+    before.er[pointer] = (at & world.mask()) | garbage;
+  }
+}
+
+void Bench::read_io() {
+  for (u32 k = 0; k < 4; ++k) {
+    for (const u32 base : {kNarrow, kWide}) {
+      if (const auto now = chip.peek(base + k); now && (k < 2 || base == kWide))
+        io_[base + k] = *now;
     }
   }
 }
 
-std::string Bench::random_trial(const Form& form, bool io) {
-  World before;
-  for (u32& er : before.er) er = border(32);
-  before.set_ccr(static_cast<u8>(random() | 0x80));
-  before.exr = static_cast<u8>(random() | 0x78);
+void Bench::put(u32 address, std::span<const u8> bytes) {
+  for (const u8 byte : bytes) {
+    chip.poke(address, byte);
+    if (address < flash_.size())
+      flash_[address] = byte;
+    else
+      ram_[address - kBase] = byte;
+    ++address;
+  }
+}
+
+void Bench::put(u32 address, const std::vector<u16>& units) {
+  std::vector<u8> bytes;
+  for (const u16 unit : units) {
+    bytes.push_back(static_cast<u8>(unit >> 8));
+    bytes.push_back(static_cast<u8>(unit));
+  }
+  put(address, bytes);
+}
+
+std::vector<u16> Pin::apply(std::vector<u16> units) const {
+  for (std::size_t k = 0; k < units.size(); ++k)
+    units[k] = static_cast<u16>((units[k] & ~mask[k]) | value[k]);
+  return units;
+}
+
+std::vector<u16> Bench::draw_units(const Form& form, bool io, const Pin& pin) {
   Fields f;
   for (std::size_t n = 0; n < f.value.size(); ++n) {
     const auto width = static_cast<u32>(
         std::count(form.bits.begin(), form.bits.end(), static_cast<char>('a' + n)));
     if (width != 0) f.value[n] = border(width) & (width == 32 ? ~0u : (1u << width) - 1);
   }
-  aim(form, f, before, io);
-  if (io) {
-    for (u32 k = 0; k < 4; ++k) {
-      for (const u32 base : {kNarrow, kWide}) {
-        if (const auto now = chip.peek(base + k); now && (k < 2 || base == kWide))
-          io_[base + k] = *now;
-      }
-    }
-  }
+  aim_fields(form, f, io);
+  return pin.apply(encode(form, f));
+}
+
+World Bench::draw_registers(const Form& form, const std::vector<u16>& units, bool io) {
+  World before;
+  for (u32& er : before.er) er = border(32);
+  before.set_ccr(static_cast<u8>(random() | 0x80));
+  before.exr = static_cast<u8>(random() | 0x78);
+  aim_registers(form, form.fields(units), before, io);
+  return before;
+}
+
+std::string Bench::random_trial(const Form& form, bool io) {
+  const std::vector<u16> units = draw_units(form, io);
+  const World before = draw_registers(form, units, io);
+  if (io) read_io();
   const u32 at = world.mask() & (random() % 2 ? kFlashCode : kRamCode);
-  return trial(form, encode(form, f), before, at < 0x20000 && at == kFlashCode ? at : kRamCode);
+  return trial(form, units, before, at < 0x20000 && at == kFlashCode ? at : kRamCode);
 }
 
 std::string Bench::compare_memory() {

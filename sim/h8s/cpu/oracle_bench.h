@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <map>
 #include <random>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/h8s/chip.h"
@@ -14,6 +17,12 @@ namespace kaz::h8s::oracle {
 
 // The units of a form with these field values.
 std::vector<u16> encode(const Form& form, const Fields& fields);
+
+// An encoding that goes by these bits of the units where `mask` is set.
+struct Pin {
+  std::array<u16, 5> mask{}, value{};
+  std::vector<u16> apply(std::vector<u16> units) const;
+};
 
 // A chip and a model of it with the same memory, filled at random.
 class Bench {
@@ -25,6 +34,24 @@ class Bench {
   // Fields, registers and flags at random, often at the borders; addresses point at memory or, if
   // `io`, at registers that keep what is written.
   std::string random_trial(const Form& form, bool io);
+  // The two halves of a random trial: units of `form`, with operands that instructions may work on;
+  // registers and flags with which these units reach them. `pin`: bits that are given.
+  std::vector<u16> draw_units(const Form& form, bool io, const Pin& pin = {});
+  World draw_registers(const Form& form, const std::vector<u16>& units, bool io);
+  // The model knows the contents of registers at io_states' addresses from the chip.
+  void read_io();
+  // Writes flash or RAM of both.
+  void put(u32 address, std::span<const u8> bytes);
+  void put(u32 address, const std::vector<u16>& units);
+  // States that an access takes besides those of memory.
+  int io_states(const Access& a) const;
+  // Compares registers and memory that the model has accessed; empty when equal. Sets what the manual
+  // leaves open to the chip's.
+  std::string compare(std::span<const Access> accesses, u8 open_flags, bool open_result);
+  // What the model has touched outside memory since the last call.
+  std::string outside() { return std::exchange(outside_, {}); }
+  // Addresses that calls and jumps are drawn from, three times of four; none: any.
+  std::vector<u32> landings;
   // Whole RAM of both; empty when equal.
   std::string compare_memory();
 
@@ -38,9 +65,10 @@ class Bench {
   u8 model_read(u32 address);
   void model_write(u32 address, u8 value);
   u32 border(u32 bits);
-  u32 data_address(const Form& form, int bytes, bool io);
-  int io_states(const Access& a) const;
-  void aim(const Form& form, Fields& f, World& before, bool io);
+  u32 data_address(const Form& form, bool io, bool in_ram);
+  u32 landing();
+  void aim_fields(const Form& form, Fields& f, bool io);
+  void aim_registers(const Form& form, const Fields& f, World& before, bool io);
 
   u32 code_at_ = 0;
   std::vector<u16> code_;

@@ -97,8 +97,10 @@ void list_memory(std::vector<Form>& to, int bits) {
                   n});
     to.push_back({name + "Rs," + m.name, prefix + put(m.store, wide, data),
                   [bits, where = m.store_to](World& w, const Fields& f) {
-                    const u32 value = w.reg(bits, f['d']);
-                    w.store(bits, where(w, f, bits / 8), value);
+                    const u32 old = w.reg(bits, f['d']);
+                    const u32 at = where(w, f, bits / 8);
+                    const u32 value = w.predecrement_stores_decremented ? w.reg(bits, f['d']) : old;
+                    w.store(bits, at, value);
                     flags_of(w, bits, value);
                   },
                   n});

@@ -15,6 +15,7 @@ Options options_of(std::uint8_t bits) {
   o.wide_timer_bus = (bits & 4) == 0;
   o.stc_copies = (bits & 8) != 0;
   o.floating_level = (bits & 16) != 0;
+  o.predecrement_stores_decremented = (bits & 64) == 0;
   o.subclock_states = (bits & 32) != 0 ? 305 : 0;
   return o;
 }

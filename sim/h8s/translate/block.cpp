@@ -95,7 +95,7 @@ void two_operands(Step& s, From from, unsigned flags) {
   }
 }
 
-void describe_flags(Step& s) {
+void describe_flags(const Cpu& c, Step& s) {
   const Form& form = s.form;
   Definition& d = s.definition;
   const auto by_result = [&](unsigned sets, unsigned recoverable, unsigned size) {
@@ -109,7 +109,10 @@ void describe_flags(Step& s) {
       by_result(kNzv, kNzv, form.size);
       if (form.dst == Mode::reg) break;
       d.r = part_at(s.insn.rs, form.size);
-      if (form.dst == Mode::decrement && s.insn.rd / 4 == d.r.reg) s.recoverable = 0;
+      // Unless the value stored is what the register holds afterwards.
+      if (form.dst == Mode::decrement && s.insn.rd / 4 == d.r.reg &&
+          !c.predecrement_stores_decremented)
+        s.recoverable = 0;
       break;
     }
     case Op::add:
@@ -263,7 +266,7 @@ bool take_step(Cpu& c, std::uint32_t index, Step& step) {
     step.target = index;  // only known when it runs
   if (step.target == kNowhere) return false;
   step.exits = touches_memory(step.form);
-  describe_flags(step);
+  describe_flags(c, step);
   return true;
 }
 

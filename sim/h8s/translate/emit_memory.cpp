@@ -189,7 +189,7 @@ void Emitter::emit_load(std::size_t k) {
   }
   load(k, s.form.src, pointer, size,
        [this, size](const host::Mem& at) { fetch_big(host::edi, at, size); });
-  a_.add(gp(pointer), pointer == 7 && size == 1 ? 2u : size);
+  a_.add(gp(pointer), size);
   put(to, host::edi);
 }
 
@@ -198,20 +198,23 @@ void Emitter::emit_store(std::size_t k) {
   const unsigned size = s.form.size, pointer = s.insn.rd / 4;
   const Part from = part_at(s.insn.rs, size);
   const bool down = s.form.dst == Mode::decrement;
-  const unsigned step = pointer == 7 && size == 1 ? 2u : size;
-  const host::Mem at = writable(k, s.form.dst, pointer, size, down ? step : size);
+  const bool overlaps = down && from.reg == pointer;
+  const bool decremented = overlaps && c_.predecrement_stores_decremented;
+  const host::Mem at = writable(k, s.form.dst, pointer, size, size);
+  if (decremented) a_.sub(gp(pointer), size);
   if (from.shift == 0) {
     store_big(at, gp(from.reg), size);
   } else {
     get(host::edi, from);
     store_big(at, host::edi, size);
   }
-  if (!down) return;
-  if (from.reg == pointer && (s.keep & (kN | kZ | kV))) {
+  if (!down || decremented) return;
+  // The flags are those of the value before the decrement, which is about to be gone.
+  if (overlaps && (s.keep & (kN | kZ | kV))) {
     store_flags(s.definition, s.keep & (kN | kZ | kV));
     stored_ |= kN | kZ | kV;
   }
-  a_.sub(gp(pointer), step);
+  a_.sub(gp(pointer), size);
 }
 
 // LDM and STM: the lowest register stands at the highest address.
