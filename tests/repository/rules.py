@@ -87,7 +87,7 @@ def check_links():
 
 
 def check_temporary_names():
-    """Programs make temporary files in one place, under names that nobody can have taken (mkdtemp, O_EXCL)."""
+    """Programs make temporary files in one place, under names that nobody has taken (mkdtemp, O_EXCL)."""
     guessable = re.compile(r"\b(temp_directory_path|tmpnam|tempnam|mktemp|tmpfile)\b")
     for path in files("*.c", "*.h", "*.cpp", "*.hpp"):
         name = path.relative_to(ROOT).as_posix()

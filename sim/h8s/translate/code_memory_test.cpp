@@ -60,7 +60,7 @@ TEST(CodeMemory, IsNotWhileCodeIsMadeEither) {
     while (!done && seen.empty()) seen = mappings().writable_executable;
   });
   Chip chip = translating_chip();
-  for (int k = 0; k < 100; ++k) {
+  for (int k = 0; k < 40; ++k) {
     chip.power_on();  // the translator forgets all
     EXPECT_EQ(chip.run_until(chip.now() + 20'000).reason, Stop::Reason::reached);
   }
