@@ -13,7 +13,7 @@ namespace {
 
 constexpr auto kMs = WriterBoard::kMillisecond;
 constexpr int kMaxEvents = 24;
-constexpr h8s::States kLongest = 1200 * kMs;  // of a case, without its end
+constexpr h8s::States kLongest = 500 * kMs;  // of a case, without its end
 constexpr std::uint32_t kFlash = 0x20000, kLine = 32;
 
 // libFuzzer adds these to its coverage: what the writer does is not seen in the emulator's own code.
@@ -183,7 +183,7 @@ Case::Bytes Case::request() {
       break;
     case KZ_WRITER_SUM:
       put_number(payload, address(), 4);
-      put_number(payload, byte() % 2 ? word() : 0xffffff00u | byte(), 4);
+      put_number(payload, byte() % 8 ? word() % 0x2000 : 0xffffff00u | byte(), 4);
       break;
     case KZ_WRITER_READ:
       put_number(payload, address(), 4);
@@ -244,7 +244,7 @@ void Case::wait() {
       run_on(25 * kMs, false);
       break;
     default:
-      run_on(900 * kMs, true);
+      run_on(120 * kMs, true);
   }
 }
 
