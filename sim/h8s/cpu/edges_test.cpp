@@ -113,6 +113,29 @@ TEST_P(Edges, JumpsToOddAddressesGoToTheEvenOnesBelow) {
   }
 }
 
+// EEPMOV.B goes on to its end whatever is requested.
+TEST_P(Edges, AByteCountedBlockMoveIsNotInterrupted) {
+  constexpr std::uint32_t kSeen = 0xffe600;
+  for (int at = 0; at < 24; ++at) {
+    // nop ; eepmov.b ; bra .      NMI: mov.w r4,@aa:16 ; rte
+    Chip chip = make_chip({0x0000, 0x7b5c, 0x598f, 0x40fe}, options());
+    put(chip, handler(7), {0x6b84, static_cast<std::uint16_t>(kSeen), 0x5670});
+    put(chip, kSeen, {0xeeee});
+    Registers r = chip.registers();
+    r.er = {0, 0, 0, 0, 0x12340009, 0xffe400, 0xffe500, kStack};
+    r.pc = kCode;
+    chip.set_registers(r);
+    chip.set_nmi(true);
+    const States start = chip.now();
+    EXPECT_EQ(chip.run_until(start + at).reason, Stop::Reason::reached);
+    chip.set_nmi(false);
+    EXPECT_EQ(chip.run_until(start + 100).reason, Stop::Reason::reached);
+    EXPECT_EQ(chip.peek16(kSeen), 0) << at;
+    EXPECT_EQ(chip.registers().er[6], 0xffe509u) << at;
+    EXPECT_EQ(chip.registers().pc, kCode + 6) << at;
+  }
+}
+
 // eepmov.w in the usual loop, NMI at each state of it: the handler sees a number of whole bytes
 // moved, the rest is moved afterwards, and the time is that of both.
 TEST_P(Edges, ABlockMoveIsInterruptedBetweenTwoBytes) {

@@ -91,7 +91,7 @@ struct Slot {
 
 constexpr int kFlashSlots = 20, kRamSlots = 10;
 constexpr u32 kFlashSlot = 0x80, kRamSlot = 0x48;
-constexpr u32 kRamSlots_at = 0xffe0c0;
+constexpr u32 kRamSlotsAt = 0xffe0c0;
 constexpr u16 kStay = 0x40fe;  // bra .
 
 // `whole`: trials that went on to the `bra .` behind the instruction; `entered`: of those, the ones
@@ -102,8 +102,9 @@ struct Tally {
 
 class RowBench {
  public:
-  RowBench(const Opcode& row, Engine engine)
-      : row_(row), bench_(false, options(engine)), pin_(pin_of(row)) {
+  RowBench(const Opcode& row, const Options& options, u32 seed)
+      : row_(row), bench_(false, options), pin_(pin_of(row)) {
+    bench_.random.seed(seed);
     form_ = find(std::vector<u16>(pin_.value.begin(), pin_.value.end()));
     if (!form_) return;
     for (const Form& f : forms()) {
@@ -111,7 +112,7 @@ class RowBench {
     }
     for (int k = 0; k < kFlashSlots + kRamSlots; ++k) {
       const bool ram = k >= kFlashSlots;
-      const u32 at = ram ? kRamSlots_at + kRamSlot * static_cast<u32>(k - kFlashSlots)
+      const u32 at = ram ? kRamSlotsAt + kRamSlot * static_cast<u32>(k - kFlashSlots)
                          : Bench::kFlashCode + kFlashSlot * static_cast<u32>(k);
       build(at, k % 8 == 7);
     }
@@ -170,13 +171,6 @@ class RowBench {
   std::string compare_memory() { return bench_.compare_memory(); }
 
  private:
-  static Options options(Engine engine) {
-    Options o;
-    o.engine = engine;
-    o.translate_after = 1;
-    return o;
-  }
-
   void append(u32& at, const Item& item) {
     known_[at] = item;
     bench_.put(at, item.units);
@@ -290,10 +284,12 @@ class RowBench {
   int redrawn_ = 0;
 };
 
-// Trials a row: KAZ_FORM_TRIALS.
-int trials_wanted() {
+constexpr int kTrials = 1000;  // of one set of encodings
+
+// Sets of encodings a row: KAZ_FORM_TRIALS, which is a number of trials.
+u32 rounds() {
   const char* text = std::getenv("KAZ_FORM_TRIALS");
-  return text ? std::max(1000, std::atoi(text)) : 1000;
+  return text ? static_cast<u32>(std::max(1, std::atoi(text) / kTrials)) : 1;
 }
 
 // The translator leaves these to the interpreter, the code around them not.
@@ -307,7 +303,48 @@ bool left_to_interpreter(const Opcode& row) {
   return operands.rfind("@@", 0) == 0;
 }
 
-class EveryRow : public ::testing::TestWithParam<Engine> {};
+class EveryRow : public ::testing::TestWithParam<Engine> {
+ protected:
+  static Options options() {
+    Options o;
+    o.engine = GetParam();
+    o.translate_after = 1;
+    return o;
+  }
+  static bool translates() { return GetParam() == Engine::translator && translator_available(); }
+
+  // The form of the model that was tried; null where something failed, which is reported.
+  const Form* run(const Opcode& row, const Options& options, u32 seed) {
+    RowBench bench(row, options, seed);
+    if (!bench.form()) {
+      ADD_FAILURE() << "the model has no " << text_of(row);
+      return nullptr;
+    }
+    Tally tally;
+    while (tally.trials < kTrials) {
+      const std::string text = bench.trial(tally);
+      if (text.empty()) continue;
+      ADD_FAILURE() << text;
+      return nullptr;
+    }
+    trials += tally.trials;
+    const std::string memory = bench.compare_memory();
+    EXPECT_TRUE(memory.empty()) << "after " << text_of(row) << ": " << memory;
+    if (!translates()) return bench.form();
+    // A run that ends at the instruction, because that leads elsewhere or sleeps, is shorter than the
+    // block, which is then not entered.
+    EXPECT_EQ(tally.entered, tally.whole) << text_of(row) << ": the code around it";
+    EXPECT_TRUE(tally.whole > kTrials / 4 || text_of(row) == "sleep ") << text_of(row);
+    if (left_to_interpreter(row)) {
+      EXPECT_EQ(tally.translated, 0) << text_of(row);
+    } else {
+      EXPECT_GT(tally.translated, kTrials / 2) << text_of(row);
+    }
+    return bench.form();
+  }
+
+  std::int64_t trials = 0;
+};
 
 std::string engine_name(const ::testing::TestParamInfo<Engine>& engine) {
   return name_of(engine.param);
@@ -318,38 +355,47 @@ INSTANTIATE_TEST_SUITE_P(Engines, EveryRow,
                          engine_name);
 
 TEST_P(EveryRow, OfTheOpcodeTableDoesWhatTheManualSays) {
-  const int wanted = trials_wanted();
-  const bool translates = GetParam() == Engine::translator && translator_available();
   std::set<const Form*> reached;
-  int wrong = 0, left = 0;
+  int wrong = 0;
   for (const Opcode* row : rows()) {
-    RowBench bench(*row, GetParam());
-    ASSERT_NE(bench.form(), nullptr) << "the model has no " << text_of(*row);
-    reached.insert(bench.form());
-    Tally tally;
-    while (tally.trials < wanted) {
-      const std::string text = bench.trial(tally);
-      if (text.empty()) continue;
-      ADD_FAILURE() << text;
+    for (u32 round = 0; round < rounds(); ++round) {
+      const Form* form = run(*row, options(), 12345 + round);
+      reached.insert(form);
+      if (form) continue;
       if (++wrong > 20) return;
       break;
     }
-    const std::string memory = bench.compare_memory();
-    EXPECT_TRUE(memory.empty()) << "after " << text_of(*row) << ": " << memory;
-    if (!translates || tally.trials < wanted) continue;
-    // A run that ends at the instruction, because that leads elsewhere or sleeps, is shorter than the
-    // block, which is then not entered.
-    EXPECT_EQ(tally.entered, tally.whole) << text_of(*row) << ": the code around it";
-    EXPECT_TRUE(tally.whole > wanted / 4 || text_of(*row) == "sleep ") << text_of(*row);
-    if (left_to_interpreter(*row)) {
-      ++left;
-      EXPECT_EQ(tally.translated, 0) << text_of(*row);
-    } else {
-      EXPECT_GT(tally.translated, wanted / 2) << text_of(*row);
-    }
   }
   EXPECT_EQ(reached.size(), forms().size()) << "forms of the model without a row";
-  if (translates) RecordProperty("left_to_interpreter", left);
+  EXPECT_EQ(trials, static_cast<std::int64_t>(rows().size()) * rounds() * kTrials);
+}
+
+// The other setting of Options::predecrement_stores_decremented.
+TEST_P(EveryRow, ThatDecrementsStoresTheOldRegisterWhereItIsAsked) {
+  Options other = options();
+  other.predecrement_stores_decremented = false;
+  int tried = 0;
+  for (const Opcode* row : rows()) {
+    if (std::string(row->operands).find("@-%") == std::string::npos) continue;
+    ++tried;
+    for (u32 round = 0; round < 3 * rounds(); ++round) run(*row, other, 54321 + round);
+  }
+  EXPECT_EQ(tried, 5);  // MOV.B, W, L; STC of CCR, EXR
+}
+
+TEST(NormalMode, IsLeftToTheInterpreter) {
+  Options options;
+  options.engine = Engine::translator;
+  options.translate_after = 1;
+  Bench bench(true, options);
+  EXPECT_EQ(bench.chip.engine(), Engine::interpreter);
+  bench.put(0xffe200, {0x0b50, 0x40fc});  // inc.w #1,r0 ; bra back
+  Registers r = bench.chip.registers();
+  r.pc = 0xe200;
+  bench.chip.set_registers(r);
+  EXPECT_EQ(bench.chip.run_until(bench.chip.now() + 3000).reason, Stop::Reason::reached);
+  EXPECT_GT(bench.chip.instructions(), 1900);
+  EXPECT_EQ(bench.chip.translated_instructions(), 0);
 }
 
 }  // namespace

@@ -237,8 +237,11 @@ void Bench::aim_fields(const Form& form, Fields& f, bool io) {
   const u32 target = data_address(form, io, false);
   const u32 garbage = static_cast<u32>(random()) & (world.normal ? 0xffff0000 : 0xff000000);
   if (has(form, "@aa:8")) {
-    // The vectors of JMP and JSR lie at the beginning of memory.
-    field('a') = jumps(form) ? random() % 128 * 2 : io ? target % 256 : random() % 0x80;
+    // The vectors of JMP and JSR lie at the beginning of memory, and each leads to a landing, if any.
+    const bool vectors = jumps(form), whole = !landings.empty() && random() % 4 != 0;
+    field('a') = vectors ? static_cast<u32>(whole ? random() % 64 * 4 : random() % 128 * 2)
+                 : io    ? target % 256
+                         : static_cast<u32>(random() % 0x80);
   } else if (has(form, "@aa:16")) {
     field('a') = target % 65536;
     if (target >= 0x8000 && target < 0xff8000) field('a') = kData % 65536;
