@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 #include <cstring>
+#include <deque>
 
 #include "shared/protocol/message_info.h"
 #include "shared/servo/fields.h"
@@ -14,10 +15,12 @@
 #include "sim/mcu/h8_layout.h"
 #include "sim/mcu/h8_mcu.h"
 #include "sim/mcu/traffic.h"
+#include "sim/mcu/txd_watch.h"
 
 namespace kaz::sim {
 namespace {
 
+constexpr States line_edge_tolerance = KZ_STATES_PER_BIT / 50;   // 2 % of a bit
 constexpr int longest_start_ms = 2000;                           // from reset to the first tick
 constexpr int most_without_tick_ms = 1000 * KZ_LOADER_S + 1000;  // the loader waits
 
@@ -49,11 +52,16 @@ std::uint32_t native_number(const std::uint8_t* at, std::size_t size) {
 class Comparison {
  public:
   Comparison(const CompareOptions& options, H8Mcu& h8)
-      : options_(options), h8_(h8), host_(options.seed), analog_(mix64(options.seed)) {
+      : options_(options), h8_(h8), txd_(h8), host_(options.seed), analog_(mix64(options.seed)) {
     start_native();
     h8_.on_tick([this](const TickRecord& record) { tick(record); });
     h8_.on_watchdog_reset([this](States) {
       ++report_.resets;
+      compare_line();
+      // A reset that is asked for waits for the line.
+      if (!on_the_way_.empty()) differ_on_line("line.cut_off", on_the_way_.front(), -1);
+      on_the_way_.clear();
+      txd_.restart();
       start_native();
     });
     h8_.set_analog([this](int channel, const PinLevels& levels, States at) {
@@ -76,6 +84,7 @@ class Comparison {
       if (auto ran = h8_.run_until(start + KZ_STATES_PER_TICK); !ran)
         return tl::unexpected(ran.error());
       report_.bytes_sent += static_cast<std::int64_t>(h8_.take_transmitted().size());
+      compare_line();
       if (report_.ticks != before) {
         without_tick_ms = 0;
       } else if (++without_tick_ms > most_without_tick_ms) {
@@ -109,6 +118,7 @@ class Comparison {
     }
     kz_tick(&native_, &record.input, &output);
     ++report_.ticks;
+    last_tick_ = record.input.tick;
     report_.bytes_received += record.input.rx_count;
     report_.missed_ticks += record.input.missed;
     report_.worst_busy_8states =
@@ -117,6 +127,8 @@ class Comparison {
     compare_pins();
     compare_output(output, record.output);
     shown_ = output;
+    if (output.tx_count != 0) line_since_ = h8_.now();
+    on_the_way_.insert(on_the_way_.end(), output.tx, output.tx + output.tx_count);
     look_at(record.output);
     if (report_.ticks % options_.state_every == 0 || !report_.equal()) compare_state();
     if (!report_.equal()) {
@@ -170,6 +182,32 @@ class Comparison {
     ++report_.pins_compared;
   }
 
+  // What TxD0 shows is what the native build put out, in this order.
+  void compare_line() {
+    for (const DecodedByte& byte : txd_.take()) {
+      if (on_the_way_.empty()) return differ_on_line("line.byte", -1, byte.value);
+      const std::uint8_t wanted = on_the_way_.front();
+      on_the_way_.pop_front();
+      if (byte.value != wanted) return differ_on_line("line.byte", wanted, byte.value);
+      if (byte.framing_error) return differ_on_line("line.stop_bit", 1, 0);
+      if (byte.edge_deviation > line_edge_tolerance)
+        return differ_on_line("line.edge_states", 0, byte.edge_deviation);
+      line_since_ = byte.start + KZ_STATES_PER_BYTE;
+      ++report_.line_bytes;
+    }
+    // Bytes leave in the tick after; a write to flash comes behind them.
+    if (!on_the_way_.empty() && h8_.now() - line_since_ > 3 * KZ_STATES_PER_TICK)
+      differ_on_line("line.missing", on_the_way_.front(), -1);
+  }
+
+  // -1: nothing.
+  void differ_on_line(const char* field, std::int64_t native, std::int64_t h8) {
+    if (!report_.equal()) return;
+    differ(field, native, h8);
+    report_.tick = last_tick_;
+    report_.input_hex = hex_of(h8_.global("kz_input", h8_layout::input_size));
+  }
+
   void look_at(const kz_tick_output& output) {
     CompareCoverage& coverage = report_.coverage;
     if (output.action != KZ_ACTION_NONE) ++coverage.actions[output.action];
@@ -215,11 +253,15 @@ class Comparison {
 
   const CompareOptions& options_;
   H8Mcu& h8_;
+  TxdWatch txd_;
   RandomHost host_;
   RandomAnalog analog_;
   kz_servo native_{};
   bool started_ = false;                 // from what the chip found at its start
   std::optional<kz_tick_output> shown_;  // put out by the tick before
+  std::deque<std::uint8_t> on_the_way_;  // put out, not yet decoded at TxD0
+  States line_since_ = 0;                // the line has had a byte or got one to send
+  std::uint32_t last_tick_ = 0;
   kz_receiver heard_{};
   CompareReport report_;
 };
@@ -260,7 +302,8 @@ std::string CompareReport::text() const {
                       static_cast<double>(std::max<std::int64_t>(instructions, 1)),
                   static_cast<long long>(instructions));
     return std::string(line) + executed + "\n  pins equal to the output before in " +
-           std::to_string(pins_compared) + " ticks; " + std::to_string(resets) + " resets" +
+           std::to_string(pins_compared) + " ticks; " + std::to_string(line_bytes) +
+           " bytes decoded at TxD0; " + std::to_string(resets) + " resets" +
            "\n  replies: " + listed(coverage.replies, message_name) +
            "\n  refusals: " + listed(coverage.refusals, kz_refusal_text) +
            "\n  replies under a shutdown: " + listed(coverage.shutdowns, kz_shutdown_text) +
@@ -290,6 +333,7 @@ Result<CompareReport> compare_engines(const CompareOptions& options) {
                 options.image_path +
                     " has no symbols of the servo's tick; put the .coff of the same " +
                     "build beside it");
+  if (options.prepare_h8) options.prepare_h8(**h8);
   return Comparison(options, **h8).run();
 }
 

@@ -3,7 +3,8 @@
 //
 // The firmware image runs in the emulator under random host traffic and potentiometers, each of its
 // tick inputs goes to the native build of shared/servo, and outputs and state must come out equal;
-// what the chip's pins show in the tick after must be what was put out.
+// what the chip's pins show in the tick after must be what was put out, and the waveform at TxD0,
+// decoded by a receiver that knows nothing of the channel, must be the bytes that were put out.
 // Design, sections 1 and 3.
 #pragma once
 
@@ -19,6 +20,8 @@
 
 namespace kaz::sim {
 
+class H8Mcu;
+
 struct CompareOptions {
   std::string image_path;       // S-record with symbols beside it, or COFF
   std::int64_t ticks = 100000;  // to compare
@@ -26,10 +29,11 @@ struct CompareOptions {
   std::int64_t state_every = 1;  // compare the whole servo state every so many ticks
   h8s::Engine engine = h8s::Engine::translator;  // the emulator's; the default is what users get
   std::function<void(std::int64_t done, std::int64_t total)> progress;
+  std::function<void(H8Mcu&)> prepare_h8;  // for tests: a chip that is not as it should be
 };
 
 struct CompareDifference {
-  std::string field;  // "output.pw[3]", "state.joints[2].goal", "pins.pw[3]"
+  std::string field;  // "output.pw[3]", "state.joints[2].goal", "pins.pw[3]", "line.byte"
   std::int64_t native = 0, h8 = 0;
 };
 
@@ -51,6 +55,7 @@ struct CompareReport {
   std::uint16_t worst_busy_8states = 0;
   std::int64_t missed_ticks = 0, resets = 0;
   std::int64_t pins_compared = 0;  // ticks whose pins were held against the output before
+  std::int64_t line_bytes = 0;     // decoded at TxD0, and equal to what ticks put out
   CompareCoverage coverage;
   double chip_s = 0;
 

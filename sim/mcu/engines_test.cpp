@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <unistd.h>
+#include <algorithm>
+#include <array>
 #include <filesystem>
+#include <vector>
 
 #include "sim/mcu/compare.h"
 #include "sim/mcu/h8_mcu.h"
@@ -64,6 +67,27 @@ TEST(Engines, BytesTakeTheSameTime) {
       EXPECT_EQ(bytes[i].at - bytes[i - 1].at, KZ_STATES_PER_BYTE) << mcu->engine() << ' ' << i;
     ASSERT_EQ(bodies_of(bytes).size(), 1u);
   }
+}
+
+// What each tick finds: bytes received, and room in the transmit ring, of which the channel holds two.
+TEST(Engines, RingsAgree) {
+  std::vector<std::vector<std::array<int, 3>>> seen;
+  for (const auto& mcu : {h8(), native()}) {
+    auto& ticks = seen.emplace_back();
+    mcu->on_tick([&ticks](const TickRecord& record) {
+      ticks.push_back(
+          {static_cast<int>(record.input.tick), record.input.rx_count, record.input.tx_room});
+    });
+    for (std::uint8_t number = 0; number < 5; ++number) {
+      send(*mcu, frame_of(KZ_TYPE_calibration, number, {}));
+      ASSERT_TRUE(mcu->run_until(100 * ms + (number + 1) * 12 * ms));
+    }
+    mcu->on_tick(nullptr);
+  }
+  EXPECT_EQ(seen[0], seen[1]);
+  int least = KZ_TX_BUFFER;
+  for (const auto& tick : seen[0]) least = std::min(least, tick[2]);
+  EXPECT_LT(least, KZ_TX_BUFFER - 12);
 }
 
 TEST(Engines, SampleEveryInputWithItsSelect) {

@@ -109,8 +109,8 @@ class Mcu {
   // Called after each tick's computation. Used to compare the engines and to record.
   virtual void on_tick(std::function<void(const TickRecord&)> listener) = 0;
 
-  // Called when the chip's own watchdog has reset it, which it does on request too (reset, loader).
-  // The native engine has none.
+  // Called when the chip's own watchdog has reset it, which it does on request too (reset, loader);
+  // with the native engine only on request.
   virtual void on_watchdog_reset(std::function<void(States)> listener) { (void)listener; }
 
   // All that the chip remembers; listeners and the analog source stay as they are. The archive

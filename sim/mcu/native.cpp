@@ -1,7 +1,10 @@
 // The native engine: shared/servo compiled for this machine, behind the same pins.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Byte times and A/D readings are as the firmware gives them, but there is no CPU that takes time.
+// The board as its pins and its line show it: rings, receiver, converter, flash and start-up keep the
+// firmware's order and times, but there is no CPU that takes time. What the firmware does some time
+// after a tick became due is done after the time that it usually takes (wire_differences.h says what
+// remains).
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -11,40 +14,60 @@
 #include "shared/servo/servo.h"
 #include "shared/servo/startup.h"
 #include "sim/h8s/line_rate.h"
-#include "sim/mcu/mcu.h"
+#include "sim/mcu/native_mcu.h"
 #include "sim/mcu/native_memory.h"
 
 namespace kaz::sim {
 namespace {
 
-// As firmware/ does it; the engines' timing need not agree to the state (design, section 3).
-constexpr States start_states = 20 * KZ_STATES_PER_TICK;  // from reset to the first tick
-constexpr std::size_t receive_ring = 63;                  // bytes that its receive buffer holds
-constexpr std::size_t transmit_ring = 63;                 // bytes that its transmit buffer holds
-constexpr States scan_start = 4400;                       // from a tick's start to the first sample
-constexpr States scan_interval = 894;   // from one multiplexer setting to the next
-constexpr States convert_states = 256;  // from one of AN0..AN2 to the next
+// Times of the firmware as the emulator measures them, in states. A tick begins with the entry of the
+// clock's interrupt.
+constexpr States send_after = 445;  // from a tick to the start bit of what it sends on an idle line
+constexpr States tick_after = 650;  // to the read of the receive ring, and with it the computation
+constexpr States room_after = 665;  // to the read of the transmit ring
+constexpr States act_after = 5900;  // to what a tick has asked for, on a board that rests
+constexpr States scan_after = 850;  // to the first sample of the converter
+constexpr States scan_first = 1133;     // from the first multiplexer input of a scan to the second
+constexpr States scan_next = 887;       // from each other one to the next
+constexpr States scan_states = 6500;    // a whole scan
+constexpr States convert_states = 266;  // from one of AN0..AN3 to the next
+constexpr States inertial_age = 400;    // AN4 and AN5 at a tick: they are converted all the time
+
+// Before the first tick: SCI0 listens; two scans. A start by watchdog takes longer, and so does one
+// that finds something stored.
+constexpr States listen_before = 46940;
+constexpr States scan_before = 46800;
+constexpr States application_before = 156060;  // the loader has handed over
+constexpr States servo_before = 18500;         // what kz_startup.start_8states does not count
+constexpr States watchdog_states = 1000;       // from the request to the reset
+constexpr States stored_line_states = 681;
+constexpr States calibrated_states = 1600;
+
+constexpr std::size_t transmit_ring = 63;  // bytes that it holds
+constexpr std::size_t receive_most =
+    48;                           // more that wait: the oldest may be gone (firmware/serial.c)
+constexpr int scan_settings = 7;  // a supply's input, then 0..5
 constexpr States never = std::numeric_limits<States>::max() / 2;
 
 class NativeMcu final : public Mcu {
  public:
-  NativeMcu() { power_cycle(); }
+  explicit NativeMcu(const NativeOptions& options) : options_(options) { power_cycle(); }
 
   std::string engine() const override { return "native"; }
   States now() const override { return now_; }
 
   Result<void> run_until(States until) override {
     while (true) {
-      const States sample_at = sample_time();
-      if (std::min({tick_at_, sample_at, act_at_}) > until) break;
-      if (act_at_ <= std::min(sample_at, tick_at_)) {
+      const States sample_at = sample_time(), compute_at = tick_at_ + tick_after;
+      if (std::min({compute_at, sample_at, act_at_}) > until) break;
+      if (act_at_ <= std::min(sample_at, compute_at)) {
         now_ = std::max(now_, act_at_);
         act();
-      } else if (sample_at < tick_at_) {
+      } else if (sample_at < compute_at) {
         now_ = std::max(now_, sample_at);
         sample();
       } else {
-        now_ = std::max(now_, tick_at_);
+        now_ = std::max(now_, compute_at);
         tick();
       }
     }
@@ -52,7 +75,7 @@ class NativeMcu final : public Mcu {
     return {};
   }
 
-  void reset() override { start(KZ_RESET_POWER, start_states); }
+  void reset() override { start(KZ_RESET_POWER, 0); }
 
   // The native engine has no RAM that could outlive its servo's state.
   void power_cycle() override { reset(); }
@@ -80,6 +103,9 @@ class NativeMcu final : public Mcu {
   void on_tick(std::function<void(const TickRecord&)> listener) override {
     on_tick_ = std::move(listener);
   }
+  void on_watchdog_reset(std::function<void(States)> listener) override {
+    on_reset_ = std::move(listener);
+  }
 
   void save(StateWriter& to) override { transfer(to); }
   void restore(StateReader& from) override { transfer(from); }
@@ -96,22 +122,28 @@ class NativeMcu final : public Mcu {
  private:
   template <class A>
   void transfer(A& a) {
-    a(memory_, started_, now_, tick_at_, act_at_, action_, released_, asked_at_, deaf_from_,
-      deaf_until_, overrun_at_, setting_, pins_, received_, ring_, lost_, wire_, wire_free_);
+    a(memory_, started_, now_, tick_at_, act_at_, action_, phase_, released_, asked_at_, deaf_from_,
+      listens_from_, scan_at_, scans_left_, setting_, supply_input_, pins_, received_, ring_, wire_,
+      wire_free_);
     a.plain(startup_);
     a.plain(servo_);
     a.plain(input_);
     a.plain(output_);
   }
 
-  // Reset or power-on; the first tick comes after `states`.
-  void start(u8 cause, States states) {
+  // What stands between two ticks.
+  enum class Phase : std::uint8_t { asked, restarting, writing, reading_back };
+
+  // Reset or power-on; the start begins after `wait`.
+  void start(u8 cause, States wait) {
     memory_.cut(now_);
     kz_startup_nominal(&startup_);
     startup_.reset_cause = cause;
-    startup_.start_8states = static_cast<u16>(start_states / 8);
     startup_.tests_done = KZ_TEST_RAM | KZ_TEST_FLASH;
     memory_.load(startup_);
+    States stored = memory_.lines() * stored_line_states;
+    if (startup_.calibration != KZ_CALIBRATION_NOMINAL) stored += calibrated_states;
+    startup_.start_8states = static_cast<u16>((application_before - servo_before + stored) / 8);
     started_ = false;
     servo_ = {};
     output_ = {};
@@ -120,16 +152,20 @@ class NativeMcu final : public Mcu {
     released_ = false;
     act_at_ = never;
     action_ = KZ_ACTION_NONE;
-    tick_at_ = now_ + states;
-    deaf_until_ = tick_at_ - start_states;
-    setting_ = 0;  // like the firmware, it converts once before the first tick
+    tick_at_ = now_ + wait + options_.start_states + stored;
+    listens_from_ = tick_at_ - listen_before;
+    supply_input_ = KZ_ANALOG_REFERENCE;
+    begin_scans(tick_at_ - scan_before, 2);
     received_.clear();
     ring_.clear();
-    lost_ = false;
-    overrun_at_ = never;
     while (!wire_.empty() && wire_.back().at > now_) wire_.pop_back();
     wire_free_ = now_;
     show({});
+  }
+
+  void restart(States wait) {
+    start(KZ_RESET_COMMAND, wait);
+    if (on_reset_) on_reset_(now_);
   }
 
   void tick() {
@@ -139,12 +175,10 @@ class NativeMcu final : public Mcu {
       kz_startup_test_analog(&startup_, input_.analog);
       kz_servo_init(&servo_, &startup_, &output_);
       started_ = true;
-      // What came for the loader is lost.
-      while (!received_.empty() && received_.front().at <= deaf_until_) received_.pop_front();
     }
 
     show(levels_of(output_));
-    transmit(start);
+    if (!std::exchange(released_, false)) transmit(start + send_after);
     gather(start);
 
     kz_tick(&servo_, &input_, &output_);
@@ -152,94 +186,119 @@ class NativeMcu final : public Mcu {
     input_.tick += 1;
     input_.missed = 0;
     input_.result = KZ_RESULT_NONE;
-    setting_ = 0;
+    begin_scans(start + scan_after, 1);
     if (output_.action != KZ_ACTION_NONE) prepare_action(start);
   }
 
   // What a tick has asked for is done when its outputs are at the pins and its bytes have left.
   void prepare_action(States start) {
     action_ = std::exchange(output_.action, u8{KZ_ACTION_NONE});
+    phase_ = Phase::asked;
     asked_at_ = start;
     show(levels_of(output_));
-    transmit(now_);
+    transmit(start + act_after);
     released_ = true;
-    act_at_ = std::max(wire_free_, now_);
+    act_at_ = std::max(wire_free_, start + act_after);
     tick_at_ = never;
-    setting_ = KZ_MUX_INPUTS;
   }
 
   void act() {
     act_at_ = never;
-    const bool motors_on = (output_.p4 & KZ_P4_ENABLE) != 0;
-    switch (std::exchange(action_, u8{KZ_ACTION_NONE})) {
-      case KZ_ACTION_RESET:
-        if (motors_on) return go_on(false);
-        return start(KZ_RESET_COMMAND, start_states);
-      case KZ_ACTION_LOADER:
-        if (motors_on) return go_on(false);
-        return start(KZ_RESET_COMMAND, start_states + KZ_LOADER_S * KZ_CLOCK_HZ);
-      case KZ_ACTION_STORE_CALIBRATION:
-        if (motors_on) return go_on(false);
-        memory_.store_calibration(servo_, now_);
-        break;
-      case KZ_ACTION_STORE_ADDRESS:
-        if (motors_on) return go_on(false);
-        memory_.store_address(servo_, now_);
-        break;
-      default:  // the end of a store
+    switch (phase_) {
+      case Phase::asked:
+        return begin_action();
+      case Phase::restarting:
+        return restart(action_ == KZ_ACTION_LOADER ? KZ_LOADER_S * KZ_CLOCK_HZ : 0);
+      case Phase::writing:
         listen_again();
+        act_at_ = now_ + memory_.read_back_states();
+        phase_ = Phase::reading_back;
+        return;
+      case Phase::reading_back:
         return go_on(memory_.finish());
     }
-    deaf_from_ = now_;
+  }
+
+  void begin_action() {
+    // No tick asks for it; and no motor is left alone for seconds.
+    if ((output_.p4 & KZ_P4_ENABLE) != 0) return go_on(false);
+    if (action_ == KZ_ACTION_RESET || action_ == KZ_ACTION_LOADER) {
+      phase_ = Phase::restarting;
+      act_at_ = now_ + watchdog_states;
+      return;
+    }
+    if (action_ == KZ_ACTION_STORE_CALIBRATION) {
+      memory_.store_calibration(servo_, now_);
+    } else {
+      memory_.store_address(servo_, now_);
+    }
+    phase_ = Phase::writing;
+    deaf_from_ = memory_.deaf_from();
     act_at_ = memory_.over_at();
   }
 
-  // The chip's receiver holds one byte; those that come on top of it are lost, and it says so.
+  // Flash has been written with interrupts off. The chip's receiver holds one byte; those that come
+  // on top of it are lost, and it says so; nor does it take any behind a damaged one.
   void listen_again() {
-    const auto in_deafness = [this](const SerialByte& byte) {
-      return byte.at > deaf_from_ && byte.at <= now_;
-    };
-    const auto first = std::find_if(received_.begin(), received_.end(), in_deafness);
-    const auto behind = std::find_if_not(first, received_.end(), in_deafness);
-    if (behind - first < 2) return;
-    overrun_at_ = first->at;
-    received_.erase(first + 1, behind);
+    arrive(deaf_from_);
+    bool full = false;
+    std::uint8_t value = 0;
+    unsigned flags = 0;
+    bool any = false;
+    for (; !received_.empty() && received_.front().at <= now_; received_.pop_front()) {
+      const SerialByte& byte = received_.front();
+      if (flags != 0) continue;
+      any = true;
+      if (byte.framing_error) flags |= KZ_RX_FRAMING;
+      if (full) {
+        flags |= KZ_RX_OVERRUN;
+        continue;
+      }
+      value = byte.value;
+      full = !byte.framing_error;
+    }
+    if (any) ring_.emplace_back(value, static_cast<u8>(flags));
   }
 
-  // Ticks begin again, in step with those before.
+  // Ticks begin again, in step with those before, when every input has been converted.
   void go_on(bool done) {
     memory_.tell(input_);
     input_.result = done ? KZ_RESULT_DONE : KZ_RESULT_FAILED;
-    const States ticks = (now_ - asked_at_ + KZ_STATES_PER_TICK - 1) / KZ_STATES_PER_TICK + 1;
+    begin_scans(now_, 2);
+    const States ticks = (now_ + 2 * scan_states - asked_at_) / KZ_STATES_PER_TICK + 1;
     tick_at_ = asked_at_ + ticks * KZ_STATES_PER_TICK;
     input_.missed = static_cast<u16>(ticks - 1);
     input_.tick += input_.missed;
-    setting_ = 0;
   }
 
-  // The bytes that the previous tick queued go to the wire back to back.
-  void transmit(States start) {
-    if (std::exchange(released_, false)) return;
-    wire_free_ = std::max(wire_free_, start);
+  // The bytes that a tick queued go to the wire back to back, the first at `at` if it is idle. On a
+  // shared line the transmitter is switched on for them, which takes a byte's time of mark.
+  void transmit(States at) {
+    if (output_.tx_count == 0) return;
+    if (startup_.shared_line && wire_free_ <= at) at += KZ_STATES_PER_BYTE;
+    wire_free_ = std::max(wire_free_, at);
     for (int i = 0; i < output_.tx_count; ++i) {
       wire_free_ += KZ_STATES_PER_BYTE;
       wire_.push_back({output_.tx[i], wire_free_, false});
     }
   }
 
-  // The snapshot that the tick computes from. A/D codes are in it already.
+  // Bytes on the line up to `until` come to the ring.
+  void arrive(States until) {
+    for (; !received_.empty() && received_.front().at <= until; received_.pop_front()) {
+      const SerialByte& byte = received_.front();
+      if (byte.at <= listens_from_) continue;
+      ring_.emplace_back(byte.value, byte.framing_error ? u8{KZ_RX_FRAMING} : u8{0});
+    }
+  }
+
+  // The snapshot that the tick computes from. A/D codes are in it already, but for those of the
+  // inputs that are converted all the time.
   void gather(States start) {
-    while (!received_.empty() && received_.front().at <= start) {
-      if (ring_.size() < receive_ring) {
-        const auto flags = (received_.front().framing_error ? KZ_RX_FRAMING : 0) |
-                           (lost_ ? KZ_RX_LOST : 0) |
-                           (received_.front().at == overrun_at_ ? KZ_RX_OVERRUN : 0);
-        ring_.emplace_back(received_.front().value, static_cast<u8>(flags));
-        lost_ = false;
-      } else {
-        lost_ = true;
-      }
-      received_.pop_front();
+    arrive(start + tick_after);
+    if (ring_.size() > receive_most) {
+      ring_.erase(ring_.begin(), ring_.end() - KZ_RX_PER_TICK);
+      ring_.front().second |= KZ_RX_LOST;
     }
     std::fill(std::begin(input_.rx), std::end(input_.rx), u8{0});
     std::fill(std::begin(input_.rx_flags), std::end(input_.rx_flags), u8{0});
@@ -249,37 +308,61 @@ class NativeMcu final : public Mcu {
       input_.rx_flags[i] = ring_.front().second;
       ring_.pop_front();
     }
-    const States queued = (wire_free_ - start + KZ_STATES_PER_BYTE - 1) / KZ_STATES_PER_BYTE;
-    const States room = static_cast<States>(transmit_ring) - std::max<States>(queued, 0);
-    input_.tx_room = static_cast<u8>(std::clamp<States>(room, 0, 255));
+    input_.tx_room = transmit_room(start + room_after);
+    input_.analog[KZ_ANALOG_FORWARD_FORCE] = code_of(4, now_ - inertial_age);
+    input_.analog[KZ_ANALOG_LEFT_FORCE] = code_of(5, now_ - inertial_age);
+  }
+
+  // SCI0 holds the byte that it sends and the next one; the rest waits in the ring.
+  u8 transmit_room(States at) const {
+    const auto first = std::find_if(wire_.begin(), wire_.end(),
+                                    [at](const SerialByte& byte) { return byte.at > at; });
+    const auto waiting = static_cast<std::size_t>(wire_.end() - first);
+    if (waiting == 0) return transmit_ring;
+    const bool sends = first->at - KZ_STATES_PER_BYTE <= at;
+    const std::size_t in_channel = std::min<std::size_t>(waiting, sends ? 2 : 1);
+    return static_cast<u8>(transmit_ring - std::min(waiting - in_channel, transmit_ring));
+  }
+
+  // Each scan has one of the two supply inputs, in turn, and then the potentiometers'.
+  void begin_scans(States at, int count) {
+    supply_input_ ^= 1;
+    scan_at_ = at;
+    scans_left_ = count;
+    setting_ = 0;
   }
 
   States sample_time() const {
-    if (setting_ >= KZ_MUX_INPUTS) return tick_at_ + 1;  // the tick comes first
-    return tick_at_ - KZ_STATES_PER_TICK + scan_start + setting_ * scan_interval;
+    if (scans_left_ == 0) return never;
+    return scan_at_ + (setting_ == 0 ? 0 : scan_first + (setting_ - 1) * scan_next);
   }
 
-  u16 code_of(int channel) {
-    const double ratio = analog_ ? analog_(channel, pins_, now_ + channel * convert_states) : 0.0;
+  u16 code_of(int channel, States at) {
+    const double ratio = analog_ ? analog_(channel, pins_, at) : 0.0;
     const int code = static_cast<int>(std::floor(KZ_POT_CODES * ratio));
     return static_cast<u16>(std::clamp(code, 0, KZ_POT_CODES - 1));
   }
 
-  // One multiplexer setting: AN0, AN1, AN2 in turn.
+  // One multiplexer setting: AN0, AN1, AN2 in turn, and AN3 with the first.
   void sample() {
+    const int input = setting_ == 0 ? supply_input_ : setting_ - 1;
     PinLevels selected = pins_;
-    selected.p4 = static_cast<std::uint8_t>((pins_.p4 & ~KZ_P4_MUX_MASK) | setting_);
+    selected.p4 = static_cast<std::uint8_t>((pins_.p4 & ~KZ_P4_MUX_MASK) | input);
     show(selected);
     for (int mux = 0; mux < KZ_MUXES; ++mux) {
-      input_.analog[mux * KZ_MUX_INPUTS + setting_] = code_of(mux);
+      const int place = mux * KZ_MUX_INPUTS + input;
+      // Nothing is connected there: they are the inertial option's places.
+      if (place == KZ_ANALOG_YAW_RATE || place == KZ_ANALOG_FORWARD_FORCE ||
+          place == KZ_ANALOG_LEFT_FORCE)
+        continue;
+      input_.analog[place] = code_of(mux, now_ + mux * convert_states);
     }
-    // Then the inertial option's, over the inputs to which nothing is connected.
-    if (setting_ == KZ_MUX_INPUTS - 1) {
-      constexpr std::pair<int, int> kInertial[] = {
-          {3, KZ_ANALOG_YAW_RATE}, {4, KZ_ANALOG_FORWARD_FORCE}, {5, KZ_ANALOG_LEFT_FORCE}};
-      for (const auto& [channel, at] : kInertial) input_.analog[at] = code_of(channel);
+    if (setting_ == 0) {
+      input_.analog[KZ_ANALOG_YAW_RATE] = code_of(KZ_MUXES, now_ + KZ_MUXES * convert_states);
     }
-    ++setting_;
+    if (++setting_ < scan_settings) return;
+    if (scans_left_ > 1) return begin_scans(scan_at_ + scan_states, scans_left_ - 1);
+    scans_left_ = 0;
   }
 
   PinLevels levels_of(const kz_tick_output& output) const {
@@ -300,6 +383,7 @@ class NativeMcu final : public Mcu {
     if (on_pins_) on_pins_(now_, pins_);
   }
 
+  NativeOptions options_;
   NativeMemory memory_;
   kz_startup startup_{};
   bool started_ = false;  // the first tick has come
@@ -307,32 +391,39 @@ class NativeMcu final : public Mcu {
   kz_tick_input input_{};
   kz_tick_output output_{};  // of the last tick: for the pins and the wire at the next
   States now_ = 0;
-  States tick_at_ = 0;
-  States act_at_ = never;  // when `action_` is due, or the store under way is over
+  States tick_at_ = 0;     // when the next one becomes due
+  States act_at_ = never;  // when the next step of `action_` is due
   u8 action_ = KZ_ACTION_NONE;
-  bool released_ = false;  // the bytes of `output_` are on the wire already
-  States asked_at_ = 0;    // start of the tick that asked
-  States deaf_from_ = 0;
-  States deaf_until_ = 0;        // the loader runs, which listens to nothing
-  States overrun_at_ = never;    // the byte that others have overrun
-  int setting_ = KZ_MUX_INPUTS;  // of the multiplexers, to be sampled next
+  Phase phase_ = Phase::asked;
+  bool released_ = false;    // the bytes of `output_` are on the wire already
+  States asked_at_ = 0;      // when the tick that asked became due
+  States deaf_from_ = 0;     // flash is written
+  States listens_from_ = 0;  // what came earlier nobody has heard
+  States scan_at_ = 0;       // first sample of the scan that runs
+  int scans_left_ = 0;
+  int setting_ = 0;  // of the scan, to be sampled next
+  int supply_input_ = KZ_ANALOG_REFERENCE;
   PinLevels pins_;
 
   std::deque<SerialByte> received_;     // on the wire to us
   std::deque<std::pair<u8, u8>> ring_;  // received and not yet taken: value, KZ_RX_*
-  bool lost_ = false;
-  std::deque<SerialByte> wire_;  // on the wire from us
+  std::deque<SerialByte> wire_;         // on the wire from us
   States wire_free_ = 0;
 
   std::function<void(States, const PinLevels&)> on_pins_;
   AnalogSource analog_;
   std::function<void(const TickRecord&)> on_tick_;
+  std::function<void(States)> on_reset_;
 };
 
 }  // namespace
 
 std::unique_ptr<Mcu> make_native() {
-  return std::make_unique<NativeMcu>();
+  return make_native(NativeOptions{});
+}
+
+std::unique_ptr<Mcu> make_native(const NativeOptions& options) {
+  return std::make_unique<NativeMcu>(options);
 }
 
 }  // namespace kaz::sim

@@ -18,8 +18,13 @@ constexpr States microseconds(double us) {
 }
 constexpr States erase_setup = microseconds(210), erase_pulse = microseconds(5200),
                  erase_verify = microseconds(1900);
-constexpr States program_setup = microseconds(220), program_pulse = microseconds(180),
-                 program_verify = microseconds(200);
+constexpr States program_setup = microseconds(210), program_pulse = microseconds(180),
+                 program_verify = microseconds(178);
+// Before the line is left alone; then the routine is copied to RAM; in the end it is overwritten, and
+// the log is read.
+constexpr States prepare_calibration = 732, prepare_address = 280, copy_routine = 1960,
+                 clear_routine = 1957;
+constexpr States read_calibration = 27950, read_address = 14730, read_line = 681;
 // Of a pulse: what it takes to move every cell, and what moves none.
 constexpr double erase_least = 5000.0 / 5200.0, program_least = 150.0 / 180.0;
 constexpr double nothing_below = 0.125;
@@ -40,6 +45,22 @@ void NativeMemory::scan() {
   kz_store_scan(&address_, address_image().data(), KZ_ADDRESS_BLOCKS, KZ_ADDRESS_PARTS);
 }
 
+int NativeMemory::lines_of(int first_block, int blocks,
+                           const std::array<std::uint8_t, Mcu::memory_size>& of) const {
+  int lines = 0;
+  for (int at = first_block * KZ_STORE_BLOCK; at < (first_block + blocks) * KZ_STORE_BLOCK;
+       at += KZ_STORE_LINE) {
+    const auto* line = of.data() + at;
+    if (std::any_of(line, line + KZ_STORE_LINE, [](std::uint8_t byte) { return byte != 0xFF; }))
+      ++lines;
+  }
+  return lines;
+}
+
+int NativeMemory::lines() const {
+  return lines_of(0, KZ_CALIBRATION_BLOCKS + KZ_ADDRESS_BLOCKS, bytes_);
+}
+
 void NativeMemory::load(kz_startup& startup) {
   scan();
   kz_store_load_calibration(&calibration_, calibration_images().data(), &startup);
@@ -58,7 +79,9 @@ void NativeMemory::plan(const kz_store& log, int first_block, States from,
   kz_store_plan_next(&log, &next);
   const int block = first_block + next.block;
   wanted_ = bytes_;
-  States at = from;
+  const bool calibration = first_block != address_block;
+  deaf_from_ = from + (calibration ? prepare_calibration : prepare_address);
+  States at = deaf_from_ + copy_routine;
   if (next.erase) {
     at += erase_setup;
     pulses_.push_back({at, at + erase_pulse, block, -1, {}});
@@ -76,7 +99,11 @@ void NativeMemory::plan(const kz_store& log, int first_block, States from,
     at = pulse.end + program_verify;
     pulses_.push_back(pulse);
   }
-  over_at_ = at;
+  over_at_ = at + clear_routine;
+  read_back_ =
+      (calibration ? read_calibration : read_address) +
+      read_line *
+          lines_of(first_block, calibration ? KZ_CALIBRATION_BLOCKS : KZ_ADDRESS_BLOCKS, wanted_);
 }
 
 void NativeMemory::store_calibration(const kz_servo& servo, States from) {

@@ -28,8 +28,14 @@ class NativeMemory {
   // Plans a store that begins at `from`. Motors are off.
   void store_calibration(const kz_servo& servo, States from);
   void store_address(const kz_servo& servo, States from);
-  // When it will be over, if the power lasts.
+  // From then on nobody serves the line.
+  States deaf_from() const { return deaf_from_; }
+  // When the write will be over, if the power lasts.
   States over_at() const { return over_at_; }
+  // How long the firmware reads what it has written, and the log around it.
+  States read_back_states() const { return read_back_; }
+  // Lines of both logs that are not blank.
+  int lines() const;
   // After that: whether what was to be stored reads back. Reads both logs anew.
   bool finish();
   // Power or reset ends whatever is under way.
@@ -42,7 +48,7 @@ class NativeMemory {
   // All that it remembers (archive.h).
   template <class A>
   void transfer(A& a) {
-    a(bytes_, pulses_, over_at_, wanted_, pulses_done_);
+    a(bytes_, pulses_, deaf_from_, over_at_, read_back_, wanted_, pulses_done_);
     a.plain(calibration_);
     a.plain(address_);
   }
@@ -62,6 +68,8 @@ class NativeMemory {
   std::array<const u8*, 2> calibration_images() const;
   std::array<const u8*, 1> address_image() const;
   void scan();
+  int lines_of(int first_block, int blocks,
+               const std::array<std::uint8_t, Mcu::memory_size>& of) const;
   void plan(const kz_store& log, int first_block, States from,
             const std::function<void(u8* data, u8 part)>& pack);
   // Moves the cells of a pulse that lasted for `share` of what it takes.
@@ -71,7 +79,7 @@ class NativeMemory {
   std::array<std::uint8_t, Mcu::memory_size> bytes_;
   kz_store calibration_{}, address_{};
   std::deque<Pulse> pulses_;
-  States over_at_ = 0;
+  States deaf_from_ = 0, over_at_ = 0, read_back_ = 0;
   std::array<std::uint8_t, Mcu::memory_size> wanted_{};  // as flash will be when all is done
   std::uint64_t pulses_done_ = 0;
 };

@@ -10,6 +10,7 @@
 #include "sim/mcu/compare.h"
 #include "tools/kaz/image_options.h"
 #include "tools/kaz/mcu_run.h"
+#include "tools/kaz/mcu_wire.h"
 #include "tools/kaz/one_of.h"
 #include "tools/kaz/output.h"
 #include "tools/kaz/paths.h"
@@ -119,12 +120,23 @@ void add_compare(CLI::App& mcu, Action& action) {
   verb->footer(
       "The firmware runs in the emulator under random traffic, legal and illegal. Each tick's\n"
       "input is fed to the native build; outputs and state must be equal. Exit status 1 and the\n"
-      "first difference side by side where they are not.\n"
+      "first difference side by side where they are not. --wire compares whole boards instead,\n"
+      "reply by reply, in conversations of a second each.\n"
       "Examples:\n"
       "  kaz mcu compare\n"
       "  kaz mcu compare --ticks 1000000 --seed 7\n"
-      "  kaz mcu compare --ticks 1000000 --engine interpreter");
-  verb->callback([&action, arguments] { action = [arguments] { return compare(*arguments); }; });
+      "  kaz mcu compare --ticks 1000000 --engine interpreter\n"
+      "  kaz mcu compare --wire --conversations 1000");
+  auto wire = std::make_shared<WireArguments>();
+  add_wire_options(*verb, *wire);
+  verb->callback([&action, arguments, wire] {
+    action = [arguments, wire] {
+      if (!wire->wire) return compare(*arguments);
+      wire->options.image_path = arguments->options.image_path;
+      wire->options.seed = arguments->options.seed;
+      return compare_on_wire(wire->options, arguments->json);
+    };
+  });
 }
 
 void add_machine_options(CLI::App& verb, McuRunOptions& options) {

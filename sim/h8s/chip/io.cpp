@@ -103,6 +103,26 @@ Source source_of(const Place& p) {
   }
 }
 
+// Ports whose pins the module may drive or take, bit n: port n. Ports, module stop and the like: all.
+unsigned ports_of(const Place& p) {
+  switch (p.unit) {
+    case Unit::frt:
+    case Unit::tmr:
+    case Unit::tmr_xy:
+      return 1u << 6;
+    case Unit::pwm:
+    case Unit::pwmx:
+      return 1u << 1 | 1u << 2;
+    case Unit::sci:
+      return p.n == 0 ? 1u << 5 : 1u << 2;
+    case Unit::adc:
+    case Unit::wdt:
+      return 0;
+    default:
+      return ~0u;
+  }
+}
+
 }  // namespace
 
 // What an access to a register may have moved: nothing, its module's next event, or anything.
@@ -133,12 +153,11 @@ void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
       if (written) disturbed();
       break;
   }
-  if (written && pins.active()) {
+  if (written && pins.watches(ports_of(p))) {
     pins.sample(*this, moment());
     rescheduled(Source::pins);
   }
-  if (irq.take_raised() &&
-      (irq.any_unmasked(cpu.control, cpu.two_level) || irq.any_diverted()))
+  if (irq.take_raised() && (irq.any_unmasked(cpu.control, cpu.two_level) || irq.any_diverted()))
     end_stretch(cpu);
 }
 

@@ -11,6 +11,8 @@ namespace {
 
 // Reactions without delay may lead to the next; more in one state than this is an oscillation.
 constexpr int kMaxRounds = 1000;
+// All outputs of the timers are there; those of other modules follow from the time alone.
+constexpr unsigned kTimerPorts = 1u << 6;
 
 Driver chip_driver(const Machine& m, unsigned port, unsigned bit) {
   const bool out = (m.ports.ddr(port) >> bit & 1) != 0;
@@ -95,12 +97,19 @@ States next_pin_change(const Machine& m, Pin pin, States at) {
 
 int PinWatch::watch(const Machine& m, Pin pin, PinListener listener, bool drivers, States at) {
   watched_.push_back({next_id_, pin, pin_state(m, pin, at), drivers, std::move(listener)});
+  find_ports();
   sampled_ = std::max(sampled_, at);
   return next_id_++;
 }
 
 void PinWatch::unwatch(int id) {
   std::erase_if(watched_, [id](const Watched& w) { return w.id == id; });
+  find_ports();
+}
+
+void PinWatch::find_ports() {
+  ports_ = 0;
+  for (const Watched& w : watched_) ports_ |= 1u << info(w.pin).port;
 }
 
 int PinWatch::call_at(States at, std::function<void(States)> call) {
@@ -155,7 +164,7 @@ void PinWatch::sample(Machine& m, States at) {
   }
   if (telling_) return;  // the round that runs will see it
   telling_ = true;
-  m.bring_outputs_to(at);
+  if (watches(kTimerPorts)) m.bring_outputs_to(at);
   int rounds = 0;
   while (tell_once(m, at) && ++rounds < kMaxRounds) {
   }

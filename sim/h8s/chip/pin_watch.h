@@ -21,6 +21,8 @@ States next_pin_change(const Machine& m, Pin pin, States at);
 class PinWatch {
  public:
   bool active() const { return !watched_.empty() || !calls_.empty(); }
+  // Whether a pin of these ports is watched; bit n: port n.
+  bool watches(unsigned ports) const { return (ports_ & ports) != 0; }
   int watch(const Machine& m, Pin pin, PinListener listener, bool drivers, States at);
   void unwatch(int id);
   int call_at(States at, std::function<void(States)> call);
@@ -35,6 +37,7 @@ class PinWatch {
   void forget(const Machine& m, States at);
 
  private:
+  void find_ports();
   struct Watched {
     int id;
     Pin pin;
@@ -53,6 +56,7 @@ class PinWatch {
   int next_id_ = 1;
   States sampled_ = 0;  // everything up to here has been told
   bool telling_ = false;
+  unsigned ports_ = 0;  // of the watched pins, bit n: port n
 };
 
 }  // namespace kaz::h8s

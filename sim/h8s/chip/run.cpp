@@ -147,6 +147,13 @@ void Machine::run_events(States to) {
     advance(source, working_);
     events_[first] = event_of(source);
     stops_[first] = stop_for(source, events_[first]);
+    // A frame that begins now may have been looked for at this very state, before it began.
+    if ((source == Source::sci0 || source == Source::sci1) && pins.active()) {
+      constexpr auto of_pins = static_cast<unsigned>(Source::pins);
+      pins.sample(*this, working_);
+      events_[of_pins] = event_of(Source::pins);
+      stops_[of_pins] = stop_for(Source::pins, events_[of_pins]);
+    }
   }
   working_ = kNever;
   first_events();

@@ -360,5 +360,29 @@ TEST(SciPins, ChangesAreKnownAhead) {
   }
 }
 
+// A frame that follows another begins on the bit's boundary at the pin too, also where the program
+// writes a register in that very state.
+TEST(SciPins, StartBitOfTheNextFrameIsOnTimeWhateverIsWritten) {
+  for (int shift = 0; shift < 12; ++shift) {
+    Program p;
+    p.modules_on().out8(kBrr, 4).out8(kScr, 0x20);
+    for (int byte = 0; byte < 2; ++byte) {
+      p.out8(kTdr, 0x55).in8(kSsr).out8(kSsr, 0x04);
+      p.nops(byte == 0 ? 1900 : shift);  // behind the preamble, a frame long
+    }
+    // mov.b r0l,@P3DDR:16, and again
+    const std::uint32_t loop = end_of(p);
+    p.words({0x6a88, 0xffb4, 0x5a00, static_cast<std::uint16_t>(loop)});
+    Chip chip = make_chip(p);
+    std::vector<States> edges;
+    chip.watch(Pin::p50, [&edges](const PinEdge& e) { edges.push_back(e.at); });
+    chip.run_until(50 * kBit);
+    ASSERT_GE(edges.size(), 20u) << shift;
+    const States first = edges[edges.size() - 20];
+    for (std::size_t k = edges.size() - 20; k < edges.size(); ++k)
+      EXPECT_EQ((edges[k] - first) % kBit, 0) << "edge " << k << ", shift " << shift;
+  }
+}
+
 }  // namespace
 }  // namespace kaz::h8s::testing

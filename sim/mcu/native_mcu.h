@@ -1,0 +1,21 @@
+// The native engine, for those who need more of it than make_native().
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "sim/mcu/mcu.h"
+
+namespace kaz::sim {
+
+struct NativeOptions {
+  // From reset to the first tick, with nothing stored. The chip spends most of it on the CRC of its
+  // application, so it depends on the image; the default is measured on the built one
+  // (`kaz mcu compare --wire` measures it again and rejects a default that is a tick off).
+  static constexpr States default_start_states = 831751;
+  States start_states = default_start_states;
+};
+
+std::unique_ptr<Mcu> make_native(const NativeOptions& options);
+
+}  // namespace kaz::sim

@@ -1,0 +1,34 @@
+// The bytes that TxD0 of the emulated chip shows, decoded from the edges at its pin.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The edges are those that a recording of the pin (vcd.h) has. While nobody drives the pin the board's
+// pull-up holds the line at mark.
+#pragma once
+
+#include <vector>
+
+#include "sim/mcu/h8_mcu.h"
+#include "sim/mcu/uart_decoder.h"
+
+namespace kaz::sim {
+
+class TxdWatch {
+ public:
+  // `mcu` outlives this.
+  explicit TxdWatch(H8Mcu& mcu);
+  ~TxdWatch();
+  TxdWatch(const TxdWatch&) = delete;
+  TxdWatch& operator=(const TxdWatch&) = delete;
+
+  // Bytes whose stop bit was sampled a bit's time ago or earlier, with times of the board.
+  std::vector<DecodedByte> take();
+  // The chip was reset or its power cut: what was being sent is given up.
+  void restart();
+
+ private:
+  H8Mcu& mcu_;
+  int watch_ = 0;
+  UartDecoder decoder_;
+};
+
+}  // namespace kaz::sim

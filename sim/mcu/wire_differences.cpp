@@ -1,0 +1,95 @@
+// Where the native board differs from the emulated one by design.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/mcu/wire_differences.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+
+#include "shared/protocol/frame.h"
+#include "shared/protocol/message_info.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr const char* no_cpu = "it has no CPU that takes time";
+constexpr const char* no_image = "it has no image";
+
+constexpr WireException exceptions[] = {
+    {"`statistics_reply.busy_8states`", "measured", "0", no_cpu, KZ_TYPE_statistics_reply,
+     "busy_8states"},
+    {"`statistics_reply.worst_8states`", "measured", "0", no_cpu, KZ_TYPE_statistics_reply,
+     "worst_8states"},
+    {"`telemetry_health.busy_8states`", "measured", "0", no_cpu, KZ_TYPE_telemetry_health,
+     "busy_8states"},
+    {"`telemetry_health.worst_8states`", "measured", "0", no_cpu, KZ_TYPE_telemetry_health,
+     "worst_8states"},
+    {"`identify_reply.image_crc`", "of the image", "0", no_image, KZ_TYPE_identify_reply,
+     "image_crc"},
+    {"`self_test_reply.image_crc`", "of the image", "0", no_image, KZ_TYPE_self_test_reply,
+     "image_crc"},
+    {"`self_test_reply.start_8states`", "measured", "a constant, near it",
+     "how long the application's start takes depends on the image", KZ_TYPE_self_test_reply,
+     "start_8states"},
+    {"a byte that ends 300 to 1,000 states after a tick became due", "in this tick or the next",
+     "this tick up to 650",
+     "the tick reads its receive ring 450 to 850 states after it became due, by interrupts and "
+     "pins; "
+     "the comparison sends no byte that ends then"},
+    {"bytes that end 47,600 to 18,000 states before the first tick",
+     "each makes the start 65 states longer, or is not heard",
+     "heard for the last 46,940, at no cost",
+     "it has no CPU that takes time; the comparison sends none then"},
+    {"first byte of a reply", "320 to 700 states after its tick", "445 states after it", no_cpu},
+    {"begin of a store or a reset that a request asked for", "when its tick has been computed",
+     "5,900 states after the tick became due",
+     "it has no CPU that takes time; the comparison sends nothing meanwhile, and counts time anew "
+     "from "
+     "each such reset"},
+    {"input voltages", "sampled from 800 to 7,300 states after a tick, AN4 and AN5 all the time",
+     "the same inputs in the same order, each within 200 states",
+     "the comparison's voltages change once in a tick, 15,000 states after it became due"},
+    {"3 s of the loader", "the flash writer listens, to its own frames", "nobody listens",
+     "the native board has no flash to be written"},
+    {"a byte that a reset or a power cut ends", "its first bits are at the pin", "nothing",
+     "a listener has no use for it; the comparison drops it"},
+};
+
+}  // namespace
+
+std::span<const WireException> wire_differences() {
+  return exceptions;
+}
+
+std::string wire_differences_table() {
+  std::string table = "| on the wire | `h8` | `native` | why |\n|---|---|---|---|\n";
+  for (const WireException& row : exceptions) {
+    for (const char* cell : {row.what, row.h8, row.native, row.reason})
+      table += std::string("| ") + cell + " ";
+    table += "|\n";
+  }
+  return table;
+}
+
+bool mask_wire_differences(std::span<std::uint8_t> body) {
+  if (body.size() < KZ_HEADER_SIZE) return false;
+  bool masked = false;
+  for (const WireException& row : exceptions) {
+    if (row.type == 0 || row.type != body[1]) continue;
+    const kz_message_info* info = kz_message_find(row.type);
+    std::size_t at = KZ_HEADER_SIZE;
+    for (int f = 0; info != nullptr && f < info->field_count; ++f) {
+      const kz_field_info& field = info->fields[f];
+      const std::size_t size = std::size_t{field.size} * field.count;
+      if (std::string_view(field.name) == row.field && at < body.size()) {
+        std::fill_n(body.begin() + static_cast<std::ptrdiff_t>(at),
+                    std::min(size, body.size() - at), std::uint8_t{0});
+        masked = true;
+      }
+      at += size;
+    }
+  }
+  return masked;
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,267 @@
+// A seeded conversation with a board.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/mcu/wire_host.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "shared/protocol/frame.h"
+#include "shared/protocol/message_info.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr States ms = KZ_STATES_PER_TICK;
+// A tick reads its ring 450 to 850 states after it has become due, by what else it has to do.
+constexpr States ring_read_from = 300, ring_read_until = 1000;
+
+bool takes_the_board_away(std::uint8_t type) {
+  return type == KZ_TYPE_store_calibration || type == KZ_TYPE_set_address ||
+         type == KZ_TYPE_reset || type == KZ_TYPE_loader;
+}
+
+std::string name_of(std::uint8_t type) {
+  const kz_message_info* info = kz_message_find(type);
+  if (info) return info->name;
+  char text[16];
+  std::snprintf(text, sizeof text, "type 0x%02x", type);
+  return text;
+}
+
+}  // namespace
+
+WireHost::WireHost(std::uint64_t seed)
+    : random_(seed), requests_of_(random_), sequence_(static_cast<std::uint8_t>(random_.next())) {
+  plan_specials();
+}
+
+void WireHost::plan_specials() {
+  const std::vector<std::uint8_t> off{KZ_TYPE_enable, 0, 0, 0, 0}, clear{KZ_TYPE_clear},
+      quiet{KZ_TYPE_telemetry, 0, 0, 0};
+  const auto key = [](std::uint8_t type) {
+    return std::vector<std::uint8_t>{type, KZ_KEY >> 8, KZ_KEY & 0xFF};
+  };
+  const auto some_time = [this] { return 60 * ms + random_.below(800) * ms; };
+  const auto away = [&](std::vector<std::vector<std::uint8_t>> bodies) {
+    bodies.insert(bodies.begin(), {off, clear, quiet});
+    planned_.push_back({some_time(), std::move(bodies), 25 * ms});
+  };
+  if (random_.chance(0.2)) away({{KZ_TYPE_store_calibration}});
+  if (random_.chance(0.1)) away({{KZ_TYPE_store_calibration}});
+  if (random_.chance(0.15)) {
+    auto unlock = key(KZ_TYPE_unlock);
+    unlock.push_back(60);
+    const auto address =
+        static_cast<std::uint8_t>(random_.chance(0.5) ? KZ_ADDRESS_DEFAULT : 1 + random_.below(14));
+    const std::uint8_t shared = random_.chance(0.3) ? 1 : 0;
+    std::vector<std::vector<std::uint8_t>> bodies{unlock, {KZ_TYPE_set_address, address, shared}};
+    if (random_.chance(0.7)) bodies.push_back(key(KZ_TYPE_reset));
+    away(bodies);
+  }
+  if (random_.chance(0.2)) away({key(KZ_TYPE_reset)});
+  if (random_.chance(0.03)) away({key(KZ_TYPE_loader)});
+  std::sort(planned_.begin(), planned_.end(),
+            [](const Planned& a, const Planned& b) { return a.not_before < b.not_before; });
+  if (random_.chance(0.08)) events_.emplace_back(random_.below(900) * ms, Event::reset_pin);
+  if (random_.chance(0.08)) events_.emplace_back(random_.below(900) * ms, Event::power_cycle);
+}
+
+WireHost::Event WireHost::take_event(States at) {
+  for (auto event = events_.begin(); event != events_.end(); ++event) {
+    if (begun_at_ + event->first > at || !begun_) continue;
+    const Event kind = event->second;
+    events_.erase(event);
+    pending_.clear();
+    return kind;
+  }
+  return Event::none;
+}
+
+void WireHost::begin(States at) {
+  begun_ = true;
+  begun_at_ = line_free_ = at;
+  next_at_ = at + random_.below(50) * ms;  // some while the board starts
+  manner_until_ = at + 120 * ms;
+  // All on, so that the loops run; telemetry in some.
+  if (random_.chance(0.7)) {
+    planned_.push_front({50 * ms, {{KZ_TYPE_enable, 0, 3, 255, 255}}, 3 * ms});
+  }
+  if (random_.chance(0.3)) {
+    const auto period = static_cast<std::uint8_t>(5 + random_.below(60));
+    const auto selection = static_cast<std::uint8_t>(1 + random_.below(15));
+    planned_.push_front({50 * ms, {{KZ_TYPE_telemetry, 0, period, selection}}, 3 * ms});
+  }
+}
+
+void WireHost::next_manner() {
+  static constexpr Manner manners[] = {Manner::polite, Manner::polite,  Manner::polite,
+                                       Manner::burst,  Manner::burst,   Manner::damaged,
+                                       Manner::pieces, Manner::damaged, Manner::silent};
+  manner_ = manners[random_.below(std::size(manners))];
+  const States length =
+      manner_ == Manner::silent ? 70 + random_.below(60) : 30 + random_.below(170);
+  manner_until_ = next_at_ + length * ms;
+  if (manner_ == Manner::silent) {
+    next_at_ = manner_until_;
+    ++kinds_["silences"];
+  }
+}
+
+std::vector<std::uint8_t> WireHost::harmless() {
+  for (;;) {
+    auto request = requests_of_.next();
+    if (!takes_the_board_away(request.front())) return request;
+  }
+}
+
+std::vector<std::uint8_t> WireHost::frame(const std::vector<std::uint8_t>& request) {
+  if (!last_.empty() && random_.chance(0.04)) {  // its reply was lost
+    ++kinds_["repeated"];
+    return last_;
+  }
+  std::uint8_t address = has_moved_ && random_.chance(0.5) ? other_address_ : address_;
+  if (random_.chance(0.04)) {
+    address = KZ_ADDRESS_ALL;
+    ++kinds_["to all boards"];
+  } else if (random_.chance(0.04)) {
+    address = static_cast<std::uint8_t>(random_.below(256));
+    ++kinds_["to other addresses"];
+  }
+  std::vector<std::uint8_t> body{address, request.front(), ++sequence_};
+  body.insert(body.end(), request.begin() + 1, request.end());
+  if (body.size() > KZ_BODY_MAX) body.resize(KZ_BODY_MAX);
+  std::vector<std::uint8_t> wire(KZ_FRAME_MAX);
+  wire.resize(kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire.data()));
+  last_ = wire;
+  return wire;
+}
+
+void WireHost::damage(std::vector<std::uint8_t>& frame) {
+  const auto place = [this, &frame] {
+    return frame.begin() + random_.below(static_cast<std::uint32_t>(frame.size()));
+  };
+  switch (random_.below(6)) {
+    case 0:
+      *place() ^= static_cast<std::uint8_t>(1u << random_.below(8));
+      break;
+    case 1:
+      frame.erase(place());
+      break;
+    case 2:
+      frame.insert(place(), static_cast<std::uint8_t>(random_.next()));
+      break;
+    case 3:
+      frame.resize(1 + random_.below(static_cast<std::uint32_t>(frame.size())));
+      break;
+    case 4:
+      frame.resize(1 + random_.below(160));  // longer than any frame, at times
+      for (std::uint8_t& byte : frame) byte = static_cast<std::uint8_t>(random_.next());
+      break;
+    default:
+      frame.insert(frame.end(), random_.below(5), 0);
+      break;
+  }
+}
+
+void WireHost::send(const std::vector<std::uint8_t>& frame, const char* kind,
+                    const std::string& text) {
+  States gap = std::max<States>(next_at_ - line_free_, 0);
+  for (const std::uint8_t value : frame) {
+    pending_.push_back({value, false, gap});
+    gap = 0;
+  }
+  ++kinds_[kind];
+  sent_.push_back({next_at_ + static_cast<States>(frame.size()) * KZ_STATES_PER_BYTE, text});
+}
+
+// Fills the line from `at` on, which is idle.
+void WireHost::refill(States at) {
+  if (next_at_ < at) next_at_ = at;
+  if (!planned_.empty() && next_at_ - begun_at_ >= planned_.front().not_before) {
+    Planned& now = planned_.front();
+    const auto request = now.bodies.front();
+    now.bodies.erase(now.bodies.begin());
+    const std::uint8_t type = request.front();
+    if (takes_the_board_away(type)) ++kinds_[name_of(type)];
+    if (type == KZ_TYPE_set_address) {
+      other_address_ = request[1];
+      has_moved_ = true;
+    }
+    last_.clear();
+    // The pause begins when the frame has ended, and what comes after the last one may come at once.
+    const bool was_last = now.bodies.empty();
+    const States pause = now.pause;
+    if (was_last) planned_.pop_front();
+    ++requests_;
+    send(frame(request), "planned", name_of(type));
+    next_at_ += static_cast<States>(pending_.size()) * KZ_STATES_PER_BYTE + pause +
+                random_.below(KZ_STATES_PER_TICK);
+    return;
+  }
+  if (next_at_ >= manner_until_) next_manner();
+  if (manner_ == Manner::silent) return;
+  const auto request = harmless();
+  const std::string text = name_of(request.front());
+  auto bytes = frame(request);
+  ++requests_;
+  States pause = (2 + random_.below(20)) * ms;
+  switch (manner_) {
+    case Manner::burst:
+      send(bytes, "back to back", text);
+      pause = random_.chance(0.75) ? 0 : (3 + random_.below(20)) * ms;
+      break;
+    case Manner::damaged: {
+      damage(bytes);
+      send(bytes, "damaged", "damaged " + text);
+      if (random_.chance(0.2)) {
+        pending_[random_.below(static_cast<std::uint32_t>(pending_.size()))].framing_error = true;
+        ++kinds_["framing errors"];
+      }
+      pause = random_.below(12) * ms;
+      break;
+    }
+    case Manner::pieces: {
+      send(bytes, "in pieces", text + " in pieces");
+      // Up to beyond the 20 ms for which a frame may pause.
+      for (auto cuts = 1 + random_.below(3); cuts > 0; --cuts)
+        pending_[random_.below(static_cast<std::uint32_t>(pending_.size()))].gap +=
+            random_.below(25 * 18) * ms / 18;
+      break;
+    }
+    default:
+      send(bytes, "polite", text);
+      break;
+  }
+  for (const Pending& byte : pending_) next_at_ += byte.gap + KZ_STATES_PER_BYTE;
+  // The first gap is the time up to where it began.
+  next_at_ -= pending_.front().gap;
+  next_at_ += pause + (pause != 0 ? random_.below(KZ_STATES_PER_TICK) : 0);
+}
+
+std::vector<SerialByte> WireHost::bytes(States from, States until, const WireWindows& windows) {
+  if (!begun_) begin(from);
+  std::vector<SerialByte> out;
+  for (;;) {
+    if (pending_.empty()) {
+      if (finished_ || next_at_ >= until) return out;
+      refill(std::max(line_free_, from));
+      if (pending_.empty()) continue;
+    }
+    const Pending& next = pending_.front();
+    States end = std::max(line_free_ + next.gap + KZ_STATES_PER_BYTE, from);
+    if (end > windows.closed_from && end < windows.closed_until) end = windows.closed_until;
+    if (windows.ticks) {
+      States since = (end - windows.tick_at) % KZ_STATES_PER_TICK;
+      if (since < 0) since += KZ_STATES_PER_TICK;
+      if (since > ring_read_from && since < ring_read_until) end += ring_read_until - since;
+    }
+    if (end >= until) {
+      return out;
+    }
+    out.push_back({next.value, end, next.framing_error});
+    line_free_ = end;
+    pending_.pop_front();
+  }
+}
+
+}  // namespace kaz::sim
