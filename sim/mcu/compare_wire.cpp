@@ -481,7 +481,7 @@ std::string WireReport::text() const {
                   static_cast<long long>(different), static_cast<long long>(conversations),
                   static_cast<unsigned long long>(seed));
   }
-  text = line;
+  text = line + std::string("; emulator's engine: ") + emulator_engine;
   for (const WireDifference& difference : differences) {
     std::snprintf(line, sizeof line,
                   "\n  conversation %lld (--first %lld --conversations 1), %.2f ms: ",
@@ -524,6 +524,7 @@ Result<WireReport> compare_wire(const WireOptions& options) {
   if (options.prepare_h8) options.prepare_h8(**h8);
   WireReport report;
   report.seed = options.seed;
+  report.emulator_engine = (*h8)->emulator_engine();
   Boards boards(options, **h8, report);
   const auto start = boards.start_time();
   if (!start) return tl::unexpected(start.error());

@@ -41,6 +41,7 @@ struct WireDifference {
 };
 
 struct WireReport {
+  std::string emulator_engine;  // that which executed: "translator"
   std::uint64_t seed = 0;
   std::int64_t conversations = 0;
   std::int64_t different = 0;               // conversations

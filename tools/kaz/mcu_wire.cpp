@@ -32,6 +32,7 @@ nlohmann::ordered_json to_json(const sim::WireReport& report) {
                                 {"largest_lag_states", report.largest_lag},
                                 {"largest_reset_lag_states", report.largest_reset_lag},
                                 {"h8_start_states", report.h8_start},
+                                {"emulator_engine", report.emulator_engine},
                                 {"chip_s", report.chip_s},
                                 {"sent", report.kinds},
                                 {"frames_back_by_type", nlohmann::ordered_json::object()},
