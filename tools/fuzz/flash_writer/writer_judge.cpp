@@ -175,9 +175,18 @@ std::string WriterJudge::write_fault(const Request& request, const WriterAnswer&
   if (answer.payload.size() != 4) return "a payload that is not of 4 bytes";
   if (request.payload.size() < 4 || (request.payload.size() - 4) % kLine != 0 ||
       address % kLine != 0) {
-    return answer.status() == KZ_WRITER_ARGUMENTS ? "" : "expected ARGUMENTS";
+    if (answer.status() != KZ_WRITER_ARGUMENTS) return "expected ARGUMENTS";
+    // Without a whole address there is no line to name.
+    return request.payload.size() < 4 ? "" : line_fault(address, answer);
   }
   return address >> 16 == 0xff ? ram_fault(request, answer) : flash_fault(request, answer);
+}
+
+// The line named in an answer distinguishes requests that have the same number.
+std::string WriterJudge::line_fault(std::uint32_t wanted, const WriterAnswer& answer) {
+  const auto low = static_cast<std::uint32_t>(answer.payload[2] << 8 | answer.payload[3]);
+  if (low == (wanted & 0xffff)) return "";
+  return "it names the line " + hex(low) + " instead of " + hex(wanted);
 }
 
 std::string WriterJudge::ram_fault(const Request& request, const WriterAnswer& answer) {
@@ -193,8 +202,9 @@ std::string WriterJudge::ram_fault(const Request& request, const WriterAnswer& a
     wanted = KZ_WRITER_PROTECTED;
   }
   if (answer.status() != wanted) return "expected " + status(wanted) + " of " + hex(from);
-  if (wanted == KZ_WRITER_OK) filled_ = std::max(filled_, to);
-  return "";
+  const std::string fault = line_fault(from, answer);
+  if (fault.empty() && wanted == KZ_WRITER_OK) filled_ = std::max(filled_, to);
+  return fault;
 }
 
 // A line that cannot be written stays as it was, so it still shows why.
@@ -218,9 +228,7 @@ std::string WriterJudge::flash_fault(const Request& request, const WriterAnswer&
     }
   }
   if (answer.status() != wanted) return "expected " + status(wanted) + " of " + hex(at);
-  const auto low = static_cast<std::uint32_t>(answer.payload[2] << 8 | answer.payload[3]);
-  if (low != (at & 0xffff)) return "it names the line " + hex(low) + " instead of " + hex(at);
-  return "";
+  return line_fault(at, answer);
 }
 
 // It may have work that takes up to a second, and no room for a request. Once it has answered, it has

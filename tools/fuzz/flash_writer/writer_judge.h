@@ -47,6 +47,7 @@ class WriterJudge {
   // Why the answer is none to the request; empty: it is.
   std::string fault(const Request& request, const WriterAnswer& answer);
   std::string write_fault(const Request& request, const WriterAnswer& answer);
+  static std::string line_fault(std::uint32_t wanted, const WriterAnswer& answer);
   std::string ram_fault(const Request& request, const WriterAnswer& answer);
   std::string flash_fault(const Request& request, const WriterAnswer& answer);
   bool is_protected(std::uint32_t address) const;
