@@ -89,6 +89,23 @@ TEST_F(Protection, AMotorThatMovesBackwardsUnderHighLoadIsNotStalled) {
   }
 }
 
+// Four codes of the potentiometer are 0.013 rad, less than half of what counts as motion.
+TEST_F(Protection, AStalledMotorThatCreepsEitherWayIsStillStalled) {
+  for (const int direction : {1, -1}) {
+    board = TestBoard();
+    push(1.0);
+    int ms = 0;
+    for (; ms < 2000 && board.drivers_on(); ++ms) {
+      if (ms % 500 == 0) board.send(KZ_TYPE_heartbeat, ++board.sequence, {0, 0});
+      board.set_pot(knee, static_cast<u16>(512 + direction * (ms / 250)));
+      joint().command = static_cast<s16>(joint().angle + 1000);
+      board.tick();
+    }
+    EXPECT_NEAR(ms, 1000, 60) << direction;
+    EXPECT_EQ(board.servo.shutdown, KZ_SHUTDOWN_STALL) << direction;
+  }
+}
+
 // A count goes up and down by one in 16 ms: after 900 ms of load and 96 without, 200 more are enough.
 TEST_F(Protection, ShortReliefDoesNotClearTheStallCounter) {
   push(1.0);
