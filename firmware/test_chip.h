@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/test_image.h"
 #include "shared/servo/fields.h"
 #include "shared/servo/servo.h"
 #include "shared/servo/store.h"
@@ -41,7 +42,7 @@ class TestChip : public testing::Test {
   static constexpr std::uint32_t calibration_at = 0x400, address_at = 0xC00;
 
   void SetUp() override {
-    auto loaded = H8Mcu::load(KAZ_FIRMWARE_IMAGE);
+    auto loaded = H8Mcu::load(firmware_image());
     ASSERT_TRUE(loaded) << loaded.error().message;
     mcu = std::move(*loaded);
     mcu->set_analog([this](int channel, const PinLevels& levels, States) {

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "firmware/test_image.h"
 #include "shared/board/table.h"
 #include "shared/protocol/messages.h"
 #include "sim/h8s/chip.h"
@@ -32,7 +33,7 @@ Bytes packed(u8 (*pack)(const Message*, u8*), const Message& message) {
 class WorstTick : public testing::Test {
  protected:
   void SetUp() override {
-    auto loaded = H8Mcu::load(KAZ_FIRMWARE_IMAGE);
+    auto loaded = H8Mcu::load(firmware_image());
     ASSERT_TRUE(loaded) << loaded.error().message;
     mcu = std::move(*loaded);
     mcu->set_analog([](int channel, const PinLevels& levels, States at) {

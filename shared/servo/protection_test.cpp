@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 
 #include "shared/servo/joint_loop.h"
 #include "shared/servo/joints.h"
@@ -77,6 +78,45 @@ TEST_F(Protection, AMotorThatMovesUnderHighLoadIsNotStalled) {
   }
 }
 
+TEST_F(Protection, AMotorThatMovesBackwardsUnderHighLoadIsNotStalled) {
+  push(-1.0);
+  for (int ms = 0; ms < 1500; ++ms) {
+    if (ms % 500 == 0) board.send(KZ_TYPE_heartbeat, ++board.sequence, {0, 0});
+    board.set_pot(knee, static_cast<u16>(512 - ms / 25));
+    joint().command = static_cast<s16>(joint().angle - 1000);
+    board.tick();
+    ASSERT_TRUE(board.drivers_on()) << ms;
+  }
+}
+
+// Four codes of the potentiometer are 0.013 rad, less than half of what counts as motion.
+TEST_F(Protection, AStalledMotorThatCreepsEitherWayIsStillStalled) {
+  for (const int direction : {1, -1}) {
+    board = TestBoard();
+    push(1.0);
+    int ms = 0;
+    for (; ms < 2000 && board.drivers_on(); ++ms) {
+      if (ms % 500 == 0) board.send(KZ_TYPE_heartbeat, ++board.sequence, {0, 0});
+      board.set_pot(knee, static_cast<u16>(512 + direction * (ms / 250)));
+      joint().command = static_cast<s16>(joint().angle + 1000);
+      board.tick();
+    }
+    EXPECT_NEAR(ms, 1000, 60) << direction;
+    EXPECT_EQ(board.servo.shutdown, KZ_SHUTDOWN_STALL) << direction;
+  }
+}
+
+// A count goes up and down by one in 16 ms: after 900 ms of load and 96 without, 200 more are enough.
+TEST_F(Protection, ShortReliefDoesNotClearTheStallCounter) {
+  push(1.0);
+  board.ticks(900);
+  joint().command = joint().angle;
+  board.ticks(96);
+  push(1.0);
+  EXPECT_NEAR(until_off(1000), 200, 50);
+  EXPECT_EQ(board.servo.shutdown, KZ_SHUTDOWN_STALL);
+}
+
 // load^2 with one time constant against the load that is allowed for ever.
 double seconds_to_heat(double load) {
   const double tau = 0.016 * 8192, limit = 89.0 / 255;
@@ -129,6 +169,96 @@ TEST_F(Protection, LoadIsDutyLessBackEmf) {
   EXPECT_EQ(load_at(-6), 255);  // driven against its motion: more than stalled
   servo.supply_mv = 5'000;
   EXPECT_NEAR(load_at(0), 126, 1);
+}
+
+TEST_F(Protection, LoadHasTheDirectionOfTheDrive) {
+  kz_servo& servo = board.servo;
+  servo.enabled = 1;
+  servo.supply_mv = 10'000;
+  servo.phase = knee;
+  joint().duty = 255;
+  // A motor that turns the way it is driven has no load at full speed, else twice the highest.
+  for (const bool mirrored : {false, true}) {
+    for (const bool forward : {false, true}) {
+      joint().mirrored = mirrored;
+      joint().forward = forward;
+      const int direction = forward == mirrored ? -1 : 1;
+      joint().rate = static_cast<s16>(direction * 8301);
+      kz_protection_update(&servo);
+      EXPECT_NEAR(joint().load, 0, 2) << mirrored << forward;
+      joint().rate = static_cast<s16>(-direction * 8301);
+      kz_protection_update(&servo);
+      EXPECT_EQ(joint().load, 255) << mirrored << forward;
+    }
+  }
+}
+
+TEST_F(Protection, EveryJointHasItsTurn) {
+  kz_servo& servo = board.servo;
+  servo.enabled = 1;
+  servo.supply_mv = 10'000;
+  for (int driven = 0; driven < KZ_JOINTS; ++driven) {
+    for (int j = 0; j < KZ_JOINTS; ++j) {
+      servo.joint[j].duty = j == driven ? 255 : 0;
+      servo.joint[j].forward = servo.joint[j].mirrored ^ 1;
+    }
+    for (u8 phase = 0; phase < KZ_PROTECTION_MS; ++phase) {
+      servo.phase = phase;
+      kz_protection_update(&servo);
+    }
+    for (int j = 0; j < KZ_JOINTS; ++j)
+      EXPECT_NEAR(servo.joint[j].load, j == driven ? 252 : 0, 1) << j;
+  }
+}
+
+TEST_F(Protection, HeatIsNoFaultWhileMotorsAreOff) {
+  kz_servo& servo = board.servo;
+  servo.phase = knee;
+  servo.enabled = 0;
+  joint().heat = u32{KZ_HEAT_FULL + 10} << 16;
+  EXPECT_EQ(kz_protection_update(&servo), 0);
+  servo.enabled = 1;
+  EXPECT_EQ(kz_protection_update(&servo), KZ_SHUTDOWN_OVERLOAD << 8 | knee);
+}
+
+// A joint is careful if it can reach a limit within 4 ms: it is nearer than its rate and 3,100.
+class NearLimits : public Protection {
+ protected:
+  u8 careful(int angle, int rate) {
+    joint().angle = static_cast<s16>(angle);
+    joint().rate = static_cast<s16>(rate);
+    board.servo.phase = knee;
+    kz_protection_update(&board.servo);
+    return joint().careful;
+  }
+};
+
+TEST_F(NearLimits, AreDistancesThatGrowWithTheSpeedInEitherDirection) {
+  joint().upper = 12'000;
+  joint().lower = -11'000;
+  for (const int rate : {0, 2000, -2000, 5200, -5200}) {
+    const int far = KZ_FAR_FROM_LIMIT + std::abs(rate);
+    EXPECT_EQ(careful(0, rate), 0) << rate;
+    EXPECT_EQ(careful(12'000 - far, rate), KZ_CAREFUL_AT_LIMITS) << rate;
+    EXPECT_EQ(careful(12'000 - far - 1, rate), 0) << rate;
+    EXPECT_EQ(careful(-11'000 + far, rate), KZ_CAREFUL_AT_LIMITS) << rate;
+    EXPECT_EQ(careful(-11'000 + far + 1, rate), 0) << rate;
+  }
+}
+
+TEST_F(NearLimits, DoNotMatterToAJointFasterThan8RadPerS) {
+  joint().upper = 24'434;
+  joint().lower = -24'434;
+  for (const int rate : {5201, -5201, 20'000, -20'000, 32'704, -32'704})
+    EXPECT_EQ(careful(0, rate), KZ_CAREFUL_AT_LIMITS) << rate;
+}
+
+TEST_F(NearLimits, DeadBandAndFrictionStayAReason) {
+  joint().upper = 12'000;
+  joint().lower = -11'000;
+  joint().careful = KZ_CAREFUL_RUBS | KZ_CAREFUL_AT_LIMITS;
+  EXPECT_EQ(careful(0, 0), KZ_CAREFUL_RUBS);
+  EXPECT_EQ(careful(12'000, 0), KZ_CAREFUL_RUBS | KZ_CAREFUL_AT_LIMITS);
 }
 
 }  // namespace

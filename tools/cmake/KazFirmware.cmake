@@ -59,14 +59,15 @@ function(kaz_flash_writer name dir copy_dir shared_root)
     COMMENT "H8 ${name}: flash writer" VERBATIM)
 endfunction()
 
-# kaz_firmware_image(NAME name SHARED_DIR dir OUTPUT_DIR dir [FLAGS flag ...] [ALL])
+# kaz_firmware_image(NAME name SHARED_DIR dir OUTPUT_DIR dir [FLAGS flag ...] [C_JOINT_LOOP] [ALL])
 # Target NAME_firmware: OUTPUT_DIR/NAME.coff (with symbols) and NAME.mot (S-records), NAME.objects/writer.bin
 # (the flash writer, which the loader's block holds too) and a copy of it beside NAME.mot, from the sources
 # in firmware/ and those of a folder that is, or is a copy of, shared/: a test can build a patched copy.
-# Joint limits and build id are those of the main build. FLAGS come after KAZ_H8_FLAGS.
+# Joint limits and build id are those of the main build. FLAGS come after KAZ_H8_FLAGS. C_JOINT_LOOP takes
+# shared/servo/joint_loop.c as the compiler makes it instead of firmware/joint_loop.S, to measure its cost.
 # Without a cross compiler the target does not exist.
 function(kaz_firmware_image)
-  cmake_parse_arguments(ARG "ALL" "NAME;SHARED_DIR;OUTPUT_DIR" "FLAGS" ${ARGN})
+  cmake_parse_arguments(ARG "ALL;C_JOINT_LOOP" "NAME;SHARED_DIR;OUTPUT_DIR" "FLAGS" ${ARGN})
   if(NOT KAZ_H8_TOOLS)
     return()
   endif()
@@ -76,11 +77,14 @@ function(kaz_firmware_image)
   set(generated ${PROJECT_BINARY_DIR}/generated)
   get_filename_component(shared_root ${ARG_SHARED_DIR} DIRECTORY)
   kaz_servo_sources(servo)
-  # The chip has the joints' loop in assembler.
-  list(REMOVE_ITEM servo servo/joint_loop.c)
+  set(loop)
+  if(NOT ARG_C_JOINT_LOOP)
+    list(REMOVE_ITEM servo servo/joint_loop.c)
+    set(loop ${firmware}/joint_loop.S ${firmware}/joint_loop_check.c)
+  endif()
   list(TRANSFORM servo PREPEND ${ARG_SHARED_DIR}/)
   set(sources
-    ${firmware}/joint_loop.S ${firmware}/joint_loop_check.c ${firmware}/analog_interrupt.S
+    ${loop} ${firmware}/analog_interrupt.S
     ${firmware}/serial_interrupts.S
     ${firmware}/vectors.S ${firmware}/image_header.c
     ${firmware}/start.S ${firmware}/main.c ${firmware}/clock.c ${firmware}/pins.c
