@@ -241,7 +241,7 @@ class Mutants:
         return "ALIVE", "", "passed " + ", ".join(judges)
 
     def assure(self, judge, side):
-        """What is not mutated must pass, or a failure means nothing: looked at before a judge's first mutant."""
+        """What is not mutated must pass, or a failure means nothing. Once, before a judge's first mutant."""
         with self.lock:
             if (judge, side) in self.passed:
                 return
