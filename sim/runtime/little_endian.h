@@ -38,7 +38,8 @@ class LittleEndian {
   std::vector<std::uint8_t>& to_;
 };
 
-// Takes fields off the front; gives zeros and nothing once one would go beyond the end.
+// Takes fields off the front. Once a field would go beyond the end, that one and all later ones are
+// zero or empty and nothing more is consumed: a loop over `rest()` must also check `good()`.
 class LittleEndianFields {
  public:
   using Bytes = std::span<const std::uint8_t>;
@@ -65,6 +66,8 @@ class LittleEndianFields {
     return front;
   }
   Bytes rest() const { return bytes_; }
+  // No field went beyond the end so far.
+  bool good() const { return good_; }
   // Every field was there, and nothing is left.
   bool whole() const { return good_ && bytes_.empty(); }
 

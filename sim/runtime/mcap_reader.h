@@ -1,9 +1,16 @@
 // Reads MCAP files as McapWriter makes them: chunks without compression.
 // SPDX-License-Identifier: Apache-2.0
+//
+// A file that was cut off (the program was killed, the disk was full) is valid as far as it goes: it
+// ends within a top-level record or before the data end, and `whole` is false. What else deviates from
+// the format is malformed and refused: fields beyond the end of their record, a chunk inside a chunk, a
+// record that no file could hold, unknown channels, times out of range. A chunk whose CRC does not fit
+// is skipped and counted.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,6 +19,12 @@
 namespace kaz::sim {
 
 struct McapRecording {
+  // A recording is kept in memory, beside its file while that is read. docs/time.md has the limits.
+  static constexpr std::uint64_t max_bytes = std::uint64_t{2} << 30;
+  static constexpr std::size_t max_facts = 10'000;
+  // A year: far above any run, and low enough that it can be counted in crystal periods (time.h).
+  static constexpr std::uint64_t max_time_ns = 366ull * 24 * 3600 * 1'000'000'000;
+
   struct Message {
     std::uint16_t channel = 0;
     std::uint64_t time_ns = 0;
@@ -20,14 +33,19 @@ struct McapRecording {
   };
   std::map<std::uint16_t, std::string> topics;  // by channel
   std::map<std::string, std::string> facts;     // of all metadata records
-  std::vector<Message> messages;                // in the order of the file
-  std::size_t damaged_chunks = 0;               // their CRC is wrong; left out
-  bool whole = false;                           // the file's end is there
+  std::vector<Message> messages;   // in the order of the file; their channels are known
+  std::size_t damaged_chunks = 0;  // their CRC is wrong; skipped
+  bool whole = false;              // the file's end is there; else it was cut off
 
   bool has_messages(const std::string& topic) const;
+  // The latest time of a message; 0 if there is none.
+  std::uint64_t end_ns() const;
 
-  // Errors (usage): no such file, no MCAP file, compressed.
+  // Errors (usage), one sentence with the file's name: no such file, no MCAP file, larger than
+  // max_bytes, malformed, compressed.
   static Result<McapRecording> load(const std::string& path);
+  // The same of a file's content; `name` stands in the errors.
+  static Result<McapRecording> parse(std::span<const std::uint8_t> bytes, const std::string& name);
 };
 
 }  // namespace kaz::sim
