@@ -3,6 +3,7 @@
 #include "tools/lockstep/recorded_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <span>
@@ -58,8 +59,14 @@ bool read_camera(const std::string& text, RecordedRun& run) {
   double latency_s = 0;
   vision::CameraModel& c = run.camera;
   from >> c.width >> c.height >> c.fx >> c.fy >> c.cx >> c.cy >> c.baseline_m >> latency_s;
+  if (from.fail() || c.width < 1 || c.height < 1 || c.width > 4096 || c.height > 4096 ||
+      !(latency_s >= 0 && latency_s <= 10))
+    return false;
+  for (const double number : {c.fx, c.fy, c.cx, c.cy, c.baseline_m}) {
+    if (!std::isfinite(number)) return false;
+  }
   run.camera_latency = from_seconds(latency_s);
-  return !from.fail();
+  return c.fx > 0 && c.fy > 0;
 }
 
 }  // namespace
