@@ -66,86 +66,96 @@ Result<Image> decode_png(Bytes bytes, const std::string& name) {
   return image;
 }
 
-struct JpegErrors {
-  jpeg_error_mgr manager;  // first: libjpeg knows only of it
-  std::jmp_buf give_up;
-  char text[JMSG_LENGTH_MAX];
-};
+// More than any program writes. Each costs a pass over all pixels, and may take a few bytes alone.
+constexpr int kMaxJpegScans = 100;
 
-// libjpeg is C: it leaves by longjmp. Nothing with a destructor lives in this function.
-bool decompress(Bytes bytes, JpegErrors& errors, Image& image, bool& size_is_sound) {
-  jpeg_decompress_struct jpeg;
-  jpeg.err = jpeg_std_error(&errors.manager);
-  const auto leave = [](j_common_ptr common) {
-    auto* mine = reinterpret_cast<JpegErrors*>(common->err);
+// libjpeg reports errors by longjmp into header() or pixels(): nothing with a destructor may live in
+// their frames. The caller allocates the pixels between the two, by the size that libjpeg itself has
+// read; a size found by any other means may differ from what libjpeg then writes.
+class JpegDecoder {
+ public:
+  explicit JpegDecoder(Bytes bytes) : bytes_(bytes) {}
+  ~JpegDecoder() { jpeg_destroy_decompress(&jpeg_); }
+  JpegDecoder(const JpegDecoder&) = delete;
+  JpegDecoder& operator=(const JpegDecoder&) = delete;
+
+  // Reads up to the first scan. False: what() says why.
+  bool header() {
+    jpeg_.err = jpeg_std_error(&errors_.manager);
+    errors_.manager.error_exit = leave;
+    errors_.manager.emit_message = warn;
+    if (setjmp(errors_.give_up)) return false;
+    jpeg_create_decompress(&jpeg_);
+    progress_.progress_monitor = count_scans;
+    jpeg_.progress = &progress_;
+    jpeg_mem_src(&jpeg_, bytes_.data(), bytes_.size());
+    jpeg_read_header(&jpeg_, TRUE);
+    return true;
+  }
+  std::uint64_t width() const { return jpeg_.image_width; }
+  std::uint64_t height() const { return jpeg_.image_height; }
+
+  // `rgb` has room for width() * height() * 3 bytes. False: what() says why.
+  bool pixels(std::span<std::uint8_t> rgb) {
+    if (setjmp(errors_.give_up)) return false;
+    jpeg_.out_color_space = JCS_RGB;
+    jpeg_.dct_method = JDCT_ISLOW;
+    jpeg_start_decompress(&jpeg_);
+    const std::size_t row_bytes = std::size_t{jpeg_.output_width} * 3;
+    if (jpeg_.output_components != 3 || row_bytes * jpeg_.output_height != rgb.size()) {
+      std::snprintf(errors_.text, sizeof errors_.text, "its pixels do not fit its size");
+      return false;
+    }
+    while (jpeg_.output_scanline < jpeg_.output_height) {
+      JSAMPROW row = rgb.data() + jpeg_.output_scanline * row_bytes;
+      jpeg_read_scanlines(&jpeg_, &row, 1);
+    }
+    jpeg_finish_decompress(&jpeg_);
+    return true;
+  }
+  const char* what() const { return errors_.text; }
+
+ private:
+  struct Errors {
+    jpeg_error_mgr manager;  // first: libjpeg knows only of it
+    std::jmp_buf give_up;
+    char text[JMSG_LENGTH_MAX];
+  };
+
+  [[noreturn]] static void leave(j_common_ptr common) {
+    auto* mine = reinterpret_cast<Errors*>(common->err);
     mine->manager.format_message(common, mine->text);
     std::longjmp(mine->give_up, 1);
-  };
-  errors.manager.error_exit = leave;
+  }
   // A warning (level -1) says that data are damaged or missing and were made up. Some cameras write
   // a few bytes too many between two parts: those may be there.
-  errors.manager.emit_message = [](j_common_ptr common, int level) {
+  static void warn(j_common_ptr common, int level) {
     const int code = common->err->msg_code;
-    if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_JFIF_MAJOR)
-      common->err->error_exit(common);
-  };
-  if (setjmp(errors.give_up)) {
-    jpeg_destroy_decompress(&jpeg);
-    return false;
+    if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_JFIF_MAJOR) leave(common);
   }
-  jpeg_create_decompress(&jpeg);
-  jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
-  jpeg_read_header(&jpeg, TRUE);
-  size_is_sound = sound_size(jpeg.image_width, jpeg.image_height);
-  if (size_is_sound) {
-    jpeg.out_color_space = JCS_RGB;
-    jpeg.dct_method = JDCT_ISLOW;
-    jpeg_start_decompress(&jpeg);
-    while (jpeg.output_scanline < jpeg.output_height) {
-      JSAMPROW row = image.rgb.data() + std::size_t{jpeg.output_scanline} * jpeg.output_width * 3;
-      jpeg_read_scanlines(&jpeg, &row, 1);
-    }
-    jpeg_finish_decompress(&jpeg);
+  static void count_scans(j_common_ptr common) {
+    if (reinterpret_cast<j_decompress_ptr>(common)->input_scan_number <= kMaxJpegScans) return;
+    auto* mine = reinterpret_cast<Errors*>(common->err);
+    std::snprintf(mine->text, sizeof mine->text, "more than %d scans", kMaxJpegScans);
+    std::longjmp(mine->give_up, 1);
   }
-  jpeg_destroy_decompress(&jpeg);
-  return true;
-}
 
-// Width and height from the first start-of-frame marker; libjpeg then checks them against the rest.
-bool jpeg_size(Bytes bytes, std::uint64_t& width, std::uint64_t& height) {
-  std::size_t at = 2;
-  while (at + 9 < bytes.size()) {
-    if (bytes[at] != 0xFF) return false;
-    const int marker = bytes[at + 1];
-    if (marker == 0xFF) {  // fill
-      ++at;
-      continue;
-    }
-    if (marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC) {
-      height = static_cast<std::uint64_t>(bytes[at + 5] << 8 | bytes[at + 6]);
-      width = static_cast<std::uint64_t>(bytes[at + 7] << 8 | bytes[at + 8]);
-      return true;
-    }
-    if (marker == 0x01 || (marker >= 0xD0 && marker <= 0xD8)) {  // without a length
-      at += 2;
-      continue;
-    }
-    at += 2 + static_cast<std::size_t>(bytes[at + 2] << 8 | bytes[at + 3]);
-  }
-  return false;
-}
+  Bytes bytes_;
+  Errors errors_{};
+  jpeg_progress_mgr progress_{};
+  jpeg_decompress_struct jpeg_{};
+};
 
 Result<Image> decode_jpeg(Bytes bytes, const std::string& name) {
-  std::uint64_t width = 0, height = 0;
-  if (!jpeg_size(bytes, width, height))
-    return bad(name, "is no sound JPEG (it ends or breaks off before the picture)");
-  if (!sound_size(width, height)) return bad_size(name, width, height);
-  Image image = blank(width, height);
-  JpegErrors errors{};
-  bool size_is_sound = false;
-  if (!decompress(bytes, errors, image, size_is_sound))
-    return bad(name, std::string("is no sound JPEG (") + errors.text + ")");
-  if (!size_is_sound) return bad_size(name, width, height);
+  JpegDecoder decoder(bytes);
+  const auto invalid = [&] {
+    return bad(name, std::string("is no sound JPEG (") + decoder.what() + ")");
+  };
+  if (!decoder.header()) return invalid();
+  if (!sound_size(decoder.width(), decoder.height()))
+    return bad_size(name, decoder.width(), decoder.height());
+  Image image = blank(decoder.width(), decoder.height());
+  if (!decoder.pixels(image.rgb)) return invalid();
   return image;
 }
 

@@ -13,9 +13,7 @@
 #include <cstring>
 #include <span>
 
-#include "host/robot/frame_log.h"
 #include "host/robot/wall_clock.h"
-#include "shared/base/camera_stream.hpp"
 
 namespace kaz::host {
 
@@ -112,29 +110,6 @@ Result<CameraStreamHeader> read_header(const std::string& path, int socket, Time
   return header;
 }
 
-Result<void> check_header(const std::string& path, const CameraStreamHeader& header) {
-  if (!std::equal(std::begin(kCameraStreamMagic), std::end(kCameraStreamMagic), header.magic)) {
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(header.magic);
-    return fail(Fault::environment, "what comes from " + path +
-                                        " is no camera stream: it starts with " + hex({bytes, 4}));
-  }
-  if (header.version != kCameraStreamVersion) {
-    return fail(Fault::environment,
-                "the camera stream at " + path + " has version " + std::to_string(header.version) +
-                    " and this program reads version " + std::to_string(kCameraStreamVersion) +
-                    ": run simulator and program of the same release");
-  }
-  const auto side_ok = [](std::uint32_t n) { return n >= 1 && n <= kCameraStreamMaxSide; };
-  if (!side_ok(header.width) || !side_ok(header.height) || !(header.fx > 0) || !(header.fy > 0) ||
-      header.latency_ns < 0) {
-    return fail(Fault::environment, "the camera stream at " + path +
-                                        " declares an impossible camera (" +
-                                        std::to_string(header.width) + " x " +
-                                        std::to_string(header.height) + " pixels)");
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<std::unique_ptr<PublishedCamera>> PublishedCamera::connect(const std::string& path,
@@ -144,25 +119,13 @@ Result<std::unique_ptr<PublishedCamera>> PublishedCamera::connect(const std::str
   Socket socket(*fd);
   const auto header = read_header(path, socket.get(), patience);
   if (!header) return tl::unexpected(header.error());
-  if (auto checked = check_header(path, *header); !checked) return tl::unexpected(checked.error());
-
-  vision::CameraModel model;
-  model.width = static_cast<int>(header->width);
-  model.height = static_cast<int>(header->height);
-  model.fx = header->fx;
-  model.fy = header->fy;
-  model.cx = header->cx;
-  model.cy = header->cy;
-  model.baseline_m = header->baseline_m;
-  return std::unique_ptr<PublishedCamera>(
-      new PublishedCamera(path, socket.release(), model, Time(header->latency_ns)));
+  const auto stream = parse(*header, path);
+  if (!stream) return tl::unexpected(stream.error());
+  return std::unique_ptr<PublishedCamera>(new PublishedCamera(path, socket.release(), *stream));
 }
 
-PublishedCamera::PublishedCamera(std::string path, int socket, const vision::CameraModel& model,
-                                 Time latency)
-    : path_(std::move(path)), socket_(socket), model_(model), latency_(latency), reader_([this] {
-        read_pairs();
-      }) {}
+PublishedCamera::PublishedCamera(std::string path, int socket, const CameraStream& stream)
+    : path_(std::move(path)), socket_(socket), stream_(stream), reader_([this] { read_pairs(); }) {}
 
 PublishedCamera::~PublishedCamera() {
   shutdown(socket_, SHUT_RDWR);  // wakes the reader
@@ -176,32 +139,27 @@ void PublishedCamera::stop(Error error) {
 }
 
 void PublishedCamera::read_pairs() {
-  const std::size_t size = camera_picture_bytes(static_cast<std::uint32_t>(model_.width),
-                                                static_cast<std::uint32_t>(model_.height));
+  const vision::CameraModel& model = stream_.model;
+  const std::size_t size = camera_picture_bytes(static_cast<std::uint32_t>(model.width),
+                                                static_cast<std::uint32_t>(model.height));
   const Error gone{Fault::environment,
                    "camera " + path_ + " stopped: the simulator ended or was killed"};
   while (true) {
     CameraStreamPair header{};
     if (read_fully(socket_, &header, sizeof header) != sizeof header) return stop(gone);
-    if (!std::equal(std::begin(kCameraPairMagic), std::end(kCameraPairMagic), header.magic)) {
-      return stop({Fault::environment,
-                   "camera " + path_ +
-                       " stopped: what came is no stereo pair (both ends must be of the "
-                       "same release)"});
-    }
+    auto info = parse(header, stream_, WallClock().now(), path_);
+    if (!info) return stop(info.error());
     auto images = std::make_shared<vision::StereoImages>();
     for (vision::Image* image : {&images->left, &images->right}) {
-      image->width = model_.width;
-      image->height = model_.height;
+      image->width = model.width;
+      image->height = model.height;
       image->rgb.resize(size);
       if (read_fully(socket_, image->rgb.data(), size) != static_cast<ssize_t>(size))
         return stop(gone);
     }
 
     vision::StereoPair pair;
-    pair.info.sequence = header.sequence;
-    pair.info.exposure = Time(header.exposure_ns);
-    pair.info.camera = model_;
+    pair.info = std::move(*info);
     std::promise<std::shared_ptr<const vision::StereoImages>> ready;
     ready.set_value(std::move(images));
     pair.images = ready.get_future().share();
@@ -219,7 +177,7 @@ Result<std::optional<vision::StereoPair>> PublishedCamera::poll() {
     if (stopped_) return tl::unexpected(*stopped_);
     return std::nullopt;
   }
-  if (waiting_.front().info.exposure + latency_ > now) return std::nullopt;
+  if (waiting_.front().info.exposure + stream_.latency > now) return std::nullopt;
   vision::StereoPair pair = std::move(waiting_.front());
   waiting_.pop_front();
   return pair;

@@ -8,6 +8,7 @@
 #include <string>
 #include <thread>
 
+#include "host/robot/camera_stream.h"
 #include "vision/frame.h"
 
 namespace kaz::host {
@@ -26,22 +27,21 @@ class PublishedCamera final : public vision::Camera {
   PublishedCamera(const PublishedCamera&) = delete;
   PublishedCamera& operator=(const PublishedCamera&) = delete;
 
-  const vision::CameraModel& model() const override { return model_; }
+  const vision::CameraModel& model() const override { return stream_.model; }
   // From exposure to when poll() gives a pair, as the publisher declared it.
-  Time latency() const { return latency_; }
+  Time latency() const { return stream_.latency; }
 
   // Once the publisher is gone and what it sent has been taken: "camera PATH stopped: ...".
   Result<std::optional<vision::StereoPair>> poll() override;
 
  private:
-  PublishedCamera(std::string path, int socket, const vision::CameraModel& model, Time latency);
+  PublishedCamera(std::string path, int socket, const CameraStream& stream);
   void read_pairs();
   void stop(Error error);
 
   const std::string path_;
   const int socket_;
-  const vision::CameraModel model_;
-  const Time latency_;
+  const CameraStream stream_;
   std::mutex mutex_;
   std::deque<vision::StereoPair> waiting_;
   std::optional<Error> stopped_;

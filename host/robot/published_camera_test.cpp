@@ -7,9 +7,11 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "host/robot/wall_clock.h"
 #include "shared/base/camera_stream.hpp"
@@ -228,6 +230,52 @@ TEST(PublishedCamera, SaysWhatIsWrongWithTheStream) {
   EXPECT_NE(error_from(other).find("100000 x 6"), std::string::npos);
   EXPECT_NE(error_from(header(), 10).find("nothing came in 100 ms"), std::string::npos);
   EXPECT_NE(error_from(header(), 10, true).find("closed the line"), std::string::npos);
+}
+
+// Numbers that no camera has: none, infinite, or so large that sums with them are.
+TEST(PublishedCamera, RefusesImpossibleNumbers) {
+  using Header = CameraStreamHeader;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (double Header::*const field :
+       {&Header::fx, &Header::fy, &Header::cx, &Header::cy, &Header::baseline_m}) {
+    for (const double number : {std::nan(""), kInfinity, -kInfinity, 1e300, -1e300}) {
+      Header h = header();
+      h.*field = number;
+      const auto stream = parse(h, "eyes");
+      ASSERT_FALSE(stream) << number;
+      EXPECT_NE(stream.error().message.find("eyes declares an impossible camera"),
+                std::string::npos)
+          << stream.error().message;
+    }
+  }
+  for (const std::int64_t latency_ns :
+       {std::int64_t{-1}, std::int64_t{10'000'000'001}, std::numeric_limits<std::int64_t>::max(),
+        std::numeric_limits<std::int64_t>::min()}) {
+    Header h = header();
+    h.latency_ns = latency_ns;
+    EXPECT_FALSE(parse(h, "eyes")) << latency_ns;
+  }
+  Header h = header();
+  h.height = 0;
+  EXPECT_FALSE(parse(h, "eyes"));
+  h.height = 0x8000'0006;
+  EXPECT_FALSE(parse(h, "eyes"));
+  EXPECT_TRUE(parse(header(10s), "eyes"));
+}
+
+// Time of exposure and latency both come over the wire: their sum must not overflow, and a pair that is
+// never due must not keep back the others in silence.
+TEST(PublishedCamera, RefusesTimesOfAnotherClock) {
+  for (const Time exposure : {Time::max(), Time::min(), Time(-1), WallClock().now() + 1h}) {
+    Publisher publisher;
+    const auto camera = connected(publisher, header(10s));
+    send_pair(publisher, 0, exposure, 'l', 'r');
+    const auto pair = wait_for_pair(*camera);
+    ASSERT_FALSE(pair) << exposure.count();
+    EXPECT_NE(pair.error().message.find(publisher.path()), std::string::npos);
+    EXPECT_NE(pair.error().message.find("not on this machine's clock"), std::string::npos)
+        << pair.error().message;
+  }
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 // A lost link: finding the board again, and putting it back where it was, motors still.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <fstream>
 
 #include "host/robot/connect.h"
 #include "host/robot/robot_parts.h"
+#include "shared/base/files.hpp"
 #include "shared/protocol/message_info.h"
 
 namespace kaz::host {
@@ -137,9 +137,8 @@ Error Robot::Parts::for_good(Error error) {
     std::fprintf(stderr, "the last frames:\n%s", frames_at_loss.c_str());
     return error;
   }
-  std::ofstream file(options.frames_path);
-  file << frames_at_loss;
-  if (file.flush()) error.message += "; the last frames are in " + options.frames_path;
+  if (write_whole_file(options.frames_path, frames_at_loss))
+    error.message += "; the last frames are in " + options.frames_path;
   return error;
 }
 

@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/vcd.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cstdio>
 #include <fstream>
@@ -142,9 +146,19 @@ class VcdRecorder::Impl : public Observer {
 
   Result<void> open_file(const std::string& path) {
     path_ = path;
-    temporary_ = path + ".part";
-    file_.open(temporary_, std::ios::binary | std::ios::trunc);
-    if (file_) return {};
+    // A new file (O_EXCL): a link that somebody has put there under that name is not followed.
+    int fd = -1;
+    for (int n = 0; fd < 0 && n < 100; ++n) {
+      temporary_ = path + ".part" + (n > 0 ? std::to_string(n) : "");
+      fd = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      if (fd < 0 && errno != EEXIST) break;
+    }
+    if (fd >= 0) {
+      ::close(fd);
+      file_.open(temporary_, std::ios::binary | std::ios::trunc);
+      if (file_) return {};
+      std::remove(temporary_.c_str());
+    }
     const std::string name = std::exchange(temporary_, {});
     return fail("cannot write " + name + ": is the folder there, and may it be written to?");
   }

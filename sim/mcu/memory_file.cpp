@@ -6,6 +6,8 @@
 #include <fstream>
 #include <system_error>
 
+#include "shared/base/files.hpp"
+
 namespace kaz::sim {
 
 Result<void> load_memory(Mcu& mcu, const std::string& path) {
@@ -25,19 +27,8 @@ Result<void> load_memory(Mcu& mcu, const std::string& path) {
 }
 
 Result<void> save_memory(const Mcu& mcu, const std::string& path) {
-  const std::string beside = path + ".new";
   const auto memory = mcu.memory();
-  std::array<char, Mcu::memory_size> bytes{};
-  for (std::size_t i = 0; i < memory.size(); ++i) bytes[i] = static_cast<char>(memory[i]);
-  std::ofstream file(beside, std::ios::binary);
-  file.write(bytes.data(), bytes.size());
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(beside, path, error);
-  if (!file || error)
-    return fail(Fault::environment,
-                "the board's memory cannot be written to " + path + "; is its folder writable?");
-  return {};
+  return write_whole_file(path, {reinterpret_cast<const char*>(memory.data()), memory.size()});
 }
 
 }  // namespace kaz::sim

@@ -233,6 +233,14 @@ class Loader {
   std::uint64_t first_ns_ = 0, last_ns_ = ~std::uint64_t{0};  // of the chunk, if in one
 };
 
+bool has_magic(Bytes bytes) {
+  return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
+}
+
+tl::unexpected<Error> no_mcap(const std::string& name) {
+  return fail(Fault::usage, name + ": this is no MCAP file; give a recording.mcap of kaz");
+}
+
 tl::unexpected<Error> too_large(const std::string& name) {
   return fail(Fault::usage, name + ": is larger than " +
                                 std::to_string(McapRecording::max_bytes >> 30) +
@@ -256,8 +264,7 @@ std::uint64_t McapRecording::end_ns() const {
 
 Result<McapRecording> McapRecording::parse(Bytes bytes, const std::string& name) {
   if (bytes.size() > max_bytes) return too_large(name);
-  if (bytes.size() < magic.size() || !std::equal(magic.begin(), magic.end(), bytes.begin()))
-    return fail(Fault::usage, name + ": this is no MCAP file; give a recording.mcap of kaz");
+  if (!has_magic(bytes)) return no_mcap(name);
   McapRecording recording;
   if (auto done = Loader(recording, bytes, name).load(); !done) return tl::unexpected(done.error());
   return recording;
@@ -273,10 +280,13 @@ Result<McapRecording> McapRecording::load(const std::string& path) {
   if (!no_size && size > max_bytes) return too_large(path);
   std::vector<std::uint8_t> bytes;
   if (!no_size) bytes.reserve(size);
-  // In blocks: a device has no size, and may never end.
-  std::vector<char> block(1 << 20);
-  while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0) {
+  // In blocks: a device has no size, and may never end. What is no MCAP file is not read further.
+  std::vector<std::uint8_t> block(1 << 20);
+  while (file.read(reinterpret_cast<char*>(block.data()),
+                   static_cast<std::streamsize>(block.size())) ||
+         file.gcount() > 0) {
     bytes.insert(bytes.end(), block.begin(), block.begin() + file.gcount());
+    if (!has_magic(bytes)) return no_mcap(path);
     if (bytes.size() > max_bytes) return too_large(path);
   }
   if (file.bad()) return fail(Fault::usage, "cannot read the recording " + path + "; give a file");

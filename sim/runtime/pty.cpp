@@ -7,9 +7,11 @@
 #include <stdlib.h>
 #include <termios.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 
 namespace kaz::sim {
@@ -22,15 +24,37 @@ tl::unexpected<Error> no_pty(const char* what) {
                                       std::strerror(errno) + "; is /dev/pts mounted?");
 }
 
-Result<void> make_link(const std::string& target, const std::string& link) {
+bool is_pty_name(const std::string& target) {
+  constexpr std::string_view folder = "/dev/pts/";
+  return target.starts_with(folder) && target.size() > folder.size() &&
+         std::all_of(target.begin() + folder.size(), target.end(),
+                     [](char c) { return c >= '0' && c <= '9'; });
+}
+
+// Whether the link may go: it is one that a virtual board left behind. Our links point to /dev/pts/N, by
+// exactly that name; every other link is somebody's. A pty's number is given again once it is free, so
+// a link of that form is left over if there is no such pty, if the number is now our own, or if its
+// maker is known to be dead. Else it may be the port of another program (socat, another simulator).
+bool is_left_over(const std::string& target, const std::string& own, bool maker_is_dead) {
+  std::error_code error;
+  return is_pty_name(target) && (target == own || maker_is_dead || !fs::exists(target, error));
+}
+
+Result<void> make_link(const std::string& target, const std::string& link, bool maker_is_dead) {
   std::error_code error;
   const auto status = fs::symlink_status(link, error);
   if (fs::is_symlink(status)) {
+    const std::string there = fs::read_symlink(link, error).string();
+    if (error || !is_left_over(there, target, maker_is_dead))
+      return fail(Fault::usage, link + " is a symbolic link to " + there +
+                                    ", which no virtual board has left behind; choose another path "
+                                    "for the serial port, or remove it");
     fs::remove(link, error);
   } else if (fs::exists(status)) {
     return fail(Fault::usage, link + " exists and is no symbolic link; choose another path for " +
                                   "the serial port, or remove it");
   }
+  // Fails where something has come there meanwhile.
   fs::create_symlink(target, link, error);
   if (error)
     return fail(Fault::environment,
@@ -40,7 +64,7 @@ Result<void> make_link(const std::string& target, const std::string& link) {
 
 }  // namespace
 
-Result<std::unique_ptr<Pty>> Pty::open(const std::string& link_path) {
+Result<std::unique_ptr<Pty>> Pty::open(const std::string& link_path, bool maker_is_dead) {
   std::unique_ptr<Pty> pty(new Pty);
   pty->master_ = Descriptor(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   const int master = pty->master_.get();
@@ -59,7 +83,7 @@ Result<std::unique_ptr<Pty>> Pty::open(const std::string& link_path) {
   cfsetspeed(&settings, B115200);
   if (tcsetattr(slave.get(), TCSANOW, &settings) != 0) return no_pty(name);
 
-  if (auto linked = make_link(pty->port_, link_path); !linked)
+  if (auto linked = make_link(pty->port_, link_path, maker_is_dead); !linked)
     return tl::unexpected(linked.error());
   pty->link_ = link_path;
   return pty;

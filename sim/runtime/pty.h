@@ -16,9 +16,11 @@ namespace kaz::sim {
 // Never waits. The port is raw, 115,200 baud, until the host sets it otherwise.
 class Pty {
  public:
-  // `link_path` becomes a symbolic link to the port; one that is there is replaced, anything else
-  // is not.
-  static Result<std::unique_ptr<Pty>> open(const std::string& link_path);
+  // `link_path` becomes a symbolic link to the port. A link of ours to a pty that is gone is replaced;
+  // `maker_is_dead`: a link to any pty, because it is known to be of a virtual board that was killed.
+  // Errors: anything else stands there (usage), no pty can be had.
+  static Result<std::unique_ptr<Pty>> open(const std::string& link_path,
+                                           bool maker_is_dead = false);
   ~Pty();  // removes the link, if it is still ours
 
   // Whether some process has the port open.

@@ -149,6 +149,39 @@ TEST(Pty, LinkIsRemovedWithItAndReplacesAStaleOne) {
   EXPECT_FALSE(std::filesystem::exists(std::filesystem::symlink_status(link)));
 }
 
+// A dangling link may be anybody's: only those into /dev/pts are ours.
+TEST(Pty, LeavesLinksThatAreNotItsOwn) {
+  const TestFolder folder;
+  const auto other = opened(folder.file("other"));  // a live port, of socat for example
+  const std::string link = folder.file("port");
+  std::ofstream(folder.file("notes.txt")) << "mine";
+  for (const std::string& target :
+       {folder.file("notes.txt"), folder.file("not-yet-there"), std::string("/dev/null"),
+        std::string("/dev/pts/../gone"), std::string("/dev/pts/"), std::string("../dev/pts/99999"),
+        other->port()}) {
+    std::filesystem::create_symlink(target, link);
+    const auto pty = Pty::open(link);
+    ASSERT_FALSE(pty) << target;
+    EXPECT_EQ(pty.error().fault, Fault::usage);
+    EXPECT_NE(pty.error().message.find(link), std::string::npos) << pty.error().message;
+    EXPECT_EQ(std::filesystem::read_symlink(link), target);
+    std::filesystem::remove(link);
+  }
+}
+
+// The number of a killed board's pty may have been given to a terminal since.
+TEST(Pty, ReplacesTheLinkOfABoardThatIsKnownToBeDead) {
+  const TestFolder folder;
+  const auto other = opened(folder.file("other"));
+  const std::string link = folder.file("port");
+  std::filesystem::create_symlink(other->port(), link);
+  const auto pty = Pty::open(link, true);
+  ASSERT_TRUE(pty) << pty.error().message;
+  EXPECT_EQ(std::filesystem::read_symlink(link), (*pty)->port());
+  std::filesystem::create_symlink("/dev/null", folder.file("null"));
+  EXPECT_FALSE(Pty::open(folder.file("null"), true));
+}
+
 TEST(Pty, LeavesALinkThatSomebodyElseHasPutThere) {
   const TestFolder folder;
   const std::string link = folder.file("port");

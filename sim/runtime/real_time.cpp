@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cerrno>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -88,10 +89,16 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
       .now = [p] { return p->simulation.time(); },
       .stand = options.stand,
   });
-  auto control = ControlServer::open(options.serial_path + ".ctl", std::move(commands));
+  // A control socket that nobody serves (else opening it fails) is what a killed simulator leaves, and
+  // the link beside it is that one's.
+  std::error_code none;
+  const std::string control_path = options.serial_path + ".ctl";
+  const bool left_over =
+      std::filesystem::is_socket(std::filesystem::symlink_status(control_path, none));
+  auto control = ControlServer::open(control_path, std::move(commands));
   if (!control) return tl::unexpected(control.error());
   parts->control = std::move(*control);
-  auto pty = Pty::open(options.serial_path);
+  auto pty = Pty::open(options.serial_path, left_over);
   if (!pty) return tl::unexpected(pty.error());
   parts->pty = std::move(*pty);
   if (!options.cameras_path.empty()) {

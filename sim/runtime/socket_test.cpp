@@ -58,6 +58,21 @@ TEST(UnixListener, ReplacesAStaleSocketButNotALiveOne) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
+// As /dev/log is one: a stream cannot be connected to it, though it is alive.
+TEST(UnixListener, LeavesASocketOfAnotherType) {
+  const TestFolder folder;
+  const std::string path = folder.file("log");
+  const Descriptor log(::socket(AF_UNIX, SOCK_DGRAM, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+  ASSERT_EQ(::bind(log.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  const auto listener = UnixListener::open(path);
+  ASSERT_FALSE(listener);
+  EXPECT_NE(listener.error().message.find("served by another process"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(path));
+}
+
 TEST(UnixListener, RefusesFilesAndLongPaths) {
   const TestFolder folder;
   std::ofstream(folder.file("f")) << "mine";

@@ -16,11 +16,12 @@ Descriptor stream_socket() {
   return Descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
 }
 
+// Only a refused connection says that nobody is there. A full backlog (EAGAIN), a socket of another type
+// (EPROTOTYPE: /dev/log is one) and one that we may not connect to (EACCES) are somebody's.
 bool is_served(const sockaddr_un& address) {
   const Descriptor probe = stream_socket();
   const auto* to = reinterpret_cast<const sockaddr*>(&address);
-  // A full backlog (EAGAIN) also means that somebody lives there.
-  return ::connect(probe.get(), to, sizeof address) == 0 || errno == EAGAIN;
+  return ::connect(probe.get(), to, sizeof address) == 0 || errno != ECONNREFUSED;
 }
 
 }  // namespace

@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench/counted_steps.h"
 
-#include <unistd.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
+#include "shared/base/files.hpp"
 #include "sim/body/bench_names.h"
 
 namespace kaz::bench {
@@ -40,10 +39,9 @@ Result<void> count(const Settings& settings, Results& results) {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path() / "body_bench";
   if (!fs::exists(program)) return {};  // said where its times are taken
-  const fs::path folder =
-      fs::temp_directory_path(error) / ("kaz-bench-count-" + std::to_string(::getpid()));
-  fs::create_directories(folder, error);
-  if (error) return fail(Fault::environment, "cannot make the folder " + folder.string());
+  const auto made = make_temporary_folder("kaz-bench-count-");
+  if (!made) return tl::unexpected(made.error());
+  const fs::path folder = *made;
   const std::string command =
       "valgrind --tool=callgrind --instr-atstart=no --callgrind-out-file='" +
       (folder / "dump").string() + "' '" + program.string() + "' --count >/dev/null 2>&1";

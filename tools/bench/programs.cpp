@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/files.hpp"
 #include "sim/body/bench_names.h"
 #include "tools/bench/bench.h"
 #include "tools/bench/counted_steps.h"
@@ -177,9 +178,9 @@ Result<void> loop(const Settings& settings, Results& results) {
     results.remark("kaz is not built: loop.rtf is left out");
     return {};
   }
-  std::error_code error;
-  const fs::path out =
-      fs::temp_directory_path(error) / ("kaz-bench-loop-" + std::to_string(::getpid()));
+  const auto made = make_temporary_folder("kaz-bench-loop-");
+  if (!made) return tl::unexpected(made.error());
+  const fs::path out = *made;
   const std::string command =
       quoted(kaz.string()) + " demo --json --out " + quoted(out.string()) + " 2>/dev/null";
   std::vector<double> speeds;
@@ -191,7 +192,8 @@ Result<void> loop(const Settings& settings, Results& results) {
     else
       done = tl::unexpected(report.error());
   }
-  fs::remove_all(out, error);
+  std::error_code ignored;
+  fs::remove_all(out, ignored);
   if (!speeds.empty() && done) results.put("loop.rtf", median(speeds));
   return done;
 }

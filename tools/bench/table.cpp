@@ -5,11 +5,10 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/files.hpp"
 #include "tools/bench/engines.h"
 
 namespace kaz::bench {
@@ -88,19 +87,7 @@ Result<void> write_json(const std::string& path, const Results& results,
                         const std::vector<std::string>& engines) {
   nlohmann::ordered_json object = nlohmann::ordered_json::object();
   for (const Row& row : rows(results, engines)) object[row.spoken] = row.value;
-  const std::string partial = path + ".partial";
-  {
-    std::ofstream file(partial, std::ios::trunc);
-    file << object.dump(2) << '\n';
-    if (!file.flush()) {
-      return fail(Fault::environment, "cannot write '" + path + "': is the folder there?");
-    }
-  }
-  std::error_code error;
-  std::filesystem::rename(partial, path, error);
-  if (!error) return {};
-  std::filesystem::remove(partial);
-  return fail(Fault::environment, "cannot write '" + path + "': " + error.message());
+  return write_whole_file(path, object.dump(2) + "\n");
 }
 
 }  // namespace kaz::bench

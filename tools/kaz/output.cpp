@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
+#include <stdexcept>
+
+#include "shared/base/files.hpp"
 
 namespace kaz::tools {
 
@@ -40,19 +42,8 @@ Result<OutputFolder> OutputFolder::open(const std::string& path) {
 
 Result<void> OutputFolder::write_json(const std::string& name,
                                       const nlohmann::ordered_json& value) const {
-  const std::string target = path(name);
-  const std::string partial = target + ".partial";
-  {
-    std::ofstream file(partial, std::ios::trunc);
-    file << value.dump(2) << '\n';
-    if (!file.flush()) {
-      return fail(Fault::environment, "cannot write '" + target + "': is the disk full?");
-    }
-  }
-  std::error_code error;
-  fs::rename(partial, target, error);
-  if (error) return fail(Fault::environment, "cannot write '" + target + "': " + error.message());
-  return {};
+  const auto replace = nlohmann::ordered_json::error_handler_t::replace;
+  return write_whole_file(path(name), value.dump(2, ' ', false, replace) + "\n");
 }
 
 Progress::Progress(std::string label, bool quiet)
@@ -94,11 +85,36 @@ void Progress::done() {
   line_open_ = false;
 }
 
+void print_json(const nlohmann::ordered_json& value) {
+  const auto replace = nlohmann::ordered_json::error_handler_t::replace;
+  std::printf("%s\n", value.dump(2, ' ', false, replace).c_str());
+}
+
+namespace {
+
+// Made when the first name is asked for. What a run leaves in it (the last frames of a lost link) keeps
+// it; else it goes with the program.
+class PrivateFolder {
+ public:
+  PrivateFolder() {
+    auto made = make_temporary_folder("kaz-");
+    if (!made) throw std::runtime_error(made.error().message);
+    path_ = std::move(*made);
+  }
+  ~PrivateFolder() { ::rmdir(path_.c_str()); }
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace
+
 std::string temporary_file(const std::string& name) {
-  std::error_code error;
-  fs::path folder = fs::temp_directory_path(error);
-  if (error) folder = ".";
-  return (folder / ("kaz-" + std::to_string(::getpid()) + "-" + name)).string();
+  static const PrivateFolder folder;
+  return folder.path() + "/" + name;
 }
 
 Result<void> move_file(const std::string& from, const std::string& to) {

@@ -53,7 +53,11 @@ class Progress {
   std::chrono::steady_clock::time_point last_draw_{};
 };
 
-// A name in the folder for temporary files that no other process uses.
+// A result on standard output. What stands in texts and is no UTF-8 (a recording may hold any bytes) is
+// replaced: JSON has none.
+void print_json(const nlohmann::ordered_json& value);
+
+// The path of a file of that name in a folder that only this process uses.
 std::string temporary_file(const std::string& name);
 
 // Moves a file, across file systems too.

@@ -83,24 +83,29 @@ std::string changed_files(const sim::McapRecording& recorded, const sim::McapRec
   return names;
 }
 
-void print(const ReplayOptions& options, const std::optional<Difference>& difference,
-           const std::string& changed, std::size_t messages) {
+void print(const ReplayOptions& options, const sim::McapRecording& recorded,
+           const std::optional<Difference>& difference, const std::string& changed,
+           std::size_t messages) {
+  const double end_s = 1e-9 * static_cast<double>(recorded.end_ns());
   if (options.json) {
     nlohmann::ordered_json result{{"recording", options.file},
                                   {"mode", "simulation"},
                                   {"identical", !difference},
                                   {"messages", messages},
                                   {"changed_files", changed}};
+    if (!recorded.whole) result["cut_off_s"] = end_s;
     if (difference) {
       result["time_s"] = difference->time_s;
       result["topic"] = difference->topic;
       result["recorded"] = difference->recorded;
       result["now"] = difference->now;
     }
-    std::printf("%s\n", result.dump(2).c_str());
+    print_json(result);
     return;
   }
   std::printf("host and simulation run again from the seed, everything compared\n");
+  if (!recorded.whole)
+    std::printf("the recording was cut off: compared up to its end at %.6f s\n", end_s);
   if (!changed.empty()) std::printf("files that have changed since: %s\n", changed.c_str());
   if (!difference) {
     std::printf("identical: %zu messages\n", messages);
@@ -118,7 +123,8 @@ std::optional<Difference> first_difference(const sim::McapRecording& recorded,
   const auto& a = recorded.messages;
   const auto& b = now.messages;
   const auto [at, other] = std::ranges::mismatch(a, b);
-  if (at == a.end() && other == b.end()) return std::nullopt;
+  // Of a recording that was cut off every message that is there must come again.
+  if (at == a.end() && (other == b.end() || !recorded.whole)) return std::nullopt;
   // Different messages at one place: the earlier one is what the other run lacks.
   const bool only_there = other == b.end() || (at != a.end() && at->time_ns < other->time_ns);
   const bool only_now = at == a.end() || (other != b.end() && other->time_ns < at->time_ns);
@@ -157,17 +163,21 @@ Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording
   if (!now) return tl::unexpected(now.error());
 
   const auto difference = first_difference(recorded, *now);
-  print(options, difference, changed_files(recorded, *now), now->messages.size());
+  print(options, recorded, difference, changed_files(recorded, *now),
+        recorded.whole ? now->messages.size() : recorded.messages.size());
   return !difference;
 }
 
 Result<bool> replay(const ReplayOptions& options) {
   const auto recorded = sim::McapRecording::load(options.file);
   if (!recorded) return tl::unexpected(recorded.error());
-  if (!recorded->whole || recorded->damaged_chunks > 0)
-    return fail(Fault::usage, options.file + ": " +
-                                  (recorded->whole ? "a chunk is damaged" : "its end is missing") +
-                                  "; record the run again");
+  if (recorded->damaged_chunks > 0)
+    return fail(Fault::usage, options.file + ": a chunk is damaged; record the run again");
+  if (!recorded->whole && recorded->messages.empty())
+    return fail(Fault::usage,
+                options.file +
+                    ": was cut off before anything of the run was written; record the "
+                    "run again");
   auto session = session_of(*recorded, options);
   if (!session) return tl::unexpected(session.error());
   if (options.mode == ReplayMode::host && options.seed)

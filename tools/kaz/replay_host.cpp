@@ -7,8 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "host/behavior/behavior.h"
+#include "sim/runtime/time.h"
 #include "tools/kaz/interruptible_clock.h"
 #include "tools/kaz/no_camera.h"
+#include "tools/kaz/output.h"
 #include "tools/lockstep/replayed_board.h"
 
 namespace kaz::tools {
@@ -66,12 +68,16 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
                                   {"bytes_to_host", run.to_host.size()},
                                   {"pairs", run.pairs.size()},
                                   {"behavior_records", run.thoughts.size()}};
+    if (run.cut_off) result["cut_off_s"] = seconds(sim::time_of(run.end));
     if (board.difference()) result["difference"] = json_of(*board.difference());
     if (board.other_thought()) result["behavior_difference"] = json_of(*board.other_thought());
-    std::printf("%s\n", result.dump(2).c_str());
+    print_json(result);
     return;
   }
   std::printf("the host alone runs again: bytes of the board and pictures are those recorded\n");
+  if (run.cut_off)
+    std::printf("the recording was cut off: compared up to its last whole step at %.6f s\n",
+                seconds(sim::time_of(run.end)));
   if (identical) {
     std::printf(
         "identical: %zu bytes sent at the same times, %zu records of the behaviour, on %zu bytes "
@@ -101,7 +107,7 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
                 options.file + ": it has no pictures, and " + session.behavior +
                     " needs them; record with --record-pictures, or give --whole to run the "
                     "simulation again too");
-  const auto run = RecordedRun::of(recording);
+  const auto run = RecordedRun::of(recording, options.file);
   if (!run) return tl::unexpected(run.error());
   ReplayedBoard board(*run);
   session.open_rig = [&board](host::Interrupt& interrupt) -> Result<std::unique_ptr<Rig>> {
@@ -114,6 +120,9 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
     return tl::unexpected(ran.error());
   board.finish();
   if (!options.quiet) print(options, *run, board);
+  if (options.quiet && run->cut_off)
+    std::fprintf(stderr, "%s: was cut off; run to its last whole step at %.6f s\n",
+                 options.file.c_str(), seconds(sim::time_of(run->end)));
   return !board.difference() && !board.other_thought();
 }
 

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 #include "hil/conformance/report.h"
 #include "host/robot/interrupt.h"
 #include "host/robot/tty_link.h"
 #include "host/robot/wall_clock.h"
+#include "shared/base/files.hpp"
 #include "sim/mcu/mcu.h"
 #include "tools/kaz/interrupt_signals.h"
 #include "tools/kaz/output.h"
@@ -45,17 +45,7 @@ Result<void> write_report(const std::string& path, const std::string& text) {
     std::fputs(text.c_str(), stdout);
     return {};
   }
-  const std::string partial = path + ".partial";
-  std::ofstream file(partial, std::ios::trunc | std::ios::binary);
-  file << text;
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(partial, path, error);
-  if (!file || error) {
-    return fail(Fault::environment,
-                "cannot write the report '" + path + "': is there such a folder, and room in it?");
-  }
-  return {};
+  return write_whole_file(path, text);
 }
 
 // Before anything runs: two reports on standard output would be neither, and a folder that is not there

@@ -3,7 +3,6 @@
 #include "tools/lockstep/recorded_run.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <span>
@@ -19,7 +18,7 @@ using Message = sim::McapRecording::Message;
 using Bytes = sim::LittleEndianFields::Bytes;
 using Fields = sim::LittleEndianFields;
 
-// Bytes of one millisecond, which ends at the message's time.
+// Bytes of one millisecond, which ends at the message's time. They come one after the other.
 bool add_bytes(const Message& message, std::vector<sim::SerialByte>& to) {
   const sim::States start =
       sim::states_of(Time(static_cast<std::int64_t>(message.time_ns))) - KZ_STATES_PER_TICK;
@@ -30,8 +29,13 @@ bool add_bytes(const Message& message, std::vector<sim::SerialByte>& to) {
   if (!fields.whole() || times.size() != 2 * values.size() || errors.size() != values.size())
     return false;
   Fields time(times);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    to.push_back({values[i], start + time.number<std::uint16_t>(), errors[i] != 0});
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const sim::States after_start = time.number<std::uint16_t>();
+    const sim::SerialByte byte{values[i], start + after_start, errors[i] != 0};
+    if (after_start > KZ_STATES_PER_TICK || byte.at < 0 || (!to.empty() && byte.at < to.back().at))
+      return false;
+    to.push_back(byte);
+  }
   return true;
 }
 
@@ -47,7 +51,7 @@ bool add_picture(const Message& message, bool left,
   fields.array();  // which eye
   fields.array();  // "png"
   const Bytes png = fields.array();
-  if (!fields.whole()) return false;
+  if (!fields.whole() || nanoseconds >= 1'000'000'000 || pair.arrival < pair.exposure) return false;
   RecordedRun::Pair& kept = pairs.try_emplace(pair.sequence, pair).first->second;
   (left ? kept.left_png : kept.right_png).assign(png.begin(), png.end());
   return true;
@@ -55,62 +59,85 @@ bool add_picture(const Message& message, bool left,
 
 // "width height fx fy cx cy baseline_m latency_s"
 bool read_camera(const std::string& text, RecordedRun& run) {
+  constexpr double kMaxLatency_s = 10;
   std::istringstream from(text);
   double latency_s = 0;
   vision::CameraModel& c = run.camera;
   from >> c.width >> c.height >> c.fx >> c.fy >> c.cx >> c.cy >> c.baseline_m >> latency_s;
-  if (from.fail() || c.width < 1 || c.height < 1 || c.width > 4096 || c.height > 4096 ||
-      !(latency_s >= 0 && latency_s <= 10))
+  if (from.fail() || !vision::valid_camera(c) || !(latency_s >= 0 && latency_s <= kMaxLatency_s))
     return false;
-  for (const double number : {c.fx, c.fy, c.cx, c.cy, c.baseline_m}) {
-    if (!std::isfinite(number)) return false;
-  }
   run.camera_latency = from_seconds(latency_s);
-  return c.fx > 0 && c.fy > 0;
+  return true;
+}
+
+// Drops what a recording that was cut off holds only in part. A step is recorded in a row, its pins
+// among the first, and what the host enters stands behind it: all of a step is there if the pins of the
+// next are. A pair is recorded some exposures later than it arrives; so pairs are all there only up to
+// the arrival of the last one that is.
+void end_where_it_is_whole(RecordedRun& run) {
+  run.end -= KZ_STATES_PER_TICK;
+  while (!run.pairs.empty() &&
+         (run.pairs.back().left_png.empty() || run.pairs.back().right_png.empty()))
+    run.pairs.pop_back();
+  if (run.has_pictures) {
+    const Time known = run.pairs.empty() ? Time(0) : run.pairs.back().arrival;
+    run.end = std::min(run.end, sim::states_of(known) / KZ_STATES_PER_TICK * KZ_STATES_PER_TICK);
+  }
+  run.end = std::max<sim::States>(run.end, 0);
+  const auto later = [&](const sim::SerialByte& byte) { return byte.at > run.end; };
+  std::erase_if(run.to_board, later);
+  std::erase_if(run.to_host, later);
+  std::erase_if(run.thoughts, [&](const RecordedRun::Thought& thought) {
+    return sim::states_of(thought.time) > run.end;
+  });
 }
 
 }  // namespace
 
-Result<RecordedRun> RecordedRun::of(const sim::McapRecording& recording) {
-  const auto unusable = [](const std::string& why) {
-    return fail(Fault::usage, "the recording cannot be run again: " + why);
+Result<RecordedRun> RecordedRun::of(const sim::McapRecording& recording, const std::string& name) {
+  const auto unusable = [&](const std::string& why) {
+    return fail(Fault::usage, name + ": cannot be run again: " + why + "; record the run again");
   };
-  if (!recording.whole || recording.damaged_chunks > 0)
-    return unusable(std::string(recording.whole ? "a chunk is damaged" : "its end is missing") +
-                    "; record the run again");
+  if (recording.damaged_chunks > 0) return unusable("a chunk is damaged");
   RecordedRun run;
-  const auto fact = [&](const std::string& name) {
-    const auto found = recording.facts.find(name);
+  run.cut_off = !recording.whole;
+  const auto fact = [&](const std::string& key) {
+    const auto found = recording.facts.find(key);
     return found == recording.facts.end() ? std::string() : found->second;
   };
   run.seed = std::strtoull(fact("seed").c_str(), nullptr, 10);
-  auto faults = faults::Schedule::parse(fact("faults"), "the recording's faults");
+  auto faults = faults::Schedule::parse(fact("faults"), name + ", its faults");
   if (!faults) return tl::unexpected(faults.error());
   run.faults = std::move(*faults);
 
   std::map<std::uint64_t, Pair> pairs;
   for (const Message& message : recording.messages) {
-    const auto found = recording.topics.find(message.channel);
-    const std::string topic = found == recording.topics.end() ? "" : found->second;
+    const std::string& topic = recording.topics.at(message.channel);
     const auto time = Time(static_cast<std::int64_t>(message.time_ns));
-    bool sound = true;
-    if (topic == "/wire/to_board") sound = add_bytes(message, run.to_board);
-    if (topic == "/wire/to_host") sound = add_bytes(message, run.to_host);
-    if (topic == "/eyes/left") sound = add_picture(message, true, pairs);
-    if (topic == "/eyes/right") sound = add_picture(message, false, pairs);
+    bool valid = true;
+    if (topic == "/wire/to_board") valid = add_bytes(message, run.to_board);
+    if (topic == "/wire/to_host") valid = add_bytes(message, run.to_host);
+    if (topic == "/eyes/left") valid = add_picture(message, true, pairs);
+    if (topic == "/eyes/right") valid = add_picture(message, false, pairs);
     if (topic == "/behavior")
       run.thoughts.push_back({time, std::string(message.data.begin(), message.data.end())});
     if (topic == "/board/pins") run.end = std::max(run.end, sim::states_of(time));
-    if (!sound) return unusable("a message of " + topic + " does not fit its schema");
+    if (!valid) return unusable("a message of " + topic + " does not fit its schema");
   }
-  for (auto& [sequence, pair] : pairs) {
-    if (pair.left_png.empty() || pair.right_png.empty())
-      return unusable("pair " + std::to_string(sequence) + " lacks a picture");
-    run.pairs.push_back(std::move(pair));
-  }
+  for (auto& [sequence, pair] : pairs) run.pairs.push_back(std::move(pair));
   run.has_pictures = !run.pairs.empty();
+  if (run.cut_off) end_where_it_is_whole(run);
+  for (std::size_t i = 0; i < run.pairs.size(); ++i) {
+    const Pair& pair = run.pairs[i];
+    if (pair.left_png.empty() || pair.right_png.empty())
+      return unusable("pair " + std::to_string(pair.sequence) + " lacks a picture");
+    if (i > 0 && pair.exposure <= run.pairs[i - 1].exposure)
+      return unusable("pair " + std::to_string(pair.sequence) +
+                      " is not later than the one before");
+  }
   if (run.has_pictures && !read_camera(fact("camera"), run))
     return unusable("it has pictures, but does not say of which camera");
+  if (run.cut_off && run.end == 0) return unusable("it was cut off before anything that can be");
   return run;
 }
 

@@ -31,15 +31,18 @@ struct RecordedRun {
   std::vector<sim::SerialByte> to_host;   // as they left the board
   std::vector<Pair> pairs;                // in order of exposure
   std::vector<Thought> thoughts;
-  sim::States end = 0;     // of the last step
+  sim::States end = 0;     // of the last step; of a recording that was cut off, the last whole one
+  bool cut_off = false;    // the run went on after `end`
   std::uint64_t seed = 1;  // of the line's faults
   faults::Schedule faults;
   bool has_pictures = false;
   vision::CameraModel camera;  // where there are pictures
   Time camera_latency{};
 
-  // Errors (usage): damaged, its end is missing, messages that do not fit their schema.
-  static Result<RecordedRun> of(const sim::McapRecording& recording);
+  // `name` stands in the errors (usage): damaged, messages that do not fit their schema, cut off before
+  // its first whole step.
+  static Result<RecordedRun> of(const sim::McapRecording& recording,
+                                const std::string& name = "the recording");
 };
 
 }  // namespace kaz::lockstep

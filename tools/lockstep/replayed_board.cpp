@@ -78,7 +78,7 @@ Result<void> ReplayedBoard::stop(const std::string& why) {
 Result<void> ReplayedBoard::step() {
   if (error_) return tl::unexpected(*error_);
   if (now_ >= run_.end) {
-    difference_ = {time(), "the end", "the recording ends", "the host goes on"};
+    if (!run_.cut_off) difference_ = {time(), "the end", "the recording ends", "the host goes on"};
     return stop("the recording ends at " + time_text(time()));
   }
   const sim::States end = now_ + KZ_STATES_PER_TICK;
@@ -159,6 +159,7 @@ Result<std::optional<vision::StereoPair>> ReplayedBoard::next_pair() {
 }
 
 void ReplayedBoard::think(const std::string& json) {
+  if (run_.cut_off && error_) return;  // the run went on, but the recording did not
   const RecordedRun::Thought* recorded =
       thought_ < run_.thoughts.size() ? &run_.thoughts[thought_] : nullptr;
   ++thought_;
@@ -170,7 +171,8 @@ void ReplayedBoard::think(const std::string& json) {
 }
 
 void ReplayedBoard::finish() {
-  if (error_ || difference_) return;
+  const bool at_cut = run_.cut_off && now_ >= run_.end;
+  if ((error_ && !at_cut) || difference_) return;
   if (compared_ < run_.to_board.size()) return differ({}, 0);
   if (now_ < run_.end)
     difference_ = {time(), "the end", "the host goes on until " + time_text(sim::time_of(run_.end)),

@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/trials/robot_folder.h"
 
-#include <unistd.h>
-
-#include <atomic>
 #include <fstream>
 #include <sstream>
+
+#include "shared/base/files.hpp"
 
 namespace kaz::trials {
 namespace {
@@ -78,13 +77,9 @@ std::string with_masses(const std::string& urdf,
 Result<RobotFolder> RobotFolder::make(const std::string& robot,
                                       const std::map<std::string, Change>& changes,
                                       const std::string& world) {
-  static std::atomic<int> count = 0;
-  std::error_code wrong;
-  const fs::path folder = fs::temp_directory_path(wrong) /
-                          ("kaz-robot-" + std::to_string(getpid()) + "-" + std::to_string(++count));
-  if (wrong || !fs::create_directories(folder, wrong))
-    return fail(Fault::environment, folder.string() + ": cannot be made: " + wrong.message() +
-                                        "; is TMPDIR a folder that can be written?");
+  const auto made = make_temporary_folder("kaz-robot-");
+  if (!made) return tl::unexpected(made.error());
+  const fs::path folder = *made;
   RobotFolder files(folder);
   for (const char* name : {"kaz.urdf", "motor.xml", "camera.json", "sensors.xml"}) {
     auto text = read(fs::path(robot) / name);

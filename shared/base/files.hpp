@@ -1,0 +1,88 @@
+// Files that appear whole or not at all, and folders for temporary ones.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Both are made under a name that nobody had before (O_EXCL, mkdtemp): in a folder that others can write
+// to, such as /tmp, a link that somebody has put there under an expected name is not followed.
+#ifndef KAZ_SHARED_BASE_FILES_HPP
+#define KAZ_SHARED_BASE_FILES_HPP
+
+#include <fcntl.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "shared/base/result.hpp"
+
+namespace kaz {
+
+// A new empty folder for this user alone, in TMPDIR or /tmp; `prefix` begins its name.
+inline Result<std::string> make_temporary_folder(const std::string& prefix) {
+  std::error_code error;
+  const auto parent = std::filesystem::temp_directory_path(error);
+  std::string name = (parent / (prefix + "XXXXXX")).string();
+  if (error || mkdtemp(name.data()) == nullptr)
+    return fail(Fault::environment, "cannot make a folder for temporary files in " +
+                                        (error ? std::string("TMPDIR") : parent.string()) + ": " +
+                                        (error ? error.message() : std::strerror(errno)) +
+                                        "; is TMPDIR a folder that can be written?");
+  return name;
+}
+
+// Puts `bytes` at `path`. A file that was there stays until all of it is written; a symbolic link stays,
+// and the file that it points to is replaced.
+inline Result<void> write_whole_file(const std::string& path, std::string_view bytes) {
+  const auto cannot = [&](const char* what, int error) {
+    return fail(Fault::environment,
+                path + ": cannot " + what + " (" + std::strerror(error) +
+                    "): check the folder's existence, permissions and free space");
+  };
+  std::error_code no_link;
+  std::string target = path;
+  for (int depth = 0; depth < 40 && std::filesystem::is_symlink(target, no_link); ++depth) {
+    const auto to = std::filesystem::read_symlink(target, no_link);
+    if (no_link) break;
+    target = (std::filesystem::path(target).parent_path() / to).string();
+  }
+  // A device or a pipe takes the bytes itself; replacing it would take it from everybody.
+  const auto status = std::filesystem::status(target, no_link);
+  const bool stream = std::filesystem::exists(status) &&
+                      !std::filesystem::is_regular_file(status) &&
+                      !std::filesystem::is_directory(status);
+  std::string beside = target;
+  int fd = stream ? open(target.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC) : -1;
+  for (int n = 0; !stream && fd < 0 && n < 100; ++n) {
+    beside = target + ".part" + std::to_string(getpid()) + "-" + std::to_string(n);
+    fd = open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0 && errno != EEXIST) break;
+  }
+  if (fd < 0) return cannot("write here", errno);
+  const auto give_up = [&](const char* what) {
+    const int error = errno;
+    if (!stream) unlink(beside.c_str());
+    return cannot(what, error);
+  };
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) {
+      auto failure = give_up("write");
+      close(fd);
+      return failure;
+    }
+    bytes.remove_prefix(static_cast<std::size_t>(n));
+  }
+  if (close(fd) != 0) return give_up("write");
+  if (!stream && std::rename(beside.c_str(), target.c_str()) != 0)
+    return give_up("put the file in its place");
+  return {};
+}
+
+}  // namespace kaz
+
+#endif
