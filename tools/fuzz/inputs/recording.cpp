@@ -66,8 +66,8 @@ Complaint try_recording(Bytes bytes) {
     }
     before = &message;
   }
-  const auto run = lockstep::RecordedRun::of(*recording);
-  if (!run) return judge_error(run.error(), "recording");
+  const auto run = lockstep::RecordedRun::of(*recording, "case.mcap");
+  if (!run) return judge_error(run.error(), "case.mcap");
   if (auto wrong = judge(*run)) return wrong;
   return play(*run);
 }
