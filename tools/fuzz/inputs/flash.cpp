@@ -64,7 +64,6 @@ class HostileBoard final : public host::Link, public host::Clock {
     to_host_.erase(to_host_.begin(), to_host_.begin() + static_cast<std::ptrdiff_t>(count));
     return count;
   }
-  bool gone() const { return writes_ > kMostWrites; }
 
  private:
   static constexpr int kMostWrites = 20'000;
