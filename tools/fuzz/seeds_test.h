@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -79,14 +78,12 @@ TEST_P(Seeds, AsTheyAre) {
     EXPECT_EQ(GetParam().run(input).value_or(""), "") << "seed " << name;
 }
 
-// A fixed stream of at most 300 inputs, cut off after 1 s; the fuzzer finds better ones, but not in every
-// build.
+// A fixed stream; the fuzzer finds better ones, but not in every build.
 TEST_P(Seeds, DamagedAndNoise) {
   const auto seeds = seeds_of(GetParam().name);
   ASSERT_FALSE(seeds.empty());
   std::mt19937 random(11);
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
-  for (int k = 0; k < 300 && std::chrono::steady_clock::now() < end; ++k) {
+  for (int k = 0; k < 200; ++k) {
     Input input = seeds[random() % seeds.size()].second;
     if (random() % 4 == 0) {
       input.resize(random() % 400);
