@@ -11,7 +11,6 @@
 
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <future>
 #include <memory>
@@ -59,18 +58,6 @@ struct CameraModel {
   double fx = 0, fy = 0, cx = 0, cy = 0;
   double baseline_m = 0;  // right lens is that far along +x of the left optical frame
 };
-
-// True for a camera that there could be. Models that come from outside (files, sockets, recordings)
-// are checked by this, so that no number of theirs is infinite, none, or large enough to make one.
-inline bool valid_camera(const CameraModel& c) {
-  constexpr int kMaxSide = 16384;
-  constexpr double kMaxFocal = 1e6, kMaxBaseline_m = 10;
-  const auto focal = [](double f) { return f > 0 && f <= kMaxFocal; };
-  const auto centre = [](double x) { return std::abs(x) <= kMaxFocal; };  // false for NaN
-  return c.width >= 1 && c.width <= kMaxSide && c.height >= 1 && c.height <= kMaxSide &&
-         focal(c.fx) && focal(c.fy) && centre(c.cx) && centre(c.cy) && c.baseline_m >= 0 &&
-         c.baseline_m <= kMaxBaseline_m;
-}
 
 // 8-bit RGB, rows from top to bottom, no padding.
 struct Image {

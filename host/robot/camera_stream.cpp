@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "host/robot/frame_log.h"
+#include "vision/valid_camera.h"
 
 namespace kaz::host {
 

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <span>
 
 #include "sim/runtime/mcap_reader.h"
 #include "sim/runtime/mcap_writer.h"
@@ -155,6 +156,67 @@ TEST(McapWriter, ADamagedFileLosesOneChunk) {
   ASSERT_EQ(recording->messages.size(), 4u);
   EXPECT_EQ(recording->messages[1].time_ns, 1u);
   EXPECT_EQ(recording->messages[2].time_ns, 4u);
+}
+
+// Whatever byte a file ends at, it is read up to there: never an error, and never more than was written.
+TEST(McapRecording, IsReadToWhereItWasCutOff) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.mcap");
+  auto writer = McapWriter::create(path, "kaz 1");
+  ASSERT_TRUE(writer);
+  (*writer)->add_metadata("facts", {{"seed", "1"}});
+  const auto channel =
+      (*writer)->add_channel((*writer)->add_schema("S", "ros1msg", "uint8 a\n"), "/a", "ros1");
+  const Bytes half(McapWriter::chunk_bytes / 2, 7);  // so that two fill a chunk
+  for (std::uint64_t k = 0; k < 4; ++k) (*writer)->add_message(channel, k, half);
+  ASSERT_TRUE((*writer)->finish());
+  const Bytes file = contents(path);
+  std::size_t before = 0;
+  for (std::size_t size = 8; size <= file.size(); size += size < 400 ? 1 : 4099) {
+    const auto read = McapRecording::parse(std::span(file).first(size), "a");
+    ASSERT_TRUE(read) << size << ": " << read.error().message;
+    ASSERT_GE(read->messages.size(), before);
+    ASSERT_EQ(read->messages.size() % 2, 0u) << "chunks come whole";
+    before = read->messages.size();
+    if (!read->whole) {
+      ASSERT_LT(size, file.size());
+    }
+  }
+  const auto whole = McapRecording::parse(file, "a");
+  ASSERT_TRUE(whole);
+  EXPECT_TRUE(whole->whole);
+  EXPECT_EQ(whole->messages.size(), 4u);
+  EXPECT_EQ(whole->end_ns(), 3u);
+}
+
+// Each bit of what stands outside of the chunks, flipped alone.
+TEST(McapRecording, NoFlippedBitIsBelieved) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.mcap");
+  auto writer = McapWriter::create(path, "kaz 1");
+  ASSERT_TRUE(writer);
+  (*writer)->add_metadata("facts", {{"seed", "1"}, {"world", "ball"}});
+  const auto channel =
+      (*writer)->add_channel((*writer)->add_schema("S", "ros1msg", "uint8 a\n"), "/a", "ros1");
+  for (std::uint64_t k = 0; k < 4; ++k) (*writer)->add_message(channel, k, Bytes{1, 2, 3});
+  ASSERT_TRUE((*writer)->finish());
+  const Bytes file = contents(path);
+  const auto untouched = McapRecording::parse(file, "a");
+  ASSERT_TRUE(untouched);
+  for (std::size_t bit = 0; bit < 8 * file.size(); ++bit) {
+    Bytes flipped = file;
+    flipped[bit / 8] = static_cast<std::uint8_t>(flipped[bit / 8] ^ (1 << bit % 8));
+    const auto read = McapRecording::parse(flipped, "a");
+    if (!read) {
+      EXPECT_EQ(read.error().message.rfind("a: ", 0), 0u) << read.error().message;
+      EXPECT_EQ(read.error().fault, Fault::usage);
+    } else if (read->whole && read->damaged_chunks == 0) {
+      // The summary repeats, and is not read; a checksum of 0 means none, the bit being its only one.
+      EXPECT_EQ(read->messages, untouched->messages) << bit;
+      EXPECT_EQ(read->facts, untouched->facts) << bit;
+      EXPECT_EQ(read->topics, untouched->topics) << bit;
+    }
+  }
 }
 
 TEST(McapWriter, SaysWhereItCannotWrite) {

@@ -86,10 +86,22 @@ def check_links():
                 fault(path.relative_to(ROOT), f"links to '{target}', which is not there")
 
 
+def check_temporary_names():
+    """Programs make temporary files in one place, under names that nobody has taken (mkdtemp, O_EXCL)."""
+    guessable = re.compile(r"\b(temp_directory_path|tmpnam|tempnam|mktemp|tmpfile)\b")
+    for path in files("*.c", "*.h", "*.cpp", "*.hpp"):
+        name = path.relative_to(ROOT).as_posix()
+        if name == "shared/base/files.hpp" or name.startswith("tests/") or "test" in path.name:
+            continue
+        if guessable.search(path.read_text()):
+            fault(name, "makes a temporary name of its own; shared/base/files.hpp has the one way")
+
+
 check_packages()
 check_printed()
 check_sources()
 check_directions()
 check_links()
+check_temporary_names()
 print("\n".join(faults) if faults else "the tree keeps its rules")
 sys.exit(1 if faults else 0)

@@ -78,6 +78,32 @@ TEST(Replay, TheHostAloneOnWhatItSaw) {
             std::string::npos);
 
   EXPECT_EQ(replayed(file, {"--whole"}, 0)["mode"], "simulation");
+
+  // Killed in the middle: what is there is replayed to its end, both ways; a host that does otherwise
+  // before that is still found out.
+  const std::string bytes = read_file(file), cut = folder / "cut.mcap";
+  write_file(cut, bytes.substr(0, bytes.size() * 6 / 10));
+  for (const char* mode : {"--host", "--whole"}) {
+    const json rest = replayed(cut, {mode}, 0);
+    EXPECT_EQ(rest["identical"], true) << rest;
+    EXPECT_GT(rest["cut_off_s"].get<double>(), 1.0) << rest;
+  }
+  EXPECT_FALSE(same.contains("cut_off_s"));
+  EXPECT_EQ(replayed(cut, {"--set", "seconds=1"}, 1)["identical"], false);
+  const Finished seen =
+      run(kaz({"vision", "run", "--in", cut, "--out", folder / "found"}), std::chrono::seconds(60));
+  EXPECT_EQ(seen.exit_code, 0) << seen.err;
+  EXPECT_NE(seen.err.find(cut + ": was cut off; run to its last whole step at "), std::string::npos)
+      << seen.err;
+  // At whatever byte it ends it is replayed, or there is nothing that could be.
+  for (std::size_t part = 0; part < 8; ++part) {
+    write_file(cut, bytes.substr(0, bytes.size() / 8 * part + 13 * part));
+    const Finished done = run(kaz({"replay", cut, "--host"}), std::chrono::seconds(60));
+    EXPECT_TRUE(done.exit_code == 0 || (done.exit_code == 2 && part < 3)) << part << done.err;
+    if (done.exit_code == 0) {
+      EXPECT_NE(done.out.find("was cut off"), std::string::npos) << done.out;
+    }
+  }
 }
 
 TEST(Replay, WithoutPicturesOnlyWhatNeedsNone) {

@@ -116,6 +116,8 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
   const auto ran = run_session(std::move(session));
   // A host that does something else cannot go on, which is the result. Other errors are its own.
   const auto& stopped = board.error();
+  if (stopped && stopped->fault == Fault::usage)
+    return fail(Fault::usage, options.file + ": " + stopped->message + "; record the run again");
   if (!ran && (!stopped || ran.error().message.find(stopped->message) == std::string::npos))
     return tl::unexpected(ran.error());
   board.finish();

@@ -70,9 +70,13 @@ Time ReplayedBoard::time() const {
   return sim::time_of(now_);
 }
 
+tl::unexpected<Error> ReplayedBoard::stop_for(Fault fault, const std::string& why) {
+  error_ = Error{fault, why};
+  return tl::unexpected<Error>(*error_);
+}
+
 Result<void> ReplayedBoard::stop(const std::string& why) {
-  error_ = Error{Fault::failed, why};
-  return tl::unexpected(*error_);
+  return stop_for(Fault::failed, why);
 }
 
 Result<void> ReplayedBoard::step() {
@@ -142,12 +146,19 @@ Result<std::optional<vision::StereoPair>> ReplayedBoard::next_pair() {
   if (arriving_.empty() || arriving_.front()->arrival > time()) return std::nullopt;
   const RecordedRun::Pair& recorded = *arriving_.front();
   arriving_.pop_front();
-  auto left = sim::decode_png(recorded.left_png), right = sim::decode_png(recorded.right_png);
-  if (!left) return tl::unexpected(left.error());
-  if (!right) return tl::unexpected(right.error());
   auto images = std::make_shared<vision::StereoImages>();
-  images->left = std::move(*left);
-  images->right = std::move(*right);
+  for (const auto& [png, image] : {std::pair(&recorded.left_png, &images->left),
+                                   std::pair(&recorded.right_png, &images->right)}) {
+    const auto invalid = [&](const std::string& why) {
+      return stop_for(Fault::usage,
+                      "pair " + std::to_string(recorded.sequence) + " of the recording: " + why);
+    };
+    auto decoded = sim::decode_png(*png);
+    if (!decoded) return invalid(decoded.error().message);
+    if (decoded->width != run_.camera.width || decoded->height != run_.camera.height)
+      return invalid("a picture is of another size than its camera's");
+    *image = std::move(*decoded);
+  }
   std::promise<std::shared_ptr<const vision::StereoImages>> promise;
   promise.set_value(std::move(images));
   vision::StereoPair pair;

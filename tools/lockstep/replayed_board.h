@@ -59,6 +59,7 @@ class ReplayedBoard {
   void compare(std::span<const sim::SerialByte> arrived, sim::States end);
   void differ(std::span<const sim::SerialByte> arrived, std::size_t at);
   Result<void> stop(const std::string& why);
+  tl::unexpected<Error> stop_for(Fault fault, const std::string& why);
 
   const RecordedRun& run_;
   sim::SerialLine line_;

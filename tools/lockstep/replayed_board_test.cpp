@@ -165,6 +165,58 @@ TEST(ReplayedBoard, TheEndAndTheRecordOfTheBehaviourCount) {
   EXPECT_EQ(board.difference()->now, "nothing");
 }
 
+TEST(ReplayedBoard, APictureThatIsNoneEndsTheRun) {
+  for (const bool other_size : {false, true}) {
+    Recorded recorded = record();
+    if (other_size) {
+      recorded.run.camera.width += 1;
+    } else {
+      recorded.run.pairs.front().left_png = {1, 2, 3};
+    }
+    ReplayedBoard board(recorded.run);
+    Behavior same;
+    const auto ran = replay(board, same);
+    ASSERT_FALSE(ran);
+    EXPECT_EQ(ran.error().fault, Fault::usage);
+    EXPECT_NE(ran.error().message.find("pair 1 of the recording: "), std::string::npos)
+        << ran.error().message;
+  }
+}
+
+// What was recorded up to some message, as after a crash.
+RecordedRun cut_off(const RecordedRun& whole, double share) {
+  RecordedRun run = whole;
+  run.cut_off = true;
+  run.thoughts.clear();
+  run.end = static_cast<sim::States>(static_cast<double>(whole.end) * share) / KZ_STATES_PER_TICK *
+            KZ_STATES_PER_TICK;
+  std::erase_if(run.to_board, [&](const sim::SerialByte& byte) { return byte.at > run.end; });
+  std::erase_if(run.to_host, [&](const sim::SerialByte& byte) { return byte.at > run.end; });
+  return run;
+}
+
+TEST(ReplayedBoard, ARecordingThatWasCutOffIsComparedUpToItsEnd) {
+  const Recorded recorded = record();
+  const RecordedRun cut = cut_off(recorded.run, 0.6);
+  {
+    ReplayedBoard board(cut);
+    Behavior same;
+    const auto ran = replay(board, same);
+    ASSERT_FALSE(ran) << "the recording ends before the host";
+    EXPECT_NE(ran.error().message.find("the recording ends at "), std::string::npos);
+    board.think("{}");  // what the host enters after that was not recorded
+    board.finish();
+    EXPECT_FALSE(board.difference());
+    EXPECT_FALSE(board.other_thought());
+  }
+  ReplayedBoard board(cut);
+  Behavior other;
+  other.target = 0.31;  // from the tenth of 20 cycles on
+  EXPECT_FALSE(replay(board, other));
+  ASSERT_TRUE(board.difference());
+  EXPECT_EQ(board.difference()->where.find("byte "), 0u);
+}
+
 TEST(ReplayedBoard, WithoutPicturesTheCameraSaysSo) {
   Recorded recorded = record();
   recorded.run.has_pictures = false;

@@ -7,6 +7,7 @@
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -75,6 +76,8 @@ Result<GdbPort> GdbPort::open(const std::string& where) {
         ::listen(p.listener_, 1) != 0)
       return fail("cannot make the GDB socket " + where + ": " + reason());
     p.path_ = where;
+    struct stat status {};
+    if (::lstat(where.c_str(), &status) == 0) p.inode_ = status.st_ino;
     return p;
   }
   int number = -1;
@@ -102,11 +105,15 @@ GdbPort::GdbPort(GdbPort&& other) noexcept
     : listener_(std::exchange(other.listener_, -1)),
       port_(other.port_),
       path_(std::exchange(other.path_, {})),
+      inode_(other.inode_),
       standard_(other.standard_) {}
 
 GdbPort::~GdbPort() {
   if (listener_ >= 0) ::close(listener_);
-  if (!path_.empty()) ::unlink(path_.c_str());
+  // Somebody may have put something else there.
+  struct stat status {};
+  if (!path_.empty() && ::lstat(path_.c_str(), &status) == 0 && status.st_ino == inode_)
+    ::unlink(path_.c_str());
 }
 
 std::string GdbPort::hint() const {

@@ -33,6 +33,7 @@ class GdbPort {
   int listener_ = -1;
   int port_ = 0;
   std::string path_;
+  unsigned long inode_ = 0;  // of the socket at path_
   bool standard_ = false;
 };
 

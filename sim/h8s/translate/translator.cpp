@@ -9,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "sim/h8s/translate/code_memory.h"
 #include "sim/h8s/translate/emitter.h"
 
 namespace kaz::h8s {
@@ -35,7 +36,7 @@ struct Complaints : asmjit::ErrorHandler {
 
 struct Translator::Cache {
   std::unique_ptr<Entry[], Free> entries;
-  std::unique_ptr<asmjit::JitRuntime> runtime;
+  CodeMemory memory;
   Gate gate;
   std::vector<std::uint32_t> touched;  // entries with code, or covered
   std::size_t bytes = 0;
@@ -55,16 +56,15 @@ struct Translator::Cache {
 
   bool make_gate() {
     if (gate.enter) return true;
-    if (!runtime) runtime = std::make_unique<asmjit::JitRuntime>();
     asmjit::CodeHolder code;
     Complaints complaints;
-    code.init(runtime->environment());
+    code.init(asmjit::Environment::host());
     code.setErrorHandler(&complaints);
     host::Assembler a(&code);
     const asmjit::Label leave = a.newLabel();
     emit_gate(a, leave);
-    void* base = nullptr;
-    if (complaints.any || runtime->add(&base, &code) != asmjit::kErrorOk) return false;
+    const void* const base = complaints.any ? nullptr : memory.add(code);
+    if (!base) return false;
     gate.enter = base;
     gate.leave = static_cast<const char*>(base) + code.labelOffset(leave);
     return true;
@@ -122,13 +122,18 @@ struct Translator::Cache {
     }
     asmjit::CodeHolder code;
     Complaints complaints;
-    code.init(runtime->environment());
+    code.init(asmjit::Environment::host());
     code.setErrorHandler(&complaints);
     Emitter emitter(c, code, entries.get(), gate.leave);
     emitter.emit(found);
-    void* base = nullptr;
-    if (complaints.any || runtime->add(&base, &code) != asmjit::kErrorOk) {
+    if (complaints.any) {
       entries[start].count = kHopeless;
+      return;
+    }
+    const void* const base = memory.add(code);
+    if (!base) {  // what is there may no longer be executable
+      forget_all();
+      unusable = true;
       return;
     }
     bytes += code.codeSize();
@@ -150,10 +155,8 @@ struct Translator::Cache {
   void forget_all() {
     for (const std::uint32_t index : touched) entries[index] = {};
     touched.clear();
-    if (runtime && bytes != 0) {
-      // Not kSoft: with several blocks asmjit 1.9 then builds its tree of them from nodes that still
-      // hang in the old one, and aborts.
-      runtime->reset(asmjit::ResetPolicy::kHard);
+    if (bytes != 0) {
+      memory.clear();
       gate = {};
     }
     bytes = 0;

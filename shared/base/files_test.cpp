@@ -1,0 +1,88 @@
+// Files that appear whole, and folders for temporary ones: links that others have put there.
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/base/files.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
+#include <sstream>
+
+namespace kaz {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Files : public testing::Test {
+ protected:
+  Files() : folder_(make_temporary_folder("kaz-files-test-").value()) {}
+  ~Files() override { fs::remove_all(folder_); }
+  std::string operator/(const std::string& name) const { return folder_ + "/" + name; }
+  static std::string content(const std::string& path) {
+    std::ostringstream text;
+    text << std::ifstream(path).rdbuf();
+    return text.str();
+  }
+  std::string folder_;
+};
+
+TEST_F(Files, AppearAndReplaceWhatIsThere) {
+  const std::string path = *this / "a";
+  ASSERT_TRUE(write_whole_file(path, "first"));
+  EXPECT_EQ(content(path), "first");
+  ASSERT_TRUE(write_whole_file(path, "second"));
+  EXPECT_EQ(content(path), "second");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "nothing is left beside it";
+}
+
+// Under the name of the partial file, which can be guessed, stands somebody's link to a file of ours.
+TEST_F(Files, DoNotFollowAPlantedLink) {
+  const std::string path = *this / "a", victim = *this / "victim";
+  ASSERT_TRUE(write_whole_file(victim, "precious"));
+  fs::create_symlink(victim, path + ".part" + std::to_string(getpid()) + "-0");
+  fs::create_symlink(*this / "not-there", path + ".part" + std::to_string(getpid()) + "-1");
+  ASSERT_TRUE(write_whole_file(path, "result"));
+  EXPECT_EQ(content(path), "result");
+  EXPECT_FALSE(fs::is_symlink(path));
+  EXPECT_EQ(content(victim), "precious");
+  EXPECT_FALSE(fs::exists(*this / "not-there"));
+}
+
+TEST_F(Files, KeepTheUsersOwnLink) {
+  const std::string real = *this / "real", link = *this / "link";
+  ASSERT_TRUE(write_whole_file(real, "old"));
+  fs::create_symlink("real", link);
+  ASSERT_TRUE(write_whole_file(link, "new"));
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(content(real), "new");
+}
+
+TEST_F(Files, DevicesTakeTheBytes) {
+  ASSERT_TRUE(write_whole_file("/dev/null", "bytes"));
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  const auto full = write_whole_file("/dev/full", "bytes");
+  ASSERT_FALSE(full);
+  EXPECT_EQ(full.error().fault, Fault::environment);
+  EXPECT_NE(full.error().message.find("/dev/full"), std::string::npos);
+}
+
+TEST_F(Files, SayWhereTheyCannotBe) {
+  const auto written = write_whole_file(*this / "no/folder", "bytes");
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find("no/folder: cannot write here"), std::string::npos)
+      << written.error().message;
+  EXPECT_FALSE(write_whole_file(folder_, "bytes"));
+}
+
+TEST_F(Files, TemporaryFoldersAreNewAndOnesOwn) {
+  const auto one = make_temporary_folder("kaz-files-test-");
+  ASSERT_TRUE(one);
+  EXPECT_NE(*one, folder_);
+  struct stat status {};
+  ASSERT_EQ(stat(one->c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0700u);
+  fs::remove(*one);
+}
+
+}  // namespace
+}  // namespace kaz
