@@ -419,8 +419,10 @@ class Boards {
       lines.emplace_back(line);
     }
     const std::size_t from = lines.size() - std::min(lines.size(), requests_shown);
-    for (std::size_t i = from; i < lines.size(); ++i)
-      difference.requests += (i == from ? "" : ", ") + lines[i];
+    for (std::size_t i = from; i < lines.size(); ++i) {
+      if (i != from) difference.requests += ", ";
+      difference.requests += lines[i];
+    }
     report_.differences.push_back(std::move(difference));
   }
 
