@@ -10,6 +10,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/json_depth.hpp"
+
 namespace kaz::hil {
 namespace {
 
@@ -106,6 +108,7 @@ const MeasurementInfo* find_measurement(const std::string& name) {
 }
 
 Result<Limits> parse_limits(const std::string& json, const std::string& file_name) {
+  if (json_too_deep(json)) return wrong(file_name, "it nests too deeply");
   Json all;
   try {
     all = Json::parse(json);

@@ -8,9 +8,15 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 
 namespace kaz::host {
+namespace {
+
+constexpr std::size_t kLongestReply = 65536;
+
+}  // namespace
 
 Result<std::string> ask_control_socket(const std::string& path, const std::string& line) {
   const auto trouble = [&](const std::string& why) {
@@ -33,10 +39,13 @@ Result<std::string> ask_control_socket(const std::string& path, const std::strin
           static_cast<ssize_t>(request.size())) {
     why = std::strerror(errno);
   }
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(patience.tv_sec);
   while (why.empty() && reply.find('\n') == std::string::npos) {
     char piece[512];
     const ssize_t count = recv(fd, piece, sizeof piece, 0);
-    if (count <= 0) {
+    if (reply.size() > kLongestReply || std::chrono::steady_clock::now() > deadline) {
+      why = "no end of the reply to `" + line + "`";
+    } else if (count <= 0) {
       why = "no reply to `" + line + "`";
     } else {
       reply.append(piece, static_cast<std::size_t>(count));

@@ -3,6 +3,7 @@
 #include "sim/body/robot_model.h"
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 
 #include <urdf_model/model.h>
@@ -213,7 +214,12 @@ Eigen::AlignedBox3d RobotModel::extent() const {
 Result<RobotModel> load_robot(const std::string& urdf_path) {
   auto facts = check_urdf(urdf_path);
   if (!facts) return tl::unexpected(facts.error());
-  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDFFile(urdf_path);
+  // The very bytes that were checked.
+  urdf::ModelInterfaceSharedPtr model;
+  try {
+    model = urdf::parseURDF(facts->text);
+  } catch (const std::exception&) {  // as if it had refused
+  }
   if (!model) {
     return fail(Fault::usage,
                 urdf_path + ": the URDF parser refuses it, for the reason it printed");

@@ -97,6 +97,9 @@ const OwnAttribute kOwn[] = {
     {"kaz:rolling_resistance", "metres", {1, 0}},
 };
 
+// The parser's time grows with their square.
+constexpr std::size_t kMostModels = 500;
+
 const std::set<std::string> kTextures{"checker", "wood", "carpet"};
 
 // How <ode> in <contact> is called in the tables: contact/ode.
@@ -138,7 +141,10 @@ class Check {
     if (world == nullptr || world->NextSiblingElement("world") != nullptr) {
       return error(file_.root(), "<sdf> must hold one <world>");
     }
+    std::size_t models = 0;
     for (auto* e = world->FirstChildElement("model"); e; e = e->NextSiblingElement("model")) {
+      if (++models > kMostModels)
+        return error(*e, "<world> has more than " + std::to_string(kMostModels) + " models");
       if (auto ok = check_model(*e); !ok) return ok;
     }
     return {};

@@ -56,6 +56,8 @@ constexpr NumberAttribute kNumbers[] = {
 // Sizes that no robot on a desk has are slips of the pen: millimetres for metres.
 constexpr double kLargest = 10;    // m
 constexpr double kHeaviest = 100;  // kg
+// The tree is walked recursively here, by the parser, and by the dynamics.
+constexpr std::size_t kMostLinks = 500;
 
 class Check {
  public:
@@ -81,6 +83,7 @@ class Check {
       if (is_revolute(*joint)) facts.revolute.emplace_back(joint->Attribute("name"));
     }
     facts.friction = friction_;
+    facts.text = file_.text();
     return facts;
   }
 
@@ -216,6 +219,9 @@ class Check {
       }
     }
     if (links_.empty()) return file_.error(file_.root(), "<robot> has no <link>");
+    if (links_.size() > kMostLinks)
+      return file_.error(file_.root(),
+                         "<robot> has more than " + std::to_string(kMostLinks) + " links");
     return {};
   }
 

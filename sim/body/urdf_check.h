@@ -17,6 +17,7 @@ inline constexpr const char* kFixedRoot = "world";
 struct UrdfFacts {
   std::vector<std::string> revolute;       // names of joints, in the order of the file
   std::map<std::string, double> friction;  // by link: mu of its surfaces
+  std::string text;                        // the bytes that were checked, for the parser
 };
 
 // Errors name file and line.

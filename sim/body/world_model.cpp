@@ -3,6 +3,7 @@
 #include "sim/body/world_model.h"
 
 #include <algorithm>
+#include <exception>
 
 #include <sdf/sdf.hh>
 
@@ -156,14 +157,20 @@ void add(const sdf::Model& model, WorldModel& out) {
   }
 }
 
+// Of a message of several lines the first.
+std::string line_of(const std::string& message) {
+  return message.substr(0, message.find('\n'));
+}
+
 // One sentence of the parser's list: the first that knows its line, since that is a precise one.
 tl::unexpected<Error> first_of(const sdf::Errors& errors, const std::string& path) {
   for (const sdf::Error& e : errors) {
     if (e.LineNumber()) {
-      return fail(Fault::usage, path + ":" + std::to_string(*e.LineNumber()) + ": " + e.Message());
+      return fail(Fault::usage,
+                  path + ":" + std::to_string(*e.LineNumber()) + ": " + line_of(e.Message()));
     }
   }
-  return fail(Fault::usage, path + ": " + errors.front().Message());
+  return fail(Fault::usage, path + ": " + line_of(errors.front().Message()));
 }
 
 }  // namespace
@@ -179,8 +186,11 @@ Result<WorldModel> load_world(const std::string& sdf_path) {
   // It prints what it also returns.
   sdf::Console::Instance()->SetQuiet(true);
   sdf::Root root;
-  if (const sdf::Errors errors = root.Load(sdf_path, config); !errors.empty()) {
-    return first_of(errors, sdf_path);
+  try {
+    if (const sdf::Errors errors = root.Load(sdf_path, config); !errors.empty())
+      return first_of(errors, sdf_path);
+  } catch (const std::exception& thrown) {
+    return fail(Fault::usage, sdf_path + ": the SDF parser refuses it: " + line_of(thrown.what()));
   }
   const sdf::World& world = *root.WorldByIndex(0);
   WorldModel out;

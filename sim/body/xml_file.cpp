@@ -4,6 +4,8 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 
 namespace kaz::sim {
 
@@ -11,12 +13,15 @@ Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_n
   XmlFile file;
   file.path_ = path;
   file.document_ = std::make_unique<tinyxml2::XMLDocument>();
-  const tinyxml2::XMLError status = file.document_->LoadFile(path.c_str());
-  if (status == tinyxml2::XML_ERROR_FILE_NOT_FOUND ||
-      status == tinyxml2::XML_ERROR_FILE_COULD_NOT_BE_OPENED ||
-      status == tinyxml2::XML_ERROR_FILE_READ_ERROR) {
+  std::ifstream in(path, std::ios::binary);
+  std::error_code unknown;
+  if (!in || std::filesystem::is_directory(path, unknown))
     return fail(Fault::usage, path + ": cannot be read; check the path");
-  }
+  char block[16384];
+  while (file.text_.size() <= kBytesMax && (in.read(block, sizeof block) || in.gcount() > 0))
+    file.text_.append(block, static_cast<std::size_t>(in.gcount()));
+  if (auto checked = file.check_text(); !checked) return tl::unexpected(checked.error());
+  const tinyxml2::XMLError status = file.document_->Parse(file.text_.data(), file.text_.size());
   if (status != tinyxml2::XML_SUCCESS) {
     const std::string what = file.document_->ErrorName();
     return file.error(file.document_->ErrorLineNum(),
@@ -29,6 +34,31 @@ Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_n
         *root, std::string("root element is <") + root->Name() + ">, expected <" + root_name + ">");
   }
   return file;
+}
+
+// The parsers of URDF and SDF read the same bytes afterwards, and one of them does not end at a NUL or
+// a broken sequence of UTF-8 (TinyXML 2.6.2, CVE-2021-42260).
+Result<void> XmlFile::check_text() const {
+  if (text_.size() > kBytesMax)
+    return fail(Fault::usage, path_ + ": has more than " + std::to_string(kBytesMax >> 20) +
+                                  " MB, which no such file needs; check the path");
+  int line = 1;
+  for (std::size_t i = 0; i < text_.size();) {
+    const auto c = static_cast<unsigned char>(text_[i]);
+    const std::size_t length = c < 0x80   ? 1
+                               : c < 0xc2 ? 0
+                               : c < 0xe0 ? 2
+                               : c < 0xf0 ? 3
+                               : c < 0xf5 ? 4
+                                          : 0;
+    bool valid = c != 0 && length > 0 && i + length <= text_.size();
+    for (std::size_t k = 1; valid && k < length; ++k)
+      valid = (static_cast<unsigned char>(text_[i + k]) & 0xc0) == 0x80;
+    if (!valid) return error(line, "holds a byte that is no text in UTF-8; save it as UTF-8");
+    line += c == '\n';
+    i += length;
+  }
+  return {};
 }
 
 tl::unexpected<Error> XmlFile::error(int line, const std::string& message) const {

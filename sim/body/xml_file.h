@@ -16,7 +16,8 @@ namespace kaz::sim {
 
 class XmlFile {
  public:
-  // Fails where the file cannot be read, is no well-formed XML, or has another root element.
+  // Fails where the file cannot be read, is too large, is no UTF-8 or well-formed XML, or has another root
+  // element.
   static Result<XmlFile> load(const std::string& path, const std::string& root_name);
 
   const std::string& path() const { return path_; }
@@ -33,8 +34,14 @@ class XmlFile {
   // Attribute that must be there and hold one finite number.
   Result<double> number(const tinyxml2::XMLElement& element, const char* name) const;
 
+  // The bytes that were parsed.
+  const std::string& text() const { return text_; }
+
  private:
-  std::string path_;
+  static constexpr std::size_t kBytesMax = std::size_t{16} << 20;
+  Result<void> check_text() const;
+
+  std::string path_, text_;
   std::unique_ptr<tinyxml2::XMLDocument> document_;
 };
 

@@ -419,8 +419,10 @@ class Boards {
       lines.emplace_back(line);
     }
     const std::size_t from = lines.size() - std::min(lines.size(), requests_shown);
-    for (std::size_t i = from; i < lines.size(); ++i)
-      difference.requests += (i == from ? "" : ", ") + lines[i];
+    for (std::size_t i = from; i < lines.size(); ++i) {
+      if (i != from) difference.requests += ", ";
+      difference.requests += lines[i];
+    }
     report_.differences.push_back(std::move(difference));
   }
 
@@ -481,7 +483,9 @@ std::string WireReport::text() const {
                   static_cast<long long>(different), static_cast<long long>(conversations),
                   static_cast<unsigned long long>(seed));
   }
-  text = line + std::string("; emulator's engine: ") + emulator_engine;
+  text = line;
+  text += "; emulator's engine: ";
+  text += emulator_engine;
   for (const WireDifference& difference : differences) {
     std::snprintf(line, sizeof line,
                   "\n  conversation %lld (--first %lld --conversations 1), %.2f ms: ",

@@ -177,12 +177,12 @@ TEST(Native, ResetLetsGoOfThePins) {
   ASSERT_TRUE(motors_on(*mcu));
   mcu->reset();
   EXPECT_EQ(mcu->pins(), PinLevels{});
-  u32 first_tick = 99;
-  mcu->on_tick([&first_tick](const TickRecord& record) {
-    if (first_tick == 99) first_tick = record.input.tick;
+  u32 first = 99;
+  mcu->on_tick([&first](const TickRecord& record) {
+    if (first == 99) first = record.input.tick;
   });
   ASSERT_TRUE(mcu->run_until(mcu->now() + 60 * ms));
-  EXPECT_EQ(first_tick, 0u);
+  EXPECT_EQ(first, 0u);
   EXPECT_FALSE(motors_on(*mcu));
 }
 

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "shared/base/json_depth.hpp"
 #include "sim/runtime/eyes.h"
 
 namespace kaz::sim {
@@ -57,9 +59,11 @@ bool grows(const EyeModel& eye) {
 }  // namespace
 
 Result<CameraFile> CameraFile::load(const std::string& path) {
-  std::ifstream file(path);
+  std::ifstream file(path, std::ios::binary);
   if (!file) return fail(Fault::usage, "cannot read the camera file " + path + "; check the path");
-  const auto json = nlohmann::json::parse(file, nullptr, false);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto json =
+      json_too_deep(text) ? nlohmann::json() : nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object())
     return fail(Fault::usage, path + ": is no JSON object; see shared/robot/kaz/camera.json");
   CameraFile camera;

@@ -28,6 +28,20 @@ Eigen::Vector3d scaled_normal(const Eigen::Vector3d& normal, const Eigen::Vector
   return normal.cwiseQuotient(scale).normalized();
 }
 
+// A model's size in its own unit: far above any, and what a float holds when it is squared.
+constexpr double kFarthest = 1e9;
+
+// Neither NaN nor beyond kFarthest.
+bool usable(const Eigen::Vector3d& v) {
+  return v.allFinite() && v.cwiseAbs().maxCoeff() <= kFarthest;
+}
+
+tl::unexpected<Error> far_vertex(const std::string& path) {
+  return fail(
+      Fault::usage,
+      path + ": a vertex lies nowhere or beyond 1e9: check its unit, export the mesh again");
+}
+
 // A triangle without area has no normal and nothing to show.
 void add_flat(Mesh& mesh, const Points& p) {
   const Eigen::Vector3d cross = (p[1] - p[0]).cross(p[2] - p[0]);
@@ -38,7 +52,8 @@ void add_flat(Mesh& mesh, const Points& p) {
                 mesh.add(p[2], normal, p[2].x(), p[2].y()));
 }
 
-Result<Mesh> binary_stl(std::string_view bytes, const Eigen::Vector3d& scale) {
+Result<Mesh> binary_stl(std::string_view bytes, const std::string& path,
+                        const Eigen::Vector3d& scale) {
   Mesh mesh;
   for (std::size_t at = 84; at + 50 <= bytes.size(); at += 50) {
     float numbers[12];
@@ -47,6 +62,7 @@ Result<Mesh> binary_stl(std::string_view bytes, const Eigen::Vector3d& scale) {
     for (std::size_t i = 0; i < 3; ++i) {
       p[i] = Eigen::Vector3d(numbers[3 + 3 * i], numbers[4 + 3 * i], numbers[5 + 3 * i])
                  .cwiseProduct(scale);
+      if (!usable(p[i])) return far_vertex(path);
     }
     add_flat(mesh, p);
   }
@@ -67,7 +83,8 @@ Result<Mesh> text_stl(const std::string& text, const std::string& path,
       return fail(Fault::usage,
                   path + ": a vertex line lacks its three numbers: export the mesh again");
     }
-    p[corner++] = v.cwiseProduct(scale);
+    p[corner] = v.cwiseProduct(scale);
+    if (!usable(p[corner++])) return far_vertex(path);
     if (corner == 3) {
       add_flat(mesh, p);
       corner = 0;
@@ -113,6 +130,7 @@ Result<Mesh> obj(const std::string& text, const std::string& path, const Eigen::
         return fail(Fault::usage, path + ":" + std::to_string(number) + ": `" + word +
                                       "` needs three numbers: export the mesh again");
       }
+      if (!usable(v) || (word == "v" && !usable(v.cwiseProduct(scale)))) return far_vertex(path);
       if (word == "v") positions.push_back(v.cwiseProduct(scale));
       if (word == "vn") normals.push_back(scaled_normal(v, scale));
     } else if (word == "f") {
@@ -160,7 +178,7 @@ Result<Mesh> load_mesh(const std::string& path, const Eigen::Vector3d& scale) {
     mesh = obj(bytes, path, scale);
   } else if (path.ends_with(".stl") || path.ends_with(".STL")) {
     const bool binary = bytes.size() >= 84 && bytes.size() == 84 + std::size_t{50} * count;
-    mesh = binary ? binary_stl(bytes, scale) : text_stl(bytes, path, scale);
+    mesh = binary ? binary_stl(bytes, path, scale) : text_stl(bytes, path, scale);
   } else {
     return fail(Fault::usage, path + ": only .obj and .stl meshes are drawn: convert this one");
   }

@@ -22,6 +22,7 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
 
 JOINT_LOOP_TRIALS = 200_000
 COMPARE_TICKS = 5_000
@@ -33,6 +34,10 @@ IMAGE_JUDGES = ("joint_loop", "firmware", "compare", "conformance")
 
 
 class CannotBeMade(Exception):
+    pass
+
+
+class Unhealthy(Exception):
     pass
 
 
@@ -50,8 +55,11 @@ def last_line(text):
 
 
 class Mutants:
-    def __init__(self, config, out, compare_ticks):
+    def __init__(self, config, out, compare_ticks, despite_failures):
         self.config = config
+        self.despite_failures = despite_failures
+        self.lock = threading.Lock()
+        self.passed = set()
         self.root = pathlib.Path(config["root"])
         self.build = pathlib.Path(config["build"])
         self.out = out
@@ -217,6 +225,7 @@ class Mutants:
             self.plant(mutation, folder)
             image = self.build_image(mutation, folder) if mutation["file"].startswith("firmware/") else None
             for judge in judges:
+                self.assure(judge, "h8" if image else "native")
                 try:
                     said = getattr(self, judge)(mutation, folder, image)
                 except subprocess.TimeoutExpired:
@@ -231,10 +240,16 @@ class Mutants:
             return "same", "", mutation["equivalent"]
         return "ALIVE", "", "passed " + ", ".join(judges)
 
-    def healthy(self, judge, side):
-        """What is not mutated must pass, or a failure means nothing."""
-        image = self.build / "firmware/kaz" if side == "h8" else None
-        return getattr(self, judge)(None, None, image)
+    def assure(self, judge, side):
+        """What is not mutated must pass, or a failure means nothing. Once, before a judge's first mutant."""
+        with self.lock:
+            if (judge, side) in self.passed:
+                return
+            image = self.build / "firmware/kaz" if side == "h8" else None
+            said = getattr(self, judge)(None, None, image)
+            if said is not None and not (self.despite_failures and judge == "conformance"):
+                raise Unhealthy(f"{judge} fails on {side} without any mutation: {said}")
+            self.passed.add((judge, side))
 
 
 def main():
@@ -248,7 +263,8 @@ def main():
                         help="the healthy code may fail cases too; a mutant must fail others")
     options = parser.parse_args()
     config = json.loads(options.config.read_text())
-    mutants = Mutants(config, pathlib.Path(config["build"]) / "mutants", options.compare_ticks)
+    mutants = Mutants(config, pathlib.Path(config["build"]) / "mutants", options.compare_ticks,
+                      options.despite_failures)
     mutations = json.loads((mutants.root / "tests/conformance/mutations.json").read_text())
     if len({one["id"] for one in mutations}) != len(mutations):
         sys.exit("mutations.json: an id stands twice")
@@ -260,14 +276,13 @@ def main():
 
     counts = collections.Counter()
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        needed = sorted({("h8" if one["file"].startswith("firmware/") else "native", judge)
-                         for one in chosen for judge in mutants.judges_of(one)})
-        for (side, judge), said in zip(needed, pool.map(lambda one: mutants.healthy(one[1], one[0]), needed)):
-            if said is not None and not (options.despite_failures and judge == "conformance"):
-                sys.exit(f"{judge} fails on {side} without any mutation: {said}")
-        for mutation, (word, judge, text) in zip(chosen, pool.map(mutants.kill, chosen)):
-            print(f"{word:7} {mutation['id']:28} {judge:12} {text}", flush=True)
-            counts[word, judge] += 1
+        try:
+            for mutation, (word, judge, text) in zip(chosen, pool.map(mutants.kill, chosen)):
+                print(f"{word:7} {mutation['id']:28} {judge:12} {text}", flush=True)
+                counts[word, judge] += 1
+        except Unhealthy as wrong:
+            pool.shutdown(cancel_futures=True)
+            sys.exit(str(wrong))
     killed = sum(count for (word, _), count in counts.items() if word == "killed")
     same = counts["same", ""]
     by = ", ".join(f"{judge} {counts['killed', judge]}" for judge in ("conformance", "compare", "joint_loop",

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "shared/base/json_depth.hpp"
+
 namespace kaz::tools {
 namespace {
 
@@ -41,7 +43,8 @@ Result<vision::ColorRange> read_color(const std::string& path) {
 
 Result<vision::ColorRange> parse_color(const std::string& content, const std::string& name) {
   const auto bad = [&](const std::string& what) { return fail(Fault::usage, name + ": " + what); };
-  const auto json = nlohmann::json::parse(content, nullptr, false);
+  const auto json =
+      json_too_deep(content) ? nlohmann::json() : nlohmann::json::parse(content, nullptr, false);
   if (!json.is_object()) return bad("is no JSON object of colour thresholds");
   vision::ColorRange range;
   bool any = false;

@@ -10,6 +10,7 @@
 
 #include "tools/kaz/message_fields.h"
 #include "tools/kaz/output.h"
+#include "tools/kaz/recorded_rig.h"
 #include "tools/kaz/replay_host.h"
 #include "tools/kaz/session.h"
 
@@ -44,31 +45,23 @@ std::string topic_of(const sim::McapRecording& recording, const Message& message
 
 Result<SessionOptions> session_of(const sim::McapRecording& recording,
                                   const ReplayOptions& options) {
-  const auto fact = [&](const std::string& name) {
-    const auto found = recording.facts.find(name);
-    return found == recording.facts.end() ? std::string() : found->second;
-  };
-  const auto rig = nlohmann::json::parse(fact("rig"), nullptr, false);
-  const auto settings = nlohmann::json::parse(fact("settings"), nullptr, false);
-  if (fact("behavior").empty() || !rig.is_object() || !settings.is_object())
-    return fail(Fault::usage, options.file +
-                                  ": it does not say which behaviour ran; give a recording of this "
-                                  "version's `kaz run` or `kaz demo`");
+  auto recorded = recorded_rig(recording, options.file);
+  if (!recorded) return tl::unexpected(recorded.error());
   SessionOptions session;
-  session.behavior = fact("behavior");
-  session.settings = settings.get<std::map<std::string, std::string>>();
-  session.rig.world = rig.value("world", "");
-  session.rig.robot_file = rig.value("robot_file", "");
-  session.rig.engine = rig.value("engine", "");
-  session.rig.image = rig.value("image", "");
-  session.rig.sensors = rig.value("sensors", "");
-  session.rig.imu = rig.value("imu", false);
-  session.rig.dynamics = rig.value("dynamics", session.rig.dynamics);
-  session.rig.physics_step_ms = rig.value("physics_step_ms", session.rig.physics_step_ms);
-  session.rig.supply_volts = rig.value("supply_volts", session.rig.supply_volts);
-  session.rig.eyes = rig.value("eyes", "");
-  session.rig.eye_width = rig.value("eye_width", 0);
-  session.rig.seed = options.seed.value_or(rig.value("seed", std::uint64_t{1}));
+  session.behavior = recorded->behavior;
+  session.settings = std::move(recorded->settings);
+  session.rig.world = recorded->world;
+  session.rig.robot_file = recorded->robot_file;
+  session.rig.engine = recorded->engine;
+  session.rig.image = recorded->image;
+  session.rig.sensors = recorded->sensors;
+  session.rig.imu = recorded->imu;
+  session.rig.dynamics = recorded->dynamics;
+  session.rig.physics_step_ms = recorded->physics_step_ms;
+  session.rig.supply_volts = recorded->supply_volts;
+  session.rig.eyes = recorded->eyes;
+  session.rig.eye_width = recorded->eye_width;
+  session.rig.seed = options.seed.value_or(recorded->seed);
   for (const auto& [name, value] : options.settings) session.settings[name] = value;
   session.quiet = true;
   session.vision = options.vision;

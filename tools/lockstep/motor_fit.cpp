@@ -287,6 +287,12 @@ Result<Bench> bench_of(const hil::BenchReport& report, const std::string& joint,
     if (name == "supply_volts") bench.supply_volts = value;
     if (name == "pressing_s") bench.pressing_s = value;
   }
+  // Beyond these there is no bench, and the model would press for ever or not at all.
+  if (bench.disc_kgm2 > 1 || bench.supply_volts > 100 ||
+      !(bench.pressing_s >= 0.01 && bench.pressing_s <= 60))
+    return fail(Fault::usage,
+                "the report's conditions are of no bench: disc_kgm2 is up to 1, supply_volts up to "
+                "100, pressing_s from 0.01 to 60; measure again with `kaz bench motor`");
   if (!(bench.disc_kgm2 > 0) || !(bench.supply_volts > 0))
     return fail(
         Fault::usage,

@@ -13,7 +13,8 @@
 namespace kaz::hil {
 namespace {
 
-constexpr double kHandSpeed = 2;  // rad/s, of what turns the virtual stand's shafts
+constexpr double kMostReading = 20;  // Nm, rad, kg m2: beyond what a stand has
+constexpr double kHandSpeed = 2;     // rad/s, of what turns the virtual stand's shafts
 
 std::string joint_name(int joint) {
   return host::joint_table()[static_cast<std::size_t>(joint)].name;
@@ -44,7 +45,11 @@ Result<double> CommandStand::number(const std::string& line, const char* key) {
   if (found == reply->end() || !found->is_number())
     return fail(Fault::environment,
                 "stand " + name_ + ": its reply to `" + line + "` has no number `" + key + "`");
-  return found->get<double>();
+  const double value = found->get<double>();
+  if (!(std::abs(value) <= kMostReading))
+    return fail(Fault::environment, "stand " + name_ + ": its reply to `" + line +
+                                        "` is no reading: `" + key + "` is " + found->dump());
+  return value;
 }
 
 Result<double> CommandStand::disc_kgm2() {

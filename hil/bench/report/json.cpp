@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/bench/report.h"
+#include "shared/base/json_depth.hpp"
 
 namespace kaz::hil {
 namespace {
@@ -186,6 +187,7 @@ std::string bench_json(const BenchReport& report) {
 Result<BenchReport> parse_bench_json(const std::string& json, const std::string& file_name) {
   std::string why = "it is no JSON";
   try {
+    if (json_too_deep(json)) throw Wrong("it nests too deeply");
     const Json all = Json::parse(json);
     why = "it is not what kaz bench writes";
     return to_report(all);

@@ -5,15 +5,9 @@
 // that is no sound one (not finite, outside of the picture, of another frame).
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <span>
-#include <string>
+#include "tools/fuzz/target.h"
 
 namespace kaz::fuzz {
-
-using Bytes = std::span<const std::uint8_t>;
-using Complaint = std::optional<std::string>;
 
 // A file of a picture: PNG, JPEG, PPM, PGM. Files that claim more than 4 megapixels are left out:
 // what they cost is memory alone.
@@ -27,10 +21,6 @@ Complaint try_color(Bytes bytes);
 // of a fresh pipeline.
 Complaint try_vision(Bytes bytes);
 
-struct Target {
-  const char* name;
-  Complaint (*run)(Bytes);
-};
 inline constexpr Target kVisionTargets[] = {{"picture", try_picture},
                                             {"calibration", try_calibration},
                                             {"color", try_color},

@@ -12,9 +12,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "tools/figure/figure.h"
 #include "tools/kaz/evaluate/episode.h"
+#include "tools/kaz/evaluate/episode_file.h"
 #include "tools/kaz/evaluate/summary.h"
 #include "tools/kaz/interrupt_signals.h"
 
@@ -30,12 +32,11 @@ std::string episode_file(std::uint64_t number) {
   return name;
 }
 
-Result<Json> read_json(const std::string& path) {
-  std::ifstream in(path);
-  Json json = Json::parse(in, nullptr, false);
-  if (json.is_discarded() || !json.is_object())
-    return fail(Fault::usage, path + ": is damaged; remove it and run the campaign again");
-  return json;
+using Parse = Result<Json> (*)(const std::string& text, const std::string& name);
+
+Result<Json> read_json(const std::string& path, Parse parse) {
+  std::ifstream in(path, std::ios::binary);
+  return parse({std::istreambuf_iterator<char>(in), {}}, path);
 }
 
 Result<void> write_json(const std::string& path, const Json& json) {
@@ -51,10 +52,8 @@ Result<Episodes> read_episodes(const std::string& folder) {
   for (fs::directory_iterator at(folder + "/episodes", none), end; !none && at != end;
        at.increment(none)) {
     if (at->path().extension() != ".json") continue;
-    auto one = read_json(at->path().string());
+    auto one = read_json(at->path().string(), parse_episode);
     if (!one) return tl::unexpected(one.error());
-    if (!one->contains("episode") || !(*one)["episode"].is_number_unsigned())
-      return fail(Fault::usage, at->path().string() + ": is no episode; remove it");
     const auto number = (*one)["episode"].get<std::uint64_t>();
     all[number] = std::move(*one);
   }
@@ -167,7 +166,7 @@ class Runner {
       if (auto written = write_json(path, broken(options_, number, status)); !written)
         return written;
     }
-    auto episode = read_json(path);
+    auto episode = read_json(path, parse_episode);
     if (!episode) return tl::unexpected(episode.error());
     episodes_[number] = std::move(*episode);
     std::uint64_t good = 0;
@@ -200,7 +199,7 @@ Result<void> claim(const OutputFolder& folder, const Json& campaign) {
   }
   const std::string path = folder.path("campaign.json");
   if (!fs::exists(path)) return write_json(path, campaign);
-  const auto there = read_json(path);
+  const auto there = read_json(path, parse_campaign);
   if (!there) return tl::unexpected(there.error());
   if (*there == campaign) return {};
   for (const auto& [key, value] : campaign.items()) {
@@ -279,7 +278,7 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
     if (!fs::exists(folder + "/campaign.json"))
       return fail(Fault::usage,
                   "'" + folder + "' is no folder of kaz evaluate: it has no campaign.json");
-    const auto other = read_json(folder + "/campaign.json");
+    const auto other = read_json(folder + "/campaign.json", parse_campaign);
     if (!other) return tl::unexpected(other.error());
     if (campaign.is_null()) campaign = *other;
     if (campaign != *other)

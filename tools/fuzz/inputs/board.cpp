@@ -1,0 +1,184 @@
+// What a board or a simulation is started from: memories, saved states; and arguments.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "hil/fuzz/choices.h"
+#include "host/behavior/options.h"
+#include "host/robot/v4l2_camera.h"
+#include "shared/protocol/crc16.h"
+#include "shared/servo/store.h"
+#include "sim/mcu/mcu.h"
+#include "sim/mcu/memory_file.h"
+#include "sim/runtime/sha256.h"
+#include "sim/runtime/snapshot.h"
+#include "sim/stand/stand_commands.h"
+#include "tools/fuzz/inputs/input.h"
+#include "tools/fuzz/inputs/targets.h"
+#include "tools/kaz/port_argument.h"
+#include "tools/kaz/vision_modules.h"
+
+namespace kaz::fuzz {
+namespace {
+
+using hil::fuzz::Choices;
+constexpr std::size_t kMemory = sim::Mcu::memory_size;
+
+// Erased flash with lines of a log, whose check sums are right for the most part.
+std::vector<std::uint8_t> memory_of(Bytes bytes) {
+  std::vector<std::uint8_t> memory(kMemory, 0xff);
+  Choices choices(bytes);
+  while (!choices.ended()) {
+    const std::size_t at = choices.below(kMemory / KZ_STORE_LINE) * KZ_STORE_LINE;
+    const bool checked = choices.below(8) != 7;
+    for (std::size_t k = 0; k < KZ_STORE_LINE - 2; ++k) memory[at + k] = choices.byte();
+    std::uint16_t crc = 0xffff;
+    for (std::size_t k = 0; k < KZ_STORE_LINE - 2; ++k) crc = kz_crc16_step(crc, memory[at + k]);
+    if (!checked) crc = static_cast<std::uint16_t>(choices.word());
+    memory[at + KZ_STORE_LINE - 2] = static_cast<std::uint8_t>(crc >> 8);
+    memory[at + KZ_STORE_LINE - 1] = static_cast<std::uint8_t>(crc);
+  }
+  return memory;
+}
+
+// The board on it: it runs, drives nothing that nobody asked for, and forgets nothing.
+Complaint run_on(std::span<const std::uint8_t> memory) {
+  const std::string path = input_file(memory, "memory");
+  const auto mcu = sim::make_native();
+  if (auto loaded = sim::load_memory(*mcu, path); !loaded) return judge_error(loaded.error(), path);
+  bool driven = false;
+  mcu->on_tick([&](const sim::TickRecord& tick) {
+    driven = driven || (tick.output.p4 & KZ_P4_ENABLE) != 0 ||
+             std::any_of(std::begin(tick.output.pw), std::end(tick.output.pw),
+                         [](std::uint8_t duty) { return duty != 0; });
+  });
+  mcu->set_analog([](int, const sim::PinLevels&, sim::States) { return 0.5; });
+  mcu->power_cycle();
+  if (auto ran = mcu->run_until(mcu->now() + 30 * KZ_STATES_PER_TICK); !ran)
+    return "the board does not run: " + ran.error().message;
+  if (driven) return "a motor is driven";
+  const auto kept = mcu->memory();
+  if (!std::equal(kept.begin(), kept.end(), memory.begin(), memory.end()))
+    return "the board has changed its memory";
+  const std::string again = input_folder() + "/memory-again";
+  if (auto saved = sim::save_memory(*mcu, again); !saved) return saved.error().message;
+  const auto other = sim::make_native();
+  if (auto loaded = sim::load_memory(*other, again); !loaded) return loaded.error().message;
+  if (other->memory() != kept) return "what was written is another memory";
+  return std::nullopt;
+}
+
+std::unique_ptr<sim::Simulation> stand() {
+  sim::StandOptions options;
+  options.motor = {.name = "case",
+                   .stall_slope_nm_per_v = 0.2,
+                   .friction_nm = 0.1,
+                   .back_emf_nms_per_rad = 0.3,
+                   .rotor_inertia_kgm2 = 1e-3,
+                   .max_supply_v = 12};
+  auto simulation = sim::make_stand({}, options);
+  return simulation ? std::move(*simulation) : nullptr;
+}
+
+}  // namespace
+
+Complaint try_memory(Bytes bytes) {
+  if (bytes.size() >= kMemory) {
+    const std::string path = input_file(bytes, "memory");
+    if (bytes.size() > kMemory) {
+      const auto loaded = sim::load_memory(*sim::make_native(), path);
+      if (loaded) return "a memory of another size was taken";
+      return judge_error(loaded.error(), path);
+    }
+    return run_on(bytes);
+  }
+  return run_on(memory_of(bytes));
+}
+
+Complaint try_state(Bytes bytes) {
+  // As a file, with the check sum that belongs to it: only the content is wrong.
+  std::vector<std::uint8_t> blob(bytes.begin(), bytes.end());
+  const std::string digest = sim::sha256_hex(blob);
+  blob.insert(blob.end(), digest.begin(), digest.end());
+  if (const auto state = sim::Snapshot::unpack(blob, {{"seed", "1"}}); !state) {
+    if (auto wrong = judge_error(state.error(), "saved state")) return wrong;
+  } else if (state->data() < blob.data() ||
+             state->data() + state->size() > blob.data() + blob.size()) {
+    return "a state beyond its file";
+  }
+  if (sim::Snapshot::unpack(bytes, {})) return "a state without its check sum was taken";
+
+  // As the parts of a simulation. What is taken is not run: a saved state is trusted as far as its
+  // check sum and its options go. A sound one must be taken afterwards.
+  const auto simulation = stand();
+  if (!simulation) return "no stand";
+  (void)simulation->step();
+  const auto saved = simulation->save();
+  if (!saved) return "cannot be saved: " + saved.error().message;
+  sim::SimulationOptions options;
+  options.supply_ohms = 0.02;  // as make_stand() has it
+  const auto facts = facts_of(options, simulation->world());
+  const auto sound = sim::Snapshot::unpack(*saved, facts);
+  if (!sound) return "cannot be read back: " + sound.error().message;
+  // The input replaces bytes of the sound state: position (2 bytes), value.
+  std::vector<std::uint8_t> parts(sound->begin(), sound->end());
+  Choices choices(bytes);
+  while (!choices.ended()) {
+    const std::size_t at = static_cast<std::size_t>(choices.byte()) << 8 | choices.byte();
+    if (at >= parts.size()) {
+      parts.resize(parts.size() - std::min<std::size_t>(parts.size(), choices.byte()));
+      if (parts.empty()) break;
+    } else {
+      parts[at] = choices.byte();
+    }
+  }
+  const auto restored = simulation->restore(sim::Snapshot::pack(facts, parts));
+  if (!restored) {
+    if (auto wrong = judge_error(restored.error(), "saved state")) return wrong;
+  }
+  if (auto again = simulation->restore(*saved); !again)
+    return "a sound state is refused afterwards: " + again.error().message;
+  if (auto stepped = simulation->step(); !stepped)
+    return "the restored simulation does not run: " + stepped.error().message;
+  const auto other = stand();
+  (void)other->step();
+  (void)other->step();
+  if (simulation->save().value() != other->save().value())
+    return "the restored simulation goes on otherwise";
+  return std::nullopt;
+}
+
+Complaint try_arguments(Bytes bytes) {
+  std::string text = text_of(bytes);
+  // A command line holds no NUL; a newline in an argument comes back in the sentence about it.
+  text.resize(std::min(text.size(), text.find('\0')));
+  if (text.find('\n') != std::string::npos) return std::nullopt;
+  if (const auto port = tools::parse_port(text); !port) {
+    if (auto wrong = judge_error(port.error(), "--port")) return wrong;
+  } else if (port->second <= 0) {
+    return "a baud rate that is none";
+  }
+  if (const auto source = host::parse_v4l2_source(text); !source) {
+    if (auto wrong = judge_error(source.error(), "v4l2:")) return wrong;
+  } else if (source->left.empty() || source->right.empty() || !(source->rate_hz >= 0)) {
+    return "cameras that are none";
+  }
+  if (const auto modules = tools::parse_modules(text); !modules) {
+    if (auto wrong = judge_error(modules.error(), "--modules")) return wrong;
+  } else if (modules->empty()) {
+    return "no modules";
+  }
+  constexpr behavior::Option kOptions[] = {{"seconds", "10", "", 0, 100, "how long"},
+                                           {"end", "keep", "keep|home", 0, 0, "what then"}};
+  const std::size_t equals = text.find('=');
+  const auto values = behavior::OptionValues::parse(
+      kOptions,
+      {{text.substr(0, equals), equals == std::string::npos ? "" : text.substr(equals + 1)}});
+  if (!values) return judge_error(values.error(), "`");
+  if (!(values->number("seconds") >= 0 && values->number("seconds") <= 100))
+    return "an option outside of its bounds";
+  return std::nullopt;
+}
+
+}  // namespace kaz::fuzz

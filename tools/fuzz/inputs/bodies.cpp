@@ -1,0 +1,96 @@
+// Files of bodies: robots, worlds, meshes.
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "sim/body/robot_model.h"
+#include "sim/body/world_model.h"
+#include "sim/view/mesh.h"
+#include "tools/fuzz/inputs/input.h"
+#include "tools/fuzz/inputs/targets.h"
+
+namespace kaz::fuzz {
+namespace {
+
+Complaint judge(const sim::RigidLink& link) {
+  if (!(std::isfinite(link.mass) && link.mass >= 0) || !link.com.allFinite() ||
+      !link.inertia.allFinite())
+    return "link " + link.name + " is no body";
+  for (const sim::CollisionShape& shape : link.collisions) {
+    if (!shape.in_link.matrix().allFinite() || !shape.shape.size.allFinite())
+      return "link " + link.name + " has a shape that is none";
+  }
+  for (const sim::Visual& visual : link.visuals) {
+    if (!visual.in_frame.matrix().allFinite() || !visual.shape.size.allFinite())
+      return "link " + link.name + " has a visual that is none";
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Complaint try_robot(Bytes bytes) {
+  const std::string path = input_file(bytes, "robot.urdf");
+  const auto robot = sim::load_robot(path);
+  if (!robot) return judge_error(robot.error(), path);
+  if (robot->joints.empty()) return "a robot without joints was read";
+  for (std::size_t i = 0; i < robot->links.size(); ++i) {
+    const sim::RobotLink& link = robot->links[i];
+    if (auto wrong = judge(link.rigid)) return wrong;
+    if (link.parent >= static_cast<int>(i) || !link.at_zero.matrix().allFinite() ||
+        link.joint >= static_cast<int>(robot->joints.size()))
+      return "link " + link.rigid.name + " hangs nowhere";
+  }
+  for (const sim::RobotJoint& joint : robot->joints) {
+    if (joint.child < 0 || joint.child >= static_cast<int>(robot->links.size()) ||
+        !(std::abs(joint.axis.norm() - 1) < 1e-6) || !(joint.lower < joint.upper))
+      return "joint " + joint.name + " is none";
+  }
+  for (const auto& [name, frame] : robot->frames) {
+    if (frame.link < 0 || frame.link >= static_cast<int>(robot->links.size()) ||
+        !frame.in_link.matrix().allFinite())
+      return "frame " + name + " is none";
+  }
+  (void)robot->eyes_link();
+  if (!(std::isfinite(robot->mass()))) return "a robot without a mass was read";
+  const Eigen::AlignedBox3d extent = robot->extent();
+  if (!extent.isEmpty() && !(extent.min().allFinite() && extent.max().allFinite()))
+    return "a robot without bounds was read";
+  return std::nullopt;
+}
+
+Complaint try_world(Bytes bytes) {
+  const std::string path = input_file(bytes, "world.sdf");
+  const auto world = sim::load_world(path);
+  if (!world) return judge_error(world.error(), path);
+  if (!world->gravity.allFinite() || !world->robot_start.matrix().allFinite())
+    return "gravity or start that are none were read";
+  for (const sim::WorldBody& body : world->bodies) {
+    if (auto wrong = judge(body.rigid)) return wrong;
+    if (!body.pose.matrix().allFinite()) return "model " + body.model + " stands nowhere";
+    if (!body.fixed && !(body.rigid.mass > 0)) return "model " + body.model + " weighs nothing";
+    for (const sim::Kick& kick : body.kicks) {
+      if (!(kick.time_s >= 0) || !kick.velocity.allFinite()) return "a kick that is none was read";
+    }
+  }
+  return std::nullopt;
+}
+
+Complaint try_mesh(Bytes bytes) {
+  if (bytes.empty()) return std::nullopt;
+  const std::string path = input_file(bytes.subspan(1), bytes[0] % 2 ? "mesh.stl" : "mesh.obj");
+  const auto mesh = sim::load_mesh(path, {1, 1, 1});
+  if (!mesh) return judge_error(mesh.error(), path);
+  if (mesh->indices.empty() || mesh->indices.size() % 3 != 0) return "a mesh without triangles";
+  for (const std::uint32_t index : mesh->indices) {
+    if (index >= mesh->vertices.size()) return "a corner of a vertex that is not there";
+  }
+  for (const sim::Vertex& vertex : mesh->vertices) {
+    for (const float value : {vertex.position[0], vertex.position[1], vertex.position[2],
+                              vertex.normal[0], vertex.normal[1], vertex.normal[2]}) {
+      if (!std::isfinite(value)) return "a vertex that is none";
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace kaz::fuzz

@@ -1,0 +1,114 @@
+// Files of text: motors, sensors, cameras, faults.
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "shared/faults/faults.h"
+#include "sim/board/sensor_file.h"
+#include "sim/body/motor_file.h"
+#include "sim/runtime/eyes.h"
+#include "tools/fuzz/inputs/input.h"
+#include "tools/fuzz/inputs/targets.h"
+
+namespace kaz::fuzz {
+namespace {
+
+bool finite(const sim::MotorFigures& m) {
+  for (const double value :
+       {m.stall_slope_nm_per_v, m.friction_nm, m.back_emf_nms_per_rad, m.stiction_ratio,
+        m.rotor_inertia_kgm2, m.max_supply_v, m.backlash_rad, m.winding_heat_capacity,
+        m.winding_to_case, m.case_heat_capacity, m.case_to_air, m.copper_per_kelvin, m.air_celsius,
+        m.torque_constant(), m.resistance_ohm()}) {
+    if (!std::isfinite(value)) return false;
+  }
+  return m.stall_slope_nm_per_v > 0 && m.back_emf_nms_per_rad > 0 && m.rotor_inertia_kgm2 > 0 &&
+         m.max_supply_v > 0 && m.friction_nm >= 0 && m.stiction_ratio >= 1;
+}
+
+bool valid(const sim::AxisFigures& a) {
+  for (const double value : {a.share_per_unit, a.zero_offset, a.wander, a.wander_time_s,
+                             a.bandwidth_hz, a.noise_density, a.range}) {
+    if (!(std::isfinite(value) && value >= 0)) return false;
+  }
+  return a.wander_time_s > 0 && a.bandwidth_hz > 0;
+}
+
+}  // namespace
+
+Complaint try_motor(Bytes bytes) {
+  const std::string path = input_file(bytes, "motor.xml");
+  const auto motor = sim::load_motor_file(path, "");
+  if (!motor) return judge_error(motor.error(), path);
+  if (!finite(*motor)) return "a motor that is none was read";
+  const std::string text = sim::motor_file_text(*motor, "case");
+  const auto* first = reinterpret_cast<const std::uint8_t*>(text.data());
+  const auto again = sim::load_motor_file(input_file({first, text.size()}, "again.xml"), "");
+  if (!again) return "what was read and written cannot be read: " + again.error().message;
+  sim::MotorFigures same = *again;
+  if (std::abs(same.backlash_rad - motor->backlash_rad) <= 1e-15 * motor->backlash_rad)
+    same.backlash_rad = motor->backlash_rad;
+  // Without heat capacity the file has no other figures of heat.
+  if (motor->winding_heat_capacity == 0) {
+    same.winding_to_case = motor->winding_to_case;
+    same.case_heat_capacity = motor->case_heat_capacity;
+    same.case_to_air = motor->case_to_air;
+    same.copper_per_kelvin = motor->copper_per_kelvin;
+  }
+  if (same != *motor) return "what was read and written is another motor";
+  return std::nullopt;
+}
+
+Complaint try_sensors(Bytes bytes) {
+  const std::string path = input_file(bytes, "sensors.xml");
+  const auto sensors = sim::load_sensor_file(path);
+  if (!sensors) return judge_error(sensors.error(), path);
+  for (const double value :
+       {sensors->potentiometer.noise_codes, sensors->potentiometer.linearity,
+        sensors->potentiometer.mounting_rad, sensors->potentiometer.terminal_rad,
+        sensors->potentiometer.open_level, sensors->supply.noise_codes,
+        sensors->reference.noise_codes, sensors->driver.noise_codes, sensors->driver.drop_volts,
+        sensors->driver.kelvin_per_watt, sensors->driver.time_constant_s}) {
+    if (!(std::isfinite(value) && value >= 0)) return "a sensor that is none was read";
+  }
+  if (!valid(sensors->gyro) || !valid(sensors->accelerometer)) return "an inertial sensor is none";
+  return std::nullopt;
+}
+
+Complaint try_camera_file(Bytes bytes) {
+  const std::string path = input_file(bytes, "camera.json");
+  auto camera = sim::CameraFile::load(path);
+  if (!camera) return judge_error(camera.error(), path);
+  if (camera->eye.width < 16 || camera->eye.width > 4096 || camera->eye.height < 16 ||
+      camera->eye.height > 4096 || !(camera->rate_hz > 0 && camera->rate_hz <= 500) ||
+      !(camera->latency_s >= 0 && camera->latency_s <= 1))
+    return "a camera outside of its bounds was read";
+  for (const bool ideal : {true, false}) {
+    camera->ideal = ideal;
+    const vision::CameraModel m = camera->model();
+    if (m.width != camera->eye.width || m.height != camera->eye.height ||
+        !(std::isfinite(m.fx) && m.fx > 0 && std::isfinite(m.fy) && m.fy > 0) ||
+        !std::isfinite(m.cx) || !std::isfinite(m.cy))
+      return "a camera model that is none was read";
+  }
+  return std::nullopt;
+}
+
+Complaint try_faults(Bytes bytes) {
+  const auto schedule = faults::Schedule::parse(text_of(bytes), "case");
+  if (!schedule) return judge_error(schedule.error(), "case:");
+  for (const faults::Fault& fault : schedule->faults()) {
+    const faults::Kind& kind = faults::kind_of(fault.name);
+    if (!kind.parameter.empty() && !(fault.value >= kind.low && fault.value <= kind.high))
+      return "a value outside of its bounds was read: " + faults::text_of(fault);
+    if ((kind.target == faults::Target::joint) != (fault.joint >= 0))
+      return "a joint where none is, or none where one is";
+    for (const faults::Time t : {faults::Time::min(), faults::Time(0), faults::Time::max()})
+      (void)fault.active(t);
+  }
+  // Nine digits are written: what has more loses them once.
+  const auto again = faults::Schedule::parse(schedule->text(), "again");
+  if (!again) return "what was read and written cannot be read: " + again.error().message;
+  if (again->text() != schedule->text()) return "what was read and written is another schedule";
+  return std::nullopt;
+}
+
+}  // namespace kaz::fuzz

@@ -1,0 +1,75 @@
+// Recordings: the file, what kaz replay takes out of it, and the replayed board itself.
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "sim/runtime/mcap_reader.h"
+#include "tools/fuzz/inputs/input.h"
+#include "tools/fuzz/inputs/targets.h"
+#include "tools/kaz/message_fields.h"
+#include "tools/kaz/recorded_rig.h"
+#include "tools/lockstep/recorded_run.h"
+#include "tools/lockstep/replayed_board.h"
+
+namespace kaz::fuzz {
+namespace {
+
+constexpr int kSteps = 100;  // ms
+
+Complaint judge(const lockstep::RecordedRun& run) {
+  if (run.camera_latency < Time::zero()) return "a picture that comes before it is taken";
+  if (!run.has_pictures) return std::nullopt;
+  const vision::CameraModel& c = run.camera;
+  if (c.width < 1 || c.height < 1 || !(std::isfinite(c.fx) && c.fx > 0) ||
+      !(std::isfinite(c.fy) && c.fy > 0) || !std::isfinite(c.cx) || !std::isfinite(c.cy) ||
+      !std::isfinite(c.baseline_m))
+    return "a camera model that is none was read";
+  return std::nullopt;
+}
+
+Complaint play(const lockstep::RecordedRun& run) {
+  lockstep::ReplayedBoard board(run);
+  const std::uint8_t request[] = {0, 4, 1, 1, 1, 0x80, 0x80, 0x80, 0};
+  board.write(request);
+  std::uint8_t reply[256];
+  for (int k = 0; k < kSteps; ++k) {
+    if (auto stepped = board.step(); !stepped) {
+      if (stepped.error().message.empty()) return "an error without a message";
+      break;
+    }
+    (void)board.read(reply);
+    auto pair = board.next_pair();
+    if (!pair && pair.error().message.empty()) return "an error without a message";
+    if (pair && *pair && (*pair)->images.get() == nullptr) return "a pair without pictures";
+    board.think("{}");
+  }
+  board.finish();
+  return std::nullopt;
+}
+
+}  // namespace
+
+Complaint try_recording(Bytes bytes) {
+  const auto recording = sim::McapRecording::parse(bytes, "case.mcap");
+  if (!recording) return judge_error(recording.error(), "case.mcap");
+  (void)recording->has_messages("/eyes/left");
+  const auto rig = tools::recorded_rig(*recording, "case.mcap");
+  if (!rig) {
+    if (auto wrong = judge_error(rig.error(), "case.mcap")) return wrong;
+  }
+  const sim::McapRecording::Message* before = nullptr;
+  for (const auto& message : recording->messages) {
+    const auto topic = recording->topics.find(message.channel);
+    if (topic != recording->topics.end() && before != nullptr) {
+      (void)tools::field_difference(topic->second, before->data, message.data);
+      if (tools::field_difference(topic->second, message.data, message.data))
+        return "a message that differs from itself";
+    }
+    before = &message;
+  }
+  const auto run = lockstep::RecordedRun::of(*recording, "case.mcap");
+  if (!run) return judge_error(run.error(), "case.mcap");
+  if (auto wrong = judge(*run)) return wrong;
+  return play(*run);
+}
+
+}  // namespace kaz::fuzz

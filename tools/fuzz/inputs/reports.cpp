@@ -1,0 +1,66 @@
+// Results that are read back: of the bench, of its limits, of campaigns.
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "hil/bench/report.h"
+#include "tools/fuzz/inputs/input.h"
+#include "tools/fuzz/inputs/targets.h"
+#include "tools/kaz/evaluate/episode_file.h"
+
+namespace kaz::fuzz {
+
+Complaint try_bench_report(Bytes bytes) {
+  const auto report = hil::parse_bench_json(text_of(bytes), "case.json");
+  if (!report) return judge_error(report.error(), "case.json");
+  for (const hil::Measurement& one : report->measurements) {
+    if (one.of == nullptr) return "a measurement of nothing";
+  }
+  // Everything that a report is turned into.
+  const std::string text = hil::bench_json(*report);
+  const auto again = hil::parse_bench_json(text, "again");
+  if (!again) return "what was read and written cannot be read: " + again.error().message;
+  if (hil::bench_json(*again) != text) return "what was read and written is another report";
+  (void)hil::bench_csv(*report);
+  (void)hil::bench_html(*report);
+  (void)hil::bench_junit(*report);
+  return std::nullopt;
+}
+
+Complaint try_bench_limits(Bytes bytes) {
+  const auto limits = hil::parse_limits(text_of(bytes), "case.json");
+  if (!limits) return judge_error(limits.error(), "case.json");
+  for (const auto& [name, limit] : *limits) {
+    if (hil::find_measurement(name) == nullptr) return "a limit of nothing";
+    if (!(limit.first <= limit.second)) return "limits that nothing keeps";
+  }
+  return std::nullopt;
+}
+
+// What the summary takes for granted, field by field.
+Complaint try_episodes(Bytes bytes) {
+  const auto campaign = tools::parse_campaign(text_of(bytes), "case.json");
+  if (!campaign) {
+    if (auto wrong = judge_error(campaign.error(), "case.json")) return wrong;
+  } else {
+    (void)(*campaign)["behavior"].get<std::string>();
+    if (*campaign != nlohmann::ordered_json(*campaign)) return "a campaign that is not itself";
+    (void)campaign->dump(2);
+  }
+  const auto episode = tools::parse_episode(text_of(bytes), "case.json");
+  if (!episode) return judge_error(episode.error(), "case.json");
+  const nlohmann::ordered_json& e = *episode;
+  (void)e["episode"].get<std::uint64_t>();
+  (void)e["success"].get<bool>();
+  (void)(e["sentence"].get<std::string>() + e["cause"].get<std::string>());
+  (void)(e["scenario"]["seed"].dump() + e["seconds"].dump() + e["rtf"].dump());
+  (void)e["truth"].value("fell", false);
+  if (!std::isfinite(e["seconds"].get<double>() * 0)) return "an episode without a length";
+  for (const auto& [name, value] : e["figures"].items()) {
+    if (value.is_number()) (void)value.get<double>();
+  }
+  const auto again = tools::parse_episode(e.dump(1), "again");
+  if (!again) return "what was read and written cannot be read: " + again.error().message;
+  return std::nullopt;
+}
+
+}  // namespace kaz::fuzz

@@ -1,0 +1,61 @@
+// Every kind of bytes that comes from outside, but those of vision and of the emulator, which have
+// targets of their own. tools/fuzz/targets.txt lists all targets with the parsers that they drive.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tools/fuzz/target.h"
+
+namespace kaz::fuzz {
+
+// Files on the command line (bodies.cpp, files.cpp).
+Complaint try_robot(Bytes bytes);        // URDF
+Complaint try_world(Bytes bytes);        // SDF
+Complaint try_motor(Bytes bytes);        // motor.xml; written and read again
+Complaint try_sensors(Bytes bytes);      // sensors.xml
+Complaint try_mesh(Bytes bytes);         // first byte: the ending; OBJ, STL
+Complaint try_camera_file(Bytes bytes);  // camera.json
+Complaint try_faults(Bytes bytes);       // schedules of faults; written and read again
+Complaint try_memory(Bytes bytes);       // a board's memory, which the native board then runs on
+Complaint try_state(Bytes bytes);        // a saved state: facts and parts
+Complaint try_flash_image(Bytes bytes);  // S-record, Intel HEX, COFF, ELF as kaz flash takes them
+Complaint try_arguments(Bytes bytes);    // addresses and lists on the command line
+
+// Results that are read back (reports.cpp, recording.cpp).
+Complaint try_bench_report(Bytes bytes);  // result.json of kaz bench; written and read again
+Complaint try_bench_limits(Bytes bytes);
+Complaint try_episodes(Bytes bytes);   // an episode of kaz evaluate
+Complaint try_recording(Bytes bytes);  // MCAP, and what kaz replay takes out of it
+
+// Lines and sockets (wire.cpp, flash.cpp, sockets.cpp).
+Complaint try_frames(Bytes bytes);         // the receiver against the second one of conformance
+Complaint try_replies(Bytes bytes);        // a hostile board at the host's Robot
+Complaint try_flash_replies(Bytes bytes);  // a hostile board at kaz flash: boot mode and writer
+Complaint try_camera_stream(Bytes bytes);  // published cameras, at the reader
+Complaint try_raw_picture(Bytes bytes);    // pictures of a V4L2 camera
+Complaint try_control(Bytes bytes);        // the control socket of kaz sim, a motor stand behind it
+Complaint try_control_reply(Bytes bytes);  // its replies, at the host
+
+inline constexpr Target kInputTargets[] = {{"robot", try_robot},
+                                           {"world", try_world},
+                                           {"motor", try_motor},
+                                           {"sensors", try_sensors},
+                                           {"mesh", try_mesh},
+                                           {"camera_file", try_camera_file},
+                                           {"faults", try_faults},
+                                           {"memory", try_memory},
+                                           {"state", try_state},
+                                           {"flash_image", try_flash_image},
+                                           {"arguments", try_arguments},
+                                           {"bench_report", try_bench_report},
+                                           {"bench_limits", try_bench_limits},
+                                           {"episodes", try_episodes},
+                                           {"recording", try_recording},
+                                           {"frames", try_frames},
+                                           {"replies", try_replies},
+                                           {"flash_replies", try_flash_replies},
+                                           {"camera_stream", try_camera_stream},
+                                           {"raw_picture", try_raw_picture},
+                                           {"control", try_control},
+                                           {"control_reply", try_control_reply}};
+
+}  // namespace kaz::fuzz

@@ -1,0 +1,208 @@
+# Runs the fuzz targets of targets.txt, several at a time, and writes the table of docs/fuzzing.md.
+# SPDX-License-Identifier: Apache-2.0
+"""usage: run.py [SECONDS] [--only NAME[,NAME...]] [--jobs N] [--build FOLDER] [--out FOLDER] [--table]
+
+SECONDS of the wall clock are divided equally between the targets, N of which run at a time. The corpus of
+a target grows in OUT/NAME from run to run, also when the run is interrupted. What a target finds stays in
+OUT/NAME-crash-* and the like, and the others go on. --table runs no target: it measures which edges of
+each parser the corpora and the seeds reach, and writes the table, with the executions of the runs that
+OUT/runs.jsonl lists.
+
+Exit status: 0 nothing found, 1 something found, 2 wrong arguments, 3 a program is missing, 130
+interrupted."""
+
+import argparse
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+MANIFEST = ROOT / "tools/fuzz/targets.txt"
+PAGE = ROOT / "docs/fuzzing.md"
+BEGIN, END = "<!-- fuzz table: ./tools/dev fuzz --table -->", "<!-- end of the fuzz table -->"
+
+
+def manifest():
+    targets, reads = {}, {}
+    for line in MANIFEST.read_text().splitlines():
+        words = line.split()
+        if words[:1] == ["target"]:
+            targets[words[1]] = {"seeds": ROOT / words[2], "program": words[3], "arguments": words[4:]}
+        elif words[:1] == ["reads"]:
+            reads[words[1]] = words[2:]
+    return targets, reads
+
+
+def last(pattern, text, default=0):
+    found = re.findall(pattern, text)
+    return int(found[-1]) if found else default
+
+
+class Run:
+    """One target under way."""
+
+    def __init__(self, name, target, options, seconds):
+        self.name, self.seconds, self.began = name, seconds, time.monotonic()
+        corpus = options.out / name
+        corpus.mkdir(parents=True, exist_ok=True)
+        self.log_path = options.out / f"{name}.log"
+        self.log = self.log_path.open("wb")
+        command = [options.build / "bin" / target["program"], *target["arguments"],
+                   f"-max_total_time={seconds}", "-timeout=20", "-rss_limit_mb=3000",
+                   "-print_final_stats=1", f"-artifact_prefix={options.out}/{name}-", corpus,
+                   target["seeds"]]
+        # Its own group: Ctrl-C reaches it through stop() alone.
+        self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self.log,
+                                        stderr=subprocess.STDOUT, start_new_session=True)
+
+    def stop(self):
+        if self.process.poll() is None:
+            os.killpg(self.process.pid, signal.SIGINT)
+        self.process.wait()
+
+    def result(self, interrupted=False):
+        self.log.close()
+        size = self.log_path.stat().st_size
+        with self.log_path.open("rb") as log:
+            log.seek(max(0, size - 200_000))
+            text = log.read().decode(errors="replace")
+        executions = (last(r"stat::number_of_executed_units:\s*(\d+)", text) or
+                      last(r"(?m)^#(\d+)\s", text))
+        found = not interrupted and self.process.returncode != 0
+        return {"target": self.name, "seconds": round(time.monotonic() - self.began, 1),
+                "executions": executions, "edges": last(r" cov: (\d+)", text), "found": found}
+
+
+def fuzz(options, targets):
+    names = list(targets)
+    # At least a second each, and no more than asked for in all.
+    share = max(1, options.seconds * options.jobs // len(names))
+    print(f"{len(names)} targets, {share} s each, {options.jobs} at a time; corpora and logs in "
+          f"{options.out}", flush=True)
+    waiting, running, results, interrupted = names[:], [], [], False
+
+    def finish(run):
+        running.remove(run)
+        result = run.result(interrupted)
+        results.append(result)
+        with (options.out / "runs.jsonl").open("a") as runs:
+            runs.write(json.dumps(result) + "\n")
+        outcome = "FOUND SOMETHING" if result["found"] else "nothing found"
+        print(f"[{len(results):2}/{len(names)}] {run.name:14} {result['seconds']:6.0f} s "
+              f"{result['executions']:>11,} runs {result['edges']:>6} edges  {outcome}", flush=True)
+        if result["found"]:
+            tail = run.log_path.read_text(errors="replace").splitlines()[-12:]
+            print("\n".join("    " + line[:160] for line in tail), flush=True)
+
+    def end(*_):
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGTERM, end)
+    try:
+        while waiting or running:
+            while waiting and len(running) < options.jobs:
+                name = waiting.pop(0)
+                running.append(Run(name, targets[name], options, share))
+            for run in running[:]:
+                if run.process.poll() is not None:
+                    finish(run)
+            time.sleep(0.2)
+    except KeyboardInterrupt:
+        interrupted = True
+        for run in running[:]:
+            run.stop()
+            finish(run)
+    found = [result["target"] for result in results if result["found"]]
+    total = sum(result["executions"] for result in results)
+    print(f"{total:,} runs of {len(results)} targets, "
+          f"{sum(result['seconds'] for result in results) / 3600:.2f} hours in all")
+    if found:
+        print(f"found something: {', '.join(found)}; the inputs are {options.out}/NAME-*, logs beside "
+              "them: keep each in the seeds of its target, with the correction")
+        return 1
+    return 130 if interrupted else 0
+
+
+def edges(options, name, target):
+    """By file of the tree: (reached, all) edges of its functions, over corpus and seeds."""
+    corpus = options.out / name
+    folders = [target["seeds"], *([corpus] if corpus.is_dir() else [])]
+    done = subprocess.run([options.build / "bin" / target["program"], *target["arguments"], "-runs=0",
+                           "-print_coverage=1", "-timeout=60", *folders],
+                          stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace")
+    if done.returncode != 0:
+        sys.exit(f"target {name} ended with {done.returncode} on its own corpus: run ./tools/dev fuzz first")
+    sums = {}
+    for reached, of, path in re.findall(
+            r"COVERED_FUNC: hits: \d+ edges: (\d+)/(\d+) .* (/\S+?):\d+(?::\d+)?$", done.stderr, re.M):
+        path = pathlib.Path(os.path.normpath(path))
+        if ROOT in path.parents:
+            file = path.relative_to(ROOT).as_posix()
+            before = sums.get(file, (0, 0))
+            sums[file] = before[0] + int(reached), before[1] + int(of)
+    return sums
+
+
+def write_table(options, targets, reads):
+    executions = {}
+    runs = options.out / "runs.jsonl"
+    for line in runs.read_text().splitlines() if runs.exists() else []:
+        run = json.loads(line)
+        executions[run["target"]] = executions.get(run["target"], 0) + run["executions"]
+    reached = {}
+    for number, (name, target) in enumerate(targets.items(), 1):
+        print(f"[{number:2}/{len(targets)}] {name}", flush=True)
+        reached[name] = edges(options, name, target)
+    lines = ["| parser | targets | executions | edges reached |", "|---|---|---|---|"]
+    for file, used in reads.items():
+        # Of several targets the one that reaches most.
+        best = max((reached[name].get(file, (0, 0)) for name in used), key=lambda pair: pair[0])
+        share = f"{best[0]} of {best[1]}, {100 * best[0] / best[1]:.0f} %" if best[1] else "inlined"
+        total = sum(executions.get(name, 0) for name in used)
+        lines.append(f"| `{file}` | {', '.join(f'`{name}`' for name in used)} | {total:,} | {share} |")
+    page = PAGE.read_text()
+    before, rest = page.split(BEGIN)
+    PAGE.write_text(before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + rest.split(END)[1])
+    print(f"{PAGE}: {len(reads)} parsers, {sum(executions.values()):,} executions")
+    return 0
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="./tools/dev fuzz", description="Fuzzes the parsers.")
+    parser.add_argument("seconds", nargs="?", type=int, default=600)
+    parser.add_argument("--only", default="", metavar="NAME[,NAME]")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/fuzz")
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/fuzz")
+    parser.add_argument("--table", action="store_true")
+    parser.add_argument("--programs", action="store_true", help="print the programs to build, and end")
+    options = parser.parse_args()
+    targets, reads = manifest()
+    if options.only:
+        wanted = options.only.split(",")
+        for name in wanted:
+            if name not in targets:
+                parser.error(f"there is no target '{name}'; there are {', '.join(targets)}")
+        targets = {name: targets[name] for name in wanted}
+    if options.programs:
+        print("\n".join(dict.fromkeys(target["program"] for target in targets.values())))
+        return 0
+    if options.seconds < 1 or options.jobs < 1:
+        parser.error("SECONDS and --jobs are 1 or more")
+    if options.table and options.only:
+        parser.error("--table is of all targets: leave --only out")
+    for target in targets.values():
+        program = options.build / "bin" / target["program"]
+        if not program.exists():
+            print(f"{program} is missing: ./tools/dev fuzz builds it", file=sys.stderr)
+            return 3
+    options.out.mkdir(parents=True, exist_ok=True)
+    return write_table(options, targets, reads) if options.table else fuzz(options, targets)
+
+
+sys.exit(main())
