@@ -5,7 +5,6 @@
 #include "firmware/h8s2128.h"
 #include "shared/flash/protocol.h"
 
-#define BRR_115200 4
 #define RAM_PAGE 0x00FF           // upper half of the addresses of RAM
 #define SILENCE KZ_COUNTS(20000)  // a frame does not go on: what came of it is thrown away
 
@@ -32,6 +31,15 @@ static void receive_into(frame* to) {
 
 static frame* other(frame* one) {
   return one == frames ? frames + 1 : frames;
+}
+
+// The frame in `work` is done; one that was received meanwhile takes its place.
+static void end_work(void) {
+  work = 0;
+  if (!next_is_whole) return;
+  next_is_whole = 0;
+  work = receiving;
+  receive_into(other(work));
 }
 
 // The header is there, or the frame.
@@ -119,21 +127,35 @@ static u8 is_protected(u16 high, u16 low) {
 extern u16 kz_writer_rest_start[];
 extern u16 kz_writer_program_end[];
 
-// `*at` ends at the line that failed.
+// Stores more of the second stage. A word below `filled` is compared and never stored: the host may
+// repeat a frame whose reply was lost, and code that may run already cannot be changed.
+static u8 write_ram(u16* to, const u16* data, u16 bytes) {
+  if (kz_writer_by_loader || to < kz_writer_rest_start ||
+      (u16*)((u8*)to + bytes) > kz_writer_program_end)
+    return KZ_WRITER_PROTECTED;
+  if (to > filled) return KZ_WRITER_ARGUMENTS;
+  for (; bytes != 0; bytes = (u16)(bytes - 2)) {
+    if (to == filled) {
+      *to = *data;
+      ++filled;
+    } else if (*to != *data) {
+      return KZ_WRITER_PROTECTED;
+    }
+    ++to;
+    ++data;
+    kz_writer_poll();
+  }
+  rest_is_there = (u8)(filled == kz_writer_program_end);
+  return KZ_WRITER_OK;
+}
+
+// `*at` ends at the line that failed. A payload without a whole address has wrapped to `bytes` that are
+// no multiple of a line.
 static u8 write(u32* at, const u16* data, u16 bytes) {
   u8 status = KZ_WRITER_OK;
   if ((u8)((u8)*at | (u8)bytes) % KZ_WRITER_LINE != 0) return KZ_WRITER_ARGUMENTS;
-  if (((u16*)at)[0] == RAM_PAGE) {
-    u16* to = (u16*)*at;
-    if (to > filled) return KZ_WRITER_ARGUMENTS;
-    for (; bytes != 0; bytes = (u16)(bytes - 2)) {
-      *to++ = *data++;
-      kz_writer_poll();
-    }
-    if (to > filled) filled = to;
-    rest_is_there = (u8)(filled == kz_writer_program_end);
-    return status;
-  }
+  if (((u16*)at)[0] == RAM_PAGE) return write_ram((u16*)*at, data, bytes);
+  if (*at > KZ_FLASH_BYTES - bytes) return KZ_WRITER_ARGUMENTS;
   for (; bytes != 0; bytes = (u16)(bytes - KZ_WRITER_LINE)) {
     if (is_protected(((u16*)at)[0], ((u16*)at)[1])) return KZ_WRITER_PROTECTED;
     status = kz_writer_program(*at, data);
@@ -147,7 +169,7 @@ static u8 write(u32* at, const u16* data, u16 bytes) {
 static void kz_writer_rate(u8 brr) {
   SCI0_SCR = 0;
   SCI0_BRR = brr;
-  kz_writer_wait(KZ_COUNTS(200));  // longer than a bit at 9,600
+  kz_writer_wait(KZ_COUNTS(220));  // longer than a bit at 4,800 baud, KZ_WRITER_BRR_MAX
   SCI0_SCR = SCR_RE;
 }
 
@@ -159,40 +181,44 @@ static void perform(frame* it) {
   u16 bytes = 2;
   u8 status = KZ_WRITER_OK;
   if (type == KZ_WRITER_WRITE) {
-    status = KZ_WRITER_ARGUMENTS;
-    if (address[0] < KZ_FLASH_BYTES || ((u16*)address)[0] == RAM_PAGE)
-      status = write(address, (const u16*)(address + 1), (u16)(it->length - 4));
-    more[0] = more[1];
-    bytes = 4;
+    status = write(address, (const u16*)(address + 1), (u16)(it->length - 4));
+    bytes = 4;  // the low half of the address, which stands there
   } else if (type == KZ_WRITER_INFO) {
     more[0] = (u16)(KZ_WRITER_PROTOCOL << 8 | kz_writer_by_loader);
     more[1] = board;
     bytes = 6;
-  } else if (type != KZ_WRITER_RATE) {
+  } else if (type == KZ_WRITER_RATE) {
+    if (it->length != 1 || (u8)(brr - KZ_WRITER_BRR_MIN) > KZ_WRITER_BRR_MAX - KZ_WRITER_BRR_MIN)
+      status = KZ_WRITER_ARGUMENTS;
+  } else {
     if (rest_is_there) return kz_writer_perform(it);
     status = KZ_WRITER_UNKNOWN;
   }
   it->payload[0] = status;
   kz_writer_reply(it, bytes);
-  if (type == KZ_WRITER_RATE) kz_writer_rate(brr);
+  if (type == KZ_WRITER_RATE && status == KZ_WRITER_OK) kz_writer_rate(brr);
 }
 
 static u16 quiet(void) {
   return (u16)(FRT_FRC - last_byte);
 }
 
-// What came is thrown away until the line is silent; then a host that has been heard is told.
+// What came is thrown away until the line is silent; then a host that has been heard gets a report. A
+// frame that comes in meanwhile waits as it does for any other work.
 static void complain(void) {
   in = in_end;
   if (quiet() < SILENCE) return;
-  work = 0;
   next_is_whole = 0;
   damaged = 0;
+  work = frames + 1;
   receive_into(frames);
-  if (!kz_writer_heard) return;
-  frames[1].type = 0;
-  frames[1].payload[0] = KZ_WRITER_DAMAGED;
-  kz_writer_reply(frames + 1, 2);
+  if (kz_writer_heard) {
+    work->type = 0;
+    work->number = 0;
+    work->payload[0] = KZ_WRITER_DAMAGED;
+    kz_writer_reply(work, 2);
+  }
+  end_work();
 }
 
 static void work_off(void) {
@@ -204,15 +230,13 @@ static void work_off(void) {
     damaged = 1;
     return;
   }
-  kz_writer_heard = 1;
-  kz_writer_silent = 0;
-  perform(work);
-  work = 0;
-  if (next_is_whole) {
-    next_is_whole = 0;
-    work = receiving;
-    receive_into(other(work));
+  // Replies are another board's, or our own on a shared line: answered, they would never end.
+  if (!(work->type & KZ_WRITER_REPLY)) {
+    kz_writer_heard = 1;
+    kz_writer_silent = 0;
+    perform(work);
   }
+  end_work();
 }
 
 // `loader`: 1 if started by it, and all of the program is there; it waits `seconds`, or without end if 0.
@@ -230,7 +254,7 @@ void kz_writer_main(u16 loader, u16 seconds, u16 board_id) {
   MSTPCRL = MSTPCRL_RESET & (u8)~MSTPCRL_SCI0;
   FRT_TCR = FRT_TCR_PHI_8;
   // Boot mode has left its rate.
-  kz_writer_rate((u8)(loader ? BRR_115200 : SCI0_BRR));
+  kz_writer_rate((u8)(loader ? KZ_WRITER_BRR_MIN : SCI0_BRR));
   STCR = STCR_FLSHE;
   if (loader) kz_writer_wait_for(seconds);
   for (;;) {

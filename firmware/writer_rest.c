@@ -83,28 +83,31 @@ void kz_writer_perform(frame* it) {
   const u8 type = it->type;
   u32* const address = (u32*)it->payload;
   u16* const more = (u16*)it->payload + 1;  // behind the status
-  u8 status = KZ_WRITER_OK;
+  // A shorter payload would be read past its end, into what an earlier frame has left there.
+  const u16 length = it->length;
+  u8 status = KZ_WRITER_ARGUMENTS;
   u16 bytes = 2;
-  const u8 in_flash = (u8)(address[0] < KZ_FLASH_BYTES);
   if (type == KZ_WRITER_ERASE) {
-    status = erase(it->payload[0]);
-  } else if (type == KZ_WRITER_SUM && in_flash) {
-    sum(more, (const u8*)address[0], address[1]);
-    bytes = 8;
-  } else if (type == KZ_WRITER_READ && in_flash) {
+    if (length == 1) status = erase(it->payload[0]);
+  } else if (type == KZ_WRITER_SUM) {
+    if (length == 8 && address[0] < KZ_FLASH_BYTES) {
+      sum(more, (const u8*)address[0], address[1]);
+      status = KZ_WRITER_OK;
+      bytes = 8;
+    }
+  } else if (type == KZ_WRITER_READ) {
     const volatile u8* from = (const u8*)address[0];
     u16 left = *(u16*)(address + 1);
     u8* to = (u8*)more;
-    if (left > KZ_WRITER_DATA_MAX || left > KZ_FLASH_BYTES - address[0]) {
-      status = KZ_WRITER_ARGUMENTS;
-    } else {
+    if (length == 6 && left <= KZ_WRITER_DATA_MAX && (u32)from <= KZ_FLASH_BYTES - left) {
+      status = KZ_WRITER_OK;
       bytes = (u16)(left + 2);
       for (; left != 0; --left) *to++ = *from++;
     }
   } else if (type == KZ_WRITER_RUN) {
-    if (*(const volatile u16*)0UL == 0xFFFF) status = KZ_WRITER_NOTHING;
+    status = *(const volatile u16*)0UL == 0xFFFF ? KZ_WRITER_NOTHING : KZ_WRITER_OK;
   } else {
-    status = (u8)(in_flash ? KZ_WRITER_UNKNOWN : KZ_WRITER_ARGUMENTS);
+    status = KZ_WRITER_UNKNOWN;
   }
   it->payload[0] = status;
   kz_writer_reply(it, bytes);

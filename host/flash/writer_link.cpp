@@ -50,7 +50,7 @@ std::string status_text(int status) {
     case KZ_WRITER_ARGUMENTS:
       return "address or length is out of range";
     case KZ_WRITER_PROTECTED:
-      return "the block holds the loader or the vectors, which it keeps";
+      return "it keeps the vectors' and the loader's block, and its own program in RAM";
     case KZ_WRITER_NOT_ERASED:
       return "cells stay programmed after all erase pulses";
     case KZ_WRITER_NOT_WRITTEN:

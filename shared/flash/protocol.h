@@ -17,7 +17,7 @@
 #define KZ_WRITER_OVERHEAD 8  // header and CRC
 #define KZ_WRITER_REPLY 0x80
 
-#define KZ_WRITER_DATA_MAX 512                     // of one WRITE or READ
+#define KZ_WRITER_DATA_MAX 512  // of one WRITE or READ
 #define KZ_WRITER_PAYLOAD_MAX (KZ_WRITER_DATA_MAX + 4)
 #define KZ_WRITER_FRAME_MAX (KZ_WRITER_PAYLOAD_MAX + KZ_WRITER_OVERHEAD)
 // Requests that may be on their way at once: it receives one while it works on another.
@@ -26,12 +26,19 @@
 // Requests: payload -> what follows the status in the reply
 // -> protocol, 1 if started by the loader, board id (2; FFFF: unknown)
 #define KZ_WRITER_INFO 1
-// BRR (1); takes effect behind the reply
+// BRR (1), of the bounds below; takes effect behind the reply
 #define KZ_WRITER_RATE 2
+#define KZ_WRITER_BRR_MIN 4    // 115,200 baud
+#define KZ_WRITER_BRR_MAX 119  // 4,800 baud
 // block (1), 0..9
 #define KZ_WRITER_ERASE 3
-// address (4), data: whole lines of 32 bytes -> low half of the address of the line that failed (2).
-// To RAM: the rest of the writer itself, from its beginning on.
+// address (4), data: whole lines of 32 bytes -> low half of the address of the line that failed, or of
+// the end (2).
+// To flash: only within it; nothing is written of a request that reaches beyond.
+// To RAM (the upper half of the address is 00FF): after boot mode the second stage of the writer, in
+// order, without gaps and not past its end. Bytes that are there already are compared, not stored, so a
+// repeated request is OK and nothing changes code that may run. A writer that the loader started
+// refuses every write to RAM. In a reply from RAM the low half is that of the request.
 #define KZ_WRITER_WRITE 4
 // address (4), length (4) -> CRC-16, sum, sum of sums (2 each)
 #define KZ_WRITER_SUM 5
@@ -42,10 +49,13 @@
 
 // Statuses
 #define KZ_WRITER_OK 0
-#define KZ_WRITER_DAMAGED 1      // a frame came damaged; number 0
-#define KZ_WRITER_UNKNOWN 2      // there is no such request
-#define KZ_WRITER_ARGUMENTS 3    // out of range, or not on a line's bounds
-#define KZ_WRITER_PROTECTED 4    // the loader's and the vectors' block, for a writer that the loader started
+#define KZ_WRITER_DAMAGED 1  // a frame came damaged; number 0
+#define KZ_WRITER_UNKNOWN 2  // there is no such request
+// Out of range, not on a line's bounds, or a payload of another length; in RAM a gap would be left.
+#define KZ_WRITER_ARGUMENTS 3
+// For a writer that the loader started: the loader's and the vectors' block, and all RAM. After boot
+// mode: RAM outside of the second stage, and inside where other bytes stand.
+#define KZ_WRITER_PROTECTED 4
 #define KZ_WRITER_NOT_ERASED 5   // cells are still programmed after all pulses
 #define KZ_WRITER_NOT_WRITTEN 6  // cells do not take their value after all pulses
 #define KZ_WRITER_NOT_BLANK 7    // other data stand there: erase first
