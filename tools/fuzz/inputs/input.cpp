@@ -7,18 +7,20 @@
 #include <filesystem>
 #include <fstream>
 
+#include "shared/base/files.hpp"
+
 namespace kaz::fuzz {
 namespace {
 
 class Folder {
  public:
   Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "kaz-fuzz-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) {
-      std::perror(name.c_str());
+    const auto made = make_temporary_folder("kaz-fuzz-");
+    if (!made) {
+      std::fprintf(stderr, "%s\n", made.error().message.c_str());
       std::exit(3);
     }
-    path_ = name;
+    path_ = *made;
   }
   ~Folder() {
     std::error_code ignored;
