@@ -26,6 +26,8 @@ struct Figure {
 };
 
 constexpr double kColdest = -273.15;
+// Far beyond any motor, and near enough that ratios of them stay numbers: resistance_ohm().
+constexpr double kSmallest = 1e-12, kLargest = 1e9;
 constexpr std::array<Figure, 13> kFigures{{
     {"stall_slope", &MotorFigures::stall_slope_nm_per_v, 0, false},
     {"friction", &MotorFigures::friction_nm, 0, true},
@@ -62,6 +64,10 @@ Result<void> read_figure(const XmlFile& file, const tinyxml2::XMLElement& elemen
     return file.error(element, std::string("<") + figure.element + "> must be " +
                                    (figure.least_allowed ? "at least " : "more than ") +
                                    std::to_string(static_cast<int>(figure.least)));
+  }
+  if (*value > kLargest || (!figure.least_allowed && *value < figure.least + kSmallest)) {
+    return file.error(element, std::string("<") + figure.element +
+                                   "> is of no motor: such a number lies between 1e-12 and 1e9");
   }
   motor.figures.*figure.member = *value * figure.unit;
   motor.seen[which] = true;

@@ -62,7 +62,12 @@ Result<void> XmlFile::check_text() const {
 }
 
 tl::unexpected<Error> XmlFile::error(int line, const std::string& message) const {
-  return fail(Fault::usage, path_ + ":" + std::to_string(line) + ": " + message);
+  // Messages quote the file, and stay one line.
+  std::string text = message;
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  }
+  return fail(Fault::usage, path_ + ":" + std::to_string(line) + ": " + text);
 }
 
 Result<std::string> XmlFile::attribute(const tinyxml2::XMLElement& element,

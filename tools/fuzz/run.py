@@ -148,6 +148,10 @@ def edges(options, name, target):
     return sums
 
 
+def absent(file):
+    return "emulated" if file.startswith("firmware/") else "inlined"
+
+
 def write_table(options, targets, reads):
     executions = {}
     runs = options.out / "runs.jsonl"
@@ -162,7 +166,7 @@ def write_table(options, targets, reads):
     for file, used in reads.items():
         # Of several targets the one that reaches most.
         best = max((reached[name].get(file, (0, 0)) for name in used), key=lambda pair: pair[0])
-        share = f"{best[0]} of {best[1]}, {100 * best[0] / best[1]:.0f} %" if best[1] else "inlined"
+        share = f"{best[0]} of {best[1]}, {100 * best[0] / best[1]:.0f} %" if best[1] else absent(file)
         total = sum(executions.get(name, 0) for name in used)
         lines.append(f"| `{file}` | {', '.join(f'`{name}`' for name in used)} | {total:,} | {share} |")
     page = PAGE.read_text()
