@@ -69,10 +69,20 @@ TEST_F(Api, TargetsAndJointsInDetail) {
   EXPECT_EQ(pan.joint, host::neck_pan);
   EXPECT_EQ(pan.flags & (KZ_JOINT_ON | KZ_JOINT_MOVING), KZ_JOINT_ON | KZ_JOINT_MOVING);
   EXPECT_GT(pan.angle_rad, 0.1);
-  EXPECT_NEAR(pan.speed_rad_per_s, 1, 0.4);
   EXPECT_GT(pan.duty, 0.05);
   EXPECT_EQ(joints->back().joint, KZ_JOINTS - 1);
   EXPECT_EQ(joints->back().flags & KZ_JOINT_ON, 0);
+  // One code of the potentiometer in a tick is 3.2 rad/s, of which the filter passes an eighth: a single
+  // reading is up to 0.5 rad/s off.
+  constexpr int readings = 8;
+  double sum = 0;
+  for (int i = 0; i < readings; ++i) {
+    wait(3ms);
+    const auto now = robot.joints(1u << host::neck_pan);
+    ASSERT_TRUE(now) << now.error().message;
+    sum += now->front().speed_rad_per_s;
+  }
+  EXPECT_NEAR(sum / readings, 1, 0.2);
 }
 
 TEST_F(Api, StopLatchesInWordsUntilClear) {
