@@ -4,7 +4,7 @@
 
 SECONDS of the wall clock are divided equally between the targets, N of which run at a time. The corpus of
 a target grows in OUT/NAME from run to run, also when the run is interrupted. What a target finds stays in
-OUT/NAME-crash-* and the like, and the others go on. --table runs no target: it measures which edges of
+OUT/NAME-crash-* and the like, and the others go on. --table runs no target: it measures how much of
 each parser the corpora and the seeds reach, and writes the table, with the executions of the runs that
 OUT/runs.jsonl lists.
 
@@ -128,8 +128,8 @@ def fuzz(options, targets):
     return 130 if interrupted else 0
 
 
-def edges(options, name, target):
-    """By file of the tree: (reached, all) edges of its functions, over corpus and seeds."""
+def coverage(options, name, target):
+    """By file of the tree: functions reached, all, their edges reached, all; over corpus and seeds."""
     corpus = options.out / name
     folders = [target["seeds"], *([corpus] if corpus.is_dir() else [])]
     done = subprocess.run([options.build / "bin" / target["program"], *target["arguments"], "-runs=0",
@@ -139,16 +139,20 @@ def edges(options, name, target):
         sys.exit(f"target {name} ended with {done.returncode} on its own corpus: run ./tools/dev fuzz first")
     sums = {}
     for reached, of, path in re.findall(
-            r"COVERED_FUNC: hits: \d+ edges: (\d+)/(\d+) .* (/\S+?):\d+(?::\d+)?$", done.stderr, re.M):
+            r"^(?:UN)?COVERED_FUNC: hits: \d+ edges: (\d+)/(\d+) .* (/\S+?):\d+(?::\d+)?$", done.stderr,
+            re.M):
         path = pathlib.Path(os.path.normpath(path))
         if ROOT in path.parents:
             file = path.relative_to(ROOT).as_posix()
-            before = sums.get(file, (0, 0))
-            sums[file] = before[0] + int(reached), before[1] + int(of)
+            more = (1 if int(reached) else 0, 1, int(reached), int(of))
+            sums[file] = tuple(a + b for a, b in zip(sums.get(file, (0, 0, 0, 0)), more))
     return sums
 
 
-def absent(file):
+def shown(file, best):
+    """Of the target that reaches most."""
+    if best[1]:
+        return f"{best[0]} of {best[1]} functions, {100 * best[2] / best[3]:.0f} % of edges"
     return "emulated" if file.startswith("firmware/") else "inlined"
 
 
@@ -161,14 +165,13 @@ def write_table(options, targets, reads):
     reached = {}
     for number, (name, target) in enumerate(targets.items(), 1):
         print(f"[{number:2}/{len(targets)}] {name}", flush=True)
-        reached[name] = edges(options, name, target)
-    lines = ["| parser | targets | executions | edges reached |", "|---|---|---|---|"]
+        reached[name] = coverage(options, name, target)
+    lines = ["| parser | targets | executions | coverage |", "|---|---|---|---|"]
     for file, used in reads.items():
-        # Of several targets the one that reaches most.
-        best = max((reached[name].get(file, (0, 0)) for name in used), key=lambda pair: pair[0])
-        share = f"{best[0]} of {best[1]}, {100 * best[0] / best[1]:.0f} %" if best[1] else absent(file)
+        best = max((reached[name].get(file, (0, 0, 0, 0)) for name in used), key=lambda sums: sums[2])
         total = sum(executions.get(name, 0) for name in used)
-        lines.append(f"| `{file}` | {', '.join(f'`{name}`' for name in used)} | {total:,} | {share} |")
+        lines.append(f"| `{file}` | {', '.join(f'`{name}`' for name in used)} | {total:,} "
+                     f"| {shown(file, best)} |")
     page = PAGE.read_text()
     before, rest = page.split(BEGIN)
     PAGE.write_text(before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + rest.split(END)[1])

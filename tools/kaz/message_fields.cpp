@@ -67,7 +67,8 @@ std::optional<FieldDifference> field_difference(std::string_view topic,
         ++more;
         continue;
       }
-      const std::string name = field.name + (field.count > 1 ? "[" + std::to_string(k) + "]" : "");
+      std::string name = field.name;
+      if (field.count > 1) name.append("[").append(std::to_string(k)).append("]");
       found = FieldDifference{name + " = " + then, name + " = " + here};
     }
   }

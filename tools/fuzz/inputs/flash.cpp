@@ -34,7 +34,7 @@ class HostileBoard final : public host::Link, public host::Clock {
     if (++writes_ > kMostWrites)
       return fail(Fault::environment, "case: the port is gone, unplugged perhaps");
     if (choices_.ended()) return {};
-    switch (choices_.below(6)) {
+    switch (choices_.below(7)) {
       case 0:
       case 1:
         answer_frame(bytes);
@@ -47,6 +47,10 @@ class HostileBoard final : public host::Link, public host::Clock {
         break;
       case 4:
         to_host_.push_back(0x00);
+        break;
+      case 5:  // the last echo of boot mode, and that the flash is erased
+        to_host_.insert(to_host_.end(), bytes.begin(), bytes.end());
+        to_host_.push_back(0xaa);
         break;
       default:
         break;
@@ -128,7 +132,10 @@ Complaint try_flash_image(Bytes bytes) {
 Complaint try_flash_replies(Bytes bytes) {
   Choices choices(bytes);
   HostileBoard board(choices);
-  const std::vector<std::uint8_t> program(600, 0x5a);
+  // As writer.bin: 64 bytes of it go through boot mode.
+  std::vector<std::uint8_t> program(640, 0x5a);
+  program[2] = 0;
+  program[3] = 64;
   host::FlasherOptions options;
   options.force = choices.below(2) == 0;
   options.boot.tries = 5;
