@@ -368,7 +368,7 @@ int run(const Options& options) {
   const std::int64_t instructions_before = chip.instructions();
   using Clock = std::chrono::steady_clock;
   const auto began = Clock::now();
-  auto told = began;
+  auto last_report = began;
   LoopInput input;
   for (std::uint64_t call = from; call < calls; ++call) {
     draw_loop_input(options.seed, call, input);
@@ -378,8 +378,8 @@ int run(const Options& options) {
                   static_cast<unsigned long long>(call));
       return 1;
     }
-    if (call % 1024 == 0 && Clock::now() - told > std::chrono::seconds(10)) {
-      told = Clock::now();
+    if (call % 1024 == 0 && Clock::now() - last_report > std::chrono::seconds(10)) {
+      last_report = Clock::now();
       std::fprintf(stderr, "joint loop: %llu of %llu trials\n",
                    static_cast<unsigned long long>(call * KZ_JOINTS),
                    static_cast<unsigned long long>(calls * KZ_JOINTS));

@@ -25,6 +25,7 @@ namespace kaz {
 inline Result<std::string> make_temporary_folder(const std::string& prefix) {
   std::error_code error;
   const auto parent = std::filesystem::temp_directory_path(error);
+  // mkdtemp replaces the six X, which it requires.
   std::string name = (parent / (prefix + "XXXXXX")).string();
   if (error || mkdtemp(name.data()) == nullptr)
     return fail(Fault::environment, "cannot make a folder for temporary files in " +

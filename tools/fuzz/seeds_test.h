@@ -83,7 +83,7 @@ TEST_P(Seeds, DamagedAndNoise) {
   const auto seeds = seeds_of(GetParam().name);
   ASSERT_FALSE(seeds.empty());
   std::mt19937 random(11);
-  for (int k = 0; k < 200; ++k) {
+  for (int k = 0; k < GetParam().damaged_cases; ++k) {
     Input input = seeds[random() % seeds.size()].second;
     if (random() % 4 == 0) {
       input.resize(random() % 400);

@@ -46,7 +46,7 @@ Complaint try_motor(Bytes bytes) {
   sim::MotorFigures same = *again;
   if (std::abs(same.backlash_rad - motor->backlash_rad) <= 1e-15 * motor->backlash_rad)
     same.backlash_rad = motor->backlash_rad;
-  // Without heat capacity the file has no other figures of heat.
+  // Without heat capacity the file has no other thermal parameters.
   if (motor->winding_heat_capacity == 0) {
     same.winding_to_case = motor->winding_to_case;
     same.case_heat_capacity = motor->case_heat_capacity;

@@ -21,9 +21,9 @@ Complaint try_color(Bytes bytes);
 // of a fresh pipeline.
 Complaint try_vision(Bytes bytes);
 
-inline constexpr Target kVisionTargets[] = {{"picture", try_picture},
-                                            {"calibration", try_calibration},
-                                            {"color", try_color},
-                                            {"vision", try_vision}};
+inline constexpr Target kVisionTargets[] = {{"picture", try_picture, 2000},
+                                            {"calibration", try_calibration, 2000},
+                                            {"color", try_color, 2000},
+                                            {"vision", try_vision, 300}};
 
 }  // namespace kaz::fuzz
