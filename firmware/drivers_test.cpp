@@ -7,9 +7,9 @@
 #include <set>
 #include <vector>
 
-#include "firmware/test_chip.h"
+#include "firmware/chip_testing.h"
 #include "shared/board/table.h"
-#include "sim/mcu/test_host.h"
+#include "sim/mcu/host_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/test_image.h"
+#include "firmware/image_testing.h"
 #include "shared/board/table.h"
 #include "shared/protocol/messages.h"
 #include "sim/h8s/chip.h"

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "firmware/test_chip.h"
+#include "firmware/chip_testing.h"
 #include "shared/protocol/messages.h"
 
 namespace kaz::sim {

@@ -9,7 +9,7 @@
 	.h8300s
 	.section .text
 
-; The ramp's next command in R3, for joints that are careful and for those that are not. R2 is what was
+; The ramp's next command in R3, for joints that are constrained and for those that are not. R2 is what was
 ; left of it.
 	.macro	ramp	kind
 	dec.w	#1,r2
@@ -179,7 +179,7 @@ end:
 	bne	next:16
 	bra	done:16
 
-	ramp_rest	careful
+	ramp_rest	constrained
 off:
 	sub.w	r0,r0
 	bra	store
@@ -191,9 +191,9 @@ special:
 	mov.w	r2,e1
 	mov.w	@(JOINT_COMMAND:16,er6),r3
 	mov.w	@(JOINT_RAMP_LEFT:16,er6),r2
-	beq	careful
-	ramp	careful
-careful:
+	beq	constrained
+	ramp	constrained
+constrained:
 	exts.l	er3
 	mov.w	r0,r2
 	exts.l	er2

@@ -215,14 +215,14 @@ class JointState {
   void draw_control() {
     static const u8 reasons[] = {0,
                                  0,
-                                 KZ_CAREFUL_AT_LIMITS,
-                                 KZ_CAREFUL_AT_LIMITS,
-                                 KZ_CAREFUL_RUBS,
-                                 KZ_CAREFUL_AT_LIMITS | KZ_CAREFUL_RUBS};
+                                 KZ_CONSTRAINED_NEAR_LIMIT,
+                                 KZ_CONSTRAINED_NEAR_LIMIT,
+                                 KZ_CONSTRAINED_BY_FRICTION,
+                                 KZ_CONSTRAINED_NEAR_LIMIT | KZ_CONSTRAINED_BY_FRICTION};
     static const u8 switches[] = {1, 1, 1, 1, 1, 0};
     static const u16 frictions[] = {0, 0, 0, 1, 255, 256, 30 << 8, 255 << 8, 0xFFFF};
     joint_.mirrored = random_.below(8) ? static_cast<u8>(random_.below(2)) : any_byte(random_);
-    joint_.careful = random_.below(16) ? one_of(random_, reasons) : any_byte(random_);
+    joint_.constrained = random_.below(16) ? one_of(random_, reasons) : any_byte(random_);
     joint_.on = random_.below(16) ? one_of(random_, switches) : any_byte(random_);
     joint_.kp = random_.below(2) ? static_cast<s16>(random_.below(4097)) : any_number(random_);
     joint_.kd = random_.below(2) ? static_cast<s16>(random_.below(4097)) : any_number(random_);
@@ -317,7 +317,7 @@ class JointState {
     } else if (random_.below(4)) {
       joint_.friction_drive = 0;
     }
-    if (joint_.careful != 0) {
+    if (joint_.constrained != 0) {
       const std::int64_t friction = std::int64_t{joint_.friction_drive} << (KZ_DRIVE_SHIFT - 8);
       drive -= error > 0 ? friction : -friction;
     }
@@ -330,8 +330,8 @@ class JointState {
 
   void exclude() {
     const bool rubs = joint_.dead_band != 0 || joint_.friction_drive != 0;
-    if (joint_.on > 1 && joint_.careful == 0 && rubs) joint_.on = 1;
-    if (joint_.careful != 0 && joint_.friction_drive != 0) {
+    if (joint_.on > 1 && joint_.constrained == 0 && rubs) joint_.on = 1;
+    if (joint_.constrained != 0 && joint_.friction_drive != 0) {
       joint_.kp = std::clamp<s16>(joint_.kp, -kGainWithFriction, kGainWithFriction);
       joint_.kd = std::clamp<s16>(joint_.kd, -kGainWithFriction, kGainWithFriction);
     }

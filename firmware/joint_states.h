@@ -9,10 +9,10 @@
 //
 // Fields are independent of each other and of what requests allow: limits may be crossed, gains negative,
 // ramps may run over an end of the type. Excluded is only where the two sides are not defined alike:
-//   - `on` other than 0 and 1 in a joint that is not careful but has a dead band or friction: the C takes
-//     any value as true, the assembler compares with 1 and then takes the careful path. `on` is a bit of
-//     `enabled`, and the protection keeps KZ_CAREFUL_RUBS for a joint with dead band or friction.
-//   - |kp| or |kd| above 32,759 in a careful joint with friction: the sum can exceed 32 bits, which C
+//   - `on` other than 0 and 1 in a joint that is not constrained but has a dead band or friction: the C takes
+//     any value as true, the assembler compares with 1 and then takes the constrained path. `on` is a bit of
+//     `enabled`, and the protection keeps KZ_CONSTRAINED_BY_FRICTION for a joint with dead band or friction.
+//   - |kp| or |kd| above 32,759 in a constrained joint with friction: the sum can exceed 32 bits, which C
 //     leaves undefined. Requests set 8,356 and 816 at most.
 #pragma once
 

@@ -1,8 +1,8 @@
 // The loader's decisions: is a host to be waited for, and is there a whole application?
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/flash/image.h"
 #include "firmware/restart.h"
 #include "shared/board/board.h"
+#include "shared/flash/image.h"
 #include "shared/servo/tick.h"
 
 // The loader's own copy of the CRC's table (loader_crc16.c).

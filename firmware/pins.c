@@ -62,8 +62,9 @@ void kz_pins_write(const kz_tick_output* output) {
   PWSL = PWSL_RUN | (channel); \
   PWDR = *duty++;
   PUT(0)
-  PUT(1) PUT(2) PUT(3) PUT(4) PUT(5) PUT(6) PUT(7) PUT(8) PUT(9) PUT(10) PUT(11) PUT(12) PUT(13)
-      PUT(14) PUT(15)
+  PUT(1)
+  PUT(2) PUT(3) PUT(4) PUT(5) PUT(6) PUT(7) PUT(8) PUT(9) PUT(10) PUT(11) PUT(12) PUT(13) PUT(14)
+      PUT(15)
 #undef PUT
       // Duty n: high from the period's start for n counts. At 0 the pin is a port, and low.
       if (output->tmo[0] != 0) {

@@ -5,9 +5,9 @@
 
 #include <cstdio>
 
-#include "firmware/test_chip.h"
+#include "firmware/chip_testing.h"
 #include "shared/protocol/messages.h"
-#include "sim/mcu/test_host.h"
+#include "sim/mcu/host_testing.h"
 
 namespace kaz::sim {
 namespace {
@@ -33,7 +33,7 @@ class Start : public TestChip {
   }
 };
 
-TEST_F(Start, FindsEverythingSound) {
+TEST_F(Start, FindsEverythingHealthy) {
   run(100 * ms);
   const kz_startup found = startup();
   EXPECT_EQ(found.reset_cause, KZ_RESET_POWER);

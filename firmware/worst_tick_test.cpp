@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "firmware/test_image.h"
+#include "firmware/image_testing.h"
 #include "shared/board/table.h"
 #include "shared/protocol/messages.h"
 #include "sim/h8s/chip.h"
@@ -184,7 +184,7 @@ TEST_F(WorstTick, OfAllRequestsWithoutAPause) {
 }
 
 // A host that keeps to the protocol: at most two requests under way, the next one as soon as a reply
-// has come. Telemetry beside it, settings that make each joint careful.
+// has come. Telemetry beside it, settings that make each joint constrained.
 TEST_F(WorstTick, OfTwoRequestsUnderWay) {
   enable();
   telemetry();

@@ -6,7 +6,7 @@
 // programmed. At 115,200 baud a byte has to be taken every 87 us at least.
 //
 // Boot mode takes 2048 bytes: the line and programming (writer.c, writer_flash.c). With them the host
-// writes the rest into RAM (writer_rest.c: erasing, sums, reading, leaving), twelve times as fast.
+// writes the rest into RAM (writer_second_stage.c: erasing, sums, reading, leaving), twelve times as fast.
 #ifndef KAZ_FIRMWARE_WRITER_H
 #define KAZ_FIRMWARE_WRITER_H
 
@@ -52,7 +52,7 @@ u8 kz_writer_end_flash(u8 status);
 void kz_writer_pulse(u8 setup, u16 setup_counts, u8 on, u16 counts);
 u16 kz_writer_verified_word(volatile u16* at);
 
-// --- writer_rest.c
+// --- writer_second_stage.c
 void kz_writer_perform(frame* it);
 void kz_writer_wait_for(u16 seconds);
 void kz_writer_idle(void);

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "host/robot/requester.h"
-#include "host/robot/typed_request.h"
+#include "host/link/requester.h"
+#include "host/link/typed_request.h"
 
 namespace kaz::hil {
 

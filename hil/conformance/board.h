@@ -16,7 +16,7 @@
 #include "hil/conformance/bench.h"
 #include "hil/conformance/message.h"
 #include "hil/report/check.h"
-#include "host/robot/link.h"
+#include "host/link/link.h"
 #include "shared/protocol/messages.h"
 
 namespace kaz::hil {

@@ -49,7 +49,7 @@ Values nominal() {
   return values;
 }
 
-void expect_sound(Board& b) {
+void expect_valid(Board& b) {
   const Reply now = b.done("calibration");
   const bool stored = now["sequence"] != 0;
   equal("UNCALIBRATED", now.flag(KZ_STATUS_UNCALIBRATED), !stored);
@@ -92,7 +92,7 @@ void add_use(Cases& to) {
     }
   });
   add(to, "nominal", "Without a stored copy values are nominal and UNCALIBRATED is set.", "CAL-5",
-      [](Board& b) { expect_sound(b); });
+      [](Board& b) { expect_valid(b); });
   add(to, "set", "`calibrate` sets the joints of its mask, no others.", "CAL-2", [](Board& b) {
     const Values before = values_of(b.done("calibration"));
     b.done("calibrate", calibrate_one(3, before.centre[3] + 200, before.scale[3] - 100));

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "vision/frame.h"  // Time
+#include "vision/image/frame.h"  // Time
 
 namespace kaz::hil {
 

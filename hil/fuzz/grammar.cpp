@@ -12,7 +12,7 @@
 namespace kaz::hil::fuzz {
 namespace {
 
-constexpr std::size_t most_events = 400;
+constexpr std::size_t max_events = 400;
 constexpr double bytes_per_ms = 11.52;
 
 std::string hex(std::span<const std::uint8_t> bytes) {
@@ -31,7 +31,7 @@ class Maker {
       : choices_(genome), options_(options), types_(request_types(options.flash)) {}
 
   std::vector<Event> run() {
-    while (!choices_.ended() && events_.size() < most_events && ms_ < options_.longest_ms) next();
+    while (!choices_.ended() && events_.size() < max_events && ms_ < options_.longest_ms) next();
     return std::move(events_);
   }
 

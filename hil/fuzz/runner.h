@@ -10,7 +10,7 @@
 
 #include "hil/fuzz/conversation.h"
 #include "hil/fuzz/grammar.h"
-#include "host/robot/link.h"
+#include "host/link/link.h"
 
 namespace kaz::hil::fuzz {
 

@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "host/motion/odometry.h"
-#include "vision/ball_track.h"
+#include "vision/color/ball_track.h"
 
 namespace kaz::behavior {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "vision/ball.h"
+#include "vision/color/ball.h"
 
 namespace kaz::behavior {
 

@@ -8,7 +8,7 @@
 #pragma once
 
 #include "host/robot/kinematics.h"
-#include "vision/ball_track.h"
+#include "vision/color/ball_track.h"
 
 namespace kaz::behavior {
 

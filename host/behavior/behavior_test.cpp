@@ -11,7 +11,7 @@
 
 #include "host/behavior/control_cycle.h"
 #include "host/behavior/search_pattern.h"
-#include "host/robot/test_board.h"
+#include "host/robot/board_testing.h"
 
 namespace kaz::behavior {
 namespace {

@@ -88,7 +88,7 @@ class Catch {
     if (!load) return tl::unexpected(load.error());
     int in_hand = 0, on_floor = 0;
     Time free_since = start;
-    double least_gap = gap();
+    double min_gap = gap();
     while (body_.now() < end && !body_.fallen()) {
       const bool first_half = body_.now() < start + (end - start) / 2;
       const host::JointAngles& angles = body_.measured();
@@ -103,7 +103,7 @@ class Catch {
         else if (behavior::on_floor(seen, body_.context().ball_radius_m))
           ++on_floor;
       }
-      least_gap = std::min(least_gap, gap());
+      min_gap = std::min(min_gap, gap());
       if (gap() >= kStopped) free_since = body_.now();
       if (body_.now() - free_since > kLetGo) return give_up("the ball was dropped", "dropped");
     }
@@ -114,7 +114,7 @@ class Catch {
                    "the ball was lifted and held",
                    {{"held_s", hold_s},
                     {"hand_load", load->front().load},
-                    {"hand_gap_deg", least_gap / kDegree},
+                    {"hand_gap_deg", min_gap / kDegree},
                     {"seen_in_hand", in_hand}}};
   }
 
@@ -139,8 +139,9 @@ class Catch {
     while (time_ < until_s && !body_.fallen()) {
       body_.look(gaze_at_floor(body_.measured(), {ball_.x(), ball_.y(), 0.02}));
       // The pose is reached about a beat after it was sent.
-      constexpr double kBeat_s = 0.015;
-      if (auto done = body_.step(plan_->at(std::min(time_ + kBeat_s, until_s))); !done) return done;
+      constexpr double kControlCycle_s = 0.015;
+      if (auto done = body_.step(plan_->at(std::min(time_ + kControlCycle_s, until_s))); !done)
+        return done;
       time_ = seconds(body_.now() - start);
     }
     time_ = until_s;

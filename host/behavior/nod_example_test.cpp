@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "host/robot/test_board.h"
+#include "host/robot/board_testing.h"
 
 namespace kaz::behavior {
 namespace {

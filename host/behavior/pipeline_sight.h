@@ -3,13 +3,13 @@
 #pragma once
 
 #include "host/behavior/ball_sight.h"
-#include "vision/pipeline.h"
+#include "vision/pipeline/pipeline.h"
 
 namespace kaz::behavior {
 
 class PipelineSight final : public BallSight {
  public:
-  // `camera` stamps its pairs with the posture (host/robot/capture.h); the pipeline has the module
+  // `camera` stamps its pairs with the posture (host/camera/capture.h); the pipeline has the module
   // "color" and may have others. Both must outlive this. Without that module poll() fails.
   PipelineSight(vision::Camera& camera, vision::Pipeline& pipeline);
   PipelineSight(const PipelineSight&) = delete;

@@ -8,10 +8,10 @@
 #include <numbers>
 
 #include "host/behavior/ball_tracker.h"
-#include "host/robot/capture.h"
+#include "host/camera/capture.h"
+#include "host/robot/board_testing.h"
 #include "host/robot/kinematics.h"
-#include "host/robot/test_board.h"
-#include "vision/modules.h"
+#include "vision/pipeline/modules.h"
 
 namespace kaz::behavior {
 namespace {

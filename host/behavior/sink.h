@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "vision/frame.h"  // Time
+#include "vision/image/frame.h"  // Time
 
 namespace kaz::behavior {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/behavior/test_ball.h"
+#include "host/behavior/ball_testing.h"
 #include "host/robot/kinematics.h"
 
 namespace kaz::behavior {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "host/robot/link.h"
-#include "host/robot/modem_lines.h"
+#include "host/link/link.h"
+#include "host/link/modem_lines.h"
 #include "shared/base/result.hpp"
 
 namespace kaz::host {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/flash/trouble.h"
+#include "host/flash/diagnostic.h"
 
 namespace kaz::host {
 namespace {
@@ -52,8 +52,8 @@ tl::unexpected<Error> Boot::trouble(const std::string& step, const std::string& 
   if (came >= 0) bytes.push_back(static_cast<std::uint8_t>(came));
   for (const std::uint8_t byte : came_) bytes.push_back(byte);
   return fail(Fault::environment,
-              Trouble{"boot mode failed at " + step, expected, hex_of(bytes), std::move(causes),
-                      "the same command once more; boot mode can always be entered again"});
+              Diagnostic{"boot mode failed at " + step, expected, hex_of(bytes), std::move(causes),
+                         "the same command once more; boot mode can always be entered again"});
 }
 
 Result<int> Boot::get(Time patience) {
@@ -131,12 +131,12 @@ Result<void> Boot::finish() {
   if (!byte) return tl::unexpected(byte.error());
   if (*byte == 0xaa) return {};
   if (*byte == 0xff) {
-    return fail(Fault::failed, Trouble{"the chip cannot erase its flash",
-                                       "H'AA",
-                                       "ff: the erase error",
-                                       {"the flash is worn out: the part endures 100 erasures",
-                                        "its supply is too low while it erases"},
-                                       "measure the supply, try again; else change the part"});
+    return fail(Fault::failed, Diagnostic{"the chip cannot erase its flash",
+                                          "H'AA",
+                                          "ff: the erase error",
+                                          {"the flash is worn out: the part endures 100 erasures",
+                                           "its supply is too low while it erases"},
+                                          "measure the supply, try again; else change the part"});
   }
   return trouble("the erase check", "H'AA", *byte,
                  {"power or reset of the board was cut", "the line damaged a byte"});

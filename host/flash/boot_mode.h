@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <span>
 
-#include "host/robot/link.h"
+#include "host/link/link.h"
 
 namespace kaz::host {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "host/flash/trouble.h"
+#include "host/flash/diagnostic.h"
 #include "shared/protocol/crc16.h"
 
 namespace kaz::host {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "host/flash/trouble.h"
+#include "host/flash/diagnostic.h"
+#include "host/link/requester.h"
 #include "host/robot/connect.h"
-#include "host/robot/requester.h"
 
 namespace kaz::host {
 namespace {
@@ -67,22 +67,24 @@ void Flasher::tell(const char* phase, std::uint32_t done, std::uint32_t total) {
 Result<void> Flasher::check_loader(const FlashImage& image, bool through_boot) const {
   if (!image.has_loader()) {
     if (!through_boot) return {};
-    return fail(Fault::usage,
-                Trouble{"the image is an application alone, and boot mode erases the whole flash",
-                        "vectors (0x000000) and loader (0x00c000) beside the application",
-                        "neither of them",
-                        {"it was made for the resident loader, which keeps both"},
-                        "name the firmware's kaz.mot, or leave --reset out"});
+    return fail(
+        Fault::usage,
+        Diagnostic{"the image is an application alone, and boot mode erases the whole flash",
+                   "vectors (0x000000) and loader (0x00c000) beside the application",
+                   "neither of them",
+                   {"it was made for the resident loader, which keeps both"},
+                   "name the firmware's kaz.mot, or leave --reset out"});
   }
   const std::string damage = image.loader_damage();
   if (damage.empty()) return {};
-  return fail(Fault::usage, Trouble{"the image's vectors or loader are not whole",
-                                    "EB0 and EB6 that fit the loader's mark",
-                                    damage,
-                                    {"the file was cut off within the loader's block (0x00c000 to "
-                                     "0x00dfff) or before it",
-                                     "it is older than this program"},
-                                    "build it again; --force does not write a damaged image"});
+  return fail(Fault::usage,
+              Diagnostic{"the image's vectors or loader are not whole",
+                         "EB0 and EB6 that fit the loader's mark",
+                         damage,
+                         {"the file was cut off within the loader's block (0x00c000 to "
+                          "0x00dfff) or before it",
+                          "it is older than this program"},
+                         "build it again; --force does not write a damaged image"});
 }
 
 Result<void> Flasher::check(const FlashImage& image, bool through_boot) const {
@@ -91,29 +93,30 @@ Result<void> Flasher::check(const FlashImage& image, bool through_boot) const {
     if (options_.force) return {};
     return fail(
         Fault::usage,
-        Trouble{"the image is no application of a Kaz board",
-                "the id \"KAZA\" at " + hex_address(KZ_APPLICATION_HEADER),
-                hex_of({image.bytes({KZ_APPLICATION_HEADER, KZ_APPLICATION_HEADER + 4}).begin(),
-                        image.bytes({KZ_APPLICATION_HEADER, KZ_APPLICATION_HEADER + 4}).end()}),
-                {"it is another file", "it was built for another address"},
-                "name the firmware's kaz.mot, or add --force to write a foreign program"});
+        Diagnostic{"the image is no application of a Kaz board",
+                   "the id \"KAZA\" at " + hex_address(KZ_APPLICATION_HEADER),
+                   hex_of({image.bytes({KZ_APPLICATION_HEADER, KZ_APPLICATION_HEADER + 4}).begin(),
+                           image.bytes({KZ_APPLICATION_HEADER, KZ_APPLICATION_HEADER + 4}).end()}),
+                   {"it is another file", "it was built for another address"},
+                   "name the firmware's kaz.mot, or add --force to write a foreign program"});
   }
   if (const std::string damage = image.damage(); !damage.empty()) {
-    return fail(Fault::usage, Trouble{"the image is not whole",
-                                      "an application that fits its header",
-                                      damage,
-                                      {"the file was cut off or changed",
-                                       "it was linked but not stamped (tools/gen/stamp_image.py)"},
-                                      "build it again; --force does not write a damaged image"});
+    return fail(Fault::usage,
+                Diagnostic{"the image is not whole",
+                           "an application that fits its header",
+                           damage,
+                           {"the file was cut off or changed",
+                            "it was linked but not stamped (tools/gen/stamp_image.py)"},
+                           "build it again; --force does not write a damaged image"});
   }
   if (auto whole = check_loader(image, through_boot); !whole) return whole;
   if (board_id_ && *board_id_ != identity->board_id && !options_.force) {
     return fail(Fault::failed,
-                Trouble{"the image is for another board; nothing was changed",
-                        "board id " + hex_word(identity->board_id) + ", of the image",
-                        hex_word(*board_id_) + ", of the board on " + link_.name(),
-                        {"the port is that of another board", "the image is of another board"},
-                        "check --port and IMAGE; --force overrides this guard alone"});
+                Diagnostic{"the image is for another board; nothing was changed",
+                           "board id " + hex_word(identity->board_id) + ", of the image",
+                           hex_word(*board_id_) + ", of the board on " + link_.name(),
+                           {"the port is that of another board", "the image is of another board"},
+                           "check --port and IMAGE; --force overrides this guard alone"});
   }
   return {};
 }
@@ -145,25 +148,26 @@ Result<bool> Flasher::enter_loader() {
   leave.fields.length = kz_pack_loader(&key, leave.fields.bytes.data());
   const auto reply = requester.ask(std::span(&leave, 1));
   if (reply && reply->front().refused) {
-    return fail(Fault::failed,
-                Trouble{"the board does not go to its loader",
-                        "it leaves its application",
-                        "a refusal",
-                        {"its motors are on"},
-                        "stop the motors (`kaz status --port " + link_.name() + "`), try again"});
+    return fail(Fault::failed, Diagnostic{"the board does not go to its loader",
+                                          "it leaves its application",
+                                          "a refusal",
+                                          {"its motors are on"},
+                                          "stop the motors (`kaz status --port " + link_.name() +
+                                              "`), try again"});
   }
   // The reply may be lost though the board has gone. It takes the watchdog 7 ms and the loader 1.
   for (int k = 0; k < 10; ++k) {
     if (auto there = listening(milliseconds(60), 1); !there || *there) return there;
   }
-  return fail(Fault::environment,
-              Trouble{"the resident loader does not answer",
-                      "the flash writer's reply",
-                      "nothing",
-                      {"the board's loader is older than this program", "the line is noisy"},
-                      "the same command again; else boot mode, which erases the whole flash: kaz "
-                      "flash write IMAGE --port " +
-                          link_.name() + " --reset dtr-rts (or ctl:PATH, or manual)"});
+  return fail(
+      Fault::environment,
+      Diagnostic{"the resident loader does not answer",
+                 "the flash writer's reply",
+                 "nothing",
+                 {"the board's loader is older than this program", "the line is noisy"},
+                 "the same command again; else boot mode, which erases the whole flash: kaz "
+                 "flash write IMAGE --port " +
+                     link_.name() + " --reset dtr-rts (or ctl:PATH, or manual)"});
 }
 
 Result<void> Flasher::load_writer_rest() {
@@ -217,7 +221,7 @@ Result<void> Flasher::enter_boot(BoardReset& reset) {
   }
   if (!entered) return entered;
   blank_ = true;
-  least_seconds_ = static_cast<double>(boot_size) * kByteAt9600;
+  min_seconds_ = static_cast<double>(boot_size) * kByteAt9600;
   tell("boot", static_cast<std::uint32_t>(program_.size()),
        static_cast<std::uint32_t>(program_.size()));
   return {};
@@ -244,12 +248,12 @@ Result<void> Flasher::erase_block(int block) {
       writer_.ask({KZ_WRITER_ERASE, {static_cast<std::uint8_t>(block)}}, kErasePatience);
   if (!reply) return tl::unexpected(reply.error());
   if (reply->status == KZ_WRITER_OK) return {};
-  return fail(Fault::failed, Trouble{"block EB" + std::to_string(block) + " cannot be erased",
-                                     "every cell erased",
-                                     status_text(reply->status),
-                                     {"the block is worn out: the part endures 100 erasures",
-                                      "the supply is too low while it erases"},
-                                     "measure the supply, try again; else change the part"});
+  return fail(Fault::failed, Diagnostic{"block EB" + std::to_string(block) + " cannot be erased",
+                                        "every cell erased",
+                                        status_text(reply->status),
+                                        {"the block is worn out: the part endures 100 erasures",
+                                         "the supply is too low while it erases"},
+                                        "measure the supply, try again; else change the part"});
 }
 
 Result<void> Flasher::write_ranges(const std::vector<FlashRange>& ranges, const FlashImage& image,
@@ -266,7 +270,7 @@ Result<void> Flasher::write_ranges(const std::vector<FlashRange>& ranges, const 
         if (reply.status == KZ_WRITER_OK) {
           const auto size = static_cast<std::uint32_t>(request.payload.size()) - 4;
           done += size;
-          least_seconds_ +=
+          min_seconds_ +=
               size / kFlashLine * std::max(kFlashLine * kByteAt115200, FlashTimes::program_line_s);
           tell("write", done, total);
           return {};
@@ -275,12 +279,13 @@ Result<void> Flasher::write_ranges(const std::vector<FlashRange>& ranges, const 
         for (std::size_t k = 0; k < 4; ++k) at = at << 8 | request.payload[k];
         if (reply.data.size() >= 2)
           at = (at & 0xffff0000u) | static_cast<std::uint32_t>(reply.data[0] << 8 | reply.data[1]);
-        return fail(Fault::failed, Trouble{"the line at " + hex_address(at) + " cannot be written",
-                                           "its bytes in the flash",
-                                           status_text(reply.status),
-                                           {"the block is worn out: the part endures 100 erasures",
-                                            "the supply is too low", "the flash was not erased"},
-                                           "the same command again; it erases the block first"});
+        return fail(Fault::failed,
+                    Diagnostic{"the line at " + hex_address(at) + " cannot be written",
+                               "its bytes in the flash",
+                               status_text(reply.status),
+                               {"the block is worn out: the part endures 100 erasures",
+                                "the supply is too low", "the flash was not erased"},
+                               "the same command again; it erases the block first"});
       });
 }
 
@@ -291,13 +296,13 @@ Result<void> Flasher::compare(const std::vector<FlashRange>& ranges, const Flash
     const auto equal = same(range, image);
     if (!equal) return tl::unexpected(equal.error());
     if (!*equal) {
-      return fail(Fault::failed, Trouble{"the flash does not hold the image",
-                                         "the image's bytes from " + hex_address(range.from) +
-                                             " to " + hex_address(range.to - 1),
-                                         "other sums",
-                                         {"another image was flashed since",
-                                          "cells lose their charge: the part is worn"},
-                                         "kaz flash write IMAGE --port " + link_.name() + " …"});
+      return fail(Fault::failed, Diagnostic{"the flash does not hold the image",
+                                            "the image's bytes from " + hex_address(range.from) +
+                                                " to " + hex_address(range.to - 1),
+                                            "other sums",
+                                            {"another image was flashed since",
+                                             "cells lose their charge: the part is worn"},
+                                            "kaz flash write IMAGE --port " + link_.name() + " …"});
     }
     tell("verify", done += range.size(), total);
   }
@@ -344,7 +349,7 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
       if (!wanted[static_cast<std::size_t>(block)]) continue;
       tell("erase", static_cast<std::uint32_t>(report.erased), blocks);
       if (auto erased = erase_block(block); !erased) return tl::unexpected(erased.error());
-      least_seconds_ += FlashTimes::erase_pulse_s + FlashTimes::erase_setup_s;
+      min_seconds_ += FlashTimes::erase_pulse_s + FlashTimes::erase_setup_s;
       ++report.erased;
     }
   }
@@ -385,7 +390,7 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
   report.verified = true;
   report.repeated = writer_.repeated();
   report.seconds = std::chrono::duration<double>(clock_.now() - started_).count();
-  report.least_seconds = least_seconds_;
+  report.min_seconds = min_seconds_;
   return report;
 }
 

@@ -17,7 +17,7 @@
 #include "host/flash/boot_mode.h"
 #include "host/flash/flash_image.h"
 #include "host/flash/writer_link.h"
-#include "host/robot/link.h"
+#include "host/link/link.h"
 
 namespace kaz::host {
 
@@ -48,9 +48,9 @@ struct FlashReport {
   int erased = 0, unchanged = 0;  // blocks
   int repeated = 0;               // requests
   bool verified = false;
-  double seconds = 0;        // from the first byte to the board until everything is verified
-  double least_seconds = 0;  // what the wire and the cells take: docs/flash.md
-  double efficiency() const { return seconds > 0 ? least_seconds / seconds : 0; }
+  double seconds = 0;      // from the first byte to the board until everything is verified
+  double min_seconds = 0;  // what the wire and the cells take: docs/flash.md
+  double efficiency() const { return seconds > 0 ? min_seconds / seconds : 0; }
 };
 
 class Flasher {
@@ -110,7 +110,7 @@ class Flasher {
   bool blank_ = false;  // boot mode has just erased everything
   State state_ = State::untouched;
   Time started_{};
-  double least_seconds_ = 0;
+  double min_seconds_ = 0;
   std::string phase_;
   Time phase_began_{};
 };

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "host/flash/trouble.h"
+#include "host/flash/diagnostic.h"
 #include "shared/protocol/crc16.h"
 
 namespace kaz::host {
@@ -24,13 +24,13 @@ std::uint16_t crc_of(std::span<const std::uint8_t> bytes) {
 
 tl::unexpected<Error> no_answer(const std::string& port, int tries) {
   return fail(Fault::environment,
-              Trouble{"the flash writer in the board's RAM does not answer any more",
-                      "a reply to a request that was sent " + std::to_string(tries) + " times",
-                      "nothing sound on " + port,
-                      {"power or reset of the board was cut while it was being written",
-                       "the line is damaged: cable, ground, another program on the port",
-                       "the adapter does not keep up with 115200 baud"},
-                      "the same command again; in boot mode the board can always be flashed"});
+              Diagnostic{"the flash writer in the board's RAM does not answer any more",
+                         "a reply to a request that was sent " + std::to_string(tries) + " times",
+                         "nothing sound on " + port,
+                         {"power or reset of the board was cut while it was being written",
+                          "the line is damaged: cable, ground, another program on the port",
+                          "the adapter does not keep up with 115200 baud"},
+                         "the same command again; in boot mode the board can always be flashed"});
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/robot/link.h"
+#include "host/link/link.h"
 #include "shared/flash/protocol.h"
 
 namespace kaz::host {

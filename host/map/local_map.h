@@ -5,7 +5,7 @@
 // what each picture shows of the floor is put where the eyes were when it was taken, and pictures
 // are merged cell by cell, with a confidence.
 //
-// Frame of the map: x forward, y left, z up, as the foot frame (vision/frame.h) of the moment the
+// Frame of the map: x forward, y left, z up, as the foot frame (vision/image/frame.h) of the moment the
 // map was begun; the floor is z = 0. Units m, px.
 //
 // One picture, one vote a cell:
@@ -29,9 +29,9 @@
 #include <Eigen/Geometry>
 
 #include "shared/base/result.hpp"
-#include "vision/depth.h"
-#include "vision/frame.h"
-#include "vision/plane_segments.h"
+#include "vision/depth/depth.h"
+#include "vision/image/frame.h"
+#include "vision/planes/plane_segments.h"
 
 namespace kaz::map {
 

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "host/map/test_view.h"
+#include "host/map/view_testing.h"
 
 namespace kaz::map {
 namespace {

@@ -112,7 +112,7 @@ double roll_for(const Shape& shape) {
     return inner_edge(roll) + shape.margin -
            zmp_amplitude(shape, roll) * std::cos(std::numbers::pi * shape.swing);
   };
-  double low = 0, high = shape.most_roll;
+  double low = 0, high = shape.max_roll;
   if (missing(high) > 0) return high;
   for (int i = 0; i < 40; ++i) {
     const double middle = (low + high) / 2;

@@ -53,9 +53,9 @@ struct Shape {
   double swing = 0.30;    // of the cycle, each foot
   double lift = 0.010;    // m
   double lag = 0.02;      // of the cycle, of the feet behind the trunk: what the servos lag
-  double most_roll = 22 * kDegree;  // the feet would touch at 24.6 degrees
+  double max_roll = 22 * kDegree;  // the feet would touch at 24.6 degrees
 };
-// Half the width of the trunk's swing that the criterion asks for, at most most_roll.
+// Half the width of the trunk's swing that the criterion asks for, at most max_roll.
 double roll_for(const Shape& shape);
 // The zero moment point's largest deflection, and the inner edge of the soles, for such a swing.
 double zmp_amplitude(const Shape& shape, double roll);

@@ -48,7 +48,7 @@ TEST(Gait, ZeroMomentPointStaysInsideTheCarryingSoleDuringEachSwing) {
   for (const Shape& shape : {Shape{}, Shape{.period = 2.2}}) {
     const double roll = roll_for(shape);
     EXPECT_GT(roll, 10 * kDegree);
-    EXPECT_LE(roll, shape.most_roll);
+    EXPECT_LE(roll, shape.max_roll);
     std::printf("period %.1f s: roll %.1f deg, zero moment point within %.1f mm\n", shape.period,
                 roll / kDegree, 1e3 * zmp_amplitude(shape, roll));
     const double from = shape.lag + 0.25 - shape.swing / 2, to = from + shape.swing;
@@ -67,7 +67,7 @@ TEST(Gait, RollFollowsTheCriterion) {
   const double roll = roll_for(shape);
   EXPECT_NEAR(zmp_amplitude(shape, roll) * std::cos(std::numbers::pi * shape.swing),
               inner_edge(roll) + shape.margin, 1e-6);
-  EXPECT_EQ(roll_for({.margin = 0.05}), Shape{}.most_roll) << "more than the body can";
+  EXPECT_EQ(roll_for({.margin = 0.05}), Shape{}.max_roll) << "more than the body can";
   EXPECT_GT(roll_for({.period = 1.5}), roll) << "slower needs more lean: less is thrown";
 }
 

@@ -9,7 +9,7 @@ namespace kaz::motion {
 
 namespace {
 
-constexpr double kLongestBeat_s = 0.040;  // a later one is not made up for: joints would leap
+constexpr double kMaxControlCycle_s = 0.040;  // a later one is not made up for: joints would leap
 // Ramps of the amplitude in cycles: as the known gait of kaz-model.md.
 constexpr double kWalkUp = 1.5, kWalkDown = 1.0, kTurnUp = 0.7, kTurnDown = 0.5;
 constexpr double kSettle_s = 0.6;  // after the feet stand, until the gyro's zero is taken again
@@ -80,7 +80,7 @@ void Motion::stop() {
 }
 
 Motion::LegTargets Motion::step(Time now, const host::Posture& posture) {
-  const double dt = last_ ? std::clamp(seconds(now - *last_), 0.0, kLongestBeat_s) : 0.0;
+  const double dt = last_ ? std::clamp(seconds(now - *last_), 0.0, kMaxControlCycle_s) : 0.0;
   last_ = now;
   sense(posture);
   if (state_ != State::fallen) advance(dt);

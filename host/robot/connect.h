@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "host/robot/requester.h"
+#include "host/link/requester.h"
 
 namespace kaz::host {
 

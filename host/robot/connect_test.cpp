@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "host/robot/board_testing.h"
 #include "host/robot/robot.h"
-#include "host/robot/test_board.h"
 
 namespace kaz::host {
 namespace {

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "shared/board/board.h"
-#include "vision/frame.h"  // Time
+#include "vision/image/frame.h"  // Time
 
 namespace kaz::host {
 

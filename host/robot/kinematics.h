@@ -3,7 +3,7 @@
 //
 // Link frames as in shared/robot/kaz/kaz.urdf: parallel to the trunk's (x forward, y left, z up) at
 // the zero posture, origin on the link's own joint. "eye" is the optical frame of a camera
-// (vision/frame.h). Metres and radians.
+// (vision/image/frame.h). Metres and radians.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -32,7 +32,7 @@ Eigen::Isometry3d trunk_from_sole(const JointAngles& angle, Side foot);
 // The lower foot along the trunk's vertical axis; the left one if they differ by less than 1 mm.
 Side supporting_foot(const JointAngles& angle);
 
-// Pose of the left eye in the foot frame of vision/frame.h.
+// Pose of the left eye in the foot frame of vision/image/frame.h.
 Eigen::Isometry3d foot_from_eye(const JointAngles& angle);
 
 // Head angles.

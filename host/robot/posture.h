@@ -10,7 +10,7 @@
 
 #include "host/robot/inertial.h"
 #include "shared/board/board.h"
-#include "vision/frame.h"  // Time
+#include "vision/image/frame.h"  // Time
 
 namespace kaz::host {
 

@@ -28,8 +28,8 @@
 #include <string>
 #include <vector>
 
-#include "host/robot/link.h"
-#include "host/robot/link_statistics.h"
+#include "host/link/link.h"
+#include "host/link/link_statistics.h"
 #include "host/robot/posture.h"
 #include "host/robot/robot_types.h"
 #include "shared/board/board.h"

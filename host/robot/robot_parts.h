@@ -10,11 +10,11 @@
 #include <span>
 #include <vector>
 
-#include "host/robot/clock_relation.h"
+#include "host/link/clock_relation.h"
+#include "host/link/requester.h"
+#include "host/link/typed_request.h"
 #include "host/robot/posture_history.h"
-#include "host/robot/requester.h"
 #include "host/robot/robot.h"
-#include "host/robot/typed_request.h"
 
 namespace kaz::host {
 

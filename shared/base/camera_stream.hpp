@@ -31,7 +31,7 @@ struct CameraStreamHeader {
   std::uint32_t version;    // kCameraStreamVersion
   std::uint32_t width;      // pixels, 1..kCameraStreamMaxSide
   std::uint32_t height;     // pixels
-  double fx, fy, cx, cy;    // pixels; pixel centres at integer coordinates (vision/frame.h)
+  double fx, fy, cx, cy;    // pixels; pixel centres at integer coordinates (vision/image/frame.h)
   double baseline_m;        // right lens along +x of the left optical frame
   std::int64_t latency_ns;  // from the middle of the exposure to when the pair reaches vision, >= 0
 };

@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "shared/servo/test_board.h"
+#include "shared/servo/board_testing.h"
 
 namespace kaz::test {
 namespace {
@@ -87,7 +87,7 @@ TEST(Calibrate, IsRefusedWhileAMotorIsOnOrTheFrameIsWrong) {
 }
 
 TEST(StoreCalibration, IsAnsweredWhenItIsStored) {
-  kz_startup startup = TestBoard::sound_startup();
+  kz_startup startup = TestBoard::valid_startup();
   startup.calibration = KZ_CALIBRATION_NOMINAL;
   TestBoard board(startup);
   ASSERT_EQ(board.status(), KZ_STATUS_UNCALIBRATED);

@@ -67,7 +67,7 @@ void kz_health_update(kz_servo* servo, const kz_tick_input* input) {
   }
 }
 
-u8 kz_health_unsound(const kz_servo* servo) {
+u8 kz_health_active_fault(const kz_servo* servo) {
   if (servo->reference_bad_ms != 0) return KZ_SHUTDOWN_REFERENCE;
   if (servo->supply_bad_ms != 0) return supply_reason(servo);
   if (servo->hot_ms != 0) return KZ_SHUTDOWN_TEMPERATURE;

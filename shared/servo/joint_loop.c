@@ -62,7 +62,7 @@ static inline s32 follow(const kz_joint* joint, s32 error) {
   return (s32)(s16)(error >> 1) * joint->kp - (s32)joint->rate * joint->kd;
 }
 
-static inline s32 follow_carefully(const kz_joint* joint, s32 error) {
+static inline s32 follow_constrained(const kz_joint* joint, s32 error) {
   const u16 dead_band = joint->dead_band;
   const s32 friction = (s32)((u32)joint->friction_drive << (KZ_DRIVE_SHIFT - 8));
   s32 drive;
@@ -70,12 +70,12 @@ static inline s32 follow_carefully(const kz_joint* joint, s32 error) {
   drive = follow(joint, error);
   if (error > 0) drive += friction;
   if (error < 0) drive -= friction;
-  return (joint->careful & KZ_CAREFUL_AT_LIMITS) ? kz_hold_back(joint, drive) : drive;
+  return (joint->constrained & KZ_CONSTRAINED_NEAR_LIMIT) ? kz_hold_back(joint, drive) : drive;
 }
 
 static inline void control(kz_joint* joint) {
   const s32 error = (s32)joint->command - joint->angle;
-  kz_put_drive(joint, joint->careful ? follow_carefully(joint, error) : follow(joint, error));
+  kz_put_drive(joint, joint->constrained ? follow_constrained(joint, error) : follow(joint, error));
 }
 
 u16 kz_joint_loop(kz_joint* joint, const u16* analog) {

@@ -13,7 +13,7 @@
 // along that line takes speed / T. Of all joints the hips carry most, 0.02 kg m2 (the leg stretched);
 // at 12 rad/s that is 3.8 Nm, and reverse drive and back-EMF give 4.4.
 //
-// All this is only done for a joint that is `careful`: dead band and friction for one that has such,
+// All this is only done for a joint that is `constrained`: dead band and friction for one that has such,
 // the limits for one that may be near to them. The latter is looked after every 4 ms (protection.c):
 // a joint is not near when both limits are further away than it can get in that time at any speed that
 // the limit allows.
@@ -30,10 +30,10 @@ extern "C" {
 // Keeps the filtered rate inside 16 bits: 64 * 511 = 32704.
 #define KZ_DELTA_MAX 511
 #define KZ_DUTY_MAX 255
-// Why a joint is careful.
-#define KZ_CAREFUL_AT_LIMITS 1
-#define KZ_CAREFUL_RUBS 2  // it has a dead band or friction
-#define KZ_DRIVE_SHIFT 11  // a drive has 2048 to a count of duty
+// Why a joint is constrained.
+#define KZ_CONSTRAINED_NEAR_LIMIT 1
+#define KZ_CONSTRAINED_BY_FRICTION 2  // it has a dead band or friction
+#define KZ_DRIVE_SHIFT 11             // a drive has 2048 to a count of duty
 
 // Rates are 1/64 of 100 urad/ms, so a way of 100 urad allows a rate of 1 if T is 64 ms.
 #define KZ_NEAR_LIMIT 1000  // 100 urad: on this last way T is half

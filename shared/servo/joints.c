@@ -53,7 +53,7 @@ void kz_joints_init(kz_servo* servo, const kz_startup* startup) {
     servo->joint[i].ramp_limit = KZ_RAMP_DEFAULT;
     servo->joint[i].lower = kz_board_joints[i].lower;
     servo->joint[i].upper = kz_board_joints[i].upper;
-    servo->joint[i].careful = KZ_CAREFUL_AT_LIMITS;
+    servo->joint[i].constrained = KZ_CONSTRAINED_NEAR_LIMIT;
     servo->joint[i].pot_bad_ms = 1;  // not measured yet
     servo->joint[i].pot_centre = startup->pot_centre[i];
     servo->joint[i].pot_scale = startup->pot_scale[i];

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "shared/servo/test_board.h"
+#include "shared/servo/board_testing.h"
 
 namespace kaz::test {
 namespace {

@@ -21,7 +21,7 @@ static u8 lowest_bit(u32 mask) {
 kz_outcome kz_do_enable(kz_servo* servo, u32 mask) {
   if (mask != 0) {
     u8 reason = servo->shutdown;
-    if (reason == KZ_SHUTDOWN_NONE) reason = kz_unsound(servo, mask);
+    if (reason == KZ_SHUTDOWN_NONE) reason = kz_active_fault(servo, mask);
     if (reason != KZ_SHUTDOWN_NONE) return KZ_REFUSE(KZ_REFUSED_FAULT, reason);
   }
   kz_joints_enable(servo, mask);

@@ -80,14 +80,14 @@ static void watch_limits(kz_servo* servo) {
     const s16 lower = joint->lower;
     const s16 angle = joint->angle;
     s16 far = joint->rate;
-    u8 careful = (u8)(joint->careful & KZ_CAREFUL_RUBS);
+    u8 constrained = (u8)(joint->constrained & KZ_CONSTRAINED_BY_FRICTION);
     if (far < 0) far = (s16)-far;
-    if (far > FAST) careful |= KZ_CAREFUL_AT_LIMITS;
+    if (far > FAST) constrained |= KZ_CONSTRAINED_NEAR_LIMIT;
     far = (s16)(far + KZ_FAR_FROM_LIMIT);
     if (angle <= (s16)(lower + far) || angle >= (s16)(joint->upper - far)) {
-      careful |= KZ_CAREFUL_AT_LIMITS;
+      constrained |= KZ_CONSTRAINED_NEAR_LIMIT;
     }
-    joint->careful = careful;
+    joint->constrained = constrained;
     joint += LIMITS_MS;
   }
 }

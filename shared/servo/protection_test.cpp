@@ -7,9 +7,9 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "shared/servo/board_testing.h"
 #include "shared/servo/joint_loop.h"
 #include "shared/servo/joints.h"
-#include "shared/servo/test_board.h"
 
 namespace kaz::test {
 namespace {
@@ -221,15 +221,15 @@ TEST_F(Protection, HeatIsNoFaultWhileMotorsAreOff) {
   EXPECT_EQ(kz_protection_update(&servo), KZ_SHUTDOWN_OVERLOAD << 8 | knee);
 }
 
-// A joint is careful if it can reach a limit within 4 ms: it is nearer than its rate and 3,100.
+// A joint is constrained if it can reach a limit within 4 ms: it is nearer than its rate and 3,100.
 class NearLimits : public Protection {
  protected:
-  u8 careful(int angle, int rate) {
+  u8 constrained(int angle, int rate) {
     joint().angle = static_cast<s16>(angle);
     joint().rate = static_cast<s16>(rate);
     board.servo.phase = knee;
     kz_protection_update(&board.servo);
-    return joint().careful;
+    return joint().constrained;
   }
 };
 
@@ -238,11 +238,11 @@ TEST_F(NearLimits, AreDistancesThatGrowWithTheSpeedInEitherDirection) {
   joint().lower = -11'000;
   for (const int rate : {0, 2000, -2000, 5200, -5200}) {
     const int far = KZ_FAR_FROM_LIMIT + std::abs(rate);
-    EXPECT_EQ(careful(0, rate), 0) << rate;
-    EXPECT_EQ(careful(12'000 - far, rate), KZ_CAREFUL_AT_LIMITS) << rate;
-    EXPECT_EQ(careful(12'000 - far - 1, rate), 0) << rate;
-    EXPECT_EQ(careful(-11'000 + far, rate), KZ_CAREFUL_AT_LIMITS) << rate;
-    EXPECT_EQ(careful(-11'000 + far + 1, rate), 0) << rate;
+    EXPECT_EQ(constrained(0, rate), 0) << rate;
+    EXPECT_EQ(constrained(12'000 - far, rate), KZ_CONSTRAINED_NEAR_LIMIT) << rate;
+    EXPECT_EQ(constrained(12'000 - far - 1, rate), 0) << rate;
+    EXPECT_EQ(constrained(-11'000 + far, rate), KZ_CONSTRAINED_NEAR_LIMIT) << rate;
+    EXPECT_EQ(constrained(-11'000 + far + 1, rate), 0) << rate;
   }
 }
 
@@ -250,15 +250,15 @@ TEST_F(NearLimits, DoNotMatterToAJointFasterThan8RadPerS) {
   joint().upper = 24'434;
   joint().lower = -24'434;
   for (const int rate : {5201, -5201, 20'000, -20'000, 32'704, -32'704})
-    EXPECT_EQ(careful(0, rate), KZ_CAREFUL_AT_LIMITS) << rate;
+    EXPECT_EQ(constrained(0, rate), KZ_CONSTRAINED_NEAR_LIMIT) << rate;
 }
 
 TEST_F(NearLimits, DeadBandAndFrictionStayAReason) {
   joint().upper = 12'000;
   joint().lower = -11'000;
-  joint().careful = KZ_CAREFUL_RUBS | KZ_CAREFUL_AT_LIMITS;
-  EXPECT_EQ(careful(0, 0), KZ_CAREFUL_RUBS);
-  EXPECT_EQ(careful(12'000, 0), KZ_CAREFUL_RUBS | KZ_CAREFUL_AT_LIMITS);
+  joint().constrained = KZ_CONSTRAINED_BY_FRICTION | KZ_CONSTRAINED_NEAR_LIMIT;
+  EXPECT_EQ(constrained(0, 0), KZ_CONSTRAINED_BY_FRICTION);
+  EXPECT_EQ(constrained(12'000, 0), KZ_CONSTRAINED_BY_FRICTION | KZ_CONSTRAINED_NEAR_LIMIT);
 }
 
 }  // namespace

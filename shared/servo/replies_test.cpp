@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "shared/servo/test_board.h"
+#include "shared/servo/board_testing.h"
 
 namespace kaz::test {
 namespace {
@@ -28,7 +28,7 @@ TEST(Replies, HealthTellsWhatIsMeasured) {
 }
 
 TEST(Replies, SelfTestTellsWhatTheStartFound) {
-  kz_startup startup = TestBoard::sound_startup();
+  kz_startup startup = TestBoard::valid_startup();
   startup.tests_done = KZ_TEST_RAM | KZ_TEST_FLASH | KZ_TEST_CONVERTER;
   startup.start_8states = 12345;
   TestBoard board(startup);
@@ -121,7 +121,7 @@ TEST(Replies, SettingsTellsWhatIsInForceAfterAReset) {
 }
 
 TEST(Replies, CalibrationTellsValuesSourceAndWear) {
-  kz_startup startup = TestBoard::sound_startup();
+  kz_startup startup = TestBoard::valid_startup();
   startup.calibration = KZ_CALIBRATION_B;
   startup.pot_centre[3] = 777;
   startup.pot_scale[17] = -15000;
@@ -142,7 +142,7 @@ TEST(Replies, CalibrationTellsValuesSourceAndWear) {
 }
 
 TEST(Replies, WithoutAStoredCalibrationTheStatusSaysSo) {
-  kz_startup startup = TestBoard::sound_startup();
+  kz_startup startup = TestBoard::valid_startup();
   startup.calibration = KZ_CALIBRATION_NOMINAL;
   TestBoard board(startup);
   EXPECT_EQ(board.status(), KZ_STATUS_UNCALIBRATED);

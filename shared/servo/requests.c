@@ -114,7 +114,7 @@ void kz_request_received(kz_servo* servo) {
     answer = execute(servo, type, sequence);
   }
   if (answered) enqueue(servo, answer);
-  if (is_work(type, servo->receiver.length)) servo->hurried = 1;
+  if (is_work(type, servo->receiver.length)) servo->tx_throttled = 1;
 }
 
 static void finish(kz_answer* answer, u8 count, u16 outcome) {
@@ -195,15 +195,15 @@ void kz_requests_answer(kz_servo* servo, const kz_tick_input* input) {
   if (servo->queued != 0) {
     if (servo->queue[0].reason == KZ_PENDING) return;
     if (is_large(servo->queue)) {
-      if (servo->hurried) return;
-      servo->hurried = 1;
+      if (servo->tx_throttled) return;
+      servo->tx_throttled = 1;
     }
     send_answer(servo, input);
   } else if (servo->refuse_busy) {
     send_refusal(servo, servo->busy_type, servo->busy_sequence, KZ_REFUSED_BUSY, KZ_NO_DETAIL);
     servo->refuse_busy = 0;
-  } else if (servo->telemetry_due != 0 && !servo->hurried && servo->action == KZ_ACTION_NONE) {
+  } else if (servo->telemetry_due != 0 && !servo->tx_throttled && servo->action == KZ_ACTION_NONE) {
     kz_telemetry_send(servo, input);
-    servo->hurried = 1;
+    servo->tx_throttled = 1;
   }
 }

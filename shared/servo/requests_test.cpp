@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "shared/servo/board_testing.h"
 #include "shared/servo/commands.h"
-#include "shared/servo/test_board.h"
 
 namespace kaz::test {
 namespace {

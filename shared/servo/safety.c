@@ -60,9 +60,9 @@ void kz_safety_update(kz_servo* servo, const kz_tick_input* input) {
   if (silent_ms >= servo->watchdog_ms) link_lost(servo);
 }
 
-u8 kz_unsound(const kz_servo* servo, u32 mask) {
+u8 kz_active_fault(const kz_servo* servo, u32 mask) {
   const kz_joint* joint = servo->joint;
-  const u8 reason = kz_health_unsound(servo);
+  const u8 reason = kz_health_active_fault(servo);
   if (reason != KZ_SHUTDOWN_NONE) return reason;
   for (; mask != 0; mask >>= 1) {
     if ((mask & 1) && joint->pot_bad_ms != 0) return KZ_SHUTDOWN_POT;

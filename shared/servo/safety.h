@@ -18,7 +18,7 @@ void kz_safety_update(kz_servo* servo, const kz_tick_input* input);
 
 // KZ_SHUTDOWN_* of something that is not sound at present and would switch motors off sooner or
 // later: the board, or the potentiometer of a joint of the mask. KZ_SHUTDOWN_NONE if all is well.
-u8 kz_unsound(const kz_servo* servo, u32 mask);
+u8 kz_active_fault(const kz_servo* servo, u32 mask);
 // Whether the cause of the latched shutdown is still there.
 u8 kz_cause_present(const kz_servo* servo);
 
@@ -31,7 +31,7 @@ void kz_health_init(kz_servo* servo);
 // Where servo->phase & 3 is not 0.
 void kz_health_update(kz_servo* servo, const kz_tick_input* input);
 // KZ_SHUTDOWN_* of what is out of its range at present.
-u8 kz_health_unsound(const kz_servo* servo);
+u8 kz_health_active_fault(const kz_servo* servo);
 
 // A counter that stays at its highest value.
 static inline void kz_count(u16* counter) {

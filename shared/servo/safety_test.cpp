@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "shared/servo/test_board.h"
+#include "shared/servo/board_testing.h"
 
 namespace kaz::test {
 namespace {

@@ -56,7 +56,7 @@ extern "C" {
 //   pot_bad_ms  for how long the potentiometer's code has made no sense
 //   pot_input   index into kz_tick_input.analog
 //   mirrored    a forward shaft is a negative joint angle
-//   careful     KZ_CAREFUL_* (joint_loop.h)
+//   constrained     KZ_CAREFUL_* (joint_loop.h)
 //   on          bit of `enabled`
 //   heat        what the motor has taken up and not given off yet (protection.h)
 //   stall_angle where it was when it began not to move under high load, 100 urad
@@ -93,7 +93,7 @@ extern "C" {
   FIELD(u8, friction)          \
   FIELD(u8, load)              \
   FIELD(u8, stalled)           \
-  FIELD(u8, careful)           \
+  FIELD(u8, constrained)       \
   FIELD(u8, on)
 
 //   tick            number of the present tick
@@ -117,7 +117,7 @@ extern "C" {
 //   replying        1 while the sender sends the reply to a request that counts as under way
 //   prepared        not 0: the first part of the reply to queue[0] stands in the sender's body, so
 //                   many bytes of fields; the rest follows in the next tick
-//   hurried         1: this tick has done much already, what is large waits for the next
+//   tx_throttled         1: this tick has done much already, what is large waits for the next
 //   refuse_busy     1: a request came that will be refused, its busy_type and busy_sequence
 //   extras          not 0: something of the next four lines is under way (a tick looks no further)
 //   telemetry_ms    period, 0: no telemetry; telemetry_left_ms of it are left
@@ -177,7 +177,7 @@ extern "C" {
   FIELD(u8, queued)              \
   FIELD(u8, replying)            \
   FIELD(u8, prepared)            \
-  FIELD(u8, hurried)             \
+  FIELD(u8, tx_throttled)        \
   FIELD(u8, refuse_busy)         \
   FIELD(u8, telemetry_selection) \
   FIELD(u8, telemetry_due)       \

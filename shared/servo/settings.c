@@ -12,9 +12,9 @@
 kz_outcome kz_do_gains(kz_servo* servo, const kz_gains* request) {
   const s16 kp = kz_scaled_kp(request->kp);
   const s16 kd = kz_scaled_kd(request->kd);
-  const u8 careful = (request->dead_band | request->friction) != 0
-                         ? KZ_CAREFUL_AT_LIMITS | KZ_CAREFUL_RUBS
-                         : KZ_CAREFUL_AT_LIMITS;
+  const u8 constrained = (request->dead_band | request->friction) != 0
+                             ? KZ_CONSTRAINED_NEAR_LIMIT | KZ_CONSTRAINED_BY_FRICTION
+                             : KZ_CONSTRAINED_NEAR_LIMIT;
   const u16 friction_drive = (u16)(request->friction << 8);
   kz_joint* joint = servo->joint;
   u32 bits;
@@ -25,7 +25,7 @@ kz_outcome kz_do_gains(kz_servo* servo, const kz_gains* request) {
       joint->dead_band = request->dead_band;
       joint->friction = request->friction;
       joint->friction_drive = friction_drive;
-      joint->careful = careful;
+      joint->constrained = constrained;
     }
     ++joint;
   }
@@ -46,7 +46,7 @@ kz_outcome kz_do_limits(kz_servo* servo, const kz_limits* request) {
       const s16 least = board->lower;
       const s16 most = board->upper;
       joint->ramp_limit = ramp;
-      joint->careful |= KZ_CAREFUL_AT_LIMITS;
+      joint->constrained |= KZ_CONSTRAINED_NEAR_LIMIT;
       joint->lower = lower < least ? least : lower > most ? most : lower;
       joint->upper = upper > most ? most : upper < least ? least : upper;
     }
@@ -94,7 +94,7 @@ kz_outcome kz_do_calibrate(kz_servo* servo, const u8* fields, u8 length) {
   centre = fields + sizeof(u32);
   for (bits = mask; bits != 0; bits >>= 1) {
     if (bits & 1) {
-      joint->careful |= KZ_CAREFUL_AT_LIMITS;  // it may stand at one now
+      joint->constrained |= KZ_CONSTRAINED_NEAR_LIMIT;  // it may stand at one now
       joint->pot_centre = kz_get_s16(centre);
       joint->pot_scale = kz_get_s16(scale);
       joint->rate = 0;

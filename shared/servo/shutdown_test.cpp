@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "shared/servo/test_board.h"
+#include "shared/servo/board_testing.h"
 
 namespace kaz::test {
 namespace {
@@ -149,7 +149,7 @@ TEST(Shutdown, StopWorksForAllBoards) {
 }
 
 TEST(Shutdown, AFailedSelfTestStaysUntilAReset) {
-  kz_startup startup = TestBoard::sound_startup();
+  kz_startup startup = TestBoard::valid_startup();
   startup.tests_done = 15;
   startup.tests_failed = KZ_TEST_FLASH;
   TestBoard board(startup);

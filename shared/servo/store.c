@@ -41,7 +41,7 @@ static u8 is_blank(const u8* line) {
   return 1;
 }
 
-static u8 is_sound(const u8* line, u8 parts) {
+static u8 is_valid(const u8* line, u8 parts) {
   return (u8)(line[PART] < parts && read16(line + SEQUENCE) != 0 &&
               check_of(line) == read16(line + CHECK));
 }
@@ -74,7 +74,7 @@ static void scan_block(kz_store* store, const u8* line, u8 block) {
       continue;
     }
     store->used[block] = (u8)(i + 1);
-    if (!is_sound(line, store->parts)) {
+    if (!is_valid(line, store->parts)) {
       in_row = 0;
       continue;
     }

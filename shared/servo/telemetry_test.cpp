@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "shared/servo/test_board.h"
+#include "shared/servo/board_testing.h"
 
 namespace kaz::test {
 namespace {
@@ -123,7 +123,7 @@ TEST(Telemetry, ATooShortPeriodOrAnUnknownSelectionIsRefused) {
 }
 
 TEST(Telemetry, ASharedLineKnowsNone) {
-  kz_startup startup = TestBoard::sound_startup();
+  kz_startup startup = TestBoard::valid_startup();
   startup.shared_line = 1;
   TestBoard board(startup);
   EXPECT_EQ(board.telemetry(20, 1), KZ_REFUSED_SHARED_LINE);

@@ -114,8 +114,8 @@ static void receive_nothing(kz_servo* servo) {
 }
 
 // Bytes that may be sent now: in a tick that has done much only as many as the wire needs.
-static u8 room(u8 tx_room, u8 hurried) {
-  if (hurried) return tx_room <= KZ_TX_BUFFER - WIRE_ENOUGH ? 0 : WIRE_ENOUGH;
+static u8 room(u8 tx_room, u8 tx_throttled) {
+  if (tx_throttled) return tx_room <= KZ_TX_BUFFER - WIRE_ENOUGH ? 0 : WIRE_ENOUGH;
   return tx_room < KZ_TX_PER_TICK ? tx_room : KZ_TX_PER_TICK;
 }
 
@@ -124,7 +124,7 @@ static NOT_INLINE void transmit(kz_servo* servo, u8 tx_room, kz_tick_output* out
   const u8 before = output->tx_count;
   u8 count = 0;
   if (kz_sender_busy(&servo->sender)) {
-    count = kz_sender_take(&servo->sender, output->tx, room(tx_room, servo->hurried));
+    count = kz_sender_take(&servo->sender, output->tx, room(tx_room, servo->tx_throttled));
     if (!kz_sender_busy(&servo->sender)) servo->replying = 0;
   }
   output->tx_count = count;
@@ -152,13 +152,13 @@ static NOT_INLINE u8 end_extras(kz_servo* servo, const kz_tick_input* input) {
 void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output) {
   u16 fault;
   servo->tick = input->tick;
-  servo->hurried = 0;
+  servo->tx_throttled = 0;
   if (servo->extras) begin_extras(servo, input);
   kz_safety_update(servo, input);
   if ((++servo->phase & 3) != 0) kz_health_update(servo, input);
   if (servo->fresh_targets != 0) {
     kz_joints_start_ramps(servo);
-    servo->hurried = 1;
+    servo->tx_throttled = 1;
   }
   fault = kz_joints_update(servo, input);
   if (fault != 0) kz_shutdown(servo, (u8)(fault >> 8), (u8)fault);

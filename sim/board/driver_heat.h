@@ -13,7 +13,7 @@ namespace kaz::sim {
 
 class DriverHeat {
  public:
-  explicit DriverHeat(const DriverFigures& figures)
+  explicit DriverHeat(const DriverParams& figures)
       : figures_(figures), celsius_(figures.ambient_celsius) {}
 
   // `seconds` with this sum of the magnitudes of the motors' currents, A.
@@ -31,7 +31,7 @@ class DriverHeat {
   }
 
  private:
-  DriverFigures figures_;
+  DriverParams figures_;
   double celsius_;
 };
 

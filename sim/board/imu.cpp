@@ -10,7 +10,7 @@
 
 namespace kaz::sim {
 
-Imu::Imu(const SensorFigures& figures, const SensorSwitches& switches, std::uint64_t seed)
+Imu::Imu(const SensorParams& figures, const SensorSwitches& switches, std::uint64_t seed)
     : seed_(seed) {
   constexpr double tick_s = 1.0 / KZ_TICK_HZ;
   for (std::size_t i = 0; i < axes_.size(); ++i) {

@@ -14,11 +14,11 @@ namespace {
 constexpr double deg = std::numbers::pi / 180.0;
 constexpr double g = 9.80665;
 
-SensorFigures figures() {
+SensorParams figures() {
   return load_sensor_file("shared/robot/kaz/sensors.xml").value();
 }
-SensorFigures quiet() {
-  SensorFigures f = figures();
+SensorParams quiet() {
+  SensorParams f = figures();
   f.gyro.noise_density = f.gyro.zero_offset = f.gyro.wander = 0;
   f.accelerometer.wander = 0;
   f.accelerometer.noise_density = f.accelerometer.zero_offset = 0;
@@ -58,7 +58,7 @@ TEST(Imu, OffsetIsTheSeedsOwnAndWithinTheLimit) {
   double squares = 0;
   constexpr int count = 2000;
   for (int seed = 0; seed < count; ++seed) {
-    SensorFigures f = figures();
+    SensorParams f = figures();
     f.gyro.noise_density = f.gyro.wander = 0;
     Imu imu(f, {}, static_cast<std::uint64_t>(seed));
     imu.advance(1, {});
@@ -72,7 +72,7 @@ TEST(Imu, OffsetIsTheSeedsOwnAndWithinTheLimit) {
 
 // Rate noise of the gyro at rest, degrees/s, sampled each millisecond.
 std::vector<double> gyro_at_rest(int count) {
-  SensorFigures f = figures();
+  SensorParams f = figures();
   f.gyro.zero_offset = f.gyro.wander = 0;
   Imu imu(f, {}, 11);
   std::vector<double> rates;
@@ -110,7 +110,7 @@ TEST(Imu, ZeroWandersAsAGaussMarkovProcess) {
   constexpr int parts = 300, looked_s = 20;
   double moved = 0, where = 0;
   for (int part = 0; part < parts; ++part) {
-    SensorFigures f = quiet();
+    SensorParams f = quiet();
     f.gyro.wander = 0.5 * deg;
     f.gyro.wander_time_s = 100;
     Imu imu(f, {}, static_cast<std::uint64_t>(part));

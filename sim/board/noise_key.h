@@ -11,7 +11,7 @@
 namespace kaz::sim {
 
 // Per tick: 0..KZ_ANALOG-1 are the multiplexers' inputs.
-constexpr std::uint64_t kImuNoise = KZ_ANALOG;  // three channels
+constexpr std::uint64_t kImuNoise = KZ_ANALOG;       // three channels
 constexpr std::uint64_t kImuWander = kImuNoise + 3;  // three channels
 // Once and for all, at tick 0.
 constexpr std::uint64_t kImuOffset = 1000;     // three channels

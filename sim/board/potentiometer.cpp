@@ -36,8 +36,8 @@ double pot_ratio(int joint, double angle_rad) {
   return std::clamp(place(joint, angle_rad), 0.0, 1.0);
 }
 
-Potentiometer::Potentiometer(int joint, const PotFigures& figures, const SensorSwitches& switches,
-                             std::uint64_t seed)
+Potentiometer::Potentiometer(int joint, const PotentiometerParams& figures,
+                             const SensorSwitches& switches, std::uint64_t seed)
     : joint_(joint),
       opens_(switches.potentiometer),
       terminal_rad_(figures.terminal_rad),

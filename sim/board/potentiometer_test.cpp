@@ -14,7 +14,7 @@ namespace {
 
 constexpr double deg = std::numbers::pi / 180.0;
 
-PotFigures figures() {
+PotentiometerParams figures() {
   return load_sensor_file("shared/robot/kaz/sensors.xml").value().potentiometer;
 }
 
@@ -33,7 +33,7 @@ TEST(Potentiometer, BeyondTheTerminalsTheInputsPullUpDecides) {
   EXPECT_EQ(pan.ratio(-97.1 * deg), 1.0);
   EXPECT_EQ(pan.ratio(-150 * deg), 1.0);
   EXPECT_EQ(pan.ratio(97.1 * deg), 1.0);
-  PotFigures pulled_down = figures();
+  PotentiometerParams pulled_down = figures();
   pulled_down.open_level = 0;
   EXPECT_EQ(Potentiometer(0, pulled_down, {}, 1).ratio(120 * deg), 0.0);
 }
@@ -59,7 +59,7 @@ TEST(Potentiometer, NominalIsWhereTheFirmwareThinksItIs) {
 }
 
 TEST(AsBuilt, LinearityErrorIsSmoothBoundedZeroAtTheEndsAndTheJointsOwn) {
-  PotFigures bent = figures();
+  PotentiometerParams bent = figures();
   bent.mounting_rad = 0;
   double largest = 0;
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
@@ -85,7 +85,7 @@ TEST(AsBuilt, LinearityErrorIsSmoothBoundedZeroAtTheEndsAndTheJointsOwn) {
 }
 
 TEST(AsBuilt, MountingShiftsTheWholeCurveAndNotMoreThanTheTrackAllows) {
-  PotFigures shifted = figures();
+  PotentiometerParams shifted = figures();
   shifted.linearity = 0;
   double squares = 0;
   constexpr int count = 2000;

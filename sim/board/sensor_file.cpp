@@ -19,12 +19,12 @@ constexpr double kAny = std::numeric_limits<double>::max();
 struct Figure {
   const char* section;
   const char* element;
-  double& (*of)(SensorFigures&);
+  double& (*of)(SensorParams&);
   double least, most;  // both allowed, in the file's unit
   double unit;         // the file's, in that of the struct
 };
 
-using F = SensorFigures;
+using F = SensorParams;
 constexpr const char* kPot = "potentiometer";
 constexpr const char* kDriver = "driver_temperature";
 constexpr const char* kAccel = "accelerometer";
@@ -86,7 +86,7 @@ bool has_section(const std::string& name) {
 
 Result<void> read_figure(const XmlFile& file, const tinyxml2::XMLElement& section,
                          const tinyxml2::XMLElement& element,
-                         std::array<bool, kFigures.size()>& seen, SensorFigures& figures) {
+                         std::array<bool, kFigures.size()>& seen, SensorParams& figures) {
   const std::string in = section.Name(), name = element.Name();
   std::size_t which = 0;
   while (which < kFigures.size() &&
@@ -125,10 +125,10 @@ std::string name_of(const SensorSwitches& sensors) {
   return "mixed";
 }
 
-Result<SensorFigures> load_sensor_file(const std::string& path) {
+Result<SensorParams> load_sensor_file(const std::string& path) {
   const Result<XmlFile> file = XmlFile::load(path, "sensors");
   if (!file) return tl::unexpected(file.error());
-  SensorFigures figures;
+  SensorParams figures;
   std::array<bool, kFigures.size()> seen{};
   const auto& root = file->root();
   for (auto* section = root.FirstChildElement(); section; section = section->NextSiblingElement()) {

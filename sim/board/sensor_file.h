@@ -10,7 +10,7 @@
 namespace kaz::sim {
 
 // Noise in codes: one sigma at the converter. Without a file: nominal laws, no errors, no noise.
-struct PotFigures {
+struct PotentiometerParams {
   double noise_codes = 0;
   double linearity = 0;     // largest deviation, share of the range
   double mounting_rad = 0;  // largest offset
@@ -23,7 +23,7 @@ struct InputFigures {
 };
 
 // First-order heating of the motor drivers: each bridge loses `drop_volts` times its motor's current.
-struct DriverFigures {
+struct DriverParams {
   double noise_codes = 0;
   double ambient_celsius = 25;
   double drop_volts = 0;
@@ -32,7 +32,7 @@ struct DriverFigures {
 };
 
 // One axis of the gyro (unit rad/s) or of the accelerometer (unit m/s^2).
-struct AxisFigures {
+struct ImuAxisParams {
   double share_per_unit = 0;  // of AVCC; zero stands at half
   double zero_offset = 0;     // largest, in units
   double wander = 0;          // of the zero about its offset, one sigma, in units
@@ -42,11 +42,11 @@ struct AxisFigures {
   double range = 0;           // in units; beyond it the output stands
 };
 
-struct SensorFigures {
-  PotFigures potentiometer;
+struct SensorParams {
+  PotentiometerParams potentiometer;
   InputFigures supply, reference;
-  DriverFigures driver;
-  AxisFigures gyro, accelerometer;
+  DriverParams driver;
+  ImuAxisParams gyro, accelerometer;
 };
 
 // True: the sensor has its errors; false: it gives exactly what its law says.
@@ -70,6 +70,6 @@ std::optional<SensorSwitches> sensors_by_name(const std::string& name);
 std::string name_of(const SensorSwitches& sensors);
 
 // Errors name file and line.
-Result<SensorFigures> load_sensor_file(const std::string& path);
+Result<SensorParams> load_sensor_file(const std::string& path);
 
 }  // namespace kaz::sim

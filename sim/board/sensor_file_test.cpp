@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "sim/body/test_files.h"
+#include "sim/body/files_testing.h"
 
 namespace kaz::sim {
 namespace {

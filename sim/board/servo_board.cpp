@@ -142,7 +142,7 @@ double ServoBoard::noise_free(unsigned input) const {
 }
 
 double ServoBoard::noise_codes(unsigned input) const {
-  const SensorFigures& figures = options_.figures;
+  const SensorParams& figures = options_.figures;
   const SensorSwitches& sensors = options_.sensors;
   switch (input) {
     case KZ_ANALOG_SUPPLY:

@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <ostream>
 
+#include "sim/body/files_testing.h"
 #include "sim/body/robot_model.h"
-#include "sim/body/test_files.h"
 #include "sim/body/world_model.h"
 
 namespace kaz::sim {
 namespace {
 
 // A sound world with one of everything.
-const char* const kSoundWorld = R"(<?xml version="1.0"?>
+const char* const kValidWorld = R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf">
   <world name="sound">
     <kaz:robot pose="0 0 0 0 0 0"/>
@@ -187,7 +187,7 @@ class BadWorld : public testing::TestWithParam<Case> {};
 
 TEST_P(BadWorld, IsNamedWithFileAndLine) {
   const test::Folder folder;
-  const auto [text, line] = changed(kSoundWorld, GetParam());
+  const auto [text, line] = changed(kValidWorld, GetParam());
   const std::string path = folder.write("world.sdf", text);
   const auto world = load_world(path);
   ASSERT_FALSE(world);
@@ -248,9 +248,9 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return std::string(test.param.name); });
 
 // Known to the parser alone, which gives no line.
-TEST(SoundWorldFile, IsTaken) {
+TEST(ValidWorldFile, IsTaken) {
   const test::Folder folder;
-  const auto world = load_world(folder.write("world.sdf", kSoundWorld));
+  const auto world = load_world(folder.write("world.sdf", kValidWorld));
   ASSERT_TRUE(world) << world.error().message;
   ASSERT_EQ(world->bodies.size(), 2u);
   const WorldBody& ball = world->bodies[1];
@@ -265,7 +265,7 @@ TEST(SoundWorldFile, IsTaken) {
   EXPECT_EQ(world->light.to_key, Light{}.to_key) << "without <kaz:light>";
   const Case light{"", "<kaz:robot",
                    "<kaz:light to_lamp=\"0 2 3\" lamp=\"0.5\" shade=\"1.2\"/><kaz:robot", 0, ""};
-  const auto lit = load_world(folder.write("lit.sdf", changed(kSoundWorld, light).first));
+  const auto lit = load_world(folder.write("lit.sdf", changed(kValidWorld, light).first));
   ASSERT_TRUE(lit) << lit.error().message;
   EXPECT_EQ(lit->light.to_key, Eigen::Vector3d(0, 2, 3));
   EXPECT_EQ(lit->light.key, 0.5);
@@ -274,7 +274,7 @@ TEST(SoundWorldFile, IsTaken) {
 
 TEST(BadWorldFile, NamesTheLinkToo) {
   const test::Folder folder;
-  std::string text = kSoundWorld;
+  std::string text = kValidWorld;
   const auto mass = text.find("<mass>");
   ASSERT_NE(mass, std::string::npos);
   text.replace(mass, text.find("</mass>") - mass, "<mass>heavy");
@@ -286,7 +286,7 @@ TEST(BadWorldFile, NamesTheLinkToo) {
 
 TEST(BadWorldFile, HasAReservedName) {
   const test::Folder folder;
-  std::string text = kSoundWorld;
+  std::string text = kValidWorld;
   text.replace(text.find("\"pen\""), 5, "\"__pen__\"");
   const std::string path = folder.write("world.sdf", text);
   const auto world = load_world(path);

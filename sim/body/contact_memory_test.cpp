@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "sim/body/bench_gait.h"
 #include "sim/body/contact_surface.h"
-#include "sim/body/test_files.h"
+#include "sim/body/files_testing.h"
+#include "sim/body/gait_testing.h"
 
 namespace kaz::sim {
 namespace {

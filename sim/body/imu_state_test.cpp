@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/body/test_files.h"
+#include "sim/body/files_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -8,10 +8,10 @@
 #include <cstdio>
 #include <random>
 
+#include "shared/servo/board_testing.h"
 #include "shared/servo/joint_loop.h"
 #include "shared/servo/joints.h"
 #include "shared/servo/protection.h"
-#include "shared/servo/test_board.h"
 #include "sim/body/joint_motor.h"
 
 namespace kaz::sim {
@@ -61,7 +61,7 @@ class Limb {
  private:
   static constexpr int steps = 4;
   static constexpr double step_s = 1e-3 / steps;
-  static MotorFigures figures() {
+  static MotorParams figures() {
     return {.name = "",
             .stall_slope_nm_per_v = 0.2288,
             .friction_nm = 0.128,

@@ -17,7 +17,7 @@ constexpr double kMostWound = 1e-3;  // rad that a joint may be behind a held fl
 
 }  // namespace
 
-JointMotor::JointMotor(const MotorFigures& figures, double step_s)
+JointMotor::JointMotor(const MotorParams& figures, double step_s)
     : figures_(figures), step_s_(step_s), heat_(figures) {}
 
 JointMotor::State JointMotor::state() const {
@@ -45,8 +45,8 @@ void JointMotor::take_drive(const MotorDrive& drive, double supply_volts) {
   stiffness_ = (powered_ ? figures_.back_emf_nms_per_rad / ratio : 0.0) +
                figures_.rotor_inertia_kgm2 / step_s_;
   jammed_ = drive.jammed;
-  most_ = jammed_ ? kMostTorque : std::clamp(drive.slip_nm, 0.0, kMostTorque);
-  slipping_ = most_ < kMostTorque;
+  max_ = jammed_ ? kMostTorque : std::clamp(drive.slip_nm, 0.0, kMostTorque);
+  slipping_ = max_ < kMostTorque;
   tight_ = jammed_ || slipping_ || figures_.backlash_rad == 0;
   // Without friction nothing ever holds the rotor, and both directions are the same.
   frictionless_ = figures_.friction_nm == 0 && !jammed_;
@@ -130,14 +130,14 @@ double JointMotor::pressing(const Row& row) const {
 
 // Rotor and joint turn as one.
 JointMotor::Row JointMotor::tight_row(double angle) {
-  if (state_.regime != Regime::held) return {free_speed_, 1.0 / stiffness_, most_, -most_};
+  if (state_.regime != Regime::held) return {free_speed_, 1.0 / stiffness_, max_, -max_};
   const double wound = step_s_ * kHeldSoftness / kHeldCorrection;  // rad per Nm held
   // What has slipped does not come back.
   if (state_.stopped || slipping_) {
     state_.rotor_angle = angle + (slipping_ ? 0 : wound * state_.press);
   }
   state_.stopped = false;
-  return {kHeldCorrection * (state_.rotor_angle - angle) / step_s_, kHeldSoftness, most_, -most_};
+  return {kHeldCorrection * (state_.rotor_angle - angle) / step_s_, kHeldSoftness, max_, -max_};
 }
 
 JointMotor::Row JointMotor::flank_row(double angle, double velocity) {

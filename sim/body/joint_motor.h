@@ -36,7 +36,7 @@ namespace kaz::sim {
 
 class JointMotor {
  public:
-  JointMotor(const MotorFigures& figures, double step_s);
+  JointMotor(const MotorParams& figures, double step_s);
 
   struct Row {
     double velocity = 0;  // rad/s
@@ -98,14 +98,14 @@ class JointMotor {
   void turn_rotor(double velocity, double torque);
   void stop();
 
-  MotorFigures figures_;
+  MotorParams figures_;
   double step_s_;
   WindingHeat heat_;
   State state_;
   // Of the step between prepare and finish.
   bool powered_ = false, jammed_ = false, slipping_ = false, tight_ = false;
   bool frictionless_ = false;
-  double volts_ = 0, most_ = 0;
+  double volts_ = 0, max_ = 0;
   double drive_torque_ = 0, stiffness_ = 0;  // A and K above
   double free_speed_ = 0;                    // u_free above
 };

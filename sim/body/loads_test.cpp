@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/body/files_testing.h"
 #include "sim/body/robot_model.h"
-#include "sim/body/test_files.h"
 
 namespace kaz::sim {
 namespace {

@@ -9,7 +9,7 @@
 
 namespace kaz::sim {
 
-LeverReading measure_locked_lever(const MotorFigures& figures, const LockedLever& bench) {
+LeverReading measure_locked_lever(const MotorParams& figures, const LockedLever& bench) {
   constexpr double step_s = 1e-3;
   JointMotor motor(figures, step_s);
   JointMotor::State state = motor.state();

@@ -24,6 +24,6 @@ struct LeverReading {
 };
 
 // What the scale and the meters read at the end. Steps of 1 ms, as the robot's.
-LeverReading measure_locked_lever(const MotorFigures& motor, const LockedLever& bench);
+LeverReading measure_locked_lever(const MotorParams& motor, const LockedLever& bench);
 
 }  // namespace kaz::sim

@@ -21,13 +21,13 @@ constexpr PaperPoint kPoints[] = {{"s9204-original", 4.8, 0.97}, {"s9204-jskd04"
 // The paper's volts are those at the driver's terminals: it names them as the supply of the circuit
 // under test, and a meter is read there; the 0.15 ohm are battery, switch and wires of the robot. A
 // source that has these volts at the terminals, under load, behind those ohms:
-double source_for(const MotorFigures& motor, double volts) {
+double source_for(const MotorParams& motor, double volts) {
   return volts * (1 + kRobotOhms / motor.resistance_ohm());
 }
 
 TEST(LockedLever, GivesThePapersTorquesAtTheDriversTerminals) {
   for (const PaperPoint& point : kPoints) {
-    const MotorFigures motor = test::motor_figures(point.motor);
+    const MotorParams motor = test::motor_params(point.motor);
     LockedLever bench{.supply_volts = source_for(motor, point.volts), .supply_ohms = kRobotOhms};
     const LeverReading first = measure_locked_lever(motor, bench);
     // 0.4 % of line fit (0.2288 * 4.8 - 0.128 = 0.9702) and heat of the first 50 ms: 0.1 %.
@@ -57,7 +57,7 @@ TEST(LockedLever, GivesThePapersTorquesAtTheDriversTerminals) {
 // After 10 s at nearly constant power the winding has taken up most of I^2 R t: between the cold power
 // and that of the end, less than 8 % gone to the case (10 s of 120).
 TEST(LockedLever, LosesTorqueAsItsCopperWarms) {
-  const MotorFigures motor = test::motor_figures();
+  const MotorParams motor = test::motor_params();
   const LeverReading hot = measure_locked_lever(motor, {.seconds = 10, .anew = true});
   const double cold_watts = 100 / motor.resistance_ohm();
   const double rise = hot.winding_celsius - motor.air_celsius;
@@ -69,7 +69,7 @@ TEST(LockedLever, LosesTorqueAsItsCopperWarms) {
 }
 
 TEST(LockedLever, FollowsTheDuty) {
-  const MotorFigures motor = test::motor_figures();
+  const MotorParams motor = test::motor_params();
   for (const double duty : {-1.0, -0.5, -0.25, 0.1, 0.25, 0.5, 0.75}) {
     const double torque = motor.stall_slope_nm_per_v * 10 * std::abs(duty) - motor.friction_nm;
     const LeverReading reading = measure_locked_lever(motor, {.duty = duty});
@@ -83,7 +83,7 @@ TEST(LockedLever, FollowsTheDuty) {
 }
 
 TEST(LockedLever, OriginalCircuitGivesNoMoreThanItsSixVolts) {
-  const MotorFigures motor = test::motor_figures("s9204-original");
+  const MotorParams motor = test::motor_params("s9204-original");
   EXPECT_EQ(measure_locked_lever(motor, {.supply_volts = 6}).torque_nm,
             measure_locked_lever(motor, {.supply_volts = 10}).torque_nm);
 }

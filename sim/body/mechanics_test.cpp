@@ -3,8 +3,8 @@
 #include <cmath>
 #include <thread>
 
+#include "sim/body/files_testing.h"
 #include "sim/body/staged_world.h"
-#include "sim/body/test_files.h"
 
 namespace kaz::sim {
 namespace {
@@ -57,7 +57,7 @@ class Robot : public testing::TestWithParam<const char*> {
     return {angular, parts};
   }
   RobotModel robot_;
-  MotorFigures motor_;
+  MotorParams motor_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Steppers, Robot, testing::Values("quick50", "exact", "reduced"));

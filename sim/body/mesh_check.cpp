@@ -19,7 +19,7 @@ bool starts_with_word(const std::string& text, const std::string& word) {
   return text.compare(0, word.size(), word) == 0;
 }
 
-std::optional<std::string> stl_trouble(const std::string& bytes) {
+std::optional<std::string> stl_error(const std::string& bytes) {
   std::uint32_t triangles = 0;
   if (bytes.size() >= kStlHead) std::memcpy(&triangles, bytes.data() + 80, sizeof triangles);
   if (bytes.size() >= kStlHead && bytes.size() == kStlHead + kStlTriangle * triangles) {
@@ -33,7 +33,7 @@ std::optional<std::string> stl_trouble(const std::string& bytes) {
 
 }  // namespace
 
-std::optional<std::string> mesh_trouble(const std::string& path) {
+std::optional<std::string> mesh_error(const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -41,7 +41,7 @@ std::optional<std::string> mesh_trouble(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in || std::filesystem::is_directory(path)) return "cannot be read; check the path";
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  if (ending == ".stl") return stl_trouble(bytes);
+  if (ending == ".stl") return stl_error(bytes);
   if (!starts_with_word(bytes, "v ") && bytes.find("\nv ") == std::string::npos)
     return "has no vertices";
   if (bytes.find("\nf ") == std::string::npos) return "has no faces";

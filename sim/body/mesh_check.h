@@ -9,6 +9,6 @@ namespace kaz::sim {
 
 // What is wrong with it, as the end of a sentence; nothing if it looks sound. It is read in full
 // only where pictures are drawn (sim/view/mesh.h).
-std::optional<std::string> mesh_trouble(const std::string& path);
+std::optional<std::string> mesh_error(const std::string& path);
 
 }  // namespace kaz::sim

@@ -28,7 +28,7 @@ TEST(Backlash, IsAsWideAsAHandFindsIt) {
 
 // A drive that turns round: the rotor crosses the gap alone, the joint waits for it.
 TEST(Backlash, IsSeenAsTheJointReverses) {
-  MotorBench bench(test::motor_figures(), 5e-3);
+  MotorBench bench(test::motor_params(), 5e-3);
   bench.run(0.3, 0.3, true, 10, 0);
   EXPECT_NEAR(bench.motor.rotor_angle() - bench.angle, kGap / 2, 1e-6);
   bench.run(0.3, 0, true, 10, -0.02);  // laid against that flank again
@@ -46,7 +46,7 @@ TEST(Backlash, IsSeenAsTheJointReverses) {
 }
 
 TEST(Backlash, LeavesTheJointFreeInside) {
-  MotorBench bench(test::motor_figures(), 1e-4);
+  MotorBench bench(test::motor_params(), 1e-4);
   // From rest in the middle, a small torque: angle = load t^2 / 2 I, until the flank at 3.5 mrad.
   double t = 0;
   while (bench.angle < 0.9 * kGap / 2) {
@@ -63,7 +63,7 @@ TEST(Backlash, LeavesTheJointFreeInside) {
 
 // Turned from outside, bridge open: friction; powered with duty 0: back-EMF besides.
 TEST(Backlash, BackDrivingTakesFrictionAndBraking) {
-  const MotorFigures f = test::motor_figures();
+  const MotorParams f = test::motor_params();
   MotorBench open, braked;
   open.run(0.2, 0, false, 10, 0.02);  // laid against the flank: a blow would break it loose
   open.run(0.2, 0, false, 10, 1.2 * f.friction_nm);
@@ -82,7 +82,7 @@ TEST(Backlash, BackDrivingTakesFrictionAndBraking) {
 // is 4.5 uJ in the lightest link).
 TEST(Backlash, MakesNoEnergyAtTheFlanks) {
   for (const double inertia : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) {
-    const MotorFigures f = test::motor_figures();
+    const MotorParams f = test::motor_params();
     MotorBench bench(f, inertia);
     bench.speed = 3;
     const auto energy = [&] {
@@ -103,7 +103,7 @@ TEST(Backlash, MakesNoEnergyAtTheFlanks) {
 // implicit step took; and the last is never less than nothing.
 TEST(Backlash, BooksOfARunClose) {
   for (const double inertia : {1e-4, 1e-2}) {
-    const MotorFigures f = test::motor_figures();
+    const MotorParams f = test::motor_params();
     MotorBench bench(f, inertia);
     double in = 0, shaft = 0, copper = 0, friction = 0;
     for (int i = 0; i < 20000; ++i) {
@@ -136,7 +136,7 @@ INSTANTIATE_TEST_SUITE_P(Inertias, Loop, testing::Values(1e-6, 1e-5, 1e-4, 1e-3,
 
 // No loop of finite rate is quiet there without damping: it may hunt, within what the motor can.
 TEST_P(Loop, StiffestGainWithoutDampingStaysBounded) {
-  MotorBench bench(test::motor_figures(), GetParam());
+  MotorBench bench(test::motor_params(), GetParam());
   double fastest = 0, furthest = 0;
   for (int i = 0; i < 5000; ++i) {
     const double target = i < 1000 ? 0.3 : i < 2500 ? -0.3 : 0;
@@ -151,7 +151,7 @@ TEST_P(Loop, StiffestGainWithoutDampingStaysBounded) {
 
 // The gains that the robot walks with (20 of full drive per rad, 0.15 s/rad): at rest.
 TEST_P(Loop, WalkingGainSettles) {
-  MotorBench bench(test::motor_figures(), GetParam());
+  MotorBench bench(test::motor_params(), GetParam());
   const auto run = [&](int steps) {
     double least = bench.motor.rotor_angle(), most = least;
     for (int i = 0; i < steps; ++i) {
@@ -171,7 +171,7 @@ TEST_P(Loop, WalkingGainSettles) {
 
 // Carrying a weight it rests on one flank, as it would without a gap, and does not hum.
 TEST_P(Loop, StiffestGainIsQuietUnderLoad) {
-  MotorBench bench(test::motor_figures(), GetParam());
+  MotorBench bench(test::motor_params(), GetParam());
   double rate = 0, before = 0;
   const auto run = [&](int steps, double& least, double& most) {
     for (int i = 0; i < steps; ++i) {

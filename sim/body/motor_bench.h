@@ -11,7 +11,7 @@
 
 namespace kaz::sim::test {
 
-inline MotorFigures motor_figures(const std::string& name = "s9204-jskd04") {
+inline MotorParams motor_params(const std::string& name = "s9204-jskd04") {
   const auto figures = load_motor_file("shared/robot/kaz/motor.xml", name);
   if (!figures) {
     ADD_FAILURE() << figures.error().message;
@@ -23,7 +23,7 @@ inline MotorFigures motor_figures(const std::string& name = "s9204-jskd04") {
 // An inertia I under an outside torque: I (w1 - w0)/h = row + load, where the row obeys
 // w1 + softness * row = velocity within its bounds.
 struct MotorBench {
-  explicit MotorBench(const MotorFigures& figures = motor_figures(), double inertia_kgm2 = 1e-4,
+  explicit MotorBench(const MotorParams& figures = motor_params(), double inertia_kgm2 = 1e-4,
                       double step = 1e-3)
       : h(step), inertia(inertia_kgm2), motor(figures, step) {}
 

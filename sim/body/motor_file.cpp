@@ -18,9 +18,9 @@ enum class Need { always, with_heat, never };
 
 struct Figure {
   const char* element;
-  double MotorFigures::*member;
+  double MotorParams::*member;
   double least;
-  bool least_allowed;
+  bool min_allowed;
   Need need = Need::always;
   double unit = 1;
 };
@@ -29,24 +29,24 @@ constexpr double kColdest = -273.15;
 // Far beyond any motor, and near enough that ratios of them stay numbers: resistance_ohm().
 constexpr double kSmallest = 1e-12, kLargest = 1e9;
 constexpr std::array<Figure, 13> kFigures{{
-    {"stall_slope", &MotorFigures::stall_slope_nm_per_v, 0, false},
-    {"friction", &MotorFigures::friction_nm, 0, true},
-    {"back_emf", &MotorFigures::back_emf_nms_per_rad, 0, false},
-    {"stiction_ratio", &MotorFigures::stiction_ratio, 1, true},
-    {"rotor_inertia", &MotorFigures::rotor_inertia_kgm2, 0, false},
-    {"max_supply", &MotorFigures::max_supply_v, 0, false},
-    {"backlash_degrees", &MotorFigures::backlash_rad, 0, true, Need::never, std::numbers::pi / 180},
-    {"winding_heat_capacity", &MotorFigures::winding_heat_capacity, 0, false, Need::with_heat},
-    {"winding_to_case", &MotorFigures::winding_to_case, 0, false, Need::with_heat},
-    {"case_heat_capacity", &MotorFigures::case_heat_capacity, 0, false, Need::with_heat},
-    {"case_to_air", &MotorFigures::case_to_air, 0, false, Need::with_heat},
-    {"copper_per_kelvin", &MotorFigures::copper_per_kelvin, 0, true, Need::with_heat},
-    {"air_celsius", &MotorFigures::air_celsius, kColdest, false, Need::never},
+    {"stall_slope", &MotorParams::stall_slope_nm_per_v, 0, false},
+    {"friction", &MotorParams::friction_nm, 0, true},
+    {"back_emf", &MotorParams::back_emf_nms_per_rad, 0, false},
+    {"stiction_ratio", &MotorParams::stiction_ratio, 1, true},
+    {"rotor_inertia", &MotorParams::rotor_inertia_kgm2, 0, false},
+    {"max_supply", &MotorParams::max_supply_v, 0, false},
+    {"backlash_degrees", &MotorParams::backlash_rad, 0, true, Need::never, std::numbers::pi / 180},
+    {"winding_heat_capacity", &MotorParams::winding_heat_capacity, 0, false, Need::with_heat},
+    {"winding_to_case", &MotorParams::winding_to_case, 0, false, Need::with_heat},
+    {"case_heat_capacity", &MotorParams::case_heat_capacity, 0, false, Need::with_heat},
+    {"case_to_air", &MotorParams::case_to_air, 0, false, Need::with_heat},
+    {"copper_per_kelvin", &MotorParams::copper_per_kelvin, 0, true, Need::with_heat},
+    {"air_celsius", &MotorParams::air_celsius, kColdest, false, Need::never},
 }};
 using Seen = std::array<bool, kFigures.size()>;
 
 struct Motor {
-  MotorFigures figures;
+  MotorParams figures;
   Seen seen{};
 };
 
@@ -60,12 +60,12 @@ Result<void> read_figure(const XmlFile& file, const tinyxml2::XMLElement& elemen
   const Result<double> value = file.number(element, "value");
   if (!value) return tl::unexpected(value.error());
   const Figure& figure = kFigures[which];
-  if (*value < figure.least || (*value == figure.least && !figure.least_allowed)) {
+  if (*value < figure.least || (*value == figure.least && !figure.min_allowed)) {
     return file.error(element, std::string("<") + figure.element + "> must be " +
-                                   (figure.least_allowed ? "at least " : "more than ") +
+                                   (figure.min_allowed ? "at least " : "more than ") +
                                    std::to_string(static_cast<int>(figure.least)));
   }
-  if (*value > kLargest || (!figure.least_allowed && *value < figure.least + kSmallest)) {
+  if (*value > kLargest || (!figure.min_allowed && *value < figure.least + kSmallest)) {
     return file.error(element, std::string("<") + figure.element +
                                    "> is of no motor: such a number lies between 1e-12 and 1e9");
   }
@@ -108,14 +108,14 @@ const Motor* find(const std::vector<Motor>& motors, const std::string& name) {
 
 }  // namespace
 
-MotorFigures MotorFigures::ideal() const {
-  MotorFigures figures = *this;
+MotorParams MotorParams::ideal() const {
+  MotorParams figures = *this;
   figures.backlash_rad = 0;
   figures.winding_heat_capacity = 0;
   return figures;
 }
 
-Result<MotorFigures> load_motor_file(const std::string& path, const std::string& name) {
+Result<MotorParams> load_motor_file(const std::string& path, const std::string& name) {
   const Result<XmlFile> file = XmlFile::load(path, "motors");
   if (!file) return tl::unexpected(file.error());
   std::string wanted = name;
@@ -154,7 +154,7 @@ Result<MotorFigures> load_motor_file(const std::string& path, const std::string&
   return file->error(file->root(), "has no motor `" + wanted + "`; it has: " + names_of(motors));
 }
 
-std::string motor_file_text(const MotorFigures& motor, const std::string& about) {
+std::string motor_file_text(const MotorParams& motor, const std::string& about) {
   std::string comment = about;
   for (auto at = comment.find("--"); at != std::string::npos; at = comment.find("--", at))
     comment.replace(at, 2, "- ");  // XML's comments must not have it

@@ -9,7 +9,7 @@
 namespace kaz::sim {
 
 // All at the output shaft. Motor line, cold: torque = stall_slope V duty - back_emf w - friction.
-struct MotorFigures {
+struct MotorParams {
   std::string name;
   double stall_slope_nm_per_v = 0;
   double friction_nm = 0;           // Coulomb, gear and brushes together
@@ -30,17 +30,17 @@ struct MotorFigures {
   double torque_constant() const { return back_emf_nms_per_rad / stall_slope_nm_per_v; }
   double resistance_ohm() const { return torque_constant() / stall_slope_nm_per_v; }
 
-  bool operator==(const MotorFigures&) const = default;
+  bool operator==(const MotorParams&) const = default;
 
   // The same motor without backlash and heat.
-  MotorFigures ideal() const;
+  MotorParams ideal() const;
 };
 
 // The motor called `name`, or the file's default where `name` is empty. Errors name file and line.
-Result<MotorFigures> load_motor_file(const std::string& path, const std::string& name);
+Result<MotorParams> load_motor_file(const std::string& path, const std::string& name);
 
 // A motor file with this motor alone, its default. `about` goes into a comment: why it is as it is.
 // load_motor_file() reads the same figures from it, to the last digit but the backlash's.
-std::string motor_file_text(const MotorFigures& motor, const std::string& about);
+std::string motor_file_text(const MotorParams& motor, const std::string& about);
 
 }  // namespace kaz::sim

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/motor_file.h"
 
-#include "sim/body/test_files.h"
+#include "sim/body/files_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -12,7 +12,7 @@ namespace {
 // Two bodies in series, constant power P into the first: x' = M x + (P / C_w, 0), from cold
 //   x(t) = x_end - sum of e_i exp(lambda_i t), with the eigenvectors of M.
 struct TwoBodies {
-  TwoBodies(const MotorFigures& f, double watts) {
+  TwoBodies(const MotorParams& f, double watts) {
     const double a = 1 / (f.winding_heat_capacity * f.winding_to_case);
     const double b = 1 / (f.case_heat_capacity * f.winding_to_case);
     const double c = 1 / (f.case_heat_capacity * f.case_to_air);
@@ -32,7 +32,7 @@ struct TwoBodies {
 };
 
 TEST(WindingHeat, FollowsTheClosedForm) {
-  MotorFigures figures = test::motor_figures();
+  MotorParams figures = test::motor_params();
   const double watts = 3.6;
   const TwoBodies truth(figures, watts);
   WindingHeat heat(figures);
@@ -48,7 +48,7 @@ TEST(WindingHeat, FollowsTheClosedForm) {
 }
 
 TEST(WindingHeat, MakesTheMotorWeakerNotItsSpeedWithoutFriction) {
-  MotorFigures figures = test::motor_figures();
+  MotorParams figures = test::motor_params();
   figures.friction_nm = 0;
   figures.winding_heat_capacity = 1e9;  // as hot as it is put
   figures.case_heat_capacity = 1e9;
@@ -69,7 +69,7 @@ TEST(WindingHeat, MakesTheMotorWeakerNotItsSpeedWithoutFriction) {
 }
 
 TEST(WindingHeat, IsOffWhereTheFileSaysNothing) {
-  test::MotorBench bench(test::motor_figures().ideal());
+  test::MotorBench bench(test::motor_params().ideal());
   bench.run(5, 1, true, 10, -3);
   EXPECT_EQ(bench.motor.winding_celsius(), 25);
   EXPECT_NEAR(bench.motor.resistance_ohm(), 3.3696, 1e-3);
@@ -77,7 +77,7 @@ TEST(WindingHeat, IsOffWhereTheFileSaysNothing) {
 
 // Warmed by I^2 R and by nothing else: what went in is in the bodies or in the air.
 TEST(WindingHeat, KeepsItsBooks) {
-  const MotorFigures f = test::motor_figures();
+  const MotorParams f = test::motor_params();
   test::MotorBench bench(f);
   double in = 0, out = 0;
   for (int i = 0; i < 60000; ++i) {

@@ -43,7 +43,7 @@ OdeWorldHandle make_world(const Eigen::Vector3d& gravity, int iterations) {
 }
 
 // What ODE is told of a point of contact. `motion`: of a against b, m/s.
-dContact contact_of(const Touch& touch, const Eigen::Vector3d& motion, double least_softness,
+dContact contact_of(const Touch& touch, const Eigen::Vector3d& motion, double min_softness,
                     double step_s) {
   dContact contact{};
   const Surface& surface = touch.surface;
@@ -51,7 +51,7 @@ dContact contact_of(const Touch& touch, const Eigen::Vector3d& motion, double le
   contact.surface.mu = surface.mu;
   contact.surface.soft_erp = erp_for(step_s, kContactErp);
   contact.surface.soft_cfm =
-      softness_for(step_s, kContactErp, std::max(surface.softness, least_softness));
+      softness_for(step_s, kContactErp, std::max(surface.softness, min_softness));
   for (int k = 0; k < 3; ++k) {
     contact.geom.pos[k] = touch.at[k];
     contact.geom.normal[k] = touch.normal[k];
@@ -99,7 +99,7 @@ Eigen::Vector3d velocity_of(dBodyID body) {
 
 }  // namespace
 
-OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const MotorFigures& motor,
+OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
                    const WorldOptions& options, int iterations)
     : StagedWorld(world, robot, motor, options),
       iterations_(iterations),
@@ -300,7 +300,7 @@ void OdeWorld::solve() {
 }
 
 // Of the step that is over: ODE moves bodies in the call that finds their velocities.
-void OdeWorld::look_for_trouble() {
+void OdeWorld::check_solver() {
   for (std::size_t i = 0; i < joint_states_.size(); ++i) {
     if (!joint_can_turn(i, joint_states_[i].velocity)) return;
   }
@@ -336,7 +336,7 @@ void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   measure_forces();
   read_imu(velocity_before);
   finish_motors();
-  look_for_trouble();
+  check_solver();
 }
 
 void OdeWorld::read_joints() {

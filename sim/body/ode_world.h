@@ -20,7 +20,7 @@ namespace kaz::sim {
 class OdeWorld final : public StagedWorld {
  public:
   // `iterations` of QuickStep; 0: ODE's exact stepper.
-  OdeWorld(const WorldModel& world, const RobotModel& robot, const MotorFigures& motor,
+  OdeWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
            const WorldOptions& options, int iterations);
   ~OdeWorld() override;
 
@@ -67,7 +67,7 @@ class OdeWorld final : public StagedWorld {
   void keep_frames();
   void measure_forces();
   void measure_loads();
-  void look_for_trouble();
+  void check_solver();
   void read_joints();
   Eigen::Vector3d imu_velocity() const;
   void read_imu(const Eigen::Vector3d& velocity_before);

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "sim/body/files_testing.h"
 #include "sim/body/staged_world.h"
-#include "sim/body/test_files.h"
 
 namespace kaz::sim {
 namespace {
@@ -82,7 +82,7 @@ class OneFoot : public testing::TestWithParam<const char*> {
   }
   test::Folder folder_;
   RobotModel robot_;
-  MotorFigures motor_;
+  MotorParams motor_;
   WorldModel around_;
   Eigen::Vector3d centre_;
   Eigen::Isometry3d foot_;

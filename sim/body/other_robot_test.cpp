@@ -1,7 +1,7 @@
 // A robot that is not Kaz is data: an arm on a fixed base, with six joints.
 // SPDX-License-Identifier: Apache-2.0
+#include "sim/body/files_testing.h"
 #include "sim/body/robot_model.h"
-#include "sim/body/test_files.h"
 
 namespace kaz::sim {
 namespace {

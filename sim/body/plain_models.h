@@ -17,8 +17,8 @@ constexpr double kFreeRotor =
     5e-4;  // kg m2, Kaz's; it turns with the joint and belongs to the answer
 
 // Without friction, gap and heat. With the bridge open back-EMF does nothing.
-inline MotorFigures free_motor() {
-  MotorFigures motor;
+inline MotorParams free_motor() {
+  MotorParams motor;
   motor.name = "free";
   motor.stall_slope_nm_per_v = 0.2288;
   motor.back_emf_nms_per_rad = 0.1764;

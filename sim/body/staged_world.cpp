@@ -13,8 +13,8 @@ constexpr double kHungHeight = 0.5;  // m, of the feet above the ground
 
 }  // namespace
 
-StagedWorld::StagedWorld(const WorldModel& world, const RobotModel& robot,
-                         const MotorFigures& motor, const WorldOptions& options)
+StagedWorld::StagedWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
+                         const WorldOptions& options)
     : step_s_(options.step_s),
       gravity_(world.gravity),
       hung_(options.hung && !robot.fixed_base),

@@ -69,7 +69,7 @@ class StagedWorld : public World {
     }
   };
 
-  StagedWorld(const WorldModel& world, const RobotModel& robot, const MotorFigures& motor,
+  StagedWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
               const WorldOptions& options);
 
   // Of the link's frame, for bodies that move.
@@ -154,7 +154,7 @@ class StagedWorld : public World {
 
 // On the engine that the options name. Errors: an unknown stepper, a step out of bounds.
 Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
-                                                const MotorFigures& motor,
+                                                const MotorParams& motor,
                                                 const WorldOptions& options);
 
 }  // namespace kaz::sim

@@ -5,10 +5,10 @@
 #include <numbers>
 #include <vector>
 
+#include "sim/body/files_testing.h"
 #include "sim/body/motor_file.h"
 #include "sim/body/robot_model.h"
 #include "sim/body/staged_world.h"
-#include "sim/body/test_files.h"
 
 namespace kaz::sim {
 namespace {

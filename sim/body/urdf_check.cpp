@@ -155,7 +155,7 @@ class Check {
     const auto name = file_.attribute(e, "filename");
     if (!name) return tl::unexpected(name.error());
     const auto path = std::filesystem::path(file_.path()).parent_path() / *name;
-    if (const auto trouble = mesh_trouble(path.string()))
+    if (const auto trouble = mesh_error(path.string()))
       return file_.error(e, "mesh `" + *name + "` " + *trouble);
     return {};
   }

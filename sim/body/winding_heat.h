@@ -15,7 +15,7 @@ namespace kaz::sim {
 
 class WindingHeat {
  public:
-  explicit WindingHeat(const MotorFigures& figures)
+  explicit WindingHeat(const MotorParams& figures)
       : figures_(figures), winding_(figures.air_celsius), case_(figures.air_celsius) {}
 
   // W of the copper and of gear and brushes during step_s. Explicit: the step is 1e-5 of the shortest
@@ -39,7 +39,7 @@ class WindingHeat {
   }
 
  private:
-  MotorFigures figures_;
+  MotorParams figures_;
   double winding_, case_;
 };
 

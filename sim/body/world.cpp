@@ -46,7 +46,7 @@ Result<int> iterations_of(const std::string& stepper) {
 }  // namespace
 
 Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
-                                                const MotorFigures& motor,
+                                                const MotorParams& motor,
                                                 const WorldOptions& options) {
   const Result<int> iterations = iterations_of(options.stepper);
   if (!iterations) return tl::unexpected(iterations.error());
@@ -66,7 +66,7 @@ Result<std::unique_ptr<World>> World::load(const std::string& world_path,
   const Result<RobotModel> robot = load_robot(robot_path);
   if (!robot) return tl::unexpected(robot.error());
   const std::string motor_path = std::filesystem::path(robot_path).replace_filename("motor.xml");
-  const Result<MotorFigures> motor = load_motor_file(motor_path, options.motor);
+  const Result<MotorParams> motor = load_motor_file(motor_path, options.motor);
   if (!motor) return tl::unexpected(motor.error());
   const Result<WorldModel> world = load_world(world_path);
   if (!world) return tl::unexpected(world.error());

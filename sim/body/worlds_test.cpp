@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <sdf/sdf.hh>
 
-#include "sim/body/test_files.h"
+#include "sim/body/files_testing.h"
 #include "sim/body/world_model.h"
 
 namespace kaz::sim {

@@ -20,9 +20,9 @@
 namespace kaz::sim {
 namespace {
 
-constexpr States line_edge_tolerance = KZ_STATES_PER_BIT / 50;   // 2 % of a bit
-constexpr int longest_start_ms = 2000;                           // from reset to the first tick
-constexpr int most_without_tick_ms = 1000 * KZ_LOADER_S + 1000;  // the loader waits
+constexpr States line_edge_tolerance = KZ_STATES_PER_BIT / 50;  // 2 % of a bit
+constexpr int longest_start_ms = 2000;                          // from reset to the first tick
+constexpr int max_without_tick_ms = 1000 * KZ_LOADER_S + 1000;  // the loader waits
 
 // "joint.angle" is an element of joint, "receiver.body" an array in receiver.
 std::string element(const std::string& prefix, const std::string& name, std::size_t index) {
@@ -87,7 +87,7 @@ class Comparison {
       compare_line();
       if (report_.ticks != before) {
         without_tick_ms = 0;
-      } else if (++without_tick_ms > most_without_tick_ms) {
+      } else if (++without_tick_ms > max_without_tick_ms) {
         return fail(Fault::failed,
                     options_.image_path + " does no tick (" + std::to_string(report_.ticks) +
                         " so far): is it the servo firmware?\n" + h8_.chip().report());

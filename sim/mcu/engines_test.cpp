@@ -10,7 +10,7 @@
 
 #include "sim/mcu/compare.h"
 #include "sim/mcu/h8_mcu.h"
-#include "sim/mcu/test_host.h"
+#include "sim/mcu/host_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "sim/mcu/host_testing.h"
 #include "sim/mcu/native_mcu.h"
-#include "sim/mcu/test_host.h"
 
 namespace kaz::sim {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "shared/board/table.h"
 #include "sim/mcu/h8_mcu.h"
+#include "sim/mcu/host_testing.h"
 #include "sim/mcu/random.h"
-#include "sim/mcu/test_host.h"
 
 namespace kaz::sim {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <set>
 
-#include "sim/mcu/test_host.h"
+#include "sim/mcu/host_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/mcu/test_host.h"
+#include "sim/mcu/host_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "shared/base/result.hpp"
 #include "sim/runtime/unix_listener.h"
-#include "vision/frame.h"
+#include "vision/image/frame.h"
 
 namespace kaz::sim {
 

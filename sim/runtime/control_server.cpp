@@ -14,9 +14,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t most_clients = 8;
+constexpr std::size_t max_clients = 8;
 constexpr std::size_t longest_line = 1024;
-constexpr std::size_t most_unsent = 65536;  // a client that does not read its replies is dropped
+constexpr std::size_t max_unsent = 65536;  // a client that does not read its replies is dropped
 
 Json refusal(const std::string& why) {
   return {{"ok", false}, {"error", why}};
@@ -129,7 +129,7 @@ Result<std::unique_ptr<ControlServer>> ControlServer::open(const std::string& pa
 
 void ControlServer::poll() {
   while (Descriptor socket = listener_->accept()) {
-    if (clients_.size() < most_clients) clients_.push_back({std::move(socket), "", "", false});
+    if (clients_.size() < max_clients) clients_.push_back({std::move(socket), "", "", false});
   }
   std::vector<Client> staying;
   for (Client& client : clients_) {
@@ -155,7 +155,7 @@ bool ControlServer::serve(Client& client) {
     client.received.clear();
     client.closing = true;
   }
-  if (client.to_send.size() > most_unsent) return false;
+  if (client.to_send.size() > max_unsent) return false;
   if (!client.to_send.empty()) {
     const ssize_t sent =
         ::send(client.socket.get(), client.to_send.data(), client.to_send.size(), MSG_NOSIGNAL);

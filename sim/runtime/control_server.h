@@ -12,7 +12,7 @@
 #include "shared/base/result.hpp"
 #include "shared/faults/faults.h"
 #include "sim/runtime/unix_listener.h"
-#include "vision/frame.h"
+#include "vision/image/frame.h"
 
 namespace kaz::sim {
 

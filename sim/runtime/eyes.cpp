@@ -13,8 +13,8 @@
 namespace kaz::sim {
 namespace {
 
-constexpr std::size_t most_under_way = 3;  // drawings submitted and not done
-constexpr std::size_t most_kept = 8;       // pairs that wait for the host
+constexpr std::size_t max_under_way = 3;  // drawings submitted and not done
+constexpr std::size_t max_kept = 8;       // pairs that wait for the host
 
 vision::Image take_image(Picture& picture) {
   return {picture.width, picture.height, std::move(picture.rgb)};
@@ -99,7 +99,7 @@ Result<void> Eyes::look(Time now, const std::function<ScenePose()>& pose) {
   while (!under_way_.empty() && done(under_way_.front())) under_way_.pop_front();
   if (now < exposure_time(sequence_)) return {};
 
-  if (under_way_.size() >= most_under_way) {
+  if (under_way_.size() >= max_under_way) {
     if (policy_ == FramePolicy::drop) {
       ++left_out_;
       ++sequence_;
@@ -160,7 +160,7 @@ void Eyes::expose(Time now, ScenePose pose) {
   pair.images = images->get_future().share();
   const Time arrival = arrival_time(now);
   arriving_.emplace_back(arrival, std::move(pair));
-  if (arriving_.size() > most_kept) arriving_.pop_front();
+  if (arriving_.size() > max_kept) arriving_.pop_front();
 
   const std::shared_future<Drawn> outcome = drawn->get_future().share();
   under_way_.push_back(outcome);

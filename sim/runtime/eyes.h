@@ -17,8 +17,8 @@
 #include "sim/mcu/archive.h"
 #include "sim/runtime/render_thread.h"
 #include "sim/view/sensor.h"
-#include "vision/frame.h"
-#include "vision/rectify.h"
+#include "vision/calibration/rectify.h"
+#include "vision/image/frame.h"
 
 namespace kaz::sim {
 

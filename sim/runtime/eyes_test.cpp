@@ -8,7 +8,7 @@
 #include <fstream>
 #include <mutex>
 
-#include "sim/runtime/test_world.h"
+#include "sim/runtime/world_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "vision/frame.h"  // Time
+#include "vision/image/frame.h"  // Time
 
 namespace kaz::sim {
 

@@ -40,8 +40,8 @@ TEST(HostWatch, TellsSilenceOnce) {
   heard.watch.check_silence(milliseconds(6000));
   heard.watch.check_silence(milliseconds(7000));
   heard.watch.bytes_came(milliseconds(7500));
-  EXPECT_EQ(heard.lines, (std::vector<std::string>{"host opened board",
-                                                   "host silent for 1000 ms", "host talks again"}));
+  EXPECT_EQ(heard.lines, (std::vector<std::string>{"host opened board", "host silent for 1000 ms",
+                                                   "host talks again"}));
 }
 
 TEST(HostWatch, TellsAWrongSpeed) {

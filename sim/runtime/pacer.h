@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "vision/frame.h"  // Time
+#include "vision/image/frame.h"  // Time
 
 namespace kaz::sim {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "vision/frame.h"
+#include "vision/image/frame.h"
 
 namespace kaz::sim {
 

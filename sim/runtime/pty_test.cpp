@@ -15,7 +15,7 @@
 #include <numeric>
 #include <vector>
 
-#include "sim/runtime/test_world.h"
+#include "sim/runtime/world_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -11,10 +11,10 @@
 #include <mutex>
 #include <thread>
 
-#include "sim/mcu/test_host.h"
+#include "sim/mcu/host_testing.h"
 #include "sim/runtime/descriptor.h"
-#include "sim/runtime/test_socket.h"
-#include "sim/runtime/test_world.h"
+#include "sim/runtime/socket_testing.h"
+#include "sim/runtime/world_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -16,7 +16,7 @@
 #include "sim/mcu/mcu.h"
 #include "sim/runtime/eyes.h"
 #include "sim/runtime/mcap_writer.h"
-#include "vision/frame.h"
+#include "vision/image/frame.h"
 
 namespace kaz::sim {
 

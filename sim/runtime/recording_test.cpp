@@ -12,7 +12,7 @@
 #include "sim/runtime/png_picture.h"
 #include "sim/runtime/recorder.h"
 #include "sim/runtime/sha256.h"
-#include "sim/runtime/test_world.h"
+#include "sim/runtime/world_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "sim/runtime/snapshot.h"
-#include "sim/runtime/test_world.h"
+#include "sim/runtime/world_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -99,7 +99,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& 
       load_sensor_file(std::filesystem::path(options.robot_path).replace_filename("sensors.xml"));
   if (!figures) return tl::unexpected(figures.error());
   SimulationOptions with_figures = options;
-  with_figures.sensor_figures = *figures;
+  with_figures.sensor_params = *figures;
   return assemble(with_figures, std::move(*mcu), std::move(*world), *camera);
 }
 
@@ -131,7 +131,7 @@ Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mc
       world_(std::move(world)),
       ratio_(ratio),
       board_(std::move(mcu), {.seed = options.seed,
-                              .figures = options.sensor_figures,
+                              .figures = options.sensor_params,
                               .sensors = options.sensors,
                               .imu = options.imu,
                               .supply_volts = options.supply_volts,

@@ -31,7 +31,7 @@
 #include "sim/runtime/step_ratio.h"
 #include "sim/runtime/time.h"
 #include "sim/view/renderer.h"
-#include "vision/frame.h"
+#include "vision/image/frame.h"
 
 namespace kaz::sim {
 
@@ -47,8 +47,8 @@ struct SimulationOptions {
   std::string stepper = "reduced";  // sim/body/world.h
   double physics_step_ms = 1;       // of the world: 0.125, 0.25, 0.5, 1, 2 or 4
   SensorSwitches sensors = {};
-  SensorFigures sensor_figures = {};  // create() takes them from sensors.xml beside the URDF
-  bool imu = false;                   // the board has gyro and accelerometer
+  SensorParams sensor_params = {};  // create() takes them from sensors.xml beside the URDF
+  bool imu = false;                 // the board has gyro and accelerometer
   bool ideal_eyes =
       true;           // pinholes without noise; else lenses and sensors as the camera file says
   int eye_width = 0;  // px of 4:3 pictures; 0: as the camera file says

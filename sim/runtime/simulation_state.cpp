@@ -38,8 +38,8 @@ std::string exact(double number) {
 }
 
 // Numbers only, without gaps between them: their bytes are their value.
-std::string digest_of(const SensorFigures& figures) {
-  static_assert(std::is_trivially_copyable_v<SensorFigures> &&
+std::string digest_of(const SensorParams& figures) {
+  static_assert(std::is_trivially_copyable_v<SensorParams> &&
                 sizeof figures == 26 * sizeof(double));
   std::array<std::uint8_t, sizeof figures> bytes{};
   std::memcpy(bytes.data(), &figures, sizeof figures);
@@ -70,7 +70,7 @@ std::string name_of(const RendererFactory& renderer) {
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world) {
   const auto& [engine, image_path, world_path, robot_path, camera_path, seed, stepper,
-               physics_step_ms, sensors, sensor_figures, imu, ideal_eyes, eye_width, supply_volts,
+               physics_step_ms, sensors, sensor_params, imu, ideal_eyes, eye_width, supply_volts,
                supply_ohms, frames, faults, recording_path, record_pictures, recording_facts,
                renderer, detour_every] = options;
   static_cast<void>(stepper);         // the world says it with all figures
@@ -83,7 +83,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
           {"stepper", world.stepper()},
           {"physics_step_ms", exact(physics_step_ms)},
           {"sensors", switches_of(sensors)},
-          {"sensor_figures_sha256", digest_of(sensor_figures)},
+          {"sensor_figures_sha256", digest_of(sensor_params)},
           {"imu", imu ? "true" : "false"},
           {"eyes", ideal_eyes ? "ideal" : "real"},
           {"eye_width", std::to_string(eye_width)},

@@ -53,10 +53,10 @@ Result<std::span<const std::uint8_t>> Snapshot::unpack(std::span<const std::uint
                     std::to_string(version) + "; save it again with this program");
   if (blob.size() < magic.size() + digest_size)
     return unusable("it ends too early; the file is damaged");
-  const auto told_digest = blob.last(digest_size);
+  const auto reported_digest = blob.last(digest_size);
   const auto body = blob.first(blob.size() - digest_size);
   const std::string digest = sha256_hex(std::vector<std::uint8_t>(body.begin(), body.end()));
-  if (!std::equal(digest.begin(), digest.end(), told_digest.begin()))
+  if (!std::equal(digest.begin(), digest.end(), reported_digest.begin()))
     return unusable("its checksum is wrong; the file is damaged");
   StateReader from(body.subspan(magic.size() + 4));
   Facts told;

@@ -13,8 +13,8 @@
 #include "shared/base/camera_stream.hpp"
 #include "sim/runtime/camera_server.h"
 #include "sim/runtime/control_server.h"
-#include "sim/runtime/test_socket.h"
-#include "sim/runtime/test_world.h"
+#include "sim/runtime/socket_testing.h"
+#include "sim/runtime/world_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "shared/board/board.h"
 #include "sim/mcu/mcu.h"
-#include "vision/frame.h"  // Time
+#include "vision/image/frame.h"  // Time
 
 namespace kaz::sim {
 

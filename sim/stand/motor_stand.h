@@ -23,7 +23,7 @@
 namespace kaz::sim {
 
 struct StandOptions {
-  MotorFigures motor;
+  MotorParams motor;
   double disc_kgm2 = 4e-4;  // aluminium, 120 mm across and 7 mm thick
   double step_s = 0.001;
   std::uint64_t seed = 1;  // of the scale's noise
@@ -34,7 +34,7 @@ class MotorStand final : public World {
   explicit MotorStand(const StandOptions& options);
 
   double disc_kgm2() const { return options_.disc_kgm2; }
-  const MotorFigures& motor() const { return options_.motor; }
+  const MotorParams& motor() const { return options_.motor; }
 
   // ---- The bench's tools; `joint` is a channel of the board.
   // A lever on the shaft against a scale. Either way the scale is set to zero.

@@ -18,7 +18,7 @@ constexpr std::size_t kJoint = 2;  // l_sh_pitch: -140 to 40 degrees
 constexpr double kDegree = std::numbers::pi / 180;
 
 MotorStand stand_of_kaz() {
-  return MotorStand({.motor = test::motor_figures()});
+  return MotorStand({.motor = test::motor_params()});
 }
 
 void run(MotorStand& stand, int ms, double duty = 0, bool powered = false, double volts = 10) {
@@ -33,7 +33,7 @@ double angle(const MotorStand& stand) {
 
 TEST(MotorStand, RunsAtItsMotorsSpeedWithoutLoad) {
   MotorStand stand = stand_of_kaz();
-  const MotorFigures& motor = stand.motor();
+  const MotorParams& motor = stand.motor();
   stand.turn(kJoint, -2.2);
   run(stand, 1500);
   stand.let_go(kJoint);
@@ -49,7 +49,7 @@ TEST(MotorStand, RunsAtItsMotorsSpeedWithoutLoad) {
 TEST(MotorStand, ClampAndScaleReadTheTorqueAtStandstill) {
   for (const double duty : {1.0, -1.0, 0.4}) {
     MotorStand stand = stand_of_kaz();
-    const MotorFigures& motor = stand.motor();
+    const MotorParams& motor = stand.motor();
     EXPECT_EQ(stand.scale_nm(kJoint), 0);
     stand.clamp(kJoint, true);
     const double before = angle(stand);
@@ -148,7 +148,7 @@ TEST(MotorStand, GoesOnFromWhatWasSaved) {
 }
 
 TEST(StandCommands, AreCheckedWordByWord) {
-  const auto simulation = make_stand({}, {.motor = test::motor_figures()});
+  const auto simulation = make_stand({}, {.motor = test::motor_params()});
   ASSERT_TRUE(simulation) << simulation.error().message;
   const auto refused = [&](const std::string& line) {
     const auto answer = answer_stand(**simulation, line);
@@ -167,7 +167,7 @@ TEST(StandCommands, AreCheckedWordByWord) {
 }
 
 TEST(StandCommands, DoWhatTheySay) {
-  const auto made = make_stand({}, {.motor = test::motor_figures()});
+  const auto made = make_stand({}, {.motor = test::motor_params()});
   ASSERT_TRUE(made) << made.error().message;
   Simulation& simulation = **made;
   const auto ask = [&](const std::string& line) {

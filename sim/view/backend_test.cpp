@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "sim/view/test_scenes.h"
+#include "sim/view/scenes_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "sim/view/test_scenes.h"
-#include "vision/ball.h"
+#include "sim/view/scenes_testing.h"
+#include "vision/color/ball.h"
 
 namespace kaz::sim {
 namespace {

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "shared/base/random.hpp"
+#include "sim/view/scenes_testing.h"
 #include "sim/view/shaders.h"
-#include "sim/view/test_scenes.h"
 
 namespace kaz::sim {
 namespace {

@@ -16,9 +16,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "sim/view/edge_corners.h"
+#include "sim/view/scenes_testing.h"
 #include "sim/view/sensor.h"
-#include "sim/view/test_scenes.h"
-#include "vision/rectify.h"
+#include "vision/calibration/rectify.h"
 
 namespace kaz::sim {
 namespace {

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "sim/view/camera.h"
-#include "sim/view/test_scenes.h"
+#include "sim/view/scenes_testing.h"
 
 namespace kaz::sim {
 namespace {

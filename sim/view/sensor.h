@@ -11,8 +11,8 @@
 
 #include "sim/view/renderer.h"
 #include "sim/view/sensor_noise.h"
-#include "vision/calibration.h"
-#include "vision/remap.h"
+#include "vision/calibration/calibration.h"
+#include "vision/calibration/remap.h"
 
 namespace kaz::sim {
 

@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "shared/base/random.hpp"
-#include "sim/view/test_scenes.h"
-#include "vision/rectify.h"
+#include "sim/view/scenes_testing.h"
+#include "vision/calibration/rectify.h"
 
 namespace kaz::sim {
 namespace {

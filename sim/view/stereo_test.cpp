@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <optional>
 
+#include "sim/view/eye_testing.h"
+#include "sim/view/scenes_testing.h"
 #include "sim/view/sensor.h"
-#include "sim/view/test_eye.h"
-#include "sim/view/test_scenes.h"
-#include "vision/rectify.h"
+#include "vision/calibration/rectify.h"
 
 namespace kaz::sim {
 namespace {

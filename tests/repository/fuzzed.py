@@ -18,8 +18,8 @@ READS = re.compile(
     r"|\bstrto[a-z]+\(|\bsto[dfil]+\(|\bsscanf\(|\bsdf::Root\b|\bparseURDF|\bjpeg_read_header\b"
     r"|\bpng_create_read_struct\b|\bStateReader from\b|\bLittleEndianFields\b|\blink_?\.read\("
     r"|\bkz_receive(?:_some)?\(")
-TESTS = re.compile(r"_test\.(?:c|cpp|h)$|(?:^|/)test_|_example\.cpp$|/testdata/|/bench_bullet/"
-                   r"|/oracle|^tools/(?:bench|fuzz)/|^sim/h8s/(?:fuzz|example)/|^sim/body/world_bench")
+TESTS = re.compile(r"_test\.(?:c|cpp|h)$|_testing\.|_example\.cpp$|/testdata/|/oracle"
+                   r"|^tools/(?:benchmark|fuzz)/|^sim/h8s/(?:fuzz|example)/")
 faults = []
 
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "tools/figure/figure.h"
-#include "vision/stereo_calibration.h"
+#include "vision/calibration/stereo_calibration.h"
 
 namespace kaz::figure {
 

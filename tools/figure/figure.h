@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "vision/color.h"
-#include "vision/frame.h"
+#include "vision/color/color.h"
+#include "vision/image/frame.h"
 
 namespace kaz::figure {
 
@@ -35,7 +35,7 @@ Result<void> write_file(const std::string& path, std::span<const std::uint8_t> b
 
 // --- pictures
 // ----------------------------------------------------------------------------------------
-// Coordinates are pixels with centres at integers, as in vision/frame.h.
+// Coordinates are pixels with centres at integers, as in vision/image/frame.h.
 
 // White where the mask is set, on black; with `picture`, its own colours on a darkened grey copy.
 Image mask_picture(const vision::Mask& mask);

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "vision/picture_file.h"
+#include "vision/image/picture_file.h"
 
 namespace kaz::figure {
 namespace {

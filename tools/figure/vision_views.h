@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vision/depth.h"
-#include "vision/flow.h"
-#include "vision/plane_segments.h"
+#include "vision/depth/depth.h"
+#include "vision/flow/flow.h"
+#include "vision/planes/plane_segments.h"
 
 namespace kaz::figure {
 

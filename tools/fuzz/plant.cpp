@@ -109,7 +109,7 @@ class WatchedWorld final : public sim::World {
 
 }  // namespace
 
-sim::MotorFigures bench_motor() {
+sim::MotorParams bench_motor() {
   return {.name = "s9204-jskd04",
           .stall_slope_nm_per_v = 0.2288,
           .friction_nm = 0.128,

@@ -12,7 +12,7 @@
 namespace kaz::fuzz {
 
 // The default of shared/robot/kaz/motor.xml, for a program that finds no files.
-sim::MotorFigures bench_motor();
+sim::MotorParams bench_motor();
 
 // Eighteen of them, each with an inertia of its own on its shaft and stops at the ends of the
 // joint's range:

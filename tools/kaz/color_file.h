@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "vision/color.h"
+#include "vision/color/color.h"
 
 namespace kaz::tools {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "host/robot/interrupt.h"
+#include "host/link/interrupt.h"
 
 namespace kaz::tools {
 

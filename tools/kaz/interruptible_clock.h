@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "host/robot/interrupt.h"
-#include "host/robot/link.h"
+#include "host/link/interrupt.h"
+#include "host/link/link.h"
 
 namespace kaz::tools {
 

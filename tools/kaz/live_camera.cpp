@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/kaz/live_camera.h"
 
-#include "host/robot/published_camera.h"
-#include "host/robot/v4l2_camera.h"
-#include "vision/calibration_file.h"
+#include "host/camera/published_camera.h"
+#include "host/camera/v4l2_camera.h"
+#include "vision/calibration/calibration_file.h"
 
 namespace kaz::tools {
 

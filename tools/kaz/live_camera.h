@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "vision/frame.h"
+#include "vision/image/frame.h"
 
 namespace kaz::tools {
 
@@ -17,7 +17,7 @@ struct LiveCamera {
   std::string summary() const;
 };
 
-// Whether `where` names real cameras, as v4l2:/dev/video0,/dev/video2 (host/robot/v4l2_camera.h).
+// Whether `where` names real cameras, as v4l2:/dev/video0,/dev/video2 (host/camera/v4l2_camera.h).
 bool is_real_camera(const std::string& where);
 // Checks what can be checked without opening anything; `calibration` is a file, empty for none.
 Result<void> check_live_camera(const std::string& where, const std::string& calibration);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "vision/frame.h"
+#include "vision/image/frame.h"
 
 namespace kaz::tools {
 

@@ -13,10 +13,10 @@
 #include "tools/kaz/color_file.h"
 #include "tools/kaz/output.h"
 #include "tools/kaz/vision_report.h"
-#include "vision/ball.h"
-#include "vision/calibration_file.h"
-#include "vision/picture_file.h"
-#include "vision/rectify.h"
+#include "vision/calibration/calibration_file.h"
+#include "vision/calibration/rectify.h"
+#include "vision/color/ball.h"
+#include "vision/image/picture_file.h"
 
 namespace kaz::tools {
 namespace {

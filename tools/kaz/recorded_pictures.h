@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/kaz/verbs.h"
-#include "vision/ball.h"
-#include "vision/depth.h"
+#include "vision/color/ball.h"
+#include "vision/depth/depth.h"
 
 namespace kaz::tools {
 

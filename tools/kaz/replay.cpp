@@ -10,7 +10,7 @@
 
 #include "tools/kaz/message_fields.h"
 #include "tools/kaz/output.h"
-#include "tools/kaz/recorded_rig.h"
+#include "tools/kaz/recorded_backend.h"
 #include "tools/kaz/replay_host.h"
 #include "tools/kaz/session.h"
 
@@ -45,23 +45,23 @@ std::string topic_of(const sim::McapRecording& recording, const Message& message
 
 Result<SessionOptions> session_of(const sim::McapRecording& recording,
                                   const ReplayOptions& options) {
-  auto recorded = recorded_rig(recording, options.file);
+  auto recorded = recorded_backend(recording, options.file);
   if (!recorded) return tl::unexpected(recorded.error());
   SessionOptions session;
   session.behavior = recorded->behavior;
   session.settings = std::move(recorded->settings);
-  session.rig.world = recorded->world;
-  session.rig.robot_file = recorded->robot_file;
-  session.rig.engine = recorded->engine;
-  session.rig.image = recorded->image;
-  session.rig.sensors = recorded->sensors;
-  session.rig.imu = recorded->imu;
-  session.rig.dynamics = recorded->dynamics;
-  session.rig.physics_step_ms = recorded->physics_step_ms;
-  session.rig.supply_volts = recorded->supply_volts;
-  session.rig.eyes = recorded->eyes;
-  session.rig.eye_width = recorded->eye_width;
-  session.rig.seed = options.seed.value_or(recorded->seed);
+  session.backend.world = recorded->world;
+  session.backend.robot_file = recorded->robot_file;
+  session.backend.engine = recorded->engine;
+  session.backend.image = recorded->image;
+  session.backend.sensors = recorded->sensors;
+  session.backend.imu = recorded->imu;
+  session.backend.dynamics = recorded->dynamics;
+  session.backend.physics_step_ms = recorded->physics_step_ms;
+  session.backend.supply_volts = recorded->supply_volts;
+  session.backend.eyes = recorded->eyes;
+  session.backend.eye_width = recorded->eye_width;
+  session.backend.seed = options.seed.value_or(recorded->seed);
   for (const auto& [name, value] : options.settings) session.settings[name] = value;
   session.quiet = true;
   session.vision = options.vision;
@@ -151,12 +151,12 @@ Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording
   if (const auto text = recorded.facts.find("faults");
       text != recorded.facts.end() && !text->second.empty()) {
     std::ofstream(faults) << text->second;
-    session.rig.faults = faults;
+    session.backend.faults = faults;
   }
   const std::string again = temporary_file("replay.mcap");
   const FileRemover remove_again(again);
-  session.rig.recording = again;
-  session.rig.record_pictures = recorded.has_messages("/eyes/left");
+  session.backend.recording = again;
+  session.backend.record_pictures = recorded.has_messages("/eyes/left");
   // Whether the behaviour succeeded does not matter, only whether it did the same.
   if (auto ran = run_session(session); !ran) return tl::unexpected(ran.error());
   const auto now = sim::McapRecording::load(again);

@@ -21,9 +21,9 @@ using lockstep::RecordedRun;
 using lockstep::ReplayedBoard;
 
 // The recording in the robot's place.
-class ReplayRig final : public Rig {
+class ReplayBackend final : public SessionBackend {
  public:
-  ReplayRig(ReplayedBoard& board, const host::Interrupt& interrupt)
+  ReplayBackend(ReplayedBoard& board, const host::Interrupt& interrupt)
       : board_(board), clock_(raw_clock_, interrupt) {}
   host::Link& link() override { return link_; }
   host::Clock& clock() override { return clock_; }
@@ -110,8 +110,9 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
   const auto run = RecordedRun::of(recording, options.file);
   if (!run) return tl::unexpected(run.error());
   ReplayedBoard board(*run);
-  session.open_rig = [&board](host::Interrupt& interrupt) -> Result<std::unique_ptr<Rig>> {
-    return std::make_unique<ReplayRig>(board, interrupt);
+  session.open_backend =
+      [&board](host::Interrupt& interrupt) -> Result<std::unique_ptr<SessionBackend>> {
+    return std::make_unique<ReplayBackend>(board, interrupt);
   };
   const auto ran = run_session(std::move(session));
   // A host that does something else cannot go on, which is the result. Other errors are its own.

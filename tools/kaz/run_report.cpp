@@ -106,8 +106,8 @@ figure::PlotPage tracking_page(const RunReport& report) {
   error.y_min = 0;
   error.y_max = 12;
   figure::PlotPage page;
-  page.title = report.behavior + " through the " + report.rig.engine + " engine";
-  if (report.probe == nullptr) page.title = report.behavior + " over " + report.rig.robot;
+  page.title = report.behavior + " through the " + report.backend.engine + " engine";
+  if (report.probe == nullptr) page.title = report.behavior + " over " + report.backend.robot;
   page.x_label = "time, s";
   page.plots = {joint_plot(report, "Neck pan (positive: left)", &behavior::CycleRow::pan_target,
                            &behavior::CycleRow::pan_measured, &TruthProbe::Sample::pan_rad),
@@ -122,9 +122,9 @@ figure::PlotPage tracking_page(const RunReport& report) {
   return page;
 }
 
-Result<std::vector<std::string>> write_pictures(const RunReport& report, const Album& album,
+Result<std::vector<std::string>> write_pictures(const RunReport& report, const Snapshots& snapshots,
                                                 const OutputFolder& folder) {
-  auto names = album.write(folder);
+  auto names = snapshots.write(folder);
   if (!names || report.recording.cycles.empty()) return names;
   const figure::PlotPage page = tracking_page(report);
   for (const auto& [name, write] : {std::pair{"pan_tilt.png", &figure::write_plot_png},
@@ -140,13 +140,13 @@ Result<std::vector<std::string>> write_pictures(const RunReport& report, const A
 }  // namespace
 
 Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
-                                  const Album& album, const std::string& out,
+                                  const Snapshots& snapshots, const std::string& out,
                                   const std::string& partial_recording) {
   ordered_json result{{"outcome", report.outcome.success ? "done" : "failed"},
                       {"sentence", report.outcome.sentence},
                       {"behavior", report.behavior},
                       {"engine", nullptr},
-                      {"seed", report.rig.seed},
+                      {"seed", report.backend.seed},
                       {"duration_s", rounded(report.run_s, 1e-3)},
                       {"rtf", rounded(report.rtf, 1e-3)},
                       {"found_s", nullptr},
@@ -159,12 +159,12 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     if (!result.contains(name) || result[name].is_null()) result[name] = rounded(value, 1e-6);
   }
   if (simulation != nullptr) {
-    result["engine"] = report.rig.engine;
+    result["engine"] = report.backend.engine;
     if (const std::string emulator = simulation->board().mcu().emulator_engine(); !emulator.empty())
       result["emulator_engine"] = emulator;
-    result["world"] = report.rig.world;
+    result["world"] = report.backend.world;
     result["stepper"] = simulation->world().stepper();
-    result["physics_step_ms"] = report.rig.physics_step_ms;
+    result["physics_step_ms"] = report.backend.physics_step_ms;
     result["joint_gap_m"] = rounded(simulation->world().largest_joint_gap_m(), 1e-7);
     const sim::Trouble& trouble = simulation->world().trouble();
     result["unsettled_steps"] = trouble.unsettled;
@@ -173,7 +173,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     if (!sha256) return tl::unexpected(sha256.error());
     if (!sha256->empty()) result["recording_sha256"] = *sha256;
   } else {
-    result["robot"] = report.rig.robot;
+    result["robot"] = report.backend.robot;
   }
   result["board"] = board_json(report);
   result["link"] = link_json(report.link);
@@ -186,7 +186,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
       if (!moved) return tl::unexpected(moved.error());
       result["recording"] = "recording.mcap";
     }
-    const auto names = write_pictures(report, album, *folder);
+    const auto names = write_pictures(report, snapshots, *folder);
     if (!names) return tl::unexpected(names.error());
     result["pictures"] = *names;
     const auto table =

@@ -7,16 +7,16 @@
 #include <nlohmann/json.hpp>
 
 #include "host/behavior/behavior.h"
-#include "host/robot/link_statistics.h"
-#include "tools/kaz/album.h"
-#include "tools/kaz/rig.h"
+#include "host/link/link_statistics.h"
 #include "tools/kaz/score.h"
+#include "tools/kaz/session_backend.h"
+#include "tools/kaz/snapshots.h"
 
 namespace kaz::tools {
 
 struct RunReport {
   std::string behavior;
-  RigOptions rig;
+  BackendOptions backend;
   behavior::Outcome outcome;
   double run_s = 0;  // time of the robot
   double rtf = 0;    // run_s over wall time
@@ -35,7 +35,7 @@ struct RunReport {
 // Ends the recording and, where `out` is not empty, makes the folder and fills it, result.json
 // last. `partial_recording` moves in as recording.mcap. Returns what stands in result.json.
 Result<nlohmann::ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
-                                            const Album& album, const std::string& out,
+                                            const Snapshots& snapshots, const std::string& out,
                                             const std::string& partial_recording);
 
 // A few lines for people, or the whole result as JSON, on standard output.

@@ -1,4 +1,4 @@
-// One behaviour from start to end on a rig, with everything that is kept of it.
+// One behaviour from start to end on a backend, with everything that is kept of it.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/kaz/session.h"
 
@@ -10,27 +10,32 @@
 
 #include "host/behavior/behavior.h"
 #include "host/behavior/pipeline_sight.h"
-#include "host/robot/capture.h"
-#include "host/robot/measure_link.h"
+#include "host/camera/capture.h"
+#include "host/link/measure_link.h"
 #include "host/robot/robot.h"
-#include "tools/kaz/album.h"
 #include "tools/kaz/interrupt_signals.h"
 #include "tools/kaz/moments.h"
 #include "tools/kaz/output.h"
 #include "tools/kaz/run_report.h"
 #include "tools/kaz/score.h"
+#include "tools/kaz/snapshots.h"
 #include "tools/kaz/vision_report.h"
 
 namespace kaz::tools {
 namespace {
 
-// Listens to the behaviour: progress for the user, truth for the score, moments for the album, a
+// Listens to the behaviour: progress for the user, truth for the score, moments for the snapshots, a
 // record.
 class Listener final : public behavior::Sink {
  public:
-  Listener(Rig& rig, Album& album, Progress& progress, Time start, double expected_s)
-      : rig_(rig), album_(album), progress_(progress), start_(start), expected_s_(expected_s) {
-    if (rig.simulation() != nullptr) probe_.emplace(*rig.simulation());
+  Listener(SessionBackend& backend, Snapshots& snapshots, Progress& progress, Time start,
+           double expected_s)
+      : backend_(backend),
+        snapshots_(snapshots),
+        progress_(progress),
+        start_(start),
+        expected_s_(expected_s) {
+    if (backend.simulation() != nullptr) probe_.emplace(*backend.simulation());
   }
 
   void phase(Time time, std::string_view behavior, std::string_view phase) override {
@@ -39,7 +44,7 @@ class Listener final : public behavior::Sink {
     record({{"behavior", behavior}, {"phase", phase}});
     progress_.announce(seconds(time - start_), phase_);
     if (const auto shown = moments_.on_phase(seconds(time - start_), behavior, phase))
-      album_.take(time, *shown);
+      snapshots_.take(time, *shown);
   }
 
   void cycle(const behavior::CycleRow& row) override {
@@ -48,7 +53,7 @@ class Listener final : public behavior::Sink {
     record({{"pan_target", row.pan_target}, {"tilt_target", row.tilt_target}});
     const double elapsed = seconds(row.time - start_);
     progress_.update(elapsed / expected_s_, phase_);
-    if (const auto shown = moments_.on_cycle(elapsed)) album_.take(row.time, *shown);
+    if (const auto shown = moments_.on_cycle(elapsed)) snapshots_.take(row.time, *shown);
   }
 
   void picture(const behavior::PictureRow& row) override {
@@ -60,10 +65,10 @@ class Listener final : public behavior::Sink {
   const TruthProbe* probe() const { return probe_ ? &*probe_ : nullptr; }
 
  private:
-  void record(const nlohmann::ordered_json& value) { rig_.record_behavior(value.dump()); }
+  void record(const nlohmann::ordered_json& value) { backend_.record_behavior(value.dump()); }
 
-  Rig& rig_;
-  Album& album_;
+  SessionBackend& backend_;
+  Snapshots& snapshots_;
   Progress& progress_;
   Time start_;
   double expected_s_;
@@ -117,28 +122,29 @@ std::vector<std::string> other_joints(const sim::World& world) {
 
 // What `kaz replay` runs it again with.
 std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& options) {
-  const RigOptions& rig = options.rig;
-  const nlohmann::ordered_json robot{{"world", rig.world},
-                                     {"robot_file", rig.robot_file},
-                                     {"engine", rig.engine},
-                                     {"image", rig.image},
-                                     {"sensors", rig.sensors},
-                                     {"imu", rig.imu},
-                                     {"dynamics", rig.dynamics},
-                                     {"physics_step_ms", rig.physics_step_ms},
-                                     {"eyes", rig.eyes},
-                                     {"eye_width", rig.eye_width},
-                                     {"supply_volts", rig.supply_volts},
-                                     {"seed", rig.seed}};
+  const BackendOptions& backend = options.backend;
+  const nlohmann::ordered_json robot{{"world", backend.world},
+                                     {"robot_file", backend.robot_file},
+                                     {"engine", backend.engine},
+                                     {"image", backend.image},
+                                     {"sensors", backend.sensors},
+                                     {"imu", backend.imu},
+                                     {"dynamics", backend.dynamics},
+                                     {"physics_step_ms", backend.physics_step_ms},
+                                     {"eyes", backend.eyes},
+                                     {"eye_width", backend.eye_width},
+                                     {"supply_volts", backend.supply_volts},
+                                     {"seed", backend.seed}};
   return {{"behavior", options.behavior},
           {"settings", nlohmann::json(options.settings).dump()},
-          {"rig", robot.dump()}};
+          {"backend", robot.dump()}};
 }
 
 // What there is of a run that broke off is its recording up to there: it moves in all the same.
 Error with_recording(Error error, sim::Simulation* simulation, const SessionOptions& options,
                      const std::string& partial) {
-  if (simulation == nullptr || partial.empty() || options.rig.recording != partial) return error;
+  if (simulation == nullptr || partial.empty() || options.backend.recording != partial)
+    return error;
   const auto ended = simulation->finish_recording();
   if (!ended || ended->empty()) return error;
   const auto folder = OutputFolder::open(options.out);
@@ -157,67 +163,70 @@ Result<bool> run_session(SessionOptions options) {
   if (!values) return tl::unexpected(values.error());
   if (auto known = parse_modules(options.vision.modules); !known)
     return tl::unexpected(known.error());
-  options.rig.needs_sight = behavior->needs_sight;
-  if (auto sound = check(options.rig); !sound) return tl::unexpected(sound.error());
+  options.backend.needs_sight = behavior->needs_sight;
+  if (auto sound = check(options.backend); !sound) return tl::unexpected(sound.error());
   if (auto usable = OutputFolder::check(options.out); !usable)
     return tl::unexpected(usable.error());
 
   // The recording grows elsewhere and moves in with the results when the run has ended.
   const std::string partial = options.out.empty() ? "" : temporary_file("recording.mcap");
-  if (options.rig.robot == "sim" && options.rig.recording.empty()) options.rig.recording = partial;
-  options.rig.facts = facts_of(options);
+  if (options.backend.robot == "sim" && options.backend.recording.empty())
+    options.backend.recording = partial;
+  options.backend.facts = facts_of(options);
   const FileRemover remove_partial(partial);
 
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  auto rig = options.open_rig ? options.open_rig(interrupt) : Rig::open(options.rig, interrupt);
-  if (!rig) return tl::unexpected(rig.error());
-  const bool real = (*rig)->port() != nullptr;
-  const Time connecting = (*rig)->clock().now();
+  auto backend = options.open_backend ? options.open_backend(interrupt)
+                                      : SessionBackend::open(options.backend, interrupt);
+  if (!backend) return tl::unexpected(backend.error());
+  const bool real = (*backend)->port() != nullptr;
+  const Time connecting = (*backend)->clock().now();
   const auto tell_resumption = [&](const host::Resumption& resumption) {
     std::fprintf(stderr, "\n%s: after %.1f s %s; after %.2f s more it answered again\n",
                  options.label.c_str(), seconds(resumption.lost - connecting),
                  text(resumption.cause), seconds(resumption.resumed - resumption.lost));
   };
-  WatchedClock clock((*rig)->clock(), (*rig)->simulation(), options.onlooker);
+  WatchedClock clock((*backend)->clock(), (*backend)->simulation(), options.onlooker);
   auto robot =
-      host::Robot::connect((*rig)->link(), clock,
+      host::Robot::connect((*backend)->link(), clock,
                            {.on_resumed = tell_resumption,
                             .frames_path = real ? temporary_file("frames.txt") : std::string()});
   if (!robot) return tl::unexpected(robot.error());
   if (real) {
-    const auto trip = host::measure_round_trip(*robot, *(*rig)->port());
+    const auto trip = host::measure_round_trip(*robot, *(*backend)->port());
     if (!trip) return tl::unexpected(trip.error());
     if (!options.json || trip->slow) std::fprintf(stderr, "kaz: %s\n", trip->sentence.c_str());
   }
 
-  if (auto seen = (*rig)->open_camera(); !seen) return tl::unexpected(seen.error());
-  const bool sees = (*rig)->sees();
+  if (auto seen = (*backend)->open_camera(); !seen) return tl::unexpected(seen.error());
+  const bool sees = (*backend)->sees();
   if (behavior->needs_sight && !sees) return tl::unexpected(sim::Simulation::no_eyes());
-  RememberingCamera camera((*rig)->camera());
+  RememberingCamera camera((*backend)->camera());
   host::Capture capture(camera, *robot);
-  vision::Pipeline pipeline({(*rig)->pace(), (*rig)->camera_latency()});
+  vision::Pipeline pipeline({(*backend)->pace(), (*backend)->camera_latency()});
   VisionOptions modules = options.vision;
   modules.modules = "color," + modules.modules;
   if (auto added = add_modules(modules, pipeline); !added) return tl::unexpected(added.error());
   DeliveryTable deliveries(pipeline);
   if (options.watcher != nullptr) options.watcher->begin(pipeline);
   behavior::PipelineSight sight(capture, pipeline);
-  Album album(camera, (*rig)->simulation(), options.vision.ball);
+  Snapshots snapshots(camera, (*backend)->simulation(), options.vision.ball);
   Progress progress(options.label, options.json);
-  const Time start = (*rig)->clock().now();
-  Listener listener(**rig, album, progress, start, expected_seconds(*values, behavior->options));
+  const Time start = (*backend)->clock().now();
+  Listener listener(**backend, snapshots, progress, start,
+                    expected_seconds(*values, behavior->options));
 
   const auto wall_start = std::chrono::steady_clock::now();
   behavior::Context context{*robot,   robot->clock(), sees ? &sight : nullptr,
-                            listener, *values,        options.rig.seed};
+                            listener, *values,        options.backend.seed};
   context.ball_radius_m = options.vision.ball.radius_m;
-  if (const auto* simulation = (*rig)->simulation())
+  if (const auto* simulation = (*backend)->simulation())
     context.other_joints = other_joints(simulation->world());
   const Result<behavior::Outcome> outcome = behavior->run(context);
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
-  const double run_s = seconds((*rig)->clock().now() - start);
+  const double run_s = seconds((*backend)->clock().now() - start);
   if (options.on_end) options.on_end(outcome, run_s, run_s / wall_s);
   const auto health = outcome ? robot->board_statistics() : Result<kz_statistics_reply>{};
   robot->disable_all();
@@ -225,12 +234,13 @@ Result<bool> run_session(SessionOptions options) {
   pipeline.finish();
   if (options.watcher != nullptr) options.watcher->end(pipeline);
   if (!outcome) {
-    return tl::unexpected(with_recording(outcome.error(), (*rig)->simulation(), options, partial));
+    return tl::unexpected(
+        with_recording(outcome.error(), (*backend)->simulation(), options, partial));
   }
   if (!health) return tl::unexpected(health.error());
 
   RunReport report{options.behavior,
-                   options.rig,
+                   options.backend,
                    *outcome,
                    run_s,
                    run_s / wall_s,
@@ -244,7 +254,7 @@ Result<bool> run_session(SessionOptions options) {
                    module_statistics_json(pipeline),
                    module_statistics_text(pipeline),
                    deliveries.text()};
-  auto written = write_report(report, (*rig)->simulation(), album, options.out, partial);
+  auto written = write_report(report, (*backend)->simulation(), snapshots, options.out, partial);
   if (!written) return tl::unexpected(written.error());
   if (!options.quiet) print_report(*written, report, options.out, options.json);
   return outcome->success;

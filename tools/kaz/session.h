@@ -1,4 +1,4 @@
-// One behaviour from start to end on a rig, with everything that is kept of it.
+// One behaviour from start to end on a backend, with everything that is kept of it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,7 @@
 
 #include "host/behavior/behavior.h"
 #include "shared/base/result.hpp"
-#include "tools/kaz/rig.h"
+#include "tools/kaz/session_backend.h"
 #include "tools/kaz/vision_modules.h"
 
 namespace kaz::tools {
@@ -22,7 +22,7 @@ class Onlooker {
 };
 
 struct SessionOptions {
-  RigOptions rig;
+  BackendOptions backend;
   std::string behavior = "track-ball";
   std::map<std::string, std::string> settings;  // the behaviour's options
   std::string out;                              // folder for results; none if empty
@@ -34,8 +34,8 @@ struct SessionOptions {
   Onlooker* onlooker = nullptr;                 // of a simulated robot; must outlive the session
   // How the behaviour ended, how long it took (s of the robot), and that over wall time.
   std::function<void(const Result<behavior::Outcome>&, double, double)> on_end;
-  // In place of Rig::open(); what it refers to must outlive the session.
-  std::function<Result<std::unique_ptr<Rig>>(host::Interrupt&)> open_rig;
+  // In place of SessionBackend::open(); what it refers to must outlive the session.
+  std::function<Result<std::unique_ptr<SessionBackend>>(host::Interrupt&)> open_backend;
 };
 
 // False where the behaviour did not succeed. Motors are off afterwards, whatever happened. Nothing

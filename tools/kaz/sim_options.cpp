@@ -4,7 +4,7 @@
 
 namespace kaz::tools {
 
-void add_sim_options(CLI::App& verb, RigOptions& options) {
+void add_sim_options(CLI::App& verb, BackendOptions& options) {
   verb.add_option("--world", options.world, "a world of Kaz by name, or an SDF file")
       ->capture_default_str();
   verb.add_option("--robot-file", options.robot_file,
@@ -57,7 +57,7 @@ void add_sim_options(CLI::App& verb, RigOptions& options) {
       ->capture_default_str();
 }
 
-void add_motor_options(CLI::App& verb, RigOptions& options) {
+void add_motor_options(CLI::App& verb, BackendOptions& options) {
   verb.add_option("--motor-file", options.motor_file,
                   "of the motors on the virtual stand; without it Kaz's motor.xml")
       ->type_name("FILE");
@@ -69,7 +69,7 @@ void add_motor_options(CLI::App& verb, RigOptions& options) {
       ->capture_default_str();
 }
 
-void add_record_pictures(CLI::App& verb, RigOptions& options) {
+void add_record_pictures(CLI::App& verb, BackendOptions& options) {
   verb.add_flag("--record-pictures", options.record_pictures,
                 "the eyes' pictures into the recording too, not only their SHA-256");
 }

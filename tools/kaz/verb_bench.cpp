@@ -39,7 +39,7 @@ struct Arguments {
 
 struct FitArguments {
   std::string report, joint, out = "kaz-fit";
-  RigOptions model;
+  BackendOptions model;
   bool json = false;
 };
 
@@ -193,8 +193,8 @@ Result<void> check_motion(const Arguments& arguments) {
 }
 
 Result<Outcome> bench(const Arguments& arguments) {
-  const RigOptions& rig = arguments.target.rig;
-  if (!arguments.target.port.empty() && !(rig.motor_file.empty() && rig.motor.empty()))
+  const BackendOptions& backend = arguments.target.backend;
+  if (!arguments.target.port.empty() && !(backend.motor_file.empty() && backend.motor.empty()))
     return fail(
         Fault::usage,
         "--motor-file and --motor are of the emulated board; at a port the motor is the one "
@@ -216,7 +216,7 @@ Result<Outcome> bench(const Arguments& arguments) {
   hil::BenchReport report;
   report.port = (*target)->name();
   report.program = std::string("kaz ") + kVersion;
-  report.seed = arguments.target.rig.seed;
+  report.seed = arguments.target.backend.seed;
   const auto board = describe(**target);
   if (!board) return tl::unexpected(board.error());
   report.board = *board;
@@ -265,7 +265,7 @@ Result<lockstep::MotorFitOptions> fit_options(const FitArguments& arguments) {
   const auto sensors =
       sim::load_sensor_file(std::filesystem::path(*standard).replace_filename("sensors.xml"));
   if (!sensors) return tl::unexpected(sensors.error());
-  options.board.sensor_figures = *sensors;
+  options.board.sensor_params = *sensors;
   options.board.engine = arguments.model.engine;
   if (options.board.engine == "h8") {
     const auto image = firmware_image(arguments.model.image);
@@ -344,20 +344,21 @@ void add_common(CLI::App& verb, Arguments& arguments) {
                                "serial port or pty of a board; without it an emulated one on a "
                                "virtual motor stand, in simulated time")
                    ->type_name("PATH[@BAUD]");
-  verb.add_option("--mcu", arguments.target.rig.engine,
+  verb.add_option("--mcu", arguments.target.backend.engine,
                   "of the emulated board: h8 executes the firmware image, native runs the same C "
                   "compiled for this machine")
       ->check(CLI::IsMember({"h8", "native"}))
       ->capture_default_str()
       ->excludes(port);
-  verb.add_option("--image", arguments.target.rig.image, "firmware image for h8: S-record or COFF")
+  verb.add_option("--image", arguments.target.backend.image,
+                  "firmware image for h8: S-record or COFF")
       ->excludes(port);
-  verb.add_option("--sensors", arguments.target.rig.sensors,
+  verb.add_option("--sensors", arguments.target.backend.sensors,
                   "of the emulated board: nominal, ideal or as-built (kaz sim --help)")
       ->check(CLI::IsMember({"nominal", "ideal", "as-built"}))
       ->capture_default_str()
       ->excludes(port);
-  verb.add_option("--seed", arguments.target.rig.seed, "of the emulated board's noise")
+  verb.add_option("--seed", arguments.target.backend.seed, "of the emulated board's noise")
       ->capture_default_str()
       ->excludes(port);
   verb.add_option("--limits", arguments.limits,
@@ -389,7 +390,7 @@ void add_motor_arguments(CLI::App& verb, Arguments& arguments) {
           "only measurements in whose names this regular expression is found, and those made "
           "together with them")
       ->type_name("REGEX");
-  add_motor_options(verb, arguments.target.rig);
+  add_motor_options(verb, arguments.target.backend);
 }
 
 using Chooser = void (*)(Arguments&);

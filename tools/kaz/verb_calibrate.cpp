@@ -10,9 +10,9 @@
 #include "tools/kaz/output.h"
 #include "tools/kaz/picture_pairs.h"
 #include "tools/kaz/verbs.h"
-#include "vision/calibration_file.h"
-#include "vision/picture_file.h"
-#include "vision/stereo_calibration.h"
+#include "vision/calibration/calibration_file.h"
+#include "vision/calibration/stereo_calibration.h"
+#include "vision/image/picture_file.h"
 
 namespace kaz::tools {
 namespace {
@@ -33,7 +33,7 @@ struct CalibrateArguments {
 // What was seen of the board, picture by picture.
 struct Sighting {
   PicturePair files;
-  std::string left_trouble, right_trouble;  // empty: the board was found
+  std::string left_error, right_error;  // empty: the board was found
 };
 struct Sightings {
   std::vector<Sighting> pairs;
@@ -83,9 +83,9 @@ Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board
         static_cast<double>(all.pairs.size()) / static_cast<double>(pairs.size()),
         "looking for the board in " + std::filesystem::path(files.left).filename().string());
     Sighting sighting{files, {}, {}};
-    const auto left = look(files.left, board, all, sighting.left_trouble);
+    const auto left = look(files.left, board, all, sighting.left_error);
     if (!left) return tl::unexpected(left.error());
-    const auto right = look(files.right, board, all, sighting.right_trouble);
+    const auto right = look(files.right, board, all, sighting.right_error);
     if (!right) return tl::unexpected(right.error());
     all.pairs.push_back(sighting);
     all.boards.push_back({*left, *right});
@@ -118,8 +118,8 @@ Json as_json(const Sightings& seen, const StereoResult& result,
     const Sighting& s = seen.pairs[i];
     const vision::PairQuality& q = result.pairs[i];
     Json one{{"left", s.files.left}, {"right", s.files.right}, {"used", q.used}};
-    if (!s.left_trouble.empty()) one["left_trouble"] = s.left_trouble;
-    if (!s.right_trouble.empty()) one["right_trouble"] = s.right_trouble;
+    if (!s.left_error.empty()) one["left_error"] = s.left_error;
+    if (!s.right_error.empty()) one["right_error"] = s.right_error;
     if (q.used) {
       one["left_rms_px"] = q.left_rms_px;
       one["right_rms_px"] = q.right_rms_px;
@@ -167,10 +167,10 @@ void print(const Sightings& seen, const StereoResult& result, const CalibrateArg
                   q.row_rms_px);
       continue;
     }
-    const bool left = !s.left_trouble.empty();
+    const bool left = !s.left_error.empty();
     std::printf("%-24s left out: %s: %s\n", both.c_str(),
                 name(left ? s.files.left : s.files.right).c_str(),
-                (left ? s.left_trouble : s.right_trouble).c_str());
+                (left ? s.left_error : s.right_error).c_str());
   }
   print_eye("left", result.left, result.calibration.left.lens);
   print_eye("right", result.right, result.calibration.right.lens);
@@ -242,10 +242,10 @@ Result<Outcome> calibrate(CalibrateArguments arguments) {
   if (!result) {
     std::string why = result.error().message;
     for (const Sighting& s : seen->pairs) {
-      if (s.left_trouble.empty() && s.right_trouble.empty()) continue;
-      const bool left = !s.left_trouble.empty();
+      if (s.left_error.empty() && s.right_error.empty()) continue;
+      const bool left = !s.left_error.empty();
       why += "; first left out: '" + (left ? s.files.left : s.files.right) + "', " +
-             (left ? s.left_trouble : s.right_trouble) + " (looked for " + arguments.board +
+             (left ? s.left_error : s.right_error) + " (looked for " + arguments.board +
              " inner corners)";
       break;
     }

@@ -4,9 +4,9 @@
 #include <filesystem>
 
 #include "hil/conformance/report.h"
-#include "host/robot/interrupt.h"
-#include "host/robot/tty_link.h"
-#include "host/robot/wall_clock.h"
+#include "host/link/interrupt.h"
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
 #include "shared/base/files.hpp"
 #include "sim/mcu/mcu.h"
 #include "tools/kaz/interrupt_signals.h"

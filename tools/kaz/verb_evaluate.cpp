@@ -55,7 +55,7 @@ Result<Outcome> start(Arguments a) {
   for (const std::string& color : c.variation.colors) {
     if (auto known = ball_color(color); !known) return tl::unexpected(known.error());
   }
-  c.rig.imu = !a.blind_to_turns;
+  c.backend.imu = !a.blind_to_turns;
   const auto succeeded = run_campaign(c);
   if (!succeeded) return tl::unexpected(succeeded.error());
   return Outcome(*succeeded);
@@ -95,7 +95,7 @@ void add_evaluate(CLI::App& program, Action& action) {
       "many episodes of a behaviour on robots and worlds that differ; how many succeed");
   auto arguments = std::make_shared<Arguments>();
   CampaignOptions& c = arguments->campaign;
-  c.rig.eyes = "real";
+  c.backend.eyes = "real";
   verb->add_option("BEHAVIOUR", c.behavior, "as of kaz run")->type_name("");
   verb->add_option("--episodes", c.episodes, "how many")
       ->check(CLI::Range(1, 1000000))
@@ -147,13 +147,13 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->add_option("--mass-sigma", c.variation.mass_sigma, "of each link's mass, as a share of it")
       ->check(CLI::Range(0.0, 0.3))
       ->capture_default_str();
-  verb->add_option("--mcu", c.rig.engine, "engine of the servo board: h8 or native")
+  verb->add_option("--mcu", c.backend.engine, "engine of the servo board: h8 or native")
       ->check(CLI::IsMember({"h8", "native"}))
       ->capture_default_str();
-  verb->add_option("--eyes", c.rig.eyes, "ideal or real")
+  verb->add_option("--eyes", c.backend.eyes, "ideal or real")
       ->check(CLI::IsMember({"ideal", "real"}))
       ->capture_default_str();
-  verb->add_option("--sensors", c.rig.sensors, "nominal, ideal or as-built")
+  verb->add_option("--sensors", c.backend.sensors, "nominal, ideal or as-built")
       ->check(CLI::IsMember({"nominal", "ideal", "as-built"}))
       ->capture_default_str();
   verb->add_flag("--realtime", c.realtime,

@@ -8,13 +8,13 @@
 #include "tools/kaz/output.h"
 #include "tools/kaz/sim_options.h"
 #include "tools/kaz/verbs.h"
-#include "vision/rectify.h"
+#include "vision/calibration/rectify.h"
 
 namespace kaz::tools {
 namespace {
 
 struct EyesArguments {
-  RigOptions rig;
+  BackendOptions backend;
   std::string out = "kaz-eyes";
 };
 
@@ -58,14 +58,14 @@ Result<EyePictures> look(sim::Simulation& simulation, const sim::CameraFile& cam
 Result<bool> draw(EyesArguments arguments) {
   const auto folder = OutputFolder::open(arguments.out);
   if (!folder) return tl::unexpected(folder.error());
-  auto simulation = make_simulation(arguments.rig, sim::FramePolicy::wait);
+  auto simulation = make_simulation(arguments.backend, sim::FramePolicy::wait);
   if (!simulation) return tl::unexpected(simulation.error());
   if (!(*simulation)->has_eyes()) return tl::unexpected(sim::Simulation::no_eyes());
   sim::CameraFile camera = (*simulation)->camera();
   camera.ideal = false;
-  auto left = look(**simulation, camera, sim::Sensor::Eye::left, arguments.rig.seed);
+  auto left = look(**simulation, camera, sim::Sensor::Eye::left, arguments.backend.seed);
   if (!left) return tl::unexpected(left.error());
-  auto right = look(**simulation, camera, sim::Sensor::Eye::right, arguments.rig.seed);
+  auto right = look(**simulation, camera, sim::Sensor::Eye::right, arguments.backend.seed);
   if (!right) return tl::unexpected(right.error());
   const auto onlooker = outside(**simulation);
   if (!onlooker) return tl::unexpected(onlooker.error());
@@ -106,9 +106,9 @@ void add_eyes(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "eyes", "pictures of the virtual robot's start: from outside and through both eyes");
   auto arguments = std::make_shared<EyesArguments>();
-  arguments->rig.engine = "native";
+  arguments->backend.engine = "native";
   verb->add_option("--out", arguments->out, "folder for the pictures")->capture_default_str();
-  add_sim_options(*verb, arguments->rig);
+  add_sim_options(*verb, arguments->backend);
   // All kinds of eyes are drawn, and nothing moves.
   for (const char* useless : {"--eyes", "--mcu", "--image", "--faults", "--sensors", "--imu",
                               "--dynamics", "--physics-step"})

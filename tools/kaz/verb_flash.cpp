@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fstream>
 
-#include "host/flash/trouble.h"
+#include "host/flash/diagnostic.h"
 #include "tools/kaz/flash/answer.h"
 #include "tools/kaz/flash/arguments.h"
 #include "tools/kaz/flash/session.h"

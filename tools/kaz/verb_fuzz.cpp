@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/fuzz/search.h"
-#include "host/robot/faulty_link.h"
-#include "host/robot/tty_link.h"
-#include "host/robot/wall_clock.h"
+#include "host/link/faulty_link.h"
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
 #include "tools/fuzz/engine_case.h"
 #include "tools/kaz/interrupt_signals.h"
 #include "tools/kaz/output.h"

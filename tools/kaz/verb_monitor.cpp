@@ -6,9 +6,9 @@
 #include <numbers>
 #include <optional>
 
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
-#include "host/robot/tty_link.h"
-#include "host/robot/wall_clock.h"
 #include "tools/kaz/interrupt_signals.h"
 #include "tools/kaz/monitor/board_view.h"
 #include "tools/kaz/monitor/terminal.h"

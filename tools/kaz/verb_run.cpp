@@ -42,15 +42,15 @@ struct RunArguments {
 };
 
 void add_common(CLI::App& verb, RunArguments& arguments) {
-  add_sim_options(verb, arguments.session.rig);
-  add_record_pictures(verb, arguments.session.rig);
+  add_sim_options(verb, arguments.session.backend);
+  add_record_pictures(verb, arguments.session.backend);
   verb.add_option(
       "--duration", arguments.duration,
       "seconds of the robot: for search-ball in all, for track-ball from when the ball was found");
   verb.add_option("--set", arguments.settings, "an option of the behaviour: NAME=VALUE")
       ->type_name("NAME=VALUE");
   verb.add_option(
-          "--restore-every", arguments.session.rig.restore_every_s,
+          "--restore-every", arguments.session.backend.restore_every_s,
           "proof of saved states: every so many seconds the virtual robot is saved, goes on "
           "unrecorded for 0.1 s and is restored; the recording must not show it")
       ->check(CLI::Range(0.001, 1e6))
@@ -140,12 +140,12 @@ void add_run(CLI::App& program, Action& action) {
   verb->add_option("BEHAVIOUR", session.behavior, "one of: " + behavior_names())
       ->required()
       ->type_name("");
-  verb->add_option("--robot", session.rig.robot, "sim, or serial:PATH[@BAUD]")
+  verb->add_option("--robot", session.backend.robot, "sim, or serial:PATH[@BAUD]")
       ->capture_default_str();
-  verb->add_option("--camera", session.rig.camera,
+  verb->add_option("--camera", session.backend.camera,
                    "sim, the path of a camera socket, or v4l2:LEFT,RIGHT[,fps=N][,format=NAME]")
       ->capture_default_str();
-  verb->add_option("--calibration", session.rig.calibration,
+  verb->add_option("--calibration", session.backend.calibration,
                    "of v4l2 cameras (kaz calibrate stereo); it says which size they are run at")
       ->type_name("FILE");
   verb->add_option("--out", session.out, "folder for pictures and result.json; none if not given");

@@ -18,7 +18,7 @@ namespace kaz::tools {
 namespace {
 
 struct SimArguments {
-  RigOptions rig;
+  BackendOptions backend;
   sim::RealTimeOptions real_time;
   std::string memory;       // file of the board's flash; none if empty
   bool boot = false;        // the mode pins ask for boot mode
@@ -47,11 +47,11 @@ class StopFlag {
 };
 
 Result<bool> serve(SimArguments arguments) {
-  if ((arguments.rig.erased || arguments.boot) && arguments.rig.engine != "h8")
+  if ((arguments.backend.erased || arguments.boot) && arguments.backend.engine != "h8")
     return fail(Fault::usage, "--erased and --boot are for --mcu h8: native has no flash");
-  if (arguments.rig.erased && !arguments.rig.image.empty())
+  if (arguments.backend.erased && !arguments.backend.image.empty())
     return fail(Fault::usage, "--erased and --image exclude each other");
-  auto simulation = make_simulation(arguments.rig, sim::FramePolicy::drop);
+  auto simulation = make_simulation(arguments.backend, sim::FramePolicy::drop);
   if (!simulation) return tl::unexpected(simulation.error());
   if (!arguments.real_time.cameras_path.empty() && !(*simulation)->has_eyes())
     return tl::unexpected(sim::Simulation::no_eyes());
@@ -75,12 +75,12 @@ Result<bool> serve(SimArguments arguments) {
     if (auto set = mcu.set_boot_pins(true); !set) return tl::unexpected(set.error());
     mcu.reset();
   }
-  if (arguments.rig.stand) {
+  if (arguments.backend.stand) {
     arguments.real_time.stand = [&s = **simulation](const std::string& line) {
       return sim::answer_stand(s, line);
     };
   }
-  arguments.real_time.keep_hung = arguments.boot || arguments.rig.erased;
+  arguments.real_time.keep_hung = arguments.boot || arguments.backend.erased;
   arguments.real_time.report = [](const std::string& line) {
     std::printf("%s\n", line.c_str());
     std::fflush(stdout);
@@ -88,7 +88,7 @@ Result<bool> serve(SimArguments arguments) {
   auto server = sim::RealTimeServer::open(**simulation, arguments.real_time);
   if (!server) return tl::unexpected(server.error());
   std::printf("ready: servo board (%s) on %s, control on %s.ctl%s%s; Ctrl-C ends\n",
-              arguments.rig.engine.c_str(), arguments.real_time.serial_path.c_str(),
+              arguments.backend.engine.c_str(), arguments.real_time.serial_path.c_str(),
               arguments.real_time.serial_path.c_str(),
               arguments.real_time.cameras_path.empty() ? "" : ", cameras on ",
               arguments.real_time.cameras_path.c_str());
@@ -111,7 +111,8 @@ Result<bool> serve(SimArguments arguments) {
   if (const auto beware = (*simulation)->world().trouble().sentence(); !beware.empty())
     std::printf("beware: %s\n", beware.c_str());
   if (!recorded->empty())
-    std::printf("recording %s  sha256 %s\n", arguments.rig.recording.c_str(), recorded->c_str());
+    std::printf("recording %s  sha256 %s\n", arguments.backend.recording.c_str(),
+                recorded->c_str());
   return true;
 }
 
@@ -131,22 +132,22 @@ void add_sim(CLI::App& program, Action& action) {
   verb->add_option("--memory", arguments->memory,
                    "file that keeps the board's calibration and address from one run to the next")
       ->type_name("FILE");
-  verb->add_flag("--erased", arguments->rig.erased,
+  verb->add_flag("--erased", arguments->backend.erased,
                  "the board's flash is blank, as the chip comes from the factory (kaz flash)");
   verb->add_flag("--boot", arguments->boot, "the board's switch stands at boot mode");
   verb->add_option("--write-calibration", arguments->calibration,
                    "write the eyes' calibration as OpenCV does (YAML); without --serial, only that")
       ->type_name("FILE");
-  verb->add_option("--record", arguments->rig.recording,
+  verb->add_option("--record", arguments->backend.recording,
                    "record everything into this file (MCAP), from the start to Ctrl-C")
       ->type_name("FILE");
   verb->add_flag(
-      "--stand", arguments->rig.stand,
+      "--stand", arguments->backend.stand,
       "a motor stand instead of a robot: each motor alone with a disc on its shaft, clamp, "
       "scale, weight and supply at PATH.ctl (kaz bench)");
-  add_motor_options(*verb, arguments->rig);
-  add_sim_options(*verb, arguments->rig);
-  add_record_pictures(*verb, arguments->rig);
+  add_motor_options(*verb, arguments->backend);
+  add_sim_options(*verb, arguments->backend);
+  add_record_pictures(*verb, arguments->backend);
   verb->footer(
       "The link behaves as a port with a board at the other end. PATH.ctl takes commands: reset,\n"
       "mode boot, mode run, power off, power on, status, stand help, one a line. Ends with Ctrl-C "

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
-#include "host/robot/tty_link.h"
-#include "host/robot/wall_clock.h"
 #include "shared/servo/tick.h"
 #include "tools/kaz/interrupt_signals.h"
 #include "tools/kaz/port_argument.h"

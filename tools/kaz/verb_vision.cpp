@@ -9,8 +9,8 @@
 #include "tools/kaz/recorded_pictures.h"
 #include "tools/kaz/verbs.h"
 #include "tools/kaz/vision_modules.h"
-#include "vision/color_learning.h"
-#include "vision/picture_file.h"
+#include "vision/color/color_learning.h"
+#include "vision/image/picture_file.h"
 
 namespace kaz::tools {
 namespace {

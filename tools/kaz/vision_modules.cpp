@@ -21,7 +21,7 @@ constexpr Kind kKinds[] = {
     {"flow", [](const VisionOptions&) { return vision::make_flow_module({}); }},
     {"planes", [](const VisionOptions&) { return vision::make_planes_module({}); }},
     {"floor", [](const VisionOptions&) { return vision::make_floor_module({}); }},
-    {"moving", [](const VisionOptions&) { return vision::make_moving_module({}); }},
+    {"moving", [](const VisionOptions&) { return vision::make_independent_motion_module({}); }},
 };
 
 }  // namespace

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "vision/modules.h"
-#include "vision/pipeline.h"
+#include "vision/pipeline/modules.h"
+#include "vision/pipeline/pipeline.h"
 
 namespace kaz::tools {
 

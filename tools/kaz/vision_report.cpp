@@ -6,8 +6,8 @@
 #include <cstdio>
 
 #include "tools/figure/vision_views.h"
-#include "vision/depth_file.h"
-#include "vision/exchanged_eyes.h"
+#include "vision/calibration/swapped_cameras.h"
+#include "vision/depth/depth_file.h"
 
 namespace kaz::tools {
 namespace {
@@ -138,9 +138,9 @@ Json module_statistics_json(const vision::Pipeline& pipeline) {
         {"computing_ms",
          {{"median", ms(m.computing_median_s)},
           {"p95", ms(m.computing_p95_s)},
-          {"most", ms(m.computing_most_s)}}},
+          {"most", ms(m.computing_max_s)}}},
         {"age_ms",
-         {{"median", ms(m.age_median_s)}, {"p95", ms(m.age_p95_s)}, {"most", ms(m.age_most_s)}}}};
+         {{"median", ms(m.age_median_s)}, {"p95", ms(m.age_p95_s)}, {"most", ms(m.age_max_s)}}}};
   }
   return all;
 }
@@ -171,7 +171,7 @@ DeliveryTable::DeliveryTable(vision::Pipeline& pipeline) {
 
 VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& options,
                            const OutputFolder* folder, std::uint64_t most)
-    : folder_(folder), options_(options), most_(most) {
+    : folder_(folder), options_(options), max_(most) {
   for (const vision::ModuleStatistics& m : pipeline.statistics()) modules_.push_back(m.name);
   subscribe<vision::BallObservation>(
       pipeline, "color", [this](const vision::Frame& frame, const auto* ball, const Error* error) {
@@ -264,7 +264,7 @@ void VisionReport::check_eyes(const vision::Frame& frame, const vision::DepthIma
                               Json& entry) {
   if (eyes_checked_ == 3 || entry["depth"]["known"].get<double>() > 0.2) return;
   ++eyes_checked_;
-  if (vision::eyes_look_exchanged(frame.images(), depth.info, options_.depth))
+  if (vision::cameras_look_swapped(frame.images(), depth.info, options_.depth))
     entry["trouble"] =
         "left and right look exchanged: the other way round the pair has depth, so it has hardly "
         "any; exchange the pictures or cameras, or calibrate them as they are";

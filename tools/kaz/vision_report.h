@@ -59,7 +59,7 @@ class VisionReport {
   Result<void> end();
 
   const nlohmann::ordered_json& frames() const { return frames_; }
-  bool full() const { return most_ > 0 && frames_.size() >= most_; }
+  bool full() const { return max_ > 0 && frames_.size() >= max_; }
   // Frames with a result of at least one module.
   std::size_t looked_at() const { return looked_at_; }
   // A line for each frame.
@@ -88,7 +88,7 @@ class VisionReport {
   std::map<std::uint64_t, Entry> open_;
   nlohmann::ordered_json frames_ = nlohmann::ordered_json::array();
   std::size_t looked_at_ = 0;
-  std::uint64_t most_;
+  std::uint64_t max_;
   PictureWriter writer_;
 };
 

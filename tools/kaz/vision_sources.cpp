@@ -5,19 +5,19 @@
 #include <filesystem>
 #include <sstream>
 
-#include "host/robot/capture.h"
+#include "host/camera/capture.h"
+#include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
-#include "host/robot/wall_clock.h"
 #include "tools/kaz/interrupt_signals.h"
 #include "tools/kaz/live_camera.h"
 #include "tools/kaz/picture_pairs.h"
 #include "tools/kaz/recorded_pictures.h"
 #include "tools/kaz/replay.h"
-#include "tools/kaz/rig.h"
+#include "tools/kaz/session_backend.h"
 #include "tools/kaz/vision_report.h"
-#include "vision/calibration_file.h"
-#include "vision/picture_file.h"
-#include "vision/rectify.h"
+#include "vision/calibration/calibration_file.h"
+#include "vision/calibration/rectify.h"
+#include "vision/image/picture_file.h"
 
 namespace kaz::tools {
 namespace {
@@ -81,14 +81,14 @@ Result<Outcome> finish(VisionReport& report, const Json& statistics, const std::
     std::printf("%s\n", result.dump(2).c_str());
     return Outcome(true);
   }
-  constexpr int kMostTold = 10;
+  constexpr int kMaxReported = 10;
   int told = 0;
   for (const Json& one : report.frames()) {
     if (!one.contains("trouble")) continue;
-    if (++told <= kMostTold)
+    if (++told <= kMaxReported)
       std::printf("trouble: %s\n", one["trouble"].get<std::string>().c_str());
   }
-  if (told > kMostTold) std::printf("... and %d more (frames.csv)\n", told - kMostTold);
+  if (told > kMaxReported) std::printf("... and %d more (frames.csv)\n", told - kMaxReported);
   std::printf("%zu of %zu pairs looked at; computing a pair: %s\n", report.looked_at(),
               report.frames().size(), text.c_str());
   std::printf("overlays, frames.csv and result.json are in %s\n", options.out.c_str());
@@ -125,9 +125,9 @@ std::string file_name(const std::string& path) {
 class RecordingWatcher final : public VisionWatcher {
  public:
   RecordingWatcher(const VisionOptions& options, const OutputFolder& folder, std::uint64_t most)
-      : options_(options), folder_(folder), most_(most) {}
+      : options_(options), folder_(folder), max_(most) {}
   void begin(vision::Pipeline& pipeline) override {
-    report_.emplace(pipeline, options_, &folder_, most_);
+    report_.emplace(pipeline, options_, &folder_, max_);
   }
   void end(const vision::Pipeline& pipeline) override {
     statistics = module_statistics_json(pipeline);
@@ -140,13 +140,13 @@ class RecordingWatcher final : public VisionWatcher {
  private:
   VisionOptions options_;
   const OutputFolder& folder_;
-  std::uint64_t most_;
+  std::uint64_t max_;
   std::optional<VisionReport> report_;
 };
 
 // The camera, and the robot that has it, if there is one at a port.
 struct LiveSource {
-  std::unique_ptr<Rig> rig;
+  std::unique_ptr<SessionBackend> backend;
   std::optional<host::Robot> robot;
   LiveCamera alone;
   std::optional<host::Capture> capture;
@@ -160,18 +160,18 @@ struct LiveSource {
       camera = alone.camera.get();
       return {};
     }
-    RigOptions rig_options;
+    BackendOptions rig_options;
     rig_options.robot = options.robot;
     rig_options.camera = options.in;
     rig_options.calibration = options.calibration;
-    auto opened = Rig::open(rig_options, interrupt);
+    auto opened = SessionBackend::open(rig_options, interrupt);
     if (!opened) return tl::unexpected(opened.error());
-    rig = std::move(*opened);
-    auto connected = host::Robot::connect(rig->link(), rig->clock(), {});
+    backend = std::move(*opened);
+    auto connected = host::Robot::connect(backend->link(), backend->clock(), {});
     if (!connected) return tl::unexpected(connected.error());
     robot.emplace(std::move(*connected));
-    if (auto seen = rig->open_camera(); !seen) return seen;
-    capture.emplace(rig->camera(), *robot);
+    if (auto seen = backend->open_camera(); !seen) return seen;
+    capture.emplace(backend->camera(), *robot);
     camera = &*capture;
     return {};
   }

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "host/link/requester.h"
 #include "host/robot/connect.h"
-#include "host/robot/requester.h"
 #include "shared/flash/image.h"
 #include "sim/runtime/time.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "host/flash/board_reset.h"
-#include "host/robot/link.h"
+#include "host/link/link.h"
 #include "sim/mcu/h8_mcu.h"
 #include "sim/runtime/serial_line.h"
 

@@ -1,5 +1,5 @@
 // `flash_efficiency`: an erased emulated board is flashed through boot mode, over an adapter that hands
-// bytes over 1 ms late; the times as JSON for `kaz_bench`. Simulated time: the same on every machine.
+// bytes over 1 ms late; the times as JSON for `kaz_benchmark`. Simulated time: the same on every machine.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <fstream>
@@ -36,7 +36,7 @@ int main() {
   }
   const nlohmann::ordered_json result{{"efficiency", report->efficiency()},
                                       {"seconds", report->seconds},
-                                      {"least_seconds", report->least_seconds},
+                                      {"min_seconds", report->min_seconds},
                                       {"bytes", report->written},
                                       {"verified", report->verified}};
   std::printf("%s\n", result.dump(2).c_str());

@@ -7,10 +7,10 @@
 // milliseconds until the time has come or bytes have. Nothing reads the wall clock. One thread.
 #pragma once
 
-#include "host/robot/link.h"
+#include "host/link/link.h"
 #include "shared/base/result.hpp"
 #include "sim/runtime/simulation.h"
-#include "vision/frame.h"
+#include "vision/image/frame.h"
 
 namespace kaz::lockstep {
 

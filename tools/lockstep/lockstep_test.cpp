@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "host/robot/robot.h"
-#include "sim/mcu/test_host.h"
-#include "sim/runtime/test_world.h"
+#include "sim/mcu/host_testing.h"
+#include "sim/runtime/world_testing.h"
 
 namespace kaz::lockstep {
 namespace {

@@ -12,12 +12,12 @@
 #include <set>
 
 #include "host/robot/posture.h"
-#include "tools/lockstep/stand_rig.h"
+#include "tools/lockstep/stand_backend.h"
 
 namespace kaz::lockstep {
 namespace {
 
-using sim::MotorFigures;
+using sim::MotorParams;
 using Values = std::map<std::string, double>;  // by measurement; only those that are numbers
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -46,7 +46,7 @@ void take_sliding(Values& values) {
 struct Estimator {
   const char* name;
   const char* unit;
-  double MotorFigures::*figure;
+  double MotorParams::*figure;
   std::vector<std::string> needs;
   double (*estimate)(const Values&, double disc_kgm2);
 };
@@ -56,41 +56,41 @@ const std::vector<Estimator>& estimators() {
   static const std::vector<Estimator> all = {
       {"stall_slope",
        "Nm/V",
-       &MotorFigures::stall_slope_nm_per_v,
+       &MotorParams::stall_slope_nm_per_v,
        {"stall.slope"},
        [](const Values& v, double) { return v.at("stall.slope"); }},
       {"friction",
        "Nm",
-       &MotorFigures::friction_nm,
+       &MotorParams::friction_nm,
        {"friction.running"},
        [](const Values& v, double) { return v.at("friction.running"); }},
       {"back_emf",
        "Nm s/rad",
-       &MotorFigures::back_emf_nms_per_rad,
+       &MotorParams::back_emf_nms_per_rad,
        {"stall.slope", "no_load.slope"},
        [](const Values& v, double) { return v.at("stall.slope") / v.at("no_load.slope"); }},
       {"stiction_ratio",
        "",
-       &MotorFigures::stiction_ratio,
+       &MotorParams::stiction_ratio,
        {"friction.breakaway", "friction.running"},
        [](const Values& v, double) {
          return v.at("friction.breakaway") / v.at("friction.running");
        }},
       {"rotor_inertia",
        "kg m2",
-       &MotorFigures::rotor_inertia_kgm2,
+       &MotorParams::rotor_inertia_kgm2,
        {"start.time_constant", "stall.slope", "no_load.slope"},
        [](const Values& v, double) {
          return 1e-3 * v.at("start.time_constant") * v.at("stall.slope") / v.at("no_load.slope");
        }},
       {"backlash",
        "rad",
-       &MotorFigures::backlash_rad,
+       &MotorParams::backlash_rad,
        {"backlash"},
        [](const Values& v, double) { return v.at("backlash") * kDegree; }},
       {"winding_heat_capacity",
        "J/K",
-       &MotorFigures::winding_heat_capacity,
+       &MotorParams::winding_heat_capacity,
        {"thermal.torque_loss"},
        [](const Values& v, double) { return 1 / v.at("thermal.torque_loss"); }},
   };
@@ -111,21 +111,21 @@ struct Bench {
   sim::SimulationOptions board;
 };
 
-Result<hil::BenchReport> simulate(const Bench& bench, const MotorFigures& motor,
+Result<hil::BenchReport> simulate(const Bench& bench, const MotorParams& motor,
                                   std::uint64_t seed) {
   sim::SimulationOptions board = bench.board;
   board.seed = seed;
   auto simulation =
       sim::make_stand(board, {.motor = motor, .disc_kgm2 = bench.disc_kgm2, .seed = seed});
   if (!simulation) return tl::unexpected(simulation.error());
-  StandRig rig(std::move(*simulation), bench.pressing_s);
+  StandBackend backend(std::move(*simulation), bench.pressing_s);
   hil::BenchReport report;
   const hil::Limits limits;
   hil::BenchJudge judge(report, limits);
   hil::MotorBenchOptions options;
   options.joint = bench.joint;
   options.supply_volts = bench.supply_volts;
-  if (auto ran = rig.run(options, judge); !ran) return tl::unexpected(ran.error());
+  if (auto ran = backend.run(options, judge); !ran) return tl::unexpected(ran.error());
   return report;
 }
 
@@ -135,7 +135,7 @@ struct Model {
 };
 
 // One thread for each seed; what comes out does not depend on which is the first.
-Result<Model> run_model(const Bench& bench, const MotorFigures& motor) {
+Result<Model> run_model(const Bench& bench, const MotorParams& motor) {
   std::vector<std::future<Result<hil::BenchReport>>> runs;
   for (std::uint64_t i = 0; i < kSeeds; ++i) {
     runs.push_back(std::async(std::launch::async, [&bench, &motor, i] {
@@ -160,24 +160,24 @@ Result<Model> run_model(const Bench& bench, const MotorFigures& motor) {
   return model;
 }
 
-void halve_the_way(MotorFigures& motor, const MotorFigures& last) {
+void halve_the_way(MotorParams& motor, const MotorParams& last) {
   for (const Estimator& estimator : estimators())
     motor.*estimator.figure = 0.5 * (motor.*estimator.figure + last.*estimator.figure);
 }
 
 // Returns the largest relative change. Inertia of rotor and disc together are what a start shows.
-double correct(MotorFigures& motor, const Values& measured, const Values& model, double disc) {
+double correct(MotorParams& motor, const Values& measured, const Values& model, double disc) {
   double largest = 0;
   for (const Estimator& estimator : estimators()) {
     if (!has_all(estimator, measured) || !has_all(estimator, model)) continue;
-    const bool with_disc = estimator.figure == &MotorFigures::rotor_inertia_kgm2;
+    const bool with_disc = estimator.figure == &MotorParams::rotor_inertia_kgm2;
     const double more = with_disc ? disc : 0;
     const double ratio =
         std::clamp(estimator.estimate(measured, disc) / estimator.estimate(model, disc),
                    1 / kMostFactor, kMostFactor);
     const double before = motor.*estimator.figure;
     double after = (before + more) * ratio - more;
-    if (estimator.figure == &MotorFigures::stiction_ratio) after = std::max(after, 1.0);
+    if (estimator.figure == &MotorParams::stiction_ratio) after = std::max(after, 1.0);
     if (with_disc) after = std::max(after, 0.01 * disc);
     motor.*estimator.figure = after;
     largest = std::max(largest, std::abs(after / before - 1));
@@ -321,18 +321,18 @@ Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptio
                     " tells no figure of the motor: its measurements were left out or failed");
   const auto tell = [&](int done) {
     if (options.progress)
-      options.progress(static_cast<double>(done) / (options.most_rounds + 1),
+      options.progress(static_cast<double>(done) / (options.max_rounds + 1),
                        "the bench on the model, round " + std::to_string(done + 1));
   };
   tell(0);
   const auto before = run_model(*bench, fit.motor);
   if (!before) return tl::unexpected(before.error());
   Model model = *before;
-  MotorFigures last = fit.motor;
-  while (fit.rounds < options.most_rounds) {
+  MotorParams last = fit.motor;
+  while (fit.rounds < options.max_rounds) {
     fit.last_change = correct(fit.motor, values, model.values, bench->disc_kgm2);
     // Late rounds differ by the model's own noise: their middle is better than either.
-    const MotorFigures corrected = fit.motor;
+    const MotorParams corrected = fit.motor;
     if (fit.rounds >= kRough) halve_the_way(fit.motor, last);
     last = corrected;
     tell(++fit.rounds);

@@ -33,7 +33,7 @@ struct Gap {
 };
 
 struct MotorFit {
-  sim::MotorFigures motor;
+  sim::MotorParams motor;
   std::vector<FittedFigure> figures;
   std::vector<Gap> gaps;
   std::vector<hil::Plot> plots;  // measured, before and after in one
@@ -42,12 +42,12 @@ struct MotorFit {
 };
 
 struct MotorFitOptions {
-  std::string joint;        // subject of the report; empty: the only one there is
-  sim::MotorFigures start;  // the model before
+  std::string joint;       // subject of the report; empty: the only one there is
+  sim::MotorParams start;  // the model before
   // The simulated board: engine and image, sensors, seed. The firmware's own timing is part of what
   // the bench measures, some 0.1 ms of a start: h8 is the model of a real board.
   sim::SimulationOptions board;
-  int most_rounds = 6;
+  int max_rounds = 6;
   std::function<void(double share, const std::string& what)> progress;
 };
 

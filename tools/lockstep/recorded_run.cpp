@@ -10,7 +10,7 @@
 
 #include "sim/runtime/little_endian.h"
 #include "sim/runtime/time.h"
-#include "vision/valid_camera.h"
+#include "vision/calibration/valid_camera.h"
 
 namespace kaz::lockstep {
 namespace {

@@ -11,7 +11,7 @@
 #include "shared/faults/faults.h"
 #include "sim/mcu/mcu.h"
 #include "sim/runtime/mcap_reader.h"
-#include "vision/frame.h"
+#include "vision/image/frame.h"
 
 namespace kaz::lockstep {
 

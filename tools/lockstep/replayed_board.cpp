@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "host/robot/frame_log.h"
+#include "host/link/frame_log.h"
 #include "shared/protocol/frame.h"
 #include "sim/runtime/png_picture.h"
 #include "sim/runtime/time.h"
@@ -14,7 +14,7 @@
 namespace kaz::lockstep {
 namespace {
 
-constexpr std::size_t most_kept = 8;  // pairs that wait for the host, as sim::Eyes has it
+constexpr std::size_t max_kept = 8;  // pairs that wait for the host, as sim::Eyes has it
 
 std::string time_text(Time time) {
   char text[40];
@@ -98,7 +98,7 @@ Result<void> ReplayedBoard::step() {
   now_ = end;
   for (; exposed_ < run_.pairs.size() && run_.pairs[exposed_].exposure <= time(); ++exposed_) {
     arriving_.push_back(&run_.pairs[exposed_]);
-    if (arriving_.size() > most_kept) arriving_.pop_front();
+    if (arriving_.size() > max_kept) arriving_.pop_front();
   }
   return {};
 }

@@ -11,11 +11,11 @@
 #include <optional>
 #include <string>
 
-#include "host/robot/link.h"
+#include "host/link/link.h"
 #include "shared/base/result.hpp"
 #include "sim/runtime/serial_line.h"
 #include "tools/lockstep/recorded_run.h"
-#include "vision/frame.h"
+#include "vision/image/frame.h"
 
 namespace kaz::lockstep {
 

@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "hil/conformance/bench.h"
-#include "host/robot/link.h"
+#include "host/link/link.h"
 #include "sim/mcu/mcu.h"
 #include "sim/runtime/serial_line.h"
 

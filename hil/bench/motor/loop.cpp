@@ -21,7 +21,7 @@ constexpr double kHertz[] = {0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20};
 constexpr double kLeadIn = 0.5;  // s of each sine that are not looked at
 constexpr double kDegree = std::numbers::pi / 180;
 
-struct StepFigures {
+struct StepResponse {
   double rise_ms = 0, overshoot = 0, settling_ms = 0, error_mrad = 0;  // overshoot in percent
 };
 
@@ -38,7 +38,7 @@ double passes(const Trace& trace, double from, double way, double share) {
   throw Failed{"the joint did not come near its target"};
 }
 
-StepFigures figures_of(const Trace& trace, double from, double to) {
+StepResponse figures_of(const Trace& trace, double from, double to) {
   const double way = to - from;
   std::vector<double> rest;
   for (const Sample& sample : trace) {
@@ -46,7 +46,7 @@ StepFigures figures_of(const Trace& trace, double from, double to) {
   }
   check(!rest.empty(), "no readings came");
   const double end = mean_of(rest).value;
-  StepFigures figures;
+  StepResponse figures;
   figures.rise_ms = 1e3 * (passes(trace, from, way, 0.9) - passes(trace, from, way, 0.1));
   figures.error_mrad = 1e3 * (end - to);
   double most = 0;
@@ -104,7 +104,7 @@ void measure_step(MotorOnBench& motor, BenchJudge& judge) {
       const double to = motor.middle_rad() + sign * 0.5 * kStepWay;
       const Trace trace = motor.step(from, to, kStepSeconds);
       check(!trace.empty(), "no readings came");
-      const StepFigures figures = figures_of(trace, from, to);
+      const StepResponse figures = figures_of(trace, from, to);
       rise.push_back(figures.rise_ms);
       overshoot.push_back(figures.overshoot);
       settling.push_back(figures.settling_ms);

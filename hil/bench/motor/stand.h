@@ -9,7 +9,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "host/robot/link.h"
+#include "host/link/link.h"
 #include "shared/base/result.hpp"
 
 namespace kaz::hil {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "hil/bench/report/plot_axis.h"
-#include "hil/bench/report/test_report.h"
+#include "hil/bench/report/report_testing.h"
 
 namespace kaz::hil {
 namespace {
@@ -28,7 +28,7 @@ Plot plot_of(Points points, bool logarithmic = false, Series::Style style = Seri
 }
 
 // All numbers that place something are finite and within the picture.
-void expect_sound(const std::string& svg) {
+void expect_valid(const std::string& svg) {
   tinyxml2::XMLDocument document;
   parse_xml(svg, document);
   const auto* root = document.RootElement();
@@ -90,7 +90,7 @@ TEST(PlotSvg, AnyPointsMakeAPicture) {
     for (const auto style : {Series::Style::line, Series::Style::points, Series::Style::dashed}) {
       for (const bool logarithmic : {false, true}) {
         SCOPED_TRACE(std::string(name) + (logarithmic ? ", logarithmic" : ""));
-        expect_sound(plot_svg(plot_of(points, logarithmic, style)));
+        expect_valid(plot_svg(plot_of(points, logarithmic, style)));
       }
     }
   }
@@ -101,7 +101,7 @@ TEST(PlotSvg, SaysThatThereIsNothing) {
   EXPECT_NE(plot_svg(plot_of({{0, 1}}, true)).find("no data"), std::string::npos);
   EXPECT_EQ(plot_svg(plot_of({{0, 1}})).find("no data"), std::string::npos);
   Plot none;
-  expect_sound(plot_svg(plot_of({})));
+  expect_valid(plot_svg(plot_of({})));
   EXPECT_NE(plot_svg(none).find("no data"), std::string::npos);
 }
 
@@ -115,7 +115,7 @@ TEST(PlotSvg, APointBetweenGapsIsSeen) {
 TEST(PlotSvg, StylesLegendAndCaption) {
   const BenchReport report = test_report();
   const std::string three = plot_svg(report.plots[0]), one = plot_svg(report.plots[1]);
-  expect_sound(three);
+  expect_valid(three);
   EXPECT_NE(three.find("stroke-dasharray"), std::string::npos);
   EXPECT_NE(three.find(">line &quot;1&quot;</text>"), std::string::npos);
   EXPECT_NE(three.find(">Torque &amp; volts</text>"), std::string::npos);
@@ -140,7 +140,7 @@ TEST(PlotSvg, ALongLegendAndALongCaptionTakeMoreLines) {
   }
   for (int i = 0; i < 60; ++i) plot.caption += " and on";
   EXPECT_GT(height(plot), before + 100);
-  expect_sound(plot_svg(plot));
+  expect_valid(plot_svg(plot));
 }
 
 TEST(PlotSvg, AHundredThousandPointsAreASmallPictureOfTheSameShape) {
@@ -149,7 +149,7 @@ TEST(PlotSvg, AHundredThousandPointsAreASmallPictureOfTheSameShape) {
   for (const auto style : {Series::Style::line, Series::Style::points}) {
     const std::string svg = plot_svg(plot_of(points, false, style));
     EXPECT_LT(svg.size(), style == Series::Style::line ? 60000u : 200000u);
-    expect_sound(svg);
+    expect_valid(svg);
   }
   // The one that stands out is still there: the highest place that the line takes is far above.
   tinyxml2::XMLDocument document;

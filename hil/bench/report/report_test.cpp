@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/bench/report/numbers.h"
-#include "hil/bench/report/test_report.h"
+#include "hil/bench/report/report_testing.h"
 
 namespace kaz::hil {
 namespace {

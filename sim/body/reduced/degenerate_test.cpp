@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <optional>
 
+#include "sim/body/files_testing.h"
 #include "sim/body/motor_file.h"
 #include "sim/body/reduced/reduced_world.h"
-#include "sim/body/test_files.h"
 
 namespace kaz::sim {
 namespace {
@@ -16,7 +16,7 @@ using test::Drives;
 class Degenerate : public testing::Test {
  protected:
   std::unique_ptr<ReducedWorld> load(const WorldModel& around, const RobotModel& robot,
-                                     const MotorFigures& motor) {
+                                     const MotorParams& motor) {
     return std::make_unique<ReducedWorld>(around, robot, motor, WorldOptions{});
   }
   std::unique_ptr<ReducedWorld> kaz_in(const WorldModel& around) {

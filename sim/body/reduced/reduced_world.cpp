@@ -20,7 +20,7 @@ constexpr int kMostSteps = 100;
 }  // namespace
 
 ReducedWorld::ReducedWorld(const WorldModel& world, const RobotModel& robot,
-                           const MotorFigures& motor, const WorldOptions& options)
+                           const MotorParams& motor, const WorldOptions& options)
     : StagedWorld(world, robot, motor, options),
       tree_(robot, bodies_.front().start, hung_),
       joints_(robot.joints.size()) {

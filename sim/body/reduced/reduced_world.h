@@ -24,7 +24,7 @@ namespace kaz::sim {
 
 class ReducedWorld final : public StagedWorld {
  public:
-  ReducedWorld(const WorldModel& world, const RobotModel& robot, const MotorFigures& motor,
+  ReducedWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
                const WorldOptions& options);
 
   void step(std::span<const MotorDrive> drives, double supply_volts) override;

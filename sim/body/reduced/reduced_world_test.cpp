@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include "sim/body/files_testing.h"
 #include "sim/body/motor_file.h"
-#include "sim/body/test_files.h"
 
 namespace kaz::sim {
 namespace {

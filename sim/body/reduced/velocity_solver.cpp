@@ -205,7 +205,7 @@ void VelocitySolver::foresee() {
 }
 
 int VelocitySolver::solve_island(std::span<const double> momentum, std::span<double> v,
-                                 double tolerance, int most_steps) {
+                                 double tolerance, int max_steps) {
   const BlockMatrix::Island& island = matrix_.islands()[island_];
   matrix_.multiply(island, v.data(), inertia_v_.data());
   anew_ = 1;
@@ -213,7 +213,7 @@ int VelocitySolver::solve_island(std::span<const double> momentum, std::span<dou
   double left = change_left();
   int steps = 0;
   bool near = false;  // the same rows act as in the step before, and that was small
-  while (steps < most_steps && left > kSafety * tolerance) {
+  while (steps < max_steps && left > kSafety * tolerance) {
     ++steps;
     anew_ = steps < kPatience ? 1 : steps < 2 * kPatience ? 0.5 : 0.25;
     if (!near) {
@@ -244,7 +244,7 @@ int VelocitySolver::solve_island(std::span<const double> momentum, std::span<dou
 }
 
 void VelocitySolver::solve(std::span<const double> momentum, std::span<double> v, double tolerance,
-                           int most_steps) {
+                           int max_steps) {
   steps_ = 0;
   residual_ = 0;
   Members begin;
@@ -257,7 +257,7 @@ void VelocitySolver::solve(std::span<const double> momentum, std::span<double> v
     its_points_ = part(point_list_, begin.points, end.points);
     its_bounded_ = part(bounded_list_, begin.bounded, end.bounded);
     begin = end;
-    steps_ = std::max(steps_, solve_island(momentum, v, tolerance, most_steps));
+    steps_ = std::max(steps_, solve_island(momentum, v, tolerance, max_steps));
   }
 }
 

@@ -93,7 +93,7 @@ class VelocitySolver {
   // v: a guess in, the velocities out. `momentum` is p above. Ends, for each island by itself, with the
   // step that changes no velocity by more than the tolerance, m/s or rad/s.
   void solve(std::span<const double> momentum, std::span<double> v, double tolerance,
-             int most_steps);
+             int max_steps);
 
   std::size_t points() const { return points_.size(); }
   const Impulse& impulse(std::size_t point) const { return points_[point].impulse; }
@@ -160,7 +160,7 @@ class VelocitySolver {
   double way_along_change(std::span<const double> momentum, std::span<const double> v);
   void foresee();
   int solve_island(std::span<const double> momentum, std::span<double> v, double tolerance,
-                   int most_steps);
+                   int max_steps);
 
   BlockMatrix matrix_;
   std::vector<double> columns_;

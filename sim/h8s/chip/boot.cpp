@@ -25,7 +25,7 @@ constexpr std::uint32_t kFirstRam = 0xffe080;
 constexpr std::uint8_t kId[] = {0x40, 0xfe, 0x64, 0x66, 0x32, 0x31, 0x32, 0x38};
 
 struct Rate {
-  std::int64_t baud, least_hz, most_hz;
+  std::int64_t baud, min_hz, max_hz;
 };
 constexpr Rate kRates[] = {
     {9600, 8'000'000, 20'000'000}, {4800, 4'000'000, 20'000'000}, {2400, 2'000'000, 18'000'000}};
@@ -48,8 +48,8 @@ States states(const Machine& m, double us) {
 bool allowed(const Machine& m, States bit) {
   const auto fits = [&](const Rate& rate) {
     const States nominal = m.options.clock_hz / rate.baud;
-    return std::abs(bit - nominal) * 20 <= nominal && m.options.clock_hz >= rate.least_hz &&
-           m.options.clock_hz <= rate.most_hz;
+    return std::abs(bit - nominal) * 20 <= nominal && m.options.clock_hz >= rate.min_hz &&
+           m.options.clock_hz <= rate.max_hz;
   };
   return m.options.boot_a_mask_rates ? std::ranges::any_of(kRatesOfA, fits)
                                      : std::ranges::any_of(kRates, fits);

@@ -17,10 +17,10 @@ constexpr std::uint8_t kSwdte = 0x80;
 
 // Vectors by register and bit, bit 7 first; 0: no such source on this chip.
 constexpr std::uint8_t kActivations[5][8] = {{16, 17, 18, 0, 28, 48, 49, 52},
-                                         {53, 0, 0, 0, 0, 64, 65, 68},
-                                         {69, 72, 73, 0, 0, 81, 82, 85},
-                                         {86, 0, 0, 0, 0, 0, 0, 0},
-                                         {0, 0, 0, 0, 0, 0, 0, 0}};
+                                             {53, 0, 0, 0, 0, 64, 65, 68},
+                                             {69, 72, 73, 0, 0, 81, 82, 85},
+                                             {86, 0, 0, 0, 0, 0, 0, 0},
+                                             {0, 0, 0, 0, 0, 0, 0, 0}};
 
 struct Enable {
   unsigned reg = 0;

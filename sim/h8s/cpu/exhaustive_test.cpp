@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "sim/h8s/cpu/oracle_bench.h"
+#include "sim/h8s/cpu/oracle_testing.h"
 
 namespace kaz::h8s::oracle {
 namespace {

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "sim/h8s/cpu/opcode.h"
-#include "sim/h8s/cpu/oracle_bench.h"
+#include "sim/h8s/cpu/oracle_testing.h"
 
 namespace kaz::h8s::oracle {
 namespace {

@@ -147,8 +147,7 @@ const Form* find(std::span<const u16> units) {
     for (const Form& f : forms()) {
       const Fixed fixed(f);
       for (u32 byte = 0; byte < 256; ++byte) {
-        if ((byte << 8 & fixed.mask[0]) == (fixed.value[0] & 0xff00u))
-          lists[byte].push_back(fixed);
+        if ((byte << 8 & fixed.mask[0]) == (fixed.value[0] & 0xff00u)) lists[byte].push_back(fixed);
       }
     }
     return lists;

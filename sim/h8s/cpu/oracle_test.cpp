@@ -4,7 +4,7 @@
 
 #include <tuple>
 
-#include "sim/h8s/cpu/oracle_bench.h"
+#include "sim/h8s/cpu/oracle_testing.h"
 
 namespace kaz::h8s::oracle {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-#include "sim/h8s/cpu/oracle_bench.h"
+#include "sim/h8s/cpu/oracle_testing.h"
 #include "sim/h8s/testing.h"
 
 namespace kaz::h8s::oracle {

@@ -6,7 +6,7 @@
 #include "host/robot/posture.h"
 #include "shared/protocol/frame.h"
 #include "sim/h8s/chip.h"
-#include "vision/ball.h"
+#include "vision/color/ball.h"
 
 int main() {
   const std::array<std::uint8_t, 3> body{1, 5, 0};

@@ -6,7 +6,7 @@
 
 #include "hil/fuzz/choices.h"
 #include "host/behavior/options.h"
-#include "host/robot/v4l2_camera.h"
+#include "host/camera/v4l2_camera.h"
 #include "shared/protocol/crc16.h"
 #include "shared/servo/store.h"
 #include "sim/mcu/mcu.h"

@@ -12,7 +12,7 @@
 namespace kaz::fuzz {
 namespace {
 
-bool finite(const sim::MotorFigures& m) {
+bool finite(const sim::MotorParams& m) {
   for (const double value :
        {m.stall_slope_nm_per_v, m.friction_nm, m.back_emf_nms_per_rad, m.stiction_ratio,
         m.rotor_inertia_kgm2, m.max_supply_v, m.backlash_rad, m.winding_heat_capacity,
@@ -24,7 +24,7 @@ bool finite(const sim::MotorFigures& m) {
          m.max_supply_v > 0 && m.friction_nm >= 0 && m.stiction_ratio >= 1;
 }
 
-bool valid(const sim::AxisFigures& a) {
+bool valid(const sim::ImuAxisParams& a) {
   for (const double value : {a.share_per_unit, a.zero_offset, a.wander, a.wander_time_s,
                              a.bandwidth_hz, a.noise_density, a.range}) {
     if (!(std::isfinite(value) && value >= 0)) return false;
@@ -43,7 +43,7 @@ Complaint try_motor(Bytes bytes) {
   const auto* first = reinterpret_cast<const std::uint8_t*>(text.data());
   const auto again = sim::load_motor_file(input_file({first, text.size()}, "again.xml"), "");
   if (!again) return "what was read and written cannot be read: " + again.error().message;
-  sim::MotorFigures same = *again;
+  sim::MotorParams same = *again;
   if (std::abs(same.backlash_rad - motor->backlash_rad) <= 1e-15 * motor->backlash_rad)
     same.backlash_rad = motor->backlash_rad;
   // Without heat capacity the file has no other thermal parameters.

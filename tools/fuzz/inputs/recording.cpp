@@ -6,7 +6,7 @@
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 #include "tools/kaz/message_fields.h"
-#include "tools/kaz/recorded_rig.h"
+#include "tools/kaz/recorded_backend.h"
 #include "tools/lockstep/recorded_run.h"
 #include "tools/lockstep/replayed_board.h"
 
@@ -52,9 +52,9 @@ Complaint try_recording(Bytes bytes) {
   const auto recording = sim::McapRecording::parse(bytes, "case.mcap");
   if (!recording) return judge_error(recording.error(), "case.mcap");
   (void)recording->has_messages("/eyes/left");
-  const auto rig = tools::recorded_rig(*recording, "case.mcap");
-  if (!rig) {
-    if (auto wrong = judge_error(rig.error(), "case.mcap")) return wrong;
+  const auto backend = tools::recorded_backend(*recording, "case.mcap");
+  if (!backend) {
+    if (auto wrong = judge_error(backend.error(), "case.mcap")) return wrong;
   }
   const sim::McapRecording::Message* before = nullptr;
   for (const auto& message : recording->messages) {

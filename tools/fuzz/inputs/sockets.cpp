@@ -14,8 +14,8 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/bench/motor/stand.h"
+#include "host/camera/published_camera.h"
 #include "host/robot/control_socket.h"
-#include "host/robot/published_camera.h"
 #include "shared/base/camera_stream.hpp"
 #include "sim/runtime/control_server.h"
 #include "sim/stand/stand_commands.h"

@@ -5,9 +5,9 @@
 
 #include "hil/conformance/codec.h"
 #include "hil/fuzz/choices.h"
-#include "host/robot/raw_picture.h"
+#include "host/camera/raw_picture.h"
+#include "host/robot/board_testing.h"
 #include "host/robot/robot.h"
-#include "host/robot/test_board.h"
 #include "shared/protocol/frame.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"

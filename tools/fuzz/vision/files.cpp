@@ -4,9 +4,9 @@
 
 #include "tools/fuzz/vision/targets.h"
 #include "tools/kaz/color_file.h"
-#include "vision/calibration_file.h"
-#include "vision/picture_file.h"
-#include "vision/rectify.h"
+#include "vision/calibration/calibration_file.h"
+#include "vision/calibration/rectify.h"
+#include "vision/image/picture_file.h"
 
 namespace kaz::fuzz {
 namespace {

@@ -4,12 +4,12 @@
 
 #include "tools/fuzz/vision/hostile_frames.h"
 #include "tools/fuzz/vision/targets.h"
-#include "vision/ball_track.h"
-#include "vision/depth_file.h"
-#include "vision/exchanged_eyes.h"
-#include "vision/modules.h"
-#include "vision/moving.h"
-#include "vision/pipeline.h"
+#include "vision/calibration/swapped_cameras.h"
+#include "vision/color/ball_track.h"
+#include "vision/depth/depth_file.h"
+#include "vision/flow/independent_motion.h"
+#include "vision/pipeline/modules.h"
+#include "vision/pipeline/pipeline.h"
 
 namespace kaz::fuzz {
 namespace {
@@ -98,7 +98,7 @@ class Watch final : public Module {
   }
 
  private:
-  MovingFinder finder_;
+  IndependentMotionDetector finder_;
   std::shared_ptr<const StereoImages> before_;
 };
 
@@ -170,7 +170,7 @@ class Run {
   void keep(const T&) {}
 
   void write(const Frame& frame, const DepthImage& depth) {
-    (void)eyes_look_exchanged(frame.images(), frame.info());
+    (void)cameras_look_swapped(frame.images(), frame.info());
     PointCloud cloud;
     point_cloud(depth, cloud);
     if (!depth_png(depth) || !points_ply(cloud, frame.images().left))
@@ -180,7 +180,8 @@ class Run {
   void follow(const FrameInfo& info, const BallObservation& ball) {
     track_.observe(ball, info.foot_from_eye);
     if (!track_.known()) return;
-    for (const Time t : {track_.latest(), info.exposure, later(track_.latest(), Time(100'000'000))}) {
+    for (const Time t :
+         {track_.latest(), info.exposure, later(track_.latest(), Time(100'000'000))}) {
       const BallState s = track_.at(t);
       if (!s.position.allFinite() || !s.velocity.allFinite() || !track_.aim(t).allFinite())
         return complain("a track that is not finite");
@@ -204,12 +205,12 @@ Complaint try_vision(Bytes bytes) {
   constexpr std::uint64_t kLast = 1'000'000;
   Run run;
   for (int i = 0; i < 8 && !choices.ended(); ++i) run.submit(frames.next());
-  run.submit(sound_frame(kLast, Time(5'000'000'000)));
+  run.submit(valid_frame(kLast, Time(5'000'000'000)));
   if (const Complaint c = run.end()) return c;
 
   static const auto fresh = [] {
     auto alone = std::make_unique<Run>();
-    alone->submit(sound_frame(kLast, Time(5'000'000'000)));
+    alone->submit(valid_frame(kLast, Time(5'000'000'000)));
     (void)alone->end();
     return alone;
   }();

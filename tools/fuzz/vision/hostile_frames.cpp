@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "shared/base/random.hpp"
-#include "vision/test_pictures.h"
+#include "vision/image/pictures_testing.h"
 
 namespace kaz::fuzz {
 namespace {
@@ -40,7 +40,7 @@ void paint_disc(Image& image, int u0, int v0, int radius) {
 
 }  // namespace
 
-HostileFrame sound_frame(std::uint64_t sequence, Time exposure) {
+HostileFrame valid_frame(std::uint64_t sequence, Time exposure) {
   HostileFrame frame;
   frame.info.sequence = sequence;
   frame.info.exposure = exposure;
@@ -142,7 +142,7 @@ vision::CameraModel HostileFrames::camera(int width, int height) {
 }
 
 Eigen::Isometry3d HostileFrames::posture() {
-  Eigen::Isometry3d pose = sound_frame(0, {}).info.foot_from_eye;
+  Eigen::Isometry3d pose = valid_frame(0, {}).info.foot_from_eye;
   switch (choices_.below(6)) {
     case 1:
       for (int i = 0; i < 3; ++i) pose.translation()[i] = number(i == 2 ? 0.3 : 0.1);

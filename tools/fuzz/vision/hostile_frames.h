@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "hil/fuzz/choices.h"
-#include "vision/frame.h"
+#include "vision/image/frame.h"
 
 namespace kaz::fuzz {
 
@@ -15,7 +15,7 @@ struct HostileFrame {
 };
 
 // A red ball before a textured ground, both eyes, 96 x 72.
-HostileFrame sound_frame(std::uint64_t sequence, Time exposure);
+HostileFrame valid_frame(std::uint64_t sequence, Time exposure);
 
 class HostileFrames {
  public:

@@ -6,12 +6,12 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
 #include "host/robot/control_socket.h"
-#include "host/robot/tty_link.h"
-#include "host/robot/wall_clock.h"
 #include "tools/kaz/interruptible_clock.h"
 #include "tools/kaz/port_argument.h"
-#include "tools/lockstep/stand_rig.h"
+#include "tools/lockstep/stand_backend.h"
 
 namespace kaz::tools {
 namespace {
@@ -21,16 +21,16 @@ class VirtualTarget final : public BenchTarget {
   VirtualTarget(std::unique_ptr<sim::Simulation> simulation, const std::string& engine,
                 const host::Interrupt& interrupt)
       : name_("virtual board (" + engine + ")"),
-        rig_(std::move(simulation)),
-        clock_(rig_.clock(), interrupt) {}
+        backend_(std::move(simulation)),
+        clock_(backend_.clock(), interrupt) {}
   std::string name() const override { return name_; }
-  host::Link& link() override { return rig_.link(); }
+  host::Link& link() override { return backend_.link(); }
   host::Clock& clock() override { return clock_; }
-  hil::Stand* stand() override { return &rig_.stand(); }
+  hil::Stand* stand() override { return &backend_.stand(); }
 
  private:
   std::string name_;
-  lockstep::StandRig rig_;
+  lockstep::StandBackend backend_;
   InterruptibleClock clock_;
 };
 
@@ -62,7 +62,7 @@ Result<std::unique_ptr<hil::Stand>> make_stand(const BenchTargetOptions& options
                                                host::Clock& clock) {
   std::unique_ptr<hil::Stand> stand;
   if (options.stand == "manual") {
-    stand = std::make_unique<hil::ManualStand>(ask_user, options.rig.disc_kgm2);
+    stand = std::make_unique<hil::ManualStand>(ask_user, options.backend.disc_kgm2);
   } else if (options.stand.starts_with("ctl:")) {
     const std::string path = options.stand.substr(4);
     const auto ask = [path](const std::string& line) -> Result<nlohmann::ordered_json> {
@@ -85,11 +85,11 @@ Result<std::unique_ptr<BenchTarget>> open_virtual(const BenchTargetOptions& opti
                                                   const host::Interrupt& interrupt) {
   if (!options.stand.empty())
     return fail(Fault::usage, "--stand goes with --port; the virtual board has its own");
-  RigOptions rig = options.rig;
-  rig.stand = true;
-  auto simulation = make_simulation(rig, sim::FramePolicy::wait);
+  BackendOptions backend = options.backend;
+  backend.stand = true;
+  auto simulation = make_simulation(backend, sim::FramePolicy::wait);
   if (!simulation) return tl::unexpected(simulation.error());
-  return std::make_unique<VirtualTarget>(std::move(*simulation), rig.engine, interrupt);
+  return std::make_unique<VirtualTarget>(std::move(*simulation), backend.engine, interrupt);
 }
 
 }  // namespace

@@ -8,17 +8,17 @@
 #include <string>
 
 #include "hil/bench/motor/stand.h"
-#include "host/robot/interrupt.h"
-#include "host/robot/link.h"
+#include "host/link/interrupt.h"
+#include "host/link/link.h"
 #include "shared/base/result.hpp"
-#include "tools/kaz/rig.h"
+#include "tools/kaz/session_backend.h"
 
 namespace kaz::tools {
 
 struct BenchTargetOptions {
-  std::string port;   // PATH[@BAUD]; empty: the virtual stand
-  std::string stand;  // at a port: "", "manual" or "ctl:PATH"
-  RigOptions rig;     // of the virtual stand: engine, image, motor, disc, sensors, seed
+  std::string port;        // PATH[@BAUD]; empty: the virtual stand
+  std::string stand;       // at a port: "", "manual" or "ctl:PATH"
+  BackendOptions backend;  // of the virtual stand: engine, image, motor, disc, sensors, seed
 };
 
 class BenchTarget {

@@ -12,14 +12,14 @@
 #include "host/behavior/behavior.h"
 #include "shared/base/result.hpp"
 #include "tools/kaz/evaluate/scenario.h"
-#include "tools/kaz/rig.h"
+#include "tools/kaz/session_backend.h"
 
 namespace kaz::tools {
 
 struct CampaignOptions {
   std::string behavior;
   std::map<std::string, std::string> settings;  // of the behaviour
-  RigOptions rig;                               // engine, eyes, sensors, imu and so on
+  BackendOptions backend;                       // engine, eyes, sensors, imu and so on
   Variation variation;
   std::uint64_t seed = 1;
   std::uint64_t episodes = 20;

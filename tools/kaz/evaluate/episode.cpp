@@ -38,11 +38,11 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   Result<behavior::Outcome> ended = fail(Fault::environment, "the episode did not begin");
   double run_s = 0, rtf = 0;
   SessionOptions session;
-  session.rig = options.rig;
-  session.rig.world = files->world();
-  session.rig.robot_file = files->robot();
-  session.rig.seed = scenario.seed;
-  session.rig.supply_volts = scenario.supply_volts;
+  session.backend = options.backend;
+  session.backend.world = files->world();
+  session.backend.robot_file = files->robot();
+  session.backend.seed = scenario.seed;
+  session.backend.supply_volts = scenario.supply_volts;
   session.behavior = options.behavior;
   session.settings = options.settings;
   session.vision.ball.radius_m = scenario.ball_radius_m;

@@ -116,7 +116,7 @@ Result<Commands> commands(const CampaignOptions& options, const Scenario& scenar
   if (!color) return tl::unexpected(color.error());
   const std::string color_file = folder + "/color.json";
   std::ofstream(color_file) << color_json(color->range).dump(1) << "\n";
-  const RigOptions& rig = options.rig;
+  const BackendOptions& backend = options.backend;
   // Short paths: a socket's has at most 107 characters.
   const std::string board = board_of(files), eyes = board + ".eyes";
   Commands both{{"sim",
@@ -129,11 +129,11 @@ Result<Commands> commands(const CampaignOptions& options, const Scenario& scenar
                  "--robot-file",
                  files.robot(),
                  "--mcu",
-                 rig.engine,
+                 backend.engine,
                  "--eyes",
-                 rig.eyes,
+                 backend.eyes,
                  "--sensors",
-                 rig.sensors,
+                 backend.sensors,
                  "--seed",
                  std::to_string(scenario.seed),
                  "--supply",
@@ -142,7 +142,7 @@ Result<Commands> commands(const CampaignOptions& options, const Scenario& scenar
                  folder + "/recording.mcap"},
                 {"run", options.behavior, "--robot", "serial:" + board, "--camera", eyes, "--color",
                  color_file, "--radius", std::to_string(scenario.ball_radius_m), "--json"}};
-  if (rig.imu) both.simulator.push_back("--imu");
+  if (backend.imu) both.simulator.push_back("--imu");
   for (const auto& [name, value] : options.settings) {
     both.behaviour.push_back("--set");
     both.behaviour.push_back(name + "=" + value);

@@ -12,7 +12,7 @@
 #include "shared/base/result.hpp"
 #include "tools/trials/robot_folder.h"
 #include "tools/trials/statistics.h"
-#include "vision/color.h"
+#include "vision/color/color.h"
 
 namespace kaz::tools {
 

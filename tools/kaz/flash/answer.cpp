@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "host/flash/trouble.h"
+#include "host/flash/diagnostic.h"
 
 namespace kaz::tools {
 namespace {
@@ -61,7 +61,7 @@ void Answer::written(const host::FlashReport& report) {
   put("repeated", report.repeated);
   put("verified", report.verified);
   put("seconds", report.seconds);
-  put("least_seconds", report.least_seconds);
+  put("min_seconds", report.min_seconds);
   put("efficiency", report.efficiency());
   say("written and verified: " + std::to_string(report.written) + " bytes, " +
       std::to_string(report.erased) + " blocks erased, " + std::to_string(report.unchanged) +
@@ -70,7 +70,7 @@ void Answer::written(const host::FlashReport& report) {
   char times[96];
   std::snprintf(times, sizeof times,
                 "%.2f s, of which line and cells take %.2f: efficiency %.1f %%", report.seconds,
-                report.least_seconds, 100 * report.efficiency());
+                report.min_seconds, 100 * report.efficiency());
   say(times);
 }
 

@@ -10,9 +10,9 @@
 #include <fstream>
 #include <iterator>
 
-#include "host/flash/trouble.h"
+#include "host/flash/diagnostic.h"
+#include "host/link/requester.h"
 #include "host/robot/connect.h"
-#include "host/robot/requester.h"
 #include "tools/kaz/paths.h"
 #include "tools/kaz/port_argument.h"
 

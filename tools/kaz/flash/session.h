@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "host/flash/flasher.h"
-#include "host/robot/tty_link.h"
-#include "host/robot/wall_clock.h"
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
 #include "shared/protocol/messages.h"
 #include "tools/kaz/flash/arguments.h"
 #include "tools/kaz/output.h"

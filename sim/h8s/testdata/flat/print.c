@@ -9,18 +9,18 @@ struct out {
   unsigned used;
 };
 
-static void flush(struct out *out) {
+static void flush(struct out* out) {
   write(1, out->bytes, out->used);
   out->used = 0;
 }
 
-static void put(struct out *out, char ch) {
+static void put(struct out* out, char ch) {
   out->bytes[out->used++] = ch;
   if (out->used == sizeof out->bytes) flush(out);
 }
 
 /* 16 bits at a time: the compiler needs no library for divisions of 32 bits by 16 this way. */
-static unsigned divide(unsigned long *value, unsigned by) {
+static unsigned divide(unsigned long* value, unsigned by) {
   unsigned long high = *value >> 16, low;
   unsigned rest = (unsigned)high % by;
   high = (unsigned)high / by;
@@ -41,7 +41,7 @@ static unsigned divide(unsigned long *value, unsigned by) {
   return rest;
 }
 
-static void number(struct out *out, unsigned long value, unsigned base, int negative, int width,
+static void number(struct out* out, unsigned long value, unsigned base, int negative, int width,
                    char fill) {
   char digits[12];
   int count = 0;
@@ -55,7 +55,7 @@ static void number(struct out *out, unsigned long value, unsigned base, int nega
   while (count > 0) put(out, digits[--count]);
 }
 
-void print(const char *format, ...) {
+void print(const char* format, ...) {
   struct out out;
   va_list args;
   out.used = 0;
@@ -75,7 +75,7 @@ void print(const char *format, ...) {
       ++format;
     }
     if (*format == 's') {
-      const char *text = va_arg(args, const char *);
+      const char* text = va_arg(args, const char*);
       while (*text) put(&out, *text++);
     } else if (*format == 'c') {
       put(&out, (char)va_arg(args, int));

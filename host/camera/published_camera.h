@@ -1,0 +1,51 @@
+// Stereo pairs from another process, by way of a Unix socket (shared/base/camera_stream.hpp).
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "host/camera/camera_stream.h"
+#include "vision/image/frame.h"
+
+namespace kaz::host {
+
+class PublishedCamera final : public vision::Camera {
+ public:
+  // Pairs that wait here at most; older ones are dropped when the user of the camera is slow.
+  static constexpr std::size_t kMostWaiting = 4;
+
+  // Connects and waits up to `patience` for the stream's header. Errors, each one sentence: nothing
+  // is published at `path`, left over from a program that ended, no socket, permission, path too
+  // long, no camera stream, another version, pictures of an impossible size, silence.
+  static Result<std::unique_ptr<PublishedCamera>> connect(const std::string& path,
+                                                          Time patience = std::chrono::seconds(2));
+  ~PublishedCamera() override;
+  PublishedCamera(const PublishedCamera&) = delete;
+  PublishedCamera& operator=(const PublishedCamera&) = delete;
+
+  const vision::CameraModel& model() const override { return stream_.model; }
+  // From exposure to when poll() gives a pair, as the publisher declared it.
+  Time latency() const { return stream_.latency; }
+
+  // Once the publisher is gone and what it sent has been taken: "camera PATH stopped: ...".
+  Result<std::optional<vision::StereoPair>> poll() override;
+
+ private:
+  PublishedCamera(std::string path, int socket, const CameraStream& stream);
+  void read_pairs();
+  void stop(Error error);
+
+  const std::string path_;
+  const int socket_;
+  const CameraStream stream_;
+  std::mutex mutex_;
+  std::deque<vision::StereoPair> waiting_;
+  std::optional<Error> stopped_;
+  std::thread reader_;  // last: it uses all of the above
+};
+
+}  // namespace kaz::host

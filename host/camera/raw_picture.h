@@ -1,0 +1,42 @@
+// From the bytes of a camera to RGB: YUYV, RGB24, GREY and MJPEG, as V4L2 defines them.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "vision/image/frame.h"
+
+namespace kaz::host {
+
+enum class PixelFormat { yuyv, rgb24, mjpeg, grey };
+
+// "yuyv", "rgb24", "mjpeg", "grey".
+std::string_view pixel_format_name(PixelFormat format);
+std::optional<PixelFormat> pixel_format_by_name(std::string_view name);
+
+// How YUYV is meant. Weights of red and blue in Y: ITU-R BT.601 (cameras, as a rule) or BT.709.
+// Limited range: Y from 16 to 235, the differences from 16 to 240; else all from 0 to 255.
+struct YuvMeaning {
+  bool bt709 = false;
+  bool full_range = false;
+};
+
+struct RawLayout {
+  PixelFormat format = PixelFormat::yuyv;
+  int width = 0, height = 0;       // px; even width for yuyv
+  std::size_t bytes_per_line = 0;  // without effect for mjpeg
+  YuvMeaning yuv;
+};
+
+// Fills `image`. Grey comes as RGB of equal parts, values as they are. MJPEG need not hold its
+// Huffman tables: most cameras leave them out, the standard's are taken then. An error says in a few
+// words what is wrong with the bytes: too few, damaged, of another size.
+Result<void> convert_picture(std::span<const std::uint8_t> bytes, const RawLayout& layout,
+                             vision::Image& image);
+
+}  // namespace kaz::host

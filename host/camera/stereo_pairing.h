@@ -1,0 +1,63 @@
+// Which picture of the left camera belongs to which of the right one: the nearest in time.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "vision/image/frame.h"
+
+namespace kaz::host {
+
+enum class Side : std::uint8_t { left, right };
+
+// A picture as the camera gave it.
+struct RawFrame {
+  Time exposure{};  // middle of it, host clock
+  std::vector<std::uint8_t> bytes;
+};
+
+struct RawPair {
+  RawFrame left, right;
+  // Of the pair: half way between both.
+  Time exposure() const { return left.exposure + (right.exposure - left.exposure) / 2; }
+  Time gap() const;  // between both, never negative
+};
+
+class StereoPairing {
+ public:
+  // Pictures of one side that wait for the other's at most; older ones are dropped.
+  static constexpr std::size_t kMostWaiting = 8;
+
+  // Pictures further apart than `tolerance` are no pair. Up to half the time between two pictures
+  // the first partner within it is also the nearest, and nothing has to wait for the next picture.
+  explicit StereoPairing(Time tolerance) : tolerance_(tolerance) {}
+
+  // A picture that is not newer than the last one of its side is left out and counted.
+  void add(Side side, RawFrame frame);
+  // The next pair, oldest first. Drops on the way what can have no partner any more.
+  std::optional<RawPair> next();
+
+  Time tolerance() const { return tolerance_; }
+  std::uint64_t without_partner(Side side) const { return of(side).alone; }
+  std::uint64_t out_of_order(Side side) const { return of(side).out_of_order; }
+
+ private:
+  struct Line {
+    std::deque<RawFrame> frames;
+    std::optional<Time> last;
+    std::uint64_t alone = 0, out_of_order = 0;
+    void drop_first();
+  };
+  // True if of two waiting pictures of `line` the second is nearer to `t`.
+  static bool second_is_nearer(const Line& line, Time t);
+  const Line& of(Side side) const { return lines_[static_cast<std::size_t>(side)]; }
+
+  Time tolerance_;
+  std::array<Line, 2> lines_;
+};
+
+}  // namespace kaz::host

@@ -1,0 +1,97 @@
+// One video device of Linux (V4L2): agrees on a mode, streams through mapped buffers.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The kernel's own interface (linux/videodev2.h), single-planar capture, memory-mapped buffers. A
+// picture's time is the buffer's time stamp on CLOCK_MONOTONIC, which is the host's clock (docs/time.md).
+// A stamp is either of the start of exposure or of the end of the frame, as the buffer's flag says;
+// half of the exposure time, where the camera tells it (V4L2_CID_EXPOSURE_ABSOLUTE, read once at the
+// start), is added or taken off to get the middle. A picture cannot be exposed after it arrived: where a
+// driver says so, it gets the time of arrival, and is counted. The time a rolling shutter takes is in no
+// interface and left out.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/camera/raw_picture.h"
+#include "host/camera/stereo_pairing.h"
+
+namespace kaz::host {
+
+struct V4l2Wanted {
+  int width = 0, height = 0;          // px, exactly these
+  double rate_hz = 30;                // pictures a second; the camera's nearest is taken
+  std::optional<PixelFormat> format;  // empty: the best of those that reach the rate
+};
+
+// One sentence of what went wrong while `doing` (as in "asking for its format") at `path`: no such
+// device, no permission, busy, unplugged, no bandwidth left.
+Error v4l2_error(const std::string& path, const std::string& doing, int error_number);
+
+// What a driver's time stamps mean. `arrival`: they are not of CLOCK_MONOTONIC, and the time at which
+// the picture was taken from the driver stands in.
+enum class Stamp : std::uint8_t { start_of_exposure, end_of_frame, arrival };
+// Middle of an exposure that took `exposure_time`, zero if that is unknown.
+Time middle_of_exposure(Time stamp, Stamp kind, Time exposure_time);
+
+class V4l2Device {
+ public:
+  // Opens and agrees on a mode. Errors, a sentence each: those of v4l2_error(); no video device; a
+  // node that gives no pictures; planes in several buffers only; no format of ours; not that size.
+  static Result<std::unique_ptr<V4l2Device>> open(const std::string& path,
+                                                  const V4l2Wanted& wanted);
+  ~V4l2Device();
+  V4l2Device(const V4l2Device&) = delete;
+  V4l2Device& operator=(const V4l2Device&) = delete;
+
+  // Starts the stream. Errors: busy, no bandwidth on the bus, no memory for buffers.
+  Result<void> start();
+
+  enum class Taken { picture, damaged, nothing };
+  // Never waits. `damaged`: the driver marked what came as broken, or it is empty. An error means that
+  // no more will come (unplugged, fatal error of the driver).
+  Result<Taken> take(RawFrame& frame);
+
+  const std::string& path() const { return path_; }
+  int descriptor() const { return descriptor_; }  // readable when take() has something
+  const RawLayout& layout() const { return layout_; }
+  double rate_hz() const { return rate_hz_; }  // as agreed; 0 if the driver does not say
+  // Pictures that the driver lost, by the gaps in its sequence numbers.
+  std::uint64_t lost() const { return lost_; }
+  Stamp stamp() const { return stamp_; }  // of the last picture
+  // Pictures whose stamp was of a time after their arrival.
+  std::uint64_t ahead() const { return ahead_; }
+
+ private:
+  struct Buffer {
+    void* start = nullptr;
+    std::size_t size = 0;
+  };
+  V4l2Device(std::string path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
+  int control(unsigned long request, void* argument) const;  // 0, or the error's number
+  Result<void> check_kind() const;
+  std::vector<std::uint32_t> formats() const;
+  std::string sizes(std::uint32_t format) const;
+  Result<void> agree(const V4l2Wanted& wanted);
+  bool try_size(std::uint32_t format, const V4l2Wanted& wanted) const;
+  Result<void> set_mode(PixelFormat format, const V4l2Wanted& wanted);
+  double set_rate(double wanted_hz) const;
+  Result<void> map_buffers();
+  Time read_exposure_time() const;
+  Error error(const std::string& doing, int number) const;
+
+  std::string path_;
+  int descriptor_;
+  RawLayout layout_;
+  double rate_hz_ = 0;
+  std::vector<Buffer> buffers_;
+  Time exposure_time_{};
+  Stamp stamp_ = Stamp::end_of_frame;
+  std::optional<std::uint32_t> last_sequence_;
+  std::uint64_t lost_ = 0, ahead_ = 0;
+};
+
+}  // namespace kaz::host

@@ -1,0 +1,50 @@
+// Messages of what can go wrong while flashing.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/flash/diagnostic.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace kaz::host {
+
+std::string text_of(const Diagnostic& trouble) {
+  std::string text = trouble.what;
+  if (!trouble.expected.empty()) text += "\n  expected: " + trouble.expected;
+  if (!trouble.came.empty()) text += "\n  came:     " + trouble.came;
+  if (!trouble.causes.empty()) text += "\n  likely causes, in this order:";
+  int number = 0;
+  for (const std::string& cause : trouble.causes)
+    text += "\n    " + std::to_string(++number) + ". " + cause;
+  if (!trouble.next.empty()) text += "\n  next: " + trouble.next;
+  return text;
+}
+
+tl::unexpected<Error> fail(Fault fault, const Diagnostic& trouble) {
+  return kaz::fail(fault, text_of(trouble));
+}
+
+std::string hex_of(const std::vector<std::uint8_t>& bytes) {
+  if (bytes.empty()) return "nothing";
+  std::string text;
+  for (std::size_t k = 0; k < std::min<std::size_t>(bytes.size(), 16); ++k) {
+    char digits[4];
+    std::snprintf(digits, sizeof digits, "%02x", bytes[k]);
+    if (k > 0) text += ' ';
+    text += digits;
+  }
+  return text + (bytes.size() > 16 ? " …" : "");
+}
+
+std::string hex_address(std::uint32_t address) {
+  char text[16];
+  std::snprintf(text, sizeof text, "0x%06x", address);
+  return text;
+}
+
+std::string hex_word(std::uint16_t word) {
+  char text[8];
+  std::snprintf(text, sizeof text, "%04x", word);
+  return text;
+}
+
+}  // namespace kaz::host

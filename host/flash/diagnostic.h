@@ -1,0 +1,31 @@
+// Messages of what can go wrong while flashing: what was expected, what came, why, what to do next.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::host {
+
+struct Trouble {
+  std::string what;                 // "the board did not answer in boot mode"
+  std::string expected;             // "H'00 in answer to H'00 at 9600 baud"
+  std::string came;                 // "nothing in 2.0 s"
+  std::vector<std::string> causes;  // the likeliest first
+  std::string next;                 // a command, or what to do
+};
+
+// Several lines, without a newline at the end.
+std::string text_of(const Diagnostic& trouble);
+tl::unexpected<Error> fail(Fault fault, const Diagnostic& trouble);
+
+// "4b 80 00" of at most 16 bytes, "nothing" of none.
+std::string hex_of(const std::vector<std::uint8_t>& bytes);
+// "0x0011e0"
+std::string hex_address(std::uint32_t address);
+// "6ef7"
+std::string hex_word(std::uint16_t word);
+
+}  // namespace kaz::host

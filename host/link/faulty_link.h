@@ -1,0 +1,58 @@
+// A link whose line is faulty: the faults of docs/faults.md on any port, real ones too.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Only faults of the line; times count from the making of the link. Framing errors cannot be made
+// from here:
+// a byte sampled at a wrong speed passes with its wrong value. Bytes that are late for the board
+// leave when
+// the link is next written to or read from.
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "host/link/link.h"
+#include "shared/faults/link_faults.h"
+
+namespace kaz::host {
+
+class FaultyLink final : public Link {
+ public:
+  // `link` and `clock` must outlive it.
+  FaultyLink(Link& link, Clock& clock, faults::Schedule schedule, std::uint64_t seed);
+
+  std::string name() const override { return link_.name(); }
+  Time byte_time() const override { return link_.byte_time(); }
+  Result<void> set_baud(int baud) override { return link_.set_baud(baud); }
+  Result<void> write(std::span<const std::uint8_t> bytes) override;
+  Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
+
+  Result<void> reopen() override {
+    for_board_.clear();
+    for_host_.clear();
+    return link_.reopen();
+  }
+
+  // A fault that begins now, or at its time from the making of the link.
+  void add(const faults::Fault& fault) { schedule_.add(fault); }
+  Time age() const { return clock_.now() - start_; }
+
+ private:
+  struct Late {
+    Time due;
+    std::uint8_t value;
+  };
+
+  void pass(faults::LinkFaults& faults, std::uint8_t value, std::deque<Late>& to);
+  Result<void> flush();
+  std::size_t take(std::span<std::uint8_t> bytes);
+
+  Link& link_;
+  Clock& clock_;
+  faults::Schedule schedule_;
+  Time start_;
+  faults::LinkFaults to_board_, to_host_;
+  std::deque<Late> for_board_, for_host_;
+};
+
+}  // namespace kaz::host

@@ -1,0 +1,78 @@
+// A scene of rectangles as the map gets it: depth from the rays, the floor as one segment.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "host/map/local_map.h"
+#include "vision/depth/stereo_testing.h"
+
+namespace kaz::map {
+
+inline constexpr double kTestHeight_m = 0.27;  // of the eye
+
+// Eye above the origin, `pan` to the left and `tilt` down of straight ahead.
+inline Eigen::Isometry3d test_eye(double pan_rad, double tilt_rad) {
+  Eigen::Isometry3d eye = Eigen::Isometry3d::Identity();
+  eye.translation().z() = kTestHeight_m;
+  Eigen::Matrix3d axes;  // right, down and ahead of an eye that looks along x
+  axes << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  eye.linear() = Eigen::AngleAxisd(pan_rad, Eigen::Vector3d::UnitZ()) *
+                 Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitY()) * axes;
+  return eye;
+}
+
+struct TestSight {
+  vision::PlaneSegments planes;
+  vision::DepthImage depth;
+};
+
+// Boxes on a floor, in the foot frame.
+struct TestYard {
+  struct Box {
+    Eigen::Vector3d middle, size;
+  };
+  std::vector<Box> boxes;
+  double floor_m = 6;  // side
+
+  // What is seen of it through `eye`, with noise of `sigma_px` of disparity.
+  TestSight seen(const Eigen::Isometry3d& eye, double sigma_px = 0, std::uint64_t number = 1,
+                 int width = 320) const {
+    using Eigen::Vector3d;
+    const Eigen::Isometry3d in = eye.inverse();
+    vision::TestStereoScene scene;
+    const auto add = [&](const Vector3d& middle, const Vector3d& along, const Vector3d& across) {
+      scene.add(in * middle, in.linear() * along, in.linear() * across);
+    };
+    add(Vector3d::Zero(), floor_m * Vector3d::UnitX(), floor_m * Vector3d::UnitY());
+    for (const Box& b : boxes) {
+      const Vector3d x = b.size.x() * Vector3d::UnitX(), y = b.size.y() * Vector3d::UnitY(),
+                     z = b.size.z() * Vector3d::UnitZ();
+      for (const double side : {-0.5, 0.5}) {
+        add(b.middle + side * x, y, z);
+        add(b.middle + side * y, x, z);
+        add(b.middle + side * z, x, y);
+      }
+    }
+    TestSight sight;
+    std::vector<int> patch;
+    sight.depth = scene.truth(vision::test_camera(width, width * 3 / 4), patch);
+    vision::FrameInfo& info = sight.depth.info;
+    info.sequence = number;
+    info.exposure = from_seconds(0.1 * static_cast<double>(number));
+    info.posture_known = true;
+    info.foot_from_eye = eye;
+    for (std::size_t k = 0; k < patch.size(); ++k) {
+      float& d = sight.depth.disparity_px[k];
+      if (d > 0) d += static_cast<float>(sigma_px * keyed_normal(77, number, k));
+      sight.planes.label.push_back(patch[k] == 0 ? 1 : 0);
+    }
+    sight.planes.info = info;
+    sight.planes.width = sight.depth.width;
+    sight.planes.height = sight.depth.height;
+    vision::PlaneSegment& floor = sight.planes.segments.emplace_back();
+    floor.floor = true;
+    floor.middle = in * Vector3d(0.5, 0, 0);
+    return sight;
+  }
+};
+
+}  // namespace kaz::map

@@ -1,0 +1,41 @@
+// The virtual robot in its crouch looks around, and slow vision makes a map of it, twice.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The paper's figure 7: a picture's result comes when the head has long turned on. Once it is put
+// where the eyes were (frame information), once where they are when it comes.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/map/local_map.h"
+#include "shared/base/result.hpp"
+#include "tests/studies/figure7/yard.h"
+
+namespace kaz::figure7 {
+
+struct Options {
+  std::string world, robot_folder, image_path;  // yard.sdf; of kaz.urdf; the board's firmware
+  int eye_width = 320;
+  std::uint64_t seed = 1;
+  double pan_deg = 50;  // to each side
+  double speed_deg_per_s = 60;
+  std::vector<double> tilts_deg = {35, 20};     // one sweep each, from side to side
+  Time delay = std::chrono::milliseconds(300);  // of vision, after a pair's arrival
+  map::LocalMapOptions map = {};
+};
+
+struct Sweep {
+  map::LocalMap with, without;  // frame information
+  std::vector<EdgePoint> edges;
+  std::vector<Box> boxes;  // in the map's frame
+  int pictures = 0, without_floor = 0;
+  double fastest_rad_per_s = 0;  // of the head between two exposures
+  vision::Image eye;             // of the last picture in the middle: left, rectified
+};
+
+// Errors: files; the board stopped or refused; vision failed.
+Result<Sweep> sweep(const Options& options);
+
+}  // namespace kaz::figure7

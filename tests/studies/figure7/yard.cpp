@@ -1,0 +1,141 @@
+// Where the floor's edges really are, and how far from there a map has them.
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/studies/figure7/yard.h"
+
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace kaz::figure7 {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Isometry3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kStep_m = 0.005, kBefore_m = 0.06;
+
+// The lower rim of a box, one side after the other; outward is to the right of the way.
+std::vector<Vector3d> rim(const Box& box) {
+  const Vector3d h = 0.5 * box.size;
+  std::vector<Vector3d> corners;
+  for (const auto& [x, y] : {std::pair{-1, -1}, {-1, 1}, {1, 1}, {1, -1}})
+    corners.push_back(box.pose * Vector3d(x * h.x(), y * h.y(), -h.z()));
+  return corners;
+}
+
+// Whether a box is on the way from `from` to `to`, the last millimetre left out.
+bool hidden(const Box& box, const Vector3d& from, const Vector3d& to) {
+  const Vector3d start = box.pose.inverse() * from;
+  const Vector3d way = box.pose.inverse() * to - start;
+  const Eigen::Array3d one = (-0.5 * box.size - start).array() / way.array();
+  const Eigen::Array3d two = (0.5 * box.size - start).array() / way.array();
+  const double enter = one.min(two).maxCoeff(), leave = one.max(two).minCoeff();
+  return enter < leave && leave > 0 && enter < 1 - 0.001 / way.norm();
+}
+
+}  // namespace
+
+Result<std::vector<Box>> boxes_of(const std::string& sdf) {
+  tinyxml2::XMLDocument file;
+  const auto* root =
+      file.LoadFile(sdf.c_str()) == tinyxml2::XML_SUCCESS ? file.FirstChildElement("sdf") : nullptr;
+  const auto* world = root != nullptr ? root->FirstChildElement("world") : nullptr;
+  if (world == nullptr) return fail(Fault::usage, sdf + ": no world can be read from it");
+  std::vector<Box> boxes;
+  for (const auto* model = world->FirstChildElement("model"); model != nullptr;
+       model = model->NextSiblingElement("model")) {
+    const auto* pose = model->FirstChildElement("pose");
+    const tinyxml2::XMLElement* at = model->FirstChildElement("link");
+    for (const char* name : {"visual", "geometry", "box", "size"})
+      at = at != nullptr ? at->FirstChildElement(name) : nullptr;
+    if (pose == nullptr || at == nullptr) continue;
+    double x = 0, y = 0, z = 0, roll = 0, pitch = 0, yaw = 0;
+    std::istringstream(pose->GetText()) >> x >> y >> z >> roll >> pitch >> yaw;
+    Box box;
+    box.pose = Eigen::Translation3d(x, y, z) * AngleAxisd(yaw, Vector3d::UnitZ());
+    std::istringstream(at->GetText()) >> box.size.x() >> box.size.y() >> box.size.z();
+    boxes.push_back(box);
+  }
+  if (boxes.empty()) return fail(Fault::usage, sdf + ": there is no box in it");
+  return boxes;
+}
+
+std::vector<EdgePoint> edge_points(const std::vector<Box>& boxes,
+                                   const Isometry3d& foot_from_world) {
+  std::vector<EdgePoint> points;
+  for (const Box& box : boxes) {
+    const std::vector<Vector3d> corners = rim(box);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vector2d a = (foot_from_world * corners[k]).head<2>();
+      const Vector2d b = (foot_from_world * corners[(k + 1) % 4]).head<2>();
+      const double length = (b - a).norm();
+      const Vector2d along = (b - a) / length, outward(-along.y(), along.x());
+      for (double s = kStep_m; s < length - 0.5 * kStep_m; s += kStep_m)
+        points.push_back({a + s * along, outward, 0});
+    }
+  }
+  return points;
+}
+
+void look(const vision::CameraModel& camera, const Isometry3d& from_eye,
+          const std::vector<Box>& boxes, std::vector<EdgePoint>& points) {
+  constexpr double kMargin_px = 10;
+  const Vector3d left = from_eye.translation();
+  const Vector3d right = from_eye * Vector3d(camera.baseline_m, 0, 0);
+  const Isometry3d eye_from = from_eye.inverse();
+  for (EdgePoint& point : points) {
+    const Vector3d place(point.place.x(), point.place.y(), 0), p = eye_from * place;
+    if (p.z() < 0.05) continue;
+    const double u = camera.fx * p.x() / p.z() + camera.cx;
+    const double v = camera.fy * p.y() / p.z() + camera.cy;
+    const double d = camera.fx * camera.baseline_m / p.z();
+    if (u - d < kMargin_px || v < kMargin_px || u > camera.width - kMargin_px ||
+        v > camera.height - kMargin_px)
+      continue;
+    bool free = true;
+    for (const Box& box : boxes)
+      free = free && !hidden(box, left, place) && !hidden(box, right, place);
+    point.seen += free ? 1 : 0;
+  }
+}
+
+std::vector<EdgeError> edge_errors(const map::LocalMap& map, const std::vector<EdgePoint>& points,
+                                   double near_m, double far_m) {
+  std::vector<EdgeError> errors;
+  for (const EdgePoint& point : points) {
+    const double distance = point.place.norm();
+    if (distance < near_m || distance > far_m || point.seen < kSeenOften) continue;
+    double before = kBefore_m;
+    for (; before > -kBefore_m; before -= 0.001) {
+      const Vector2d at = point.place + before * point.outward;
+      if (map.at(at.x(), at.y()).state != map::CellState::floor) break;
+    }
+    errors.push_back({point, before});
+  }
+  return errors;
+}
+
+EdgeScore score(const std::vector<EdgeError>& errors) {
+  if (errors.empty()) return {};
+  EdgeScore score{static_cast<int>(errors.size())};
+  std::vector<double> sizes;
+  for (const EdgeError& e : errors) {
+    score.mean_m += e.error_m / static_cast<double>(errors.size());
+    sizes.push_back(std::abs(e.error_m));
+  }
+  std::sort(sizes.begin(), sizes.end());
+  const auto at = [&](double share) {
+    return sizes[static_cast<std::size_t>(std::ceil(share * static_cast<double>(sizes.size()))) -
+                 1];
+  };
+  score.middle_m = at(0.5);
+  score.p95_m = at(0.95);
+  score.max_m = sizes.back();
+  return score;
+}
+
+}  // namespace kaz::figure7

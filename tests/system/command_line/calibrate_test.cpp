@@ -1,0 +1,250 @@
+// `kaz calibrate stereo` on real photographs: the chessboard pairs that come with OpenCV.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/system/command_line/process.h"
+#include "vision/calibration/calibration_file.h"
+#include "vision/calibration/rectify.h"
+#include "vision/calibration/stereo_calibration.h"
+#include "vision/image/picture_file.h"
+
+namespace kaz::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const std::string kPictures = KAZ_OPENCV_PICTURES;
+
+Finished calibrate(const std::string& folder, const std::string& out,
+                   const std::vector<std::string>& more = {}, const std::string& board = "9x6") {
+  std::vector<std::string> arguments{"calibrate", "stereo",
+                                     "--left",    folder + "/left[0-9]*.jpg",
+                                     "--right",   folder + "/right[0-9]*.jpg",
+                                     "--board",   board,
+                                     "--square",  "0.025",
+                                     "--out",     out};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return run(kaz(arguments));
+}
+
+// Some of the pairs in a folder of their own, to be spoilt.
+void copy_pairs(const std::string& to, const std::vector<std::string>& numbers) {
+  for (const auto& number : numbers) {
+    for (const std::string side : {"left", "right"})
+      fs::copy_file(kPictures + "/" + side + number + ".jpg", to + "/" + side + number + ".jpg");
+  }
+}
+
+std::string last_line(const std::string& text) {
+  const auto end = text.find_last_not_of('\n');
+  if (end == std::string::npos) return "";
+  const auto begin = text.rfind('\n', end);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - (begin + 1) + 1);
+}
+
+// The exit code, one last sentence with all words in it, no calibration written.
+void expect_refusal(const Finished& finished, int exit_code, const std::string& out,
+                    const std::vector<std::string>& words) {
+  EXPECT_EQ(finished.exit_code, exit_code) << finished.err;
+  const std::string said = last_line(finished.err);
+  EXPECT_EQ(said.rfind("kaz calibrate stereo: ", 0), 0u) << finished.err;
+  for (const auto& word : words)
+    EXPECT_NE(said.find(word), std::string::npos) << word << ": " << said;
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST(Calibrate, PhotographsOfAChessboardToUnderHalfAPixel) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "stereo.yml";
+  const Finished finished = calibrate(kPictures, out, {"--json"});
+  ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_TRUE(finished.err.empty()) << finished.err;
+  const json report = json::parse(finished.out);
+  std::printf("pairs %d of %d; reprojection px rms: left %.3f, right %.3f, both %.3f; rows %.3f\n",
+              report["pairs_used"].get<int>(), report["pairs"].get<int>(),
+              report["left"]["rms_px"].get<double>(), report["right"]["rms_px"].get<double>(),
+              report["rms_px"].get<double>(), report["row_rms_px"].get<double>());
+  EXPECT_GE(report["pairs_used"].get<int>(), 13);
+  EXPECT_LT(report["left"]["rms_px"], 0.5);
+  EXPECT_LT(report["right"]["rms_px"], 0.5);
+  EXPECT_LT(report["rms_px"], 0.5);
+  EXPECT_LT(report["row_rms_px"], 0.5);
+  // OpenCV's own calibration of the left eye stands beside the pictures: 535.9 px, with an outlier
+  // of 1.2 px in it, which moves the focal length by some tenths of a per cent.
+  EXPECT_NEAR(report["left"]["fx_px"].get<double>(), 535.9, 0.01 * 535.9);
+  EXPECT_TRUE(fs::exists(folder / "stereo.coverage.png"));
+  const auto coverage = vision::read_picture(folder / "stereo.coverage.png");
+  ASSERT_TRUE(coverage) << coverage.error().message;
+
+  // The file serves: corners of both eyes come to lie on the same rows of rectified pictures, found
+  // anew in them.
+  const auto calibration = vision::read_calibration(out);
+  ASSERT_TRUE(calibration) << calibration.error().message;
+  const vision::Rectifier rectifier(*calibration);
+  double sum = 0;
+  int corners = 0;
+  for (const std::string number : {"01", "03", "07", "12"}) {
+    const auto left = vision::read_picture(kPictures + "/left" + number + ".jpg");
+    const auto right = vision::read_picture(kPictures + "/right" + number + ".jpg");
+    ASSERT_TRUE(left && right);
+    vision::StereoImages rectified;
+    rectifier.rectify({*left, *right}, rectified);
+    const auto a = vision::find_board(rectified.left, {9, 6, 0.025});
+    auto b = vision::find_board(rectified.right, {9, 6, 0.025});
+    if (a.empty() || b.empty()) continue;  // the board reaches beyond the rectified picture
+    if ((a.back() - a.front()).dot(b.back() - b.front()) < 0) std::reverse(b.begin(), b.end());
+    for (std::size_t i = 0; i < a.size(); ++i, ++corners) {
+      sum += (a[i].y() - b[i].y()) * (a[i].y() - b[i].y());
+      EXPECT_GT(a[i].x(), b[i].x()) << "disparity, picture " << number;
+    }
+  }
+  ASSERT_GE(corners, 2 * 54);
+  std::printf("rows in rectified pictures: %.3f px rms\n", std::sqrt(sum / corners));
+  EXPECT_LT(std::sqrt(sum / corners), 0.5);
+}
+
+// What was calibrated from photographs gives depth in them: the board is a plane of known size.
+TEST(Calibrate, TheBoardIsAPlaneInTheDepthOfItsPhotographs) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(calibrate(kPictures, folder / "stereo.yml", {"--json"}).exit_code, 0);
+  copy_pairs(folder.path(), {"01"});
+  const Finished seen = run(
+      kaz({"vision", "run", "--left", folder / "left01.jpg", "--right", folder / "right01.jpg",
+           "--calibration", folder / "stereo.yml", "--modules", "color,depth,planes", "--nearest",
+           "0.3", "--export", "depth,points", "--out", folder / "found", "--json"}));
+  ASSERT_EQ(seen.exit_code, 0) << seen.err;
+  const json pair = json::parse(seen.out)["frames"][0];
+  EXPECT_FALSE(pair["ball"]["found"].get<bool>());  // grey pictures
+  EXPECT_GT(pair["depth"]["known"].get<double>(), 0.1);
+  ASSERT_FALSE(pair["planes"].empty());
+
+  // The plane through the corners, by where both eyes see them in rectified pictures.
+  const auto calibration = vision::read_calibration(folder / "stereo.yml");
+  ASSERT_TRUE(calibration);
+  vision::StereoImages rectified;
+  vision::Rectifier(*calibration)
+      .rectify({*vision::read_picture(folder / "left01.jpg"),
+                *vision::read_picture(folder / "right01.jpg")},
+               rectified);
+  const auto a = vision::find_board(rectified.left, {9, 6, 0.025});
+  auto b = vision::find_board(rectified.right, {9, 6, 0.025});
+  ASSERT_EQ(a.size(), 54u);
+  ASSERT_EQ(b.size(), 54u);
+  if ((a.back() - a.front()).dot(b.back() - b.front()) < 0) std::reverse(b.begin(), b.end());
+  const vision::CameraModel& c = calibration->rectified;
+  std::vector<Eigen::Vector3d> points;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double z = c.fx * c.baseline_m / (a[i].x() - b[i].x());
+    points.emplace_back((a[i].x() - c.cx) * z / c.fx, (a[i].y() - c.cy) * z / c.fy, z);
+  }
+  // A ruler: 8 squares along a row. 1 % is 0.5 px of 50 over the board, far more than corners err.
+  EXPECT_NEAR((points[8] - points[0]).norm(), 8 * 0.025, 0.01 * 8 * 0.025);
+  // That of the segments which holds the board's middle.
+  const Eigen::Vector3d middle = points[22];
+  const json* board = nullptr;
+  for (const json& plane : pair["planes"]) {
+    const auto& box = plane["box_px"];
+    if (box[0] < a[22].x() && a[22].x() < box[2] && box[1] < a[22].y() && a[22].y() < box[3] &&
+        (board == nullptr || plane["pixels"] > (*board)["pixels"]))
+      board = &plane;
+  }
+  ASSERT_NE(board, nullptr) << pair["planes"].dump();
+  const Eigen::Vector3d normal((*board)["normal"][0], (*board)["normal"][1], (*board)["normal"][2]);
+  const double off = normal.dot(middle) + (*board)["distance_m"].get<double>();
+  const double one_px_m = middle.z() * middle.z() / (c.fx * c.baseline_m);
+  std::printf("board at %.3f m: plane %.4f m off, %.2f px of disparity\n", middle.z(), off,
+              off / one_px_m);
+  EXPECT_LT(std::abs(off), 0.6 * one_px_m);
+  EXPECT_TRUE(fs::exists(folder / "found/left01.jpg.vision.png"));
+  EXPECT_TRUE(fs::exists(folder / "found/left01.jpg.depth.png"));
+  EXPECT_GT(fs::file_size(folder / "found/left01.jpg.points.ply"),
+            15 * pair["depth"]["known"].get<double>() * 640 * 480);
+
+  // The cameras the wrong way round.
+  copy_pairs(folder.path(), {"02"});
+  const Finished wrong = run(kaz({"vision", "run", "--left", folder / "right02.jpg", "--right",
+                                  folder / "left02.jpg", "--calibration", folder / "stereo.yml",
+                                  "--modules", "depth", "--out", folder / "wrong"}));
+  EXPECT_NE(wrong.out.find("left and right look exchanged"), std::string::npos) << wrong.out;
+}
+
+TEST(Calibrate, NamesAndLeavesOutWhatShowsNoBoard) {
+  const TemporaryFolder folder;
+  copy_pairs(folder.path(), {"01", "03", "04", "05", "06", "07", "08"});
+  const std::string whole = read_file(folder / "left05.jpg");
+  write_file(folder / "left05.jpg", whole.substr(0, whole.size() / 2));
+  fs::copy_file(kPictures + "/aloeL.jpg", folder / "unused.jpg");
+  const vision::Image grey{640, 480, std::vector<std::uint8_t>(640 * 480 * 3, 128)};
+  write_file(folder / "right07.jpg",
+             "P6\n640 480\n255\n" + std::string(grey.rgb.begin(), grey.rgb.end()));
+  const Finished finished = calibrate(folder.path(), folder / "stereo.json");
+  ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_NE(finished.out.find("left out: left05.jpg: is no sound JPEG"), std::string::npos)
+      << finished.out;
+  EXPECT_NE(finished.out.find("left out: right07.jpg: the whole board is not in sight"),
+            std::string::npos)
+      << finished.out;
+  EXPECT_NE(finished.out.find("5 of 7 pairs"), std::string::npos) << finished.out;
+  EXPECT_NE(finished.err.find("100 %"), std::string::npos) << finished.err;  // progress
+  EXPECT_TRUE(vision::read_calibration(folder / "stereo.json"));
+}
+
+TEST(Calibrate, RefusesWhatGivesNoCalibration) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "stereo.yml";
+  expect_refusal(calibrate(folder.path(), out), 2, out, {"left[0-9]*.jpg", "no picture"});
+  copy_pairs(folder.path(), {"01"});
+  expect_refusal(calibrate(folder.path(), out), 1, out, {"1 of 1 pairs", "5 are needed"});
+  copy_pairs(folder.path(), {"03"});
+  // A board of another size.
+  expect_refusal(calibrate(folder.path(), out, {}, "8x7"), 1, out,
+                 {"0 of 2 pairs", "left01.jpg", "8x7"});
+  // One eye has a picture more.
+  fs::remove(folder / "right03.jpg");
+  expect_refusal(calibrate(folder.path(), out), 2, out,
+                 {"left03.jpg", "no partner", "2 left, 1 right"});
+  // One is of another size.
+  fs::copy_file(kPictures + "/aloeR.jpg", folder / "right03.jpg");
+  expect_refusal(calibrate(folder.path(), out), 2, out, {"right03.jpg", "640 x 480", "one size"});
+}
+
+TEST(Calibrate, RefusesPairsThatDoNotBelongTogether) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "stereo.yml";
+  const std::vector<std::string> numbers{"01", "03", "04", "05", "06", "07", "08"};
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    fs::copy_file(kPictures + "/left" + numbers[i] + ".jpg",
+                  folder / ("left" + numbers[i] + ".jpg"));
+    fs::copy_file(kPictures + "/right" + numbers[(i + 1) % numbers.size()] + ".jpg",
+                  folder / ("right" + numbers[i] + ".jpg"));
+  }
+  const Finished finished = calibrate(folder.path(), out);
+  EXPECT_EQ(finished.exit_code, 1) << finished.out << finished.err;
+  EXPECT_FALSE(fs::exists(out));
+  // Left and right exchanged.
+  const Finished exchanged =
+      run(kaz({"calibrate", "stereo", "--left", kPictures + "/right0*.jpg", "--right",
+               kPictures + "/left0*.jpg", "--board", "9x6", "--square", "0.025", "--out", out}));
+  expect_refusal(exchanged, 1, out, {"exchanged"});
+}
+
+TEST(Calibrate, WrongWordsGetOneSentence) {
+  const TemporaryFolder folder;
+  expect_refusal(calibrate(kPictures, folder / "a.yml", {}, "9by6"), 2, folder / "a.yml",
+                 {"9by6", "9x6"});
+  expect_refusal(calibrate(kPictures, folder / "a.txt"), 2, folder / "a.txt", {".yml"});
+  expect_refusal(calibrate(kPictures, folder / "no/a.yml"), 2, folder / "no/a.yml", {"no folder"});
+  const Finished help = run(kaz({"calibrate", "stereo", "--help"}));
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_NE(help.out.find("Examples:"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kaz::test

@@ -1,0 +1,233 @@
+// The command line's manners: each mistake gets one sentence, the exit status of the table, and
+// leaves nothing behind.
+// SPDX-License-Identifier: Apache-2.0
+#include <pty.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <filesystem>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "tests/system/command_line/process.h"
+
+namespace kaz::test {
+namespace {
+
+using ::testing::AssertionFailure;
+using ::testing::AssertionResult;
+using ::testing::AssertionSuccess;
+
+// One sentence on standard error that names each of `words`, nothing on standard output.
+AssertionResult one_sentence(const Finished& finished, int exit_code,
+                             const std::vector<std::string>& words) {
+  if (finished.exit_code != exit_code) {
+    return AssertionFailure() << "exit " << finished.exit_code << ", not " << exit_code << ": "
+                              << finished.err;
+  }
+  if (std::count(finished.err.begin(), finished.err.end(), '\n') != 1) {
+    return AssertionFailure() << "not one line: " << finished.err;
+  }
+  for (const auto& word : words) {
+    if (finished.err.find(word) == std::string::npos) {
+      return AssertionFailure() << "'" << word << "' is not named in: " << finished.err;
+    }
+  }
+  if (!finished.out.empty()) return AssertionFailure() << "on standard output: " << finished.out;
+  return AssertionSuccess();
+}
+
+TEST(Cli, HelpHasExamplesAndSucceeds) {
+  for (const auto& verb : std::vector<std::vector<std::string>>{
+           {}, {"demo"}, {"run"}, {"sim"}, {"mcu", "run"}, {"mcu", "compare"}}) {
+    auto arguments = verb;
+    arguments.push_back("--help");
+    const Finished finished = run(kaz(arguments));
+    EXPECT_EQ(finished.exit_code, 0);
+    EXPECT_NE(finished.out.find("Examples:"), std::string::npos) << finished.out;
+    EXPECT_TRUE(finished.err.empty()) << finished.err;
+  }
+}
+
+TEST(Cli, BashCompletesVerbsAndOptions) {
+  // In bash itself: the words after "kaz", the last of them to be completed.
+  const auto completed = [](const std::string& words, int last) {
+    const std::string script =
+        "source <(" + kaz({}).front() + " completion bash); COMP_WORDS=(kaz " + words +
+        "); COMP_CWORD=" + std::to_string(last) + "; _kaz; echo \"${COMPREPLY[@]}\"";
+    return run({"/bin/bash", "-c", script}).out;
+  };
+  EXPECT_EQ(completed("mcu comp", 2), "compare\n");
+  EXPECT_EQ(completed("mcu compare --tic", 3), "--ticks\n");
+  EXPECT_EQ(completed("run track-ball --cam", 3), "--camera\n");
+}
+
+TEST(Cli, ManualPagesAreMadeOfTheHelp) {
+  const Finished page = run(kaz({"man", "mcu", "compare"}));
+  EXPECT_EQ(page.exit_code, 0) << page.err;
+  EXPECT_EQ(page.out.rfind(".TH KAZ-MCU-COMPARE 1", 0), 0u) << page.out;
+  EXPECT_NE(page.out.find("\\-\\-ticks"), std::string::npos) << page.out;
+  EXPECT_TRUE(one_sentence(run(kaz({"man", "walk"})), 2, {"no verb `walk`"}));
+}
+
+TEST(Cli, VersionSucceeds) {
+  const Finished finished = run(kaz({"--version"}));
+  EXPECT_EQ(finished.exit_code, 0);
+  EXPECT_EQ(finished.out.rfind("kaz ", 0), 0u) << finished.out;
+}
+
+TEST(Cli, WrongOption) {
+  EXPECT_TRUE(one_sentence(run(kaz({"demo", "--sed", "7"})), 2, {"--sed", "kaz demo --help"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"demo", "--seed", "many"})), 2, {"--seed", "many"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"dance"})), 2, {"dance", "kaz --help"}));
+  EXPECT_TRUE(one_sentence(run(kaz({})), 2, {"kaz --help"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"run", "fly"})), 2, {"fly", "track-ball"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"demo", "--mcu", "z80"})), 2, {"z80", "h8", "native"}));
+  EXPECT_TRUE(
+      one_sentence(run(kaz({"run", "track-ball", "--robot", "usb:1"})), 2, {"usb:1", "serial:"}));
+}
+
+TEST(Cli, MissingPort) {
+  const TemporaryFolder folder;
+  const Finished finished = run(kaz({"run", "track-ball", "--robot", "serial:" + (folder / "none"),
+                                     "--camera", folder / "eyes", "--out", folder / "out"}));
+  EXPECT_TRUE(one_sentence(finished, 3, {folder / "none"}));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+// The other end of a serial port, answering with whatever the test likes.
+class FakePort {
+ public:
+  explicit FakePort(std::string answer) : answer_(std::move(answer)) {
+    std::array<char, 128> name{};
+    EXPECT_EQ(openpty(&master_, &slave_, name.data(), nullptr, nullptr), 0);
+    path_ = name.data();
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~FakePort() {
+    stop_ = true;
+    thread_.join();
+    close(master_);
+    close(slave_);
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  void serve() {
+    std::array<char, 256> buffer{};
+    while (!stop_) {
+      fd_set readable;
+      FD_ZERO(&readable);
+      FD_SET(master_, &readable);
+      timeval patience{0, 20000};
+      if (select(master_ + 1, &readable, nullptr, nullptr, &patience) <= 0) continue;
+      if (read(master_, buffer.data(), buffer.size()) > 0 && !answer_.empty()) {
+        if (write(master_, answer_.data(), answer_.size()) < 0) return;
+      }
+    }
+  }
+  std::string answer_, path_;
+  int master_ = -1, slave_ = -1;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+TEST(Cli, PortWithNothingBehindIt) {
+  const TemporaryFolder folder;
+  const FakePort port("");
+  const Finished finished = run(kaz({"run", "track-ball", "--robot", "serial:" + port.path(),
+                                     "--camera", folder / "eyes", "--out", folder / "out"}));
+  EXPECT_TRUE(one_sentence(finished, 3, {port.path()}));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+TEST(Cli, PortThatIsNoKazBoard) {
+  const TemporaryFolder folder;
+  const FakePort port("login: ");
+  const Finished finished = run(kaz({"run", "track-ball", "--robot", "serial:" + port.path(),
+                                     "--camera", folder / "eyes", "--out", folder / "out"}));
+  // 6c 6f 67: what came, in hex.
+  EXPECT_TRUE(one_sentence(finished, 3, {port.path(), "no Kaz board", "6c 6f 67"}));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+TEST(Cli, CorruptImage) {
+  const TemporaryFolder folder;
+  // S1, 5 bytes: address 1000, data 12 34, checksum should be a4.
+  write_file(folder / "bad.mot", "S1051000123400\nS9031000EC\n");
+  for (const auto& arguments : {kaz({"mcu", "run", folder / "bad.mot"}),
+                                kaz({"mcu", "compare", "--image", folder / "bad.mot"})}) {
+    EXPECT_TRUE(one_sentence(run(arguments), 2, {folder / "bad.mot", "1", "checksum"}));
+  }
+  EXPECT_TRUE(one_sentence(run(kaz({"mcu", "run", folder / "none.mot"})), 2, {"none.mot"}));
+}
+
+// Of another robot, which has no eyes: what needs none runs, what does says so before anything moves.
+TEST(Cli, RobotWithoutEyes) {
+  const auto with_arm = [](const std::string& behavior) {
+    return run(
+        kaz({"run", behavior, "--robot-file", "sim/robots/arm/arm.urdf", "--mcu", "native"}));
+  };
+  const Finished stands = with_arm("stand");
+  EXPECT_EQ(stands.exit_code, 0) << stands.err;
+  EXPECT_NE(stands.out.find("the robot stands"), std::string::npos) << stands.out;
+  // By the joint's own name, and no posture of Kaz.
+  EXPECT_NE(stands.out.find(" is farthest"), std::string::npos) << stands.out;
+  EXPECT_EQ(stands.out.find("neck"), std::string::npos) << stands.out;
+  EXPECT_TRUE(one_sentence(with_arm("track-ball"), 2, {"no eyes", "left_eye", "right_eye"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"run", "stand", "--set", "posture=home", "--robot-file",
+                                    "sim/robots/arm/arm.urdf", "--mcu", "native"})),
+                           2, {"home", "Kaz", "shoulder", "posture=keep"}));
+}
+
+// What its channel of the servo board would never let it reach.
+TEST(Cli, LimitsBeyondTheChannel) {
+  const TemporaryFolder folder;
+  for (const char* name : {"motor.xml", "sensors.xml"})
+    write_file(folder / name, read_file(std::string("sim/robots/arm/") + name));
+  std::string arm = read_file("sim/robots/arm/arm.urdf");
+  arm.replace(arm.find("upper=\"1.5\""), 11, "upper=\"1.9\"");
+  write_file(folder / "arm.urdf", arm);
+  EXPECT_TRUE(one_sentence(run(kaz({"run", "stand", "--robot-file", folder / "arm.urdf"})), 2,
+                           {folder / "arm.urdf", "`turn`", "1.900", "1.571", "channel 0"}));
+}
+
+TEST(Cli, DurationThatIsNone) {
+  const TemporaryFolder folder;
+  for (const char* wrong : {"5s", "-1", "nan"})
+    EXPECT_TRUE(one_sentence(run(kaz({"demo", "--duration", wrong, "--out", folder / "out"})), 2,
+                             {"--duration", wrong, "seconds", "0.1"}));
+}
+
+TEST(Cli, PhysicsStepThatDoesNotFit) {
+  const TemporaryFolder folder;
+  EXPECT_TRUE(
+      one_sentence(run(kaz({"run", "stand", "--physics-step", "3", "--out", folder / "out"})), 2,
+                   {"3 ms", "give 0.125, 0.25, 0.5, 1, 2 or 4"}));
+}
+
+TEST(Cli, WorldWithTypingError) {
+  const TemporaryFolder folder;
+  write_file(folder / "bad.sdf",
+             "<?xml version='1.0'?>\n<sdf version='1.9'>\n  <world name='w'>\n"
+             "    <modle name='ball'/>\n  </world>\n</sdf>\n");
+  const Finished finished =
+      run(kaz({"demo", "--world", folder / "bad.sdf", "--out", folder / "out"}));
+  EXPECT_TRUE(one_sentence(finished, 2, {folder / "bad.sdf", "4", "modle"}));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+  EXPECT_TRUE(one_sentence(run(kaz({"demo", "--world", "moon"})), 2, {"moon", "ball"}));
+}
+
+TEST(Cli, PlaceForResultsInTheWay) {
+  const TemporaryFolder folder;
+  write_file(folder / "out", "a file");
+  const Finished finished = run(kaz({"demo", "--duration", "1", "--out", folder / "out"}));
+  EXPECT_TRUE(one_sentence(finished, 2, {folder / "out", "--out"}));
+  EXPECT_EQ(read_file(folder / "out"), "a file");
+}
+
+}  // namespace
+}  // namespace kaz::test

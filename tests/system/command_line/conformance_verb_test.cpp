@@ -1,0 +1,71 @@
+// `kaz conformance` as a user runs it: over a real pty, and its exit status.
+// SPDX-License-Identifier: Apache-2.0
+#include <csignal>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/system/command_line/process.h"
+
+namespace kaz::test {
+namespace {
+
+using nlohmann::json;
+using std::chrono::seconds;
+
+class Ptys : public ::testing::TestWithParam<const char*> {};
+
+// A case of each chapter; the whole suite takes two minutes in real time.
+TEST_P(Ptys, ABoardBehindAPtyConforms) {
+  const TemporaryFolder folder;
+  Process sim(kaz({"sim", "--mcu", GetParam(), "--serial", folder / "board"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30))) << sim.wait(seconds(0)).err;
+  const Finished finished =
+      run(kaz({"conformance", "--port", folder / "board", "--allow-motion", "--filter",
+               "^(frame.noise|frame.bad-check$|address.other-2$|request.repeated-not|reply|"
+               "identity.identify|motion.target-reached|limits.joint-0$|settings.gains-read|"
+               "safety.stop$|watchdog.hold$|calibration.set$|bench.reset$|safety.supply-low)",
+               "--json", folder / "report.json", "--junit", folder / "report.xml", "--html",
+               folder / "report.html"}),
+          seconds(90));
+  EXPECT_EQ(finished.exit_code, 0) << finished.out << finished.err;
+  const json report = json::parse(read_file(folder / "report.json"), nullptr, false);
+  ASSERT_TRUE(report.is_object());
+  EXPECT_EQ(report["failed"], 0) << finished.out;
+  EXPECT_GE(report["passed"], 25);
+  EXPECT_EQ(report["left_out"], 1);  // the one that needs a bench
+  EXPECT_EQ(report["port"], folder / "board");
+  EXPECT_NE(read_file(folder / "report.xml").find("<testsuite"), std::string::npos);
+  EXPECT_NE(read_file(folder / "report.html").find("conforms"), std::string::npos);
+  sim.signal(SIGINT);
+  EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, Ptys, ::testing::Values("h8", "native"));
+
+TEST(ConformanceVerb, ListsItsCases) {
+  const Finished listed = run(kaz({"conformance", "--list", "--filter", "SAFE-5"}));
+  EXPECT_EQ(listed.exit_code, 0);
+  EXPECT_NE(listed.out.find("watchdog.default"), std::string::npos);
+  EXPECT_EQ(listed.out.find("\nframe."), std::string::npos);
+}
+
+TEST(ConformanceVerb, WrongUsageIsTwoAndNoPortIsThree) {
+  EXPECT_EQ(run(kaz({"conformance"})).exit_code, 2);
+  EXPECT_EQ(run(kaz({"conformance", "--virtual", "z80"})).exit_code, 2);
+  EXPECT_EQ(run(kaz({"conformance", "--virtual", "native", "--filter", "("})).exit_code, 2);
+  EXPECT_EQ(run(kaz({"conformance", "--virtual", "native", "--port", "/dev/null"})).exit_code, 2);
+  EXPECT_EQ(run(kaz({"conformance", "--port", "/no/such/port"})).exit_code, 3);
+}
+
+TEST(ConformanceVerb, VirtualBoardsReportJsonOnStandardOutput) {
+  const Finished finished =
+      run(kaz({"conformance", "--virtual", "native", "--filter", "^frame", "--json", "-"}));
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  const json report = json::parse(finished.out, nullptr, false);
+  ASSERT_TRUE(report.is_object());
+  EXPECT_EQ(report["left_out"], 0);
+}
+
+}  // namespace
+}  // namespace kaz::test

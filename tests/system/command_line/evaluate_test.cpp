@@ -1,0 +1,148 @@
+// `kaz evaluate`: episodes that can be repeated, interrupted, shared out and joined.
+// SPDX-License-Identifier: Apache-2.0
+#include <csignal>
+#include <filesystem>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/system/command_line/process.h"
+
+namespace kaz::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// A quick one: the head alone, no firmware to emulate.
+Finished evaluate(std::vector<std::string> more) {
+  std::vector<std::string> all{"evaluate", "search-ball", "--mcu",     "native", "--eyes",
+                               "ideal",    "--set",       "seconds=8", "--json", "--bearing",
+                               "60",       "--seed",      "3"};
+  all.insert(all.end(), more.begin(), more.end());
+  return run(kaz(all));
+}
+
+std::vector<json> without_speed(const std::string& folder, int episodes) {
+  std::vector<json> all;
+  for (int i = 0; i < episodes; ++i) {
+    const std::string path = folder + "/episodes/00000" + std::to_string(i) + ".json";
+    if (!fs::exists(path)) continue;
+    all.push_back(json::parse(read_file(path)));
+    all.back().erase("rtf");
+  }
+  return all;
+}
+
+TEST(Evaluate, PartsJoinToTheWhole) {
+  const TemporaryFolder folder;
+  const Finished whole = evaluate({"--episodes", "4", "--jobs", "2", "--out", folder / "whole"});
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  const json result = json::parse(whole.out);
+  EXPECT_EQ(result, json::parse(read_file(folder / "whole/result.json")));
+  EXPECT_EQ(result["episodes"], 4);
+  const double rate = result["success_rate"].get<double>();
+  EXPECT_LE(result["interval"][0].get<double>(), rate);
+  EXPECT_GE(result["interval"][1].get<double>(), rate);
+  EXPECT_GT(result["interval"][1].get<double>() - result["interval"][0].get<double>(), 0.3);
+  const auto all = without_speed(folder / "whole", 4);
+  ASSERT_EQ(all.size(), 4u);
+  // Each thing that is to differ does.
+  for (const char* what : {"seed", "friction", "supply_volts", "ball_m", "start", "lamp", "shade",
+                           "lamp_azimuth_rad", "lamp_height_rad"}) {
+    ASSERT_TRUE(all[0]["scenario"].contains(what)) << what;
+    EXPECT_NE(all[0]["scenario"][what], all[1]["scenario"][what]) << what;
+  }
+  // A failure leaves its recording, a success does not.
+  for (int i = 0; i < 4; ++i) {
+    const bool success = all[static_cast<std::size_t>(i)]["success"].get<bool>();
+    const std::string kept = folder / ("whole/failures/00000" + std::to_string(i));
+    EXPECT_EQ(fs::exists(kept + "/recording.mcap"), !success) << i;
+  }
+
+  for (const char* part : {"1/2", "2/2"}) {
+    const Finished done = evaluate({"--episodes", "4", "--shard", part, "--out", folder / part});
+    ASSERT_EQ(done.exit_code, 0) << done.err;
+    EXPECT_EQ(json::parse(done.out)["episodes"], 2);
+  }
+  const Finished merged = run(kaz(
+      {"evaluate", "merge", folder / "1/2", folder / "2/2", "--out", folder / "merged", "--json"}));
+  ASSERT_EQ(merged.exit_code, 0) << merged.err;
+  EXPECT_EQ(without_speed(folder / "merged", 4), all);
+  EXPECT_EQ(json::parse(merged.out)["success_rate"], result["success_rate"]);
+
+  // More of the same go on, others do not mix in.
+  const Finished more = evaluate({"--episodes", "5", "--out", folder / "whole"});
+  ASSERT_EQ(more.exit_code, 0) << more.err;
+  EXPECT_EQ(json::parse(more.out)["episodes"], 5);
+  EXPECT_EQ(without_speed(folder / "whole", 4), all);
+  const Finished other = evaluate({"--friction", "0.3", "0.4", "--out", folder / "whole"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(other.err.find("another campaign"), std::string::npos) << other.err;
+  EXPECT_NE(other.err.find("friction"), std::string::npos) << other.err;
+  const Finished strange =
+      run(kaz({"evaluate", "merge", folder / "1/2", folder.path(), "--out", folder / "strange"}));
+  EXPECT_EQ(strange.exit_code, 2);
+  EXPECT_NE(strange.err.find("campaign.json"), std::string::npos) << strange.err;
+}
+
+TEST(Evaluate, GoesOnAfterAnInterruption) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> command =
+      kaz({"evaluate", "search-ball", "--mcu", "native", "--eyes", "ideal", "--set", "seconds=2",
+           "--episodes", "9", "--out", folder / "out"});
+  Process first(command);
+  ASSERT_TRUE(first.wait_for_output("succeeded", std::chrono::seconds(30)));
+  first.signal(SIGINT);
+  const Finished stopped = first.wait(std::chrono::seconds(10));
+  EXPECT_EQ(stopped.exit_code, 1) << stopped.err;
+  EXPECT_NE(stopped.err.find("goes on"), std::string::npos) << stopped.err;
+  const auto kept = without_speed(folder / "out", 9);
+  ASSERT_GE(kept.size(), 1u);
+  ASSERT_LT(kept.size(), 9u);
+  const Finished second = run(command);
+  EXPECT_NE(second.err.find("there already"), std::string::npos) << second.err;
+  const auto all = without_speed(folder / "out", 9);
+  ASSERT_EQ(all.size(), 9u);
+  EXPECT_TRUE(std::equal(kept.begin(), kept.end(), all.begin()));
+}
+
+// Two more processes and a pty. Whether it finds the ball in time is the machine's affair here: that
+// the behaviour ran to an end of its own is not.
+TEST(Evaluate, RunsInRealTimeToo) {
+  const TemporaryFolder folder;
+  const Finished finished =
+      evaluate({"--realtime", "--episodes", "1", "--colors", "green", "--out", folder / "live"});
+  EXPECT_LE(finished.exit_code, 1) << finished.err;
+  const auto all = without_speed(folder / "live", 1);
+  ASSERT_EQ(all.size(), 1u) << finished.err;
+  const std::string cause = all[0]["cause"];
+  EXPECT_TRUE(cause.empty() || cause == "not found") << all[0].dump(1);
+  EXPECT_TRUE(all[0]["simulator"].contains("lost_s")) << all[0];
+  EXPECT_GT(all[0]["seconds"].get<double>(), 0);
+  EXPECT_EQ(fs::exists(folder / "live/failures/000000/run.txt"), !cause.empty());
+}
+
+TEST(Evaluate, RefusesInOneSentence) {
+  const TemporaryFolder folder;
+  const auto refused = [&](std::vector<std::string> arguments, const std::string& word) {
+    arguments.insert(arguments.begin(), "evaluate");
+    const Finished finished = run(kaz(arguments));
+    EXPECT_EQ(finished.exit_code, 2) << finished.err;
+    EXPECT_NE(finished.err.find(word), std::string::npos) << finished.err;
+  };
+  refused({"--out", folder / "a"}, "which behaviour");
+  refused({"search-ball"}, "--out");
+  refused({"dance", "--out", folder / "a"}, "search-ball");
+  refused({"search-ball", "--set", "second=3", "--out", folder / "a"}, "seconds");
+  refused({"search-ball", "--shard", "3/2", "--out", folder / "a"}, "1/4");
+  refused({"search-ball", "--supply", "11", "9", "--out", folder / "a"}, "smaller");
+  refused({"search-ball", "--lamp", "2", "1", "--out", folder / "a"}, "smaller");
+  refused({"go-forward", "--realtime", "--out", folder / "a"}, "--realtime");
+  refused({"search-ball", "--colors", "pink", "--out", folder / "a"}, "red");
+  EXPECT_FALSE(fs::exists(folder / "a"));
+}
+
+}  // namespace
+}  // namespace kaz::test

@@ -1,0 +1,182 @@
+// `kaz flash` over a real pty against `kaz sim`: an erased board, a running one, a killed program, a file
+// cut off, a reset by hand, and what each verb says.
+// SPDX-License-Identifier: Apache-2.0
+#include <csignal>
+#include <filesystem>
+#include <memory>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/system/command_line/control_socket.h"
+#include "tests/system/command_line/process.h"
+
+namespace kaz::test {
+namespace {
+
+using nlohmann::json;
+using std::chrono::seconds;
+
+std::string image() {
+  const auto program = std::filesystem::path(kaz({}).front());
+  return program.parent_path().parent_path() / "firmware/kaz.mot";
+}
+
+class FlashVerb : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(std::filesystem::exists(image()))
+        << image() << " is missing: ./tools/dev setup installs its compiler";
+    sim_ = std::make_unique<Process>(
+        kaz({"sim", "--world", "empty", "--serial", folder_ / "board", "--erased"}));
+    ASSERT_TRUE(sim_->wait_for_output("ready", seconds(30))) << sim_->wait(seconds(0)).err;
+  }
+  std::vector<std::string> write(std::vector<std::string> more) const {
+    std::vector<std::string> all{"flash", "write", image(), "--port", folder_ / "board"};
+    all.insert(all.end(), more.begin(), more.end());
+    return kaz(all);
+  }
+  std::string control() const { return "ctl:" + (folder_ / "board.ctl"); }
+  void ask(const std::string& request) const {
+    EXPECT_NE(ask_control(folder_ / "board.ctl", request).find("\"ok\":true"), std::string::npos);
+  }
+  Finished verb(const std::string& name, std::vector<std::string> more = {}) const {
+    std::vector<std::string> all{"flash", name, "--port", folder_ / "board"};
+    all.insert(all.end(), more.begin(), more.end());
+    return run(kaz(all), seconds(60));
+  }
+
+  TemporaryFolder folder_;
+  std::unique_ptr<Process> sim_;
+};
+
+TEST_F(FlashVerb, ErasedBoardThenTheLoader) {
+  const Finished first = run(write({"--reset", control(), "--json"}), seconds(90));
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  const json report = json::parse(first.out, nullptr, false);
+  ASSERT_TRUE(report.is_object()) << first.out;
+  EXPECT_TRUE(report["ok"]);
+  EXPECT_TRUE(report["verified"]);
+  EXPECT_GT(report["efficiency"].get<double>(), 0);
+  EXPECT_TRUE(report["runs"].contains("crc")) << first.out;
+  // The same image through the loader: nothing to do.
+  const Finished again = run(write({"--json"}), seconds(60));
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(json::parse(again.out)["written"], 0);
+  // A file that was cut off goes nowhere.
+  std::string text = read_file(image());
+  write_file(folder_ / "cut.mot", text.substr(0, text.size() / 2));
+  const Finished cut =
+      run(kaz({"flash", "write", folder_ / "cut.mot", "--port", folder_ / "board", "--json"}),
+          seconds(20));
+  EXPECT_EQ(cut.exit_code, 2);
+  EXPECT_NE(cut.err.find("cut off"), std::string::npos) << cut.err;
+  const json refusal = json::parse(cut.out, nullptr, false);
+  ASSERT_TRUE(refusal.is_object()) << cut.out;
+  EXPECT_FALSE(refusal["ok"]);
+  EXPECT_NE(refusal["error"].get<std::string>().find("cut off"), std::string::npos);
+}
+
+TEST_F(FlashVerb, KilledInTheMiddleAndTakenUpAgain) {
+  Process killed(write({"--reset", control()}));
+  ASSERT_TRUE(killed.wait_for_output("write", seconds(60)));
+  killed.signal(SIGKILL);
+  EXPECT_EQ(killed.wait(seconds(5)).exit_code, 128 + SIGKILL);
+  const Finished again = run(write({"--reset", control()}), seconds(90));
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.out.find("efficiency"), std::string::npos);
+}
+
+// The test is who sets the switch and presses the button.
+TEST_F(FlashVerb, ManualResetByHand) {
+  Process program(write({"--reset", "manual"}), true);
+  ASSERT_TRUE(program.wait_for_output("to boot mode", seconds(30)));
+  ask("mode boot");
+  ask("reset");
+  program.type("\n");
+  ASSERT_TRUE(program.wait_for_output("back to run", seconds(60))) << program.wait(seconds(0)).err;
+  ask("mode run");
+  ask("reset");
+  program.type("\n");
+  const Finished done = program.wait(seconds(30));
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.out.find("runs: firmware"), std::string::npos) << done.out;
+}
+
+TEST_F(FlashVerb, ManualResetEndsWithNobodyThereAndWithCtrlC) {
+  const Finished nobody = run(write({"--reset", "manual"}), seconds(30));
+  EXPECT_EQ(nobody.exit_code, 2);
+  EXPECT_NE(nobody.err.find("keyboard"), std::string::npos) << nobody.err;
+  Process stopped(write({"--reset", "manual"}), true);
+  ASSERT_TRUE(stopped.wait_for_output("press Enter", seconds(30)));
+  stopped.signal(SIGINT);
+  const Finished end = stopped.wait(seconds(10));
+  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_NE(end.err.find("interrupted"), std::string::npos) << end.err;
+}
+
+TEST_F(FlashVerb, APtyHasNoModemLines) {
+  const Finished done = run(write({"--reset", "dtr-rts"}), seconds(20));
+  EXPECT_EQ(done.exit_code, 3);
+  for (const char* part : {"pseudo-terminal", "DTR and RTS", "--reset ctl:", "board.ctl"})
+    EXPECT_NE(done.err.find(part), std::string::npos) << done.err;
+}
+
+TEST_F(FlashVerb, TheControlSocketIsNoPort) {
+  const Finished done = run(kaz({"flash", "info", "--port", folder_ / "board.ctl"}), seconds(20));
+  EXPECT_EQ(done.exit_code, 3);
+  EXPECT_NE(done.err.find("control socket of `kaz sim`; its serial port is " + (folder_ / "board")),
+            std::string::npos)
+      << done.err;
+}
+
+TEST_F(FlashVerb, EachVerbSaysWhatItDid) {
+  ASSERT_EQ(run(write({"--reset", control()}), seconds(90)).exit_code, 0);
+  const Finished info = verb("info", {"--json"});
+  EXPECT_EQ(json::parse(info.out)["application"]["board_id"], "2128") << info.out;
+  const Finished run_it = verb("run");
+  EXPECT_EQ(run_it.exit_code, 0) << run_it.err;
+  EXPECT_NE(run_it.out.find("runs: firmware"), std::string::npos) << run_it.out;
+  const Finished what = verb("erase");
+  EXPECT_EQ(what.exit_code, 2);
+  EXPECT_NE(what.err.find("--blocks"), std::string::npos) << what.err;
+  EXPECT_EQ(verb("erase", {"--blocks", "4,6"}).exit_code, 2) << "the loader keeps itself";
+  EXPECT_EQ(verb("erase", {"--blocks", "4", "--reset", control()}).exit_code, 2);
+  const Finished erased = verb("erase", {"--blocks", "4"});
+  EXPECT_EQ(erased.exit_code, 0) << erased.err;
+  EXPECT_NE(erased.out.find("erased: EB4"), std::string::npos) << erased.out;
+  const Finished nothing = verb("run", {"--json"});
+  EXPECT_EQ(nothing.exit_code, 1) << nothing.out;
+  EXPECT_FALSE(json::parse(nothing.out)["ok"]);
+  EXPECT_NE(verb("info").out.find("application: none"), std::string::npos);
+  const Finished all = verb("erase", {"--reset", control()});
+  EXPECT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_NE(all.out.find("the whole flash"), std::string::npos) << all.out;
+}
+
+TEST_F(FlashVerb, InterruptedInTheMiddleSaysWhatToDo) {
+  Process stopped(write({"--reset", control()}));
+  ASSERT_TRUE(stopped.wait_for_output("20 %  write", seconds(60)));
+  stopped.signal(SIGINT);
+  const Finished end = stopped.wait(seconds(10));
+  EXPECT_EQ(end.exit_code, 1);
+  for (const char* part : {"interrupted", "still in boot mode", "same command again"})
+    EXPECT_NE(end.err.find(part), std::string::npos) << end.err;
+}
+
+TEST_F(FlashVerb, NobodyAnswersWithoutBootMode) {
+  const Finished silent = run(write({}), seconds(30));
+  EXPECT_EQ(silent.exit_code, 3);
+  for (const char* part : {"blank", "expected:", "came:", "1. ", "next: kaz flash write"})
+    EXPECT_NE(silent.err.find(part), std::string::npos) << silent.err;
+  const Finished info = verb("info");
+  EXPECT_EQ(info.exit_code, 3);
+  EXPECT_NE(info.err.find("next: kaz flash write IMAGE"), std::string::npos) << info.err;
+  EXPECT_EQ(
+      run(kaz({"flash", "verify", image(), "--port", folder_ / "board", "--reset", control()}))
+          .exit_code,
+      2);
+}
+
+}  // namespace
+}  // namespace kaz::test

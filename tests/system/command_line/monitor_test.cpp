@@ -1,0 +1,125 @@
+// `kaz monitor` in a terminal (tmux), on the board of the virtual robot: what it shows, and its keys.
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <chrono>
+#include <functional>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/system/command_line/process.h"
+
+namespace kaz::test {
+namespace {
+
+using std::chrono::seconds;
+
+// A terminal of 80 x 24 of its own, with the program in it.
+class Screen {
+ public:
+  explicit Screen(const std::string& command)
+      : name_("kaz-monitor-test-" + std::to_string(getpid())) {
+    const Finished begun = tmux({"-f", "/dev/null", "new-session", "-d", "-x", "80", "-y", "24",
+                                 command + "; echo left with $?; sleep 60"});
+    begun_ = begun.exit_code == 0;
+    EXPECT_TRUE(begun_) << begun.err;
+  }
+  ~Screen() { tmux({"kill-server"}); }
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+
+  std::string text() { return tmux({"capture-pane", "-p"}).out; }
+  void press(const std::vector<std::string>& keys) {
+    std::vector<std::string> arguments{"send-keys"};
+    arguments.insert(arguments.end(), keys.begin(), keys.end());
+    tmux(arguments);
+  }
+  // Until the screen matches; then it, else the last one and a failure.
+  std::string wait(const std::string& pattern) {
+    const std::regex wanted(pattern);
+    std::string now;
+    for (int i = 0; i < 150; ++i) {
+      now = text();
+      if (std::regex_search(now, wanted)) return now;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    ADD_FAILURE() << "never: " << pattern << "\n" << now;
+    return now;
+  }
+
+ private:
+  Finished tmux(std::vector<std::string> arguments) {
+    std::vector<std::string> all{"/usr/bin/env", "LC_ALL=C.UTF-8", "tmux", "-L", name_};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    return run(all, seconds(10));
+  }
+  std::string name_;
+  bool begun_ = false;
+};
+
+TEST(Monitor, ShowsJointsMovesAndStopsThemAndFindsABoardAgain) {
+  const TemporaryFolder folder;
+  const auto sim_command = kaz({"sim", "--mcu", "native", "--serial", folder / "board"});
+  auto sim = std::make_unique<Process>(sim_command);
+  ASSERT_TRUE(sim->wait_for_output("ready", seconds(30)));
+  std::string command;
+  for (const std::string& word : kaz({"monitor", "--port", folder / "board"}))
+    command += word + " ";
+  Screen screen(command);
+
+  // All 18 joints, in 24 lines; nothing was switched on by looking.
+  std::string now = screen.wait("motors off[^]*neck_pan[^]*r_ankle_pitch[^]*quit");
+  std::istringstream lines(now);
+  int rows = 0;
+  for (std::string line; std::getline(lines, line); ++rows) EXPECT_LE(line.size(), 80u) << line;
+  EXPECT_EQ(rows, 24);
+  EXPECT_TRUE(std::regex_search(now, std::regex("supply (9|10)\\.[0-9]+ V"))) << now;
+  EXPECT_TRUE(std::regex_search(now, std::regex("tick [0-9]+ %, worst [0-9]+ %, missed 0"))) << now;
+  EXPECT_FALSE(std::regex_search(now, std::regex(" %( moves)? on"))) << now;
+
+  // A joint that is off is not moved; switched on it goes where the keys say.
+  screen.press({"]"});
+  screen.wait("neck_pan is off: e switches it on");
+  screen.press({"e"});
+  screen.wait("motors on[^]*0 neck_pan .* on");
+  screen.press({"]", "]", "Right"});
+  screen.wait("neck_pan to 1[01]\\.[0-9] degrees");
+  screen.wait("0 neck_pan +1[01]\\.[0-9] +1[01]\\.[0-9]");
+  screen.press({"Down", "e"});
+  screen.wait("1 neck_tilt .* on");
+
+  // The emergency stop, told with its reason, and its end.
+  screen.press({"Space"});
+  screen.wait("motors off: shutdown[^]*stop");
+  screen.press({"c"});
+  screen.wait("motors off *\n[^]*nothing is latched");
+
+  // The board goes and comes again.
+  sim->signal(SIGINT);
+  sim->wait(seconds(10));
+  screen.wait("no answer");
+  sim = std::make_unique<Process>(sim_command);
+  screen.wait("the board answers again");
+
+  screen.press({"q"});
+  screen.wait("left with 0");
+}
+
+TEST(Monitor, NeedsATerminalAndABoard) {
+  const TemporaryFolder folder;
+  const Finished none = run(kaz({"monitor", "--port", folder / "none"}));
+  EXPECT_EQ(none.exit_code, 3) << none.err;
+  Process sim(kaz({"sim", "--mcu", "native", "--serial", folder / "board"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30)));
+  const Finished piped = run(kaz({"monitor", "--port", folder / "board"}));
+  EXPECT_EQ(piped.exit_code, 2) << piped.err;
+  EXPECT_NE(piped.err.find("kaz status --json"), std::string::npos) << piped.err;
+}
+
+}  // namespace
+}  // namespace kaz::test

@@ -1,0 +1,138 @@
+// `kaz replay`: an unchanged run is identical, a changed one tells where it begins to differ.
+// SPDX-License-Identifier: Apache-2.0
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/system/command_line/process.h"
+
+namespace kaz::test {
+namespace {
+
+using nlohmann::json;
+
+TEST(Replay, IdenticalUnlessSomethingIsChanged) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out", file = out + "/recording.mcap";
+  const Finished made =
+      run(kaz({"run", "search-ball", "--mcu", "native", "--seed", "4", "--out", out}),
+          std::chrono::seconds(100));
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+
+  const Finished same = run(kaz({"replay", file, "--json"}), std::chrono::seconds(100));
+  EXPECT_EQ(same.exit_code, 0) << same.err << same.out;
+  const json result = json::parse(same.out, nullptr, false);
+  ASSERT_TRUE(result.is_object()) << same.out;
+  EXPECT_EQ(result["identical"], true);
+  EXPECT_EQ(result["mode"], "simulation");
+  EXPECT_GT(result["messages"].get<int>(), 1000);
+
+  const Finished other =
+      run(kaz({"replay", file, "--seed", "5", "--json"}), std::chrono::seconds(100));
+  EXPECT_EQ(other.exit_code, 1) << other.err;
+  const json difference = json::parse(other.out, nullptr, false);
+  ASSERT_TRUE(difference.is_object()) << other.out;
+  EXPECT_EQ(difference["identical"], false);
+  EXPECT_LT(difference["time_s"].get<double>(), 1.0);  // noise is there from the first tick on
+  EXPECT_NE(difference["recorded"], difference["now"]);
+  // A number, not a row of bytes.
+  EXPECT_EQ(difference["topic"], "/board/analog");
+  EXPECT_EQ(difference["recorded"].get<std::string>().find("code["), 0u) << difference["recorded"];
+  EXPECT_EQ(difference["now"].get<std::string>().find("code["), 0u) << difference["now"];
+}
+
+json replayed(const std::string& file, std::vector<std::string> more, int exit_code) {
+  std::vector<std::string> arguments{"replay", file, "--json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const Finished done = run(kaz(arguments), std::chrono::seconds(100));
+  EXPECT_EQ(done.exit_code, exit_code) << done.err << done.out;
+  json result = json::parse(done.out, nullptr, false);
+  EXPECT_TRUE(result.is_object()) << done.out;
+  return result;
+}
+
+TEST(Replay, TheHostAloneOnWhatItSaw) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out", file = out + "/recording.mcap";
+  const Finished made =
+      run(kaz({"run", "search-ball", "--mcu", "native", "--record-pictures", "--out", out}),
+          std::chrono::seconds(100));
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+
+  const json same = replayed(file, {}, 0);
+  EXPECT_EQ(same["mode"], "host");
+  EXPECT_EQ(same["identical"], true);
+  EXPECT_GT(same["bytes_to_board"].get<int>(), 1000);
+  EXPECT_GT(same["pairs"].get<int>(), 20);
+  EXPECT_GT(same["behavior_records"].get<int>(), 100);
+
+  // It gives up before it has found anything: motors off instead of the next posture.
+  const json other = replayed(file, {"--set", "seconds=1"}, 1);
+  EXPECT_EQ(other["identical"], false);
+  const double time = other["difference"]["time_s"];
+  EXPECT_GT(time, 1.0);
+  EXPECT_LT(time, 1.5);
+  EXPECT_NE(other["difference"]["recorded"], other["difference"]["now"]);
+  EXPECT_NE(other["difference"]["where"].get<std::string>().find("to the board"),
+            std::string::npos);
+
+  EXPECT_EQ(replayed(file, {"--whole"}, 0)["mode"], "simulation");
+
+  // Killed in the middle: what is there is replayed to its end, both ways; a host that does otherwise
+  // before that is still found out.
+  const std::string bytes = read_file(file), cut = folder / "cut.mcap";
+  write_file(cut, bytes.substr(0, bytes.size() * 6 / 10));
+  for (const char* mode : {"--host", "--whole"}) {
+    const json rest = replayed(cut, {mode}, 0);
+    EXPECT_EQ(rest["identical"], true) << rest;
+    EXPECT_GT(rest["cut_off_s"].get<double>(), 1.0) << rest;
+  }
+  EXPECT_FALSE(same.contains("cut_off_s"));
+  EXPECT_EQ(replayed(cut, {"--set", "seconds=1"}, 1)["identical"], false);
+  const Finished seen =
+      run(kaz({"vision", "run", "--in", cut, "--out", folder / "found"}), std::chrono::seconds(60));
+  EXPECT_EQ(seen.exit_code, 0) << seen.err;
+  EXPECT_NE(seen.err.find(cut + ": was cut off; run to its last whole step at "), std::string::npos)
+      << seen.err;
+  // At whatever byte it ends it is replayed, or there is nothing that could be.
+  for (std::size_t part = 0; part < 8; ++part) {
+    write_file(cut, bytes.substr(0, bytes.size() / 8 * part + 13 * part));
+    const Finished done = run(kaz({"replay", cut, "--host"}), std::chrono::seconds(60));
+    EXPECT_TRUE(done.exit_code == 0 || (done.exit_code == 2 && part < 3)) << part << done.err;
+    if (done.exit_code == 0) {
+      EXPECT_NE(done.out.find("was cut off"), std::string::npos) << done.out;
+    }
+  }
+}
+
+TEST(Replay, WithoutPicturesOnlyWhatNeedsNone) {
+  const TemporaryFolder folder;
+  const std::string stood = folder / "stood", sought = folder / "sought";
+  for (const auto& [behavior, out] : {std::pair{"stand", stood}, {"search-ball", sought}})
+    ASSERT_EQ(
+        run(kaz({"run", behavior, "--mcu", "native", "--out", out}), std::chrono::seconds(100))
+            .exit_code,
+        0);
+  EXPECT_EQ(replayed(stood + "/recording.mcap", {}, 0)["mode"], "host");
+  const json other = replayed(stood + "/recording.mcap", {"--set", "posture=straight"}, 1);
+  EXPECT_NE(other["difference"]["now"].get<std::string>().find("`"), std::string::npos) << other;
+
+  const Finished blind =
+      run(kaz({"replay", sought + "/recording.mcap", "--host"}), std::chrono::seconds(20));
+  EXPECT_EQ(blind.exit_code, 2);
+  EXPECT_NE(blind.err.find("--record-pictures"), std::string::npos) << blind.err;
+}
+
+TEST(Replay, SaysWhatIsNoRecording) {
+  const TemporaryFolder folder;
+  const Finished none = run(kaz({"replay", folder / "none"}), std::chrono::seconds(20));
+  EXPECT_EQ(none.exit_code, 2);
+  std::ofstream(folder / "text") << "no recording at all";
+  const Finished text = run(kaz({"replay", folder / "text"}), std::chrono::seconds(20));
+  EXPECT_EQ(text.exit_code, 2);
+  EXPECT_NE(text.err.find("no MCAP file"), std::string::npos) << text.err;
+}
+
+}  // namespace
+}  // namespace kaz::test

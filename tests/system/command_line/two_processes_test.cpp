@@ -1,0 +1,120 @@
+// The virtual robot in one process, the behaviour in another, a real pty between them, in real
+// time.
+// SPDX-License-Identifier: Apache-2.0
+#include <csignal>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
+#include "host/robot/robot.h"
+#include "tests/system/command_line/process.h"
+
+namespace kaz::test {
+namespace {
+
+using nlohmann::json;
+using std::chrono::seconds;
+
+std::vector<std::string> simulator(const TemporaryFolder& folder, const std::string& engine) {
+  return kaz({"sim", "--world", "ball", "--mcu", engine, "--serial", folder / "board", "--cameras",
+              folder / "eyes"});
+}
+
+std::vector<std::string> behaviour(const TemporaryFolder& folder, const std::string& duration) {
+  return kaz({"run", "track-ball", "--robot", "serial:" + (folder / "board"), "--camera",
+              folder / "eyes", "--duration", duration, "--out", folder / "out"});
+}
+
+bool ready(Process& sim) {
+  return sim.wait_for_output("ready", seconds(30));
+}
+
+class Engines : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Engines, BehaviourRunsOverThePty) {
+  const TemporaryFolder folder;
+  Process sim(simulator(folder, GetParam()));
+  ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
+  const Finished finished = run(behaviour(folder, "14"), seconds(60));
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
+  ASSERT_TRUE(result.is_object());
+  EXPECT_EQ(result["outcome"], "done");
+  EXPECT_GT(result["found_s"].get<double>(), 0);
+  sim.signal(SIGINT);
+  EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "board"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "eyes"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, Engines, ::testing::Values("h8", "native"));
+
+TEST(TwoProcesses, SimulatorKilledLeavesTheBehaviourWithAClearMessage) {
+  const TemporaryFolder folder;
+  Process sim(simulator(folder, "native"));
+  ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
+  Process run(behaviour(folder, "60"));
+  ASSERT_TRUE(run.wait_for_output("search", seconds(20))) << run.wait(seconds(0)).err;
+  sim.signal(SIGKILL);
+  const Finished finished = run.wait(seconds(15));
+  EXPECT_EQ(finished.exit_code, 3) << finished.err;
+  EXPECT_NE(finished.err.find(folder / "board"), std::string::npos) << finished.err;
+  EXPECT_NE(finished.err.find("round trip on " + (folder / "board") + ": "), std::string::npos)
+      << finished.err;
+  const std::string words = "; the last frames are in ";
+  const auto named = finished.err.find(words);
+  ASSERT_NE(named, std::string::npos) << finished.err;
+  const auto from = named + words.size();
+  const std::string path = finished.err.substr(from, finished.err.find('\n', from) - from);
+  EXPECT_NE(read_file(path).find("state_reply"), std::string::npos) << path;
+  std::filesystem::remove(path);
+}
+
+// What the link watchdog does is the host's choice, and that of the library is to hold.
+TEST(TwoProcesses, BehaviourKilledLeavesTheRobotHoldingForTheNext) {
+  const TemporaryFolder folder;
+  Process sim(simulator(folder, "h8"));
+  ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
+  Process run(behaviour(folder, "60"));
+  ASSERT_TRUE(sim.wait_for_output("motors on", seconds(20))) << sim.wait(seconds(0)).err;
+  run.signal(SIGKILL);
+  run.wait(seconds(10));
+  {
+    host::WallClock clock;
+    ASSERT_TRUE(clock.sleep_until(clock.now() + std::chrono::milliseconds(500)));
+    auto link = host::TtyLink::open(folder / "board");
+    ASSERT_TRUE(link) << link.error().message;
+    auto robot = host::Robot::connect(**link, clock, {.watchdog = Time(0)});
+    ASSERT_TRUE(robot) << robot.error().message;
+    const unsigned status = robot->identity().status;
+    EXPECT_EQ(status >> 8, unsigned{KZ_SHUTDOWN_LINK_LOST});
+    EXPECT_TRUE(status & KZ_STATUS_HOLDING);
+    const host::JointTarget target{host::neck_pan, 0.1};
+    EXPECT_FALSE(robot->set_targets({&target, 1}, Time(0))) << "held: no target is taken";
+    ASSERT_TRUE(robot->enable(host::kAllJoints));
+    EXPECT_TRUE(robot->set_targets({&target, 1}, Time(0)));
+    robot->disable_all();
+  }
+  EXPECT_TRUE(sim.wait_for_output("motors off", seconds(10))) << sim.wait(seconds(0)).err;
+  sim.signal(SIGINT);
+  EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
+}
+
+TEST(TwoProcesses, BoardThatStopsAnsweringIsNoticed) {
+  const TemporaryFolder folder;
+  Process sim(simulator(folder, "native"));
+  ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
+  Process run(behaviour(folder, "60"));
+  ASSERT_TRUE(run.wait_for_output("search", seconds(20))) << run.wait(seconds(0)).err;
+  sim.signal(SIGSTOP);
+  const Finished finished = run.wait(seconds(15));
+  sim.signal(SIGCONT);
+  EXPECT_EQ(finished.exit_code, 3) << finished.err;
+  EXPECT_NE(finished.err.find("answer"), std::string::npos) << finished.err;
+}
+
+}  // namespace
+}  // namespace kaz::test

@@ -1,0 +1,368 @@
+// A board is flashed in simulated time: boot mode, loader, guards, and what each failure says.
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+
+#include "host/flash/flasher.h"
+#include "tests/system/flash/variant.h"
+#include "tools/lockstep/flash_bench.h"
+
+namespace kaz::flash_test {
+namespace {
+
+using host::Flasher;
+using host::FlasherOptions;
+using host::FlashImage;
+using lockstep::FlashBench;
+using std::chrono::milliseconds;
+
+const std::vector<std::uint8_t>& writer() {
+  static const std::vector<std::uint8_t> bytes = [] {
+    std::ifstream file(KAZ_WRITER, std::ios::binary);
+    return std::vector<std::uint8_t>(std::istreambuf_iterator<char>(file), {});
+  }();
+  return bytes;
+}
+
+FlashImage firmware() {
+  auto image = FlashImage::load(KAZ_FIRMWARE_IMAGE);
+  EXPECT_TRUE(image) << image.error().message;
+  return *image;
+}
+
+FlashImage changed(std::uint32_t offset, std::uint8_t flip) {
+  FlashImage image = variant(firmware(), offset, flip);
+  EXPECT_EQ(image.damage(), "");
+  return image;
+}
+
+bool holds(FlashBench& bench, const FlashImage& image) {
+  for (const host::FlashRange& range : image.ranges()) {
+    std::vector<std::uint8_t> is(range.size());
+    bench.chip().peek(range.from, is);
+    if (!std::ranges::equal(is, image.bytes(range))) return false;
+  }
+  return true;
+}
+
+void expect_no_misuse(FlashBench& bench) {
+  for (const h8s::Misuse& misuse : bench.chip().misuse())
+    ADD_FAILURE() << misuse.text << " at " << std::hex << misuse.pc;
+}
+
+TEST(Flash, BootModeWritesAnErasedBoardWhichThenRuns) {
+  FlashBench bench;
+  bench.set_latency(milliseconds(1));
+  Flasher flasher(bench, bench, writer(), {});
+  const auto entered = flasher.enter_boot(bench);
+  ASSERT_TRUE(entered) << entered.error().message;
+  EXPECT_FALSE(flasher.found()->by_loader);
+  EXPECT_FALSE(flasher.board_id());
+  const FlashImage image = firmware();
+  const auto report = flasher.write(image);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->verified);
+  EXPECT_EQ(report->repeated, 0);
+  EXPECT_TRUE(holds(bench, image));
+  std::printf("flashed %u bytes in %.3f s, at least %.3f s: efficiency %.1f %%\n", report->written,
+              report->seconds, report->min_seconds, 100 * report->efficiency());
+  // Design, section 10.
+  EXPECT_GE(report->efficiency(), 0.85);
+  expect_no_misuse(bench);
+  ASSERT_TRUE(flasher.run(&bench));
+  EXPECT_EQ(bench.running_image(), image.identity()->crc);
+}
+
+TEST(Flash, UnconfirmedPointsOfBootModeAreTakenAsTheyCome) {
+  for (int k = 0; k < 4; ++k) {
+    h8s::Options options;
+    options.boot_acknowledges = (k & 1) != 0;
+    options.boot_answers_twice = (k & 2) != 0;
+    FlashBench bench("", options);
+    Flasher flasher(bench, bench, writer(), {});
+    const auto entered = flasher.enter_boot(bench);
+    EXPECT_TRUE(entered) << k << ": " << entered.error().message;
+  }
+}
+
+TEST(Flash, LeavesThroughTheResetVectorToo) {
+  FlashBench bench;
+  Flasher flasher(bench, bench, writer(), {});
+  ASSERT_TRUE(flasher.enter_boot(bench));
+  EXPECT_FALSE(flasher.run(nullptr));  // blank
+  ASSERT_TRUE(flasher.write(firmware()));
+  ASSERT_TRUE(flasher.run(nullptr));
+  EXPECT_EQ(bench.running_image(), firmware().identity()->crc);
+}
+
+TEST(Flash, LoaderUpdatesARunningBoard) {
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  const FlashImage next = changed(kBuildId, 0x55);
+  Flasher flasher(bench, bench, writer(), {});
+  const auto entered = flasher.enter_loader();
+  ASSERT_TRUE(entered) << entered.error().message;
+  ASSERT_TRUE(*entered);
+  EXPECT_TRUE(flasher.found()->by_loader);
+  EXPECT_EQ(flasher.board_id(), KZ_BOARD_ID);
+  const auto report = flasher.write(next);
+  ASSERT_TRUE(report) << report.error().message;
+  // EB4 has the header; vectors and loader are the same.
+  EXPECT_EQ(report->erased, 1);
+  EXPECT_GE(report->unchanged, 2);
+  ASSERT_TRUE(flasher.run(nullptr));
+  EXPECT_EQ(bench.running_image(), next.identity()->crc);
+  expect_no_misuse(bench);
+}
+
+TEST(Flash, UnchangedBlocksAreLeftAlone) {
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  Flasher flasher(bench, bench, writer(), {});
+  ASSERT_TRUE(flasher.enter_loader());
+  const auto report = flasher.write(firmware());
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->erased, 0);
+  EXPECT_EQ(report->written, 0u);
+  for (const auto& block : bench.chip().flash_statistics().blocks) EXPECT_EQ(block.erase_pulses, 0);
+}
+
+TEST(Flash, LoaderWithoutAnApplicationWaitsForOne) {
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  bench.chip().poke(KZ_APPLICATION_HEADER, 0);
+  ASSERT_TRUE(bench.sleep_until(std::chrono::seconds(20)));
+  Flasher flasher(bench, bench, writer(), {});
+  const auto entered = flasher.enter_loader();
+  ASSERT_TRUE(entered) << entered.error().message;
+  EXPECT_TRUE(*entered);
+  ASSERT_TRUE(flasher.write(firmware()));
+  ASSERT_TRUE(flasher.run(nullptr));
+  EXPECT_EQ(bench.running_image(), firmware().identity()->crc);
+}
+
+// The host goes away in the middle: the loader starts the application again, which is whole.
+TEST(Flash, LoaderLeavesWhereNobodyTalks) {
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  Flasher flasher(bench, bench, writer(), {});
+  ASSERT_TRUE(flasher.enter_loader());
+  ASSERT_TRUE(bench.sleep_until(bench.now() + std::chrono::seconds(11)));
+  EXPECT_EQ(bench.running_image(), firmware().identity()->crc);
+}
+
+TEST(Flash, AnImageForAnotherBoardChangesNothing) {
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  const FlashImage other = changed(kBoardId, 0x0f);
+  Flasher flasher(bench, bench, writer(), {});
+  ASSERT_TRUE(flasher.enter_loader());
+  const auto report = flasher.write(other);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().fault, Fault::failed);
+  for (const char* part : {"another board", "expected:", "came:", "1. ", "next:", "2128"})
+    EXPECT_NE(report.error().message.find(part), std::string::npos) << report.error().message;
+  EXPECT_TRUE(holds(bench, firmware()));
+  FlasherOptions force;
+  force.force = true;
+  Flasher again(bench, bench, writer(), force);
+  ASSERT_TRUE(again.enter_loader());
+  EXPECT_TRUE(again.write(other));
+}
+
+TEST(Flash, DamagedAndForeignImagesAreRefused) {
+  FlashBench bench;
+  FlasherOptions force;
+  force.force = true;
+  Flasher plain(bench, bench, writer(), {}), forced(bench, bench, writer(), force);
+  FlashImage damaged = firmware();
+  damaged.put(0x1300, std::array<std::uint8_t, 2>{1, 2});
+  EXPECT_FALSE(plain.check(damaged, false));
+  EXPECT_FALSE(forced.check(damaged, true));
+  FlashImage foreign;
+  foreign.put(0, std::array<std::uint8_t, 4>{0, 0, 1, 0});
+  EXPECT_FALSE(plain.check(foreign, true));
+  EXPECT_TRUE(forced.check(foreign, true));
+  EXPECT_TRUE(plain.check(firmware(), true));
+}
+
+// A raw file of the firmware up to `end`, as a user would give it.
+FlashImage raw_up_to(std::uint32_t end) {
+  const std::string path = testing::TempDir() + "kaz-flash-" + std::to_string(getpid()) + ".bin";
+  const FlashImage whole = firmware();
+  const auto bytes = whole.bytes({0, end});
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(end));
+  h8s::LoadOptions options;
+  options.format = h8s::Format::raw;
+  options.address = 0;
+  auto image = FlashImage::load(path, options);
+  std::remove(path.c_str());
+  EXPECT_TRUE(image) << image.error().message;
+  return *image;
+}
+
+TEST(Flash, AnImageCutOffWithinTheLoaderIsRefused) {
+  FlashBench bench;
+  FlasherOptions force;
+  force.force = true;
+  Flasher flasher(bench, bench, writer(), force);
+  ASSERT_TRUE(flasher.check(raw_up_to(0xe000), true));
+  for (const std::uint32_t end : {0xa000u, 0xc000u, 0xc800u, 0xdfe0u, 0xdfffu}) {
+    const auto checked = flasher.check(raw_up_to(end), false);
+    ASSERT_FALSE(checked) << end;
+    EXPECT_EQ(checked.error().fault, Fault::usage);
+    for (const char* part : {"loader", "cut off", "came:"})
+      EXPECT_NE(checked.error().message.find(part), std::string::npos) << checked.error().message;
+  }
+  // A byte of the loader, and a vector.
+  for (const std::uint32_t at : {0xc100u, 0x0u, 0x3ffu}) {
+    FlashImage damaged = firmware();
+    damaged.put(at, std::array{static_cast<std::uint8_t>(~damaged.bytes({at, at + 1})[0])});
+    EXPECT_FALSE(flasher.check(damaged, false)) << at;
+  }
+}
+
+// It suits the resident loader, which keeps its own block; boot mode would erase that.
+TEST(Flash, AnApplicationAloneGoesThroughTheLoaderOnly) {
+  const FlashImage whole = changed(kBuildId, 0x21);
+  FlashImage alone;
+  const host::FlashRange part{
+      KZ_APPLICATION, static_cast<std::uint32_t>(KZ_APPLICATION + whole.identity()->length)};
+  alone.put(part.from, whole.bytes(part));
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  Flasher flasher(bench, bench, writer(), {});
+  EXPECT_FALSE(flasher.check(alone, true));
+  ASSERT_TRUE(flasher.enter_loader());
+  const auto report = flasher.write(alone);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(flasher.left_behind(), "");
+  ASSERT_TRUE(flasher.run(nullptr));
+  EXPECT_EQ(bench.running_image(), whole.identity()->crc);
+
+  FlashBench erased;
+  Flasher boot(erased, erased, writer(), {});
+  ASSERT_TRUE(boot.enter_boot(erased));
+  EXPECT_FALSE(boot.write(alone));
+}
+
+TEST(Flash, AFailureSaysWhatItLeaves) {
+  FlashBench bench;
+  Flasher flasher(bench, bench, writer(), {});
+  EXPECT_EQ(flasher.left_behind(), "");
+  ASSERT_TRUE(flasher.enter_boot(bench));
+  bench.unplug_at(bench.now() + milliseconds(500));
+  EXPECT_FALSE(flasher.write(firmware()));
+  for (const char* part : {"still in boot mode", "same command again"})
+    EXPECT_NE(flasher.left_behind().find(part), std::string::npos) << flasher.left_behind();
+
+  FlashBench running(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(running.sleep_until(milliseconds(200)));
+  Flasher loader(running, running, writer(), {});
+  ASSERT_TRUE(loader.enter_loader());
+  EXPECT_EQ(loader.left_behind(), "");
+  running.unplug_at(running.now() + milliseconds(500));
+  EXPECT_FALSE(loader.write(changed(kBuildId, 3)));
+  EXPECT_NE(loader.left_behind().find("loader waits"), std::string::npos) << loader.left_behind();
+}
+
+TEST(Flash, NobodyThereSaysWhatToLookAt) {
+  FlashBench bench;
+  bench.set_faults(nullptr);
+  bench.cut_power_at(Time::zero(), std::chrono::hours(1));
+  Flasher flasher(bench, bench, writer(), {});
+  const auto none = flasher.enter_loader();
+  ASSERT_TRUE(none);
+  EXPECT_FALSE(*none);
+  const auto entered = flasher.enter_boot(bench);
+  ASSERT_FALSE(entered);
+  EXPECT_NE(entered.error().message.find("not in boot mode"), std::string::npos);
+  EXPECT_NE(entered.error().message.find("came:     nothing"), std::string::npos);
+}
+
+TEST(Flash, WornBlockIsNamed) {
+  h8s::Options options;
+  options.flash_worn_block = 4;
+  FlashBench bench(KAZ_FIRMWARE_IMAGE, options);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  Flasher flasher(bench, bench, writer(), {});
+  ASSERT_TRUE(flasher.enter_loader());
+  const auto report = flasher.write(changed(kBuildId, 1));
+  ASSERT_FALSE(report);
+  EXPECT_NE(report.error().message.find("EB4"), std::string::npos) << report.error().message;
+  EXPECT_NE(report.error().message.find("worn"), std::string::npos);
+  // Through boot mode the chip says so itself.
+  Flasher boot(bench, bench, writer(), {});
+  const auto entered = boot.enter_boot(bench);
+  ASSERT_FALSE(entered);
+  EXPECT_NE(entered.error().message.find("cannot erase"), std::string::npos);
+}
+
+TEST(Flash, ReadsWhatStandsThere) {
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  Flasher flasher(bench, bench, writer(), {});
+  ASSERT_TRUE(flasher.enter_loader());
+  const auto bytes = flasher.read({0x1000, 0x1a40});
+  ASSERT_TRUE(bytes) << bytes.error().message;
+  const FlashImage image = firmware();
+  EXPECT_TRUE(std::ranges::equal(*bytes, image.bytes({0x1000, 0x1a40})));
+  EXPECT_TRUE(flasher.verify(image));
+  const auto other = flasher.verify(changed(kBuildId, 1));
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().fault, Fault::failed);
+}
+
+// The loader keeps vectors and itself; what stands there is compared all the same.
+TEST(Flash, VerifyLooksAtVectorsAndLoaderToo) {
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  Flasher flasher(bench, bench, writer(), {});
+  ASSERT_TRUE(flasher.enter_loader());
+  for (const std::uint32_t at : {0x10u, 0xc100u}) {
+    FlashImage image = firmware();
+    const std::uint8_t other = image.bytes({at, at + 1})[0] ^ 1u;
+    image.put(at, {&other, 1});
+    const auto verified = flasher.verify(image);
+    ASSERT_FALSE(verified) << at;
+    EXPECT_EQ(verified.error().fault, Fault::failed);
+    EXPECT_NE(verified.error().message.find("vectors or loader (EB0, EB6) are not"),
+              std::string::npos)
+        << verified.error().message;
+  }
+}
+
+// Replies come later than they are waited for at first, and hardly any request is repeated for it.
+TEST(Flash, SlowRepliesAreWaitedFor) {
+  FlashBench bench;
+  Flasher flasher(bench, bench, writer(), {});
+  ASSERT_TRUE(flasher.enter_boot(bench));
+  bench.set_latency(milliseconds(250));
+  const auto report = flasher.write(firmware());
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_GT(report->repeated, 0);
+  EXPECT_LT(report->repeated, 20);
+  EXPECT_TRUE(holds(bench, firmware()));
+}
+
+TEST(Flash, NoiseIsRepeatedAway) {
+  auto noise = faults::Schedule::parse("at 2 s for 60 s link_flip 0.0005\n", "test");
+  ASSERT_TRUE(noise) << noise.error().message;
+  FlashBench bench;
+  bench.set_faults(&*noise);
+  Flasher flasher(bench, bench, writer(), {});
+  const auto entered = flasher.enter_boot(bench);
+  ASSERT_TRUE(entered) << entered.error().message;
+  const auto report = flasher.write(firmware());
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_GT(report->repeated, 0);
+  EXPECT_TRUE(holds(bench, firmware()));
+}
+
+}  // namespace
+}  // namespace kaz::flash_test

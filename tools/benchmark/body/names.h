@@ -1,0 +1,23 @@
+// What the benchmark of the body measures: loads and steppers. A further stepper is one string here.
+// SPDX-License-Identifier: Apache-2.0
+//
+// "bulletN": Bullet's multibody with N iterations, for comparison alone (bullet_benchmark/).
+#pragma once
+
+#include <array>
+#include <string>
+
+namespace kaz::sim::bench {
+
+inline constexpr std::array kSteppers{"reduced", "exact",    "quick8",  "quick20",
+                                      "quick50", "bullet10", "bullet50"};
+// Standing in the walking crouch; walking on the spot; the same among ten props and a ball.
+inline constexpr std::array kLoads{"alone", "walking", "props"};
+
+// "dynamics.WHAT.LOAD.STEPPER", and without the stepper where it does not matter.
+inline std::string name_of(const std::string& what, const std::string& load,
+                           const std::string& stepper = "") {
+  return "dynamics." + what + "." + load + (stepper.empty() ? "" : "." + stepper);
+}
+
+}  // namespace kaz::sim::bench

@@ -1,0 +1,40 @@
+// A row of a joint in Bullet's solver: a motor by the law of every stepper, or a stop.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Bullet's own btMultiBodyJointMotor reaches a velocity with a bounded torque and knows no
+// softness, so it cannot be the motor line, whose softness is back-EMF and rotor (joint_motor.h).
+// The rows of its contacts can yield; this gives a joint a row of the same kind:
+//     w_new + softness T = velocity,  least <= T <= most
+#pragma once
+
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyConstraint.h>
+
+namespace kaz::sim::bench {
+
+class BulletJointRow final : public btMultiBodyConstraint {
+ public:
+  // `sign`: of the joint's velocity in the row.
+  BulletJointRow(btMultiBody* body, int link, double sign);
+
+  // For the coming step: rad/s, rad/s per Nm, Nm.
+  void ask(double velocity, double softness, double least, double most);
+  // No row in the coming step.
+  void rest() { asked_ = false; }
+  double torque(double step_s);  // Nm, in the last step, in the joint's own direction
+
+  void finalizeMultiDof() override;
+  int getIslandIdA() const override { return island(m_linkA); }
+  int getIslandIdB() const override { return island(m_linkB); }
+  void createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
+                            const btContactSolverInfo& info) override;
+  void debugDraw(btIDebugDraw*) override {}
+
+ private:
+  int island(int link) const;
+  double sign_;
+  bool asked_ = false;
+  double velocity_ = 0, softness_ = 0, min_ = 0, max_ = 0;
+};
+
+}  // namespace kaz::sim::bench

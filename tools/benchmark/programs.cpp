@@ -1,0 +1,218 @@
+// Numbers that other programs of the build measure: the parts' benchmarks, and the whole loop.
+// SPDX-License-Identifier: Apache-2.0
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <regex>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "shared/base/files.hpp"
+#include "tools/benchmark/benchmark.h"
+#include "tools/benchmark/body/names.h"
+#include "tools/benchmark/counted_steps.h"
+
+namespace kaz::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A number that a benchmark counts beside its time.
+struct Counter {
+  std::string gives, run, counter;
+};
+
+// A benchmark program of a part (Google Benchmark) and those of its names that are the project's.
+struct Program {
+  const char* name;
+  const char* time;  // which of its times counts
+  std::vector<std::string> gives;
+  std::vector<Counter> counters = {};
+};
+
+// The names of `dynamics.`: tools/benchmark/body/body_benchmark.cpp.
+Program dynamics() {
+  using sim::bench::name_of;
+  Program program{"body_benchmark", "cpu_time", {name_of("step_us", "walking")}};
+  for (const char* load : sim::bench::kLoads) {
+    for (const char* stepper : sim::bench::kSteppers) {
+      const std::string run = name_of("step_us", load, stepper);
+      program.gives.push_back(run);
+      for (const std::string what : {"gap_um", "track_mrad"})
+        program.counters.push_back({name_of(what, load, stepper), run, what});
+    }
+    program.gives.push_back(name_of("collision_us", load));
+  }
+  return program;
+}
+
+const std::vector<Program>& programs() {
+  static const std::vector<Program> all{
+      dynamics(),
+      {"view_benchmark",
+       "real_time",
+       {"view.pair_ms.320", "view.pair_ms.640", "view.sensor_ms.320", "view.sensor_ms.640",
+        "view.real_pair_ms.320", "view.real_pair_ms.640"}},
+      {"vision_benchmark",
+       "cpu_time",
+       {"vision.color_ms.320", "vision.color_ms.640", "vision.regions_ms.320",
+        "vision.regions_ms.640", "vision.ball_ms.320", "vision.ball_ms.640", "vision.depth_ms.320",
+        "vision.depth_ms.640", "peer.opencv_stereobm_ms.320", "peer.opencv_stereobm_ms.640",
+        "vision.psf_ms.320", "vision.psf_ms.640", "peer.opencv_color_ms.yuv.320",
+        "peer.opencv_color_ms.yuv.640", "peer.opencv_color_ms.hsv.320",
+        "peer.opencv_color_ms.hsv.640", "peer.opencv_regions_ms.320",
+        "peer.opencv_regions_ms.640"}},
+      {"map_benchmark",
+       "cpu_time",
+       {"vision.edges_ms.320", "vision.edges_ms.640", "vision.map_ms.320", "vision.map_ms.640"}},
+      {"flow_benchmark",
+       "cpu_time",
+       {"vision.flow_ms.320", "vision.flow_ms.640", "peer.opencv_dis_ms.320",
+        "peer.opencv_dis_ms.640", "vision.sparse_flow_ms.320", "vision.sparse_flow_ms.640",
+        "vision.moving_ms.320", "vision.moving_ms.640"}},
+  };
+  return all;
+}
+
+fs::path beside_this(const std::string& program) {
+  std::error_code error;
+  return fs::read_symlink("/proc/self/exe", error).parent_path() / program;
+}
+
+std::string quoted(const std::string& text) {
+  return std::string("'").append(text).append("'");
+}
+
+// What a command writes to standard output, as JSON.
+Result<nlohmann::json> json_of(const std::string& command) {
+  std::FILE* output = ::popen(command.c_str(), "r");
+  if (!output) return fail(Fault::environment, "cannot start: " + command);
+  std::string text;
+  char part[4096];
+  while (const std::size_t n = std::fread(part, 1, sizeof part, output)) text.append(part, n);
+  const int status = ::pclose(output);
+  // The spread of a counter that is 0 throughout is 0/0; Google Benchmark writes it as it is.
+  text = std::regex_replace(text, std::regex(": -?(NaN|Infinity)\\b"), ": null");
+  auto value = nlohmann::json::parse(text, nullptr, false);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || value.is_discarded())
+    return fail(Fault::failed, "this failed or gave no JSON: " + command);
+  return value;
+}
+
+Result<void> measure(const Program& program, const Settings& settings, Results& results) {
+  const fs::path path = beside_this(program.name);
+  if (!fs::exists(path)) {
+    results.remark(std::string(program.name) +
+                   " is not built: its numbers are left out (needs libbenchmark-dev)");
+    return {};
+  }
+  std::string filter;
+  for (const auto& name : program.gives) filter += (filter.empty() ? "" : "|") + name;
+  std::string command = quoted(path.string());
+  command += " --benchmark_format=json --benchmark_filter=" + quoted("^(" + filter + ")$");
+  command += " --benchmark_repetitions=" + std::to_string(settings.repeats);
+  if (settings.quick) command += " --benchmark_min_time=0.01";
+  const auto report = json_of(command + " 2>/dev/null");
+  if (!report) return tl::unexpected(report.error());
+  const auto take = [&](const std::string& name, const std::string& from,
+                        const char* what) -> Result<void> {
+    std::vector<double> values;
+    for (const auto& run : report->value("benchmarks", nlohmann::json::array())) {
+      if (run.value("run_name", "") == from && run.value("run_type", "") == "iteration" &&
+          !run.value("error_occurred", false))
+        values.push_back(run.value(what, 0.0));
+    }
+    if (values.empty()) return fail(Fault::failed, path.string() + " does not measure " + name);
+    results.put(name, median(values));
+    return {};
+  };
+  Result<void> done;
+  for (const auto& name : program.gives) {
+    if (done) done = take(name, name, program.time);
+  }
+  for (const Counter& counter : program.counters) {
+    if (done) done = take(counter.gives, counter.run, counter.counter.c_str());
+  }
+  return done;
+}
+
+// All 18 targets out and 18 positions back over the line of 115,200 baud.
+Result<void> wire(const Settings&, Results& results) {
+  const fs::path program = beside_this("wire_benchmark");
+  if (!fs::exists(program)) {
+    results.remark("wire_benchmark is not built: wire.* is left out");
+    return {};
+  }
+  const auto report = json_of(quoted(program.string()));
+  if (!report) return tl::unexpected(report.error());
+  const auto number = [&](const char* load, const char* name) {
+    return report->value(load, nlohmann::json::object()).value(name, 0.0);
+  };
+  results.put("wire.rate_hz", number("fastest", "rate_hz"));
+  results.put("wire.share",
+              100 * std::max(number("at_100_hz", "share_out"), number("at_100_hz", "share_in")));
+  return {};
+}
+
+// An erased board flashed through boot mode.
+Result<void> flashing(const Settings&, Results& results) {
+  const fs::path program = beside_this("flash_efficiency");
+  if (!fs::exists(program)) {
+    results.remark("flash_efficiency is not built: flash.efficiency is left out");
+    return {};
+  }
+  const auto report = json_of(quoted(program.string()));
+  if (!report) return tl::unexpected(report.error());
+  results.put("flash.efficiency", 100 * report->value("efficiency", 0.0));
+  return {};
+}
+
+// The main job in lockstep: servo firmware, physics, eyes and vision.
+Result<void> loop(const Settings& settings, Results& results) {
+  const fs::path kaz = beside_this("kaz");
+  if (!fs::exists(kaz)) {
+    results.remark("kaz is not built: loop.rtf is left out");
+    return {};
+  }
+  const auto made = make_temporary_folder("kaz-bench-loop-");
+  if (!made) return tl::unexpected(made.error());
+  const fs::path out = *made;
+  const std::string command =
+      quoted(kaz.string()) + " demo --json --out " + quoted(out.string()) + " 2>/dev/null";
+  std::vector<double> speeds;
+  Result<void> done;
+  for (int k = 0; k < (settings.quick ? 1 : 3) && done; ++k) {
+    const auto report = json_of(command);
+    if (report)
+      speeds.push_back(report->value("rtf", 0.0));
+    else
+      done = tl::unexpected(report.error());
+  }
+  std::error_code ignored;
+  fs::remove_all(out, ignored);
+  if (!speeds.empty() && done) results.put("loop.rtf", median(speeds));
+  return done;
+}
+
+}  // namespace
+
+std::vector<Group> program_groups() {
+  std::vector<Group> groups{{{"wire.rate_hz", "wire.share"}, wire},
+                            {{"flash.efficiency"}, flashing},
+                            {{"loop.rtf"}, loop}};
+  for (const Program& program : programs()) {
+    std::vector<std::string> gives = program.gives;
+    for (const Counter& counter : program.counters) gives.push_back(counter.gives);
+    groups.push_back({std::move(gives), [&program](const Settings& settings, Results& results) {
+                        return measure(program, settings, results);
+                      }});
+  }
+  groups.push_back(counted_steps());
+  return groups;
+}
+
+}  // namespace kaz::bench

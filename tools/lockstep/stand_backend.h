@@ -1,0 +1,34 @@
+// An emulated board with its motors on a stand, and the host's way to both.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "hil/bench/motor/motor_bench.h"
+#include "sim/stand/stand_commands.h"
+#include "tools/lockstep/lockstep.h"
+
+namespace kaz::lockstep {
+
+class StandBackend {
+ public:
+  // A simulation that make_stand() has made.
+  // pressing_s: how long the bench presses against the scale.
+  explicit StandBackend(std::unique_ptr<sim::Simulation> simulation, double pressing_s = 0.1);
+
+  sim::Simulation& simulation() { return *simulation_; }
+  host::Link& link() { return link_; }
+  host::Clock& clock() { return clock_; }
+  hil::Stand& stand() { return stand_; }
+
+  // The motor measurements of `options`, in simulated time.
+  Result<void> run(const hil::MotorBenchOptions& options, hil::BenchJudge& judge);
+
+ private:
+  std::unique_ptr<sim::Simulation> simulation_;
+  LockstepClock clock_{*simulation_};
+  LockstepLink link_{*simulation_};
+  hil::CommandStand stand_;
+};
+
+}  // namespace kaz::lockstep

@@ -1,0 +1,23 @@
+// Whether a camera model that came from outside is one that there can be.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "vision/image/frame.h"
+
+namespace kaz::vision {
+
+// For models out of files, sockets and recordings: no number of a valid one is infinite or none, or large
+// enough to make such ones.
+inline bool valid_camera(const CameraModel& c) {
+  constexpr int kMaxSide = 16384;
+  constexpr double kMaxFocal = 1e6, kMaxBaseline_m = 10;
+  const auto focal = [](double f) { return f > 0 && f <= kMaxFocal; };  // false for NaN
+  const auto centre = [](double x) { return std::abs(x) <= kMaxFocal; };
+  return c.width >= 1 && c.width <= kMaxSide && c.height >= 1 && c.height <= kMaxSide &&
+         focal(c.fx) && focal(c.fy) && centre(c.cx) && centre(c.cy) && c.baseline_m >= 0 &&
+         c.baseline_m <= kMaxBaseline_m;
+}
+
+}  // namespace kaz::vision

@@ -1,0 +1,208 @@
+// Ball detection: colour, regions from the largest, outline, cone.
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/color/ball.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "vision/color/ball_edge.h"
+#include "vision/color/cone.h"
+#include "vision/color/outline.h"
+
+namespace kaz::vision {
+
+namespace {
+
+Eigen::Vector3d ray(const CameraModel& camera, double u, double v) {
+  return Eigen::Vector3d((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1).normalized();
+}
+
+double focal(const CameraModel& camera) {
+  return std::sqrt(camera.fx * camera.fy);
+}
+
+std::vector<Eigen::Vector3d> rays_of(const CameraModel& camera,
+                                     const std::vector<OutlinePoint>& points) {
+  std::vector<Eigen::Vector3d> rays;
+  rays.reserve(points.size());
+  for (const OutlinePoint& p : points) rays.push_back(ray(camera, p.u, p.v));
+  return rays;
+}
+
+// A line along which the outline runs says little about where it is: rows serve at the left and
+// right, columns at the top and bottom. `center` is the middle of the first fit.
+std::vector<OutlinePoint> well_crossed(const Image& image, const std::vector<OutlinePoint>& points,
+                                       const Eigen::Vector2d& center) {
+  std::vector<OutlinePoint> chosen;
+  for (const OutlinePoint& p : points) {
+    const Eigen::Vector2d outward = Eigen::Vector2d(p.u, p.v) - center;
+    const double across = outward.x() * p.step_u + outward.y() * p.step_v;
+    if (across > 0.45 * outward.norm()) chosen.push_back(refined(image, p));
+  }
+  return chosen;
+}
+
+// Share of the outline on the cone, and the directions around the axis that it covers.
+struct Support {
+  double share = 0;
+  EdgeSectors sectors;
+};
+
+Support support_of(const Cone& cone, const std::vector<Eigen::Vector3d>& rays,
+                   double tolerance_rad) {
+  const SectorFrame frame(cone.axis);
+  EdgeSectors sectors;
+  std::size_t on = 0;
+  for (const Eigen::Vector3d& r : rays) {
+    if (std::abs(angle_outside(cone, r)) > tolerance_rad) continue;
+    ++on;
+    sectors.set(frame.sector(r));
+  }
+  if (rays.empty()) return {};
+  return {static_cast<double>(on) / static_cast<double>(rays.size()), sectors};
+}
+
+// Pixels of the picture that lie within the cone. Of large balls every n-th in both directions
+// counts.
+double pixels_within(const Cone& cone, const EllipseAxes& axes, const CameraModel& camera) {
+  const double u = camera.fx * cone.axis.x() / cone.axis.z() + camera.cx;
+  const double v = camera.fy * cone.axis.y() / cone.axis.z() + camera.cy;
+  // The cone's axis is not the middle of the ellipse, but within it: twice its longer half axis
+  // suffices.
+  const double reach = 2 * focal(camera) * std::max(axes.across, axes.along) + 1;
+  const int step = std::max(1, static_cast<int>(reach / 80));
+  const auto bounds = [reach](double center, int size) {
+    return std::pair(std::clamp(static_cast<int>(std::max(center - reach, 0.0)), 0, size - 1),
+                     static_cast<int>(std::clamp(center + reach, 0.0, size - 1.0)));
+  };
+  const auto [left, right] = bounds(u, camera.width);
+  const auto [top, bottom] = bounds(v, camera.height);
+  const double cosine = std::cos(cone.half_angle);
+  int count = 0;
+  const double step_x = 1 / camera.fx, across = cone.axis.x() * step_x;
+  for (int y = top; y <= bottom; y += step) {
+    const double ray_y = (y - camera.cy) / camera.fy;
+    const double row_length2 = ray_y * ray_y + 1;
+    const double row_along = ray_y * cone.axis.y() + cone.axis.z() - across * camera.cx;
+    for (int x = left; x <= right; x += step) {
+      const double ray_x = (x - camera.cx) * step_x, along = row_along + across * x;
+      // along / length >= cosine, both positive: cones here are of less than a right angle.
+      if (along > 0 && along * along >= cosine * cosine * (ray_x * ray_x + row_length2)) ++count;
+    }
+  }
+  return static_cast<double>(count) * step * step;
+}
+
+// 1 where the distance can be told. What the blur has beyond the camera's own is a smear; a smear in
+// one direction makes the ball seem nearer or further by up to 0.6 of its share of the radius (8 px
+// of it before the simulated eyes): at a sixth of the radius by a tenth. From there on it falls
+// steeply.
+double sharpness(double radius_px, double sigma_px) {
+  constexpr double kOwn_px = 0.7;
+  const double smear = std::sqrt(std::max(0.0, sigma_px * sigma_px - kOwn_px * kOwn_px));
+  const double told = std::min(1.0, radius_px / std::max(6 * smear, 1e-9));
+  return told * told * told * told;
+}
+
+std::optional<BallObservation> measure(const Image& image, const CameraModel& camera,
+                                       const Region& region, const BallOptions& options) {
+  const double pixel = 1 / focal(camera);
+  const std::vector<OutlinePoint> crossings = outline_of(region, image.width, image.height);
+  std::vector<Eigen::Vector3d> rays = rays_of(camera, crossings);
+  const std::optional<Cone> coarse = fit_cone(rays, 0.4 * pixel);
+  if (!coarse || !(coarse->axis.z() > 0.05)) return std::nullopt;
+  Cone cone = *coarse;
+  const auto center_of = [&](const Cone& c) {
+    return Eigen::Vector2d(camera.fx * c.axis.x() / c.axis.z() + camera.cx,
+                           camera.fy * c.axis.y() / c.axis.z() + camera.cy);
+  };
+  const std::vector<OutlinePoint> fine = well_crossed(image, crossings, center_of(cone));
+  const std::vector<Eigen::Vector3d> fine_rays = rays_of(camera, fine);
+  if (const std::optional<Cone> better = fit_cone(fine_rays, 0.2 * pixel)) cone = *better;
+  std::optional<EllipseAxes> axes = ellipse_axes(cone);
+  if (!axes) return std::nullopt;
+  // What a raster of pixels explains, or for large balls a twentieth of the radius.
+  const Support support = support_of(cone, rays, std::max(0.6 * pixel, 0.05 * cone.half_angle));
+  const double within = pixels_within(cone, *axes, camera);
+  // Small balls have few pixels of outline: a sector without one is seen if its neighbours are.
+  const EdgeSectors& on = support.sectors;
+  const EdgeSectors seen =
+      on | (((on << 1) | (on >> (kEdgeSectors - 1))) & ((on >> 1) | (on << (kEdgeSectors - 1))));
+  // No fit: no contrast, or another outline. Of a thousand real balls, one.
+  double explained = 0.25, sharp = 1;
+  if (const std::optional<EdgeFit> better = fit_edge(image, camera, cone, seen)) {
+    if (const std::optional<EllipseAxes> its = ellipse_axes(better->cone)) {
+      // Of little more than half an edge, blur and radius cannot be told apart as well as by crossings.
+      if (3 * seen.count() > 2 * kEdgeSectors) {
+        cone = better->cone;
+        axes = its;
+      }
+      explained = better->explained;
+      sharp = sharpness(focal(camera) * axes->across, better->sigma_px);
+    }
+  }
+
+  BallObservation ball;
+  const Eigen::Vector2d center = center_of(cone);
+  ball.center_u = center.x();
+  ball.center_v = center.y();
+  ball.radius_px = focal(camera) * std::sqrt(axes->across * axes->along);
+  ball.direction = cone.axis;
+  ball.distance_m = options.radius_m / std::sin(cone.half_angle);
+  constexpr double kEnoughSectors = 5;  // a third of the circumference
+  const double area = region.area;
+  const double filled = std::min(area / std::max(within, 1.0), within / area);
+  ball.confidence = std::cbrt(support.share * filled * explained) * sharp *
+                    std::min(1.0, static_cast<double>(support.sectors.count()) / kEnoughSectors);
+  return ball;
+}
+
+std::optional<Error> unfit(const Image& image, const CameraModel& camera) {
+  const auto pixels = static_cast<std::size_t>(std::max(image.width, 0)) *
+                      static_cast<std::size_t>(std::max(image.height, 0));
+  if (pixels == 0 || image.rgb.size() != 3 * pixels) {
+    return Error{Fault::environment, "a picture of " + std::to_string(image.width) + " x " +
+                                         std::to_string(image.height) + " came with " +
+                                         std::to_string(image.rgb.size()) +
+                                         " bytes: check the camera or the file it came from"};
+  }
+  if (camera.width != image.width || camera.height != image.height) {
+    return Error{Fault::usage, "a picture of " + std::to_string(image.width) + " x " +
+                                   std::to_string(image.height) +
+                                   " does not fit its camera model of " +
+                                   std::to_string(camera.width) + " x " +
+                                   std::to_string(camera.height) + ": check the calibration"};
+  }
+  if (!(camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx + camera.fy)) ||
+      !std::isfinite(camera.cx + camera.cy)) {
+    return Error{Fault::usage,
+                 "the camera model has no positive focal length: check the calibration"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+BallObservation BallDetector::detect(const Image& image, const FrameInfo& info) {
+  BallObservation best;
+  best.info = info;
+  best.error = unfit(image, info.camera);
+  if (best.error) {
+    mask_ = {};
+    return best;
+  }
+  extractor_.extract(image, mask_);
+  // Something else of that colour may be larger than the ball, but is hardly as round.
+  constexpr std::size_t kCandidates = 4;
+  const std::span<const Region> regions = regions_.find(mask_, options_.min_area);
+  for (const Region& region : regions.first(std::min(regions.size(), kCandidates))) {
+    std::optional<BallObservation> ball = measure(image, info.camera, region, options_);
+    if (!ball || ball->confidence < std::max(options_.min_confidence, best.confidence)) continue;
+    best = std::move(*ball);
+    best.info = info;
+    best.found = true;
+  }
+  return best;
+}
+
+}  // namespace kaz::vision

@@ -1,0 +1,115 @@
+// The ball over time: where it is and goes, from observations that come late and in any order.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Kalman filter of position and velocity in a frame that stands still (foot, or the trunk of a
+// robot that stands), z up; nearly constant velocity: Y. Bar-Shalom, X. R. Li, T. Kirubarajan,
+// "Estimation with Applications to Tracking and Navigation", 2001, section 6.2.2. Where the height
+// of the floor is given, gravity acts on a ball that is clearly above it or on its way up; where it
+// meets the floor it bounces, with the covariance carried through the bounce by its saltation
+// matrix (N. Kong et al., "Saltation Matrices", 2023); a ball on the floor stays on it and slows
+// down.
+//
+// Errors of an observation, from those of the outline: a centre wrong by s_c px is off across the
+// ray by D sqrt((s_c / f)^2 + s_p^2), s_p that of the posture; with radius_px = f r / D, a radius
+// wrong by s_r px is off along the ray by D^2 s_r / (f r): the direction is sharp, the distance
+// not, and ever less with its square. m, s, px, rad.
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "vision/color/ball.h"
+#include "vision/image/frame.h"
+
+namespace kaz::vision {
+
+struct BallTrackOptions {
+  double radius_m = 0.020;
+  double centre_error_px = 0.3, radius_error_px = 0.2;  // standard deviations
+  double posture_error_rad = 0.003;
+  // m^2/s^3, power density of the acceleration that is not foreseen. 0.5 lets a ball turn round
+  // within some 50 ms, as one in a hand may; a ball by itself needs a tenth of it.
+  double acceleration_psd = 0.5;
+  double initial_speed_m_s = 1;  // standard deviation before the second observation
+  double gate = 8;               // standard deviations; what is further off is not this ball
+  Time lost_after = std::chrono::milliseconds(500);
+  // An observation older than the newest by more means that the clock was set back.
+  Time latest_late = std::chrono::seconds(1);
+  std::optional<double> floor_m;  // its height; without it nothing is known of falling
+  double restitution = 0.6;
+  double rolling_m_s2 = 0.1;  // what slows a rolling ball down
+};
+
+struct BallState {
+  Eigen::Vector3d position{0, 0, 0}, velocity{0, 0, 0};  // m, m/s
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
+
+  Eigen::Matrix3d position_covariance() const { return covariance.topLeftCorner<3, 3>(); }
+  Eigen::Matrix3d velocity_covariance() const { return covariance.bottomRightCorner<3, 3>(); }
+};
+
+// Of a position in the fixed frame, from one in the eye's.
+Eigen::Matrix3d ball_covariance(const Eigen::Vector3d& in_eye, double focal_px,
+                                const Eigen::Matrix3d& fixed_from_eye,
+                                const BallTrackOptions& options);
+
+class BallTrack {
+ public:
+  enum class Taken {
+    started,    // the first, or the first after a loss
+    used,       // the newest
+    late,       // put in where it belongs; what came after was gone through again
+    restarted,  // the ball has jumped: two outliers agree on another track
+    new_clock,  // far older than the newest: begun anew, all before is of another time (gaps())
+    outlier,    // not used
+    refused,    // no ball, not finite, or older than all that is remembered of this track
+  };
+
+  explicit BallTrack(const BallTrackOptions& options = {}) : options_(options) {}
+
+  Taken observe(const BallObservation& seen, const Eigen::Isometry3d& fixed_from_eye);
+  // `covariance` must be positive definite.
+  Taken observe(Time exposure, const Eigen::Vector3d& position, const Eigen::Matrix3d& covariance);
+  void forget();
+
+  bool known() const { return !history_.empty(); }
+  Time latest() const { return history_.back().time; }  // newest exposure; known() must hold
+  // Whether it was seen not longer before `t` than lost_after.
+  bool seen(Time t) const { return known() && between(t, latest()) <= options_.lost_after; }
+  int gaps() const { return gaps_; }  // how often the clock was set back
+
+  // Most likely state; known() must hold. Before the oldest that is remembered, that one.
+  BallState at(Time t) const;
+  // Where to look for it: as at(), but a velocity v that may as well be noise is believed less, by
+  // m / (1 + m), m = v' P^-1 v, so that a ball at rest is not chased about.
+  Eigen::Vector3d aim(Time t) const;
+  bool in_flight(Time t) const;
+
+ private:
+  struct Entry {
+    Time time{};
+    Eigen::Vector3d position;
+    Eigen::Matrix3d covariance;
+    BallState after;
+  };
+  enum class Ground { flight, floor, unknown };
+
+  Ground ground(const BallState& state) const;
+  void advance(BallState& state, double dt) const;
+  void drift(BallState& state, double dt, const Eigen::Vector3d& acceleration) const;
+  bool correct(BallState& state, const Entry& seen) const;
+  void start(const Entry& seen);
+  bool restart(const Entry& seen);
+  Taken insert(const Entry& seen);
+  const Entry& before(Time t) const;
+
+  BallTrackOptions options_;
+  std::deque<Entry> history_;  // by exposure, of this track
+  std::optional<Entry> outlier_;
+  int gaps_ = 0;
+};
+
+}  // namespace kaz::vision

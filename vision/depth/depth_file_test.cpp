@@ -1,0 +1,98 @@
+// Depth in files reads back as what it was; eyes the wrong way round are noticed.
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/depth/depth_file.h"
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "vision/calibration/swapped_cameras.h"
+#include "vision/depth/stereo_testing.h"
+
+namespace kaz::vision {
+namespace {
+
+DepthImage small_depth() {
+  DepthImage depth;
+  depth.width = 3;
+  depth.height = 2;
+  depth.info.camera = {3, 2, 100, 100, 1, 0.5, 0.1};
+  depth.disparity_px = {10, 0, 0.1F, 8.3F, 100, 0.5F};  // 1 m, none, 100 m, 1.205, 0.1, 20 m
+  return depth;
+}
+
+TEST(DepthFile, PngHoldsMillimetres) {
+  const auto bytes = depth_png(small_depth());
+  ASSERT_TRUE(bytes);
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  ASSERT_TRUE(png_image_begin_read_from_memory(&png, bytes->data(), bytes->size()));
+  EXPECT_EQ(png.width, 3u);
+  EXPECT_EQ(png.height, 2u);
+  EXPECT_EQ(png.format, static_cast<png_uint_32>(PNG_FORMAT_LINEAR_Y));  // 16 bits, grey
+  png_image_free(&png);
+  // The codes themselves, not what the simplified interface makes of their gamma.
+  png_structp reader = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(reader);
+  struct Rest {
+    const std::vector<std::uint8_t>& bytes;
+    std::size_t at = 0;
+  } rest{*bytes};
+  png_set_read_fn(reader, &rest, [](png_structp p, png_bytep to, png_size_t size) {
+    auto& from = *static_cast<Rest*>(png_get_io_ptr(p));
+    std::memcpy(to, from.bytes.data() + from.at, size);
+    from.at += size;
+  });
+  png_read_png(reader, info, PNG_TRANSFORM_IDENTITY, nullptr);
+  png_bytepp rows = png_get_rows(reader, info);
+  std::vector<int> codes;
+  for (int v = 0; v < 2; ++v) {
+    for (int u = 0; u < 3; ++u) codes.push_back(rows[v][2 * u] << 8 | rows[v][2 * u + 1]);
+  }
+  png_destroy_read_struct(&reader, &info, nullptr);
+  EXPECT_EQ(codes, (std::vector<int>{1000, 0, 0, 1205, 100, 20000}));  // 100 m does not fit
+  EXPECT_FALSE(depth_png(DepthImage{}));
+}
+
+TEST(DepthFile, PlyHoldsTheKnownPointsWithTheirColours) {
+  PointCloud cloud;
+  point_cloud(small_depth(), cloud);
+  Image colors{3, 2, std::vector<std::uint8_t>(18)};
+  for (std::size_t i = 0; i < 18; ++i) colors.rgb[i] = static_cast<std::uint8_t>(i);
+  const auto bytes = points_ply(cloud, colors);
+  ASSERT_TRUE(bytes);
+  const std::string text(bytes->begin(), bytes->end());
+  EXPECT_NE(text.find("element vertex 5\n"), std::string::npos) << text;
+  const std::size_t body = text.find("end_header\n") + std::strlen("end_header\n");
+  ASSERT_EQ(text.size() - body, 5u * 15);
+  // The fourth pixel, (0, 1): the third that is known.
+  float xyz[3];
+  std::memcpy(xyz, bytes->data() + body + 2 * 15,
+              sizeof xyz);  // tests run on little-endian machines
+  EXPECT_FLOAT_EQ(xyz[2], 10 / 8.3F);
+  EXPECT_FLOAT_EQ(xyz[0], -1 * xyz[2] / 100);
+  EXPECT_FLOAT_EQ(xyz[1], 0.5F * xyz[2] / 100);
+  EXPECT_EQ((*bytes)[body + 2 * 15 + 12], 9);  // red of pixel 3
+  colors.width = 2;
+  EXPECT_FALSE(points_ply(cloud, colors));
+}
+
+TEST(ExchangedEyes, AreNoticedAndSoundOnesAreNot) {
+  for (const int width : {320, 640}) {
+    const CameraModel camera = test_camera(width, width * 3 / 4);
+    const StereoImages pair = test_room().pictures(camera, 2, 5);
+    EXPECT_FALSE(cameras_look_swapped(pair, test_info(camera)));
+    EXPECT_TRUE(cameras_look_swapped({pair.right, pair.left}, test_info(camera)));
+    // Nothing to compare: no opinion.
+    Image grey = pair.left;
+    std::fill(grey.rgb.begin(), grey.rgb.end(), 128);
+    EXPECT_FALSE(cameras_look_swapped({grey, grey}, test_info(camera)));
+  }
+}
+
+}  // namespace
+}  // namespace kaz::vision

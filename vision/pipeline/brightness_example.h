@@ -1,0 +1,18 @@
+// How bright pictures are: an example of a module, printed in docs/vision.md.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "vision/pipeline/module.h"
+
+namespace kaz::vision {
+
+struct Brightness {
+  double left = 0, right = 0;  // mean code, 0..255
+};
+
+// Named "brightness"; its result is a Brightness.
+std::unique_ptr<Module> make_brightness_module();
+
+}  // namespace kaz::vision

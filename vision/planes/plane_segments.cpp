@@ -1,0 +1,244 @@
+// Plane segments: votes, fits, connected cells, and then pixels.
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/planes/plane_segments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "vision/planes/plane_cells.h"
+#include "vision/planes/plane_pixels.h"
+#include "vision/planes/plane_votes.h"
+
+namespace kaz::vision {
+namespace {
+
+constexpr std::uint8_t kOff = 0, kOn = 1, kUnknown = 2, kPart = 3;
+constexpr int kGap = 2;
+constexpr std::size_t kSample = 250;  // cells that candidates are compared by
+
+Result<void> check(const DepthImage& depth, const PlaneOptions& o) {
+  const CameraModel& c = depth.info.camera;
+  const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
+  if (depth.width < 32 || depth.height < 32 || depth.width > 8192 || depth.height > 8192)
+    return fail(Fault::usage, "planes: the depth image has " + std::to_string(depth.width) + " x " +
+                                  std::to_string(depth.height) + " pixels: 32 to 8192 a side");
+  if (depth.disparity_px.size() !=
+      static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height))
+    return fail(Fault::usage, "planes: the depth image has " +
+                                  std::to_string(depth.disparity_px.size()) +
+                                  " numbers, not one a pixel: it was cut short");
+  if (!positive(c.fx) || !positive(c.fy) || !std::isfinite(c.cx) || !std::isfinite(c.cy) ||
+      !positive(c.baseline_m))
+    return fail(Fault::usage,
+                "planes: the camera model has no focal length or no distance between the eyes: "
+                "calibrate them");
+  if (o.triples < 1 || o.triples > 1'000'000 || o.max_planes < 1 || o.max_planes > kMostPlanes)
+    return fail(Fault::usage, "planes: triples must be 1 to 1000000 and max_planes 1 to 16");
+  if (!positive(o.tolerance_px) || !(o.min_share >= 0 && o.min_share <= 1))
+    return fail(Fault::usage, "planes: tolerance_px must be above 0 and min_share between 0 and 1");
+  return {};
+}
+
+}  // namespace
+
+struct PlaneSegmentFinder::State {
+  PlaneOptions options;
+  CellGrid grid;
+  PlaneVotes votes;
+  PlanePixels pixels;
+  std::vector<std::uint8_t> open;  // per cell: usable and on no plane yet
+  std::vector<int> open_cells;
+  std::vector<std::uint8_t> unknown;  // per cell: kUnknown or kOff
+  std::vector<std::uint8_t> on;       // per cell: kOff and so on, of the plane in question
+  struct Visit {
+    int cell, gap;
+  };
+  std::vector<Visit> queue;
+  std::vector<std::vector<int>> parts;
+  double widest = 0;  // px: how far off a cell may be to count in a fit
+  double rms = 0;     // px: of the last fit
+
+  double off(const Cell& cell, const DisparityPlane& plane) const {
+    return std::abs(static_cast<double>(cell.d - plane.at(cell.u, cell.v)));
+  }
+
+  // Least squares over every `stride`-th of these cells, of those near the plane, three times:
+  // first within `widest`, then within 2.5 times the rms of those before, so that what adjoins at
+  // an angle does not bend it. How many cells the last one had; 0 where they span no plane.
+  int fit(const std::vector<int>& among, std::size_t stride, int rounds, DisparityPlane& plane) {
+    double band = widest;
+    int count = 0;
+    for (int round = 0; round < rounds; ++round) {
+      PlaneFit sums;
+      double square = 0;
+      count = 0;
+      for (std::size_t i = 0; i < among.size(); i += stride) {
+        const Cell& c = grid.cells[static_cast<std::size_t>(among[i])];
+        const double r = off(c, plane);
+        if (!(r < band)) continue;
+        sums.add(static_cast<double>(c.u), static_cast<double>(c.v), static_cast<double>(c.d));
+        square += r * r;
+        ++count;
+      }
+      if (count < 3 || !sums.solve(plane)) return 0;
+      rms = std::sqrt(square / count);
+      band = std::clamp(2.5 * rms, 0.1 * options.tolerance_px, widest);
+    }
+    return count;
+  }
+
+  // Cells on the plane that hang together by their sides, in `parts`, those of at least `least`
+  // cells, largest first. What is not known between them, up to kGap cells, does not part them.
+  void connect(const DisparityPlane& plane, int least) {
+    on = unknown;
+    for (const int i : open_cells) {
+      const auto at = static_cast<std::size_t>(i);
+      if (off(grid.cells[at], plane) < widest) on[at] = kOn;
+    }
+    parts.clear();
+    for (const int seed : open_cells) {
+      if (on[static_cast<std::size_t>(seed)] != kOn) continue;
+      std::vector<int> part = flood(seed);
+      if (static_cast<int>(part.size()) >= least && broad(part)) parts.push_back(std::move(part));
+    }
+    std::stable_sort(parts.begin(), parts.end(),
+                     [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  }
+
+  // In order of nearness to the seed, so that gaps are crossed by the shortest way.
+  std::vector<int> flood(int seed) {
+    std::vector<int> part;
+    queue.assign(1, {seed, 0});
+    on[static_cast<std::size_t>(seed)] = kOff;
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+      const auto [i, gap] = queue[head];
+      if (gap == 0) part.push_back(i);
+      const int column = i % grid.columns, row = i / grid.columns;
+      const auto visit = [&, gap = gap](bool inside, int j) {
+        if (!inside) return;
+        std::uint8_t& what = on[static_cast<std::size_t>(j)];
+        if (what == kOff || (what == kUnknown && gap == kGap)) return;
+        queue.push_back({j, what == kOn ? 0 : gap + 1});
+        what = kOff;
+      };
+      visit(column > 0, i - 1);
+      visit(column + 1 < grid.columns, i + 1);
+      visit(row > 0, i - grid.columns);
+      visit(row + 1 < grid.rows, i + grid.columns);
+    }
+    return part;
+  }
+
+  // A plane through two surfaces meets them along a line: a strip, in which hardly a cell has no
+  // neighbour that is known to be off the plane.
+  bool broad(const std::vector<int>& part) {
+    for (const int i : part) on[static_cast<std::size_t>(i)] = kPart;
+    int inner = 0;
+    for (const int i : part) {
+      const int column = i % grid.columns, row = i / grid.columns;
+      if (column == 0 || row == 0 || column + 1 == grid.columns || row + 1 == grid.rows) continue;
+      const auto is = [&](int j) {
+        const auto at = static_cast<std::size_t>(j);
+        return on[at] == kPart || !grid.cells[at].usable;
+      };
+      if (is(i - 1) && is(i + 1) && is(i - grid.columns) && is(i + grid.columns)) ++inner;
+    }
+    for (const int i : part) on[static_cast<std::size_t>(i)] = kOff;
+    return 4 * inner >= static_cast<int>(part.size());
+  }
+
+  void list_open() {
+    open_cells.clear();
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if (open[i] != 0) open_cells.push_back(static_cast<int>(i));
+    }
+  }
+
+  // The next plane and its parts; false where there is no more.
+  bool next(const CameraModel& camera, int triples, int least, Random& random,
+            DisparityPlane& plane) {
+    const auto candidates = votes.count(grid, open, open_cells, camera, triples, random);
+    struct Ranked {
+      int count;
+      DisparityPlane plane;
+    };
+    std::vector<Ranked> ranked;
+    const std::size_t stride = std::max<std::size_t>(1, open_cells.size() / kSample);
+    for (DisparityPlane candidate : candidates) {
+      const int count = static_cast<int>(stride) * fit(open_cells, stride, 2, candidate);
+      ranked.push_back({count, candidate});
+    }
+    std::stable_sort(ranked.begin(), ranked.end(),
+                     [](const Ranked& a, const Ranked& b) { return a.count > b.count; });
+    for (Ranked& r : ranked) {
+      if (3 * r.count < least) break;
+      if (fit(open_cells, 1, 2, r.plane) < least / 2) continue;
+      connect(r.plane, least);
+      if (parts.empty() || fit(parts.front(), 1, 3, r.plane) == 0) continue;
+      connect(r.plane, least);
+      if (parts.empty()) continue;
+      plane = r.plane;
+      return true;
+    }
+    return false;
+  }
+};
+
+PlaneSegmentFinder::PlaneSegmentFinder(const PlaneOptions& options)
+    : state_(std::make_unique<State>()) {
+  state_->options = options;
+}
+PlaneSegmentFinder::~PlaneSegmentFinder() = default;
+PlaneSegmentFinder::PlaneSegmentFinder(PlaneSegmentFinder&&) noexcept = default;
+PlaneSegmentFinder& PlaneSegmentFinder::operator=(PlaneSegmentFinder&&) noexcept = default;
+
+Result<void> PlaneSegmentFinder::find(const DepthImage& depth, PlaneSegments& found) {
+  State& s = *state_;
+  const PlaneOptions& o = s.options;
+  found.info = depth.info;
+  if (auto ok = check(depth, o); !ok) return ok;
+  s.grid.fill(depth);
+  s.open.resize(s.grid.cells.size());
+  s.unknown.resize(s.open.size());
+  for (std::size_t i = 0; i < s.open.size(); ++i) {
+    s.open[i] = s.grid.cells[i].usable ? 1 : 0;
+    s.unknown[i] = s.grid.cells[i].usable ? kOff : kUnknown;
+  }
+  s.list_open();
+  s.pixels.begin(s.grid);
+  const int least =
+      std::max(9, static_cast<int>(o.min_share * static_cast<double>(s.grid.cells.size())));
+  Random random(o.seed);
+  s.widest = o.tolerance_px;
+  bool ended = false;
+  int triples = o.triples;
+  while (s.pixels.planes() < o.max_planes && !ended &&
+         static_cast<int>(s.open_cells.size()) >= least) {
+    DisparityPlane plane;
+    if (!s.next(depth.info.camera, triples, least, random, plane)) {
+      ended = true;
+      continue;
+    }
+    triples = std::max(1, o.triples / 3);
+    // The first plane, mostly the largest, shows how noisy cells are: it is the same all over.
+    if (s.pixels.planes() == 0) s.widest = std::clamp(4 * s.rms, 0.2 * s.widest, s.widest);
+    s.pixels.add(plane, s.parts);
+    for (const auto& part : s.parts) {
+      for (const int i : part) s.open[static_cast<std::size_t>(i)] = 0;
+    }
+    s.list_open();
+  }
+  s.pixels.assign(depth, static_cast<float>(o.tolerance_px), found);
+  if (depth.info.posture_known) {
+    const Eigen::Vector3d up = depth.info.foot_from_eye.linear().row(2).transpose();
+    for (PlaneSegment& segment : found.segments) {
+      const double height = (depth.info.foot_from_eye * segment.middle).z();
+      segment.floor = up.dot(segment.normal) > std::cos(o.floor_angle_rad) &&
+                      std::abs(height) < o.floor_height_m;
+    }
+  }
+  return {};
+}
+
+}  // namespace kaz::vision

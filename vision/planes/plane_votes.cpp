@@ -1,0 +1,136 @@
+// Votes of local point triples for planes.
+// SPDX-License-Identifier: Apache-2.0
+#include "vision/planes/plane_votes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace kaz::vision {
+namespace {
+
+constexpr int kReach = 6;            // cells from the first point of a triple to the others
+constexpr double kNearest_m = 0.02;  // of distance
+constexpr float kStep = 0.12F;
+constexpr std::size_t kMost = 6;
+
+}  // namespace
+
+bool PlaneVotes::bin_of(const Eigen::Vector3d& plane, double baseline, Vote& vote) const {
+  const double norm = plane.norm();
+  if (!(norm > 1e-9)) return false;
+  const double distance = baseline / norm;
+  const float step = std::log(static_cast<float>(distance / kNearest_m)) / kStep;
+  if (!(step >= 0 && step < kDistances)) return false;
+  const Eigen::Vector3d n = plane / plane.lpNorm<1>();
+  double x = n.x(), y = n.y();
+  if (n.z() < 0) {  // the octahedron's far half is folded out
+    x = std::copysign(1 - std::abs(n.y()), n.x());
+    y = std::copysign(1 - std::abs(n.x()), n.y());
+  }
+  const auto side = [](double t) {
+    return static_cast<std::int16_t>(
+        std::clamp(static_cast<int>((t + 1) * 0.5 * kSides), 0, kSides - 1));
+  };
+  vote.bin = {side(x), side(y), static_cast<std::int16_t>(step)};
+  vote.plane = plane.cast<float>();
+  return true;
+}
+
+void PlaneVotes::draw(const CellGrid& grid, std::span<const std::uint8_t> open,
+                      std::span<const int> open_cells, const CameraModel& camera, int triples,
+                      Random& random) {
+  bins_.assign(static_cast<std::size_t>(kSides * kSides * kDistances), 0);
+  votes_.clear();
+  // Thin triangles say little about their plane: the smallest counted is 3 by 4 cells.
+  const auto least = static_cast<float>(12 * grid.size * grid.size);
+  for (int i = 0; i < triples; ++i) {
+    const int first = open_cells[random.below(static_cast<std::uint32_t>(open_cells.size()))];
+    const int column = first % grid.columns, row = first / grid.columns;
+    const std::uint64_t bits = random.next();
+    const auto near = [&](int shift) -> const Cell* {
+      const int x = column + static_cast<int>((bits >> shift & 0xFFFF) % (2 * kReach + 1)) - kReach;
+      const int y =
+          row + static_cast<int>((bits >> (shift + 16) & 0xFFFF) % (2 * kReach + 1)) - kReach;
+      if (x < 0 || y < 0 || x >= grid.columns || y >= grid.rows) return nullptr;
+      const auto at = static_cast<std::size_t>(y * grid.columns + x);
+      return open[at] != 0 ? &grid.cells[at] : nullptr;
+    };
+    const Cell& p = grid.cells[static_cast<std::size_t>(first)];
+    const Cell *q = near(0), *r = near(32);
+    if (q == nullptr || r == nullptr) continue;
+    const float u1 = q->u - p.u, v1 = q->v - p.v, d1 = q->d - p.d;
+    const float u2 = r->u - p.u, v2 = r->v - p.v, d2 = r->d - p.d;
+    const float area = u1 * v2 - u2 * v1;
+    if (std::abs(area) < least) continue;
+    DisparityPlane plane;
+    plane.a = (d1 * v2 - d2 * v1) / area;
+    plane.b = (u1 * d2 - u2 * d1) / area;
+    plane.c = p.d - plane.a * p.u - plane.b * p.v;
+    Vote vote;
+    if (!bin_of(plane.scaled_normal(camera), camera.baseline_m, vote)) continue;
+    ++bins_[static_cast<std::size_t>(index(vote.bin[0], vote.bin[1], vote.bin[2]))];
+    votes_.push_back(vote);
+  }
+}
+
+// Votes in the bin and its 26 neighbours: a plane on a border between bins loses nothing.
+int PlaneVotes::around(const Vote& vote) const {
+  int sum = 0;
+  for (int z = std::max(0, vote.bin[2] - 1); z <= std::min(kDistances - 1, vote.bin[2] + 1); ++z) {
+    for (int y = std::max(0, vote.bin[1] - 1); y <= std::min(kSides - 1, vote.bin[1] + 1); ++y) {
+      for (int x = std::max(0, vote.bin[0] - 1); x <= std::min(kSides - 1, vote.bin[0] + 1); ++x)
+        sum += bins_[static_cast<std::size_t>(index(x, y, z))];
+    }
+  }
+  return sum;
+}
+
+std::span<const DisparityPlane> PlaneVotes::count(const CellGrid& grid,
+                                                  std::span<const std::uint8_t> open,
+                                                  std::span<const int> open_cells,
+                                                  const CameraModel& camera, int triples,
+                                                  Random& random) {
+  draw(grid, open, open_cells, camera, triples, random);
+  best_.clear();
+  struct Peak {
+    int votes, vote;
+  };
+  std::vector<Peak> peaks;
+  std::vector<std::uint16_t> left = bins_;  // each bin is looked at once
+  for (std::size_t i = 0; i < votes_.size(); ++i) {
+    const auto& bin = votes_[i].bin;
+    std::uint16_t& here = left[static_cast<std::size_t>(index(bin[0], bin[1], bin[2]))];
+    if (here == 0) continue;
+    here = 0;
+    peaks.push_back({around(votes_[i]), static_cast<int>(i)});
+  }
+  std::sort(peaks.begin(), peaks.end(), [](const Peak& a, const Peak& b) {
+    return a.votes != b.votes ? a.votes > b.votes : a.vote < b.vote;
+  });
+  const auto beside = [](const Vote& a, const Vote& b, int reach) {
+    return std::abs(a.bin[0] - b.bin[0]) <= reach && std::abs(a.bin[1] - b.bin[1]) <= reach &&
+           std::abs(a.bin[2] - b.bin[2]) <= reach;
+  };
+  std::vector<int> taken;
+  for (const Peak& peak : peaks) {
+    if (taken.size() == kMost || peak.votes < 3) break;
+    const Vote& middle = votes_[static_cast<std::size_t>(peak.vote)];
+    if (std::any_of(taken.begin(), taken.end(), [&](int other) {
+          return beside(middle, votes_[static_cast<std::size_t>(other)], 2);
+        }))
+      continue;
+    taken.push_back(peak.vote);
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    int n = 0;
+    for (const Vote& vote : votes_) {
+      if (!beside(vote, middle, 1)) continue;
+      sum += vote.plane;
+      ++n;
+    }
+    best_.push_back(DisparityPlane::of((sum / static_cast<float>(n)).cast<double>(), camera));
+  }
+  return best_;
+}
+
+}  // namespace kaz::vision
