@@ -1,4 +1,4 @@
-// `kaz_benchmark`: measures what the project promises about speed. `./tools/dev benchmark` builds and runs it.
+// `kaz_benchmark`: measures the speeds that the project promises (`./tools/dev benchmark`).
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
