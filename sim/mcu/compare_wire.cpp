@@ -385,9 +385,12 @@ class Boards {
     if (theirs.bytes == ours.bytes) return true;
     auto a = body_of(theirs), b = body_of(ours);
     if (theirs.cut && ours.cut) {
-      // The check of a whole frame may be among the bytes, and depends on the fields.
-      const std::size_t common = std::min(a.size(), b.size());
+      std::size_t common = std::min(a.size(), b.size());
       if (std::max(a.size(), b.size()) - common > 1) return false;
+      // A frame that ends just before the cut is whole: its check is among the bytes, and depends on the
+      // masked fields. Messages with masked fields have one size.
+      const kz_message_info* info = a.size() > 1 && a[1] == b[1] ? kz_message_find(a[1]) : nullptr;
+      if (info) common = std::min(common, std::size_t{KZ_HEADER_SIZE} + info->size_max);
       a.resize(common);
       b.resize(common);
       if (a == b) return true;

@@ -165,7 +165,8 @@ void WireHost::damage(std::vector<std::uint8_t>& frame) {
 
 void WireHost::send(const std::vector<std::uint8_t>& frame, const char* kind,
                     const std::string& text) {
-  States gap = std::max<States>(next_at_ - line_free_, 0);
+  States gap = std::max(next_at_ - line_free_, min_gap_);
+  min_gap_ = 0;
   for (const std::uint8_t value : frame) {
     pending_.push_back({value, false, gap});
     gap = 0;
@@ -194,6 +195,8 @@ void WireHost::refill(States at) {
     if (was_last) planned_.pop_front();
     ++requests_;
     send(frame(request), "planned", name_of(type));
+    min_gap_ = pause;  // also where the line was closed and the frame ends later than planned
+    if (takes_the_board_away(type)) last_.clear();  // repeated, it would not stand alone
     next_at_ += static_cast<States>(pending_.size()) * KZ_STATES_PER_BYTE + pause +
                 random_.below(KZ_STATES_PER_TICK);
     return;

@@ -82,6 +82,7 @@ class WireHost {
   States begun_at_ = 0;
   States line_free_ = 0;
   States next_at_ = 0;  // the next request begins
+  States min_gap_ = 0;  // from the end of the last request to the next one, at least
   States manner_until_ = 0;
   Manner manner_ = Manner::polite;
   std::deque<Pending> pending_;
