@@ -9,7 +9,7 @@
 
 namespace kaz::host {
 
-struct Trouble {
+struct Diagnostic {
   std::string what;                 // "the board did not answer in boot mode"
   std::string expected;             // "H'00 in answer to H'00 at 9600 baud"
   std::string came;                 // "nothing in 2.0 s"
@@ -18,8 +18,8 @@ struct Trouble {
 };
 
 // Several lines, without a newline at the end.
-std::string text_of(const Diagnostic& trouble);
-tl::unexpected<Error> fail(Fault fault, const Diagnostic& trouble);
+std::string text_of(const Diagnostic& diagnostic);
+tl::unexpected<Error> fail(Fault fault, const Diagnostic& diagnostic);
 
 // "4b 80 00" of at most 16 bytes, "nothing" of none.
 std::string hex_of(const std::vector<std::uint8_t>& bytes);
