@@ -262,7 +262,7 @@ TEST(HostileFiles, CalibrationsAndColoursAreRefused) {
 // Paths at which `kaz sim` would put something: what belongs to others stays.
 // In the place of every file that a verb reads: a folder, and a device without end.
 TEST(HostileFiles, WhatIsNoFileIsRefused) {
-  const TemporaryFolder folder("hostile-none");
+  const TemporaryFolder folder;
   const string out = folder / "out";
   for (const string& file : {string(folder / "."), string("/dev/zero")}) {
     const std::vector<std::vector<string>> verbs = {
