@@ -12,24 +12,24 @@
 namespace kaz::vision {
 
 // A picture as it was given: so many channels of 8 bits, rows from the top.
-struct FlowSample {
+struct FlowInput {
   int width, height, channels;
   std::span<const std::uint8_t> bytes;
 };
 
-inline FlowSample flow_sight(const Image& image) {
+inline FlowInput flow_input(const Image& image) {
   return {image.width, image.height, 3, image.rgb};
 }
-inline FlowSample flow_sight(const GreyPicture& picture) {
+inline FlowInput flow_input(const GreyPicture& picture) {
   return {picture.width, picture.height, 1, picture.pixels};
 }
 
 inline constexpr int kSmallestFlow_px = 64;  // fewer hold no patch of the small pictures
 
 // The errors that FlowFinder::find() names.
-Result<void> check_flow_pair(const FlowSample& before, const FrameInfo& info_before,
-                             const FlowSample& after, const FrameInfo& info_after);
+Result<void> check_flow_pair(const FlowInput& before, const FrameInfo& info_before,
+                             const FlowInput& after, const FrameInfo& info_after);
 // Grey of `sight`: a view of its pixels where they are grey, else converted into `memory`.
-cv::Mat flow_grey(const FlowSample& sight, cv::Mat& memory);
+cv::Mat flow_grey(const FlowInput& sight, cv::Mat& memory);
 
 }  // namespace kaz::vision
