@@ -121,7 +121,7 @@ measured:
 	add.w	r2,r1
 	mov.w	r1,@(JOINT_RATE:16,er6)
 	mov.w	r0,@(JOINT_ANGLE:16,er6)
-	mov.w	@(JOINT_CAREFUL:16,er6),r2	; and whether it is on
+	mov.w	@(JOINT_CONSTRAINED:16,er6),r2	; and whether it is on
 	cmp.w	#1,r2
 	bne	to_special
 	mov.w	@(JOINT_COMMAND:16,er6),r3

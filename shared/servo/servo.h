@@ -56,7 +56,7 @@ extern "C" {
 //   pot_bad_ms  for how long the potentiometer's code has made no sense
 //   pot_input   index into kz_tick_input.analog
 //   mirrored    a forward shaft is a negative joint angle
-//   constrained     KZ_CAREFUL_* (joint_loop.h)
+//   constrained     KZ_CONSTRAINED_* (joint_loop.h)
 //   on          bit of `enabled`
 //   heat        what the motor has taken up and not given off yet (protection.h)
 //   stall_angle where it was when it began not to move under high load, 100 urad
