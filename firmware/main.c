@@ -9,8 +9,7 @@
 #include "firmware/serial.h"
 #include "shared/flash/image.h"
 #include "shared/protocol/messages.h"
-#include "shared/servo/servo.h"
-#include "shared/servo/startup.h"
+#include "shared/servo/tick.h"
 
 // What the tick works on. Global, so that an emulator finds them by name.
 kz_tick_input kz_input;

@@ -26,7 +26,10 @@
 extern "C" {
 #endif
 
-#define KZ_HEADER_SIZE 3   // address, type, sequence number
+#define KZ_HEADER_SIZE 3  // address, type, sequence number: bytes 0, 1, 2 of a body
+#define KZ_BODY_ADDRESS 0
+#define KZ_BODY_TYPE 1
+#define KZ_BODY_SEQUENCE 2
 #define KZ_IDLE_MS 20      // a frame in which no byte comes for so long is given up
 #define KZ_PAYLOAD_MAX 96  // bytes of fields in one message
 #define KZ_BODY_MAX (KZ_HEADER_SIZE + KZ_PAYLOAD_MAX)

@@ -92,6 +92,11 @@ extern "C" {
 #define KZ_RAMP_MAX 120           // 12 rad/s, near the motors' no-load speed
 #define KZ_CENTRE_TOLERANCE 5000  // 0.5 rad
 
+#define KZ_JOINTS_PER_REPLY 9  // joints that a `joints_reply` has room for
+
+// In a detail: no joint and no field.
+#define KZ_NO_DETAIL 255
+
 // Reasons of a refusal.
 #define KZ_REFUSED_UNKNOWN_TYPE 1  // no request has this type
 #define KZ_REFUSED_LENGTH 2        // more or fewer bytes than the type's fields
@@ -105,15 +110,32 @@ extern "C" {
 #define KZ_REFUSED_SHARED_LINE 10  // not on a line with other boards
 #define KZ_REFUSED_STORE 11        // flash could not be written
 
+// The kinds of messages.def. KZ_KIND_NONE: no message has this type.
+enum kz_kind {
+  KZ_KIND_NONE,
+  KZ_KIND_QUERY,
+  KZ_KIND_JOINT_QUERY,
+  KZ_KIND_COMMAND,
+  KZ_KIND_BULK_COMMAND,
+  KZ_KIND_FLASH_COMMAND,
+  KZ_KIND_RESTART_COMMAND,
+  KZ_KIND_REPLY,
+  KZ_KIND_LARGE_REPLY,
+  KZ_KIND_SPLIT_REPLY,
+  KZ_KIND_ACKNOWLEDGEMENT,
+  KZ_KIND_REFUSAL,
+  KZ_KIND_TELEMETRY
+};
+
 // Codes: KZ_TYPE_<name>.
 enum kz_type {
-#define KZ_MESSAGE(name, code, text) KZ_TYPE_##name = code,
+#define KZ_MESSAGE(name, code, kind, text) KZ_TYPE_##name = code,
 #include "shared/protocol/messages.def"
 };
 
 // Bytes of fields at most: KZ_SIZE_<name>.
 enum kz_size {
-#define KZ_MESSAGE(name, code, text) KZ_SIZE_##name = 0
+#define KZ_MESSAGE(name, code, kind, text) KZ_SIZE_##name = 0
 #define KZ_FIELD(type, name, unit, text) +(int)sizeof(type)
 #define KZ_ARRAY(type, name, count, unit, text) +(count) * (int)sizeof(type)
 #define KZ_MASKED(type, name, mask, most, unit, text) +(most) * (int)sizeof(type)
@@ -122,8 +144,8 @@ enum kz_size {
 };
 
 // struct kz_<name> for each message. One without fields has a dummy member, always 0.
-#define KZ_MESSAGE(name, code, text)  \
-  typedef struct kz_##name kz_##name; \
+#define KZ_MESSAGE(name, code, kind, text) \
+  typedef struct kz_##name kz_##name;      \
   struct kz_##name {
 #define KZ_FIELD(type, name, unit, text) type name;
 #define KZ_ARRAY(type, name, count, unit, text) type name[count];
@@ -140,7 +162,7 @@ enum kz_size {
 // outside the mask become 0.
 // kz_check_<name> returns the number of the first field that is out of its bounds, or KZ_IN_BOUNDS.
 #define KZ_IN_BOUNDS 255
-#define KZ_MESSAGE(name, code, text)                                           \
+#define KZ_MESSAGE(name, code, kind, text)                                     \
   u8 kz_pack_##name(const struct kz_##name* message, u8* fields);              \
   u8 kz_unpack_##name(struct kz_##name* message, const u8* fields, u8 length); \
   u8 kz_check_##name(const struct kz_##name* message);

@@ -1,7 +1,8 @@
 // Supply, temperature of the motor drivers, reference of the converter.
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/servo/commands.h"
-#include "shared/servo/safety.h"
+#include "shared/servo/health.h"
+
+#include "shared/servo/shutdown.h"
 
 #define SUPPLY_MV_PER_CODE (KZ_SUPPLY_FULL_MV / KZ_POT_CODES)
 

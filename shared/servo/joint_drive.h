@@ -3,7 +3,17 @@
 #ifndef KAZ_SHARED_SERVO_JOINT_DRIVE_H
 #define KAZ_SHARED_SERVO_JOINT_DRIVE_H
 
-#include "shared/servo/joint_loop.h"
+#include "shared/servo/servo.h"
+
+#define KZ_DUTY_MAX 255
+#define KZ_DRIVE_SHIFT 11  // a drive has 2048 to a count of duty
+
+// Rates are 1/64 of 100 urad/ms, so a way of 100 urad allows a rate of 1 if T is 64 ms.
+#define KZ_NEAR_LIMIT 1000  // 100 urad: on this last way T is half
+// Slower than that, 0.5 rad/s, nothing is held back. More than the flicker of one code gives.
+#define KZ_SLOW 320
+// Full drive against 4 rad/s too fast, in 1/2048 of a count for a unit of rate.
+#define KZ_BRAKE 204
 
 // What of a rate towards a limit is too fast, `way` before it.
 static inline u16 kz_too_fast(u16 way, u16 rate) {

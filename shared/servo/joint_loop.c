@@ -5,7 +5,6 @@
 #include "shared/servo/joint_loop.h"
 
 #include "shared/board/pot.h"
-#include "shared/servo/joint_drive.h"
 
 // `left` steps remain; after the last the command is exactly the target. A ramp that meets a soft
 // limit, because that was moved, ends there; or where it is, if that is already outside.

@@ -20,6 +20,7 @@
 #ifndef KAZ_SHARED_SERVO_JOINT_LOOP_H
 #define KAZ_SHARED_SERVO_JOINT_LOOP_H
 
+#include "shared/servo/joint_drive.h"
 #include "shared/servo/servo.h"
 
 #ifdef __cplusplus
@@ -29,18 +30,9 @@ extern "C" {
 // Fastest change of angle in a tick that is believed: 51 rad/s, four times what the motor can.
 // Keeps the filtered rate inside 16 bits: 64 * 511 = 32704.
 #define KZ_DELTA_MAX 511
-#define KZ_DUTY_MAX 255
 // Why a joint is constrained.
 #define KZ_CONSTRAINED_NEAR_LIMIT 1
 #define KZ_CONSTRAINED_BY_FRICTION 2  // it has a dead band or friction
-#define KZ_DRIVE_SHIFT 11             // a drive has 2048 to a count of duty
-
-// Rates are 1/64 of 100 urad/ms, so a way of 100 urad allows a rate of 1 if T is 64 ms.
-#define KZ_NEAR_LIMIT 1000  // 100 urad: on this last way T is half
-// Slower than that, 0.5 rad/s, nothing is held back. More than the flicker of one code gives.
-#define KZ_SLOW 320
-// Full drive against 4 rad/s too fast, in 1/2048 of a count for a unit of rate.
-#define KZ_BRAKE 204
 
 // A joint whose ways to both limits are longer than its rate and this need not be looked at for 4 ms:
 // the rate allowed is the way and 1000; in 4 ms it gets 620 nearer (15.5 rad/s, free at 12 V), and
@@ -55,10 +47,6 @@ u16 kz_joint_loop(kz_joint* joint, const u16* analog);
 static inline u16 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
   return kz_joint_loop(servo->joint, input->analog);
 }
-
-// Raw drive of a motor whose joint is off, -255..255, after kz_joints_update; held back before the
-// soft limits like the loop.
-void kz_joint_drive_raw(kz_joint* joint, s16 drive);
 
 #ifdef __cplusplus
 }

@@ -3,8 +3,7 @@
 #include "shared/servo/protection.h"
 
 #include "shared/servo/joint_loop.h"
-#include "shared/servo/joints.h"
-#include "shared/servo/safety.h"
+#include "shared/servo/shutdown.h"
 
 #define LOAD_MAX 255
 #define LIMITS_MS 4

@@ -3,14 +3,10 @@
 #include "shared/servo/requests.h"
 
 #include "shared/servo/commands.h"
+#include "shared/servo/handlers.h"
 #include "shared/servo/replies.h"
-#include "shared/servo/safety.h"
-#include "shared/servo/telemetry.h"
-
-// Where the header's bytes stand in a body.
-#define ADDRESS 0
-#define TYPE 1
-#define SEQUENCE 2
+#include "shared/servo/status.h"
+#include "shared/servo/telemetry_frames.h"
 
 #define WORK_LENGTH 13  // bytes of body
 
@@ -92,11 +88,11 @@ static u8 is_work(u8 type, u8 length) {
 
 void kz_request_received(kz_servo* servo) {
   const u8* body = servo->receiver.body;
-  const u8 type = body[TYPE];
-  const u8 sequence = body[SEQUENCE];
-  const u8 answered = (u8)(body[ADDRESS] == servo->address);
+  const u8 type = body[KZ_BODY_TYPE];
+  const u8 sequence = body[KZ_BODY_SEQUENCE];
+  const u8 answered = (u8)(body[KZ_BODY_ADDRESS] == servo->address);
   const kz_answer* answer;
-  if (!answered && body[ADDRESS] != KZ_ADDRESS_ALL) return;
+  if (!answered && body[KZ_BODY_ADDRESS] != KZ_ADDRESS_ALL) return;
   if (type & KZ_REPLY) return;  // a reply is not a request, whoever sent it
   servo->silent_ms = 0;
   ++servo->frames;
@@ -136,14 +132,6 @@ u8 kz_requests_leave_room(const kz_servo* servo) {
   if (kz_sender_busy(&servo->sender)) return 0;
   if (servo->queued != 0) return (u8)(servo->queue[0].reason == KZ_PENDING);
   return (u8)!servo->refuse_busy;
-}
-
-void kz_send(kz_servo* servo, u8 type, u8 sequence, u8 field_bytes) {
-  u8* body = servo->sender.body;
-  body[ADDRESS] = servo->address;
-  body[TYPE] = type;
-  body[SEQUENCE] = sequence;
-  kz_sender_start(&servo->sender, (u8)(KZ_HEADER_SIZE + field_bytes));
 }
 
 static void send_refusal(kz_servo* servo, u8 type, u8 sequence, u8 reason, u8 detail) {

@@ -27,9 +27,6 @@ u8 kz_requests_leave_room(const kz_servo* servo);
 // Starts the next reply, or else telemetry, if the sender is idle and one is due.
 void kz_requests_answer(kz_servo* servo, const kz_tick_input* input);
 
-// Sends the fields that stand in the sender's body already, behind the place of the header.
-void kz_send(kz_servo* servo, u8 type, u8 sequence, u8 field_bytes);
-
 #ifdef __cplusplus
 }
 #endif

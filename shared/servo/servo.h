@@ -6,7 +6,7 @@
 #include "shared/base/types.h"
 #include "shared/board/board.h"
 #include "shared/protocol/messages.h"
-#include "shared/servo/tick.h"
+#include "shared/servo/snapshot.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -228,6 +228,19 @@ typedef struct kz_servo {
   kz_receiver receiver;
   kz_sender sender;
 } kz_servo;
+
+// servo->joint[number], without a multiplication of 32 bits, which the H8 does not have.
+static inline kz_joint* kz_joint_at(kz_servo* servo, u8 number) {
+  return (kz_joint*)((u8*)servo->joint + (u16)((u16)number * (u16)sizeof(kz_joint)));
+}
+static inline const kz_joint* kz_joint_of(const kz_servo* servo, u8 number) {
+  return (const kz_joint*)((const u8*)servo->joint + (u16)((u16)number * (u16)sizeof(kz_joint)));
+}
+
+// A counter that stays at its highest value.
+static inline void kz_count(u16* counter) {
+  if (*counter < 0xFFFF) ++*counter;
+}
 
 #ifdef __cplusplus
 }

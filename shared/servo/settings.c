@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/board/table.h"
 #include "shared/protocol/bytes.h"
-#include "shared/servo/commands.h"
+#include "shared/servo/handlers.h"
 #include "shared/servo/joint_loop.h"
 #include "shared/servo/joints.h"
-#include "shared/servo/safety.h"
+#include "shared/servo/shutdown.h"
 
 #define LIMITS_FIELD_LOWER 2  // position of `lower` in the message
 

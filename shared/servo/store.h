@@ -17,7 +17,7 @@
 
 #include "shared/base/types.h"
 #include "shared/board/board.h"
-#include "shared/servo/tick.h"
+#include "shared/servo/snapshot.h"
 
 #ifdef __cplusplus
 extern "C" {
