@@ -30,6 +30,12 @@ inline tl::unexpected<Error> fail(Fault fault, std::string message) {
   return tl::unexpected<Error>(Error{fault, std::move(message)});
 }
 
+// For libraries that do not know whose fault it is, such as the readers of images and the emulator: the
+// caller passes the message on with a fault of its own.
+inline tl::unexpected<Error> fail(std::string message) {
+  return tl::unexpected<Error>(Error{.message = std::move(message)});
+}
+
 }  // namespace kaz
 
 #endif

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "shared/image/error.h"
+#include "shared/base/result.hpp"
 
 namespace kaz::h8s {
 

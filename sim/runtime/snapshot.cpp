@@ -8,7 +8,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "sim/mcu/archive.h"
+#include "shared/base/archive.hpp"
 #include "sim/runtime/sha256.h"
 
 namespace kaz::sim {
