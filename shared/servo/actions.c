@@ -1,4 +1,4 @@
-// Actions that requests want between two ticks.
+// Actions between two ticks.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/actions.h"
 

@@ -1,4 +1,4 @@
-// Actions that requests want between two ticks: writing flash, reset, start of the loader.
+// Actions between two ticks: writing flash, reset, start of the loader.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_ACTIONS_H
 #define KAZ_SHARED_SERVO_ACTIONS_H
@@ -9,11 +9,11 @@
 extern "C" {
 #endif
 
-// Takes the result of the action that the tick before asked for.
+// Takes the result of the action that the previous tick requested.
 void kz_action_finish(kz_servo* servo, const kz_tick_input* input);
 
-// Asks for the action that a request wants, once all that was to be sent before it has left the
-// transmitter; until then KZ_ACTION_NONE.
+// Returns the pending action once all that has to be sent before it has left the transmitter; until then
+// KZ_ACTION_NONE.
 u8 kz_action_start(kz_servo* servo, const kz_tick_input* input);
 
 #ifdef __cplusplus

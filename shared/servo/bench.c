@@ -1,4 +1,4 @@
-// What only a bench needs, and what the board does between two ticks.
+// Requests for the bench: unlock, raw drive, flash, reset.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/bench.h"
 
@@ -63,7 +63,7 @@ void kz_bench_drive(kz_servo* servo) {
   }
 }
 
-static kz_outcome ask_for(kz_servo* servo, u8 action, kz_outcome outcome) {
+static kz_outcome request_action(kz_servo* servo, u8 action, kz_outcome outcome) {
   if (kz_motors_on(servo)) return KZ_REFUSE(KZ_REFUSED_ARMED, KZ_NO_DETAIL);
   servo->extras = 1;
   servo->action = action;
@@ -72,7 +72,7 @@ static kz_outcome ask_for(kz_servo* servo, u8 action, kz_outcome outcome) {
 
 kz_outcome kz_do_store_calibration(kz_servo* servo, const kz_store_calibration* request) {
   (void)request;
-  return ask_for(servo, KZ_ACTION_STORE_CALIBRATION, KZ_LATER);
+  return request_action(servo, KZ_ACTION_STORE_CALIBRATION, KZ_LATER);
 }
 
 kz_outcome kz_do_set_address(kz_servo* servo, const kz_set_address* request) {
@@ -80,15 +80,15 @@ kz_outcome kz_do_set_address(kz_servo* servo, const kz_set_address* request) {
   if (kz_motors_on(servo)) return KZ_REFUSE(KZ_REFUSED_ARMED, KZ_NO_DETAIL);
   servo->new_address = request->address;
   servo->new_shared_line = request->shared_line;
-  return ask_for(servo, KZ_ACTION_STORE_ADDRESS, KZ_LATER);
+  return request_action(servo, KZ_ACTION_STORE_ADDRESS, KZ_LATER);
 }
 
 kz_outcome kz_do_reset(kz_servo* servo, const kz_reset* request) {
   (void)request;
-  return ask_for(servo, KZ_ACTION_RESET, KZ_DONE);
+  return request_action(servo, KZ_ACTION_RESET, KZ_DONE);
 }
 
 kz_outcome kz_do_loader(kz_servo* servo, const kz_loader* request) {
   (void)request;
-  return ask_for(servo, KZ_ACTION_LOADER, KZ_DONE);
+  return request_action(servo, KZ_ACTION_LOADER, KZ_DONE);
 }

@@ -1,4 +1,4 @@
-// What only a bench needs, and what the board does between two ticks.
+// Requests for the bench: unlock, raw drive, flash, reset.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_BENCH_H
 #define KAZ_SHARED_SERVO_BENCH_H

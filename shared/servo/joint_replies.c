@@ -1,4 +1,4 @@
-// Replies with numbers of many joints: written once, straight to where they are sent from.
+// Replies with numbers of many joints, written straight to the sender's bytes.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/joint_replies.h"
 

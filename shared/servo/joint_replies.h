@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-// What every reply but that to `identify` begins with: tick and status. Returns the place behind.
+// Tick and status, with which every reply but that to `identify` begins. Returns the place behind.
 u8* kz_put_head(const kz_servo* servo, u8* to);
 
 // Those with a number for each joint, written straight to the sender's bytes (joint_replies.c).

@@ -12,7 +12,7 @@ extern "C" {
 // Gains and ramp after reset; `servo` is all zeros before.
 void kz_joints_init(kz_servo* servo, const kz_startup* startup);
 
-// Switches the joints of the mask on and all others off. One that was off holds where it stands.
+// Switches the joints of the mask on and all others off. One that was off holds its present angle.
 // Ends a raw drive.
 void kz_joints_enable(kz_servo* servo, u32 mask);
 
@@ -33,7 +33,7 @@ u8 kz_joint_load(const kz_joint* joint);
 // soft limits like the loop.
 void kz_joint_drive_raw(kz_joint* joint, s16 drive);
 
-// `kp` and `kd` as in the message `gains`, scaled as the loop wants them.
+// `kp` and `kd` as in the message `gains`, scaled for the loop.
 s16 kz_scaled_kp(u16 kp);
 s16 kz_scaled_kd(u16 kd);
 // And back, to the nearest: scaled once more it gives the same again.

@@ -1,4 +1,4 @@
-// What the board does when a frame has come, and when it answers.
+// Execution of requests and scheduling of their replies.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/requests.h"
 
@@ -14,7 +14,7 @@ void kz_requests_init(kz_servo* servo) {
   kz_answer* answer = servo->remembered;
   u8 left;
   for (left = KZ_REQUESTS_REMEMBERED; left != 0; --left) {
-    // The answer to a "repetition" of what never came.
+    // An empty entry must not match a request as its repetition with a success.
     answer->reason = KZ_REFUSED_UNKNOWN_TYPE;
     answer->detail = KZ_NO_DETAIL;
     ++answer;
@@ -71,7 +71,7 @@ static void enqueue(kz_servo* servo, const kz_answer* answer) {
   ++servo->queued;
 }
 
-// One too many, or one that comes while the board is about to do something between two ticks.
+// Refuses with BUSY a request beyond the queue, or one that comes while an action is pending.
 static void turn_away(kz_servo* servo, u8 type, u8 sequence, u8 answered) {
   kz_count(&servo->refusals);
   if (!answered) return;
@@ -80,8 +80,8 @@ static void turn_away(kz_servo* servo, u8 type, u8 sequence, u8 answered) {
   servo->busy_sequence = sequence;
 }
 
-// What sets something for many joints. On the wire such a request takes more than a tick, so that no
-// host can put one into each.
+// Requests that set something for many joints. On the wire they take more than a tick, so there is at
+// most one of them in a tick.
 static u8 is_work(u8 type, u8 length) {
   return (u8)(length >= WORK_LENGTH || type == KZ_TYPE_enable);
 }

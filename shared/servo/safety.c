@@ -1,4 +1,4 @@
-// What switches the motors off without being asked, and the status that tells of it.
+// Link watchdog, missed ticks, active faults.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/safety.h"
 

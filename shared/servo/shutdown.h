@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-// The one way in which motors go off unasked: all of them, latched with a KZ_SHUTDOWN_* reason and
-// the joint that caused it (KZ_NO_DETAIL if none did). The first reason stays.
+// Switches all motors off and latches a KZ_SHUTDOWN_* reason with the joint that caused it (KZ_NO_DETAIL
+// if none did). Only the first reason is kept.
 void kz_shutdown(kz_servo* servo, u8 reason, u8 detail);
 
 // Latches reason and joint without switching anything off, unless a reason is latched already.

@@ -19,25 +19,25 @@ extern "C" {
 #define KZ_RESET_WATCHDOG 1
 #define KZ_RESET_COMMAND 2
 
-// What the board does between two ticks, when a tick has asked for it. Only while all motors are off.
+// Actions between two ticks, requested by a tick. Only while all motors are off.
 #define KZ_ACTION_NONE 0
 #define KZ_ACTION_STORE_CALIBRATION 1  // pot_centre and pot_scale of the joints, to flash
 #define KZ_ACTION_STORE_ADDRESS 2      // new_address and new_shared_line, to flash
 #define KZ_ACTION_RESET 3
 #define KZ_ACTION_LOADER 4
 
-// For so long the loader stays when it was asked for, then it starts the application.
+// The loader starts the application again after this time.
 #define KZ_LOADER_S 3
 
-// How that went.
-#define KZ_RESULT_NONE 0  // nothing was asked for in the last tick
+// Result of the action.
+#define KZ_RESULT_NONE 0  // no action in the last tick
 #define KZ_RESULT_DONE 1
 #define KZ_RESULT_FAILED 2
 
-// Bytes that the empty transmit buffer takes.
+// Size of the transmit buffer, bytes.
 #define KZ_TX_BUFFER 63
 
-// What the board has found out before its first tick.
+// What the board knows before its first tick.
 typedef struct kz_startup {
   u16 image_crc;      // CRC of the flash image
   u16 start_8states;  // how long the start took, in units of 8 states
@@ -60,11 +60,11 @@ typedef struct kz_tick_input {
   u16 analog[KZ_ANALOG];     // A/D codes 0..1023, by multiplexer * 8 + input
   u8 erases_a;               // how often calibration block A has been erased
   u8 erases_b;               // the same of block B
-  u8 result;                 // KZ_RESULT_* of the action that the previous tick asked for
+  u8 result;                 // KZ_RESULT_* of the action that the previous tick requested
   u8 tx_room;                // bytes that the transmit buffer can take, 0..KZ_TX_BUFFER
   u8 rx_count;               // bytes in rx, 0..KZ_RX_PER_TICK
   u8 rx[KZ_RX_PER_TICK];
-  u8 rx_flags[KZ_RX_PER_TICK];  // KZ_RX_* of each byte, 0 if sound
+  u8 rx_flags[KZ_RX_PER_TICK];  // KZ_RX_* of each byte, 0 if valid
   u8 spare;                     // the size is even
 } kz_tick_input;
 

@@ -11,7 +11,7 @@ u8 kz_joint_flags(const kz_joint* joint, u8 fresh) {
     if (joint->ramp_left != 0 || fresh) flags |= KZ_JOINT_MOVING;
   }
   if (joint->pot_bad_ms != 0) flags |= KZ_JOINT_POT;
-  if (joint->stalled >= KZ_STALL_TOLD) flags |= KZ_JOINT_STALLED;
+  if (joint->stalled >= KZ_STALL_REPORTED) flags |= KZ_JOINT_STALLED;
   if (joint->heat >> 16 > KZ_HEAT_FULL / 2) flags |= KZ_JOINT_HOT;
   if (joint->angle <= joint->lower || joint->angle >= joint->upper) flags |= KZ_JOINT_AT_LIMIT;
   return flags;

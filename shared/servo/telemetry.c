@@ -1,4 +1,4 @@
-// Frames that are sent without being asked for one by one.
+// Telemetry: which frames are due.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/telemetry.h"
 

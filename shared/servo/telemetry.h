@@ -1,4 +1,4 @@
-// Frames that are sent without being asked for one by one.
+// Telemetry: which frames are due, at the period that the host requested.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_TELEMETRY_H
 #define KAZ_SHARED_SERVO_TELEMETRY_H

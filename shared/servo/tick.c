@@ -121,7 +121,7 @@ static NOT_INLINE void transmit(kz_servo* servo, u8 tx_room, kz_tick_output* out
   }
 }
 
-// What is under way only now and then: actions, bench, telemetry.
+// Rarely active: actions, bench, telemetry.
 static NOT_INLINE void begin_extras(kz_servo* servo, const kz_tick_input* input) {
   if (servo->acting) kz_action_finish(servo, input);
   if (servo->unlocked_ms != 0) kz_bench_update(servo, input);
