@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "hil/conformance/suite.h"
-#include "shared/servo/tick.h"
+#include "shared/servo/snapshot.h"
 
 namespace kaz::hil {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "host/link/link.h"
 #include "host/robot/robot.h"
-#include "shared/servo/servo.h"
+#include "shared/servo/tick.h"
 
 namespace kaz::host {
 

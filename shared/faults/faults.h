@@ -20,10 +20,9 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "shared/base/time.hpp"
 
 namespace kaz::faults {
-
-using Time = std::chrono::nanoseconds;
 
 enum class Name {
 #define KZ_FAULT(name, target, parameter, unit, low, high, initial, where, text) name,

@@ -215,11 +215,11 @@ TEST_P(Loads, WatchingChangesNothingAndStateHoldsTheForces) {
     watched->step(servo(*watched, targets), 10);
     plain->step(servo(*plain, targets), 10);
   }
-  h8s::StateWriter a, b;
+  StateWriter a, b;
   watched->save(a);
   plain->save(b);
   EXPECT_EQ(a.bytes(), b.bytes());
-  h8s::StateReader from(a.bytes());
+  StateReader from(a.bytes());
   later->restore(from);
   ASSERT_TRUE(from.good());
   for (std::size_t i = 0; i < later->link_forces().size(); ++i) {

@@ -31,8 +31,8 @@ class OdeWorld final : public StagedWorld {
   void watch_contacts(bool on) override { watch_ = on; }
   void watch_loads(bool on) override;
   std::vector<ContactPoint> contacts() const override;
-  void save(h8s::StateWriter& to) override;
-  void restore(h8s::StateReader& from) override;
+  void save(StateWriter& to) override;
+  void restore(StateReader& from) override;
 
  private:
   struct Joint {

@@ -52,11 +52,11 @@ void OdeWorld::transfer(A& a) {
   }
 }
 
-void OdeWorld::save(h8s::StateWriter& to) {
+void OdeWorld::save(StateWriter& to) {
   transfer(to);
 }
 
-void OdeWorld::restore(h8s::StateReader& from) {
+void OdeWorld::restore(StateReader& from) {
   transfer(from);
 }
 

@@ -54,12 +54,12 @@ class OneFoot : public testing::TestWithParam<const char*> {
   void lean_on(const Eigen::Vector2d& where) {
     const Eigen::Vector3d sole = foot_ * Eigen::Vector3d(where.x(), where.y(), kSole);
     around_.gravity = kG * (sole - centre_).normalized();
-    h8s::StateWriter state;
+    StateWriter state;
     if (world_) world_->save(state);
     const bool stood = world_ != nullptr;
     world_ = make();
     if (!stood) return;
-    h8s::StateReader reader(state.bytes());
+    StateReader reader(state.bytes());
     world_->restore(reader);
     ASSERT_TRUE(reader.good());
   }

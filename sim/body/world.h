@@ -14,10 +14,10 @@
 
 #include <Eigen/Geometry>
 
+#include "shared/base/archive.hpp"
 #include "shared/base/result.hpp"
 #include "sim/body/loads.h"
 #include "sim/body/scene.h"
-#include "sim/h8s/archive.h"
 
 namespace kaz::sim {
 
@@ -126,10 +126,8 @@ class World {
 
   // All that goes on from step to step, for a world made of the same files and options. The
   // archive fails where a kind of world cannot.
-  virtual void save(h8s::StateWriter& to) { to.refuse("this kind of world cannot be saved"); }
-  virtual void restore(h8s::StateReader& from) {
-    from.refuse("this kind of world cannot be restored");
-  }
+  virtual void save(StateWriter& to) { to.refuse("this kind of world cannot be saved"); }
+  virtual void restore(StateReader& from) { from.refuse("this kind of world cannot be restored"); }
 };
 
 }  // namespace kaz::sim

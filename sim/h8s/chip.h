@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/h8s/archive.h"
-#include "sim/h8s/error.h"
-#include "sim/h8s/image.h"
+#include "shared/base/archive.hpp"
+#include "shared/base/result.hpp"
+#include "shared/image/image.h"
 #include "sim/h8s/options.h"
 #include "sim/h8s/pins.h"
 

@@ -10,9 +10,9 @@
 #include <span>
 #include <string>
 
+#include "shared/base/result.hpp"
+#include "shared/image/image.h"
 #include "sim/h8s/chip.h"
-#include "sim/h8s/error.h"
-#include "sim/h8s/image.h"
 #include "sim/h8s/options.h"
 
 namespace kaz::h8s {

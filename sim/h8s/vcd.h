@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "shared/base/result.hpp"
 #include "sim/h8s/chip.h"
-#include "sim/h8s/error.h"
 
 namespace kaz::h8s {
 

@@ -1,4 +1,4 @@
-// The structures of shared/servo/tick.h as the H8 compiler lays them out.
+// The structures of shared/servo/snapshot.h as the H8 compiler lays them out.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Big-endian, no padding but an even start of each number of more than a byte.

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
+#include "shared/base/archive.hpp"
 #include "shared/base/result.hpp"
 #include "shared/board/board.h"
 #include "shared/servo/tick.h"
-#include "sim/mcu/archive.h"
 
 namespace kaz::sim {
 

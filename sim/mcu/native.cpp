@@ -11,8 +11,7 @@
 #include <limits>
 #include <utility>
 
-#include "shared/servo/servo.h"
-#include "shared/servo/startup.h"
+#include "shared/servo/tick.h"
 #include "sim/h8s/line_rate.h"
 #include "sim/mcu/native_mcu.h"
 #include "sim/mcu/native_memory.h"

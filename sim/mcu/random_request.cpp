@@ -19,6 +19,8 @@ void put(std::vector<std::uint8_t>& body, long long value, std::size_t size) {
 
 // How often a request comes among others that come once.
 int weight(std::uint8_t type) {
+  // It takes the board away for a while: only where it is planned.
+  if (kz_interrupts_service(type)) return 0;
   switch (type) {
     case KZ_TYPE_targets:
       return 20;
@@ -26,12 +28,6 @@ int weight(std::uint8_t type) {
     case KZ_TYPE_enable:
     case KZ_TYPE_clear:
       return 5;
-    // Each of these takes the board away for a while: only where it is planned.
-    case KZ_TYPE_store_calibration:
-    case KZ_TYPE_set_address:
-    case KZ_TYPE_reset:
-    case KZ_TYPE_loader:
-      return 0;
     default:
       return 1;
   }

@@ -11,8 +11,8 @@
 #include <deque>
 #include <vector>
 
+#include "shared/base/random.hpp"
 #include "shared/protocol/message_info.h"
-#include "sim/mcu/random.h"
 
 namespace kaz::sim {
 

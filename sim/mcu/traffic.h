@@ -9,9 +9,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "shared/base/random.hpp"
 #include "shared/board/board.h"
 #include "sim/mcu/mcu.h"
-#include "sim/mcu/random.h"
 #include "sim/mcu/random_request.h"
 
 namespace kaz::sim {

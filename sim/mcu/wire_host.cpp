@@ -15,11 +15,6 @@ constexpr States ms = KZ_STATES_PER_TICK;
 // A tick reads its ring 450 to 850 states after it has become due, by what else it has to do.
 constexpr States ring_read_from = 300, ring_read_until = 1000;
 
-bool takes_the_board_away(std::uint8_t type) {
-  return type == KZ_TYPE_store_calibration || type == KZ_TYPE_set_address ||
-         type == KZ_TYPE_reset || type == KZ_TYPE_loader;
-}
-
 std::string name_of(std::uint8_t type) {
   const kz_message_info* info = kz_message_find(type);
   if (info) return info->name;
@@ -110,7 +105,7 @@ void WireHost::next_manner() {
 std::vector<std::uint8_t> WireHost::harmless() {
   for (;;) {
     auto request = requests_of_.next();
-    if (!takes_the_board_away(request.front())) return request;
+    if (!kz_interrupts_service(request.front())) return request;
   }
 }
 
@@ -183,7 +178,7 @@ void WireHost::refill(States at) {
     const auto request = now.bodies.front();
     now.bodies.erase(now.bodies.begin());
     const std::uint8_t type = request.front();
-    if (takes_the_board_away(type)) ++kinds_[name_of(type)];
+    if (kz_interrupts_service(type)) ++kinds_[name_of(type)];
     if (type == KZ_TYPE_set_address) {
       other_address_ = request[1];
       has_moved_ = true;

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "shared/base/archive.hpp"
 #include "shared/base/result.hpp"
 #include "sim/body/world.h"
-#include "sim/mcu/archive.h"
 #include "sim/runtime/render_thread.h"
 #include "sim/view/sensor.h"
 #include "vision/calibration/rectify.h"

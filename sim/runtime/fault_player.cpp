@@ -15,7 +15,7 @@ void FaultPlayer::clear() {
   begun_.clear();
 }
 
-void FaultPlayer::begin_step(faults::Time start, ServoBoard& board,
+void FaultPlayer::begin_step(Time start, ServoBoard& board,
                              const std::function<void(const Fault&)>& begins) {
   if (schedule_.empty() && !touched_) return;
   set_pots(start, board);
@@ -31,7 +31,7 @@ void FaultPlayer::begin_step(faults::Time start, ServoBoard& board,
   }
 }
 
-void FaultPlayer::set_pots(faults::Time start, ServoBoard& board) {
+void FaultPlayer::set_pots(Time start, ServoBoard& board) {
   std::array<PotFault, KZ_JOINTS> pots{};
   for (const Fault& fault : schedule_.faults()) {
     if (fault.joint < 0 || !fault.active(start)) continue;
@@ -43,7 +43,7 @@ void FaultPlayer::set_pots(faults::Time start, ServoBoard& board) {
   for (int j = 0; j < KZ_JOINTS; ++j) board.set_pot_fault(j, pots[static_cast<std::size_t>(j)]);
 }
 
-void FaultPlayer::set_power(faults::Time start, ServoBoard& board) {
+void FaultPlayer::set_power(Time start, ServoBoard& board) {
   double change = 0;
   bool cut = false;
   for (const Fault& fault : schedule_.faults()) {
@@ -61,7 +61,7 @@ void FaultPlayer::set_power(faults::Time start, ServoBoard& board) {
   }
 }
 
-void FaultPlayer::apply(faults::Time start, std::span<MotorDrive, KZ_JOINTS> drives) const {
+void FaultPlayer::apply(Time start, std::span<MotorDrive, KZ_JOINTS> drives) const {
   for (const Fault& fault : schedule_.faults()) {
     if (fault.joint < 0 || !fault.active(start)) continue;
     MotorDrive& drive = drives[static_cast<std::size_t>(fault.joint)];

@@ -24,10 +24,10 @@ class FaultPlayer {
   void clear();
 
   // Before the board runs the step that begins at `start`. `begins` is told each fault that begins.
-  void begin_step(faults::Time start, ServoBoard& board,
+  void begin_step(Time start, ServoBoard& board,
                   const std::function<void(const faults::Fault&)>& begins);
   // What the gears make of the motors' drives in the same step.
-  void apply(faults::Time start, std::span<MotorDrive, KZ_JOINTS> drives) const;
+  void apply(Time start, std::span<MotorDrive, KZ_JOINTS> drives) const;
 
   // All that it remembers (archive.h).
   template <class A>
@@ -36,8 +36,8 @@ class FaultPlayer {
   }
 
  private:
-  void set_pots(faults::Time start, ServoBoard& board);
-  void set_power(faults::Time start, ServoBoard& board);
+  void set_pots(Time start, ServoBoard& board);
+  void set_power(Time start, ServoBoard& board);
 
   faults::Schedule schedule_;
   std::vector<bool> begun_;  // of the schedule

@@ -140,7 +140,7 @@ TEST(FaultPlayer, AWeakMotorGetsAShareOfItsDuty) {
   const FaultPlayer player(faults::Schedule({fault_of("motor_weak joint 3 0.5")}));
   std::array<MotorDrive, KZ_JOINTS> drives{};
   drives[2] = drives[3] = {-0.8, true};
-  player.apply(faults::Time::zero(), drives);
+  player.apply(Time::zero(), drives);
   EXPECT_EQ(drives[2].duty, -0.8);
   EXPECT_EQ(drives[3].duty, -0.4);
 }
@@ -151,7 +151,7 @@ TEST(FaultPlayer, GearsJamReverseAndSlip) {
                         fault_of("joint_slipping joint 2 torque 0.1 Nm")}));
   std::array<MotorDrive, KZ_JOINTS> drives{};
   drives[1] = {0.5, true};
-  player.apply(faults::Time::zero(), drives);
+  player.apply(Time::zero(), drives);
   EXPECT_FALSE(drives[0].jammed);
   EXPECT_EQ(drives[1].duty, -0.5);
   EXPECT_EQ(drives[2].slip_nm, 0.1);

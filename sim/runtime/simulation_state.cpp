@@ -119,7 +119,7 @@ Result<std::vector<std::uint8_t>> Simulation::save() {
   world_->save(to);
   board_.save(to);
   transfer(to);
-  if (!to.good()) return fail(Fault::failed, "the simulation cannot be saved: " + to.trouble());
+  if (!to.good()) return fail(Fault::failed, "the simulation cannot be saved: " + to.error());
   return Snapshot::pack(facts_of(options_, *world_), to.bytes());
 }
 
@@ -133,7 +133,7 @@ Result<void> Simulation::restore(std::span<const std::uint8_t> blob) {
   if (from.good() && from.left() != 0) from.refuse("it is longer than it should be");
   if (!from.good()) {
     error_ = Error{Fault::usage,
-                   "this saved state cannot be restored: " + from.trouble() + "; save it again"};
+                   "this saved state cannot be restored: " + from.error() + "; save it again"};
     return tl::unexpected(*error_);
   }
   error_.reset();

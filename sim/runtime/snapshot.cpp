@@ -8,8 +8,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "shared/base/archive.hpp"
 #include "shared/base/files.hpp"
-#include "sim/mcu/archive.h"
 #include "sim/runtime/sha256.h"
 
 namespace kaz::sim {

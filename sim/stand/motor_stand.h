@@ -65,8 +65,8 @@ class MotorStand final : public World {
   double largest_joint_gap_m() const override { return 0; }
   std::string stepper() const override { return "stand"; }
   const Trouble& trouble() const override { return trouble_; }
-  void save(h8s::StateWriter& to) override { transfer(to); }
-  void restore(h8s::StateReader& from) override { transfer(from); }
+  void save(StateWriter& to) override { transfer(to); }
+  void restore(StateReader& from) override { transfer(from); }
 
  private:
   static constexpr std::size_t kScaleSteps = 50;  // of 1 ms

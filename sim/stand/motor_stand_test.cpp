@@ -132,10 +132,10 @@ TEST(MotorStand, GoesOnFromWhatWasSaved) {
   one.clamp(kJoint, true);
   one.press(kJoint + 1, 0.02);
   run(one, 37, 0.7, true);
-  h8s::StateWriter to;
+  StateWriter to;
   one.save(to);
   MotorStand other = stand_of_kaz();
-  h8s::StateReader from(to.bytes());
+  StateReader from(to.bytes());
   other.restore(from);
   ASSERT_TRUE(from.good());
   for (MotorStand* stand : {&one, &other}) {

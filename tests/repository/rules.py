@@ -62,12 +62,13 @@ def check_sources():
 
 def check_directions():
     """vision and host never include the simulator; shared includes nothing of ours but shared, the
-    emulator nothing but the readers of images."""
+    emulator nothing but the readers of images, errors and saved states."""
     forbidden = {"vision": ("sim/", "host/", "tools/"), "host": ("sim/", "hil/", "tools/"),
                  "hil": ("sim/", "tools/"),
                  "shared": ("sim/", "host/", "vision/", "tools/"),
-                 "sim/h8s": ("shared/base/", "shared/board/", "shared/faults/", "shared/flash/",
-                             "shared/protocol/", "shared/servo/", "host/", "vision/", "tools/", "sim/mcu"),
+                 "sim/h8s": ("shared/base/files", "shared/base/types", "shared/base/time", "shared/board/",
+                             "shared/faults/", "shared/flash/", "shared/protocol/", "shared/servo/",
+                             "host/", "vision/", "tools/", "sim/mcu"),
                  "sim": ("tools/",)}
     for path in files("*.c", "*.h", "*.cpp", "*.hpp"):
         name = path.relative_to(ROOT).as_posix()

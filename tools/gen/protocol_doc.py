@@ -87,7 +87,7 @@ def with_value(match, constants):
 def document(root):
     messages = read_messages(root)
     constants = read_constants(f"{root}/shared/protocol/messages.h")
-    ticks = read_constants(f"{root}/shared/servo/tick.h")
+    snapshot = read_constants(f"{root}/shared/servo/snapshot.h")
     everything = all_constants(root)
     targets = struct.pack(">BBBIHhh", 1, 3, 7, 0b11, 500, 1000, -2)
     with open(f"{root}/tools/gen/protocol.md.in", encoding="utf-8") as source:
@@ -105,7 +105,7 @@ def document(root):
         "REPLIES": [line for m in replies for line in message_section(m)],
         "STATUS": constant_rows(constants, "KZ_STATUS_"),
         "REFUSED": constant_rows(constants, "KZ_REFUSED_"),
-        "RESET": constant_rows(ticks, "KZ_RESET_"),
+        "RESET": constant_rows(snapshot, "KZ_RESET_"),
         "JOINTS": joint_rows(root),
         **{name: constant_rows(constants, f"KZ_{name}_")
            for name in ("SHUTDOWN", "REACTION", "JOINT", "CAPABILITY", "TELEMETRY",

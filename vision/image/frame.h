@@ -21,34 +21,7 @@
 #include <Eigen/Geometry>
 
 #include "shared/base/result.hpp"
-
-namespace kaz {
-
-// Host time: nanoseconds on the one clock of the host (simulated in lockstep, CLOCK_MONOTONIC
-// otherwise).
-using Time = std::chrono::nanoseconds;
-
-inline double seconds(Time t) {
-  return std::chrono::duration<double>(t).count();
-}
-inline Time from_seconds(double s) {
-  return Time(static_cast<std::int64_t>(s * 1e9 + (s < 0 ? -0.5 : 0.5)));
-}
-
-// a - b and a + b, where a clock says something wild the nearest that there is.
-inline Time between(Time a, Time b) {
-  std::int64_t ns = 0;
-  if (__builtin_sub_overflow(a.count(), b.count(), &ns)) return a < b ? Time::min() : Time::max();
-  return Time(ns);
-}
-inline Time later(Time a, Time b) {
-  std::int64_t ns = 0;
-  if (__builtin_add_overflow(a.count(), b.count(), &ns))
-    return b < Time(0) ? Time::min() : Time::max();
-  return Time(ns);
-}
-
-}  // namespace kaz
+#include "shared/base/time.hpp"
 
 namespace kaz::vision {
 

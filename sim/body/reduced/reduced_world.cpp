@@ -303,11 +303,11 @@ void ReducedWorld::transfer(A& a) {
   }
 }
 
-void ReducedWorld::save(h8s::StateWriter& to) {
+void ReducedWorld::save(StateWriter& to) {
   transfer(to);
 }
 
-void ReducedWorld::restore(h8s::StateReader& from) {
+void ReducedWorld::restore(StateReader& from) {
   transfer(from);
 }
 

@@ -33,8 +33,8 @@ class ReducedWorld final : public StagedWorld {
   std::string stepper() const override { return "reduced"; }
   void watch_contacts(bool on) override { watch_ = on; }
   std::vector<ContactPoint> contacts() const override;
-  void save(h8s::StateWriter& to) override;
-  void restore(h8s::StateReader& from) override;
+  void save(StateWriter& to) override;
+  void restore(StateReader& from) override;
 
   // Of the last step: how the solver fared.
   struct Effort {

@@ -5,7 +5,7 @@
 // (machine.cpp) copies, stands here.
 #include <algorithm>
 
-#include "sim/h8s/archive.h"
+#include "shared/base/archive.hpp"
 #include "sim/h8s/chip/machine.h"
 
 namespace kaz::h8s {

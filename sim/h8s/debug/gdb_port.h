@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "shared/base/result.hpp"
 #include "sim/h8s/debug/gdb_server.h"
-#include "sim/h8s/error.h"
 
 namespace kaz::h8s {
 

@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "shared/base/result.hpp"
 #include "sim/h8s/chip.h"
 #include "sim/h8s/debug/input_log.h"
-#include "sim/h8s/error.h"
 
 namespace kaz::h8s {
 

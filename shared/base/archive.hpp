@@ -1,12 +1,13 @@
-// State to bytes and back: one list of members serves both ways.
+// Archive of saved states: one list of members serves writing and reading.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A class lists what it remembers once, in a member function
+// A class lists its members once, in a member function
 //   template <class A> void transfer(A& a) { a(first_, second_); }
-// StateWriter appends the members, StateReader fills them. Numbers are little-endian, in the size
-// of their type; containers begin with their length. A reader never goes beyond its bytes: it then
-// fails, and leaves zeros. Needs nothing else of this tree.
-#pragma once
+// StateWriter appends the members, StateReader fills them. Numbers are little-endian, in the size of
+// their type; containers begin with their length. A reader never reads beyond its bytes: it fails, and
+// sets what is missing to zero.
+#ifndef KAZ_SHARED_BASE_ARCHIVE_HPP
+#define KAZ_SHARED_BASE_ARCHIVE_HPP
 
 #include <array>
 #include <bit>
@@ -22,7 +23,7 @@
 #include <utility>
 #include <vector>
 
-namespace kaz::h8s {
+namespace kaz {
 
 namespace archive_detail {
 template <class T>
@@ -51,7 +52,7 @@ template <class R, class P>
 inline constexpr bool is_duration<std::chrono::duration<R, P>> = true;
 }  // namespace archive_detail
 
-// What both ways have in common; Derived has number(), plain(), and says `reading`.
+// Common to writer and reader. Derived defines number(), plain() and `reading`.
 template <class Derived>
 class StateArchive {
  public:
@@ -60,11 +61,11 @@ class StateArchive {
     (one(values), ...);
   }
 
-  // What went wrong first; empty: nothing.
-  const std::string& trouble() const { return trouble_; }
-  bool good() const { return trouble_.empty(); }
+  // The first error, empty if there is none.
+  const std::string& error() const { return error_; }
+  bool good() const { return error_.empty(); }
   void refuse(std::string why) {
-    if (good()) trouble_ = std::move(why);
+    if (good()) error_ = std::move(why);
   }
 
  protected:
@@ -123,7 +124,7 @@ class StateArchive {
   }
 
  private:
-  std::string trouble_;
+  std::string error_;
 };
 
 class StateWriter : public StateArchive<StateWriter> {
@@ -133,7 +134,7 @@ class StateWriter : public StateArchive<StateWriter> {
     for (std::size_t i = 0; i < sizeof value; ++i)
       bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
   }
-  // A struct of C as it lies in memory, without pointers: for one build only.
+  // The bytes of a C struct without pointers as they are in memory: only the same build can read them.
   template <class T>
   void plain(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -170,7 +171,7 @@ class StateReader : public StateArchive<StateReader> {
     std::memcpy(&value, bytes_.data(), sizeof value);
     bytes_ = bytes_.subspan(sizeof value);
   }
-  // Whether so many bytes are left; fails if not.
+  // Returns whether `size` bytes are left; refuses the archive if not.
   bool holds(std::uint64_t size) {
     if (good() && size > bytes_.size()) refuse("it ends too early");
     return good();
@@ -181,4 +182,6 @@ class StateReader : public StateArchive<StateReader> {
   std::span<const std::uint8_t> bytes_;
 };
 
-}  // namespace kaz::h8s
+}  // namespace kaz
+
+#endif
