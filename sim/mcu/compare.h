@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "sim/h8s/options.h"
+#include "sim/h8s/chip/options.h"
 
 namespace kaz::sim {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/mcu/mcu.h"
 
 namespace kaz::sim {

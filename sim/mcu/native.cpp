@@ -13,7 +13,7 @@
 
 #include "shared/servo/servo.h"
 #include "shared/servo/startup.h"
-#include "sim/h8s/line_rate.h"
+#include "sim/h8s/chip/line_rate.h"
 #include "sim/mcu/native_mcu.h"
 #include "sim/mcu/native_memory.h"
 

@@ -12,8 +12,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/h8s/chip.h"
-#include "sim/h8s/image.h"
+#include "shared/image/image.h"
+#include "sim/h8s/chip/chip.h"
 #include "tools/kaz/mcu_attached.h"
 #include "tools/kaz/output.h"
 

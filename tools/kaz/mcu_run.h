@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "sim/h8s/image.h"
-#include "sim/h8s/options.h"
+#include "shared/image/image.h"
+#include "sim/h8s/chip/options.h"
 #include "tools/kaz/mcu_debug.h"
 #include "tools/kaz/verbs.h"
 

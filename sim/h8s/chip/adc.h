@@ -10,6 +10,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 class Adc {
  public:
   // FFE0..FFE9 and KBCOMP at FEE4.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "sim/h8s/line_rate.h"
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
+#include "sim/h8s/chip/line_rate.h"
 
 namespace kaz::h8s::testing {
 namespace {

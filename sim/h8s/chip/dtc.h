@@ -9,6 +9,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 class Dtc {
  public:
   // DTCERA..DTCERE and DTVECR, FEEE..FEF3.

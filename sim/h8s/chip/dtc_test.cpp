@@ -1,6 +1,6 @@
 // Data transfer controller: modes, chains, ends of counts, flags, time taken from the CPU.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -5,10 +5,12 @@
 #include <array>
 #include <cstdint>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
+
+class Machine;
 
 // Waits and pulses of the 32-byte generation, in microseconds (hardware manual, flash memory
 // programming and erasing flowcharts; recalled figures, see README).

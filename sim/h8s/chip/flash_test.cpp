@@ -3,8 +3,8 @@
 #include <bit>
 #include <cmath>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/chip/machine.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -10,6 +10,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 class Frt {
  public:
   // `address` is the low 16 bits: FF90..FF9F. `at` is when the bus cycle ends.

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "sim/h8s/chip/observer.h"
 #include "sim/h8s/cpu/access.h"
-#include "sim/h8s/debug/observer.h"
 
 namespace kaz::h8s {
 namespace {
@@ -39,7 +39,7 @@ Machine::Machine(const Machine& other)
 }
 
 void Machine::attach() {
-  cpu.machine = this;
+  cpu.bus = this;
   cpu.flash = flash_.data();
   cpu.ram = block_.data() + kRam;
   cpu.has_code = cpu.chip_lines.data() + kRam / kLine;
@@ -48,7 +48,7 @@ void Machine::attach() {
   cpu.engine = options.engine;
   cpu.translate_after = options.translate_after;
   if (options.engine == Engine::translator && !translator_) translator_ = make_translator();
-  cpu.translator = options.engine == Engine::translator ? translator_.get() : nullptr;
+  cpu.translated = options.engine == Engine::translator ? translator_.get() : nullptr;
   choose_paths();
 }
 

@@ -10,13 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "sim/h8s/chip.h"
 #include "sim/h8s/chip/adc.h"
 #include "sim/h8s/chip/boot.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/chip/dtc.h"
 #include "sim/h8s/chip/flash.h"
 #include "sim/h8s/chip/frt.h"
 #include "sim/h8s/chip/interrupts.h"
+#include "sim/h8s/chip/observer.h"
 #include "sim/h8s/chip/pin_watch.h"
 #include "sim/h8s/chip/ports.h"
 #include "sim/h8s/chip/pwm.h"
@@ -29,9 +30,6 @@
 #include "sim/h8s/translate/translator.h"
 
 namespace kaz::h8s {
-
-class Observer;
-class InputLog;
 
 // Bits of MSTPCR, module by module.
 inline constexpr unsigned Stop_dtc = 14, Stop_frt = 13, Stop_tmr = 12, Stop_pwm = 11, Stop_adc = 9,
@@ -65,7 +63,7 @@ struct CodeFree {
   void operator()(Insn* p) const;
 };
 
-class Machine {
+class Machine final : public Bus {
  public:
   explicit Machine(const Options& options);
   // State without listeners and hooks.
@@ -92,6 +90,17 @@ class Machine {
   void detach(Observer& observer);
   void request_stop();
   void memory_changed(std::uint32_t address, std::uint32_t size);
+
+  // --- for the CPU (bus.h) -----------------------------------------------------------------------
+  std::uint8_t load8(std::uint32_t address) override;
+  std::uint16_t load16(std::uint32_t address) override;
+  void store8(std::uint32_t address, std::uint8_t value) override;
+  void store16(std::uint32_t address, std::uint16_t value) override;
+  void odd_word_access(std::uint32_t address) override;
+  bool interrupt_pending() const override { return irq.any_unmasked(cpu.control, cpu.two_level); }
+  bool hook_due(std::uint32_t pc) const override { return pc != unhooked_ && hooks.contains(pc); }
+  bool has_hook(std::uint32_t pc) const override { return hooks.contains(pc); }
+  void run_observed() override;
 
   // --- for the modules ---------------------------------------------------------------------------
   // End of the access that runs, or the event's time.
@@ -143,8 +152,6 @@ class Machine {
   void forget_all_code();
   // Which of the CPU's accesses may go past Machine.
   void choose_paths();
-  // The instruction at `pc` is to be announced before it runs.
-  bool hooked(std::uint32_t pc) const { return pc != unhooked_ && hooks.contains(pc); }
   void set_hook(std::uint32_t pc, Chip::CodeHook hook);
   void clear_hook(std::uint32_t pc);
   void hook_changed(std::uint32_t address);
@@ -158,6 +165,9 @@ class Machine {
   int pw_high_counts(int channel) const;
   bool tmo_driven(int timer) const;
   double tmo_high_share(int timer);
+
+  // Null unless Options::engine is the translator and this build has one.
+  const Translator* translator() const { return cpu.translated ? translator_.get() : nullptr; }
 
   std::string report(const std::string& headline) const;
   std::string disassemble(std::uint32_t address, int* length) const;
@@ -202,6 +212,7 @@ class Machine {
   std::shared_ptr<const SymbolTable> symbols = std::make_shared<SymbolTable>();
 
  private:
+  void notify_access(std::uint32_t address, unsigned size, unsigned value, bool write);
   template <class A>
   void transfer(A& a);
   template <class A>
@@ -253,7 +264,7 @@ class Machine {
   std::vector<std::uint8_t> flash_;
   std::array<std::uint8_t, 0x2000> block_{};
   std::unique_ptr<Insn, CodeFree> code_;
-  std::unique_ptr<Translator, TranslatorFree> translator_;
+  std::unique_ptr<Translator> translator_;
   static constexpr std::uint32_t kNoAddress = 0xffffffff;
   std::uint32_t hook_done_ =
       kNoAddress;  // its hook has been called, the instruction has not run yet

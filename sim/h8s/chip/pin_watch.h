@@ -7,10 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "sim/h8s/chip/pins.h"
 #include "sim/h8s/cpu/cpu.h"
-#include "sim/h8s/pins.h"
 
 namespace kaz::h8s {
+
+class Machine;
 
 // Level and driver of a pin at `at`, with the modules as they stand: advance them to `at` first.
 PinState pin_state(const Machine& m, Pin pin, States at);

@@ -1,6 +1,6 @@
 // The table of pins.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/pins.h"
+#include "sim/h8s/chip/pins.h"
 
 #include <algorithm>
 #include <array>

@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <optional>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
+
+class Machine;
 
 class Ports {
  public:

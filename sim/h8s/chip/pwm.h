@@ -9,6 +9,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 class Pwm {
  public:
   // FFD2..FFD7, and PCSR at FF82.

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/chip/pwm.h"
 #include "sim/h8s/chip/pwmx.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -9,6 +9,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 // Hardware manual, 14-bit PWM timer. A conversion period is 16384 T (T = 1 or 2 states by DACR.CKS).
 class Pwmx {
  public:

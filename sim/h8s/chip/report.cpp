@@ -115,7 +115,7 @@ std::string Machine::report(const std::string& headline) const {
   text += registers_text(cpu);
   text += "in " + symbols->describe(pc()) + ": " + disassemble(pc(), nullptr) + "\n";
   text += "called from\n" + back_trace(*this);
-  text += cpu.translator && cpu.translator->translated() > 0
+  text += translator() && translator()->translated() > 0
               ? "last instructions (translated ones are left out; the interpreter lists them all)\n"
               : "last instructions\n";
   for (const std::uint32_t at : last_run(*this))

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "sim/h8s/chip/machine.h"
-#include "sim/h8s/cpu/exception.h"
-#include "sim/h8s/debug/observer.h"
+#include "sim/h8s/chip/observer.h"
+#include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
 namespace {

@@ -5,11 +5,25 @@
 #include <cstdint>
 #include <deque>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/chip/sticky.h"
 #include "sim/h8s/cpu/cpu.h"
 
+// Bits of SSR and SCR, shared by the serial channel's files. Internal.
+namespace kaz::h8s::sci_bits {
+
+// SSR.
+inline constexpr std::uint8_t kTdre = 0x80, kRdrf = 0x40, kOrer = 0x20, kFer = 0x10, kPer = 0x08;
+inline constexpr std::uint8_t kErrors = kOrer | kFer | kPer;
+// SCR.
+inline constexpr std::uint8_t kTie = 0x80, kRie = 0x40, kTe = 0x20, kRe = 0x10, kMpie = 0x08,
+                              kTeie = 0x04, kCke = 0x03;
+
+}  // namespace kaz::h8s::sci_bits
+
 namespace kaz::h8s {
+
+class Machine;
 
 // What goes over a line in one piece: bit k of `bits` stands for the k-th bit time.
 struct SerialFrame {

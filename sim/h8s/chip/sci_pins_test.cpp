@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <bit>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/chip/machine.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -1,9 +1,8 @@
 // Serial channel: reception from levels at RxD, and of whole bytes.
 // SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/chip/line_rate.h"
 #include "sim/h8s/chip/machine.h"
 #include "sim/h8s/chip/sci.h"
-#include "sim/h8s/chip/sci_bits.h"
-#include "sim/h8s/line_rate.h"
 
 namespace kaz::h8s {
 using namespace sci_bits;

@@ -5,7 +5,6 @@
 
 #include "sim/h8s/chip/machine.h"
 #include "sim/h8s/chip/sci.h"
-#include "sim/h8s/chip/sci_bits.h"
 
 namespace kaz::h8s {
 using namespace sci_bits;

@@ -3,7 +3,7 @@
 #include <random>
 #include <utility>
 
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

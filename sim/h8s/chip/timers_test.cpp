@@ -1,7 +1,7 @@
 // FRT, 8-bit timers, PWM and watchdogs against the counts that the fact sheet states.
 // SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/chip/pwm.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -10,6 +10,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 class Tmr {
  public:
   // FFC8..FFD1: even addresses TMR0, odd TMR1.

@@ -1,6 +1,6 @@
 // TMR0 and TMR1 joined: 16-bit count mode and compare match count mode; their pins for clock and reset.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -10,6 +10,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 // Hardware manual, 8-bit timers and timer connection. TMRX counts the system clock itself, measures
 // pulses at TMIX (P60) and drives TMOX (P67); TMRY has three interrupts and, on this part, no pin.
 // Of the timer connection the paths that join the units of sync signals are not modelled: switching

@@ -1,8 +1,9 @@
-// Registers and memory as handlers see them: the fast path inline, everything else in Machine.
+// Registers and memory as handlers see them: the fast path inline, the rest in cpu/memory.cpp and the bus.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstring>
+#include <optional>
 #include <type_traits>
 
 #include "sim/h8s/cpu/cpu.h"
@@ -48,6 +49,14 @@ inline void put_big16(std::uint8_t* p, std::uint32_t value) {
 inline void put_big32(std::uint8_t* p, std::uint32_t value) {
   put_big16(p, value >> 16);
   put_big16(p + 2, value);
+}
+
+// Offset into Cpu::ram of a byte in either RAM window of the chip; nullopt elsewhere.
+inline std::optional<std::uint32_t> ram_offset(const Cpu& c, std::uint32_t address) {
+  const std::uint32_t offset = (address & c.mask) - c.ram_at;
+  if (c.ram_size == 0) return std::nullopt;
+  if (offset < kRamSize || offset - (kShortRam - kRam) < kShortRamSize) return offset;
+  return std::nullopt;
 }
 
 inline void note_ram_write(Cpu& c, std::uint32_t offset) {

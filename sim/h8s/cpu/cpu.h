@@ -6,15 +6,11 @@
 #include <cstdint>
 #include <limits>
 
-#include "sim/h8s/options.h"
+#include "sim/h8s/cpu/bus.h"
+#include "sim/h8s/cpu/types.h"
 
 namespace kaz::h8s {
 
-using States = std::int64_t;
-inline constexpr States kNever = std::numeric_limits<States>::max();
-
-class Machine;
-class Translator;
 struct Cpu;
 struct Insn;
 
@@ -99,10 +95,10 @@ struct Cpu {
   std::uint32_t ram_code = kRamCode;             // where RAM begins in `code`
   std::uint32_t short_ram_code = kShortRamCode;  // and its short window; flat: beyond the end
   std::uint32_t code_size = kCodeSize;           // of `code`
-  Machine* machine = nullptr;
-  bool hooks = false;  // any code hooks set
+  Bus* bus = nullptr;                            // null: RAM at every address (Flat)
+  bool hooks = false;                            // any code hooks set
   Engine engine = Engine::interpreter;
-  Translator* translator = nullptr;  // null: none
+  CodeCache* translated = nullptr;  // null: interpret
   std::uint32_t translate_after = 1000;
 
   std::uint8_t control = 0x80;  // bits I, UI, U of CCR in their places
@@ -190,15 +186,15 @@ Handler decode_afresh(Cpu& c, const Insn* ip);
 void run_stretch(Cpu& c);
 void run_reference(Cpu& c);
 void run_interpreter(Cpu& c);
-// The same while there are observers, whatever the engine (observed.cpp).
-void run_observed(Cpu& c);
-// Tells the observers of an access.
-void observe_access(Cpu& c, std::uint32_t address, unsigned size, unsigned value, bool write);
 
 // Whether the instruction at this address is to be replaced by a call of its code hook, now.
 bool hooked_here(const Cpu& c, std::uint32_t pc);
-// Whether Machine keeps a code hook for this address at all, also while its instruction runs.
+// Whether there is a code hook for this address at all, also while its instruction runs.
 bool has_hook(const Cpu& c, std::uint32_t pc);
+
+// Exception entry, shared by TRAPA and interrupts: stacks PC and CCR, sets the mask bits and returns
+// the handler's first instruction. Adds no time.
+const Insn* enter_exception(Cpu& c, const Insn* from, std::uint32_t return_pc, unsigned vector);
 
 void raise_fault(Cpu& c, Fault fault, std::uint32_t address);
 

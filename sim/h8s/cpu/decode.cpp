@@ -7,7 +7,6 @@
 
 #include "sim/h8s/cpu/access.h"
 #include "sim/h8s/cpu/opcode.h"
-#include "sim/h8s/translate/translator.h"
 
 namespace kaz::h8s {
 
@@ -323,7 +322,7 @@ void forget_code(Cpu& c, std::uint32_t offset) {
     else if (c.flat)
       c.code[base + at + c.ram_size / 2 - back].run = nullptr;
   }
-  if (c.translator) c.translator->forget(base + at, 1);
+  if (c.translated) c.translated->forget(base + at, 1);
 }
 
 const Insn* at_address(Cpu& c, std::uint32_t address) {

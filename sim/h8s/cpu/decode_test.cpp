@@ -4,9 +4,9 @@
 
 #include <random>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/cpu/opcode.h"
 #include "sim/h8s/cpu/oracle.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::oracle {
 namespace {

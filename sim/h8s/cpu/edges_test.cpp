@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

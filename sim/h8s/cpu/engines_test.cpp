@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <random>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/cpu/opcode.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -1,6 +1,6 @@
 // Normal mode: 16-bit addresses that wrap, vectors and return addresses of one word, exceptions.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

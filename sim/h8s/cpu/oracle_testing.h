@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/cpu/oracle.h"
 
 namespace kaz::h8s::oracle {

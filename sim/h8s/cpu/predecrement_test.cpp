@@ -1,7 +1,7 @@
 // MOV between memory and the very register that points there: both settings of the option, each engine.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/flat.h"
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
+#include "sim/h8s/flat/flat.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -1,7 +1,6 @@
 // Control registers, exceptions, sleep, block moves and multiple register transfers.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/cpu/access.h"
-#include "sim/h8s/cpu/exception.h"
 #include "sim/h8s/cpu/flags.h"
 #include "sim/h8s/cpu/opcode.h"
 

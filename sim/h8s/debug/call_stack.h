@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "sim/h8s/debug/observer.h"
+#include "sim/h8s/chip/observer.h"
 
 namespace kaz::h8s {
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "sim/h8s/debug/observer.h"
+#include "sim/h8s/chip/observer.h"
 
 namespace kaz::h8s {
 

@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "shared/image/error.h"
 #include "sim/h8s/debug/gdb_server.h"
-#include "sim/h8s/error.h"
 
 namespace kaz::h8s {
 

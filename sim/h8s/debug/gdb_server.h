@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/debug/gdb_packet.h"
 #include "sim/h8s/debug/history.h"
 

@@ -8,8 +8,8 @@
 #include <random>
 #include <thread>
 
+#include "sim/h8s/debug/debug_testing.h"
 #include "sim/h8s/debug/gdb_port.h"
-#include "sim/h8s/debug/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "sim/h8s/chip.h"
-#include "sim/h8s/debug/input_log.h"
-#include "sim/h8s/error.h"
+#include "shared/image/error.h"
+#include "sim/h8s/chip/chip.h"
+#include "sim/h8s/chip/observer.h"
 
 namespace kaz::h8s {
 

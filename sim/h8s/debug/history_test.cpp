@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "sim/h8s/debug/testing.h"
+#include "sim/h8s/debug/debug_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -6,7 +6,7 @@
 #include <ostream>
 #include <string>
 
-#include "sim/h8s/debug/observer.h"
+#include "sim/h8s/chip/observer.h"
 
 namespace kaz::h8s {
 

@@ -4,8 +4,8 @@
 
 #include <optional>
 
+#include "sim/h8s/chip/observer.h"
 #include "sim/h8s/debug/history.h"
-#include "sim/h8s/debug/observer.h"
 
 namespace kaz::h8s {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 
 namespace h8s = kaz::h8s;
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/fuzz/reader.h"
 
 namespace kaz::h8s::fuzz {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <string_view>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/fuzz/targets.h"
 
 namespace kaz::h8s::fuzz {

@@ -5,7 +5,7 @@
 
 #include "sim/h8s/debug/gdb_server.h"
 #include "sim/h8s/fuzz/targets.h"
-#include "sim/h8s/netlist.h"
+#include "sim/h8s/netlist/netlist.h"
 
 namespace kaz::h8s::fuzz {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "sim/h8s/image.h"
+#include "shared/image/image.h"
 
 namespace kaz::h8s::fuzz {
 

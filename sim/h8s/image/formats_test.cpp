@@ -6,7 +6,7 @@
 #include <fstream>
 #include <random>
 
-#include "sim/h8s/image.h"
+#include "shared/image/image.h"
 
 namespace kaz::h8s {
 namespace {

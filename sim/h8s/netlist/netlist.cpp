@@ -1,6 +1,6 @@
 // Nets: who drives them, what they show to the pins, and in which order changes spread.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/netlist.h"
+#include "sim/h8s/netlist/netlist.h"
 
 #include <algorithm>
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/h8s/netlist.h"
+#include "sim/h8s/netlist/netlist.h"
 
 namespace kaz::h8s {
 

@@ -9,9 +9,17 @@
 #include <vector>
 
 #include "sim/h8s/translate/block.h"
-#include "sim/h8s/translate/entry.h"
 
 namespace kaz::h8s::translate {
+
+// The translator's record of one entry of Cpu::code.
+struct Entry {
+  const void* code = nullptr;  // host code of the block that begins here
+  std::uint16_t bound = 0;     // states that must be left, and one more
+  bool covered = false;        // part of a translated instruction
+  std::uint32_t count = 0;     // times reached by a jump
+};
+static_assert(sizeof(void*) != 8 || sizeof(Entry) == 16);
 
 namespace host = asmjit::x86;
 

@@ -244,12 +244,8 @@ void Translator::run(Cpu& c) {
   }
 }
 
-void TranslatorFree::operator()(Translator* p) const {
-  delete p;
-}
-
-std::unique_ptr<Translator, TranslatorFree> make_translator() {
-  return std::unique_ptr<Translator, TranslatorFree>(new Translator);
+std::unique_ptr<Translator> make_translator() {
+  return std::make_unique<Translator>();
 }
 
 bool translator_available() {

@@ -6,12 +6,13 @@
 #include <memory>
 
 #include "sim/h8s/cpu/cpu.h"
+#include "sim/h8s/translate/available.h"
 
 namespace kaz::h8s {
 
 // Belongs to one Cpu. Host code is made where a jump has led `Options::translate_after` times, and
 // lost when the instructions it came from change; what runs where never shows in the guest.
-class Translator {
+class Translator final : public CodeCache {
  public:
   Translator();
   ~Translator();
@@ -19,9 +20,9 @@ class Translator {
   Translator& operator=(const Translator&) = delete;
 
   // Runs instructions until now >= stop.
-  void run(Cpu& c);
+  void run(Cpu& c) override;
   // Instructions in Cpu::code from `first` on, `count` of them, have changed.
-  void forget(std::uint32_t first, std::uint32_t count);
+  void forget(std::uint32_t first, std::uint32_t count) override;
   // A code hook was set or cleared at `index`: blocks that hold the instruction are translated again.
   void hook_changed(std::uint32_t index);
   // Everything: also where the code array itself or the memory map has changed.
@@ -37,9 +38,7 @@ class Translator {
   std::unique_ptr<Cache> cache_;
 };
 
-struct TranslatorFree {
-  void operator()(Translator* p) const;
-};
-std::unique_ptr<Translator, TranslatorFree> make_translator();  // null where there is none
+// Null where this build cannot translate.
+std::unique_ptr<Translator> make_translator();
 
 }  // namespace kaz::h8s

@@ -1,6 +1,6 @@
 // The bare machine: memory, the loop around the CPU, and what programs ask of the host.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/flat.h"
+#include "sim/h8s/flat/flat.h"
 
 #include <algorithm>
 #include <array>
@@ -61,7 +61,7 @@ class Flat::Body {
     cpu.translate_after = chosen.translate_after;
     cpu.predecrement_stores_decremented = chosen.predecrement_stores_decremented;
     if (chosen.engine == Engine::translator) translator = make_translator();
-    cpu.translator = translator.get();
+    cpu.translated = translator.get();
     set_ccr(cpu, 0x80);
     cpu.ip = at_address(cpu, 0);
   }
@@ -155,7 +155,7 @@ class Flat::Body {
 
   Zeroed<std::uint8_t> ram, lines;
   Zeroed<Insn> code;
-  std::unique_ptr<Translator, TranslatorFree> translator;
+  std::unique_ptr<Translator> translator;
   Cpu cpu;
   SymbolTable symbols;
   Output output;

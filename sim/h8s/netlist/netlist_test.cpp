@@ -1,11 +1,11 @@
 // Netlists: wires, pulls, gates and low-passes around a chip, and the text form.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/netlist.h"
+#include "sim/h8s/netlist/netlist.h"
 
 #include <cmath>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/netlist/parts.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

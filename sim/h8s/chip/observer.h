@@ -3,8 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 
 namespace kaz::h8s {
 
@@ -71,6 +72,19 @@ class Observer {
   virtual void was_reset(ResetCause, States /*at*/) {}
   // Memory was changed from outside: poke, load, restore (`size` 0: all of it may differ).
   virtual void changed(std::uint32_t /*address*/, std::uint32_t /*size*/) {}
+};
+
+// History implements this; Chip::set_input_log connects it.
+class InputLog {
+ public:
+  virtual ~InputLog() = default;
+  // About to be applied at the boundary now(): pins, bytes received, reset, poke, set_registers.
+  virtual void input(std::function<void(Chip&)> apply) = 0;
+  // Something that cannot be played again: load, power_on, restore, or an input from inside a
+  // listener, in the middle of an instruction.
+  virtual void cut() = 0;
+  // The analog source was asked and gave `value`.
+  virtual void sampled(int channel, States at, double value) = 0;
 };
 
 }  // namespace kaz::h8s

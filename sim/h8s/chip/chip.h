@@ -13,16 +13,13 @@
 #include <string>
 #include <vector>
 
+#include "shared/image/error.h"
+#include "shared/image/image.h"
 #include "sim/h8s/archive.h"
-#include "sim/h8s/error.h"
-#include "sim/h8s/image.h"
-#include "sim/h8s/options.h"
-#include "sim/h8s/pins.h"
+#include "sim/h8s/chip/options.h"
+#include "sim/h8s/chip/pins.h"
 
 namespace kaz::h8s {
-
-// Time in periods of the system clock ("states") since power-on.
-using States = std::int64_t;
 
 enum class Port { p1 = 1, p2, p3, p4, p5, p6, p7 };
 
@@ -46,14 +43,6 @@ struct Stop {
   void transfer(A& a) {
     a(reason, report);
   }
-};
-
-struct Registers {
-  std::array<std::uint32_t, 8> er{};  // ER7 is the stack pointer
-  std::uint32_t pc = 0;               // the next instruction to run
-  std::uint8_t ccr = 0;               // I UI H U N Z V C
-  std::uint8_t exr = 0x7f;
-  bool operator==(const Registers&) const = default;
 };
 
 // Levels of a port's pins. A bit that is not `driven` is an input: its level is the board's

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 
 namespace kaz::h8s::testing {
 

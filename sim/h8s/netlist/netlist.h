@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "sim/h8s/chip.h"
-#include "sim/h8s/error.h"
+#include "shared/image/error.h"
+#include "sim/h8s/chip/chip.h"
 
 namespace kaz::h8s {
 

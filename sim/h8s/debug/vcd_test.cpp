@@ -1,6 +1,6 @@
 // VCD files, read back by a small reader that knows the format alone.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/vcd.h"
+#include "sim/h8s/debug/vcd.h"
 
 #include <filesystem>
 #include <fstream>
@@ -8,8 +8,8 @@
 #include <set>
 #include <sstream>
 
-#include "sim/h8s/registers.h"
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
+#include "sim/h8s/chip/registers.h"
 
 namespace kaz::h8s::testing {
 namespace {

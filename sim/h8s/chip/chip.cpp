@@ -1,6 +1,6 @@
 // The public face of the machine.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -8,7 +8,6 @@
 
 #include "sim/h8s/chip/machine.h"
 #include "sim/h8s/cpu/access.h"
-#include "sim/h8s/translate/translator.h"
 
 namespace kaz::h8s {
 namespace {
@@ -121,24 +120,13 @@ std::int64_t Chip::instructions() const {
   return machine_->cpu.executed;
 }
 std::int64_t Chip::translated_instructions() const {
-  const Translator* translator = machine_->cpu.translator;
+  const Translator* translator = machine_->translator();
   return translator ? translator->executed() : 0;
 }
 Engine Chip::engine() const {
   const Cpu& cpu = machine_->cpu;
   if (cpu.engine != Engine::translator) return cpu.engine;
-  return cpu.translator && !cpu.normal ? Engine::translator : Engine::interpreter;
-}
-const char* name_of(Engine engine) {
-  switch (engine) {
-    case Engine::reference:
-      return "reference";
-    case Engine::interpreter:
-      return "interpreter";
-    case Engine::translator:
-      break;
-  }
-  return "translator";
+  return cpu.translated && !cpu.normal ? Engine::translator : Engine::interpreter;
 }
 bool Chip::asleep() const {
   return machine_->cpu.asleep;
@@ -340,6 +328,52 @@ Result<void> Chip::receive(int sci, const ReceivedByte& byte) {
 
 void Chip::on_transmit(std::function<void(int sci, const TransmittedByte&)> listener) {
   machine_->listeners.transmitted = std::move(listener);
+}
+
+// --- pins
+
+PinState Chip::state(Pin pin) const {
+  const States at = machine_->moment();
+  machine_->bring_outputs_to(at);
+  return pin_state(*machine_, pin, at);
+}
+
+int Chip::watch(Pin pin, PinListener listener, bool drivers) {
+  const States at = machine_->moment();
+  machine_->bring_outputs_to(at);
+  const int id = machine_->pins.watch(*machine_, pin, std::move(listener), drivers, at);
+  machine_->disturbed();
+  return id;
+}
+
+void Chip::unwatch(int watch) {
+  machine_->pins.unwatch(watch);
+}
+
+int Chip::call_at(States at, std::function<void(States)> call) {
+  const int id = machine_->pins.call_at(std::max(at, machine_->moment()), std::move(call));
+  machine_->disturbed();
+  return id;
+}
+
+void Chip::cancel(int call) {
+  machine_->pins.cancel(call);
+  machine_->disturbed();
+}
+
+void Chip::set_input(Pin pin, bool level) {
+  machine_->log_input([=](Chip& c) { c.set_input(pin, level); });
+  const PinInfo& p = info(pin);
+  if (p.port != 0)
+    machine_->set_input(static_cast<unsigned>(p.port), static_cast<unsigned>(p.bit), level);
+  if (pin == Pin::nmi) machine_->set_nmi(level);
+}
+
+void Chip::release_input(Pin pin) {
+  machine_->log_input([=](Chip& c) { c.release_input(pin); });
+  const PinInfo& p = info(pin);
+  if (p.port != 0)
+    machine_->set_input(static_cast<unsigned>(p.port), static_cast<unsigned>(p.bit), std::nullopt);
 }
 
 }  // namespace kaz::h8s

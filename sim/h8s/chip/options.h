@@ -4,22 +4,10 @@
 
 #include <cstdint>
 
+#include "sim/h8s/cpu/types.h"
+#include "sim/h8s/translate/available.h"
+
 namespace kaz::h8s {
-
-// How instructions are executed. The three give the same registers, memory and states at every
-// boundary; they differ in speed alone.
-enum class Engine {
-  reference,    // decodes each instruction anew from memory: slow, the judge of the others
-  interpreter,  // decodes once
-  translator,   // interpreter, and host code for what runs often; x86-64 with asmjit at build time,
-                // elsewhere the same as `interpreter`
-};
-
-// Whether this build and host can translate.
-bool translator_available();
-
-// "reference", "interpreter" or "translator".
-const char* name_of(Engine engine);
 
 // Defaults are the best reading of the H8S/2128's siblings; README.md tells the evidence of each.
 struct Options {

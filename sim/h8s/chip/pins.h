@@ -8,9 +8,9 @@
 #include <span>
 #include <string_view>
 
-namespace kaz::h8s {
+#include "sim/h8s/cpu/types.h"
 
-using States = std::int64_t;
+namespace kaz::h8s {
 
 // I/O pins by port and bit (P5 has three), the inputs of port 7, and the control inputs. Supply and
 // crystal pins carry no signal and are left out.

@@ -10,10 +10,9 @@
 #include <span>
 #include <string>
 
-#include "sim/h8s/chip.h"
-#include "sim/h8s/error.h"
-#include "sim/h8s/image.h"
-#include "sim/h8s/options.h"
+#include "shared/image/error.h"
+#include "shared/image/image.h"
+#include "sim/h8s/cpu/types.h"
 
 namespace kaz::h8s {
 

@@ -1,6 +1,6 @@
 // From names to signals, and from what happens to the file.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/vcd.h"
+#include "sim/h8s/debug/vcd.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -13,9 +13,9 @@
 #include <fstream>
 #include <utility>
 
-#include "sim/h8s/debug/observer.h"
-#include "sim/h8s/registers.h"
-#include "sim/h8s/vcd_writer.h"
+#include "sim/h8s/chip/observer.h"
+#include "sim/h8s/chip/registers.h"
+#include "sim/h8s/debug/vcd_writer.h"
 
 namespace kaz::h8s {
 namespace {
