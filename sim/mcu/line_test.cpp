@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "sim/mcu/compare.h"
+#include "sim/mcu/compare_testing.h"
 #include "sim/mcu/compare_wire.h"
 #include "sim/mcu/h8_mcu.h"
 
@@ -84,13 +84,9 @@ void plant_rate_changed_later(H8Mcu& mcu) {
 }
 
 CompareReport ticks_with(const Plant& plant) {
-  CompareOptions options;
-  options.image_path = KAZ_FIRMWARE_IMAGE;
-  options.ticks = 3000;
+  CompareOptions options = firmware_comparison(3000);
   options.prepare_h8 = plant;
-  const auto report = compare_engines(options);
-  EXPECT_TRUE(report) << report.error().message;
-  return report ? *report : CompareReport{};
+  return compare_or_fail(options);
 }
 
 TEST(Line, BytesAreDecodedAtThePin) {

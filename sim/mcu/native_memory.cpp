@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "sim/mcu/random.h"
+#include "shared/base/random.hpp"
 
 namespace kaz::sim {
 namespace {

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "shared/base/random.hpp"
 #include "shared/protocol/messages.h"
-#include "sim/mcu/random.h"
 
 namespace kaz::sim {
 namespace {

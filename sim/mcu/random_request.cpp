@@ -189,4 +189,31 @@ void RandomRequest::plan() {
   }
 }
 
+bool damage_frame(Random& random, std::vector<std::uint8_t>& frame, std::uint32_t min_length,
+                  std::uint32_t max_noise) {
+  const auto place = [&] {
+    return frame.begin() + random.below(static_cast<std::uint32_t>(frame.size()));
+  };
+  switch (random.below(6)) {
+    case 0:
+      *place() ^= static_cast<std::uint8_t>(1u << random.below(8));
+      return true;
+    case 1:
+      frame.erase(place());
+      return true;
+    case 2:
+      frame.insert(place(), static_cast<std::uint8_t>(random.next()));
+      return true;
+    case 3:
+      frame.resize(min_length + random.below(static_cast<std::uint32_t>(frame.size())));
+      return true;
+    case 4:
+      frame.resize(min_length + random.below(max_noise));
+      for (std::uint8_t& byte : frame) byte = static_cast<std::uint8_t>(random.next());
+      return true;
+    default:
+      return false;
+  }
+}
+
 }  // namespace kaz::sim

@@ -11,10 +11,16 @@
 #include <deque>
 #include <vector>
 
+#include "shared/base/random.hpp"
 #include "shared/protocol/message_info.h"
-#include "sim/mcu/random.h"
 
 namespace kaz::sim {
+
+// Damages a frame with one of five random faults: a bit flipped, a byte lost, a byte inserted, the end
+// cut off, or all of it replaced by up to `max_noise` random bytes; at least `min_length` bytes are
+// left of the last two. One time in six it leaves the frame alone and returns false.
+bool damage_frame(Random& random, std::vector<std::uint8_t>& frame, std::uint32_t min_length,
+                  std::uint32_t max_noise);
 
 class RandomRequest {
  public:

@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <optional>
 
+#include "shared/base/random.hpp"
 #include "shared/board/table.h"
 #include "sim/mcu/h8_mcu.h"
 #include "sim/mcu/host_testing.h"
-#include "sim/mcu/random.h"
 
 namespace kaz::sim {
 namespace {

@@ -9,9 +9,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "shared/base/random.hpp"
 #include "shared/board/board.h"
 #include "sim/mcu/mcu.h"
-#include "sim/mcu/random.h"
 #include "sim/mcu/random_request.h"
 
 namespace kaz::sim {
@@ -34,7 +34,6 @@ class RandomHost {
   void next_phase();
   std::vector<std::uint8_t> request();
   std::vector<std::uint8_t> any_frame();
-  void damage(std::vector<std::uint8_t>& frame);
 
   Random random_;
   RandomRequest requests_;

@@ -15,6 +15,8 @@ constexpr States ms = KZ_STATES_PER_TICK;
 // A tick reads its ring 450 to 850 states after it has become due, by what else it has to do.
 constexpr States ring_read_from = 300, ring_read_until = 1000;
 
+constexpr std::uint32_t kMaxNoise = 160;  // bytes; sometimes longer than any frame
+
 bool takes_the_board_away(std::uint8_t type) {
   return type == KZ_TYPE_store_calibration || type == KZ_TYPE_set_address ||
          type == KZ_TYPE_reset || type == KZ_TYPE_loader;
@@ -137,30 +139,7 @@ std::vector<std::uint8_t> WireHost::frame(const std::vector<std::uint8_t>& reque
 }
 
 void WireHost::damage(std::vector<std::uint8_t>& frame) {
-  const auto place = [this, &frame] {
-    return frame.begin() + random_.below(static_cast<std::uint32_t>(frame.size()));
-  };
-  switch (random_.below(6)) {
-    case 0:
-      *place() ^= static_cast<std::uint8_t>(1u << random_.below(8));
-      break;
-    case 1:
-      frame.erase(place());
-      break;
-    case 2:
-      frame.insert(place(), static_cast<std::uint8_t>(random_.next()));
-      break;
-    case 3:
-      frame.resize(1 + random_.below(static_cast<std::uint32_t>(frame.size())));
-      break;
-    case 4:
-      frame.resize(1 + random_.below(160));  // longer than any frame, at times
-      for (std::uint8_t& byte : frame) byte = static_cast<std::uint8_t>(random_.next());
-      break;
-    default:
-      frame.insert(frame.end(), random_.below(5), 0);
-      break;
-  }
+  if (!damage_frame(random_, frame, 1, kMaxNoise)) frame.insert(frame.end(), random_.below(5), 0);
 }
 
 void WireHost::send(const std::vector<std::uint8_t>& frame, const char* kind,

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "shared/base/random.hpp"
 #include "sim/mcu/mcu.h"
-#include "sim/mcu/random.h"
 #include "sim/mcu/random_request.h"
 
 namespace kaz::sim {

@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "host/robot/robot.h"
+#include "shared/base/random.hpp"
 #include "shared/board/table.h"
-#include "sim/mcu/random.h"
 #include "tests/system/campaign/line.h"
 #include "tests/system/campaign/servo_view.h"
 
@@ -124,7 +124,7 @@ class Campaign {
     options.world_path = options_.world_path;
     options.robot_path = options_.robot_path;
     options.camera_path = options_.camera_path;
-    options.seed = sim::mix64(options_.seed) + static_cast<std::uint64_t>(round);
+    options.seed = mix64(options_.seed) + static_cast<std::uint64_t>(round);
     robot_.reset();
     line_.reset();
     auto simulation = sim::Simulation::create(options);
@@ -135,7 +135,7 @@ class Campaign {
   }
 
   Result<void> one(int round) {
-    sim::Random random(sim::mix64(options_.seed ^ sim::mix64(static_cast<std::uint64_t>(round))));
+    Random random(mix64(options_.seed ^ mix64(static_cast<std::uint64_t>(round))));
     const auto event = static_cast<Event>(random.below(6));
     const auto reaction = random.chance(0.5) ? host::Reaction::limp : host::Reaction::hold;
     const Time before = milliseconds(60 + random.below(200)),
@@ -222,7 +222,7 @@ class Campaign {
   }
 
   // All joints to and fro around the middle of what each can do, a target every 10 ms.
-  Result<void> move_until(Time end, sim::Random& random) {
+  Result<void> move_until(Time end, Random& random) {
     const double phase = 6.28 * random.uniform();
     while (line_->now() < end) {
       const Time beat = line_->now() + cycle;
