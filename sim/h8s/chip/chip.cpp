@@ -1,4 +1,4 @@
-// The public face of the machine.
+// Chip: forwards the public interface to Machine and logs external inputs.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/chip/chip.h"
 
@@ -12,7 +12,7 @@
 namespace kaz::h8s {
 namespace {
 
-// Where call() makes the function return to: no memory, so that the fetch ends the run.
+// Return address used by call(): unmapped, so that the fetch there ends the run.
 constexpr std::uint32_t kReturn = 0xfffffe;
 
 std::string hex6(std::uint32_t value) {
@@ -269,8 +269,8 @@ const std::vector<Misuse>& Chip::misuse() const {
 }
 
 PortOutput Chip::output(Port port) const {
-  if (port == Port::p6) machine_->bring_outputs_to(machine_->moment());
-  return machine_->ports.output(*machine_, static_cast<unsigned>(port), machine_->moment());
+  if (port == Port::p6) machine_->advance_outputs(machine_->event_time());
+  return machine_->ports.output(*machine_, static_cast<unsigned>(port), machine_->event_time());
 }
 
 void Chip::set_input(Port port, int bit, bool level) {
@@ -322,7 +322,7 @@ Result<void> Chip::receive(int sci, const ReceivedByte& byte) {
                 std::to_string(earliest) + " (now, or the byte queued last)");
   machine_->log_input([=](Chip& c) { (void)c.receive(sci, byte); });
   queue.push_back(byte);
-  machine_->disturbed();
+  machine_->reschedule_all();
   return {};
 }
 
@@ -330,19 +330,19 @@ void Chip::on_transmit(std::function<void(int sci, const TransmittedByte&)> list
   machine_->listeners.transmitted = std::move(listener);
 }
 
-// --- pins
+// Pins.
 
 PinState Chip::state(Pin pin) const {
-  const States at = machine_->moment();
-  machine_->bring_outputs_to(at);
+  const States at = machine_->event_time();
+  machine_->advance_outputs(at);
   return pin_state(*machine_, pin, at);
 }
 
 int Chip::watch(Pin pin, PinListener listener, bool drivers) {
-  const States at = machine_->moment();
-  machine_->bring_outputs_to(at);
+  const States at = machine_->event_time();
+  machine_->advance_outputs(at);
   const int id = machine_->pins.watch(*machine_, pin, std::move(listener), drivers, at);
-  machine_->disturbed();
+  machine_->reschedule_all();
   return id;
 }
 
@@ -351,14 +351,14 @@ void Chip::unwatch(int watch) {
 }
 
 int Chip::call_at(States at, std::function<void(States)> call) {
-  const int id = machine_->pins.call_at(std::max(at, machine_->moment()), std::move(call));
-  machine_->disturbed();
+  const int id = machine_->pins.call_at(std::max(at, machine_->event_time()), std::move(call));
+  machine_->reschedule_all();
   return id;
 }
 
 void Chip::cancel(int call) {
   machine_->pins.cancel(call);
-  machine_->disturbed();
+  machine_->reschedule_all();
 }
 
 void Chip::set_input(Pin pin, bool level) {

@@ -133,8 +133,8 @@ class Machine;
 class Observer;
 class InputLog;
 
-// Addresses have 24 bits, 16 in normal mode; higher bits are ignored. Times are states since power-on. A chip is used
-// by one thread at a time; different chips are independent.
+// Addresses have 24 bits, 16 in normal mode; higher bits are ignored. Times are states since power-on. A
+// chip is used by one thread at a time; different chips are independent.
 class Chip {
  public:
   explicit Chip(const Options& options = {});

@@ -1,4 +1,4 @@
-// Everything on the chip, and the loop that runs it. Internal; chip.h is the public face.
+// Machine: all modules of the chip, and the loop that runs them. Internal; chip.h is the public interface.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -53,7 +53,7 @@ struct SystemRegisters {
   }
 };
 
-// Modules that have events, in the order in which those of one state are worked off.
+// Modules that have events; events of the same state are processed in this order.
 enum class Source : unsigned { sci0, wdt0, sci1, wdt1, adc, frt, tmr, tmr_xy, pins, boot };
 inline constexpr unsigned kSources = 10;
 
@@ -66,11 +66,11 @@ struct CodeFree {
 class Machine final : public Bus {
  public:
   explicit Machine(const Options& options);
-  // State without listeners and hooks.
+  // Copies the state without listeners and hooks.
   Machine(const Machine& other);
   Machine& operator=(const Machine&) = delete;
 
-  // Takes over the state of another one; listeners and hooks stay.
+  // Copies the state of another machine; listeners and hooks are kept.
   void take_state(const Machine& other);
   // The same to and from bytes (state.cpp).
   void write_state(StateWriter& to);
@@ -78,7 +78,7 @@ class Machine final : public Bus {
 
   void power_on(std::uint8_t ram_fill);
   void reset(ResetCause cause, States at);
-  // Takes back an error stop.
+  // Clears an error stop.
   void revive() {
     dead.reset();
     cpu.fault = Fault::none;
@@ -103,22 +103,22 @@ class Machine final : public Bus {
   void run_observed() override;
 
   // --- for the modules ---------------------------------------------------------------------------
-  // End of the access that runs, or the event's time.
+  // End of the current bus access, or the event's time.
   States time() const {
     const States at = cpu.now + cpu.stall;
     return slow_from_ == kNever ? at : slow_from_ + (at - slow_from_) * slow_by_;
   }
-  // The chip stands by: its clocks, but not the subclock, are off.
-  bool stands_still() const { return standby_; }
-  // Time for those outside who look or act: of the event that is being worked off, else time().
-  States moment() const { return working_ != kNever ? working_ : time(); }
-  // The timers that may drive pins.
-  void bring_outputs_to(States at) {
+  // True in software standby: all clocks except the subclock are stopped.
+  bool in_standby() const { return standby_; }
+  // Current time as seen from outside: of the event being processed, else time().
+  States event_time() const { return processing_ != kNever ? processing_ : time(); }
+  // Advances the timers that may drive pins.
+  void advance_outputs(States at) {
     frt.advance(*this, at);
     tmr.advance(*this, at);
     tmr_xy.advance(*this, at);
   }
-  // What the board does to a pin, and what follows from it.
+  // Sets or releases the board's drive of a pin and applies its effects.
   void set_input(unsigned port, unsigned bit, std::optional<bool> level);
   void set_nmi(bool level);
   bool stopped(unsigned bit) const { return (system.mstpcr >> bit & 1) != 0; }
@@ -127,10 +127,10 @@ class Machine final : public Bus {
     if (listeners.output) listeners.output({unit, index, at});
   }
   void misuse(std::uint32_t address, const char* text);
-  // The module's next event may have moved. While instructions run: they stop in time for it.
+  // Reschedules a module whose next event may have changed; running instructions stop in time for it.
   void rescheduled(Source source);
-  // Anything may have moved: somebody outside, a hook, or what is not known closer.
-  void disturbed();
+  // Reschedules all modules. Call after external writes, hooks, or any change whose effect is not tracked.
+  void reschedule_all();
   void pin_edge(unsigned port, unsigned bit, bool rising, States at);
 
   // --- memory ------------------------------------------------------------------------------------
@@ -139,7 +139,7 @@ class Machine final : public Bus {
   std::uint8_t io_read(std::uint32_t address);
   void io_write(std::uint32_t address, std::uint8_t value);
   void io_write_word(std::uint32_t address, std::uint16_t value);
-  // Without side effects; timers are brought up to date.
+  // Reads without side effects; timers are brought up to date.
   std::optional<std::uint8_t> io_peek(std::uint32_t address);
   // FE50..FEFF and FF80..FFFF.
   bool is_io(std::uint32_t address) const {
@@ -150,7 +150,7 @@ class Machine final : public Bus {
   void forget_flash(std::uint32_t address, std::uint32_t size);
   void set_ram_enabled(bool on);
   void forget_all_code();
-  // Which of the CPU's accesses may go past Machine.
+  // Selects which of the CPU's accesses take its fast path.
   void choose_paths();
   void set_hook(std::uint32_t pc, Chip::CodeHook hook);
   void clear_hook(std::uint32_t pc);
@@ -190,8 +190,8 @@ class Machine final : public Bus {
   Dtc dtc;
   SystemRegisters system;
 
-  // Where prescalers count from: the last reset, moved along while clocks stood still. The
-  // subclock's stays.
+  // Origin of the prescalers' counts: the last reset, shifted by the time that clocks were stopped; the
+  // subclock is never stopped.
   States epoch = 0, sub_epoch = 0;
   ResetCause cause = ResetCause::power_on;
   bool watchdog_reset = false;  // requested by a watchdog
@@ -200,11 +200,11 @@ class Machine final : public Bus {
 
   Listeners listeners;
   std::vector<Observer*> observers;
-  InputLog* input_log = nullptr;  // of a debug::History
+  InputLog* input_log = nullptr;  // of History (debug/history.h)
   bool running = false;           // inside run()
-  bool in_hook = false;           // at a boundary all the same
+  bool in_hook = false;           // inside a code hook, at an instruction boundary
   std::function<double(int, States)> analog_source;
-  // To be called before an input is applied.
+  // Must be called before an input is applied.
   void log_input(std::function<void(Chip&)> apply);
   void log_cut();
   void connect_analog();
@@ -240,11 +240,11 @@ class Machine final : public Bus {
   void find_events();
   void first_events();
   void run_events(States to);
-  // Before an access to a register: what lies before `to` has happened.
+  // Before a register access: processes all events up to `to`.
   void settle(States to) {
-    if (!events_known_ || next_event_ <= to) work_off(to);
+    if (!events_known_ || next_event_ <= to) process_events(to);
   }
-  void work_off(States to);
+  void process_events(States to);
   void accept(unsigned vector);
   bool could_wake() const;
   void stretch(States stop, bool one);
@@ -255,7 +255,7 @@ class Machine final : public Bus {
   void end_slow();
   bool stands_by() const;
   void enter_standby();
-  bool stand_by(States until);  // false: nothing could ever end it
+  bool stand_by(States until);  // false: nothing can end it
   Stop error_stop(Stop::Reason reason, const std::string& headline);
   Stop stop_for_fault();
   enum class Hooked { none, ran, stop };
@@ -267,20 +267,20 @@ class Machine final : public Bus {
   std::unique_ptr<Translator> translator_;
   static constexpr std::uint32_t kNoAddress = 0xffffffff;
   std::uint32_t hook_done_ =
-      kNoAddress;  // its hook has been called, the instruction has not run yet
-  std::uint32_t unhooked_ = kNoAddress;  // decoded as it is, whatever hooks there are
+      kNoAddress;  // the hook there has been called, its instruction has not run yet
+  std::uint32_t unhooked_ = kNoAddress;  // decoded without regard to its hook
   bool first_after_reset_ = false;
   bool standby_ = false, watch_ = false;
   States wakes_at_ = kNever;   // the oscillator has settled
-  States slow_from_ = kNever;  // beginning of what the CPU does on a divided clock
+  States slow_from_ = kNever;  // start of execution on a divided clock
   States slow_by_ = 1;
   bool stop_requested_ = false;
-  // When each module's next event is, worked out again only where an access, an event, a hook or
-  // somebody outside may have moved it, and when the CPU has to stop for it; the first of them.
+  // Time of each module's next event, and the time by which the CPU must stop for it; the earliest of
+  // each. Recomputed only after something that may change them.
   std::array<States, kSources> events_{}, stops_{};
   States next_event_ = 0, next_stop_ = 0;
   bool events_known_ = false;
-  States working_ = kNever;  // the event that is being worked off
+  States processing_ = kNever;  // time of the event being processed
 };
 
 }  // namespace kaz::h8s

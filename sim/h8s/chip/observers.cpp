@@ -9,7 +9,7 @@
 namespace kaz::h8s {
 namespace {
 
-// No masked address lies less than a RAM's size above this.
+// Beyond all masked addresses by more than the size of any RAM.
 constexpr std::uint32_t kNowhere = 0x80000000;
 
 }  // namespace
@@ -92,7 +92,7 @@ void Machine::connect_analog() {
   };
 }
 
-// Sleep costs no host time: the clock jumps to what comes next.
+// Sleep takes no host time: the clock advances to the next event.
 void Machine::sleep_until(States at) {
   const States from = cpu.now;
   cpu.now = std::max(cpu.now, at);

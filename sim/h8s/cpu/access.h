@@ -15,7 +15,7 @@ std::uint8_t slow_load8(Cpu& c, std::uint32_t address);
 std::uint16_t slow_load16(Cpu& c, std::uint32_t address);
 void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value);
 void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value);
-// Forgets decoded instructions that the bytes at `offset` (even, from ram_at) may be part of.
+// Discards decoded instructions that may contain the bytes at `offset` (even, relative to ram_at).
 void forget_code(Cpu& c, std::uint32_t offset);
 // True when ER7 (`address`) points into RAM; raises Fault::stack otherwise.
 bool check_stack(Cpu& c, std::uint32_t address);
@@ -138,7 +138,7 @@ void store(Cpu& c, std::uint32_t address, T value) {
     store32(c, address, value);
 }
 
-// Stack accesses move ER7 and insist on RAM.
+// Stack accesses must be in RAM (Fault::stack).
 inline bool stack_ok(Cpu& c, std::uint32_t address) {
   const std::uint32_t offset = (address & c.mask) - c.ram_base;
   return offset < c.ram_size || check_stack(c, address);

@@ -1,4 +1,4 @@
-// The slow path of memory accesses, faults, and what the CPU asks of the bus.
+// The slow path of memory accesses, faults, and queries of the bus.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/cpu/access.h"
 

@@ -18,7 +18,7 @@ inline Program busy_program() {
   return p;
 }
 
-// The loop of it, where the program stays.
+// Address of the program's endless loop.
 inline std::uint32_t busy_loop() {
   return end_of(busy_program()) - 14;
 }

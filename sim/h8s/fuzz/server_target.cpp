@@ -23,7 +23,7 @@ Chip counting() {
 
 }  // namespace
 
-// Each line is a packet with its right sum; a line that begins with ! goes to the server as it is.
+// Each line is a packet with its correct checksum; a line that begins with ! is passed unchanged.
 std::string gdb(Bytes input) {
   Chip chip = counting();
   GdbServer server(chip);

@@ -24,7 +24,7 @@ std::int64_t Translator::translated() const {
 std::int64_t Translator::executed() const {
   return 0;
 }
-void Translator::count_anew() {}
+void Translator::reset_count() {}
 
 std::unique_ptr<Translator> make_translator() {
   return nullptr;

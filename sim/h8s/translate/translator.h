@@ -1,4 +1,4 @@
-// The translator: finds what runs often, turns it into host code and runs that.
+// The translator: finds hot code, translates it to host code and runs that.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace kaz::h8s {
 
-// Belongs to one Cpu. Host code is made where a jump has led `Options::translate_after` times, and
-// lost when the instructions it came from change; what runs where never shows in the guest.
+// Belongs to one Cpu. Code is translated at addresses that have been jumped to `Options::translate_after`
+// times, and discarded when its instructions change. The guest cannot observe the difference.
 class Translator final : public CodeCache {
  public:
   Translator();
@@ -25,13 +25,13 @@ class Translator final : public CodeCache {
   void forget(std::uint32_t first, std::uint32_t count) override;
   // A code hook was set or cleared at `index`: blocks that hold the instruction are translated again.
   void hook_changed(std::uint32_t index);
-  // Everything: also where the code array itself or the memory map has changed.
+  // Discards all; also needed when the code array itself or the memory map has changed.
   void forget_all();
   // Blocks translated since the start, for measurements.
   std::int64_t translated() const;
-  // Instructions executed in translated code since the start or the last count_anew().
+  // Instructions executed in translated code since construction or the last reset_count().
   std::int64_t executed() const;
-  void count_anew();
+  void reset_count();
 
  private:
   struct Cache;
