@@ -1,4 +1,4 @@
-// A motor stand instead of a robot.
+// Motor stand: the discs' dynamics, and the tools.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/stand/motor_stand.h"
 
@@ -61,7 +61,7 @@ double MotorStand::scale_nm(std::size_t joint) const {
   if (shaft.count == 0) return 0;
   double sum = 0;
   for (std::size_t i = 0; i < shaft.count; ++i) sum += shaft.pressed[i];
-  // The same pressing reads the same, however often it is looked at.
+  // Repeated readings of one measurement are equal.
   const double noise =
       keyed_normal(options_.seed, static_cast<std::uint64_t>(shaft.pressed_at), 100 + joint);
   return in_steps(sum / shaft.count + kScaleNoise * noise, kScaleResolution);

@@ -1,4 +1,4 @@
-// The stand against the motor's own line, and its tools against what they are for.
+// The stand against the motor's characteristic line, and its tools.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/stand/motor_stand.h"
 

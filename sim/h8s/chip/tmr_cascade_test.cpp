@@ -27,7 +27,7 @@ struct Clock {
   std::uint8_t cks, stcr;
   States divisor;
 };
-// What TMR1 counts (hardware manual, 8-bit timers, clock select).
+// Clock source of TMR1 (hardware manual, 8-bit timers, clock select).
 constexpr Clock kClocks[] = {{1, 0, 8},   {1, 2, 2},    {2, 0, 64},
                              {2, 2, 128}, {3, 0, 1024}, {3, 2, 2048}};
 

@@ -61,7 +61,7 @@ class Program {
   const std::vector<u16>& table() const { return table_; }  // what block moves copy from
 
  private:
-  // Instructions in a row that a store replaces, and where the store stands.
+  // Consecutive instructions that a store replaces, and the store's position.
   struct Group {
     u32 count;
     std::size_t from;

@@ -45,8 +45,8 @@ class Bench {
   void put(u32 address, const std::vector<u16>& units);
   // States that an access takes besides those of memory.
   int io_states(const Access& a) const;
-  // Compares registers and memory that the model has accessed; empty when equal. Sets what the manual
-  // leaves open to the chip's.
+  // Compares registers and memory that the model has accessed; empty when equal. Values
+  // that the manual leaves open are copied from the chip.
   std::string compare(std::span<const Access> accesses, u8 open_flags, bool open_result);
   // Accesses of the model outside memory since the last call.
   std::string outside() { return std::exchange(outside_, {}); }

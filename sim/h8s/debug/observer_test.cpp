@@ -1,4 +1,4 @@
-// Observed runs equal unobserved ones, and what observers are told is what happened.
+// Observed runs equal unobserved ones, and reports to observers match the execution.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/chip/observer.h"
 

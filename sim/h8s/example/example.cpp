@@ -1,4 +1,4 @@
-// Runs a program that raises P30, sends a byte and sleeps, and watches the pins.
+// Runs a program that raises P30, sends a byte and sleeps, and reports what the pins do.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 

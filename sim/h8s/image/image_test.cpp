@@ -1,4 +1,4 @@
-// Loaders: good files, damaged files, and messages that say where.
+// Image loaders: valid files, damaged files, and the locations in error messages.
 // SPDX-License-Identifier: Apache-2.0
 #include <random>
 

@@ -212,9 +212,9 @@ TEST(Netlist, SaveAndRestoreGoOnTheSame) {
   const auto run = [&] {
     edges.clear();
     chip.run_until(2500);
-    std::vector<std::pair<States, bool>> told;
-    for (const PinEdge& e : edges) told.emplace_back(e.at, e.level);
-    return std::make_pair(told, board.voltage(board.net("AN0"), chip.now()).value());
+    std::vector<std::pair<States, bool>> reported;
+    for (const PinEdge& e : edges) reported.emplace_back(e.at, e.level);
+    return std::make_pair(reported, board.voltage(board.net("AN0"), chip.now()).value());
   };
   const auto once = run();
   chip.restore(*saved);
