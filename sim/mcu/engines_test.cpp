@@ -1,4 +1,4 @@
-// The firmware image in the emulator, beside the native engine.
+// The firmware image in the emulator, compared with the native engine.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
@@ -69,7 +69,7 @@ TEST(Engines, BytesTakeTheSameTime) {
   }
 }
 
-// What each tick finds: bytes received, and room in the transmit ring, of which the channel holds two.
+// Inputs of each tick: bytes received, and room in the transmit ring, of which the channel holds two.
 TEST(Engines, RingsAgree) {
   std::vector<std::vector<std::array<int, 3>>> seen;
   for (const auto& mcu : {h8(), native()}) {
@@ -151,7 +151,7 @@ TEST_P(CompareSeeds, FindNoDifference) {
   EXPECT_TRUE(report.equal()) << report.text();
   EXPECT_EQ(report.ticks, 50000);
   EXPECT_EQ(progress, 50000);
-  // The comparison has seen something: see the phases of RandomHost.
+  // The comparison covered something: see the phases of RandomHost.
   EXPECT_GT(report.frames_sent_to_board, 1000);
   EXPECT_GT(report.bytes_received, 20000);
   EXPECT_GT(report.bytes_sent, 10000);
@@ -159,7 +159,7 @@ TEST_P(CompareSeeds, FindNoDifference) {
   EXPECT_GT(report.coverage.replies.size(), 12u) << report.text();
   EXPECT_GT(report.coverage.refusals.size(), 6u) << report.text();
   EXPECT_GT(report.coverage.shutdowns.size(), 2u) << report.text();
-  // It was the engine that every verb uses, and it did translate.
+  // It used the engine that every verb uses, and translated.
   EXPECT_EQ(report.engine, h8s::translator_available() ? "translator" : "interpreter");
   if (h8s::translator_available()) {
     EXPECT_GT(report.translated_instructions, report.instructions / 2) << report.text();
@@ -168,7 +168,7 @@ TEST_P(CompareSeeds, FindNoDifference) {
 
 INSTANTIATE_TEST_SUITE_P(Traffic, CompareSeeds, testing::Values(1, 2, 3, 4));
 
-// The emulator's engines are one machine: the same traffic, seen by the same native build, state by state.
+// The emulator's engines are equivalent: the same traffic gives equal results state by state.
 TEST(Compare, TheEmulatorsEnginesSeeTheSame) {
   std::optional<CompareReport> first;
   for (const auto engine : {h8s::Engine::interpreter, h8s::Engine::translator}) {

@@ -1,4 +1,4 @@
-// Fields by the table's bounds, and conversations that get somewhere.
+// Random fields within and outside the table's bounds, and sequences of requests.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/random_request.h"
 
@@ -26,7 +26,7 @@ int weight(std::uint8_t type) {
     case KZ_TYPE_enable:
     case KZ_TYPE_clear:
       return 5;
-    // Each of these takes the board away for a while: only where it is planned.
+    // Each of these interrupts the board's service: only where it is planned.
     case KZ_TYPE_store_calibration:
     case KZ_TYPE_set_address:
     case KZ_TYPE_reset:
@@ -129,7 +129,7 @@ long long RandomRequest::angle(int joint, bool legal) {
   const kz_board_joint& board = kz_board_joints[joint];
   if (!legal && random_.chance(0.1)) return static_cast<std::int16_t>(random_.next());
   const int range = board.upper - board.lower + 1;
-  // Mostly in the middle half, which soft limits seldom cut.
+  // Mostly in the middle half, which soft limits rarely clip.
   const int from = random_.chance(0.1) ? 0 : range / 4;
   const int span = random_.chance(0.1) ? range - from : range / 2;
   return board.lower + from + static_cast<int>(random_.below(static_cast<std::uint32_t>(span)));

@@ -1,4 +1,4 @@
-// Random requests made by the codec, damage, and random joints.
+// Random requests encoded as frames, damaged frames, and random joints.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/traffic.h"
 

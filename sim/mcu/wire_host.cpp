@@ -1,4 +1,4 @@
-// A seeded conversation with a board.
+// A seeded host that talks to a board over its serial line.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/wire_host.h"
 
@@ -12,12 +12,12 @@ namespace kaz::sim {
 namespace {
 
 constexpr States ms = KZ_STATES_PER_TICK;
-// A tick reads its ring 450 to 850 states after it has become due, by what else it has to do.
+// A tick reads its ring 450 to 850 states after it has become due, depending on its other work.
 constexpr States ring_read_from = 300, ring_read_until = 1000;
 
 constexpr std::uint32_t kMaxNoise = 160;  // bytes; sometimes longer than any frame
 
-bool takes_the_board_away(std::uint8_t type) {
+bool interrupts_service(std::uint8_t type) {
   return type == KZ_TYPE_store_calibration || type == KZ_TYPE_set_address ||
          type == KZ_TYPE_reset || type == KZ_TYPE_loader;
 }
@@ -82,7 +82,7 @@ WireHost::Event WireHost::take_event(States at) {
 void WireHost::begin(States at) {
   begun_ = true;
   begun_at_ = line_free_ = at;
-  next_at_ = at + random_.below(50) * ms;  // some while the board starts
+  next_at_ = at + random_.below(50) * ms;  // some while the board is starting
   manner_until_ = at + 120 * ms;
   // All on, so that the loops run; telemetry in some.
   if (random_.chance(0.7)) {
@@ -112,7 +112,7 @@ void WireHost::next_manner() {
 std::vector<std::uint8_t> WireHost::harmless() {
   for (;;) {
     auto request = requests_of_.next();
-    if (!takes_the_board_away(request.front())) return request;
+    if (!interrupts_service(request.front())) return request;
   }
 }
 
@@ -153,7 +153,7 @@ void WireHost::send(const std::vector<std::uint8_t>& frame, const char* kind,
   sent_.push_back({next_at_ + static_cast<States>(frame.size()) * KZ_STATES_PER_BYTE, text});
 }
 
-// Fills the line from `at` on, which is idle.
+// Queues the next bytes on the idle line from `at` on.
 void WireHost::refill(States at) {
   if (next_at_ < at) next_at_ = at;
   if (!planned_.empty() && next_at_ - begun_at_ >= planned_.front().not_before) {
@@ -161,7 +161,7 @@ void WireHost::refill(States at) {
     const auto request = now.bodies.front();
     now.bodies.erase(now.bodies.begin());
     const std::uint8_t type = request.front();
-    if (takes_the_board_away(type)) ++kinds_[name_of(type)];
+    if (interrupts_service(type)) ++kinds_[name_of(type)];
     if (type == KZ_TYPE_set_address) {
       other_address_ = request[1];
       has_moved_ = true;

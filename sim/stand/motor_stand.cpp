@@ -79,7 +79,7 @@ void MotorStand::turn(std::size_t joint, double angle_rad) {
   shaft.goal_rad = angle_rad;
 }
 
-void MotorStand::let_go(std::size_t joint) {
+void MotorStand::release(std::size_t joint) {
   shafts_[joint].guided = false;
 }
 
@@ -88,8 +88,8 @@ double MotorStand::protractor_rad(std::size_t joint) const {
 }
 
 void MotorStand::guide(Shaft& shaft) const {
-  const double most = kHandSpeed * options_.step_s;
-  shaft.guide_rad += std::clamp(shaft.goal_rad - shaft.guide_rad, -most, most);
+  const double max_step = kHandSpeed * options_.step_s;
+  shaft.guide_rad += std::clamp(shaft.goal_rad - shaft.guide_rad, -max_step, max_step);
 }
 
 void MotorStand::step_shaft(std::size_t joint, const MotorDrive& drive, double supply_volts) {

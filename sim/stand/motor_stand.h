@@ -47,7 +47,7 @@ class MotorStand final : public World {
   void press(std::size_t joint, double torque_nm);
   // A hand turns the shaft to that angle at 2 rad/s and holds it until released.
   void turn(std::size_t joint, double angle_rad);
-  void let_go(std::size_t joint);
+  void release(std::size_t joint);
   // The protractor's reading, rad, with a resolution of 0.01 degrees.
   double protractor_rad(std::size_t joint) const;
 

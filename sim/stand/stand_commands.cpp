@@ -70,7 +70,7 @@ Result<Json> answer_joint(MotorStand& stand, const Words& words, std::size_t joi
   if (command == "scale") return Json{{"torque_nm", stand.scale_nm(joint)}};
   if (command == "protractor") return Json{{"angle_rad", stand.protractor_rad(joint)}};
   if (command == "let") {
-    stand.let_go(joint);
+    stand.release(joint);
     return Json::object();
   }
   const std::string& word = words.arguments[1];
