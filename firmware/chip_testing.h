@@ -15,7 +15,7 @@
 #include "shared/servo/fields.h"
 #include "shared/servo/store.h"
 #include "shared/servo/tick.h"
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/mcu/h8_layout.h"
 #include "sim/mcu/h8_mcu.h"
 

@@ -1,4 +1,4 @@
-// Two boards, one conversation after the other.
+// Runs conversations with both boards and compares them.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/compare_wire.h"
 
@@ -25,15 +25,15 @@ constexpr std::size_t differences_kept = 5, requests_shown = 6;
 constexpr int fewest_requests = 20;
 constexpr States length = 1000 * tick;
 constexpr States drain = 60 * tick;  // replies to the last requests
-// Voltages change, and pins are compared, so long after a tick became due: neither converter samples
+// Time after a tick became due at which voltages change and pins are compared: neither converter samples
 // then, and both boards have written their pins.
 constexpr States quiet_after = 15000;
-// Where an idle tick of the firmware selects a supply's multiplexer input: that is seen at the pins.
+// Time at which an idle tick selects a supply's multiplexer input, which is visible at the pins.
 constexpr States select_after = 735;
-// A board that starts begins to listen so long before its first tick; from then on each byte makes the
-// start longer, until the clock runs.
+// A starting board enables its receiver this long before its first tick; from then on each byte extends
+// the start, until the clock runs.
 constexpr States listens_before = 46940 + 700, clock_runs_before = 18000;
-// Of an edge against its place in the frame: 2 % of a bit.
+// Tolerance of an edge relative to its place in the frame: 2 % of a bit.
 constexpr States edge_tolerance = KZ_STATES_PER_BIT / 50;
 
 struct WireByte {
@@ -41,7 +41,7 @@ struct WireByte {
   States start = 0;
 };
 
-// What stands between two zeros.
+// The bytes between two zeros.
 struct WireFrame {
   std::vector<std::uint8_t> bytes;
   States start = 0, end = 0;
@@ -77,8 +77,8 @@ std::vector<WireFrame> frames_of(const std::vector<WireByte>& bytes,
   return frames;
 }
 
-// The body of a frame: without the check, and the stuffing taken out; what is there of one that was cut.
-// Empty if there is none.
+// The body of a frame without checksum and stuffing, as far as present in one that was cut. Empty if
+// there is none.
 std::vector<std::uint8_t> body_of(const WireFrame& frame) {
   constexpr std::size_t check = 3;
   std::vector<std::uint8_t> body;
@@ -139,7 +139,7 @@ class Boards {
     return *grid_ - from;
   }
 
-  // The default of the native board is that of the built image.
+  // The native board's default must be that of the built image.
   Result<void> run(std::int64_t number, const NativeOptions& native_options) {
     number_ = number;
     differed_ = false;
@@ -191,7 +191,7 @@ class Boards {
     if (nothing_stored()) {
       grid_ = at + start_states_;
     } else {
-      // How long the start takes depends on what is stored: nothing is sent until ticks are seen.
+      // The duration of the start depends on what is stored: nothing is sent until ticks are detected.
       closed_until_ = at + length;
     }
   }
@@ -211,7 +211,7 @@ class Boards {
     return voltages_->ratio(input, slice_ * tick);
   }
 
-  // Ticks are found by the multiplexer's inputs of the supplies, which each selects first.
+  // Ticks are detected by the multiplexer inputs of the supplies, which each tick selects first.
   void h8_pins(States at, const PinLevels& pins) {
     const int select = pins.p4 & KZ_P4_MUX_MASK;
     if (select == select_) return;
@@ -271,7 +271,7 @@ class Boards {
     follow_resets();
     if (differed_) return {};
     if (!h8_reset_ && !native_reset_) compare_pins(to);
-    // Where ticks have just been found `to` may lie in a scan.
+    // Where ticks have just been detected `to` may be inside a scan.
     if (grid_ && grid_ == grid && to > *grid_) {
       voltages_->millisecond();
       ++slice_;
@@ -317,7 +317,7 @@ class Boards {
     for (const SerialByte& byte : h8_.take_transmitted()) reported_.push_back(byte);
     for (; !decoded_.empty() && !reported_.empty(); decoded_.pop_front(), reported_.pop_front())
       check_waveform(decoded_.front(), reported_.front());
-    // A stop bit is sampled before it ends, and that is known a bit later.
+    // A stop bit is sampled before it ends; the decoder reports it one bit later.
     const States settled = h8_.now() - 2 * KZ_STATES_PER_BIT;
     if (!decoded_.empty() && decoded_.front().start + KZ_STATES_PER_BYTE < settled)
       differ(decoded_.front().start, "TxD0 shows a byte that the channel has not sent", "", "");
@@ -359,7 +359,7 @@ class Boards {
   void compare_frames() {
     if (differed_) return;
     const auto theirs = frames_of(from_h8_, cuts_), ours = frames_of(from_native_, cuts_);
-    // What begins at the very end may be there on one board only.
+    // A reply that begins at the very end may be on one board only.
     const States last = h8_.now() - 2 * tick - KZ_FRAME_MAX * KZ_STATES_PER_BYTE;
     for (std::size_t i = 0; i < std::max(theirs.size(), ours.size()); ++i) {
       const bool h8_has = i < theirs.size(), native_has = i < ours.size();
@@ -405,7 +405,7 @@ class Boards {
     if (differed_) return;
     differed_ = true;
     ++report_.different;
-    ends_at_ = h8_.now();  // what follows is a consequence
+    ends_at_ = h8_.now();  // later differences are consequences
     if (report_.differences.size() >= differences_kept) return;
     WireDifference difference;
     difference.conversation = number_;

@@ -14,7 +14,7 @@ WireOptions options(std::int64_t conversations) {
   return options;
 }
 
-// The native board with something wrong at its line or pins.
+// The native board with a fault at its line or pins.
 class Altered : public Mcu {
  public:
   explicit Altered(const NativeOptions& options) : board_(make_native(options)) {}
@@ -95,7 +95,7 @@ TEST(CompareWire, FindsNoDifference) {
   EXPECT_EQ(report->conversations, 60);
   EXPECT_GE(report->fewest_requests, 20);
   EXPECT_LE(report->largest_lag, KZ_STATES_PER_TICK);
-  // They have seen something.
+  // The conversations have covered something.
   EXPECT_GT(report->replies, 3000);
   EXPECT_GT(report->resets, 10);
   EXPECT_GT(report->pins_compared, 55000);

@@ -1,4 +1,4 @@
-// Where the native board differs from the emulated one by design.
+// Differences by design between the native board and the emulated one.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/wire_differences.h"
 

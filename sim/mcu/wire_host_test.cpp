@@ -1,4 +1,4 @@
-// The conversations of the comparison on the wire.
+// The random conversations of the wire comparison.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/wire_host.h"
 

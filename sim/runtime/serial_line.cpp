@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "sim/h8s/line_rate.h"
+#include "sim/h8s/chip/line_rate.h"
 #include "sim/runtime/time.h"
 
 namespace kaz::sim {

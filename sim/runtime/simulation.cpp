@@ -131,7 +131,7 @@ Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mc
       world_(std::move(world)),
       ratio_(ratio),
       board_(std::move(mcu), {.seed = options.seed,
-                              .figures = options.sensor_params,
+                              .params = options.sensor_params,
                               .sensors = options.sensors,
                               .imu = options.imu,
                               .supply_volts = options.supply_volts,

@@ -80,6 +80,43 @@ def check_directions():
                     fault(name, f"must not include {include}")
 
 
+# Folder -> its sub-folders and the sub-folders that each may include besides itself: what is lower knows
+# nothing of what is above it. `tests` are the files named *_test.cpp and *_testing.*, wherever they are, and
+# oracle*, which only they use: a test runs its subject in the assembled whole, and nothing else may
+# include what is made for tests.
+LAYERS = {
+    "sim/h8s": {
+        "cpu": (), "translate": ("cpu",),
+        "chip": ("cpu", "translate"), "flat": ("cpu", "translate"),
+        "netlist": ("cpu", "chip"), "debug": ("cpu", "chip"),
+        "fuzz": ("cpu", "chip", "flat", "netlist", "debug"), "example": ("chip",), "testdata": (),
+        "tests": ("cpu", "translate", "chip", "flat", "netlist", "debug", "fuzz", "testdata"),
+    },
+}
+TEST_FILE = re.compile(r"(_test\.cpp|_testing\.\w+|/oracle\w*\.(cpp|h))$")
+
+
+def layer_of(folder, name):
+    inside = name.removeprefix(folder + "/")
+    return "tests" if TEST_FILE.search(name) else inside.split("/")[0] if "/" in inside else ""
+
+
+def check_layers():
+    for path in files("*.c", "*.h", "*.cpp", "*.hpp"):
+        name = path.relative_to(ROOT).as_posix()
+        for folder, allowed in LAYERS.items():
+            if not name.startswith(folder + "/"):
+                continue
+            layer = layer_of(folder, name)
+            if layer not in allowed:
+                fault(name, f"is in no sub-folder of {folder} that rules.py knows")
+                continue
+            for include in re.findall(r'^#include "([^"]+)"', path.read_text(), re.M):
+                if include.startswith(folder + "/") and \
+                        layer_of(folder, include) not in (layer, *allowed[layer]):
+                    fault(name, f"must not include {include}")
+
+
 def check_links():
     for path in files("*.md"):
         for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", path.read_text()):
@@ -102,6 +139,7 @@ check_packages()
 check_printed()
 check_sources()
 check_directions()
+check_layers()
 check_links()
 check_temporary_names()
 print("\n".join(faults) if faults else "the tree keeps its rules")

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "tools/benchmark/benchmark.h"
 #include "tools/benchmark/engines.h"
 #include "tools/benchmark/host_instructions.h"

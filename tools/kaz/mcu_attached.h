@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "sim/h8s/netlist.h"
-#include "sim/h8s/vcd.h"
+#include "sim/h8s/debug/vcd.h"
+#include "sim/h8s/netlist/netlist.h"
 
 namespace kaz::tools {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "shared/base/result.hpp"
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 
 namespace kaz::tools {
 

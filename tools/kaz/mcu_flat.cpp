@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/h8s/flat.h"
+#include "sim/h8s/flat/flat.h"
 #include "tools/kaz/mcu_run.h"
 #include "tools/kaz/output.h"
 

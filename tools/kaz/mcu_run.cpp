@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/image/image.h"
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "tools/kaz/mcu_attached.h"
 #include "tools/kaz/output.h"
 

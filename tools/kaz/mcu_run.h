@@ -9,7 +9,7 @@
 
 #include "shared/base/result.hpp"
 #include "shared/image/image.h"
-#include "sim/h8s/options.h"
+#include "sim/h8s/chip/options.h"
 #include "tools/kaz/mcu_debug.h"
 #include "tools/kaz/verbs.h"
 

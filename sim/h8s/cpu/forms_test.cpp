@@ -56,7 +56,7 @@ Pin pin_of(const Opcode& row) {
   return pin;
 }
 
-// Instructions to stand around the one that is tried: they neither jump nor use address registers.
+// Instructions around the one under test: they neither jump nor use address registers.
 bool tame(const Form& f) {
   if (has(f, "@ER") || has(f, "@(") || has(f, "@@") || f.name == "tas") return false;
   for (const char* name : {"bcc", "bsr", "jmp", "jsr", "rts", "rte", "trapa", "sleep", "eepmov",
@@ -70,7 +70,7 @@ bool touches_data(const Form& form) {
   return form.cycles.l + form.cycles.m > 0 && form.name.rfind("eepmov", 0) != 0;
 }
 
-// What the manual leaves open must not be read by what follows.
+// Results that the manual leaves open must not be read by later instructions.
 bool leaves_open(const Form& form) {
   return has(form, "daa") || has(form, "das") || has(form, "divx");
 }

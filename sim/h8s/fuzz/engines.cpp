@@ -1,4 +1,4 @@
-// Events from an input, the same for the chip in each engine.
+// Applies events from an input equally to the chip in each engine.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/fuzz/engines.h"
 
@@ -28,7 +28,7 @@ Engines::Engines(Options options, const Image& image, std::uint8_t ram_fill) {
   }
 }
 
-// One thing that may happen outside the chip.
+// One event outside the chip.
 void Engines::event(Reader& input) {
   const std::uint8_t kind = input.byte(), value = input.byte();
   const auto port = static_cast<Port>(1 + kind / 16 % 7);

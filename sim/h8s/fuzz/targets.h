@@ -1,4 +1,4 @@
-// What the fuzzer drives: each takes any bytes and says what broke, or nothing.
+// Fuzz targets: each accepts any bytes and returns a description of the failure, or an empty string.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace on_this_machine {
 #define main mix

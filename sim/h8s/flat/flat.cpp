@@ -1,6 +1,6 @@
-// The bare machine: memory, the loop around the CPU, and what programs ask of the host.
+// Flat: memory, the loop around the CPU, and semihosting requests.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/flat.h"
+#include "sim/h8s/flat/flat.h"
 
 #include <algorithm>
 #include <array>
@@ -25,7 +25,7 @@ struct Free {
 template <class T>
 using Zeroed = std::unique_ptr<T[], Free>;
 
-// Fresh pages of the system: they cost nothing until touched.
+// Fresh pages from the operating system cost nothing until touched.
 template <class T>
 Zeroed<T> zeroed(std::size_t count) {
   void* p = std::calloc(count, sizeof(T));
@@ -61,7 +61,7 @@ class Flat::Body {
     cpu.translate_after = chosen.translate_after;
     cpu.predecrement_stores_decremented = chosen.predecrement_stores_decremented;
     if (chosen.engine == Engine::translator) translator = make_translator();
-    cpu.translator = translator.get();
+    cpu.translated = translator.get();
     set_ccr(cpu, 0x80);
     cpu.ip = at_address(cpu, 0);
   }
@@ -74,7 +74,7 @@ class Flat::Body {
     note_ram_write(cpu, address);
   }
 
-  // Fills in the place and the one line that tells it.
+  // Fills in the location and the one-line text.
   FlatStop stop_at(FlatStop::Reason reason, std::uint32_t at, const std::string& what) const {
     FlatStop stop;
     stop.reason = reason;
@@ -95,7 +95,7 @@ class Flat::Body {
       if (ended) return *ended;
       if (cpu.now >= until || cpu.executed >= count)
         return stop_at(FlatStop::Reason::reached, pc(), "limit reached");
-      // No instruction takes less than a state, so that this many states cannot be too far.
+      // Every instruction takes at least one state, so this many states cannot be too many.
       const std::int64_t left = std::min(until - cpu.now, count - cpu.executed);
       cpu.stop = left < kNever - cpu.now ? cpu.now + left : kNever;
       run_stretch(cpu);
@@ -155,7 +155,7 @@ class Flat::Body {
 
   Zeroed<std::uint8_t> ram, lines;
   Zeroed<Insn> code;
-  std::unique_ptr<Translator, TranslatorFree> translator;
+  std::unique_ptr<Translator> translator;
   Cpu cpu;
   SymbolTable symbols;
   Output output;

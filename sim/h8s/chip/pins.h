@@ -1,4 +1,4 @@
-// The pins of the 64-pin part: their names, and what is known of one at a moment.
+// The pins of the 64-pin package: names, drivers, levels.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,12 +8,12 @@
 #include <span>
 #include <string_view>
 
+#include "sim/h8s/cpu/types.h"
+
 namespace kaz::h8s {
 
-using States = std::int64_t;
-
 // I/O pins by port and bit (P5 has three), the inputs of port 7, and the control inputs. Supply and
-// crystal pins carry no signal and are left out.
+// crystal pins carry no signal and are not listed.
 enum class Pin : std::uint8_t {
   // clang-format off
   p10, p11, p12, p13, p14, p15, p16, p17,
@@ -32,11 +32,11 @@ struct PinInfo {
   Pin pin = Pin::p10;
   int port = 0;  // 1..7; 0 for the control inputs
   int bit = 0;
-  // All names, the port's first: "P50", "TxD0". Functions of the single-chip modes; where the
-  // manual of the 64-pin part could not be had, placed as on its siblings (see README.md).
+  // All names, the port's first: "P50", "TxD0". Functions of the single-chip modes (hardware manual, pin
+  // functions); where the 64-pin part's manual was not available, as on its siblings (docs/emulator.md).
   std::span<const std::string_view> names;
   bool input_only = false;
-  // NMOS push-pull output: its high level gives way to a low one without a conflict.
+  // NMOS push-pull output: an external low level overrides its high level without a conflict.
   bool weak_high = false;
   std::string_view name() const { return names.front(); }
 };
@@ -44,15 +44,15 @@ struct PinInfo {
 // The table in the order of Pin.
 std::span<const PinInfo> pin_table();
 const PinInfo& info(Pin pin);
-// By any of its names, in either case: "P50", "txd0", "PW3", "TMO0", "AN7", "NMI".
+// Finds a pin by any of its names, ignoring case: "P50", "txd0", "PW3", "TMO0", "AN7", "NMI".
 std::optional<Pin> find_pin(std::string_view name);
 // The pin of a port; nullopt where there is none (P53).
 std::optional<Pin> pin_of(int port, int bit);
 
-// Who gives a pin its level.
+// What determines a pin's level.
 enum class Driver : std::uint8_t {
   nobody,   // an input that neither the board nor a pull-up defines
-  pull_up,  // the chip's own
+  pull_up,  // the chip's internal pull-up
   board,
   port,   // the port's latch
   pwm,    // 8-bit PWM
@@ -60,7 +60,7 @@ enum class Driver : std::uint8_t {
   frt,    // free-running timer
   tmr,    // 8-bit timers
   sci,    // serial channel
-  clock,  // the system clock itself: its edges lie between states and are not told one by one
+  clock,  // the system clock: its edges fall between states and are not reported
 };
 std::string_view name(Driver driver);
 

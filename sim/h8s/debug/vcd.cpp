@@ -1,6 +1,6 @@
-// From names to signals, and from what happens to the file.
+// VCD recorder: signals by name, sampling, and the output file.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/vcd.h"
+#include "sim/h8s/debug/vcd.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -13,9 +13,9 @@
 #include <fstream>
 #include <utility>
 
-#include "sim/h8s/debug/observer.h"
-#include "sim/h8s/registers.h"
-#include "sim/h8s/vcd_writer.h"
+#include "sim/h8s/chip/observer.h"
+#include "sim/h8s/chip/registers.h"
+#include "sim/h8s/debug/vcd_writer.h"
 
 namespace kaz::h8s {
 namespace {
@@ -48,7 +48,7 @@ Signal pin_signal(const PinInfo& p) {
   Signal s;
   s.pin = p.pin;
   std::string name(p.name());
-  // The function beside it; a function's own name is found by GTKWave's search just so.
+  // With the pin's function as suffix, so that GTKWave's search finds either name.
   if (p.names.size() > 1) name.append("_").append(p.names[1]);
   s.variable = {"pins", name, 1};
   return s;
@@ -146,7 +146,7 @@ class VcdRecorder::Impl : public Observer {
 
   Result<void> open_file(const std::string& path) {
     path_ = path;
-    // A new file (O_EXCL): a link that somebody has put there under that name is not followed.
+    // A new file (O_EXCL), so that a symbolic link planted under that name is not followed.
     int fd = -1;
     for (int n = 0; fd < 0 && n < 100; ++n) {
       temporary_ = path + ".part" + (n > 0 ? std::to_string(n) : "");

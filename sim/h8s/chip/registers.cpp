@@ -1,6 +1,6 @@
 // The table of I/O registers (hardware manual, register list; addresses as on the siblings).
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/registers.h"
+#include "sim/h8s/chip/registers.h"
 
 #include <algorithm>
 #include <cctype>

@@ -1,4 +1,4 @@
-// What is soldered around the chip: nets that join pins, and parts on them.
+// A netlist around the chip: nets that join pins, and parts on them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,35 +14,35 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 
 namespace kaz::h8s {
 
 class Netlist;
 
-// A net, by number; wires may have made several numbers the same net.
+// Index of a net; several may be the same net after wire().
 using Net = int;
 
-// Base of all parts. A part acts on its nets by outputs (Netlist::output), is told of changes on
-// the nets that it listens to, and may ask to be woken at a state. What it does in answer takes
-// effect at that same state.
+// Base class of parts. A part drives nets through outputs (Netlist::output), is notified of changes on
+// nets that it listens to, and can schedule a call (Netlist::wake). Its reactions take effect at the
+// same state.
 class Part {
  public:
   virtual ~Part() = default;
-  // Once when it is in place, and after Netlist::restore.
+  // Called once when the part is added, and after Netlist::restore.
   virtual void start(Netlist&, States) {}
-  // The voltage or the drive of a net that it listens to is another from `at` on.
+  // The voltage or the drive of a net that it listens to changes at `at`.
   virtual void changed(Netlist&, Net, States /*at*/) {}
   virtual void woken(Netlist&, States /*at*/) {}
   // For outputs whose voltage moves between edges (Netlist::drive with `moving`): as a share of
   // AVCC.
   virtual double voltage(States /*at*/) const { return 0; }
-  // What the part remembers, for Netlist::save and restore.
+  // The part's state, for Netlist::save and restore.
   virtual std::vector<double> save() const { return {}; }
   virtual void restore(std::span<const double>) {}
 };
 
-// Two strong drivers that want different levels, or a loop that never comes to rest.
+// Two strong drivers with different levels, or a loop that does not settle.
 struct Conflict {
   std::string net, first, second;
   States at = 0;
@@ -57,19 +57,19 @@ class Netlist {
     double pull_up_ohms = 50'000;     // the chip's own pull-ups
     double weak_high_ohms = 1'000;    // high level of NMOS push-pull outputs (P47, P52)
   };
-  // Watches the pins that it has nets for, drives those that others drive, and answers the A/D
-  // converter for the analog inputs. `chip` must outlive this and stay where it is.
+  // Watches the pins that are on nets, drives those that others drive, and is the chip's analog source.
+  // `chip` must outlive this and must not be moved.
   explicit Netlist(Chip& chip);
   Netlist(Chip& chip, const Settings& settings);
   ~Netlist();
   Netlist(const Netlist&) = delete;
   Netlist& operator=(const Netlist&) = delete;
 
-  // The net of a pin by any of its names, "vcc", "gnd", or a net of that name, made where it is new.
+  // The net of a pin by any of its names, "vcc", "gnd", or a net of that name, created if new.
   Net net(std::string_view name);
   // Joins two nets into one.
   void wire(Net a, Net b);
-  // Puts a part in its place; the netlist owns it.
+  // Adds a part, which the netlist owns.
   template <class P>
   P& add(std::unique_ptr<P> part) {
     P& p = *part;
@@ -81,17 +81,18 @@ class Netlist {
   void source(Net net, double voltage, double ohms, const std::string& name);
   void pull_up(Net net, double ohms) { source(net, 1, ohms, "pull-up"); }
   void pull_down(Net net, double ohms) { source(net, 0, ohms, "pull-down"); }
-  // Asked for analog inputs that are on no net.
+  // Source for analog inputs that are on no net.
   void set_analog_otherwise(std::function<double(int channel, States at)> source);
 
-  // Nobody drives: nullopt. Resistances share by their conductances, strong drives win.
+  // Fraction of AVCC; nullopt if nothing drives. Strong drives override; the others are averaged,
+  // weighted by conductance.
   std::optional<double> voltage(Net net, States at) const;
   bool level(Net net) const;
   const std::vector<Conflict>& conflicts() const { return conflicts_; }
   const Settings& settings() const { return settings_; }
   States now() const { return inside_ ? at_ : chip_.now(); }
 
-  // What parts remember. Restore the chip first, then the netlist, both from the same moment.
+  // The parts' states. Restore the chip first, then the netlist, both saved at the same time.
   struct Saved {
     std::vector<std::vector<double>> parts;
   };
@@ -99,14 +100,14 @@ class Netlist {
   void restore(const Saved& saved);
 
   // --- for parts ---------------------------------------------------------------------------------
-  // An output of the part onto the net, at rest until driven.
+  // Creates an output of the part onto the net, not driving at first.
   int output(const Part& part, Net net, const std::string& name);
   void listen(Part& part, Net net);
   void drive(int output, double voltage, double ohms = 0, bool moving = false);
   void release(int output);
-  // Calls woken() at that state; a new wish takes the place of the old one.
+  // Schedules woken() at that time, replacing an earlier schedule.
   void wake(Part& part, States at);
-  // A moving voltage has crossed the threshold: looks at its net again.
+  // A moving voltage has crossed the threshold: evaluates its net again.
   void touch(int output);
 
  private:
@@ -126,7 +127,7 @@ class Netlist {
     std::optional<double> last;
     bool conflict = false, dirty = false;
   };
-  struct Wish {
+  struct WakeUp {
     States at;
     int call;
   };
@@ -148,7 +149,7 @@ class Netlist {
   std::map<std::string, Net, std::less<>> names_;
   std::deque<Output> outputs_;
   std::vector<std::unique_ptr<Part>> parts_;
-  std::map<Part*, Wish> wishes_;
+  std::map<Part*, WakeUp> wake_ups_;
   std::map<Pin, Net> pins_;
   std::map<Pin, std::optional<bool>> given_;
   std::vector<int> watches_;
@@ -167,7 +168,7 @@ class Netlist {
 //   rc IN OUT OHMS FARADS       divider IN OUT OHMS OHMS      (to OUT, from OUT to ground)
 //   probe NET
 // Numbers take k, M, m, u, n and p; times are states or end in s ("5ms"). `name` is for errors, which
-// tell file, line, column and what is expected. Parts before the error are in place.
+// contain file, line, column and what is expected. Parts before the error are added.
 Result<void> read_netlist(Netlist& netlist, std::string_view text, const std::string& name);
 Result<void> load_netlist(Netlist& netlist, const std::string& path);
 

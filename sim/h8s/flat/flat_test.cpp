@@ -1,6 +1,6 @@
 // The bare machine: its memory, how programs end and write, what is an error, what is counted.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/flat.h"
+#include "sim/h8s/flat/flat.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-// VCD files, read back by a small reader that knows the format alone.
+// VCD files, read by a small independent parser.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/vcd.h"
+#include "sim/h8s/debug/vcd.h"
 
 #include <filesystem>
 #include <fstream>
@@ -8,8 +8,8 @@
 #include <set>
 #include <sstream>
 
-#include "sim/h8s/registers.h"
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
+#include "sim/h8s/chip/registers.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -108,17 +108,17 @@ TEST(Vcd, PinsHaveTheirExactStates) {
   EXPECT_EQ(p.timescale, "1ps");
   ASSERT_TRUE(p.changes.contains("h8s2128.pins.P30"));
   for (const Pin pin : {Pin::p30, Pin::p64}) {
-    std::vector<Change> told;
+    std::vector<Change> reported;
     for (const PinEdge& e : edges) {
-      if (e.pin == pin) told.push_back({e.at * kState, e.level ? "1" : "0"});
+      if (e.pin == pin) reported.push_back({e.at * kState, e.level ? "1" : "0"});
     }
-    ASSERT_GE(told.size(), 2u);
+    ASSERT_GE(reported.size(), 2u);
     auto written = p.changes.at(pin == Pin::p30 ? "h8s2128.pins.P30" : "h8s2128.pins.P64_FTIC");
     ASSERT_GE(written.size(), 2u);
     EXPECT_EQ(written[0], (Change{0, "z"}));
     EXPECT_EQ(written[1].value, "0");  // becomes an output
     written.erase(written.begin(), written.begin() + 2);
-    EXPECT_EQ(written, told);
+    EXPECT_EQ(written, reported);
   }
   EXPECT_EQ(p.changes.at("h8s2128.pins.P40_IRQ2"), (std::vector<Change>{{0, "z"}}));
   EXPECT_EQ(p.end, chip.now() * kState);

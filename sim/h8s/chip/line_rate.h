@@ -1,4 +1,4 @@
-// What a receiver makes of a byte that was sent at another bit rate.
+// The byte that a UART receiver decodes from a frame sent at another bit rate.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,14 +7,14 @@
 namespace kaz::h8s {
 
 struct HeardByte {
-  bool heard = false;  // false: the start bit was over before it was looked at
+  bool heard = false;  // false: the start bit had ended before its sample
   std::uint8_t value = 0;
   bool framing_error = false;
 };
 
-// 8N1. The receiver looks at the middle of each of its bits, counted from the falling edge of the
-// start bit; behind the frame the line rests. Bit times in any unit, the same for both. Further
-// frames that a slow sender's edges would begin are left out.
+// Format 8N1. The receiver samples the middle of each of its own bits, counted from the falling edge of
+// the start bit; after the frame the line is idle (high). `sent_bit` and `own_bit` are bit times in any
+// common unit. Further frames triggered by a slow sender's later edges are not modelled.
 constexpr HeardByte heard_at(std::uint8_t value, std::int64_t sent_bit, std::int64_t own_bit) {
   HeardByte heard;
   const unsigned frame = 0x200u | static_cast<unsigned>(value) << 1;  // start, data, stop

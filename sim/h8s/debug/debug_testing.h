@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 
@@ -18,7 +18,7 @@ inline Program busy_program() {
   return p;
 }
 
-// The loop of it, where the program stays.
+// Address of the program's endless loop.
 inline std::uint32_t busy_loop() {
   return end_of(busy_program()) - 14;
 }

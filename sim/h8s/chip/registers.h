@@ -11,7 +11,7 @@
 
 namespace kaz::h8s {
 
-// Which of the registers that share an address answers (hardware manual, register list).
+// Condition that selects a register among those that share its address (hardware manual, register list).
 enum class Bank : std::uint8_t {
   always,
   flshe_0,  // STCR.FLSHE
@@ -29,24 +29,24 @@ enum class Bank : std::uint8_t {
 };
 
 struct RegisterInfo {
-  std::string_view name;  // as in the manual; units with the same register add their number
+  std::string_view name;  // as in the manual; with the unit's number where several units have it
   std::uint16_t address;  // the lower 16 bits
   std::uint8_t size;      // bytes: 1 or 2
   std::string_view unit;
   Bank bank = Bank::always;
-  bool write_only = false;  // a read gives nothing of use
-  // Of the chip with its addresses of 24 bits.
+  bool write_only = false;  // reads are undefined
+  // The 24-bit address.
   std::uint32_t full_address() const { return 0xff0000u | address; }
 };
 
 std::span<const RegisterInfo> register_table();
-// By name in either case; null: there is none.
+// Finds a register by name, ignoring case; null: none.
 const RegisterInfo* find_register(std::string_view name);
-// The register that holds this address, of those that share it the one that `peek` (a byte of an
-// address, without side effects) shows to be selected; null: none.
+// The register at this address, among several the selected one; null: none. `peek` reads a byte
+// without side effects.
 const RegisterInfo* register_at(
     std::uint32_t address, const std::function<std::optional<std::uint8_t>(std::uint32_t)>& peek);
-// Whether a register is the selected one of its address.
+// Whether a register is the selected one at its address.
 bool selected(const RegisterInfo& r,
               const std::function<std::optional<std::uint8_t>(std::uint32_t)>& peek);
 

@@ -1,6 +1,6 @@
 // Writes VCD as IEEE 1364 has it.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/vcd_writer.h"
+#include "sim/h8s/debug/vcd_writer.h"
 
 #include <algorithm>
 

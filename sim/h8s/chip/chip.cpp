@@ -1,6 +1,6 @@
-// The public face of the machine.
+// Chip: forwards the public interface to Machine and logs external inputs.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -8,12 +8,11 @@
 
 #include "sim/h8s/chip/machine.h"
 #include "sim/h8s/cpu/access.h"
-#include "sim/h8s/translate/translator.h"
 
 namespace kaz::h8s {
 namespace {
 
-// Where call() makes the function return to: no memory, so that the fetch ends the run.
+// Return address used by call(): unmapped, so that the fetch there ends the run.
 constexpr std::uint32_t kReturn = 0xfffffe;
 
 std::string hex6(std::uint32_t value) {
@@ -121,24 +120,13 @@ std::int64_t Chip::instructions() const {
   return machine_->cpu.executed;
 }
 std::int64_t Chip::translated_instructions() const {
-  const Translator* translator = machine_->cpu.translator;
+  const Translator* translator = machine_->translator();
   return translator ? translator->executed() : 0;
 }
 Engine Chip::engine() const {
   const Cpu& cpu = machine_->cpu;
   if (cpu.engine != Engine::translator) return cpu.engine;
-  return cpu.translator && !cpu.normal ? Engine::translator : Engine::interpreter;
-}
-const char* name_of(Engine engine) {
-  switch (engine) {
-    case Engine::reference:
-      return "reference";
-    case Engine::interpreter:
-      return "interpreter";
-    case Engine::translator:
-      break;
-  }
-  return "translator";
+  return cpu.translated && !cpu.normal ? Engine::translator : Engine::interpreter;
 }
 bool Chip::asleep() const {
   return machine_->cpu.asleep;
@@ -281,8 +269,8 @@ const std::vector<Misuse>& Chip::misuse() const {
 }
 
 PortOutput Chip::output(Port port) const {
-  if (port == Port::p6) machine_->bring_outputs_to(machine_->moment());
-  return machine_->ports.output(*machine_, static_cast<unsigned>(port), machine_->moment());
+  if (port == Port::p6) machine_->advance_outputs(machine_->event_time());
+  return machine_->ports.output(*machine_, static_cast<unsigned>(port), machine_->event_time());
 }
 
 void Chip::set_input(Port port, int bit, bool level) {
@@ -334,12 +322,58 @@ Result<void> Chip::receive(int sci, const ReceivedByte& byte) {
                 std::to_string(earliest) + " (now, or the byte queued last)");
   machine_->log_input([=](Chip& c) { (void)c.receive(sci, byte); });
   queue.push_back(byte);
-  machine_->disturbed();
+  machine_->reschedule_all();
   return {};
 }
 
 void Chip::on_transmit(std::function<void(int sci, const TransmittedByte&)> listener) {
   machine_->listeners.transmitted = std::move(listener);
+}
+
+// Pins.
+
+PinState Chip::state(Pin pin) const {
+  const States at = machine_->event_time();
+  machine_->advance_outputs(at);
+  return pin_state(*machine_, pin, at);
+}
+
+int Chip::watch(Pin pin, PinListener listener, bool drivers) {
+  const States at = machine_->event_time();
+  machine_->advance_outputs(at);
+  const int id = machine_->pins.watch(*machine_, pin, std::move(listener), drivers, at);
+  machine_->reschedule_all();
+  return id;
+}
+
+void Chip::unwatch(int watch) {
+  machine_->pins.unwatch(watch);
+}
+
+int Chip::call_at(States at, std::function<void(States)> call) {
+  const int id = machine_->pins.call_at(std::max(at, machine_->event_time()), std::move(call));
+  machine_->reschedule_all();
+  return id;
+}
+
+void Chip::cancel(int call) {
+  machine_->pins.cancel(call);
+  machine_->reschedule_all();
+}
+
+void Chip::set_input(Pin pin, bool level) {
+  machine_->log_input([=](Chip& c) { c.set_input(pin, level); });
+  const PinInfo& p = info(pin);
+  if (p.port != 0)
+    machine_->set_input(static_cast<unsigned>(p.port), static_cast<unsigned>(p.bit), level);
+  if (pin == Pin::nmi) machine_->set_nmi(level);
+}
+
+void Chip::release_input(Pin pin) {
+  machine_->log_input([=](Chip& c) { c.release_input(pin); });
+  const PinInfo& p = info(pin);
+  if (p.port != 0)
+    machine_->set_input(static_cast<unsigned>(p.port), static_cast<unsigned>(p.bit), std::nullopt);
 }
 
 }  // namespace kaz::h8s

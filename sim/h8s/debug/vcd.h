@@ -1,4 +1,4 @@
-// Recording pins, registers and memory into a VCD file (IEEE 1364), which GTKWave and others open.
+// Records pins, registers and memory to a VCD file (IEEE 1364), for GTKWave and others.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 
 namespace kaz::h8s {
 
@@ -26,28 +26,28 @@ std::int64_t picoseconds(States at, std::int64_t hertz);
 //   memory by symbol or address, with its width in bits: "_tick:16", "0xffe100:8" (default 8)
 //
 // Pins change at their exact states: '0', '1', 'z' while nobody drives and no pull-up pulls, and 'x'
-// for P46 while it puts out the clock itself. Everything else is looked at at each instruction
-// boundary and written where it has changed; a register that shares its address with another keeps
-// its last value while the other one is selected ('x' before). What has been written stays: after a
-// restore to an earlier state recording goes on where new time begins.
+// for P46 while it puts out the clock itself. Everything else is sampled at each instruction
+// boundary and written when it has changed; a register that shares its address with another keeps
+// its last value while the other one is selected ('x' before). Nothing is rewritten: after a
+// restore to an earlier state recording resumes when time passes the last entry.
 class VcdRecorder {
  public:
-  // Records from now on until close(), into a file of a temporary name beside `path`, which takes
-  // its place at the end. `chip` must outlive this and stay where it is. Errors: a name that is
-  // none of the above, a write-only register, a file that cannot be made.
+  // Records from now until close() to a temporary file beside `path`, which is renamed to `path` at the
+  // end. `chip` must outlive this and must not be moved. `hertz`: states per second. Errors: an unknown
+  // name, a write-only register, a file that cannot be created.
   static Result<std::unique_ptr<VcdRecorder>> open(Chip& chip,
                                                    const std::vector<std::string>& names,
                                                    const std::string& path,
                                                    std::int64_t hertz = kDefaultHertz);
-  // The same into a stream, which must outlive this.
+  // Records to a stream, which must outlive this.
   static Result<std::unique_ptr<VcdRecorder>> open(Chip& chip,
                                                    const std::vector<std::string>& names,
                                                    std::ostream& to,
                                                    std::int64_t hertz = kDefaultHertz);
-  // Gives up the file that has not been closed.
+  // Removes a file that has not been closed.
   ~VcdRecorder();
 
-  // Writes what is left and the moment of the end. Errors: writing failed at some time (disk full).
+  // Writes pending changes and the end time. Errors: any write failed (disk full).
   Result<void> close();
 
   class Impl;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <random>
 
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -19,7 +19,7 @@ class VcdWriter {
   VcdWriter(std::ostream& to, const std::vector<Variable>& variables);
   // First values, one text of '0', '1', 'x' and 'z' a variable, most significant bit first.
   void begin(std::int64_t picoseconds, const std::vector<std::string>& values);
-  // A time before the last one is left out, and so is a value that is there already.
+  // Ignored if the time is before the last one or the value is unchanged.
   void change(std::size_t variable, std::int64_t picoseconds, const std::string& value);
   void end(std::int64_t picoseconds);
 

@@ -1,11 +1,11 @@
 // Netlists: wires, pulls, gates and low-passes around a chip, and the text form.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/netlist.h"
+#include "sim/h8s/netlist/netlist.h"
 
 #include <cmath>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/netlist/parts.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -212,9 +212,9 @@ TEST(Netlist, SaveAndRestoreGoOnTheSame) {
   const auto run = [&] {
     edges.clear();
     chip.run_until(2500);
-    std::vector<std::pair<States, bool>> told;
-    for (const PinEdge& e : edges) told.emplace_back(e.at, e.level);
-    return std::make_pair(told, board.voltage(board.net("AN0"), chip.now()).value());
+    std::vector<std::pair<States, bool>> reported;
+    for (const PinEdge& e : edges) reported.emplace_back(e.at, e.level);
+    return std::make_pair(reported, board.voltage(board.net("AN0"), chip.now()).value());
   };
   const auto once = run();
   chip.restore(*saved);

@@ -1,4 +1,4 @@
-// A chip with a few words of program, for the tests of this folder.
+// For tests: a chip with a few words of program.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 
 namespace kaz::h8s::testing {
 
@@ -92,8 +92,7 @@ inline Chip make_chip(const Program& program, Options options = {}) {
   return make_chip(program.get(), options);
 }
 
-// Runs to the start of the program's `bra .` or whatever address; false if it takes over 200,000
-// steps.
+// Runs until PC is at `address`; false after 200,000 steps or a stop.
 inline bool run_to(Chip& chip, std::uint32_t address) {
   for (int k = 0; k < 200'000; ++k) {
     if (chip.registers().pc == address) return true;
@@ -102,7 +101,7 @@ inline bool run_to(Chip& chip, std::uint32_t address) {
   return false;
 }
 
-// Address behind the words of a program.
+// Address after the words of a program.
 inline std::uint32_t end_of(const Program& p) {
   return kCode + 2 * static_cast<std::uint32_t>(p.get().size());
 }
