@@ -170,7 +170,7 @@ void WireHost::refill(States at) {
     ++requests_;
     send(frame(request), "planned", name_of(type));
     min_gap_ = pause;  // also where the line was closed and the frame ends later than planned
-    if (takes_the_board_away(type)) last_.clear();  // repeated, it would not stand alone
+    if (kz_interrupts_service(type)) last_.clear();  // repeated, it would not stand alone
     next_at_ += static_cast<States>(pending_.size()) * KZ_STATES_PER_BYTE + pause +
                 random_.below(KZ_STATES_PER_TICK);
     return;

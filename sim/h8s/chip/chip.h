@@ -15,7 +15,6 @@
 
 #include "shared/image/error.h"
 #include "shared/image/image.h"
-#include "sim/h8s/archive.h"
 #include "sim/h8s/chip/options.h"
 #include "sim/h8s/chip/pins.h"
 
