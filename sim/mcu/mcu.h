@@ -58,7 +58,7 @@ class Mcu {
   virtual ~Mcu() = default;
 
   // "h8" or "native".
-  virtual std::string engine() const = 0;
+  virtual std::string name() const = 0;
   // h8: the engine that the emulator executes with, "translator" by default; native: empty.
   virtual std::string emulator_engine() const { return {}; }
   virtual States now() const = 0;
@@ -74,7 +74,7 @@ class Mcu {
   // The mode pins say boot mode, or to run what is in flash: from the next reset on. h8 only.
   virtual Result<void> set_boot_pins(bool boot) {
     if (!boot) return {};
-    return fail(Fault::usage, "the " + engine() + " engine has no boot mode; h8 has");
+    return fail(Fault::usage, "the mcu \"" + name() + "\" has no boot mode; h8 has");
   }
   // The boot ROM runs, not yet what it has loaded.
   virtual bool in_boot_rom() const { return false; }

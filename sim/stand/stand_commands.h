@@ -14,7 +14,7 @@
 namespace kaz::sim {
 
 // Board and motors on a stand. Of the options, those of robot, world, eyes and dynamics do not
-// count. Errors: those of the engine.
+// count. Errors: those of make_mcu().
 Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
                                                const StandOptions& stand);
 

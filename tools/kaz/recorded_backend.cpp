@@ -54,11 +54,12 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
   };
   const auto text = [](const Json& value) { return value.is_string(); };
   const auto number = [](const Json& value) { return value.is_number(); };
+  // "engine": the key of `mcu` in older recordings.
   for (const auto& [key, to] :
        {std::pair{"world", &result.world}, std::pair{"robot_file", &result.robot_file},
-        std::pair{"engine", &result.engine}, std::pair{"image", &result.image},
-        std::pair{"sensors", &result.sensors}, std::pair{"eyes", &result.eyes},
-        std::pair{"dynamics", &result.dynamics}})
+        std::pair{"engine", &result.mcu}, std::pair{"mcu", &result.mcu},
+        std::pair{"image", &result.image}, std::pair{"sensors", &result.sensors},
+        std::pair{"eyes", &result.eyes}, std::pair{"dynamics", &result.dynamics}})
     take(key, *to, is(key, text));
   take("imu", result.imu, is("imu", [](const Json& value) { return value.is_boolean(); }));
   take("physics_step_ms", result.physics_step_ms, is("physics_step_ms", number));

@@ -15,7 +15,7 @@ struct RecordedBackend {
   std::string behavior;
   std::map<std::string, std::string> settings;  // of the behaviour
   // As BackendOptions has them.
-  std::string world, robot_file, engine, image, sensors, eyes;
+  std::string world, robot_file, mcu, image, sensors, eyes;
   std::string dynamics = "reduced";
   bool imu = false;
   double physics_step_ms = 1, supply_volts = 10;

@@ -52,7 +52,7 @@ Result<SessionOptions> session_of(const sim::McapRecording& recording,
   session.settings = std::move(recorded->settings);
   session.backend.world = recorded->world;
   session.backend.robot_file = recorded->robot_file;
-  session.backend.engine = recorded->engine;
+  session.backend.mcu = recorded->mcu;
   session.backend.image = recorded->image;
   session.backend.sensors = recorded->sensors;
   session.backend.imu = recorded->imu;

@@ -106,7 +106,7 @@ figure::PlotPage tracking_page(const RunReport& report) {
   error.y_min = 0;
   error.y_max = 12;
   figure::PlotPage page;
-  page.title = report.behavior + " through the " + report.backend.engine + " engine";
+  page.title = report.behavior + " through the " + report.backend.mcu + " mcu";
   if (report.probe == nullptr) page.title = report.behavior + " over " + report.backend.robot;
   page.x_label = "time, s";
   page.plots = {joint_plot(report, "Neck pan (positive: left)", &behavior::CycleRow::pan_target,
@@ -145,7 +145,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   ordered_json result{{"outcome", report.outcome.success ? "done" : "failed"},
                       {"sentence", report.outcome.sentence},
                       {"behavior", report.behavior},
-                      {"engine", nullptr},
+                      {"mcu", nullptr},
                       {"seed", report.backend.seed},
                       {"duration_s", rounded(report.run_s, 1e-3)},
                       {"rtf", rounded(report.rtf, 1e-3)},
@@ -159,11 +159,11 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     if (!result.contains(name) || result[name].is_null()) result[name] = rounded(value, 1e-6);
   }
   if (simulation != nullptr) {
-    result["engine"] = report.backend.engine;
+    result["mcu"] = report.backend.mcu;
     if (const std::string emulator = simulation->board().mcu().emulator_engine(); !emulator.empty())
       result["emulator_engine"] = emulator;
     result["world"] = report.backend.world;
-    result["stepper"] = simulation->world().stepper();
+    result["dynamics"] = simulation->world().dynamics();
     result["physics_step_ms"] = report.backend.physics_step_ms;
     result["joint_gap_m"] = rounded(simulation->world().largest_joint_gap_m(), 1e-7);
     const sim::Trouble& trouble = simulation->world().trouble();
@@ -217,7 +217,7 @@ void print_report(const ordered_json& result, const RunReport& report, const std
         100 * report.score.within_3deg, report.score.measured_by.c_str());
   }
   std::printf("%.1f s of the robot, %.1f times as fast as real time", report.run_s, report.rtf);
-  if (report.health.worst_8states != 0) {  // the native engine counts no states
+  if (report.health.worst_8states != 0) {  // native counts no states
     std::printf("; worst tick of the board %.0f %%",
                 100 * report.health.worst_8states / (KZ_STATES_PER_TICK / 8.0));
   }

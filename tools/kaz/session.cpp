@@ -125,7 +125,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& 
   const BackendOptions& backend = options.backend;
   const nlohmann::ordered_json robot{{"world", backend.world},
                                      {"robot_file", backend.robot_file},
-                                     {"engine", backend.engine},
+                                     {"mcu", backend.mcu},
                                      {"image", backend.image},
                                      {"sensors", backend.sensors},
                                      {"imu", backend.imu},

@@ -172,11 +172,11 @@ Result<std::unique_ptr<sim::Simulation>> make_stand(const BackendOptions& option
 Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& options,
                                                          sim::FramePolicy frames) {
   sim::SimulationOptions sim;
-  sim.engine = options.engine;
+  sim.mcu = options.mcu;
   sim.seed = options.seed;
   sim.ideal_eyes = options.eyes == "ideal";
   sim.eye_width = options.eye_width;
-  sim.stepper = options.dynamics;
+  sim.dynamics = options.dynamics;
   sim.physics_step_ms = options.physics_step_ms;
   sim.frames = frames;
   const auto sensors = sim::sensors_by_name(options.sensors);
@@ -194,7 +194,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
     sim.faults = std::move(*schedule);
   }
   sim.recording_facts = {{"kaz", kVersion},
-                         {"engine", options.engine},
+                         {"mcu", options.mcu},
                          {"world", options.world},
                          {"seed", std::to_string(options.seed)}};
   for (const auto& fact : options.facts) sim.recording_facts.push_back(fact);
@@ -215,7 +215,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
           std::filesystem::path(options.robot_file).replace_filename("camera.json").string();
     }
   }
-  if (found && options.engine == "h8" && !options.erased)
+  if (found && options.mcu == "h8" && !options.erased)
     found = find(firmware_image(options.image), sim.image_path);
   if (!found) return tl::unexpected(found.error());
   return options.stand ? make_stand(options, sim) : sim::Simulation::create(sim);

@@ -26,7 +26,7 @@ struct BackendOptions {
   bool needs_sight = true;          // false: at a port the camera may be left out
   std::string world = "ball";       // the rest for "sim" only
   std::string robot_file;           // URDF of the simulated robot; Kaz if empty
-  std::string engine = "h8";        // "h8" or "native"
+  std::string mcu = "h8";           // "h8" or "native"
   std::string image;                // firmware image; the built one if empty
   bool stand = false;               // a motor stand instead of robot and world
   std::string motor_file, motor;    // of the stand; Kaz's motor.xml and its default if empty
@@ -35,7 +35,7 @@ struct BackendOptions {
   std::string sensors = "nominal";  // "nominal", "ideal" or "as-built"
   bool imu = false;                 // the board's option
   std::string eyes = "ideal";
-  std::string dynamics = "reduced";  // WorldOptions::stepper
+  std::string dynamics = "reduced";  // WorldOptions::dynamics
   double physics_step_ms = 1;        // SimulationOptions
   double supply_volts = 10;
   int eye_width = 0;  // 320 or 640; 0: as in camera.json

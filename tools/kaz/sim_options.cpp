@@ -10,9 +10,10 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
   verb.add_option("--robot-file", options.robot_file,
                   "URDF of another robot, its motor.xml and sensors.xml beside it; without it Kaz")
       ->type_name("FILE");
-  verb.add_option("--mcu", options.engine,
-                  "engine of the servo board: h8 executes the firmware image, native runs the "
-                  "same C compiled for this machine")
+  verb.add_option(
+          "--mcu", options.mcu,
+          "microcontroller of the servo board: h8 executes the firmware image, native runs the "
+          "same C compiled for this machine")
       ->check(CLI::IsMember({"h8", "native"}))
       ->capture_default_str();
   verb.add_option("--image", options.image, "firmware image for h8: S-record or COFF");

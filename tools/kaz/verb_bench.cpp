@@ -266,8 +266,8 @@ Result<lockstep::MotorFitOptions> fit_options(const FitArguments& arguments) {
       sim::load_sensor_file(std::filesystem::path(*standard).replace_filename("sensors.xml"));
   if (!sensors) return tl::unexpected(sensors.error());
   options.board.sensor_params = *sensors;
-  options.board.engine = arguments.model.engine;
-  if (options.board.engine == "h8") {
+  options.board.mcu = arguments.model.mcu;
+  if (options.board.mcu == "h8") {
     const auto image = firmware_image(arguments.model.image);
     if (!image) return tl::unexpected(image.error());
     options.board.image_path = *image;
@@ -344,7 +344,7 @@ void add_common(CLI::App& verb, Arguments& arguments) {
                                "serial port or pty of a board; without it an emulated one on a "
                                "virtual motor stand, in simulated time")
                    ->type_name("PATH[@BAUD]");
-  verb.add_option("--mcu", arguments.target.backend.engine,
+  verb.add_option("--mcu", arguments.target.backend.mcu,
                   "of the emulated board: h8 executes the firmware image, native runs the same C "
                   "compiled for this machine")
       ->check(CLI::IsMember({"h8", "native"}))
@@ -432,7 +432,7 @@ void add_fit(CLI::App& bench_verb, Action& action) {
                    "the motor of that file; without it the file's default")
       ->type_name("NAME");
   verb->add_option(
-          "--mcu", arguments->model.engine,
+          "--mcu", arguments->model.mcu,
           "of the model's board: h8 executes the firmware image, native is five times as fast "
           "and 0.1 ms off in a start")
       ->check(CLI::IsMember({"h8", "native"}))

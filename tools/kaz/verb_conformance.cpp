@@ -24,7 +24,7 @@ namespace {
 constexpr Time kPortSlack = std::chrono::milliseconds(20);
 
 struct Arguments {
-  std::string port, engine, image;
+  std::string port, mcu, image;
   std::string junit, json, html;
   bool list = false, allow_motion = false, allow_flash = false;
   hil::RunOptions run;
@@ -80,7 +80,7 @@ void say(const hil::CaseResult& one) {
 
 Result<hil::RunReport> run_virtual(Arguments& arguments, hil::ReportFacts& facts) {
   std::unique_ptr<sim::Mcu> mcu;
-  if (arguments.engine == "h8") {
+  if (arguments.mcu == "h8") {
     const auto image = firmware_image(arguments.image);
     if (!image) return tl::unexpected(image.error());
     auto made = sim::make_h8(*image);
@@ -116,10 +116,10 @@ Result<Outcome> examine(Arguments arguments) {
     list_cases(*taken);
     return true;
   }
-  if (arguments.port.empty() == arguments.engine.empty()) {
+  if (arguments.port.empty() == arguments.mcu.empty()) {
     return fail(Fault::usage, "say which board: either --port PATH or --virtual h8|native");
   }
-  if (!arguments.image.empty() && arguments.engine != "h8")
+  if (!arguments.image.empty() && arguments.mcu != "h8")
     return fail(Fault::usage, "--image is for --virtual h8 alone");
   if (auto usable = check_reports(arguments); !usable) return tl::unexpected(usable.error());
   const bool quiet = arguments.json == "-" || arguments.junit == "-" || arguments.html == "-";
@@ -160,7 +160,7 @@ void add_conformance(CLI::App& program, Action& action) {
   auto arguments = std::make_shared<Arguments>();
   auto* port = verb->add_option("--port", arguments->port, "serial port or pty of a board")
                    ->type_name("PATH[@BAUD]");
-  verb->add_option("--virtual", arguments->engine,
+  verb->add_option("--virtual", arguments->mcu,
                    "a virtual board on a bench, in simulated time: h8 executes the firmware image, "
                    "native runs the same C compiled for this machine")
       ->check(CLI::IsMember({"h8", "native"}))

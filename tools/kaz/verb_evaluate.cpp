@@ -147,7 +147,7 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->add_option("--mass-sigma", c.variation.mass_sigma, "of each link's mass, as a share of it")
       ->check(CLI::Range(0.0, 0.3))
       ->capture_default_str();
-  verb->add_option("--mcu", c.backend.engine, "engine of the servo board: h8 or native")
+  verb->add_option("--mcu", c.backend.mcu, "microcontroller of the servo board: h8 or native")
       ->check(CLI::IsMember({"h8", "native"}))
       ->capture_default_str();
   verb->add_option("--eyes", c.backend.eyes, "ideal or real")

@@ -129,9 +129,9 @@ class Fuzzing {
       port_ = std::move(*port);
       return {};
     }
-    engine_.engine = arguments_.target;
+    engine_.mcu = arguments_.target;
     engine_.seed = arguments_.seed;
-    if (engine_.engine == "h8") {
+    if (engine_.mcu == "h8") {
       auto image = firmware_image(arguments_.image);
       if (!image) return tl::unexpected(image.error());
       engine_.image = *image;
@@ -228,7 +228,7 @@ class Fuzzing {
           {"replies", totals_.replies},       {"refusals", totals_.refusals},
           {"corpus", search.corpus().size()}, {"features", search.features()}};
       if (!port_) json["ticks"] = totals_.ticks;
-      if (engine_.engine == "h8") {
+      if (engine_.mcu == "h8") {
         json["worst_tick_8states"] = totals_.worst_busy_8states;
         json["emulator_engine"] = totals_.emulator_engine;
         json["instructions"] = totals_.instructions;

@@ -47,7 +47,7 @@ class StopFlag {
 };
 
 Result<bool> serve(SimArguments arguments) {
-  if ((arguments.backend.erased || arguments.boot) && arguments.backend.engine != "h8")
+  if ((arguments.backend.erased || arguments.boot) && arguments.backend.mcu != "h8")
     return fail(Fault::usage, "--erased and --boot are for --mcu h8: native has no flash");
   if (arguments.backend.erased && !arguments.backend.image.empty())
     return fail(Fault::usage, "--erased and --image exclude each other");
@@ -88,7 +88,7 @@ Result<bool> serve(SimArguments arguments) {
   auto server = sim::RealTimeServer::open(**simulation, arguments.real_time);
   if (!server) return tl::unexpected(server.error());
   std::printf("ready: servo board (%s) on %s, control on %s.ctl%s%s; Ctrl-C ends\n",
-              arguments.backend.engine.c_str(), arguments.real_time.serial_path.c_str(),
+              arguments.backend.mcu.c_str(), arguments.real_time.serial_path.c_str(),
               arguments.real_time.serial_path.c_str(),
               arguments.real_time.cameras_path.empty() ? "" : ", cameras on ",
               arguments.real_time.cameras_path.c_str());

@@ -18,9 +18,9 @@ namespace {
 
 class VirtualTarget final : public BenchTarget {
  public:
-  VirtualTarget(std::unique_ptr<sim::Simulation> simulation, const std::string& engine,
+  VirtualTarget(std::unique_ptr<sim::Simulation> simulation, const std::string& mcu,
                 const host::Interrupt& interrupt)
-      : name_("virtual board (" + engine + ")"),
+      : name_("virtual board (" + mcu + ")"),
         backend_(std::move(simulation)),
         clock_(backend_.clock(), interrupt) {}
   std::string name() const override { return name_; }
@@ -89,7 +89,7 @@ Result<std::unique_ptr<BenchTarget>> open_virtual(const BenchTargetOptions& opti
   backend.stand = true;
   auto simulation = make_simulation(backend, sim::FramePolicy::wait);
   if (!simulation) return tl::unexpected(simulation.error());
-  return std::make_unique<VirtualTarget>(std::move(*simulation), backend.engine, interrupt);
+  return std::make_unique<VirtualTarget>(std::move(*simulation), backend.mcu, interrupt);
 }
 
 }  // namespace

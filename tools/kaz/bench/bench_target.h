@@ -18,7 +18,7 @@ namespace kaz::tools {
 struct BenchTargetOptions {
   std::string port;        // PATH[@BAUD]; empty: the virtual stand
   std::string stand;       // at a port: "", "manual" or "ctl:PATH"
-  BackendOptions backend;  // of the virtual stand: engine, image, motor, disc, sensors, seed
+  BackendOptions backend;  // of the virtual stand: mcu, image, motor, disc, sensors, seed
 };
 
 class BenchTarget {

@@ -221,7 +221,7 @@ Json campaign_json(const CampaignOptions& o) {
           {"settings", o.settings},
           {"realtime", o.realtime},
           {"seed", o.seed},
-          {"engine", o.backend.engine},
+          {"mcu", o.backend.mcu},
           {"image", o.backend.image},
           {"sensors", o.backend.sensors},
           {"imu", o.backend.imu},

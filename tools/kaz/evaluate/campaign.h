@@ -19,7 +19,7 @@ namespace kaz::tools {
 struct CampaignOptions {
   std::string behavior;
   std::map<std::string, std::string> settings;  // of the behaviour
-  BackendOptions backend;                       // engine, eyes, sensors, imu and so on
+  BackendOptions backend;                       // mcu, eyes, sensors, imu and so on
   Variation variation;
   std::uint64_t seed = 1;
   std::uint64_t episodes = 20;

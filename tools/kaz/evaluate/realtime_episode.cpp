@@ -129,7 +129,7 @@ Result<Commands> commands(const CampaignOptions& options, const Scenario& scenar
                  "--robot-file",
                  files.robot(),
                  "--mcu",
-                 backend.engine,
+                 backend.mcu,
                  "--eyes",
                  backend.eyes,
                  "--sensors",
