@@ -58,6 +58,11 @@ function(kaz_reuse_precompiled target name)
   list(FILTER sources INCLUDE REGEX "\\.cpp$")
   if(sources)
     target_precompile_headers(${target} REUSE_FROM kaz_pch_${name})
+    # The header was compiled with -fPIC; g++ refuses it under -fPIE, which CMake gives to executables.
+    get_target_property(type ${target} TYPE)
+    if(type STREQUAL "EXECUTABLE")
+      target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-fPIC>)
+    endif()
   endif()
 endfunction()
 
