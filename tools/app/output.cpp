@@ -1,4 +1,4 @@
-// What a verb leaves behind (a folder of results) and says while it works (progress).
+// Output of a verb: a folder of results, JSON on standard output, progress on standard error.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/output.h"
 

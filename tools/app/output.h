@@ -1,4 +1,4 @@
-// What a verb leaves behind (a folder of results) and says while it works (progress).
+// Output of a verb: a folder of results, JSON on standard output, progress on standard error.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,7 +17,7 @@ class OutputFolder {
   // Makes the folder if need be. Files of an earlier run are replaced one by one, others left
   // alone; an old result.json goes first, so that it never stands beside newer pictures.
   static Result<OutputFolder> open(const std::string& path);
-  // Whether open() can succeed, without making anything. An empty path is fine: no results wanted.
+  // Whether open() can succeed; creates nothing. An empty path is fine: no results wanted.
   static Result<void> check(const std::string& path);
 
   std::string path(const std::string& name) const { return folder_ + "/" + name; }
@@ -30,7 +30,7 @@ class OutputFolder {
 };
 
 // A bar on a terminal; in a pipe a plain line every ten per cent. Goes to standard error, so that
-// results on standard output stay clean. Says nothing when quiet.
+// results on standard output stay clean. Prints nothing if `quiet`.
 class Progress {
  public:
   Progress(std::string label, bool quiet);

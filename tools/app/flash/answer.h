@@ -1,4 +1,4 @@
-// What `kaz flash` says on standard output: lines for people, or one JSON object.
+// Output of `kaz flash`: lines for people, or one JSON object.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

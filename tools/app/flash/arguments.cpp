@@ -1,4 +1,4 @@
-// What `kaz flash` cannot do, told before a port is opened.
+// Checks of the options of `kaz flash`, before a port is opened.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/flash/arguments.h"
 

@@ -1,4 +1,4 @@
-// What `kaz flash` was asked for.
+// The options of `kaz flash`.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,7 +19,7 @@ struct FlashArguments {
   bool dry_run = false, force = false, start = true, json = false;
 };
 
-// What can be seen without a board: what is missing, what does not go together.
+// Checks that need no board: missing options, options that exclude each other.
 Result<void> check(const FlashArguments& arguments);
 
 }  // namespace kaz::tools

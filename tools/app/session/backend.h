@@ -1,5 +1,5 @@
 // What a behaviour runs on: the virtual robot in lockstep, or a board on a serial port with a
-// published camera or real ones. Behind the same three interfaces, so that nothing further up can tell.
+// published camera or real ones. Both have the same three interfaces; callers cannot distinguish them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -63,7 +63,7 @@ class SessionBackend {
   // To be called once, before camera() and camera_latency(): apart from open(), so that a board that does
   // not answer is reported before a camera that is not there.
   virtual Result<void> open_camera() = 0;
-  // False: nothing sees, and camera() has no pictures. To be asked after open_camera().
+  // False: there is no camera, and camera() has no pictures. Valid after open_camera().
   virtual bool sees() const = 0;
   virtual vision::Camera& camera() = 0;
   // Of the vision that runs on it.
@@ -73,7 +73,7 @@ class SessionBackend {
   // For recording, pictures and scoring; null where the robot is not simulated in this process.
   // Behaviours never see it.
   virtual sim::Simulation* simulation() = 0;
-  // What the behaviour thinks, as one JSON object, for a recording where there is one.
+  // The state of the behaviour, as one JSON object, for a recording where there is one.
   virtual void record_behavior(const std::string& /*json*/) {}
 };
 
