@@ -16,7 +16,7 @@ constexpr States ms = KZ_STATES_PER_TICK;
 // Changes its pins at given times and lets the test use its converter.
 class ScriptedMcu final : public Mcu {
  public:
-  std::string engine() const override { return "scripted"; }
+  std::string name() const override { return "scripted"; }
   States now() const override { return now_; }
   Result<void> run_until(States until) override {
     while (!script.empty() && script.front().first <= until) {

@@ -295,12 +295,12 @@ TEST(BadWorldFile, HasAReservedName) {
   EXPECT_NE(world.error().message.find("[__pen__] is reserved"), std::string::npos);
 }
 
-TEST(Load, NamesAnUnknownStepper) {
+TEST(Load, NamesUnknownDynamics) {
   WorldOptions options;
-  options.stepper = "fast";
+  options.dynamics = "fast";
   const auto world = World::load(test::kEmpty, test::kRobot, options);
   ASSERT_FALSE(world);
-  EXPECT_NE(world.error().message.find("stepper \"fast\" is unknown (--dynamics)"),
+  EXPECT_NE(world.error().message.find("unknown dynamics \"fast\" (--dynamics)"),
             std::string::npos);
 }
 

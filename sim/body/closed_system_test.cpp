@@ -24,7 +24,7 @@ class ClosedSystem : public testing::TestWithParam<const char*> {
  protected:
   std::unique_ptr<World> load(int rods, const Eigen::Vector3d& gravity) {
     WorldOptions options;
-    options.stepper = GetParam();
+    options.dynamics = GetParam();
     options.step_s = kStep;
     WorldModel around;
     around.gravity = gravity;
@@ -34,7 +34,7 @@ class ClosedSystem : public testing::TestWithParam<const char*> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Steppers, ClosedSystem, testing::Values("quick50", "exact", "reduced"));
+INSTANTIATE_TEST_SUITE_P(Dynamics, ClosedSystem, testing::Values("quick50", "exact", "reduced"));
 
 // Gravity turned by the amplitude: the rod starts at rest so far from where it would hang.
 //

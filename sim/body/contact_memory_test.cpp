@@ -72,7 +72,7 @@ TEST(ContactMemory, KnowsAPointAgainByItsShapesAndPlace) {
 // The friction that is left after so few iterations turned the robot by 0.02 degrees a second, and
 // pushed it by 0.03 mm.
 TEST(ContactMemory, SolesStayWhereTheyAre) {
-  const auto world = test::load_or_fail(test::kEmpty, {.stepper = "quick20"});
+  const auto world = test::load_or_fail(test::kEmpty, {.dynamics = "quick20"});
   ASSERT_TRUE(world);
   const auto hold = [&](double until) {
     const bench::Angles crouch = bench::walking_angles(0, 0);
@@ -100,7 +100,7 @@ TEST(ContactMemory, SolesStayWhereTheyAre) {
 
 // The fixed base of the arm is the first of the pair, and does not move.
 TEST(ContactMemory, HoldsABlockOnWhatIsFixed) {
-  for (const char* stepper : {"quick50", "exact", "reduced"}) {
+  for (const char* dynamics : {"quick50", "exact", "reduced"}) {
     test::Folder folder;
     const std::string world_path =
         folder.write("w.sdf", R"(<?xml version="1.0"?><sdf version="1.9"><world name="test">
@@ -108,7 +108,7 @@ TEST(ContactMemory, HoldsABlockOnWhatIsFixed) {
 <inertial><mass>0.1</mass><inertia><ixx>3e-6</ixx><iyy>3e-6</iyy><izz>3e-6</izz></inertia></inertial>
 <collision name="c"><geometry><box><size>0.012 0.012 0.012</size></box></geometry></collision>
 </link></model></world></sdf>)");
-    const auto loaded = World::load(world_path, "sim/robots/arm/arm.urdf", {.stepper = stepper});
+    const auto loaded = World::load(world_path, "sim/robots/arm/arm.urdf", {.dynamics = dynamics});
     ASSERT_TRUE(loaded) << loaded.error().message;
     World& world = **loaded;
     const std::vector<MotorDrive> off(6);
@@ -117,8 +117,8 @@ TEST(ContactMemory, HoldsABlockOnWhatIsFixed) {
     // Four springs along the plate, and as many below the edges, on which it leans: its height over
     // their distance is one half on either side.
     const Eigen::Vector3d at = world.object_position("block").value();
-    EXPECT_NEAR(at.y(), 2 * 0.1 * 1.7 / (4 * kStiffness), 2e-7) << stepper;
-    EXPECT_NEAR(at.x(), 0.043, 2e-7) << stepper;
+    EXPECT_NEAR(at.y(), 2 * 0.1 * 1.7 / (4 * kStiffness), 2e-7) << dynamics;
+    EXPECT_NEAR(at.x(), 0.043, 2e-7) << dynamics;
   }
 }
 

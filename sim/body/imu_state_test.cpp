@@ -16,7 +16,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 std::unique_ptr<World> world_with_gravity(const std::string& gravity, bool hung) {
   const test::Folder folder;
   WorldOptions options;
-  options.stepper = "exact";
+  options.dynamics = "exact";
   options.hung = hung;
   return test::load_or_fail(folder.write("world.sdf", test::world_text(gravity, "")), options);
 }

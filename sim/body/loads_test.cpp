@@ -61,13 +61,13 @@ class Loads : public testing::TestWithParam<const char*> {
  protected:
   static std::unique_ptr<World> load(bool hung, const std::string& path = test::kEmpty) {
     WorldOptions options;
-    options.stepper = GetParam();
+    options.dynamics = GetParam();
     options.hung = hung;
     options.ideal_motors = true;
     return test::load_or_fail(path, options);
   }
 };
-INSTANTIATE_TEST_SUITE_P(Steppers, Loads, testing::Values("reduced", "exact", "quick50"),
+INSTANTIATE_TEST_SUITE_P(Dynamics, Loads, testing::Values("reduced", "exact", "quick50"),
                          [](const auto& name) { return std::string(name.param); });
 
 TEST_P(Loads, SolesBearTheWeightUnderTheCentreOfMass) {
@@ -238,7 +238,7 @@ TEST(LoadsOfBoth, ReducedAndExactAgreeOnARobotThatMoves) {
     options.ideal_motors = true;
     options.step_s = 2.5e-4;
     const auto reduced = test::load_or_fail(test::kEmpty, options);
-    options.stepper = "exact";
+    options.dynamics = "exact";
     const auto exact = test::load_or_fail(test::kEmpty, options);
     ASSERT_TRUE(reduced && exact);
     std::array<double, 2> force{}, moment{}, force_apart{}, moment_apart{};  // neck and arms; legs

@@ -24,7 +24,7 @@ class Robot : public testing::TestWithParam<const char*> {
   std::unique_ptr<StagedWorld> world(const WorldModel& around, bool hung = false) {
     WorldOptions options;
     options.hung = hung;
-    options.stepper = GetParam();
+    options.dynamics = GetParam();
     return std::move(*make_world(around, robot_, motor_, options));
   }
   Eigen::Vector3d centre_of_mass(const World& world) const {
@@ -60,7 +60,7 @@ class Robot : public testing::TestWithParam<const char*> {
   MotorParams motor_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Steppers, Robot, testing::Values("quick50", "exact", "reduced"));
+INSTANTIATE_TEST_SUITE_P(Dynamics, Robot, testing::Values("quick50", "exact", "reduced"));
 
 // In free flight a push gives all of its impulse, and its moment about the centre of mass, by differences
 // over a step: positions are of order 1 m and move by 1e-4 m, which leaves 1e-12; the rest is that the

@@ -17,7 +17,7 @@ constexpr double kCfm = 1e-8;
 constexpr double kQuickStepOverRelaxation = 1.3;
 constexpr double kMotionToAlign = 1e-4;  // m/s
 // Where bodies lie or fall together, rows of contacts are satisfied without a force, to the last bit:
-// the exact stepper finds no next step among them ("LCP internal error, s <= 0") and leaves out all
+// the exact solver finds no next step among them ("LCP internal error, s <= 0") and leaves out all
 // forces. Each point wants to part at a speed of its own, too small to matter.
 constexpr double kTieBreak = 1e-11;  // m/s
 
@@ -381,7 +381,7 @@ Eigen::Isometry3d OdeWorld::moving_pose(int number) const {
   return pose;
 }
 
-std::string OdeWorld::stepper() const {
+std::string OdeWorld::dynamics() const {
   return iterations_ == 0 ? "exact" : "quick" + std::to_string(iterations_);
 }
 

@@ -19,7 +19,7 @@ namespace kaz::sim {
 
 class OdeWorld final : public StagedWorld {
  public:
-  // `iterations` of QuickStep; 0: ODE's exact stepper.
+  // `iterations` of QuickStep; 0: ODE's exact solver.
   OdeWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
            const WorldOptions& options, int iterations);
   ~OdeWorld() override;
@@ -27,7 +27,7 @@ class OdeWorld final : public StagedWorld {
   void step(std::span<const MotorDrive> drives, double supply_volts) override;
   int find_contacts() override;
   double largest_joint_gap_m() const override { return largest_gap_; }
-  std::string stepper() const override;
+  std::string dynamics() const override;
   void watch_contacts(bool on) override { watch_ = on; }
   void watch_loads(bool on) override;
   std::vector<ContactPoint> contacts() const override;

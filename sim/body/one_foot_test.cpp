@@ -41,7 +41,7 @@ class OneFoot : public testing::TestWithParam<const char*> {
   }
   std::unique_ptr<World> make() const {
     WorldOptions options;
-    options.stepper = GetParam();
+    options.dynamics = GetParam();
     return std::move(*make_world(around_, robot_, motor_, options));
   }
   Eigen::Vector3d centre_of_mass(const World& world) const {
@@ -89,7 +89,7 @@ class OneFoot : public testing::TestWithParam<const char*> {
   std::unique_ptr<World> world_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Steppers, OneFoot, testing::Values("quick50", "exact", "reduced"));
+INSTANTIATE_TEST_SUITE_P(Dynamics, OneFoot, testing::Values("quick50", "exact", "reduced"));
 
 // The weight is led to the edge in steps, each begun at rest: a robot that is put there all at once drops
 // into its soft sole (0.25 mm, more at the edge) and rocks, with an energy that would lift its centre of

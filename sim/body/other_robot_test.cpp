@@ -38,9 +38,9 @@ TEST(Arm, StandsWhereTheWorldPutsIt) {
 }
 
 TEST(Arm, FollowsItsMotors) {
-  for (const char* stepper : {"quick50", "exact", "reduced"}) {
+  for (const char* dynamics : {"quick50", "exact", "reduced"}) {
     WorldOptions options;
-    options.stepper = stepper;
+    options.dynamics = dynamics;
     const auto world = arm(options);
     ASSERT_TRUE(world);
     const double target[6] = {0.8, 0.9, -1.2, 0.5, -1.0, -0.5};
@@ -55,7 +55,7 @@ TEST(Arm, FollowsItsMotors) {
     }
     // Stiction of 0.166 Nm at 43 Nm/rad leaves at most 3.9 mrad, gravity of 0.5 Nm 12 mrad.
     for (std::size_t j = 0; j < 6; ++j) {
-      EXPECT_NEAR(world->joints()[j].angle, target[j], 0.017) << stepper << j;
+      EXPECT_NEAR(world->joints()[j].angle, target[j], 0.017) << dynamics << j;
     }
     EXPECT_LT(world->largest_joint_gap_m(), 1e-4);
   }

@@ -28,7 +28,7 @@ class Objects : public testing::TestWithParam<const char*> {
  protected:
   std::unique_ptr<World> load(const std::string& gravity, const std::string& models) {
     WorldOptions options;
-    options.stepper = GetParam();
+    options.dynamics = GetParam();
     // The robot is no part of this: a small one, on its own base.
     auto world = World::load(folder_.write("w.sdf", test::world_text(gravity, models)),
                              "sim/robots/arm/arm.urdf", options);
@@ -41,7 +41,7 @@ class Objects : public testing::TestWithParam<const char*> {
   test::Folder folder_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Steppers, Objects, testing::Values("quick10", "exact", "reduced"));
+INSTANTIATE_TEST_SUITE_P(Dynamics, Objects, testing::Values("quick10", "exact", "reduced"));
 
 TEST_P(Objects, FallAndBounce) {
   const double height = 0.5, restitution = 0.7;

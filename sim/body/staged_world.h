@@ -152,7 +152,7 @@ class StagedWorld : public World {
   int head_frame_ = -1;
 };
 
-// On the engine that the options name. Errors: an unknown stepper, a step out of bounds.
+// With the dynamics that the options name. Errors: unknown dynamics, a step out of bounds.
 Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
                                                 const MotorParams& motor,
                                                 const WorldOptions& options);

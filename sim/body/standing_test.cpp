@@ -78,13 +78,13 @@ class Standing : public testing::TestWithParam<const char*> {
  protected:
   std::unique_ptr<World> load(const std::string& path = test::kEmpty, std::uint64_t seed = 1) {
     WorldOptions options;
-    options.stepper = GetParam();
+    options.dynamics = GetParam();
     options.seed = seed;
     return test::load_or_fail(path, options);
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Steppers, Standing, testing::Values("quick50", "exact", "reduced"));
+INSTANTIATE_TEST_SUITE_P(Dynamics, Standing, testing::Values("quick50", "exact", "reduced"));
 
 TEST_P(Standing, StartsStraightOnTheFloor) {
   const auto world = load();
@@ -137,8 +137,8 @@ TEST_P(Standing, SameSeedSameBytesEvenBesideAnotherWorld) {
 }
 
 TEST(Seed, ShufflesTheRowsOfQuickStep) {
-  const auto a = test::load_or_fail(test::kEmpty, {.seed = 1, .stepper = "quick50"});
-  const auto b = test::load_or_fail(test::kEmpty, {.seed = 2, .stepper = "quick50"});
+  const auto a = test::load_or_fail(test::kEmpty, {.seed = 1, .dynamics = "quick50"});
+  const auto b = test::load_or_fail(test::kEmpty, {.seed = 2, .dynamics = "quick50"});
   ASSERT_TRUE(a && b);
   for (int i = 0; i < 200; ++i) {
     step_towards_crouch(*a);
@@ -261,7 +261,7 @@ TEST(Scene, NamesAreUniqueAndFramesInRange) {
 
 TEST(BallWorld, HidesTheBallFromTheFirstViewAndKeepsItInReach) {
   WorldOptions options;
-  options.stepper = "quick20";
+  options.dynamics = "quick20";
   const auto world = test::load_or_fail(test::kBall, options);
   ASSERT_TRUE(world);
   const auto bearing = [&] {

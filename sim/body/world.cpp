@@ -25,22 +25,21 @@ namespace {
 constexpr int kReduced = -1;
 
 // "exact": 0; "quickN": N; "reduced": kReduced.
-Result<int> iterations_of(const std::string& stepper) {
-  if (stepper == "reduced") return kReduced;
-  if (stepper == "exact") return 0;
+Result<int> iterations_of(const std::string& dynamics) {
+  if (dynamics == "reduced") return kReduced;
+  if (dynamics == "exact") return 0;
   const std::string quick = "quick";
   int iterations = 0;
-  if (stepper.compare(0, quick.size(), quick) == 0) {
-    const char* end = stepper.data() + stepper.size();
-    const auto [next, status] = std::from_chars(stepper.data() + quick.size(), end, iterations);
+  if (dynamics.compare(0, quick.size(), quick) == 0) {
+    const char* end = dynamics.data() + dynamics.size();
+    const auto [next, status] = std::from_chars(dynamics.data() + quick.size(), end, iterations);
     if (status == std::errc() && next == end && iterations >= 1 && iterations <= 1000) {
       return iterations;
     }
   }
-  return fail(Fault::usage,
-              "stepper \"" + stepper +
-                  "\" is unknown (--dynamics); use \"reduced\", \"exact\", or \"quickN\" with N "
-                  "from 1 to 1000");
+  return fail(Fault::usage, "unknown dynamics \"" + dynamics +
+                                "\" (--dynamics); use \"reduced\", \"exact\", or \"quickN\" with N "
+                                "from 1 to 1000");
 }
 
 }  // namespace
@@ -48,7 +47,7 @@ Result<int> iterations_of(const std::string& stepper) {
 Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
                                                 const MotorParams& motor,
                                                 const WorldOptions& options) {
-  const Result<int> iterations = iterations_of(options.stepper);
+  const Result<int> iterations = iterations_of(options.dynamics);
   if (!iterations) return tl::unexpected(iterations.error());
   if (!(options.step_s > 0 && options.step_s <= 0.01)) {
     return fail(Fault::usage, "physics step of " + std::to_string(options.step_s) +
@@ -61,7 +60,7 @@ Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const R
 Result<std::unique_ptr<World>> World::load(const std::string& world_path,
                                            const std::string& robot_path,
                                            const WorldOptions& options) {
-  if (const auto known = iterations_of(options.stepper); !known)
+  if (const auto known = iterations_of(options.dynamics); !known)
     return tl::unexpected(known.error());
   const Result<RobotModel> robot = load_robot(robot_path);
   if (!robot) return tl::unexpected(robot.error());

@@ -65,8 +65,8 @@ struct Trouble {
 struct WorldOptions {
   std::uint64_t seed = 1;
   double step_s = 0.001;
-  std::string stepper = "reduced";  // "reduced"; ODE: "exact", or "quickN" with N iterations
-  bool hung = false;                // the robot's trunk is fixed, its feet well above the ground
+  std::string dynamics = "reduced";  // "reduced"; ODE: "exact", or "quickN" with N iterations
+  bool hung = false;                 // the robot's trunk is fixed, its feet well above the ground
   std::string motor =
       "";  // a motor of motor.xml, which stands beside the URDF; "": the file's default
   bool ideal_motors = false;  // without backlash and heat
@@ -106,8 +106,8 @@ class World {
   virtual Eigen::Isometry3d link_pose(const std::string& link) const = 0;
   virtual Result<Eigen::Vector3d> object_position(const std::string& model) const = 0;
   virtual double largest_joint_gap_m() const = 0;  // since the start
-  virtual std::string stepper() const = 0;
-  // Since the start. ODE's steppers do not tell how far they are from done: theirs is `broken` alone.
+  virtual std::string dynamics() const = 0;
+  // Since the start. ODE's solvers do not report how far they are from done: theirs is `broken` alone.
   virtual const Trouble& trouble() const {
     static const Trouble none;
     return none;

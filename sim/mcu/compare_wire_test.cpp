@@ -18,7 +18,7 @@ WireOptions options(std::int64_t conversations) {
 class Altered : public Mcu {
  public:
   explicit Altered(const NativeOptions& options) : board_(make_native(options)) {}
-  std::string engine() const override { return board_->engine(); }
+  std::string name() const override { return board_->name(); }
   States now() const override { return board_->now(); }
   Result<void> run_until(States until) override { return board_->run_until(until); }
   void reset() override { board_->reset(); }

@@ -62,9 +62,9 @@ TEST(Engines, BytesTakeTheSameTime) {
     send(*mcu, frame_of(KZ_TYPE_state, 7, {}));
     ASSERT_TRUE(mcu->run_until(mcu->now() + 20 * ms));
     const auto bytes = mcu->take_transmitted();
-    ASSERT_EQ(bytes.size(), 53u) << mcu->engine();
+    ASSERT_EQ(bytes.size(), 53u) << mcu->name();
     for (std::size_t i = 1; i < bytes.size(); ++i)
-      EXPECT_EQ(bytes[i].at - bytes[i - 1].at, KZ_STATES_PER_BYTE) << mcu->engine() << ' ' << i;
+      EXPECT_EQ(bytes[i].at - bytes[i - 1].at, KZ_STATES_PER_BYTE) << mcu->name() << ' ' << i;
     ASSERT_EQ(bodies_of(bytes).size(), 1u);
   }
 }
@@ -104,7 +104,7 @@ TEST(Engines, SampleEveryInputWithItsSelect) {
                             : i == KZ_ANALOG_FORWARD_FORCE ? 904
                             : i == KZ_ANALOG_LEFT_FORCE    ? 905
                                                            : i;
-      EXPECT_EQ(last.analog[i], code) << mcu->engine();
+      EXPECT_EQ(last.analog[i], code) << mcu->name();
     }
     mcu->on_tick(nullptr);
   }

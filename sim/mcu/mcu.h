@@ -58,7 +58,7 @@ class Mcu {
   virtual ~Mcu() = default;
 
   // "h8" or "native".
-  virtual std::string engine() const = 0;
+  virtual std::string name() const = 0;
   // h8: the engine that the emulator executes with, "translator" by default; native: empty.
   virtual std::string emulator_engine() const { return {}; }
   virtual States now() const = 0;
@@ -73,7 +73,7 @@ class Mcu {
   // Sets the mode pins to boot mode or to running from flash, effective at the next reset. h8 only.
   virtual Result<void> set_boot_pins(bool boot) {
     if (!boot) return {};
-    return fail(Fault::usage, "the " + engine() + " engine has no boot mode; h8 has");
+    return fail(Fault::usage, "the mcu \"" + name() + "\" has no boot mode; h8 has");
   }
   // True while the boot ROM runs, false once it has started the downloaded program.
   virtual bool in_boot_rom() const { return false; }

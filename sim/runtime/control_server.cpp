@@ -76,7 +76,7 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
               {"plug out|in", "the plug of the serial port, which is gone while it is out"},
               {"stand LINE", "a motor stand's tools; \"stand help\" lists them"},
               {"fault LINE", "a fault, from now on or `at` a time; \"fault none\" ends them all"},
-              {"status", "time, engine, power, host, losses"}}}};
+              {"status", "time, mcu, power, host, losses"}}}};
   }
   if (command == "reset") {
     handlers_.reset();

@@ -264,7 +264,7 @@ nlohmann::ordered_json ball(const World& world) {
 nlohmann::ordered_json RealTimeServer::Parts::status() const {
   const ServoBoard& board = simulation.board();
   return {{"time_s", seconds(simulation.time())},
-          {"engine", board.mcu().engine()},
+          {"mcu", board.mcu().name()},
           {"power", board.power()},
           {"boot_rom", board.mcu().in_boot_rom()},
           {"motors", board.drivers_enabled()},

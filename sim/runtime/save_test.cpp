@@ -20,10 +20,10 @@ Bytes contents(const std::string& path) {
 }
 
 // The robot of the tree with the ball that rolls, and pictures without OpenGL.
-SimulationOptions real_options(const std::string& engine) {
+SimulationOptions real_options(const std::string& mcu) {
   SimulationOptions options;
-  options.engine = engine;
-  options.image_path = engine == "h8" ? KAZ_FIRMWARE_IMAGE : "";
+  options.mcu = mcu;
+  options.image_path = mcu == "h8" ? KAZ_FIRMWARE_IMAGE : "";
   options.world_path = KAZ_TREE "/sim/worlds/ball.sdf";
   options.robot_path = KAZ_TREE "/shared/robot/kaz/kaz.urdf";
   options.camera_path = KAZ_TREE "/shared/robot/kaz/camera.json";
@@ -109,7 +109,7 @@ TEST_P(Restored, DetoursChangeNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Engines, Restored, testing::Values("h8", "native"),
-                         [](const auto& engine) { return engine.param; });
+                         [](const auto& mcu) { return mcu.param; });
 
 std::string refusal(Simulation& simulation, const Bytes& blob) {
   const auto restored = simulation.restore(blob);
@@ -145,10 +145,10 @@ TEST(Snapshot, RefusesEachOtherOption) {
   ASSERT_NE(simulation, nullptr);
   const Bytes blob = *simulation->save();
   const std::pair<const char*, std::function<void(SimulationOptions&)>> changes[] = {
-      {"engine", [](auto& o) { o.engine = "h8", o.image_path = KAZ_FIRMWARE_IMAGE; }},
+      {"mcu", [](auto& o) { o.mcu = "h8", o.image_path = KAZ_FIRMWARE_IMAGE; }},
       {"world", [](auto& o) { o.world_path = KAZ_TREE "/sim/worlds/empty.sdf"; }},
       {"seed", [](auto& o) { o.seed = 6; }},
-      {"stepper", [](auto& o) { o.stepper = "quick20"; }},
+      {"dynamics", [](auto& o) { o.dynamics = "quick20"; }},
       {"physics_step_ms", [](auto& o) { o.physics_step_ms = 0.5; }},
       {"sensors", [](auto& o) { o.sensors.gyro = false; }},
       {"imu", [](auto& o) { o.imu = true; }},

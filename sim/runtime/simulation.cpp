@@ -67,22 +67,22 @@ constexpr int detour_steps = 100;
 
 }  // namespace
 
-Result<std::unique_ptr<Mcu>> make_engine(const SimulationOptions& options) {
-  if (options.engine == "h8")
+Result<std::unique_ptr<Mcu>> make_mcu(const SimulationOptions& options) {
+  if (options.mcu == "h8")
     return options.image_path.empty() ? make_erased_h8() : make_h8(options.image_path);
-  if (options.engine == "native") return make_native();
+  if (options.mcu == "native") return make_native();
   return fail(Fault::usage,
-              "there is no engine \"" + options.engine + "\"; use \"h8\" or \"native\"");
+              "unknown mcu \"" + options.mcu + "\" (--mcu); use \"h8\" or \"native\"");
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& options) {
   if (const auto fits = step_ratio(options.physics_step_ms); !fits)
     return tl::unexpected(fits.error());
-  auto mcu = make_engine(options);
+  auto mcu = make_mcu(options);
   if (!mcu) return tl::unexpected(mcu.error());
   WorldOptions world_options;
   world_options.seed = options.seed;
-  world_options.stepper = options.stepper;
+  world_options.dynamics = options.dynamics;
   world_options.step_s = options.physics_step_ms / 1000;
   auto world = World::load(options.world_path, options.robot_path, world_options);
   if (!world) return tl::unexpected(world.error());

@@ -38,14 +38,14 @@ namespace kaz::sim {
 class Recorder;
 
 struct SimulationOptions {
-  std::string engine = "native";  // "h8" or "native"
-  std::string image_path;         // firmware, for "h8"; empty: its flash is erased
-  std::string world_path;         // SDF
-  std::string robot_path;         // URDF
-  std::string camera_path;        // camera.json beside the URDF; not read for a robot without eyes
+  std::string mcu = "native";  // "h8" or "native"
+  std::string image_path;      // firmware, for "h8"; empty: its flash is erased
+  std::string world_path;      // SDF
+  std::string robot_path;      // URDF
+  std::string camera_path;     // camera.json beside the URDF; not read for a robot without eyes
   std::uint64_t seed = 1;
-  std::string stepper = "reduced";  // sim/body/world.h
-  double physics_step_ms = 1;       // of the world: 0.125, 0.25, 0.5, 1, 2 or 4
+  std::string dynamics = "reduced";  // sim/body/world.h
+  double physics_step_ms = 1;        // of the world: 0.125, 0.25, 0.5, 1, 2 or 4
   SensorSwitches sensors = {};
   SensorParams sensor_params = {};  // create() takes them from sensors.xml beside the URDF
   bool imu = false;                 // the board has gyro and accelerometer
@@ -68,12 +68,12 @@ struct SimulationOptions {
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world);
 
-// The microcontroller that the options name. Errors: an unknown engine, a file that is no image.
-Result<std::unique_ptr<Mcu>> make_engine(const SimulationOptions& options);
+// The microcontroller that the options name. Errors: an unknown name, a file that is no image.
+Result<std::unique_ptr<Mcu>> make_mcu(const SimulationOptions& options);
 
 class Simulation {
  public:
-  // Errors: a file that is missing or wrong, an unknown engine, a robot of more joints than the
+  // Errors: a file that is missing or wrong, an unknown mcu, a robot of more joints than the
   // servo board has channels, a physics step that does not fit.
   static Result<std::unique_ptr<Simulation>> create(const SimulationOptions& options);
   // The two parts given: for tests and for other boards.

@@ -69,18 +69,18 @@ std::string name_of(const RendererFactory& renderer) {
 // Takes every field of the options by name: a new field does not compile before it stands here.
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world) {
-  const auto& [engine, image_path, world_path, robot_path, camera_path, seed, stepper,
+  const auto& [mcu, image_path, world_path, robot_path, camera_path, seed, dynamics,
                physics_step_ms, sensors, sensor_params, imu, ideal_eyes, eye_width, supply_volts,
                supply_ohms, frames, faults, recording_path, record_pictures, recording_facts,
                renderer, detour_every] = options;
-  static_cast<void>(stepper);         // the world says it with all figures
+  static_cast<void>(dynamics);        // the world returns it with the iterations
   static_cast<void>(recording_path);  // a recording changes nothing
   static_cast<void>(record_pictures);
   static_cast<void>(recording_facts);
   static_cast<void>(detour_every);  // nor does a detour
-  return {{"engine", engine},
+  return {{"mcu", mcu},
           {"seed", std::to_string(seed)},
-          {"stepper", world.stepper()},
+          {"dynamics", world.dynamics()},
           {"physics_step_ms", exact(physics_step_ms)},
           {"sensors", switches_of(sensors)},
           {"sensor_figures_sha256", digest_of(sensor_params)},

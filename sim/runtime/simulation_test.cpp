@@ -99,7 +99,7 @@ TEST(Simulation, OutsideViewShowsTheWorldAsItStands) {
 
 class BrokenMcu final : public Mcu {
  public:
-  std::string engine() const override { return "broken"; }
+  std::string name() const override { return "broken"; }
   States now() const override { return now_; }
   Result<void> run_until(States until) override {
     if (until > 3 * KZ_STATES_PER_TICK) return fail(Fault::failed, "undefined instruction");
@@ -137,7 +137,7 @@ TEST(Simulation, ErrorOfTheChipComesOutOfEveryFurtherStep) {
 
 TEST(Simulation, UnknownEngineIsAUsageError) {
   SimulationOptions options;
-  options.engine = "avr";
+  options.mcu = "avr";
   const auto simulation = Simulation::create(options);
   ASSERT_FALSE(simulation);
   EXPECT_EQ(simulation.error().fault, Fault::usage);

@@ -56,7 +56,7 @@ class TestWorld final : public World {
     return fail(Fault::usage, "there is no " + model);
   }
   double largest_joint_gap_m() const override { return 0; }
-  std::string stepper() const override { return "none"; }
+  std::string dynamics() const override { return "none"; }
 
   double supply_volts() const { return supply_volts_; }
   int steps() const { return steps_; }

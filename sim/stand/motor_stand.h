@@ -64,7 +64,7 @@ class MotorStand final : public World {
   Eigen::Isometry3d link_pose(const std::string& link) const override;
   Result<Eigen::Vector3d> object_position(const std::string& model) const override;
   double largest_joint_gap_m() const override { return 0; }
-  std::string stepper() const override { return "stand"; }
+  std::string dynamics() const override { return "stand"; }
   const Trouble& trouble() const override { return trouble_; }
   void save(StateWriter& to) override { transfer(to); }
   void restore(StateReader& from) override { transfer(from); }

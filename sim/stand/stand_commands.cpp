@@ -108,7 +108,7 @@ Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
   // A laboratory supply with short thick wires, where the robot has a battery and a switch.
   SimulationOptions wired = options;
   wired.supply_ohms = 0.02;
-  auto mcu = make_engine(options);
+  auto mcu = make_mcu(options);
   if (!mcu) return tl::unexpected(mcu.error());
   return Simulation::assemble(wired, std::move(*mcu), std::make_unique<MotorStand>(stand), {});
 }

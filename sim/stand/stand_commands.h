@@ -1,4 +1,4 @@
-// Text commands for a motor stand's tools, one command per line: the same in one process and over the control
+// A motor stand's tools by words, one command a line: the same in one process and over the control
 // socket. docs/bench.md lists them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
@@ -13,16 +13,16 @@
 
 namespace kaz::sim {
 
-// Board and motors on a stand. The options for robot, world, eyes and dynamics are
-// ignored. Errors: those of the engine.
+// Board and motors on a stand. Of the options, those of robot, world, eyes and dynamics do not
+// count. Errors: those of make_mcu().
 Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
                                                const StandOptions& stand);
 
-// Null: the simulation is of a robot.
+// Null: it is a robot's.
 MotorStand* stand_of(Simulation& simulation);
 
-// Executes `line` on the simulation's motor stand, which must exist. Errors (usage): an unknown command,
-// joint or value.
+// What `line` asks of the simulation's motor stand, which there must be. Errors (usage): an unknown
+// command, joint or value.
 Result<nlohmann::ordered_json> answer_stand(Simulation& simulation, const std::string& line);
 
 }  // namespace kaz::sim

@@ -108,7 +108,7 @@ struct Engine {
 };
 
 Result<Engine> make_engine(const EngineOptions& options) {
-  if (options.engine != "h8") return Engine{sim::make_native(), nullptr};
+  if (options.mcu != "h8") return Engine{sim::make_native(), nullptr};
   auto h8 = sim::H8Mcu::load(options.image);
   if (!h8) return tl::unexpected(h8.error());
   if (!(*h8)->has_tick_symbols())
@@ -158,7 +158,7 @@ Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,
   });
 
   sim::SimulationOptions simulated;
-  simulated.engine = options.engine;
+  simulated.mcu = options.mcu;
   simulated.seed = options.seed;
   auto simulation = sim::Simulation::assemble(
       simulated, std::move(engine->mcu),

@@ -66,7 +66,7 @@ class MotorBench final : public sim::World {
     return fail(Fault::usage, "the motor bench has no object `" + model + "`");
   }
   double largest_joint_gap_m() const override { return 0; }
-  std::string stepper() const override { return "none"; }
+  std::string dynamics() const override { return "none"; }
 
  private:
   std::vector<sim::JointMotor> motors_;
@@ -100,7 +100,7 @@ class WatchedWorld final : public sim::World {
     return world_->object_position(model);
   }
   double largest_joint_gap_m() const override { return world_->largest_joint_gap_m(); }
-  std::string stepper() const override { return world_->stepper(); }
+  std::string dynamics() const override { return world_->dynamics(); }
 
  private:
   std::unique_ptr<sim::World> world_;

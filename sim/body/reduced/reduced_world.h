@@ -30,7 +30,7 @@ class ReducedWorld final : public StagedWorld {
   void step(std::span<const MotorDrive> drives, double supply_volts) override;
   int find_contacts() override;
   double largest_joint_gap_m() const override { return 0; }  // there are none to open
-  std::string stepper() const override { return "reduced"; }
+  std::string dynamics() const override { return "reduced"; }
   void watch_contacts(bool on) override { watch_ = on; }
   std::vector<ContactPoint> contacts() const override;
   void save(StateWriter& to) override;

@@ -23,7 +23,7 @@ inline std::unique_ptr<sim::StagedWorld> world_of(const std::string& stepper,
                                                   const sim::MotorParams& motor,
                                                   double step_s = kStep) {
   sim::WorldOptions options;
-  options.stepper = stepper;
+  options.dynamics = stepper;
   options.step_s = step_s;
   // The steppers and steps of the table are known to all worlds.
   return std::move(sim::make_world(around, robot, motor, options).value());

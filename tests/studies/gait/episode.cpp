@@ -76,9 +76,9 @@ class Episode {
     const auto files = disturbed_files(setting_.robot_folder, around, seed_);
     if (!files) return tl::unexpected(files.error());
     sim::SimulationOptions options;
-    options.engine = setting_.engine;
+    options.mcu = setting_.engine;
     options.image_path = setting_.image_path;
-    options.stepper = setting_.stepper;
+    options.dynamics = setting_.stepper;
     options.seed = seed_;
     options.world_path = files->world();
     options.robot_path = files->robot();

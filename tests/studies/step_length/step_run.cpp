@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "host/robot/robot.h"
-#include "sim/body/robot_model.h"
 #include "sim/body/gait_testing.h"
+#include "sim/body/robot_model.h"
 #include "tools/lockstep/lockstep.h"
 
 namespace kaz::step_length {
@@ -75,7 +75,7 @@ Result<std::unique_ptr<sim::Simulation>> make(const Setting& setting) {
   options.robot_path = kRobot;
   options.camera_path = "shared/robot/kaz/camera.json";
   options.sensors = sim::SensorSwitches::ideal();
-  options.stepper = setting.stepper;
+  options.dynamics = setting.stepper;
   options.physics_step_ms = setting.step_ms;
   auto simulation = sim::Simulation::create(options);
   std::filesystem::remove(options.world_path);
@@ -100,7 +100,7 @@ void add(Course& run, int ms, const Sample& sample) {
 
 Result<Course> run_smooth(const Setting& setting) {
   sim::WorldOptions options;
-  options.stepper = setting.stepper;
+  options.dynamics = setting.stepper;
   options.step_s = setting.step_ms / 1000;
   options.ideal_motors = true;
   const std::string path = world_file();

@@ -165,7 +165,7 @@ Result<std::unique_ptr<sim::Simulation>> make(const Trial& trial, const Setting&
                                               const trials::RobotFolder& files,
                                               std::uint64_t seed) {
   sim::SimulationOptions options;
-  options.engine = setting.engine;
+  options.mcu = setting.engine;
   options.image_path = setting.image_path;
   options.seed = seed;
   options.world_path = files.world();

@@ -23,7 +23,7 @@ enum class Line {
 // millisecond `each_ms` is called: a judge looks on there, and things are made to happen.
 class CuttableLine final : public host::Link, public host::Clock {
  public:
-  // The simulation must have the engine h8.
+  // The simulation must have the mcu h8.
   explicit CuttableLine(sim::Simulation& simulation);
 
   std::string name() const override { return "line"; }

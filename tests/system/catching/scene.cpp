@@ -145,7 +145,7 @@ Result<Ending> play(const Scene& scene) {
   const WorldFile world(world_of(scene));
   const std::string robot_folder = KAZ_ROBOT;
   sim::SimulationOptions options;
-  options.engine = scene.engine;
+  options.mcu = scene.engine;
   options.image_path = KAZ_FIRMWARE_IMAGE;
   options.seed = scene.seed;
   options.world_path = world.path();

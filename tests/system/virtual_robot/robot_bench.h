@@ -21,7 +21,7 @@ namespace kaz {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// KAZ_LONG=1 asks for the long versions. KAZ_STEPPER chooses another stepper (sim/body/world.h),
+// KAZ_LONG=1 asks for the long versions. KAZ_DYNAMICS chooses other dynamics (sim/body/world.h),
 // KAZ_PHYSICS_STEP another length of its step, ms.
 inline bool long_run() {
   const char* asked = std::getenv("KAZ_LONG");
@@ -64,8 +64,8 @@ class RobotBench {
                       ("kaz_" + std::string(info->name()) + std::to_string(getpid()) + ".sdf");
     std::ofstream(path) << world;
     sim::SimulationOptions options;
-    options.engine = "native";
-    if (const char* stepper = std::getenv("KAZ_STEPPER")) options.stepper = stepper;
+    options.mcu = "native";
+    if (const char* dynamics = std::getenv("KAZ_DYNAMICS")) options.dynamics = dynamics;
     if (const char* step = std::getenv("KAZ_PHYSICS_STEP"))
       options.physics_step_ms = std::atof(step);
     options.seed = seed;

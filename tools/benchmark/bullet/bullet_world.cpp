@@ -33,11 +33,11 @@ Result<std::unique_ptr<World>> BulletWorld::load(const std::string& world_path,
                                                  const std::string& robot_path,
                                                  const WorldOptions& options) {
   const std::string name = "bullet";
-  const int iterations = options.stepper.compare(0, name.size(), name) == 0
-                             ? std::atoi(options.stepper.c_str() + name.size())
+  const int iterations = options.dynamics.compare(0, name.size(), name) == 0
+                             ? std::atoi(options.dynamics.c_str() + name.size())
                              : 0;
   if (iterations < 1)
-    return fail(Fault::usage, "stepper \"" + options.stepper + "\" is not \"bulletN\", N from 1");
+    return fail(Fault::usage, "dynamics \"" + options.dynamics + "\" is not \"bulletN\", N from 1");
   const Result<RobotModel> robot = load_robot(robot_path);
   if (!robot) return tl::unexpected(robot.error());
   const Result<MotorParams> motor = load_motor_file(
