@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "sim/body/files_testing.h"
+#include "sim/body/description/files_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/body/joint_motor.h"
-#include "sim/body/world.h"
+#include "sim/body/motor/joint_motor.h"
+#include "sim/body/world/world.h"
 
 namespace kaz::sim {
 

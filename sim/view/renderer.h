@@ -12,7 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "shared/base/result.hpp"
-#include "sim/body/scene.h"
+#include "sim/body/description/scene.h"
 
 namespace kaz::sim {
 

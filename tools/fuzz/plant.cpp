@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "shared/board/table.h"
-#include "sim/body/joint_motor.h"
-#include "sim/body/robot_model.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/motor/joint_motor.h"
 
 namespace kaz::fuzz {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "sim/view/camera.h"
-#include "sim/view/sensor.h"
+#include "sim/view/sensor/sensor.h"
 #include "tools/figure/figure.h"
 #include "tools/kaz/output.h"
 #include "tools/kaz/sim_options.h"

@@ -6,7 +6,7 @@
 
 #include "host/robot/robot.h"
 #include "sim/mcu/host_testing.h"
-#include "sim/runtime/world_testing.h"
+#include "sim/runtime/simulation/world_testing.h"
 
 namespace kaz::lockstep {
 namespace {

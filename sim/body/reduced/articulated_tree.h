@@ -18,7 +18,7 @@
 
 #include <vector>
 
-#include "sim/body/robot_model.h"
+#include "sim/body/description/robot_model.h"
 
 namespace kaz::sim {
 

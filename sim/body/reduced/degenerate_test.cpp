@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "sim/body/files_testing.h"
-#include "sim/body/motor_file.h"
+#include "sim/body/description/files_testing.h"
+#include "sim/body/description/motor_file.h"
 #include "sim/body/reduced/reduced_world.h"
 
 namespace kaz::sim {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sim/body/body_sleep.h"
-#include "sim/body/rigid_link.h"
+#include "sim/body/description/rigid_link.h"
+#include "sim/body/world/body_sleep.h"
 
 namespace kaz::sim {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "sim/body/contact_surface.h"
+#include "sim/body/contact/contact_surface.h"
 #include "sim/body/reduced/reduced_world.h"
 
 namespace kaz::sim {

@@ -14,11 +14,11 @@
 
 #include <vector>
 
-#include "sim/body/contact_memory.h"
+#include "sim/body/contact/contact_memory.h"
 #include "sim/body/reduced/articulated_tree.h"
 #include "sim/body/reduced/free_body.h"
 #include "sim/body/reduced/velocity_solver.h"
-#include "sim/body/staged_world.h"
+#include "sim/body/world/staged_world.h"
 
 namespace kaz::sim {
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "sim/body/body_sleep.h"
+#include "sim/body/world/body_sleep.h"
 
 namespace kaz::sim::bench {
 namespace {

@@ -1,0 +1,76 @@
+// Loads robot and world, and puts them on a dynamics engine.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/world/world.h"
+
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+
+#include "sim/body/ode/ode_world.h"
+#include "sim/body/reduced/reduced_world.h"
+
+namespace kaz::sim {
+
+std::string Trouble::sentence() const {
+  if (unsettled == 0) return "";
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "the solver of the physics left %lld steps before it was done, at worst with "
+                "velocities that still changed by %.1e m/s or rad/s",
+                static_cast<long long>(unsettled), worst);
+  return text;
+}
+namespace {
+
+constexpr int kReduced = -1;
+
+// "exact": 0; "quickN": N; "reduced": kReduced.
+Result<int> iterations_of(const std::string& stepper) {
+  if (stepper == "reduced") return kReduced;
+  if (stepper == "exact") return 0;
+  const std::string quick = "quick";
+  int iterations = 0;
+  if (stepper.compare(0, quick.size(), quick) == 0) {
+    const char* end = stepper.data() + stepper.size();
+    const auto [next, status] = std::from_chars(stepper.data() + quick.size(), end, iterations);
+    if (status == std::errc() && next == end && iterations >= 1 && iterations <= 1000) {
+      return iterations;
+    }
+  }
+  return fail(Fault::usage,
+              "stepper \"" + stepper +
+                  "\" is unknown (--dynamics); use \"reduced\", \"exact\", or \"quickN\" with N "
+                  "from 1 to 1000");
+}
+
+}  // namespace
+
+Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
+                                                const MotorParams& motor,
+                                                const WorldOptions& options) {
+  const Result<int> iterations = iterations_of(options.stepper);
+  if (!iterations) return tl::unexpected(iterations.error());
+  if (!(options.step_s > 0 && options.step_s <= 0.01)) {
+    return fail(Fault::usage, "physics step of " + std::to_string(options.step_s) +
+                                  " s is outside 0..0.01 s; 0.001 is what all is tuned for");
+  }
+  if (*iterations == kReduced) return std::make_unique<ReducedWorld>(world, robot, motor, options);
+  return std::make_unique<OdeWorld>(world, robot, motor, options, *iterations);
+}
+
+Result<std::unique_ptr<World>> World::load(const std::string& world_path,
+                                           const std::string& robot_path,
+                                           const WorldOptions& options) {
+  if (const auto known = iterations_of(options.stepper); !known)
+    return tl::unexpected(known.error());
+  const Result<RobotModel> robot = load_robot(robot_path);
+  if (!robot) return tl::unexpected(robot.error());
+  const std::string motor_path = std::filesystem::path(robot_path).replace_filename("motor.xml");
+  const Result<MotorParams> motor = load_motor_file(motor_path, options.motor);
+  if (!motor) return tl::unexpected(motor.error());
+  const Result<WorldModel> world = load_world(world_path);
+  if (!world) return tl::unexpected(world.error());
+  return make_world(*world, *robot, options.ideal_motors ? motor->ideal() : *motor, options);
+}
+
+}  // namespace kaz::sim

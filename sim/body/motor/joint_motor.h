@@ -1,0 +1,113 @@
+// A gear motor on a hinge, as one implicit row of the constraint solver.
+// SPDX-License-Identifier: Apache-2.0
+//
+// All quantities at the output shaft. The rotor has an angle and a speed u of its own; the joint, with
+// its potentiometer, is behind the backlash b. With A = stall_slope V duty, B = back_emf (0 while the
+// bridge is open), J the rotor's inertia, h the step, T the torque on the joint, an implicit step is
+//
+//   u_new = u_free - T / K,  u_free = (A -+ friction + J/h u) / K,  K = B + J/h
+//
+// At the end of a step rotor and joint are no further apart than the flanks let them: with a way d >= 0
+// left to the flank that pushes forward, u_new - w_new <= d/h, T >= 0, one of the two as an equation.
+// For the solver this is one row
+//
+//   w_new + softness T = velocity,  softness = 1/K,  velocity = u_free - d/h,  0 <= T
+//
+// and its mirror image for the other flank. Free and engaged are two answers of the same row: the joint
+// is never pulled, and flanks meet without bounce, within the step. The row is implicit in back-EMF
+// and rotor: explicit torques are unstable on links as light as these. Of the two flanks that one has the
+// row which the rotor would be nearer to after the step. Should the joint pass the other one, it is put
+// back to it: only an angle moves, no speed, so this makes no energy.
+//
+// Static friction is a regime of its own: the rotor is held until friction would have to give more
+// than the breakaway torque.
+//
+// A slipping gear is a clutch that passes no more than its torque; the motor in front of it is taken to
+// turn as the joint does, without backlash. A jammed gear holds the joint where it is.
+//
+// Current is the mean over a PWM period (docs/robot.md says why that is enough).
+#pragma once
+
+#include "sim/body/description/motor_file.h"
+#include "sim/body/motor/winding_heat.h"
+#include "sim/body/world/world.h"
+
+namespace kaz::sim {
+
+class JointMotor {
+ public:
+  JointMotor(const MotorParams& figures, double step_s);
+
+  struct Row {
+    double velocity = 0;  // rad/s
+    double softness = 0;  // rad/s per Nm
+    double most = 0;      // Nm, that it gives at most
+    double least = 0;     // Nm; -most, or one of the two is 0 and the other without bound
+  };
+  // Nm, what the row gives in the coming step to a joint that something rigid keeps at rest.
+  double pressing(const Row& row) const;
+
+  // The row for the coming step, for the joint as it moves now (rad, rad/s). Duty beyond -1..1 is
+  // cut, NaN is taken as 0.
+  Row prepare(const MotorDrive& drive, double supply_volts, double angle, double velocity);
+  // After the step: its velocity, and the torque that the row gave.
+  void finish(double velocity, double torque);
+
+  // A, drawn from the supply in the last step (mean over the PWM period; negative while braking
+  // feeds back). 0 while the bridge is open.
+  double supply_current() const { return state_.duty * state_.current; }
+  double motor_current() const { return state_.current; }  // A, positive turns positively
+  double winding_celsius() const { return heat_.winding_celsius(); }
+  double case_celsius() const { return heat_.case_celsius(); }
+  double resistance_ohm() const;
+  double copper_watts() const { return state_.copper_watts; }
+  double friction_watts() const { return state_.friction_watts; }
+  double rotor_angle() const { return state_.rotor_angle; }  // rad
+  double rotor_speed() const { return state_.rotor_speed; }  // rad/s
+
+  // All that a motor remembers between steps.
+  enum class Regime { held, forward, backward };
+  struct State {
+    Regime regime = Regime::held;
+    bool stopped = true;  // held, but the angle at which is still to be taken
+    double rotor_angle = 0, rotor_speed = 0;
+    double torque = 0, torque_before = 0;  // of the last two steps, Nm
+    double press = 0;                      // with which it stopped, Nm
+    double duty = 0, current = 0;
+    double copper_watts = 0, friction_watts = 0;
+    double winding_celsius = 0, case_celsius = 0;
+  };
+  State state() const;
+  void set_state(const State& state);
+
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    State& s = state_;
+    a(s.regime, s.stopped, s.rotor_angle, s.rotor_speed, s.torque, s.torque_before, s.press, s.duty,
+      s.current, s.copper_watts, s.friction_watts, heat_);
+  }
+
+ private:
+  void take_drive(const MotorDrive& drive, double supply_volts);
+  void break_loose();
+  bool will_stop() const;
+  void be_struck(double angle, double velocity);
+  Row tight_row(double angle);
+  Row flank_row(double angle, double velocity);
+  void turn_rotor(double velocity, double torque);
+  void stop();
+
+  MotorParams figures_;
+  double step_s_;
+  WindingHeat heat_;
+  State state_;
+  // Of the step between prepare and finish.
+  bool powered_ = false, jammed_ = false, slipping_ = false, tight_ = false;
+  bool frictionless_ = false;
+  double volts_ = 0, max_ = 0;
+  double drive_torque_ = 0, stiffness_ = 0;  // A and K above
+  double free_speed_ = 0;                    // u_free above
+};
+
+}  // namespace kaz::sim

@@ -1,0 +1,39 @@
+// A lever on the output shaft, locked, with a scale at its end: what a motor gives at full drive.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/motor/locked_lever.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/body/motor/joint_motor.h"
+
+namespace kaz::sim {
+
+LeverReading measure_locked_lever(const MotorParams& figures, const LockedLever& bench) {
+  constexpr double step_s = 1e-3;
+  JointMotor motor(figures, step_s);
+  JointMotor::State state = motor.state();
+  state.stopped = false;
+  state.rotor_angle = std::copysign(0.5 * figures.backlash_rad, bench.duty);
+  motor.set_state(state);
+  MotorDrive drive;
+  drive.powered = true;
+  LeverReading reading;
+  const long steps = std::lround(bench.seconds / step_s);
+  for (long i = 0; i < steps; ++i) {
+    const bool off = bench.anew && i >= steps - 100 && i < steps - 50;
+    drive.duty = off ? 0 : bench.duty;
+    // At rest: V = source - ohms * I, I = duty^2 V / R; no more than the circuit lets through.
+    const double duty_ohms = bench.supply_ohms * drive.duty * drive.duty / motor.resistance_ohm();
+    reading.terminal_volts = std::max(bench.supply_volts / (1 + duty_ohms),
+                                      bench.supply_volts - duty_ohms * figures.max_supply_v);
+    const JointMotor::Row row = motor.prepare(drive, reading.terminal_volts, 0, 0);
+    reading.torque_nm = std::clamp(row.velocity / row.softness, row.least, row.most);
+    motor.finish(0, reading.torque_nm);
+  }
+  reading.supply_amperes = motor.supply_current();
+  reading.winding_celsius = motor.winding_celsius();
+  return reading;
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,46 @@
+// Heat of a motor: winding, case and air, one after the other.
+// SPDX-License-Identifier: Apache-2.0
+//
+//   C_w dT_w/dt = I^2 R - (T_w - T_c) / R_wc
+//   C_c dT_c/dt = (T_w - T_c) / R_wc + friction - (T_c - T_air) / R_ca
+//
+// (lumped network; Hendershot and Miller, "Design of Brushless Permanent-Magnet Motors", on thermal
+// circuits). The copper's resistance grows linearly with T_w. What the magnets lose with heat is left
+// out: it has to be known for the material, some 0.2 %/K for ferrite and half of it for neodymium.
+#pragma once
+
+#include "sim/body/description/motor_file.h"
+
+namespace kaz::sim {
+
+class WindingHeat {
+ public:
+  explicit WindingHeat(const MotorParams& figures)
+      : figures_(figures), winding_(figures.air_celsius), case_(figures.air_celsius) {}
+
+  // W of the copper and of gear and brushes during step_s. Explicit: the step is 1e-5 of the shortest
+  // time constant. Nothing happens where the motor file says nothing of heat.
+  void take(double copper_watts, double friction_watts, double step_s);
+  // Resistance now over resistance at `air_celsius`.
+  double resistance_ratio() const {
+    return 1 + figures_.copper_per_kelvin * (winding_ - figures_.air_celsius);
+  }
+  double winding_celsius() const { return winding_; }
+  double case_celsius() const { return case_; }
+  void set(double winding_celsius, double case_celsius) {
+    winding_ = winding_celsius;
+    case_ = case_celsius;
+  }
+
+  // All that it remembers (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(winding_, case_);
+  }
+
+ private:
+  MotorParams figures_;
+  double winding_, case_;
+};
+
+}  // namespace kaz::sim

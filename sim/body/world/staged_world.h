@@ -1,0 +1,160 @@
+// What every world has, whatever solves its motion: bodies by number, what there is to see, names,
+// kicks, motors and their sums.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/body/contact/contacts.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/description/world_model.h"
+#include "sim/body/motor/joint_motor.h"
+#include "sim/body/world/world.h"
+
+namespace kaz::sim {
+
+// Mechanical stop beyond the firmware's limit, rad.
+constexpr double kStopMargin = 0.0174533;
+// It gives back this share of what a joint is beyond it in 1 ms (contact_surface.h), and yields,
+// rad/s per Nm: by 1 mrad at the motor's 2.4 Nm, plastic and steel. Under a rigid one the rest that an
+// iterative solver leaves would lift the joint off again and again.
+constexpr double kStopErp = 0.2;
+constexpr double kStopSoftness = 0.08;
+
+class StagedWorld : public World {
+ public:
+  double step_s() const override { return step_s_; }
+  double time_s() const override { return static_cast<double>(steps_) * step_s_; }
+  std::span<const JointState> joints() const override { return joint_states_; }
+  std::span<const std::string> joint_order() const override { return joint_order_; }
+  double supply_current_a() const override { return current_; }
+  const ImuState& imu() const override { return imu_; }
+  std::span<const LinkForce> link_forces() const override { return link_forces_; }
+  std::span<const std::string> link_order() const override { return link_order_; }
+  void watch_loads(bool on) override { watch_loads_ = on; }
+  std::span<const JointLoad> joint_loads() const override { return joint_loads_; }
+  const Scene& scene() const override { return scene_; }
+  ScenePose pose() const override;
+  int head_frame() const override { return head_frame_; }
+  Eigen::Isometry3d link_pose(const std::string& link) const override;
+  Result<Eigen::Vector3d> object_position(const std::string& model) const override;
+  Result<void> push(const std::string& link, const Eigen::Vector3d& impulse) override;
+  // What step() begins with, by itself: for measuring it. Number of points of contact.
+  virtual int find_contacts() = 0;
+  const Trouble& trouble() const override { return trouble_; }
+
+ protected:
+  // Robot links have the numbers of RobotModel::links; the objects that can move follow.
+  struct Body {
+    RigidLink rigid;                                          // without its looks and shapes
+    bool moves = true;                                        // false: stands at `start`
+    Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  // of the link's frame
+  };
+  struct Kick {
+    std::int64_t step = 0;
+    int body = 0;
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  };
+  // Of a hand, on a link of the robot that moves, for the step under way.
+  struct HandPush {
+    std::uint32_t link = 0;
+    Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // N s, world axes, at the centre of mass
+    template <class A>
+    void transfer(A& a) {
+      a(link);
+      for (int k = 0; k < 3; ++k) a(impulse[k]);
+    }
+  };
+
+  StagedWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
+              const WorldOptions& options);
+
+  // Of the link's frame, for bodies that move.
+  virtual Eigen::Isometry3d moving_pose(int body) const = 0;
+  virtual void kick(int body, const Eigen::Vector3d& velocity) = 0;
+  Eigen::Isometry3d body_pose(int body) const;
+  void kick_due();
+  // Asks each motor for its row, for the joints as they move now.
+  void prepare_motors(std::span<const MotorDrive> drives, double supply_volts);
+  // With the joints as they move after the step.
+  void finish_motors();
+  // Each says why the world is broken (Trouble), unless the answer is yes.
+  static constexpr double kMostTurn = 1, kMostWay = 1;  // rad and m, in a step
+  bool drives_are_numbers();
+  bool joint_can_turn(std::size_t joint, double velocity);
+  bool body_can_move(std::size_t body, const Eigen::Vector3d& velocity,
+                     const Eigen::Vector3d& angular);
+  void break_down(const std::string& why);
+  void read_motors();
+  // What StagedWorld itself remembers.
+  template <class A>
+  void transfer_stage(A& a) {
+    auto bodies = static_cast<std::uint32_t>(bodies_.size());
+    auto kicks = static_cast<std::uint32_t>(kicks_.size());
+    a(bodies, kicks);
+    // Kicks that are over here may still be to come there.
+    if (bodies != bodies_.size() || kicks > all_kicks_.size()) {
+      return a.refuse("it is of another world");
+    }
+    if (!a.good()) return;
+    if constexpr (A::reading) kicks_.assign(all_kicks_.begin(), all_kicks_.begin() + kicks);
+    a(steps_, current_, hand_pushes_, trouble_.unsettled, trouble_.worst);
+    for (const HandPush& push : hand_pushes_) {
+      if (push.link >= robot_links_) return a.refuse("it pushes what is not there");
+    }
+    for (JointMotor& motor : motors_) a(motor);
+    for (JointState& joint : joint_states_) {
+      a(joint.angle, joint.velocity, joint.torque, joint.current, joint.winding_celsius);
+    }
+    for (Eigen::Vector3d* v : {&imu_.angular_velocity, &imu_.specific_force})
+      for (int k = 0; k < 3; ++k) a((*v)[k]);
+    for (LinkForce& force : link_forces_) a(force);
+    if constexpr (A::reading) joint_loads_.clear();
+  }
+
+  double step_s_;
+  Eigen::Vector3d gravity_;
+  std::int64_t steps_ = 0;
+  bool hung_ = false;  // the root does not move
+  std::vector<Body> bodies_;
+  std::size_t robot_links_;
+  Contacts contacts_;
+  std::vector<JointMotor> motors_;
+  std::vector<JointMotor::Row> rows_;  // of motors_, for the step under way
+  std::vector<JointState> joint_states_;
+  RobotFrame imu_frame_;
+  ImuState imu_;
+  std::vector<LinkForce> link_forces_;  // by link of the robot
+  bool watch_loads_ = false;
+  std::vector<JointLoad> joint_loads_;  // by joint; empty: not watched
+  double current_ = 0;
+  std::vector<HandPush> hand_pushes_;
+  Trouble trouble_;
+
+ private:
+  int add_frame(const std::string& name, int body);
+  void add_visuals(const RigidLink& link, int frame, const Eigen::Isometry3d& in_frame);
+  int add_body(const RigidLink& link, const Eigen::Isometry3d& start, bool moves);
+  void add_robot(const RobotModel& robot, const Eigen::Isometry3d& root);
+  void add_object(const WorldBody& object);
+
+  std::vector<std::string> joint_order_, link_order_;
+  std::map<std::string, RobotFrame> link_frames_;  // by link name
+  std::map<std::string, Eigen::Isometry3d> fixed_objects_;
+  std::map<std::string, int> objects_;  // first link of each model that can move
+  std::vector<Kick> kicks_;             // the next one last
+  std::vector<Kick> all_kicks_;         // as at the start
+  std::vector<int> frames_;             // body of scene frame 1 onwards
+  Scene scene_;
+  int head_frame_ = -1;
+};
+
+// On the engine that the options name. Errors: an unknown stepper, a step out of bounds.
+Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
+                                                const MotorParams& motor,
+                                                const WorldOptions& options);
+
+}  // namespace kaz::sim
