@@ -24,7 +24,7 @@ struct ImuMotion {
 
 class Imu {
  public:
-  Imu(const SensorParams& figures, const SensorSwitches& switches, std::uint64_t seed);
+  Imu(const SensorParams& params, const SensorSwitches& switches, std::uint64_t seed);
 
   // The motion during the millisecond that ends with this tick. Ticks must increase.
   void advance(std::int64_t tick, const ImuMotion& motion);
@@ -44,7 +44,7 @@ class Imu {
 
  private:
   struct Axis {
-    ImuAxisParams figures;
+    ImuAxisParams params;
     bool real = false;  // with its errors
     double offset = 0, sigma = 0, follow = 1, filtered = 0;
     double stay = 1, stir = 0, wandered = 0;  // per millisecond

@@ -36,17 +36,17 @@ double pot_ratio(int joint, double angle_rad) {
   return std::clamp(place(joint, angle_rad), 0.0, 1.0);
 }
 
-Potentiometer::Potentiometer(int joint, const PotentiometerParams& figures,
+Potentiometer::Potentiometer(int joint, const PotentiometerParams& params,
                              const SensorSwitches& switches, std::uint64_t seed)
     : joint_(joint),
       opens_(switches.potentiometer),
-      terminal_rad_(figures.terminal_rad),
-      open_level_(figures.open_level) {
+      terminal_rad_(params.terminal_rad),
+      open_level_(params.open_level) {
   if (!switches.pot_as_built) return;
   const auto number = static_cast<std::uint64_t>(joint);
-  offset_rad_ = spread(figures.mounting_rad, seed, kPotMounting + number);
+  offset_rad_ = spread(params.mounting_rad, seed, kPotMounting + number);
   // Longer waves are stronger: 1 : 1/2 : 1/4 of what makes the limit if all are at their largest.
-  double share = figures.linearity / 1.75;
+  double share = params.linearity / 1.75;
   for (std::size_t k = 0; k < waves_.size(); ++k, share /= 2)
     waves_[k] = spread(share, seed, kPotLinearity + 8 * number + k);
 }

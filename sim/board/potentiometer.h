@@ -22,7 +22,7 @@ class Potentiometer {
  public:
   Potentiometer() = default;
   // `seed` decides linearity error and offset, which are there if `switches` say so.
-  Potentiometer(int joint, const PotentiometerParams& figures, const SensorSwitches& switches,
+  Potentiometer(int joint, const PotentiometerParams& params, const SensorSwitches& switches,
                 std::uint64_t seed);
 
   // Share of AVCC, 0..1, without noise.

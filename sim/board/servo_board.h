@@ -25,7 +25,7 @@ namespace kaz::sim {
 
 struct ServoBoardOptions {
   std::uint64_t seed = 1;
-  SensorParams figures = {};    // of sensors.xml
+  SensorParams params = {};     // of sensors.xml
   SensorSwitches sensors = {};  // which of them have their errors
   bool imu = false;             // gyro and accelerometer on AN3..AN5; grounded without
   double supply_volts = 10.0;   // without load

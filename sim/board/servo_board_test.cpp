@@ -56,7 +56,7 @@ class ScriptedMcu final : public Mcu {
 
 // As robot and file have it.
 ServoBoardOptions nominal(std::uint64_t seed = 1) {
-  return {.seed = seed, .figures = load_sensor_file("shared/robot/kaz/sensors.xml").value()};
+  return {.seed = seed, .params = load_sensor_file("shared/robot/kaz/sensors.xml").value()};
 }
 
 struct Bench {
@@ -97,7 +97,7 @@ TEST(Multiplexers, PutEachPotentiometerWhereTheWiringSays) {
 TEST(Multiplexers, PutSupplyReferenceAndTemperatureOnTheSpareInputs) {
   ServoBoardOptions options = nominal();
   options.sensors = SensorSwitches::ideal();
-  options.figures.driver.ambient_celsius = 25.6;
+  options.params.driver.ambient_celsius = 25.6;
   Bench bench(options);
   EXPECT_NEAR(bench.read(0, 6), 10.0 / 15.36, 1e-12);
   EXPECT_EQ(bench.read(0, 7), 0.5);

@@ -11,13 +11,13 @@
 
 namespace kaz::sim {
 
-std::string Trouble::sentence() const {
-  if (unsettled == 0) return "";
+std::string SolverDiagnostics::summary() const {
+  if (unconverged_steps == 0) return "";
   char text[200];
   std::snprintf(text, sizeof text,
-                "the solver of the physics left %lld steps before it was done, at worst with "
-                "velocities that still changed by %.1e m/s or rad/s",
-                static_cast<long long>(unsettled), worst);
+                "the dynamics solver did not converge in %lld steps; largest remaining change of a "
+                "velocity: %.1e m/s or rad/s",
+                static_cast<long long>(unconverged_steps), max_residual);
   return text;
 }
 namespace {

@@ -88,8 +88,8 @@ double MotorStand::protractor_rad(std::size_t joint) const {
 }
 
 void MotorStand::guide(Shaft& shaft) const {
-  const double most = kHandSpeed * options_.step_s;
-  shaft.guide_rad += std::clamp(shaft.goal_rad - shaft.guide_rad, -most, most);
+  const double max = kHandSpeed * options_.step_s;
+  shaft.guide_rad += std::clamp(shaft.goal_rad - shaft.guide_rad, -max, max);
 }
 
 void MotorStand::step_shaft(std::size_t joint, const MotorDrive& drive, double supply_volts) {
@@ -109,7 +109,7 @@ void MotorStand::step_shaft(std::size_t joint, const MotorDrive& drive, double s
     push += kHandStiffness * (shaft.guide_rad - state.angle);
   }
   const auto torque_at = [&row](double velocity, double yield) {
-    return std::clamp((row.velocity - velocity) / (row.softness + yield), row.least, row.most);
+    return std::clamp((row.velocity - velocity) / (row.softness + yield), row.min, row.max);
   };
   double torque = torque_at(push / mass, 1 / mass);
   double velocity = (push + torque) / mass;

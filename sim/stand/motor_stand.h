@@ -64,7 +64,7 @@ class MotorStand final : public World {
   Result<Eigen::Vector3d> object_position(const std::string& model) const override;
   double largest_joint_gap_m() const override { return 0; }
   std::string stepper() const override { return "stand"; }
-  const Trouble& trouble() const override { return trouble_; }
+  const SolverDiagnostics& diagnostics() const override { return diagnostics_; }
   void save(h8s::StateWriter& to) override { transfer(to); }
   void restore(h8s::StateReader& from) override { transfer(from); }
 
@@ -99,7 +99,7 @@ class MotorStand final : public World {
   std::vector<JointState> states_;
   ImuState imu_;
   Scene scene_;
-  Trouble trouble_;
+  SolverDiagnostics diagnostics_;
 };
 
 }  // namespace kaz::sim

@@ -69,15 +69,15 @@ TEST(MotorStand, ClampAndScaleReadTheTorqueAtStandstill) {
 TEST(MotorStand, ScaleReadsEachPressALittleOtherwise) {
   MotorStand stand = stand_of_kaz();
   stand.clamp(kJoint, true);
-  double least = 1e9, most = -1e9;
+  double min = 1e9, max = -1e9;
   for (int press = 0; press < 10; ++press) {
     run(stand, 100, 0.3, true);
-    least = std::min(least, stand.scale_nm(kJoint));
-    most = std::max(most, stand.scale_nm(kJoint));
+    min = std::min(min, stand.scale_nm(kJoint));
+    max = std::max(max, stand.scale_nm(kJoint));
     run(stand, 100);
   }
-  EXPECT_GT(most - least, 0.002) << "sigma 2 mNm";
-  EXPECT_LT(most - least, 0.02);
+  EXPECT_GT(max - min, 0.002) << "sigma 2 mNm";
+  EXPECT_LT(max - min, 0.02);
 }
 
 TEST(MotorStand, GentleWeightsShowTheBacklashAndNothingElse) {

@@ -17,9 +17,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMostVolts = 15;  // of the supply: more than a board's motors may have
-constexpr double kMostPress = 1;   // Nm
-constexpr double kMostTurn = 4;    // rad
+constexpr double kMaxVolts = 15;  // of the supply: more than a board's motors may have
+constexpr double kMaxPress = 1;   // Nm
+constexpr double kMaxTurn = 4;    // rad
 
 Result<double> number(const std::string& word, const std::string& what, double low, double high) {
   double value = 0;
@@ -81,12 +81,12 @@ Result<Json> answer_joint(MotorStand& stand, const Words& words, std::size_t joi
     return Json::object();
   }
   if (command == "press") {
-    const auto torque = number(word, "a weight's torque in Nm", -kMostPress, kMostPress);
+    const auto torque = number(word, "a weight's torque in Nm", -kMaxPress, kMaxPress);
     if (!torque) return tl::unexpected(torque.error());
     stand.press(joint, *torque);
     return Json::object();
   }
-  const auto angle = number(word, "an angle in rad", -kMostTurn, kMostTurn);
+  const auto angle = number(word, "an angle in rad", -kMaxTurn, kMaxTurn);
   if (!angle) return tl::unexpected(angle.error());
   stand.turn(joint, *angle);
   return Json::object();
@@ -130,7 +130,7 @@ Result<Json> answer_stand(Simulation& simulation, const std::string& line) {
   if (words.command == "help") return Json{{"commands", kHelp}};
   if (words.command == "disc") return Json{{"disc_kgm2", stand.disc_kgm2()}};
   if (words.command == "supply") {
-    const auto volts = number(words.arguments[0], "the supply in V", 0, kMostVolts);
+    const auto volts = number(words.arguments[0], "the supply in V", 0, kMaxVolts);
     if (!volts) return tl::unexpected(volts.error());
     simulation.board().set_supply(*volts);
     return Json::object();

@@ -108,8 +108,8 @@ Result<bool> serve(SimArguments arguments) {
               statistics->simulated_s, static_cast<unsigned long long>(statistics->overruns),
               1e3 * statistics->worst_late_s,
               static_cast<unsigned long long>(statistics->pairs_left_out));
-  if (const auto beware = (*simulation)->world().trouble().sentence(); !beware.empty())
-    std::printf("beware: %s\n", beware.c_str());
+  if (const auto warning = (*simulation)->world().diagnostics().summary(); !warning.empty())
+    std::printf("warning: %s\n", warning.c_str());
   if (!recorded->empty())
     std::printf("recording %s  sha256 %s\n", arguments.backend.recording.c_str(),
                 recorded->c_str());

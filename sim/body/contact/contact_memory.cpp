@@ -40,9 +40,9 @@ void ContactMemory::remember(std::size_t touch, const Eigen::Vector3d& velocity,
                              double step_s) {
   Point& point = points_[touch];
   point.shear += step_s * (velocity - point.normal * point.normal.dot(velocity));
-  const double most = std::max(0.0, normal_n) * point.limit * kErpStep;
+  const double max = std::max(0.0, normal_n) * point.limit * kErpStep;
   const double size = point.shear.norm();
-  if (size > most) point.shear *= size > 0 ? most / size : 0;
+  if (size > max) point.shear *= size > 0 ? max / size : 0;
 }
 
 }  // namespace kaz::sim

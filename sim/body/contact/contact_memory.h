@@ -35,7 +35,7 @@ class ContactMemory {
     auto size = static_cast<std::uint32_t>(points_.size());
     a(size);
     if (!a.good()) return;
-    if (size > kMostPoints) return a.refuse("it has more points of contact than a world can have");
+    if (size > kMaxPoints) return a.refuse("it has more points of contact than a world can have");
     points_.resize(size);
     for (Point& point : points_) {
       a(point.shape_a, point.shape_b, point.limit);
@@ -45,7 +45,7 @@ class ContactMemory {
   }
 
  private:
-  static constexpr std::uint32_t kMostPoints = 100'000;
+  static constexpr std::uint32_t kMaxPoints = 100'000;
   struct Point {
     std::uint32_t shape_a = 0, shape_b = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();

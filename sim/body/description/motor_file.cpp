@@ -16,10 +16,10 @@ namespace {
 
 enum class Need { always, with_heat, never };
 
-struct Figure {
+struct Param {
   const char* element;
   double MotorParams::*member;
-  double least;
+  double min;
   bool min_allowed;
   Need need = Need::always;
   double unit = 1;
@@ -28,7 +28,7 @@ struct Figure {
 constexpr double kColdest = -273.15;
 // Far beyond any motor, and near enough that ratios of them stay numbers: resistance_ohm().
 constexpr double kSmallest = 1e-12, kLargest = 1e9;
-constexpr std::array<Figure, 13> kFigures{{
+constexpr std::array<Param, 13> kParams{{
     {"stall_slope", &MotorParams::stall_slope_nm_per_v, 0, false},
     {"friction", &MotorParams::friction_nm, 0, true},
     {"back_emf", &MotorParams::back_emf_nms_per_rad, 0, false},
@@ -43,33 +43,33 @@ constexpr std::array<Figure, 13> kFigures{{
     {"copper_per_kelvin", &MotorParams::copper_per_kelvin, 0, true, Need::with_heat},
     {"air_celsius", &MotorParams::air_celsius, kColdest, false, Need::never},
 }};
-using Seen = std::array<bool, kFigures.size()>;
+using Seen = std::array<bool, kParams.size()>;
 
 struct Motor {
-  MotorParams figures;
+  MotorParams params;
   Seen seen{};
 };
 
-Result<void> read_figure(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor) {
+Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor) {
   std::size_t which = 0;
-  while (which < kFigures.size() && std::string(element.Name()) != kFigures[which].element) ++which;
-  if (which == kFigures.size()) {
+  while (which < kParams.size() && std::string(element.Name()) != kParams[which].element) ++which;
+  if (which == kParams.size()) {
     return file.error(element, std::string("unknown element <") + element.Name() +
                                    "> in <motor>; see docs/robot.md for those it takes");
   }
   const Result<double> value = file.number(element, "value");
   if (!value) return tl::unexpected(value.error());
-  const Figure& figure = kFigures[which];
-  if (*value < figure.least || (*value == figure.least && !figure.min_allowed)) {
-    return file.error(element, std::string("<") + figure.element + "> must be " +
-                                   (figure.min_allowed ? "at least " : "more than ") +
-                                   std::to_string(static_cast<int>(figure.least)));
+  const Param& param = kParams[which];
+  if (*value < param.min || (*value == param.min && !param.min_allowed)) {
+    return file.error(element, std::string("<") + param.element + "> must be " +
+                                   (param.min_allowed ? "at least " : "more than ") +
+                                   std::to_string(static_cast<int>(param.min)));
   }
-  if (*value > kLargest || (!figure.min_allowed && *value < figure.least + kSmallest)) {
-    return file.error(element, std::string("<") + figure.element +
+  if (*value > kLargest || (!param.min_allowed && *value < param.min + kSmallest)) {
+    return file.error(element, std::string("<") + param.element +
                                    "> is of no motor: such a number lies between 1e-12 and 1e9");
   }
-  motor.figures.*figure.member = *value * figure.unit;
+  motor.params.*param.member = *value * param.unit;
   motor.seen[which] = true;
   return {};
 }
@@ -77,16 +77,16 @@ Result<void> read_figure(const XmlFile& file, const tinyxml2::XMLElement& elemen
 // `motor` comes with what it is based on.
 Result<void> read_motor(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor) {
   for (auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    if (auto done = read_figure(file, *child, motor); !done) return done;
+    if (auto done = read_param(file, *child, motor); !done) return done;
   }
   bool heat = false;
-  for (std::size_t i = 0; i < kFigures.size(); ++i) {
-    heat = heat || (kFigures[i].need == Need::with_heat && motor.seen[i]);
+  for (std::size_t i = 0; i < kParams.size(); ++i) {
+    heat = heat || (kParams[i].need == Need::with_heat && motor.seen[i]);
   }
-  for (std::size_t i = 0; i < kFigures.size(); ++i) {
-    if (motor.seen[i] || kFigures[i].need == Need::never) continue;
-    if (kFigures[i].need == Need::with_heat && !heat) continue;
-    return file.error(element, std::string("<motor> lacks <") + kFigures[i].element + ">");
+  for (std::size_t i = 0; i < kParams.size(); ++i) {
+    if (motor.seen[i] || kParams[i].need == Need::never) continue;
+    if (kParams[i].need == Need::with_heat && !heat) continue;
+    return file.error(element, std::string("<motor> lacks <") + kParams[i].element + ">");
   }
   return {};
 }
@@ -95,24 +95,24 @@ std::string names_of(const std::vector<Motor>& motors) {
   std::string names;
   for (const Motor& motor : motors) {
     if (!names.empty()) names += ", ";
-    names += motor.figures.name;
+    names += motor.params.name;
   }
   return names;
 }
 
 const Motor* find(const std::vector<Motor>& motors, const std::string& name) {
   const auto found = std::find_if(motors.begin(), motors.end(),
-                                  [&](const Motor& motor) { return motor.figures.name == name; });
+                                  [&](const Motor& motor) { return motor.params.name == name; });
   return found == motors.end() ? nullptr : &*found;
 }
 
 }  // namespace
 
 MotorParams MotorParams::ideal() const {
-  MotorParams figures = *this;
-  figures.backlash_rad = 0;
-  figures.winding_heat_capacity = 0;
-  return figures;
+  MotorParams params = *this;
+  params.backlash_rad = 0;
+  params.winding_heat_capacity = 0;
+  return params;
 }
 
 Result<MotorParams> load_motor_file(const std::string& path, const std::string& name) {
@@ -143,14 +143,14 @@ Result<MotorParams> load_motor_file(const std::string& path, const std::string& 
       }
       motor = *known;
     }
-    motor.figures.name = *its_name;
+    motor.params.name = *its_name;
     if (auto done = read_motor(*file, *element, motor); !done) {
       return tl::unexpected(done.error());
     }
     motors.push_back(motor);
   }
   const Motor* found = find(motors, wanted);
-  if (found) return found->figures;
+  if (found) return found->params;
   return file->error(file->root(), "has no motor `" + wanted + "`; it has: " + names_of(motors));
 }
 
@@ -161,12 +161,12 @@ std::string motor_file_text(const MotorParams& motor, const std::string& about) 
   const std::string name = xml_text(motor.name);
   std::string text = "<?xml version=\"1.0\"?>\n<!-- " + comment + " -->\n<motors default=\"" +
                      name + "\">\n  <motor name=\"" + name + "\">\n";
-  for (const Figure& figure : kFigures) {
-    if (figure.need == Need::with_heat && motor.winding_heat_capacity == 0) continue;
+  for (const Param& param : kParams) {
+    if (param.need == Need::with_heat && motor.winding_heat_capacity == 0) continue;
     char number[40];
     const auto end =
-        std::to_chars(number, number + sizeof number, motor.*figure.member / figure.unit);
-    text += std::string("    <") + figure.element + " value=\"" + std::string(number, end.ptr) +
+        std::to_chars(number, number + sizeof number, motor.*param.member / param.unit);
+    text += std::string("    <") + param.element + " value=\"" + std::string(number, end.ptr) +
             "\"/>\n";
   }
   return text + "  </motor>\n</motors>\n";

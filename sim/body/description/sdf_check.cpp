@@ -54,8 +54,8 @@ const std::set<std::string> kNamed{"world", "model", "link", "visual", "collisio
 // Elements whose text is numbers: how many, and how small they may be.
 struct Numbers {
   std::size_t count;
-  double least = -1e300;
-  double most = 1e300;
+  double min = -1e300;
+  double max = 1e300;
 };
 const std::map<std::string, Numbers> kNumbers{
     {"gravity", {3}},
@@ -98,7 +98,7 @@ const OwnAttribute kOwn[] = {
 };
 
 // The parser's time grows with their square.
-constexpr std::size_t kMostModels = 500;
+constexpr std::size_t kMaxModels = 500;
 
 const std::set<std::string> kTextures{"checker", "wood", "carpet"};
 
@@ -114,7 +114,7 @@ auto look_up(const Table& table, const Element& element) {
 bool fits(const std::optional<std::vector<double>>& values, const Numbers& wanted) {
   if (!values) return false;
   for (const double value : *values) {
-    if (value < wanted.least || value > wanted.most) return false;
+    if (value < wanted.min || value > wanted.max) return false;
   }
   return true;
 }
@@ -122,12 +122,12 @@ bool fits(const std::optional<std::vector<double>>& values, const Numbers& wante
 std::string describe(const Numbers& wanted) {
   std::string text = std::to_string(wanted.count);
   text += wanted.count == 1 ? " number" : " numbers";
-  if (wanted.most == 1) return text + " from 0 to 1";
-  const std::string most = wanted.most < 1e300
-                               ? " and at most " + std::to_string(static_cast<int>(wanted.most))
-                               : std::string();
-  if (wanted.least == 0) return text + " not below 0" + most;
-  if (wanted.least > 0) return text + " above 0" + most;
+  if (wanted.max == 1) return text + " from 0 to 1";
+  const std::string max = wanted.max < 1e300
+                              ? " and at most " + std::to_string(static_cast<int>(wanted.max))
+                              : std::string();
+  if (wanted.min == 0) return text + " not below 0" + max;
+  if (wanted.min > 0) return text + " above 0" + max;
   return text;
 }
 
@@ -143,8 +143,8 @@ class Check {
     }
     std::size_t models = 0;
     for (auto* e = world->FirstChildElement("model"); e; e = e->NextSiblingElement("model")) {
-      if (++models > kMostModels)
-        return error(*e, "<world> has more than " + std::to_string(kMostModels) + " models");
+      if (++models > kMaxModels)
+        return error(*e, "<world> has more than " + std::to_string(kMaxModels) + " models");
       if (auto ok = check_model(*e); !ok) return ok;
     }
     return {};

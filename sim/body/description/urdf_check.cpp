@@ -57,7 +57,7 @@ constexpr NumberAttribute kNumbers[] = {
 constexpr double kLargest = 10;    // m
 constexpr double kHeaviest = 100;  // kg
 // The tree is walked recursively here, by the parser, and by the dynamics.
-constexpr std::size_t kMostLinks = 500;
+constexpr std::size_t kMaxLinks = 500;
 
 class Check {
  public:
@@ -219,9 +219,9 @@ class Check {
       }
     }
     if (links_.empty()) return file_.error(file_.root(), "<robot> has no <link>");
-    if (links_.size() > kMostLinks)
+    if (links_.size() > kMaxLinks)
       return file_.error(file_.root(),
-                         "<robot> has more than " + std::to_string(kMostLinks) + " links");
+                         "<robot> has more than " + std::to_string(kMaxLinks) + " links");
     return {};
   }
 

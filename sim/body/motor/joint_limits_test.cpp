@@ -25,7 +25,7 @@ constexpr double unit = 1e-4;  // rad
 class Limb {
  public:
   Limb(TestBoard& board, int joint, double inertia, double volts)
-      : board_(board), joint_(joint), inertia_(inertia), volts_(volts), motor_(figures(), step_s) {
+      : board_(board), joint_(joint), inertia_(inertia), volts_(volts), motor_(params(), step_s) {
     board.input.analog[KZ_ANALOG_SUPPLY] = static_cast<u16>(volts * 1000 / 15);
     put(state().angle * unit);
   }
@@ -36,7 +36,7 @@ class Limb {
     for (int i = 0; i < steps; ++i) {
       const auto row = motor_.prepare({duty, board_.drivers_on()}, volts_, angle_, speed_);
       const double torque = std::clamp((row.velocity - speed_) / (row.softness + step_s / inertia_),
-                                       row.least, row.most);
+                                       row.min, row.max);
       speed_ += step_s / inertia_ * torque;
       angle_ += step_s * speed_;
       motor_.finish(speed_, torque);
@@ -61,7 +61,7 @@ class Limb {
  private:
   static constexpr int steps = 4;
   static constexpr double step_s = 1e-3 / steps;
-  static MotorParams figures() {
+  static MotorParams params() {
     return {.name = "",
             .stall_slope_nm_per_v = 0.2288,
             .friction_nm = 0.128,
@@ -168,13 +168,13 @@ TEST(Neck, RestsInTheBacklashOfItsGear) {
       for (int i = 0; i < 20; ++i) {
         board.target(neck_pan, static_cast<s16>(i * 137 - 1300), 100);
         limb.run(600);
-        double least = limb.angle(), most = least;
+        double min = limb.angle(), max = min;
         for (int ms = 0; ms < 400; ++ms) {
           limb.run(1);
-          least = std::min(least, limb.angle());
-          most = std::max(most, limb.angle());
+          min = std::min(min, limb.angle());
+          max = std::max(max, limb.angle());
         }
-        worst = std::max(worst, most - least);
+        worst = std::max(worst, max - min);
       }
       std::printf("kp %.0f, %g kg m2: moves by %.2f degrees at rest\n", kp, inertia, worst * 57.3);
       EXPECT_LT(worst * 57.3, gap + step) << kp << ", " << inertia << " kg m2";

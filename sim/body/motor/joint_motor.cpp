@@ -12,13 +12,13 @@ namespace {
 // what an iterative solver leaves undone must not add up to creep.
 constexpr double kHeldSoftness = 1e-4;
 constexpr double kHeldCorrection = 0.1;
-constexpr double kMostTorque = 1e3;  // Nm; the row's softness is what limits it
-constexpr double kMostWound = 1e-3;  // rad that a joint may be behind a held flank
+constexpr double kMaxTorque = 1e3;   // Nm; the row's softness is what limits it
+constexpr double kMaxWindUp = 1e-3;  // rad that a joint may be behind a held flank
 
 }  // namespace
 
-JointMotor::JointMotor(const MotorParams& figures, double step_s)
-    : figures_(figures), step_s_(step_s), heat_(figures) {}
+JointMotor::JointMotor(const MotorParams& params, double step_s)
+    : params_(params), step_s_(step_s), heat_(params) {}
 
 JointMotor::State JointMotor::state() const {
   State state = state_;
@@ -33,23 +33,23 @@ void JointMotor::set_state(const State& state) {
 }
 
 double JointMotor::resistance_ohm() const {
-  return figures_.resistance_ohm() * heat_.resistance_ratio();
+  return params_.resistance_ohm() * heat_.resistance_ratio();
 }
 
 void JointMotor::take_drive(const MotorDrive& drive, double supply_volts) {
   powered_ = drive.powered;
   state_.duty = powered_ && std::isfinite(drive.duty) ? std::clamp(drive.duty, -1.0, 1.0) : 0.0;
-  volts_ = std::clamp(supply_volts, 0.0, figures_.max_supply_v);
+  volts_ = std::clamp(supply_volts, 0.0, params_.max_supply_v);
   const double ratio = heat_.resistance_ratio();
-  drive_torque_ = figures_.stall_slope_nm_per_v / ratio * volts_ * state_.duty;
-  stiffness_ = (powered_ ? figures_.back_emf_nms_per_rad / ratio : 0.0) +
-               figures_.rotor_inertia_kgm2 / step_s_;
+  drive_torque_ = params_.stall_slope_nm_per_v / ratio * volts_ * state_.duty;
+  stiffness_ = (powered_ ? params_.back_emf_nms_per_rad / ratio : 0.0) +
+               params_.rotor_inertia_kgm2 / step_s_;
   jammed_ = drive.jammed;
-  max_ = jammed_ ? kMostTorque : std::clamp(drive.slip_nm, 0.0, kMostTorque);
-  slipping_ = max_ < kMostTorque;
-  tight_ = jammed_ || slipping_ || figures_.backlash_rad == 0;
+  max_ = jammed_ ? kMaxTorque : std::clamp(drive.slip_nm, 0.0, kMaxTorque);
+  slipping_ = max_ < kMaxTorque;
+  tight_ = jammed_ || slipping_ || params_.backlash_rad == 0;
   // Without friction nothing ever holds the rotor, and both directions are the same.
-  frictionless_ = figures_.friction_nm == 0 && !jammed_;
+  frictionless_ = params_.friction_nm == 0 && !jammed_;
   if (frictionless_) state_.regime = Regime::forward;
 }
 
@@ -57,7 +57,7 @@ void JointMotor::take_drive(const MotorDrive& drive, double supply_volts) {
 void JointMotor::stop() {
   if (state_.regime != Regime::held) {
     const double friction =
-        state_.regime == Regime::forward ? figures_.friction_nm : -figures_.friction_nm;
+        state_.regime == Regime::forward ? params_.friction_nm : -params_.friction_nm;
     const double press = drive_torque_ - friction;
     state_.press = press * state_.torque > 0 ? press : 0;
     state_.torque = state_.torque_before = state_.press;
@@ -71,9 +71,9 @@ void JointMotor::stop() {
 // motion; its speed is then more than the f h/J that friction for the wrong side could give it.
 void JointMotor::be_struck(double angle, double velocity) {
   const double way =
-      0.5 * figures_.backlash_rad + std::copysign(1.0, velocity) * (state_.rotor_angle - angle);
+      0.5 * params_.backlash_rad + std::copysign(1.0, velocity) * (state_.rotor_angle - angle);
   const double stops =
-      figures_.friction_nm * figures_.stiction_ratio * step_s_ / figures_.rotor_inertia_kgm2;
+      params_.friction_nm * params_.stiction_ratio * step_s_ / params_.rotor_inertia_kgm2;
   if (std::abs(velocity) * step_s_ <= way || std::abs(velocity) <= stops) return;
   state_.regime = velocity > 0 ? Regime::forward : Regime::backward;
   state_.stopped = false;
@@ -82,9 +82,9 @@ void JointMotor::be_struck(double angle, double velocity) {
 // Standing still, the motor gives what it is driven with, and friction the rest. The torque of one step
 // alone may be a blow, which is over.
 void JointMotor::break_loose() {
-  const double most = figures_.friction_nm * figures_.stiction_ratio;
+  const double max = params_.friction_nm * params_.stiction_ratio;
   const double now = drive_torque_ - state_.torque, before = drive_torque_ - state_.torque_before;
-  if (std::min(now, before) <= most && std::max(now, before) >= -most) return;
+  if (std::min(now, before) <= max && std::max(now, before) >= -max) return;
   state_.regime = now > 0 ? Regime::forward : Regime::backward;
   state_.stopped = false;
 }
@@ -102,9 +102,9 @@ JointMotor::Row JointMotor::prepare(const MotorDrive& drive, double supply_volts
   if (state_.regime == Regime::held && !tight_) be_struck(angle, velocity);
   if (state_.regime != Regime::held) {
     const double friction =
-        state_.regime == Regime::forward ? figures_.friction_nm : -figures_.friction_nm;
+        state_.regime == Regime::forward ? params_.friction_nm : -params_.friction_nm;
     free_speed_ =
-        (drive_torque_ - friction + figures_.rotor_inertia_kgm2 / step_s_ * state_.rotor_speed) /
+        (drive_torque_ - friction + params_.rotor_inertia_kgm2 / step_s_ * state_.rotor_speed) /
         stiffness_;
   }
   if (was_moving && !tight_ && !frictionless_ && will_stop()) stop();
@@ -122,9 +122,9 @@ bool JointMotor::will_stop() const {
 
 // A held rotor gives way as soon as this would be more than friction bears; a jammed gear never does.
 double JointMotor::pressing(const Row& row) const {
-  const double torque = std::clamp(row.velocity / row.softness, row.least, row.most);
+  const double torque = std::clamp(row.velocity / row.softness, row.min, row.max);
   if (state_.regime != Regime::held || jammed_) return torque;
-  const double bears = figures_.friction_nm * figures_.stiction_ratio;
+  const double bears = params_.friction_nm * params_.stiction_ratio;
   return std::clamp(torque, drive_torque_ - bears, drive_torque_ + bears);
 }
 
@@ -141,29 +141,29 @@ JointMotor::Row JointMotor::tight_row(double angle) {
 }
 
 JointMotor::Row JointMotor::flank_row(double angle, double velocity) {
-  const double half = 0.5 * figures_.backlash_rad;
+  const double half = 0.5 * params_.backlash_rad;
   const double wound = step_s_ * kHeldSoftness / kHeldCorrection;
   const bool held = state_.regime == Regime::held;
   if (state_.stopped && state_.press != 0) {
     state_.rotor_angle = angle + std::copysign(half, state_.press) + wound * state_.press;
   }
   state_.stopped = false;
-  const double reach = held ? half + kMostWound : half;
+  const double reach = held ? half + kMaxWindUp : half;
   const double ahead = std::clamp(state_.rotor_angle - angle, -reach, reach);
   state_.rotor_angle = angle + ahead;
 
   const double rotor = held ? 0 : free_speed_;
   const double side = ahead + step_s_ * (rotor - velocity) >= 0 ? 1.0 : -1.0;
-  const double least = side > 0 ? 0 : -kMostTorque, most = side > 0 ? kMostTorque : 0;
+  const double min = side > 0 ? 0 : -kMaxTorque, max = side > 0 ? kMaxTorque : 0;
   const double way = (half - side * ahead) / step_s_;
   if (held) {
-    return {-side * (way < 0 ? kHeldCorrection * way : way), kHeldSoftness, most, least};
+    return {-side * (way < 0 ? kHeldCorrection * way : way), kHeldSoftness, max, min};
   }
   // Friction stops a rotor, it does not turn it back.
-  if (frictionless_) return {free_speed_ - side * way, 1.0 / stiffness_, most, least};
+  if (frictionless_) return {free_speed_ - side * way, 1.0 / stiffness_, max, min};
   if (state_.regime == Regime::forward && side > 0) free_speed_ = std::max(free_speed_, 0.0);
   if (state_.regime == Regime::backward && side < 0) free_speed_ = std::min(free_speed_, 0.0);
-  return {free_speed_ - side * way, 1.0 / stiffness_, most, least};
+  return {free_speed_ - side * way, 1.0 / stiffness_, max, min};
 }
 
 void JointMotor::turn_rotor(double velocity, double torque) {
@@ -178,10 +178,9 @@ void JointMotor::turn_rotor(double velocity, double torque) {
   const bool turned = !frictionless_ && (forward ? speed <= 0 : speed >= 0);
   if (turned && !tight_ && torque == 0) speed = 0;
   // What the motor line and the rotor leave is what friction took.
-  const double friction = tight_ || !turned
-                              ? (forward ? figures_.friction_nm : -figures_.friction_nm)
-                              : drive_torque_ - torque - stiffness_ * speed +
-                                    figures_.rotor_inertia_kgm2 / step_s_ * before;
+  const double friction = tight_ || !turned ? (forward ? params_.friction_nm : -params_.friction_nm)
+                                            : drive_torque_ - torque - stiffness_ * speed +
+                                                  params_.rotor_inertia_kgm2 / step_s_ * before;
   state_.friction_watts = friction * speed;
   state_.rotor_speed = speed;
   state_.rotor_angle += step_s_ * speed;
@@ -195,7 +194,7 @@ void JointMotor::finish(double velocity, double torque) {
   const double speed = tight_ ? velocity : state_.rotor_speed;
   const double resistance = resistance_ohm();
   state_.current =
-      powered_ ? (volts_ * state_.duty - figures_.torque_constant() * speed) / resistance : 0;
+      powered_ ? (volts_ * state_.duty - params_.torque_constant() * speed) / resistance : 0;
   state_.copper_watts = state_.current * state_.current * resistance;
   heat_.take(state_.copper_watts, std::max(0.0, state_.friction_watts), step_s_);
 }

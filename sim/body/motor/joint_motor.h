@@ -29,20 +29,20 @@
 #pragma once
 
 #include "sim/body/description/motor_file.h"
+#include "sim/body/motor/motor_drive.h"
 #include "sim/body/motor/winding_heat.h"
-#include "sim/body/world/world.h"
 
 namespace kaz::sim {
 
 class JointMotor {
  public:
-  JointMotor(const MotorParams& figures, double step_s);
+  JointMotor(const MotorParams& params, double step_s);
 
   struct Row {
     double velocity = 0;  // rad/s
     double softness = 0;  // rad/s per Nm
-    double most = 0;      // Nm, that it gives at most
-    double least = 0;     // Nm; -most, or one of the two is 0 and the other without bound
+    double max = 0;       // Nm, that it gives at most
+    double min = 0;       // Nm; -most, or one of the two is 0 and the other without bound
   };
   // Nm, what the row gives in the coming step to a joint that something rigid keeps at rest.
   double pressing(const Row& row) const;
@@ -98,7 +98,7 @@ class JointMotor {
   void turn_rotor(double velocity, double torque);
   void stop();
 
-  MotorParams figures_;
+  MotorParams params_;
   double step_s_;
   WindingHeat heat_;
   State state_;

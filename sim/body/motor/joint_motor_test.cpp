@@ -12,7 +12,7 @@ namespace {
 // Design section 4: stall torque 0.2288 V - 0.128 Nm; 5.5 rad/s free at 4.8 V.
 constexpr double kSlope = 0.2288, kFriction = 0.128, kBackEmf = 0.1764, kRotor = 5e-4;
 
-MotorParams figures() {
+MotorParams params() {
   return {.name = "",
           .stall_slope_nm_per_v = kSlope,
           .friction_nm = kFriction,
@@ -23,7 +23,7 @@ MotorParams figures() {
 }
 
 struct Bench : test::MotorBench {
-  explicit Bench(double step = 1e-3) : MotorBench(figures(), 1e-4, step) {}
+  explicit Bench(double step = 1e-3) : MotorBench(params(), 1e-4, step) {}
 };
 
 TEST(JointMotor, TurnsAtTheSpeedOfTheMotorLine) {
@@ -83,7 +83,7 @@ TEST(JointMotor, IsSlowedByFrictionAloneWithAnOpenBridge) {
 }
 
 TEST(JointMotor, DrawsWhatItDeliversAndHeats) {
-  const MotorParams motor = figures();
+  const MotorParams motor = params();
   Bench bench;
   bench.run(0.2, 1.0, true, 10, -1.0);
   // Electrical power = shaft power + friction + I^2 R, all the duty being 1.

@@ -9,12 +9,12 @@
 
 namespace kaz::sim {
 
-LeverReading measure_locked_lever(const MotorParams& figures, const LockedLever& bench) {
+LeverReading measure_locked_lever(const MotorParams& params, const LockedLever& bench) {
   constexpr double step_s = 1e-3;
-  JointMotor motor(figures, step_s);
+  JointMotor motor(params, step_s);
   JointMotor::State state = motor.state();
   state.stopped = false;
-  state.rotor_angle = std::copysign(0.5 * figures.backlash_rad, bench.duty);
+  state.rotor_angle = std::copysign(0.5 * params.backlash_rad, bench.duty);
   motor.set_state(state);
   MotorDrive drive;
   drive.powered = true;
@@ -26,9 +26,9 @@ LeverReading measure_locked_lever(const MotorParams& figures, const LockedLever&
     // At rest: V = source - ohms * I, I = duty^2 V / R; no more than the circuit lets through.
     const double duty_ohms = bench.supply_ohms * drive.duty * drive.duty / motor.resistance_ohm();
     reading.terminal_volts = std::max(bench.supply_volts / (1 + duty_ohms),
-                                      bench.supply_volts - duty_ohms * figures.max_supply_v);
+                                      bench.supply_volts - duty_ohms * params.max_supply_v);
     const JointMotor::Row row = motor.prepare(drive, reading.terminal_volts, 0, 0);
-    reading.torque_nm = std::clamp(row.velocity / row.softness, row.least, row.most);
+    reading.torque_nm = std::clamp(row.velocity / row.softness, row.min, row.max);
     motor.finish(0, reading.torque_nm);
   }
   reading.supply_amperes = motor.supply_current();

@@ -89,13 +89,13 @@ TEST(Backlash, MakesNoEnergyAtTheFlanks) {
       const double u = bench.motor.rotor_speed();
       return 0.5 * inertia * bench.speed * bench.speed + 0.5 * f.rotor_inertia_kgm2 * u * u;
     };
-    double before = energy(), most = before;
+    double before = energy(), max = before;
     for (int i = 0; i < 2000; ++i) {
       bench.step(0, i % 400 < 200, 10, 0);
       EXPECT_LE(energy(), before + 1e-8) << inertia << " kg m2, step " << i;
       before = energy();
     }
-    EXPECT_LT(before, 1e-3 * most) << inertia;
+    EXPECT_LT(before, 1e-3 * max) << inertia;
   }
 }
 
@@ -153,13 +153,13 @@ TEST_P(Loop, StiffestGainWithoutDampingStaysBounded) {
 TEST_P(Loop, WalkingGainSettles) {
   MotorBench bench(test::motor_params(), GetParam());
   const auto run = [&](int steps) {
-    double least = bench.motor.rotor_angle(), most = least;
+    double min = bench.motor.rotor_angle(), max = min;
     for (int i = 0; i < steps; ++i) {
       bench.step(duty(0.3, bench.angle, bench.speed, 0.15, 20), true, 10, 0);
-      least = std::min(least, bench.motor.rotor_angle());
-      most = std::max(most, bench.motor.rotor_angle());
+      min = std::min(min, bench.motor.rotor_angle());
+      max = std::max(max, bench.motor.rotor_angle());
     }
-    return most - least;
+    return max - min;
   };
   run(2000);
   // 0.166 Nm of 45.8 Nm/rad, and the gap.
@@ -173,20 +173,20 @@ TEST_P(Loop, WalkingGainSettles) {
 TEST_P(Loop, StiffestGainIsQuietUnderLoad) {
   MotorBench bench(test::motor_params(), GetParam());
   double rate = 0, before = 0;
-  const auto run = [&](int steps, double& least, double& most) {
+  const auto run = [&](int steps, double& min, double& max) {
     for (int i = 0; i < steps; ++i) {
       rate += ((bench.angle - before) / 1e-3 - rate) / 8;
       before = bench.angle;
       bench.step(duty(0, bench.angle, rate, 0.3), true, 10, -0.5);
-      least = std::min(least, bench.angle);
-      most = std::max(most, bench.angle);
+      min = std::min(min, bench.angle);
+      max = std::max(max, bench.angle);
     }
   };
-  double least = 0, most = 0;
-  run(2000, least, most);
-  least = most = bench.angle;
-  run(1000, least, most);
-  EXPECT_LT(most - least, 1e-5);
+  double min = 0, max = 0;
+  run(2000, min, max);
+  min = max = bench.angle;
+  run(1000, min, max);
+  EXPECT_LT(max - min, 1e-5);
   EXPECT_NEAR(bench.torque, 0.5, 1e-4);
 }
 

@@ -32,10 +32,10 @@ struct TwoBodies {
 };
 
 TEST(WindingHeat, FollowsTheClosedForm) {
-  MotorParams figures = test::motor_params();
+  MotorParams params = test::motor_params();
   const double watts = 3.6;
-  const TwoBodies truth(figures, watts);
-  WindingHeat heat(figures);
+  const TwoBodies truth(params, watts);
+  WindingHeat heat(params);
   double t = 0;
   for (const double until : {1.0, 30.0, 120.0, 600.0, 3000.0}) {
     for (; t < until - 5e-4; t += 1e-3) heat.take(watts, 0, 1e-3);
@@ -48,11 +48,11 @@ TEST(WindingHeat, FollowsTheClosedForm) {
 }
 
 TEST(WindingHeat, MakesTheMotorWeakerNotItsSpeedWithoutFriction) {
-  MotorParams figures = test::motor_params();
-  figures.friction_nm = 0;
-  figures.winding_heat_capacity = 1e9;  // as hot as it is put
-  figures.case_heat_capacity = 1e9;
-  test::MotorBench cold(figures), hot(figures);
+  MotorParams params = test::motor_params();
+  params.friction_nm = 0;
+  params.winding_heat_capacity = 1e9;  // as hot as it is put
+  params.case_heat_capacity = 1e9;
+  test::MotorBench cold(params), hot(params);
   JointMotor::State state = hot.motor.state();
   state.winding_celsius = 25 + 80;
   state.case_celsius = 60;
@@ -63,7 +63,7 @@ TEST(WindingHeat, MakesTheMotorWeakerNotItsSpeedWithoutFriction) {
   EXPECT_NEAR(cold.speed, hot.speed, 1e-4) << "no-load speed is V / K, whatever the resistance";
   cold.run(0.5, 1, true, 10, -1);
   hot.run(0.5, 1, true, 10, -1);
-  const double line = (figures.stall_slope_nm_per_v * 10 - 1.3144) / figures.back_emf_nms_per_rad;
+  const double line = (params.stall_slope_nm_per_v * 10 - 1.3144) / params.back_emf_nms_per_rad;
   EXPECT_NEAR(hot.speed, line, 0.001) << "1 Nm costs 31.44 % more speed";
   EXPECT_GT(cold.speed, hot.speed + 1);
 }

@@ -12,20 +12,20 @@
 namespace kaz::sim::test {
 
 inline MotorParams motor_params(const std::string& name = "s9204-jskd04") {
-  const auto figures = load_motor_file("shared/robot/kaz/motor.xml", name);
-  if (!figures) {
-    ADD_FAILURE() << figures.error().message;
+  const auto params = load_motor_file("shared/robot/kaz/motor.xml", name);
+  if (!params) {
+    ADD_FAILURE() << params.error().message;
     return {};
   }
-  return *figures;
+  return *params;
 }
 
 // An inertia I under an outside torque: I (w1 - w0)/h = row + load, where the row obeys
 // w1 + softness * row = velocity within its bounds.
 struct MotorBench {
-  explicit MotorBench(const MotorParams& figures = motor_params(), double inertia_kgm2 = 1e-4,
+  explicit MotorBench(const MotorParams& params = motor_params(), double inertia_kgm2 = 1e-4,
                       double step = 1e-3)
-      : h(step), inertia(inertia_kgm2), motor(figures, step) {}
+      : h(step), inertia(inertia_kgm2), motor(params, step) {}
 
   void step(double duty, bool powered, double volts, double load) {
     MotorDrive drive;
@@ -33,7 +33,7 @@ struct MotorBench {
     drive.powered = powered;
     const JointMotor::Row row = motor.prepare(drive, volts, angle, speed);
     const double free = speed + h / inertia * load;
-    torque = std::clamp((row.velocity - free) / (row.softness + h / inertia), row.least, row.most);
+    torque = std::clamp((row.velocity - free) / (row.softness + h / inertia), row.min, row.max);
     speed = free + h / inertia * torque;
     angle += h * speed;
     motor.finish(speed, torque);

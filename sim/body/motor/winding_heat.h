@@ -15,15 +15,15 @@ namespace kaz::sim {
 
 class WindingHeat {
  public:
-  explicit WindingHeat(const MotorParams& figures)
-      : figures_(figures), winding_(figures.air_celsius), case_(figures.air_celsius) {}
+  explicit WindingHeat(const MotorParams& params)
+      : params_(params), winding_(params.air_celsius), case_(params.air_celsius) {}
 
   // W of the copper and of gear and brushes during step_s. Explicit: the step is 1e-5 of the shortest
   // time constant. Nothing happens where the motor file says nothing of heat.
   void take(double copper_watts, double friction_watts, double step_s);
   // Resistance now over resistance at `air_celsius`.
   double resistance_ratio() const {
-    return 1 + figures_.copper_per_kelvin * (winding_ - figures_.air_celsius);
+    return 1 + params_.copper_per_kelvin * (winding_ - params_.air_celsius);
   }
   double winding_celsius() const { return winding_; }
   double case_celsius() const { return case_; }
@@ -39,7 +39,7 @@ class WindingHeat {
   }
 
  private:
-  MotorParams figures_;
+  MotorParams params_;
   double winding_, case_;
 };
 

@@ -270,13 +270,13 @@ void OdeWorld::drive(std::size_t number) {
 // ODE's motors push and pull alike; what only pushes is a stop. A stop's goal is ERP * way / step, and
 // its ERP may be negative.
 void OdeWorld::set_row(dJointID motor, const JointMotor::Row& row) const {
-  const bool low = row.least == 0 && row.most > 0, high = row.most == 0 && row.least < 0;
+  const bool low = row.min == 0 && row.max > 0, high = row.max == 0 && row.min < 0;
   dJointSetAMotorParam(motor, dParamLoStop, low ? 0 : -dInfinity);
   dJointSetAMotorParam(motor, dParamHiStop, high ? 0 : dInfinity);
   if (!low && !high) {
     dJointSetAMotorParam(motor, dParamVel, row.velocity);
     dJointSetAMotorParam(motor, dParamCFM, row.softness);
-    dJointSetAMotorParam(motor, dParamFMax, row.most);
+    dJointSetAMotorParam(motor, dParamFMax, row.max);
     return;
   }
   dJointSetAMotorParam(motor, dParamFMax, 0);
@@ -313,7 +313,7 @@ void OdeWorld::check_solver() {
 }
 
 void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
-  if (!trouble_.broken.empty()) return;
+  if (!diagnostics_.failure.empty()) return;
   enter_ode();
   kick_due();
   find_contacts();

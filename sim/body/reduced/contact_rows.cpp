@@ -18,8 +18,8 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-double cut(double force, double most) {
-  return force > most ? most / force : 1.0;
+double cut(double force, double max) {
+  return force > max ? max / force : 1.0;
 }
 
 Matrix3d cross_of(const Vector3d& a) {
@@ -153,7 +153,7 @@ std::uint8_t VelocitySolver::pattern_of(const Contact& contact) {
   if (l[0] <= 0) return 0;
   // Cut to the length, up to rounding: whatever is meant, a pattern is only compared with itself.
   constexpr double kCut = 1 - 1e-12;
-  const auto sticks = [](double force, double most) { return force < kCut * most ? 1 : 0; };
+  const auto sticks = [](double force, double max) { return force < kCut * max ? 1 : 0; };
   int pattern = 1 + 2 * sticks(l.segment<2>(1).norm(), contact.length_t);
   if (contact.point.rolling > 0) {
     pattern += 4 * sticks(l.segment<2>(3).norm(), contact.length_r) +
@@ -163,7 +163,7 @@ std::uint8_t VelocitySolver::pattern_of(const Contact& contact) {
 }
 
 double VelocitySolver::bounded_impulse(const Bounded& row, double u) {
-  return std::clamp((row.target - u) / row.softness, row.least, row.most);
+  return std::clamp((row.target - u) / row.softness, row.min, row.max);
 }
 
 void VelocitySolver::add_wrench(const Contact& contact, Motion& wrench) {
@@ -195,17 +195,17 @@ void VelocitySolver::add_point_stiffness(const Contact& contact, Stiffness& k) {
   const Matrix3d& basis = contact.point.basis;
   // Of two components along the columns a and b of the basis, cut to a length: the part across what is
   // cut is left.
-  const auto plane = [&](int first, int a, int b, double firmness, double most, Matrix3d& d) {
+  const auto plane = [&](int first, int a, int b, double firmness, double max, Matrix3d& d) {
     const Eigen::Vector2d free =
         contact.point.before.segment<2>(first) - contact.velocity.segment<2>(first) * firmness;
     const double force = free.norm();
-    if (force <= most) {
+    if (force <= max) {
       d += firmness *
            (basis.col(a) * basis.col(a).transpose() + basis.col(b) * basis.col(b).transpose());
       return;
     }
     const Vector3d across = (free[0] * basis.col(b) - free[1] * basis.col(a)) / force;
-    d += most / force * firmness * across * across.transpose();
+    d += max / force * firmness * across * across.transpose();
   };
   Matrix3d d = contact.hardness * basis.col(0) * basis.col(0).transpose();
   plane(1, 1, 2, contact.firmness, contact.length_t, d);
@@ -263,7 +263,7 @@ void VelocitySolver::add_pair_rows(const Pair& pair) {
 bool VelocitySolver::yields(int bounded) const {
   const Bounded& row = bounded_[at(bounded)];
   const double impulse = bounded_impulse_[at(bounded)];
-  return impulse > row.least && impulse < row.most;
+  return impulse > row.min && impulse < row.max;
 }
 
 // Whether rows act otherwise than when H was factored.

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 constexpr double kStopWatch = 0.02;  // rad, from which a stop is looked at
 // m/s per N: what is harder is taken as that hard.
-constexpr double kLeastSoftness = 1e-8;
+constexpr double kMinSoftness = 1e-8;
 constexpr double kSamePoint = 3e-3;  // m, that a point moves at most in a step
 
 }  // namespace
@@ -190,7 +190,7 @@ void ReducedWorld::make_contact_row(const Touch& touch) {
   point.basis.col(2) = touch.normal.cross(point.basis.col(1));
   const Surface& surface = touch.surface;
   point.softness =
-      softness_for(step_s_, kContactErp, std::max(surface.softness, kLeastSoftness)) / step_s_;
+      softness_for(step_s_, kContactErp, std::max(surface.softness, kMinSoftness)) / step_s_;
   point.mu = surface.mu;
   point.rolling = surface.rolling_resistance;
   point.target =
@@ -228,8 +228,8 @@ void ReducedWorld::make_joint_rows() {
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const JointMotor::Row& row = rows_[i];
-    solver_.add_bounded({joints_[i].dof, 1, row.velocity, row.softness / step_s_,
-                         step_s_ * row.least, step_s_ * row.most});
+    solver_.add_bounded({joints_[i].dof, 1, row.velocity, row.softness / step_s_, step_s_ * row.min,
+                         step_s_ * row.max});
   }
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const double angle = joint_states_[i].angle;

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 // Velocities change by no more than this in the last step of Newton's method, m/s or rad/s.
 constexpr double kExact = 1e-8;
 constexpr double kSettled = 1e-6;  // what nobody would see, m/s or rad/s
-constexpr int kMostSteps = 100;
+constexpr int kMaxSteps = 100;
 
 }  // namespace
 
@@ -105,11 +105,11 @@ void ReducedWorld::solve() {
   solver_.close();
   write_momentum();
   velocity_before_ = tree_.velocity;
-  solver_.solve(momentum_, velocity_, kExact, kMostSteps);
+  solver_.solve(momentum_, velocity_, kExact, kMaxSteps);
   effort_ = {solver_.steps(), solver_.residual()};
   if (!(solver_.residual() <= kSettled)) {
-    ++trouble_.unsettled;
-    trouble_.worst = std::max(trouble_.worst, solver_.residual());
+    ++diagnostics_.unconverged_steps;
+    diagnostics_.max_residual = std::max(diagnostics_.max_residual, solver_.residual());
   }
 }
 
@@ -225,7 +225,7 @@ bool ReducedWorld::can_move() {
 }
 
 void ReducedWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
-  if (!trouble_.broken.empty()) return;
+  if (!diagnostics_.failure.empty()) return;
   kick_due();
   find_contacts();
   prepare_motors(drives, supply_volts);

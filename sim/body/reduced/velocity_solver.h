@@ -69,7 +69,7 @@ class VelocitySolver {
     double sign = 1;      // u = sign * v[coordinate]
     double target = 0;    // m/s or rad/s
     double softness = 0;  // per N s or N m s, above 0
-    double least = 0, most = 0;
+    double min = 0, max = 0;
   };
 
   // Forgets all rows. Then the system's blocks and its inertia are to be written to matrix().

@@ -92,7 +92,7 @@ TEST_P(ClosedSystem, ChainKeepsItsEnergy) {
     return now;
   };
   Poses before = poses();
-  double start = 0, least = 0, most = 0, moves = 0, fastest = 0;
+  double start = 0, min = 0, max = 0, moves = 0, fastest = 0;
   for (const auto& pose : before) start -= kRodMass * gravity.dot(pose * centre);
   while (world->time_s() < 20) {
     world->step(open, 10.0);
@@ -110,16 +110,16 @@ TEST_P(ClosedSystem, ChainKeepsItsEnergy) {
     }
     before = now;
     moves = std::max(moves, kinetic);
-    least = std::min(least, kinetic + potential - start);
-    most = std::max(most, kinetic + potential - start);
+    min = std::min(min, kinetic + potential - start);
+    max = std::max(max, kinetic + potential - start);
   }
   std::printf("%s: %.3f J move, %.1f rad/s; of them %+.1e to %+.1e\n", GetParam(), moves, fastest,
-              least / moves, most / moves);
+              min / moves, max / moves);
   EXPECT_GT(moves, 0.4);
   EXPECT_LT(fastest * kStep, 0.02);
   const double share = std::string(GetParam()) == "quick50" ? 1e-2 : 1e-3;
-  EXPECT_GT(least, -share * moves);
-  EXPECT_LT(most, share * moves);
+  EXPECT_GT(min, -share * moves);
+  EXPECT_LT(max, share * moves);
 }
 
 }  // namespace

@@ -134,11 +134,11 @@ void StagedWorld::prepare_motors(std::span<const MotorDrive> drives, double supp
 }
 
 void StagedWorld::break_down(const std::string& why) {
-  if (!trouble_.broken.empty()) return;
+  if (!diagnostics_.failure.empty()) return;
   char when[32];
   std::snprintf(when, sizeof when, "%.3f s", static_cast<double>(steps_) * step_s_);
-  trouble_.broken = "the physics broke down at " + std::string(when) + ": " + why +
-                    "; look at masses, inertias and motors of the model";
+  diagnostics_.failure = "the physics broke down at " + std::string(when) + ": " + why +
+                         "; look at masses, inertias and motors of the model";
 }
 
 bool StagedWorld::drives_are_numbers() {
@@ -152,7 +152,7 @@ bool StagedWorld::drives_are_numbers() {
 }
 
 bool StagedWorld::joint_can_turn(std::size_t joint, double velocity) {
-  if (std::abs(velocity) * step_s_ <= kMostTurn) return true;
+  if (std::abs(velocity) * step_s_ <= kMaxTurn) return true;
   char speed[48];
   std::snprintf(speed, sizeof speed, "` turns at %.3g rad/s", velocity);
   break_down("joint `" + joint_order_[joint] + speed + ", more than a step can follow");
@@ -161,7 +161,7 @@ bool StagedWorld::joint_can_turn(std::size_t joint, double velocity) {
 
 bool StagedWorld::body_can_move(std::size_t body, const Eigen::Vector3d& velocity,
                                 const Eigen::Vector3d& angular) {
-  if (velocity.norm() * step_s_ <= kMostWay && angular.norm() * step_s_ <= kMostTurn) return true;
+  if (velocity.norm() * step_s_ <= kMaxTravel && angular.norm() * step_s_ <= kMaxTurn) return true;
   char speed[96];
   std::snprintf(speed, sizeof speed, "` moves at %.3g m/s and turns at %.3g rad/s", velocity.norm(),
                 angular.norm());

@@ -44,7 +44,7 @@ class StagedWorld : public World {
   Result<void> push(const std::string& link, const Eigen::Vector3d& impulse) override;
   // What step() begins with, by itself: for measuring it. Number of points of contact.
   virtual int find_contacts() = 0;
-  const Trouble& trouble() const override { return trouble_; }
+  const SolverDiagnostics& diagnostics() const override { return diagnostics_; }
 
  protected:
   // Robot links have the numbers of RobotModel::links; the objects that can move follow.
@@ -81,8 +81,8 @@ class StagedWorld : public World {
   void prepare_motors(std::span<const MotorDrive> drives, double supply_volts);
   // With the joints as they move after the step.
   void finish_motors();
-  // Each says why the world is broken (Trouble), unless the answer is yes.
-  static constexpr double kMostTurn = 1, kMostWay = 1;  // rad and m, in a step
+  // Validity checks of one step; each sets diagnostics_.failure if it returns false.
+  static constexpr double kMaxTurn = 1, kMaxTravel = 1;  // rad and m, per step
   bool drives_are_numbers();
   bool joint_can_turn(std::size_t joint, double velocity);
   bool body_can_move(std::size_t body, const Eigen::Vector3d& velocity,
@@ -101,7 +101,7 @@ class StagedWorld : public World {
     }
     if (!a.good()) return;
     if constexpr (A::reading) kicks_.assign(all_kicks_.begin(), all_kicks_.begin() + kicks);
-    a(steps_, current_, hand_pushes_, trouble_.unsettled, trouble_.worst);
+    a(steps_, current_, hand_pushes_, diagnostics_.unconverged_steps, diagnostics_.max_residual);
     for (const HandPush& push : hand_pushes_) {
       if (push.link >= robot_links_) return a.refuse("it pushes what is not there");
     }
@@ -132,7 +132,7 @@ class StagedWorld : public World {
   std::vector<JointLoad> joint_loads_;  // by joint; empty: not watched
   double current_ = 0;
   std::vector<HandPush> hand_pushes_;
-  Trouble trouble_;
+  SolverDiagnostics diagnostics_;
 
  private:
   int add_frame(const std::string& name, int body);

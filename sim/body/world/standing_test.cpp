@@ -226,17 +226,17 @@ TEST_P(Standing, LiesStillAgainstAStop) {
     Drives drives{};
     drives[0] = {way, true};
     run(*world, 0.4, drives);
-    double fastest = 0, furthest = 0, least = 9;
+    double fastest = 0, furthest = 0, min = 9;
     for (int i = 0; i < 400; ++i) {
       world->step(drives, 10);
       const JointState& neck = world->joints()[0];
       fastest = std::max(fastest, std::abs(neck.velocity));
       furthest = std::max(furthest, way * neck.angle);
-      least = std::min(least, way * neck.torque);
+      min = std::min(min, way * neck.torque);
     }
     EXPECT_LT(fastest, 0.8);
     EXPECT_NEAR(furthest, 91 * kDegree, 0.002) << "the stop gives by 1 mrad";
-    EXPECT_GT(least, 1.9) << "2.29 Nm less friction and what 5 K of heat take";
+    EXPECT_GT(min, 1.9) << "2.29 Nm less friction and what 5 K of heat take";
     drives[0] = {-way, true};
     run(*world, 0.1, drives);
     EXPECT_LT(way * world->joints()[0].velocity, -11) << "nothing holds it there";

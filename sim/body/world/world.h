@@ -1,9 +1,9 @@
-// The virtual world: the robot, what it stands on, and what it plays with. Rigid bodies, joints,
-// motors and contacts; the robot is moved by its motors, gravity and contacts alone.
+// The simulated world: robot, ground and objects as rigid bodies with joints, motors and contacts. Only
+// motors, gravity and contacts move the robot.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Units m, kg, s, rad, N. World frame: x forward from where the robot starts, y left, z up, ground
-// at z = 0. Joint order: that of shared/board/joints.def for Kaz, that of the file for another robot.
+// Units m, kg, s, rad, N. World frame: x forward from the robot's start, y left, z up, ground at z = 0.
+// Joint order: shared/board/joints.def for Kaz, the URDF's order for other robots.
 #pragma once
 
 #include <cstdint>
@@ -16,59 +16,49 @@
 
 #include "shared/base/result.hpp"
 #include "sim/body/description/scene.h"
+#include "sim/body/motor/motor_drive.h"
 #include "sim/body/world/loads.h"
 #include "sim/h8s/archive.h"
 
 namespace kaz::sim {
 
-// What a motor driver does to its motor during one step.
-struct MotorDrive {
-  double duty = 0;       // -1..1, mean over the step, positive turns the joint positively
-  bool powered = false;  // false: the bridge is open, the motor turns freely but for friction
-  // Faults of the gear (docs/faults.md).
-  bool jammed = false;   // the joint stands where it is
-  double slip_nm = 1e3;  // no more torque than this passes between motor and joint, Nm
-};
-
 struct JointState {
-  double angle = 0;     // rad, of the output shaft, where the potentiometer sits
+  double angle = 0;     // rad, at the output shaft, as the potentiometer sees it
   double velocity = 0;  // rad/s
-  double torque = 0;    // Nm, motor on the joint in the last step, friction included
-  double current = 0;   // A, in the motor, mean over the last step
+  double torque = 0;    // Nm, motor on joint in the last step, friction included
+  double current = 0;   // A, through the motor, mean over the last step
   double winding_celsius = 0;
 };
 
-// What an inertial sensor at the robot's link `imu` would measure if it were perfect, in the axes of
-// that link; at the root's origin where the robot has no such link. Mean acceleration over the last
-// step, velocity at its end.
+// Reading of an ideal inertial sensor at the robot's link `imu`, in the axes of that link; at the root
+// link's origin if the robot has none. Acceleration is the mean over the last step, velocity is at its end.
 struct ImuState {
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s
   Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();    // acceleration minus gravity, m/s^2
 };
 
-// Where two shapes touch.
+// A contact point between two shapes.
 struct ContactPoint {
-  std::string a, b;                                 // links; "model::link" in worlds
-  Eigen::Vector3d at = Eigen::Vector3d::Zero();     // world frame, m
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on `a`, in the last step, N
+  std::string a, b;                              // links; "model::link" in worlds
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();  // world frame, m
+  Eigen::Vector3d force =
+      Eigen::Vector3d::Zero();  // on `a`, world axes, mean over the last step, N
 };
 
-// What makes a world's steps doubtful.
-struct Trouble {
-  std::string
-      broken;  // why nothing goes on, in a sentence: steps do nothing any more; empty: it does
-  std::int64_t unsettled = 0;  // steps so far that the solver left before it was done
-  double worst = 0;  // m/s or rad/s, by which velocities still changed in the worst of them
-  std::string sentence() const;  // of the unsettled steps, for people; empty where there are none
+// Solver health since the world was loaded.
+struct SolverDiagnostics {
+  std::string failure;  // why stepping stopped, one sentence; empty while the world runs
+  std::int64_t unconverged_steps = 0;
+  double max_residual = 0;      // largest velocity change left in an unconverged step, m/s or rad/s
+  std::string summary() const;  // one sentence about the unconverged steps; empty if there are none
 };
 
 struct WorldOptions {
   std::uint64_t seed = 1;
   double step_s = 0.001;
   std::string stepper = "reduced";  // "reduced"; ODE: "exact", or "quickN" with N iterations
-  bool hung = false;                // the robot's trunk is fixed, its feet well above the ground
-  std::string motor =
-      "";  // a motor of motor.xml, which stands beside the URDF; "": the file's default
+  bool hung = false;          // suspended: the trunk is fixed, the feet are clear of the ground
+  std::string motor = "";     // name in motor.xml, beside the URDF; "": the file's default
   bool ideal_motors = false;  // without backlash and heat
 };
 
@@ -82,50 +72,51 @@ class World {
 
   virtual double step_s() const = 0;
   virtual double time_s() const = 0;
-  // A drive for each joint, in their order. Motors past the end of `drives` are open.
+  // Advances by step_s(). One drive for each joint, in joint order; motors past the end of `drives` have
+  // an open bridge. Does nothing once diagnostics().failure is set.
   virtual void step(std::span<const MotorDrive> drives, double supply_volts) = 0;
   virtual std::span<const JointState> joints() const = 0;
   virtual std::span<const std::string> joint_order() const = 0;  // names, as joints() has them
   virtual double supply_current_a() const = 0;  // sum of the motors' currents in the last step
   virtual const ImuState& imu() const = 0;
-  // What touches the robot, by link in the order of link_order(): after each step, always.
+  // External contact forces on the robot's links, in the order of link_order(); updated by each step.
   virtual std::span<const LinkForce> link_forces() const { return {}; }
   virtual std::span<const std::string> link_order() const { return {}; }
-  // What the joints bore in the last step, in their order; empty if it was not watched in that step.
-  // Watching changes nothing but time.
+  // Reaction forces in the joints in the last step, in joint order; empty unless watch_loads(true) was
+  // in effect. Watching costs time and does not change the motion.
   virtual void watch_loads(bool on) { static_cast<void>(on); }
   virtual std::span<const JointLoad> joint_loads() const { return {}; }
 
   virtual const Scene& scene() const = 0;
   virtual ScenePose pose() const = 0;
-  // Frame of the link that carries the eyes `left_eye` and `right_eye`, for the cameras: lens
-  // centres are given in it (camera.h of sim/view). -1: the robot has no eyes.
+  // Index in pose() of the link that carries `left_eye` and `right_eye`; the cameras' optical centres are
+  // given in its frame (sim/view/camera.h). -1: the robot has no eyes.
   virtual int head_frame() const = 0;
 
-  // Ground truth: for tests, figures and scoring only.
+  // Ground truth, for tests, measurements and scoring only. World frame. Error: no such model.
   virtual Eigen::Isometry3d link_pose(const std::string& link) const = 0;
   virtual Result<Eigen::Vector3d> object_position(const std::string& model) const = 0;
-  virtual double largest_joint_gap_m() const = 0;  // since the start
+  virtual double largest_joint_gap_m() const = 0;  // constraint error of the joints since the start
   virtual std::string stepper() const = 0;
-  // Since the start. ODE's steppers do not tell how far they are from done: theirs is `broken` alone.
-  virtual const Trouble& trouble() const {
-    static const Trouble none;
+  // Since the start. ODE reports no residual: its worlds set `failure` only.
+  virtual const SolverDiagnostics& diagnostics() const {
+    static const SolverDiagnostics none;
     return none;
   }
-  // Contacts of the last step, if they were watched in it. Watching changes nothing but time.
+  // Contacts of the last step; empty unless watch_contacts(true) was in effect. Watching costs time and
+  // does not change the motion.
   virtual void watch_contacts(bool on) { static_cast<void>(on); }
   virtual std::vector<ContactPoint> contacts() const { return {}; }
 
-  // A push on a link of the robot at its centre of mass, N s in world axes, as a hand would give it: it
-  // acts in the next step. For tests of disturbance only. Errors: no such link, or it cannot move; this
-  // kind of world knows no pushes.
+  // Applies an impulse to a link of the robot at its centre of mass in the next step; N s, world axes. For
+  // disturbance tests only. Errors: no such link, the link is fixed, or this world does not support it.
   virtual Result<void> push(const std::string& link, const Eigen::Vector3d& impulse) {
     static_cast<void>(impulse);
     return fail(Fault::usage, "this world cannot push `" + link + "`; load one with World::load");
   }
 
-  // All that goes on from step to step, for a world made of the same files and options. The
-  // archive fails where a kind of world cannot.
+  // Saves and restores the state carried from step to step; restore() needs a world built from the same
+  // files and options. Worlds that cannot be saved fail the archive.
   virtual void save(h8s::StateWriter& to) { to.refuse("this kind of world cannot be saved"); }
   virtual void restore(h8s::StateReader& from) {
     from.refuse("this kind of world cannot be restored");

@@ -275,7 +275,7 @@ nlohmann::ordered_json RealTimeServer::Parts::status() const {
           {"ball_m", ball(simulation.world())},
           {"host", watch.present()},
           {"camera_readers", cameras ? cameras->readers() : 0},
-          {"unsettled_steps", simulation.world().trouble().unsettled},
+          {"unconverged_steps", simulation.world().diagnostics().unconverged_steps},
           {"pairs_left_out", simulation.pairs_left_out()},
           {"pairs_missed_by_readers", cameras ? cameras->missed() : 0},
           {"overruns", pacer.overruns()},

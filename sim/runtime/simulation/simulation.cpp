@@ -95,12 +95,12 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& 
     camera->eye.width = options.eye_width;
     camera->eye.height = options.eye_width * 3 / 4;
   }
-  const auto figures =
+  const auto params =
       load_sensor_file(std::filesystem::path(options.robot_path).replace_filename("sensors.xml"));
-  if (!figures) return tl::unexpected(figures.error());
-  SimulationOptions with_figures = options;
-  with_figures.sensor_params = *figures;
-  return assemble(with_figures, std::move(*mcu), std::move(*world), *camera);
+  if (!params) return tl::unexpected(params.error());
+  SimulationOptions with_params = options;
+  with_params.sensor_params = *params;
+  return assemble(with_params, std::move(*mcu), std::move(*world), *camera);
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::assemble(const SimulationOptions& options,
@@ -131,7 +131,7 @@ Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mc
       world_(std::move(world)),
       ratio_(ratio),
       board_(std::move(mcu), {.seed = options.seed,
-                              .figures = options.sensor_params,
+                              .params = options.sensor_params,
                               .sensors = options.sensors,
                               .imu = options.imu,
                               .supply_volts = options.supply_volts,
@@ -202,7 +202,7 @@ Result<void> Simulation::advance() {
     if (auto ran = board_.run_until(to); !ran) return ran;
     const States late = tick % ratio_.ticks_a_step;
     if (late == 0) move_world();
-    if (const std::string& broken = world_->trouble().broken; !broken.empty())
+    if (const std::string& broken = world_->diagnostics().failure; !broken.empty())
       return fail(Fault::failed, broken);
     tell_sensors(1e-3 * static_cast<double>(late));
     felt += world_->imu().specific_force / ratio_.steps_a_tick;

@@ -38,11 +38,10 @@ std::string exact(double number) {
 }
 
 // Numbers only, without gaps between them: their bytes are their value.
-std::string digest_of(const SensorParams& figures) {
-  static_assert(std::is_trivially_copyable_v<SensorParams> &&
-                sizeof figures == 26 * sizeof(double));
-  std::array<std::uint8_t, sizeof figures> bytes{};
-  std::memcpy(bytes.data(), &figures, sizeof figures);
+std::string digest_of(const SensorParams& params) {
+  static_assert(std::is_trivially_copyable_v<SensorParams> && sizeof params == 26 * sizeof(double));
+  std::array<std::uint8_t, sizeof params> bytes{};
+  std::memcpy(bytes.data(), &params, sizeof params);
   return sha256_hex(bytes);
 }
 
@@ -83,7 +82,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
           {"stepper", world.stepper()},
           {"physics_step_ms", exact(physics_step_ms)},
           {"sensors", switches_of(sensors)},
-          {"sensor_figures_sha256", digest_of(sensor_params)},
+          {"sensor_params_sha256", digest_of(sensor_params)},
           {"imu", imu ? "true" : "false"},
           {"eyes", ideal_eyes ? "ideal" : "real"},
           {"eye_width", std::to_string(eye_width)},

@@ -82,7 +82,7 @@ TEST_P(Shapes, AreClosedAndOfTheRightVolume) {
     const char* name;
     Mesh mesh;
     double exact;  // volume of the ideal shape
-    double least;  // share of it that bevels and facets leave
+    double min;    // share of it that bevels and facets leave
   };
   // A regular 12-gon has 12/(2 pi) sin(2 pi/12) = 0.955 of its circle, a 16-gon 0.974.
   const Case cases[] = {
@@ -95,7 +95,7 @@ TEST_P(Shapes, AreClosedAndOfTheRightVolume) {
     EXPECT_TRUE(closed(c.mesh)) << c.name;
     EXPECT_TRUE(normals_face_outwards(c.mesh)) << c.name;
     EXPECT_LE(volume(c.mesh), c.exact * 1.00001) << c.name;
-    EXPECT_GE(volume(c.mesh), c.exact * c.least) << c.name;
+    EXPECT_GE(volume(c.mesh), c.exact * c.min) << c.name;
   }
 }
 

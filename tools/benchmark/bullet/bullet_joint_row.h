@@ -18,7 +18,7 @@ class BulletJointRow final : public btMultiBodyConstraint {
   BulletJointRow(btMultiBody* body, int link, double sign);
 
   // For the coming step: rad/s, rad/s per Nm, Nm.
-  void ask(double velocity, double softness, double least, double most);
+  void ask(double velocity, double softness, double min, double max);
   // No row in the coming step.
   void rest() { asked_ = false; }
   double torque(double step_s);  // Nm, in the last step, in the joint's own direction

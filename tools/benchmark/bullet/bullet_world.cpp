@@ -232,7 +232,7 @@ void BulletWorld::ask_joints() {
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     Joint& joint = joints_[i];
     const JointMotor::Row& row = rows_[i];
-    joint.motor->ask(row.velocity, row.softness, row.least, row.most);
+    joint.motor->ask(row.velocity, row.softness, row.min, row.max);
     const double watch = kStopWatch + step_s_ * std::abs(joint_states_[i].velocity);
     const auto stop = [&](BulletJointRow& out, double way) {  // way: rad, left to it
       if (way > watch) return out.rest();
