@@ -1,14 +1,13 @@
-// How far soft surfaces are sheared where they touch, from step to step.
+// Elastic shear of soft contact points, kept from step to step (bristle friction).
 // SPDX-License-Identifier: Apache-2.0
 //
-// A rubber sole that is pushed sideways gives before it slips, and comes back. Friction that forgets
-// where it gripped lets every error of a step stand: a robot that only stands then wanders. Here a
-// point of contact is a spring with a damper across, of the same softness as along its normal, and
-// slips when the spring would pull with more than mu times the normal force. Rows of the solver for
-// the two directions t across:
+// A rubber sole yields elastically before it slips. Friction without memory keeps the error of every step:
+// a robot that only stands drifts. Here a contact point has a tangential spring and damper, with the same
+// softness as along its normal, and slips when the spring force exceeds mu times the normal force (as in
+// Cundall & Strack, Geotechnique 29(1), 1979). Solver rows for the two tangents t:
 //     t (v_a - v_b) = -erp / h t shear - softness f,   |f| <= mu N
-// with f the force on a along t, erp and softness for the step h (contact_surface.h). That is a spring of
-// kContactErp / (kErpStep softness) N/m. Surfaces without softness have no shear.
+// with f the force on a along t, erp and softness for the step h (contact_surface.h), i.e. a spring of
+// kContactErp / (kErpStep softness) N/m. Surfaces without softness have no shear. World frame, m.
 #pragma once
 
 #include <cstdint>
@@ -21,13 +20,14 @@ namespace kaz::sim {
 
 class ContactMemory {
  public:
-  // Before a step: what the points of the step before have become. A point is the same if it lies
-  // between the same shapes, not further than 3 mm from where it was.
+  // Before a step: matches the contacts with those of the step before and takes over their shear. A point is
+  // the same if it belongs to the same pair of shapes and moved by less than 3 mm.
   void recall(std::span<const Touch> touches);
   static bool has_shear(const Touch& touch) { return touch.surface.softness > 0; }
-  // Of a against b, across the normal, m; by the number of the touch.
+  // Displacement of a against b in the tangent plane, m, world axes; by index into `touches`.
   const Eigen::Vector3d& shear(std::size_t touch) const { return points_[touch].shear; }
-  // After the step: velocity of a against b at the point, and the force along the normal.
+  // After the step: integrates the shear with the velocity of a against b at the point (m/s) and limits it
+  // by the normal force (N).
   void remember(std::size_t touch, const Eigen::Vector3d& velocity, double normal_n, double step_s);
 
   template <class A>
@@ -50,7 +50,7 @@ class ContactMemory {
     std::uint32_t shape_a = 0, shape_b = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
     Eigen::Vector3d shear = Eigen::Vector3d::Zero();
-    double limit = 0;  // shear at which it slips under 1 N along the normal, m s
+    double limit = 0;  // max shear per N of normal force, divided by kErpStep: m / (N s)
   };
   std::vector<Point> points_, before_;
 };

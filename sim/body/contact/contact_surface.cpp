@@ -1,4 +1,4 @@
-// What two surfaces do to each other where they touch.
+// Contact parameters of a pair of surfaces.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/contact/contact_surface.h"
 

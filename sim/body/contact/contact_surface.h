@@ -1,4 +1,4 @@
-// What two surfaces do to each other where they touch.
+// Contact parameters of a pair of surfaces.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,13 +6,16 @@
 
 namespace kaz::sim {
 
-// ERP and softness (ODE's CFM) of contacts and stops are those of steps of this length, s.
+// ERP (error reduction parameter) and softness (ODE's CFM) of contacts and stops are given for steps of this
+// length, s.
 constexpr double kErpStep = 1e-3;
-// A contact gives back this share of its depth in such a step (ODE's ERP).
+// Fraction of the penetration depth that is corrected in such a step (ODE's ERP).
 constexpr double kContactErp = 0.2;
 
-// Together they are a spring of erp / (kErpStep softness) and a damper of (1 - erp) / softness, which is
-// the same thing under a step of another length: with these.
+// ERP and CFM stand for a spring k and a damper c (ODE manual, "How to use ERP and CFM"): with the step h,
+// erp = h k / (h k + c), cfm = 1 / (h k + c). Here k = erp / (kErpStep softness) in N/m and
+// c = (1 - erp) / softness in N s/m. These two functions return ERP and softness of the same spring and
+// damper for a step of another length.
 constexpr double erp_for(double step_s, double erp) {
   const double spring = erp * (step_s / kErpStep);
   return spring / (spring + (1 - erp));
@@ -21,12 +24,12 @@ constexpr double softness_for(double step_s, double erp, double softness) {
   return softness / (erp * (step_s / kErpStep) + (1 - erp));
 }
 
-// Depth that is left as it is, so that bodies at rest go on touching, m.
+// Penetration that is not corrected, so that bodies at rest keep their contacts, m.
 constexpr double kContactLayer = 2e-4;
-// Bodies inside each other are not driven apart faster than this, m/s.
+// Max velocity at which penetrating bodies are separated, m/s.
 constexpr double kContactMaxCorrection = 0.2;
 
-// Of a pair: see Surface.
+// Parameters of a pair of surfaces, by the rule at Surface.
 Surface joined(const Surface& a, const Surface& b);
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// Finds what touches what.
+// Collision detection: bounding spheres, separating axes of boxes, ODE's colliders.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/contact/contacts.h"
 
@@ -10,15 +10,15 @@
 namespace kaz::sim {
 namespace {
 
-// A box on a plane has four corners; two boxes rarely need more.
+// Max contact points per pair of shapes: a box on a plane has four corners, two boxes rarely need more.
 constexpr int kContactsPerPair = 4;
-// Parts up to so many joints apart do not collide: a thigh with the foot, a forearm with the trunk.
+// Links up to this many joints apart do not collide: a thigh with the foot, a forearm with the trunk.
 constexpr int kExemptGenerations = 3;
-// Boxes count as apart only if they are by more than rounding: ODE must agree, so that a run does
-// not depend on what was looked at before.
+// Boxes count as separated only beyond rounding, so that ODE would agree: the result must not depend on
+// which face was tried first.
 constexpr double kClearlyApart = 1e-9;  // m
 
-// Shape of ours as ODE's, without a place yet; null for kinds that do not collide.
+// ODE geom of a shape, not placed yet; null for kinds that do not collide.
 dGeomID make_geom(const Shape& shape) {
   const Eigen::Vector3d& s = shape.size;
   switch (shape.kind) {
@@ -38,6 +38,7 @@ dGeomID make_geom(const Shape& shape) {
   return nullptr;
 }
 
+// Radius of the bounding sphere about the shape's origin, m.
 double radius_about(const Shape& shape) {
   const Eigen::Vector3d& s = shape.size;
   switch (shape.kind) {
@@ -200,7 +201,7 @@ const Eigen::Matrix3d& Contacts::axes(Geom& geom) const {
   return geom.axes;
 }
 
-// The shape as ODE's, where it is now.
+// The ODE geom at its present world pose.
 dGeomID Contacts::placed(Geom& geom) const {
   const dGeomID id = geom.id.get();
   if (geom.body < 0) return id;
@@ -289,17 +290,19 @@ void Contacts::meet_planes(const Part& part) {
   }
 }
 
-// Whether a face of one of two boxes has the other wholly beyond it.
+// Whether a face normal of either box is a separating axis: |n . (c_b - c_a)| > half_k + sum_i |n . b_i|
+// half_i, world frame, m (6 of the 15 axes of Gottschalk et al.; the edge pairs are left to ODE).
 bool Contacts::parted(std::size_t a, std::size_t b) {
   const Eigen::Matrix3d &ra = axes(geoms_[a]), &rb = axes(geoms_[b]);
-  const Eigen::Vector3d way = at(geoms_[b]) - at(geoms_[a]);
+  const Eigen::Vector3d between_centres = at(geoms_[b]) - at(geoms_[a]);
   const auto between = [&](int face) {
     const bool of_a = face < 3;
     const int k = of_a ? face : face - 3;
     const Eigen::Vector3d normal = (of_a ? ra : rb).col(k);
     const double reach =
         ((of_a ? rb : ra).transpose() * normal).cwiseAbs().dot(geoms_[of_a ? b : a].half);
-    return std::abs(normal.dot(way)) - geoms_[of_a ? a : b].half[k] - reach > kClearlyApart;
+    return std::abs(normal.dot(between_centres)) - geoms_[of_a ? a : b].half[k] - reach >
+           kClearlyApart;
   };
   Hint& hint = hints_[(a * 31 + b) % hints_.size()];
   if (hint.a == a && hint.b == b && between(hint.face)) return true;

@@ -1,10 +1,10 @@
-// Finds what touches what.
+// Collision detection: finds all contact points between robot, objects and fixed shapes.
 // SPDX-License-Identifier: Apache-2.0
 //
-// So few shapes need no tree or grid: each link or object is one sphere, and few multiplications
-// tell that two spheres, or a sphere and a plane, are apart. Which parts of the robot may meet is
-// known at the start. What is left goes to ODE's colliders, two boxes only after the faces of both
-// have been tried as planes between them. Pairs of which neither can move are never looked at.
+// Broad phase: a scene has few shapes, so there is no tree or grid; each link or object has one bounding
+// sphere, and pairs of spheres, or a sphere and a plane, are rejected by distance. The robot's own pairs that
+// may collide are listed once. Narrow phase: ODE's colliders; two boxes only if no face normal of either is a
+// separating axis (Gottschalk et al., SIGGRAPH 1996). Pairs of which neither body can move are skipped.
 #pragma once
 
 #include <array>
@@ -19,12 +19,12 @@
 
 namespace kaz::sim {
 
-// A point where two shapes touch. World frame, m.
+// A contact point. World frame, m.
 struct Touch {
   int body_a = -1, body_b = -1;  // -1: does not move; never both
   std::uint32_t shape_a = 0, shape_b = 0;
-  Eigen::Vector3d at, normal;  // normal: unit, the way in which b pushes a
-  double depth = 0;            // how far the shapes are inside each other
+  Eigen::Vector3d at, normal;  // normal: unit, direction of the force of b on a
+  double depth = 0;            // penetration
   Surface surface;             // of the pair
 };
 
@@ -32,19 +32,19 @@ class Contacts {
  public:
   explicit Contacts(const RobotModel& robot);
 
-  // Shapes of one link. `body`: number by which place() and touches() know it; -1: fixed in the
-  // world, then `pose` is the link's.
+  // Adds the shapes of one link. `body`: its number for place() and touches(); -1: fixed in the world at
+  // `pose`.
   void add_robot_link(const RigidLink& link, int robot_link, int body,
                       const Eigen::Isometry3d& pose);
   void add_object(const RigidLink& link, int body, const Eigen::Isometry3d& pose);
 
-  // Where a body is: its centre of mass, and its link's axes. One that sleeps meets only what is
-  // awake.
+  // Sets the pose of a body: centre of mass and the axes of its link, world frame. Sleeping bodies collide
+  // with bodies that are awake only.
   void place(int body, const Eigen::Matrix3d& axes, const Eigen::Vector3d& com, bool awake);
-  // Replaces what was found before.
+  // Finds the contacts of the poses set by place(); replaces touches().
   void update();
   std::span<const Touch> touches() const { return touches_; }
-  // Of the link that has the shape.
+  // Name of the link that has the shape.
   const std::string& name(std::uint32_t shape) const { return geoms_[shape].name; }
 
  private:
@@ -63,7 +63,7 @@ class Contacts {
     Eigen::Vector3d half = Eigen::Vector3d::Zero();     // of a box
     Eigen::Vector3d in_body = Eigen::Vector3d::Zero();  // from the centre of mass
     Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-    // In the world, for the round in which they were asked for.
+    // World pose, computed on demand; valid if the round is the current one.
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
     std::uint64_t at_round = 0, axes_round = 0;
@@ -77,7 +77,7 @@ class Contacts {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();  // of the sphere, in the world
     bool awake = false;
   };
-  // Of a part, close together in memory: most pairs need no more.
+  // Bounding sphere of a part, packed for the broad phase: most pairs need no more.
   struct Sphere {
     double x = 0, y = 0, z = 0, radius = 0;
   };
@@ -86,8 +86,8 @@ class Contacts {
     Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
     double offset = 0;
   };
-  // A face that lay between two boxes when they were last looked at: most likely it still does. A
-  // wrong guess costs time alone.
+  // The face that separated two boxes last time, tried first: temporal coherence. A wrong guess costs time
+  // only.
   struct Hint {
     std::size_t a = 0, b = 0;
     int face = 0;

@@ -1,31 +1,31 @@
 // A gear motor on a hinge, as one implicit row of the constraint solver.
 // SPDX-License-Identifier: Apache-2.0
 //
-// All quantities at the output shaft. The rotor has an angle and a speed u of its own; the joint, with
-// its potentiometer, is behind the backlash b. With A = stall_slope V duty, B = back_emf (0 while the
-// bridge is open), J the rotor's inertia, h the step, T the torque on the joint, an implicit step is
+// All quantities at the output shaft, SI. The rotor has its own angle and speed u; the joint, with its
+// potentiometer, follows behind the backlash b. With A = stall_slope V duty (Nm), B = back_emf (Nm s/rad, 0
+// while the bridge is open), J the rotor's inertia, h the step, T the torque on the joint, an implicit Euler
+// step is
 //
 //   u_new = u_free - T / K,  u_free = (A -+ friction + J/h u) / K,  K = B + J/h
 //
-// At the end of a step rotor and joint are no further apart than the flanks let them: with a way d >= 0
-// left to the flank that pushes forward, u_new - w_new <= d/h, T >= 0, one of the two as an equation.
-// For the solver this is one row
+// At the end of a step the flanks do not overlap: with a gap d >= 0 to the flank that pushes forward,
+// u_new - w_new <= d/h and T >= 0, complementary (one of the two holds as an equation). For the solver this
+// is one row
 //
 //   w_new + softness T = velocity,  softness = 1/K,  velocity = u_free - d/h,  0 <= T
 //
-// and its mirror image for the other flank. Free and engaged are two answers of the same row: the joint
-// is never pulled, and flanks meet without bounce, within the step. The row is implicit in back-EMF
-// and rotor: explicit torques are unstable on links as light as these. Of the two flanks that one has the
-// row which the rotor would be nearer to after the step. Should the joint pass the other one, it is put
-// back to it: only an angle moves, no speed, so this makes no energy.
+// and its mirror image for the other flank. Free and engaged are two solutions of the same row: a flank
+// never pulls, and flanks meet without bounce within the step. The row is implicit in back-EMF and rotor
+// inertia: explicit torques are unstable on links as light as these. The row is that of the flank to which
+// the rotor would be nearer after the step. If the joint passes the other flank, the rotor's angle is reset
+// to it: this changes an angle, no speed, and so adds no energy.
 //
-// Static friction is a regime of its own: the rotor is held until friction would have to give more
-// than the breakaway torque.
+// Static friction is a separate regime: the rotor is held until the load exceeds the breakaway torque.
 //
-// A slipping gear is a clutch that passes no more than its torque; the motor in front of it is taken to
-// turn as the joint does, without backlash. A jammed gear holds the joint where it is.
+// A slipping gear is a clutch with a max torque; the motor is assumed to turn with the joint, without
+// backlash. A jammed gear locks the joint at its angle.
 //
-// Current is the mean over a PWM period (docs/robot.md says why that is enough).
+// Current is the mean over a PWM period (docs/robot.md explains why that is enough).
 #pragma once
 
 #include "sim/body/description/motor_file.h"
@@ -41,16 +41,16 @@ class JointMotor {
   struct Row {
     double velocity = 0;  // rad/s
     double softness = 0;  // rad/s per Nm
-    double max = 0;       // Nm, that it gives at most
-    double min = 0;       // Nm; -most, or one of the two is 0 and the other without bound
+    double max = 0;       // Nm
+    double min = 0;       // Nm; -max, or one of the two is 0 and the other practically unbounded
   };
-  // Nm, what the row gives in the coming step to a joint that something rigid keeps at rest.
+  // Torque on a joint that is held at rest by a rigid obstacle in the coming step, Nm.
   double pressing(const Row& row) const;
 
-  // The row for the coming step, for the joint as it moves now (rad, rad/s). Duty beyond -1..1 is
-  // cut, NaN is taken as 0.
+  // The row for the coming step from the joint's present angle and velocity (rad, rad/s). Duty is clamped
+  // to -1..1, NaN is taken as 0.
   Row prepare(const MotorDrive& drive, double supply_volts, double angle, double velocity);
-  // After the step: its velocity, and the torque that the row gave.
+  // After the step: the joint's new velocity and the torque of the row; updates rotor, current and heat.
   void finish(double velocity, double torque);
 
   // A, drawn from the supply in the last step (mean over the PWM period; negative while braking
@@ -65,14 +65,14 @@ class JointMotor {
   double rotor_angle() const { return state_.rotor_angle; }  // rad
   double rotor_speed() const { return state_.rotor_speed; }  // rad/s
 
-  // All that a motor remembers between steps.
+  // The state carried from step to step.
   enum class Regime { held, forward, backward };
   struct State {
     Regime regime = Regime::held;
-    bool stopped = true;  // held, but the angle at which is still to be taken
+    bool stopped = true;  // just stopped: the angle at which it is held is not set yet
     double rotor_angle = 0, rotor_speed = 0;
     double torque = 0, torque_before = 0;  // of the last two steps, Nm
-    double press = 0;                      // with which it stopped, Nm
+    double press = 0;                      // torque on the joint when it stopped, Nm
     double duty = 0, current = 0;
     double copper_watts = 0, friction_watts = 0;
     double winding_celsius = 0, case_celsius = 0;
@@ -80,7 +80,7 @@ class JointMotor {
   State state() const;
   void set_state(const State& state);
 
-  // All that it remembers (archive.h).
+  // Archives the state (archive.h).
   template <class A>
   void transfer(A& a) {
     State& s = state_;
@@ -102,7 +102,7 @@ class JointMotor {
   double step_s_;
   WindingHeat heat_;
   State state_;
-  // Of the step between prepare and finish.
+  // Of the current step, from prepare() to finish().
   bool powered_ = false, jammed_ = false, slipping_ = false, tight_ = false;
   bool frictionless_ = false;
   double volts_ = 0, max_ = 0;

@@ -1,4 +1,4 @@
-// A lever on the output shaft, locked, with a scale at its end: what a motor gives at full drive.
+// Locked-rotor test: torque, voltage and current of a motor whose output shaft is held by a lever.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/motor/locked_lever.h"
 
@@ -23,7 +23,8 @@ LeverReading measure_locked_lever(const MotorParams& params, const LockedLever& 
   for (long i = 0; i < steps; ++i) {
     const bool off = bench.anew && i >= steps - 100 && i < steps - 50;
     drive.duty = off ? 0 : bench.duty;
-    // At rest: V = source - ohms * I, I = duty^2 V / R; no more than the circuit lets through.
+    // Shaft at rest: V = V_source - R_supply I with I = duty^2 V / R_motor, so V = V_source / (1 + R_supply
+    // duty^2 / R_motor). The driver limits V to max_supply_v, above which I stays constant.
     const double duty_ohms = bench.supply_ohms * drive.duty * drive.duty / motor.resistance_ohm();
     reading.terminal_volts = std::max(bench.supply_volts / (1 + duty_ohms),
                                       bench.supply_volts - duty_ohms * params.max_supply_v);

@@ -1,4 +1,4 @@
-// A lever on the output shaft, locked, with a scale at its end: what a motor gives at full drive.
+// Locked-rotor test: torque, voltage and current of a motor whose output shaft is held by a lever.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,22 +8,23 @@ namespace kaz::sim {
 
 struct LockedLever {
   double duty = 1;
-  double supply_volts = 10;  // of the source, without load
-  double supply_ohms = 0;    // between the source and the driver's terminals
-  double seconds = 0.05;     // the motor starts cold, at rest, its backlash taken up
-  // The drive is taken off 0.1 s before the end, and put on again 50 ms later. A motor that weakens
-  // while it presses is held by its friction; this is what it can lift.
+  double supply_volts = 10;  // open-circuit voltage of the source
+  double supply_ohms = 0;    // resistance between source and driver
+  double seconds =
+      0.05;  // duration; the motor starts cold and at rest, with no gap at the driving flank
+  // Switches the drive off 0.1 s before the end and on again 50 ms later. A motor whose torque falls while
+  // it presses is held by its friction; restarting measures what it can lift.
   bool anew = false;
 };
 
 struct LeverReading {
   double torque_nm = 0;
-  double terminal_volts = 0;  // at the driver, under load
+  double terminal_volts = 0;  // at the driver under load
   double supply_amperes = 0;
   double winding_celsius = 0;
 };
 
-// What the scale and the meters read at the end. Steps of 1 ms, as the robot's.
+// Readings at the end of the test. Steps of 1 ms, as for the robot.
 LeverReading measure_locked_lever(const MotorParams& motor, const LockedLever& bench);
 
 }  // namespace kaz::sim

@@ -1,9 +1,11 @@
-// Heat of a motor: winding, case and air, one after the other.
+// Thermal model of a motor: winding, case and ambient air in series.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/motor/winding_heat.h"
 
 namespace kaz::sim {
 
+// One explicit Euler step of the two equations in winding_heat.h; both heat flows are taken from the old
+// temperatures. Stable for step_s far below the time constant C_w R_wc (seconds).
 void WindingHeat::take(double copper_watts, double friction_watts, double step_s) {
   if (params_.winding_heat_capacity == 0) return;
   const double to_case = (winding_ - case_) / params_.winding_to_case;

@@ -1,12 +1,13 @@
-// Heat of a motor: winding, case and air, one after the other.
+// Thermal model of a motor: winding, case and ambient air in series.
 // SPDX-License-Identifier: Apache-2.0
 //
 //   C_w dT_w/dt = I^2 R - (T_w - T_c) / R_wc
 //   C_c dT_c/dt = (T_w - T_c) / R_wc + friction - (T_c - T_air) / R_ca
 //
 // (lumped network; Hendershot and Miller, "Design of Brushless Permanent-Magnet Motors", on thermal
-// circuits). The copper's resistance grows linearly with T_w. What the magnets lose with heat is left
-// out: it has to be known for the material, some 0.2 %/K for ferrite and half of it for neodymium.
+// circuits). The copper's resistance grows linearly with T_w. Demagnetisation by heat is not modelled: it
+// depends on the material, some 0.2 %/K for ferrite and half of that for neodymium. Units: J/K, K/W, W, s,
+// degrees Celsius.
 #pragma once
 
 #include "sim/body/description/motor_file.h"
@@ -32,7 +33,7 @@ class WindingHeat {
     case_ = case_celsius;
   }
 
-  // All that it remembers (archive.h).
+  // Archives the state (archive.h).
   template <class A>
   void transfer(A& a) {
     a(winding_, case_);
