@@ -228,9 +228,10 @@ TEST_F(Degenerate, ASupplyThatIsNoNumberIsTold) {
   Drives drives;
   for (MotorDrive& drive : drives) drive = {0.5, true};
   for (int i = 0; i < 3; ++i) world->step(drives, std::nan(""));
-  EXPECT_EQ(world->diagnostics().failure,
-            "the physics broke down at 0.001 s: what drives joint `neck_pan` is no number; look at "
-            "masses, inertias and motors of the model");
+  EXPECT_EQ(
+      world->diagnostics().failure,
+      "the physics broke down at 0.001 s: the drive of joint `neck_pan` is not a number; check "
+      "masses, inertias and motors of the model");
 }
 
 }  // namespace

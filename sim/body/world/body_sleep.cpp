@@ -1,4 +1,4 @@
-// Puts bodies to sleep that have lain still for a while.
+// Puts resting bodies to sleep.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/world/body_sleep.h"
 
@@ -14,7 +14,7 @@ void BodySleep::wake(dBodyID body) {
 void BodySleep::update(double step_s) {
   constexpr SleepRule rule;
   for (Sleeper& sleeper : bodies_) {
-    // In the air nothing sleeps.
+    // Bodies without contacts do not sleep.
     if (dBodyIsEnabled(sleeper.body) == 0 || dBodyGetNumJoints(sleeper.body) == 0) continue;
     const double linear = to_eigen(dBodyGetLinearVel(sleeper.body)).squaredNorm();
     const double angular = to_eigen(dBodyGetAngularVel(sleeper.body)).squaredNorm();

@@ -1,9 +1,9 @@
-// Puts bodies to sleep that have lain still for a while, until something touches them.
+// Puts resting bodies to sleep until a moving body touches them.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The rule is ODE's "auto disable" with one sample: a body that something holds, slower than both
-// thresholds for as long as said, stops. ODE's own counters can neither be read nor set, so that a
-// saved world would not go on as the one that it was saved from; these can.
+// The rule is ODE's "auto disable" with one sample: a body in contact that stays below both speed thresholds
+// for SleepRule::after_s is stopped. ODE's own counters can be neither read nor set, so a restored world
+// would not continue like the saved one; these can.
 #pragma once
 
 #include <vector>
@@ -12,9 +12,8 @@
 
 namespace kaz::sim {
 
-// Objects lie still below these for a moment, and are then left out until something touches them.
 struct SleepRule {
-  double linear = 0.003, angular = 0.15;  // m/s, rad/s; above either a body is awake
+  double linear = 0.003, angular = 0.15;  // m/s, rad/s; above either a body stays awake
   double after_s = 0.25;
 };
 
@@ -22,10 +21,10 @@ class BodySleep {
  public:
   void add(dBodyID body) { bodies_.push_back({body, SleepRule{}.after_s}); }
   void wake(dBodyID body);
-  // To be called before each step of the solver, with its contacts made.
+  // To be called before each solver step, after its contacts have been created.
   void update(double step_s);
 
-  // How long each has still to lie, in the order of add().
+  // Remaining time at rest of each body, in the order of add().
   template <class A>
   void transfer(A& a) {
     for (Sleeper& sleeper : bodies_) a(sleeper.left_s);

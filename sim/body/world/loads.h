@@ -1,28 +1,27 @@
-// What sensors of force would measure: what pushes each link from outside, what each joint bears.
+// Force readings: external contact force on each link, reaction force in each joint.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Means over the last step, in the axes which the link had at its beginning: nothing but those of a
-// six-axis sensor built into the link.
+// Means over the last step, in the link's axes at its beginning, as a six-axis force-torque sensor in the
+// link would measure.
 #pragma once
 
 #include <Eigen/Geometry>
 
 namespace kaz::sim {
 
-// What everything that is not the robot does to one of its links: floor, objects, walls. A link that
-// touches only the robot itself has none; nor has a base that never moves.
-// World::push() is no touch.
+// Sum of all contacts of one link with anything but the robot: floor, objects, walls. Zero for a fixed base.
+// World::push() is not included.
 struct LinkForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N, link's axes
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // Nm, about the link's origin, link's axes
-  double pressure = 0;  // N, sum of the points' normal forces; 0: nothing is touched
-  // Centre of pressure: mean place of the points of contact by their normal forces, m, in the link's
-  // frame. Of a sole flat on the floor it is the point where friction has no moment but about the
-  // floor's normal.
+  double pressure = 0;  // N, sum of the points' normal forces; 0: no contact
+  // Centre of pressure: mean of the contact points weighted by their normal forces, m, link's frame. For a
+  // flat sole on the floor, the point about which the contact moment is parallel to the floor's normal (ZMP).
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
 
-  // While it is summed `centre` is the first moment of pressure. `link`: its frame in the world;
-  // the rest in world axes, `moment` of a point about itself.
+  // Adds a contact point: f += R^T push, m += r x f + R^T turn, with r = R^T (at - origin). Until finish(),
+  // `centre` holds sum normal r. `link`: world pose of the link; the other arguments in world axes, `turn`:
+  // moment about the point, Nm.
   void add(const Eigen::Isometry3d& link, const Eigen::Vector3d& at, const Eigen::Vector3d& push,
            const Eigen::Vector3d& turn, double normal) {
     const Eigen::Matrix3d to_link = link.linear().transpose();
@@ -45,9 +44,8 @@ struct LinkForce {
   }
 };
 
-// What the parent's side of a joint does to the child's: bearing, motor and stop together, so that
-// along the axis it is the torque that turns the joint. At the joint's origin, which is the child
-// link's, in the child's axes.
+// Reaction of the parent on the child link: bearing, motor and stop together, so the component along the axis
+// is the joint torque. At the joint's origin (the child link's origin), in the child's axes.
 struct JointLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // Nm

@@ -1,4 +1,4 @@
-// What every world has, whatever solves its motion.
+// Base of all worlds, independent of the solver.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/world/staged_world.h"
 
@@ -28,15 +28,14 @@ StagedWorld::StagedWorld(const WorldModel& world, const RobotModel& robot, const
       link_frames_(robot.frames) {
   scene_.frames.push_back("world");
   scene_.light = world.light;
-  // The root's origin hangs above the point between the soles.
+  // The root's origin starts above the point between the soles, so that the feet are at height `feet`.
   const double feet = options.hung ? kHungHeight : 0.0;
   const Eigen::AlignedBox3d extent = robot.extent();
   Eigen::Vector3d lift = Eigen::Vector3d::Zero();
   if (!robot.fixed_base) lift.z() = feet - (extent.isEmpty() ? 0.0 : extent.min().z());
   add_robot(robot, world.robot_start * Eigen::Translation3d(lift));
   for (const WorldBody& object : world.bodies) add_object(object);
-  // Latest first, so that the next one is taken from the end; equal times keep the order of the
-  // file.
+  // Latest first: the next kick is popped from the end; equal times keep the order of the file.
   std::reverse(kicks_.begin(), kicks_.end());
   std::stable_sort(kicks_.begin(), kicks_.end(),
                    [](const Kick& a, const Kick& b) { return a.step > b.step; });
@@ -138,14 +137,14 @@ void StagedWorld::break_down(const std::string& why) {
   char when[32];
   std::snprintf(when, sizeof when, "%.3f s", static_cast<double>(steps_) * step_s_);
   diagnostics_.failure = "the physics broke down at " + std::string(when) + ": " + why +
-                         "; look at masses, inertias and motors of the model";
+                         "; check masses, inertias and motors of the model";
 }
 
 bool StagedWorld::drives_are_numbers() {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const JointMotor::Row& row = rows_[i];
     if (std::isfinite(row.velocity) && row.softness > 0) continue;
-    break_down("what drives joint `" + joint_order_[i] + "` is no number");
+    break_down("the drive of joint `" + joint_order_[i] + "` is not a number");
     return false;
   }
   return true;

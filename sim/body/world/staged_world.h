@@ -1,5 +1,5 @@
-// What every world has, whatever solves its motion: bodies by number, what there is to see, names,
-// kicks, motors and their sums.
+// Base of all worlds, independent of the solver: numbered bodies, scene, names, kicks, motors and their
+// readings.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,9 +18,9 @@ namespace kaz::sim {
 
 // Mechanical stop beyond the firmware's limit, rad.
 constexpr double kStopMargin = 0.0174533;
-// It gives back this share of what a joint is beyond it in 1 ms (contact_surface.h), and yields,
-// rad/s per Nm: by 1 mrad at the motor's 2.4 Nm, plastic and steel. Under a rigid one the rest that an
-// iterative solver leaves would lift the joint off again and again.
+// ERP of a stop for a step of 1 ms (contact_surface.h), and its compliance, rad/s per Nm: 1 mrad at the
+// motor's 2.4 Nm, plastic on steel. At a rigid stop the residual of an iterative solver would make the joint
+// bounce.
 constexpr double kStopErp = 0.2;
 constexpr double kStopSoftness = 0.08;
 
@@ -42,15 +42,15 @@ class StagedWorld : public World {
   Eigen::Isometry3d link_pose(const std::string& link) const override;
   Result<Eigen::Vector3d> object_position(const std::string& model) const override;
   Result<void> push(const std::string& link, const Eigen::Vector3d& impulse) override;
-  // What step() begins with, by itself: for measuring it. Number of points of contact.
+  // The collision detection with which step() begins, for benchmarks. Returns the number of contact points.
   virtual int find_contacts() = 0;
   const SolverDiagnostics& diagnostics() const override { return diagnostics_; }
 
  protected:
   // Robot links have the numbers of RobotModel::links; the objects that can move follow.
   struct Body {
-    RigidLink rigid;                                          // without its looks and shapes
-    bool moves = true;                                        // false: stands at `start`
+    RigidLink rigid;    // without visuals and collision shapes
+    bool moves = true;  // false: fixed at `start`
     Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  // of the link's frame
   };
   struct Kick {
@@ -58,7 +58,7 @@ class StagedWorld : public World {
     int body = 0;
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   };
-  // Of a hand, on a link of the robot that moves, for the step under way.
+  // An impulse of push() on a moving link of the robot, for the next step.
   struct HandPush {
     std::uint32_t link = 0;
     Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // N s, world axes, at the centre of mass
@@ -72,14 +72,14 @@ class StagedWorld : public World {
   StagedWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
               const WorldOptions& options);
 
-  // Of the link's frame, for bodies that move.
+  // World pose of the link's frame, for bodies that move.
   virtual Eigen::Isometry3d moving_pose(int body) const = 0;
   virtual void kick(int body, const Eigen::Vector3d& velocity) = 0;
   Eigen::Isometry3d body_pose(int body) const;
   void kick_due();
-  // Asks each motor for its row, for the joints as they move now.
+  // Computes each motor's row from the joints' present state.
   void prepare_motors(std::span<const MotorDrive> drives, double supply_volts);
-  // With the joints as they move after the step.
+  // Updates the motors with the joints' state after the step.
   void finish_motors();
   // Validity checks of one step; each sets diagnostics_.failure if it returns false.
   static constexpr double kMaxTurn = 1, kMaxTravel = 1;  // rad and m, per step
@@ -89,13 +89,13 @@ class StagedWorld : public World {
                      const Eigen::Vector3d& angular);
   void break_down(const std::string& why);
   void read_motors();
-  // What StagedWorld itself remembers.
+  // Archives the state of StagedWorld itself.
   template <class A>
   void transfer_stage(A& a) {
     auto bodies = static_cast<std::uint32_t>(bodies_.size());
     auto kicks = static_cast<std::uint32_t>(kicks_.size());
     a(bodies, kicks);
-    // Kicks that are over here may still be to come there.
+    // Kicks that are done here may still be due in the saved state.
     if (bodies != bodies_.size() || kicks > all_kicks_.size()) {
       return a.refuse("it is of another world");
     }
@@ -123,7 +123,7 @@ class StagedWorld : public World {
   std::size_t robot_links_;
   Contacts contacts_;
   std::vector<JointMotor> motors_;
-  std::vector<JointMotor::Row> rows_;  // of motors_, for the step under way
+  std::vector<JointMotor::Row> rows_;  // of motors_, for the current step
   std::vector<JointState> joint_states_;
   RobotFrame imu_frame_;
   ImuState imu_;
@@ -152,7 +152,7 @@ class StagedWorld : public World {
   int head_frame_ = -1;
 };
 
-// On the engine that the options name. Errors: an unknown stepper, a step out of bounds.
+// Builds a world on the dynamics that the options name. Errors: unknown dynamics, step size out of range.
 Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
                                                 const MotorParams& motor,
                                                 const WorldOptions& options);
