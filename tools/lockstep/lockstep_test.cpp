@@ -88,7 +88,7 @@ TEST(LockstepCamera, DeliversBySimulatedTime) {
     EXPECT_EQ((*pair)->images.get()->left.rgb.size(), 32u * 24 * 3);
   }
   ASSERT_TRUE(clock.sleep_until(milliseconds(500)));
-  EXPECT_EQ(simulation->pairs_left_out(), 0u);
+  EXPECT_EQ(simulation->pairs_dropped(), 0u);
   EXPECT_FALSE(simulation->next_pair()) << "closed eyes see nothing";
 }
 

@@ -1,4 +1,4 @@
-// What there is to see: shapes, looks and where they stand. Made by sim/body, drawn by sim/view.
+// Visual scene: shapes, materials and poses. Built by sim/body, drawn by sim/view.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -32,11 +32,11 @@ struct Visual {
   std::string texture;  // "", "checker", "wood", "carpet": procedural, drawn with `color` as base
 };
 
-// A lamp or sun far away, and what the sky and the surroundings give.
+// A directional key light and the ambient light.
 struct Light {
   Eigen::Vector3d to_key{0.55, -0.50, 1.0};  // direction to the lamp, any length; from above
   double key = 1,
-         shaded = 1;  // factors on the light of the lamp, and on that where it does not reach
+         shaded = 1;  // factors on the key light and on the ambient light
 };
 
 // Does not change while the world runs.
@@ -46,7 +46,7 @@ struct Scene {
   Light light;
 };
 
-// One instant: world pose of each frame.
+// World pose of each frame at one time.
 struct ScenePose {
   std::vector<Eigen::Isometry3d> frames;
 };

@@ -1,4 +1,4 @@
-// Reading camera.json.
+// Reads camera.json.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdio>
@@ -15,8 +15,8 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-// Where a number of the file goes, in the unit of the file times `unit`. Bounds within what the rest
-// is made for: a picture fits the published stream, a lens is no fisheye.
+// Target member and bounds of a number; `unit` converts from the file's unit. The bounds exclude what the
+// rest does not support: pictures too large for the published stream, fisheye lenses.
 struct Entry {
   const char* key;
   double low, high;
@@ -39,7 +39,7 @@ Result<void> read(const nlohmann::json& json, const std::string& path, const Ent
   return {};
 }
 
-// The distortion must grow with the angle to the corners, or a pixel would have two directions.
+// The distorted radius must increase monotonically up to the corners: each pixel has one direction.
 bool grows(const EyeModel& eye) {
   const vision::Lens lens{1, 1, 0, 0, eye.distortion};
   const double side = std::tan(0.5 * eye.lens_view_rad);
@@ -49,7 +49,7 @@ bool grows(const EyeModel& eye) {
   for (double r = 0.01; r < 20; r += 0.01) {
     const double now = lens.distort({r, 0}).x();
     if (now <= before) return false;
-    // Beyond the corners by what centre and focal length may be off.
+    // Margin beyond the corners for the tolerances of centre and focal length.
     if (r > side && now > 1.05 * corner) return true;
     before = now;
   }

@@ -13,14 +13,14 @@
 namespace kaz::sim {
 namespace {
 
-constexpr std::size_t max_under_way = 3;  // drawings submitted and not done
-constexpr std::size_t max_kept = 8;       // pairs that wait for the host
+constexpr std::size_t max_under_way = 3;  // rendering jobs in flight
+constexpr std::size_t max_kept = 8;       // pairs queued for the host
 
 vision::Image take_image(Picture& picture) {
   return {picture.width, picture.height, std::move(picture.rgb)};
 }
 
-// What is delivered when drawing failed; the reason comes out of the simulation's next step.
+// Delivered if rendering failed; the simulation's next step returns the error.
 vision::Image black(const Pinhole& camera) {
   const auto bytes = static_cast<std::size_t>(camera.width) * camera.height * 3;
   return {camera.width, camera.height, std::vector<std::uint8_t>(bytes)};
@@ -54,7 +54,7 @@ Time Eyes::exposure_time(std::uint64_t sequence) const {
   return std::chrono::milliseconds(static_cast<std::int64_t>(ms));
 }
 
-// A frame waits for the next slot of the bus and for the host to wake up: some even time.
+// Delay by bus slots and the host's scheduling: latency plus uniform jitter.
 Time Eyes::arrival_time(Time exposure) const {
   const double share = static_cast<double>(mix64(mix64(seed_) ^ sequence_) >> 11) * 0x1p-53;
   return exposure + from_seconds(camera_.latency_s + share * camera_.jitter_s);
@@ -95,7 +95,7 @@ Result<Eyes::Kept> Eyes::kept_of(const vision::StereoImages& pair, Keep keep) {
 
 Result<void> Eyes::look(Time now, const std::function<ScenePose()>& pose) {
   if (auto error = draws_.error()) return tl::unexpected(*error);
-  while (exposure_time(sequence_) < now) ++sequence_;  // nobody looked
+  while (exposure_time(sequence_) < now) ++sequence_;  // exposures while the eyes were closed
   while (!under_way_.empty() && done(under_way_.front())) under_way_.pop_front();
   if (now < exposure_time(sequence_)) return {};
 
@@ -137,7 +137,7 @@ void Eyes::expose(Time now, ScenePose pose) {
     }
     Drawn outcome;
     if (result) {
-      images->set_value(pair);  // vision begins while the pictures are hashed
+      images->set_value(pair);  // vision can start while the pictures are hashed
       if (auto kept = kept_of(*pair, keep)) {
         outcome.kept = std::move(*kept);
       } else {

@@ -1,4 +1,4 @@
-// The stereo pair of eyes: when they expose, who draws, and when a pair reaches the host.
+// Stereo camera: exposure times, rendering in another thread, delivery of pairs to the host.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -22,20 +22,21 @@
 
 namespace kaz::sim {
 
-// camera.json: cameras and timing of the eyes. Their places are links of the URDF.
+// Contents of camera.json: camera model and timing. The cameras' poses are links of the URDF.
 struct CameraFile {
   EyeModel eye;
-  std::uint64_t unit = 1;     // which copy of the cameras; decides how each differs from the others
+  std::uint64_t unit =
+      1;  // which pair of the series; determines its deviations from the nominal model
   double baseline_m = 0.040;  // from the URDF, once there is a world
   double rate_hz = 30.0;
   double latency_s = 0.015;  // from the middle of the exposure to when the pair reaches the host
-  double jitter_s = 0;       // at most so much later, evenly spread
-  // True: pinholes without noise, exactly parallel. False: lenses and sensors as EyeModel says; the
-  // host gets the pictures rectified by the calibration.
+  double jitter_s = 0;       // max additional delay, uniformly distributed
+  // True: exactly parallel pinholes without noise. False: lens and sensor of EyeModel; the host gets pictures
+  // rectified with the calibration.
   bool ideal = true;
 
   static Result<CameraFile> load(const std::string& path);
-  // Of the pictures that the host gets.
+  // Pinhole of the pictures that the host gets.
   Pinhole pinhole() const;
   vision::CameraModel model() const;
   vision::StereoCalibration calibration() const;
@@ -45,10 +46,10 @@ struct CameraFile {
 // pictures, with all digits.
 std::string text_of(const CameraFile& camera);
 
-// What happens when drawing does not keep up with the world.
+// Policy if rendering does not keep up with the world.
 enum class FramePolicy {
-  wait,  // lockstep: the world waits, so that the outcome does not depend on the machine
-  drop,  // real time: the pair is left out, its number is skipped
+  wait,  // lockstep: the world waits, so the result does not depend on the machine
+  drop,  // real time: the pair is dropped, its sequence number is skipped
 };
 
 class Eyes {
@@ -57,10 +58,10 @@ class Eyes {
     int head_frame = 0;  // index into ScenePose::frames
     // Optical frames in that frame.
     Eigen::Isometry3d left = Eigen::Isometry3d::Identity(), right = Eigen::Isometry3d::Identity();
-    Light light = {};  // of the world that they are in
+    Light light = {};  // of the world
   };
 
-  // What the recording keeps of each pair.
+  // What the recording stores of each pair.
   enum class Keep { nothing, digests, pictures };
   struct Kept {
     std::string left, right;                        // SHA-256 of the RGB bytes, 64 digits each
@@ -68,34 +69,33 @@ class Eyes {
   };
   struct Digest {
     std::uint64_t sequence = 0;
-    Time exposure{}, arrival{};  // arrival: at the host, if it asks then
+    Time exposure{}, arrival{};  // arrival: earliest time at which the host can take it
     Kept kept;                   // all empty if drawing failed
   };
 
-  // `draws` must outlive the eyes. `seed`: of the pictures' noise and of the jitter.
+  // `draws` must outlive the eyes. `seed`: for image noise and jitter.
   Eyes(RenderThread& draws, const CameraFile& camera, const Mounting& mounting, FramePolicy policy,
        Keep keep, std::uint64_t seed = 1);
 
-  // To be called at the end of each step; exposes if one is due. Exposure n is made at the step
-  // next to n / rate after time 0. `pose` is asked only then. Error: drawing failed earlier.
+  // To be called at the end of each step; exposes if an exposure is due. Exposure n is at the step nearest to
+  // n / rate. `pose` is called only then. Error: rendering failed earlier.
   Result<void> look(Time now, const std::function<ScenePose()>& pose);
-  // The next pair that has reached the host by `now`. At most 8 are kept for a host that does not
-  // take them.
+  // The next pair that has reached the host by `now`. At most 8 are kept; then the oldest is dropped.
   std::optional<vision::StereoPair> next_pair(Time now);
   std::uint64_t left_out() const { return left_out_; }
 
-  // Digests of pairs exposed at least two exposures ago (all, if `all`), waiting for their drawing:
-  // the number returned depends on simulated time alone.
+  // Digests of pairs exposed at least two exposures ago (all, if `all`); blocks until they are rendered, so
+  // that the number returned depends on simulated time only.
   std::vector<Digest> take_digests(bool all);
-  // Of pairs that are exposed from now on.
+  // Whether pictures are stored with their digests, for pairs exposed from now on.
   void keep(Keep what) { keep_ = what; }
 
-  // Pairs under way are drawn first, and are kept with their pixels (eyes_state.cpp).
+  // Waits for pairs being rendered and saves their pixels (eyes_state.cpp).
   void transfer(StateWriter& a);
   void transfer(StateReader& a);
 
  private:
-  // Lens, sensor and rectification of both eyes, shared with the drawings under way.
+  // Lens, sensor and rectification of both eyes, shared with the rendering jobs.
   struct Optics {
     Optics(const CameraFile& camera, std::uint64_t seed);
     Sensor left, right;

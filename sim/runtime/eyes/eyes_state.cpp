@@ -1,4 +1,4 @@
-// The eyes' state to bytes and back.
+// Saves and restores the eyes' state.
 // SPDX-License-Identifier: Apache-2.0
 #include <utility>
 

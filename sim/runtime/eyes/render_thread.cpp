@@ -25,8 +25,7 @@ void RenderThread::submit(Job job) {
   }
   wake_.notify_one();
   if (thread_.joinable()) return;
-  // Made by the caller's thread because it may set environment variables; all the rest is done in
-  // ours.
+  // Created in the caller's thread because it may set environment variables; everything else runs in ours.
   renderer_ = factory_();
   if (!renderer_) set_error(renderer_.error());
   thread_ = std::thread([this] { run(); });
@@ -52,7 +51,7 @@ void RenderThread::run() {
     }
     job(for_jobs);
   }
-  renderer_ = nullptr;  // its context ends in the thread that drew with it
+  renderer_ = nullptr;  // destroys its OpenGL context in the thread that used it
 }
 
 void RenderThread::set_error(Error error) {

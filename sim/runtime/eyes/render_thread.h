@@ -1,7 +1,7 @@
-// The one thread that draws.
+// The thread that renders all pictures.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Started by the first picture, so that a simulation that nobody looks at needs no OpenGL.
+// Started by the first picture, so a simulation without pictures needs no OpenGL.
 #pragma once
 
 #include <condition_variable>
@@ -22,17 +22,16 @@ using RendererFactory = std::function<Result<std::unique_ptr<Renderer>>()>;
 
 class RenderThread {
  public:
-  // A job gets the renderer, or the reason why there is none. Jobs run in the order of their
-  // submission.
+  // A job gets the renderer, or the error that prevented it. Jobs run in the order of submission.
   using Job = std::function<void(const Result<Renderer*>&)>;
 
   RenderThread(Scene scene, RendererFactory factory);
-  ~RenderThread();  // jobs that were submitted are done first
+  ~RenderThread();  // finishes submitted jobs first
   RenderThread(const RenderThread&) = delete;
   RenderThread& operator=(const RenderThread&) = delete;
 
   void submit(Job job);
-  // Remembers the first failure of a job; `error()` tells it to the other threads.
+  // Stores the first failure of a job; error() returns it, from any thread.
   void set_error(Error error);
   std::optional<Error> error() const;
 

@@ -1,5 +1,4 @@
-// Little-endian bytes appended to a buffer, and taken off one: as MCAP and the ROS 1 message encoding
-// have them.
+// Little-endian writer and reader of byte buffers, for MCAP and the ROS 1 message encoding.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -38,8 +37,8 @@ class LittleEndian {
   std::vector<std::uint8_t>& to_;
 };
 
-// Takes fields off the front. Once a field would go beyond the end, that one and all later ones are
-// zero or empty and nothing more is consumed: a loop over `rest()` must also check `good()`.
+// Reads fields from the front. Once a field would exceed the end, it and all later ones are zero or empty and
+// nothing more is consumed: a loop over `rest()` must also check `good()`.
 class LittleEndianFields {
  public:
   using Bytes = std::span<const std::uint8_t>;
@@ -66,9 +65,9 @@ class LittleEndianFields {
     return front;
   }
   Bytes rest() const { return bytes_; }
-  // No field went beyond the end so far.
+  // Whether all fields so far were within the buffer.
   bool good() const { return good_; }
-  // Every field was there, and nothing is left.
+  // Whether all fields were within the buffer and nothing is left.
   bool whole() const { return good_ && bytes_.empty(); }
 
  private:

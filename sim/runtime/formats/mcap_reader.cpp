@@ -51,8 +51,7 @@ class Loader {
   Loader(McapRecording& to, Bytes file, const std::string& name)
       : to_(to), file_(file), name_(name) {}
 
-  // The data section: records up to the data end, or to where the file was cut off. The summary
-  // behind the data end only repeats.
+  // The data section: records up to the data end or the truncation. The summary behind it is redundant.
   Result<void> load() {
     for (std::size_t at = magic.size(); file_.size() - at >= head_size;) {
       const Bytes rest = file_.subspan(at);
@@ -60,8 +59,7 @@ class Loader {
       record_at_ = at;
       if ((record.opcode == op_header) != (at == magic.size()))
         return malformed("the header is missing or not the first record");
-      // The last record of a file that was cut off ends beyond it; but no file is so large that this
-      // could have been one.
+      // The last record of a truncated file may end beyond it, but not by more than a file can hold.
       if (record.length > McapRecording::max_bytes)
         return malformed("a record claims " + std::to_string(record.length) + " bytes");
       if (record.length > rest.size() - head_size) return {};
@@ -97,12 +95,12 @@ class Loader {
       case op_channel:
       case op_message:
         return datum(opcode, content);
-      default:  // indexes, attachments, other people's: the specification says to skip them
+      default:  // indexes, attachments, private records: to be skipped by the specification
         return {};
     }
   }
 
-  // What stands in chunks, or between them.
+  // Records in chunks or between them.
   Result<void> datum(std::uint8_t opcode, Bytes content) {
     if (opcode == op_schema) return schema(content);
     if (opcode == op_channel) return channel(content);
@@ -219,7 +217,7 @@ class Loader {
     Fields fields(content);
     const auto crc = fields.number<std::uint32_t>();
     if (!fields.whole()) return too_short("data end");
-    // A damaged chunk is known already, and reported as such.
+    // Damaged chunks were counted before.
     if (crc != 0 && to_.damaged_chunks == 0 && crc32_z(0, file_.data(), record_at_) != crc)
       return malformed("the checksum of the data does not fit");
     to_.whole = true;
@@ -280,7 +278,7 @@ Result<McapRecording> McapRecording::load(const std::string& path) {
   if (!no_size && size > max_bytes) return too_large(path);
   std::vector<std::uint8_t> bytes;
   if (!no_size) bytes.reserve(size);
-  // In blocks: a device has no size, and may never end. What is no MCAP file is not read further.
+  // In blocks: a device has no size and may never end. Reading stops early if the file is not MCAP.
   std::vector<std::uint8_t> block(1 << 20);
   while (file.read(reinterpret_cast<char*>(block.data()),
                    static_cast<std::streamsize>(block.size())) ||

@@ -1,11 +1,10 @@
-// Reads MCAP files as McapWriter makes them: chunks without compression.
+// Reads MCAP files as written by McapWriter: chunks without compression.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A file that was cut off (the program was killed, the disk was full) is valid as far as it goes: it
-// ends within a top-level record or before the data end, and `whole` is false. What else deviates from
-// the format is malformed and refused: fields beyond the end of their record, a chunk inside a chunk, a
-// record that no file could hold, unknown channels, times out of range. A chunk whose CRC does not fit
-// is skipped and counted.
+// A truncated file (program killed, disk full) is valid up to its end: it ends within a top-level record or
+// before the data end record, and `whole` is false. Other deviations from the format are errors: fields
+// beyond the end of their record, nested chunks, impossible record lengths, unknown channels, times out of
+// range. A chunk with a wrong CRC is skipped and counted.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +34,7 @@ struct McapRecording {
   std::map<std::string, std::string> facts;     // of all metadata records
   std::vector<Message> messages;   // in the order of the file; their channels are known
   std::size_t damaged_chunks = 0;  // their CRC is wrong; skipped
-  bool whole = false;              // the file's end is there; else it was cut off
+  bool whole = false;              // false: the file is truncated
 
   bool has_messages(const std::string& topic) const;
   // The latest time of a message; 0 if there is none.

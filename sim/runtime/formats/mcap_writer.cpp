@@ -169,7 +169,7 @@ void McapWriter::end_chunk() {
   chunk_.clear();
 }
 
-// Which messages the chunk holds, channel by channel, by time.
+// Message index of the chunk: for each channel, pairs of time and offset.
 void McapWriter::put_message_indexes(ChunkIndex& index) {
   const std::uint64_t start = at_;
   for (std::size_t channel = 0; channel < channels_.size(); ++channel) {
@@ -222,7 +222,7 @@ void McapWriter::put_statistics() {
   put(op_statistics, content_);
 }
 
-// Records of one kind stand together, as the specification wants it.
+// The specification requires records of one kind to be contiguous.
 void McapWriter::put_summary() {
   for (const Bytes& schema : schemas_) put(op_schema, schema);
   for (const Channel& channel : channels_) put(op_channel, channel.record);

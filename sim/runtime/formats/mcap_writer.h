@@ -1,11 +1,10 @@
 // Writes MCAP files: channels of time-stamped messages, in chunks with an index.
 // SPDX-License-Identifier: Apache-2.0
 //
-// https://mcap.dev/spec, version 0. Messages are gathered into chunks of about a megabyte, each with
-// its CRC and an index of its messages; the end of the file lists schemas, channels and chunks, so
-// that a reader finds a moment without reading all. What is damaged costs its chunk; if the writer
-// dies, the chunks that are there can be read. Nothing is compressed. The same calls give the same
-// bytes.
+// https://mcap.dev/spec, version 0. Messages are collected in chunks of about a megabyte, each with a CRC and
+// a message index; the summary at the end lists schemas, channels and chunks, so that a reader can seek by
+// time. Damage is limited to a chunk; if the writer dies, the complete chunks are readable. No compression.
+// The same calls produce the same bytes.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +33,7 @@ class McapWriter {
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
 
-  // Facts about the whole file. Keys are written in the given order.
+  // Metadata of the file. Keys are written in the given order.
   void add_metadata(const std::string& name, const Metadata& entries);
   // Returns the schema's and channel's number. `encoding` of a schema: "ros1msg", "jsonschema".
   std::uint16_t add_schema(const std::string& name, const std::string& encoding,
@@ -44,8 +43,7 @@ class McapWriter {
   void add_message(std::uint16_t channel, std::uint64_t time_ns,
                    std::span<const std::uint8_t> data);
 
-  // Ends the file. Returns the SHA-256 of its bytes, in hexadecimal. Errors: disk full and the
-  // like.
+  // Finishes the file. Returns the SHA-256 of its bytes, in hexadecimal. Errors: writing failed.
   Result<std::string> finish();
   const std::string& path() const { return path_; }
 
@@ -82,10 +80,10 @@ class McapWriter {
   std::vector<std::vector<std::uint8_t>> schemas_;  // contents; number n is at n - 1
   std::vector<Channel> channels_;
   std::vector<MetadataIndex> metadata_;
-  std::vector<std::uint8_t> chunk_;  // records of the chunk being made
+  std::vector<std::uint8_t> chunk_;  // records of the current chunk
   std::uint64_t chunk_first_ns_ = 0, chunk_last_ns_ = 0;
   std::vector<ChunkIndex> chunks_;
-  std::vector<std::uint8_t> content_;  // of the record being made
+  std::vector<std::uint8_t> content_;  // of the current record
 };
 
 }  // namespace kaz::sim

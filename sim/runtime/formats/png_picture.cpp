@@ -9,7 +9,7 @@
 namespace kaz::sim {
 namespace {
 
-constexpr png_uint_32 largest_side = 8192;  // px; more than any camera here has
+constexpr png_uint_32 largest_side = 8192;  // px
 
 png_image header() {
   png_image png{};
@@ -57,7 +57,7 @@ Result<vision::Image> decode_png(std::span<const std::uint8_t> bytes) {
   image.rgb.resize(PNG_IMAGE_SIZE(png));
   if (png_image_finish_read(&png, nullptr, image.rgb.data(), 0, nullptr) == 0)
     return refused("a picture cannot be read as PNG", png);
-  // Damaged pixels: libpng warns only, where the checksums at the end do not fit.
+  // libpng only warns about a wrong checksum at the end, i.e. damaged pixels.
   if (PNG_IMAGE_FAILED(png) || png.warning_or_error != 0)
     return refused("a picture is damaged", png);
   return image;

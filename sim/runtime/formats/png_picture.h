@@ -1,4 +1,4 @@
-// Pictures as PNG bytes and back, without loss.
+// Encodes and decodes PNG pictures.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,11 +11,11 @@
 
 namespace kaz::sim {
 
-// 8-bit RGB. The same picture gives the same bytes with the same libpng and zlib. Quick rather than
-// small. Error: `image` has no pixels or their number does not fit its size.
+// 8-bit RGB, low compression for speed. Deterministic for the same libpng and zlib. Error: `image` is empty
+// or its number of pixels does not match its size.
 Result<std::vector<std::uint8_t>> encode_png(const vision::Image& image);
 
-// Exactly what was encoded. Error: no PNG, or a damaged one.
+// The encoded pixels. Error: not a PNG, or a damaged one.
 Result<vision::Image> decode_png(std::span<const std::uint8_t> bytes);
 
 }  // namespace kaz::sim

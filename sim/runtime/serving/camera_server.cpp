@@ -1,4 +1,4 @@
-// One thread, one poll(): readers come, go, and take what they can.
+// One thread with one poll() for all readers.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/serving/camera_server.h"
 
@@ -65,7 +65,7 @@ CameraServer::~CameraServer() {
 
 void CameraServer::wake() {
   const std::uint64_t one = 1;
-  // The only failure is a counter near 2^64: then the thread is awake anyway.
+  // Fails only for a counter near 2^64; the thread is awake then.
   [[maybe_unused]] const ssize_t written = ::write(wake_.get(), &one, sizeof one);
 }
 
@@ -117,7 +117,7 @@ void CameraServer::serve_readers(const std::vector<short>& events) {
   for (std::size_t i = 0; i < readers_.size(); ++i) {
     bool stays = (events[i] & (POLLERR | POLLHUP)) == 0;
     if (stays && (events[i] & POLLIN) != 0) {
-      // Readers send nothing: readable means closed, or something to be thrown away.
+      // Readers send nothing: readable means closed, or bytes to be discarded.
       std::uint8_t ignored[256];
       stays = ::recv(readers_[i].socket.get(), ignored, sizeof ignored, 0) > 0;
     }
@@ -149,7 +149,7 @@ void CameraServer::send_pair(const Published& published) {
     }
     reader.sending = shared;
     reader.sent = 0;
-    send_more(reader);  // a reader that is gone is noticed by poll()
+    send_more(reader);  // poll() detects a disconnected reader
   }
 }
 

@@ -1,4 +1,4 @@
-// Stereo pairs for other processes, in the format of shared/base/camera_stream.hpp.
+// Publishes stereo pairs to other processes in the format of shared/base/camera_stream.hpp.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,15 +17,14 @@
 
 namespace kaz::sim {
 
-// Has a thread of its own: neither drawing nor a slow reader holds up who publishes.
+// Runs its own thread: neither rendering nor a slow reader blocks the publisher.
 class CameraServer {
  public:
   static Result<std::unique_ptr<CameraServer>> open(const std::string& path,
                                                     const vision::CameraModel& model, Time latency);
   ~CameraServer();
 
-  // `exposure`: of the pair, on CLOCK_MONOTONIC. A reader that still takes an earlier pair misses
-  // this one.
+  // `exposure`: on CLOCK_MONOTONIC. A reader that is still receiving an earlier pair misses this one.
   void publish(vision::StereoPair pair, Time exposure);
   int readers() const { return reader_count_; }
   std::uint64_t missed() const { return missed_; }  // pairs not sent to some reader
@@ -48,12 +47,12 @@ class CameraServer {
   void accept_readers();
   void serve_readers(const std::vector<short>& events);
   void send_pair(const Published& published);
-  bool send_more(Reader& reader);  // false: the reader is gone
+  bool send_more(Reader& reader);  // false: the reader has disconnected
 
   std::unique_ptr<UnixListener> listener_;
   Descriptor wake_;  // eventfd
   Bytes header_;
-  std::vector<Reader> readers_;  // of the thread
+  std::vector<Reader> readers_;  // used by the thread only
   std::atomic<int> reader_count_ = 0;
   std::atomic<std::uint64_t> missed_ = 0;
   std::mutex mutex_;

@@ -23,7 +23,7 @@ Json refusal(const std::string& why) {
 }
 
 std::string line_of(const Json& reply) {
-  // Requests may hold bytes that are no UTF-8, and errors quote them.
+  // Errors quote the request, which may not be valid UTF-8.
   return reply.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -1,4 +1,5 @@
-// The control socket: what a pty has no wires for. One request a line, one JSON object back.
+// The control socket: reset, mode pins, power, faults and status, which a pty cannot carry. One request per
+// line, one JSON object as reply.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,9 +17,9 @@
 
 namespace kaz::sim {
 
-// Turns one request into its reply. A request is a JSON object {"command": "power", "argument":
-// "off"} or the plain words "power off". Replies have "ok"; if false, "error" says why.
-// docs/simulator.md lists them.
+// Executes one request and returns the reply. A request is a JSON object {"command": "power", "argument":
+// "off"} or plain text "power off". Replies have "ok"; if false, also "error". docs/simulator.md lists
+// them.
 class ControlCommands {
  public:
   struct Handlers {
@@ -30,7 +31,7 @@ class ControlCommands {
     std::function<void(const faults::Fault& fault)> fault;
     std::function<void()> clear_faults;
     std::function<Time()> now;  // simulated
-    // Of a motor stand: the rest of the line, to its reply without "ok". Empty: there is none.
+    // Motor stand: maps the rest of the line to a reply without "ok". Empty: no stand.
     std::function<Result<nlohmann::ordered_json>(const std::string& line)> stand = nullptr;
   };
   explicit ControlCommands(Handlers handlers) : handlers_(std::move(handlers)) {}
@@ -42,7 +43,7 @@ class ControlCommands {
   Handlers handlers_;
 };
 
-// Never waits: poll() takes what has come since the last call.
+// Non-blocking: poll() handles the requests received since the last call.
 class ControlServer {
  public:
   static Result<std::unique_ptr<ControlServer>> open(const std::string& path,
@@ -53,12 +54,12 @@ class ControlServer {
   struct Client {
     Descriptor socket;
     std::string received, to_send;
-    bool closing = false;  // after what is to be sent
+    bool closing = false;  // once `to_send` is sent
   };
 
   ControlServer(std::unique_ptr<UnixListener> listener, ControlCommands commands)
       : listener_(std::move(listener)), commands_(std::move(commands)) {}
-  bool serve(Client& client);  // false: it is gone
+  bool serve(Client& client);  // false: the client has disconnected
 
   std::unique_ptr<UnixListener> listener_;
   ControlCommands commands_;

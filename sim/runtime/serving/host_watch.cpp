@@ -1,4 +1,4 @@
-// Messages about the host.
+// Texts of the events of the host.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/serving/host_watch.h"
 

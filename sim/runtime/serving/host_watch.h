@@ -1,7 +1,7 @@
-// Tells in words what the host on the serial line does, and when motors go off.
+// Reports events of the host on the serial line (connected, silent, gone) and of the motors, as text.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Times are simulated.
+// Simulated time.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@ class HostWatch {
   HostWatch(std::string port, std::function<void(const std::string&)> report)
       : port_(std::move(port)), report_(std::move(report)) {}
 
-  // To be called each step, in this order of time.
+  // To be called in each step, with ascending times.
   void presence(Time now, bool present, long baud);
   void bytes_came(Time now);
   void bytes_lost(std::size_t count);  // the host did not read what the board sent

@@ -1,7 +1,7 @@
-// Pacing of simulated time by a clock on the wall.
+// Paces simulated time by the wall clock.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Pure arithmetic: the clock is read by the caller.
+// Arithmetic only: the caller reads the clock.
 #pragma once
 
 #include <algorithm>
@@ -11,17 +11,15 @@
 
 namespace kaz::sim {
 
-// Simulated time t is due at origin + t. A world that is late catches up, unless it is later than
-// `tolerance`: then the origin moves, so that a stall is not followed by a burst, and the loss is
-// counted.
+// Simulated time t is due at origin + t. A late world catches up, unless it is later than `tolerance`: then
+// the origin is shifted, so that a stall is not followed by a burst, and the loss is counted.
 class Pacer {
  public:
   explicit Pacer(Time tolerance) : tolerance_(tolerance) {}
 
   void start(Time simulated, Time wall) { origin_ = wall - simulated; }
 
-  // To be called when the step that ends at `simulated` is done. Returns how long to wait before
-  // the next.
+  // To be called after the step that ends at `simulated`. Returns the time to wait before the next one.
   Time step_done(Time simulated, Time wall) {
     const Time late = wall - wall_of(simulated);
     worst_late_ = std::max(worst_late_, late);

@@ -1,4 +1,4 @@
-// Opening a pseudo-terminal and telling whether the host is there.
+// Opens a pseudo-terminal and detects whether a host has it open.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/serving/pty.h"
 
@@ -31,10 +31,10 @@ bool is_pty_name(const std::string& target) {
                      [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// Whether the link may go: it is one that a virtual board left behind. Our links point to /dev/pts/N, by
-// exactly that name; every other link is somebody's. A pty's number is given again once it is free, so
-// a link of that form is left over if there is no such pty, if the number is now our own, or if its
-// maker is known to be dead. Else it may be the port of another program (socat, another simulator).
+// Whether the link is stale, i.e. left by a virtual board, and may be removed. Our links point to exactly
+// /dev/pts/N; all others belong to other programs. Pty numbers are reused, so such a link is stale if there
+// is no such pty, if the number is now our own, or if its maker is known to be dead. Otherwise it may be
+// the port of another program (socat, another simulator).
 bool is_left_over(const std::string& target, const std::string& own, bool maker_is_dead) {
   std::error_code error;
   return is_pty_name(target) && (target == own || maker_is_dead || !fs::exists(target, error));
@@ -54,7 +54,7 @@ Result<void> make_link(const std::string& target, const std::string& link, bool 
     return fail(Fault::usage, link + " exists and is no symbolic link; choose another path for " +
                                   "the serial port, or remove it");
   }
-  // Fails where something has come there meanwhile.
+  // Fails if the path was created meanwhile.
   fs::create_symlink(target, link, error);
   if (error)
     return fail(Fault::environment,
@@ -74,8 +74,7 @@ Result<std::unique_ptr<Pty>> Pty::open(const std::string& link_path, bool maker_
     return no_pty("unlocking it");
   pty->port_ = name;
 
-  // Opened and closed once: from then on the master reports a hang-up exactly while no host is
-  // there.
+  // Opened and closed once: from then on the master reports a hang-up exactly while no host has it open.
   const Descriptor slave(::open(name, O_RDWR | O_NOCTTY | O_CLOEXEC));
   termios settings{};
   if (!slave || tcgetattr(slave.get(), &settings) != 0) return no_pty(name);
@@ -125,7 +124,7 @@ std::size_t Pty::write(std::span<const std::uint8_t> bytes) {
 }
 
 void Pty::discard_unread() {
-  // What the host has not read stands on the other side of the terminal.
+  // Unread bytes are in the input queue of the slave side.
   const Descriptor slave(::open(port_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK));
   if (slave) tcflush(slave.get(), TCIFLUSH);
 }

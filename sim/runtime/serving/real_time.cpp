@@ -20,9 +20,9 @@ namespace kaz::sim {
 namespace {
 
 constexpr Time tolerance = std::chrono::milliseconds(20);
-// How long the terminal may still come up with bytes for a host that has gone.
+// Time for which bytes may still arrive from a host that has closed the port.
 constexpr Time echo_of_a_host = std::chrono::milliseconds(50);
-// As much as a USB adapter takes before it makes its writer wait.
+// Buffer size of a USB adapter, beyond which it blocks its writer.
 constexpr std::size_t adapter_bytes = 256;
 
 Time monotonic_now() {
@@ -34,7 +34,7 @@ Time monotonic_now() {
 void sleep_for(Time length) {
   timespec t{static_cast<time_t>(length.count() / 1'000'000'000),
              static_cast<long>(length.count() % 1'000'000'000)};
-  // A signal ends the wait early: the next step waits the longer.
+  // A signal may end the wait early; the next step then waits longer.
   clock_nanosleep(CLOCK_MONOTONIC, 0, &t, nullptr);
 }
 
@@ -59,7 +59,7 @@ struct RealTimeServer::Parts {
   Pacer pacer{tolerance};
   Time overruns_reported_at{}, discard_until{};
   std::uint64_t overruns_reported = 0;
-  // The control socket comes first: it tells whether another simulator serves the same paths.
+  // The control socket first: opening it fails if another simulator serves the same paths.
   std::unique_ptr<ControlServer> control;
   std::unique_ptr<Pty> pty;
   std::unique_ptr<CameraServer> cameras;
@@ -77,7 +77,7 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
           },
       .boot_pins =
           [p](bool boot) {
-            // Whoever flashes leaves boards without a program on the way.
+            // While flashing the board may have no program.
             if (boot) p->keep_hung();
             return p->simulation.board().set_boot_pins(boot);
           },
@@ -89,8 +89,8 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
       .now = [p] { return p->simulation.time(); },
       .stand = options.stand,
   });
-  // A control socket that nobody serves (else opening it fails) is what a killed simulator leaves, and
-  // the link beside it is that one's.
+  // A control socket that nobody serves (else opening fails) was left by a killed simulator, and so was the
+  // link beside it.
   std::error_code none;
   const std::string control_path = options.serial_path + ".ctl";
   const bool left_over =
@@ -146,7 +146,7 @@ Result<RealTimeStatistics> RealTimeServer::run(const std::atomic<bool>& stop) {
                             .overruns = p.pacer.overruns(),
                             .lost_s = seconds(p.pacer.lost()),
                             .worst_late_s = seconds(p.pacer.worst_late()),
-                            .pairs_left_out = p.simulation.pairs_left_out()};
+                            .pairs_dropped = p.simulation.pairs_dropped()};
 }
 
 void RealTimeServer::Parts::keep_hung() {
@@ -166,7 +166,7 @@ void RealTimeServer::Parts::host_to_board() {
   std::array<std::uint8_t, adapter_bytes> buffer{};
   const std::size_t waiting = simulation.line().waiting(simulation.now());
   const std::size_t room = waiting < adapter_bytes ? adapter_bytes - waiting : 0;
-  // A host that is gone by now may have left bytes.
+  // A host that has closed the port may have left bytes.
   const std::size_t count = pty && room > 0 ? pty->read(std::span(buffer).first(room)) : 0;
   if (count > 0) {
     watch.bytes_came(now);
@@ -189,13 +189,13 @@ void RealTimeServer::Parts::board_to_host() {
   watch.drivers(simulation.time(), simulation.board().drivers_enabled());
   std::array<std::uint8_t, adapter_bytes> buffer{};
   const std::size_t count = simulation.read(buffer);
-  // Nobody listens: a board talks into the void, and a host that comes later must not hear it.
+  // Without a host the board's bytes are lost; a later host must not receive them.
   if (count == 0 || !watch.present()) return;
   const std::size_t taken = pty->write(std::span<const std::uint8_t>(buffer).first(count));
   if (taken < count) watch.bytes_lost(count - taken);
 }
 
-// Out: whoever has the port open finds it gone, as with an adapter that is pulled; the board goes on.
+// Unplugged: a host with the port open gets a hang-up, as with a USB adapter; the board continues.
 Result<void> RealTimeServer::Parts::plug(bool in) {
   if (!in) {
     pty.reset();
@@ -228,7 +228,7 @@ void RealTimeServer::Parts::set_power(bool on) {
   if (options.report) options.report(on ? "board's power is on" : "board's power is off");
 }
 
-// At most once a second: a machine that is too slow is late at every step.
+// At most once per second: on a slow machine every step is late.
 void RealTimeServer::Parts::report_overrun() {
   const Time now = simulation.time();
   if (pacer.overruns() == overruns_reported || now - overruns_reported_at < std::chrono::seconds(1))
@@ -241,7 +241,7 @@ void RealTimeServer::Parts::report_overrun() {
                    std::to_string(overruns_reported) + " stalls");
 }
 
-// Of the links that touch something: newtons, and the centre of pressure in the link's frame.
+// Links in contact: force in N, centre of pressure in the link's frame, m.
 nlohmann::ordered_json link_forces(const World& world) {
   auto links = nlohmann::ordered_json::object();
   for (std::size_t i = 0; i < world.link_forces().size(); ++i) {
@@ -254,7 +254,7 @@ nlohmann::ordered_json link_forces(const World& world) {
   return links;
 }
 
-// In the world's frame, m; null where there is no model `ball`.
+// World frame, m; null without a model `ball`.
 nlohmann::ordered_json ball(const World& world) {
   const auto place = world.object_position("ball");
   if (!place) return nullptr;
@@ -276,7 +276,7 @@ nlohmann::ordered_json RealTimeServer::Parts::status() const {
           {"host", watch.present()},
           {"camera_readers", cameras ? cameras->readers() : 0},
           {"unconverged_steps", simulation.world().diagnostics().unconverged_steps},
-          {"pairs_left_out", simulation.pairs_left_out()},
+          {"pairs_dropped", simulation.pairs_dropped()},
           {"pairs_missed_by_readers", cameras ? cameras->missed() : 0},
           {"overruns", pacer.overruns()},
           {"lost_s", seconds(pacer.lost())}};

@@ -1,4 +1,4 @@
-// Listening at a path, and who was there before.
+// Binds a socket to a path; detects stale sockets.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/serving/unix_listener.h"
 
@@ -16,8 +16,8 @@ Descriptor stream_socket() {
   return Descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
 }
 
-// Only a refused connection says that nobody is there. A full backlog (EAGAIN), a socket of another type
-// (EPROTOTYPE: /dev/log is one) and one that we may not connect to (EACCES) are somebody's.
+// A socket is stale only if the connection is refused. A full backlog (EAGAIN), another type of socket
+// (EPROTOTYPE, e.g. /dev/log) and missing permission (EACCES) mean that it is in use.
 bool is_served(const sockaddr_un& address) {
   const Descriptor probe = stream_socket();
   const auto* to = reinterpret_cast<const sockaddr*>(&address);
@@ -48,7 +48,7 @@ Result<std::unique_ptr<UnixListener>> UnixListener::open(const std::string& path
   std::unique_ptr<UnixListener> listener(new UnixListener);
   listener->socket_ = stream_socket();
   const int fd = listener->socket_.get();
-  // The mode of the socket is that of the descriptor before bind() makes the path.
+  // bind() creates the path with the mode of the descriptor.
   ::fchmod(fd, S_IRUSR | S_IWUSR);
   if (fd < 0 || ::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       ::listen(fd, 8) != 0 || ::lstat(path.c_str(), &status) != 0)

@@ -1,4 +1,4 @@
-// A Unix stream socket at a path, listening.
+// A listening Unix stream socket at a path.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,15 +10,14 @@
 
 namespace kaz::sim {
 
-// Never waits. Readable and writable by its user alone.
+// Non-blocking. Accessible by its user only.
 class UnixListener {
  public:
-  // A socket that another process left behind is replaced; one that is served, and anything else,
-  // is not.
+  // Replaces a stale socket. Errors: a socket in use or anything else exists at the path.
   static Result<std::unique_ptr<UnixListener>> open(const std::string& path);
   ~UnixListener();  // removes the path, if it is still ours
 
-  // The next client; an empty descriptor if none waits. Never blocks afterwards.
+  // The next client, non-blocking; an empty descriptor if none is waiting.
   Descriptor accept();
   int fd() const { return socket_.get(); }
   const std::string& path() const { return path_; }

@@ -1,4 +1,4 @@
-// Faults of sensors, power and mechanics.
+// Injects faults of sensors, power and mechanics.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/simulation/fault_player.h"
 

@@ -1,9 +1,8 @@
-// Faults of sensors, power and mechanics, made happen to board and world step by step.
+// Injects faults of sensors, power and mechanics into board and world, step by step.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A fault begins with the step in which its time lies, and ends with the first step after it;
-// faults of
-// the line are SerialLine's, byte by byte.
+// A fault begins with the step that contains its start time and ends with the first step after its end.
+// Faults of the serial line are injected by SerialLine, byte by byte.
 #pragma once
 
 #include <functional>
@@ -23,13 +22,14 @@ class FaultPlayer {
   void add(const faults::Fault& fault) { schedule_.add(fault); }
   void clear();
 
-  // Before the board runs the step that begins at `start`. `begins` is told each fault that begins.
+  // To be called before the board runs the step that begins at `start`. `begins` is called for each new
+  // fault.
   void begin_step(faults::Time start, ServoBoard& board,
                   const std::function<void(const faults::Fault&)>& begins);
-  // What the gears make of the motors' drives in the same step.
+  // Applies faults of the gears to the drives of the same step.
   void apply(faults::Time start, std::span<MotorDrive, KZ_JOINTS> drives) const;
 
-  // All that it remembers (archive.h).
+  // Archives the state (archive.h).
   template <class A>
   void transfer(A& a) {
     a(schedule_, begun_, touched_, cut_);
@@ -40,9 +40,9 @@ class FaultPlayer {
   void set_power(faults::Time start, ServoBoard& board);
 
   faults::Schedule schedule_;
-  std::vector<bool> begun_;  // of the schedule
-  bool touched_ = false;     // the board has been given a fault that may have to be taken back
-  bool cut_ = false;         // it was we who cut the power
+  std::vector<bool> begun_;  // by fault of the schedule
+  bool touched_ = false;     // the board has a fault that may have to be cleared
+  bool cut_ = false;         // a fault switched the power off
 };
 
 }  // namespace kaz::sim

@@ -1,8 +1,8 @@
-// Messages of the recording.
+// Channels, schemas and messages of the recording.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Numbers are in the ROS 1 encoding (fields in order, little-endian, no padding), which viewers
-// decode by the schema text that stands in the file.
+// ROS 1 encoding (fields in order, little-endian, no padding), which viewers decode with the schema text in
+// the file.
 #include "sim/runtime/simulation/recorder.h"
 
 #include <algorithm>

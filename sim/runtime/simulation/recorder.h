@@ -1,4 +1,4 @@
-// Everything that passed between the parts, with simulated time only, as MCAP file.
+// Records all signals between the parts as an MCAP file, with simulated time only.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The channels are described in docs/time.md.
@@ -26,23 +26,23 @@ class Recorder {
                                                   const McapWriter::Metadata& facts);
 
   enum class Direction { to_board, to_host };
-  // Bytes whose last stop bit passed in the step that began at `step_start`.
+  // Bytes whose stop bit ended in the step that began at `step_start`.
   void wire(Direction direction, States step_start, std::span<const SerialByte> bytes);
   void pins(States at, const PinLevels& pins);
-  // A/D codes that a tick computed from.
+  // A/D codes that a firmware tick used.
   void analog(States at, const kz_tick_input& input);
   void joints(States at, std::span<const JointState, KZ_JOINTS> joints);
   void ball(States at, const Eigen::Vector3d& position);
-  // Volts at the board and amperes drawn from the supply.
+  // Supply voltage at the board (V) and current (A).
   void supply(States at, double volts, double amperes);
   void contacts(States at, std::span<const ContactPoint> points);
-  // Those links alone that touch something; `names` by link.
+  // Links in contact only; `names` by link.
   void link_forces(States at, std::span<const std::string> names, std::span<const LinkForce> links);
   void joint_loads(States at, std::span<const JointLoad, KZ_JOINTS> loads);
-  // With the pictures, if they were kept.
+  // With the pictures, if they were stored.
   void eyes(const Eyes::Digest& digest);
   void behavior(States at, std::string_view json);
-  // A fault that begins, as a line of docs/faults.md.
+  // Start of a fault, as a line of docs/faults.md.
   void fault(States at, std::string_view line);
 
   // SHA-256 of the file.
@@ -57,7 +57,7 @@ class Recorder {
   std::unique_ptr<McapWriter> file_;
   std::uint16_t to_board_, to_host_, pins_, analog_, joints_, ball_, supply_, contacts_,
       link_forces_, joint_loads_, eyes_, left_eye_, right_eye_, behavior_, faults_;
-  std::vector<std::uint8_t> data_;  // of the message being made
+  std::vector<std::uint8_t> data_;  // of the current message
 };
 
 }  // namespace kaz::sim

@@ -17,7 +17,7 @@ void SerialLine::queue(std::span<const std::uint8_t> bytes, States now, bool fra
   }
 }
 
-// What is inserted, doubled or late pushes back whatever follows: one byte a byte's time.
+// Inserted, doubled or late bytes delay all following ones: the line carries one byte at a time.
 void SerialLine::pass(faults::LinkFaults& link, const SerialByte& byte,
                       std::deque<SerialByte>& to) {
   if (schedule_ == nullptr || schedule_->empty()) {

@@ -1,4 +1,4 @@
-// The step: board, motors, bodies, potentiometers, eyes, recording.
+// One step: board, motors, bodies, potentiometers, eyes, recording.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/simulation/simulation.h"
 
@@ -24,8 +24,8 @@ Eyes::Mounting eye_mounting(const World& world) {
           head_from_world * world.link_pose("right_eye"), world.scene().light};
 }
 
-// Which channel of the servo board drives each joint: that of its name in joints.def, or, if the
-// robot is no Kaz, the n-th joint has the n-th.
+// Channel of the servo board for each joint: by its name in joints.def; for robots other than Kaz the n-th
+// joint has the n-th channel.
 std::vector<std::size_t> channels_of(const World& world) {
   const auto& board = joint_names();
   std::vector<std::size_t> channels;
@@ -37,9 +37,9 @@ std::vector<std::size_t> channels_of(const World& world) {
   return channels;
 }
 
-constexpr double kLimitRounding = 2e-4;  // rad; the table counts in 100 microradians
+constexpr double kLimitRounding = 2e-4;  // rad; the table's unit is 100 microradians
 
-// The firmware would never let a joint of another robot go beyond the limits that its channel has.
+// The firmware enforces the limits of its channels: another robot's joints must not exceed them.
 Result<void> check_limits(const std::string& robot_path) {
   const auto robot = load_robot(robot_path);
   if (!robot) return tl::unexpected(robot.error());
@@ -60,7 +60,7 @@ Result<void> check_limits(const std::string& robot_path) {
   return {};
 }
 
-// Contacts are many and change slowly.
+// Contacts are recorded less often: they are many and change slowly.
 constexpr States contact_interval_ms = 10;
 
 constexpr int detour_steps = 100;
@@ -152,8 +152,8 @@ Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mc
 
 Simulation::~Simulation() = default;
 
-// Potentiometers of channels without a joint stand at zero. `since_s`: from the end of the world's last
-// step; meanwhile a joint is taken to turn on as fast as it did there.
+// Potentiometers of channels without a joint read zero. `since_s`: time since the end of the world's last
+// step; joint angles are extrapolated linearly over it.
 void Simulation::tell_sensors(double since_s) {
   std::array<double, KZ_JOINTS> angles{};
   double motor_current = 0;
@@ -193,7 +193,7 @@ Result<void> Simulation::advance() {
   const auto to_board = line_.take_for_board(end);
   for (const SerialByte& byte : to_board) board_.receive(byte);
   const States tick = end / KZ_STATES_PER_TICK;
-  // Of the step that will be the last one when they are recorded.
+  // For the step that will be the last one before the next recording of loads.
   world_->watch_loads(recorder_ && (tick + ratio_.ticks_a_step - 1) / contact_interval_ms !=
                                        (tick - 1) / contact_interval_ms);
   Eigen::Vector3d felt = Eigen::Vector3d::Zero();
@@ -220,7 +220,7 @@ Result<void> Simulation::advance() {
   return {};
 }
 
-// By the drivers' mean over its step, which ends now.
+// Steps the world with the drivers' means over its step, which ends now.
 void Simulation::move_world() {
   std::array<MotorDrive, KZ_JOINTS> drives{};
   const auto means = board_.take_drives();
@@ -283,7 +283,7 @@ std::optional<vision::StereoPair> Simulation::next_exposed_pair() {
   return eyes_ ? eyes_->next_pair(Time::max()) : std::nullopt;
 }
 
-std::uint64_t Simulation::pairs_left_out() const {
+std::uint64_t Simulation::pairs_dropped() const {
   return eyes_ ? eyes_->left_out() : 0;
 }
 
@@ -308,11 +308,11 @@ void Simulation::record_behavior(std::string_view json) {
 
 Result<void> Simulation::start_recording(const std::string& path) {
   if (recorder_)
-    return fail(Fault::usage,
-                "cannot record into " + path + ": a recording is under way; finish that one first");
+    return fail(Fault::usage, "cannot record into " + path +
+                                  ": a recording is in progress; finish that one first");
   McapWriter::Metadata facts = options_.recording_facts;
   for (auto& fact : facts_of(options_, *world_)) {
-    // Readers refuse a map with a key twice.
+    // MCAP readers reject duplicate keys.
     if (std::ranges::find(facts, fact.first, &McapWriter::Metadata::value_type::first) ==
         facts.end())
       facts.push_back(std::move(fact));

@@ -1,11 +1,10 @@
-// The virtual right-hand side on one clock: board, world, eyes, line, recorder.
+// The simulated robot on one clock: servo board, world, stereo camera, serial line, recorder.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Time goes on only in step(), by one millisecond: the board runs to the end of the step, its mean
-// drives move the world, the joints' angles go back to the potentiometers. The world may take shorter
-// steps than that, then board and world take turns within the millisecond, or longer ones. Nothing here
-// reads the wall clock; the same options and the same calls give the same recording, byte for byte
-// (docs/time.md).
+// Time advances only in step(), by one millisecond: the board runs to the end of the step, its mean motor
+// drives move the world, and the joint angles return to the potentiometers. With shorter physics steps board
+// and world alternate within the millisecond; physics steps may also be longer. Nothing here reads the wall
+// clock: the same options and calls give the same recording, byte for byte (docs/time.md).
 #pragma once
 
 #include <cstdint>
@@ -47,7 +46,7 @@ struct SimulationOptions {
   std::string stepper = "reduced";  // sim/body/world/world.h
   double physics_step_ms = 1;       // of the world: 0.125, 0.25, 0.5, 1, 2 or 4
   SensorSwitches sensors = {};
-  SensorParams sensor_params = {};  // create() takes them from sensors.xml beside the URDF
+  SensorParams sensor_params = {};  // create() reads them from sensors.xml beside the URDF
   bool imu = false;                 // the board has gyro and accelerometer
   bool ideal_eyes =
       true;           // pinholes without noise; else lenses and sensors as the camera file says
@@ -60,23 +59,23 @@ struct SimulationOptions {
   bool record_pictures = false;          // the eyes' pictures too, not only their digests
   McapWriter::Metadata recording_facts;  // versions and the like, for the recording's header
   RendererFactory renderer = make_default_renderer;
-  // For proof: every so often the simulation makes a detour (below). Zero: never.
+  // For tests: period of detour() calls. Zero: never.
   Time detour_every{};
 };
 
-// What decides how a simulation goes on: options, and the content of its files.
+// Everything that determines the course of a simulation: options and the contents of its files.
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world);
 
-// The microcontroller that the options name. Errors: an unknown engine, a file that is no image.
+// The microcontroller that the options name. Errors: unknown engine, invalid firmware image.
 Result<std::unique_ptr<Mcu>> make_engine(const SimulationOptions& options);
 
 class Simulation {
  public:
-  // Errors: a file that is missing or wrong, an unknown engine, a robot of more joints than the
-  // servo board has channels, a physics step that does not fit.
+  // Errors: missing or invalid files, unknown engine, more joints than the servo board has channels, invalid
+  // physics step.
   static Result<std::unique_ptr<Simulation>> create(const SimulationOptions& options);
-  // The two parts given: for tests and for other boards.
+  // With the given microcontroller and world: for tests and other boards.
   static Result<std::unique_ptr<Simulation>> assemble(const SimulationOptions& options,
                                                       std::unique_ptr<Mcu> mcu,
                                                       std::unique_ptr<World> world,
@@ -85,7 +84,7 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  // One millisecond. Errors (the chip stopped, no pictures, disk full) repeat at each further call.
+  // Advances by one millisecond. Errors (chip stopped, rendering failed, disk full) persist.
   Result<void> step();
   const std::optional<Error>& error() const { return error_; }
   // End of the last step. A whole number of milliseconds.
@@ -97,18 +96,19 @@ class Simulation {
   std::size_t read(std::span<std::uint8_t> bytes) { return line_.read(bytes, now_); }
   SerialLine& line() { return line_; }
 
-  // The eyes are closed at first: nothing is drawn for nobody. Without eyes there are no pairs.
+  // The eyes are closed initially, so nothing is rendered without a reader. A robot without eyes has no
+  // pairs.
   bool has_eyes() const { return world_->head_frame() >= 0; }
-  static Error no_eyes();  // for whoever asks for pairs all the same
+  static Error no_eyes();  // the error for requests of pairs from such a robot
   void open_eyes();
   void close_eyes() { eyes_open_ = false; }
   const CameraFile& camera() const { return camera_; }
   // The next pair that has reached the host by now, oldest first.
   std::optional<vision::StereoPair> next_pair();
-  // The same without the declared latency: for a publisher, whose readers wait for it themselves.
+  // The same without the declared latency, for publishers whose readers apply it themselves.
   std::optional<vision::StereoPair> next_exposed_pair();
-  std::uint64_t pairs_left_out() const;
-  // A picture of the world as it stood at `pose` (World::pose()), by an onlooker. Waits for it.
+  std::uint64_t pairs_dropped() const;
+  // Renders the world at `pose` (World::pose()) from an observer's camera. Blocks.
   Result<Picture> picture(const View& view, const ScenePose& pose);
 
   ServoBoard& board() { return board_; }
@@ -116,30 +116,29 @@ class Simulation {
   World& world() { return *world_; }
   const World& world() const { return *world_; }
 
-  // Faults besides those of the options, or all gone. Times on time()'s scale; those that have passed
-  // begin with the next step.
+  // Adds a fault to those of the options, or clears all. Times are on time()'s scale; past ones begin with
+  // the next step.
   void add_fault(const faults::Fault& fault) { faults_.add(fault); }
   void clear_faults() { faults_.clear(); }
   const faults::Schedule& faults() const { return faults_.schedule(); }
 
-  // Enters what the behaviour thinks (one JSON object) into the recording, at the present time.
+  // Records the behaviour's internal state (one JSON object) at the present time.
   void record_behavior(std::string_view json);
-  // Records from now on, as `recording_path` does from the start. Errors: the file cannot be
-  // written; a recording is under way.
+  // Starts recording, as `recording_path` does from the start. Errors: the file cannot be written; a
+  // recording is in progress.
   Result<void> start_recording(const std::string& path);
-  // Ends the recording; its SHA-256. Empty if there is none.
+  // Finishes the recording and returns its SHA-256; empty if there is none.
   Result<std::string> finish_recording();
 
-  // The whole state: bodies, motors, chip, board, line, faults, eyes and the pairs under way, all
-  // random numbers, time. Not the recording, which goes on as it is. Pictures that are being drawn are
-  // waited for. Errors: the simulation has failed; a part cannot be saved (tests' own).
+  // Saves the whole state: bodies, motors, chip, board, line, faults, eyes with pairs in flight, all random
+  // generators, time; not the recording, which continues. Waits for pictures being rendered. Errors: the
+  // simulation has failed; a part cannot be saved (test doubles).
   Result<std::vector<std::uint8_t>> save();
-  // Goes on from there, exactly as the simulation that was saved: this one must have been made with
-  // the same options, by the same build. Errors: Snapshot's (then nothing has happened here); bytes
-  // that do not fit (then this simulation can only be restored again).
+  // Continues exactly like the saved simulation. This one must have the same options and build. Errors: those
+  // of Snapshot (then the state is unchanged); inconsistent bytes (then only another restore() is valid).
   Result<void> restore(std::span<const std::uint8_t> blob);
-  // Saves, goes on alone for so many steps, of which the recording tells nothing, and restores.
-  // Nothing must show it: a proof that save() forgets nothing.
+  // Saves, runs `steps` steps that are not recorded, and restores. Must have no visible effect: tests that
+  // save() is complete.
   Result<void> detour(int steps);
 
  private:
@@ -161,7 +160,7 @@ class Simulation {
   std::unique_ptr<World> world_;
   StepRatio ratio_;
   ServoBoard board_;
-  std::vector<std::size_t> channels_;  // of the servo board, by joint of the world
+  std::vector<std::size_t> channels_;  // channel of the servo board, by joint of the world
   std::vector<MotorDrive> drives_;     // by joint of the world
   FaultPlayer faults_;
   SerialLine line_;

@@ -1,4 +1,4 @@
-// The whole simulation to bytes and back; what a recording and a saved state say of its options.
+// Saves and restores a whole simulation; options as metadata of recordings and saved states.
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cstdio>
@@ -17,7 +17,7 @@
 namespace kaz::sim {
 namespace {
 
-// Of a file's content; empty if there is none.
+// SHA-256 of a file's content; empty if there is no file.
 std::string digest_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (path.empty() || !file) return "";
@@ -30,14 +30,14 @@ std::string digest_beside(const std::string& path, const std::string& name) {
   return digest_of(std::filesystem::path(path).replace_filename(name).string());
 }
 
-// With all its digits: two numbers that differ are written differently.
+// All digits: different numbers give different texts.
 std::string exact(double number) {
   char text[32];
   std::snprintf(text, sizeof text, "%.17g", number);
   return text;
 }
 
-// Numbers only, without gaps between them: their bytes are their value.
+// SHA-256 of the bytes: SensorParams has doubles only, without padding.
 std::string digest_of(const SensorParams& params) {
   static_assert(std::is_trivially_copyable_v<SensorParams> && sizeof params == 26 * sizeof(double));
   std::array<std::uint8_t, sizeof params> bytes{};
@@ -45,7 +45,7 @@ std::string digest_of(const SensorParams& params) {
   return sha256_hex(bytes);
 }
 
-// A set that has no name is told switch by switch.
+// Name of a set of switches; a set without a name is listed switch by switch.
 std::string switches_of(const SensorSwitches& sensors) {
   std::string name = name_of(sensors);
   if (name != "mixed") return name;
@@ -57,7 +57,7 @@ std::string switches_of(const SensorSwitches& sensors) {
   return name;
 }
 
-// Which program draws. The library's own one has a name; two others cannot be told apart.
+// Name of the renderer factory: "Mesa" for the default one; others cannot be distinguished.
 std::string name_of(const RendererFactory& renderer) {
   const auto* function = renderer.target<Result<std::unique_ptr<Renderer>> (*)()>();
   return function != nullptr && *function == &make_default_renderer ? "Mesa" : "own";
@@ -65,7 +65,7 @@ std::string name_of(const RendererFactory& renderer) {
 
 }  // namespace
 
-// Takes every field of the options by name: a new field does not compile before it stands here.
+// Binds every field of the options, so that a new field does not compile until it is listed here.
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world) {
   const auto& [engine, image_path, world_path, robot_path, camera_path, seed, stepper,
@@ -73,10 +73,10 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
                supply_ohms, frames, faults, recording_path, record_pictures, recording_facts,
                renderer, detour_every] = options;
   static_cast<void>(stepper);         // the world says it with all figures
-  static_cast<void>(recording_path);  // a recording changes nothing
+  static_cast<void>(recording_path);  // recording does not affect the simulation
   static_cast<void>(record_pictures);
   static_cast<void>(recording_facts);
-  static_cast<void>(detour_every);  // nor does a detour
+  static_cast<void>(detour_every);  // nor do detours
   return {{"engine", engine},
           {"seed", std::to_string(seed)},
           {"stepper", world.stepper()},

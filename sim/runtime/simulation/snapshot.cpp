@@ -1,4 +1,4 @@
-// A saved state as bytes: header, facts, checksum.
+// File format of a saved state.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/simulation/snapshot.h"
 

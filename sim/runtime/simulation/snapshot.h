@@ -1,8 +1,8 @@
-// A saved state as bytes: what stands around the parts' own bytes, and whom it fits.
+// File format of a saved state: header, metadata, payload, checksum.
 // SPDX-License-Identifier: Apache-2.0
 //
-// "KAZSTATE", version (4 bytes), facts (what it was made with: name and value each), length, the
-// parts' bytes, SHA-256 over all before it.
+// "KAZSTATE", version (4 bytes), facts (options as pairs of name and value), length, payload (state of all
+// parts), SHA-256 of everything before it.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@ class Snapshot {
   static constexpr std::uint32_t version = 2;
 
   static std::vector<std::uint8_t> pack(const Facts& facts, std::span<const std::uint8_t> state);
-  // The parts' bytes, which lie in `blob`. Errors (usage), one sentence each: no saved state, damaged,
-  // another version, made with other options than `facts`, which are told.
+  // The payload, a view into `blob`. Errors (usage), one sentence each: not a saved state, damaged, another
+  // version, options that differ from `facts` (named).
   static Result<std::span<const std::uint8_t>> unpack(std::span<const std::uint8_t> blob,
                                                       const Facts& facts);
 

@@ -1,4 +1,4 @@
-// How steps of the world and ticks of the firmware go together.
+// Ratio of the physics step to the firmware's tick.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/simulation/step_ratio.h"
 
@@ -10,7 +10,7 @@ namespace kaz::sim {
 Result<StepRatio> step_ratio(double step_ms) {
   for (const StepRatio ratio : {StepRatio{8, 1}, StepRatio{4, 1}, StepRatio{2, 1}, StepRatio{1, 1},
                                 StepRatio{1, 2}, StepRatio{1, 4}}) {
-    // Worlds have their step in s: a product of two roundings.
+    // The world's step in s is converted twice: tolerance for rounding.
     const double length = static_cast<double>(ratio.ticks_a_step) / ratio.steps_a_tick;
     if (std::abs(step_ms - length) < 1e-9) return ratio;
   }

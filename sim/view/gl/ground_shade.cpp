@@ -1,4 +1,5 @@
-// Spheres along the light onto the ground, ellipses into the picture, blocks to rectangles.
+// Projects bounding spheres along the light onto the ground, their ellipses into the picture, and collects
+// marked blocks into rectangles.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/gl/ground_shade.h"
 
@@ -16,21 +17,23 @@ constexpr int kBlock = 32;  // samples: half a tile of llvmpipe
 
 using Quad = std::array<Eigen::Vector3d, 4>;
 
-// Around the ellipse in which a cylinder along the light meets the ground.
+// Rectangle around the ellipse in which a cylinder along the light l (unit, towards the lamp) intersects the
+// ground (n, d); world frame, m. Centre c - l (n . c - d) / (n . l); half axes r across the light and
+// r / (n . l) along it.
 Quad around_shadow(const Eigen::Vector3d& center, double radius, const GroundPlane& ground,
                    const Eigen::Vector3d& to_key) {
   const double steep = ground.normal.dot(to_key);
   const double above = ground.normal.dot(center) - ground.distance;
   const Eigen::Vector3d middle = center - to_key * (above / steep);
   const Eigen::Vector3d across = ground.normal.cross(to_key);
-  // Any direction does where the light falls straight down: the ellipse is a circle then.
+  // With vertical light the ellipse is a circle: any direction will do.
   const Eigen::Vector3d b =
       across.norm() > 1e-9 ? across.normalized() : ground.normal.unitOrthogonal();
   const Eigen::Vector3d wide = b * radius, far = ground.normal.cross(b) * (radius / steep);
   return {middle - wide - far, middle + wide - far, middle + wide + far, middle - wide + far};
 }
 
-// Blocks of a picture that have been marked.
+// The blocks of a picture, marked or not.
 class Blocks {
  public:
   Blocks(int width, int height)
@@ -40,7 +43,7 @@ class Blocks {
         rows_((height + kBlock - 1) / kBlock),
         marked_(static_cast<std::size_t>(columns_ * rows_)) {}
 
-  // Bounds in samples; one more on each side for rounding.
+  // Marks all blocks that intersect the bounds (samples), with a margin of one sample for rounding.
   void mark(double left, double top, double right, double bottom) {
     const auto block = [](double at, int count) {
       return static_cast<int>(std::clamp(std::floor(at / kBlock), -1.0, double(count)));
@@ -62,7 +65,7 @@ class Blocks {
  private:
   enum : std::uint8_t { taken = 2 };
 
-  // Runs of a row, each continued downwards as long as the rows below have all of it.
+  // Greedy rectangle cover: each run of a row is extended downwards while the rows below contain it.
   std::vector<PictureRectangle> take(std::uint8_t kind) {
     std::vector<PictureRectangle> rectangles;
     for (int y = 0; y < rows_; ++y) {
@@ -108,7 +111,8 @@ GroundParts parts_of_ground(std::span<const Piece> pieces, const ScenePose& pose
     if (ground.normal.dot(center) < ground.distance - radius) continue;  // below the ground
     Quad quad = around_shadow(center, radius, ground, to_key);
     for (Eigen::Vector3d& corner : quad) corner = optical_from_world * corner;
-    // What is in front of the lens, corners and where the sides pass the near plane.
+    // Bounding box in samples of the quad clipped at the near plane (optical frame): u = n (f_x x / z + c_x +
+    // 0.5) for corners in front of it and for intersections of the sides with it.
     double left = 1e9, top = 1e9, right = -1e9, bottom = -1e9;
     const auto reach = [&](const Eigen::Vector3d& p) {
       const double u = n * (camera.fx * p.x() / p.z() + camera.cx + 0.5);

@@ -1,4 +1,5 @@
-// Where in a picture a flat ground may lie in shadow: only there is the shadow map looked up.
+// Splits a picture into parts where a flat ground may be in shadow and where it is lit: the shadow map is
+// sampled only in the former.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,25 +13,24 @@
 
 namespace kaz::sim {
 
-// Samples of a picture, from the first row in memory.
+// Rectangle of samples; y counts from the first row in memory.
 struct PictureRectangle {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-// A side of the ground that the light falls on: points with normal . x = distance, world frame.
+// The lit side of the ground: points with normal . x = distance, world frame, m.
 struct GroundPlane {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double distance = 0;
 };
 
-// Rectangles that fill the picture without overlap.
+// Rectangles that cover the picture without overlap.
 struct GroundParts {
   std::vector<PictureRectangle> shaded, lit;
 };
 
-// `shaded` covers every sample of the ground in the shadow of a piece, and as far around as the
-// shadow's edge may reach (`edge_m`, across the light). Shadows are those of the spheres around the
-// pieces, so that more is covered than is dark.
+// Conservative: `shaded` covers every sample of the ground that the bounding sphere of a piece, enlarged by
+// the width of the shadow's edge (`edge_m`, perpendicular to the light), may shade.
 GroundParts parts_of_ground(std::span<const Piece> pieces, const ScenePose& pose, const View& view,
                             const GroundPlane& ground, double edge_m);
 

@@ -8,7 +8,8 @@
 namespace kaz::sim {
 
 Eigen::Matrix4d clip_from_optical(const Pinhole& camera) {
-  // A pixel centre u lies at (u + 0.5) / width of the picture, which is -1..1 in clip space.
+  // Pixel u to clip space: x = 2 (u + 0.5) / width - 1 with u = f_x X / Z + c_x, rows alike; depth as
+  // glFrustum (OpenGL 2.1 reference) for Z forward in [kNear_m, kFar_m]; w = Z.
   Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
   m(0, 0) = 2 * camera.fx / camera.width;
   m(0, 2) = (2 * camera.cx + 1) / camera.width - 1;
@@ -22,7 +23,7 @@ Eigen::Matrix4d clip_from_optical(const Pinhole& camera) {
 
 bool may_be_seen(const Pinhole& camera, const Eigen::Vector3d& center, double radius) {
   if (center.z() < kNear_m - radius) return false;
-  // Inward normals of the four planes through the lens and the picture's edges.
+  // Signed distance to the four side planes through the optical centre: (x + slope z) / sqrt(1 + slope^2).
   const double left = (camera.cx + 0.5) / camera.fx;
   const double right = (camera.width - 0.5 - camera.cx) / camera.fx;
   const double top = (camera.cy + 0.5) / camera.fy;
@@ -34,6 +35,8 @@ bool may_be_seen(const Pinhole& camera, const Eigen::Vector3d& center, double ra
          !outside(-center.y(), bottom);
 }
 
+// Light frame: x, y across the light, z along it. The map covers the casters' bounding spheres within kReach
+// of their mean, m.
 ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose, int texels,
                            const Eigen::Vector3d& to_key) {
   const Eigen::Vector3d back = to_key.normalized();
@@ -53,8 +56,8 @@ ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose,
     ++casters;
   }
   if (casters > 0) mean /= casters;
-  // Most casters are parts of the robot, so their mean is near it. What stands further off than
-  // this casts no shadow: the map would become too coarse.
+  // Most casters are parts of the robot, so their mean is near it. Casters further off than kReach cast no
+  // shadow: the map would become too coarse.
   constexpr double kReach = 1.5, kStep = 0.125;
   Eigen::Array3d low = mean, high = mean;
   for (const Piece& piece : pieces) {
@@ -80,7 +83,7 @@ ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose,
   Eigen::Matrix4d light = Eigen::Matrix4d::Identity();
   light.topLeftCorner<3, 3>() = light_from_world;
 
-  // The viewport leaves the outermost ring of texels free.
+  // Texture coordinates 0..1 from clip space; the viewport leaves the outermost ring of texels free.
   const double inside = 0.5 * (texels - 2) / texels;
   Eigen::Matrix4d texture_from_clip = Eigen::Matrix4d::Identity();
   texture_from_clip(0, 0) = texture_from_clip(1, 1) = inside;

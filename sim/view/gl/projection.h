@@ -1,4 +1,4 @@
-// Matrices from world to clip space, and what lies outside a view.
+// Projection matrices from world to clip space, and the test of a sphere against the view frustum.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,18 +15,18 @@ namespace kaz::sim {
 // Column-major.
 Eigen::Matrix4d clip_from_optical(const Pinhole& camera);
 
-// False where the sphere (optical frame) certainly lies outside the picture.
+// False if the sphere (optical frame, m) is outside the view frustum.
 bool may_be_seen(const Pinhole& camera, const Eigen::Vector3d& center, double radius);
 
 inline constexpr double kNear_m = 0.008, kFar_m = 40.0;
 
-// An orthographic view from the key light onto what casts shadows.
+// Orthographic view from the key light onto the shadow casters.
 struct ShadowView {
   Eigen::Matrix4d clip_from_world;
   Eigen::Matrix4d texture_from_world;  // 0..1 in all three
 };
-// `texels`: side of the map, of which the outermost ring stays free. Bounds move in whole texels,
-// so that the shadows' edges do not crawl while something moves elsewhere.
+// `texels`: side of the map; the outermost ring stays free. The bounds move in whole texels, so that shadow
+// edges do not crawl while other objects move.
 ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose, int texels,
                            const Eigen::Vector3d& to_key);
 

@@ -1,4 +1,4 @@
-// Drops alpha; averages samples.
+// Drops alpha, averages n x n samples in linear light.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/gl/resample.h"
 
@@ -16,7 +16,7 @@ void pack_rgb(std::span<const std::uint8_t> rgba, int width, int height, int n,
   if (n == 1) {
     const std::uint8_t* from = rgba.data();
     std::uint8_t* to = rgb.data();
-    // Four bytes at a time: the next pixel overwrites the fourth.
+    // Copies four bytes at a time; the next pixel overwrites the fourth.
     for (std::size_t i = 1; i < columns * rows; ++i, from += 4, to += 3) std::memcpy(to, from, 4);
     std::memcpy(to, from, 3);
     return;

@@ -1,4 +1,4 @@
-// From samples to pixels.
+// Supersampling: averages samples to pixels.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace kaz::sim {
 
-// RGBA samples, `width` x `height` of them, to RGB pixels: the mean light of n x n samples each
-// (light is the square of a code, as in shaders.h).
+// `rgba`: width x height samples; writes (width / n) x (height / n) RGB pixels. Code of a pixel:
+// sqrt(mean of code^2) over n x n samples, i.e. the mean light (shaders.h), rounded.
 void pack_rgb(std::span<const std::uint8_t> rgba, int width, int height, int n,
               std::vector<std::uint8_t>& rgb);
 

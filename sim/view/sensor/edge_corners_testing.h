@@ -1,4 +1,4 @@
-// Corners of a chessboard from its edges, for tests.
+// For tests: chessboard corners from fitted edges.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,12 +11,12 @@
 
 namespace kaz::sim {
 
-// Corners as crossings of edges: through the picture's codes across each edge between a corner and
-// its neighbours goes a parabola, and two of them meet in the corner. Where OpenCV's finder looks at
-// a small window, this takes whole edges, over which the raster's steps even out.
+// Corners as intersections of edges: a parabola is fitted to each edge between the neighbours of a corner,
+// and two of them intersect in the corner. OpenCV's cornerSubPix uses a small window; whole edges average
+// out the steps of rasterisation. Pixels; picture as grey codes.
 class EdgeCorners {
  public:
-  // `found`: corners to begin with, row by row.
+  // `found`: initial corners, row by row.
   EdgeCorners(const cv::Mat& grey, const std::vector<cv::Point2f>& found, int columns)
       : grey_(grey),
         found_(found),
@@ -41,7 +41,7 @@ class EdgeCorners {
     }
   };
 
-  // Beyond the last corner there is one more square: its corner is taken to lie as far off.
+  // Initial corner; beyond the border, where there is one more square, extrapolated linearly.
   cv::Point2d seed(int column, int row) const {
     const auto at = [&](int x, int y) {
       return cv::Point2d(found_[static_cast<std::size_t>(y * columns_ + x)]);
@@ -50,6 +50,7 @@ class EdgeCorners {
     return 2 * at(x, y) - at(2 * x - column, 2 * y - row);
   }
 
+  // Light (code squared) at p, bilinear.
   double light(const cv::Point2d& p) const {
     const int x = std::clamp(static_cast<int>(p.x), 0, grey_.cols - 2);
     const int y = std::clamp(static_cast<int>(p.y), 0, grey_.rows - 2);
@@ -61,8 +62,8 @@ class EdgeCorners {
     return (1 - b) * ((1 - a) * at(0, 0) + a * at(1, 0)) + b * ((1 - a) * at(0, 1) + a * at(1, 1));
   }
 
-  // How far along `across` from `p` dark turns into bright, or the other way round: where as much
-  // light would meet a sharp step.
+  // Position of the edge along `across` from `p`, px in [-reach, reach]: the ideal step with the same two
+  // levels a, b and the same integral of light, x = reach (2 (mean - b) / (a - b) - 1).
   double crossing(const cv::Point2d& p, const cv::Point2d& across, double reach) const {
     constexpr int kSteps = 64;
     std::array<double, kSteps> codes{};
@@ -80,6 +81,7 @@ class EdgeCorners {
     return reach * (2 * (sum / kSteps - last) / (first - last) - 1);
   }
 
+  // Least-squares parabola c0 + c1 s + c2 s^2 through the edge positions between `before` and `after`.
   Curve edge(const cv::Point2d& before, const cv::Point2d& at, const cv::Point2d& after,
              double reach) const {
     Curve curve{at, (after - before) / cv::norm(after - before), {}, {}};
@@ -89,7 +91,7 @@ class EdgeCorners {
       const int steps = static_cast<int>(4 * cv::norm(end - at));
       for (int i = 0; i < steps; ++i) {
         const double share = (i + 0.5) / steps;
-        if (share < 0.2 || share > 0.8) continue;  // other edges are too near
+        if (share < 0.2 || share > 0.8) continue;  // too close to crossing edges
         const cv::Point2d p = at + share * (end - at);
         const double s = (p - at).dot(curve.along);
         rows.push_back(cv::Mat(cv::Matx13d(1, s, s * s)));
@@ -102,6 +104,7 @@ class EdgeCorners {
     return curve;
   }
 
+  // Intersection of the two parabolas by alternating projections.
   cv::Point2f corner(int column, int row) const {
     const cv::Point2d at = seed(column, row), left = seed(column - 1, row),
                       right = seed(column + 1, row), up = seed(column, row - 1),

@@ -1,4 +1,4 @@
-// For tests: what an eye, lens, exposure, noise and all, takes of a scene.
+// For tests: picture of a scene by an eye with lens, exposure and noise.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

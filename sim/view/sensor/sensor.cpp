@@ -1,4 +1,4 @@
-// Two copies of a camera, the table of a lens, rows through table and noise.
+// Camera model: tolerances of the series, remap table of the lens, noise row by row.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/sensor/sensor.h"
 
@@ -23,7 +23,8 @@ vision::StereoCalibration::Eye copy_of(const EyeModel& model, std::uint64_t unit
   const auto off = [&](std::uint64_t what) { return deviation(unit, eye, what); };
   vision::StereoCalibration::Eye copy;
   Lens& lens = copy.lens;
-  // The middle row's edge lies half a width from the centre.
+  // Focal length such that the distorted ray at half the view angle ends at half the width:
+  // f = width / 2 / x_d(tan(view / 2)), px.
   lens.distortion = model.distortion;
   const double edge = lens.distort({std::tan(0.5 * model.lens_view_rad), 0}).x();
   const double focal = 0.5 * model.width / edge;
@@ -47,7 +48,8 @@ const vision::StereoCalibration::Eye& eye_of(const vision::StereoCalibration& ca
   return eye == Sensor::Eye::left ? calibration.left : calibration.right;
 }
 
-// Around the picture's edge, on which a lens sees furthest.
+// Pinhole that contains all rays of the lens: bounds of the undistorted directions x/z, y/z along the
+// picture's border, where they are extreme.
 Pinhole pinhole_around(const Lens& lens, int width, int height, double focal) {
   Eigen::Array2d low(1e9, 1e9), high(-1e9, -1e9);
   const auto reach = [&](double u, double v) {
@@ -63,7 +65,7 @@ Pinhole pinhole_around(const Lens& lens, int width, int height, double focal) {
     reach(0, v);
     reach(width - 1, v);
   }
-  // A pixel more on each side; llvmpipe draws in blocks of four.
+  // One pixel of margin on each side, rounded up to blocks of four (llvmpipe).
   const auto side = [&](double from, double to) {
     return (static_cast<int>(std::ceil(focal * (to - from))) + 3 + 3) / 4 * 4;
   };
@@ -76,6 +78,8 @@ Pinhole pinhole_around(const Lens& lens, int width, int height, double focal) {
   return p;
 }
 
+// Remap table of the lens: pixel (u, v) samples the pinhole picture at its undistorted direction d, with the
+// gain sqrt(1 - vignetting r^2 / r_corner^2).
 vision::Remap table_of(const EyeModel& model, const Lens& lens, const Pinhole& ideal) {
   const double corner =
       0.25 * (model.width * model.width + model.height * model.height);  // px, squared
@@ -85,7 +89,7 @@ vision::Remap table_of(const EyeModel& model, const Lens& lens, const Pinhole& i
             const Eigen::Vector2d d = lens.direction({u, v});
             const double x = u - lens.cx, y = v - lens.cy;
             const double light = 1 - model.vignetting * std::min(1.0, (x * x + y * y) / corner);
-            // A code is the root of its light.
+            // A code is the square root of its light.
             return {ideal.fx * d.x() + ideal.cx, ideal.fy * d.y() + ideal.cy, std::sqrt(light)};
           }};
 }

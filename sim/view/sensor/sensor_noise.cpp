@@ -1,4 +1,4 @@
-// Sixteen random sequences side by side, so that every compiler makes vectors of them.
+// Image sensor noise, with sixteen independent random sequences so that compilers vectorise the loops.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/sensor/sensor_noise.h"
 
@@ -11,9 +11,10 @@
 namespace kaz::sim {
 namespace {
 
-constexpr std::size_t kLanes = 16, kBlock = 480;  // a block stays in the nearest cache
+constexpr std::size_t kLanes = 16, kBlock = 480;  // a block fits the L1 cache
 
-// Marsaglia 2003, xorshift of 32 bits, in lanes; the sum of a number's four bytes without its mean.
+// 32-bit xorshift (Marsaglia, J. Stat. Software 8(14), 2003) in lanes; z = sum of the number's four bytes
+// minus the mean 510.
 [[gnu::always_inline]] inline void deviates(std::uint32_t* state, std::int32_t* z) {
   for (std::size_t at = 0; at < kBlock; at += kLanes) {
     for (std::size_t i = 0; i < kLanes; ++i) {
@@ -28,7 +29,8 @@ constexpr std::size_t kLanes = 16, kBlock = 480;  // a block stays in the neares
   }
 }
 
-// IEEE's single operations throughout (built without contraction), so all vector widths round alike.
+// code' = sqrt(max(0, c^2 + z sqrt(shot c^2 + read))) + 0.5, truncated to 0..255. Single-precision IEEE
+// operations without contraction, so that all vector widths round alike.
 [[gnu::always_inline]] inline void expose_row(const std::uint16_t* __restrict codes64,
                                               std::uint8_t* __restrict codes, std::size_t count,
                                               std::uint64_t key, const NoiseRow::Factors& factors) {
@@ -63,9 +65,9 @@ constexpr std::size_t kLanes = 16, kBlock = 480;  // a block stays in the neares
 }  // namespace
 
 NoiseRow::NoiseRow(const NoiseLaw& law) {
-  // Light 255^2 is a full well, so an electron is 255^2 / full_well.
+  // Light 255^2 is a full well, so one electron is 255^2 / full_well in codes squared.
   const double electron = 255.0 * 255.0 / law.full_well_e;
-  // Variance of the sum of four random bytes.
+  // Variance of the sum of four uniform bytes: 4 (256^2 - 1) / 12.
   const double bytes = 4 * (256.0 * 256.0 - 1) / 12;
   factors_.code = static_cast<float>(std::sqrt(law.exposure) / 64);
   factors_.shot = static_cast<float>(electron / bytes);

@@ -1,4 +1,4 @@
-// What an image sensor does to the light of a row of pixels: exposure, shot and read noise, codes.
+// Image sensor noise of a row of pixels: exposure, shot noise, read noise, quantisation to codes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,30 +6,31 @@
 
 namespace kaz::sim {
 
-// A code c stands for the light c^2 (shaders.h), code 255 for `full_well_e` electrons.
+// Photon-transfer model: a code c stands for the light c^2 (shaders.h), code 255 for `full_well_e` electrons;
+// variance of the electron count = n + read_noise_e^2 (EMVA 1288, shot and dark noise).
 struct NoiseLaw {
-  double exposure = 1.0;  // light is multiplied by this before it is caught
+  double exposure = 1.0;  // factor on the light
   double full_well_e = 10'000;
   double read_noise_e = 12;  // rms
 };
 
-// For all rows: the law in units of codes squared.
+// Applies the law to rows; light in units of codes squared.
 class NoiseRow {
  public:
   explicit NoiseRow(const NoiseLaw& law);
 
-  // `count` numbers in 64ths of a code to codes. Of n electrons, n + z sqrt(n + read^2) are counted,
-  // z a deviate of mean 0 and sigma 1: the sum of four random bytes, so at most 3.46. `key` decides
-  // it with the place in the row. The same bytes with and without AVX2, which is used where the
-  // processor has it.
+  // Converts `count` values in 1/64 codes to codes. n electrons are read as n + z sqrt(n + read^2), z with
+  // mean 0 and sigma 1: the sum of four random bytes (nearly normal, |z| <= 3.46), a function of `key` and
+  // the position in the row. AVX2 is used where available and gives the same bytes.
   void expose(const std::uint16_t* codes64, std::uint8_t* codes, std::size_t count,
               std::uint64_t key) const;
   void expose_plain(const std::uint16_t* codes64, std::uint8_t* codes, std::size_t count,
                     std::uint64_t key) const;
 
   struct Factors {
-    float code = 0;            // of a 64th, exposure included
-    float shot = 0, read = 0;  // variance = shot * code^2 + read, for z of random bytes
+    float code = 0;  // codes per 1/64 code, times sqrt(exposure)
+    float shot = 0,
+          read = 0;  // variance = shot * code^2 + read, for the unscaled sum of random bytes
   };
 
  private:
