@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
 #include "sim/body/description/rigid_link.h"
 
 namespace kaz::sim {
@@ -30,6 +32,13 @@ constexpr double kContactLayer = 2e-4;
 constexpr double kContactMaxCorrection = 0.2;
 
 // Parameters of a pair of surfaces, by the rule at Surface.
-Surface joined(const Surface& a, const Surface& b);
+inline Surface joined(const Surface& a, const Surface& b) {
+  const Surface& livelier = a.restitution >= b.restitution ? a : b;
+  return {.mu = std::min(a.mu, b.mu),
+          .softness = a.softness + b.softness,
+          .restitution = livelier.restitution,
+          .bounce_threshold = livelier.bounce_threshold,
+          .rolling_resistance = std::max(a.rolling_resistance, b.rolling_resistance)};
+}
 
 }  // namespace kaz::sim

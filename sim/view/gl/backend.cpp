@@ -4,8 +4,7 @@
 #include <mutex>
 #include <string>
 
-#include "sim/view/gl/context_egl.h"
-#include "sim/view/gl/context_osmesa.h"
+#include "sim/view/gl/gl_context.h"
 #include "sim/view/gl/gl_renderer.h"
 
 namespace kaz::sim {

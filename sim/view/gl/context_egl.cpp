@@ -1,7 +1,7 @@
 // EGL without a display server or a surface. libEGL is loaded by name, not linked: OSMesa brings the
 // gl* functions that this program is linked with.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/view/gl/context_egl.h"
+#include "sim/view/gl/gl_context.h"
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>

@@ -1,6 +1,6 @@
 // OSMesa context: a 1 x 1 default framebuffer, since all drawing goes to framebuffer objects.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/view/gl/context_osmesa.h"
+#include "sim/view/gl/gl_context.h"
 
 #ifdef KAZ_HAVE_OSMESA
 #include <GL/osmesa.h>

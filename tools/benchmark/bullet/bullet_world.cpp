@@ -234,9 +234,9 @@ void BulletWorld::ask_joints() {
     const JointMotor::Row& row = rows_[i];
     joint.motor->ask(row.velocity, row.softness, row.min, row.max);
     const double watch = kStopWatch + step_s_ * std::abs(joint_states_[i].velocity);
-    const auto stop = [&](BulletJointRow& out, double way) {  // way: rad, left to it
-      if (way > watch) return out.rest();
-      out.ask(way > 0 ? -way / step_s_ : -kStopErp * way / step_s_, kStopSoftness, 0,
+    const auto stop = [&](BulletJointRow& out, double gap) {  // rad, to the stop
+      if (gap > watch) return out.rest();
+      out.ask(gap > 0 ? -gap / step_s_ : -kStopErp * gap / step_s_, kStopSoftness, 0,
               std::numeric_limits<double>::max());
     };
     stop(*joint.lower_stop, joint_states_[i].angle - joint.lower);
