@@ -7,7 +7,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "sim/body/xml_file.h"
+#include "sim/body/description/xml_file.h"
 
 namespace kaz::sim {
 namespace {

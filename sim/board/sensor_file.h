@@ -18,7 +18,7 @@ struct PotentiometerParams {
   double open_level = 1;    // fraction of AVCC read with an open wiper
 };
 
-struct InputFigures {
+struct InputParams {
   double noise_codes = 0;
 };
 
@@ -44,7 +44,7 @@ struct ImuAxisParams {
 
 struct SensorParams {
   PotentiometerParams potentiometer;
-  InputFigures supply, reference;
+  InputParams supply, reference;
   DriverParams driver;
   ImuAxisParams gyro, accelerometer;
 };

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "sim/body/files_testing.h"
+#include "sim/body/description/files_testing.h"
 
 namespace kaz::sim {
 namespace {
@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(
     Files, BrokenSensorFile,
     testing::Values(
         Broken{"unknown_sensor", "<supply>", "<lidar/><supply>", "unknown sensor <lidar>"},
-        Broken{"unknown_figure", "<terminal value", "<finish value",
+        Broken{"unknown_param", "<terminal value", "<finish value",
                "unknown element <finish> in <potentiometer>"},
         Broken{"no_number", "<linearity value=\"0.005\"/>", "<linearity value=\"some\"/>",
                "attribute `value` of <linearity> is \"some\""},

@@ -8,8 +8,8 @@
 
 #include "shared/base/random.hpp"
 #include "shared/board/table.h"
-#include "sim/body/robot_model.h"
-#include "sim/body/staged_world.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/world/staged_world.h"
 
 namespace kaz::sim {
 namespace {
@@ -109,7 +109,7 @@ void MotorStand::step_shaft(std::size_t joint, const MotorDrive& drive, double s
     push += kHandStiffness * (shaft.guide_rad - state.angle);
   }
   const auto torque_at = [&row](double velocity, double yield) {
-    return std::clamp((row.velocity - velocity) / (row.softness + yield), row.least, row.most);
+    return std::clamp((row.velocity - velocity) / (row.softness + yield), row.min, row.max);
   };
   double torque = torque_at(push / mass, 1 / mass);
   double velocity = (push + torque) / mass;

@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/body/joint_motor.h"
-#include "sim/body/world.h"
+#include "sim/body/motor/joint_motor.h"
+#include "sim/body/world/world.h"
 
 namespace kaz::sim {
 
@@ -65,7 +65,7 @@ class MotorStand final : public World {
   Result<Eigen::Vector3d> object_position(const std::string& model) const override;
   double largest_joint_gap_m() const override { return 0; }
   std::string dynamics() const override { return "stand"; }
-  const Trouble& trouble() const override { return trouble_; }
+  const SolverDiagnostics& diagnostics() const override { return diagnostics_; }
   void save(StateWriter& to) override { transfer(to); }
   void restore(StateReader& from) override { transfer(from); }
 
@@ -100,7 +100,7 @@ class MotorStand final : public World {
   std::vector<JointState> states_;
   ImuState imu_;
   Scene scene_;
-  Trouble trouble_;
+  SolverDiagnostics diagnostics_;
 };
 
 }  // namespace kaz::sim

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/body/motor_bench.h"
+#include "sim/body/motor/motor_testing.h"
 #include "sim/stand/stand_commands.h"
 
 namespace kaz::sim {

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <vector>
 
-#include "sim/body/robot_model.h"
+#include "sim/body/description/robot_model.h"
 
 namespace kaz::sim {
 namespace {

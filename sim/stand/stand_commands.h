@@ -8,7 +8,7 @@
 #include <string>
 
 #include "shared/base/result.hpp"
-#include "sim/runtime/simulation.h"
+#include "sim/runtime/simulation/simulation.h"
 #include "sim/stand/motor_stand.h"
 
 namespace kaz::sim {

@@ -5,8 +5,6 @@
 #include "sim/h8s/chip/chip.h"
 #include "tools/benchmark/benchmark.h"
 #include "tools/benchmark/engines.h"
-#include "tools/benchmark/host_instructions.h"
-#include "tools/benchmark/loads.h"
 
 namespace kaz::bench {
 namespace {

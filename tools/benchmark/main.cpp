@@ -11,7 +11,6 @@
 
 #include "tools/benchmark/benchmark.h"
 #include "tools/benchmark/engines.h"
-#include "tools/benchmark/table.h"
 
 namespace {
 

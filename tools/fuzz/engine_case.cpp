@@ -8,7 +8,7 @@
 
 #include "hil/fuzz/tick_judge.h"
 #include "shared/board/table.h"
-#include "sim/runtime/simulation.h"
+#include "sim/runtime/simulation/simulation.h"
 #include "tools/fuzz/plant.h"
 #include "tools/fuzz/shadow.h"
 #include "tools/lockstep/lockstep.h"
@@ -28,7 +28,7 @@ constexpr int kDriveLag = 3;
 constexpr int kPushedMs = 100;
 
 // So far past a soft limit a host can drive a joint at most at 10 V, as
-// sim/body/joint_limits_test.cpp
+// sim/body/motor/joint_limits_test.cpp
 // states and shows for one joint.
 constexpr double kLimitMargin = 0.03;  // rad
 

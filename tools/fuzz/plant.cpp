@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "shared/board/table.h"
-#include "sim/body/joint_motor.h"
-#include "sim/body/robot_model.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/motor/joint_motor.h"
 
 namespace kaz::fuzz {
 namespace {
@@ -36,7 +36,7 @@ class MotorBench final : public sim::World {
       // From a light hand to a leg that carries the trunk.
       const double inertia = 1e-4 * (1.0 + static_cast<double>(j * j));
       joint.torque = std::clamp((row.velocity - joint.velocity) / (row.softness + kStep / inertia),
-                                row.least, row.most);
+                                row.min, row.max);
       joint.velocity += kStep / inertia * joint.torque;
       joint.angle += kStep * joint.velocity;
       motors_[j].finish(joint.velocity, joint.torque);

@@ -3,7 +3,11 @@
 #include <memory>
 #include <string>
 
+#include "sim/view/camera.h"
+#include "sim/view/sensor/sensor.h"
 #include "tools/app/draw_eyes.h"
+#include "tools/app/output.h"
+#include "tools/figure/figure.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 

@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/view/eye_testing.h"
 #include "sim/view/scenes_testing.h"
-#include "sim/view/sensor.h"
+#include "sim/view/sensor/eye_testing.h"
+#include "sim/view/sensor/sensor.h"
 #include "vision/calibration/rectify.h"
 
 namespace kaz::sim {

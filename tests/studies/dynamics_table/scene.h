@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
-#include "sim/body/plain_models.h"
-#include "sim/body/staged_world.h"
+#include "sim/body/world/plain_models_testing.h"
+#include "sim/body/world/staged_world.h"
 #include "tests/studies/dynamics_table/table.h"
 
 namespace kaz::dynamics_table {

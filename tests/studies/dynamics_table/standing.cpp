@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "sim/body/contact_surface.h"
+#include "sim/body/contact/contact_surface.h"
+#include "sim/body/world/gait_testing.h"
 #include "tests/studies/dynamics_table/scene.h"
-#include "sim/body/gait_testing.h"
 
 namespace kaz::dynamics_table {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/body/robot_model.h"
-#include "sim/body/world.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/world/world.h"
 #include "tests/studies/gait/report.h"
 
 namespace kaz::gait {

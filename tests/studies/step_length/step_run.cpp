@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "host/robot/robot.h"
-#include "sim/body/gait_testing.h"
-#include "sim/body/robot_model.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/world/gait_testing.h"
 #include "tools/lockstep/lockstep.h"
 
 namespace kaz::step_length {

@@ -3,7 +3,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Host, wire, native firmware with its tick of 1 ms, sensors without noise, Kaz's motors. Targets are
-// those of sim/body/gait_testing.h, sent each 20 ms as ramps of 20 ms.
+// those of sim/body/world/gait_testing.h, sent each 20 ms as ramps of 20 ms.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 #include <string>
 
 #include "shared/base/result.hpp"
-#include "sim/runtime/simulation.h"
+#include "sim/runtime/simulation/simulation.h"
 
 namespace kaz::step_length {
 

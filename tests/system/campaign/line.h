@@ -8,7 +8,7 @@
 
 #include "host/link/link.h"
 #include "sim/mcu/h8_mcu.h"
-#include "sim/runtime/simulation.h"
+#include "sim/runtime/simulation/simulation.h"
 
 namespace kaz::campaign {
 

@@ -12,7 +12,7 @@
 
 #include "host/behavior/pipeline_sight.h"
 #include "host/camera/capture.h"
-#include "sim/body/robot_model.h"
+#include "sim/body/description/robot_model.h"
 #include "tools/lockstep/lockstep.h"
 #include "vision/pipeline/modules.h"
 

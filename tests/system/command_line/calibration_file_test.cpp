@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "sim/runtime/eyes.h"
+#include "sim/runtime/eyes/eyes.h"
 #include "tests/system/command_line/process.h"
 
 namespace kaz::test {

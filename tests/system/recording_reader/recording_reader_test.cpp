@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/runtime/mcap_reader.h"
-#include "sim/runtime/mcap_writer.h"
+#include "sim/runtime/formats/mcap_reader.h"
+#include "sim/runtime/formats/mcap_writer.h"
 #include "tests/system/command_line/process.h"
 
 namespace kaz::test {

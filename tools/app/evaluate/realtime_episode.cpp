@@ -217,7 +217,7 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
     if (result.contains(figure) && result[figure].is_number()) figures[figure] = result[figure];
   const std::string told = last_line(text_of(run_log));
   Json simulator_json = Json::object();
-  for (const char* figure : {"overruns", "lost_s", "pairs_left_out", "unsettled_steps"})
+  for (const char* figure : {"overruns", "lost_s", "pairs_dropped", "unconverged_steps"})
     if (last.contains(figure)) simulator_json[figure] = last[figure];
   if (cause.empty()) fs::remove_all(kept, wrong);
   return Json{{"episode", number},

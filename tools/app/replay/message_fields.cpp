@@ -9,7 +9,7 @@
 namespace kaz::tools {
 namespace {
 
-// As the schemas of sim/runtime/recorder.cpp have them, where lengths are fixed.
+// As the schemas of sim/runtime/simulation/recorder.cpp have them, where lengths are fixed.
 struct Field {
   const char* topic;
   const char* name;

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "shared/base/result.hpp"
-#include "sim/runtime/mcap_reader.h"
+#include "sim/runtime/formats/mcap_reader.h"
 
 namespace kaz::tools {
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/base/result.hpp"
-#include "sim/runtime/mcap_reader.h"
+#include "sim/runtime/formats/mcap_reader.h"
 #include "tools/app/vision/modules.h"
 
 namespace kaz::tools {

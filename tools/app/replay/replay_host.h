@@ -3,7 +3,7 @@
 #pragma once
 
 #include "shared/base/result.hpp"
-#include "sim/runtime/mcap_reader.h"
+#include "sim/runtime/formats/mcap_reader.h"
 #include "tools/app/replay/replay.h"
 #include "tools/app/session/session.h"
 

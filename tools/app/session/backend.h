@@ -13,7 +13,7 @@
 #include "host/link/link.h"
 #include "host/link/tty_link.h"
 #include "shared/base/result.hpp"
-#include "sim/runtime/simulation.h"
+#include "sim/runtime/simulation/simulation.h"
 #include "vision/image/frame.h"
 #include "vision/pipeline/pipeline.h"
 

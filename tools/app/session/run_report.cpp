@@ -166,9 +166,9 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     result["dynamics"] = simulation->world().dynamics();
     result["physics_step_ms"] = report.backend.physics_step_ms;
     result["joint_gap_m"] = rounded(simulation->world().largest_joint_gap_m(), 1e-7);
-    const sim::Trouble& trouble = simulation->world().trouble();
-    result["unsettled_steps"] = trouble.unsettled;
-    if (trouble.unsettled > 0) result["beware"] = trouble.sentence();
+    const sim::SolverDiagnostics& diagnostics = simulation->world().diagnostics();
+    result["unconverged_steps"] = diagnostics.unconverged_steps;
+    if (diagnostics.unconverged_steps > 0) result["warning"] = diagnostics.summary();
     const auto sha256 = simulation->finish_recording();
     if (!sha256) return tl::unexpected(sha256.error());
     if (!sha256->empty()) result["recording_sha256"] = *sha256;
@@ -224,8 +224,8 @@ void print_report(const ordered_json& result, const RunReport& report, const std
   std::printf("\n");
   if (!report.vision_text.empty())
     std::printf("vision, computing a picture: %s\n", report.vision_text.c_str());
-  if (result.contains("beware"))
-    std::printf("beware: %s\n", result["beware"].get<std::string>().c_str());
+  if (result.contains("warning"))
+    std::printf("warning: %s\n", result["warning"].get<std::string>().c_str());
   if (result.contains("recording_sha256")) {
     std::printf("recording %s\n", result["recording_sha256"].get<std::string>().c_str());
   }

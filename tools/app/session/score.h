@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/behavior/sink.h"
-#include "sim/runtime/simulation.h"
+#include "sim/runtime/simulation/simulation.h"
 
 namespace kaz::tools {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/behavior/sink.h"
-#include "sim/runtime/simulation.h"
+#include "sim/runtime/simulation/simulation.h"
 #include "tools/app/output.h"
 #include "vision/color/ball.h"
 #include "vision/image/frame.h"

@@ -18,8 +18,8 @@
 #include <valgrind/callgrind.h>
 
 #include "shared/board/board.h"
-#include "sim/body/gait_testing.h"
-#include "sim/body/staged_world.h"
+#include "sim/body/world/gait_testing.h"
+#include "sim/body/world/staged_world.h"
 #include "tools/benchmark/body/names.h"
 #include "tools/benchmark/bullet/bullet_world.h"
 

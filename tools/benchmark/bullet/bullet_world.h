@@ -15,7 +15,7 @@
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
-#include "sim/body/staged_world.h"
+#include "sim/body/world/staged_world.h"
 #include "tools/benchmark/bullet/bullet_joint_row.h"
 #include "tools/benchmark/bullet/bullet_shapes.h"
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "sim/runtime/mcap_reader.h"
+#include "sim/runtime/formats/mcap_reader.h"
 #include "tools/app/replay/message_fields.h"
 #include "tools/app/replay/recorded_backend.h"
 #include "tools/fuzz/inputs/input.h"
