@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host/link/requester.h"
-#include "host/link/typed_request.h"
+#include "host/robot/typed_request.h"
 
 namespace kaz::hil {
 

@@ -5,8 +5,8 @@
 #include <functional>
 
 #include "host/behavior/ball_sight.h"
-#include "host/robot/board_testing.h"
 #include "host/robot/robot.h"
+#include "host/robot/robot_testing.h"
 
 namespace kaz::behavior {
 

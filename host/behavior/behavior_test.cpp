@@ -11,7 +11,7 @@
 
 #include "host/behavior/control_cycle.h"
 #include "host/behavior/search_pattern.h"
-#include "host/robot/board_testing.h"
+#include "host/robot/robot_testing.h"
 
 namespace kaz::behavior {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/robot/board_testing.h"
+#include "host/robot/robot_testing.h"
 
 namespace kaz::behavior {
 namespace {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "host/robot/board_testing.h"
+#include "host/robot/robot_testing.h"
 
 namespace kaz::behavior {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "host/behavior/ball_tracker.h"
 #include "host/camera/capture.h"
-#include "host/robot/board_testing.h"
 #include "host/robot/kinematics.h"
+#include "host/robot/robot_testing.h"
 #include "vision/pipeline/modules.h"
 
 namespace kaz::behavior {

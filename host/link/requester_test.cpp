@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "host/robot/board_testing.h"
+#include "host/link/board_testing.h"
 
 namespace kaz::host {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "host/robot/board_testing.h"
+#include "host/link/board_testing.h"
 #include "host/robot/robot.h"
 
 namespace kaz::host {

@@ -12,9 +12,9 @@
 
 #include "host/link/clock_relation.h"
 #include "host/link/requester.h"
-#include "host/link/typed_request.h"
 #include "host/robot/posture_history.h"
 #include "host/robot/robot.h"
+#include "host/robot/typed_request.h"
 
 namespace kaz::host {
 

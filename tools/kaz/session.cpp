@@ -11,7 +11,7 @@
 #include "host/behavior/behavior.h"
 #include "host/behavior/pipeline_sight.h"
 #include "host/camera/capture.h"
-#include "host/link/measure_link.h"
+#include "host/robot/measure_link.h"
 #include "host/robot/robot.h"
 #include "tools/kaz/interrupt_signals.h"
 #include "tools/kaz/moments.h"

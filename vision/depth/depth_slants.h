@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "vision/planes/plane_cells.h"
+#include "vision/depth/disparity_plane.h"
 
 namespace kaz::vision {
 

@@ -28,11 +28,11 @@
 #include <Eigen/Core>
 
 #include "shared/base/result.hpp"
-#include "vision/color/regions.h"
 #include "vision/depth/depth.h"
 #include "vision/flow/ego_motion.h"
 #include "vision/flow/flow.h"
 #include "vision/flow/motion_images.h"
+#include "vision/image/regions.h"
 
 namespace kaz::vision {
 

@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "vision/calibration/opencv_quiet.h"
 #include "vision/flow/flow_pair.h"
+#include "vision/image/opencv_quiet.h"
 
 namespace kaz::vision {
 namespace {

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "vision/planes/plane_rows.h"
 
 namespace kaz::vision {
@@ -87,18 +85,6 @@ Cell CellGrid::partly(const DepthImage& depth, int column, int row, float spread
   if (4 * count < size * size || 4 * count < 3 * static_cast<int>(known_.size())) return {};
   const auto n = static_cast<float>(count);
   return {u / n - cx, v / n - cy, sum / n, true};
-}
-
-bool PlaneFit::solve(DisparityPlane& plane) const {
-  Eigen::Matrix3d matrix;
-  matrix << uu_, uv_, u_, uv_, vv_, v_, u_, v_, n_;
-  const Eigen::LDLT<Eigen::Matrix3d> solver(matrix);
-  // Pivots are sums of squares of pixels: a row of cells alone leaves one near 0.
-  if (solver.info() != Eigen::Success || solver.vectorD().minCoeff() < 1) return false;
-  const Eigen::Vector3d x = solver.solve(right_);
-  if (!x.allFinite()) return false;
-  plane = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
-  return true;
 }
 
 }  // namespace kaz::vision

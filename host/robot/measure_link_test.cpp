@@ -1,6 +1,6 @@
 // What is said about a slow port and one that may not be opened, and the rule that mends both.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/link/measure_link.h"
+#include "host/robot/measure_link.h"
 
 #include <gtest/gtest.h>
 
