@@ -12,13 +12,13 @@
 namespace kaz::vision {
 
 struct Cell {
-  float u = 0, v = 0;   // mean of its pixels with depth, from cx, cy
-  float d = 0;          // their mean disparity
-  bool usable = false;  // a quarter of its pixels or more have depth, of about one surface
+  float u = 0, v = 0;   // mean position of its pixels with depth, px from the principal point
+  float d = 0;          // their mean disparity, px
+  bool usable = false;  // at least a quarter of its pixels have depth, all of one surface
 };
 
 struct CellGrid {
-  int size = 1;  // px a side
+  int size = 1;  // side of a cell, px
   int columns = 0, rows = 0;
   float cx = 0, cy = 0;
   std::vector<Cell> cells;
