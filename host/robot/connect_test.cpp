@@ -1,4 +1,4 @@
-// What Robot::connect says about each way not to find a board.
+// Robot::connect: the error of each way not to find a board.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 namespace kaz::vision {
 namespace {
 
-constexpr float kFar = kMostDisparity_px;
+constexpr float kFar = kMaxDisparity_px;
 
 }  // namespace
 
