@@ -24,7 +24,7 @@ std::size_t index(Side side) {
   return static_cast<std::size_t>(side);
 }
 
-// Of the slower camera; a driver that tells no rate is taken to have the usual one.
+// Of the slower camera; a driver that reports no rate is assumed to have the usual one.
 Time half_interval(const V4l2Device& left, const V4l2Device& right) {
   const auto rate = [](const V4l2Device& device) {
     return device.rate_hz() > 0 ? device.rate_hz() : 30.0;
@@ -165,7 +165,7 @@ bool V4l2Camera::still_alive() {
   }
   if (now < paired_ + silence_) return true;
   std::snprintf(text, sizeof text,
-                " stopped: pictures come, but for %.3g s no two were sound and at most %.3g ms "
+                " stopped: pictures come, but for %.3g s no two were valid and at most %.3g ms "
                 "apart; try another format or fps",
                 seconds(silence_), 1e3 * seconds(pairing_.tolerance()));
   stop({Fault::environment,
@@ -174,7 +174,7 @@ bool V4l2Camera::still_alive() {
 }
 
 // Everything that waits at one device. False: it has stopped. `must_have_some`: it signalled an error,
-// which only reading can tell.
+// which only reading can show.
 bool V4l2Camera::take_all(Side side, bool must_have_some) {
   V4l2Device& device = *devices_[index(side)];
   while (true) {
@@ -209,15 +209,15 @@ void V4l2Camera::count() {
 
 void V4l2Camera::deliver(const RawPair& raw) {
   auto images = std::make_shared<vision::StereoImages>();
-  const bool sound =
+  const bool valid =
       convert_picture(raw.left.bytes, devices_[0]->layout(), scratch_.left).has_value() &&
       convert_picture(raw.right.bytes, devices_[1]->layout(), scratch_.right).has_value();
-  if (sound) rectifier_.rectify(scratch_, *images);
+  if (valid) rectifier_.rectify(scratch_, *images);
 
   const std::lock_guard lock(mutex_);
   count();
   const std::uint64_t sequence = sequence_++;
-  if (!sound) {
+  if (!valid) {
     ++statistics_.damaged;
     return;
   }

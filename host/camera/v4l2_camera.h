@@ -95,7 +95,7 @@ class V4l2Camera final : public vision::Camera {
   const Time silence_;
   StereoPairing pairing_;         // of the thread
   std::array<Time, 2> heard_{};   // of the thread
-  Time paired_{};                 // of the thread: when the last sound pair came
+  Time paired_{};                 // of the thread: when the last valid pair came
   vision::StereoImages scratch_;  // of the thread
   std::uint64_t sequence_ = 0;    // of the thread
   mutable std::mutex mutex_;

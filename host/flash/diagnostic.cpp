@@ -1,4 +1,4 @@
-// Messages of what can go wrong while flashing.
+// Text of flashing diagnostics.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/flash/diagnostic.h"
 

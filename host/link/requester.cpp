@@ -54,7 +54,7 @@ Requester::Requester(Link& link, Clock& clock, const RequesterOptions& options)
 
 Requester::~Requester() = default;
 
-Result<std::vector<Reply>> Requester::ask(std::span<const Request> requests) {
+Result<std::vector<Reply>> Requester::exchange(std::span<const Request> requests) {
   std::vector<Ticket> tickets;
   for (const Request& request : requests) tickets.push_back(enqueue(request, false));
   if (auto sent = send_waiting(); !sent) return tl::unexpected(sent.error());
@@ -73,7 +73,7 @@ Result<Requester::Ticket> Requester::post(const Request& request) {
   return ticket;
 }
 
-Result<Reply> Requester::ask_at_once(const Request& request) {
+Result<Reply> Requester::exchange_at_once(const Request& request) {
   const Ticket ticket = enqueue(request, true);
   if (auto sent = send_waiting(); !sent) return tl::unexpected(sent.error());
   auto reply = collect(ticket, Time::max());
@@ -110,7 +110,7 @@ Result<bool> Requester::listen(Time deadline) {
   return statistics_.telemetry != before;
 }
 
-Result<void> Requester::tell(const Request& request) {
+Result<void> Requester::send(const Request& request) {
   Waiting waiting;
   waiting.request = request;
   waiting.sequence = next_sequence_++;

@@ -23,9 +23,9 @@ constexpr double kOffset = 20 * kDeg;
 constexpr double kWander = 0.022 * kDeg;
 // A pause in the samples (a lost link) is not integrated over.
 constexpr double kLongest_s = 0.2;
-// Somebody turns the robot that was told to stand: six sigma of a sample's noise.
+// Threshold for external rotation of a standing robot: six sigma of a sample's noise.
 constexpr double kMoved = 5 * kDeg;
-constexpr double kKnown = 1 * kDeg;  // of the zero's sigma, below which that can be told
+constexpr double kKnown = 1 * kDeg;  // of the offset's sigma, below which that can be detected
 
 }  // namespace
 

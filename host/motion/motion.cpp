@@ -147,7 +147,7 @@ void Motion::advance(double dt) {
   steps_.amplitude = std::clamp(steps_.amplitude + ramp * dt / now.period, 0.0, 1.0);
   roll_ = roll_at(walks ? walk_roll_ : turn_roll_, phase_, steps_.amplitude);
   if (!ending_ || steps_.amplitude > 0) return;
-  // Done, or on to what was asked for meanwhile.
+  // Finished, or continues with a command received meanwhile.
   const bool more = wish_ == (walks ? Wish::turn : Wish::walk);
   state_ = State::standing;
   if (!more) wish_ = Wish::stand;

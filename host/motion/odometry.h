@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The sole that carries is taken to stand still and flat on the floor: what the potentiometers say of
-// its leg then says where the trunk's origin (midway between the hips) is. While both carry, each
+// its leg angles then determine where the trunk's origin (midway between the hips) is. While both carry, each
 // counts by its share of the weight: soles that slip against each other slip about as much to both
 // sides. The frame is that of the start: x ahead, y left, origin below the hips' middle. Metres, rad.
 #pragma once

@@ -1,4 +1,4 @@
-// The simulator's control socket, seen from the host: what a pty has no wires for.
+// Client of the simulator's control socket: reset, mode pins and other signals that a pty does not have.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,9 +1,9 @@
-// What gyro and accelerometer of the board's option `imu` say.
+// Readings of gyro and accelerometer, the board's option `imu`.
 // SPDX-License-Identifier: Apache-2.0
 //
-// In the axes of the robot's link `imu`: x forward, y left, z up. The gyro stands off its zero by up
-// to 40 degrees/s, the accelerometer by up to 0.2 g, each board by its own: whoever integrates must
-// have zeroed it while standing still.
+// In the axes of the robot's link `imu`: x forward, y left, z up. The gyro has an
+// offset of up to 40 degrees/s, the accelerometer of up to 0.2 g, different for each board: measure the
+// offset at rest before integrating.
 #pragma once
 
 #include <numbers>

@@ -117,6 +117,43 @@ def check_layers():
                     fault(name, f"must not include {include}")
 
 
+# Inside a part: which folders (with what is in them) the sources of a folder may include, besides their own.
+FOLDERS = {
+    "vision/image": (),
+    "vision/calibration": ("vision/image",),
+    "vision/color": ("vision/image", "vision/calibration"),
+    "vision/depth": ("vision/image", "vision/calibration"),
+    "vision/flow": ("vision/image", "vision/calibration", "vision/depth"),
+    "vision/planes": ("vision/image", "vision/calibration", "vision/depth"),
+    "vision/pipeline": ("vision/image", "vision/calibration", "vision/color", "vision/depth",
+                        "vision/flow", "vision/planes"),
+    "host/link": (),
+    "host/robot": ("host/link",),
+    "host/camera": ("host/link", "host/robot"),
+    "host/flash": ("host/link", "host/robot"),
+    "host/motion": ("host/link", "host/robot"),
+    "host/map": (),
+    "host/behavior": ("host/link", "host/robot", "host/camera", "host/motion"),
+    "hil/report": (),
+    "hil/bench": ("hil/report",),
+    "hil/conformance": ("hil/report",),
+    "hil/fuzz": ("hil/report",),
+}
+
+
+def check_folders():
+    """The folders of a part are layers: no include outside of FOLDERS, tests included."""
+    for path in files("*.c", "*.h", "*.cpp", "*.hpp", "*.def"):
+        name = path.relative_to(ROOT).as_posix()
+        for folder, allowed in FOLDERS.items():
+            if not name.startswith(folder + "/"):
+                continue
+            for include in re.findall(r'^#include "([^"]+)"', path.read_text(), re.M):
+                other = "/".join(include.split("/")[:2])
+                if other != folder and other not in allowed and other.split("/")[0] == name.split("/")[0]:
+                    fault(name, f"must not include {include}: {folder} is not a layer above {other}")
+
+
 def check_links():
     for path in files("*.md"):
         for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", path.read_text()):
@@ -140,6 +177,7 @@ check_printed()
 check_sources()
 check_directions()
 check_layers()
+check_folders()
 check_links()
 check_temporary_names()
 print("\n".join(faults) if faults else "the tree keeps its rules")

@@ -13,7 +13,7 @@
 
 #include "shared/base/files.hpp"
 #include "vision/calibration/calibration_text.h"
-#include "vision/calibration/opencv_quiet.h"
+#include "vision/image/opencv_quiet.h"
 #include "vision/image/picture_file.h"
 
 namespace kaz::vision {

@@ -13,7 +13,7 @@
 #include <Eigen/Core>
 
 #include "vision/color/color.h"
-#include "vision/color/regions.h"
+#include "vision/image/regions.h"
 
 namespace kaz::vision {
 

@@ -223,7 +223,7 @@ Result<Outcome> run_trial(const Trial& trial, const Setting& setting, std::uint6
       out.figures["current_a"] += std::abs(joint.current);
   }
   if (done) {
-    for (const auto& [name, value] : done->figures) out.figures[name] = value;
+    for (const auto& [name, value] : done->measurements) out.figures[name] = value;
   }
   return out;
 }

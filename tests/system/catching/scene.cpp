@@ -10,7 +10,7 @@
 
 #include <unistd.h>
 
-#include "host/behavior/pipeline_sight.h"
+#include "host/behavior/ball_detector.h"
 #include "host/camera/capture.h"
 #include "sim/body/description/robot_model.h"
 #include "tools/lockstep/lockstep.h"
@@ -173,7 +173,7 @@ Result<Ending> play(const Scene& scene) {
   ball.radius_m = scene.radius;
   if (auto added = pipeline.add(vision::make_color_module(ball)); !added)
     return tl::unexpected(added.error());
-  behavior::PipelineSight sight(capture, pipeline);
+  behavior::PipelineBallDetector detector(capture, pipeline);
 
   Ending ending;
   Onlooker onlooker(**simulation, scene, ending);
@@ -181,7 +181,7 @@ Result<Ending> play(const Scene& scene) {
   if (!behavior) return tl::unexpected(behavior.error());
   const auto values = behavior::OptionValues::parse(behavior->options, scene.options);
   if (!values) return tl::unexpected(values.error());
-  behavior::Context context{*robot, robot->clock(), &sight, onlooker, *values, scene.seed};
+  behavior::Context context{*robot, robot->clock(), &detector, onlooker, *values, scene.seed};
   context.ball_radius_m = scene.radius;
   auto outcome = behavior->run(context);
   if (!outcome) return tl::unexpected(outcome.error());

@@ -283,7 +283,7 @@ TEST_F(Cameras, WhatCannotBeOpenedIsTold) {
   expect_in(refusal({kLeft, kRight, 10, {}}, 333, 222),
             "it has no 333 x 222, the calibration's size; it offers 320 x 180, 640 x 360, 640 x "
             "480,");
-  expect_in(refusal({kLeft, kRight, 10, PixelFormat::mjpeg}), "; mjpeg was asked for");
+  expect_in(refusal({kLeft, kRight, 10, PixelFormat::mjpeg}), "; mjpeg was requested");
   {
     Vivid other(kRight);
     other.reserve_buffers();

@@ -69,7 +69,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   if (cause.empty()) fs::remove_all(kept, ignored);
   Json figures = Json::object();
   if (ended) {
-    for (const auto& [figure, value] : ended->figures) figures[figure] = value;
+    for (const auto& [figure, value] : ended->measurements) figures[figure] = value;
   }
   const std::string end = ended ? ended->sentence : ended.error().message;
   return Json{{"episode", number},        {"scenario", scenario_json(scenario)},

@@ -95,7 +95,7 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
 Result<bool> host_can_run_alone(const sim::McapRecording& recording, const std::string& behavior) {
   const auto found = behavior::find_behavior(behavior);
   if (!found) return tl::unexpected(found.error());
-  return !found->needs_sight || recording.has_messages("/eyes/left");
+  return !found->needs_camera || recording.has_messages("/eyes/left");
 }
 
 Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording& recording,

@@ -130,7 +130,7 @@ Result<void> check(const BackendOptions& options) {
       return tl::unexpected(address.error());
     }
   }
-  const bool blind = !sim_robot && options.camera == "sim" && !options.needs_sight;
+  const bool blind = !sim_robot && options.camera == "sim" && !options.needs_camera;
   if (!blind && sim_robot != (options.camera == "sim")) {
     return fail(Fault::usage,
                 sim_robot ? "--robot sim sees through its own eyes: leave --camera out"

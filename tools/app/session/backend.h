@@ -23,7 +23,7 @@ struct BackendOptions {
   std::string robot = "sim";        // "sim" or "serial:PATH[@BAUD]"
   std::string camera = "sim";       // "sim", or as open_live_camera() has it
   std::string calibration;          // file; of real cameras
-  bool needs_sight = true;          // false: at a port the camera may be left out
+  bool needs_camera = true;          // false: at a port the camera may be left out
   std::string world = "ball";       // the rest for "sim" only
   std::string robot_file;           // URDF of the simulated robot; Kaz if empty
   std::string mcu = "h8";           // "h8" or "native"

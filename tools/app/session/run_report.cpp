@@ -155,7 +155,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
                       {"tracking_measured_by", report.score.measured_by}};
   if (report.score.found_s) result["found_s"] = rounded(*report.score.found_s, 1e-3);
   if (!report.outcome.success) result["cause"] = report.outcome.cause;
-  for (const auto& [name, value] : report.outcome.figures) {
+  for (const auto& [name, value] : report.outcome.measurements) {
     if (!result.contains(name) || result[name].is_null()) result[name] = rounded(value, 1e-6);
   }
   if (simulation != nullptr) {

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "host/behavior/behavior.h"
-#include "host/behavior/pipeline_sight.h"
+#include "host/behavior/ball_detector.h"
 #include "host/camera/capture.h"
-#include "host/link/measure_link.h"
+#include "host/robot/measure_link.h"
 #include "host/robot/robot.h"
 #include "tools/app/output.h"
 #include "tools/app/session/interrupt_signals.h"
@@ -163,7 +163,7 @@ Result<bool> run_session(SessionOptions options) {
   if (!values) return tl::unexpected(values.error());
   if (auto known = parse_modules(options.vision.modules); !known)
     return tl::unexpected(known.error());
-  options.backend.needs_sight = behavior->needs_sight;
+  options.backend.needs_camera = behavior->needs_camera;
   if (auto sound = check(options.backend); !sound) return tl::unexpected(sound.error());
   if (auto usable = OutputFolder::check(options.out); !usable)
     return tl::unexpected(usable.error());
@@ -201,7 +201,7 @@ Result<bool> run_session(SessionOptions options) {
 
   if (auto seen = (*backend)->open_camera(); !seen) return tl::unexpected(seen.error());
   const bool sees = (*backend)->sees();
-  if (behavior->needs_sight && !sees) return tl::unexpected(sim::Simulation::no_eyes());
+  if (behavior->needs_camera && !sees) return tl::unexpected(sim::Simulation::no_eyes());
   RememberingCamera camera((*backend)->camera());
   host::Capture capture(camera, *robot);
   vision::Pipeline pipeline({(*backend)->pace(), (*backend)->camera_latency()});
@@ -210,7 +210,7 @@ Result<bool> run_session(SessionOptions options) {
   if (auto added = add_modules(modules, pipeline); !added) return tl::unexpected(added.error());
   DeliveryTable deliveries(pipeline);
   if (options.watcher != nullptr) options.watcher->begin(pipeline);
-  behavior::PipelineSight sight(capture, pipeline);
+  behavior::PipelineBallDetector detector(capture, pipeline);
   Snapshots snapshots(camera, (*backend)->simulation(), options.vision.ball);
   Progress progress(options.label, options.json);
   const Time start = (*backend)->clock().now();

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "tools/figure/vision_views.h"
-#include "vision/calibration/swapped_cameras.h"
+#include "vision/depth/swapped_cameras.h"
 #include "vision/depth/depth_file.h"
 
 namespace kaz::tools {

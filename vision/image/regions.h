@@ -1,4 +1,4 @@
-// Connected regions of a mask, with size, box and centroid.
+// Masks and their connected regions, with area, bounding box and centroid.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,11 +6,15 @@
 #include <span>
 #include <vector>
 
-#include "vision/color/color.h"
-
 namespace kaz::vision {
 
-// Pixels left..right (both inside) of one row.
+// 8 bits a pixel, 255 where the pixel is selected, else 0; rows from top to bottom, no padding.
+struct Mask {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> pixels;
+};
+
+// Pixels left..right (both inclusive) of one row.
 struct Run {
   int row, left, right;
 };
@@ -18,16 +22,17 @@ struct Run {
 // 8-connected: pixels that touch at a corner belong together.
 struct Region {
   int area = 0;                                  // pixels
-  int left = 0, top = 0, right = 0, bottom = 0;  // box, all four inside
+  int left = 0, top = 0, right = 0, bottom = 0;  // bounding box, inclusive
   double centroid_x = 0, centroid_y = 0;         // pixel centres at integer coordinates
   std::vector<Run> runs;                         // from top to bottom, left to right
 };
 
-// Works on runs of pixels, not on pixels: the cost is that of reading the mask once.
+// Connected-component labelling by runs of pixels and union-find: the cost is that of reading the mask
+// once.
 class RegionFinder {
  public:
-  // All regions of at least `min_area` pixels, largest first; of equal area, the one first met from
-  // the top first. Valid until the next call.
+  // All regions of at least `min_area` pixels, largest first; among equal areas in the order
+  // of a scan from the top. Valid until the next call.
   std::span<const Region> find(const Mask& mask, int min_area = 1);
 
  private:

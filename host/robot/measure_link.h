@@ -1,4 +1,4 @@
-// How quick is a port, and what to do if it is not.
+// Measures the round-trip time of a port and diagnoses a slow one.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,7 +19,7 @@ struct RoundTripCheck {
 
 Result<RoundTripCheck> measure_round_trip(Robot& robot, const TtyLink& port);
 
-// The parts of it, for ports of all kinds.
+// The evaluation alone, for tests of all kinds of ports.
 RoundTripCheck judge_round_trip(const std::string& port, double round_trip_s, Time byte_time,
                                 LowLatency low_latency);
 

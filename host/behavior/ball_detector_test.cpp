@@ -1,6 +1,6 @@
 // The whole way of a picture: camera, capture, pipeline, sight, tracker.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/behavior/pipeline_sight.h"
+#include "host/behavior/ball_detector.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 
 #include "host/behavior/ball_tracker.h"
 #include "host/camera/capture.h"
-#include "host/robot/board_testing.h"
 #include "host/robot/kinematics.h"
+#include "host/robot/robot_testing.h"
 #include "vision/pipeline/modules.h"
 
 namespace kaz::behavior {
@@ -76,7 +76,7 @@ class DrawingCamera final : public vision::Camera {
   Time next_;
 };
 
-TEST(PipelineSight, PlacesTheBallWhileTheHeadMoves) {
+TEST(PipelineBallDetector, PlacesTheBallWhileTheHeadMoves) {
   host::TestBoard board;
   host::Robot robot = host::connect_to(board);
   ASSERT_TRUE(robot.state());  // pictures from before the first state would have no posture
@@ -85,7 +85,7 @@ TEST(PipelineSight, PlacesTheBallWhileTheHeadMoves) {
   host::Capture capture(camera, robot);
   vision::Pipeline pipeline({vision::Pace::lockstep, 15ms});
   ASSERT_TRUE(pipeline.add(vision::make_color_module({}, 5ms)));
-  PipelineSight sight(capture, pipeline);
+  PipelineBallDetector detector(capture, pipeline);
 
   ASSERT_TRUE(robot.enable(host::kAllJoints));
   const host::JointTarget turned[] = {{host::neck_pan, 0.6}, {host::neck_tilt, 0.7}};
@@ -123,11 +123,11 @@ TEST(PipelineSight, PlacesTheBallWhileTheHeadMoves) {
   EXPECT_EQ(end.error().message, "camera gone");
 }
 
-TEST(PipelineSight, SaysThatNothingLooksForTheBall) {
+TEST(PipelineBallDetector, SaysThatNothingLooksForTheBall) {
   host::TestBoard board;
   DrawingCamera camera(board, {0.4, 0, 0});
   vision::Pipeline pipeline({vision::Pace::lockstep, 15ms});
-  PipelineSight sight(camera, pipeline);
+  PipelineBallDetector detector(camera, pipeline);
   const auto seen = sight.poll(board.now());
   ASSERT_FALSE(seen);
   EXPECT_NE(seen.error().message.find("color"), std::string::npos);

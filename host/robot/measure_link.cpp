@@ -1,6 +1,6 @@
 // Some heartbeats, and a sentence about how long they took.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/link/measure_link.h"
+#include "host/robot/measure_link.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,26 +1,28 @@
-// Hands new pairs to the pipeline and takes what was seen of the ball.
+// Submits image pairs to the pipeline and collects the ball observations.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/behavior/pipeline_sight.h"
+#include "host/behavior/ball_detector.h"
 
 #include <utility>
 
+#include "vision/pipeline/pipeline.h"
+
 namespace kaz::behavior {
 
-PipelineSight::PipelineSight(vision::Camera& camera, vision::Pipeline& pipeline)
+PipelineBallDetector::PipelineBallDetector(vision::Camera& camera, vision::Pipeline& pipeline)
     : camera_(camera), pipeline_(pipeline) {
   const auto subscribed = pipeline.subscribe<vision::BallObservation>(
       "color",
       [this](const vision::Frame&, const vision::BallObservation* ball, const Error* error) {
         if (ball != nullptr) {
-          seen_.push_back(*ball);
-        } else if (!trouble_) {
-          trouble_ = *error;
+          observations_.push_back(*ball);
+        } else if (!error_) {
+          error_ = *error;
         }
       });
-  if (!subscribed) trouble_ = subscribed.error();
+  if (!subscribed) error_ = subscribed.error();
 }
 
-Result<std::vector<vision::BallObservation>> PipelineSight::poll(Time now) {
+Result<std::vector<vision::BallObservation>> PipelineBallDetector::poll(Time now) {
   while (true) {
     auto pair = camera_.poll();
     if (!pair) return tl::unexpected(pair.error());
@@ -28,8 +30,8 @@ Result<std::vector<vision::BallObservation>> PipelineSight::poll(Time now) {
     pipeline_.submit(std::move(**pair));
   }
   pipeline_.poll(now);
-  if (trouble_) return tl::unexpected(*trouble_);
-  return std::exchange(seen_, {});
+  if (error_) return tl::unexpected(*error_);
+  return std::exchange(observations_, {});
 }
 
 }  // namespace kaz::behavior

@@ -1,6 +1,6 @@
 // Regions against masks drawn by hand and against a flood fill.
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/color/regions.h"
+#include "vision/image/regions.h"
 
 #include <gtest/gtest.h>
 

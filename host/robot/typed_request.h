@@ -1,13 +1,17 @@
-// Requests from the structs of messages, replies to them.
+// Requests and replies as the structs of messages.def, and the errors of refused requests.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <span>
 
-#include "host/link/refusal.h"
 #include "host/link/requester.h"
+#include "host/robot/robot.h"
 
 namespace kaz::host {
+
+// The error of a refused request: one sentence with the joint, the reason and the remedy.
+// `targets`: those of the request, so that the sentence contains the value; empty for other requests.
+Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targets);
 
 template <class Message>
 Request make_request(std::uint8_t type, const Message& message,

@@ -1,11 +1,10 @@
 // Ticks, bytes and motors of the test board.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/robot/board_testing.h"
+#include "host/link/board_testing.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 namespace kaz::host {
 
@@ -177,24 +176,18 @@ std::uint16_t TestBoard::pot_code(std::size_t joint) const {
       std::floor(512.5 + turned / (190 * kDegree) * KZ_POT_CODES), 0.0, KZ_POT_CODES - 1.0));
 }
 
-JointAngles TestBoard::angles_at(Time t) const {
+TestBoard::Angles TestBoard::angles_at(Time t) const {
   const double tick =
       seconds(t - options_.tick_offset) / kTickSeconds / (1 + options_.crystal_ppm * 1e-6);
   const double index = std::clamp(tick, 0.0, static_cast<double>(past_.size() - 1));
   const auto before = static_cast<std::size_t>(index);
   const auto after = std::min(before + 1, past_.size() - 1);
-  JointAngles angle;
+  Angles angle;
   for (std::size_t j = 0; j < angle.size(); ++j) {
     angle[j] = past_[before][j] +
                (index - static_cast<double>(before)) * (past_[after][j] - past_[before][j]);
   }
   return angle;
-}
-
-Robot connect_to(TestBoard& board) {
-  auto robot = Robot::connect(board, board);
-  if (!robot) throw std::runtime_error(robot.error().message);
-  return std::move(*robot);
 }
 
 }  // namespace kaz::host

@@ -11,6 +11,8 @@
 
 #include "host/link/link.h"
 #include "host/robot/robot.h"
+#include "shared/board/board.h"
+#include "shared/servo/servo.h"
 #include "shared/servo/tick.h"
 
 namespace kaz::host {
@@ -20,14 +22,15 @@ namespace kaz::host {
 // rotor and head.
 class TestBoard final : public Clock, public Link {
  public:
+  using Angles = std::array<double, KZ_JOINTS>;  // rad
+
   struct Options {
     Time tick_offset = std::chrono::microseconds(123456);  // host time of tick 0
     double crystal_ppm = 0;                                // board's millisecond longer by this
-    // Added to each chunk of bytes on its way: uniform in 0..this, from a generator seeded with
-    // `seed`.
+    // Delay added to each chunk of bytes, uniform in 0..this, from a generator seeded with `seed`.
     Time latency_to_board{}, latency_to_host{};
     std::uint64_t seed = 1;
-    bool state_byte_time = true;  // link tells how long a byte takes
+    bool state_byte_time = true;  // byte_time() is known
   };
   TestBoard() : TestBoard(Options{}) {}
   explicit TestBoard(const Options& options);
@@ -39,18 +42,17 @@ class TestBoard final : public Clock, public Link {
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
 
-  // Host time at which a tick started: the truth.
-  // (Since the first start, whatever `reset` did.)
+  // True host time at which a tick started; ticks are counted from the first start, across reset().
   Time start_of_tick(std::uint32_t tick) const;
-  // Power off and on again: motors off, ticks from 0, what is on the wire is lost.
+  // Power cycle: motors off, ticks from 0, bytes in transit are lost.
   void reset();
   std::uint32_t board_tick() const { return next_tick_ - reset_at_; }
-  // Joint angles at a time not later than now, interpolated: the truth.
-  JointAngles angles_at(Time t) const;
+  // True joint angles (rad) at a time not later than now, interpolated between ticks.
+  Angles angles_at(Time t) const;
   void set_angle(int joint, double rad) { angle_[static_cast<std::size_t>(joint)] = rad; }
   bool motors_on() const { return motors_on_; }
 
-  // What the next reads find, at once.
+  // Bytes that the next read returns at once.
   void inject(std::span<const std::uint8_t> bytes);
 
   using Bytes = std::vector<std::uint8_t>;
@@ -83,14 +85,11 @@ class TestBoard final : public Clock, public Link {
   kz_tick_output output_{};
   std::uint32_t next_tick_ = 0, reset_at_ = 0;
   bool motors_on_ = false;
-  JointAngles angle_{}, speed_{};
-  std::vector<JointAngles> past_;  // by tick
+  Angles angle_{}, speed_{};
+  std::vector<Angles> past_;  // by tick
   std::deque<TimedByte> to_board_, to_host_;
   Time line_to_board_free_{}, line_to_host_free_{};
   Bytes frame_from_board_;
 };
-
-// Throws std::runtime_error if that fails.
-Robot connect_to(TestBoard& board);
 
 }  // namespace kaz::host

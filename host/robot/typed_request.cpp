@@ -1,6 +1,6 @@
-// Refusal codes and status flags as sentences that name the joint and the way out.
+// Error sentences for refusal codes and status flags: the joint, the reason, the remedy.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/link/refusal.h"
+#include "host/robot/typed_request.h"
 
 #include <cstdio>
 #include <numbers>
@@ -39,7 +39,7 @@ std::string outside_limits(int joint, std::span<const JointTarget> targets) {
 std::string out_of_range(const kz_refused& refusal) {
   if (refusal.request == KZ_TYPE_calibrate) {
     return "the calibration of " + joint_name(refusal.detail) +
-           " is too far from nominal: at most 0.5 rad for the centre and a quarter for the scale";
+           " is too far from nominal: at most 0.5 rad for the centre and 25 % for the scale";
   }
   const kz_message_info* message = kz_message_find(refusal.request);
   if (!message || refusal.detail >= message->field_count) return "a value is out of range";
@@ -78,10 +78,10 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
               "the board refused " + request + " while a motor is on: switch all joints off first"};
     case KZ_REFUSED_LOCKED:
       return {Fault::failed,
-              "the board refused " + request + ": it is only for the bench; unlock that first"};
+              "the board refused " + request + ": it is only for the bench; unlock it first"};
     case KZ_REFUSED_SHARED_LINE:
       return {Fault::failed,
-              "the board refused " + request + ": other boards share its line; ask it instead"};
+              "the board refused " + request + ": other boards share its line; query it instead"};
     case KZ_REFUSED_STORE:
       return {Fault::environment, "the board refused " + request +
                                       ": its flash could not be written; what was stored before "
@@ -116,7 +116,7 @@ const char* remedy(std::uint8_t reason) {
     case KZ_SHUTDOWN_OVERLOAD:
       return "let the motor cool";
     default:
-      return "docs/safety.md tells more";
+      return "see docs/safety.md";
   }
 }
 

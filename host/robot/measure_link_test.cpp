@@ -1,6 +1,6 @@
-// What is said about a slow port and one that may not be opened, and the rule that mends both.
+// Diagnostics of a slow port and of missing permissions, and the udev rule that fixes both.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/link/measure_link.h"
+#include "host/robot/measure_link.h"
 
 #include <gtest/gtest.h>
 

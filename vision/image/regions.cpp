@@ -1,6 +1,6 @@
 // Connected regions by runs and union-find.
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/color/regions.h"
+#include "vision/image/regions.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,6 +1,6 @@
 // Depth both ways round, in small pictures.
 // SPDX-License-Identifier: Apache-2.0
-#include "vision/calibration/swapped_cameras.h"
+#include "vision/depth/swapped_cameras.h"
 
 #include <algorithm>
 
