@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "sim/view/camera.h"
-#include "sim/view/sensor.h"
+#include "sim/view/sensor/sensor.h"
 #include "tools/app/output.h"
 #include "tools/figure/figure.h"
 #include "vision/calibration/rectify.h"

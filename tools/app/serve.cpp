@@ -9,7 +9,7 @@
 #include <poll.h>
 
 #include "sim/mcu/memory_file.h"
-#include "sim/runtime/real_time.h"
+#include "sim/runtime/serving/real_time.h"
 #include "sim/stand/stand_commands.h"
 #include "tools/app/session/interrupt_signals.h"
 #include "tools/figure/figure.h"

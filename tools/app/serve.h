@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "sim/runtime/real_time.h"
+#include "sim/runtime/serving/real_time.h"
 #include "tools/app/session/backend.h"
 
 namespace kaz::tools {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "shared/image/error.h"
+#include "shared/base/result.hpp"
 #include "shared/image/image.h"
 #include "sim/h8s/chip/options.h"
 #include "sim/h8s/chip/pins.h"

@@ -21,7 +21,7 @@ namespace kaz {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// KAZ_LONG=1 asks for the long versions. KAZ_DYNAMICS chooses other dynamics (sim/body/world.h),
+// KAZ_LONG=1 asks for the long versions. KAZ_DYNAMICS chooses other dynamics (sim/body/world/world.h),
 // KAZ_PHYSICS_STEP another length of its step, ms.
 inline bool long_run() {
   const char* asked = std::getenv("KAZ_LONG");
