@@ -45,6 +45,7 @@ struct WireReport {
   std::uint64_t seed = 0;
   std::int64_t conversations = 0;
   std::int64_t different = 0;               // conversations
+  std::int64_t ended_early = 0;             // conversations: a request waited for the transmit ring
   std::vector<WireDifference> differences;  // the first one of each of the first few conversations
   std::int64_t requests = 0, fewest_requests = 0;
   std::int64_t replies = 0, bytes = 0,
