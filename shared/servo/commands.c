@@ -45,7 +45,7 @@ static kz_outcome select_settings(const kz_settings* request, u32* parameter) {
 #define CASE_COMMAND(name) \
   case KZ_TYPE_##name:     \
     TAKE(name)             \
-    return kz_do_##name(servo, &request.name);
+    return kz_do_##name(servo, KZ_SIZE_##name != 0 ? &request.name : 0);
 #define CASE_BULK_COMMAND(name) \
   case KZ_TYPE_##name:          \
     return kz_do_##name(servo, fields, length);
