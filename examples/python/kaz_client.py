@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-# A client of Kaz's servo board, written from docs/protocol.md, with the standard library alone.
+# A client of Kaz's servo board, written from docs/reference/protocol.md, with the standard library alone.
 # SPDX-License-Identifier: Apache-2.0
 """Moves one joint of Kaz, reads it back, and shows what a refusal looks like.
 
@@ -55,7 +55,7 @@ class ShutDown(Exception):
 
     def __init__(self, reason):
         super().__init__(f"the board has shut down: {SHUTDOWNS.get(reason, reason)}; "
-                         "see docs/safety.md")
+                         "see docs/explanation/safety.md")
 
 
 class NoBoard(Exception):

@@ -73,9 +73,9 @@ TEST(MeasurementTable, NothingMeasuredFailsEverywhere) {
   }
 }
 
-// docs/bench.md has a row for each, with its unit and its limits.
+// docs/howto/bench.md has a row for each, with its unit and its limits.
 TEST(MeasurementTable, ThePageTellsTheSame) {
-  std::ifstream file("docs/bench.md");
+  std::ifstream file("docs/howto/bench.md");
   ASSERT_TRUE(file) << "to be run in the root of the tree";
   const std::string page{std::istreambuf_iterator<char>(file), {}};
   for (const MeasurementInfo& info : measurement_infos()) {

@@ -1,4 +1,4 @@
-// Cases of docs/protocol.md, chapter Bench.
+// Cases of docs/reference/protocol.md, chapter Bench.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// Frames, written a second time from docs/protocol.md: a fault in shared/protocol must not be in both.
+// Frames, written a second time from docs/reference/protocol.md: a fault in shared/protocol must not be in both.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -6,7 +6,7 @@
 // From the back: the right arm behind the back rolls the robot on its left side, both legs forward carry
 // it over; the spread left arm lifts it to sitting; with arms behind and knees drawn up, the arms swing
 // forward and tip it over its feet onto its hands; from there as from the face.
-// The poses were found in simulation (docs/motion.md).
+// The poses were found in simulation (docs/explanation/motion.md).
 #include "host/behavior/get_up.h"
 
 #include <algorithm>

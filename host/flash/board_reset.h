@@ -34,7 +34,7 @@ class ModemLineReset final : public BoardReset {
   Clock& clock_;
 };
 
-// The control socket of `kaz sim` (docs/simulator.md): "mode boot", "reset".
+// The control socket of `kaz sim` (docs/reference/simulator.md): "mode boot", "reset".
 class ControlSocketReset final : public BoardReset {
  public:
   explicit ControlSocketReset(std::string path) : path_(std::move(path)) {}

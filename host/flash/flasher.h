@@ -49,7 +49,7 @@ struct FlashReport {
   int repeated = 0;               // requests
   bool verified = false;
   double seconds = 0;      // from the first byte to the board until everything is verified
-  double min_seconds = 0;  // what the wire and the cells take: docs/flash.md
+  double min_seconds = 0;  // what the wire and the cells take: docs/howto/flash.md
   double efficiency() const { return seconds > 0 ? min_seconds / seconds : 0; }
 };
 

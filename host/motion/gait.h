@@ -34,7 +34,7 @@ struct Stance {
   double roll = 0;             // + to the right, about the axis that pitch has turned
 };
 
-// Arms and crouch that every gait starts from and ends in: docs/robot.md, column home.
+// Arms and crouch that every gait starts from and ends in: docs/reference/robot.md, column home.
 JointAngles home();
 
 // Sets the leg angles for flat feet, each `forward` of the midpoint and `lift` above the floor (m). A

@@ -8,7 +8,7 @@
 // cycle). Head, arms and Motion share one exchange() with the board.
 //
 // With gyro (Posture::inertial, after Robot::sense_inertial()) heading is measured and held. Without,
-// it is reckoned from the strides, which friction decides (docs/motion.md): rough.
+// it is reckoned from the strides, which friction decides (docs/explanation/motion.md): rough.
 // Metres, radians, seconds; headings + to the left, 0 where it began.
 #pragma once
 
@@ -24,7 +24,7 @@ namespace kaz::motion {
 
 struct Settings {
   Shape walk{};
-  // Turning slips both soles: slowly, and with the lean that holds on every floor (docs/motion.md).
+  // Turning slips both soles: slowly, and with the lean that holds on every floor (docs/explanation/motion.md).
   Shape turn{.period = 2.2};
   double stride = 0.040;     // m, of each foot against the hips; most that is used
   double reach = 0.012;      // m, of turning

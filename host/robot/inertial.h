@@ -20,7 +20,7 @@ struct Inertial {
   double left_m_per_s2 = 0;       // the same along y
 };
 
-// The parts' laws (docs/simulator.md, table of sensors): shares of the converter's reference.
+// The parts' laws (docs/reference/simulator.md, table of sensors): shares of the converter's reference.
 inline constexpr double kYawRatePerCode = std::numbers::pi / 180 / 0.001 / KZ_POT_CODES;
 inline constexpr double kForcePerCode = 9.80665 / 0.0624 / KZ_POT_CODES;
 // Codes below this on all three inputs: they are grounded, the option is not fitted.

@@ -13,7 +13,7 @@ namespace {
 constexpr int kHeartbeats = 9;
 constexpr int kFrameBytes = KZ_FRAME_MAX - KZ_PAYLOAD_MAX;  // all that stands around the fields
 constexpr int kBytes = 2 * kFrameBytes + KZ_SIZE_heartbeat + KZ_SIZE_heartbeat_reply;
-constexpr double kBoard = 2.2e-3;  // docs/protocol.md, TIME-1
+constexpr double kBoard = 2.2e-3;  // docs/reference/protocol.md, TIME-1
 constexpr double kTolerance = 2e-3;
 
 }  // namespace

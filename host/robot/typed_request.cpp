@@ -116,7 +116,7 @@ const char* remedy(std::uint8_t reason) {
     case KZ_SHUTDOWN_OVERLOAD:
       return "let the motor cool";
     default:
-      return "see docs/safety.md";
+      return "see docs/explanation/safety.md";
   }
 }
 

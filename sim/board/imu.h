@@ -16,7 +16,7 @@
 
 namespace kaz::sim {
 
-// In the axes of the robot's link `imu` (docs/robot.md): x forward, y left, z up.
+// In the axes of the robot's link `imu` (docs/reference/robot.md): x forward, y left, z up.
 struct ImuMotion {
   double yaw_rate = 0;                       // rad/s about z
   double forward_force = 0, left_force = 0;  // specific force along x and y, m/s^2

@@ -22,7 +22,7 @@ struct WireException {
 
 std::span<const WireException> wire_differences();
 
-// As a table in Markdown, which docs/emulator.md contains.
+// As a table in Markdown, which docs/explanation/emulator.md contains.
 std::string wire_differences_table();
 
 // Sets to 0 the bytes of `body` (address, type, sequence number, fields) that are not compared. Returns

@@ -1,4 +1,4 @@
-// The list of differences by design: the fields exist, and docs/emulator.md contains the table.
+// The list of differences by design: the fields exist, and docs/explanation/emulator.md contains the table.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/wire_differences.h"
 
@@ -45,11 +45,11 @@ TEST(WireDifferences, MaskTheirFieldsAndNothingElse) {
 }
 
 TEST(WireDifferences, AreInTheDocument) {
-  std::ifstream file(KAZ_SOURCE "/docs/emulator.md");
+  std::ifstream file(KAZ_SOURCE "/docs/explanation/emulator.md");
   std::stringstream text;
   text << file.rdbuf();
   EXPECT_NE(text.str().find(wire_differences_table()), std::string::npos)
-      << "docs/emulator.md should have:\n"
+      << "docs/explanation/emulator.md should have:\n"
       << wire_differences_table();
 }
 

@@ -158,7 +158,7 @@ TEST(StandCommands, AreCheckedWordByWord) {
   EXPECT_EQ(refused(""), "there is no command `stand `; `stand help` lists them");
   EXPECT_EQ(refused("clamp l_hand"), "`stand clamp` takes 2 words, got 1");
   EXPECT_EQ(refused("clamp l_foot on"),
-            "there is no joint `l_foot`; they are those of docs/robot.md");
+            "there is no joint `l_foot`; they are those of docs/reference/robot.md");
   EXPECT_EQ(refused("clamp l_hand in"), "`clamp` takes a joint and on or off, got `in`");
   EXPECT_EQ(refused("supply 99"), "the supply in V is a number from 0 to 15, got `99`");
   EXPECT_EQ(refused("press l_hand nan"),

@@ -37,7 +37,7 @@ Result<std::size_t> joint_of(const std::string& word) {
   const auto& names = joint_names();
   const auto found = std::ranges::find(names, word);
   if (found == names.end())
-    return fail(Fault::usage, "there is no joint `" + word + "`; they are those of docs/robot.md");
+    return fail(Fault::usage, "there is no joint `" + word + "`; they are those of docs/reference/robot.md");
   return static_cast<std::size_t>(found - names.begin());
 }
 

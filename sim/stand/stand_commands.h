@@ -1,5 +1,5 @@
 // A motor stand's tools by words, one command a line: the same in one process and over the control
-// socket. docs/bench.md lists them.
+// socket. docs/howto/bench.md lists them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -37,7 +37,7 @@ def check_packages():
 def check_printed():
     """A whole file printed in a document is that file."""
     sources = {path.read_text() for path in files("*.cpp", "*.py", "*.h")}
-    for path in files("docs/*.md", "README.md"):
+    for path in files("docs/*.md", "docs/**/*.md", "README.md"):
         for block in re.findall(r"^```(?:cpp|python)\n(.*?)^```$", path.read_text(), re.M | re.S):
             if "SPDX-License-Identifier" in block and block not in sources:
                 fault(path.relative_to(ROOT), "a file printed there differs from the one in the tree")

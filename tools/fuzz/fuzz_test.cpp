@@ -1,7 +1,7 @@
 // The fuzzer on the engines: seeds replayed, short random runs, and the robot's body.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Long runs: `kaz fuzz`, `./tools/dev fuzz` (docs/fuzzing.md).
+// Long runs: `kaz fuzz`, `./tools/dev fuzz` (docs/howto/fuzzing.md).
 #include <filesystem>
 
 #include <gtest/gtest.h>

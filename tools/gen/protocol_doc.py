@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-# Writes docs/protocol.md from the message table.
+# Writes docs/reference/protocol.md from the message table.
 # SPDX-License-Identifier: Apache-2.0
 """usage: protocol_doc.py ROOT [--check]
 
-Writes ROOT/docs/protocol.md; with --check only compares, and fails if it is out of date.
+Writes ROOT/docs/reference/protocol.md; with --check only compares, and fails if it is out of date.
 """
 import re
 import struct
@@ -120,4 +120,4 @@ def document(root):
 
 
 if __name__ == "__main__":
-    sys.exit(generated_file.main(sys.argv[1:], __doc__, "docs/protocol.md", document))
+    sys.exit(generated_file.main(sys.argv[1:], __doc__, "docs/reference/protocol.md", document))

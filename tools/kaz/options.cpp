@@ -27,7 +27,7 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->check(CLI::IsMember({"h8", "native"}))
       ->capture_default_str();
   verb.add_option("--image", options.image, "firmware image for h8: S-record or COFF");
-  verb.add_option("--faults", options.faults, "schedule of faults: docs/faults.md")
+  verb.add_option("--faults", options.faults, "schedule of faults: docs/reference/faults.md")
       ->type_name("FILE");
   verb.add_option("--sensors", options.sensors,
                   "nominal: with noise; ideal: without; as-built: besides, each potentiometer "
@@ -37,13 +37,13 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
   verb.add_flag("--imu", options.imu, "a board with gyro and accelerometer on AN3..AN5");
   verb.add_option(
           "--dynamics", options.dynamics,
-          "reduced: docs/dynamics.md; Open Dynamics Engine instead: exact, or quickN with N "
+          "reduced: docs/explanation/dynamics.md; Open Dynamics Engine instead: exact, or quickN with N "
           "iterations, 1 to 1000")
       ->capture_default_str();
   verb.add_option(
           "--physics-step", options.physics_step_ms,
           "length of a step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's "
-          "tick stays at 1 ms. Balls thrown want 1 or less, servos 2 or less (docs/dynamics.md)")
+          "tick stays at 1 ms. Balls thrown want 1 or less, servos 2 or less (docs/explanation/dynamics.md)")
       ->type_name("MS")
       ->capture_default_str();
   verb.add_option("--supply", options.supply_volts, "of the board, V")

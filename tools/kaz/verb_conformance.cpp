@@ -10,7 +10,7 @@ namespace kaz::tools {
 
 void add_conformance(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "conformance", "shows case by case that a board does what docs/protocol.md says");
+      "conformance", "shows case by case that a board does what docs/reference/protocol.md says");
   auto arguments = std::make_shared<ConformanceOptions>();
   auto* port = verb->add_option("--port", arguments->port, "serial port or pty of a board")
                    ->type_name("PATH[@BAUD]");

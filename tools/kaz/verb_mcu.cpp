@@ -167,7 +167,7 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   verb->add_option("--input", options->input, "bytes for RxD0 at line rate; - is standard input")
       ->excludes("--flat")
       ->type_name("");
-  verb->add_option("--netlist", options->netlist, "parts around the chip: docs/emulator-pins.md")
+  verb->add_option("--netlist", options->netlist, "parts around the chip: docs/reference/emulator-pins.md")
       ->excludes("--flat")
       ->type_name("FILE");
   auto* vcd = verb->add_option("--vcd", options->vcd, "record signals for GTKWave and the like")

@@ -17,7 +17,7 @@ void add_status(CLI::App& program, Action& action) {
       ->required();
   verb->add_flag("--json", arguments->json, "print it as JSON");
   verb->footer(
-      "Asks only: nothing moves, and nothing is cleared. docs/safety.md says what to do about a\n"
+      "Asks only: nothing moves, and nothing is cleared. docs/explanation/safety.md says what to do about a\n"
       "shutdown. Exit status: 0 nothing is latched, 1 a shutdown is, 2 wrong usage, 3 port "
       "trouble.\n"
       "Examples:\n"

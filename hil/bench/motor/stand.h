@@ -40,7 +40,7 @@ class Stand {
   virtual double settling_s() const = 0;
 };
 
-// Whoever understands the words of docs/bench.md: the simulator, in process or by its control socket.
+// Whoever understands the words of docs/howto/bench.md: the simulator, in process or by its control socket.
 class CommandStand final : public Stand {
  public:
   using Ask = std::function<Result<nlohmann::ordered_json>(const std::string& line)>;

@@ -55,7 +55,7 @@ Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& element
   while (which < kParams.size() && std::string(element.Name()) != kParams[which].element) ++which;
   if (which == kParams.size()) {
     return file.error(element, std::string("unknown element <") + element.Name() +
-                                   "> in <motor>; see docs/robot.md for those it takes");
+                                   "> in <motor>; see docs/reference/robot.md for those it takes");
   }
   const Result<double> value = file.number(element, "value");
   if (!value) return tl::unexpected(value.error());

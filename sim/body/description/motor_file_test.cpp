@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"typing_error",
              "<motors default='a'>\n<motor name='a'>\n<fricton value='1'/>\n"
              "</motor></motors>",
-             ":3: unknown element <fricton> in <motor>; see docs/robot.md for those it takes"},
+             ":3: unknown element <fricton> in <motor>; see docs/reference/robot.md for those it takes"},
         Case{"no_number",
              "<motors default='a'>\n<motor name='a'>\n<friction value='0,1'/>\n"
              "</motor></motors>",

@@ -1,7 +1,7 @@
 // The robot as its URDF describes it, in the terms that the dynamics needs.
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a robot file must have: docs/robot.md. Links that hang on fixed joints are welded to the
+// What a robot file must have: docs/reference/robot.md. Links that hang on fixed joints are welded to the
 // link that carries them; their frames stay known by name.
 #pragma once
 

@@ -9,7 +9,7 @@
 
 namespace kaz::sim {
 
-// Elements, numbers, names and masses, against the subset of docs/worlds.md: an element that is not
+// Elements, numbers, names and masses, against the subset of docs/reference/worlds.md: an element that is not
 // taken is an error, so that none is ignored in silence.
 Result<void> check_sdf(const std::string& path);
 

@@ -98,7 +98,7 @@ class Check {
       if (name == "joint" && std::string(e->Name()) == "mimic") return mimic(*e);
       if (!allowed->second.count(e->Name())) {
         return file_.error(*e, std::string("unknown element <") + e->Name() + "> in <" + name +
-                                   ">; docs/robot.md lists those that are taken");
+                                   ">; docs/reference/robot.md lists those that are taken");
       }
       if (auto ok = elements(*e); !ok) return ok;
     }

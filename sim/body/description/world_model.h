@@ -1,5 +1,5 @@
 // What stands around the robot, as the SDF world describes it. The subset that is taken:
-// docs/worlds.md.
+// docs/reference/worlds.md.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -25,7 +25,7 @@
 // A slipping gear is a clutch with a max torque; the motor is assumed to turn with the joint, without
 // backlash. A jammed gear locks the joint at its angle.
 //
-// Current is the mean over a PWM period (docs/robot.md explains why that is enough).
+// Current is the mean over a PWM period (docs/reference/robot.md explains why that is enough).
 #pragma once
 
 #include "sim/body/description/motor_file.h"

@@ -11,7 +11,7 @@
 namespace kaz::sim {
 namespace {
 
-// Settings with which the gait was found (docs/robot.md, "Dynamics").
+// Settings with which the gait was found (docs/reference/robot.md, "Dynamics").
 constexpr double kErp = 0.2;
 constexpr double kCfm = 1e-8;
 constexpr double kQuickStepOverRelaxation = 1.3;

@@ -1,4 +1,4 @@
-// World on the Open Dynamics Engine, double precision. Settings: docs/robot.md, "Dynamics".
+// World on the Open Dynamics Engine, double precision. Settings: docs/reference/robot.md, "Dynamics".
 // SPDX-License-Identifier: Apache-2.0
 //
 // QuickStep shuffles its rows with ODE's one global random generator: each world keeps its own

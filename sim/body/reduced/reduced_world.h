@@ -1,5 +1,5 @@
 // World in reduced coordinates: joints without constraint drift, implicit motors, contacts with friction
-// cones, all bodies in contact in one solve. docs/dynamics.md has the formulation.
+// cones, all bodies in contact in one solve. docs/explanation/dynamics.md has the formulation.
 // SPDX-License-Identifier: Apache-2.0
 //
 // One step of h seconds, from q, v to the next:

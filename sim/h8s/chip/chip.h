@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "shared/base/archive.hpp"
 #include "shared/base/result.hpp"
 #include "shared/image/image.h"
 #include "sim/h8s/chip/options.h"

@@ -13,7 +13,7 @@ namespace kaz::h8s {
 class Machine;
 
 // Waits and pulses of the 32-byte generation, in microseconds (hardware manual, flash memory
-// programming and erasing flowcharts; values of the non-A-mask part, see docs/emulator.md).
+// programming and erasing flowcharts; values of the non-A-mask part, see docs/explanation/emulator.md).
 namespace flash_times {
 inline constexpr double after_swe = 10, after_psu = 50, after_esu = 200, after_pv = 4,
                         after_ev = 20, after_dummy = 2;

@@ -4,7 +4,7 @@
 // asmjit's own JitRuntime maps its memory writable and executable. Its option of two mappings of the same
 // memory keeps each of them from being both, but leaves the writable one there for good: whoever can write
 // anywhere can still write code that runs. Here a page has one mapping, and the permission to write to
-// it is given back before the code runs (mprotect). What that costs: docs/emulator.md.
+// it is given back before the code runs (mprotect). What that costs: docs/explanation/emulator.md.
 #pragma once
 
 #include <cstddef>

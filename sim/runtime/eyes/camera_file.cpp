@@ -98,7 +98,7 @@ Result<CameraFile> CameraFile::load(const std::string& path) {
   if (!grows(eye))
     return fail(Fault::usage, path +
                                   ": with \"k1\", \"k2\", \"k3\" as they are, the picture turns "
-                                  "back before its corners; see docs/view.md");
+                                  "back before its corners; see docs/explanation/view.md");
   return camera;
 }
 

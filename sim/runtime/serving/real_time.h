@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The serial line is a pty, stereo pairs come from a Unix socket, a control socket is beside the pty
-// (docs/simulator.md).
+// (docs/reference/simulator.md).
 #pragma once
 
 #include <atomic>

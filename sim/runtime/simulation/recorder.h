@@ -1,7 +1,7 @@
 // Records all signals between the parts as an MCAP file, with simulated time only.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The channels are described in docs/time.md.
+// The channels are described in docs/explanation/time.md.
 #pragma once
 
 #include <cstdint>
@@ -42,7 +42,7 @@ class Recorder {
   // With the pictures, if they were stored.
   void eyes(const Eyes::Digest& digest);
   void behavior(States at, std::string_view json);
-  // Start of a fault, as a line of docs/faults.md.
+  // Start of a fault, as a line of docs/reference/faults.md.
   void fault(States at, std::string_view line);
 
   // SHA-256 of the file.

@@ -4,7 +4,7 @@
 // Time advances only in step(), by one millisecond: the board runs to the end of the step, its mean motor
 // drives move the world, and the joint angles return to the potentiometers. With shorter physics steps board
 // and world alternate within the millisecond; physics steps may also be longer. Nothing here reads the wall
-// clock: the same options and calls give the same recording, byte for byte (docs/time.md).
+// clock: the same options and calls give the same recording, byte for byte (docs/explanation/time.md).
 #pragma once
 
 #include <cstdint>

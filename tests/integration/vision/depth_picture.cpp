@@ -1,4 +1,4 @@
-// The picture of docs/vision.md: what an eye sees, how far it is, and which planes are there.
+// The picture of docs/explanation/vision.md: what an eye sees, how far it is, and which planes are there.
 // SPDX-License-Identifier: Apache-2.0
 //
 // depth_picture FILE

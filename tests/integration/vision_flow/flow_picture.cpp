@@ -1,4 +1,4 @@
-// The picture of docs/vision.md: flow while the head turns, what rest does not explain, the ball.
+// The picture of docs/explanation/vision.md: flow while the head turns, what rest does not explain, the ball.
 // SPDX-License-Identifier: Apache-2.0
 //
 // flow_picture FILE

@@ -93,7 +93,7 @@ TEST(Gait, OfBothHandsIsTheSame) {
   EXPECT_NEAR(aside[0], -aside[1], 1e-4);
 }
 
-// Margins: of some 30 seeds (docs/dynamics.md) none was beyond them.
+// Margins: of some 30 seeds (docs/explanation/dynamics.md) none was beyond them.
 TEST(Gait, WalksHalfAMetre) {
   for (const std::uint64_t seed : {1, 2}) {
     const Outcome out = run("walk 0.5 m, roll 20", seed);

@@ -1,4 +1,4 @@
-// What docs/dynamics.md says of the length of a step, in short.
+// What docs/explanation/dynamics.md says of the length of a step, in short.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 

@@ -34,7 +34,7 @@ struct Scene {
   double rolling_resistance = 0.0005;          // m
   std::vector<Eigen::Vector2d> other_balls{};  // blue
   double frozen_from_s = 0, frozen_for_s = 0;  // no picture comes
-  std::vector<std::string> faults = {};        // docs/faults.md
+  std::vector<std::string> faults = {};        // docs/reference/faults.md
   // Begins when the behaviour first says so; the fault without `at`.
   std::string fault_phase = {}, fault_then = {};
   std::uint64_t seed = 1;

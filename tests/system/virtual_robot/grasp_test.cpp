@@ -8,7 +8,7 @@
 namespace kaz {
 namespace {
 
-// Centre of the grasp in the forearm's frame (docs/robot.md).
+// Centre of the grasp in the forearm's frame (docs/reference/robot.md).
 const Eigen::Vector3d kGrasp(0, 0, -0.093);
 
 double away_mm(const RobotBench& bench) {

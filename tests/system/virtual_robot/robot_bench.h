@@ -106,7 +106,7 @@ class RobotBench {
     ASSERT_TRUE(set) << set.error().message;
     wait(duration_s);
   }
-  // The crouch that walking starts from (docs/robot.md).
+  // The crouch that walking starts from (docs/reference/robot.md).
   void stand_in_crouch() {
     std::vector<host::JointTarget> targets;
     for (const auto& [joint, degrees] :

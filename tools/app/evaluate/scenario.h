@@ -45,7 +45,7 @@ struct Scenario {
   std::uint64_t seed = 1;  // of the episode: sensors, and all below
   // In the world: where the robot starts, and the light.
   double start_x_m = 0, start_y_m = 0, start_yaw_rad = 0;
-  double lamp_azimuth_rad = 0, lamp_height_rad = 1, lamp = 1, shade = 1;  // factors: docs/worlds.md
+  double lamp_azimuth_rad = 0, lamp_height_rad = 1, lamp = 1, shade = 1;  // factors: docs/reference/worlds.md
   double friction = 0.7, supply_volts = 10;
   double ball_x_m = 0, ball_y_m = 0;  // from between the feet; x ahead, y left
   double ball_radius_m = 0.020;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kTickShare = 8.0 / KZ_STATES_PER_TICK;  // of a tick, in 8 states
-constexpr double kTickBound = 0.75;                      // of a tick, docs/firmware.md
+constexpr double kTickBound = 0.75;                      // of a tick, docs/reference/firmware.md
 
 [[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
   char buffer[160];

@@ -218,7 +218,7 @@ Result<bool> run_session(SessionOptions options) {
                     expected_seconds(*values, behavior->options));
 
   const auto wall_start = std::chrono::steady_clock::now();
-  behavior::Context context{*robot,   robot->clock(), sees ? &sight : nullptr,
+  behavior::Context context{*robot,   robot->clock(), sees ? &detector : nullptr,
                             listener, *values,        options.backend.seed};
   context.ball_radius_m = options.vision.ball.radius_m;
   if (const auto* simulation = (*backend)->simulation())
