@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "host/link/link.h"
-#include "host/robot/robot.h"
 #include "shared/board/board.h"
 #include "shared/servo/servo.h"
 #include "shared/servo/tick.h"

@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kDeg = std::numbers::pi / 180;
 
-// The part that the board carries has 0.1 degrees/s per root Hz (docs/reference/simulator.md). Sampled 80 times a
+// The part that the board carries has 0.1 degrees/s per root Hz (docs/reference/simulator.md). Sampled 80
+// times a
 // second behind a filter of 40 Hz, in codes of 1 degree/s, that is sqrt(pi/2) as much and the codes'
 // sqrt(1/12) over 40 Hz besides: 0.13.
 constexpr double kNoise = 0.13 * kDeg;

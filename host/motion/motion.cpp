@@ -33,7 +33,8 @@ constexpr double kTippedFor_s = 0.3, kForceSmoothing_s = 0.15;
 constexpr double kGravity = 9.81;
 
 // By so much the weight is later on a foot than planned: servos lag, and a swinging foot that is still
-// on its way would be counted as half a support. By walks in simulation (docs/explanation/motion.md): without it
+// on its way would be counted as half a support. By walks in simulation (docs/explanation/motion.md):
+// without it
 // odometry counted 1.4 % too little.
 constexpr double kFootLags_s = 0.055;
 // What the gyro's own sigma leaves out: a trunk that shakes and leans while it walks, per root metre.

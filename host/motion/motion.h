@@ -24,7 +24,8 @@ namespace kaz::motion {
 
 struct Settings {
   Shape walk{};
-  // Turning slips both soles: slowly, and with the lean that holds on every floor (docs/explanation/motion.md).
+  // Turning slips both soles: slowly, and with the lean that holds on every floor
+  // (docs/explanation/motion.md).
   Shape turn{.period = 2.2};
   double stride = 0.040;     // m, of each foot against the hips; most that is used
   double reach = 0.012;      // m, of turning

@@ -15,7 +15,8 @@ namespace kaz::motion {
 
 struct Place {
   double x = 0, y = 0, heading = 0;
-  // One sigma. Of the way: 1.5 % of what was walked (slip, and play in the gears; docs/explanation/motion.md), and
+  // One sigma. Of the way: 1.5 % of what was walked (slip, and play in the gears;
+  // docs/explanation/motion.md), and
   // what the heading's error makes of it across.
   double sigma_along = 0, sigma_across = 0, sigma_heading = 0;
 };

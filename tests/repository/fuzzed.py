@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: fuzzed.py ROOT
 
-Holds tools/fuzz/targets.txt against the tree and against the table in docs/howto/fuzzing.md. A file reads if it
+Holds tools/fuzz/targets.txt against the tree and the table in docs/howto/fuzzing.md. A file reads if it
 calls one of READS; comments do not count."""
 
 import pathlib

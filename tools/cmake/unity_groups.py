@@ -1,11 +1,11 @@
-# Which sources of a target are compiled together, so that headers and templates are read once for several of them.
+# Which sources of a target are compiled together, so that headers are read once for several of them.
 # SPDX-License-Identifier: Apache-2.0
 """usage: unity_groups.py ROOT SIZE <list
 
-Reads lines `TARGET;SOURCE;SOURCE...` (paths of C++ sources, absolute) and prints one line `SOURCE;GROUP` for each
-source that joins a group. Two sources are in one group only if neither has a name of file scope (in an unnamed
-namespace, static, a macro, an alias) that is a word of the other one, so that none can mean or hide anything in
-the other. A group has at most SIZE sources."""
+Reads lines `TARGET;SOURCE;SOURCE...` (paths of C++ sources, absolute) and prints one line `SOURCE;GROUP`
+for each source that joins a group. Two sources are in one group only if neither has a name of file scope (in
+an unnamed namespace, static, a macro, an alias) that is a word of the other one, so that none can mean or
+hide anything in the other. A group has at most SIZE sources."""
 
 import pathlib
 import re
@@ -36,7 +36,9 @@ def declared(statement):
         names = [name for name in names if name not in WORDS]
         return names[:1]
     names = re.findall(r"[A-Za-z_]\w*", re.sub(r"\[.*?\]|<.*?>", " ", head))
-    return names[-1:] + re.findall(r",\s*([A-Za-z_]\w*)\s*(?==[^=]|,|\{|$)", statement) if len(names) > 1 else []
+    if len(names) < 2:
+        return []
+    return names[-1:] + re.findall(r",\s*([A-Za-z_]\w*)\s*(?==[^=]|,|\{|$)", statement)
 
 
 def names_of(path):
@@ -75,7 +77,8 @@ def names_of(path):
 
 def record(names, statement, scopes):
     inner = "anonymous" in scopes
-    hidden = re.match(r"\s*(?:static|using|constexpr|const|namespace\s+\w+\s*=|struct|class|enum)\b", statement)
+    hidden = re.match(r"\s*(?:static|using|constexpr|const|namespace\s+\w+\s*=|struct|class|enum)\b",
+                      statement)
     if inner or hidden:
         names.update(declared(statement))
 

@@ -23,8 +23,8 @@ Result<void> check_duration(const behavior::Behavior& behavior, const std::strin
                                   " ends by itself; leave the option out");
   if (behavior::OptionValues::parse(std::span(&*option, 1), {{"seconds", text}})) return {};
   char range[80];
-  std::snprintf(range, sizeof range, "from %g to %g, as in --duration %s", option->least,
-                option->most, std::string(option->initial).c_str());
+  std::snprintf(range, sizeof range, "from %g to %g, as in --duration %s", option->min,
+                option->max, std::string(option->initial).c_str());
   return fail(Fault::usage, "--duration " + text + ": give a number of seconds " + range);
 }
 

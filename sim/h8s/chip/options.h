@@ -9,7 +9,8 @@
 
 namespace kaz::h8s {
 
-// Defaults follow the manuals of the H8S/2128's siblings. Evidence: sim/h8s/README.md, docs/explanation/emulator.md.
+// Defaults follow the manuals of the H8S/2128's siblings. Evidence: sim/h8s/README.md,
+// docs/explanation/emulator.md.
 struct Options {
   Engine engine = Engine::translator;
   // Number of jumps to an address before its code is translated; affects speed only.

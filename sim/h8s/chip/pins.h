@@ -33,7 +33,8 @@ struct PinInfo {
   int port = 0;  // 1..7; 0 for the control inputs
   int bit = 0;
   // All names, the port's first: "P50", "TxD0". Functions of the single-chip modes (hardware manual, pin
-  // functions); where the 64-pin part's manual was not available, as on its siblings (docs/explanation/emulator.md).
+  // functions); where the 64-pin part's manual was not available, as on its siblings
+  // (docs/explanation/emulator.md).
   std::span<const std::string_view> names;
   bool input_only = false;
   // NMOS push-pull output: an external low level overrides its high level without a conflict.

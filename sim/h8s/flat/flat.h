@@ -12,8 +12,6 @@
 
 #include "shared/base/result.hpp"
 #include "shared/image/image.h"
-#include "sim/h8s/chip/chip.h"
-#include "sim/h8s/chip/options.h"
 #include "sim/h8s/cpu/types.h"
 
 namespace kaz::h8s {

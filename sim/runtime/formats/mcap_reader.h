@@ -18,7 +18,8 @@
 namespace kaz::sim {
 
 struct McapRecording {
-  // A recording is kept in memory, beside its file while that is read. docs/explanation/time.md has the limits.
+  // A recording is kept in memory, beside its file while that is read. docs/explanation/time.md has the
+  // limits.
   static constexpr std::uint64_t max_bytes = std::uint64_t{2} << 30;
   static constexpr std::size_t max_facts = 10'000;
   // A year: far above any run, and low enough that it can be counted in crystal periods (time.h).

@@ -18,7 +18,8 @@
 namespace kaz::sim {
 
 // Executes one request and returns the reply. A request is a JSON object {"command": "power", "argument":
-// "off"} or plain text "power off". Replies have "ok"; if false, also "error". docs/reference/simulator.md lists
+// "off"} or plain text "power off". Replies have "ok"; if false, also "error". docs/reference/simulator.md
+// lists
 // them.
 class ControlCommands {
  public:

@@ -143,7 +143,8 @@ TEST(VisionVerb, FindsNothingThatMovesWhereNothingDoes) {
     quiet += frame["moving"].empty() ? 1 : 0;
   }
   EXPECT_GE(said, 80);
-  // The whole run has 94 % without (docs/explanation/vision.md says why not all): a little less is its scatter.
+  // The whole run has 94 % without (docs/explanation/vision.md says why not all): a little less is its
+  // scatter.
   EXPECT_GE(quiet, 0.9 * said);
 }
 
