@@ -16,7 +16,8 @@ target_compile_options(kaz_flags INTERFACE -Wall -Wextra -Wshadow -ffp-contract=
 # that an inlined std::string::replace cannot have.
 if(KAZ_UNITY GREATER 1 AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(kaz_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>
-                                             $<$<COMPILE_LANGUAGE:CXX>:-Wno-stringop-overflow>)
+                                             $<$<COMPILE_LANGUAGE:CXX>:-Wno-stringop-overflow>
+                                             $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
 endif()
 if(KAZ_WERROR)
   target_compile_options(kaz_flags INTERFACE -Werror)

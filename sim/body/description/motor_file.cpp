@@ -157,7 +157,7 @@ Result<MotorParams> load_motor_file(const std::string& path, const std::string& 
 std::string motor_file_text(const MotorParams& motor, const std::string& about) {
   std::string comment = about;
   for (auto at = comment.find("--"); at != std::string::npos; at = comment.find("--", at))
-    comment.replace(at, 2, "- ");  // XML's comments must not have it
+    comment[at + 1] = ' ';  // XML's comments must not have it
   const std::string name = xml_text(motor.name);
   std::string text = "<?xml version=\"1.0\"?>\n<!-- " + comment + " -->\n<motors default=\"" +
                      name + "\">\n  <motor name=\"" + name + "\">\n";
