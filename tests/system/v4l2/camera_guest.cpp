@@ -152,7 +152,7 @@ TEST_F(Cameras, YuvIsReadAsTheDriverMeansIt) {
 TEST_F(Cameras, PairsAreTimedOnTheHostsClockAndNeverWaitedFor) {
   const auto camera = open({kLeft, kRight, 10, {}});
   ASSERT_TRUE(camera);
-  EXPECT_EQ(camera->mode(host::Side::left), "320 x 180 yuyv, 10 Hz");
+  EXPECT_EQ(camera->mode(host::EyeSide::left), "320 x 180 yuyv, 10 Hz");
   const Time before = now();
   const auto watched = watch(*camera, 15, 30s);
   ASSERT_EQ(watched.pairs.size(), 15u) << watched.error;
