@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/system/virtual_robot/robot_bench.h"
+#include "tests/system/virtual_robot/robot_testing.h"
 
 namespace kaz {
 namespace {

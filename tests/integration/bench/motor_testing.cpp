@@ -1,6 +1,6 @@
 // The motor measurements of an emulated board on the virtual stand.
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/integration/bench/motor_bench.h"
+#include "tests/integration/bench/motor_testing.h"
 
 namespace kaz::hil {
 namespace {

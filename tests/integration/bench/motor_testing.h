@@ -7,7 +7,7 @@
 #include <string>
 
 #include "sim/board/sensor_file.h"
-#include "tests/integration/bench/measured.h"
+#include "tests/integration/bench/measured_testing.h"
 #include "tools/lockstep/stand_backend.h"
 
 namespace kaz::hil {

@@ -55,10 +55,10 @@ inline std::string ball(const std::string& at, double mass_kg, double radius_m,
          kicks + "</model>";
 }
 
-class RobotBench {
+class RobotFixture {
  public:
   // Null where something failed; the test says what.
-  static std::unique_ptr<RobotBench> start(const std::string& world, std::uint64_t seed = 1) {
+  static std::unique_ptr<RobotFixture> start(const std::string& world, std::uint64_t seed = 1) {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
     const auto path = std::filesystem::path(testing::TempDir()) /
                       ("kaz_" + std::string(info->name()) + std::to_string(getpid()) + ".sdf");
@@ -78,18 +78,18 @@ class RobotBench {
       ADD_FAILURE() << simulation.error().message;
       return nullptr;
     }
-    std::unique_ptr<RobotBench> bench(new RobotBench(std::move(*simulation)));
-    auto robot = host::Robot::connect(bench->link_, bench->clock_);
+    std::unique_ptr<RobotFixture> fixture(new RobotFixture(std::move(*simulation)));
+    auto robot = host::Robot::connect(fixture->link_, fixture->clock_);
     if (!robot) {
       ADD_FAILURE() << robot.error().message;
       return nullptr;
     }
-    bench->robot_ = std::make_unique<host::Robot>(std::move(*robot));
-    if (auto on = bench->robot_->enable(host::kAllJoints); !on) {
+    fixture->robot_ = std::make_unique<host::Robot>(std::move(*robot));
+    if (auto on = fixture->robot_->enable(host::kAllJoints); !on) {
       ADD_FAILURE() << on.error().message;
       return nullptr;
     }
-    return bench;
+    return fixture;
   }
 
   host::Robot& robot() { return *robot_; }
@@ -131,7 +131,7 @@ class RobotBench {
   Eigen::Vector3d ball() const { return world().object_position("ball").value(); }
 
  private:
-  explicit RobotBench(std::unique_ptr<sim::Simulation> simulation)
+  explicit RobotFixture(std::unique_ptr<sim::Simulation> simulation)
       : simulation_(std::move(simulation)), clock_(*simulation_), link_(*simulation_) {}
 
   std::unique_ptr<sim::Simulation> simulation_;
