@@ -5,7 +5,7 @@
 namespace kaz::hil {
 namespace {
 
-// A stand whose scale shows more one way than the other.
+// A stand whose scale has a gain error in one direction.
 class BentScale final : public Stand {
  public:
   BentScale(Stand& stand, double forward) : stand_(stand), forward_(forward) {}

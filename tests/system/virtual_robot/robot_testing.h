@@ -21,14 +21,14 @@ namespace kaz {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// KAZ_LONG=1 asks for the long versions. KAZ_STEPPER chooses another stepper (sim/body/world.h),
-// KAZ_PHYSICS_STEP another length of its step, ms.
+// KAZ_LONG=1 selects the long versions, KAZ_STEPPER other dynamics (sim/body/world.h),
+// KAZ_PHYSICS_STEP another step length, ms.
 inline bool long_run() {
   const char* asked = std::getenv("KAZ_LONG");
   return asked != nullptr && std::string(asked) == "1";
 }
 
-// A floor as in sim/worlds, and whatever `models` says.
+// A world of a floor as in sim/worlds, and `models`.
 inline std::string world_of(const std::string& models) {
   return R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="test">
@@ -57,7 +57,7 @@ inline std::string ball(const std::string& at, double mass_kg, double radius_m,
 
 class RobotFixture {
  public:
-  // Null where something failed; the test says what.
+  // Null after an error, which is reported as a test failure.
   static std::unique_ptr<RobotFixture> start(const std::string& world, std::uint64_t seed = 1) {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
     const auto path = std::filesystem::path(testing::TempDir()) /
@@ -96,7 +96,7 @@ class RobotFixture {
   const sim::World& world() const { return simulation_->world(); }
   double time_s() const { return seconds(simulation_->time()); }
 
-  // The board's watchdog is kept content meanwhile.
+  // Feeds the link watchdog of the board meanwhile.
   void wait(double for_s) {
     const auto slept = robot_->clock().sleep_until(clock_.now() + from_seconds(for_s));
     ASSERT_TRUE(slept) << slept.error().message;
