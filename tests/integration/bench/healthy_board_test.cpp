@@ -5,8 +5,8 @@
 
 #include "hil/bench/report.h"
 #include "host/robot/connect.h"
-#include "tests/integration/bench/measured.h"
-#include "tests/integration/bench/rewriting_link.h"
+#include "tests/integration/bench/measured_testing.h"
+#include "tests/integration/bench/rewriting_link_testing.h"
 
 namespace kaz::hil {
 namespace {

@@ -4,7 +4,7 @@
 // depth_picture FILE
 #include <cstdio>
 
-#include "tests/integration/vision/rendered_scene.h"
+#include "tests/integration/vision/rendered_scene_testing.h"
 #include "tools/figure/figure.h"
 #include "tools/figure/vision_views.h"
 #include "vision/planes/plane_segments.h"

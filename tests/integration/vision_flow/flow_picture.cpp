@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/integration/vision_flow/moving_scene.h"
+#include "tests/integration/vision_flow/moving_scene_testing.h"
 #include "tools/figure/figure.h"
 #include "vision/flow/independent_motion.h"
 

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "sim/runtime/eyes/eyes.h"
-#include "tests/system/command_line/process.h"
+#include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
 namespace {

@@ -16,7 +16,7 @@
 #include <zlib.h>
 
 #include "shared/base/camera_stream.hpp"
-#include "tests/system/command_line/process.h"
+#include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/system/command_line/process.h"
+#include "tests/system/command_line/process_testing.h"
 #include "vision/image/picture_file.h"
 
 namespace kaz::test {

@@ -11,7 +11,7 @@
 
 #include "sim/runtime/formats/mcap_reader.h"
 #include "sim/runtime/formats/mcap_writer.h"
-#include "tests/system/command_line/process.h"
+#include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
 namespace {

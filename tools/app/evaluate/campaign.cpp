@@ -218,7 +218,7 @@ Result<void> claim(const OutputFolder& folder, const Json& campaign) {
 }  // namespace
 
 Json campaign_json(const CampaignOptions& o) {
-  const auto pair = [](const Interval& i) { return Json{i.least, i.most}; };
+  const auto pair = [](const Interval& i) { return Json{i.min, i.max}; };
   return {{"behavior", o.behavior},
           {"settings", o.settings},
           {"realtime", o.realtime},

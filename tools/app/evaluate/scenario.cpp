@@ -38,7 +38,7 @@ double evenly(std::uint64_t seed, Draw what) {
   return std::clamp(0.5 * std::erfc(-normal / std::numbers::sqrt2), 0.0, 1 - 1e-12);
 }
 double within(const Interval& interval, std::uint64_t seed, Draw what) {
-  return interval.least + (interval.most - interval.least) * evenly(seed, what);
+  return interval.min + (interval.max - interval.min) * evenly(seed, what);
 }
 template <class T>
 const T& one_of(const std::vector<T>& all, std::uint64_t seed, Draw what) {

@@ -91,7 +91,7 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Out
   const Json result{
       {"success_rate", n == 0 ? 0 : static_cast<double>(successes) / static_cast<double>(n)},
       {"episodes", n},
-      {"interval", {interval.least, interval.most}},
+      {"interval", {interval.min, interval.max}},
       {"successes", successes},
       {"falls", falls},
       {"seconds", {{"median", quantile(times, 0.5)}, {"p95", quantile(times, 0.95)}}},

@@ -21,14 +21,14 @@ namespace kaz {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// KAZ_LONG=1 asks for the long versions. KAZ_DYNAMICS chooses other dynamics (sim/body/world/world.h),
-// KAZ_PHYSICS_STEP another length of its step, ms.
+// KAZ_LONG=1 selects the long versions, KAZ_DYNAMICS other dynamics (sim/body/world/world.h),
+// KAZ_PHYSICS_STEP another step length, ms.
 inline bool long_run() {
   const char* asked = std::getenv("KAZ_LONG");
   return asked != nullptr && std::string(asked) == "1";
 }
 
-// A floor as in sim/worlds, and whatever `models` says.
+// A world of a floor as in sim/worlds, and `models`.
 inline std::string world_of(const std::string& models) {
   return R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="test">
@@ -55,10 +55,10 @@ inline std::string ball(const std::string& at, double mass_kg, double radius_m,
          kicks + "</model>";
 }
 
-class RobotBench {
+class RobotFixture {
  public:
-  // Null where something failed; the test says what.
-  static std::unique_ptr<RobotBench> start(const std::string& world, std::uint64_t seed = 1) {
+  // Null after an error, which is reported as a test failure.
+  static std::unique_ptr<RobotFixture> start(const std::string& world, std::uint64_t seed = 1) {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
     const auto path = std::filesystem::path(testing::TempDir()) /
                       ("kaz_" + std::string(info->name()) + std::to_string(getpid()) + ".sdf");
@@ -78,25 +78,25 @@ class RobotBench {
       ADD_FAILURE() << simulation.error().message;
       return nullptr;
     }
-    std::unique_ptr<RobotBench> bench(new RobotBench(std::move(*simulation)));
-    auto robot = host::Robot::connect(bench->link_, bench->clock_);
+    std::unique_ptr<RobotFixture> fixture(new RobotFixture(std::move(*simulation)));
+    auto robot = host::Robot::connect(fixture->link_, fixture->clock_);
     if (!robot) {
       ADD_FAILURE() << robot.error().message;
       return nullptr;
     }
-    bench->robot_ = std::make_unique<host::Robot>(std::move(*robot));
-    if (auto on = bench->robot_->enable(host::kAllJoints); !on) {
+    fixture->robot_ = std::make_unique<host::Robot>(std::move(*robot));
+    if (auto on = fixture->robot_->enable(host::kAllJoints); !on) {
       ADD_FAILURE() << on.error().message;
       return nullptr;
     }
-    return bench;
+    return fixture;
   }
 
   host::Robot& robot() { return *robot_; }
   const sim::World& world() const { return simulation_->world(); }
   double time_s() const { return seconds(simulation_->time()); }
 
-  // The board's watchdog is kept content meanwhile.
+  // Feeds the link watchdog of the board meanwhile.
   void wait(double for_s) {
     const auto slept = robot_->clock().sleep_until(clock_.now() + from_seconds(for_s));
     ASSERT_TRUE(slept) << slept.error().message;
@@ -131,7 +131,7 @@ class RobotBench {
   Eigen::Vector3d ball() const { return world().object_position("ball").value(); }
 
  private:
-  explicit RobotBench(std::unique_ptr<sim::Simulation> simulation)
+  explicit RobotFixture(std::unique_ptr<sim::Simulation> simulation)
       : simulation_(std::move(simulation)), clock_(*simulation_), link_(*simulation_) {}
 
   std::unique_ptr<sim::Simulation> simulation_;

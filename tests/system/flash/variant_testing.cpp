@@ -1,6 +1,6 @@
 // A changed header and its CRC.
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/system/flash/variant.h"
+#include "tests/system/flash/variant_testing.h"
 
 #include <array>
 

@@ -1,6 +1,6 @@
-// Frames from the board, changed on their way.
+// Modifies frames from the board.
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/integration/bench/rewriting_link.h"
+#include "tests/integration/bench/rewriting_link_testing.h"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,10 @@
-// Files of a robot and a world that differ a little from seed to seed.
+// Writes robot and world files with random variations by seed.
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/studies/gait/disturbed.h"
+#include "tests/studies/common/disturbed_robot.h"
 
 #include "shared/base/random.hpp"
 
-namespace kaz::gait {
+namespace kaz::studies {
 namespace {
 
 using trials::digits, trials::with_numbers;
@@ -14,7 +14,7 @@ std::string with_motors(std::string xml, Motors motors) {
     xml = with_numbers(xml, name + " value=\"", [value](double) { return value; });
   };
   if (motors == Motors::product) return xml;
-  // A motor that says nothing of heat stays cold, one without backlash has none.
+  // Without these elements a motor has neither heating nor backlash.
   for (const char* name :
        {"backlash_degrees", "winding_heat_capacity", "winding_to_case", "case_heat_capacity",
         "case_to_air", "copper_per_kelvin", "air_celsius"}) {
@@ -30,7 +30,7 @@ std::string with_motors(std::string xml, Motors motors) {
 }
 
 std::string world_of(const Surroundings& around, std::uint64_t seed) {
-  // No floor of less than a fifth of its friction, however far out its seed is.
+  // At least a fifth of the mean, whatever the seed.
   const double mu =
       around.mu * std::max(0.2, 1 + around.mu_spread * noise(seed, Noise::friction, 0));
   std::string text = R"(<?xml version="1.0"?>
@@ -71,4 +71,4 @@ Result<trials::RobotFolder> disturbed_files(const std::string& robot, const Surr
       world_of(around, seed));
 }
 
-}  // namespace kaz::gait
+}  // namespace kaz::studies

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "sim/board/sensor_file.h"
-#include "tests/integration/bench/measured.h"
+#include "tests/integration/bench/measured_testing.h"
 #include "tools/lockstep/stand_backend.h"
 
 namespace kaz::hil {
@@ -22,24 +22,24 @@ inline sim::MotorParams kaz_motor() {
 inline sim::SimulationOptions kaz_board() {
   sim::SimulationOptions board;
   board.sensors = *sim::sensors_by_name("nominal");
-  const auto figures =
+  const auto params =
       sim::load_sensor_file(std::string(KAZ_TREE) + "/shared/robot/kaz/sensors.xml");
-  EXPECT_TRUE(figures) << figures.error().message;
-  board.sensor_params = *figures;
+  EXPECT_TRUE(params) << params.error().message;
+  board.sensor_params = *params;
   return board;
 }
 
-// A motor that is not as it should be, or something around it.
+// A motor and its surroundings, with faults.
 struct MotorTest {
   sim::MotorParams motor = kaz_motor();
   sim::SimulationOptions board = kaz_board();
   MotorBenchOptions options;
   Limits limits;
   double disc_kgm2 = 4e-4;
-  // Of the scale: what it shows for a torque in the joint's positive sense, over what is there.
+  // Gain error of the scale for positive torques: reading over true torque.
   double scale_forward = 1;
   bool with_stand = true;
-  // To the board, before it is measured.
+  // Changes the board before the measurement.
   std::function<void(host::Robot&)> prepare;
 };
 

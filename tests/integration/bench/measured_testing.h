@@ -1,4 +1,4 @@
-// For tests: the groups `link` and `tick` measured on a virtual board, and what came out by name.
+// For tests: measures the groups `link` and `tick` on a virtual board; results by name.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,4 +1,4 @@
-// Pictures of the outcomes: paths of the trunk, and how turns are spread.
+// Plots of the outcomes: trunk paths, and histograms of the rotation.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
@@ -11,12 +11,12 @@ namespace {
 
 using figure::Color;
 
-Color color_of(std::size_t stepper) {
+Color color_of(std::size_t curve) {
   constexpr Color colors[] = {figure::kBlue, figure::kRed, figure::kGreen, figure::kPurple};
-  return colors[stepper % std::size(colors)];
+  return colors[curve % std::size(colors)];
 }
 
-// All runs in one line, interrupted between them.
+// All episodes in one series, separated by NaN.
 figure::Series paths_of(const std::vector<Outcome>& outcomes) {
   figure::Series series;
   for (const Outcome& out : outcomes) {
@@ -30,7 +30,7 @@ figure::Series paths_of(const std::vector<Outcome>& outcomes) {
   return series;
 }
 
-// Share of the runs within each degree, as steps.
+// Percentage of the values in each degree, as a step curve.
 figure::Series histogram(const std::vector<double>& values, double low, double high) {
   figure::Series series;
   for (double from = std::floor(low); from < high; from += 1) {
@@ -47,13 +47,13 @@ figure::Series histogram(const std::vector<double>& values, double low, double h
 
 }  // namespace
 
-Result<void> pictures(const Results& results, const std::vector<Task>& tasks,
-                      const std::vector<std::string>& steppers, const std::string& folder) {
+Result<void> write_plots(const studies::EpisodeFile& file, const std::vector<Task>& tasks,
+                         const std::vector<std::string>& dynamics, const std::string& folder) {
   figure::PlotPage walks, turns;
   walks.title = "Paths of the trunk from above";
   walks.x_label = "ahead, cm";
-  turns.title = "How the turns of those that did not fall are spread";
-  turns.x_label = "turned, degrees (rows of 3 cycles: in each)";
+  turns.title = "Rotation of the episodes without a fall";
+  turns.x_label = "rotation, degrees (rows of 3 cycles: of each cycle)";
   walks.plot_height_px = turns.plot_height_px = 170;
   for (const Task& task : tasks) {
     const bool walks_task = task.kind == Kind::walk;
@@ -64,8 +64,8 @@ Result<void> pictures(const Results& results, const std::vector<Task>& tasks,
     plot.y_label = walks_task                ? "to the left, mm"
                    : task.kind == Kind::spin ? "cycles, %"
                                              : "runs, %";
-    for (std::size_t s = 0; s < steppers.size(); ++s) {
-      const std::vector<Outcome> outcomes = results.of(task.name, steppers[s]);
+    for (std::size_t s = 0; s < dynamics.size(); ++s) {
+      const std::vector<Outcome> outcomes = file.outcomes(task.name, dynamics[s]);
       std::vector<double> turned;
       for (const Outcome& out : outcomes) {
         if (out.fell) continue;
@@ -76,7 +76,7 @@ Result<void> pictures(const Results& results, const std::vector<Task>& tasks,
       const auto [low, high] = std::ranges::minmax(turned.empty() ? std::vector{0.0} : turned);
       figure::Series series =
           walks_task ? paths_of(outcomes) : histogram(turned, low - 2, high + 2);
-      series.label = steppers[s];
+      series.label = dynamics[s];
       series.color = color_of(s);
       series.width_px = walks_task ? 0.8 : 1.8;
       plot.series.push_back(std::move(series));

@@ -1,6 +1,6 @@
 // Runs programs as a user would: separate processes, their exit status, what they print.
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/system/command_line/process.h"
+#include "tests/system/command_line/process_testing.h"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,6 +1,6 @@
-// Plot above, strip of cut-outs below.
+// A line plot, and below it a strip of cut-outs of difficult images.
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/studies/vision_table/pictures.h"
+#include "tests/studies/vision_table/plots.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,21 +44,21 @@ Image stacked(const Image& upper, const Image& lower) {
 
 figure::PlotPage plot(const Table& table) {
   figure::LinePlot errors;
-  errors.title = "Ball of 20 mm radius: error of the distance, 95 % are less";
+  errors.title = "Ball of 20 mm radius: distance error, 95th percentile";
   errors.y_label = std::string("%");
   for (const int width : {320, 640}) {
     const figure::Color color = width == 320 ? figure::kOrange : figure::kBlue;
     figure::Series measured{std::to_string(width) + " px wide", color, {}, {}};
-    figure::Series asked{"asked for", color, {}, {}, 1, true};
+    figure::Series limit{"limit", color, {}, {}, 1, true};
     for (const AccuracyRow& r : table.accuracy) {
-      if (r.width != width || r.sight != Sight::whole) continue;
+      if (r.width != width || r.visibility != Visibility::whole) continue;
       measured.x.push_back(r.distance_m);
       measured.y.push_back(100 * r.distance.percentile(0.95));
-      asked.x.push_back(r.distance_m);
-      asked.y.push_back(100 * due(width, r.distance_m));
+      limit.x.push_back(r.distance_m);
+      limit.y.push_back(100 * max_distance_error(width, r.distance_m));
     }
     errors.series.push_back(std::move(measured));
-    errors.series.push_back(std::move(asked));
+    errors.series.push_back(std::move(limit));
   }
   errors.y_min = 0;
   figure::PlotPage page;
@@ -79,7 +79,7 @@ Result<figure::Panel> hard(const std::string& name, const std::string& caption) 
   const auto renderer = renderer_of(world);
   if (!renderer) return tl::unexpected(renderer.error());
   Random random(5);
-  const Placement place = place_ball(random, eyes.camera(), 0.5, Sight::whole, world);
+  const Placement place = place_ball(random, eyes.camera(), 0.5, Visibility::whole, world);
   const auto picture = eyes.take_left(**renderer, world.scene.pose, place.eye, 1);
   if (!picture) return tl::unexpected(picture.error());
   const auto ball = vision::BallDetector({}).detect(*picture, eyes.info(place.eye));
@@ -99,8 +99,8 @@ Result<figure::Panel> hard(const std::string& name, const std::string& caption) 
 
 }  // namespace
 
-Result<void> write_picture(const std::string& path, const Table& table) {
-  // The plot's way into an image is a file.
+Result<void> write_plot(const std::string& path, const Table& table) {
+  // Plots are drawn into files only.
   if (auto done = figure::write_plot_png(path, plot(table)); !done) return done;
   const auto upper = vision::read_picture(path);
   if (!upper) return tl::unexpected(upper.error());

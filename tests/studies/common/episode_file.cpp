@@ -1,25 +1,26 @@
-// Outcomes of episodes in a file of JSON lines.
+// Reads and appends episodes, one JSON object a line.
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/studies/gait/results.h"
+#include "tests/studies/common/episode_file.h"
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
-namespace kaz::gait {
+namespace kaz::studies {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const Key& key, const std::string& motors, const Entry& entry) {
-  Json line{{"task", key.task}, {"stepper", key.stepper}, {"seed", key.seed}, {"motors", motors}};
-  if (!entry.error.empty()) {
-    line["error"] = entry.error;
+Json to_json(const EpisodeKey& key, const std::string& motors, const Episode& episode) {
+  Json line{{"row", key.row}, {"variant", key.variant}, {"seed", key.seed}, {"motors", motors}};
+  if (!episode.error.empty()) {
+    line["error"] = episode.error;
     return line;
   }
-  const Outcome& out = entry.outcome;
+  const Outcome& out = episode.outcome;
   line["fell"] = out.fell;
   line["seconds"] = out.seconds;
   line["forward_m"] = out.forward_m;
@@ -30,20 +31,20 @@ Json to_json(const Key& key, const std::string& motors, const Entry& entry) {
   line["per_cycle_deg"] = out.per_cycle_deg;
   line["caught"] = out.caught;
   line["grasp_mm"] = out.grasp_mm;
-  // To the tenth of a millimetre: for pictures.
+  // Rounded to 0.1 mm, which is enough for plots.
   Json& path = line["path_tenth_mm"] = Json::array();
   for (const auto& [x, y] : out.path) path.push_back({std::lround(10 * x), std::lround(10 * y)});
-  if (!out.figures.empty()) line["figures"] = out.figures;
+  if (!out.reported.empty()) line["reported"] = out.reported;
   return line;
 }
 
-Entry from_json(const Json& line) {
-  Entry entry;
+Episode from_json(const Json& line) {
+  Episode episode;
   if (line.contains("error")) {
-    entry.error = line.at("error");
-    return entry;
+    episode.error = line.at("error");
+    return episode;
   }
-  Outcome& out = entry.outcome;
+  Outcome& out = episode.outcome;
   line.at("fell").get_to(out.fell);
   line.at("seconds").get_to(out.seconds);
   line.at("forward_m").get_to(out.forward_m);
@@ -56,22 +57,22 @@ Entry from_json(const Json& line) {
   line.at("grasp_mm").get_to(out.grasp_mm);
   for (const Json& at : line.at("path_tenth_mm"))
     out.path.push_back({at.at(0).get<double>() / 10, at.at(1).get<double>() / 10});
-  if (line.contains("figures")) line.at("figures").get_to(out.figures);
-  return entry;
+  if (line.contains("reported")) line.at("reported").get_to(out.reported);
+  return episode;
 }
 
 }  // namespace
 
-Result<Results> Results::open(const std::string& path, const std::string& motors) {
-  Results results;
-  results.path_ = path;
-  results.motors_ = motors;
+Result<EpisodeFile> EpisodeFile::open(const std::string& path, const std::string& motors) {
+  EpisodeFile file;
+  file.path_ = path;
+  file.motors_ = motors;
   std::ifstream in(path, std::ios::binary);
-  if (!in) return results;
+  if (!in) return file;
   std::string text;
   std::uintmax_t good = 0;
   for (int number = 1; std::getline(in, text); ++number) {
-    if (in.eof()) {  // without its end: the program was interrupted while it wrote
+    if (in.eof()) {  // no newline: the program was interrupted while writing
       in.close();
       std::error_code wrong;
       std::filesystem::resize_file(path, good, wrong);
@@ -83,42 +84,49 @@ Result<Results> Results::open(const std::string& path, const std::string& motors
     try {
       const Json line = Json::parse(text);
       if (line.at("motors") != motors) {
-        return fail(Fault::usage, where + ": is of motors `" +
+        return fail(Fault::usage, where + ": was run with motors `" +
                                       line.at("motors").get<std::string>() +
                                       "`; name another file for `" + motors + "`");
       }
-      results.entries_[{line.at("task"), line.at("stepper"), line.at("seed")}] = from_json(line);
+      file.episodes_[{line.at("row"), line.at("variant"), line.at("seed")}] = from_json(line);
     } catch (const Json::exception& problem) {
-      return fail(Fault::usage, where + ": is no outcome of an episode (" + problem.what() +
-                                    "); name another file");
+      return fail(Fault::usage,
+                  where + ": is not an episode (" + problem.what() + "); name another file");
     }
   }
-  return results;
+  return file;
 }
 
-Result<void> Results::add(const Key& key, const Entry& entry) {
-  entries_[key] = entry;
+Result<void> EpisodeFile::add(const EpisodeKey& key, const Episode& episode) {
+  episodes_[key] = episode;
   std::ofstream out(path_, std::ios::app | std::ios::binary);
-  out << to_json(key, motors_, entry).dump() << '\n';
+  out << to_json(key, motors_, episode).dump() << '\n';
   out.close();
   if (!out) return fail(Fault::environment, path_ + ": cannot be written; is the disk full?");
   return {};
 }
 
-std::vector<Outcome> Results::of(const std::string& task, const std::string& stepper) const {
+std::vector<Outcome> EpisodeFile::outcomes(const std::string& row,
+                                           const std::string& variant) const {
   std::vector<Outcome> found;
-  for (const auto& [key, entry] : entries_) {
-    if (key.task == task && key.stepper == stepper && entry.error.empty())
-      found.push_back(entry.outcome);
+  for (const auto& [key, episode] : episodes_) {
+    if (key.row == row && key.variant == variant && episode.error.empty())
+      found.push_back(episode.outcome);
   }
   return found;
 }
 
-int Results::errors(const std::string& task, const std::string& stepper) const {
+int EpisodeFile::errors(const std::string& row, const std::string& variant) const {
   int count = 0;
-  for (const auto& [key, entry] : entries_)
-    count += key.task == task && key.stepper == stepper && !entry.error.empty();
+  for (const auto& [key, episode] : episodes_)
+    count += key.row == row && key.variant == variant && !episode.error.empty();
   return count;
 }
 
-}  // namespace kaz::gait
+std::size_t EpisodeFile::seeds() const {
+  std::set<std::uint64_t> seeds;
+  for (const auto& [key, episode] : episodes_) seeds.insert(key.seed);
+  return seeds.size();
+}
+
+}  // namespace kaz::studies

@@ -1,6 +1,6 @@
 // Writes the world, puts host and simulation together, runs the behaviour.
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/system/catching/scene.h"
+#include "tests/system/catching/scene_testing.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // The motor measurements of an emulated board on the virtual stand.
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/integration/bench/motor_bench.h"
+#include "tests/integration/bench/motor_testing.h"
 
 namespace kaz::hil {
 namespace {
 
-// A stand whose scale shows more one way than the other.
+// A stand whose scale has a gain error in one direction.
 class BentScale final : public Stand {
  public:
   BentScale(Stand& stand, double forward) : stand_(stand), forward_(forward) {}

@@ -1,5 +1,5 @@
-// Somebody on the line who changes what the board says: frames are taken apart, changed, and put
-// together again with a right check.
+// A link that modifies frames from the board: they are decoded, changed, and encoded
+// again with a valid CRC.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

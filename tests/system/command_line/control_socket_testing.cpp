@@ -1,6 +1,6 @@
 // One request over a Unix socket.
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/system/command_line/control_socket.h"
+#include "tests/system/command_line/control_socket_testing.h"
 
 #include <sys/socket.h>
 #include <sys/time.h>
