@@ -98,12 +98,12 @@ Result<bool> serve(ServeOptions arguments) {
     if (auto saved = sim::save_memory(mcu, arguments.memory); !saved)
       return tl::unexpected(saved.error());
   }
-  std::printf("ended after %.1f s; overruns %llu, worst %.1f ms late, pairs left out %llu\n",
+  std::printf("ended after %.1f s; overruns %llu, worst %.1f ms late, pairs dropped %llu\n",
               statistics->simulated_s, static_cast<unsigned long long>(statistics->overruns),
               1e3 * statistics->worst_late_s,
-              static_cast<unsigned long long>(statistics->pairs_left_out));
-  if (const auto beware = (*simulation)->world().trouble().sentence(); !beware.empty())
-    std::printf("beware: %s\n", beware.c_str());
+              static_cast<unsigned long long>(statistics->pairs_dropped));
+  if (const auto warning = (*simulation)->world().diagnostics().summary(); !warning.empty())
+    std::printf("warning: %s\n", warning.c_str());
   if (!recorded->empty())
     std::printf("recording %s  sha256 %s\n", arguments.backend.recording.c_str(),
                 recorded->c_str());
