@@ -36,11 +36,11 @@ std::size_t compare(Program p, const char* pin_name, int states, const std::stri
       chip.step();
       if (chip.level(pin) == level) continue;
       level = !level;
-      seen.emplace_back(chip.now(), level);
+      sampled.emplace_back(chip.now(), level);
     }
   }
   EXPECT_EQ(reported, sampled) << pin_name << ": " << what;
-  return seen.size();
+  return reported.size();
 }
 
 // Small periods, so that clears, both matches and overflows of the cascade all come.
