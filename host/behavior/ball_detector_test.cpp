@@ -1,4 +1,4 @@
-// The whole way of a picture: camera, capture, pipeline, sight, tracker.
+// From camera to tracker: capture, pipeline, detector.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/ball_detector.h"
 
@@ -12,6 +12,7 @@
 #include "host/robot/kinematics.h"
 #include "host/robot/robot_testing.h"
 #include "vision/pipeline/modules.h"
+#include "vision/pipeline/pipeline.h"
 
 namespace kaz::behavior {
 namespace {
@@ -96,7 +97,7 @@ TEST(PipelineBallDetector, PlacesTheBallWhileTheHeadMoves) {
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(robot.state());
     ASSERT_TRUE(board.sleep_until(board.now() + 2ms));
-    const auto seen = sight.poll(board.now());
+    const auto seen = detector.poll(board.now());
     ASSERT_TRUE(seen) << seen.error().message;
     for (const vision::BallObservation& observation : *seen) {
       ASSERT_TRUE(observation.found);
@@ -118,7 +119,7 @@ TEST(PipelineBallDetector, PlacesTheBallWhileTheHeadMoves) {
   EXPECT_GE(observations, 20);
 
   camera.gone = true;
-  const auto end = sight.poll(board.now());
+  const auto end = detector.poll(board.now());
   ASSERT_FALSE(end);
   EXPECT_EQ(end.error().message, "camera gone");
 }
@@ -128,7 +129,7 @@ TEST(PipelineBallDetector, SaysThatNothingLooksForTheBall) {
   DrawingCamera camera(board, {0.4, 0, 0});
   vision::Pipeline pipeline({vision::Pace::lockstep, 15ms});
   PipelineBallDetector detector(camera, pipeline);
-  const auto seen = sight.poll(board.now());
+  const auto seen = detector.poll(board.now());
   ASSERT_FALSE(seen);
   EXPECT_NE(seen.error().message.find("color"), std::string::npos);
 }
