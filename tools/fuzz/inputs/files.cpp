@@ -101,7 +101,7 @@ Complaint try_faults(Bytes bytes) {
       return "a value outside of its bounds was read: " + faults::text_of(fault);
     if ((kind.target == faults::Target::joint) != (fault.joint >= 0))
       return "a joint where none is, or none where one is";
-    for (const faults::Time t : {faults::Time::min(), faults::Time(0), faults::Time::max()})
+    for (const Time t : {Time::min(), Time(0), Time::max()})
       (void)fault.active(t);
   }
   // Nine digits are written: what has more loses them once.
