@@ -4,7 +4,7 @@
 #ifndef KAZ_FIRMWARE_ANALOG_H
 #define KAZ_FIRMWARE_ANALOG_H
 
-#include "shared/servo/tick.h"
+#include "shared/servo/snapshot.h"
 
 void kz_analog_init(void);
 // Starts a scan, which goes on by interrupts and takes about 6,500 states: the inputs of the

@@ -13,9 +13,9 @@
 
 #include "firmware/image_testing.h"
 #include "shared/servo/fields.h"
-#include "shared/servo/servo.h"
 #include "shared/servo/store.h"
-#include "sim/h8s/chip.h"
+#include "shared/servo/tick.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/mcu/h8_layout.h"
 #include "sim/mcu/h8_mcu.h"
 

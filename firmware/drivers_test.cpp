@@ -212,7 +212,7 @@ TEST_F(Unexpected, InterruptSwitchesTheMotorsOffAndResets) {
 
 using Outputs = TestChip;
 
-// Of the PWM timer and of the 8-bit timers (docs/firmware.md).
+// Of the PWM timer and of the 8-bit timers (docs/reference/firmware.md).
 TEST_F(Outputs, HavePeriodsOf72And36KHz) {
   run(100 * ms);
   EXPECT_EQ(mcu->pins().tmo[0], 0) << "duty 0 is no pulse";

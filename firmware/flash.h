@@ -12,7 +12,7 @@
 
 #define KZ_FLASH_BLOCK 1024  // bytes of EB0..EB3, one behind the other from address 0
 
-// Between the two interrupts are off and code of flash_ram.c stands in RAM.
+// Between the two interrupts are off and the code of flash_ram.c is in RAM.
 void kz_flash_open(void);
 // Ticks that became due between the two.
 u16 kz_flash_close(void);

@@ -121,7 +121,7 @@ measured:
 	add.w	r2,r1
 	mov.w	r1,@(JOINT_RATE:16,er6)
 	mov.w	r0,@(JOINT_ANGLE:16,er6)
-	mov.w	@(JOINT_CAREFUL:16,er6),r2	; and whether it is on
+	mov.w	@(JOINT_CONSTRAINED:16,er6),r2	; and whether it is on
 	cmp.w	#1,r2
 	bne	to_special
 	mov.w	@(JOINT_COMMAND:16,er6),r3
@@ -141,7 +141,7 @@ at_rest:
 	mulxs.w	r1,er2
 	sub.l	er2,er3
 
-; Duty and direction of the drive, whose sign the flags tell. The duty is the drive in its upper half
+; Duty and direction of the drive, whose sign is in the flags. The duty is the drive in its upper half
 ; once that has 65536 to a count, rounded by the bit below.
 put:
 	ble	backward
@@ -273,7 +273,7 @@ beyond_lower:
 	sub.l	er3,er3
 	bra	inside
 
-; Fast towards the upper limit: the way that is left allows so much.
+; Fast towards the upper limit: the remaining distance allows so much.
 rising:
 	mov.w	@(JOINT_UPPER:16,er6),r2
 	cmp.w	r0,r2

@@ -1,4 +1,4 @@
-// Holds what joint_loop.S knows against the C: nothing of it is in the image.
+// Compile-time check of the constants of joint_loop.S against the C: adds nothing to the image.
 // SPDX-License-Identifier: Apache-2.0
 #include <stddef.h>
 

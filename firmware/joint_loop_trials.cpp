@@ -24,10 +24,10 @@
 
 #include "firmware/joint_states.h"
 #include "shared/base/random.hpp"
+#include "shared/image/image.h"
 #include "shared/servo/joint_loop.h"
-#include "sim/h8s/chip.h"
-#include "sim/h8s/debug/observer.h"
-#include "sim/h8s/image.h"
+#include "sim/h8s/chip/chip.h"
+#include "sim/h8s/chip/observer.h"
 
 namespace kaz::firmware {
 namespace {

@@ -3,7 +3,7 @@
 #include "firmware/restart.h"
 #include "shared/board/board.h"
 #include "shared/flash/image.h"
-#include "shared/servo/tick.h"
+#include "shared/servo/snapshot.h"
 
 // The loader's own copy of the CRC's table (loader_crc16.c).
 #define kz_crc16_table kz_loader_crc16_table

@@ -1,4 +1,4 @@
-// The firmware: start, one tick a millisecond, sleep or what a tick has asked for in between.
+// The firmware: start, one tick a millisecond, sleep or the action that a tick requested in between.
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/analog.h"
 #include "firmware/clock.h"
@@ -9,8 +9,7 @@
 #include "firmware/serial.h"
 #include "shared/flash/image.h"
 #include "shared/protocol/messages.h"
-#include "shared/servo/servo.h"
-#include "shared/servo/startup.h"
+#include "shared/servo/tick.h"
 
 // What the tick works on. Global, so that an emulator finds them by name.
 kz_tick_input kz_input;
@@ -74,7 +73,7 @@ static void restart(u32 mark) {
   kz_watchdog_reset();
 }
 
-// What the last tick asked for, once its outputs are at the pins and its bytes have left: 5.6 ms at
+// The last tick's action, once its outputs are at the pins and its bytes have left: 5.6 ms at
 // most. Returns the ticks that became due meanwhile: the next one begins on time.
 static u16 act(void) {
   u16 ticks = 0;
@@ -83,7 +82,7 @@ static u16 act(void) {
   released = 1;
   while (!kz_serial_idle()) continue;
   if (kz_output.p4 & KZ_P4_ENABLE) {
-    // No tick asks for it; and no motor is left alone for seconds.
+    // No tick requests it; and no motor is left alone for seconds.
   } else if (kz_output.action == KZ_ACTION_STORE_CALIBRATION) {
     done = kz_memory_store_calibration(&kz_servo_state, &ticks);
   } else if (kz_output.action == KZ_ACTION_STORE_ADDRESS) {

@@ -4,7 +4,7 @@
 #define KAZ_FIRMWARE_PINS_H
 
 #include "firmware/h8s2128.h"
-#include "shared/servo/tick.h"
+#include "shared/servo/snapshot.h"
 
 // All outputs low (but TxD and the multiplexer selects), PWM and timers running at duty 0. On a shared
 // line P50 stays an input: TxD floats while the transmitter is off.

@@ -1,4 +1,4 @@
-// What a watchdog reset that was asked for leaves in RAM, so that the next start knows.
+// Mark of an intended watchdog reset in RAM, so that the next start knows.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_FIRMWARE_RESTART_H
 #define KAZ_FIRMWARE_RESTART_H

@@ -3,7 +3,7 @@
 #ifndef KAZ_FIRMWARE_SERIAL_H
 #define KAZ_FIRMWARE_SERIAL_H
 
-#include "shared/servo/tick.h"
+#include "shared/servo/snapshot.h"
 
 // On a shared line the transmitter is off, and TxD floats, while there is nothing to send.
 void kz_serial_init(u8 shared_line);

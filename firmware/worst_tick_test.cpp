@@ -11,7 +11,7 @@
 #include "firmware/image_testing.h"
 #include "shared/board/table.h"
 #include "shared/protocol/messages.h"
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/mcu/h8_mcu.h"
 
 namespace kaz::sim {

@@ -1,7 +1,7 @@
 // The flash writer: the program in RAM that boot mode or the loader starts (shared/flash/protocol.h).
 // SPDX-License-Identifier: Apache-2.0
 //
-// It calls nothing and reads nothing in flash but what it is asked for. No interrupt can be used: their
+// It calls nothing and reads nothing in flash but what the host requests. No interrupt can be used: their
 // vectors are in flash. So every wait polls the receiver, and a frame comes in while another is
 // programmed. At 115,200 baud a byte has to be taken every 87 us at least.
 //

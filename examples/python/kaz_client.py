@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-# A client of Kaz's servo board, written from docs/protocol.md, with the standard library alone.
+# A client of Kaz's servo board, written from docs/reference/protocol.md, with the standard library alone.
 # SPDX-License-Identifier: Apache-2.0
 """Moves one joint of Kaz, reads it back, and shows what a refusal looks like.
 
@@ -55,7 +55,7 @@ class ShutDown(Exception):
 
     def __init__(self, reason):
         super().__init__(f"the board has shut down: {SHUTDOWNS.get(reason, reason)}; "
-                         "docs/safety.md says what to do")
+                         "see docs/explanation/safety.md")
 
 
 class NoBoard(Exception):
@@ -93,7 +93,7 @@ def frame_of(body):
 
 
 def splits(body):
-    """A byte that becomes a zero would leave a sound frame behind it (FRAME-4)."""
+    """A byte that becomes a zero would leave a valid frame behind it (FRAME-4)."""
     return CRC_START in crcs_of(stuffed_of(body))
 
 
@@ -149,7 +149,7 @@ class Board:
             self.heard = self.heard[-200:]  # no frame is longer
             yield from filter(None, map(body_of, pieces))
 
-    def ask(self, kind, fields=b"", patience_s=0.5):
+    def request(self, kind, fields=b"", patience_s=0.5):
         """The fields of the reply. A request without one is sent again, as the same request."""
         body = b""
         while not body or splits(body):
@@ -171,38 +171,38 @@ class Board:
         raise NoBoard(f"no board answers at '{self.path}'")
 
     def identify(self):
-        reply = self.ask(IDENTIFY, patience_s=3)
+        reply = self.request(IDENTIFY, patience_s=3)
         tick, version, joints, status = struct.unpack(">IBBH", reply[:8])
         return {"tick": tick, "version": version, "joints": joints, "status": status}
 
     def state(self):
         """Reason of a shutdown (0: none), and the angles in rad."""
-        _tick, status, _supply, *angles = struct.unpack(">IHH18h", self.ask(STATE))
+        _tick, status, _supply, *angles = struct.unpack(">IHH18h", self.request(STATE))
         return status >> 8, [angle * UNIT for angle in angles]
 
     def target(self, joint, angle, seconds):
-        self.ask(TARGETS, struct.pack(">IHh", 1 << joint, round(seconds * 1000), round(angle / UNIT)))
+        self.request(TARGETS, struct.pack(">IHh", 1 << joint, round(seconds * 1000), round(angle / UNIT)))
 
 
 def move(board, joint, angle, seconds):
     """True if the joint has got to the angle."""
-    board.ask(HEARTBEAT, bytes([0, REACTION_HOLD]))  # should this client die, the joint holds
+    board.request(HEARTBEAT, bytes([0, REACTION_HOLD]))  # should this client die, the joint holds
     reason, _ = board.state()
-    if reason:  # tell before it is forgotten
+    if reason:  # report it before it is cleared
         print(f"the board had shut down: {SHUTDOWNS.get(reason, reason)}")
-    board.ask(CLEAR)
+    board.request(CLEAR)
     if joint < 2:
         # The neck carries nothing: with the board's 20 per rad it would hunt in the play of its
         # gears. 12 in 1/256, 0.15 s/rad in 1/4096, no dead band, no friction.
-        board.ask(GAINS, struct.pack(">IHHHB", 1 << joint, 12 * 256, 614, 0, 0))
-    board.ask(ENABLE, struct.pack(">I", 1 << joint))
+        board.request(GAINS, struct.pack(">IHHHB", 1 << joint, 12 * 256, 614, 0, 0))
+    board.request(ENABLE, struct.pack(">I", 1 << joint))
     _, angles = board.state()
     now = angles[joint]
     print(f"joint {joint} is on at {now:+.3f} rad")
     board.target(joint, angle, seconds)
     end = time.monotonic() + seconds + 1.5
     still = 0
-    while time.monotonic() < end:  # each request also tells the board that we are alive
+    while time.monotonic() < end:  # each request also resets the link watchdog
         before = now
         reason, angles = board.state()
         if reason:
@@ -244,11 +244,11 @@ def main():
             except Refusal as refusal:
                 print(f"as it should be: {refusal}")
         finally:
-            board.ask(ENABLE, struct.pack(">I", 0))
+            board.request(ENABLE, struct.pack(">I", 0))
         print("all joints are off")
         return 0 if arrived else 1
-    except (Refusal, ShutDown) as trouble:
-        print(f"kaz_client.py: {trouble}", file=sys.stderr)
+    except (Refusal, ShutDown) as error:
+        print(f"kaz_client.py: {error}", file=sys.stderr)
         return 1
     except NoBoard as error:
         print(f"kaz_client.py: {error}", file=sys.stderr)

@@ -14,7 +14,7 @@ constexpr double kTickShare = 8.0 / KZ_STATES_PER_TICK;  // of a tick, in 8 stat
 constexpr std::size_t kCyclesAhead = 3;                  // keep the window full
 // A bad link is to be measured, not given up.
 constexpr int kRetries = 20;
-// A frame may tell of an earlier tick than the one that came before it.
+// A frame may contain an earlier tick than the previous one.
 constexpr std::int32_t kOutOfOrderMs = 50;
 constexpr int kTriesToFind = 6, kTriesAtEnd = 3;
 constexpr Time kHeartbeat = std::chrono::milliseconds(25);
@@ -57,8 +57,8 @@ Result<void> BoardLine::begin() {
     return fail(Fault::environment, "motors of the board on " + link_.name() +
                                         " are on: switch them off before anything is measured");
   }
-  const auto heard = ask(KZ_TYPE_heartbeat, kz_heartbeat{kWatchdog10ms, 0}, kz_pack_heartbeat,
-                         kz_unpack_heartbeat_reply);
+  const auto heard = query(KZ_TYPE_heartbeat, kz_heartbeat{kWatchdog10ms, 0}, kz_pack_heartbeat,
+                           kz_unpack_heartbeat_reply);
   if (!heard) return tl::unexpected(heard.error());
   if (!can_stream()) return {};
   const auto none = stream(0, 0);
@@ -71,7 +71,7 @@ void BoardLine::end() noexcept {
   if (on_ && !enable(false)) {
     // Nobody listens here any more (interrupted, or the board is deaf), but the wire may carry it.
     const host::Request off = host::make_request(KZ_TYPE_enable, kz_enable{0}, kz_pack_enable);
-    for (int i = 0; i < kTriesAtEnd; ++i) (void)requester_.tell(off);
+    for (int i = 0; i < kTriesAtEnd; ++i) (void)requester_.send(off);
   }
   if (streaming_) (void)stream(0, 0);
 }
@@ -81,16 +81,17 @@ bool BoardLine::can_stream() const {
 }
 
 Result<kz_statistics_reply> BoardLine::statistics() {
-  return ask(KZ_TYPE_statistics, kz_statistics{}, kz_pack_statistics, kz_unpack_statistics_reply);
+  return query(KZ_TYPE_statistics, kz_statistics{}, kz_pack_statistics, kz_unpack_statistics_reply);
 }
 
 Result<kz_state_reply> BoardLine::state() {
-  return ask(KZ_TYPE_state, kz_state{}, kz_pack_state, kz_unpack_state_reply);
+  return query(KZ_TYPE_state, kz_state{}, kz_pack_state, kz_unpack_state_reply);
 }
 
 Result<std::uint32_t> BoardLine::stream(int period_ms, std::uint8_t selection) {
   const kz_telemetry message{static_cast<u16>(period_ms), selection};
-  const auto reply = ask(KZ_TYPE_telemetry, message, kz_pack_telemetry, kz_unpack_telemetry_reply);
+  const auto reply =
+      query(KZ_TYPE_telemetry, message, kz_pack_telemetry, kz_unpack_telemetry_reply);
   if (!reply) return tl::unexpected(reply.error());
   streaming_ = period_ms != 0;
   return reply->tick;
@@ -105,7 +106,7 @@ Result<void> BoardLine::listen_until(Time t) {
     if (!came) return tl::unexpected(came.error());
     if (clock_.now() < heartbeat_due || clock_.now() >= t) continue;
     const auto heard =
-        ask(KZ_TYPE_heartbeat, kz_heartbeat{}, kz_pack_heartbeat, kz_unpack_heartbeat_reply);
+        query(KZ_TYPE_heartbeat, kz_heartbeat{}, kz_pack_heartbeat, kz_unpack_heartbeat_reply);
     if (!heard) return tl::unexpected(heard.error());
   }
   return {};
@@ -116,9 +117,9 @@ std::vector<Arrival> BoardLine::take_arrivals() {
 }
 
 Result<void> BoardLine::enable(bool on) {
-  on_ = true;  // for what is known until the board has said otherwise
-  const auto reply = ask(KZ_TYPE_enable, kz_enable{on ? u32{KZ_ALL_JOINTS} : 0}, kz_pack_enable,
-                         kz_unpack_enable_reply);
+  on_ = true;  // assumed until the board reports otherwise
+  const auto reply = query(KZ_TYPE_enable, kz_enable{on ? u32{KZ_ALL_JOINTS} : 0}, kz_pack_enable,
+                           kz_unpack_enable_reply);
   if (!reply) return tl::unexpected(reply.error());
   on_ = on;
   return {};
@@ -208,10 +209,10 @@ Result<void> CycleLoad::run_fast(Time end) {
   return {};
 }
 
-// Where the link does not keep up a beat is left out.
-Result<void> CycleLoad::run_paced(Time beat, Time end) {
+// A cycle is skipped if the link is too slow.
+Result<void> CycleLoad::run_paced(Time period, Time end) {
   host::Clock& clock = line_.clock();
-  for (Time next = clock.now() + beat; clock.now() < end; next += beat) {
+  for (Time next = clock.now() + period; clock.now() < end; next += period) {
     if (under_way_.size() < kCyclesAhead) {
       if (auto sent = send(); !sent) return sent;
     }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host/link/requester.h"
-#include "host/link/typed_request.h"
+#include "host/robot/typed_request.h"
 
 namespace kaz::hil {
 
@@ -35,10 +35,10 @@ class BoardLine {
   Result<void> measure(const std::string& what, const std::function<Result<void>()>& measure);
 
   template <class Message, class Answer>
-  Result<Answer> ask(std::uint8_t type, const Message& message, u8 (*pack)(const Message*, u8*),
-                     u8 (*unpack)(Answer*, const u8*, u8)) {
+  Result<Answer> query(std::uint8_t type, const Message& message, u8 (*pack)(const Message*, u8*),
+                       u8 (*unpack)(Answer*, const u8*, u8)) {
     const host::Request request = host::make_request(type, message, pack);
-    const auto replies = requester_.ask({&request, 1});
+    const auto replies = requester_.exchange({&request, 1});
     if (!replies) return tl::unexpected(replies.error());
     observe(replies->front());
     return host::read_reply(replies->front(), unpack);
@@ -56,7 +56,7 @@ class BoardLine {
   // Those that came since the last call.
   std::vector<Arrival> take_arrivals();
 
-  // All that a board says has its tick, which must not go back.
+  // Every reply contains the tick, which must not decrease.
   void observe(const host::Reply& reply);
 
   // Holds all joints where they are; refused while a shutdown is latched.
@@ -97,7 +97,7 @@ class CycleLoad {
     host::Requester::Ticket targets, state;
   };
   Result<void> run_fast(Time end);
-  Result<void> run_paced(Time beat, Time end);
+  Result<void> run_paced(Time period, Time end);
   Result<void> send();
   Result<bool> receive(Time deadline);  // the oldest cycle
 

@@ -77,10 +77,10 @@ class LinkBench {
     for (int i = 0; i < options_.round_trips; ++i) {
       const auto pause = static_cast<std::int64_t>(random() % kLongestPause.count());
       if (auto slept = clock_.sleep_until(clock_.now() + Time(pause)); !slept) return slept;
-      const Time asked = clock_.now();
+      const Time sent = clock_.now();
       if (auto state = line_.state(); !state) return tl::unexpected(state.error());
-      trips_ms.push_back(1e3 * seconds(clock_.now() - asked));
-      course.points.emplace_back(seconds(asked - start), trips_ms.back());
+      trips_ms.push_back(1e3 * seconds(clock_.now() - sent));
+      course.points.emplace_back(seconds(sent - start), trips_ms.back());
       if (i % 32 == 0) progress(kTripsShare * i / options_.round_trips, "round trips");
     }
     const double median = quantile(trips_ms, 0.5);

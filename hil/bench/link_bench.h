@@ -1,4 +1,4 @@
-// How quick and how sound the link to a board is: the group `link` of measurements.def.
+// Speed and reliability of the link to a board: the group `link` of measurements.def.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -61,7 +61,7 @@ tl::unexpected<Error> wrong(const std::string& file_name, const std::string& wha
 tl::expected<std::pair<double, double>, std::string> parse_entry(const std::string& name,
                                                                  const Json& entry) {
   if (!find_measurement(name)) {
-    return tl::unexpected("there is no measurement '" + name + "'; docs/bench.md names them");
+    return tl::unexpected("there is no measurement '" + name + "'; docs/howto/bench.md names them");
   }
   if (!entry.is_object()) {
     return tl::unexpected("'" + name + R"(' is not of the form {"low": number, "high": number})");

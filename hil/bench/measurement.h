@@ -85,7 +85,7 @@ class BenchJudge {
   BenchJudge(BenchReport& report, const Limits& limits, Listener listener = nullptr)
       : report_(report), limits_(limits), listener_(std::move(listener)) {}
 
-  // `name` of measurements.def; `note` says what was special about it.
+  // `name` of measurements.def; `note`: special conditions of it.
   void enter(const std::string& subject, const std::string& name, double value, double error = 0,
              const std::string& note = {});
   void leave_out(const std::string& subject, const std::string& name, const std::string& why);

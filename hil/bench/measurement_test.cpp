@@ -73,9 +73,9 @@ TEST(MeasurementTable, NothingMeasuredFailsEverywhere) {
   }
 }
 
-// docs/bench.md has a row for each, with its unit and its limits.
+// docs/howto/bench.md has a row for each, with its unit and its limits.
 TEST(MeasurementTable, ThePageTellsTheSame) {
-  std::ifstream file("docs/bench.md");
+  std::ifstream file("docs/howto/bench.md");
   ASSERT_TRUE(file) << "to be run in the root of the tree";
   const std::string page{std::istreambuf_iterator<char>(file), {}};
   for (const MeasurementInfo& info : measurement_infos()) {
@@ -89,12 +89,13 @@ TEST(MeasurementTable, ThePageTellsTheSame) {
 TEST(BenchJudge, EntersWhatWasMeasuredAndTellsOfIt) {
   BenchReport report;
   const Limits limits;
-  std::vector<std::string> told;
-  BenchJudge judge(report, limits, [&](const Measurement& one) { told.push_back(one.of->name); });
+  std::vector<std::string> reported;
+  BenchJudge judge(report, limits,
+                   [&](const Measurement& one) { reported.push_back(one.of->name); });
   judge.enter("neck_pan", "backlash", 0.4, 0.02, "cold");
   judge.enter("neck_pan", "backlash", 0.7, 0.02, "warm");
   judge.leave_out("neck_pan", "stall.slope", "needs --allow-motion");
-  EXPECT_EQ(told, (std::vector<std::string>{"backlash", "backlash", "stall.slope"}));
+  EXPECT_EQ(reported, (std::vector<std::string>{"backlash", "backlash", "stall.slope"}));
   EXPECT_EQ(report.count(Verdict::passed), 1);
   EXPECT_EQ(report.count(Verdict::failed), 1);
   EXPECT_EQ(report.count(Verdict::left_out), 1);

@@ -80,15 +80,15 @@ Line fit_line(const Points& points) {
 Series histogram(const std::string& name, const std::vector<double>& samples, int columns) {
   Series series{name, Series::Style::line, {}};
   if (samples.empty()) return series;
-  const auto [least, most] = std::minmax_element(samples.begin(), samples.end());
-  const double range = *most - *least;
-  const double width = range > 0 ? range / columns : std::max(std::abs(*most) / columns, 1e-9);
+  const auto [smallest, largest] = std::minmax_element(samples.begin(), samples.end());
+  const double range = *largest - *smallest;
+  const double width = range > 0 ? range / columns : std::max(std::abs(*largest) / columns, 1e-9);
   std::vector<int> counts(static_cast<std::size_t>(range > 0 ? columns : 1));
   for (const double sample : samples) {
-    const auto column = static_cast<std::size_t>((sample - *least) / width);
+    const auto column = static_cast<std::size_t>((sample - *smallest) / width);
     ++counts[std::min(column, counts.size() - 1)];
   }
-  const double left = range > 0 ? *least : *least - width / 2;
+  const double left = range > 0 ? *smallest : *smallest - width / 2;
   series.points.emplace_back(left, 0);
   for (std::size_t i = 0; i < counts.size(); ++i) {
     series.points.emplace_back(left + static_cast<double>(i) * width, counts[i]);

@@ -1,4 +1,4 @@
-// Telemetry that tells the length of ticks, without load and under it; and the moments at which it
+// Telemetry that measures the length of ticks, without load and under it; and the moments at which it
 // comes.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/bench/tick_bench.h"
@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kSubject = "board";
 constexpr double kLoadHz = 100;
 constexpr double kLoadReached = 0.97;  // less is not the load that was meant
-// Under load the wire has no room for more; and not the beat of the load, so each phase of a cycle is
+// Under load the wire has no room for more; and not the period of the load, so each phase of a cycle is
 // seen.
 constexpr int kQuietPeriodMs = 10, kLoadPeriodMs = 33;
 constexpr double kPercent = 100, kPerMillion = 1e6;

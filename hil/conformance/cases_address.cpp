@@ -1,4 +1,4 @@
-// Cases of docs/protocol.md, chapter Addresses.
+// Cases of docs/reference/protocol.md, chapter Addresses.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/conformance/suite.h"
 

@@ -1,9 +1,9 @@
-// Cases of docs/protocol.md, chapter Bench.
+// Cases of docs/reference/protocol.md, chapter Bench.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
 #include "hil/conformance/suite.h"
-#include "shared/servo/tick.h"
+#include "shared/servo/snapshot.h"
 
 namespace kaz::hil {
 namespace {

@@ -1,4 +1,4 @@
-// Cases of docs/protocol.md, chapter Calibration.
+// Cases of docs/reference/protocol.md, chapter Calibration.
 // SPDX-License-Identifier: Apache-2.0
 #include <vector>
 

@@ -1,4 +1,4 @@
-// Cases of docs/protocol.md, chapter Frame.
+// Cases of docs/reference/protocol.md, chapter Frame.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 

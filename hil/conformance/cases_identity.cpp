@@ -1,4 +1,4 @@
-// Cases of docs/protocol.md, chapters Identity and Status.
+// Cases of docs/reference/protocol.md, chapters Identity and Status.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/conformance/suite.h"
 

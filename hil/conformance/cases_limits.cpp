@@ -1,4 +1,4 @@
-// Cases of docs/protocol.md, chapter Motion: what is refused, and what no request can do.
+// Cases of docs/reference/protocol.md, chapter Motion: what is refused, and what no request can do.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdlib>

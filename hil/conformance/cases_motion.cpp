@@ -1,4 +1,4 @@
-// Cases of docs/protocol.md, chapter Motion: enabling, targets, ramps.
+// Cases of docs/reference/protocol.md, chapter Motion: enabling, targets, ramps.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Cases of docs/protocol.md, chapter Requests, replies, repetitions.
+// Cases of docs/reference/protocol.md, chapter Requests, replies, repetitions.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/conformance/suite.h"
 

@@ -1,4 +1,4 @@
-// Cases of docs/protocol.md, chapter Safety, but the link watchdog.
+// Cases of docs/reference/protocol.md, chapter Safety, but the link watchdog.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/conformance/suite.h"
 #include "shared/servo/servo.h"

@@ -1,4 +1,4 @@
-// Cases of docs/protocol.md, chapter Settings.
+// Cases of docs/reference/protocol.md, chapter Settings.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdlib>
 

@@ -5,11 +5,10 @@
 namespace kaz::hil {
 namespace {
 
-// What must not simply be asked with legal fields: it ends the conversation, writes, or drives.
+// Requests not sent with legal fields as such: they restart the board, write flash, or drive a motor.
 bool is_drastic(const Message& request) {
-  return request.code == KZ_TYPE_reset || request.code == KZ_TYPE_loader ||
-         request.code == KZ_TYPE_store_calibration || request.code == KZ_TYPE_raw_drive ||
-         request.code == KZ_TYPE_set_address;
+  return request.kind == KZ_KIND_RESTART_COMMAND || request.kind == KZ_KIND_FLASH_COMMAND ||
+         request.code == KZ_TYPE_raw_drive;
 }
 
 void add_form(Cases& to, const Message& request) {
@@ -89,11 +88,11 @@ void add_bounds(Cases& to, const Message& request, int index) {
   outside("above", field.high + 1);
 
   // The bounds themselves are taken, or refused for another reason (no unlock, joints off).
-  if (request.code == KZ_TYPE_reset || request.code == KZ_TYPE_loader) return;
+  if (request.kind == KZ_KIND_RESTART_COMMAND) return;
   if (request.code == KZ_TYPE_calibrate) return;  // has bounds of its own for what the mask selects
   const bool moves = request.code == KZ_TYPE_enable;
   long high = field.high;
-  if (request.code == KZ_TYPE_joints) high = 0x1FF;  // at most 9 of the 18
+  if (request.code == KZ_TYPE_joints) high = (1 << KZ_JOINTS_PER_REPLY) - 1;
   to.push_back(
       {"range." + name + ".inside",
        "`" + name + "` at its bounds is not refused with RANGE.",

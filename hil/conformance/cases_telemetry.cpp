@@ -1,4 +1,4 @@
-// Cases of docs/protocol.md, chapter Telemetry.
+// Cases of docs/reference/protocol.md, chapter Telemetry.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/conformance/suite.h"
 

@@ -1,4 +1,4 @@
-// Cases of docs/protocol.md, chapter Timing.
+// Cases of docs/reference/protocol.md, chapter Timing.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/conformance/suite.h"
 

@@ -1,4 +1,4 @@
-// Cases of docs/protocol.md, chapter Safety: the link watchdog and its two reactions.
+// Cases of docs/reference/protocol.md, chapter Safety: the link watchdog and its two reactions.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/conformance/suite.h"
 

@@ -1,4 +1,4 @@
-// Frames, written a second time from docs/protocol.md: a fault in shared/protocol must not be in both.
+// The wire format of docs/reference/protocol.md once more, written from the document alone (frames and CRC).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -21,7 +21,7 @@ Field field_of(std::string_view type, const char* name) {
 
 std::vector<Message> table() {
   std::vector<Message> all;
-#define KZ_MESSAGE(name, code, text) all.push_back({#name, code, {}});
+#define KZ_MESSAGE(name, code, kind, text) all.push_back({#name, code, KZ_KIND_##kind, {}});
 #define KZ_FIELD(type, name, unit, text) all.back().fields.push_back(field_of(#type, #name));
 #define KZ_BOUNDED(type, name, lowest_value, highest_value, unit, text) \
   all.back().fields.push_back(field_of(#type, #name));                  \

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hil/conformance/codec.h"
+#include "shared/protocol/messages.h"
 
 namespace kaz::hil {
 
@@ -28,6 +29,7 @@ struct Field {
 struct Message {
   std::string name;
   std::uint8_t code = 0;
+  kz_kind kind = KZ_KIND_NONE;
   std::vector<Field> fields;
   bool is_request() const { return code < 0x80; }
 };

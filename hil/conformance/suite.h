@@ -23,7 +23,7 @@ enum Need : unsigned {
 struct Case {
   std::string id;                       // "frame.noise-before"
   std::string sentence;                 // what it shows
-  std::vector<std::string> statements;  // of docs/protocol.md
+  std::vector<std::string> statements;  // of docs/reference/protocol.md
   unsigned needs = kNothing;
   std::function<void(Board&)> run;
 };
@@ -34,7 +34,7 @@ const std::vector<Case>& cases();
 struct Statement {
   std::string id, text;
 };
-// Those of docs/protocol.md, in its order.
+// Those of docs/reference/protocol.md, in its order.
 const std::vector<Statement>& statements();
 
 struct CaseResult {

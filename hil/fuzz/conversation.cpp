@@ -39,20 +39,11 @@ void Conversation::sent(std::span<const std::uint8_t> bytes) {
 void Conversation::request(std::span<const std::uint8_t> body) {
   ++counts_.requests;
   const std::uint8_t address = body[0], type = body[1];
-  switch (type) {
-    case KZ_TYPE_store_calibration:
-    case KZ_TYPE_set_address:
-    case KZ_TYPE_reset:
-    case KZ_TYPE_loader:
-      deafening_ = true;
-      ++restarts_;
-      break;
-    case KZ_TYPE_telemetry:
-      telemetry_ = true;
-      break;
-    default:
-      break;
+  if (kz_interrupts_service(type)) {
+    deafening_ = true;
+    ++restarts_;
   }
+  if (type == KZ_TYPE_telemetry) telemetry_ = true;
   if (type == KZ_TYPE_set_address) address_known_ = false;
   if (address == KZ_ADDRESS_ALL || (type & KZ_REPLY) != 0) return;
   Asked& asked = asked_[key(address, type, body[2])];

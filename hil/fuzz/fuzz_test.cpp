@@ -76,7 +76,7 @@ TEST(Grammar, LegalRequestsAreInsideTheTablesBounds) {
       const u8* fields = made.body.data() + KZ_HEADER_SIZE;
       const auto length = static_cast<u8>(made.body.size() - KZ_HEADER_SIZE);
       switch (message->code) {
-#define KZ_MESSAGE(name, number, words)                                    \
+#define KZ_MESSAGE(name, number, kind, words)                              \
   case number: {                                                           \
     kz_##name unpacked;                                                    \
     ASSERT_TRUE(kz_unpack_##name(&unpacked, fields, length)) << made.text; \

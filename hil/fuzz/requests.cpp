@@ -93,9 +93,7 @@ std::vector<const kz_message_info*> request_types(bool flash) {
   for (int i = 0; i < kz_message_count; ++i) {
     const kz_message_info& message = kz_messages[i];
     if (message.code & KZ_REPLY) continue;
-    const bool wears =
-        message.code == KZ_TYPE_store_calibration || message.code == KZ_TYPE_set_address;
-    if (flash || !wears) types.push_back(&message);
+    if (flash || message.kind != KZ_KIND_FLASH_COMMAND) types.push_back(&message);
   }
   return types;
 }
@@ -108,7 +106,7 @@ RequestBytes make_request(const kz_message_info& message, Choices& choices, bool
   for (int f = 0; f < message.field_count; ++f) {
     if (message.fields[f].mask != nullptr) most = std::min<int>(most, message.fields[f].count);
   }
-  if (message.code == KZ_TYPE_joints) most = 9;
+  if (message.code == KZ_TYPE_joints) most = KZ_JOINTS_PER_REPLY;
   for (int f = 0; f < message.field_count; ++f) {
     const kz_field_info& field = message.fields[f];
     const Range type = type_range(field);

@@ -1,4 +1,4 @@
-// Looks, turns, walks, looks again.
+// Observes the ball, turns, walks, observes again.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/approach.h"
 
@@ -16,29 +16,30 @@ using Eigen::Vector2d;
 using motion::kDegree;
 
 constexpr double kScanSpeed = 90 * kDegree;
-constexpr int kPicturesInARow = 3;
+constexpr int kConsecutive = 3;
 
-// Where the hand takes the ball best, from the middle of the ankles (right hand: y negative), and how
-// far beside that it still does with its own tolerance of 10 mm left over (motion::Pickup).
+// Best position of the ball for grasping, m from the midpoint of the ankles (right hand: y negative),
+// and the deviation from it within which the hand still reaches it with its tolerance of 10 mm left
+// (motion::Pickup).
 constexpr double kHandX = 0.100, kHandY = 0.047;
 constexpr double kRoomX = 0.016, kRoomY = 0.017;
 
-constexpr double kTurnOff = 12 * kDegree;  // beyond it turns on the spot; below, it steers
-constexpr double kNear = 0.08;             // m still to walk: from here on by short strides
-constexpr double kTooClose = 0.075;        // m ahead: steps back before it turns or reaches
-constexpr double kRolling = 0.04;          // m/s; odometry's own errors look like half of it
-constexpr Time kGone = std::chrono::milliseconds(1000);
-constexpr Time kLookFor = std::chrono::milliseconds(350);
+constexpr double kTurnOff = 12 * kDegree;  // above: turn on the spot; below: steer while walking
+constexpr double kNear = 0.08;             // m left to walk, from which short strides are used
+constexpr double kTooClose = 0.075;        // m ahead, below which the robot steps back first
+constexpr double kRolling = 0.04;          // m/s; odometry errors appear as up to half of it
+constexpr Time kLost = std::chrono::milliseconds(1000);
+constexpr Time kObserveFor = std::chrono::milliseconds(350);
 constexpr Time kPatience = std::chrono::seconds(150);
 constexpr Time kRemembered = std::chrono::seconds(6);
 constexpr double kBehindShoulder = 40 * kDegree;
-constexpr std::size_t kPictures = 8;
-constexpr int kMostMoves = 30;
+constexpr std::size_t kMinDetections = 8;
+constexpr int kMaxMoves = 30;
 
-// The ball as seen while standing.
-struct Look {
-  Vector2d ball{0, 0};
-  double speed = 0;
+// The ball as observed while standing.
+struct Observation {
+  Vector2d ball{0, 0};  // m, from the midpoint of the ankles
+  double speed = 0;     // m/s
 };
 
 double median(std::vector<double> values) {
@@ -47,15 +48,16 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// Nothing where pictures came for a while and did not show it. A camera that stands still is waited
-// for (up to ControlCycle::kBlind).
-Result<std::optional<Look>> look(BodyControl& body) {
+// Median position over at least kMinDetections images, or the newest one if the ball rolls. Nothing if
+// images came for kLost without a detection. A camera without new images is waited for, up to
+// ControlCycle::kBlind.
+Result<std::optional<Observation>> observe(BodyControl& body) {
   std::vector<double> x, y, t;
   const Time start = body.now();
-  body.look_at_ball();
+  body.track_ball();
   while (!body.fallen()) {
     if (auto done = body.step(); !done) return tl::unexpected(done.error());
-    for (const auto& seen : body.seen()) {
+    for (const auto& seen : body.observations()) {
       if (seen.info.exposure < start) continue;
       const auto point = on_floor(seen, body.context().ball_radius_m);
       if (!point) continue;
@@ -63,29 +65,31 @@ Result<std::optional<Look>> look(BodyControl& body) {
       y.push_back(point->from_middle.y());
       t.push_back(seconds(seen.info.exposure));
     }
-    if (body.newest_exposure() - start > kLookFor && x.size() >= kPictures) {
+    if (body.newest_exposure() - start > kObserveFor && x.size() >= kMinDetections) {
       const std::size_t last = x.size() - 1;
       const auto mean = [](const std::vector<double>& v, std::size_t i) {
         return (v[i] + v[i + 1] + v[i + 2]) / 3;
       };
       const Vector2d moved(mean(x, last - 2) - mean(x, 0), mean(y, last - 2) - mean(y, 0));
       const double speed = moved.norm() / std::max(t[last - 1] - t[1], 0.05);
-      if (speed > kRolling) return std::optional<Look>({{x[last], y[last]}, speed});
-      return std::optional<Look>({{median(x), median(y)}, speed});
+      if (speed > kRolling) return std::optional<Observation>({{x[last], y[last]}, speed});
+      return std::optional<Observation>({{median(x), median(y)}, speed});
     }
-    if (body.newest_exposure() - start > kGone && body.unseen_for(kGone)) break;
-    if (body.now() - start > 5 * kGone && !body.blind()) break;  // seen now and then only
+    if (body.newest_exposure() - start > kLost && body.unseen_for(kLost)) break;
+    if (body.now() - start > 5 * kLost && !body.blind()) break;  // detected only now and then
   }
-  return std::optional<Look>();
+  return std::optional<Observation>();
 }
 
-// What to turn by so that a straight walk brings the ball before a hand, by the smaller turn.
+// Turn (rad, + left) after which a straight walk brings the ball in front of a hand, the smaller of
+// both hands': bearing +- asin(hand_y / distance), for the walking line passes the ball at hand_y.
 double turn_for(const Vector2d& ball) {
-  const double way = std::max(ball.norm(), 1.05 * kHandY);
-  const double bearing = std::atan2(ball.y(), ball.x()), aside = std::asin(kHandY / way);
+  const double distance = std::max(ball.norm(), 1.05 * kHandY);
+  const double bearing = std::atan2(ball.y(), ball.x()), aside = std::asin(kHandY / distance);
   const double right = bearing + aside, left = bearing - aside;
   return std::abs(right) < std::abs(left) ? right : left;
 }
+// Length of that walk, m: the other leg of the right triangle, less the hand's reach ahead.
 double walk_for(const Vector2d& ball) {
   return std::sqrt(std::max(0.0, ball.squaredNorm() - kHandY * kHandY)) - kHandX;
 }
@@ -96,14 +100,14 @@ Result<void> turn(BodyControl& body, double angle) {
   return body.finish();
 }
 
-// By short strides; odometry says when to stop.
+// Walks by short strides and stops by odometry.
 Result<void> walk_short(BodyControl& body, double distance) {
   body.phase("step");
   motion::Motion& motion = body.motion();
   const double stride = std::clamp(std::abs(distance) / 2, 0.008, 0.025);
   const double start = motion.walked();
   motion.walk_on(std::copysign(stride, distance), motion.heading());
-  constexpr double kRampDown = 0.75;  // strides that a stop from full amplitude still walks
+  constexpr double kRampDown = 0.75;  // strides walked while stopping from full amplitude
   while (!motion.idle() && !body.fallen()) {
     const double walked = std::abs(motion.walked() - start);
     if (walked + kRampDown * stride * motion.amplitude() >= std::abs(distance)) motion.stop();
@@ -112,7 +116,8 @@ Result<void> walk_short(BodyControl& body, double distance) {
   return body.finish();
 }
 
-// Toward the ball, steering by what is seen; ends standing near it, or sooner when something is odd.
+// Walks toward the ball under visual steering; ends standing near it, or earlier when the ball is lost or
+// far off the heading.
 Result<void> walk_far(BodyControl& body) {
   body.phase("walk");
   motion::Motion& motion = body.motion();
@@ -120,35 +125,35 @@ Result<void> walk_far(BodyControl& body) {
   for (bool first = true; first || (!motion.idle() && !body.fallen()); first = false) {
     if (going) {
       const Vector2d ball = body.ball_now();
-      const double way = walk_for(ball) - kNear / 2, off = turn_for(ball);
-      const bool odd = body.blind() || body.unseen_for(kGone) || std::abs(off) > 2 * kTurnOff;
-      if (odd) {
+      const double left = walk_for(ball) - kNear / 2, off = turn_for(ball);
+      const bool abort = body.blind() || body.unseen_for(kLost) || std::abs(off) > 2 * kTurnOff;
+      if (abort) {
         motion.stop();
         going = false;
       } else {
-        motion.walk(std::max(way, 0.0), off);
-        going = way > kNear;  // the rest by itself
+        motion.walk(std::max(left, 0.0), off);
+        going = left > kNear;  // the rest without steering
       }
     }
     if (auto done = body.step(); !done) return done;
-    // A camera that stands still or a ball that is gone also ends the rest.
-    if (body.blind() || body.unseen_for(kGone)) motion.stop();
+    // A frozen camera or a lost ball also ends the rest.
+    if (body.blind() || body.unseen_for(kLost)) motion.stop();
   }
   return body.finish();
 }
 
-// The next move toward a ball that lies or rolls there.
-Result<void> move(BodyControl& body, const Look& seen) {
+// Makes the next move toward the ball.
+Result<void> move(BodyControl& body, const Observation& seen) {
   const Vector2d& ball = seen.ball;
-  const double off = turn_for(ball), way = walk_for(ball);
+  const double off = turn_for(ball), left = walk_for(ball);
   if (seen.speed > kRolling && ball.norm() < 0.30) {
     body.phase("wait");
     return body.stay(std::chrono::milliseconds(500));
   }
   if (ball.x() < kTooClose && ball.norm() < 0.12)
     return walk_short(body, std::min(ball.x() - kHandX - 0.01, -0.03));
-  if (way > kNear) return std::abs(off) > kTurnOff ? turn(body, off) : walk_far(body);
-  // Close: straight ahead if that puts it before a hand, else turn.
+  if (left > kNear) return std::abs(off) > kTurnOff ? turn(body, off) : walk_far(body);
+  // Close: straight ahead if that brings it in front of a hand, else turn.
   if (std::abs(std::abs(ball.y()) - kHandY) <= kRoomY) return walk_short(body, ball.x() - kHandX);
   return turn(body, off);
 }
@@ -161,14 +166,14 @@ std::optional<host::Side> hand_for(const Vector2d& ball) {
   return ball.y() < 0 ? host::Side::right : host::Side::left;
 }
 
-Result<bool> look_around(BodyControl& body, int turns, bool left_first) {
+Result<bool> scan_for_ball(BodyControl& body, int turns, bool left_first) {
   motion::Motion& motion = body.motion();
-  const auto found = [&] { return body.seen_in_a_row() >= kPicturesInARow && body.ball().known(); };
+  const auto found = [&] { return body.consecutive() >= kConsecutive && body.ball().known(); };
   body.ball().forget();
   for (int i = 0; i <= turns && !body.fallen(); ++i) {
     if (i > 0) {
       body.phase("turn");
-      body.look({0, 35 * kDegree});
+      body.set_gaze({0, 35 * kDegree});
       motion.turn((left_first ? 90 : -90) * kDegree);
       while (!motion.idle() && !body.fallen()) {
         if (auto done = body.step(); !done) return tl::unexpected(done.error());
@@ -179,11 +184,11 @@ Result<bool> look_around(BodyControl& body, int turns, bool left_first) {
     const SearchPattern pattern(host::gaze_of(body.measured()), kScanSpeed, left_first);
     const Time start = body.now();
     while (seconds(body.now() - start) < pattern.once() && !found() && !body.fallen()) {
-      body.look(pattern.at(seconds(body.now() - start)));
+      body.set_gaze(pattern.at(seconds(body.now() - start)));
       if (auto done = body.step(); !done) return tl::unexpected(done.error());
     }
     if (found()) {
-      body.look_at_ball();
+      body.track_ball();
       return true;
     }
   }
@@ -194,13 +199,13 @@ Result<Approached> approach(BodyControl& body) {
   const Time end = body.now() + kPatience;
   Approached result;
   bool turned_blindly = false;
-  for (int i = 0; i < kMostMoves && body.now() < end; ++i) {
+  for (int i = 0; i < kMaxMoves && body.now() < end; ++i) {
     body.phase("look");
-    const auto seen = look(body);
+    const auto seen = observe(body);
     if (!seen) return tl::unexpected(seen.error());
     if (body.fallen()) break;
     if (!*seen) {
-      // Far to the side a shoulder hides it: turn to where it was, once.
+      // Far to the side a shoulder occludes it: turn to its last position, once.
       const bool aside = body.ball().known() &&
                          body.now() - body.ball().last_seen() < kRemembered &&
                          std::abs(turn_for(body.ball_now())) > kBehindShoulder;
@@ -235,7 +240,7 @@ Result<Outcome> run(Context& context) {
   if (!body) return tl::unexpected(body.error());
   const Time start = body->now();
   const auto found =
-      look_around(*body, static_cast<int>(context.options.number("turns")), context.seed & 1);
+      scan_for_ball(*body, static_cast<int>(context.options.number("turns")), context.seed & 1);
   if (!found) return tl::unexpected(found.error());
   if (!*found)
     return Outcome{
@@ -252,10 +257,10 @@ Result<Outcome> run(Context& context) {
                 outcome.success ? "before a hand" : end->cause.c_str(), 1e3 * end->ball.x(),
                 1e3 * end->ball.y());
   outcome.sentence = text;
-  outcome.figures = {{"approach_s", took},
-                     {"ball_ahead_m", end->ball.x()},
-                     {"ball_left_m", end->ball.y()},
-                     {"walked_m", body->motion().walked()}};
+  outcome.measurements = {{"approach_s", took},
+                          {"ball_ahead_m", end->ball.x()},
+                          {"ball_left_m", end->ball.y()},
+                          {"walked_m", body->motion().walked()}};
   return outcome;
 }
 

@@ -1,4 +1,4 @@
-// approach-ball: walk until the ball lies where a hand can take it.
+// Finds a ball and walks until a hand can reach it: parts of approach-ball and catch-ball.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,21 +6,19 @@
 
 namespace kaz::behavior {
 
-extern const Behavior kApproachBall;
-
-// Looks around with the head and, where a whole scan showed nothing, with the body turned by a
-// quarter, up to `turns` times. True when the ball was seen on the floor in three pictures in a row.
-Result<bool> look_around(BodyControl& body, int turns, bool left_first);
+// Scans with the head and, after each complete scan without a ball, turns the body by 90 degrees, up to
+// `turns` times. True when the ball was detected on the floor in three consecutive images.
+Result<bool> scan_for_ball(BodyControl& body, int turns, bool left_first);
 
 struct Approached {
   host::Side hand = host::Side::right;  // the nearer one
-  Eigen::Vector2d ball{0, 0};           // m, from the middle of the ankles
-  std::string cause = {};               // why it is not there: "lost", "not reached", "fell"
+  Eigen::Vector2d ball{0, 0};           // m; x ahead, y left, from the midpoint of the ankles
+  std::string cause = {};               // of failure: "lost", "not reached", "fell"; empty: success
 };
-// The ball must be known. Turns and walks, vision all the way, and ends standing.
+// Turns and walks under visual control and ends standing. Precondition: body.ball().known().
 Result<Approached> approach(BodyControl& body);
 
-// Whether a ball that lies there can be picked up with some room for error, and the hand for it.
+// The hand that can pick up a ball at this position with some tolerance; nothing if neither can.
 std::optional<host::Side> hand_for(const Eigen::Vector2d& ball);
 
 }  // namespace kaz::behavior

@@ -1,4 +1,4 @@
-// A ray to the floor, and a track over it.
+// Intersection of the viewing ray with the floor, and the track in the odometry frame.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/ball_place.h"
 
@@ -11,15 +11,17 @@ namespace {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
-constexpr double kLeastDown = 0.14;  // sine of 8 degrees
-// The size tells the distance to a few percent, less well far away and at the picture's edge.
-constexpr double kOtherwise = 0.30, kOtherwise_m = 0.03;
-// Of the ray: potentiometers of five joints in a row, play, and the soles' give, rad.
-constexpr double kRay = 0.008;
+constexpr double kMinDescent = 0.14;  // sine of 8 degrees
+// Tolerance of the distance from the apparent size (relative and m): it is accurate to a few percent,
+// less far away and at the image border.
+constexpr double kSizeTolerance = 0.30, kSizeTolerance_m = 0.03;
+// Standard deviation of the ray's direction, rad: potentiometers of five joints in series, play, and the
+// compliance of the soles.
+constexpr double kRaySigma = 0.008;
 constexpr Time kRollsOn = std::chrono::milliseconds(300);
 constexpr std::size_t kPlaces = 200;  // 2 to 4 s
 
-// A ball that lies or rolls: what odometry is off counts as its motion, and pushes are rare.
+// A ball that rests or rolls: odometry errors act as its motion; pushes are rare.
 vision::BallTrackOptions options(double radius) {
   vision::BallTrackOptions options;
   options.radius_m = radius;
@@ -43,19 +45,23 @@ std::optional<FloorPoint> on_floor(const vision::BallObservation& seen, double r
   std::copy(info.joint_rad.begin(), info.joint_rad.end(), angles.begin());
   const Eigen::Isometry3d sole_from_eye = host::foot_from_eye(angles);
   const Vector3d eye = sole_from_eye.translation(), ray = sole_from_eye.linear() * seen.direction;
-  if (-ray.z() < kLeastDown || eye.z() <= radius) return std::nullopt;
-  const double way = (eye.z() - radius) / -ray.z();
-  if (std::abs(seen.distance_m - way) > kOtherwise * way + kOtherwise_m) return std::nullopt;
+  if (-ray.z() < kMinDescent || eye.z() <= radius) return std::nullopt;
+  // Foot frame: the point eye + distance ray at the height of the ball's centre.
+  const double distance = (eye.z() - radius) / -ray.z();
+  if (std::abs(seen.distance_m - distance) > kSizeTolerance * distance + kSizeTolerance_m)
+    return std::nullopt;
 
   const host::Side foot = host::supporting_foot(angles);
-  const Vector2d from_sole = (eye + way * ray).head<2>();
+  const Vector2d from_sole = (eye + distance * ray).head<2>();
   FloorPoint point;
   const double hip_y = host::kLeg.hip_y;
   point.from_middle = from_sole + Vector2d(0, foot == host::Side::left ? hip_y : -hip_y);
   point.from_hips = from_sole - motion::hips_over_sole(angles, foot).head<2>();
+  // The ray's angular error moves the point by distance sigma across the ray and, because the ray meets
+  // the floor at a grazing angle, by distance sigma / sin(descent) along it.
   const double level = ray.head<2>().norm();
   if (level > 1e-6) point.along = ray.head<2>() / level;
-  point.sigma_across = std::hypot(0.002, way * kRay);
+  point.sigma_across = std::hypot(0.002, distance * kRaySigma);
   point.sigma_along = point.sigma_across / -ray.z();
   return point;
 }

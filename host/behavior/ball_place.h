@@ -1,11 +1,11 @@
-// Where a ball lies on the floor, from one eye, while the robot walks.
+// Position of a ball on the floor, from one camera, while the robot walks.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The ball's centre is its radius above the floor, so the ray from the eye that sees it ends there: far
-// sharper than the distance that its size tells, which only decides whether it can be that ball on the
-// floor at all. Where the eye is over the floor follows from the leg that carries, whose sole is flat
-// (host/robot/kinematics.h); the body's sway in walking is in that leg's angles.
-// Metres, radians.
+// The ball's centre is one radius above the floor, so its position is the intersection of the viewing ray
+// with that plane. This is far more accurate than the distance from the ball's apparent size, which only
+// serves as a plausibility check. The camera's pose over the floor follows from the angles of the
+// supporting leg, whose sole is flat on the floor (host/robot/kinematics.h); they include the sway of
+// walking. Units: m, rad.
 #pragma once
 
 #include <deque>
@@ -18,36 +18,35 @@ namespace kaz::behavior {
 
 // On the floor, x ahead and y left.
 struct FloorPoint {
-  Eigen::Vector2d from_middle{0, 0};  // of the ankles, where both feet stand side by side
-  Eigen::Vector2d from_hips{0, 0};    // of the place below the trunk's origin
-  Eigen::Vector2d along{1, 0};        // the way the eye looks, over the floor
-  double sigma_along = 0, sigma_across = 0;
+  Eigen::Vector2d from_middle{0, 0};         // origin: midpoint of the ankles, feet side by side
+  Eigen::Vector2d from_hips{0, 0};           // origin: below the trunk's origin
+  Eigen::Vector2d along{1, 0};               // unit vector of the ray's projection on the floor
+  double sigma_along = 0, sigma_across = 0;  // standard deviations along the ray and across
 };
-// Nothing where there is no ball, its posture is unknown, the eye looks at it less than 8 degrees
-// downward, or its size says that it is elsewhere: lifted, in a hand, or no such ball.
+// Nothing if there is no detection, the posture at the exposure is unknown, the ray descends by less than
+// 8 degrees, or the distance from the apparent size contradicts (a ball that is lifted or in a hand).
 std::optional<FloorPoint> on_floor(const vision::BallObservation& seen, double radius);
 
-// Angles of the head that point the left eye at a place over the floor, seen from the middle of the
-// ankles.
+// Head angles that point the left camera at a point, m from the midpoint of the ankles.
 host::Gaze gaze_at_floor(const host::JointAngles& angles, const Eigen::Vector3d& from_middle);
 
-// The ball in the frame of odometry, which stands still while the robot walks.
+// Tracks the ball in the odometry frame, which is fixed to the floor.
 class BallPlace {
  public:
   explicit BallPlace(double radius);
 
-  // Where the robot was at the time of a posture, in order.
+  // Adds the robot's odometry at time t; call in order of time.
   void at_place(Time t, const motion::Place& place);
-  // True if it was used. The place at its exposure must be among those that were told.
+  // True if it was used: the odometry at its exposure must be known.
   bool observe(const vision::BallObservation& seen);
   void forget() { track_.forget(); }
-  // Forgets the places, too: odometry begins anew.
+  // Also discards the odometry, which starts anew.
   void restart();
 
   bool known() const { return track_.known(); }
   Time last_seen() const { return known() ? track_.latest() : Time{}; }
-  // At that time, in the robot's frame below the hips; known() must hold. Believed to roll on for
-  // 0.3 s after it was seen last.
+  // Predicted position at time t relative to `robot`, frame below the hips. The ball is assumed to roll
+  // on for 0.3 s after the last observation. Precondition: known().
   Eigen::Vector2d from_hips(Time t, const motion::Place& robot) const;
   double speed() const;  // m/s over the floor
 

@@ -4,16 +4,16 @@
 
 #include <functional>
 
-#include "host/behavior/ball_sight.h"
-#include "host/robot/board_testing.h"
+#include "host/behavior/ball_detector.h"
 #include "host/robot/robot.h"
+#include "host/robot/robot_testing.h"
 
 namespace kaz::behavior {
 
 // Pictures at 30 Hz, 320 x 240, 80 degrees wide, seen from where the head truly was at the
 // exposure. Each is known `latency` after its exposure and stamped with the posture that the
 // robot's history has for it.
-class TestBall final : public BallSight {
+class TestBall final : public BallDetector {
  public:
   struct Options {
     Time latency = std::chrono::milliseconds(35);  // 15 of the camera and 20 of vision

@@ -16,7 +16,7 @@ bool BallTracker::observe(const vision::BallObservation& observation) {
 }
 
 host::Gaze BallTracker::at(Time t) const {
-  return host::gaze_at(track_.aim(std::min(t, last_seen() + kBelieved)));
+  return host::gaze_at(track_.aim(std::min(t, last_seen() + kMaxPrediction)));
 }
 
 }  // namespace kaz::behavior

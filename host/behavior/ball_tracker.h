@@ -1,10 +1,10 @@
-// Where the head must look to have the ball in the middle of the left eye, now and a little later.
+// Head angles that centre the ball in the left camera, now and predicted.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Each observation is placed in the trunk's frame by the head's angles at its exposure, which are
-// part of the frame information, so that a still ball stays where it is however late the result
-// comes and however the head moves meanwhile. vision::BallTrack gives speed and the way on. The
-// trunk is taken to stand still; nothing is known of the floor, so the ball goes straight on.
+// Each observation is transformed to the trunk's frame with the head's angles at its exposure (part of
+// the frame information), so that latency and head motion cancel out for a resting ball.
+// vision::BallTrack estimates velocity and predicts. Assumes that the trunk is at rest; the floor is
+// unknown, so the prediction is a straight line.
 #pragma once
 
 #include "host/robot/kinematics.h"
@@ -14,19 +14,18 @@ namespace kaz::behavior {
 
 class BallTracker {
  public:
-  // The way on is believed for this long after the last observation; then the ball is taken to
-  // rest.
-  static constexpr Time kBelieved = std::chrono::milliseconds(200);
+  // The prediction moves on for this long after the last observation; then the ball is assumed to rest.
+  static constexpr Time kMaxPrediction = std::chrono::milliseconds(200);
 
-  // True if it was used: a ball was found where this one may be, and the posture at its exposure is
-  // known.
+  // True if the observation was used: the posture at its exposure is known, and it passes the track's
+  // gate.
   bool observe(const vision::BallObservation& observation);
   void forget() { track_.forget(); }
 
   bool known() const { return track_.known(); }
   // Exposure of the newest observation used; zero before the first.
   Time last_seen() const { return known() ? track_.latest() : Time{}; }
-  // Head angles that centre the ball at time t, as far as is known. known() must hold.
+  // Predicted head angles that centre the ball at time t. Precondition: known().
   host::Gaze at(Time t) const;
 
  private:

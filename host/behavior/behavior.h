@@ -1,10 +1,12 @@
-// Behaviours: programs that move a robot by what it sees, written once for real and virtual robots.
+// Behaviours: closed-loop programs for a robot, the same for real and virtual ones.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A behaviour is plain code against Context. It waits only through the robot and the clock, so it
-// ends with an error as soon as the link fails, the camera stops or the program is interrupted; it
-// leaves the motors as they are, and whoever ran it calls Robot::disable_all() at the end.
-// docs/host.md shows how to write one.
+// A behaviour is a function of Context. It blocks only in calls of the robot and the clock, which fail
+// when the link fails, the camera stops or the program is interrupted; it returns that error at once.
+// It leaves the motors as they are: the caller of run() calls Robot::disable_all() at the end.
+//
+// A new behaviour is one source file, which defines its `const Behavior`, and one line in
+// behaviors.def. docs/reference/host.md shows an example.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/behavior/ball_sight.h"
+#include "host/behavior/ball_detector.h"
 #include "host/behavior/options.h"
 #include "host/behavior/sink.h"
 #include "host/robot/robot.h"
@@ -24,37 +26,41 @@ namespace kaz::behavior {
 struct Context {
   host::Robot& robot;
   host::Clock& clock;
-  BallSight* sight;  // null if there is no camera: only for behaviours whose needs_sight is false
+  BallDetector* detector;  // null without a camera; never null for behaviours with needs_camera
   Sink& sink;
   OptionValues options;
-  std::uint64_t seed = 1;  // of whatever a behaviour leaves to chance
-  // Of a robot that is no Kaz: its joints, on the first channels of the board. Empty: Kaz's.
+  std::uint64_t seed = 1;  // of random choices
+  // Joint names of a robot other than Kaz, on the first channels of the board; empty for Kaz.
   std::vector<std::string> other_joints = {};
-  double ball_radius_m = 0.020;  // of the ball that `sight` looks for
+  double ball_radius_m = 0.020;  // of the ball that `detector` detects
 };
 
-// How it ended. Figures go into result.json under their names, which carry their units.
+// Result of a behaviour. Measurements are written to result.json; their names contain the units.
 struct Outcome {
   bool success = false;
-  std::string sentence;  // for people: "the ball was found after 1.4 s"
-  std::vector<std::pair<std::string, double>> figures;
-  // Of a failure, in a word or two that are the same each time: for tables. "not found".
+  std::string sentence;  // for display: "the ball was found after 1.4 s"
+  std::vector<std::pair<std::string, double>> measurements;
+  // Class of a failure, for tables: "not found", "fell". Empty on success.
   std::string cause = {};
 };
 
 struct Behavior {
-  std::string_view name;  // "track-ball"
-  std::string_view text;  // one line
-  bool needs_sight = false;
+  std::string_view name;      // "track-ball"
+  std::string_view text;      // one line
+  bool needs_camera = false;  // run() uses Context::detector
   std::span<const Option> options;
-  // An outcome without success means that the task failed; an Error, that it could not be tried to
-  // the end.
+  // An outcome without success: the task failed. An Error: it could not be completed (link, camera,
+  // usage).
   Result<Outcome> (*run)(Context& context) = nullptr;
 };
 
-// All behaviours, by name.
+// All behaviours of behaviors.def, in its order.
 std::span<const Behavior> behaviors();
 // Fails (usage) with a sentence that lists the names.
 Result<Behavior> find_behavior(std::string_view name);
+
+#define KAZ_BEHAVIOR(source, behavior) extern const Behavior behavior;
+#include "host/behavior/behaviors.def"
+#undef KAZ_BEHAVIOR
 
 }  // namespace kaz::behavior

@@ -11,7 +11,7 @@
 
 #include "host/behavior/control_cycle.h"
 #include "host/behavior/search_pattern.h"
-#include "host/robot/board_testing.h"
+#include "host/robot/robot_testing.h"
 
 namespace kaz::behavior {
 namespace {
@@ -179,11 +179,11 @@ TEST_F(Stand, KeepsWhatItFinds) {
 
 // At rest the accelerometer says which way is up; the part may be 0.2 g off.
 TEST(GetUp, KnowsHowItLies) {
-  EXPECT_EQ(lies_by(-0.8, 0.2), Lies::on_face);
-  EXPECT_EQ(lies_by(1.0, -0.2), Lies::on_back);
-  EXPECT_EQ(lies_by(0.2, -1.0), Lies::on_left);  // up is to its right
-  EXPECT_EQ(lies_by(-0.2, 0.8), Lies::on_right);
-  EXPECT_EQ(lies_by(0.25, -0.2), Lies::upright);
+  EXPECT_EQ(lying_from(-0.8, 0.2), Lying::on_face);
+  EXPECT_EQ(lying_from(1.0, -0.2), Lying::on_back);
+  EXPECT_EQ(lying_from(0.2, -1.0), Lying::on_left);  // up is to its right
+  EXPECT_EQ(lying_from(-0.2, 0.8), Lying::on_right);
+  EXPECT_EQ(lying_from(0.25, -0.2), Lying::upright);
 }
 
 }  // namespace

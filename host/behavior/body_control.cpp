@@ -1,4 +1,4 @@
-// One exchange a beat for all that moves.
+// One exchange per control cycle for all joints.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/body_control.h"
 
@@ -11,27 +11,28 @@ namespace kaz::behavior {
 
 namespace {
 
-// Ramps are a little longer than beats, so that the motion has no steps.
-constexpr double kBeyond = 1.15;
-constexpr Time kShortest = std::chrono::milliseconds(12), kLongest = std::chrono::milliseconds(40);
-constexpr double kHeadSpeed = 2.5;  // rad/s, most that the head is turned
+// Ramp duration over cycle duration: a little longer, so that the motion is continuous.
+constexpr double kRampFactor = 1.15;
+constexpr Time kMinRamp = std::chrono::milliseconds(12), kMaxRamp = std::chrono::milliseconds(40);
+constexpr double kHeadSpeed = 2.5;  // rad/s, maximum speed of the head
 constexpr double kMargin = 0.017;   // rad, inside the joints' limits
-// Bent forward, gravity along the trunk says little; to the side it says when the robot lies.
+// Fall detection during poses uses the lateral component of gravity (g, low-pass filtered) only: the
+// forward component changes when the robot bends down.
 constexpr double kTipped = 0.7, kGravity = 9.81, kTippedFor_s = 0.3, kSmoothing_s = 0.15;
-// Turned far down, and aside besides, the eyes come so low over the chest that it hides what lies
-// before the feet. They see 32 degrees below their axis: what lies there is looked at from less far
-// down, nearly straight ahead.
-constexpr double kDown = 40 * motion::kDegree, kFarthestDown = 52 * motion::kDegree;
-constexpr double kLeastPan = 0.3;  // of the ball's
+// With the head far down and turned to the side, the chest occludes the floor before the feet. The
+// field of view extends 32 degrees below the optical axis, so for targets there the tilt is limited and
+// the pan reduced towards straight ahead.
+constexpr double kDown = 40 * motion::kDegree, kMaxDown = 52 * motion::kDegree;
+constexpr double kMinPan = 0.3;  // share of the ball's pan at kMaxDown
 
-host::Gaze past_the_chest(host::Gaze gaze) {
-  const double share = std::clamp((gaze.tilt_rad - kDown) / (kFarthestDown - kDown), 0.0, 1.0);
-  gaze.pan_rad *= std::lerp(1.0, kLeastPan, share);
-  gaze.tilt_rad = std::min(gaze.tilt_rad, kFarthestDown);
+host::Gaze limit_over_chest(host::Gaze gaze) {
+  const double share = std::clamp((gaze.tilt_rad - kDown) / (kMaxDown - kDown), 0.0, 1.0);
+  gaze.pan_rad *= std::lerp(1.0, kMinPan, share);
+  gaze.tilt_rad = std::min(gaze.tilt_rad, kMaxDown);
   return gaze;
 }
 
-constexpr Time kZero = std::chrono::milliseconds(2600);  // 2 s of them for the gyro's zero
+constexpr Time kZero = std::chrono::milliseconds(2600);  // 2 s of it average the gyro's offset
 
 }  // namespace
 
@@ -43,7 +44,7 @@ BodyControl::BodyControl(Context& context, std::string_view behavior, const moti
       ball_(context.ball_radius_m) {}
 
 Result<BodyControl> BodyControl::begin(Context& context, std::string_view behavior) {
-  if (!context.sight)
+  if (!context.detector)
     return fail(Fault::usage, std::string(behavior) + " needs a camera: give one with --camera");
   auto walker = Walker::begin(context, behavior);
   if (!walker) return tl::unexpected(walker.error());
@@ -55,16 +56,16 @@ Result<BodyControl> BodyControl::begin(Context& context, std::string_view behavi
 }
 
 host::Gaze BodyControl::head() {
-  if (follows_ && ball_.known()) {
+  if (tracks_ball_ && ball_.known()) {
     const Eigen::Vector2d at = ball_now();
     const host::Side foot = host::supporting_foot(measured());
     const Eigen::Vector3d hips = motion::hips_over_sole(measured(), foot);
     const Eigen::Vector3d from_sole(hips.x() + at.x(), hips.y() + at.y(), context_->ball_radius_m);
     const host::Gaze ball =
-        past_the_chest(host::gaze_at(host::trunk_from_sole(measured(), foot) * from_sole));
-    const double most = kHeadSpeed * seconds(beat_);
-    gaze_.pan_rad += std::clamp(ball.pan_rad - gaze_.pan_rad, -most, most);
-    gaze_.tilt_rad += std::clamp(ball.tilt_rad - gaze_.tilt_rad, -most, most);
+        limit_over_chest(host::gaze_at(host::trunk_from_sole(measured(), foot) * from_sole));
+    const double max_step = kHeadSpeed * seconds(cycle_time_);  // rad
+    gaze_.pan_rad += std::clamp(ball.pan_rad - gaze_.pan_rad, -max_step, max_step);
+    gaze_.tilt_rad += std::clamp(ball.tilt_rad - gaze_.tilt_rad, -max_step, max_step);
   }
   return gaze_ = host::within_limits(gaze_, kMargin);
 }
@@ -76,11 +77,11 @@ Result<void> BodyControl::step() {
     return context_->robot.enable(0);
   }
   ball_.at_place(input_.posture.time, motion_.place());
-  return beat({legs.begin(), legs.end()});
+  return run_cycle({legs.begin(), legs.end()});
 }
 
 Result<void> BodyControl::step(const host::JointAngles& pose) {
-  watch_for_a_fall();
+  detect_fall();
   if (fallen()) {
     phase("fallen");
     return context_->robot.enable(0);
@@ -90,10 +91,10 @@ Result<void> BodyControl::step(const host::JointAngles& pose) {
     if (j != host::neck_pan && j != host::neck_tilt)
       targets.push_back({j, pose[static_cast<std::size_t>(j)]});
   }
-  return beat(std::move(targets));
+  return run_cycle(std::move(targets));
 }
 
-Result<void> BodyControl::beat(std::vector<host::JointTarget> targets) {
+Result<void> BodyControl::run_cycle(std::vector<host::JointTarget> targets) {
   const host::Gaze to = head();
   CycleRow row;
   row.time = now();
@@ -102,7 +103,7 @@ Result<void> BodyControl::beat(std::vector<host::JointTarget> targets) {
   const host::Gaze measured_gaze = host::gaze_of(measured());
   row.pan_measured = measured_gaze.pan_rad;
   row.tilt_measured = measured_gaze.tilt_rad;
-  row.ball_known = follows_ && ball_.known();
+  row.ball_known = tracks_ball_ && ball_.known();
   row.ball_pan = to.pan_rad;
   row.ball_tilt = to.tilt_rad;
   context_->sink.cycle(row);
@@ -110,17 +111,18 @@ Result<void> BodyControl::beat(std::vector<host::JointTarget> targets) {
   targets.push_back({host::neck_pan, to.pan_rad});
   targets.push_back({host::neck_tilt, to.tilt_rad});
   const Time before = now();
-  const Time ramp = std::clamp(from_seconds(kBeyond * seconds(beat_)), kShortest, kLongest);
+  const Time ramp =
+      std::clamp(from_seconds(kRampFactor * seconds(cycle_time_)), kMinRamp, kMaxRamp);
   auto input = cycle_.next(targets, ramp);
   if (!input) return tl::unexpected(input.error());
   input_ = std::move(*input);
-  beat_ = now() - before;
-  take_in();
+  cycle_time_ = now() - before;
+  process_observations();
   return {};
 }
 
-void BodyControl::take_in() {
-  for (const vision::BallObservation& observation : input_.seen) {
+void BodyControl::process_observations() {
+  for (const vision::BallObservation& observation : input_.observations) {
     PictureRow row;
     row.exposure = observation.info.exposure;
     row.known_at = now();
@@ -131,14 +133,14 @@ void BodyControl::take_in() {
     }
     newest_exposure_ = observation.info.exposure;
     const bool used = ball_.observe(observation);
-    seen_in_a_row_ = used ? seen_in_a_row_ + 1 : 0;
+    consecutive_ = used ? consecutive_ + 1 : 0;
     context_->sink.picture(row);
   }
 }
 
-void BodyControl::watch_for_a_fall() {
+void BodyControl::detect_fall() {
   if (!input_.posture.inertial) return;
-  const double dt = seconds(beat_), share = dt / (kSmoothing_s + dt);
+  const double dt = seconds(cycle_time_), share = dt / (kSmoothing_s + dt);
   left_g_ += share * (input_.posture.inertial->left_m_per_s2 / kGravity - left_g_);
   tipped_s_ = std::abs(left_g_) > kTipped ? tipped_s_ + dt : 0;
   fallen_ = fallen_ || tipped_s_ > kTippedFor_s;

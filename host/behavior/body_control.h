@@ -1,9 +1,9 @@
-// The whole body as behaviours move it: legs, arms and head in one exchange a beat, and the ball.
+// Whole-body control for behaviours: legs, arms and head in one exchange per control cycle; ball tracking.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Legs come from motion::Motion, or all but the head from a pose; the head looks where it was told or
-// follows the ball. Each beat takes in posture, inertial codes and what was seen. 18 targets and their
-// answer are 14 ms of a line of 115,200 baud, so beats last 10 to 20 ms.
+// The legs follow motion::Motion, or all joints but the neck's follow a pose; the head holds a gaze or
+// tracks the ball. Each cycle reads posture, inertial data and ball observations. 18 targets and their
+// reply take 14 ms at 115,200 baud, so cycles last 10 to 20 ms.
 #pragma once
 
 #include <optional>
@@ -18,24 +18,25 @@ namespace kaz::behavior {
 
 class BodyControl {
  public:
-  // Motors on, into the crouch, the gyro zeroed: Walker::begin(). Fails as that does and (usage)
-  // without eyes.
+  // Enables the motors, moves into the crouch and zeroes the gyro (Walker::begin). Fails like it, and
+  // (usage) without a camera.
   static Result<BodyControl> begin(Context& context, std::string_view behavior);
 
-  // Where the head looks from the next beat on: at angles, or after the ball (while it is not known,
-  // where it looked last).
-  void look(const host::Gaze& gaze) { gaze_ = gaze, follows_ = false; }
-  void look_at_ball() { follows_ = true; }
+  // Gaze from the next cycle on: fixed, or tracking the ball (while its position is unknown, the last
+  // gaze is held).
+  void set_gaze(const host::Gaze& gaze) { gaze_ = gaze, tracks_ball_ = false; }
+  void track_ball() { tracks_ball_ = true; }
 
-  // One beat: legs as Motion has them. A fall switches the motors off, and fallen() says so.
+  // Runs one control cycle with the leg targets of Motion. If the robot falls, the motors are disabled
+  // and fallen() returns true.
   Result<void> step();
-  // One beat with these angles for all joints but the neck's; Motion rests meanwhile. It must go on
-  // from home() and come back there before step() is called again, after restart().
+  // Runs one control cycle with these angles for all joints but the neck's; Motion is suspended. Poses
+  // must start at home() and return to it; then call restart() before the next step().
   Result<void> step(const host::JointAngles& pose);
   Result<void> stay(Time duration);
-  // Beats until Motion has nothing left to do, then `after` of standing.
+  // Steps until Motion is idle, then stands for `after`.
   Result<void> finish(Time after = std::chrono::milliseconds(300));
-  // Odometry, heading and ball begin anew: after a pose. Stands until the gyro is zeroed.
+  // Resets odometry, heading and ball track, after a sequence of poses. Stands until the gyro is zeroed.
   Result<void> restart();
 
   motion::Motion& motion() { return motion_; }
@@ -45,25 +46,28 @@ class BodyControl {
   Context& context() { return *context_; }
   void phase(std::string_view phase) { context_->sink.phase(now(), behavior_, phase); }
 
-  // ---- What is seen
-  const std::vector<vision::BallObservation>& seen() const { return input_.seen; }  // this beat
+  // ---- Observations
+  const std::vector<vision::BallObservation>& observations() const {  // of this cycle
+    return input_.observations;
+  }
   Time newest_exposure() const { return newest_exposure_; }
-  // No picture for 0.4 s: the camera stands still.
+  // No image for 0.4 s.
   bool blind() const { return now() - newest_exposure_ > kFrozen; }
-  int seen_in_a_row() const { return seen_in_a_row_; }
+  // Number of consecutive images in which the ball was detected.
+  int consecutive() const { return consecutive_; }
   BallPlace& ball() { return ball_; }
-  // From below the hips; ball().known() must hold.
+  // m; x ahead, y left, from the point below the hips. Precondition: ball().known().
   Eigen::Vector2d ball_now() const { return ball_.from_hips(now(), motion_.place()); }
-  // Pictures came, and none of the last `time` showed it.
+  // Images came, but no detection in those of the last `time`.
   bool unseen_for(Time time) const { return newest_exposure_ - ball_.last_seen() > time; }
 
  private:
   static constexpr Time kFrozen = std::chrono::milliseconds(400);
   BodyControl(Context& context, std::string_view behavior, const motion::Motion& motion);
   host::Gaze head();
-  Result<void> beat(std::vector<host::JointTarget> targets);
-  void take_in();
-  void watch_for_a_fall();
+  Result<void> run_cycle(std::vector<host::JointTarget> targets);
+  void process_observations();
+  void detect_fall();
 
   Context* context_;
   std::string_view behavior_;
@@ -72,11 +76,11 @@ class BodyControl {
   ControlCycle::Input input_;
   BallPlace ball_;
   host::Gaze gaze_{0, 0.5};
-  bool follows_ = false, fallen_ = false;
-  int seen_in_a_row_ = 0;
+  bool tracks_ball_ = false, fallen_ = false;
+  int consecutive_ = 0;
   Time newest_exposure_{};
-  Time beat_ = ControlCycle::kPeriod;
-  double left_g_ = 0, tipped_s_ = 0;  // while a pose is held
+  Time cycle_time_ = ControlCycle::kPeriod;  // duration of the last cycle
+  double left_g_ = 0, tipped_s_ = 0;         // fall detection during poses
 };
 
 }  // namespace kaz::behavior

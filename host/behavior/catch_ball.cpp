@@ -1,7 +1,5 @@
-// catch-ball: search, approach, pick up, hold; again where that failed.
+// catch-ball: search, approach, pick up and hold a ball on the floor (paper, section 4.2); retries.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/behavior/catch_ball.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -18,20 +16,21 @@ using Eigen::Vector2d, Eigen::Vector3d;
 using motion::kDegree, motion::Pickup;
 
 constexpr Option kOptions[] = {
-    {"tries", "4", "", 1, 20, "how often it is tried"},
-    {"hold", "3", "", 0.5, 60, "for how long the ball is held, s"},
+    {"tries", "4", "", 1, 20, "maximum number of tries"},
+    {"hold", "3", "", 0.5, 60, "time for which the ball is held, s"},
     {"turns", "3", "", 0, 3, "quarter turns of the body in the search"},
     {"seconds", "300", "", 10, 3600, "gives up after this time, s"},
 };
 
-// A jaw that the ball stops is 11 degrees off its target, a free one at most 3: friction of 0.05 Nm
-// at 0.8 of full duty (2.16 Nm) per rad, and a code of its potentiometer.
+// Threshold of the jaw's position error: a jaw blocked by the ball stays 11 degrees from its target, a
+// free one at most 3 (friction of 0.05 Nm at 0.8 of full duty (2.16 Nm) per rad, and one code of its
+// potentiometer).
 constexpr double kStopped = 6 * kDegree;
-constexpr Time kLetGo = std::chrono::milliseconds(300);
-// The ball's middle, as seen, from the middle of the grasp; its distance comes from its size, of which
-// the jaws hide a part.
+constexpr Time kDropped = std::chrono::milliseconds(300);
+// m, maximum distance of the observed ball from the grasp's centre; its distance comes from its apparent
+// size, which the jaws occlude in part.
 constexpr double kInHand = 0.045;
-constexpr int kOnFloor = 3;  // pictures
+constexpr int kOnFloor = 3;  // images
 
 class Catch {
  public:
@@ -42,7 +41,7 @@ class Catch {
         !body_.fallen())
       return Outcome{true, "the ball is in view", {}};
     const Time start = body_.now();
-    const auto found = look_around(body_, turns, left_first);
+    const auto found = scan_for_ball(body_, turns, left_first);
     if (!found) return tl::unexpected(found.error());
     if (body_.fallen()) return fell();
     if (!*found) return Outcome{false, "no ball was found all around", {}, "not found"};
@@ -81,7 +80,7 @@ class Catch {
     return Outcome{true, "the ball is lifted", {}};
   }
 
-  // Looks into the hand, then at where the ball lay.
+  // Observes the hand for the first half of the time, then the floor where the ball lay.
   Result<Outcome> hold(double hold_s) {
     const Time start = body_.now(), end = start + from_seconds(hold_s);
     const auto load = body_.context().robot.joints(std::uint32_t{1} << plan_->hand_joint());
@@ -93,11 +92,11 @@ class Catch {
       const bool first_half = body_.now() < start + (end - start) / 2;
       const host::JointAngles& angles = body_.measured();
       const Vector3d grasp = motion::trunk_from_grasp(angles, plan_->hand()).translation();
-      body_.look(first_half ? host::gaze_at(grasp)
-                            : gaze_at_floor(angles, {ball_.x() + 0.05, ball_.y(), 0.02}));
+      body_.set_gaze(first_half ? host::gaze_at(grasp)
+                                : gaze_at_floor(angles, {ball_.x() + 0.05, ball_.y(), 0.02}));
       if (auto done = body_.step(plan_->at(plan_->end_s())); !done)
         return tl::unexpected(done.error());
-      for (const auto& seen : body_.seen()) {
+      for (const auto& seen : body_.observations()) {
         if (sees_in_hand(seen))
           ++in_hand;
         else if (behavior::on_floor(seen, body_.context().ball_radius_m))
@@ -105,7 +104,7 @@ class Catch {
       }
       min_gap = std::min(min_gap, gap());
       if (gap() >= kStopped) free_since = body_.now();
-      if (body_.now() - free_since > kLetGo) return give_up("the ball was dropped", "dropped");
+      if (body_.now() - free_since > kDropped) return give_up("the ball was dropped", "dropped");
     }
     if (body_.fallen()) return fell();
     if (on_floor >= kOnFloor && in_hand < on_floor)
@@ -137,8 +136,8 @@ class Catch {
   Result<void> play(double until_s) {
     const Time start = body_.now() - from_seconds(time_);
     while (time_ < until_s && !body_.fallen()) {
-      body_.look(gaze_at_floor(body_.measured(), {ball_.x(), ball_.y(), 0.02}));
-      // The pose is reached about a beat after it was sent.
+      body_.set_gaze(gaze_at_floor(body_.measured(), {ball_.x(), ball_.y(), 0.02}));
+      // The pose is reached about one control cycle after it was sent.
       constexpr double kControlCycle_s = 0.015;
       if (auto done = body_.step(plan_->at(std::min(time_ + kControlCycle_s, until_s))); !done)
         return done;
@@ -148,14 +147,14 @@ class Catch {
     return {};
   }
 
-  // Bent, the eyes are close above the ball: the arm aims at where it is seen now.
+  // Bent down, the cameras are close above the ball: the arm is aimed at its position measured now.
   Result<void> aim_again() {
     std::vector<double> x, y;
     const Time start = body_.now();
     while (body_.now() - start < std::chrono::milliseconds(600) && !body_.fallen()) {
-      body_.look(gaze_at_floor(body_.measured(), {ball_.x(), ball_.y(), 0.02}));
+      body_.set_gaze(gaze_at_floor(body_.measured(), {ball_.x(), ball_.y(), 0.02}));
       if (auto done = body_.step(plan_->at(time_)); !done) return done;
-      for (const auto& seen : body_.seen()) {
+      for (const auto& seen : body_.observations()) {
         const auto point = behavior::on_floor(seen, body_.context().ball_radius_m);
         if (!point || seen.info.exposure < start + std::chrono::milliseconds(200)) continue;
         x.push_back(point->from_middle.x());
@@ -173,13 +172,13 @@ class Catch {
     return {};
   }
 
-  // Opens the hand, stands up, and finds its place anew.
+  // Opens the hand, stands up and restarts odometry.
   Result<Outcome> give_up(const char* sentence, const char* cause) {
     body_.phase("stand up");
     const Time start = body_.now();
     for (double t = 0; t < Pickup::kGiveUp_s && !body_.fallen(); t = seconds(body_.now() - start))
       if (auto done = body_.step(plan_->back(time_, t)); !done) return tl::unexpected(done.error());
-    body_.look_at_ball();
+    body_.track_ball();
     if (auto done = body_.restart(); !done) return tl::unexpected(done.error());
     if (body_.fallen()) return fell();
     return Outcome{false, sentence, {}, cause};
@@ -187,8 +186,8 @@ class Catch {
 
   BodyControl& body_;
   std::optional<Pickup> plan_;
-  Vector2d ball_{0, 0};  // from the middle of the ankles
-  double time_ = 0;      // of the plan
+  Vector2d ball_{0, 0};  // m, from the midpoint of the ankles
+  double time_ = 0;      // of the plan, s
 };
 
 Result<Outcome> catch_it(Context& context) {
@@ -204,13 +203,13 @@ Result<Outcome> catch_it(Context& context) {
                               {"approach", [&](Context&) { return parts.approach(); }},
                               {"catch", [&](Context&) { return parts.pick_up(); }},
                               {"hold", [&](Context&) { return parts.hold(hold_s); }}});
-  const auto worth = [](const Outcome& failed) {
+  const auto retriable = [](const Outcome& failed) {
     return failed.cause != "fell" && failed.cause != "not found";
   };
-  auto outcome = retry(static_cast<int>(context.options.number("tries")), once, worth)(context);
+  auto outcome = retry(static_cast<int>(context.options.number("tries")), once, retriable)(context);
   if (!outcome) return outcome;
   const double took = seconds(body->now() - start);
-  outcome->figures.emplace_back("catch_s", took);
+  outcome->measurements.emplace_back("catch_s", took);
   char text[120];
   std::snprintf(text, sizeof text, " for %g s, %.0f s after the search began", hold_s, took);
   if (outcome->success) outcome->sentence += text;

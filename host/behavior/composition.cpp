@@ -39,7 +39,8 @@ Task sequence(std::string behavior, std::vector<Step> steps) {
       context.sink.phase(context.clock.now(), behavior, step.name);
       auto outcome = step.run(context);
       if (!outcome) return outcome;
-      outcome->figures.insert(outcome->figures.begin(), all.figures.begin(), all.figures.end());
+      outcome->measurements.insert(outcome->measurements.begin(), all.measurements.begin(),
+                                   all.measurements.end());
       all = std::move(*outcome);
       if (!all.success) break;
     }
@@ -60,14 +61,14 @@ Task fallback(std::string behavior, std::vector<Step> steps) {
   };
 }
 
-Task retry(int times, Task task, std::function<bool(const Outcome&)> worth) {
+Task retry(int times, Task task, std::function<bool(const Outcome&)> retriable) {
   return [times, task = std::move(task),
-          worth = std::move(worth)](Context& context) -> Result<Outcome> {
+          retriable = std::move(retriable)](Context& context) -> Result<Outcome> {
     for (int tries = 1;; ++tries) {
       auto outcome = task(context);
       if (!outcome) return outcome;
-      if (outcome->success || tries >= times || (worth && !worth(*outcome))) {
-        outcome->figures.emplace_back("tries", tries);
+      if (outcome->success || tries >= times || (retriable && !retriable(*outcome))) {
+        outcome->measurements.emplace_back("tries", tries);
         return outcome;
       }
     }
@@ -77,7 +78,7 @@ Task retry(int times, Task task, std::function<bool(const Outcome&)> worth) {
 Task within(Time limit, Task task) {
   return [limit, task = std::move(task)](Context& context) -> Result<Outcome> {
     Deadline clock(context.clock, context.clock.now() + limit);
-    Context limited{context.robot,   clock,        context.sight,        context.sink,
+    Context limited{context.robot,   clock,        context.detector,     context.sink,
                     context.options, context.seed, context.other_joints, context.ball_radius_m};
     auto outcome = task(limited);
     if (outcome || !clock.over()) return outcome;

@@ -1,9 +1,9 @@
-// Behaviours out of behaviours: in order, again, instead, and not for ever.
+// Composition of tasks: sequence, fallback, retry and time limit, as in behaviour trees.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A task is any plain function against Context that ends with an Outcome. Each step's name is told to
-// the sink as a phase of `behavior` when it begins. An Error (link gone, interrupted) ends all of it at
-// once: only an outcome without success is tried again or replaced.
+// A task is any function of Context that returns an Outcome. Each step's name is reported to the sink as
+// a phase of `behavior` when the step begins. An Error (link lost, interrupted) ends the composition at
+// once; only an outcome without success is retried or replaced.
 #pragma once
 
 #include <functional>
@@ -17,20 +17,20 @@ namespace kaz::behavior {
 using Task = std::function<Result<Outcome>(Context&)>;
 
 struct Step {
-  std::string name;  // as told to the sink
+  std::string name;  // of its phase in the sink
   Task run;
 };
 
-// One after the other; the first that fails ends it, and its outcome is the whole's. The figures of
-// all steps that ran are kept. No steps: success.
+// Runs the steps in order until one fails; its outcome is returned. The measurements of all steps that
+// ran are kept. Without steps: success.
 Task sequence(std::string behavior, std::vector<Step> steps);
-// The first that succeeds; else the last one's outcome.
+// Runs the steps in order until one succeeds; returns its outcome, or the last one's.
 Task fallback(std::string behavior, std::vector<Step> steps);
-// Until it succeeds, at most `times` (1 or more); `worth` says of an outcome without success whether
-// another try makes sense. The figure "tries" is added.
-Task retry(int times, Task task, std::function<bool(const Outcome&)> worth = {});
-// An outcome with the cause "time" once the clock has gone on so far: noticed where the task waits
-// next through Context::clock.
+// Repeats the task until it succeeds, at most `times` (>= 1) times. `retriable` decides for an outcome
+// without success whether another try makes sense; empty: always. Adds the measurement "tries".
+Task retry(int times, Task task, std::function<bool(const Outcome&)> retriable = {});
+// Time limit: an outcome with the cause "time" if the task has not finished. Detected when the task next
+// waits on Context::clock.
 Task within(Time limit, Task task);
 
 }  // namespace kaz::behavior

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/robot/board_testing.h"
+#include "host/robot/robot_testing.h"
 
 namespace kaz::behavior {
 namespace {
@@ -32,7 +32,7 @@ struct Composition : ::testing::Test {
 TEST_F(Composition, SequenceRunsInOrderAndStopsAtTheFirstFailure) {
   const auto all = sequence("dance", {{"bow", ends(true)}, {"turn", ends(true)}})(context);
   ASSERT_TRUE(all && all->success);
-  EXPECT_EQ(all->figures.size(), 2u);
+  EXPECT_EQ(all->measurements.size(), 2u);
   ASSERT_EQ(recording.phases.size(), 2u);
   EXPECT_EQ(recording.phases[0].behavior, "dance");
   EXPECT_EQ(recording.phases[1].phase, "turn");
@@ -62,7 +62,7 @@ TEST_F(Composition, RetryEndsWithSuccessOrWhenItIsNotWorthIt) {
   };
   auto outcome = retry(5, third)(context);
   ASSERT_TRUE(outcome && outcome->success);
-  EXPECT_EQ(outcome->figures.back().second, 3);
+  EXPECT_EQ(outcome->measurements.back().second, 3);
   calls = 0;
   outcome = retry(2, third)(context);
   EXPECT_FALSE(outcome->success);

@@ -1,4 +1,4 @@
-// One round trip and one look a beat.
+// One round trip and one poll of the detector per control cycle.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/control_cycle.h"
 
@@ -7,7 +7,7 @@
 namespace kaz::behavior {
 
 ControlCycle::ControlCycle(Context& context)
-    : context_(context), beat_(context.clock.now()), last_picture_(beat_) {}
+    : context_(context), cycle_start_(context.clock.now()), last_image_(cycle_start_) {}
 
 Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget> targets,
                                                Time ramp) {
@@ -20,18 +20,19 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
   }
   input.posture = *posture;
 
-  // A late beat is not made up for.
-  beat_ = std::max(beat_ + kPeriod, context_.clock.now());
-  if (auto slept = context_.clock.sleep_until(beat_); !slept) return tl::unexpected(slept.error());
+  // A late cycle is not caught up.
+  cycle_start_ = std::max(cycle_start_ + kPeriod, context_.clock.now());
+  if (auto slept = context_.clock.sleep_until(cycle_start_); !slept)
+    return tl::unexpected(slept.error());
   input.now = context_.clock.now();
-  if (!context_.sight) return input;
+  if (!context_.detector) return input;
 
-  auto seen = context_.sight->poll(input.now);
-  if (!seen) return tl::unexpected(seen.error());
-  input.seen = std::move(*seen);
-  if (!input.seen.empty()) last_picture_ = input.now;
-  if (input.now - last_picture_ > kBlind) {
-    return fail(Fault::environment, "no picture came for 2 s: check the camera");
+  auto observations = context_.detector->poll(input.now);
+  if (!observations) return tl::unexpected(observations.error());
+  input.observations = std::move(*observations);
+  if (!input.observations.empty()) last_image_ = input.now;
+  if (input.now - last_image_ > kBlind) {
+    return fail(Fault::environment, "no image came for 2 s: check the camera");
   }
   return input;
 }
@@ -39,7 +40,7 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
 Result<void> hold_still(host::Robot& robot) {
   constexpr std::uint32_t kHands = 1u << host::l_hand | 1u << host::r_hand;
   constexpr std::uint32_t kNeck = 1u << host::neck_pan | 1u << host::neck_tilt;
-  // The neck carries nothing: stiffer, it would hunt in the backlash of its gears.
+  // The neck carries no load: with a higher gain it would hunt in the backlash of its gears.
   constexpr host::Gains kBody, kJaws{.kp_per_rad = 0.8}, kHead{.kp_per_rad = 12};
   if (auto set = robot.set_gains(host::kAllJoints & ~kHands & ~kNeck, kBody); !set) return set;
   if (auto set = robot.set_gains(kHands, kJaws); !set) return set;

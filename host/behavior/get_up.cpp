@@ -1,12 +1,12 @@
-// get-up: poses that follow each other, each reached along straight ramps of the board.
+// get-up: from any fallen posture to the walking crouch, by a sequence of poses with linear joint ramps.
 // SPDX-License-Identifier: Apache-2.0
 //
-// From the face: legs drawn under the belly, arms spread overhead and swept in below the shoulders, which
-// lifts the chest; then the weight is on the soles, and trunk and knees straighten.
+// From the face: the legs are drawn under the belly, the arms spread overhead and swept in below the
+// shoulders, which lifts the chest; then the weight is on the soles, and trunk and knees are extended.
 // From the back: the right arm behind the back rolls the robot on its left side, both legs forward carry
-// it over; the left arm spread lifts it to sitting; arms behind, knees drawn up; the arms swing forward
-// and tip it over its feet on its hands, and on as from the face.
-// The poses were found in simulation (docs/motion.md).
+// it over; the spread left arm lifts it to sitting; with arms behind and knees drawn up, the arms swing
+// forward and tip it over its feet onto its hands; from there as from the face.
+// The poses were found in simulation (docs/explanation/motion.md).
 #include "host/behavior/get_up.h"
 
 #include <algorithm>
@@ -22,16 +22,16 @@ namespace {
 using host::JointAngles;
 using motion::kDegree;
 
-constexpr Option kOptions[] = {{"attempts", "3", "", 1, 10, "most that it tries"}};
+constexpr Option kOptions[] = {{"attempts", "3", "", 1, 10, "maximum number of attempts"}};
 
-constexpr double kLying_g = 0.6;  // the sine of 37 degrees; the part itself may be 0.2 g off
+constexpr double kLying_g = 0.6;  // sin 37 degrees; the sensor's offset may be 0.2 g
 constexpr double kGravity = 9.81;
-constexpr double kSettle_s = 0.2, kLook_s = 0.4;
+constexpr double kSettle_s = 0.2, kObserve_s = 0.4;
 constexpr double kRamp = 12;            // rad/s, as when walking
 constexpr double kNear = 20 * kDegree;  // of the crouch
 constexpr double kStandUp_s = 1.5, kStood_s = 1.0;
 
-// Degrees. Arms' roll: outward; hip's: the foot outward.
+// Joint angles in degrees. Shoulder roll (spread): outward.
 struct Limbs {
   double hip, knee, ankle, shoulder, spread, elbow;
 };
@@ -92,11 +92,11 @@ class GettingUp {
  public:
   explicit GettingUp(Context& context) : context_(context), cycle_(context) {}
 
-  // Lies where it lies: mean over kLook_s.
-  Result<Lies> look() {
+  // Classifies the mean specific force over kObserve_s while the robot lies still.
+  Result<Lying> observe() {
     double forward = 0, left = 0;
     int samples = 0;
-    for (const Time end = context_.clock.now() + from_seconds(kLook_s);
+    for (const Time end = context_.clock.now() + from_seconds(kObserve_s);
          context_.clock.now() < end;) {
       const auto input = cycle_.next({});
       if (!input) return tl::unexpected(input.error());
@@ -109,7 +109,7 @@ class GettingUp {
     if (samples == 0)
       return fail(Fault::environment,
                   "get-up: the board sends no accelerometer; look at its connection");
-    return lies_by(forward / samples, left / samples);
+    return lying_from(forward / samples, left / samples);
   }
 
   Result<void> go(const JointAngles& goal, double time_s, double then_s) {
@@ -133,19 +133,19 @@ class GettingUp {
     return {};
   }
 
-  // From how it lies until it stands, or lies elsewhere. Upright with legs unlike the crouch's, it sits.
-  Result<void> rise(Lies lies) {
-    const bool mirrored = lies == Lies::on_right;
+  // Runs the poses from `lies` to standing. Upright with other leg angles than the crouch's, it sits.
+  Result<void> rise(Lying lies) {
+    const bool mirrored = lies == Lying::on_right;
     std::vector<std::span<const Pose>> parts;
-    const bool sits = lies == Lies::upright && !crouches();
+    const bool sits = lies == Lying::upright && !crouches();
     if (sits) parts.emplace_back(kSits);
-    if (lies == Lies::on_back) parts.emplace_back(kRollLeft);
-    if (lies == Lies::on_back || lies == Lies::on_left || lies == Lies::on_right) {
+    if (lies == Lying::on_back) parts.emplace_back(kRollLeft);
+    if (lies == Lying::on_back || lies == Lying::on_left || lies == Lying::on_right) {
       parts.emplace_back(kOnLeftSide);
       parts.emplace_back(kSits);
     }
-    if (lies == Lies::on_face) parts.emplace_back(kOnFace);
-    if (lies != Lies::upright || sits) parts.emplace_back(kOnHands);
+    if (lies == Lying::on_face) parts.emplace_back(kOnFace);
+    if (lies != Lying::upright || sits) parts.emplace_back(kOnHands);
     for (const auto& part : parts)
       if (auto gone = go(part, mirrored); !gone) return gone;
     return go(motion::home(), kStandUp_s, kStood_s);
@@ -164,10 +164,10 @@ class GettingUp {
 
   Context& context_;
   ControlCycle cycle_;
-  JointAngles angles_{};  // as looked at last
+  JointAngles angles_{};  // at the last observe()
 };
 
-const char* name_of(Lies lies) {
+const char* name_of(Lying lies) {
   constexpr const char* kNames[] = {"on its face", "on its back", "on its left side",
                                     "on its right side", "upright"};
   return kNames[static_cast<int>(lies)];
@@ -186,42 +186,43 @@ Result<Outcome> run(Context& context) {
     return tl::unexpected(set.error());
   GettingUp getting_up(context);
   const Time began = context.clock.now();
-  const int most = static_cast<int>(context.options.number("attempts"));
+  const int max_attempts = static_cast<int>(context.options.number("attempts"));
   int attempts = 0;
-  Lies first = Lies::upright, lies = Lies::upright;
-  for (bool stands = false; !stands && attempts < most; ++attempts) {
-    // Also takes back what the board switched off because it stalled.
+  Lying first = Lying::upright, lies = Lying::upright;
+  for (bool stands = false; !stands && attempts < max_attempts; ++attempts) {
+    // Also enables motors that the board disabled after a stall.
     if (auto held = hold_still(context.robot); !held) return tl::unexpected(held.error());
-    const auto looked = getting_up.look();
-    if (!looked) return tl::unexpected(looked.error());
-    lies = *looked;
+    const auto before = getting_up.observe();
+    if (!before) return tl::unexpected(before.error());
+    lies = *before;
     if (attempts == 0) first = lies;
     context.sink.phase(context.clock.now(), kGetUp.name, name_of(lies));
     if (auto risen = getting_up.rise(lies); !risen) return tl::unexpected(risen.error());
-    const auto after = getting_up.look();
+    const auto after = getting_up.observe();
     if (!after) return tl::unexpected(after.error());
     lies = *after;
-    stands = lies == Lies::upright;
+    stands = lies == Lying::upright;
   }
 
   Outcome outcome;
-  outcome.success = lies == Lies::upright;
+  outcome.success = lies == Lying::upright;
   char text[160];
   std::snprintf(text, sizeof text, "the robot, which lay %s, %s after %d attempt%s", name_of(first),
                 outcome.success ? "stands" : "did not get up", attempts, attempts == 1 ? "" : "s");
   outcome.sentence = text;
   if (!outcome.success) outcome.cause = "did not get up";
-  outcome.figures = {{"attempts", attempts},
-                     {"getting_up_s", seconds(context.clock.now() - began)}};
+  outcome.measurements = {{"attempts", attempts},
+                          {"getting_up_s", seconds(context.clock.now() - began)}};
   return outcome;
 }
 
 }  // namespace
 
-Lies lies_by(double forward_g, double left_g) {
-  if (std::hypot(forward_g, left_g) < kLying_g) return Lies::upright;
-  if (std::abs(forward_g) >= std::abs(left_g)) return forward_g < 0 ? Lies::on_face : Lies::on_back;
-  return left_g < 0 ? Lies::on_left : Lies::on_right;
+Lying lying_from(double forward_g, double left_g) {
+  if (std::hypot(forward_g, left_g) < kLying_g) return Lying::upright;
+  if (std::abs(forward_g) >= std::abs(left_g))
+    return forward_g < 0 ? Lying::on_face : Lying::on_back;
+  return left_g < 0 ? Lying::on_left : Lying::on_right;
 }
 
 constinit const Behavior kGetUp{"get-up", "from where it fell to the walking crouch", false,

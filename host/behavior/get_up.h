@@ -1,16 +1,12 @@
-// get-up: from wherever it fell to the walking crouch, by how the accelerometer says that it lies.
+// Classifies how a fallen robot lies, from its accelerometer.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "host/behavior/behavior.h"
-
 namespace kaz::behavior {
 
-// How a robot lies, by its accelerometer: which way is up, seen from the trunk.
-enum class Lies { on_face, on_back, on_left, on_right, upright };
-// Specific force in g, ahead and to the left, as it is at rest.
-Lies lies_by(double forward_g, double left_g);
-
-extern const Behavior kGetUp;
+// Which side of the trunk is down.
+enum class Lying { on_face, on_back, on_left, on_right, upright };
+// From the specific force at rest along the trunk's x (forward) and y (left), in g.
+Lying lying_from(double forward_g, double left_g);
 
 }  // namespace kaz::behavior

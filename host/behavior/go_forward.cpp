@@ -1,7 +1,5 @@
-// go-forward: by odometry of the carrying feet, the heading held by the gyro where the board has one.
+// go-forward: walks straight by odometry of the supporting feet, and by the gyro's heading if fitted.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/behavior/go_forward.h"
-
 #include <cmath>
 
 #include "host/behavior/walker.h"
@@ -15,7 +13,7 @@ constexpr Option kOptions[] = {
     {"gyro", "use", "use|ignore", 0, 0, "ignore: walk as if the board had none"},
 };
 
-constexpr double kNear = 0.03;  // m, that its own reckoning may miss the goal by
+constexpr double kNear = 0.03;  // m, tolerance of the distance by odometry
 
 Result<Outcome> run(Context& context) {
   motion::Settings settings;
@@ -42,14 +40,14 @@ Result<Outcome> run(Context& context) {
                 walker->fallen() ? "fell after" : "walked", walked, turned,
                 motion.has_gyro() ? "" : " by its strides (no gyro)");
   outcome.sentence = text;
-  outcome.figures = {{"walked_m", walked},
-                     {"turned_deg", turned},
-                     {"ahead_m", place.x},
-                     {"aside_m", place.y},
-                     {"sigma_along_m", place.sigma_along},
-                     {"sigma_across_m", place.sigma_across},
-                     {"sigma_heading_deg", place.sigma_heading / motion::kDegree},
-                     {"walking_s", seconds(walker->input().now - began)}};
+  outcome.measurements = {{"walked_m", walked},
+                          {"turned_deg", turned},
+                          {"ahead_m", place.x},
+                          {"aside_m", place.y},
+                          {"sigma_along_m", place.sigma_along},
+                          {"sigma_across_m", place.sigma_across},
+                          {"sigma_heading_deg", place.sigma_heading / motion::kDegree},
+                          {"walking_s", seconds(walker->input().now - began)}};
   return outcome;
 }
 

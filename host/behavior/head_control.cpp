@@ -11,7 +11,7 @@ HeadControl::HeadControl(Context& context, std::string_view behavior)
     : context_(&context), behavior_(behavior), cycle_(context) {}
 
 Result<HeadControl> HeadControl::begin(Context& context, std::string_view behavior) {
-  if (!context.sight) {
+  if (!context.detector) {
     return fail(Fault::usage, std::string(behavior) + " needs a camera: give one with --camera");
   }
   if (auto held = hold_still(context.robot); !held) return tl::unexpected(held.error());
@@ -19,7 +19,7 @@ Result<HeadControl> HeadControl::begin(Context& context, std::string_view behavi
   auto input = head.cycle_.next({});
   if (!input) return tl::unexpected(input.error());
   head.input_ = std::move(*input);
-  head.take_in(head.input_.seen);
+  head.process(head.input_.observations);
   return head;
 }
 
@@ -44,12 +44,12 @@ Result<void> HeadControl::step(const host::Gaze& target) {
   auto input = cycle_.next(targets);
   if (!input) return tl::unexpected(input.error());
   input_ = std::move(*input);
-  take_in(input_.seen);
+  process(input_.observations);
   return {};
 }
 
-void HeadControl::take_in(const std::vector<vision::BallObservation>& seen) {
-  for (const vision::BallObservation& observation : seen) {
+void HeadControl::process(const std::vector<vision::BallObservation>& observations) {
+  for (const vision::BallObservation& observation : observations) {
     PictureRow row;
     row.exposure = observation.info.exposure;
     row.known_at = now();
@@ -59,7 +59,7 @@ void HeadControl::take_in(const std::vector<vision::BallObservation>& seen) {
       row.distance_m = observation.distance_m;
       ball_ = observation;
     }
-    seen_in_a_row_ = observation.found ? seen_in_a_row_ + 1 : 0;
+    consecutive_ = observation.found ? consecutive_ + 1 : 0;
     newest_exposure_ = observation.info.exposure;
     tracker_.observe(observation);
     pictures_.push_back(row);

@@ -1,4 +1,4 @@
-// The head as behaviours move it: one target a cycle, with tracker and log.
+// Head control for behaviours: one target per control cycle, with ball tracker and log.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,29 +12,27 @@ namespace kaz::behavior {
 
 class HeadControl {
  public:
-  // How long after a behaviour has decided on a target the head is there, if the target moves
-  // steadily: sending, the ramp, and the lag of the position loop. That loop drives with the share
-  // kp * error - kd * rate of full duty, and a motor without load runs at duty * w0, w0 = 11.46
-  // rad/s at 10 V (design, section 4). So error / rate = (kd + 1/w0) / kp = (0.15 + 1/11.46) / 20 =
-  // 12 ms.
+  // Lag of the position loop behind a target of constant speed: duty = kp error - kd rate, and an
+  // unloaded motor runs at rate = duty w0, w0 = 11.46 rad/s at 10 V (design, section 4). Hence
+  //   error / rate = (kd + 1/w0) / kp = (0.15 + 1/11.46) / 20 = 12 ms.
   static constexpr Time kServoLag = std::chrono::milliseconds(12);
+  // Delay from the decision on a target to the head's arrival there: sending, ramp and servo lag.
   static constexpr Time kLead = ControlCycle::kSendDelay + ControlCycle::kRamp + kServoLag;
-  // Targets stay this far inside the joints' limits.
-  static constexpr double kMargin = 0.017;
+  static constexpr double kMargin = 0.017;  // rad, of targets to the joint limits
 
-  // Motors on where they stand; reads the first state. Fails if there is no sight.
+  // Enables the motors at their present angles and reads the first state. Fails (usage) without a camera.
   static Result<HeadControl> begin(Context& context, std::string_view behavior);
 
   void phase(std::string_view phase) { context_->sink.phase(now(), behavior_, phase); }
-  // Sends a target (limited to the joints' range) and waits for the next beat.
+  // Sends a target, limited to the joints' range, and waits for the next control cycle.
   Result<void> step(const host::Gaze& target);
 
   Time now() const { return input_.now; }
   host::Gaze measured() const { return host::gaze_of(input_.posture.angle); }
   BallTracker& tracker() { return tracker_; }
-  // Pictures with a ball since the last one without.
-  int seen_in_a_row() const { return seen_in_a_row_; }
-  // Exposure of the newest picture that was looked at; zero before the first.
+  // Number of consecutive images in which the ball was detected.
+  int consecutive() const { return consecutive_; }
+  // Exposure of the newest image processed; zero before the first.
   Time newest_exposure() const { return newest_exposure_; }
   const std::vector<PictureRow>& pictures() const { return pictures_; }
   // The newest observation with a ball.
@@ -42,14 +40,14 @@ class HeadControl {
 
  private:
   HeadControl(Context& context, std::string_view behavior);
-  void take_in(const std::vector<vision::BallObservation>& seen);
+  void process(const std::vector<vision::BallObservation>& observations);
 
   Context* context_;
   std::string_view behavior_;
   ControlCycle cycle_;
   ControlCycle::Input input_;
   BallTracker tracker_;
-  int seen_in_a_row_ = 0;
+  int consecutive_ = 0;
   Time newest_exposure_{};
   std::vector<PictureRow> pictures_;
   std::optional<vision::BallObservation> ball_;

@@ -1,16 +1,16 @@
-// nod: says yes. An example of a behaviour, printed in docs/host.md.
+// nod: moves the head up and down. The example of a behaviour that docs/tutorial/own-behavior.md prints.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/behavior/nod_example.h"
-
 #include <algorithm>
 
 #include "host/behavior/control_cycle.h"
 
 namespace kaz::behavior {
 
+extern const Behavior kNod;  // defined below; behaviors.def declares those listed there
+
 namespace {
 
-constexpr Option kOptions[] = {{"times", "2", "", 1, 10, "how often"}};
+constexpr Option kOptions[] = {{"times", "2", "", 1, 10, "number of nods"}};
 
 Result<Outcome> run(Context& context) {
   if (auto held = hold_still(context.robot); !held) return tl::unexpected(held.error());
@@ -23,7 +23,7 @@ Result<Outcome> run(Context& context) {
     const host::JointTarget tilt[] = {{host::neck_tilt, half % 2 == 0 ? 0.3 : 0.0}};
     const Time end = context.clock.now() + from_seconds(0.4);
     while (context.clock.now() < end) {
-      const auto input = cycle.next(tilt);  // sends the target, waits for the next beat
+      const auto input = cycle.next(tilt);  // sends the target, waits for the next control cycle
       if (!input) return tl::unexpected(input.error());
       deepest = std::max(deepest, input->posture.angle[host::neck_tilt]);
     }
@@ -33,6 +33,6 @@ Result<Outcome> run(Context& context) {
 
 }  // namespace
 
-constinit const Behavior kNod{"nod", "say yes", false, kOptions, run};
+constinit const Behavior kNod{"nod", "move the head up and down", false, kOptions, run};
 
 }  // namespace kaz::behavior

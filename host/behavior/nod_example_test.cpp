@@ -1,15 +1,16 @@
-// The example of docs/host.md works, and stands there as it is compiled.
+// The example behaviour works, and docs/reference/host.md prints it as it is compiled.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/behavior/nod_example.h"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <sstream>
 
-#include "host/robot/board_testing.h"
+#include "host/behavior/behavior.h"
+#include "host/robot/robot_testing.h"
 
 namespace kaz::behavior {
+
+extern const Behavior kNod;
 namespace {
 
 std::string contents(const char* path) {
@@ -27,15 +28,15 @@ TEST(NodExample, Nods) {
   const auto outcome = kNod.run(context);
   ASSERT_TRUE(outcome) << outcome.error().message;
   EXPECT_TRUE(outcome->success);
-  EXPECT_NEAR(outcome->figures.at(0).second, 0.3, 0.02);
+  EXPECT_NEAR(outcome->measurements.at(0).second, 0.3, 0.02);
   EXPECT_NEAR(board.angles_at(board.now())[host::neck_tilt], 0, 0.02);
 }
 
 TEST(NodExample, IsTheOneInTheDocumentation) {
   const std::string code = contents("host/behavior/nod_example.cpp");
   ASSERT_FALSE(code.empty());
-  EXPECT_NE(contents("docs/host.md").find("```cpp\n" + code + "```"), std::string::npos)
-      << "copy host/behavior/nod_example.cpp into docs/host.md";
+  EXPECT_NE(contents("docs/reference/host.md").find("```cpp\n" + code + "```"), std::string::npos)
+      << "copy host/behavior/nod_example.cpp into docs/reference/host.md";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Checks option values and says what would have been right.
+// Validates option values; errors list the valid names and values.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/options.h"
 
@@ -61,11 +61,11 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
     }
     double number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || end != text.data() + text.size() || !(number >= option.least) ||
-        !(number <= option.most)) {
+    if (error != std::errc() || end != text.data() + text.size() || !(number >= option.min) ||
+        !(number <= option.max)) {
       return fail(Fault::usage, "`" + text + "` is no value of the option `" + name +
-                                    "`: it is a number from " + short_number(option.least) +
-                                    " to " + short_number(option.most));
+                                    "`: it is a number from " + short_number(option.min) + " to " +
+                                    short_number(option.max));
     }
     values.numbers_[name] = number;
   }

@@ -1,22 +1,17 @@
-// All behaviours there are.
+// The table of all behaviours, from behaviors.def.
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
+#include <vector>
 
-#include "host/behavior/approach.h"
 #include "host/behavior/behavior.h"
-#include "host/behavior/catch_ball.h"
-#include "host/behavior/get_up.h"
-#include "host/behavior/go_forward.h"
-#include "host/behavior/search_ball.h"
-#include "host/behavior/stand.h"
-#include "host/behavior/track_ball.h"
-#include "host/behavior/turn.h"
 
 namespace kaz::behavior {
 
 std::span<const Behavior> behaviors() {
-  static const std::array all{kApproachBall, kCatchBall, kGetUp,    kGoForward, kSearchBall,
-                              kStand,        kTrackBall, kTurnLeft, kTurnRight};
+#define KAZ_BEHAVIOR(source, behavior) behavior,
+  static const std::vector<Behavior> all{
+#include "host/behavior/behaviors.def"
+  };
+#undef KAZ_BEHAVIOR
   return all;
 }
 

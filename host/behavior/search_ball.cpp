@@ -1,4 +1,4 @@
-// search-ball: the search pattern, until the ball is there.
+// search-ball: moves the head along the search pattern, then turns the body, until a ball is found.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/search_ball.h"
 
@@ -20,21 +20,21 @@ constexpr Option kOptions[] = {
     {"turns", "3", "", 0, 3, "quarter turns of the body, each after a scan that showed nothing"}};
 
 constexpr double kDegree = std::numbers::pi / 180;
-// At 90 degrees/s a thing stays in a view 80 degrees wide for 0.9 s: 26 pictures at 30 Hz.
+// At 90 degrees/s an object stays in a view 80 degrees wide for 0.9 s: 26 images at 30 Hz.
 constexpr double kSpeed = 90 * kDegree;
-constexpr int kPicturesInARow = 3;
+constexpr int kConsecutive = 3;
 
 Outcome not_found(const char* text) {
   return {false, text, {}, "not found"};
 }
 
-// With the body's help, where the head alone saw nothing: from the walking crouch, all around.
+// With turns of the body, after a scan by the head alone found nothing; from the walking crouch.
 Result<Outcome> run_turning(Context& context) {
   auto body = BodyControl::begin(context, kSearchBall.name);
   if (!body) return tl::unexpected(body.error());
   const Time start = body->now();
   const auto found =
-      look_around(*body, static_cast<int>(context.options.number("turns")), context.seed & 1);
+      scan_for_ball(*body, static_cast<int>(context.options.number("turns")), context.seed & 1);
   if (!found) return tl::unexpected(found.error());
   if (body->fallen()) return Outcome{false, "the robot fell", {}, "fell"};
   if (!*found) return not_found("no ball was found");
@@ -79,10 +79,10 @@ Result<Outcome> run(Context& context) {
     const host::Gaze ball = head->tracker().at(head->now());
     std::snprintf(text, sizeof text, "the ball was found after %.1f s, %.2f m away", after,
                   head->ball()->distance_m);
-    outcome.figures = {{"found_s", after},
-                       {"ball_pan_deg", ball.pan_rad / kDegree},
-                       {"ball_tilt_deg", ball.tilt_rad / kDegree},
-                       {"ball_distance_m", head->ball()->distance_m}};
+    outcome.measurements = {{"found_s", after},
+                            {"ball_pan_deg", ball.pan_rad / kDegree},
+                            {"ball_tilt_deg", ball.tilt_rad / kDegree},
+                            {"ball_distance_m", head->ball()->distance_m}};
   } else {
     std::snprintf(text, sizeof text, "no ball was found in %g s", limit);
     outcome.cause = "not found";
@@ -102,7 +102,7 @@ Result<bool> search(HeadControl& head, Time limit, bool left_first) {
   const Time start = head.now();
   const SearchPattern pattern(head.measured(), kSpeed, left_first);
   while (head.now() - start < limit) {
-    if (head.seen_in_a_row() >= kPicturesInARow && head.tracker().known()) return true;
+    if (head.consecutive() >= kConsecutive && head.tracker().known()) return true;
     if (auto stepped = head.step(pattern.at(seconds(head.now() - start))); !stepped) {
       return tl::unexpected(stepped.error());
     }

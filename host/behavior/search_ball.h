@@ -1,4 +1,4 @@
-// search-ball: look around to find a ball (paper, section 4.2).
+// Searches for a ball by moving the head (paper, section 4.2).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,11 +6,8 @@
 
 namespace kaz::behavior {
 
-extern const Behavior kSearchBall;
-
-// Moves the head along the search pattern until the ball was in so many pictures in a row that it
-// is no mistake, or `limit` has passed. True if it was found. What the tracker knew before is
-// forgotten.
+// Resets the tracker and moves the head along the search pattern until the ball was detected in three
+// consecutive images (true) or `limit` has passed (false).
 Result<bool> search(HeadControl& head, Time limit, bool left_first);
 
 }  // namespace kaz::behavior

@@ -1,4 +1,4 @@
-// Way points of the search, and the straight lines between them.
+// Waypoints of the search and linear interpolation between them.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/search_pattern.h"
 
@@ -47,8 +47,8 @@ SearchPattern::SearchPattern(const host::Gaze& start, double speed, bool left_fi
 }
 
 host::Gaze SearchPattern::at(double t) const {
-  // After the last row the way repeats from the first row's first end; three rows end on the other
-  // side, so every second round goes back the way it came.
+  // After the last row the path repeats from the first row's start; three rows end on the other side,
+  // so every second round runs backwards.
   const double first = points_[1].time, round = once() - first;
   if (t > once()) {
     const double into = std::fmod(t - first, 2 * round);

@@ -1,4 +1,4 @@
-// Where behaviours report what they do, cycle by cycle: for records, plots and live displays.
+// Sink of a behaviour's reports, cycle by cycle: for recordings, plots and live displays.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,32 +13,32 @@ namespace kaz::behavior {
 // One control cycle of the head. Angles in rad, pan positive to the left, tilt positive down.
 struct CycleRow {
   Time time{};
-  double pan_target = 0, tilt_target = 0;      // sent to the board in this cycle
-  double pan_measured = 0, tilt_measured = 0;  // the newest state, as the potentiometers say
-  bool ball_known = false;                     // the rest means nothing where false
-  double ball_pan = 0, ball_tilt = 0;  // angles that would centre the ball at `time`, as estimated
+  double pan_target = 0, tilt_target = 0;      // sent in this cycle
+  double pan_measured = 0, tilt_measured = 0;  // newest state
+  bool ball_known = false;                     // else ball_* are undefined
+  double ball_pan = 0, ball_tilt = 0;          // estimated angles that centre the ball at `time`
 };
 
-// One picture that was looked at.
+// One processed image.
 struct PictureRow {
   Time exposure{};
-  Time known_at{};  // when its result reached the behaviour
+  Time known_at{};  // when the result reached the behaviour
   bool found = false;
-  double error_rad = 0;   // angle between the left eye's optical axis and the ball; where found
-  double distance_m = 0;  // lens to ball; where found
+  double error_rad = 0;   // angle between the left optical axis and the ball; if found
+  double distance_m = 0;  // lens to ball; if found
 };
 
 // All calls come from the thread that runs the behaviour, in order of time.
 class Sink {
  public:
   virtual ~Sink() = default;
-  // A behaviour began something: "stand", "search", "track".
+  // A phase of the behaviour begins: "stand", "search", "track".
   virtual void phase(Time, std::string_view /*behavior*/, std::string_view /*phase*/) {}
   virtual void cycle(const CycleRow&) {}
   virtual void picture(const PictureRow&) {}
 };
 
-// Keeps everything.
+// Stores all reports in memory.
 class Recording final : public Sink {
  public:
   struct Phase {

@@ -1,7 +1,5 @@
-// stand: all joints along straight lines to the posture, together, no joint faster than 0.5 rad/s.
+// stand: enables the motors and ramps all joints linearly to a posture, none faster than 0.5 rad/s.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/behavior/stand.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -19,7 +17,7 @@ constexpr Option kOptions[] = {
     {"posture", "keep", "keep|straight|home", 0, 0,
      "keep: as it is; straight: all joints zero; home: the crouch that walking starts from"}};
 
-constexpr double kSpeed = 0.5;  // rad/s, of the joint that has farthest to go
+constexpr double kSpeed = 0.5;  // rad/s, of the joint with the longest path
 constexpr Time kSettle = std::chrono::milliseconds(500);   // after the ramps
 constexpr double kTolerance = 5 * std::numbers::pi / 180;  // of each joint under load
 
@@ -44,13 +42,13 @@ Worst farthest(const JointAngles& from, const JointAngles& to, std::size_t joint
 
 Result<Outcome> run(Context& context) {
   const std::vector<std::string>& others = context.other_joints;
-  if (const std::string& asked = context.options.choice("posture");
-      !others.empty() && asked != "keep") {
+  if (const std::string& chosen = context.options.choice("posture");
+      !others.empty() && chosen != "keep") {
     std::string names;
     for (const std::string& name : others) names += (names.empty() ? "" : ", ") + name;
-    return fail(Fault::usage, "the posture `" + asked +
+    return fail(Fault::usage, "the posture `" + chosen +
                                   "` is Kaz's, and this robot has the joints " + names +
-                                  "; leave it where it is: posture=keep");
+                                  "; use posture=keep");
   }
   if (auto held = hold_still(context.robot); !held) return tl::unexpected(held.error());
   const auto start = context.robot.state();
@@ -88,7 +86,7 @@ Result<Outcome> run(Context& context) {
       others.empty() ? host::joint_table()[worst.joint].name : others[worst.joint].c_str(),
       degrees);
   outcome.sentence = text;
-  outcome.figures = {{"largest_joint_error_deg", degrees}};
+  outcome.measurements = {{"largest_joint_error_deg", degrees}};
   return outcome;
 }
 

@@ -1,7 +1,5 @@
-// track-ball: search, keep the ball in the middle of the left eye, search again when it is lost.
+// track-ball: centres a ball in the left camera by moving the head; searches when it is lost (paper, 4.2).
 // SPDX-License-Identifier: Apache-2.0
-#include "host/behavior/track_ball.h"
-
 #include <algorithm>
 #include <cstdio>
 #include <numbers>
@@ -13,7 +11,7 @@ namespace kaz::behavior {
 namespace {
 
 constexpr Option kOptions[] = {
-    {"seconds", "20", "", 0.1, 86400, "for how long the ball is tracked once it was found, s"},
+    {"seconds", "20", "", 0.1, 86400, "tracking time after the ball was found, s"},
     {"search-seconds", "20", "", 0.1, 3600, "gives up if the ball is not found in this time, s"}};
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -25,7 +23,7 @@ bool lost(HeadControl& head) {
   return head.newest_exposure() - head.tracker().last_seen() > kLostAfter;
 }
 
-// Follows until `end`, searching anew after each loss. Returns how often it was lost.
+// Tracks until `end`, searching after each loss. Returns the number of losses.
 Result<int> follow(HeadControl& head, Time end, bool left_first) {
   int losses = 0;
   head.phase("track");
@@ -50,7 +48,7 @@ double quantile(const std::vector<double>& sorted, double q) {
                          static_cast<std::size_t>(q * static_cast<double>(sorted.size())))];
 }
 
-// Of the pictures since the ball was found: those without the ball count as misses.
+// Statistics of the images since the ball was found; those without a detection count as misses.
 Outcome score(const std::vector<PictureRow>& pictures, Time found_at, double found_s, int losses) {
   std::size_t taken = 0, within = 0;
   std::vector<double> errors;
@@ -73,13 +71,13 @@ Outcome score(const std::vector<PictureRow>& pictures, Time found_at, double fou
       "%zu pictures",
       found_s, std::min(share * 100, 100.0), taken);
   outcome.sentence = text;
-  outcome.figures = {{"found_s", found_s},
-                     {"tracking_within_3deg", share},
-                     {"tracking_error_median_deg", quantile(errors, 0.5)},
-                     {"tracking_error_p95_deg", quantile(errors, 0.95)},
-                     {"pictures", static_cast<double>(taken)},
-                     {"pictures_with_ball", static_cast<double>(errors.size())},
-                     {"losses", static_cast<double>(losses)}};
+  outcome.measurements = {{"found_s", found_s},
+                          {"tracking_within_3deg", share},
+                          {"tracking_error_median_deg", quantile(errors, 0.5)},
+                          {"tracking_error_p95_deg", quantile(errors, 0.95)},
+                          {"pictures", static_cast<double>(taken)},
+                          {"pictures_with_ball", static_cast<double>(errors.size())},
+                          {"losses", static_cast<double>(losses)}};
   return outcome;
 }
 

@@ -1,13 +1,12 @@
 // track-ball and search-ball over the real servo code, with a ball on known paths and late vision.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/behavior/track_ball.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
 #include "host/behavior/ball_testing.h"
+#include "host/behavior/behavior.h"
 #include "host/robot/kinematics.h"
 
 namespace kaz::behavior {
@@ -67,7 +66,7 @@ struct TrackBall : ::testing::Test {
 };
 
 double figure(const Outcome& outcome, std::string_view name) {
-  for (const auto& [key, value] : outcome.figures) {
+  for (const auto& [key, value] : outcome.measurements) {
     if (key == name) return value;
   }
   ADD_FAILURE() << "no figure " << name;
@@ -205,7 +204,7 @@ TEST_F(TrackBall, EndsWhenNoPicturesCome) {
   TestBall ball(board, robot, swinging, never);
   const auto outcome = run(ball, "track-ball", 20);
   ASSERT_FALSE(outcome);
-  EXPECT_NE(outcome.error().message.find("no picture came for 2 s"), std::string::npos);
+  EXPECT_NE(outcome.error().message.find("no image came for 2 s"), std::string::npos);
 }
 
 TEST_F(TrackBall, EndsWhenTheBoardSwitchesTheMotorsOff) {

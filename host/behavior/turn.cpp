@@ -1,7 +1,5 @@
-// turn-left and turn-right: by slip of the soles, closed on the gyro's heading where there is one.
+// turn-left and turn-right: on the spot by slip of the soles, and by the gyro's heading if fitted.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/behavior/turn.h"
-
 #include <cmath>
 
 #include "host/behavior/walker.h"
@@ -15,7 +13,7 @@ constexpr Option kOptions[] = {
     {"gyro", "use", "use|ignore", 0, 0, "ignore: turn as if the board had none"},
 };
 
-constexpr double kNear_deg = 4;  // that its own measure may miss the goal by
+constexpr double kNear_deg = 4;  // tolerance of the measured angle
 
 Result<Outcome> turn(Context& context, const Behavior& behavior, double sign) {
   motion::Settings settings;
@@ -40,9 +38,9 @@ Result<Outcome> turn(Context& context, const Behavior& behavior, double sign) {
                 walker->fallen() ? "fell after" : "turned by", turned_deg,
                 motion.has_gyro() ? "" : " by its strides (no gyro)");
   outcome.sentence = text;
-  outcome.figures = {{"turned_deg", turned_deg},
-                     {"sigma_heading_deg", motion.place().sigma_heading / motion::kDegree},
-                     {"turning_s", seconds(walker->input().now - began)}};
+  outcome.measurements = {{"turned_deg", turned_deg},
+                          {"sigma_heading_deg", motion.place().sigma_heading / motion::kDegree},
+                          {"turning_s", seconds(walker->input().now - began)}};
   return outcome;
 }
 

@@ -1,4 +1,4 @@
-// Crouches, zeroes, and goes on beat by beat.
+// Crouches, zeroes the gyro, then runs control cycles.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/walker.h"
 
@@ -9,14 +9,15 @@ namespace kaz::behavior {
 
 namespace {
 
-constexpr double kSpeed = 0.5;  // rad/s into the crouch, of the joint that has farthest to go
-constexpr double kRamp = 12;    // rad/s, most of a commanded angle: swinging legs need 5
+constexpr double kSpeed = 0.5;  // rad/s into the crouch, of the joint with the longest path
+constexpr double kRamp = 12;    // rad/s, limit of commanded angles: swinging legs need 5
 constexpr Time kSettle = std::chrono::milliseconds(500);
-// Of the gyro's zero, which is then known to 0.04 degrees/s: 0.7 degrees in a metre's walk of 20 s.
+// Averaging time of the gyro's offset, which is then known to 0.04 degrees/s: 0.7 degrees in a metre's
+// walk of 20 s.
 constexpr double kZeroed_s = 4.0;
-// Ramps are a little longer than beats, so that the motion has no steps.
-constexpr double kBeyond = 1.15;
-constexpr Time kShortest = std::chrono::milliseconds(12), kLongest = std::chrono::milliseconds(40);
+// Ramp duration over cycle duration: a little longer, so that the motion is continuous.
+constexpr double kRampFactor = 1.15;
+constexpr Time kMinRamp = std::chrono::milliseconds(12), kMaxRamp = std::chrono::milliseconds(40);
 
 }  // namespace
 
@@ -38,7 +39,7 @@ Result<Walker> Walker::begin(Context& context, std::string_view behavior,
   walker.phase("crouch");
   if (auto done = walker.crouch(); !done) return tl::unexpected(done.error());
   walker.phase("stand");
-  // Motion waits a little before it trusts the zero.
+  // Motion starts averaging 0.6 s after it stands.
   const bool zero = *inertial && settings.use_gyro;
   if (auto done = walker.stay(kSettle + from_seconds(zero ? 0.6 + kZeroed_s : 0)); !done)
     return tl::unexpected(done.error());
@@ -52,7 +53,7 @@ Result<void> Walker::crouch() {
   std::vector<host::JointTarget> targets;
   double farthest = 0;
   for (int j = 0; j < KZ_JOINTS; ++j) {
-    if (j == host::neck_pan || j == host::neck_tilt) continue;  // the head is somebody else's
+    if (j == host::neck_pan || j == host::neck_tilt) continue;  // the caller's
     const auto joint = static_cast<std::size_t>(j);
     targets.push_back({j, goal[joint]});
     farthest = std::max(farthest, std::abs(goal[joint] - start->angle[joint]));
@@ -85,11 +86,12 @@ Result<void> Walker::step(std::span<const host::JointTarget> others) {
   std::vector<host::JointTarget> targets(legs.begin(), legs.end());
   targets.insert(targets.end(), others.begin(), others.end());
   const Time before = input_.now;
-  const Time ramp = std::clamp(from_seconds(kBeyond * seconds(beat_)), kShortest, kLongest);
+  const Time ramp =
+      std::clamp(from_seconds(kRampFactor * seconds(cycle_time_)), kMinRamp, kMaxRamp);
   auto input = cycle_.next(targets, ramp);
   if (!input) return tl::unexpected(input.error());
   input_ = std::move(*input);
-  beat_ = input_.now - before;
+  cycle_time_ = input_.now - before;
   return {};
 }
 

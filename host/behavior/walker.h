@@ -1,4 +1,4 @@
-// The body as behaviours walk it: Motion's legs in each beat, beside whatever else is to move.
+// Walking for behaviours: the leg targets of Motion in each control cycle, with targets for other joints.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,22 +12,22 @@ namespace kaz::behavior {
 
 class Walker {
  public:
-  // Motors on; slowly into the crouch that walking starts from, and there long enough for the gyro's
-  // zero, if the board has one: 2 to 8 s. Fails as robot and clock do, and (usage) for a robot that is
-  // no Kaz.
+  // Enables the motors, moves slowly into the crouch for walking and stands there until the gyro is
+  // zeroed, if the board has one: 2 to 8 s. Fails when robot or clock fail, and (usage) for a robot
+  // other than Kaz.
   static Result<Walker> begin(Context& context, std::string_view behavior,
                               const motion::Settings& settings = {});
 
   motion::Motion& motion() { return motion_; }
   const motion::Motion& motion() const { return motion_; }
-  // The newest beat: posture and what was seen.
+  // Posture and observations of the latest cycle.
   const ControlCycle::Input& input() const { return input_; }
   void phase(std::string_view phase) { context_->sink.phase(input_.now, behavior_, phase); }
 
-  // One beat: legs as Motion has them, and these joints besides (head, arms). A fall switches the
-  // motors off, and motion().state() says so.
+  // Runs one control cycle with the leg targets of Motion and `others` (head, arms). If the robot falls,
+  // the motors are disabled and fallen() returns true.
   Result<void> step(std::span<const host::JointTarget> others = {});
-  // Beats until Motion has nothing left to do or has fallen, then half a second of standing.
+  // Steps until Motion is idle or has fallen, then stands for half a second.
   Result<void> finish();
 
   bool fallen() const { return motion_.state() == motion::State::fallen; }
@@ -42,7 +42,7 @@ class Walker {
   motion::Motion motion_;
   ControlCycle cycle_;
   ControlCycle::Input input_;
-  Time beat_ = ControlCycle::kPeriod;  // how long the last one was
+  Time cycle_time_ = ControlCycle::kPeriod;  // duration of the last cycle
 };
 
 }  // namespace kaz::behavior

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/robot/board_testing.h"
 #include "host/robot/kinematics.h"
+#include "host/robot/robot_testing.h"
 
 namespace kaz::host {
 namespace {

@@ -34,7 +34,7 @@ struct RawLayout {
 };
 
 // Fills `image`. Grey comes as RGB of equal parts, values as they are. MJPEG need not hold its
-// Huffman tables: most cameras leave them out, the standard's are taken then. An error says in a few
+// Huffman tables: most cameras omit them, the standard's are used then. An error contains in a few
 // words what is wrong with the bytes: too few, damaged, of another size.
 Result<void> convert_picture(std::span<const std::uint8_t> bytes, const RawLayout& layout,
                              vision::Image& image);

@@ -16,7 +16,7 @@ void StereoPairing::Line::drop_first() {
   ++alone;
 }
 
-void StereoPairing::add(Side side, RawFrame frame) {
+void StereoPairing::add(EyeSide side, RawFrame frame) {
   Line& line = lines_[static_cast<std::size_t>(side)];
   if (line.last && frame.exposure <= *line.last) {
     ++line.out_of_order;

@@ -12,7 +12,7 @@
 
 namespace kaz::host {
 
-enum class Side : std::uint8_t { left, right };
+enum class EyeSide : std::uint8_t { left, right };
 
 // A picture as the camera gave it.
 struct RawFrame {
@@ -37,13 +37,13 @@ class StereoPairing {
   explicit StereoPairing(Time tolerance) : tolerance_(tolerance) {}
 
   // A picture that is not newer than the last one of its side is left out and counted.
-  void add(Side side, RawFrame frame);
+  void add(EyeSide side, RawFrame frame);
   // The next pair, oldest first. Drops on the way what can have no partner any more.
   std::optional<RawPair> next();
 
   Time tolerance() const { return tolerance_; }
-  std::uint64_t without_partner(Side side) const { return of(side).alone; }
-  std::uint64_t out_of_order(Side side) const { return of(side).out_of_order; }
+  std::uint64_t without_partner(EyeSide side) const { return of(side).alone; }
+  std::uint64_t out_of_order(EyeSide side) const { return of(side).out_of_order; }
 
  private:
   struct Line {
@@ -54,7 +54,7 @@ class StereoPairing {
   };
   // True if of two waiting pictures of `line` the second is nearer to `t`.
   static bool second_is_nearer(const Line& line, Time t);
-  const Line& of(Side side) const { return lines_[static_cast<std::size_t>(side)]; }
+  const Line& of(EyeSide side) const { return lines_[static_cast<std::size_t>(side)]; }
 
   Time tolerance_;
   std::array<Line, 2> lines_;

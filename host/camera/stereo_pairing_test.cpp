@@ -36,8 +36,8 @@ TEST(StereoPairing, PairsTheNearestOfFreeRunningCameras) {
     }
     std::size_t pairs = 0;
     for (std::size_t i = 0; i < 100; ++i) {
-      pairing.add(Side::left, at(left[i]));
-      pairing.add(Side::right, at(right[i]));
+      pairing.add(EyeSide::left, at(left[i]));
+      pairing.add(EyeSide::right, at(right[i]));
       for (const RawPair& pair : all(pairing)) {
         ++pairs;
         const Time nearest = *std::ranges::min_element(
@@ -53,39 +53,39 @@ TEST(StereoPairing, PairsTheNearestOfFreeRunningCameras) {
 
 TEST(StereoPairing, WhatHasNoPartnerIsDroppedAndCounted) {
   StereoPairing pairing(5ms);
-  for (int i = 0; i < 30; ++i) pairing.add(Side::left, at(i * 10ms));  // three times as often
+  for (int i = 0; i < 30; ++i) pairing.add(EyeSide::left, at(i * 10ms));  // three times as often
   EXPECT_TRUE(all(pairing).empty());
-  for (int i = 24; i < 30; i += 3) pairing.add(Side::right, at(i * 10ms + 1ms));
+  for (int i = 24; i < 30; i += 3) pairing.add(EyeSide::right, at(i * 10ms + 1ms));
   EXPECT_EQ(all(pairing).size(), 2u);
-  EXPECT_EQ(pairing.without_partner(Side::left), 26u);  // all before 27 but 24; 28, 29 still wait
-  EXPECT_EQ(pairing.without_partner(Side::right), 0u);
-  pairing.add(Side::right, at(400ms));
+  EXPECT_EQ(pairing.without_partner(EyeSide::left), 26u);  // all before 27 but 24; 28, 29 still wait
+  EXPECT_EQ(pairing.without_partner(EyeSide::right), 0u);
+  pairing.add(EyeSide::right, at(400ms));
   EXPECT_TRUE(all(pairing).empty());
-  EXPECT_EQ(pairing.without_partner(Side::left), 28u);
+  EXPECT_EQ(pairing.without_partner(EyeSide::left), 28u);
 }
 
 TEST(StereoPairing, ANearerPictureThatIsThereIsTaken) {
   StereoPairing pairing(20ms);
-  pairing.add(Side::left, at(0ms));
-  pairing.add(Side::left, at(15ms));
-  pairing.add(Side::right, at(16ms));
+  pairing.add(EyeSide::left, at(0ms));
+  pairing.add(EyeSide::left, at(15ms));
+  pairing.add(EyeSide::right, at(16ms));
   const auto pairs = all(pairing);
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_EQ(pairs[0].left.exposure, Time(15ms));
-  EXPECT_EQ(pairing.without_partner(Side::left), 1u);
+  EXPECT_EQ(pairing.without_partner(EyeSide::left), 1u);
 }
 
 TEST(StereoPairing, AClockThatJumpsBackGivesNoOldPairs) {
   StereoPairing pairing(5ms);
-  pairing.add(Side::left, at(100ms));
-  pairing.add(Side::right, at(101ms));
+  pairing.add(EyeSide::left, at(100ms));
+  pairing.add(EyeSide::right, at(101ms));
   EXPECT_EQ(all(pairing).size(), 1u);
-  pairing.add(Side::left, at(100ms));
-  pairing.add(Side::left, at(33ms));
-  pairing.add(Side::right, at(33ms));
+  pairing.add(EyeSide::left, at(100ms));
+  pairing.add(EyeSide::left, at(33ms));
+  pairing.add(EyeSide::right, at(33ms));
   EXPECT_TRUE(all(pairing).empty());
-  EXPECT_EQ(pairing.out_of_order(Side::left), 2u);
-  EXPECT_EQ(pairing.out_of_order(Side::right), 1u);
+  EXPECT_EQ(pairing.out_of_order(EyeSide::left), 2u);
+  EXPECT_EQ(pairing.out_of_order(EyeSide::right), 1u);
 }
 
 TEST(StereoPairing, AnyOrderOfPicturesGivesOrderedPairsWithinTheTolerance) {
@@ -96,7 +96,7 @@ TEST(StereoPairing, AnyOrderOfPicturesGivesOrderedPairsWithinTheTolerance) {
     std::size_t added = 0, paired = 0;
     Time last = Time::min();
     for (int i = 0; i < 300; ++i) {
-      const Side side = random.next() % 3 == 0 ? Side::left : Side::right;
+      const EyeSide side = random.next() % 3 == 0 ? EyeSide::left : EyeSide::right;
       const Time t(static_cast<std::int64_t>(i * 5 + random.next() % 40) * 1'000'000);
       pairing.add(side, at(t));
       ++added;
@@ -108,7 +108,7 @@ TEST(StereoPairing, AnyOrderOfPicturesGivesOrderedPairsWithinTheTolerance) {
       }
     }
     std::uint64_t gone = 0;
-    for (const Side side : {Side::left, Side::right})
+    for (const EyeSide side : {EyeSide::left, EyeSide::right})
       gone += pairing.without_partner(side) + pairing.out_of_order(side);
     // Each picture is in a pair, counted, or still waits; those that wait are of one side.
     EXPECT_LE(2 * paired + gone, added);

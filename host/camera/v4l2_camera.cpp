@@ -18,13 +18,13 @@
 namespace kaz::host {
 namespace {
 
-constexpr std::array kSides{Side::left, Side::right};
+constexpr std::array kSides{EyeSide::left, EyeSide::right};
 
-std::size_t index(Side side) {
+std::size_t index(EyeSide side) {
   return static_cast<std::size_t>(side);
 }
 
-// Of the slower camera; a driver that tells no rate is taken to have the usual one.
+// Of the slower camera; a driver that reports no rate is assumed to have the usual one.
 Time half_interval(const V4l2Device& left, const V4l2Device& right) {
   const auto rate = [](const V4l2Device& device) {
     return device.rate_hz() > 0 ? device.rate_hz() : 30.0;
@@ -75,8 +75,8 @@ Result<std::unique_ptr<V4l2Camera>> V4l2Camera::open(const V4l2Source& source,
                                                      const V4l2Options& options) {
   Devices devices;
   const V4l2Wanted wanted{calibration.width, calibration.height, source.rate_hz, source.format};
-  for (const Side side : kSides) {
-    auto opened = V4l2Device::open(side == Side::left ? source.left : source.right, wanted);
+  for (const EyeSide side : kSides) {
+    auto opened = V4l2Device::open(side == EyeSide::left ? source.left : source.right, wanted);
     if (!opened) return tl::unexpected(opened.error());
     devices[index(side)] = std::move(*opened);
   }
@@ -110,7 +110,7 @@ V4l2Camera::~V4l2Camera() {
   close(wake_);
 }
 
-std::string V4l2Camera::mode(Side side) const {
+std::string V4l2Camera::mode(EyeSide side) const {
   const V4l2Device& device = *devices_[index(side)];
   char text[80];
   std::snprintf(text, sizeof text, "%d x %d %s, %.4g Hz", device.layout().width,
@@ -139,7 +139,7 @@ void V4l2Camera::read_devices() {
       return stop(
           {Fault::environment, std::string("the cameras stopped: ") + std::strerror(errno)});
     if (ready > 0 && watched[2].revents != 0) return;
-    for (const Side side : kSides) {
+    for (const EyeSide side : kSides) {
       const short events = ready > 0 ? watched[index(side)].revents : short{0};
       if (events != 0 && !take_all(side, (events & (POLLERR | POLLHUP | POLLNVAL)) != 0)) return;
     }
@@ -155,7 +155,7 @@ void V4l2Camera::read_devices() {
 bool V4l2Camera::still_alive() {
   const Time now = WallClock().now();
   char text[240];
-  for (const Side side : kSides) {
+  for (const EyeSide side : kSides) {
     if (now < heard_[index(side)] + silence_) continue;
     std::snprintf(text, sizeof text,
                   " stopped: no picture came for %.3g s; look at its cable, and start again",
@@ -165,7 +165,7 @@ bool V4l2Camera::still_alive() {
   }
   if (now < paired_ + silence_) return true;
   std::snprintf(text, sizeof text,
-                " stopped: pictures come, but for %.3g s no two were sound and at most %.3g ms "
+                " stopped: pictures come, but for %.3g s no two were valid and at most %.3g ms "
                 "apart; try another format or fps",
                 seconds(silence_), 1e3 * seconds(pairing_.tolerance()));
   stop({Fault::environment,
@@ -174,8 +174,8 @@ bool V4l2Camera::still_alive() {
 }
 
 // Everything that waits at one device. False: it has stopped. `must_have_some`: it signalled an error,
-// which only reading can tell.
-bool V4l2Camera::take_all(Side side, bool must_have_some) {
+// which only reading can show.
+bool V4l2Camera::take_all(EyeSide side, bool must_have_some) {
   V4l2Device& device = *devices_[index(side)];
   while (true) {
     RawFrame frame;
@@ -200,8 +200,8 @@ bool V4l2Camera::take_all(Side side, bool must_have_some) {
 
 void V4l2Camera::count() {
   statistics_.without_partner =
-      pairing_.without_partner(Side::left) + pairing_.without_partner(Side::right);
-  statistics_.out_of_order = pairing_.out_of_order(Side::left) + pairing_.out_of_order(Side::right);
+      pairing_.without_partner(EyeSide::left) + pairing_.without_partner(EyeSide::right);
+  statistics_.out_of_order = pairing_.out_of_order(EyeSide::left) + pairing_.out_of_order(EyeSide::right);
   statistics_.lost = devices_[0]->lost() + devices_[1]->lost();
   statistics_.ahead = devices_[0]->ahead() + devices_[1]->ahead();
   statistics_.stamps = {devices_[0]->stamp(), devices_[1]->stamp()};
@@ -209,15 +209,15 @@ void V4l2Camera::count() {
 
 void V4l2Camera::deliver(const RawPair& raw) {
   auto images = std::make_shared<vision::StereoImages>();
-  const bool sound =
+  const bool valid =
       convert_picture(raw.left.bytes, devices_[0]->layout(), scratch_.left).has_value() &&
       convert_picture(raw.right.bytes, devices_[1]->layout(), scratch_.right).has_value();
-  if (sound) rectifier_.rectify(scratch_, *images);
+  if (valid) rectifier_.rectify(scratch_, *images);
 
   const std::lock_guard lock(mutex_);
   count();
   const std::uint64_t sequence = sequence_++;
-  if (!sound) {
+  if (!valid) {
     ++statistics_.damaged;
     return;
   }
@@ -263,7 +263,7 @@ std::string V4l2Camera::summary() const {
       {counted.out_of_order, "pictures out of order"},
       {counted.lost, "pictures lost by the driver"},
       {counted.ahead, "pictures stamped after they arrived"}};
-  std::string text = mode(Side::left) + "; " + std::to_string(counted.pairs) + " pairs";
+  std::string text = mode(EyeSide::left) + "; " + std::to_string(counted.pairs) + " pairs";
   for (const auto& [count, what] : losses)
     if (count > 0) text += ", " + std::to_string(count) + " " + what;
   char gap[80];

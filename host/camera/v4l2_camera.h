@@ -75,14 +75,14 @@ class V4l2Camera final : public vision::Camera {
   // For people: "412 pairs, 3 pictures without partner, ...".
   std::string summary() const;
   // Of the left and right device: "640 x 480 yuyv, 30 Hz".
-  std::string mode(Side side) const;
+  std::string mode(EyeSide side) const;
 
  private:
   using Devices = std::array<std::unique_ptr<V4l2Device>, 2>;
   V4l2Camera(Devices devices, int wake, const vision::StereoCalibration& calibration,
              Time tolerance, Time silence);
   void read_devices();
-  bool take_all(Side side, bool must_have_some);
+  bool take_all(EyeSide side, bool must_have_some);
   void deliver(const RawPair& raw);
   void count();  // under the lock
   bool still_alive();
@@ -95,7 +95,7 @@ class V4l2Camera final : public vision::Camera {
   const Time silence_;
   StereoPairing pairing_;         // of the thread
   std::array<Time, 2> heard_{};   // of the thread
-  Time paired_{};                 // of the thread: when the last sound pair came
+  Time paired_{};                 // of the thread: when the last valid pair came
   vision::StereoImages scratch_;  // of the thread
   std::uint64_t sequence_ = 0;    // of the thread
   mutable std::mutex mutex_;

@@ -100,7 +100,7 @@ Error v4l2_error(const std::string& path, const std::string& doing, int number) 
         return "permission denied; become a member of the group video (`adduser USER video`) and "
                "log in again";
       case EBUSY:
-        return "another program is using it; end that one (`fuser " + path + "` tells which)";
+        return "another program is using it; end that one (`fuser " + path + "` shows which)";
       case ENODEV:
       case ENXIO:
         return "it was unplugged; plug it in and start again";
@@ -132,7 +132,7 @@ Result<std::unique_ptr<V4l2Device>> V4l2Device::open(const std::string& path,
   const int descriptor = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return tl::unexpected(v4l2_error(path, "opening it", errno));
   std::unique_ptr<V4l2Device> device(new V4l2Device(path, descriptor));
-  if (auto sound = device->check_kind(); !sound) return tl::unexpected(sound.error());
+  if (auto valid = device->check_kind(); !valid) return tl::unexpected(valid.error());
   if (auto agreed = device->agree(wanted); !agreed) return tl::unexpected(agreed.error());
   return device;
 }
@@ -186,7 +186,7 @@ std::string V4l2Device::sizes(std::uint32_t format) const {
              size_text(size.stepwise.max_width, size.stepwise.max_height);
     text += size_text(size.discrete.width, size.discrete.height);
   }
-  return text.empty() ? "sizes it does not tell" : text;
+  return text.empty() ? "unknown sizes" : text;
 }
 
 bool V4l2Device::try_size(std::uint32_t code, const V4l2Wanted& wanted) const {
@@ -214,7 +214,7 @@ Result<void> V4l2Device::agree(const V4l2Wanted& wanted) {
     return fail(Fault::environment,
                 refused(path_, "it offers " + list_of(offered) + "; " +
                                    (wanted.format ? std::string(pixel_format_name(*wanted.format)) +
-                                                        " was asked for"
+                                                        " was requested"
                                                   : "YUYV, RGB24, MJPEG or GREY is needed")));
   if (fitting.empty())
     return fail(Fault::environment,
@@ -317,9 +317,9 @@ Result<V4l2Device::Taken> V4l2Device::take(RawFrame& frame) {
   if (last_sequence_) lost_ += buffer.sequence - *last_sequence_ - 1;
   last_sequence_ = buffer.sequence;
 
-  const bool sound = !(buffer.flags & V4L2_BUF_FLAG_ERROR) && buffer.bytesused > 0 &&
+  const bool valid = !(buffer.flags & V4L2_BUF_FLAG_ERROR) && buffer.bytesused > 0 &&
                      buffer.index < buffers_.size();
-  if (sound) {
+  if (valid) {
     const auto* bytes = static_cast<const std::uint8_t*>(buffers_[buffer.index].start);
     frame.bytes.assign(
         bytes, bytes + std::min<std::size_t>(buffer.bytesused, buffers_[buffer.index].size));
@@ -336,7 +336,7 @@ Result<V4l2Device::Taken> V4l2Device::take(RawFrame& frame) {
     }
   }
   if (const int failed = control(VIDIOC_QBUF, &buffer)) return stopped(failed);
-  return sound ? Taken::picture : Taken::damaged;
+  return valid ? Taken::picture : Taken::damaged;
 }
 
 }  // namespace kaz::host

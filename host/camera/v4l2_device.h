@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The kernel's own interface (linux/videodev2.h), single-planar capture, memory-mapped buffers. A
-// picture's time is the buffer's time stamp on CLOCK_MONOTONIC, which is the host's clock (docs/time.md).
-// A stamp is either of the start of exposure or of the end of the frame, as the buffer's flag says;
-// half of the exposure time, where the camera tells it (V4L2_CID_EXPOSURE_ABSOLUTE, read once at the
+// picture's time is the buffer's time stamp on CLOCK_MONOTONIC, which is the host's clock
+// (docs/explanation/time.md).
+// A stamp is either of the start of exposure or of the end of the frame, as the buffer's flag indicates;
+// half of the exposure time, where the camera reports it (V4L2_CID_EXPOSURE_ABSOLUTE, read once at the
 // start), is added or taken off to get the middle. A picture cannot be exposed after it arrived: where a
-// driver says so, it gets the time of arrival, and is counted. The time a rolling shutter takes is in no
+// driver reports so, it gets the time of arrival, and is counted. The time a rolling shutter takes is in no
 // interface and left out.
 #pragma once
 

@@ -24,8 +24,9 @@ Result<void> ControlSocketReset::reset(bool boot) {
 }
 
 Result<void> ManualReset::reset(bool boot) {
-  return ask_(boot ? "Set the board's switch to boot mode (MD1, MD0 low) and press its reset button"
-                   : "Set the board's switch back to run (MD1 high) and press its reset button");
+  return prompt_user_(
+      boot ? "Set the board's switch to boot mode (MD1, MD0 low) and press its reset button"
+           : "Set the board's switch back to run (MD1 high) and press its reset button");
 }
 
 }  // namespace kaz::host

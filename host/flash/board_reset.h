@@ -34,7 +34,7 @@ class ModemLineReset final : public BoardReset {
   Clock& clock_;
 };
 
-// The control socket of `kaz sim` (docs/simulator.md): "mode boot", "reset".
+// The control socket of `kaz sim` (docs/reference/simulator.md): "mode boot", "reset".
 class ControlSocketReset final : public BoardReset {
  public:
   explicit ControlSocketReset(std::string path) : path_(std::move(path)) {}
@@ -45,16 +45,16 @@ class ControlSocketReset final : public BoardReset {
   std::string path_;
 };
 
-// Somebody sets a switch and presses a button; `ask` gets what to do, and returns when it is done.
+// Manual: a person sets a switch and presses a button; `prompt_user` shows what to do and returns when done.
 class ManualReset final : public BoardReset {
  public:
-  explicit ManualReset(std::function<Result<void>(const std::string& prompt)> ask)
-      : ask_(std::move(ask)) {}
+  explicit ManualReset(std::function<Result<void>(const std::string& prompt)> prompt_user)
+      : prompt_user_(std::move(prompt_user)) {}
   Result<void> reset(bool boot) override;
   std::string name() const override { return "manual"; }
 
  private:
-  std::function<Result<void>(const std::string&)> ask_;
+  std::function<Result<void>(const std::string&)> prompt_user_;
 };
 
 }  // namespace kaz::host

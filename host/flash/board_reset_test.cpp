@@ -69,17 +69,17 @@ TEST(ModemLines, OtherLinesStayAsTheyAre) {
 }
 
 TEST(ManualReset, SaysWhatToDo) {
-  std::vector<std::string> asked;
+  std::vector<std::string> prompts;
   ManualReset reset([&](const std::string& prompt) -> Result<void> {
-    asked.push_back(prompt);
-    if (asked.size() == 3) return fail(Fault::usage, "nobody there");
+    prompts.push_back(prompt);
+    if (prompts.size() == 3) return fail(Fault::usage, "nobody there");
     return {};
   });
   EXPECT_TRUE(reset.reset(true));
   EXPECT_TRUE(reset.reset(false));
   EXPECT_FALSE(reset.reset(true));
-  EXPECT_NE(asked[0].find("boot mode"), std::string::npos);
-  EXPECT_NE(asked[1].find("run"), std::string::npos);
+  EXPECT_NE(prompts[0].find("boot mode"), std::string::npos);
+  EXPECT_NE(prompts[1].find("run"), std::string::npos);
 }
 
 TEST(ControlSocketReset, NobodyThereSaysWhatToLookAt) {

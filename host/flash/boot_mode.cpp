@@ -18,7 +18,7 @@ using std::chrono::milliseconds;
 // The chip echoes each byte, and has room for two: so many may be on their way, which hides the
 // adapter's delay, and now and then all are waited for, because the two clocks differ.
 constexpr std::size_t kUnderWay = 32, kBreath = 256;
-// 64 KB looked at, ten blocks erased with their verification: less than a second of the sound part.
+// 64 KB looked at, ten blocks erased with their verification: less than a second of a valid part.
 constexpr Time kEraseTime = std::chrono::seconds(10);
 
 class Boot {
@@ -37,7 +37,7 @@ class Boot {
   Result<void> send_program(std::span<const std::uint8_t> program);
   Result<void> finish();
   std::string rate() const { return std::to_string(options_.baud) + " baud"; }
-  tl::unexpected<Error> trouble(const std::string& step, const std::string& expected, int came,
+  tl::unexpected<Error> failure(const std::string& step, const std::string& expected, int came,
                                 std::vector<std::string> causes) const;
 
   Link& link_;
@@ -46,7 +46,7 @@ class Boot {
   std::deque<std::uint8_t> came_;
 };
 
-tl::unexpected<Error> Boot::trouble(const std::string& step, const std::string& expected, int came,
+tl::unexpected<Error> Boot::failure(const std::string& step, const std::string& expected, int came,
                                     std::vector<std::string> causes) const {
   std::vector<std::uint8_t> bytes;
   if (came >= 0) bytes.push_back(static_cast<std::uint8_t>(came));
@@ -80,7 +80,7 @@ Result<void> Boot::greet() {
     answer = *byte;
   }
   if (answer != 0) {
-    return trouble(
+    return failure(
         "its first step, the bit rate", "H'00 in answer to H'00 at " + rate(), answer,
         {"the board is not in boot mode: switch of the mode pins, and a reset with it",
          "the port is another one, or TxD and RxD are exchanged", "the board has no power",
@@ -91,7 +91,7 @@ Result<void> Boot::greet() {
   const auto byte = get(milliseconds(100));
   if (!byte) return tl::unexpected(byte.error());
   if (*byte >= 0 && *byte != 0xaa && *byte != 0x00) {
-    return trouble("H'55", "H'AA or nothing", *byte,
+    return failure("H'55", "H'AA or nothing", *byte,
                    {"the line is noisy", "the bit rates do not match; try --boot-baud 4800"});
   }
   return {};
@@ -103,7 +103,7 @@ Result<void> Boot::echoed(std::uint8_t byte, const std::string& what) {
   if (*echo == byte) return {};
   char text[48];
   std::snprintf(text, sizeof text, "its echo %02x", byte);
-  return trouble(what, text, *echo,
+  return failure(what, text, *echo,
                  {"the line lost or damaged a byte", "power or reset of the board was cut",
                   "the program is longer than this part takes"});
 }
@@ -138,7 +138,7 @@ Result<void> Boot::finish() {
                                            "its supply is too low while it erases"},
                                           "measure the supply, try again; else change the part"});
   }
-  return trouble("the erase check", "H'AA", *byte,
+  return failure("the erase check", "H'AA", *byte,
                  {"power or reset of the board was cut", "the line damaged a byte"});
 }
 

@@ -18,7 +18,7 @@ struct BootOptions {
 };
 
 // The board has been reset into boot mode. Returns once the program runs; the link is left at `baud`.
-// Its flash is erased then, where it was not. Errors say in which step, and what came.
+// The boot program erases the flash if it is not blank. Errors contain the step and what was received.
 Result<void> load_through_boot(Link& link, Clock& clock, std::span<const std::uint8_t> program,
                                const BootOptions& options = {});
 

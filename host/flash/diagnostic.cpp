@@ -1,4 +1,4 @@
-// Messages of what can go wrong while flashing.
+// Text of flashing diagnostics.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/flash/diagnostic.h"
 
@@ -7,20 +7,20 @@
 
 namespace kaz::host {
 
-std::string text_of(const Diagnostic& trouble) {
-  std::string text = trouble.what;
-  if (!trouble.expected.empty()) text += "\n  expected: " + trouble.expected;
-  if (!trouble.came.empty()) text += "\n  came:     " + trouble.came;
-  if (!trouble.causes.empty()) text += "\n  likely causes, in this order:";
+std::string text_of(const Diagnostic& diagnostic) {
+  std::string text = diagnostic.what;
+  if (!diagnostic.expected.empty()) text += "\n  expected: " + diagnostic.expected;
+  if (!diagnostic.came.empty()) text += "\n  came:     " + diagnostic.came;
+  if (!diagnostic.causes.empty()) text += "\n  likely causes, in this order:";
   int number = 0;
-  for (const std::string& cause : trouble.causes)
+  for (const std::string& cause : diagnostic.causes)
     text += "\n    " + std::to_string(++number) + ". " + cause;
-  if (!trouble.next.empty()) text += "\n  next: " + trouble.next;
+  if (!diagnostic.next.empty()) text += "\n  next: " + diagnostic.next;
   return text;
 }
 
-tl::unexpected<Error> fail(Fault fault, const Diagnostic& trouble) {
-  return kaz::fail(fault, text_of(trouble));
+tl::unexpected<Error> fail(Fault fault, const Diagnostic& diagnostic) {
+  return kaz::fail(fault, text_of(diagnostic));
 }
 
 std::string hex_of(const std::vector<std::uint8_t>& bytes) {

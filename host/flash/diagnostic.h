@@ -1,4 +1,4 @@
-// Messages of what can go wrong while flashing: what was expected, what came, why, what to do next.
+// Diagnostics of flashing: what failed, what was expected and received, likely causes, next step.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,19 +9,19 @@
 
 namespace kaz::host {
 
-struct Trouble {
+struct Diagnostic {
   std::string what;                 // "the board did not answer in boot mode"
   std::string expected;             // "H'00 in answer to H'00 at 9600 baud"
   std::string came;                 // "nothing in 2.0 s"
-  std::vector<std::string> causes;  // the likeliest first
+  std::vector<std::string> causes;  // most likely first
   std::string next;                 // a command, or what to do
 };
 
-// Several lines, without a newline at the end.
-std::string text_of(const Diagnostic& trouble);
-tl::unexpected<Error> fail(Fault fault, const Diagnostic& trouble);
+// Multi-line text without a final newline.
+std::string text_of(const Diagnostic& diagnostic);
+tl::unexpected<Error> fail(Fault fault, const Diagnostic& diagnostic);
 
-// "4b 80 00" of at most 16 bytes, "nothing" of none.
+// "4b 80 00", up to 16 bytes; "nothing" if empty.
 std::string hex_of(const std::vector<std::uint8_t>& bytes);
 // "0x0011e0"
 std::string hex_address(std::uint32_t address);

@@ -50,11 +50,11 @@ Flasher::Flasher(Link& link, Clock& clock, std::span<const std::uint8_t> program
       writer_(link, clock),
       started_(clock.now()) {}
 
-void Flasher::say(const std::string& line) const {
+void Flasher::report_line(const std::string& line) const {
   if (options_.note) options_.note(line);
 }
 
-void Flasher::tell(const char* phase, std::uint32_t done, std::uint32_t total) {
+void Flasher::report_progress(const char* phase, std::uint32_t done, std::uint32_t total) {
   if (phase_ != phase) {
     phase_ = phase;
     phase_began_ = clock_.now();
@@ -146,7 +146,7 @@ Result<bool> Flasher::enter_loader() {
   Request leave{KZ_TYPE_loader, {}};
   const kz_loader key{KZ_KEY};
   leave.fields.length = kz_pack_loader(&key, leave.fields.bytes.data());
-  const auto reply = requester.ask(std::span(&leave, 1));
+  const auto reply = requester.exchange(std::span(&leave, 1));
   if (reply && reply->front().refused) {
     return fail(Fault::failed, Diagnostic{"the board does not go to its loader",
                                           "it leaves its application",
@@ -199,9 +199,9 @@ Result<void> Flasher::enter_boot(BoardReset& reset) {
   Result<void> entered;
   for (int k = 0; k < kBootTries; ++k) {
     if (k > 0)
-      say("boot mode once more: " +
-          entered.error().message.substr(0, entered.error().message.find('\n')));
-    tell("boot", 0, static_cast<std::uint32_t>(program_.size()));
+      report_line("boot mode once more: " +
+                  entered.error().message.substr(0, entered.error().message.find('\n')));
+    report_progress("boot", 0, static_cast<std::uint32_t>(program_.size()));
     if (entered = reset.reset(true); !entered) return entered;
     state_ = State::boot_mode;
     if (k == 0) started_ = clock_.now();
@@ -222,8 +222,8 @@ Result<void> Flasher::enter_boot(BoardReset& reset) {
   if (!entered) return entered;
   blank_ = true;
   min_seconds_ = static_cast<double>(boot_size) * kByteAt9600;
-  tell("boot", static_cast<std::uint32_t>(program_.size()),
-       static_cast<std::uint32_t>(program_.size()));
+  report_progress("boot", static_cast<std::uint32_t>(program_.size()),
+                  static_cast<std::uint32_t>(program_.size()));
   return {};
 }
 
@@ -245,7 +245,7 @@ Result<bool> Flasher::same(FlashRange range, const FlashImage& image) {
 Result<void> Flasher::erase_block(int block) {
   if (state_ == State::untouched) state_ = State::loader_erased;
   const auto reply =
-      writer_.ask({KZ_WRITER_ERASE, {static_cast<std::uint8_t>(block)}}, kErasePatience);
+      writer_.exchange({KZ_WRITER_ERASE, {static_cast<std::uint8_t>(block)}}, kErasePatience);
   if (!reply) return tl::unexpected(reply.error());
   if (reply->status == KZ_WRITER_OK) return {};
   return fail(Fault::failed, Diagnostic{"block EB" + std::to_string(block) + " cannot be erased",
@@ -272,7 +272,7 @@ Result<void> Flasher::write_ranges(const std::vector<FlashRange>& ranges, const 
           done += size;
           min_seconds_ +=
               size / kFlashLine * std::max(kFlashLine * kByteAt115200, FlashTimes::program_line_s);
-          tell("write", done, total);
+          report_progress("write", done, total);
           return {};
         }
         std::uint32_t at = 0;
@@ -304,7 +304,7 @@ Result<void> Flasher::compare(const std::vector<FlashRange>& ranges, const Flash
                                              "cells lose their charge: the part is worn"},
                                             "kaz flash write IMAGE --port " + link_.name() + " …"});
     }
-    tell("verify", done += range.size(), total);
+    report_progress("verify", done += range.size(), total);
   }
   return {};
 }
@@ -326,8 +326,8 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
       const auto equal = same(block_range(block), image);
       if (!equal) return tl::unexpected(equal.error());
       if (!*equal)
-        say("EB" + std::to_string(block) +
-            " stays as it is: the loader keeps it; boot mode changes it");
+        report_line("EB" + std::to_string(block) +
+                    " stays as it is: the loader keeps it; boot mode changes it");
       ++skipped;
       continue;
     }
@@ -347,7 +347,7 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
     // EB4 first: with its header the application is none any more, whatever happens now.
     for (const int block : {4, 0, 1, 2, 3, 5, 6, 7, 8, 9}) {
       if (!wanted[static_cast<std::size_t>(block)]) continue;
-      tell("erase", static_cast<std::uint32_t>(report.erased), blocks);
+      report_progress("erase", static_cast<std::uint32_t>(report.erased), blocks);
       if (auto erased = erase_block(block); !erased) return tl::unexpected(erased.error());
       min_seconds_ += FlashTimes::erase_pulse_s + FlashTimes::erase_setup_s;
       ++report.erased;
@@ -418,10 +418,10 @@ Result<void> Flasher::erase(const std::vector<int>& blocks) {
   std::uint32_t done = 0;
   for (const int block : blocks) {
     if (kept(kBlockStart[block])) {
-      say("EB" + std::to_string(block) + " stays as it is: the loader keeps it");
+      report_line("EB" + std::to_string(block) + " stays as it is: the loader keeps it");
       continue;
     }
-    tell("erase", done++, static_cast<std::uint32_t>(blocks.size()));
+    report_progress("erase", done++, static_cast<std::uint32_t>(blocks.size()));
     if (auto erased = erase_block(block); !erased) return erased;
   }
   return {};
@@ -447,7 +447,7 @@ Result<std::vector<std::uint8_t>> Flasher::read(FlashRange range) {
           return kaz::fail(Fault::failed,
                            "the board does not read its flash: " + status_text(reply.status));
         bytes.insert(bytes.end(), reply.data.begin(), reply.data.end());
-        tell("read", static_cast<std::uint32_t>(bytes.size()), range.size());
+        report_progress("read", static_cast<std::uint32_t>(bytes.size()), range.size());
         return {};
       });
   if (!taken) return tl::unexpected(taken.error());
@@ -475,7 +475,7 @@ Result<void> Flasher::run(BoardReset* reset) {
     if (auto done = reset->reset(false); !done) return done;
     return link_.set_baud(115200);
   }
-  const auto reply = writer_.ask({KZ_WRITER_RUN, {}}, milliseconds(150), 3);
+  const auto reply = writer_.exchange({KZ_WRITER_RUN, {}}, milliseconds(150), 3);
   if (!reply) return tl::unexpected(reply.error());
   if (reply->status != KZ_WRITER_OK)
     return kaz::fail(Fault::failed, "there is no program to run: " + status_text(reply->status));

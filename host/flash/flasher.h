@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Stands on Link and Clock, so that it runs against a port and in simulated time alike. Everything that
-// can go wrong is an Error with a text of several lines (trouble.h). Nothing is a success that was not
+// can go wrong is an Error with a text of several lines (diagnostic.h). Nothing is a success that was not
 // read back: the flash's sums, by three independent rules, against those of the image.
 #pragma once
 
@@ -35,7 +35,7 @@ struct FlasherOptions {
   std::function<void(const std::string&)> note;  // one line for the user
 };
 
-// Times of the part (32-byte generation), for what flashing takes at the least.
+// Times of the part (32-byte generation), for the minimum duration of flashing.
 struct FlashTimes {
   static constexpr double erase_pulse_s = 0.0051, erase_setup_s = 0.00024;
   // SWE 10, PSU 50, P 150, alpha 10, beta 10, PV 4, 16 words of 2, 4 and SWE off 100 us.
@@ -49,7 +49,7 @@ struct FlashReport {
   int repeated = 0;               // requests
   bool verified = false;
   double seconds = 0;      // from the first byte to the board until everything is verified
-  double min_seconds = 0;  // what the wire and the cells take: docs/flash.md
+  double min_seconds = 0;  // what the wire and the cells take: docs/howto/flash.md
   double efficiency() const { return seconds > 0 ? min_seconds / seconds : 0; }
 };
 
@@ -97,8 +97,8 @@ class Flasher {
   Result<void> erase_block(int block);
   Result<void> compare(const std::vector<FlashRange>& ranges, const FlashImage& image);
   bool kept(std::uint32_t address) const;
-  void say(const std::string& line) const;
-  void tell(const char* phase, std::uint32_t done, std::uint32_t total);
+  void report_line(const std::string& line) const;
+  void report_progress(const char* phase, std::uint32_t done, std::uint32_t total);
 
   Link& link_;
   Clock& clock_;

@@ -26,7 +26,7 @@ tl::unexpected<Error> no_answer(const std::string& port, int tries) {
   return fail(Fault::environment,
               Diagnostic{"the flash writer in the board's RAM does not answer any more",
                          "a reply to a request that was sent " + std::to_string(tries) + " times",
-                         "nothing sound on " + port,
+                         "nothing valid on " + port,
                          {"power or reset of the board was cut while it was being written",
                           "the line is damaged: cable, ground, another program on the port",
                           "the adapter does not keep up with 115200 baud"},
@@ -142,7 +142,7 @@ Result<void> WriterLink::settle() {
   return {};
 }
 
-Result<WriterReply> WriterLink::ask(const WriterRequest& request, Time patience, int tries) {
+Result<WriterReply> WriterLink::exchange(const WriterRequest& request, Time patience, int tries) {
   const std::uint8_t number = ++number_;
   silent_ = false;
   const auto is_mine = [&](const WriterReply& reply) {
@@ -237,7 +237,7 @@ Result<void> WriterLink::ask_all(
 }
 
 Result<WriterInfo> WriterLink::info(Time patience, int tries) {
-  const auto reply = ask({KZ_WRITER_INFO, {}}, patience, tries);
+  const auto reply = exchange({KZ_WRITER_INFO, {}}, patience, tries);
   if (!reply) return tl::unexpected(reply.error());
   if (reply->data.size() < 4)
     return kaz::fail(Fault::environment, "the flash writer's information is cut short");
@@ -258,7 +258,7 @@ Result<WriterInfo> WriterLink::info(Time patience, int tries) {
 Result<void> WriterLink::set_rate(int baud, std::uint8_t brr) {
   const WriterRequest request{KZ_WRITER_RATE, {brr}};
   for (int k = 0; k < 6; ++k) {
-    const auto reply = ask(request, milliseconds(150), 1);
+    const auto reply = exchange(request, milliseconds(150), 1);
     if (!reply && !silent_) return tl::unexpected(reply.error());
     const int before = rate_;
     if (auto set = link_.set_baud(baud); !set) return set;
@@ -277,7 +277,7 @@ Result<WriterSums> WriterLink::sums(std::uint32_t address, std::uint32_t length)
   WriterRequest request{KZ_WRITER_SUM, {}};
   append(request.payload, address, 4);
   append(request.payload, length, 4);
-  const auto reply = ask(request, milliseconds(300) + length * std::chrono::microseconds(15));
+  const auto reply = exchange(request, milliseconds(300) + length * std::chrono::microseconds(15));
   if (!reply) return tl::unexpected(reply.error());
   if (reply->status != KZ_WRITER_OK || reply->data.size() < 6)
     return kaz::fail(Fault::failed, "the board cannot sum " + std::to_string(length) +

@@ -48,7 +48,7 @@ class WriterLink {
   WriterLink(Link& link, Clock& clock) : link_(link), clock_(clock) {}
 
   // One request, repeated until a reply comes. Errors: none came, the link's. A status is no error.
-  Result<WriterReply> ask(const WriterRequest& request, Time patience, int tries = 6);
+  Result<WriterReply> exchange(const WriterRequest& request, Time patience, int tries = 6);
   // Requests in order, up to WINDOW of them on their way; each is repeated as need be. `answered`
   // gets each reply in order, and ends everything by an error. Requests are made when there is room.
   Result<void> ask_all(
@@ -65,7 +65,7 @@ class WriterLink {
 
  private:
   Result<void> send(const WriterRequest& request, std::uint8_t number);
-  // A sound frame, or nothing until `deadline`.
+  // A valid frame, or nothing until `deadline`.
   Result<std::optional<WriterReply>> receive(Time deadline);
   bool parse(WriterReply& reply);
   // Until the line is quiet. What comes meanwhile counts: a board may be slow, and no reply lost.
@@ -78,7 +78,7 @@ class WriterLink {
   int repeated_ = 0;
   Time took_{};  // replies lately, from when they were waited for
   int rate_ = 115200;
-  bool silent_ = false;  // the last ask() failed because no reply came
+  bool silent_ = false;  // the last exchange() failed because no reply came
 };
 
 }  // namespace kaz::host

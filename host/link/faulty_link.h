@@ -1,4 +1,4 @@
-// A link whose line is faulty: the faults of docs/faults.md on any port, real ones too.
+// A link whose line is faulty: the faults of docs/reference/faults.md on any port, real ones too.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Only faults of the line; times count from the making of the link. Framing errors cannot be made

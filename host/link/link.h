@@ -1,4 +1,4 @@
-// What the robot client stands on: a way to exchange bytes with a board, and a clock.
+// Interfaces of the host's transport: a byte link to a line of boards, and a clock.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace kaz::host {
 
-// Time passes only as this clock says: on the wall (tty, CAN) or in the simulation (lockstep).
+// Source of time: CLOCK_MONOTONIC (tty, CAN) or simulated time (lockstep).
 class Clock {
  public:
   virtual ~Clock() = default;
@@ -27,8 +27,8 @@ class Link {
  public:
   virtual ~Link() = default;
   virtual std::string name() const = 0;  // for messages: "/dev/ttyUSB0", "can0", "lockstep"
-  // How long one byte takes on the wire at the least; zero if that is not known. Sharpens the
-  // relation of the board's clock to the host's (clock_relation.h).
+  // Minimum duration of one byte on the wire; zero if unknown. Tightens the bounds of the clock relation
+  // (clock_relation.h).
   virtual Time byte_time() const { return Time::zero(); }
   // Another bit rate for both directions from now on; bytes still queued may leave at either.
   virtual Result<void> set_baud(int baud) {
@@ -40,8 +40,8 @@ class Link {
   // none came). Fails when the link is gone for good (port closed or unplugged) or the program was
   // interrupted.
   virtual Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) = 0;
-  // Called when `write` or `read` has failed, and again until it succeeds: what can be opened again
-  // is (the same port, when it is plugged in again). Bytes of before are lost.
+  // Reopens the port, e.g. after it was plugged in again. Called after `write` or `read` has failed,
+  // repeatedly until it succeeds. Buffered bytes are lost.
   virtual Result<void> reopen() { return {}; }
 };
 

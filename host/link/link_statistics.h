@@ -1,4 +1,4 @@
-// What happened on a link so far, by cause.
+// Counters of a link.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,8 +13,8 @@ struct LinkStatistics {
   std::uint64_t timeouts = 0;  // replies that did not come in time
   std::uint64_t retries = 0;   // transmissions after the first, of whatever cause
   std::uint64_t busy = 0;      // requests that the board had no room for
-  std::uint64_t ignored = 0;  // sound frames that answered nothing asked: late, doubled, of another
-                              // board
+  std::uint64_t ignored =
+      0;  // valid frames without a pending request: late, duplicate, another board
   std::uint64_t telemetry = 0;
   std::uint64_t bytes_out = 0, bytes_in = 0;
   RoundTripStatistics round_trip;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "shared/protocol/message_info.h"
+
 namespace kaz::host {
 
 namespace {
@@ -18,29 +20,6 @@ constexpr std::uint8_t kSequenceLeap = 0x55;
 
 constexpr std::uint8_t reply_type(std::uint8_t request) {
   return request | KZ_REPLY;
-}
-
-// Changes nothing, so it does not matter how often and when it is done.
-bool is_query(std::uint8_t type) {
-  switch (type) {
-    case KZ_TYPE_identify:
-    case KZ_TYPE_health:
-    case KZ_TYPE_statistics:
-    case KZ_TYPE_self_test:
-    case KZ_TYPE_read_targets:
-    case KZ_TYPE_state:
-    case KZ_TYPE_joints:
-    case KZ_TYPE_settings:
-    case KZ_TYPE_calibration:
-    case KZ_TYPE_inertial:
-      return true;
-    default:
-      return false;
-  }
-}
-
-bool writes_flash(std::uint8_t type) {
-  return type == KZ_TYPE_store_calibration || type == KZ_TYPE_set_address;
 }
 
 }  // namespace
@@ -75,7 +54,7 @@ Requester::Requester(Link& link, Clock& clock, const RequesterOptions& options)
 
 Requester::~Requester() = default;
 
-Result<std::vector<Reply>> Requester::ask(std::span<const Request> requests) {
+Result<std::vector<Reply>> Requester::exchange(std::span<const Request> requests) {
   std::vector<Ticket> tickets;
   for (const Request& request : requests) tickets.push_back(enqueue(request, false));
   if (auto sent = send_waiting(); !sent) return tl::unexpected(sent.error());
@@ -94,7 +73,7 @@ Result<Requester::Ticket> Requester::post(const Request& request) {
   return ticket;
 }
 
-Result<Reply> Requester::ask_at_once(const Request& request) {
+Result<Reply> Requester::exchange_at_once(const Request& request) {
   const Ticket ticket = enqueue(request, true);
   if (auto sent = send_waiting(); !sent) return tl::unexpected(sent.error());
   auto reply = collect(ticket, Time::max());
@@ -131,7 +110,7 @@ Result<bool> Requester::listen(Time deadline) {
   return statistics_.telemetry != before;
 }
 
-Result<void> Requester::tell(const Request& request) {
+Result<void> Requester::send(const Request& request) {
   Waiting waiting;
   waiting.request = request;
   waiting.sequence = next_sequence_++;
@@ -177,7 +156,7 @@ Result<void> Requester::send_waiting() {
   bool command_under_way = false;
   for (Waiting& w : queue_) {
     if (w.done) continue;
-    const bool command = !is_query(w.request.type);
+    const bool command = !kz_is_query(w.request.type);
     if (w.tries == 0) {
       const bool room = under_way < KZ_REQUESTS_UNDER_WAY && !(command && command_under_way);
       if (!w.at_once && !room) break;
@@ -239,8 +218,8 @@ void Requester::append(Waiting& waiting, std::vector<std::uint8_t>& wire) {
   waiting.busy = waiting.lost = false;
   waiting.sent = std::max(now, wire_free_);
   wire_free_ = waiting.sent + length * byte_time_;
-  waiting.deadline = waiting.sent + (writes_flash(waiting.request.type) ? options_.flash_timeout
-                                                                        : round_trip_.timeout());
+  waiting.deadline = waiting.sent + (kz_writes_flash(waiting.request.type) ? options_.flash_timeout
+                                                                           : round_trip_.timeout());
   waiting.bytes_out = length;
   last_sent_ = now;
   frames_.add(now, FrameLog::Direction::out, {body.data(), body_length});
@@ -263,7 +242,7 @@ Result<void> Requester::repeat_overdue() {
       if (!w.busy) ++w.unanswered;
       if (!w.busy && !w.lost) {
         ++statistics_.timeouts;
-        if (first && !writes_flash(w.request.type)) round_trip_.back_off();
+        if (first && !kz_writes_flash(w.request.type)) round_trip_.back_off();
       }
       if (auto repeated = repeat(w); !repeated) return repeated;
     }
@@ -343,7 +322,7 @@ void Requester::take_frame(Time now) {
     waiting->deadline = now + kBusyPause;
   } else {
     repeat_what_was_lost(*waiting, now);
-    if (is_query(waiting->request.type) && answered_too_early(*waiting, now)) return;
+    if (kz_is_query(waiting->request.type) && answered_too_early(*waiting, now)) return;
     finish(*waiting, fields, refused, now);
   }
 }
@@ -361,7 +340,7 @@ void Requester::finish(Waiting& waiting, std::span<const std::uint8_t> fields, b
   reply.bytes_out = waiting.bytes_out;
   reply.bytes_in = static_cast<int>(KZ_HEADER_SIZE + fields.size()) + kFrameOverhead;
   ++(refused ? statistics_.refused : statistics_.replies);
-  if (reply.timed && !writes_flash(waiting.request.type)) {
+  if (reply.timed && !kz_writes_flash(waiting.request.type)) {
     round_trip_.add(reply.received - reply.sent);
   }
 }
@@ -370,7 +349,7 @@ void Requester::finish(Waiting& waiting, std::span<const std::uint8_t> fields, b
 // from before it. The query is asked again behind it.
 bool Requester::answered_too_early(Waiting& query, Time now) {
   for (const Waiting& w : queue_) {
-    if (!w.under_way() || w.ticket >= query.ticket || is_query(w.request.type)) continue;
+    if (!w.under_way() || w.ticket >= query.ticket || kz_is_query(w.request.type)) continue;
     ++statistics_.ignored;
     query.lost = true;
     query.deadline = std::max(now, w.deadline);

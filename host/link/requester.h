@@ -2,17 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Requests leave in the order in which they were posted, KZ_REQUESTS_UNDER_WAY of them ahead of
-// their replies. A request is repeated with its own sequence number, so that the board can tell a
-// repetition and does not do it twice: when its time-out has come (round_trip.h), or when a request
+// their replies. A request is repeated with its own sequence number, so that the board recognises a
+// repetition and does not execute it twice: when its time-out has come (round_trip.h), or when a request
 // sent behind it is answered before it, for a board answers in order. A reply belongs to a request
-// if board address, type and sequence number fit; anything else that is sound (late, doubled, of
-// another board) is counted and forgotten.
+// if board address, type and sequence number fit; any other valid frame (late, duplicate, of
+// another board) is counted and discarded.
 //
 // An old command never overtakes a newer one: a request that changes something leaves only when
-// every earlier one that does is answered. So what is repeated has at most one query behind it, and
-// the board, which remembers KZ_REQUESTS_REMEMBERED requests, knows it again. Nor does a query
-// tell of a time before the command that was posted ahead of it; if the query itself was lost, its
-// answer may be from after what follows it, as the tick in its reply tells.
+// every earlier one that does is answered. So a repeated request has at most one query behind it, and
+// the board, which remembers KZ_REQUESTS_REMEMBERED requests, recognises it. Nor does a query return a state
+// from before the command that was posted ahead of it; if the query itself was lost, its reply may be from
+// after what follows it, as the tick in the reply shows.
 #pragma once
 
 #include <array>
@@ -68,7 +68,7 @@ class Requester {
   // Posts all requests and waits for all replies, which stand in the order of the requests. Fails
   // when one has no reply after all its tries, and when the link fails or is interrupted; then
   // nothing is under way any more.
-  Result<std::vector<Reply>> ask(std::span<const Request> requests);
+  Result<std::vector<Reply>> exchange(std::span<const Request> requests);
 
   // The same in two steps, so that requests leave while replies to earlier ones come.
   using Ticket = std::uint64_t;
@@ -78,10 +78,10 @@ class Requester {
   Result<std::optional<Reply>> collect(Ticket ticket, Time deadline);
 
   // Ahead of everything that waits, whatever is under way: for `stop`.
-  Result<Reply> ask_at_once(const Request& request);
+  Result<Reply> exchange_at_once(const Request& request);
 
-  // Writes a request and waits for nothing.
-  Result<void> tell(const Request& request);
+  // Writes a request without waiting for a reply.
+  Result<void> send(const Request& request);
 
   // Reads until `deadline` or until a telemetry frame has come.
   Result<bool> listen(Time deadline);
@@ -89,7 +89,7 @@ class Requester {
   using Telemetry = std::function<void(std::uint8_t, std::span<const std::uint8_t>, Time)>;
   void on_telemetry(Telemetry receiver) { telemetry_ = std::move(receiver); }
 
-  // Forgets what is under way and half received, and goes on with other sequence numbers.
+  // Discards pending requests and partially received frames, and continues with other sequence numbers.
   void start_anew();
   // While set, each request has so many tries: for looking whether a board is there at all.
   void limit_tries(std::optional<int> tries) { tries_limit_ = tries; }
@@ -97,8 +97,7 @@ class Requester {
   const LinkStatistics& statistics() const;
   const FrameLog& frames() const { return frames_; }
   Link& link() { return link_; }
-  // What came since the last frame that was sound, for telling what answers there: at most 64
-  // bytes.
+  // Bytes received since the last valid frame, up to 64, for diagnosing what replies there.
   std::span<const std::uint8_t> noise() const { return noise_; }
   // The last failure was that no reply came, not that the link is gone.
   bool timed_out() const { return timed_out_; }

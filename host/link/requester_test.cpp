@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "host/robot/board_testing.h"
+#include "host/link/board_testing.h"
 
 namespace kaz::host {
 namespace {
@@ -59,7 +59,7 @@ TEST_F(Requesting, TwoQueriesLeaveTogetherAndTheThirdWaits) {
     return bytes;
   };
   const std::vector<Request> five(5, request_of(KZ_TYPE_state));
-  const auto replies = requester.ask(five);
+  const auto replies = requester.exchange(five);
   ASSERT_TRUE(replies) << replies.error().message;
   EXPECT_EQ(written, (std::vector<int>{2, 1, 1, 1}));
   EXPECT_EQ(requester.statistics().retries, 0u);
@@ -76,7 +76,7 @@ TEST_F(Requesting, BatchHasNoBytesBetweenItsFrames) {
     return bytes;
   };
   const Request requests[] = {request_of(KZ_TYPE_heartbeat, {0, 0}), request_of(KZ_TYPE_state)};
-  ASSERT_TRUE(requester.ask(requests));
+  ASSERT_TRUE(requester.exchange(requests));
   EXPECT_EQ(written.size(), 11u + 9u);
 }
 
@@ -93,7 +93,7 @@ TEST_F(Requesting, RepeatedCommandNeverOvertakesANewerOne) {
       const Request requests[] = {ramp_of(11), request_of(KZ_TYPE_state),
                                   ramp_of(22), request_of(KZ_TYPE_settings, {0}),
                                   ramp_of(33), request_of(KZ_TYPE_settings, {0})};
-      const auto replies = requester.ask(requests);
+      const auto replies = requester.exchange(requests);
       board.to_host = board.to_board = nullptr;
       ASSERT_TRUE(replies) << replies.error().message;
       const u16 second = ramp_in((*replies)[3]), third = ramp_in((*replies)[5]);
@@ -101,11 +101,11 @@ TEST_F(Requesting, RepeatedCommandNeverOvertakesANewerOne) {
       EXPECT_TRUE(second == 22 || second == 33) << second << ", lost " << lost;
       EXPECT_EQ(third, 33) << "lost " << lost;
       const Request now[] = {request_of(KZ_TYPE_settings, {0})};
-      EXPECT_EQ(ramp_in(requester.ask(now)->front()), 33);
+      EXPECT_EQ(ramp_in(requester.exchange(now)->front()), 33);
     }
   }
-  const Request ask[] = {request_of(KZ_TYPE_statistics)};
-  const auto reply = requester.ask(ask);
+  const Request query[] = {request_of(KZ_TYPE_statistics)};
+  const auto reply = requester.exchange(query);
   kz_statistics_reply counts{};
   ASSERT_TRUE(kz_unpack_statistics_reply(&counts, reply->front().fields.bytes.data(),
                                          reply->front().fields.length));
@@ -115,7 +115,7 @@ TEST_F(Requesting, RepeatedCommandNeverOvertakesANewerOne) {
 // A query sent behind a lost command is answered: that tells of the loss long before its time-out.
 TEST_F(Requesting, LossIsSeenInTheReplyToWhatWasSentBehind) {
   const Request warm[] = {request_of(KZ_TYPE_state)};
-  for (int i = 0; i < 20; ++i) ASSERT_TRUE(requester.ask(warm));
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(requester.exchange(warm));
   bool first = true;
   board.to_board = [&](TestBoard::Bytes bytes) {
     if (std::exchange(first, false)) bytes[3] ^= 1;  // of the first of two frames
@@ -123,7 +123,7 @@ TEST_F(Requesting, LossIsSeenInTheReplyToWhatWasSentBehind) {
   };
   const Request pair[] = {ramp_of(11), request_of(KZ_TYPE_state)};
   const Time before = board.now();
-  ASSERT_TRUE(requester.ask(pair));
+  ASSERT_TRUE(requester.exchange(pair));
   EXPECT_LT(board.now() - before, 20ms) << "the shortest time-out, and what comes after it";
   EXPECT_EQ(requester.statistics().retries, 2u) << "the command, and the query behind it";
   EXPECT_EQ(requester.statistics().timeouts, 0u);
@@ -131,7 +131,7 @@ TEST_F(Requesting, LossIsSeenInTheReplyToWhatWasSentBehind) {
 
 TEST_F(Requesting, TimeOutIsThatOfTheRoundTrip) {
   const Request state[] = {request_of(KZ_TYPE_state)};
-  for (int i = 0; i < 50; ++i) ASSERT_TRUE(requester.ask(state));
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(requester.exchange(state));
   const RoundTripStatistics trips = requester.statistics().round_trip;
   EXPECT_GT(trips.min_s, 62 * seconds(board.byte_time()));
   EXPECT_LT(trips.max_s, 62 * seconds(board.byte_time()) + 3e-3);
@@ -140,7 +140,7 @@ TEST_F(Requesting, TimeOutIsThatOfTheRoundTrip) {
     return std::exchange(first, false) ? TestBoard::Bytes{} : bytes;
   };
   const Time before = board.now();
-  ASSERT_TRUE(requester.ask(state));
+  ASSERT_TRUE(requester.exchange(state));
   EXPECT_EQ(requester.statistics().timeouts, 1u);
   EXPECT_GT(board.now() - before, 20ms + 5ms);
   EXPECT_LT(board.now() - before, 20ms + 9ms);
@@ -153,9 +153,9 @@ TEST(Requester, LearnsOfASlowLine) {
   TestBoard board(options);
   Requester requester(board, board, {});
   const Request state[] = {request_of(KZ_TYPE_state)};
-  for (int i = 0; i < 20; ++i) ASSERT_TRUE(requester.ask(state));
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(requester.exchange(state));
   const auto before = requester.statistics().retries;
-  for (int i = 0; i < 200; ++i) ASSERT_TRUE(requester.ask(state));
+  for (int i = 0; i < 200; ++i) ASSERT_TRUE(requester.exchange(state));
   EXPECT_LT(requester.statistics().retries - before, 10u);
   EXPECT_GT(requester.statistics().round_trip.mean_s, 0.03);
 }
@@ -171,7 +171,7 @@ TEST_F(Requesting, StopOvertakesWhatWaits) {
     return bytes;
   };
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(requester.post(request_of(KZ_TYPE_state)));
-  const auto stopped = requester.ask_at_once(request_of(KZ_TYPE_stop));
+  const auto stopped = requester.exchange_at_once(request_of(KZ_TYPE_stop));
   ASSERT_TRUE(stopped) << stopped.error().message;
   EXPECT_FALSE(stopped->refused);
   ASSERT_GE(types.size(), 3u);
@@ -207,7 +207,7 @@ TEST_F(Requesting, SequenceNumbersLeapAtANewStart) {
   const Request state[] = {request_of(KZ_TYPE_state)};
   for (int i = 0; i < 3; ++i) {
     requester.start_anew();
-    for (int k = 0; k < 10; ++k) ASSERT_TRUE(requester.ask(state));
+    for (int k = 0; k < 10; ++k) ASSERT_TRUE(requester.exchange(state));
   }
   EXPECT_EQ(numbers.size(), 30u);
 }
@@ -230,7 +230,7 @@ TEST(Requester, SendsNoFrameThatOneDamagedByteCouldSplit) {
     Request request;
     request.type = KZ_TYPE_targets;
     request.fields.length = kz_pack_targets(&targets, request.fields.bytes.data());
-    ASSERT_TRUE(requester.tell(request));
+    ASSERT_TRUE(requester.send(request));
   }
   EXPECT_EQ(frames, 30000);
   EXPECT_EQ(splits, 0);

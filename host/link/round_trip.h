@@ -1,4 +1,4 @@
-// Round trips of a link: how long until a request is repeated, and what to tell people.
+// Retransmission time-out and round-trip statistics of a link.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace kaz::host {
 
-// Of requests that were answered at their first transmission, from when the first byte could leave
-// to when the last of the reply was read.
+// Of requests answered at their first transmission: from when the first byte could leave to when the last
+// byte of the reply was read.
 struct RoundTripStatistics {
   std::uint64_t count = 0;
   double min_s = 0, mean_s = 0, max_s = 0, last_s = 0;
@@ -31,7 +31,7 @@ class RoundTrip {
 
   void add(Time round_trip);
   void back_off();
-  // Back to the initial time-out: whatever made it long may be over.
+  // Back to the initial time-out, e.g. after a reconnection.
   void start_anew() { timeout_ = bounds_.initial; }
   Time timeout() const { return timeout_; }
   const RoundTripStatistics& statistics() const { return statistics_; }

@@ -1,4 +1,4 @@
-// The local map: its cells, what may be asked of them, and what may be entered.
+// The local map: its cells, queries, and validation of updates.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/map/local_map.h"
 

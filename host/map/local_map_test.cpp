@@ -18,9 +18,9 @@ LocalMap make(const LocalMapOptions& options = {}) {
   return LocalMap::make(options).value();
 }
 
-void enter(LocalMap& map, const TestSight& sight,
+void enter(LocalMap& map, const TestView& view,
            const Isometry3d& map_from_foot = Isometry3d::Identity()) {
-  const auto done = map.update(sight.planes, sight.depth, sight.depth.info, map_from_foot);
+  const auto done = map.update(view.planes, view.depth, view.depth.info, map_from_foot);
   ASSERT_TRUE(done) << done.error().message;
 }
 
@@ -66,23 +66,23 @@ TEST(LocalMap, ShowsFloorABoxAndNothingOfWhatTheBoxHides) {
 TEST(LocalMap, HasNoHolesInTheFloorFarAway) {
   for (const int width : {160, 320, 640}) {
     LocalMap map = make();
-    const TestSight sight = TestYard{}.seen(test_eye(0.3, 0.45), 0, 1, width);
-    enter(map, sight);
-    const vision::CameraModel& c = sight.depth.info.camera;
+    const TestView view = TestYard{}.seen(test_eye(0.3, 0.45), 0, 1, width);
+    enter(map, view);
+    const vision::CameraModel& c = view.depth.info.camera;
     int in_view = 0;
     for (int x = 0; x < map.cells(); ++x) {
       for (int y = 0; y < map.cells(); ++y) {
         const Vector3d at(map.middle(x), map.middle(y), 0);
-        const Vector3d p = sight.depth.info.foot_from_eye.inverse() * at;
+        const Vector3d p = view.depth.info.foot_from_eye.inverse() * at;
         const double u = c.fx * p.x() / p.z() + c.cx, v = c.fy * p.y() / p.z() + c.cy;
-        const bool view = p.z() > 0.03 && u > -0.5 && v > -0.5 && u < width - 0.5 &&
-                          v < c.height - 0.5 && at.norm() < 1.5;
+        const bool visible = p.z() > 0.03 && u > -0.5 && v > -0.5 && u < width - 0.5 &&
+                             v < c.height - 0.5 && at.norm() < 1.5;
         const double edge =
             std::min(std::min(std::abs(u + 0.5), std::abs(v + 0.5)),
                      std::min(std::abs(u - width + 0.5), std::abs(v - c.height + 0.5)));
         if (edge < 2e-3 || std::abs(at.norm() - 1.5) < 1e-6) continue;  // of single precision
-        EXPECT_EQ(map.log_odds(x, y) < 0, view) << width << ": " << at.transpose();
-        in_view += view ? 1 : 0;
+        EXPECT_EQ(map.log_odds(x, y) < 0, visible) << width << ": " << at.transpose();
+        in_view += visible ? 1 : 0;
       }
     }
     EXPECT_GT(in_view, 5000);
@@ -134,14 +134,14 @@ TEST(LocalMap, TakesALowStepForAnObstacleThoughItsTopIsCalledFloor) {
   LocalMap map = make();
   for (std::uint64_t number = 1; number <= 3; ++number) {
     const Isometry3d eye = test_eye(0, 0.5 + 0.02 * static_cast<double>(number));
-    TestSight sight = yard.seen(eye, 0.05, number);
-    vision::PlaneSegment top = sight.planes.segments[0];
+    TestView view = yard.seen(eye, 0.05, number);
+    vision::PlaneSegment top = view.planes.segments[0];
     top.middle = eye.inverse() * Vector3d(0.5, 0, 0.02);
-    sight.planes.segments.push_back(top);
-    for (std::size_t k = 0; k < sight.planes.label.size(); ++k) {
-      if (sight.planes.label[k] == 0 && sight.depth.disparity_px[k] > 0) sight.planes.label[k] = 2;
+    view.planes.segments.push_back(top);
+    for (std::size_t k = 0; k < view.planes.label.size(); ++k) {
+      if (view.planes.label[k] == 0 && view.depth.disparity_px[k] > 0) view.planes.label[k] = 2;
     }
-    enter(map, sight);
+    enter(map, view);
   }
   EXPECT_EQ(map.at(0.5, 0.05).state, CellState::obstacle);
   EXPECT_EQ(map.at(0.4, 0.05).state, CellState::floor);
@@ -157,15 +157,15 @@ TEST(LocalMap, TrustsFarThingsLess) {
   EXPECT_GT(map.at(0.4, 0).confidence, before);
 }
 
-// The same sights under other numbers: the order of times is given, that of contents is not.
+// The same views under other numbers: the order of times is given, that of contents is not.
 TEST(LocalMap, IsTheSameInAnyOrderOfUpdates) {
-  std::vector<TestSight> sights;
+  std::vector<TestView> views;
   for (std::uint64_t k = 0; k < 7; ++k)
-    sights.push_back(kBoxAhead.seen(
+    views.push_back(kBoxAhead.seen(
         test_eye(0.5 * keyed_normal(3, k, 0), 0.5 + 0.1 * keyed_normal(3, k, 1)), 0.15, k + 1));
   LocalMap there = make(), back = make(), mixed = make();
   const auto enter_as = [&](LocalMap& map, std::size_t which, std::uint64_t number) {
-    TestSight s = sights[which];
+    TestView s = views[which];
     s.planes.info.exposure = s.depth.info.exposure = Time(number);
     enter(map, s);
   };
@@ -182,15 +182,15 @@ TEST(LocalMap, IsTheSameInAnyOrderOfUpdates) {
 // Whole cells and quarter turns move cells onto cells. Rounding decides which pixel shows a cell
 // whose middle falls between two: one in a thousand may differ there.
 TEST(LocalMap, MovesWithTheFoot) {
-  const TestSight sight = kBoxAhead.seen(test_eye(0.2, 0.5), 0.1);
+  const TestView view = kBoxAhead.seen(test_eye(0.2, 0.5), 0.1);
   LocalMap still = make(), moved = make(), turned = make();
-  enter(still, sight);
+  enter(still, view);
   Isometry3d step = Isometry3d::Identity();
   step.translation() << 0.25, -0.13, 0;
-  enter(moved, sight, step);
+  enter(moved, view, step);
   Isometry3d turn = Isometry3d::Identity();
   turn.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // 90 degrees to the left: x, y go to -y, x
-  enter(turned, sight, turn);
+  enter(turned, view, turn);
   int differ = 0;
   for (int x = 30; x < still.cells() - 30; ++x) {
     for (int y = 30; y < still.cells() - 30; ++y) {
@@ -205,11 +205,11 @@ TEST(LocalMap, MovesWithTheFoot) {
 
 TEST(LocalMap, RefusesWhatItCannotPlaceAndStaysAsItIs) {
   LocalMap map = make();
-  const TestSight good = kBoxAhead.seen(test_eye(0, 0.5), 0, 5);
+  const TestView good = kBoxAhead.seen(test_eye(0, 0.5), 0, 5);
   enter(map, good);
   const LocalMap before = map;
   const auto refuses = [&](auto&& spoil) {
-    TestSight s = kBoxAhead.seen(test_eye(0.2, 0.5), 0, 6);
+    TestView s = kBoxAhead.seen(test_eye(0.2, 0.5), 0, 6);
     Isometry3d foot = Isometry3d::Identity();
     spoil(s, foot);
     const auto done = map.update(s.planes, s.depth, s.depth.info, foot);
@@ -218,20 +218,19 @@ TEST(LocalMap, RefusesWhatItCannotPlaceAndStaysAsItIs) {
     EXPECT_EQ(map.counts().updates, 1U);
     return done ? std::string() : done.error().message;
   };
-  EXPECT_NE(
-      refuses([](TestSight& s, auto&) { s.depth.info.posture_known = false; }).find("posture"),
-      std::string::npos);
+  EXPECT_NE(refuses([](TestView& s, auto&) { s.depth.info.posture_known = false; }).find("posture"),
+            std::string::npos);
   EXPECT_EQ(map.counts().without_posture, 1U);
   for (const Time late : {Time(0), good.depth.info.exposure})
-    refuses([&](TestSight& s, auto&) { s.depth.info.exposure = s.planes.info.exposure = late; });
+    refuses([&](TestView& s, auto&) { s.depth.info.exposure = s.planes.info.exposure = late; });
   EXPECT_EQ(map.counts().out_of_order, 2U);
-  refuses([](TestSight& s, auto&) { s.planes.info.exposure += Time(1); });
-  refuses([](TestSight& s, auto&) { s.planes.label.pop_back(); });
-  refuses([](TestSight& s, auto&) { s.planes.label[7] = 9; });
-  refuses([](TestSight& s, auto&) { s.depth.width = 0; });
-  refuses([](TestSight& s, auto&) { s.depth.info.camera.baseline_m = 0; });
-  refuses([](TestSight& s, auto&) { s.depth.info.camera.width = 640; });
-  refuses([](TestSight&, Isometry3d& foot) { foot.translation().x() = std::nan(""); });
+  refuses([](TestView& s, auto&) { s.planes.info.exposure += Time(1); });
+  refuses([](TestView& s, auto&) { s.planes.label.pop_back(); });
+  refuses([](TestView& s, auto&) { s.planes.label[7] = 9; });
+  refuses([](TestView& s, auto&) { s.depth.width = 0; });
+  refuses([](TestView& s, auto&) { s.depth.info.camera.baseline_m = 0; });
+  refuses([](TestView& s, auto&) { s.depth.info.camera.width = 640; });
+  refuses([](TestView&, Isometry3d& foot) { foot.translation().x() = std::nan(""); });
   enter(map, kBoxAhead.seen(test_eye(0, 0.5), 0, 6));  // and goes on
   map.clear();
   EXPECT_EQ(known(map), 0);
@@ -241,7 +240,7 @@ TEST(LocalMap, RefusesWhatItCannotPlaceAndStaysAsItIs) {
 
 TEST(LocalMap, SurvivesDepthsOfAnySize) {
   LocalMap map = make();
-  TestSight s = kBoxAhead.seen(test_eye(0, 0.5));
+  TestView s = kBoxAhead.seen(test_eye(0, 0.5));
   const float odd[] = {std::nanf(""), INFINITY, -INFINITY, -3.0F, 1e-30F, 1e30F, 0.0F};
   for (std::size_t k = 0; k < s.depth.disparity_px.size(); ++k) {
     s.depth.disparity_px[k] = odd[k % 7];

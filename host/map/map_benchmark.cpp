@@ -13,12 +13,12 @@ void enter(benchmark::State& state, int width) {
   const TestYard yard{{{{0.50, 0.05, 0.05}, {0.10, 0.20, 0.10}},
                        {{0.70, -0.25, 0.04}, {0.10, 0.10, 0.08}},
                        {{1.30, 0.00, 0.50}, {0.02, 4.00, 1.00}}}};
-  TestSight sight = yard.seen(test_eye(0.1, 0.5), 0.15, 1, width);
+  TestView view = yard.seen(test_eye(0.1, 0.5), 0.15, 1, width);
   auto map = LocalMap::make();
   for (auto _ : state) {
-    sight.depth.info.exposure += Time(1);
-    sight.planes.info.exposure += Time(1);
-    if (!map || !map->update(sight.planes, sight.depth, sight.depth.info))
+    view.depth.info.exposure += Time(1);
+    view.planes.info.exposure += Time(1);
+    if (!map || !map->update(view.planes, view.depth, view.depth.info))
       state.SkipWithError("the picture was refused");
   }
 }
@@ -28,16 +28,16 @@ void edges(benchmark::State& state, int width) {
   const TestYard yard{{{{0.50, 0.05, 0.05}, {0.10, 0.20, 0.10}},
                        {{0.70, -0.25, 0.04}, {0.10, 0.10, 0.08}},
                        {{1.30, 0.00, 0.50}, {0.02, 4.00, 1.00}}}};
-  const TestSight sight = yard.seen(test_eye(0.1, 0.5), 0.15, 1, width);
-  vision::Image image{width, sight.depth.height, {}};
-  for (std::size_t k = 0; k < sight.planes.label.size(); ++k) {
-    const double grey = (sight.planes.label[k] == 1 ? 140 : 80) + 8 * keyed_normal(5, 1, k);
+  const TestView view = yard.seen(test_eye(0.1, 0.5), 0.15, 1, width);
+  vision::Image image{width, view.depth.height, {}};
+  for (std::size_t k = 0; k < view.planes.label.size(); ++k) {
+    const double grey = (view.planes.label[k] == 1 ? 140 : 80) + 8 * keyed_normal(5, 1, k);
     image.rgb.insert(image.rgb.end(), 3, static_cast<std::uint8_t>(grey));
   }
   vision::FloorEdges finder;
   vision::PlaneSegments planes;
   for (auto _ : state) {
-    planes = sight.planes;
+    planes = view.planes;
     if (!finder.sharpen(image, planes)) state.SkipWithError("the picture was refused");
   }
 }

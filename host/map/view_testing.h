@@ -20,7 +20,7 @@ inline Eigen::Isometry3d test_eye(double pan_rad, double tilt_rad) {
   return eye;
 }
 
-struct TestSight {
+struct TestView {
   vision::PlaneSegments planes;
   vision::DepthImage depth;
 };
@@ -34,8 +34,8 @@ struct TestYard {
   double floor_m = 6;  // side
 
   // What is seen of it through `eye`, with noise of `sigma_px` of disparity.
-  TestSight seen(const Eigen::Isometry3d& eye, double sigma_px = 0, std::uint64_t number = 1,
-                 int width = 320) const {
+  TestView seen(const Eigen::Isometry3d& eye, double sigma_px = 0, std::uint64_t number = 1,
+                int width = 320) const {
     using Eigen::Vector3d;
     const Eigen::Isometry3d in = eye.inverse();
     vision::TestStereoScene scene;
@@ -52,26 +52,26 @@ struct TestYard {
         add(b.middle + side * z, x, y);
       }
     }
-    TestSight sight;
+    TestView view;
     std::vector<int> patch;
-    sight.depth = scene.truth(vision::test_camera(width, width * 3 / 4), patch);
-    vision::FrameInfo& info = sight.depth.info;
+    view.depth = scene.truth(vision::test_camera(width, width * 3 / 4), patch);
+    vision::FrameInfo& info = view.depth.info;
     info.sequence = number;
     info.exposure = from_seconds(0.1 * static_cast<double>(number));
     info.posture_known = true;
     info.foot_from_eye = eye;
     for (std::size_t k = 0; k < patch.size(); ++k) {
-      float& d = sight.depth.disparity_px[k];
+      float& d = view.depth.disparity_px[k];
       if (d > 0) d += static_cast<float>(sigma_px * keyed_normal(77, number, k));
-      sight.planes.label.push_back(patch[k] == 0 ? 1 : 0);
+      view.planes.label.push_back(patch[k] == 0 ? 1 : 0);
     }
-    sight.planes.info = info;
-    sight.planes.width = sight.depth.width;
-    sight.planes.height = sight.depth.height;
-    vision::PlaneSegment& floor = sight.planes.segments.emplace_back();
+    view.planes.info = info;
+    view.planes.width = view.depth.width;
+    view.planes.height = view.depth.height;
+    vision::PlaneSegment& floor = view.planes.segments.emplace_back();
     floor.floor = true;
     floor.middle = in * Vector3d(0.5, 0, 0);
-    return sight;
+    return view;
   }
 };
 

@@ -1,4 +1,4 @@
-// How a picture's floor and points become votes for cells.
+// Votes of an update: floor pixels against, obstacle points for an obstacle in a cell.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/map/votes.h"
 
@@ -13,9 +13,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kNearest_m = 0.03;  // of the lens: nothing is seen nearer
+constexpr double kNearest_m = 0.03;  // minimum depth
 
-// What agrees with the sole as loosely as vision takes it may still be an obstacle here.
+// Labels of floor segments. Stricter than vision: a segment whose centre is above obstacle_m is an obstacle.
 std::array<bool, 256> floor_labels(const vision::PlaneSegments& planes,
                                    const Eigen::Isometry3d& eye, double obstacle_m) {
   std::array<bool, 256> floor{};
@@ -27,11 +27,11 @@ std::array<bool, 256> floor_labels(const vision::PlaneSegments& planes,
 }
 
 std::int16_t added(std::int16_t odds, int steps) {
-  constexpr int kFull = static_cast<int>(kMost / kStep);
+  constexpr int kFull = static_cast<int>(kMaxOdds / kStep);
   return static_cast<std::int16_t>(std::clamp(odds + steps, -kFull, kFull));
 }
 
-// Narrows [from, to] to where a + b k >= 0.
+// Intersects [from, to] with the half-line a + b k >= 0.
 void keep_above(double a, double b, double& from, double& to) {
   if (b > 0) {
     from = std::max(from, -a / b);
@@ -44,8 +44,11 @@ void keep_above(double a, double b, double& from, double& to) {
 
 }  // namespace
 
-// Along a row of cells (y goes on) the middle's place in the picture, (u w, v w, w), is linear in
-// the cell's number: which cells are in view follows from the picture's four edges.
+// Projects the centre of each floor cell into the image: h = K R^T (p - eye), homogeneous (u w, v w, w), map
+// frame to optical frame. Along a row of cells (y increasing) h is linear in the cell's number k, so the
+// visible cells are an interval of k, clipped by the four image borders, the minimum depth and the maximum
+// range. Each visible cell whose pixel is labelled floor gets a vote against an obstacle, weighted by
+// min(1, (z0 / z)^2): the accuracy of stereo depth decreases with z^2.
 void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes) {
   const vision::CameraModel& c = view.camera;
   const std::array<bool, 256> floor = floor_labels(planes, view.eye, options_.obstacle_m);
@@ -54,7 +57,7 @@ void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes) 
   k << c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1;
   const Matrix3d turn = k * view.eye.linear().transpose();
   const Vector3d eye = view.eye.translation(), step = turn.col(1) * options_.cell_m;
-  if (eye.z() <= 0) return;  // below the floor: nothing of it is in view
+  if (eye.z() <= 0) return;  // below the floor: none of it is visible
   const auto update = static_cast<std::uint32_t>(counts_.updates);
   const int width = c.width, height = c.height;
   int *const row_u = row_u_.data(), *const row_v = row_v_.data(),
@@ -75,7 +78,7 @@ void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes) 
     keep_above((width - 0.5) * at.z() - at.x(), (width - 0.5) * step.z() - step.x(), from, to);
     keep_above((height - 0.5) * at.z() - at.y(), (height - 0.5) * step.z() - step.y(), from, to);
     if (from > to) continue;
-    // Single precision errs by a thousandth of a pixel, and goes four at a time.
+    // Single precision, for SIMD: error of a thousandth of a pixel.
     const int first = static_cast<int>(std::ceil(from)), count = static_cast<int>(to) - first + 1;
     const Eigen::Vector3f at0 = (at + first * step).cast<float>(), step1 = step.cast<float>();
     const auto votes = static_cast<float>(kFloorVote / kStep);
@@ -89,7 +92,7 @@ void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes) 
     }
     const std::size_t row = index(x, first);
     for (int n = 0; n < count; ++n) {
-      // Rounding may put a cell on the very edge one pixel outside.
+      // Rounding may put a cell at the border one pixel outside.
       const int u = std::clamp(row_u[n], 0, width - 1), v = std::clamp(row_v[n], 0, height - 1);
       if (!floor[planes.label[static_cast<std::size_t>(v * width + u)]]) continue;
       const std::size_t cell = row + static_cast<std::size_t>(n);
@@ -99,13 +102,17 @@ void LocalMap::see_floor(const View& view, const vision::PlaneSegments& planes) 
   }
 }
 
-// Points are placed in single precision: within a hundredth of a millimetre.
+// Back-projects pixels that are not floor: p = eye + z R r, z = f B / d, map frame, in single precision
+// (error below 0.01 mm). A point counts if its height is within (obstacle_m, robot_m) and above 3 standard
+// deviations of its own error, dz = z^2 / (f B) dd times the ray's slope. Depth errors scatter points behind
+// an edge over visible floor: such a point is moved up to 2 standard deviations along the ray to a cell that
+// is not. Each adds share min(z^2, z0^2): the area of a pixel at depth z in cells.
 void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& planes,
                              const vision::DepthImage& depth, const Vector2d& foot) {
   const vision::CameraModel& c = view.camera;
   const std::array<bool, 256> floor = floor_labels(planes, view.eye, options_.obstacle_m);
   const auto update = static_cast<std::uint32_t>(counts_.updates);
-  // Of pixels that are looked at: some two a cell at 1 m, of rows one.
+  // Sampling of pixels: about two per cell horizontally at 1 m, one vertically.
   const int stride = std::max(1, depth.width / 320), stride_v = std::max(1, depth.width / 160);
   const Eigen::Vector3f eye = view.eye.translation().cast<float>();
   const Eigen::Vector3f along = (view.eye.linear().col(0) / c.fx).cast<float>();
@@ -116,7 +123,7 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
   const auto own2 = static_cast<float>(options_.own_m * options_.own_m);
   const auto error = static_cast<float>(options_.disparity_error_px);
   const auto weight_z2 = static_cast<float>(view.weight_z2);
-  // Votes of a pixel at 1 m.
+  // Share of a full vote of one pixel at 1 m.
   const auto share = static_cast<float>(kFullAt * stride * stride_v /
                                         (c.fx * options_.cell_m * c.fx * options_.cell_m));
   const auto nearest_d = static_cast<float>(view.fb / kNearest_m);
@@ -144,9 +151,9 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
       const Eigen::Vector3f ray = start + static_cast<float>(u) * along;
       const float z = fb / d[u];
       if (up[u] < 3 * z * z / fb * error * std::abs(ray.z())) continue;
-      const Eigen::Vector2f way = z * ray.head<2>();  // over the floor
-      if (way.squaredNorm() > farthest2) continue;
-      if ((eye.head<2>() + way - foot.cast<float>()).squaredNorm() < own2) continue;
+      const Eigen::Vector2f offset = z * ray.head<2>();  // horizontal, from the eye
+      if (offset.squaredNorm() > farthest2) continue;
+      if ((eye.head<2>() + offset - foot.cast<float>()).squaredNorm() < own2) continue;
       int cell = cell_of(z, ray);
       for (int sigmas = 1; cell >= 0 && sigmas <= 2; ++sigmas) {
         const float farther = d[u] - static_cast<float>(sigmas) * error;
@@ -162,19 +169,20 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
   }
 }
 
-// A face has all its points over few cells. What its errors scatter before and behind it is little
-// beside what lies on it, and counts as little; rows of pixels may fall unevenly on cells.
+// A vertical face has its points over few cells; depth errors scatter a few of them in front of and behind
+// it. So a cell's vote is reduced by its ratio to the strongest neighbour, with a factor kUneven for the
+// uneven distribution of pixel rows over cells.
 void LocalMap::enter_obstacles() {
   for (const std::uint32_t cell : touched_) {
     const float hits = hits_[cell];
     const int x = static_cast<int>(cell) / cells_, y = static_cast<int>(cell) % cells_;
-    float most = hits;
+    float max_hits = hits;
     for (int i = std::max(0, x - 1); i <= std::min(cells_ - 1, x + 1); ++i) {
       for (int j = std::max(0, y - 1); j <= std::min(cells_ - 1, y + 1); ++j)
-        most = std::max(most, hits_[index(i, j)]);
+        max_hits = std::max(max_hits, hits_[index(i, j)]);
     }
     const double vote =
-        static_cast<double>(std::min(1.0F, hits) * std::min(1.0F, kUneven * hits / most));
+        static_cast<double>(std::min(1.0F, hits) * std::min(1.0F, kUneven * hits / max_hits));
     odds_[cell] = added(odds_[cell], static_cast<int>(std::lround(vote * kObstacleVote / kStep)));
   }
   for (const std::uint32_t cell : touched_) hits_[cell] = 0;

@@ -1,4 +1,4 @@
-// One picture's view of the map's cells, and what a vote is worth.
+// Camera view of one update of the map, and the weights of votes. Internal to host/map.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,14 +8,17 @@
 
 namespace kaz::map {
 
-// Log-odds are kept in whole steps, so that their sum does not depend on the order of updates.
+// Log-odds are integers in units of kStep, so that their sum does not depend on the order of updates.
 inline constexpr double kStep = 0.01;
-inline constexpr double kFloorVote = 0.6;     // log-odds: a pixel of the segment is floor in 65 %
-inline constexpr double kObstacleVote = 1.2;  // 77 %: an obstacle overseen costs more
-inline constexpr double kMost = 10;           // a cell is full: it has to be able to change
-inline constexpr double kKnown = 0.1;         // log-odds: below that a cell is unknown
-inline constexpr double kFullAt = 4;          // a whole vote is a quarter of a cell full of pixels
-inline constexpr float kUneven = 1.6F;        // 1 / share of its neighbour's points that is whole
+inline constexpr double kFloorVote =
+    0.6;  // log-odds of p = 0.65: a pixel of the floor segment is floor
+inline constexpr double kObstacleVote =
+    1.2;                                // log-odds of p = 0.77: missing an obstacle costs more
+inline constexpr double kMaxOdds = 10;  // saturation, so that a cell can change again
+inline constexpr double kKnown = 0.1;   // magnitude of log-odds below which a cell is unknown
+inline constexpr double kFullAt = 4;  // a full vote needs a quarter of the pixels that fill a cell
+inline constexpr float kUneven =
+    1.6F;  // 1 / ratio to the strongest neighbour's points that counts as full
 
 struct LocalMap::View {
   View(const vision::CameraModel& model, const Eigen::Isometry3d& map_from_eye,
@@ -26,8 +29,8 @@ struct LocalMap::View {
 
   const vision::CameraModel& camera;
   Eigen::Isometry3d eye;
-  double fb;         // px m
-  double weight_z2;  // m^2: depth squared at which depth errs by a cell
+  double fb;         // focal length times baseline, px m
+  double weight_z2;  // m^2: squared depth at which the depth error is one cell
 };
 
 }  // namespace kaz::map

@@ -1,4 +1,4 @@
-// Trunk by a sine, feet by polynomials of phase.
+// Sinusoidal roll of the trunk, cubic trajectories of the feet.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/motion/gait.h"
 
@@ -19,33 +19,34 @@ double fraction(double x) {
   return x - std::floor(x);
 }
 
-// From 0 to 1 with no speed at the ends.
+// Smoothstep: cubic from 0 to 1 with zero slope at both ends.
 double eased(double u) {
   u = std::clamp(u, 0.0, 1.0);
   return u * u * (3 - 2 * u);
 }
 
-// Share of its swing that a foot has behind it; 1 or more: it stands.
+// Progress of a foot's swing, 0..1; >= 1: stance. Swings are centred on phase 0.25 (right) and 0.75 (left).
 double into_swing(const Shape& shape, double phase, Side side) {
   const double centre = side == Side::right ? 0.25 : 0.75;
   return fraction(phase - shape.lag - (centre - shape.swing / 2)) / shape.swing;
 }
 
+// Height of the foot, m: raised cosine over the swing.
 double lift_of(const Shape& shape, double phase, Side side) {
   const double u = into_swing(shape, phase, side);
   return u < 1 ? shape.lift * (1 - std::cos(2 * std::numbers::pi * u)) / 2 : 0;
 }
 
-// Forward place of a foot against the hips, in strides: -1/2 to 1/2 while it swings, slowly back
-// while it carries. A tenth of the swing at each end is for lifting and setting down.
+// Forward position of a foot relative to the hips, in strides: -1/2 to 1/2 during swing (eased, a tenth of
+// the swing at each end reserved for lift-off and touch-down), linearly back during stance.
 double walking_at(const Shape& shape, double phase, Side side) {
   const double u = into_swing(shape, phase, side);
   if (u < 1) return eased((u - 0.1) / 0.8) - 0.5;
   return 0.5 - (u - 1) * shape.swing / (1 - shape.swing);
 }
 
-// The left foot's in reaches; the right one's is the opposite. From +1 to -1 while one of them is in
-// the air, back while both carry: then both soles slip, and the body turns.
+// Turning displacement of the left foot, in reaches; the right foot's is the opposite. From +1 to -1 in
+// single support, back in double support, when both soles slip and the body turns.
 double turning_at(const Shape& shape, double phase) {
   const double p = fraction(2 * (phase - shape.lag - 0.25 + shape.swing / 2));
   const double single = 2 * shape.swing;
@@ -73,19 +74,20 @@ JointAngles home() {
   return angles;
 }
 
-// The foot is flat and straight ahead where its axes are the floor's: hip roll is -roll, and the
-// pitch joints together -pitch. The ankle then stands below the hip, so only x and z are to be chosen.
+// A foot is flat and points straight ahead if hip roll = -roll and the pitch joints sum up to -pitch. The
+// leg's plane is then vertical, so the ankle is below the hip and only x and z are free.
 void place_legs(JointAngles& angles, const Stance& stance, const Feet& feet) {
   const Eigen::Matrix3d axes = trunk_axes(stance);
   const auto place = [&](Side side, double forward, double lift) {
     const Vector3d hip =
         hip_middle(stance) + axes * Vector3d(0, side == Side::left ? kLeg.hip_y : -kLeg.hip_y, 0);
-    Vector3d way(forward - hip.x(), 0, lift + kLeg.ankle_height - hip.z());
+    // From hip to ankle, floor frame, m; limited to the extended leg.
+    Vector3d leg(forward - hip.x(), 0, lift + kLeg.ankle_height - hip.z());
     constexpr double kLongest = kLeg.thigh + kLeg.shank - 1e-4;
-    if (way.norm() > kLongest) way *= kLongest / way.norm();
-    // In the trunk's frame: the leg's plane is vertical.
-    const Vector3d ankle = axes.transpose() * (hip + way - hip_middle(stance));
-    if (const auto leg = leg_to(side, ankle, -stance.pitch)) set_leg(angles, side, *leg);
+    if (leg.norm() > kLongest) leg *= kLongest / leg.norm();
+    // Trunk frame.
+    const Vector3d ankle = axes.transpose() * (hip + leg - hip_middle(stance));
+    if (const auto joints = leg_to(side, ankle, -stance.pitch)) set_leg(angles, side, *joints);
   };
   place(Side::left, feet.left_forward, feet.left_lift);
   place(Side::right, feet.right_forward, feet.right_lift);
@@ -97,6 +99,7 @@ Vector3d centre_over_feet(const Stance& stance) {
   return hip_middle(stance) + trunk_axes(stance) * centre_of_mass(angles);
 }
 
+// C (1 + h w^2 / g) of the cart-table model (gait.h), m.
 double zmp_amplitude(const Shape& shape, double roll) {
   const Vector3d centre = centre_over_feet({.roll = roll});
   const double w = 2 * std::numbers::pi / shape.period;
@@ -107,6 +110,8 @@ double inner_edge(double roll) {
   return kLeg.hip_y * std::cos(roll) - kHalfSole;
 }
 
+// Smallest roll for which the ZMP is `margin` inside the sole at lift-off:
+//   zmp_amplitude(roll) cos(pi swing) = inner_edge(roll) + margin, by bisection.
 double roll_for(const Shape& shape) {
   const auto missing = [&](double roll) {
     return inner_edge(roll) + shape.margin -

@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kDeg = std::numbers::pi / 180;
 
-// The part that the board carries has 0.1 degrees/s per root Hz (docs/simulator.md). Sampled 80 times a
+// The part that the board carries has 0.1 degrees/s per root Hz (docs/reference/simulator.md). Sampled 80
+// times a
 // second behind a filter of 40 Hz, in codes of 1 degree/s, that is sqrt(pi/2) as much and the codes'
 // sqrt(1/12) over 40 Hz besides: 0.13.
 constexpr double kNoise = 0.13 * kDeg;
@@ -23,9 +24,9 @@ constexpr double kOffset = 20 * kDeg;
 constexpr double kWander = 0.022 * kDeg;
 // A pause in the samples (a lost link) is not integrated over.
 constexpr double kLongest_s = 0.2;
-// Somebody turns the robot that was told to stand: six sigma of a sample's noise.
+// Threshold for external rotation of a standing robot: six sigma of a sample's noise.
 constexpr double kMoved = 5 * kDeg;
-constexpr double kKnown = 1 * kDeg;  // of the zero's sigma, below which that can be told
+constexpr double kKnown = 1 * kDeg;  // of the offset's sigma, below which that can be detected
 
 }  // namespace
 

@@ -17,7 +17,7 @@ class Heading {
  public:
   Heading();
 
-  // `still`: the robot stands and was told nothing, so that the rate is the gyro's zero. `upright`:
+  // `still`: the robot stands without a command, so that the rate is the gyro's zero. `upright`:
   // cosine of the trunk's lean. Samples in order of time.
   void add(const host::Inertial& sample, bool still, double upright);
 

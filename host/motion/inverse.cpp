@@ -1,4 +1,4 @@
-// Two bones each: a leg in the plane that hip roll tilts, an arm by lengths that its turns keep.
+// Two-link inverse kinematics of leg and arm.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/motion/inverse.h"
 
@@ -16,14 +16,14 @@ using Eigen::Vector3d;
 constexpr double kUpperArm = 0.070;
 
 struct Limbs {
-  int hip_roll, sh_pitch;  // the others follow them
+  int hip_roll, sh_pitch;  // first joint of each chain; the others have consecutive numbers
 };
 constexpr Limbs limbs(Side side) {
   return side == Side::left ? Limbs{l_hip_roll, l_sh_pitch} : Limbs{r_hip_roll, r_sh_pitch};
 }
 
 bool inside(int joint, double angle) {
-  // A limit itself may be asked for: rounding must not cost it.
+  // Tolerance for rounding: the limit itself is allowed.
   constexpr double kRounding = 1e-9;
   const JointInfo& info = joint_table()[static_cast<std::size_t>(joint)];
   return angle >= info.lower_rad - kRounding && angle <= info.upper_rad + kRounding;
@@ -38,15 +38,17 @@ double wrapped(double angle) {
 std::optional<LegAngles> leg_to(Side side, const Vector3d& ankle, double foot_pitch) {
   static_assert(kLeg.thigh == kLeg.shank);
   constexpr double kBone = kLeg.thigh;
-  const Vector3d way = ankle - Vector3d(0, side == Side::left ? kLeg.hip_y : -kLeg.hip_y, 0);
-  const double down = std::hypot(way.y(), way.z());
-  const double length = std::hypot(way.x(), down);
-  if (length > 2 * kBone || length < 1e-3 || way.z() > 0) return std::nullopt;
+  // Vector from hip to ankle, trunk frame, m; after hip roll the leg is planar with length `length`.
+  const Vector3d leg_vector = ankle - Vector3d(0, side == Side::left ? kLeg.hip_y : -kLeg.hip_y, 0);
+  const double down = std::hypot(leg_vector.y(), leg_vector.z());
+  const double length = std::hypot(leg_vector.x(), down);
+  if (length > 2 * kBone || length < 1e-3 || leg_vector.z() > 0) return std::nullopt;
   LegAngles leg;
-  leg.hip_roll = std::atan2(way.y(), -way.z());
+  leg.hip_roll = std::atan2(leg_vector.y(), -leg_vector.z());
+  // Isosceles triangle of thigh and shank: length = 2 bone cos(knee / 2).
   leg.knee = 2 * std::acos(length / (2 * kBone));
-  // Equal bones: the thigh leads the line from hip to ankle by half the knee's angle.
-  leg.hip_pitch = std::atan2(-way.x(), down) - leg.knee / 2;
+  // The thigh is half the knee's angle ahead of the line from hip to ankle.
+  leg.hip_pitch = std::atan2(-leg_vector.x(), down) - leg.knee / 2;
   leg.ankle_pitch = foot_pitch - leg.hip_pitch - leg.knee;
   const int first = limbs(side).hip_roll;
   if (!inside(first, leg.hip_roll) || !inside(first + 1, leg.hip_pitch) ||
@@ -69,20 +71,25 @@ void set_leg(JointAngles& angles, Side side, const LegAngles& leg) {
   out[3] = leg.ankle_pitch;
 }
 
-// With the shoulder at zero the grasp is at q = (-b sin e, 0, -a - b cos e), whose length the elbow e
-// decides. Roll r makes it (q.x, -q.z sin r, q.z cos r), and pitch leaves y as it is.
+// With the shoulder at zero the grasp is at q = (-b sin e, 0, -a - b cos e), elbow e. Roll r rotates it to
+// (q.x, -q.z sin r, q.z cos r), and pitch does not change y. Hence e from the distance, r from y, and the
+// pitch as the difference of the directions in the x-z plane.
 std::optional<ArmAngles> arm_to(Side side, const Vector3d& grasp) {
   const int first = limbs(side).sh_pitch;
   const double b = -kGrasp.z();
-  const Vector3d way = grasp - links()[static_cast<std::size_t>(first)].origin;
-  const double cosine = (way.squaredNorm() - kUpperArm * kUpperArm - b * b) / (2 * kUpperArm * b);
+  // Vector from shoulder to grasp, trunk frame, m. Law of cosines: |v|^2 = a^2 + b^2 + 2 a b cos e with the
+  // upper arm a and the forearm b to the grasp.
+  const Vector3d arm_vector = grasp - links()[static_cast<std::size_t>(first)].origin;
+  const double cosine =
+      (arm_vector.squaredNorm() - kUpperArm * kUpperArm - b * b) / (2 * kUpperArm * b);
   if (std::abs(cosine) > 1) return std::nullopt;
   ArmAngles arm;
   arm.elbow = -std::acos(cosine);
   const double x = -b * std::sin(arm.elbow), z = -kUpperArm - b * cosine;
-  if (std::abs(way.y()) > std::abs(z)) return std::nullopt;
-  arm.sh_roll = std::asin(-way.y() / z);
-  arm.sh_pitch = wrapped(std::atan2(way.x(), way.z()) - std::atan2(x, z * std::cos(arm.sh_roll)));
+  if (std::abs(arm_vector.y()) > std::abs(z)) return std::nullopt;
+  arm.sh_roll = std::asin(-arm_vector.y() / z);
+  arm.sh_pitch = wrapped(std::atan2(arm_vector.x(), arm_vector.z()) -
+                         std::atan2(x, z * std::cos(arm.sh_roll)));
   if (!inside(first, arm.sh_pitch) || !inside(first + 1, arm.sh_roll) ||
       !inside(first + 2, arm.elbow)) {
     return std::nullopt;

@@ -33,7 +33,8 @@ constexpr double kTippedFor_s = 0.3, kForceSmoothing_s = 0.15;
 constexpr double kGravity = 9.81;
 
 // By so much the weight is later on a foot than planned: servos lag, and a swinging foot that is still
-// on its way would be counted as half a support. By walks in simulation (docs/motion.md): without it
+// on its way would be counted as half a support. By walks in simulation (docs/explanation/motion.md):
+// without it
 // odometry counted 1.4 % too little.
 constexpr double kFootLags_s = 0.055;
 // What the gyro's own sigma leaves out: a trunk that shakes and leans while it walks, per root metre.
@@ -147,7 +148,7 @@ void Motion::advance(double dt) {
   steps_.amplitude = std::clamp(steps_.amplitude + ramp * dt / now.period, 0.0, 1.0);
   roll_ = roll_at(walks ? walk_roll_ : turn_roll_, phase_, steps_.amplitude);
   if (!ending_ || steps_.amplitude > 0) return;
-  // Done, or on to what was asked for meanwhile.
+  // Finished, or continues with a command received meanwhile.
   const bool more = wish_ == (walks ? Wish::turn : Wish::walk);
   state_ = State::standing;
   if (!more) wish_ = Wish::stand;

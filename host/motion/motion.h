@@ -1,14 +1,14 @@
-// Standing, walking and turning: steps by beat, legs out, posture and gyro in.
+// Standing, walking and turning: leg targets from posture and gyro, one step() per control cycle.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Whoever uses it calls step() in each beat (10 to 20 ms) with the newest posture and sends the legs'
-// targets it returns, ramped over the time to the next beat. Head and arms are the caller's: the gait
+// The caller calls step() in each control cycle (10 to 20 ms) with the newest posture and sends the leg
+// targets it returns, ramped over the time to the next cycle. Head and arms are the caller's: the gait
 // counts on the arms of home() or close to them. Commands may come at any time; a foot's stride changes
 // only when it passes below the hips, and from walking to turning it goes through standing (about one
 // cycle). Head, arms and Motion share one exchange() with the board.
 //
 // With gyro (Posture::inertial, after Robot::sense_inertial()) heading is measured and held. Without,
-// it is reckoned from the strides, which friction decides (docs/motion.md): rough.
+// it is reckoned from the strides, which friction decides (docs/explanation/motion.md): rough.
 // Metres, radians, seconds; headings + to the left, 0 where it began.
 #pragma once
 
@@ -24,7 +24,8 @@ namespace kaz::motion {
 
 struct Settings {
   Shape walk{};
-  // Turning slips both soles: slowly, and with the lean that holds on every floor (docs/motion.md).
+  // Turning slips both soles: slowly, and with the lean that holds on every floor
+  // (docs/explanation/motion.md).
   Shape turn{.period = 2.2};
   double stride = 0.040;     // m, of each foot against the hips; most that is used
   double reach = 0.012;      // m, of turning

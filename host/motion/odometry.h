@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The sole that carries is taken to stand still and flat on the floor: what the potentiometers say of
-// its leg then says where the trunk's origin (midway between the hips) is. While both carry, each
+// its leg angles then determine where the trunk's origin (midway between the hips) is. While both carry, each
 // counts by its share of the weight: soles that slip against each other slip about as much to both
 // sides. The frame is that of the start: x ahead, y left, origin below the hips' middle. Metres, rad.
 #pragma once
@@ -15,7 +15,8 @@ namespace kaz::motion {
 
 struct Place {
   double x = 0, y = 0, heading = 0;
-  // One sigma. Of the way: 1.5 % of what was walked (slip, and play in the gears; docs/motion.md), and
+  // One sigma. Of the way: 1.5 % of what was walked (slip, and play in the gears;
+  // docs/explanation/motion.md), and
   // what the heading's error makes of it across.
   double sigma_along = 0, sigma_across = 0, sigma_heading = 0;
 };

@@ -1,4 +1,4 @@
-// The parts of picking up, and the hips that keep the balance at each moment.
+// Keyframes of picking up, and the hip position for static balance.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/motion/reach.h"
 
@@ -11,21 +11,25 @@ namespace {
 
 using Eigen::AngleAxisd, Eigen::Vector2d, Eigen::Vector3d;
 
-// Where the grasp aims beside the ball's centre: room for the fixed jaw, which is on the inner side.
+// Offset of the grasp's target from the ball's centre, m: clearance for the fixed jaw on the inner side.
 constexpr double kInwards = 0.012, kAbove = 0.003;
-// From the least bend, which does for a ball close by, to the deepest: hips and trunk.
+// Range of bending, height of the hips (m) and pitch of the trunk: from what suffices for a near ball to the
+// deepest.
 constexpr double kBentZ = 0.110, kBentPitch = 50 * kDegree, kBentCom = 0.020;
 constexpr double kDeepestZ = 0.098, kDeepestPitch = 62 * kDegree;
 constexpr int kBends = 7;
-constexpr double kSlack = -10 * kDegree;   // of the elbow: room to aim anew, straight is the end
-constexpr double kForward = 50 * kDegree;  // the arm, before it swings down and when it lifts
+constexpr double kSlack =
+    -10 * kDegree;  // of the elbow before it is straight: reserve for aiming again
+constexpr double kForward =
+    50 * kDegree;  // offset of the shoulder before it swings down and when it lifts
 
-// The hand: a ball of 20 mm stops it at about 3 degrees; the jaw, 28 mm long to the ball's middle,
-// closes by twice what the radius is less. It is told to go 11 degrees further: at 0.8 of full duty
-// per rad that is a squeeze of 0.3 Nm, which holds and does not roll the ball out.
+// Hand angles: a ball of 20 mm radius stops the jaw at about 3 degrees. For a radius r, the jaw, 28 mm long
+// to the ball's centre, closes further by 2 atan((20 mm - r) / 28 mm). Its target is 11 degrees beyond: at
+// 0.8 of full duty per rad that is a torque of 0.3 Nm, which holds the ball without squeezing it out.
 constexpr double kOpen = -60 * kDegree, kStopAt20 = 3 * kDegree, kSqueeze = 11 * kDegree;
 constexpr double kJaw = 0.028;
 
+// Smoothstep: cubic from 0 to 1 with zero slope at both ends.
 double eased(double u) {
   u = std::clamp(u, 0.0, 1.0);
   return u * u * (3 - 2 * u);
@@ -47,8 +51,8 @@ Side other(Side side) {
 
 }  // namespace
 
-// The hips where the centre of mass is as planned, by the secant method: the trunk's weight goes with
-// them.
+// Solves com_x(hips x) = key.com_x by the secant method. The centre of mass, trunk frame, is rotated by the
+// pitch and moved to the hips' position above the midpoint of the ankles; tolerance 1e-7 m.
 JointAngles Pickup::solve(const Key& key, Side hand, double* hips_x) {
   JointAngles angles = home();
   set_arm(angles, hand, key.arm);
@@ -72,7 +76,8 @@ JointAngles Pickup::solve(const Key& key, Side hand, double* hips_x) {
   return within_limits(angles);
 }
 
-// The arm's weight moves the hips a little, and they the shoulder: a few rounds settle it.
+// Fixed-point iteration: the arm's mass shifts the hips a little, and with them the shoulder. The target is
+// transformed to the trunk frame and solved in closed form (arm_to).
 std::optional<ArmAngles> Pickup::arm_onto(Key key, Side hand, const Vector2d& ball, double radius) {
   const double inwards = hand == Side::right ? kInwards : -kInwards;
   const Vector3d target(ball.x(), ball.y() + inwards, radius + kAbove);
@@ -102,7 +107,7 @@ std::optional<Pickup> Pickup::plan(Side hand, const Vector2d& ball, double radiu
   bent.pitch = kBentPitch;
   bent.com_x = kBentCom;
   bent.arm = mirrored({-58.4 * kDegree, 13.3 * kDegree, -13.5 * kDegree}, hand);
-  bent.other = mirrored({40 * kDegree, 12 * kDegree, 0}, hand);  // back: a counterweight
+  bent.other = mirrored({40 * kDegree, 12 * kDegree, 0}, hand);  // backwards, as a counterweight
   bent.hand = kOpen;
   std::optional<ArmAngles> down;
   for (int i = 0; i < kBends && (!down || down->elbow > kSlack); ++i) {
@@ -183,14 +188,14 @@ JointAngles Pickup::at(double time_s) const {
   return solve(key_at(time_s), hand_);
 }
 
-// The hand opens, the arm goes forward, the body stands up.
+// Opens the hand, raises the arm forward, stands up; three eased segments.
 JointAngles Pickup::back(double from_s, double time_s) const {
   const Key from = key_at(from_s);
   Key opened = from;
   opened.hand = kOpen;
   Key lifted = opened;
-  const double most = keys_[kBent].pitch;
-  const double bend = (most - from.pitch) / (most - Stance{}.pitch);
+  const double max_pitch = keys_[kBent].pitch;
+  const double bend = (max_pitch - from.pitch) / (max_pitch - Stance{}.pitch);
   lifted.arm.sh_pitch =
       std::min(opened.arm.sh_pitch, std::lerp(keys_[kBent].arm.sh_pitch, from.arm.sh_pitch, bend));
   const double open_s = 0.8, lift_s = 1.0, stand_s = kGiveUp_s - open_s - lift_s;

@@ -1,10 +1,10 @@
-// Picking up a ball from the floor with one hand: joint angles over time.
+// Trajectory for picking up a ball from the floor with one hand: joint angles over time.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bend with the arm forward and the hand open, swing the arm down onto the ball, close, lift, stand up:
-// the way that worked when the body was designed. The hips' place is solved at each moment so that the
-// centre of mass stays where it is planned over the soles. Metres, seconds, radians; x ahead, y left
-// from the middle of the ankles, on the floor.
+// Sequence: bend with the arm forward and the hand open, swing the arm down onto the ball, close, lift, stand
+// up. At each time the position of the hips is solved so that the centre of mass is over the planned point of
+// the soles (static balance). Units: m, s, rad. Frame: origin on the floor below the midpoint of the ankles,
+// x ahead, y left, z up.
 #pragma once
 
 #include <optional>
@@ -16,13 +16,12 @@ namespace kaz::motion {
 
 class Pickup {
  public:
-  // Where the middle of the ball is, and how large it is. Nothing where the hand does not get there:
-  // within_reach() says more simply what it does reach.
+  // `ball`: position of its centre on the floor. Nothing if it is out of reach.
   static std::optional<Pickup> plan(Side hand, const Eigen::Vector2d& ball, double radius);
-  // The same with the arm aimed anew at where the ball is now seen; nothing where out of reach.
+  // The same with the arm aimed at a new measurement of the ball; nothing if it is out of reach.
   std::optional<Pickup> aimed_at(const Eigen::Vector2d& ball) const;
 
-  // When each part has ended: bent with the arm forward; arm down; hand closed; arm up; standing.
+  // End time of each part: bent with the arm forward; arm down; hand closed; arm up; standing.
   double bent_s() const { return keys_[kBent].time; }
   double down_s() const { return keys_[kDown].time; }
   double closed_s() const { return keys_[kClosed].time; }
@@ -31,22 +30,23 @@ class Pickup {
 
   Side hand() const { return hand_; }
   int hand_joint() const { return hand_ == Side::left ? host::l_hand : host::r_hand; }
-  // What the hand closes to, and where a ball of this radius stops it, at the latest.
+  // Target of the closing hand, and the angle at which a ball of this radius stops it at the latest, rad.
   double closed() const { return closed_; }
   double stopped() const { return stopped_; }
 
-  // Legs, arms and hands; the head is somebody else's. Before 0 and after the end: standing.
+  // Angles of legs, arms and hands (not of the neck). Before 0 and after the end: standing.
   JointAngles at(double time_s) const;
-  // From that moment of at() back to home(), hand open: of how it is given up. 0..give_up_s().
+  // Abort: from at(from_s) back to home() with the hand open; time_s in 0..kGiveUp_s.
   JointAngles back(double from_s, double time_s) const;
   static constexpr double kGiveUp_s = 3.4;
 
  private:
   enum Part { kStart, kBent, kRest, kDown, kRested, kClosed, kFirm, kLifted, kEnd };
-  struct Key {  // reached at its time
+  struct Key {  // keyframe
     double time = 0;
-    double z = 0, pitch = 0, com_x = 0;  // of hips, trunk and centre of mass
-    ArmAngles arm, other;                // the one that picks up, the counterweight
+    double z = 0, pitch = 0,
+           com_x = 0;      // height of the hips, pitch of the trunk, x of the centre of mass
+    ArmAngles arm, other;  // the arm that picks up, and the other as counterweight
     double hand = 0;
   };
   static JointAngles solve(const Key& key, Side hand, double* hips_x = nullptr);

@@ -47,7 +47,7 @@ Result<kz_identify_reply> identify_board(Requester& requester) {
   const LinkStatistics before = requester.statistics();
   Request request;
   request.type = KZ_TYPE_identify;
-  const auto replies = requester.ask({&request, 1});
+  const auto replies = requester.exchange({&request, 1});
   if (!replies) {
     return tl::unexpected(requester.timed_out() ? no_board(requester, before, port)
                                                 : replies.error());

@@ -1,4 +1,4 @@
-// Who is at the other end of a link?
+// Identifies the board at the other end of a link.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,9 +8,9 @@
 
 namespace kaz::host {
 
-// Succeeds if a Kaz board of this program's protocol version answers. Else one sentence for each
-// case: nothing answers; something answers that is no Kaz board, with its first bytes; the line
-// echoes; the protocol version or the number of joints is another.
+// Succeeds if a Kaz board of this program's protocol version answers. Else one error sentence for each
+// case: no reply; a reply of something other than a Kaz board, with its first bytes; the line echoes; another
+// protocol version or number of joints.
 Result<kz_identify_reply> identify_board(Requester& requester);
 
 // "Kaz servo board, protocol 2, firmware 0.2, build 1a2b3c4d"

@@ -1,8 +1,8 @@
-// What Robot::connect says about each way not to find a board.
+// Robot::connect: the error of each way not to find a board.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "host/robot/board_testing.h"
+#include "host/link/board_testing.h"
 #include "host/robot/robot.h"
 
 namespace kaz::host {

@@ -19,16 +19,16 @@ constexpr std::size_t kLongestReply = 65536;
 }  // namespace
 
 Result<std::string> ask_control_socket(const std::string& path, const std::string& line) {
-  const auto trouble = [&](const std::string& why) {
+  const auto failure = [&](const std::string& why) {
     return fail(Fault::environment, "control socket " + path + ": " + why +
                                         "; is `kaz sim --serial …` running, and is this its .ctl?");
   };
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path) return trouble("the path is too long");
+  if (path.size() >= sizeof address.sun_path) return failure("the path is too long");
   std::memcpy(address.sun_path, path.c_str(), path.size());
   const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (fd < 0) return trouble(std::strerror(errno));
+  if (fd < 0) return failure(std::strerror(errno));
   const timeval patience{5, 0};
   setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   std::string reply;
@@ -52,7 +52,7 @@ Result<std::string> ask_control_socket(const std::string& path, const std::strin
     }
   }
   close(fd);
-  if (!why.empty()) return trouble(why);
+  if (!why.empty()) return failure(why);
   reply.resize(reply.find('\n'));
   if (reply.find("\"ok\":true") == std::string::npos)
     return fail(Fault::environment, "control socket " + path + " refused `" + line + "`: " + reply);

@@ -1,4 +1,4 @@
-// The simulator's control socket, seen from the host: what a pty has no wires for.
+// Client of the simulator's control socket: reset, mode pins and other signals that a pty does not have.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,8 @@
 
 namespace kaz::host {
 
-// Sends one request (docs/simulator.md) to the socket `path` and returns its reply, one JSON object.
+// Sends one request (docs/reference/simulator.md) to the socket `path` and returns its reply, one JSON
+// object.
 // Errors (environment): nobody there, no reply within 5 s, or the request was refused.
 Result<std::string> ask_control_socket(const std::string& path, const std::string& line);
 

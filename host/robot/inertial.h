@@ -1,9 +1,9 @@
-// What gyro and accelerometer of the board's option `imu` say.
+// Readings of gyro and accelerometer, the board's option `imu`.
 // SPDX-License-Identifier: Apache-2.0
 //
-// In the axes of the robot's link `imu`: x forward, y left, z up. The gyro stands off its zero by up
-// to 40 degrees/s, the accelerometer by up to 0.2 g, each board by its own: whoever integrates must
-// have zeroed it while standing still.
+// In the axes of the robot's link `imu`: x forward, y left, z up. The gyro has an
+// offset of up to 40 degrees/s, the accelerometer of up to 0.2 g, different for each board: measure the
+// offset at rest before integrating.
 #pragma once
 
 #include <numbers>
@@ -20,7 +20,7 @@ struct Inertial {
   double left_m_per_s2 = 0;       // the same along y
 };
 
-// The parts' laws (docs/simulator.md, table of sensors): shares of the converter's reference.
+// The parts' laws (docs/reference/simulator.md, table of sensors): shares of the converter's reference.
 inline constexpr double kYawRatePerCode = std::numbers::pi / 180 / 0.001 / KZ_POT_CODES;
 inline constexpr double kForcePerCode = 9.80665 / 0.0624 / KZ_POT_CODES;
 // Codes below this on all three inputs: they are grounded, the option is not fitted.

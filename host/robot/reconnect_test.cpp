@@ -7,8 +7,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "host/robot/board_testing.h"
 #include "host/robot/robot.h"
+#include "host/robot/robot_testing.h"
 
 namespace kaz::host {
 namespace {

@@ -60,7 +60,7 @@ Result<Robot> Robot::connect(Link& link, Clock& clock, const ConnectOptions& opt
   }
   // Once more: this answer also relates the clocks.
   const auto identity =
-      parts->ask(KZ_TYPE_identify, kz_identify{}, kz_pack_identify, kz_unpack_identify_reply);
+      parts->query(KZ_TYPE_identify, kz_identify{}, kz_pack_identify, kz_unpack_identify_reply);
   if (!identity) return tl::unexpected(identity.error());
   parts->identity = *identity;
   Robot robot(std::move(parts));
@@ -86,7 +86,7 @@ Result<void> Robot::enable(std::uint32_t mask) {
     if (auto cleared = clear(); !cleared) return cleared;
   }
   const Request request = make_request(KZ_TYPE_enable, kz_enable{mask}, kz_pack_enable);
-  const auto replies = parts_->exchange({&request, 1}, AfterLoss::ask_again);
+  const auto replies = parts_->exchange({&request, 1}, AfterLoss::repeat);
   if (!replies) return tl::unexpected(replies.error());
   const auto reply = read_reply(replies->front(), kz_unpack_enable_reply);
   if (!reply) return tl::unexpected(parts_->with_joints(reply.error(), replies->front()));
@@ -111,15 +111,14 @@ Result<void> Robot::set_targets(std::span<const JointTarget> targets, Time durat
 
 Result<Posture> Robot::state() {
   const Request requests[] = {state_request(), inertial_request()};
-  const auto replies =
-      parts_->exchange({requests, parts_->inertial ? 2u : 1u}, AfterLoss::ask_again);
+  const auto replies = parts_->exchange({requests, parts_->inertial ? 2u : 1u}, AfterLoss::repeat);
   if (!replies) return tl::unexpected(replies.error());
   return parts_->take_sensed((*replies)[0], parts_->inertial ? &(*replies)[1] : nullptr);
 }
 
 Result<bool> Robot::sense_inertial() {
   const Request request = inertial_request();
-  const auto replies = parts_->exchange({&request, 1}, AfterLoss::ask_again);
+  const auto replies = parts_->exchange({&request, 1}, AfterLoss::repeat);
   if (!replies) return tl::unexpected(replies.error());
   parts_->inertial = false;
   if (replies->front().refused) return false;  // firmware of before there was such a request
@@ -212,12 +211,12 @@ Result<std::optional<Posture>> Robot::receive_cycle(Time deadline) {
     if (reply) parts_->observe(type, *reply);
     return {};
   };
-  parts_->trouble.reset();
+  parts_->link_fault.reset();
   auto done = collect(cycle.move, cycle.move_reply, KZ_TYPE_targets);
   if (done && (!cycle.move || cycle.move_reply)) {
     done = collect(cycle.state, cycle.state_reply, KZ_TYPE_state);
   }
-  if (!done || (parts_->trouble && parts_->options.reconnect != Time::zero())) {
+  if (!done || (parts_->link_fault && parts_->options.reconnect != Time::zero())) {
     auto found = parts_->resume(done ? nullptr : &done.error());
     if (!found) return tl::unexpected(found.error());
     parts_->found_again = false;
@@ -259,10 +258,10 @@ void Robot::disable_all() noexcept {
     parts_->on = 0;
     parts_->requester.start_anew();
     const Request off = make_request(KZ_TYPE_enable, kz_enable{0}, kz_pack_enable);
-    if (parts_->requester.ask({&off, 1})) return;
+    if (parts_->requester.exchange({&off, 1})) return;
     // Nobody listens here any more (interrupted, or the board is deaf), but the wire may still
     // carry it.
-    for (int i = 0; i < 3; ++i) (void)parts_->requester.tell(off);
+    for (int i = 0; i < 3; ++i) (void)parts_->requester.send(off);
   } catch (...) {
     // Out of memory: the board's link watchdog does it.
   }

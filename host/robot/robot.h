@@ -1,25 +1,23 @@
-// The common interface: a robot to which behaviours talk.
+// Robot: the host's client of a servo board, the interface of behaviours.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The same whether the board at the other end of the link is real or emulated (paper, section 3).
-// Every call that asks the board waits for its answer. Errors are one sentence each: the board
-// stopped answering, the link is gone, the program was interrupted, or the board refused (then the
-// sentence names the joint and the reason). Values outside their range are errors of usage. One
-// thread at a time.
+// The same for a real and an emulated board (paper, section 3). Calls that query the board block until its
+// reply. Errors are one sentence each: the board stopped replying, the link is lost, the program was
+// interrupted, or the board refused (the sentence contains joint and reason). Values out of range are usage
+// errors. Not thread-safe.
 //
-// Link watchdog: the board stops moving (ConnectOptions::reaction) when it has heard nothing for
-// ConnectOptions::watchdog while motors are on. Every call of this class is heard. To wait, use
-// clock(), which sends heartbeats meanwhile.
+// Link watchdog: the board stops moving (ConnectOptions::reaction) if it received nothing for
+// ConnectOptions::watchdog while motors are on. Every request resets it. To wait, use clock(), which sends
+// heartbeats meanwhile.
 //
-// Lost link: when the port goes, no reply comes, the board was reset, or its watchdog has ended,
-// the call in which that is noticed seeks the board for ConnectOptions::reconnect, sets watchdog,
-// gains and limits again, and switches those joints on that were on. Switching on makes the present
-// angle the target, so nothing moves; whatever was under way before is forgotten. Then
-//   - calls that only ask, and enable, set_gains, set_limits, are done again: the caller sees
-//     nothing but take_resumption();
-//   - exchange() and receive_cycle() return the present posture, and no target was sent;
-//   - all others fail with a sentence that says so; the robot can be used on.
-// Where a shutdown of another reason is latched, nothing is switched on: that is an error.
+// Reconnection: when the port disappears, no reply comes, the board was reset, or its watchdog has expired,
+// the call that detects it searches for the board for ConnectOptions::reconnect, restores watchdog, gains
+// and limits, and enables the joints that were on. Enabling makes the present angle the target, so nothing
+// moves; motions in progress are discarded. Then
+//   - queries, enable, set_gains and set_limits are repeated: the caller sees it by take_resumption() only;
+//   - exchange() and receive_cycle() return the present posture; no target was sent;
+//   - all others fail with a sentence that explains it; the robot remains usable.
+// If a shutdown for another reason is latched, nothing is enabled: that is an error.
 #pragma once
 
 #include <memory>
@@ -71,8 +69,8 @@ class Robot {
   // `deadline`. Fails if a cycle is received that was not sent.
   Result<void> send_cycle(std::span<const JointTarget> targets, Time duration);
   Result<std::optional<Posture>> receive_cycle(Time deadline);
-  // Whether the board has the option `imu`; if so, from now on state() and exchange() ask along, and
-  // Posture::inertial has what they say: 2 ms more on the wire. A cycle of send_cycle() does not.
+  // True if the board has the option `imu`; then state() and exchange() also query it from now on and fill in
+  // Posture::inertial: 2 ms more on the wire. send_cycle() does not.
   Result<bool> sense_inertial();
   // Angle, speed, duty, load and flags, in the order of the joints. More than 9 joints are two
   // requests, of which the second is some ticks younger.
@@ -88,7 +86,7 @@ class Robot {
   Result<kz_heartbeat_reply> heartbeat(Time watchdog = Time::zero(),
                                        std::optional<Reaction> reaction = std::nullopt);
   Result<Health> health();
-  // fault_sentence of a status with a fault, with the joint or the voltage that `health` tells.
+  // fault_sentence of a status with a fault, with the joint or the voltage read by `health`.
   std::string describe_fault(std::uint16_t status);
   // The board's counts since its reset.
   Result<kz_statistics_reply> board_statistics();
@@ -133,12 +131,12 @@ class Robot {
 
   // ---- The link
 
-  // Each loss that was made good since connect() is told once, oldest first.
+  // Returns each reconnection since connect() once, oldest first.
   std::optional<Resumption> take_resumption();
-  // Measured posture at an earlier moment, interpolated between the two nearest states; nothing if
-  // the moment lies outside what is remembered (the last 5 s) or more than 100 ms from any state.
+  // Measured posture at an earlier time, interpolated between the two nearest states; nothing if the time is
+  // outside the history (the last 5 s) or more than 100 ms from any state.
   std::optional<Posture> posture_at(Time t) const;
-  // Host time of the newest remembered posture.
+  // Host time of the newest posture in the history.
   std::optional<Time> newest_posture() const;
   // Bound on the error of Posture::time (clock_relation.h).
   Time clock_error() const;

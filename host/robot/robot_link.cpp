@@ -42,7 +42,7 @@ Result<void> Robot::Parts::resume(const Error* error) {
   if (error && error->fault != Fault::environment) return tl::unexpected(*error);
   if (options.reconnect == Time::zero()) return tl::unexpected(for_good(*error));
   bool reopen = error && !requester.timed_out();
-  Resumption resumption{trouble.value_or(Resumption::Cause::link), lost, lost};
+  Resumption resumption{link_fault.value_or(Resumption::Cause::link), lost, lost};
   const std::optional<std::uint32_t> tick_before = last_tick;
   cycles.clear();
 
@@ -65,7 +65,7 @@ Result<void> Robot::Parts::resume(const Error* error) {
   resumption.resumed = clock.now();
   resumptions.push_back(resumption);
   if (options.on_resumed) options.on_resumed(resumption);
-  trouble.reset();
+  link_fault.reset();
   resumed = true;
   return {};
 }
@@ -86,7 +86,8 @@ Result<void> Robot::Parts::restore() {
   if (auto set = set_up(); !set) return set;
   if (telemetry_on) {
     const Request again = make_request(KZ_TYPE_telemetry, telemetry_request, kz_pack_telemetry);
-    if (auto replies = requester.ask({&again, 1}); !replies) return tl::unexpected(replies.error());
+    if (auto replies = requester.exchange({&again, 1}); !replies)
+      return tl::unexpected(replies.error());
   }
   return on != 0 ? switch_on(on) : Result<void>();
 }
@@ -107,7 +108,7 @@ Result<void> Robot::Parts::set_up() {
       requests.push_back(make_request(KZ_TYPE_limits, *limits[j], kz_pack_limits));
     }
   }
-  const auto replies = requester.ask(requests);
+  const auto replies = requester.exchange(requests);
   if (!replies) return tl::unexpected(replies.error());
   for (std::size_t i = 0; i < requests.size(); ++i) {
     const Reply& reply = (*replies)[i];
@@ -121,7 +122,7 @@ Result<void> Robot::Parts::set_up() {
 Result<void> Robot::Parts::switch_on(std::uint32_t mask) {
   for (const Request& request : {make_request(KZ_TYPE_clear, kz_clear{}, kz_pack_clear),
                                  make_request(KZ_TYPE_enable, kz_enable{mask}, kz_pack_enable)}) {
-    const auto replies = requester.ask({&request, 1});
+    const auto replies = requester.exchange({&request, 1});
     if (!replies) return tl::unexpected(replies.error());
     if (replies->front().refused) {
       const auto refusal = read_reply(replies->front(), kz_unpack_refused);
@@ -157,7 +158,7 @@ Result<void> Robot::Parts::keep_content(Time until) {
     }
     if (clock.now() >= until || clock.now() < next) continue;
     const auto heard =
-        ask(KZ_TYPE_heartbeat, kz_heartbeat{}, kz_pack_heartbeat, kz_unpack_heartbeat_reply);
+        query(KZ_TYPE_heartbeat, kz_heartbeat{}, kz_pack_heartbeat, kz_unpack_heartbeat_reply);
     if (!heard) return tl::unexpected(heard.error());
   }
   return {};

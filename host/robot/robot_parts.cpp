@@ -1,4 +1,4 @@
-// What every request of Robot goes through: sent, observed, and asked again after a loss.
+// Requests of Robot: sent, replies observed, repeated after a reconnection.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/robot/robot_parts.h"
 
@@ -46,11 +46,11 @@ Result<std::vector<Reply>> Robot::Parts::exchange(std::span<const Request> reque
                                                   AfterLoss after_loss) {
   resumed = false;
   while (true) {
-    trouble.reset();
-    auto replies = requester.ask(requests);
+    link_fault.reset();
+    auto replies = requester.exchange(requests);
     if (replies) {
       for (std::size_t i = 0; i < requests.size(); ++i) observe(requests[i].type, (*replies)[i]);
-      if (!trouble || options.reconnect == Time::zero()) return replies;
+      if (!link_fault || options.reconnect == Time::zero()) return replies;
     }
     const bool before = resumed;
     if (auto found = resume(replies ? nullptr : &replies.error()); !found) {
@@ -75,9 +75,9 @@ void Robot::Parts::observe(std::uint8_t request, const Reply& reply) {
   last_tick = tick;
   const int reason = status >> 8;
   if (back || (on != 0 && reason == KZ_SHUTDOWN_NONE && !(status & KZ_STATUS_ENABLED))) {
-    trouble = Resumption::Cause::reset;
+    link_fault = Resumption::Cause::reset;
   } else if (on != 0 && reason == KZ_SHUTDOWN_LINK_LOST) {
-    if (!trouble) trouble = Resumption::Cause::watchdog;
+    if (!link_fault) link_fault = Resumption::Cause::watchdog;
   } else if (reason != KZ_SHUTDOWN_NONE) {
     on = 0;
   }

@@ -12,9 +12,9 @@
 
 #include "host/link/clock_relation.h"
 #include "host/link/requester.h"
-#include "host/link/typed_request.h"
 #include "host/robot/posture_history.h"
 #include "host/robot/robot.h"
+#include "host/robot/typed_request.h"
 
 namespace kaz::host {
 
@@ -38,18 +38,18 @@ Result<void> check_mask(std::uint32_t mask);
 Result<void> check_joint(int joint);
 
 // What to do with a request during which the link was lost and found again.
-enum class AfterLoss { ask_again, report };
+enum class AfterLoss { repeat, report };
 
 struct Robot::Parts {
   Parts(Link& link, Clock& on_clock, const ConnectOptions& options);
 
-  // One or several requests with all that happens on the way: replies are observed, a lost link is
-  // sought. `resumed` tells whether it was.
+  // Sends requests and returns their replies; observes the replies and reconnects if the link is lost
+  // (`resumed` is then set).
   Result<std::vector<Reply>> exchange(std::span<const Request> requests, AfterLoss after_loss);
   template <class Message, class Answer>
-  Result<Answer> ask(std::uint8_t type, const Message& message, u8 (*pack)(const Message*, u8*),
-                     u8 (*unpack)(Answer*, const u8*, u8),
-                     AfterLoss after_loss = AfterLoss::ask_again) {
+  Result<Answer> query(std::uint8_t type, const Message& message, u8 (*pack)(const Message*, u8*),
+                       u8 (*unpack)(Answer*, const u8*, u8),
+                       AfterLoss after_loss = AfterLoss::repeat) {
     const Request request = make_request(type, message, pack);
     const auto replies = exchange({&request, 1}, after_loss);
     if (!replies) return tl::unexpected(replies.error());
@@ -59,7 +59,7 @@ struct Robot::Parts {
   // Tick and status of a reply: is this still the board as we left it?
   void observe(std::uint8_t request, const Reply& reply);
   Result<Posture> take_state(const Reply& reply);
-  // The state, and where it was asked along (not null) how the board moves.
+  // The state, with inertial data if queried (`motion` not null).
   Result<Posture> take_sensed(const Reply& state, const Reply* motion);
   // The replies of a cycle; `move` is null if no targets were sent.
   std::string describe_fault(std::uint16_t status);
@@ -67,13 +67,13 @@ struct Robot::Parts {
                              std::span<const JointTarget> targets, const Reply* motion = nullptr);
   void take_telemetry(std::uint8_t type, std::span<const std::uint8_t> fields, Time now);
 
-  // Called when `requester` has failed with `error` (null: it has not, but `trouble` was observed).
+  // Called when `requester` has failed with `error` (null: it has not, but `link_fault` was observed).
   // Success: the board is there again, motors as they were.
   Result<void> resume(const Error* error);
   Result<void> restore();
   Result<void> set_up();  // watchdog, gains, limits
   Result<void> switch_on(std::uint32_t mask);
-  // An error by which the link ends for good: with the frames where ConnectOptions says.
+  // A final link error: appends the recent frames as ConnectOptions::frames_path requests.
   Error for_good(Error error);
   Error not_done(std::span<const Request> requests) const;
   // `error` of a refused `enable` or `clear`: names the joints whose potentiometers are at fault.
@@ -101,18 +101,18 @@ struct Robot::Parts {
   PostureHistory history;
   kz_identify_reply identity{};
 
-  // What the board was told, to be told again.
+  // Settings sent to the board, to be restored after a reconnection.
   std::uint32_t on = 0;
   bool telemetry_on = false;
-  bool inertial = false;  // asked along with the state
+  bool inertial = false;  // queried with the state
   u8 watchdog_10ms = 0, reaction = 0;
   std::array<std::optional<kz_gains>, KZ_JOINTS> gains;
   std::array<std::optional<kz_limits>, KZ_JOINTS> limits;
   kz_telemetry telemetry_request{};
 
   std::optional<std::uint32_t> last_tick;
-  std::optional<Resumption::Cause> trouble;  // seen in a reply
-  bool resumed = false;                      // in the latest exchange()
+  std::optional<Resumption::Cause> link_fault;  // detected in a reply
+  bool resumed = false;                         // in the latest exchange()
   std::string frames_at_loss;
   std::deque<Resumption> resumptions;
 
@@ -122,7 +122,7 @@ struct Robot::Parts {
     std::vector<JointTarget> targets;
   };
   std::deque<Cycle> cycles;
-  bool found_again = false;  // in send_cycle: receive_cycle is to tell
+  bool found_again = false;  // in send_cycle; reported by receive_cycle
   std::deque<TelemetryFrame> telemetry;
 };
 

@@ -41,10 +41,10 @@ Result<void> Robot::stop() {
   parts.on = 0;
   parts.cycles.clear();
   const Request request = make_request(KZ_TYPE_stop, kz_stop{}, kz_pack_stop);
-  auto reply = parts.requester.ask_at_once(request);
+  auto reply = parts.requester.exchange_at_once(request);
   if (!reply) {
     if (auto found = parts.resume(&reply.error()); !found) return found;
-    reply = parts.requester.ask_at_once(request);
+    reply = parts.requester.exchange_at_once(request);
     if (!reply) return tl::unexpected(reply.error());
   }
   parts.observe(KZ_TYPE_stop, *reply);
@@ -56,7 +56,7 @@ Result<void> Robot::stop() {
 Result<void> Robot::clear() {
   const std::uint32_t before = std::exchange(parts_->on, 0);
   const Request request = make_request(KZ_TYPE_clear, kz_clear{}, kz_pack_clear);
-  const auto replies = parts_->exchange({&request, 1}, AfterLoss::ask_again);
+  const auto replies = parts_->exchange({&request, 1}, AfterLoss::repeat);
   if (!replies) return tl::unexpected(replies.error());
   const auto reply = read_reply(replies->front(), kz_unpack_clear_reply);
   if (!reply) return tl::unexpected(parts_->with_joints(reply.error(), replies->front()));
@@ -74,7 +74,7 @@ Error Robot::Parts::with_joints(Error error, const Reply& reply) {
   std::string names;
   for (const u32 half : {u32{0x1ff}, u32{0x3fe00}}) {
     const Request request = make_request(KZ_TYPE_joints, kz_joints{half}, kz_pack_joints);
-    const auto replies = requester.ask({&request, 1});
+    const auto replies = requester.exchange({&request, 1});
     if (!replies) return error;
     const auto answer = read_reply(replies->front(), kz_unpack_joints_reply);
     if (!answer) return error;
@@ -94,8 +94,8 @@ Result<kz_heartbeat_reply> Robot::heartbeat(Time watchdog, std::optional<Reactio
     return fail(Fault::usage, "the link watchdog's limit must be 10 ms to 1 s");
   }
   const u8 what = reaction ? static_cast<u8>(*reaction) : u8{0};
-  auto reply = parts_->ask(KZ_TYPE_heartbeat, kz_heartbeat{*limit, what}, kz_pack_heartbeat,
-                           kz_unpack_heartbeat_reply);
+  auto reply = parts_->query(KZ_TYPE_heartbeat, kz_heartbeat{*limit, what}, kz_pack_heartbeat,
+                             kz_unpack_heartbeat_reply);
   if (reply && *limit != 0) parts_->watchdog_10ms = *limit;
   if (reply && what != 0) parts_->reaction = what;
   return reply;
@@ -103,7 +103,7 @@ Result<kz_heartbeat_reply> Robot::heartbeat(Time watchdog, std::optional<Reactio
 
 Result<Health> Robot::health() {
   const auto reply =
-      parts_->ask(KZ_TYPE_health, kz_health{}, kz_pack_health, kz_unpack_health_reply);
+      parts_->query(KZ_TYPE_health, kz_health{}, kz_pack_health, kz_unpack_health_reply);
   if (!reply) return tl::unexpected(reply.error());
   Health health;
   health.tick = reply->tick;
@@ -126,7 +126,7 @@ std::string Robot::describe_fault(std::uint16_t status) {
 
 std::string Robot::Parts::describe_fault(std::uint16_t status) {
   std::string where;
-  const auto reply = ask(KZ_TYPE_health, kz_health{}, kz_pack_health, kz_unpack_health_reply);
+  const auto reply = query(KZ_TYPE_health, kz_health{}, kz_pack_health, kz_unpack_health_reply);
   if (reply) {
     const int reason = status >> 8;
     if (const auto joint = joint_of(reply->detail)) {
@@ -142,13 +142,13 @@ std::string Robot::Parts::describe_fault(std::uint16_t status) {
 }
 
 Result<kz_statistics_reply> Robot::board_statistics() {
-  return parts_->ask(KZ_TYPE_statistics, kz_statistics{}, kz_pack_statistics,
-                     kz_unpack_statistics_reply);
+  return parts_->query(KZ_TYPE_statistics, kz_statistics{}, kz_pack_statistics,
+                       kz_unpack_statistics_reply);
 }
 
 Result<SelfTest> Robot::self_test() {
-  const auto reply =
-      parts_->ask(KZ_TYPE_self_test, kz_self_test{}, kz_pack_self_test, kz_unpack_self_test_reply);
+  const auto reply = parts_->query(KZ_TYPE_self_test, kz_self_test{}, kz_pack_self_test,
+                                   kz_unpack_self_test_reply);
   if (!reply) return tl::unexpected(reply.error());
   return SelfTest{reply->done, reply->failed, test_names(reply->failed), reply->image_crc,
                   reply->start_8states * kSecondsPer8States};
@@ -166,7 +166,7 @@ Result<void> Robot::subscribe(Time period, std::uint8_t selection) {
                 "KZ_TELEMETRY_* names");
   }
   const auto reply =
-      parts_->ask(KZ_TYPE_telemetry, message, kz_pack_telemetry, kz_unpack_telemetry_reply);
+      parts_->query(KZ_TYPE_telemetry, message, kz_pack_telemetry, kz_unpack_telemetry_reply);
   if (!reply) return tl::unexpected(reply.error());
   parts_->telemetry_request = message;
   parts_->telemetry_on = *period_ms != 0 && selection != 0;
@@ -241,8 +241,8 @@ void Robot::Parts::take_telemetry(std::uint8_t type, std::span<const std::uint8_
 // ---- Calibration
 
 Result<Calibration> Robot::calibration() {
-  const auto reply = parts_->ask(KZ_TYPE_calibration, kz_calibration{}, kz_pack_calibration,
-                                 kz_unpack_calibration_reply);
+  const auto reply = parts_->query(KZ_TYPE_calibration, kz_calibration{}, kz_pack_calibration,
+                                   kz_unpack_calibration_reply);
   if (!reply) return tl::unexpected(reply.error());
   Calibration calibration;
   calibration.source = reply->source;
@@ -257,7 +257,7 @@ Result<Calibration> Robot::calibration() {
 
 Result<void> Robot::set_calibration(std::uint32_t mask,
                                     const std::array<JointCalibration, KZ_JOINTS>& joints) {
-  if (auto sound = check_mask(mask); !sound) return sound;
+  if (auto valid = check_mask(mask); !valid) return valid;
   kz_calibrate message{};
   message.mask = mask;
   for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
@@ -271,16 +271,16 @@ Result<void> Robot::set_calibration(std::uint32_t mask,
     message.centre[j] = *centre;
     message.scale[j] = *scale;
   }
-  const auto reply = parts_->ask(KZ_TYPE_calibrate, message, kz_pack_calibrate,
-                                 kz_unpack_calibrate_reply, AfterLoss::report);
+  const auto reply = parts_->query(KZ_TYPE_calibrate, message, kz_pack_calibrate,
+                                   kz_unpack_calibrate_reply, AfterLoss::report);
   if (!reply) return tl::unexpected(reply.error());
   return {};
 }
 
 Result<StoredCalibration> Robot::store_calibration() {
   const auto reply =
-      parts_->ask(KZ_TYPE_store_calibration, kz_store_calibration{}, kz_pack_store_calibration,
-                  kz_unpack_store_calibration_reply, AfterLoss::report);
+      parts_->query(KZ_TYPE_store_calibration, kz_store_calibration{}, kz_pack_store_calibration,
+                    kz_unpack_store_calibration_reply, AfterLoss::report);
   if (!reply) return tl::unexpected(reply.error());
   return StoredCalibration{reply->sequence, reply->erases_a, reply->erases_b};
 }
@@ -291,8 +291,8 @@ Result<void> Robot::unlock(int for_seconds) {
   if (for_seconds < 0 || for_seconds > 60) {
     return fail(Fault::usage, "the bench can be unlocked for 1 to 60 s, or 0 to lock it again");
   }
-  const auto reply = parts_->ask(KZ_TYPE_unlock, kz_unlock{KZ_KEY, static_cast<u8>(for_seconds)},
-                                 kz_pack_unlock, kz_unpack_unlock_reply);
+  const auto reply = parts_->query(KZ_TYPE_unlock, kz_unlock{KZ_KEY, static_cast<u8>(for_seconds)},
+                                   kz_pack_unlock, kz_unpack_unlock_reply);
   if (!reply) return tl::unexpected(reply.error());
   return {};
 }
@@ -305,16 +305,16 @@ Result<std::uint32_t> Robot::raw_drive(int joint, double duty, Time duration) {
     return fail(Fault::usage, "raw drive has a duty of -1 to 1 and lasts 1 ms to 2 s");
   }
   const auto reply =
-      parts_->ask(KZ_TYPE_raw_drive, kz_raw_drive{static_cast<u8>(joint), *share, *duration_ms},
-                  kz_pack_raw_drive, kz_unpack_raw_drive_reply, AfterLoss::report);
+      parts_->query(KZ_TYPE_raw_drive, kz_raw_drive{static_cast<u8>(joint), *share, *duration_ms},
+                    kz_pack_raw_drive, kz_unpack_raw_drive_reply, AfterLoss::report);
   if (!reply) return tl::unexpected(reply.error());
   return reply->tick;
 }
 
 Result<void> Robot::reset() {
   Parts& parts = *parts_;
-  const auto reply = parts.ask(KZ_TYPE_reset, kz_reset{KZ_KEY}, kz_pack_reset,
-                               kz_unpack_reset_reply, AfterLoss::report);
+  const auto reply = parts.query(KZ_TYPE_reset, kz_reset{KZ_KEY}, kz_pack_reset,
+                                 kz_unpack_reset_reply, AfterLoss::report);
   if (!reply) return tl::unexpected(reply.error());
   parts.on = 0;
   parts.telemetry_on = false;
@@ -326,8 +326,8 @@ Result<void> Robot::reset() {
 }
 
 Result<void> Robot::start_loader() {
-  const auto reply = parts_->ask(KZ_TYPE_loader, kz_loader{KZ_KEY}, kz_pack_loader,
-                                 kz_unpack_loader_reply, AfterLoss::report);
+  const auto reply = parts_->query(KZ_TYPE_loader, kz_loader{KZ_KEY}, kz_pack_loader,
+                                   kz_unpack_loader_reply, AfterLoss::report);
   if (!reply) return tl::unexpected(reply.error());
   parts_->on = 0;
   return {};
@@ -338,8 +338,8 @@ Result<void> Robot::set_address(int address, bool shared_line) {
     return fail(Fault::usage, "a board's address is 1 to 14");
   }
   const kz_set_address message{static_cast<u8>(address), static_cast<u8>(shared_line ? 1 : 0)};
-  const auto reply = parts_->ask(KZ_TYPE_set_address, message, kz_pack_set_address,
-                                 kz_unpack_set_address_reply, AfterLoss::report);
+  const auto reply = parts_->query(KZ_TYPE_set_address, message, kz_pack_set_address,
+                                   kz_unpack_set_address_reply, AfterLoss::report);
   if (!reply) return tl::unexpected(reply.error());
   return {};
 }

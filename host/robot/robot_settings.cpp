@@ -1,4 +1,4 @@
-// Robot: what is set for joints, and what they tell in detail.
+// Robot: settings of joints and their detailed state.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/robot/robot_parts.h"
 
@@ -36,7 +36,7 @@ u32 lowest_bits(u32 mask, int count) {
 }  // namespace
 
 Result<void> Robot::set_gains(std::uint32_t mask, const Gains& gains) {
-  if (auto sound = check_mask(mask); !sound) return sound;
+  if (auto valid = check_mask(mask); !valid) return valid;
   const auto kp = to_wire<u16>(gains.kp_per_rad / kKpPerUnit);
   const auto kd = to_wire<u16>(gains.kd_s_per_rad / kKdPerUnit);
   const auto dead_band = to_wire<u16>(gains.dead_band_rad * KZ_ANGLE_PER_RAD);
@@ -52,14 +52,14 @@ Result<void> Robot::set_gains(std::uint32_t mask, const Gains& gains) {
                 "gains out of range: kp 0..80 /rad, kd 0..1 s/rad, dead band 0..0.1 rad, friction "
                 "0..0.25");
   }
-  const auto reply = parts_->ask(KZ_TYPE_gains, message, kz_pack_gains, kz_unpack_gains_reply);
+  const auto reply = parts_->query(KZ_TYPE_gains, message, kz_pack_gains, kz_unpack_gains_reply);
   if (!reply) return tl::unexpected(reply.error());
   remember(parts_->gains, message);
   return {};
 }
 
 Result<void> Robot::set_limits(std::uint32_t mask, const Limits& limits) {
-  if (auto sound = check_mask(mask); !sound) return sound;
+  if (auto valid = check_mask(mask); !valid) return valid;
   const auto ramp = to_wire<u16>(limits.ramp_rad_per_s / kRampPerUnit);
   const auto lower = to_wire<s16>(limits.lower_rad * KZ_ANGLE_PER_RAD);
   const auto upper = to_wire<s16>(limits.upper_rad * KZ_ANGLE_PER_RAD);
@@ -69,7 +69,7 @@ Result<void> Robot::set_limits(std::uint32_t mask, const Limits& limits) {
                 "not above the upper");
   }
   const kz_limits message{mask, *ramp, *lower, *upper};
-  const auto reply = parts_->ask(KZ_TYPE_limits, message, kz_pack_limits, kz_unpack_limits_reply);
+  const auto reply = parts_->query(KZ_TYPE_limits, message, kz_pack_limits, kz_unpack_limits_reply);
   if (!reply) return tl::unexpected(reply.error());
   remember(parts_->limits, message);
   return {};
@@ -77,8 +77,8 @@ Result<void> Robot::set_limits(std::uint32_t mask, const Limits& limits) {
 
 Result<JointSettings> Robot::settings(int joint) {
   if (auto exists = check_joint(joint); !exists) return tl::unexpected(exists.error());
-  const auto reply = parts_->ask(KZ_TYPE_settings, kz_settings{static_cast<u8>(joint)},
-                                 kz_pack_settings, kz_unpack_settings_reply);
+  const auto reply = parts_->query(KZ_TYPE_settings, kz_settings{static_cast<u8>(joint)},
+                                   kz_pack_settings, kz_unpack_settings_reply);
   if (!reply) return tl::unexpected(reply.error());
   JointSettings settings;
   settings.gains = {reply->kp * kKpPerUnit, reply->kd * kKdPerUnit,
@@ -89,9 +89,9 @@ Result<JointSettings> Robot::settings(int joint) {
 }
 
 Result<JointAngles> Robot::read_targets(std::uint32_t mask) {
-  if (auto sound = check_mask(mask); !sound) return tl::unexpected(sound.error());
-  const auto reply = parts_->ask(KZ_TYPE_read_targets, kz_read_targets{mask}, kz_pack_read_targets,
-                                 kz_unpack_read_targets_reply);
+  if (auto valid = check_mask(mask); !valid) return tl::unexpected(valid.error());
+  const auto reply = parts_->query(KZ_TYPE_read_targets, kz_read_targets{mask},
+                                   kz_pack_read_targets, kz_unpack_read_targets_reply);
   if (!reply) return tl::unexpected(reply.error());
   JointAngles angles;
   for (std::size_t j = 0; j < angles.size(); ++j) angles[j] = angle_of(reply->angle[j]);
@@ -99,13 +99,13 @@ Result<JointAngles> Robot::read_targets(std::uint32_t mask) {
 }
 
 Result<std::vector<JointDetail>> Robot::joints(std::uint32_t mask) {
-  if (auto sound = check_mask(mask); !sound) return tl::unexpected(sound.error());
+  if (auto valid = check_mask(mask); !valid) return tl::unexpected(valid.error());
   std::vector<JointDetail> details;
   while (mask != 0) {
     const u32 now = lowest_bits(mask, kJointsAtOnce);
     mask &= ~now;
     const auto reply =
-        parts_->ask(KZ_TYPE_joints, kz_joints{now}, kz_pack_joints, kz_unpack_joints_reply);
+        parts_->query(KZ_TYPE_joints, kz_joints{now}, kz_pack_joints, kz_unpack_joints_reply);
     if (!reply) return tl::unexpected(reply.error());
     for (int j = 0; j < KZ_JOINTS; ++j) {
       if (!(now >> j & 1)) continue;

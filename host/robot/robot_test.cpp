@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/robot/board_testing.h"
+#include "host/robot/robot_testing.h"
 #include "shared/protocol/frame.h"
 
 namespace kaz::host {

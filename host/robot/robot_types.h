@@ -1,4 +1,4 @@
-// What is set on and read from a robot: gains, limits, joints, health, calibration. SI units.
+// Data types of Robot: gains, limits, joint states, health, calibration. SI units.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -25,8 +25,7 @@ struct Gains {
   double friction = 0;         // duty, 0..0.25
 };
 
-// Where the board is asked for limits beyond what a joint's mechanics allow it takes those of the
-// mechanics.
+// The board clips limits to those of the joint's mechanics.
 struct Limits {
   double ramp_rad_per_s = 6;  // highest speed of the commanded angle, 0.1..12
   double lower_rad = -3.2767, upper_rad = 3.2767;
@@ -95,19 +94,19 @@ struct TelemetryFrame {
   double tick_busy = 0, tick_worst = 0;  // HEALTH: shares of a tick
 };
 
-// What the link watchdog does when nothing has been heard of the host for its time.
+// Reaction of the link watchdog when it expires.
 enum class Reaction : std::uint8_t { limp = KZ_REACTION_LIMP, hold = KZ_REACTION_HOLD };
 
-// The link was lost and is there again.
+// A reconnection after the link was lost.
 struct Resumption {
   enum class Cause : std::uint8_t {
     link,      // the port was gone, or no reply came
-    watchdog,  // the board's link watchdog had come to an end before the next request
-    reset,     // the board has started anew
+    watchdog,  // the board's link watchdog expired before the next request
+    reset,     // the board was restarted
   };
   Cause cause = Cause::link;
-  Time lost{};     // when that was noticed
-  Time resumed{};  // from when on requests are answered again
+  Time lost{};     // when it was detected
+  Time resumed{};  // when requests were answered again
 };
 struct ConnectOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
@@ -116,9 +115,9 @@ struct ConnectOptions {
   // comes within 100 ms of the last request that the board has heard.
   Time watchdog = std::chrono::milliseconds(90);
   Reaction reaction = Reaction::hold;
-  // How long a lost link is sought; zero: not at all, the loss is an error at once.
+  // Time limit of reconnection; zero: no reconnection, a lost link is an error at once.
   Time reconnect = std::chrono::seconds(3);
-  // Told each time when a lost link is there again, besides Robot::take_resumption().
+  // Called after each reconnection, in addition to Robot::take_resumption().
   std::function<void(const Resumption&)> on_resumed = {};
   // Where the last 64 frames go when the link has failed for good: a file, which the error names,
   // or "-" for standard error; empty: nowhere (Robot::recent_frames).

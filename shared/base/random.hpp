@@ -44,7 +44,7 @@ class Random {
 };
 
 // A normal deviate (mean 0, sigma 1) that depends on nothing but its key, so that how often and in
-// which order it is asked for does not matter. Box and Muller 1958.
+// which order they are drawn does not matter. Box and Muller 1958.
 inline double keyed_normal(std::uint64_t seed, std::uint64_t tick, std::uint64_t channel) {
   const std::uint64_t key = mix64(mix64(mix64(seed) ^ tick) ^ channel);
   const double u = (static_cast<double>(key >> 11) + 1.0) * 0x1p-53;  // 0 < u <= 1

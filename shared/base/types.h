@@ -18,7 +18,7 @@ typedef unsigned int u32;
 typedef signed int s32;
 #endif
 
-// Fails to compile where a width is not what its name says.
+// Fails to compile where a width differs from the type's name.
 typedef char kz_check_u8[(sizeof(u8) == 1) ? 1 : -1];
 typedef char kz_check_u16[(sizeof(u16) == 2) ? 1 : -1];
 typedef char kz_check_u32[(sizeof(u32) == 4) ? 1 : -1];

@@ -21,7 +21,7 @@
 #define KZ_ANALOG (KZ_MUXES * KZ_MUX_INPUTS)
 // Supply voltage through a divider: full scale is KZ_SUPPLY_FULL_MV.
 #define KZ_ANALOG_SUPPLY 6
-// Half of AVCC: code 512 if the converter is sound.
+// Half of AVCC: code 512 if the converter is healthy.
 #define KZ_ANALOG_REFERENCE 7
 // Motor drivers: 0 °C at code 0, KZ_TEMPERATURE_FULL_DC at full scale.
 #define KZ_ANALOG_TEMPERATURE 14

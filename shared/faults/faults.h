@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // One vocabulary (faults.def) for simulator, tests and, where it can be, a real port. A schedule is
-// text, one fault a line; docs/faults.md:
+// text, one fault a line; docs/reference/faults.md:
 //
 //   at 1.250 s for 0.2 s pot_open joint 3
 //   at 2 s for 500 ms link_drop 0.05 to board   # 5 % of the bytes from the host
@@ -20,10 +20,9 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "shared/base/time.hpp"
 
 namespace kaz::faults {
-
-using Time = std::chrono::nanoseconds;
 
 enum class Name {
 #define KZ_FAULT(name, target, parameter, unit, low, high, initial, where, text) name,

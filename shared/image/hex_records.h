@@ -18,7 +18,7 @@ class HexRecords {
   Result<Image> parse(std::string_view text);
 
  protected:
-  // `name` stands in the messages and must outlive it; `segment` names the segments; `end` is how the
+  // `name` is used in messages and must outlive it; `segment` names the segments; `end` is how the
   // last record is called.
   HexRecords(const std::string& name, std::string segment, std::string end)
       : name_(name), segment_(std::move(segment)), end_(std::move(end)) {}

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "shared/image/error.h"
+#include "shared/base/result.hpp"
 
 namespace kaz::h8s {
 
@@ -61,7 +61,7 @@ struct Image {
   SymbolTable symbols;
 };
 
-// `name` stands in the messages. Motorola S-records: S0, S1/S2/S3, S5, S7/S8/S9.
+// `name` is used in messages. Motorola S-records: S0, S1/S2/S3, S5, S7/S8/S9.
 Result<Image> parse_srecord(std::string_view text, const std::string& name);
 // Intel HEX: records 00 to 05.
 Result<Image> parse_intel_hex(std::string_view text, const std::string& name);
@@ -75,7 +75,7 @@ Result<Image> parse_elf(std::span<const std::uint8_t> bytes, const std::string& 
 enum class Format { automatic, coff, elf, srecord, intel_hex, raw };
 
 struct LoadOptions {
-  Format format = Format::automatic;     // told by the first bytes; never raw
+  Format format = Format::automatic;     // recognised by the first bytes; never raw
   std::optional<std::uint32_t> address;  // of a raw image's first byte, its entry too
 };
 Result<Image> load_image(const std::string& path, const LoadOptions& options = {});

@@ -13,7 +13,7 @@ namespace kaz::h8s {
 
 class ObjectFile {
  public:
-  // Both must outlive it; `name` stands in the messages.
+  // Both must outlive it; `name` is used in messages.
   ObjectFile(std::span<const std::uint8_t> bytes, const std::string& name)
       : bytes_(bytes), name_(name) {}
 

@@ -1,4 +1,4 @@
-// Big-endian numbers in bytes, for who lays out a message by hand instead of by messages.h.
+// Big-endian numbers in bytes, for messages that are laid out by hand instead of by messages.h.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_PROTOCOL_BYTES_H
 #define KAZ_SHARED_PROTOCOL_BYTES_H

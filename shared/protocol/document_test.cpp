@@ -1,4 +1,4 @@
-// The byte-level examples of docs/protocol.md are what the codec makes.
+// The byte-level examples of docs/reference/protocol.md are what the codec makes.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 // The "on the wire" lines, in order. Tests run in the root of the tree.
 std::vector<std::string> examples() {
   std::vector<std::string> found;
-  std::ifstream page("docs/protocol.md");
+  std::ifstream page("docs/reference/protocol.md");
   for (std::string line; std::getline(page, line);) {
     const auto from = line.find("| on the wire | `");
     if (from == std::string::npos) continue;

@@ -1,4 +1,4 @@
-// Frames: what stands between two zero bytes on the wire.
+// Frames: the bytes between two zero bytes on the wire.
 // SPDX-License-Identifier: Apache-2.0
 //
 //   00 | stuffed body | check (3 bytes) | 00
@@ -7,7 +7,7 @@
 //            big-endian
 //   stuffed  consistent overhead byte stuffing (COBS, Cheshire and Baker 1999): no zero inside
 //   check    CRC-16 (polynomial 0x1021, start 0xFFFF, most significant bit first) over the stuffed
-//            bytes, as they stand on the wire; in 7-bit groups 0x80|crc>>14, 0x80|crc>>7&0x7f,
+//            bytes, as they are on the wire; in 7-bit groups 0x80|crc>>14, 0x80|crc>>7&0x7f,
 //            0x80|crc&0x7f, so that it holds no zero either
 //
 // Each frame has a zero of its own at both ends. A receiver that joins in the middle, or loses or
@@ -15,7 +15,7 @@
 //   - inside, and no zero: a burst of at most 8 bits in what the CRC covers, or a wrong check;
 //   - a zero that was damaged: in front, no byte leaves the CRC's start as it is; behind, the first
 //     byte of the check would have to be a stuffing byte, but those are below 0x80;
-//   - inside, and now a zero: what stands before it fails for the same reason; what stands behind it
+//   - inside, and now a zero: the part before it fails for the same reason; the part behind it
 //     has the right check only if kz_frame_splits.
 #ifndef KAZ_SHARED_PROTOCOL_FRAME_H
 #define KAZ_SHARED_PROTOCOL_FRAME_H
@@ -26,7 +26,10 @@
 extern "C" {
 #endif
 
-#define KZ_HEADER_SIZE 3   // address, type, sequence number
+#define KZ_HEADER_SIZE 3  // address, type, sequence number: bytes 0, 1, 2 of a body
+#define KZ_BODY_ADDRESS 0
+#define KZ_BODY_TYPE 1
+#define KZ_BODY_SEQUENCE 2
 #define KZ_IDLE_MS 20      // a frame in which no byte comes for so long is given up
 #define KZ_PAYLOAD_MAX 96  // bytes of fields in one message
 #define KZ_BODY_MAX (KZ_HEADER_SIZE + KZ_PAYLOAD_MAX)
@@ -38,7 +41,7 @@ u16 kz_crc16(u16 crc, u8 byte);
 
 // What became of a received byte. Of several kinds of damage in one frame the first one counts.
 #define KZ_RECEIVE_MORE 0          // nothing complete yet
-#define KZ_RECEIVE_FRAME 1         // a sound frame ended: body[0..length-1]
+#define KZ_RECEIVE_FRAME 1         // a valid frame ended: body[0..length-1]
 #define KZ_RECEIVE_BAD_CHECK 2     // a frame ended whose check is wrong
 #define KZ_RECEIVE_BAD_STUFFING 3  // a frame ended in the middle of a stuffed block
 #define KZ_RECEIVE_TOO_SHORT 4
@@ -48,10 +51,10 @@ u16 kz_crc16(u16 crc, u8 byte);
 #define KZ_RECEIVE_IDLE 8        // no byte came for KZ_IDLE_MS in the middle of the frame
 
 // Errors of a received byte, as the SCI reports them.
-#define KZ_RX_OVERRUN 0x20  // the byte is sound, those after it are gone
+#define KZ_RX_OVERRUN 0x20  // the byte is valid, those after it are lost
 #define KZ_RX_FRAMING 0x10
 #define KZ_RX_PARITY 0x08
-#define KZ_RX_LOST 0x04  // the byte is sound, those before it are gone: the receive buffer was full
+#define KZ_RX_LOST 0x04  // the byte is valid, those before it are lost: the receive buffer was full
 
 #define KZ_RECEIVER_BETWEEN 1
 
@@ -66,7 +69,7 @@ typedef struct kz_receiver {
 } kz_receiver;
 
 void kz_receiver_init(kz_receiver* receiver);
-// `errors`: KZ_RX_* flags of the byte, 0 if it is sound.
+// `errors`: KZ_RX_* flags of the byte, 0 if it is valid.
 u8 kz_receive(kz_receiver* receiver, u8 byte, u8 errors);
 // Takes bytes up to the first one with a result other than KZ_RECEIVE_MORE, or all of them. In the
 // lower byte of what it returns: how many it took; in the upper byte: the result of the last.

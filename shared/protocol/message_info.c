@@ -14,7 +14,7 @@
 #define HIGH_u32 0xFFFFFFFFLL
 
 // Each table ends in an empty entry, so that a message without fields has a table too.
-#define KZ_MESSAGE(name, code, text) static const kz_field_info fields_of_##name[] = {
+#define KZ_MESSAGE(name, code, kind, text) static const kz_field_info fields_of_##name[] = {
 #define KZ_FIELD(type, name, unit, text) \
   {#type, #name, unit, text, NULL, LOW_##type, HIGH_##type, sizeof(type), 1, 0},
 #define KZ_BOUNDED(type, name, low, high, unit, text) \
@@ -30,9 +30,9 @@
 #include "shared/protocol/messages.def"
 
 const kz_message_info kz_messages[] = {
-#define KZ_MESSAGE(name, code, text)                                                             \
-  {#name, text,          fields_of_##name, sizeof(fields_of_##name) / sizeof(kz_field_info) - 1, \
-   code,  KZ_SIZE_##name},
+#define KZ_MESSAGE(name, code, kind, text)                                                        \
+  {#name, text,           fields_of_##name, sizeof(fields_of_##name) / sizeof(kz_field_info) - 1, \
+   code,  KZ_KIND_##kind, KZ_SIZE_##name},
 #include "shared/protocol/messages.def"
 };
 
@@ -44,6 +44,25 @@ const kz_message_info* kz_message_find(u8 code) {
     if (kz_messages[i].code == code) return &kz_messages[i];
   }
   return NULL;
+}
+
+u8 kz_kind_of(u8 code) {
+  const kz_message_info* message = kz_message_find(code);
+  return (u8)(message == NULL ? KZ_KIND_NONE : message->kind);
+}
+
+u8 kz_is_query(u8 request) {
+  const u8 kind = kz_kind_of(request);
+  return (u8)(kind == KZ_KIND_QUERY || kind == KZ_KIND_JOINT_QUERY);
+}
+
+u8 kz_writes_flash(u8 request) {
+  return (u8)(kz_kind_of(request) == KZ_KIND_FLASH_COMMAND);
+}
+
+u8 kz_interrupts_service(u8 request) {
+  const u8 kind = kz_kind_of(request);
+  return (u8)(kind == KZ_KIND_FLASH_COMMAND || kind == KZ_KIND_RESTART_COMMAND);
 }
 
 const char* kz_refusal_text(u8 reason) {

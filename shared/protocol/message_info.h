@@ -28,6 +28,7 @@ typedef struct kz_message_info {
   const kz_field_info* fields;
   u8 field_count;
   u8 code;
+  u8 kind;      // KZ_KIND_*
   u8 size_max;  // bytes of fields, at most
 } kz_message_info;
 
@@ -36,6 +37,16 @@ extern const u8 kz_message_count;
 
 // NULL if no message has this code.
 const kz_message_info* kz_message_find(u8 code);
+
+// KZ_KIND_* of the message with this code; KZ_KIND_NONE if there is none.
+u8 kz_kind_of(u8 code);
+// Whether a request changes nothing, so that it does not matter how often and when it is done.
+u8 kz_is_query(u8 request);
+// Whether the board writes flash for a request: its reply takes up to 3 s.
+u8 kz_writes_flash(u8 request);
+// Whether the board receives nothing for a while after a request: it writes flash or restarts.
+u8 kz_interrupts_service(u8 request);
+
 // "out of range" for KZ_REFUSED_RANGE; never NULL.
 const char* kz_refusal_text(u8 reason);
 // "emergency stop" for KZ_SHUTDOWN_STOP; never NULL.

@@ -5,11 +5,11 @@
 #include "shared/protocol/bytes.h"
 
 // Fails to compile where a message does not fit a frame.
-#define KZ_MESSAGE(name, code, text) \
+#define KZ_MESSAGE(name, code, kind, text) \
   typedef char name##_fits_a_frame[KZ_SIZE_##name <= KZ_PAYLOAD_MAX ? 1 : -1];
 #include "shared/protocol/messages.def"
 
-#define KZ_MESSAGE(name, code, text)                               \
+#define KZ_MESSAGE(name, code, kind, text)                         \
   u8 kz_pack_##name(const struct kz_##name* message, u8* fields) { \
     u8* to = fields;                                               \
     (void)message;
@@ -43,7 +43,7 @@
   fields += sizeof(type);                  \
   length = (u8)(length - sizeof(type));
 
-#define KZ_MESSAGE(name, code, text)                                            \
+#define KZ_MESSAGE(name, code, kind, text)                                      \
   u8 kz_unpack_##name(struct kz_##name* message, const u8* fields, u8 length) { \
     (void)fields;
 #define KZ_FIELD(type, name, unit, text) TAKE(type, message->name)
@@ -88,7 +88,7 @@ static inline u8 outside_u32(u32 value, u32 low, u32 high) {
   return (u8)(value < low || value > high);
 }
 
-#define KZ_MESSAGE(name, code, text)                    \
+#define KZ_MESSAGE(name, code, kind, text)              \
   u8 kz_check_##name(const struct kz_##name* message) { \
     u8 field = 0;                                       \
     (void)message;                                      \

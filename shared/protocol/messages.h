@@ -16,7 +16,7 @@ extern "C" {
 #define KZ_ADDRESS_DEFAULT 1  // a board whose id block is empty
 #define KZ_ADDRESS_LAST 14
 #define KZ_ADDRESS_ALL 15
-#define KZ_KEY 0x4B5A  // "KZ": what is not to happen by accident asks for it
+#define KZ_KEY 0x4B5A  // "KZ": required by requests that must not happen by accident
 #define KZ_ALL_JOINTS 0x3FFFF
 
 // Requests that may be under way at once: one being answered, one waiting.
@@ -30,7 +30,7 @@ extern "C" {
 #define KZ_STATUS_HOLDING 0x0004       // the link watchdog holds the joints where they were
 #define KZ_STATUS_UNLOCKED 0x0008      // bench unlock
 #define KZ_STATUS_RAW_DRIVE 0x0010     // a motor is driven without its loop
-#define KZ_STATUS_TELEMETRY 0x0020     // frames are sent unasked
+#define KZ_STATUS_TELEMETRY 0x0020     // periodic frames are sent
 #define KZ_STATUS_UNCALIBRATED 0x0040  // no valid calibration in flash: nominal values
 #define KZ_STATUS_MISSED_TICK 0x0080   // a tick took too long; until `clear`
 
@@ -38,7 +38,7 @@ extern "C" {
 // motors on; everything else switches them off.
 #define KZ_SHUTDOWN_NONE 0
 #define KZ_SHUTDOWN_STOP 1          // the host's emergency stop
-#define KZ_SHUTDOWN_LINK_LOST 2     // no sound request came for too long
+#define KZ_SHUTDOWN_LINK_LOST 2     // no valid request came for too long
 #define KZ_SHUTDOWN_POT 3           // potentiometer open or short; detail: joint
 #define KZ_SHUTDOWN_UNDERVOLTAGE 4  // supply
 #define KZ_SHUTDOWN_OVERVOLTAGE 5   // supply
@@ -55,9 +55,9 @@ extern "C" {
 // Joint flags.
 #define KZ_JOINT_ON 0x01
 #define KZ_JOINT_MOVING 0x02    // its ramp is under way
-#define KZ_JOINT_POT 0x04       // its potentiometer makes no sense at present
+#define KZ_JOINT_POT 0x04       // its potentiometer is out of range
 #define KZ_JOINT_STALLED 0x08   // high load at standstill at present
-#define KZ_JOINT_HOT 0x10       // more than half of what the motor stands has been used up
+#define KZ_JOINT_HOT 0x10       // more than half of the heat at which motors go off
 #define KZ_JOINT_AT_LIMIT 0x20  // at or beyond a soft limit: drive further out is cut
 
 // Capabilities.
@@ -92,6 +92,11 @@ extern "C" {
 #define KZ_RAMP_MAX 120           // 12 rad/s, near the motors' no-load speed
 #define KZ_CENTRE_TOLERANCE 5000  // 0.5 rad
 
+#define KZ_JOINTS_PER_REPLY 9  // joints that a `joints_reply` has room for
+
+// In a detail: no joint and no field.
+#define KZ_NO_DETAIL 255
+
 // Reasons of a refusal.
 #define KZ_REFUSED_UNKNOWN_TYPE 1  // no request has this type
 #define KZ_REFUSED_LENGTH 2        // more or fewer bytes than the type's fields
@@ -105,15 +110,32 @@ extern "C" {
 #define KZ_REFUSED_SHARED_LINE 10  // not on a line with other boards
 #define KZ_REFUSED_STORE 11        // flash could not be written
 
+// The kinds of messages.def. KZ_KIND_NONE: no message has this type.
+enum kz_kind {
+  KZ_KIND_NONE,
+  KZ_KIND_QUERY,
+  KZ_KIND_JOINT_QUERY,
+  KZ_KIND_COMMAND,
+  KZ_KIND_BULK_COMMAND,
+  KZ_KIND_FLASH_COMMAND,
+  KZ_KIND_RESTART_COMMAND,
+  KZ_KIND_REPLY,
+  KZ_KIND_LARGE_REPLY,
+  KZ_KIND_SPLIT_REPLY,
+  KZ_KIND_ACKNOWLEDGEMENT,
+  KZ_KIND_REFUSAL,
+  KZ_KIND_TELEMETRY
+};
+
 // Codes: KZ_TYPE_<name>.
 enum kz_type {
-#define KZ_MESSAGE(name, code, text) KZ_TYPE_##name = code,
+#define KZ_MESSAGE(name, code, kind, text) KZ_TYPE_##name = code,
 #include "shared/protocol/messages.def"
 };
 
 // Bytes of fields at most: KZ_SIZE_<name>.
 enum kz_size {
-#define KZ_MESSAGE(name, code, text) KZ_SIZE_##name = 0
+#define KZ_MESSAGE(name, code, kind, text) KZ_SIZE_##name = 0
 #define KZ_FIELD(type, name, unit, text) +(int)sizeof(type)
 #define KZ_ARRAY(type, name, count, unit, text) +(count) * (int)sizeof(type)
 #define KZ_MASKED(type, name, mask, most, unit, text) +(most) * (int)sizeof(type)
@@ -122,8 +144,8 @@ enum kz_size {
 };
 
 // struct kz_<name> for each message. One without fields has a dummy member, always 0.
-#define KZ_MESSAGE(name, code, text)  \
-  typedef struct kz_##name kz_##name; \
+#define KZ_MESSAGE(name, code, kind, text) \
+  typedef struct kz_##name kz_##name;      \
   struct kz_##name {
 #define KZ_FIELD(type, name, unit, text) type name;
 #define KZ_ARRAY(type, name, count, unit, text) type name[count];
@@ -136,11 +158,11 @@ enum kz_size {
 
 // kz_pack_<name> writes the bytes behind the header and returns how many (at most KZ_SIZE_<name>).
 // kz_unpack_<name> returns 1 if the length is right for the message, else 0. Bits of a mask above
-// the highest joint, or beyond the most that the message takes, stand for no number; numbers of joints
+// the highest joint, or beyond the most that the message takes, have no number; numbers of joints
 // outside the mask become 0.
 // kz_check_<name> returns the number of the first field that is out of its bounds, or KZ_IN_BOUNDS.
 #define KZ_IN_BOUNDS 255
-#define KZ_MESSAGE(name, code, text)                                           \
+#define KZ_MESSAGE(name, code, kind, text)                                     \
   u8 kz_pack_##name(const struct kz_##name* message, u8* fields);              \
   u8 kz_unpack_##name(struct kz_##name* message, const u8* fields, u8 length); \
   u8 kz_check_##name(const struct kz_##name* message);

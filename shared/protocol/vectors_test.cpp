@@ -130,7 +130,7 @@ struct Codec {
   json (*unpack)(const Bytes& fields, int* out_of_bounds);  // null if the length is wrong
 };
 
-#define KZ_MESSAGE(name, code, text)                        \
+#define KZ_MESSAGE(name, code, kind, text)                  \
   Bytes packed(const kz_##name& message) {                  \
     Bytes fields(KZ_PAYLOAD_MAX);                           \
     fields.resize(kz_pack_##name(&message, fields.data())); \
@@ -138,9 +138,9 @@ struct Codec {
   }
 #include "shared/protocol/messages.def"
 
-#define KZ_MESSAGE(name, code, text)      \
-  Bytes pack_##name(const json& fields) { \
-    kz_##name message = {};               \
+#define KZ_MESSAGE(name, code, kind, text) \
+  Bytes pack_##name(const json& fields) {  \
+    kz_##name message = {};                \
     (void)fields;
 #define KZ_FIELD(type, name, unit, text) message.name = fields[#name].get<type>();
 #define KZ_ARRAY(type, name, count, unit, text) numbers_of(fields[#name], message.name, count);
@@ -151,7 +151,7 @@ struct Codec {
   }
 #include "shared/protocol/messages.def"
 
-#define KZ_MESSAGE(name, code, text)                                                         \
+#define KZ_MESSAGE(name, code, kind, text)                                                   \
   json unpack_##name(const Bytes& bytes, int* out_of_bounds) {                               \
     kz_##name message;                                                                       \
     json fields = json::object();                                                            \
@@ -167,7 +167,7 @@ struct Codec {
 #include "shared/protocol/messages.def"
 
 const std::map<std::string, Codec> codecs = {
-#define KZ_MESSAGE(name, code, text) {#name, {pack_##name, unpack_##name}},
+#define KZ_MESSAGE(name, code, kind, text) {#name, {pack_##name, unpack_##name}},
 #include "shared/protocol/messages.def"
 };
 

@@ -1,11 +1,11 @@
-// What only a bench needs, and what the board does between two ticks.
+// Requests for the bench: unlock, raw drive, flash, reset.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/bench.h"
 
-#include "shared/servo/joint_loop.h"
+#include "shared/servo/handlers.h"
 #include "shared/servo/joints.h"
-#include "shared/servo/requests.h"
 #include "shared/servo/safety.h"
+#include "shared/servo/shutdown.h"
 
 #define MS_PER_S 1000
 
@@ -63,15 +63,16 @@ void kz_bench_drive(kz_servo* servo) {
   }
 }
 
-static kz_outcome ask_for(kz_servo* servo, u8 action, kz_outcome outcome) {
+static kz_outcome request_action(kz_servo* servo, u8 action, kz_outcome outcome) {
   if (kz_motors_on(servo)) return KZ_REFUSE(KZ_REFUSED_ARMED, KZ_NO_DETAIL);
   servo->extras = 1;
   servo->action = action;
   return outcome;
 }
 
-kz_outcome kz_do_store_calibration(kz_servo* servo) {
-  return ask_for(servo, KZ_ACTION_STORE_CALIBRATION, KZ_LATER);
+kz_outcome kz_do_store_calibration(kz_servo* servo, const kz_store_calibration* request) {
+  (void)request;
+  return request_action(servo, KZ_ACTION_STORE_CALIBRATION, KZ_LATER);
 }
 
 kz_outcome kz_do_set_address(kz_servo* servo, const kz_set_address* request) {
@@ -79,29 +80,15 @@ kz_outcome kz_do_set_address(kz_servo* servo, const kz_set_address* request) {
   if (kz_motors_on(servo)) return KZ_REFUSE(KZ_REFUSED_ARMED, KZ_NO_DETAIL);
   servo->new_address = request->address;
   servo->new_shared_line = request->shared_line;
-  return ask_for(servo, KZ_ACTION_STORE_ADDRESS, KZ_LATER);
+  return request_action(servo, KZ_ACTION_STORE_ADDRESS, KZ_LATER);
 }
 
-kz_outcome kz_do_reset(kz_servo* servo) {
-  return ask_for(servo, KZ_ACTION_RESET, KZ_DONE);
+kz_outcome kz_do_reset(kz_servo* servo, const kz_reset* request) {
+  (void)request;
+  return request_action(servo, KZ_ACTION_RESET, KZ_DONE);
 }
 
-kz_outcome kz_do_loader(kz_servo* servo) {
-  return ask_for(servo, KZ_ACTION_LOADER, KZ_DONE);
-}
-
-u8 kz_action_start(kz_servo* servo, const kz_tick_input* input) {
-  if (!kz_requests_leave_room(servo)) return KZ_ACTION_NONE;
-  if (input->tx_room < KZ_TX_BUFFER) return KZ_ACTION_NONE;
-  servo->acting = 1;
-  return servo->action;
-}
-
-void kz_action_finish(kz_servo* servo, const kz_tick_input* input) {
-  const u8 done = (u8)(input->result == KZ_RESULT_DONE);
-  if (done && servo->action == KZ_ACTION_STORE_CALIBRATION) servo->uncalibrated = 0;
-  servo->acting = 0;
-  servo->action = KZ_ACTION_NONE;
-  if (!done) kz_count(&servo->refusals);
-  kz_requests_finish(servo, done ? KZ_DONE : KZ_REFUSE(KZ_REFUSED_STORE, KZ_NO_DETAIL));
+kz_outcome kz_do_loader(kz_servo* servo, const kz_loader* request) {
+  (void)request;
+  return request_action(servo, KZ_ACTION_LOADER, KZ_DONE);
 }

@@ -1,9 +1,9 @@
-// What only a bench needs, and what the board does between two ticks.
+// Requests for the bench: unlock, raw drive, flash, reset.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_BENCH_H
 #define KAZ_SHARED_SERVO_BENCH_H
 
-#include "shared/servo/commands.h"
+#include "shared/servo/servo.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,13 +15,6 @@ void kz_bench_update(kz_servo* servo, const kz_tick_input* input);
 
 // Drives the motor of the raw drive, after the joints' loops; raw_ms is not 0.
 void kz_bench_drive(kz_servo* servo);
-
-// Takes the result of the action that the tick before asked for.
-void kz_action_finish(kz_servo* servo, const kz_tick_input* input);
-
-// Asks for the action that a request wants, once all that was to be sent before it has left the
-// transmitter; until then KZ_ACTION_NONE.
-u8 kz_action_start(kz_servo* servo, const kz_tick_input* input);
 
 #ifdef __cplusplus
 }

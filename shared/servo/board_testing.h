@@ -11,7 +11,7 @@
 
 #include "shared/board/table.h"
 #include "shared/protocol/messages.h"
-#include "shared/servo/servo.h"
+#include "shared/servo/tick.h"
 
 namespace kaz::test {
 

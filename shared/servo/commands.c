@@ -1,114 +1,86 @@
-// From a request's type and bytes to what it does.
+// Dispatch of requests, generated from messages.def.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/commands.h"
 
-#include "shared/servo/replies.h"
+#include "shared/servo/joints.h"
 
-u8 kz_count_joints(u32 mask) {
-  // In two halves: the H8 does 16 bits at once.
-  u16 bits = (u16)mask;
-  u8 count = 0;
-  for (; bits != 0; bits = (u16)(bits & (u16)(bits - 1))) ++count;
-  for (bits = (u16)(mask >> 16); bits != 0; bits = (u16)(bits & (u16)(bits - 1))) ++count;
-  return count;
+// What the reply to a JOINT_QUERY is about: a mask of joints, or a joint.
+
+static kz_outcome select_read_targets(const kz_read_targets* request, u32* parameter) {
+  *parameter = request->mask;
+  return KZ_DONE;
 }
 
-// Takes the fields apart into `request`, and checks them against their bounds.
-#define TAKE(name)                                        \
-  if (!kz_unpack_##name(&request.name, fields, length)) { \
-    return KZ_REFUSE(KZ_REFUSED_LENGTH, KZ_NO_DETAIL);    \
-  }                                                       \
-  wrong = kz_check_##name(&request.name);                 \
+static kz_outcome select_joints(const kz_joints* request, u32* parameter) {
+  if (kz_count_joints(request->mask) > KZ_JOINTS_PER_REPLY) {
+    return KZ_REFUSE(KZ_REFUSED_RANGE, 0);
+  }
+  *parameter = request->mask;
+  return KZ_DONE;
+}
+
+static kz_outcome select_settings(const kz_settings* request, u32* parameter) {
+  *parameter = request->joint;
+  return KZ_DONE;
+}
+
+// Unpacks the fields into `request` and checks their bounds. Conditions on KZ_SIZE_<name> are known
+// to the compiler: a message without fields is only checked for its length.
+#define TAKE(name)                                                                            \
+  if (KZ_SIZE_##name == 0 ? length != 0 : !kz_unpack_##name(&request.name, fields, length)) { \
+    return KZ_REFUSE(KZ_REFUSED_LENGTH, KZ_NO_DETAIL);                                        \
+  }                                                                                           \
+  wrong = KZ_SIZE_##name == 0 ? KZ_IN_BOUNDS : kz_check_##name(&request.name);                \
   if (wrong != KZ_IN_BOUNDS) return KZ_REFUSE(KZ_REFUSED_RANGE, wrong);
 
-#define TAKE_NOTHING() \
-  if (length != 0) return KZ_REFUSE(KZ_REFUSED_LENGTH, KZ_NO_DETAIL);
+// One case of the switch for each kind of message.
+#define CASE_QUERY(name)                                                \
+  case KZ_TYPE_##name:                                                  \
+    if (length != 0) return KZ_REFUSE(KZ_REFUSED_LENGTH, KZ_NO_DETAIL); \
+    return KZ_DONE;
+#define CASE_JOINT_QUERY(name) \
+  case KZ_TYPE_##name:         \
+    TAKE(name)                 \
+    return select_##name(&request.name, parameter);
+#define CASE_COMMAND(name) \
+  case KZ_TYPE_##name:     \
+    TAKE(name)             \
+    return kz_do_##name(servo, KZ_SIZE_##name != 0 ? &request.name : 0);
+#define CASE_BULK_COMMAND(name) \
+  case KZ_TYPE_##name:          \
+    return kz_do_##name(servo, fields, length);
+#define CASE_FLASH_COMMAND(name) CASE_COMMAND(name)
+#define CASE_RESTART_COMMAND(name) CASE_COMMAND(name)
+#define CASE_REPLY(name)
+#define CASE_LARGE_REPLY(name)
+#define CASE_SPLIT_REPLY(name)
+#define CASE_ACKNOWLEDGEMENT(name)
+#define CASE_REFUSAL(name)
+#define CASE_TELEMETRY(name)
+
+// Members of the union of all requests that are unpacked.
+#define MEMBER_QUERY(name)
+#define MEMBER_JOINT_QUERY(name) kz_##name name;
+#define MEMBER_COMMAND(name) kz_##name name;
+#define MEMBER_BULK_COMMAND(name)
+#define MEMBER_FLASH_COMMAND(name) kz_##name name;
+#define MEMBER_RESTART_COMMAND(name) kz_##name name;
+#define MEMBER_REPLY(name)
+#define MEMBER_LARGE_REPLY(name)
+#define MEMBER_SPLIT_REPLY(name)
+#define MEMBER_ACKNOWLEDGEMENT(name)
+#define MEMBER_REFUSAL(name)
+#define MEMBER_TELEMETRY(name)
 
 kz_outcome kz_command(kz_servo* servo, u8 type, const u8* fields, u8 length, u32* parameter) {
   union {
-    kz_enable enable;
-    kz_gains gains;
-    kz_limits limits;
-    kz_heartbeat heartbeat;
-    kz_read_targets read_targets;
-    kz_joints joints;
-    kz_settings settings;
-    kz_telemetry telemetry;
-    kz_unlock unlock;
-    kz_raw_drive raw_drive;
-    kz_set_address set_address;
-    kz_reset reset;
-    kz_loader loader;
+#define KZ_MESSAGE(name, code, kind, text) MEMBER_##kind(name)
+#include "shared/protocol/messages.def"
   } request;
   u8 wrong;
   switch (type) {
-    case KZ_TYPE_identify:
-    case KZ_TYPE_health:
-    case KZ_TYPE_statistics:
-    case KZ_TYPE_self_test:
-    case KZ_TYPE_state:
-    case KZ_TYPE_calibration:
-    case KZ_TYPE_inertial:
-      TAKE_NOTHING()
-      return KZ_DONE;
-    case KZ_TYPE_read_targets:
-      TAKE(read_targets)
-      *parameter = request.read_targets.mask;
-      return KZ_DONE;
-    case KZ_TYPE_joints:
-      TAKE(joints)
-      if (kz_count_joints(request.joints.mask) > KZ_JOINTS_REPLY_MOST) {
-        return KZ_REFUSE(KZ_REFUSED_RANGE, 0);
-      }
-      *parameter = request.joints.mask;
-      return KZ_DONE;
-    case KZ_TYPE_settings:
-      TAKE(settings)
-      *parameter = request.settings.joint;
-      return KZ_DONE;
-    case KZ_TYPE_stop:
-      TAKE_NOTHING()
-      return kz_do_stop(servo);
-    case KZ_TYPE_clear:
-      TAKE_NOTHING()
-      return kz_do_clear(servo);
-    case KZ_TYPE_enable:
-      TAKE(enable)
-      return kz_do_enable(servo, request.enable.mask);
-    case KZ_TYPE_targets:
-      return kz_do_targets(servo, fields, length);
-    case KZ_TYPE_gains:
-      TAKE(gains)
-      return kz_do_gains(servo, &request.gains);
-    case KZ_TYPE_limits:
-      TAKE(limits)
-      return kz_do_limits(servo, &request.limits);
-    case KZ_TYPE_heartbeat:
-      TAKE(heartbeat)
-      return kz_do_heartbeat(servo, &request.heartbeat);
-    case KZ_TYPE_telemetry:
-      TAKE(telemetry)
-      return kz_do_telemetry(servo, &request.telemetry);
-    case KZ_TYPE_calibrate:
-      return kz_do_calibrate(servo, fields, length);
-    case KZ_TYPE_store_calibration:
-      TAKE_NOTHING()
-      return kz_do_store_calibration(servo);
-    case KZ_TYPE_unlock:
-      TAKE(unlock)
-      return kz_do_unlock(servo, &request.unlock);
-    case KZ_TYPE_raw_drive:
-      TAKE(raw_drive)
-      return kz_do_raw_drive(servo, &request.raw_drive);
-    case KZ_TYPE_set_address:
-      TAKE(set_address)
-      return kz_do_set_address(servo, &request.set_address);
-    case KZ_TYPE_reset:
-      TAKE(reset)
-      return kz_do_reset(servo);
-    case KZ_TYPE_loader:
-      TAKE(loader)
-      return kz_do_loader(servo);
+#define KZ_MESSAGE(name, code, kind, text) CASE_##kind(name)
+#include "shared/protocol/messages.def"
     default:
       return KZ_REFUSE(KZ_REFUSED_UNKNOWN_TYPE, KZ_NO_DETAIL);
   }

@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-// `count` times a number of `size` bytes: element i stands at offset + i * stride from the start of
+// `count` times a number of `size` bytes: element i is at offset + i * stride from the start of
 // struct kz_servo, little-endian on the PC and big-endian on the H8, at the same place on both.
 typedef struct kz_state_field {
   const char* name;  // "enabled", "joint.angle", "receiver.crc"

@@ -1,11 +1,12 @@
 // Supply, temperature of the motor drivers, reference of the converter.
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/servo/commands.h"
-#include "shared/servo/safety.h"
+#include "shared/servo/health.h"
+
+#include "shared/servo/shutdown.h"
 
 #define SUPPLY_MV_PER_CODE (KZ_SUPPLY_FULL_MV / KZ_POT_CODES)
 
-// Each is looked at in one tick of four.
+// Each is checked in one tick of four.
 #define PERIOD_MS 4
 
 void kz_health_init(kz_servo* servo) {
@@ -57,7 +58,7 @@ static void watch_reference(kz_servo* servo, u16 code) {
 
 void kz_health_update(kz_servo* servo, const kz_tick_input* input) {
   const u8 phase = (u8)(servo->phase & (PERIOD_MS - 1));
-  // The reference first: if it is wrong, what the others read means nothing.
+  // The reference first: if it is wrong, the other readings are invalid.
   if (phase == 1) {
     watch_reference(servo, input->analog[KZ_ANALOG_REFERENCE]);
   } else if (phase == 2) {

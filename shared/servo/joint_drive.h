@@ -1,17 +1,27 @@
-// From a wish for drive to duty and direction, as the soft limits allow; inline for the loop.
+// Clamps a drive by the soft limits and converts it to duty and direction; inline for the loop.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_JOINT_DRIVE_H
 #define KAZ_SHARED_SERVO_JOINT_DRIVE_H
 
-#include "shared/servo/joint_loop.h"
+#include "shared/servo/servo.h"
 
-// What of a rate towards a limit is too fast, `way` before it.
-static inline u16 kz_too_fast(u16 way, u16 rate) {
-  way = (u16)(way + (way < KZ_NEAR_LIMIT ? way : KZ_NEAR_LIMIT));
-  return (u16)(rate > way ? rate - way : 0);
+#define KZ_DUTY_MAX 255
+#define KZ_DRIVE_SHIFT 11  // a drive has 2048 to a count of duty
+
+// Rates are 1/64 of 100 urad/ms, so a distance of 100 urad allows a rate of 1 with T = 64 ms.
+#define KZ_NEAR_LIMIT 1000  // 100 urad: within this distance T is halved
+// At lower rates, below 0.5 rad/s, no drive is clamped: more than the noise of one A/D code causes.
+#define KZ_SLOW 320
+// Braking gain: full drive at 4 rad/s above the speed allowed, in 1/2048 of a count for a unit of rate.
+#define KZ_BRAKE 204
+
+// Excess of `rate` towards a limit at `distance` over the rate allowed there.
+static inline u16 kz_excess_rate(u16 distance, u16 rate) {
+  distance = (u16)(distance + (distance < KZ_NEAR_LIMIT ? distance : KZ_NEAR_LIMIT));
+  return (u16)(rate > distance ? rate - distance : 0);
 }
 
-// `drive`, in 1/2048 of a count, as far as the soft limits allow it.
+// `drive`, in 1/2048 of a count of duty, clamped and braked by the soft limits (joint_loop.h).
 static inline s32 kz_hold_back(const kz_joint* joint, s32 drive) {
   const s16 angle = joint->angle;
   const s16 rate = joint->rate;
@@ -20,17 +30,18 @@ static inline s32 kz_hold_back(const kz_joint* joint, s32 drive) {
   if (angle >= upper && drive > 0) drive = 0;
   if (angle <= lower && drive < 0) drive = 0;
   if (rate > KZ_SLOW) {
-    const u16 excess = kz_too_fast((u16)(angle < upper ? upper - angle : 0), (u16)rate);
+    const u16 excess = kz_excess_rate((u16)(angle < upper ? upper - angle : 0), (u16)rate);
     const s32 brake = -(s32)((u32)excess * KZ_BRAKE);
     if (excess != 0 && drive > brake) drive = brake;
   } else if (rate < -KZ_SLOW) {
-    const u16 excess = kz_too_fast((u16)(angle > lower ? angle - lower : 0), (u16)-rate);
+    const u16 excess = kz_excess_rate((u16)(angle > lower ? angle - lower : 0), (u16)-rate);
     const s32 brake = (s32)((u32)excess * KZ_BRAKE);
     if (excess != 0 && drive < brake) drive = brake;
   }
   return drive;
 }
 
+// Sets duty and direction of the joint's motor, `drive` rounded to whole counts.
 static inline void kz_put_drive(kz_joint* joint, s32 drive) {
   u32 strength;
   u8 forward = joint->mirrored;

@@ -1,11 +1,10 @@
 // One millisecond of the joints: measuring, ramps, position loop, soft limits.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The board runs the same in assembler, firmware/joint_loop.S: whoever changes one changes both.
+// The board runs the same in assembler, firmware/joint_loop.S: change both or neither.
 #include "shared/servo/joint_loop.h"
 
 #include "shared/board/pot.h"
-#include "shared/servo/joint_drive.h"
 
 // `left` steps remain; after the last the command is exactly the target. A ramp that meets a soft
 // limit, because that was moved, ends there; or where it is, if that is already outside.
@@ -46,7 +45,7 @@ static inline void follow_ramp(kz_joint* joint, u16 left) {
 static inline void measure(kz_joint* joint, s16 angle) {
   s16 delta = (s16)((u16)angle - (u16)joint->angle);
   const s16 rate = joint->rate;
-  if (joint->pot_bad_ms != 0) {  // the angle before means nothing
+  if (joint->pot_bad_ms != 0) {  // the previous angle is invalid
     joint->pot_bad_ms = 0;
     delta = 0;
   }
@@ -94,7 +93,7 @@ u16 kz_joint_loop(kz_joint* joint, const u16* analog) {
         joint->forward = 0;
       }
     } else {
-      // Nobody knows where the joint is: the last angle stays, and the motor gets no power.
+      // The angle is unknown: the last one stays, and the motor is off.
       joint->rate = 0;
       joint->duty = 0;
       joint->forward = 0;

@@ -3,48 +3,40 @@
 //
 //   drive = kp e - kd rate + friction sign(e),  e = command - angle, 0 inside the dead band
 //
-// Whatever asks for it, a joint is held back before a soft limit: the speed at which it may approach
-// falls with the way that is left,
+// Soft limits bound the speed at which a joint may approach them, by the remaining distance,
 //
-//   speed allowed = way / T,  T = 64 ms; on the last 0.1 rad 32 ms
+//   max speed = distance / T,  T = 64 ms; 32 ms within 0.1 rad of the limit
 //
-// and what is faster is braked with up to full drive. At and beyond a limit there is no drive further
-// out. T is so long that full reverse drive at 10 V stops what a joint of Kaz carries: to slow down
-// along that line takes speed / T. Of all joints the hips carry most, 0.02 kg m2 (the leg stretched);
-// at 12 rad/s that is 3.8 Nm, and reverse drive and back-EMF give 4.4.
+// whatever drive the position loop computes. A faster joint is braked with up to full drive. At and
+// beyond a limit there is no drive further out. T is long enough for full reverse drive at 10 V to stop
+// the load of any joint of Kaz: the deceleration along that line is speed / T. The hips carry the
+// largest inertia, 0.02 kg m2 (leg stretched); at 12 rad/s that takes 3.8 Nm, and reverse drive and
+// back-EMF give 4.4 Nm.
 //
-// All this is only done for a joint that is `constrained`: dead band and friction for one that has such,
-// the limits for one that may be near to them. The latter is looked after every 4 ms (protection.c):
-// a joint is not near when both limits are further away than it can get in that time at any speed that
-// the limit allows.
+// To save time, only a joint that is `constrained` gets all this: by friction, if it has a dead band or
+// friction; near a limit, if it may reach one. The latter is decided every 4 ms (protection.c): a joint
+// is not near when both limits are further away than it can move in that time at any speed that the
+// limits allow.
 #ifndef KAZ_SHARED_SERVO_JOINT_LOOP_H
 #define KAZ_SHARED_SERVO_JOINT_LOOP_H
 
+#include "shared/servo/joint_drive.h"
 #include "shared/servo/servo.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-// Fastest change of angle in a tick that is believed: 51 rad/s, four times what the motor can.
+// Max change of angle in a tick, larger ones are clamped: 51 rad/s, four times the motor's no-load speed.
 // Keeps the filtered rate inside 16 bits: 64 * 511 = 32704.
 #define KZ_DELTA_MAX 511
-#define KZ_DUTY_MAX 255
 // Why a joint is constrained.
 #define KZ_CONSTRAINED_NEAR_LIMIT 1
 #define KZ_CONSTRAINED_BY_FRICTION 2  // it has a dead band or friction
-#define KZ_DRIVE_SHIFT 11             // a drive has 2048 to a count of duty
 
-// Rates are 1/64 of 100 urad/ms, so a way of 100 urad allows a rate of 1 if T is 64 ms.
-#define KZ_NEAR_LIMIT 1000  // 100 urad: on this last way T is half
-// Slower than that, 0.5 rad/s, nothing is held back. More than the flicker of one code gives.
-#define KZ_SLOW 320
-// Full drive against 4 rad/s too fast, in 1/2048 of a count for a unit of rate.
-#define KZ_BRAKE 204
-
-// A joint whose ways to both limits are longer than its rate and this need not be looked at for 4 ms:
-// the rate allowed is the way and 1000; in 4 ms it gets 620 nearer (15.5 rad/s, free at 12 V), and
-// full drive raises the filtered rate by 41 % of a step to full speed, 3,420.
+// A joint further from both limits than its rate plus this cannot reach the braking region within 4 ms:
+// the rate allowed is the distance plus 1000; in 4 ms it gets 620 nearer (15.5 rad/s, no-load speed at
+// 12 V), and full drive raises the filtered rate by 41 % of a step to full speed, 3,420.
 #define KZ_FAR_FROM_LIMIT 3100
 
 // One millisecond of all joints: angles and rates from the A/D codes; for those that are on also
@@ -55,10 +47,6 @@ u16 kz_joint_loop(kz_joint* joint, const u16* analog);
 static inline u16 kz_joints_update(kz_servo* servo, const kz_tick_input* input) {
   return kz_joint_loop(servo->joint, input->analog);
 }
-
-// Raw drive of a motor whose joint is off, -255..255, after kz_joints_update; held back before the
-// soft limits like the loop.
-void kz_joint_drive_raw(kz_joint* joint, s16 drive);
 
 #ifdef __cplusplus
 }

@@ -1,10 +1,10 @@
-// Replies with numbers of many joints: written once, straight to where they are sent from.
+// Replies with numbers of many joints, written straight to the sender's bytes.
 // SPDX-License-Identifier: Apache-2.0
+#include "shared/servo/joint_replies.h"
+
 #include "shared/protocol/bytes.h"
-#include "shared/servo/commands.h"
 #include "shared/servo/joints.h"
-#include "shared/servo/replies.h"
-#include "shared/servo/safety.h"
+#include "shared/servo/status.h"
 
 #define FASTEST 20970  // rate whose speed just fits 16 bits
 

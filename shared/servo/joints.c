@@ -4,7 +4,7 @@
 
 #include "shared/board/table.h"
 #include "shared/servo/joint_drive.h"
-#include "shared/servo/protection.h"
+#include "shared/servo/joint_loop.h"
 
 #define THIRD (KZ_JOINTS / 3)
 #define THIRD_MASK ((1 << THIRD) - 1)
@@ -97,19 +97,6 @@ void kz_joints_hold(kz_servo* servo) {
   }
 }
 
-u8 kz_joint_flags(const kz_joint* joint, u8 fresh) {
-  u8 flags = 0;
-  if (joint->on) {
-    flags |= KZ_JOINT_ON;
-    if (joint->ramp_left != 0 || fresh) flags |= KZ_JOINT_MOVING;
-  }
-  if (joint->pot_bad_ms != 0) flags |= KZ_JOINT_POT;
-  if (joint->stalled >= KZ_STALL_TOLD) flags |= KZ_JOINT_STALLED;
-  if (joint->heat >> 16 > KZ_HEAT_FULL / 2) flags |= KZ_JOINT_HOT;
-  if (joint->angle <= joint->lower || joint->angle >= joint->upper) flags |= KZ_JOINT_AT_LIMIT;
-  return flags;
-}
-
 s16 kz_joint_drive(const kz_joint* joint) {
   const s16 duty = (s16)joint->duty;
   return joint->forward == joint->mirrored ? (s16)-duty : duty;
@@ -170,4 +157,13 @@ void kz_joints_start_ramps(kz_servo* servo) {
     if (bits & 1) start_ramp(joint);
     ++joint;
   }
+}
+
+u8 kz_count_joints(u32 mask) {
+  // In two halves: the H8 does 16 bits at once.
+  u16 bits = (u16)mask;
+  u8 count = 0;
+  for (; bits != 0; bits = (u16)(bits & (u16)(bits - 1))) ++count;
+  for (bits = (u16)(mask >> 16); bits != 0; bits = (u16)(bits & (u16)(bits - 1))) ++count;
+  return count;
 }

@@ -12,7 +12,7 @@ extern "C" {
 // Gains and ramp after reset; `servo` is all zeros before.
 void kz_joints_init(kz_servo* servo, const kz_startup* startup);
 
-// Switches the joints of the mask on and all others off. One that was off holds where it stands.
+// Switches the joints of the mask on and all others off. One that was off holds its present angle.
 // Ends a raw drive.
 void kz_joints_enable(kz_servo* servo, u32 mask);
 
@@ -24,27 +24,24 @@ void kz_joints_start_ramps(kz_servo* servo);
 // Ends all ramps: the commands stay where they are.
 void kz_joints_hold(kz_servo* servo);
 
-// servo->joint[number], without a multiplication of 32 bits, which the H8 does not have.
-static inline kz_joint* kz_joint_at(kz_servo* servo, u8 number) {
-  return (kz_joint*)((u8*)servo->joint + (u16)((u16)number * (u16)sizeof(kz_joint)));
-}
-static inline const kz_joint* kz_joint_of(const kz_servo* servo, u8 number) {
-  return (const kz_joint*)((const u8*)servo->joint + (u16)((u16)number * (u16)sizeof(kz_joint)));
-}
-
-// KZ_JOINT_* flags. `fresh`: its ramp has not started yet.
-u8 kz_joint_flags(const kz_joint* joint, u8 fresh);
 // Motor drive -255..255, positive turns the joint positively.
 s16 kz_joint_drive(const kz_joint* joint);
 // Torque as a share of the stall torque, 0..255.
 u8 kz_joint_load(const kz_joint* joint);
 
-// `kp` and `kd` as in the message `gains`, scaled as the loop wants them.
+// Raw drive of a motor whose joint is off, -255..255, after kz_joints_update; held back before the
+// soft limits like the loop.
+void kz_joint_drive_raw(kz_joint* joint, s16 drive);
+
+// `kp` and `kd` as in the message `gains`, scaled for the loop.
 s16 kz_scaled_kp(u16 kp);
 s16 kz_scaled_kd(u16 kd);
 // And back, to the nearest: scaled once more it gives the same again.
 u16 kz_unscaled_kp(s16 scaled);
 u16 kz_unscaled_kd(s16 scaled);
+
+// How many joints a mask has.
+u8 kz_count_joints(u32 mask);
 
 #ifdef __cplusplus
 }

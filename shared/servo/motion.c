@@ -1,9 +1,10 @@
 // Requests that move joints or stop them: enable, targets, stop, clear, heartbeat.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/protocol/bytes.h"
-#include "shared/servo/commands.h"
+#include "shared/servo/handlers.h"
 #include "shared/servo/joints.h"
 #include "shared/servo/safety.h"
+#include "shared/servo/shutdown.h"
 
 // Where the fields of `targets` stand.
 #define TARGETS_DURATION 4
@@ -18,7 +19,8 @@ static u8 lowest_bit(u32 mask) {
   return bit;
 }
 
-kz_outcome kz_do_enable(kz_servo* servo, u32 mask) {
+kz_outcome kz_do_enable(kz_servo* servo, const kz_enable* request) {
+  const u32 mask = request->mask;
   if (mask != 0) {
     u8 reason = servo->shutdown;
     if (reason == KZ_SHUTDOWN_NONE) reason = kz_active_fault(servo, mask);
@@ -72,12 +74,14 @@ kz_outcome kz_do_targets(kz_servo* servo, const u8* fields, u8 length) {
   return KZ_DONE;
 }
 
-kz_outcome kz_do_stop(kz_servo* servo) {
+kz_outcome kz_do_stop(kz_servo* servo, const kz_stop* request) {
+  (void)request;
   kz_shutdown(servo, KZ_SHUTDOWN_STOP, KZ_NO_DETAIL);
   return KZ_DONE;
 }
 
-kz_outcome kz_do_clear(kz_servo* servo) {
+kz_outcome kz_do_clear(kz_servo* servo, const kz_clear* request) {
+  (void)request;
   if (kz_cause_present(servo)) return KZ_REFUSE(KZ_REFUSED_FAULT, servo->shutdown);
   if (servo->holding) kz_joints_enable(servo, 0);
   servo->shutdown = KZ_SHUTDOWN_NONE;

@@ -3,13 +3,12 @@
 #include "shared/servo/protection.h"
 
 #include "shared/servo/joint_loop.h"
-#include "shared/servo/joints.h"
-#include "shared/servo/safety.h"
+#include "shared/servo/shutdown.h"
 
 #define LOAD_MAX 255
 #define LIMITS_MS 4
-// A joint this fast, 8 rad/s, is looked at wherever it is: limits, at most 24434 from 0, and this and
-// KZ_FAR_FROM_LIMIT stay inside 16 bits together.
+// A joint faster than 8 rad/s counts as near a limit wherever it is: so limits, at most 24434 from 0, plus
+// this plus KZ_FAR_FROM_LIMIT fit 16 bits.
 #define FAST 5200
 // Voltage and speed in the same unit, 2^14 of it a count of load: 10 V give 16,250 (supply_mv * 1.625)
 // for each count of duty, full duty 4,143,750; a motor without load turns at 12.97 rad/s then, which
@@ -34,9 +33,9 @@ static inline void warm(kz_joint* joint, u16 load) {
 
 static inline void watch_stall(kz_joint* joint, u16 load) {
   const s16 angle = joint->angle;
-  const u16 way = (u16)((u16)(angle - joint->stall_angle) + KZ_STALL_WAY);
+  const u16 moved = (u16)((u16)(angle - joint->stall_angle) + KZ_STALL_ANGLE);
   const u8 stalled = joint->stalled;
-  if (way > 2 * KZ_STALL_WAY) {  // it moves
+  if (moved > 2 * KZ_STALL_ANGLE) {
     joint->stall_angle = angle;
     joint->stalled = 0;
   } else if (load >= KZ_STALL_LOAD) {

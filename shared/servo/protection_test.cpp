@@ -10,6 +10,7 @@
 #include "shared/servo/board_testing.h"
 #include "shared/servo/joint_loop.h"
 #include "shared/servo/joints.h"
+#include "shared/servo/status.h"
 
 namespace kaz::test {
 namespace {

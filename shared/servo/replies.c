@@ -3,11 +3,18 @@
 #include "shared/servo/replies.h"
 
 #include "kz_build_id.h"
+#include "shared/servo/joint_replies.h"
 #include "shared/servo/joints.h"
-#include "shared/servo/safety.h"
+#include "shared/servo/status.h"
 
-static u8 reply_identify(const kz_servo* servo, u8* fields) {
+// Each writes the fields of one reply and returns how many bytes: put_<name>, called in one place.
+#define REPLY(name) \
+  static u8 put_##name(const kz_servo* servo, const kz_tick_input* input, u32 parameter, u8* fields)
+
+REPLY(identify_reply) {
   kz_identify_reply reply;
+  (void)input;
+  (void)parameter;
   reply.tick = servo->tick;
   reply.protocol_version = KZ_PROTOCOL_VERSION;
   reply.joints = KZ_JOINTS;
@@ -23,8 +30,10 @@ static u8 reply_identify(const kz_servo* servo, u8* fields) {
   return kz_pack_identify_reply(&reply, fields);
 }
 
-static u8 reply_health(const kz_servo* servo, u8* fields) {
+REPLY(health_reply) {
   kz_health_reply reply;
+  (void)input;
+  (void)parameter;
   reply.tick = servo->tick;
   reply.status = kz_status(servo);
   reply.detail = servo->shutdown_detail;
@@ -36,8 +45,9 @@ static u8 reply_health(const kz_servo* servo, u8* fields) {
   return kz_pack_health_reply(&reply, fields);
 }
 
-static u8 reply_statistics(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
+REPLY(statistics_reply) {
   kz_statistics_reply reply;
+  (void)parameter;
   reply.tick = servo->tick;
   reply.status = kz_status(servo);
   reply.busy_8states = input->busy_8states;
@@ -57,8 +67,9 @@ static u8 reply_statistics(const kz_servo* servo, const kz_tick_input* input, u8
   return kz_pack_statistics_reply(&reply, fields);
 }
 
-static u8 reply_inertial(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
+REPLY(inertial_reply) {
   kz_inertial_reply reply;
+  (void)parameter;
   reply.tick = servo->tick;
   reply.status = kz_status(servo);
   reply.yaw_rate = input->analog[KZ_ANALOG_YAW_RATE];
@@ -67,8 +78,10 @@ static u8 reply_inertial(const kz_servo* servo, const kz_tick_input* input, u8* 
   return kz_pack_inertial_reply(&reply, fields);
 }
 
-static u8 reply_self_test(const kz_servo* servo, u8* fields) {
+REPLY(self_test_reply) {
   kz_self_test_reply reply;
+  (void)input;
+  (void)parameter;
   reply.tick = servo->tick;
   reply.status = kz_status(servo);
   reply.done = servo->tests_done;
@@ -78,12 +91,13 @@ static u8 reply_self_test(const kz_servo* servo, u8* fields) {
   return kz_pack_self_test_reply(&reply, fields);
 }
 
-static u8 reply_settings(const kz_servo* servo, u8 number, u8* fields) {
-  const kz_joint* joint = kz_joint_of(servo, number);
+REPLY(settings_reply) {
+  const kz_joint* joint = kz_joint_of(servo, (u8)parameter);
   kz_settings_reply reply;
+  (void)input;
   reply.tick = servo->tick;
   reply.status = kz_status(servo);
-  reply.joint = number;
+  reply.joint = (u8)parameter;
   reply.kp = kz_unscaled_kp(joint->kp);
   reply.kd = kz_unscaled_kd(joint->kd);
   reply.dead_band = joint->dead_band;
@@ -94,16 +108,19 @@ static u8 reply_settings(const kz_servo* servo, u8 number, u8* fields) {
   return kz_pack_settings_reply(&reply, fields);
 }
 
-static u8 reply_enable(const kz_servo* servo, u8* fields) {
+REPLY(enable_reply) {
   kz_enable_reply reply;
+  (void)input;
+  (void)parameter;
   reply.tick = servo->tick;
   reply.status = kz_status(servo);
   reply.mask = servo->enabled;
   return kz_pack_enable_reply(&reply, fields);
 }
 
-static u8 reply_store(const kz_servo* servo, const kz_tick_input* input, u8* fields) {
+REPLY(store_calibration_reply) {
   kz_store_calibration_reply reply;
+  (void)parameter;
   reply.tick = servo->tick;
   reply.status = kz_status(servo);
   reply.sequence = input->calibration_sequence;
@@ -112,48 +129,82 @@ static u8 reply_store(const kz_servo* servo, const kz_tick_input* input, u8* fie
   return kz_pack_store_calibration_reply(&reply, fields);
 }
 
+REPLY(state_reply) {
+  (void)input;
+  (void)parameter;
+  return (u8)(kz_put_state(servo, fields) - fields);
+}
+
+REPLY(read_targets_reply) {
+  (void)input;
+  return (u8)(kz_put_read_targets(servo, parameter, fields) - fields);
+}
+
+REPLY(joints_reply) {
+  (void)input;
+  return (u8)(kz_put_joints(servo, parameter, fields) - fields);
+}
+
+REPLY(calibration_reply) {
+  (void)parameter;
+  return (u8)(kz_put_calibration(servo, input, fields) - fields);
+}
+
+// One case for each kind of message; the type of the request is that of its reply without bit 7.
+#define CASE_QUERY(name)
+#define CASE_JOINT_QUERY(name)
+#define CASE_COMMAND(name)
+#define CASE_BULK_COMMAND(name)
+#define CASE_FLASH_COMMAND(name)
+#define CASE_RESTART_COMMAND(name)
+#define CASE_REPLY(name)           \
+  case KZ_TYPE_##name & ~KZ_REPLY: \
+    return put_##name(servo, input, answer->parameter, fields);
+#define CASE_LARGE_REPLY(name) CASE_REPLY(name)
+#define CASE_SPLIT_REPLY(name) CASE_REPLY(name)
+#define CASE_ACKNOWLEDGEMENT(name)
+#define CASE_REFUSAL(name)
+#define CASE_TELEMETRY(name)
+
 u8 kz_reply(const kz_servo* servo, const kz_tick_input* input, const kz_answer* answer,
             u8* fields) {
   switch (answer->type) {
-    case KZ_TYPE_identify:
-      return reply_identify(servo, fields);
-    case KZ_TYPE_health:
-      return reply_health(servo, fields);
-    case KZ_TYPE_statistics:
-      return reply_statistics(servo, input, fields);
-    case KZ_TYPE_self_test:
-      return reply_self_test(servo, fields);
-    case KZ_TYPE_inertial:
-      return reply_inertial(servo, input, fields);
-    case KZ_TYPE_enable:
-      return reply_enable(servo, fields);
-    case KZ_TYPE_settings:
-      return reply_settings(servo, (u8)answer->parameter, fields);
-    case KZ_TYPE_store_calibration:
-      return reply_store(servo, input, fields);
-    case KZ_TYPE_state:
-      return (u8)(kz_put_state(servo, fields) - fields);
-    case KZ_TYPE_read_targets:
-      return (u8)(kz_put_read_targets(servo, answer->parameter, fields) - fields);
-    case KZ_TYPE_joints:
-      return (u8)(kz_put_joints(servo, answer->parameter, fields) - fields);
-    case KZ_TYPE_calibration:
-      return (u8)(kz_put_calibration(servo, input, fields) - fields);
-    default:  // all others say only that it is done
+#define KZ_MESSAGE(name, code, kind, text) CASE_##kind(name)
+#include "shared/protocol/messages.def"
+    default:  // an acknowledgement
       return (u8)(kz_put_head(servo, fields) - fields);
   }
 }
 
+// Conditions on KZ_KIND_* are known to the compiler: what is left compares the type with a few codes.
+// clang-format off
 u8 kz_reply_takes_two(u8 request_type) {
-  return (u8)(request_type == KZ_TYPE_joints || request_type == KZ_TYPE_calibration);
+  return (u8)(0
+#define KZ_MESSAGE(name, code, kind, text) \
+  || (KZ_KIND_##kind == KZ_KIND_SPLIT_REPLY && request_type == ((code) & ~KZ_REPLY))
+#include "shared/protocol/messages.def"
+  );
 }
+
+u8 kz_reply_is_large(u8 request_type) {
+  return (u8)(0
+#define KZ_MESSAGE(name, code, kind, text) \
+  || ((KZ_KIND_##kind == KZ_KIND_LARGE_REPLY || KZ_KIND_##kind == KZ_KIND_SPLIT_REPLY) && \
+      request_type == ((code) & ~KZ_REPLY))
+#include "shared/protocol/messages.def"
+  );
+}
+// clang-format on
 
 u8 kz_reply_rest(const kz_servo* servo, const kz_answer* answer, u8* fields, u8 bytes) {
   if (answer->type != KZ_TYPE_joints) return bytes;
   return (u8)(kz_put_joints_rest(servo, answer->parameter, fields + bytes) - fields);
 }
 
-u8 kz_reply_is_large(u8 request_type) {
-  return (u8)(request_type == KZ_TYPE_state || request_type == KZ_TYPE_joints ||
-              request_type == KZ_TYPE_read_targets || request_type == KZ_TYPE_calibration);
+void kz_send(kz_servo* servo, u8 type, u8 sequence, u8 field_bytes) {
+  u8* body = servo->sender.body;
+  body[KZ_BODY_ADDRESS] = servo->address;
+  body[KZ_BODY_TYPE] = type;
+  body[KZ_BODY_SEQUENCE] = sequence;
+  kz_sender_start(&servo->sender, (u8)(KZ_HEADER_SIZE + field_bytes));
 }

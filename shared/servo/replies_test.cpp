@@ -1,4 +1,4 @@
-// What each reply tells.
+// Contents of each reply.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 

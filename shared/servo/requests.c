@@ -1,16 +1,12 @@
-// What the board does when a frame has come, and when it answers.
+// Execution of requests and scheduling of their replies.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/requests.h"
 
 #include "shared/servo/commands.h"
+#include "shared/servo/handlers.h"
 #include "shared/servo/replies.h"
-#include "shared/servo/safety.h"
-#include "shared/servo/telemetry.h"
-
-// Where the header's bytes stand in a body.
-#define ADDRESS 0
-#define TYPE 1
-#define SEQUENCE 2
+#include "shared/servo/status.h"
+#include "shared/servo/telemetry_frames.h"
 
 #define WORK_LENGTH 13  // bytes of body
 
@@ -18,7 +14,7 @@ void kz_requests_init(kz_servo* servo) {
   kz_answer* answer = servo->remembered;
   u8 left;
   for (left = KZ_REQUESTS_REMEMBERED; left != 0; --left) {
-    // The answer to a "repetition" of what never came.
+    // An empty entry must not match a request as its repetition with a success.
     answer->reason = KZ_REFUSED_UNKNOWN_TYPE;
     answer->detail = KZ_NO_DETAIL;
     ++answer;
@@ -75,7 +71,7 @@ static void enqueue(kz_servo* servo, const kz_answer* answer) {
   ++servo->queued;
 }
 
-// One too many, or one that comes while the board is about to do something between two ticks.
+// Refuses with BUSY a request beyond the queue, or one that comes while an action is pending.
 static void turn_away(kz_servo* servo, u8 type, u8 sequence, u8 answered) {
   kz_count(&servo->refusals);
   if (!answered) return;
@@ -84,19 +80,19 @@ static void turn_away(kz_servo* servo, u8 type, u8 sequence, u8 answered) {
   servo->busy_sequence = sequence;
 }
 
-// What sets something for many joints. On the wire such a request takes more than a tick, so that no
-// host can put one into each.
+// Requests that set something for many joints. On the wire they take more than a tick, so there is at
+// most one of them in a tick.
 static u8 is_work(u8 type, u8 length) {
   return (u8)(length >= WORK_LENGTH || type == KZ_TYPE_enable);
 }
 
 void kz_request_received(kz_servo* servo) {
   const u8* body = servo->receiver.body;
-  const u8 type = body[TYPE];
-  const u8 sequence = body[SEQUENCE];
-  const u8 answered = (u8)(body[ADDRESS] == servo->address);
+  const u8 type = body[KZ_BODY_TYPE];
+  const u8 sequence = body[KZ_BODY_SEQUENCE];
+  const u8 answered = (u8)(body[KZ_BODY_ADDRESS] == servo->address);
   const kz_answer* answer;
-  if (!answered && body[ADDRESS] != KZ_ADDRESS_ALL) return;
+  if (!answered && body[KZ_BODY_ADDRESS] != KZ_ADDRESS_ALL) return;
   if (type & KZ_REPLY) return;  // a reply is not a request, whoever sent it
   servo->silent_ms = 0;
   ++servo->frames;
@@ -136,14 +132,6 @@ u8 kz_requests_leave_room(const kz_servo* servo) {
   if (kz_sender_busy(&servo->sender)) return 0;
   if (servo->queued != 0) return (u8)(servo->queue[0].reason == KZ_PENDING);
   return (u8)!servo->refuse_busy;
-}
-
-void kz_send(kz_servo* servo, u8 type, u8 sequence, u8 field_bytes) {
-  u8* body = servo->sender.body;
-  body[ADDRESS] = servo->address;
-  body[TYPE] = type;
-  body[SEQUENCE] = sequence;
-  kz_sender_start(&servo->sender, (u8)(KZ_HEADER_SIZE + field_bytes));
 }
 
 static void send_refusal(kz_servo* servo, u8 type, u8 sequence, u8 reason, u8 detail) {

@@ -1,8 +1,8 @@
-// What the board does when a frame has come, and when it answers.
+// Execution of requests and scheduling of their replies.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A request is done in the tick in which it is heard; what may have to wait is its reply. So the
-// order of the replies is that of the requests, and each tells of the moment in which it is made.
+// A request is executed in the tick in which its frame ends; only its reply may have to wait. Replies are
+// in the order of the requests, and each reports the state at the time when it is written.
 #ifndef KAZ_SHARED_SERVO_REQUESTS_H
 #define KAZ_SHARED_SERVO_REQUESTS_H
 
@@ -14,21 +14,17 @@ extern "C" {
 
 void kz_requests_init(kz_servo* servo);
 
-// A sound frame stands in servo->receiver. Does what it asks for and remembers to answer it, if it
-// is for this board; each request is answered by its reply or by `refused`, unless it went to all
-// boards.
+// Executes the request of the valid frame in servo->receiver if it is addressed to this board, and queues
+// its reply or `refused`, unless it was sent to all boards.
 void kz_request_received(kz_servo* servo);
 
-// What requests that wait for an action came to.
+// Sets the outcome of requests that waited for an action.
 void kz_requests_finish(kz_servo* servo, u16 outcome);
-// Nothing is being sent, and nothing is to be sent before the action that is wanted.
+// Whether nothing is being sent or has to be sent before the pending action.
 u8 kz_requests_leave_room(const kz_servo* servo);
 
 // Starts the next reply, or else telemetry, if the sender is idle and one is due.
 void kz_requests_answer(kz_servo* servo, const kz_tick_input* input);
-
-// Sends the fields that stand in the sender's body already, behind the place of the header.
-void kz_send(kz_servo* servo, u8 type, u8 sequence, u8 field_bytes);
 
 #ifdef __cplusplus
 }

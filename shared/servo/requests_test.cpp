@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/servo/board_testing.h"
-#include "shared/servo/commands.h"
+#include "shared/servo/handlers.h"
 
 namespace kaz::test {
 namespace {

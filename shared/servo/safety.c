@@ -1,28 +1,14 @@
-// What switches the motors off without being asked, and the status that tells of it.
+// Link watchdog, missed ticks, active faults.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/safety.h"
 
-#include "shared/servo/commands.h"
+#include "shared/servo/health.h"
 #include "shared/servo/joints.h"
+#include "shared/servo/shutdown.h"
+#include "shared/servo/status.h"
 #include "shared/servo/telemetry.h"
 
 #define COUNTER_MAX 0xFFFF
-
-u8 kz_motors_on(const kz_servo* servo) {
-  return (u8)(servo->enabled != 0 || servo->raw_ms != 0);
-}
-
-static void latch(kz_servo* servo, u8 reason, u8 detail) {
-  if (servo->shutdown != KZ_SHUTDOWN_NONE) return;
-  servo->shutdown = reason;
-  servo->shutdown_detail = detail;
-  servo->shutdown_tick = servo->tick;
-}
-
-void kz_shutdown(kz_servo* servo, u8 reason, u8 detail) {
-  kz_joints_enable(servo, 0);
-  latch(servo, reason, detail);
-}
 
 // Only joints can be held. While they are, silence is nothing new.
 static void link_lost(kz_servo* servo) {
@@ -30,7 +16,7 @@ static void link_lost(kz_servo* servo) {
   if (servo->holding || !kz_motors_on(servo)) return;
   if (servo->reaction == KZ_REACTION_HOLD && servo->enabled != 0) {
     kz_joints_hold(servo);
-    latch(servo, KZ_SHUTDOWN_LINK_LOST, KZ_NO_DETAIL);
+    kz_latch_shutdown(servo, KZ_SHUTDOWN_LINK_LOST, KZ_NO_DETAIL);
     servo->holding = KZ_STATUS_HOLDING;
   } else {
     kz_shutdown(servo, KZ_SHUTDOWN_LINK_LOST, KZ_NO_DETAIL);
@@ -93,28 +79,4 @@ u8 kz_cause_present(const kz_servo* servo) {
     default:
       return 0;
   }
-}
-
-static u8 moving(const kz_servo* servo) {
-  const kz_joint* joint = servo->joint;
-  u8 left;
-  if (servo->fresh_targets != 0) return 1;
-  for (left = KZ_JOINTS; left != 0; --left) {
-    if (joint->on && joint->ramp_left != 0) return 1;
-    ++joint;
-  }
-  return 0;
-}
-
-u16 kz_status(const kz_servo* servo) {
-  u16 status = (u16)((u16)((u16)servo->shutdown << 8) | servo->missed_tick | servo->holding |
-                     servo->uncalibrated);
-  if (servo->enabled != 0) {
-    status |= KZ_STATUS_ENABLED;
-    if (moving(servo)) status |= KZ_STATUS_MOVING;
-  }
-  if (servo->telemetry_ms != 0) status |= KZ_STATUS_TELEMETRY;
-  if (servo->unlocked_ms != 0) status |= KZ_STATUS_UNLOCKED;
-  if (servo->raw_ms != 0) status |= KZ_STATUS_ENABLED | KZ_STATUS_RAW_DRIVE;
-  return status;
 }

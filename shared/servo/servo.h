@@ -6,7 +6,7 @@
 #include "shared/base/types.h"
 #include "shared/board/board.h"
 #include "shared/protocol/messages.h"
-#include "shared/servo/tick.h"
+#include "shared/servo/snapshot.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -42,10 +42,10 @@ extern "C" {
 //   rate        speed, 1/64 of 100 urad/ms, first-order filter with coefficient 1/8 a tick
 //   target      where the ramp goes, 100 urad
 //   command     angle that the loop controls to, 100 urad
-//   ramp_*      straight way of `command` to the target: `left` of `time` ticks to go, each of them
+//   ramp_*      straight ramp of `command` to the target: `left` of `time` ticks remain, each of them
 //               adds `whole`, and also `extra` (+1 or -1) whenever `rest` has used up `room`, which
 //               starts at `time` each time; sums modulo 2^16
-//   ramp_limit  most that `command` moves in a tick, for ramps that start from now on
+//   ramp_limit  max change of `command` in a tick, for ramps that start from now on
 //   lower, upper  soft limits, inside those of the mechanics, 100 urad
 //   dead_band, friction  as in the message `gains`
 //   target_ms   time for the ramp to `target` that has not started yet
@@ -53,12 +53,12 @@ extern "C" {
 //   friction_drive  `friction` in 1/256 of a count of duty
 //   duty        high counts of the PWM, 0..255
 //   forward     direction output
-//   pot_bad_ms  for how long the potentiometer's code has made no sense
+//   pot_bad_ms  for how long the potentiometer's code has been out of range
 //   pot_input   index into kz_tick_input.analog
 //   mirrored    a forward shaft is a negative joint angle
-//   constrained     KZ_CAREFUL_* (joint_loop.h)
+//   constrained KZ_CONSTRAINED_* (joint_loop.h)
 //   on          bit of `enabled`
-//   heat        what the motor has taken up and not given off yet (protection.h)
+//   heat        I2t heat of the motor (protection.h)
 //   stall_angle where it was when it began not to move under high load, 100 urad
 //   load        torque as a share of the stall torque, 0..255
 //   stalled     for how many times 4 ms it has not moved under high load
@@ -107,7 +107,7 @@ extern "C" {
 //   missed_tick, holding, uncalibrated  KZ_STATUS_MISSED_TICK and so on, or 0
 //   shutdown        latched KZ_SHUTDOWN_* reason, shutdown_detail with it
 //   reaction        KZ_REACTION_* of the link watchdog
-//   silent_ms       since the last sound frame for this board
+//   silent_ms       since the last valid frame for this board
 //   watchdog_ms     limit for it
 //   supply_mv, supply_lowest_mv, temperature_dc, reference  as in `health_reply`
 //   supply_bad_ms, hot_ms, reference_bad_ms  for how long that has been out of its range
@@ -115,18 +115,18 @@ extern "C" {
 //   memory_next     where in `remembered` the next request goes
 //   queued          requests in `queue`
 //   replying        1 while the sender sends the reply to a request that counts as under way
-//   prepared        not 0: the first part of the reply to queue[0] stands in the sender's body, so
+//   prepared        not 0: the first part of the reply to queue[0] is in the sender's body, so
 //                   many bytes of fields; the rest follows in the next tick
-//   tx_throttled         1: this tick has done much already, what is large waits for the next
+//   tx_throttled    1: this tick is loaded: large replies wait for the next, few bytes are sent
 //   refuse_busy     1: a request came that will be refused, its busy_type and busy_sequence
-//   extras          not 0: something of the next four lines is under way (a tick looks no further)
+//   extras          not 0: something of the next four lines is active (else a tick skips them all)
 //   telemetry_ms    period, 0: no telemetry; telemetry_left_ms of it are left
 //   telemetry_selection, telemetry_due  KZ_TELEMETRY_*: of each period; to be sent in this one
 //   telemetry_sequence  number of the next frame
 //   telemetry_dropped   frames that the wire had no time for
 //   unlocked_ms     time left of the bench unlock
 //   raw_ms          time left of the raw drive of motor raw_joint at raw_duty; raw_begun: it runs
-//   action          KZ_ACTION_* that a request wants; acting: asked for in the tick before
+//   action          KZ_ACTION_* that a request wants; acting: requested in the previous tick
 //   new_address, new_shared_line  what KZ_ACTION_STORE_ADDRESS is to store
 #define KZ_SERVO_FIELDS(FIELD)   \
   FIELD(u32, tick)               \
@@ -196,7 +196,7 @@ extern "C" {
 // A request that was done or refused, as far as its reply and its repetitions need it.
 //
 //   parameter         what its reply is about: a mask of joints, or a joint
-//   crc               of its whole body: tells a repetition from another request with the same number
+//   crc               of its whole body: distinguishes a repetition from another request with that number
 //   reason, detail    of the refusal; reason 0: it was done
 #define KZ_ANSWER_FIELDS(FIELD) \
   FIELD(u32, parameter)         \
@@ -228,6 +228,19 @@ typedef struct kz_servo {
   kz_receiver receiver;
   kz_sender sender;
 } kz_servo;
+
+// servo->joint[number], without a multiplication of 32 bits, which the H8 does not have.
+static inline kz_joint* kz_joint_at(kz_servo* servo, u8 number) {
+  return (kz_joint*)((u8*)servo->joint + (u16)((u16)number * (u16)sizeof(kz_joint)));
+}
+static inline const kz_joint* kz_joint_of(const kz_servo* servo, u8 number) {
+  return (const kz_joint*)((const u8*)servo->joint + (u16)((u16)number * (u16)sizeof(kz_joint)));
+}
+
+// A counter that stays at its highest value.
+static inline void kz_count(u16* counter) {
+  if (*counter < 0xFFFF) ++*counter;
+}
 
 #ifdef __cplusplus
 }

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/board/table.h"
 #include "shared/protocol/bytes.h"
-#include "shared/servo/commands.h"
+#include "shared/servo/handlers.h"
 #include "shared/servo/joint_loop.h"
 #include "shared/servo/joints.h"
-#include "shared/servo/safety.h"
+#include "shared/servo/shutdown.h"
 
 #define LIMITS_FIELD_LOWER 2  // position of `lower` in the message
 
@@ -43,12 +43,12 @@ kz_outcome kz_do_limits(kz_servo* servo, const kz_limits* request) {
   for (bits = request->mask; bits != 0; bits >>= 1) {
     if (bits & 1) {
       // Each cut to the mechanics at both ends: a range beyond them becomes one point.
-      const s16 least = board->lower;
-      const s16 most = board->upper;
+      const s16 min = board->lower;
+      const s16 max = board->upper;
       joint->ramp_limit = ramp;
       joint->constrained |= KZ_CONSTRAINED_NEAR_LIMIT;
-      joint->lower = lower < least ? least : lower > most ? most : lower;
-      joint->upper = upper > most ? most : upper < least ? least : upper;
+      joint->lower = lower < min ? min : lower > max ? max : lower;
+      joint->upper = upper > max ? max : upper < min ? min : upper;
     }
     ++joint;
     ++board;
@@ -94,11 +94,11 @@ kz_outcome kz_do_calibrate(kz_servo* servo, const u8* fields, u8 length) {
   centre = fields + sizeof(u32);
   for (bits = mask; bits != 0; bits >>= 1) {
     if (bits & 1) {
-      joint->constrained |= KZ_CONSTRAINED_NEAR_LIMIT;  // it may stand at one now
+      joint->constrained |= KZ_CONSTRAINED_NEAR_LIMIT;  // it may be at one now
       joint->pot_centre = kz_get_s16(centre);
       joint->pot_scale = kz_get_s16(scale);
       joint->rate = 0;
-      joint->pot_bad_ms = 1;  // not measured yet: the angle before means nothing
+      joint->pot_bad_ms = 1;  // not measured yet: the previous angle is invalid
       centre += 2;
       scale += 2;
     }

@@ -1,4 +1,4 @@
-// Reasons that switch motors off: each latched, told, and cleared only when its cause is gone.
+// Reasons that switch motors off: each latched, reported, and cleared only when its cause is gone.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 

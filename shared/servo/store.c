@@ -65,8 +65,8 @@ static void line_found(kz_store* store, const u8* line, u8 block) {
 }
 
 static void scan_block(kz_store* store, const u8* line, u8 block) {
-  u16 number = 0;  // of the last sound line
-  u8 in_row = 0;   // sound lines of this number up to there, with the parts 0, 1, ... in this order
+  u16 number = 0;  // of the last valid line
+  u8 in_row = 0;   // valid lines of this number so far, with the parts 0, 1, ... in this order
   u8 i;
   for (i = 0; i < KZ_STORE_LINES; ++i, line += KZ_STORE_LINE) {
     if (is_blank(line)) {

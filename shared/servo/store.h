@@ -17,7 +17,7 @@
 
 #include "shared/base/types.h"
 #include "shared/board/board.h"
-#include "shared/servo/tick.h"
+#include "shared/servo/snapshot.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -27,20 +27,20 @@ extern "C" {
 #define KZ_STORE_LINES 32  // of a block
 #define KZ_STORE_BLOCK (KZ_STORE_LINE * KZ_STORE_LINES)
 #define KZ_STORE_DATA 24        // bytes of a line that are its user's
-#define KZ_STORE_ENDURANCE 100  // erasures of a block that the part stands
+#define KZ_STORE_ENDURANCE 100  // guaranteed erasures of a block
 
 #define KZ_CALIBRATION_BLOCKS 2
 #define KZ_CALIBRATION_PARTS 3  // lines of a copy, 6 joints each
 #define KZ_ADDRESS_BLOCKS 1
 #define KZ_ADDRESS_PARTS 1
 
-// What a log holds.
+// Contents of a log.
 typedef struct kz_store {
   u16 sequence;  // of the newest copy; 0: there is none
-  u16 last;      // newest number of any sound line, of copies or not; 0: there is none
+  u16 last;      // newest number of any valid line, of copies or not; 0: there is none
   u8 blocks;     // 1 or 2
   u8 parts;      // lines of a copy
-  u8 block;      // where the newest copy stands, 0 if there is none
+  u8 block;      // of the newest copy, 0 if there is none
   u8 line;       // its first line
   u8 used[2];    // lines of each block up to the last that is not blank
   u8 erases[2];  // how often each block has been erased, at most 255
@@ -58,7 +58,7 @@ typedef struct kz_store_plan {
 void kz_store_scan(kz_store* store, const u8* const* images, u8 blocks, u8 parts);
 
 // Behind the newest copy if its block has room, else at the start of the other block, which is
-// erased. A log of one block is erased when it is full, and then for a moment holds no copy.
+// erased. A log of one block is erased when it is full, and holds no copy until the new one is written.
 void kz_store_plan_next(const kz_store* store, kz_store_plan* plan);
 
 // Line number `part` of the copy: 32 bytes to be programmed at line plan->line + part.

@@ -2,6 +2,7 @@
 // go round.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/store.h"
+#include "shared/servo/startup.h"
 
 #include <gtest/gtest.h>
 

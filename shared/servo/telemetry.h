@@ -1,9 +1,9 @@
-// Frames that are sent without being asked for one by one.
+// Telemetry: which frames are due, at the period that the host requested.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_TELEMETRY_H
 #define KAZ_SHARED_SERVO_TELEMETRY_H
 
-#include "shared/servo/commands.h"
+#include "shared/servo/servo.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -12,9 +12,6 @@ extern "C" {
 // To be called each tick while telemetry_ms is not 0. When a period is over its frames become due;
 // those of the period before that have not begun are dropped.
 void kz_telemetry_update(kz_servo* servo);
-
-// Starts the next frame that is due (telemetry_due is not 0). The sender is idle.
-void kz_telemetry_send(kz_servo* servo, const kz_tick_input* input);
 
 void kz_telemetry_end(kz_servo* servo);
 

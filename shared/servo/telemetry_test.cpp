@@ -1,4 +1,4 @@
-// Telemetry: when its frames come, what they tell, when it ends.
+// Telemetry: when its frames come, their contents, when it ends.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 

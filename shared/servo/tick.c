@@ -2,37 +2,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/servo/tick.h"
 
-#include "shared/board/table.h"
 #include "shared/protocol/messages.h"
+#include "shared/servo/actions.h"
 #include "shared/servo/bench.h"
-#include "shared/servo/commands.h"
+#include "shared/servo/health.h"
 #include "shared/servo/joint_loop.h"
 #include "shared/servo/joints.h"
 #include "shared/servo/outputs.h"
 #include "shared/servo/protection.h"
 #include "shared/servo/requests.h"
 #include "shared/servo/safety.h"
+#include "shared/servo/shutdown.h"
 #include "shared/servo/telemetry.h"
 
 #define NOT_INLINE __attribute__((noinline))
 // As many bytes keep the wire busy until the next tick.
 #define WIRE_ENOUGH 12
-
-void kz_startup_nominal(kz_startup* startup) {
-  u8 i;
-  startup->image_crc = 0;
-  startup->start_8states = 0;
-  startup->reset_cause = KZ_RESET_POWER;
-  startup->tests_done = 0;
-  startup->tests_failed = 0;
-  startup->address = KZ_ADDRESS_DEFAULT;
-  startup->shared_line = 0;
-  startup->calibration = KZ_CALIBRATION_NOMINAL;
-  for (i = 0; i < KZ_JOINTS; ++i) {
-    startup->pot_centre[i] = kz_board_joints[i].pot_centre;
-    startup->pot_scale[i] = kz_board_joints[i].pot_scale;
-  }
-}
 
 void kz_servo_init(kz_servo* servo, const kz_startup* startup, kz_tick_output* output) {
   u8* byte = (u8*)servo;
@@ -136,7 +121,7 @@ static NOT_INLINE void transmit(kz_servo* servo, u8 tx_room, kz_tick_output* out
   }
 }
 
-// What is under way only now and then: actions, bench, telemetry.
+// Rarely active: actions, bench, telemetry.
 static NOT_INLINE void begin_extras(kz_servo* servo, const kz_tick_input* input) {
   if (servo->acting) kz_action_finish(servo, input);
   if (servo->unlocked_ms != 0) kz_bench_update(servo, input);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 //   time_constant dT/dt = ambient + kelvin_per_watt P - T,  P = drop_volts * sum |motor current|.
-// Solved exactly for currents that hold still.
+// Solved exactly for constant currents. K, s, W.
 #pragma once
 
 #include <cmath>
@@ -13,14 +13,14 @@ namespace kaz::sim {
 
 class DriverHeat {
  public:
-  explicit DriverHeat(const DriverParams& figures)
-      : figures_(figures), celsius_(figures.ambient_celsius) {}
+  explicit DriverHeat(const DriverParams& params)
+      : params_(params), celsius_(params.ambient_celsius) {}
 
-  // `seconds` with this sum of the magnitudes of the motors' currents, A.
+  // Advances by `seconds` with this sum of the magnitudes of the motors' currents, A.
   void advance(double seconds, double amperes) {
     const double end =
-        figures_.ambient_celsius + figures_.kelvin_per_watt * figures_.drop_volts * amperes;
-    celsius_ = end + (celsius_ - end) * std::exp(-seconds / figures_.time_constant_s);
+        params_.ambient_celsius + params_.kelvin_per_watt * params_.drop_volts * amperes;
+    celsius_ = end + (celsius_ - end) * std::exp(-seconds / params_.time_constant_s);
   }
   double celsius() const { return celsius_; }
 
@@ -31,7 +31,7 @@ class DriverHeat {
   }
 
  private:
-  DriverParams figures_;
+  DriverParams params_;
   double celsius_;
 };
 

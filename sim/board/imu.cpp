@@ -10,20 +10,20 @@
 
 namespace kaz::sim {
 
-Imu::Imu(const SensorParams& figures, const SensorSwitches& switches, std::uint64_t seed)
+Imu::Imu(const SensorParams& params, const SensorSwitches& switches, std::uint64_t seed)
     : seed_(seed) {
   constexpr double tick_s = 1.0 / KZ_TICK_HZ;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     Axis& axis = axes_[i];
-    axis.figures = i == 0 ? figures.gyro : figures.accelerometer;
+    axis.params = i == 0 ? params.gyro : params.accelerometer;
     axis.real = i == 0 ? switches.gyro : switches.accelerometer;
     if (!axis.real) continue;
-    axis.offset = spread(axis.figures.zero_offset, seed, kImuOffset + i);
-    axis.stay = std::exp(-tick_s / axis.figures.wander_time_s);
-    axis.stir = axis.figures.wander * std::sqrt(1 - axis.stay * axis.stay);
-    axis.wandered = axis.figures.wander * keyed_normal(seed, 0, kImuWander + i);
-    axis.sigma = axis.figures.noise_density * std::sqrt(0.5 / tick_s);
-    axis.follow = 1 - std::exp(-2 * std::numbers::pi * axis.figures.bandwidth_hz * tick_s);
+    axis.offset = spread(axis.params.zero_offset, seed, kImuOffset + i);
+    axis.stay = std::exp(-tick_s / axis.params.wander_time_s);
+    axis.stir = axis.params.wander * std::sqrt(1 - axis.stay * axis.stay);
+    axis.wandered = axis.params.wander * keyed_normal(seed, 0, kImuWander + i);
+    axis.sigma = axis.params.noise_density * std::sqrt(0.5 / tick_s);
+    axis.follow = 1 - std::exp(-2 * std::numbers::pi * axis.params.bandwidth_hz * tick_s);
   }
 }
 
@@ -48,8 +48,8 @@ void Imu::advance(std::int64_t tick, const ImuMotion& motion) {
 double Imu::ratio(int index) const {
   const Axis& axis = axes_[static_cast<std::size_t>(index)];
   double value = axis.filtered + axis.offset + axis.wandered;
-  if (axis.real) value = std::clamp(value, -axis.figures.range, axis.figures.range);
-  return std::clamp(0.5 + axis.figures.share_per_unit * value, 0.0, 1.0);
+  if (axis.real) value = std::clamp(value, -axis.params.range, axis.params.range);
+  return std::clamp(0.5 + axis.params.share_per_unit * value, 0.0, 1.0);
 }
 
 }  // namespace kaz::sim

@@ -1,12 +1,12 @@
 // The board option of AN3..AN5: yaw-rate gyro and two-axis accelerometer.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Each axis: white noise is added to what is measured, both go through a filter of first order, then
-// offset, scale and saturation. The offset is one of the part, and what wanders about it: a Gauss-Markov
-// process, x' = e x + sigma sqrt(1 - e^2) n with e = exp(-1 ms / time), which begins anywhere in its
-// spread. The filter is exact for an input that holds still within a
-// millisecond. White noise of one-sided density N is, sampled at 1 kHz, normal with
-// sigma N sqrt(1000 / 2): half the sampling rate is its bandwidth.
+// Each axis: white noise is added to the measured quantity, both are low-pass filtered (first order), then
+// offset, scale and saturation are applied. The offset is a constant of the part plus a first-order
+// Gauss-Markov process, x' = e x + sigma sqrt(1 - e^2) n with e = exp(-1 ms / time), started in its
+// stationary distribution. The filter is exact for an input that is constant within a millisecond. White
+// noise of one-sided density N sampled at 1 kHz is normal with sigma N sqrt(1000 / 2), since its bandwidth
+// is half the sampling rate.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace kaz::sim {
 
-// In the axes of the robot's link `imu` (docs/robot.md): x forward, y left, z up.
+// In the axes of the robot's link `imu` (docs/reference/robot.md): x forward, y left, z up.
 struct ImuMotion {
   double yaw_rate = 0;                       // rad/s about z
   double forward_force = 0, left_force = 0;  // specific force along x and y, m/s^2
@@ -24,12 +24,12 @@ struct ImuMotion {
 
 class Imu {
  public:
-  Imu(const SensorParams& figures, const SensorSwitches& switches, std::uint64_t seed);
+  Imu(const SensorParams& params, const SensorSwitches& switches, std::uint64_t seed);
 
   // The motion during the millisecond that ends with this tick. Ticks must increase.
   void advance(std::int64_t tick, const ImuMotion& motion);
 
-  // Shares of AVCC at AN3 (yaw rate), AN4 (forward), AN5 (left): axis 0, 1, 2.
+  // Fractions of AVCC, 0..1, at AN3 (yaw rate), AN4 (forward), AN5 (left): axis 0, 1, 2.
   double ratio(int axis) const;
 
   // What changes as it goes on (archive.h).
@@ -44,7 +44,7 @@ class Imu {
 
  private:
   struct Axis {
-    ImuAxisParams figures;
+    ImuAxisParams params;
     bool real = false;  // with its errors
     double offset = 0, sigma = 0, follow = 1, filtered = 0;
     double stay = 1, stir = 0, wandered = 0;  // per millisecond

@@ -1,4 +1,4 @@
-// Gyro and accelerometer against the definitions of their figures.
+// Gyro and accelerometer against the definitions of their parameters.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/board/imu.h"
 
@@ -14,11 +14,11 @@ namespace {
 constexpr double deg = std::numbers::pi / 180.0;
 constexpr double g = 9.80665;
 
-SensorParams figures() {
+SensorParams params() {
   return load_sensor_file("shared/robot/kaz/sensors.xml").value();
 }
 SensorParams quiet() {
-  SensorParams f = figures();
+  SensorParams f = params();
   f.gyro.noise_density = f.gyro.zero_offset = f.gyro.wander = 0;
   f.accelerometer.wander = 0;
   f.accelerometer.noise_density = f.accelerometer.zero_offset = 0;
@@ -26,7 +26,7 @@ SensorParams quiet() {
 }
 
 TEST(Imu, IdealGivesItsLawAtOnce) {
-  Imu imu(figures(), SensorSwitches::ideal(), 1);
+  Imu imu(params(), SensorSwitches::ideal(), 1);
   imu.advance(1, {});
   imu.advance(2, {.yaw_rate = 100 * deg, .forward_force = g, .left_force = -0.5 * g});
   EXPECT_NEAR(imu.ratio(0), 0.6, 1e-12);     // 0.5 V of 5 V more than 2.5 V
@@ -49,8 +49,8 @@ TEST(Imu, FollowsAStepAsAFirstOrderFilter) {
     imu.advance(t, {.yaw_rate = 1, .forward_force = 1});
     const double gyro = 1 - std::exp(-2 * std::numbers::pi * 40 * t * 1e-3);
     const double force = 1 - std::exp(-2 * std::numbers::pi * 50 * t * 1e-3);
-    EXPECT_NEAR((imu.ratio(0) - 0.5) / figures().gyro.share_per_unit, gyro, 1e-12);
-    EXPECT_NEAR((imu.ratio(1) - 0.5) / figures().accelerometer.share_per_unit, force, 1e-12);
+    EXPECT_NEAR((imu.ratio(0) - 0.5) / params().gyro.share_per_unit, gyro, 1e-12);
+    EXPECT_NEAR((imu.ratio(1) - 0.5) / params().accelerometer.share_per_unit, force, 1e-12);
   }
 }
 
@@ -58,7 +58,7 @@ TEST(Imu, OffsetIsTheSeedsOwnAndWithinTheLimit) {
   double squares = 0;
   constexpr int count = 2000;
   for (int seed = 0; seed < count; ++seed) {
-    SensorParams f = figures();
+    SensorParams f = params();
     f.gyro.noise_density = f.gyro.wander = 0;
     Imu imu(f, {}, static_cast<std::uint64_t>(seed));
     imu.advance(1, {});
@@ -72,7 +72,7 @@ TEST(Imu, OffsetIsTheSeedsOwnAndWithinTheLimit) {
 
 // Rate noise of the gyro at rest, degrees/s, sampled each millisecond.
 std::vector<double> gyro_at_rest(int count) {
-  SensorParams f = figures();
+  SensorParams f = params();
   f.gyro.zero_offset = f.gyro.wander = 0;
   Imu imu(f, {}, 11);
   std::vector<double> rates;
@@ -105,7 +105,7 @@ TEST(Imu, AllanDeviationIsThatOfTheNoiseDensity) {
 }
 
 TEST(Imu, ZeroWandersAsAGaussMarkovProcess) {
-  // In t it moves by sigma sqrt(2 (1 - exp(-t / time))), whenever one looks; 300 parts know that to 4 %
+  // In t it moves by sigma sqrt(2 (1 - exp(-t / time))), at any time; 300 parts know that to 4 %
   // of one standard error.
   constexpr int parts = 300, looked_s = 20;
   double moved = 0, where = 0;

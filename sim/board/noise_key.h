@@ -13,12 +13,12 @@ namespace kaz::sim {
 // Per tick: 0..KZ_ANALOG-1 are the multiplexers' inputs.
 constexpr std::uint64_t kImuNoise = KZ_ANALOG;       // three channels
 constexpr std::uint64_t kImuWander = kImuNoise + 3;  // three channels
-// Once and for all, at tick 0.
+// Constant, drawn at tick 0.
 constexpr std::uint64_t kImuOffset = 1000;     // three channels
 constexpr std::uint64_t kPotLinearity = 2000;  // eight a joint
 constexpr std::uint64_t kPotMounting = 3000;   // one a joint
 
-// An error that parts of one kind differ by: normal, sigma half the limit, never beyond the limit.
+// An error that varies between parts: normal, sigma half the limit, clamped to the limit.
 inline double spread(double limit, std::uint64_t seed, std::uint64_t channel) {
   return std::clamp(0.5 * limit * keyed_normal(seed, 0, channel), -limit, limit);
 }

@@ -1,4 +1,4 @@
-// One joint's potentiometer: from the angle of the output shaft to a share of AVCC.
+// One joint's potentiometer: from the angle of the output shaft to a fraction of AVCC.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/board/potentiometer.h"
 
@@ -24,7 +24,7 @@ constexpr Mounting mountings[KZ_JOINTS] = {
 constexpr double rad_per_decideg = std::numbers::pi / 1800.0;
 constexpr double pot_range_rad = KZ_POT_RANGE_DECIDEG * rad_per_decideg;
 
-// Place of the wiper in tracks from the lower end; below 0 and above 1 it has left the track.
+// Position of the wiper in tracks from the lower end; outside 0..1 it has left the track.
 double place(int joint, double angle_rad) {
   const Mounting& at = mountings[static_cast<std::size_t>(joint)];
   return 0.5 + at.sign * (angle_rad - at.centre_decideg * rad_per_decideg) / pot_range_rad;
@@ -36,17 +36,17 @@ double pot_ratio(int joint, double angle_rad) {
   return std::clamp(place(joint, angle_rad), 0.0, 1.0);
 }
 
-Potentiometer::Potentiometer(int joint, const PotentiometerParams& figures,
+Potentiometer::Potentiometer(int joint, const PotentiometerParams& params,
                              const SensorSwitches& switches, std::uint64_t seed)
     : joint_(joint),
       opens_(switches.potentiometer),
-      terminal_rad_(figures.terminal_rad),
-      open_level_(figures.open_level) {
+      terminal_rad_(params.terminal_rad),
+      open_level_(params.open_level) {
   if (!switches.pot_as_built) return;
   const auto number = static_cast<std::uint64_t>(joint);
-  offset_rad_ = spread(figures.mounting_rad, seed, kPotMounting + number);
-  // Longer waves are stronger: 1 : 1/2 : 1/4 of what makes the limit if all are at their largest.
-  double share = figures.linearity / 1.75;
+  offset_rad_ = spread(params.mounting_rad, seed, kPotMounting + number);
+  // Longer waves are stronger: 1 : 1/2 : 1/4; the limit is reached if all are at their maximum.
+  double share = params.linearity / 1.75;
   for (std::size_t k = 0; k < waves_.size(); ++k, share /= 2)
     waves_[k] = spread(share, seed, kPotLinearity + 8 * number + k);
 }

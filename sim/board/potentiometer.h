@@ -1,7 +1,7 @@
-// One joint's potentiometer: from the angle of the output shaft to a share of AVCC.
+// One joint's potentiometer: from the angle of the output shaft to a fraction of AVCC.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A track of 190 degrees (KZ_POT_RANGE_DECIDEG) with a terminal at each end. The wiper's place is
+// A track of 190 degrees (KZ_POT_RANGE_DECIDEG) with a terminal at each end. The wiper's position is
 //   x = 1/2 + sign (angle + offset - centre) / range,
 // sign and centre from joints.def. On the track the output is x + e(x), where e is the element's
 // linearity error: a sum of three half waves, zero at both ends, as terminal-based linearity is
@@ -15,17 +15,18 @@
 
 namespace kaz::sim {
 
-// A nominal potentiometer, share of AVCC, joint angle in rad; stands at its end beyond +-95 degrees.
+// Output of a nominal potentiometer, fraction of AVCC, for a joint angle in rad; clamped beyond +-95
+// degrees.
 double pot_ratio(int joint, double angle_rad);
 
 class Potentiometer {
  public:
   Potentiometer() = default;
-  // `seed` decides linearity error and offset, which are there if `switches` say so.
-  Potentiometer(int joint, const PotentiometerParams& figures, const SensorSwitches& switches,
+  // `seed` selects linearity error and offset, which are applied if enabled in `switches`.
+  Potentiometer(int joint, const PotentiometerParams& params, const SensorSwitches& switches,
                 std::uint64_t seed);
 
-  // Share of AVCC, 0..1, without noise.
+  // Fraction of AVCC, 0..1, without noise.
   double ratio(double angle_rad) const;
   double offset_rad() const { return offset_rad_; }
 
@@ -34,7 +35,7 @@ class Potentiometer {
   bool opens_ = false;
   double terminal_rad_ = 0, open_level_ = 1;
   double offset_rad_ = 0;
-  std::array<double, 3> waves_{};  // shares; magnitudes add up to less than the linearity error
+  std::array<double, 3> waves_{};  // fractions; magnitudes add up to less than the linearity error
 };
 
 }  // namespace kaz::sim

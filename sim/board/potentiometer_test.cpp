@@ -1,4 +1,4 @@
-// What a potentiometer gives over its whole turn.
+// A potentiometer's output over a whole turn.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/board/potentiometer.h"
 
@@ -14,12 +14,12 @@ namespace {
 
 constexpr double deg = std::numbers::pi / 180.0;
 
-PotentiometerParams figures() {
+PotentiometerParams params() {
   return load_sensor_file("shared/robot/kaz/sensors.xml").value().potentiometer;
 }
 
 TEST(Potentiometer, TrackOf190DegreesAndItsTerminals) {
-  const Potentiometer pan(0, figures(), {}, 1);  // neck_pan: sign +1, centre 0
+  const Potentiometer pan(0, params(), {}, 1);  // neck_pan: sign +1, centre 0
   EXPECT_NEAR(pan.ratio(0), 0.5, 1e-12);
   EXPECT_NEAR(pan.ratio(-95 * deg), 0.0, 1e-12);
   EXPECT_NEAR(pan.ratio(95 * deg), 1.0, 1e-12);
@@ -29,18 +29,18 @@ TEST(Potentiometer, TrackOf190DegreesAndItsTerminals) {
 }
 
 TEST(Potentiometer, BeyondTheTerminalsTheInputsPullUpDecides) {
-  const Potentiometer pan(0, figures(), {}, 1);
+  const Potentiometer pan(0, params(), {}, 1);
   EXPECT_EQ(pan.ratio(-97.1 * deg), 1.0);
   EXPECT_EQ(pan.ratio(-150 * deg), 1.0);
   EXPECT_EQ(pan.ratio(97.1 * deg), 1.0);
-  PotentiometerParams pulled_down = figures();
+  PotentiometerParams pulled_down = params();
   pulled_down.open_level = 0;
   EXPECT_EQ(Potentiometer(0, pulled_down, {}, 1).ratio(120 * deg), 0.0);
 }
 
 TEST(Potentiometer, IdealIsTheNominalLawAndStopsAtItsEnds) {
   for (int joint = 0; joint < KZ_JOINTS; ++joint) {
-    const Potentiometer ideal(joint, figures(), SensorSwitches::ideal(), 1);
+    const Potentiometer ideal(joint, params(), SensorSwitches::ideal(), 1);
     for (double angle = -4; angle < 4; angle += 0.01)
       ASSERT_EQ(ideal.ratio(angle), pot_ratio(joint, angle)) << joint;
   }
@@ -49,7 +49,7 @@ TEST(Potentiometer, IdealIsTheNominalLawAndStopsAtItsEnds) {
 TEST(Potentiometer, NominalIsWhereTheFirmwareThinksItIs) {
   // Code and angle through the firmware's own table: half a code and its rounding, to both sides.
   for (int joint = 0; joint < KZ_JOINTS; ++joint) {
-    const Potentiometer pot(joint, figures(), {}, 5);
+    const Potentiometer pot(joint, params(), {}, 5);
     const kz_board_joint& board = kz_board_joints[joint];
     for (int angle = board.lower; angle <= board.upper; angle += 37) {
       const auto code = static_cast<u16>(std::floor(pot.ratio(angle * 1e-4) * KZ_POT_CODES));
@@ -59,7 +59,7 @@ TEST(Potentiometer, NominalIsWhereTheFirmwareThinksItIs) {
 }
 
 TEST(AsBuilt, LinearityErrorIsSmoothBoundedZeroAtTheEndsAndTheJointsOwn) {
-  PotentiometerParams bent = figures();
+  PotentiometerParams bent = params();
   bent.mounting_rad = 0;
   double largest = 0;
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
@@ -85,7 +85,7 @@ TEST(AsBuilt, LinearityErrorIsSmoothBoundedZeroAtTheEndsAndTheJointsOwn) {
 }
 
 TEST(AsBuilt, MountingShiftsTheWholeCurveAndNotMoreThanTheTrackAllows) {
-  PotentiometerParams shifted = figures();
+  PotentiometerParams shifted = params();
   shifted.linearity = 0;
   double squares = 0;
   constexpr int count = 2000;

@@ -1,4 +1,4 @@
-// The sensor file: figures of the board's sensors.
+// The sensor file: reads and checks the parameters of the board's sensors.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/board/sensor_file.h"
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "sim/body/xml_file.h"
+#include "sim/body/description/xml_file.h"
 
 namespace kaz::sim {
 namespace {
@@ -16,22 +16,22 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kGravity = 9.80665;  // m/s^2 in one g, by definition
 constexpr double kAny = std::numeric_limits<double>::max();
 
-struct Figure {
+struct Param {
   const char* section;
   const char* element;
   double& (*of)(SensorParams&);
-  double least, most;  // both allowed, in the file's unit
-  double unit;         // the file's, in that of the struct
+  double min, max;  // inclusive, in the file's unit
+  double unit;      // the file's, in that of the struct
 };
 
 using F = SensorParams;
 constexpr const char* kPot = "potentiometer";
 constexpr const char* kDriver = "driver_temperature";
 constexpr const char* kAccel = "accelerometer";
-// What must not be zero is at least this.
+// Lower bound of values that must not be zero.
 constexpr double kTiny = 1e-6;
 
-constexpr std::array<Figure, 26> kFigures{{
+constexpr std::array<Param, 26> kParams{{
     {kPot, "noise", [](F& f) -> double& { return f.potentiometer.noise_codes; }, 0, 1024, 1},
     {kPot, "linearity", [](F& f) -> double& { return f.potentiometer.linearity; }, 0, 0.05, 1},
     {kPot, "mounting", [](F& f) -> double& { return f.potentiometer.mounting_rad; }, 0, 90,
@@ -78,33 +78,32 @@ std::string shown(double number) {
 }
 
 bool has_section(const std::string& name) {
-  for (const Figure& figure : kFigures) {
-    if (name == figure.section) return true;
+  for (const Param& param : kParams) {
+    if (name == param.section) return true;
   }
   return false;
 }
 
-Result<void> read_figure(const XmlFile& file, const tinyxml2::XMLElement& section,
-                         const tinyxml2::XMLElement& element,
-                         std::array<bool, kFigures.size()>& seen, SensorParams& figures) {
+Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& section,
+                        const tinyxml2::XMLElement& element, std::array<bool, kParams.size()>& seen,
+                        SensorParams& params) {
   const std::string in = section.Name(), name = element.Name();
   std::size_t which = 0;
-  while (which < kFigures.size() &&
-         (in != kFigures[which].section || name != kFigures[which].element))
+  while (which < kParams.size() && (in != kParams[which].section || name != kParams[which].element))
     ++which;
-  if (which == kFigures.size())
+  if (which == kParams.size())
     return file.error(element, "unknown element <" + name + "> in <" + in +
                                    ">; see shared/robot/kaz/sensors.xml for those it takes");
   if (seen[which]) return file.error(element, "<" + name + "> stands twice in <" + in + ">");
   const Result<double> value = file.number(element, "value");
   if (!value) return tl::unexpected(value.error());
-  const Figure& figure = kFigures[which];
-  if (*value < figure.least || *value > figure.most) {
-    std::string wanted = "at least " + shown(figure.least);
-    if (figure.most < kAny) wanted += " and at most " + shown(figure.most);
+  const Param& param = kParams[which];
+  if (*value < param.min || *value > param.max) {
+    std::string wanted = "at least " + shown(param.min);
+    if (param.max < kAny) wanted += " and at most " + shown(param.max);
     return file.error(element, "<" + name + "> of <" + in + "> must be " + wanted);
   }
-  figure.of(figures) = *value * figure.unit;
+  param.of(params) = *value * param.unit;
   seen[which] = true;
   return {};
 }
@@ -128,25 +127,25 @@ std::string name_of(const SensorSwitches& sensors) {
 Result<SensorParams> load_sensor_file(const std::string& path) {
   const Result<XmlFile> file = XmlFile::load(path, "sensors");
   if (!file) return tl::unexpected(file.error());
-  SensorParams figures;
-  std::array<bool, kFigures.size()> seen{};
+  SensorParams params;
+  std::array<bool, kParams.size()> seen{};
   const auto& root = file->root();
   for (auto* section = root.FirstChildElement(); section; section = section->NextSiblingElement()) {
     if (!has_section(section->Name()))
       return file->error(*section, std::string("unknown sensor <") + section->Name() + ">");
     for (auto* e = section->FirstChildElement(); e; e = e->NextSiblingElement()) {
-      if (auto read = read_figure(*file, *section, *e, seen, figures); !read)
+      if (auto read = read_param(*file, *section, *e, seen, params); !read)
         return tl::unexpected(read.error());
     }
   }
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (seen[i]) continue;
-    const auto* section = root.FirstChildElement(kFigures[i].section);
+    const auto* section = root.FirstChildElement(kParams[i].section);
     return file->error(
         section != nullptr ? *section : root,
-        std::string("<") + kFigures[i].section + "> lacks <" + kFigures[i].element + ">");
+        std::string("<") + kParams[i].section + "> lacks <" + kParams[i].element + ">");
   }
-  return figures;
+  return params;
 }
 
 }  // namespace kaz::sim

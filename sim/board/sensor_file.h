@@ -1,4 +1,4 @@
-// The sensor file: figures of the board's sensors, and which of them are ideal.
+// The sensor file: parameters of the board's sensors, and which of them are ideal.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,13 +12,13 @@ namespace kaz::sim {
 // Noise in codes: one sigma at the converter. Without a file: nominal laws, no errors, no noise.
 struct PotentiometerParams {
   double noise_codes = 0;
-  double linearity = 0;     // largest deviation, share of the range
+  double linearity = 0;     // largest deviation, fraction of the range
   double mounting_rad = 0;  // largest offset
-  double terminal_rad = 0;  // beyond the track's ends, where the wiper still touches
-  double open_level = 1;    // share of AVCC read with an open wiper
+  double terminal_rad = 0;  // beyond the track's ends, where the wiper still has contact
+  double open_level = 1;    // fraction of AVCC read with an open wiper
 };
 
-struct InputFigures {
+struct InputParams {
   double noise_codes = 0;
 };
 
@@ -33,29 +33,29 @@ struct DriverParams {
 
 // One axis of the gyro (unit rad/s) or of the accelerometer (unit m/s^2).
 struct ImuAxisParams {
-  double share_per_unit = 0;  // of AVCC; zero stands at half
+  double share_per_unit = 0;  // of AVCC; zero is at half
   double zero_offset = 0;     // largest, in units
   double wander = 0;          // of the zero about its offset, one sigma, in units
-  double wander_time_s = 1;   // after which it has forgotten where it was, but for 1/e
+  double wander_time_s = 1;   // correlation time: decays to 1/e
   double bandwidth_hz = 40;   // first order, -3 dB
   double noise_density = 0;   // one-sided, units per root Hz
-  double range = 0;           // in units; beyond it the output stands
+  double range = 0;           // in units; the output saturates beyond it
 };
 
 struct SensorParams {
   PotentiometerParams potentiometer;
-  InputFigures supply, reference;
+  InputParams supply, reference;
   DriverParams driver;
   ImuAxisParams gyro, accelerometer;
 };
 
-// True: the sensor has its errors; false: it gives exactly what its law says.
+// True: the sensor has its errors; false: it follows its nominal law exactly.
 struct SensorSwitches {
   bool potentiometer = true;  // noise and open wiper beyond the track
   bool pot_as_built = false;  // each potentiometer's own linearity error and mounting offset
   bool supply = true;         // noise; the sag is the supply's, not the sensor's
   bool reference = true;      // noise
-  bool temperature = true;    // noise; the heating stays
+  bool temperature = true;    // noise; the heating is modelled in any case
   bool gyro = true;           // offset, bandwidth, noise, saturation
   bool accelerometer = true;
 
@@ -66,7 +66,7 @@ struct SensorSwitches {
 
 // "nominal", "ideal" or "as-built".
 std::optional<SensorSwitches> sensors_by_name(const std::string& name);
-// The name of a set, or "mixed".
+// The name of these switches, or "mixed".
 std::string name_of(const SensorSwitches& sensors);
 
 // Errors name file and line.

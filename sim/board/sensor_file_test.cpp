@@ -1,4 +1,4 @@
-// The sensor file, whole and broken.
+// The sensor file, valid and damaged.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/board/sensor_file.h"
 
@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "sim/body/files_testing.h"
+#include "sim/body/description/files_testing.h"
 
 namespace kaz::sim {
 namespace {
@@ -14,14 +14,14 @@ namespace {
 const std::string kFile = "shared/robot/kaz/sensors.xml";
 
 TEST(SensorFile, GivesSiUnits) {
-  const auto figures = load_sensor_file(kFile);
-  ASSERT_TRUE(figures) << figures.error().message;
-  EXPECT_EQ(figures->potentiometer.noise_codes, 0.5);
-  EXPECT_NEAR(figures->potentiometer.mounting_rad, 0.0174533, 1e-7);
-  EXPECT_NEAR(figures->gyro.share_per_unit, 0.0572958, 1e-7);  // 5 mV of 5 V a degree/s
-  EXPECT_NEAR(figures->gyro.range, 5.235988, 1e-6);            // 300 degrees/s
-  EXPECT_NEAR(figures->accelerometer.share_per_unit * 9.80665, 0.0624, 1e-12);
-  EXPECT_NEAR(figures->accelerometer.noise_density, 1.96133e-3, 1e-9);
+  const auto params = load_sensor_file(kFile);
+  ASSERT_TRUE(params) << params.error().message;
+  EXPECT_EQ(params->potentiometer.noise_codes, 0.5);
+  EXPECT_NEAR(params->potentiometer.mounting_rad, 0.0174533, 1e-7);
+  EXPECT_NEAR(params->gyro.share_per_unit, 0.0572958, 1e-7);  // 5 mV of 5 V a degree/s
+  EXPECT_NEAR(params->gyro.range, 5.235988, 1e-6);            // 300 degrees/s
+  EXPECT_NEAR(params->accelerometer.share_per_unit * 9.80665, 0.0624, 1e-12);
+  EXPECT_NEAR(params->accelerometer.noise_density, 1.96133e-3, 1e-9);
 }
 
 struct Broken {
@@ -40,20 +40,20 @@ TEST_P(BrokenSensorFile, IsRefusedWithFileAndLine) {
   text.replace(at, std::string(GetParam().from).size(), GetParam().to);
   const test::Folder folder;
   const std::string path = folder.write("sensors.xml", text);
-  const auto figures = load_sensor_file(path);
-  ASSERT_FALSE(figures);
-  EXPECT_EQ(figures.error().fault, Fault::usage);
-  // The line is where the text was changed.
+  const auto params = load_sensor_file(path);
+  ASSERT_FALSE(params);
+  EXPECT_EQ(params.error().fault, Fault::usage);
+  // The line where the text was changed.
   const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(at), '\n');
   const std::string expected = path + ":" + std::to_string(line) + ": " + GetParam().message;
-  EXPECT_EQ(figures.error().message.substr(0, expected.size()), expected);
+  EXPECT_EQ(params.error().message.substr(0, expected.size()), expected);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Files, BrokenSensorFile,
     testing::Values(
         Broken{"unknown_sensor", "<supply>", "<lidar/><supply>", "unknown sensor <lidar>"},
-        Broken{"unknown_figure", "<terminal value", "<finish value",
+        Broken{"unknown_param", "<terminal value", "<finish value",
                "unknown element <finish> in <potentiometer>"},
         Broken{"no_number", "<linearity value=\"0.005\"/>", "<linearity value=\"some\"/>",
                "attribute `value` of <linearity> is \"some\""},
@@ -70,10 +70,10 @@ TEST(SensorFile, SaysWhatIsMissing) {
   std::string text = test::read_text(kFile);
   const std::string gone = "<bandwidth value=\"40\"/>";
   text.erase(text.find(gone), gone.size());
-  const auto figures = load_sensor_file(folder.write("sensors.xml", text));
-  ASSERT_FALSE(figures);
-  EXPECT_NE(figures.error().message.find("<gyro> lacks <bandwidth>"), std::string::npos)
-      << figures.error().message;
+  const auto params = load_sensor_file(folder.write("sensors.xml", text));
+  ASSERT_FALSE(params);
+  EXPECT_NE(params.error().message.find("<gyro> lacks <bandwidth>"), std::string::npos)
+      << params.error().message;
   EXPECT_FALSE(load_sensor_file("/nowhere/sensors.xml"));
 }
 

@@ -22,7 +22,7 @@ constexpr Wiring wiring[KZ_JOINTS] = {
 #undef KZ_JOINT
 };
 
-// Which joint's potentiometer stands at an input of a multiplexer; -1 if none.
+// The joint whose potentiometer is at an input of a multiplexer; -1: none.
 constexpr std::array<int, KZ_ANALOG> joints_by_input() {
   std::array<int, KZ_ANALOG> table{};
   table.fill(-1);
@@ -57,14 +57,14 @@ int signed_counts(const PinLevels& pins, const Wiring& wire) {
 }  // namespace
 
 ServoBoard::ServoBoard(std::unique_ptr<Mcu> mcu, const ServoBoardOptions& options)
-    : mcu_(std::move(mcu)), options_(options), heat_(options.figures.driver), pins_(mcu_->pins()) {
+    : mcu_(std::move(mcu)), options_(options), heat_(options.params.driver), pins_(mcu_->pins()) {
   for (int j = 0; j < KZ_JOINTS; ++j) {
     const auto i = static_cast<std::size_t>(j);
     potentiometers_[i] =
-        Potentiometer(j, options_.figures.potentiometer, options_.sensors, options_.seed);
+        Potentiometer(j, options_.params.potentiometer, options_.sensors, options_.seed);
     pot_[i] = potentiometers_[i].ratio(0.0);
   }
-  if (options_.imu) imu_.emplace(options_.figures, options_.sensors, options_.seed);
+  if (options_.imu) imu_.emplace(options_.params, options_.sensors, options_.seed);
   mcu_->on_pins(
       [this](States at, const PinLevels& levels) { pins_changed(at + off_time_, levels); });
   mcu_->set_analog([this](int channel, const PinLevels& levels, States at) {
@@ -142,21 +142,21 @@ double ServoBoard::noise_free(unsigned input) const {
 }
 
 double ServoBoard::noise_codes(unsigned input) const {
-  const SensorParams& figures = options_.figures;
+  const SensorParams& params = options_.params;
   const SensorSwitches& sensors = options_.sensors;
   switch (input) {
     case KZ_ANALOG_SUPPLY:
-      return sensors.supply ? figures.supply.noise_codes : 0.0;
+      return sensors.supply ? params.supply.noise_codes : 0.0;
     case KZ_ANALOG_REFERENCE:
-      return sensors.reference ? figures.reference.noise_codes : 0.0;
+      return sensors.reference ? params.reference.noise_codes : 0.0;
     case KZ_ANALOG_TEMPERATURE:
-      return sensors.temperature ? figures.driver.noise_codes : 0.0;
+      return sensors.temperature ? params.driver.noise_codes : 0.0;
     default:
       break;
   }
   const int joint = joint_at_input[input];
   if (joint < 0) return 0.0;  // tied to ground
-  return std::hypot(sensors.potentiometer ? figures.potentiometer.noise_codes : 0.0,
+  return std::hypot(sensors.potentiometer ? params.potentiometer.noise_codes : 0.0,
                     pot_faults_[static_cast<std::size_t>(joint)].noise_codes);
 }
 
@@ -213,7 +213,7 @@ std::array<MeanDrive, KZ_JOINTS> ServoBoard::take_drives() {
 void ServoBoard::receive(const SerialByte& byte) {
   if (!power_) return;
   SerialByte at_chip = byte;
-  // The last instruction may have run beyond the step in which the byte arrived.
+  // The last instruction may have run past the step in which the byte arrived.
   at_chip.at = std::max(at_chip.at - off_time_, mcu_->now());
   mcu_->receive(at_chip);
 }

@@ -1,4 +1,4 @@
-// The servo board: what is soldered around the microcontroller.
+// The servo board: the circuit around the microcontroller.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Multiplexers and potentiometers in front of the A/D converter, motor drivers behind the PWM and
@@ -25,24 +25,24 @@ namespace kaz::sim {
 
 struct ServoBoardOptions {
   std::uint64_t seed = 1;
-  SensorParams figures = {};    // of sensors.xml
+  SensorParams params = {};     // from sensors.xml
   SensorSwitches sensors = {};  // which of them have their errors
   bool imu = false;             // gyro and accelerometer on AN3..AN5; grounded without
   double supply_volts = 10.0;   // without load
   double supply_ohms = 0.15;    // battery, switch and wires
 };
 
-// What a motor driver did to its motor over an interval.
+// Action of a motor driver over an interval.
 struct MeanDrive {
-  double duty = 0;       // -1..1, mean over the whole interval, positive turns the joint positively
+  double duty = 0;       // -1..1, mean over the whole interval, in the direction of the joint
   bool powered = false;  // the drivers were enabled for more than half of the interval
 };
 
-// What is wrong with a potentiometer. Ratios are shares of AVCC.
+// Fault of a potentiometer. Ratios are fractions of AVCC.
 struct PotFault {
-  std::optional<double> level;  // the input stands there, whatever the angle
+  std::optional<double> level;  // constant level of the input at any angle
   double noise_codes = 0;       // sigma, besides the ordinary noise
-  bool stuck = false;           // it does not follow the angle any more
+  bool stuck = false;           // it no longer follows the angle
   template <class A>
   void transfer(A& a) {
     a(level, noise_codes, stuck);
@@ -58,12 +58,12 @@ class ServoBoard {
   Mcu& mcu() { return *mcu_; }
   const Mcu& mcu() const { return *mcu_; }
 
-  // Board time: goes on while the power is off.
+  // Board time; continues while the power is off.
   States now() const { return now_; }
   // Runs until `now() >= until`; an instruction may overshoot by some states. Errors: the chip's.
   Result<void> run_until(States until);
 
-  // Angle of each output shaft as the joint turns, rad, joint numbers of joints.def. Held until set
+  // Angle of each output shaft in the joint's direction, rad, by joint number of joints.def. Held until set
   // again.
   void set_joint_angles(std::span<const double, KZ_JOINTS> angles_rad);
   // Sum of the motors' currents, for the sag of the supply. Held until set again.
@@ -71,13 +71,13 @@ class ServoBoard {
   // Sum of the magnitudes of the currents in the motors, for the drivers' heat. Held until set again.
   void set_motor_current(double amperes);
   double driver_celsius() const { return heat_.celsius(); }
-  // How the board moved during the millisecond up to now, for the option `imu`. Once a millisecond.
+  // Motion of the board during the last millisecond, for the option `imu`. Call once a millisecond.
   void set_motion(const ImuMotion& motion);
   const std::optional<Imu>& imu() const { return imu_; }
   double supply_volts() const;
-  // What the supply gives without load, V: the knob of a laboratory's supply.
+  // Open-circuit voltage of the supply, V.
   void set_supply(double volts) { options_.supply_volts = volts; }
-  // Added to that. Held until set again.
+  // Voltage added to it, V. Held until set again.
   void set_supply_change(double volts) { supply_change_ = volts; }
   // Held until set again.
   void set_pot_fault(int joint, const PotFault& fault) {
@@ -90,7 +90,7 @@ class ServoBoard {
   const PinLevels& pins() const { return pins_; }
   bool drivers_enabled() const { return (pins_.p4 & KZ_P4_ENABLE) != 0; }
 
-  // The serial line at the chip, in board time. Bytes that come while the power is off are lost.
+  // The serial line at the chip, in board time. Bytes received while the power is off are lost.
   void receive(const SerialByte& byte);
   std::vector<SerialByte> take_transmitted();
 
@@ -98,7 +98,7 @@ class ServoBoard {
   void set_power(bool on);
   bool power() const { return power_; }
   void reset();  // the RES pin
-  // The switch at the mode pins; counts at the next reset.
+  // The switch at the mode pins; takes effect at the next reset.
   Result<void> set_boot_pins(bool boot) { return mcu_->set_boot_pins(boot); }
 
   void save(StateWriter& to);

@@ -1,4 +1,4 @@
-// The board around a microcontroller that does what the test says.
+// The board around a microcontroller that the test controls.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/board/servo_board.h"
 
@@ -16,7 +16,7 @@ constexpr States ms = KZ_STATES_PER_TICK;
 // Changes its pins at given times and lets the test use its converter.
 class ScriptedMcu final : public Mcu {
  public:
-  std::string engine() const override { return "scripted"; }
+  std::string name() const override { return "scripted"; }
   States now() const override { return now_; }
   Result<void> run_until(States until) override {
     while (!script.empty() && script.front().first <= until) {
@@ -54,9 +54,9 @@ class ScriptedMcu final : public Mcu {
   std::function<void(States, const PinLevels&)> listener_;
 };
 
-// As robot and file have it.
+// As robot and sensor file specify.
 ServoBoardOptions nominal(std::uint64_t seed = 1) {
-  return {.seed = seed, .figures = load_sensor_file("shared/robot/kaz/sensors.xml").value()};
+  return {.seed = seed, .params = load_sensor_file("shared/robot/kaz/sensors.xml").value()};
 }
 
 struct Bench {
@@ -97,7 +97,7 @@ TEST(Multiplexers, PutEachPotentiometerWhereTheWiringSays) {
 TEST(Multiplexers, PutSupplyReferenceAndTemperatureOnTheSpareInputs) {
   ServoBoardOptions options = nominal();
   options.sensors = SensorSwitches::ideal();
-  options.figures.driver.ambient_celsius = 25.6;
+  options.params.driver.ambient_celsius = 25.6;
   Bench bench(options);
   EXPECT_NEAR(bench.read(0, 6), 10.0 / 15.36, 1e-12);
   EXPECT_EQ(bench.read(0, 7), 0.5);
@@ -108,7 +108,7 @@ TEST(Multiplexers, PutSupplyReferenceAndTemperatureOnTheSpareInputs) {
 
 TEST(Noise, DependsOnSeedTickAndInputAlone) {
   Bench a(nominal(1)), b(nominal(1)), other(nominal(2));
-  b.read(0, 3, 5 * ms);  // reading more often changes nothing
+  b.read(0, 3, 5 * ms);  // repeated reads return the same
   EXPECT_EQ(a.read(0, 0, 7 * ms), b.read(0, 0, 7 * ms + 900));
   EXPECT_NE(a.read(0, 0, 7 * ms), other.read(0, 0, 7 * ms));
   EXPECT_NE(a.read(0, 0, 7 * ms), a.read(0, 0, 8 * ms));
@@ -295,7 +295,7 @@ TEST(Power, OffStopsMotorsChipAndLineButNotTime) {
 
   bench.board.set_power(true);
   EXPECT_EQ(bench.mcu->power_cycles, 1);
-  // The chip's clock stood still for 10 ms; the line's times are translated.
+  // The chip's clock was stopped for 10 ms; the line's times are shifted.
   bench.board.receive({0x55, 11 * ms + 1600, false});
   ASSERT_EQ(bench.mcu->received.size(), 1u);
   EXPECT_EQ(bench.mcu->received[0].at, ms + 1600);

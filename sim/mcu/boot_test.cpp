@@ -1,4 +1,4 @@
-// An erased board hangs until reset, and its boot mode answers at the host's rate.
+// An erased board hangs until reset, and its boot mode replies at the host's bit rate.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 

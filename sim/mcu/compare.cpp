@@ -1,4 +1,4 @@
-// Each tick of the emulated firmware, computed again by the native build.
+// Computes each tick of the emulated firmware again with the native build, and compares.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/compare.h"
 
@@ -24,7 +24,7 @@ constexpr States line_edge_tolerance = KZ_STATES_PER_BIT / 50;  // 2 % of a bit
 constexpr int longest_start_ms = 2000;                          // from reset to the first tick
 constexpr int max_without_tick_ms = 1000 * KZ_LOADER_S + 1000;  // the loader waits
 
-// "joint.angle" is an element of joint, "receiver.body" an array in receiver.
+// "joint.angle" is an element of the array joint, "receiver.body" an array inside receiver.
 std::string element(const std::string& prefix, const std::string& name, std::size_t index) {
   const std::string subscript = std::string("[").append(std::to_string(index)).append("]");
   if (name.starts_with("joint.")) return prefix + "joint" + subscript + name.substr(5);
@@ -58,9 +58,9 @@ class Comparison {
     h8_.on_watchdog_reset([this](States) {
       ++report_.resets;
       compare_line();
-      // A reset that is asked for waits for the line.
-      if (!on_the_way_.empty()) differ_on_line("line.cut_off", on_the_way_.front(), -1);
-      on_the_way_.clear();
+      // A requested reset waits until the line is idle.
+      if (!in_flight_.empty()) differ_on_line("line.cut_off", in_flight_.front(), -1);
+      in_flight_.clear();
       txd_.restart();
       start_native();
     });
@@ -128,7 +128,7 @@ class Comparison {
     compare_output(output, record.output);
     shown_ = output;
     if (output.tx_count != 0) line_since_ = h8_.now();
-    on_the_way_.insert(on_the_way_.end(), output.tx, output.tx + output.tx_count);
+    in_flight_.insert(in_flight_.end(), output.tx, output.tx + output.tx_count);
     look_at(record.output);
     if (report_.ticks % options_.state_every == 0 || !report_.equal()) compare_state();
     if (!report_.equal()) {
@@ -164,7 +164,7 @@ class Comparison {
                 std::min<std::size_t>(std::min(native.tx_count, h8.tx_count), KZ_TX_PER_TICK));
   }
 
-  // At the end of a tick the pins show what the tick before has put out.
+  // At the end of a tick the pins show the output of the previous tick.
   void compare_pins() {
     if (!shown_) return;
     const PinLevels& pins = h8_.pins();
@@ -182,12 +182,12 @@ class Comparison {
     ++report_.pins_compared;
   }
 
-  // What TxD0 shows is what the native build put out, in this order.
+  // Bytes at TxD0 must be those output by the native build, in this order.
   void compare_line() {
     for (const DecodedByte& byte : txd_.take()) {
-      if (on_the_way_.empty()) return differ_on_line("line.byte", -1, byte.value);
-      const std::uint8_t wanted = on_the_way_.front();
-      on_the_way_.pop_front();
+      if (in_flight_.empty()) return differ_on_line("line.byte", -1, byte.value);
+      const std::uint8_t wanted = in_flight_.front();
+      in_flight_.pop_front();
       if (byte.value != wanted) return differ_on_line("line.byte", wanted, byte.value);
       if (byte.framing_error) return differ_on_line("line.stop_bit", 1, 0);
       if (byte.edge_deviation > line_edge_tolerance)
@@ -195,9 +195,9 @@ class Comparison {
       line_since_ = byte.start + KZ_STATES_PER_BYTE;
       ++report_.line_bytes;
     }
-    // Bytes leave in the tick after; a write to flash comes behind them.
-    if (!on_the_way_.empty() && h8_.now() - line_since_ > 3 * KZ_STATES_PER_TICK)
-      differ_on_line("line.missing", on_the_way_.front(), -1);
+    // Bytes are sent in the following tick; a write to flash comes after them.
+    if (!in_flight_.empty() && h8_.now() - line_since_ > 3 * KZ_STATES_PER_TICK)
+      differ_on_line("line.missing", in_flight_.front(), -1);
   }
 
   // -1: nothing.
@@ -217,7 +217,7 @@ class Comparison {
       const std::uint8_t* fields = heard_.body + KZ_HEADER_SIZE;
       ++coverage.replies[type];
       if (type == KZ_TYPE_refused) ++coverage.refusals[fields[7]];
-      // The upper byte of the status, behind the tick; in identify_reply two bytes later.
+      // The upper byte of the status, after the tick; in identify_reply two bytes later.
       const std::uint8_t reason = fields[type == KZ_TYPE_identify_reply ? 6 : 4];
       if (reason != KZ_SHUTDOWN_NONE) ++coverage.shutdowns[reason];
     }
@@ -225,7 +225,7 @@ class Comparison {
 
   void compare_state() {
     const auto h8 = h8_.global("kz_servo_state", kz_state_size_h8);
-    if (h8.empty()) return;  // load() has made sure of the symbol
+    if (h8.empty()) return;  // load() has checked the symbol
     const auto* native = reinterpret_cast<const std::uint8_t*>(&native_);
     for (std::size_t f = 0; f < kz_state_field_count; ++f) {
       const kz_state_field& field = kz_state_fields[f];
@@ -257,10 +257,10 @@ class Comparison {
   RandomHost host_;
   RandomAnalog analog_;
   kz_servo native_{};
-  bool started_ = false;                 // from what the chip found at its start
-  std::optional<kz_tick_output> shown_;  // put out by the tick before
-  std::deque<std::uint8_t> on_the_way_;  // put out, not yet decoded at TxD0
-  States line_since_ = 0;                // the line has had a byte or got one to send
+  bool started_ = false;                 // initialised from the chip's startup data
+  std::optional<kz_tick_output> shown_;  // output of the previous tick
+  std::deque<std::uint8_t> in_flight_;   // output, not yet decoded at TxD0
+  States line_since_ = 0;                // last time at which a byte was decoded or queued
   std::uint32_t last_tick_ = 0;
   kz_receiver heard_{};
   CompareReport report_;

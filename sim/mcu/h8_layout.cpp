@@ -1,4 +1,4 @@
-// Decoding of the tick's structures from the memory of the H8.
+// Decodes the tick's structures from the memory of the H8.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/h8_layout.h"
 

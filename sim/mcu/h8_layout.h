@@ -1,7 +1,7 @@
-// The structures of shared/servo/tick.h as the H8 compiler lays them out.
+// Layout of the structures of shared/servo/snapshot.h as compiled for the H8.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Big-endian, no padding but an even start of each number of more than a byte.
+// Big-endian; no padding except that numbers of more than one byte start at even offsets.
 #pragma once
 
 #include <cstddef>

@@ -12,7 +12,7 @@
 namespace kaz::sim {
 namespace {
 
-// What the board's resistors make of a pin that the chip does not drive (mcu.h).
+// Levels of the board's pull resistors at pins that the chip does not drive (mcu.h).
 constexpr PinLevels pulled{};
 
 constexpr std::uint32_t memory_at = 0x400;  // EB1
@@ -94,7 +94,7 @@ Result<void> H8Mcu::run_until(States until) {
                                  std::to_string(now()) + ": " + stop.report);
 }
 
-// Chip time has stood still while it hung.
+// Chip time has stopped while it hung.
 void H8Mcu::wake() {
   if (hung_) base_ = hung_at_ - chip_.now();
   hung_ = false;
@@ -125,7 +125,7 @@ void H8Mcu::power_cycle() {
 
 std::array<std::uint8_t, Mcu::memory_size> H8Mcu::memory() const {
   std::array<std::uint8_t, memory_size> bytes{};
-  chip_.peek(memory_at, bytes);  // always there: it is flash
+  chip_.peek(memory_at, bytes);  // cannot fail: it is flash
   return bytes;
 }
 
@@ -210,7 +210,7 @@ void H8Mcu::output_changed(const h8s::OutputChange& change) {
     case h8s::OutputChange::Unit::timer:
       read_timer(change.index);
       break;
-    case h8s::OutputChange::Unit::serial:  // bytes are told as they end
+    case h8s::OutputChange::Unit::serial:  // bytes are reported when they end
       return;
   }
   if (on_pins_ && pins_ != before) on_pins_(base_ + change.at, pins_);

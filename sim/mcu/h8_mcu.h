@@ -1,4 +1,4 @@
-// The engine that executes the firmware image, for those who need more of it than the pins.
+// The `h8` engine: executes the firmware image. Interface beyond Mcu, for tests and tools.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,20 +11,20 @@
 #include <string>
 #include <vector>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/mcu/mcu.h"
 
 namespace kaz::sim {
 
 class H8Mcu final : public Mcu {
  public:
-  // As make_h8(), with what the emulator leaves to choose.
+  // As make_h8(), with the emulator's options.
   static Result<std::unique_ptr<H8Mcu>> load(const std::string& image_path,
                                              const h8s::Options& options = {});
 
   static std::unique_ptr<H8Mcu> erased(const h8s::Options& options = {});
 
-  std::string engine() const override { return "h8"; }
+  std::string name() const override { return "h8"; }
   std::string emulator_engine() const override { return h8s::name_of(chip_.engine()); }
   States now() const override { return hung_ ? hung_at_ : base_ + chip_.now(); }
   Result<void> run_until(States until) override;
@@ -53,9 +53,9 @@ class H8Mcu final : public Mcu {
   h8s::Chip& chip() { return chip_; }
   const h8s::Chip& chip() const { return chip_; }
 
-  // Whether the image has the symbols that ticks are recorded by: kz_input, kz_output, kz_tick_end.
+  // Whether the image has the symbols needed to record ticks: kz_input, kz_output, kz_tick_end.
   bool has_tick_symbols() const { return symbols_.has_value(); }
-  // Bytes of a global of the image, as they stand in RAM; empty if there is no such symbol.
+  // Bytes of a global variable of the image in RAM; empty if there is no such symbol.
   std::vector<std::uint8_t> global(std::string_view symbol, std::size_t size) const;
 
  private:
@@ -74,7 +74,7 @@ class H8Mcu final : public Mcu {
   void tick_ended();
 
   h8s::Chip chip_;
-  States base_ = 0;  // our time minus the chip's, which starts anew when power is applied
+  States base_ = 0;  // board time minus the chip's, which restarts at power-on
   bool hung_ = false;
   States hung_at_ = 0;
   PinLevels pins_;

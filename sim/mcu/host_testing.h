@@ -48,7 +48,7 @@ inline States send(Mcu& mcu, const std::vector<std::uint8_t>& bytes) {
   return at;
 }
 
-// Bodies of the sound frames in what the board sent.
+// Bodies of the valid frames that the board sent.
 inline std::vector<std::vector<std::uint8_t>> bodies_of(const std::vector<SerialByte>& bytes) {
   std::vector<std::vector<std::uint8_t>> bodies;
   kz_receiver receiver;
@@ -60,7 +60,7 @@ inline std::vector<std::vector<std::uint8_t>> bodies_of(const std::vector<Serial
   return bodies;
 }
 
-// All potentiometers at mid-scale, supply at 10 V, nothing else.
+// All potentiometers at mid-scale, supply at 10 V, everything else at half scale.
 inline double quiet_board(int channel, const PinLevels& levels, States) {
   const int input = channel * KZ_MUX_INPUTS + (levels.p4 & KZ_P4_MUX_MASK);
   if (input == KZ_ANALOG_SUPPLY) return 10000.0 / KZ_SUPPLY_FULL_MV;

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "shared/base/random.hpp"
 #include "sim/mcu/h8_layout.h"
-#include "sim/mcu/random.h"
 
 namespace kaz::sim {
 namespace {

@@ -1,10 +1,10 @@
-// Faults between the tick's output and TxD0, planted in the running firmware: both comparisons see them.
+// Faults between the tick's output and TxD0, planted in the running firmware: both comparisons detect them.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <memory>
 
-#include "sim/mcu/compare.h"
+#include "sim/mcu/compare_testing.h"
 #include "sim/mcu/compare_wire.h"
 #include "sim/mcu/h8_mcu.h"
 
@@ -17,7 +17,7 @@ std::uint32_t address_of(const H8Mcu& mcu, const char* symbol) {
   return mcu.chip().symbols().address_of(symbol).value();
 }
 
-// The first place behind `symbol` with these two bytes.
+// The first occurrence of these two bytes after `symbol`.
 std::uint32_t find(const H8Mcu& mcu, const char* symbol, std::uint16_t word) {
   std::uint32_t at = address_of(mcu, symbol);
   for (int left = 64; left > 0; --left, at += 2)
@@ -26,7 +26,7 @@ std::uint32_t find(const H8Mcu& mcu, const char* symbol, std::uint16_t word) {
   return 0;
 }
 
-// In front of mov.b r0l,@SCI0_TDR:8 of the sender's interrupt: `fault` for one byte of 300.
+// Before mov.b r0l,@SCI0_TDR:8 in the transmit interrupt: applies `fault` to one byte of 300.
 void plant_at_tdr(H8Mcu& mcu, std::function<void(h8s::Registers&)> fault) {
   const auto count = std::make_shared<int>(0);  // the chip calls copies of a hook
   mcu.chip().set_hook(find(mcu, "kz_serial_transmit", 0x38DB),
@@ -44,12 +44,12 @@ void plant_other_byte(H8Mcu& mcu) {
   plant_at_tdr(mcu, [](h8s::Registers& registers) { registers.er[0] ^= 0x04; });
 }
 
-// TDR is not written, nor its flag cleared: the interrupt goes on behind BCLR.
+// TDR is not written, nor its flag cleared: the interrupt continues after BCLR.
 void plant_lost_byte(H8Mcu& mcu) {
   plant_at_tdr(mcu, [](h8s::Registers& registers) { registers.pc += 6; });
 }
 
-// The loader has checked the image: from here on BRR gets 5 instead of 4.
+// The loader has checked the image: from here on BRR is set to 5 instead of 4.
 void plant_other_rate(H8Mcu& mcu) {
   const std::uint32_t from = address_of(mcu, "kz_serial_init");
   mcu.chip().set_hook(address_of(mcu, "kz_main"), [from](h8s::Chip& chip) {
@@ -66,8 +66,8 @@ void plant_other_rate(H8Mcu& mcu) {
   });
 }
 
-// The same while replies leave: one store to TDR goes to BRR. With another rate from the start the board
-// would understand nothing, and say nothing.
+// The same while replies are sent: one store to TDR goes to BRR. With another rate from the start the board
+// would receive nothing valid and not reply.
 void plant_rate_changed_later(H8Mcu& mcu) {
   const std::uint32_t store = find(mcu, "kz_serial_transmit", 0x38DB);
   const auto count = std::make_shared<int>(0);
@@ -84,13 +84,9 @@ void plant_rate_changed_later(H8Mcu& mcu) {
 }
 
 CompareReport ticks_with(const Plant& plant) {
-  CompareOptions options;
-  options.image_path = KAZ_FIRMWARE_IMAGE;
-  options.ticks = 3000;
+  CompareOptions options = firmware_comparison(3000);
   options.prepare_h8 = plant;
-  const auto report = compare_engines(options);
-  EXPECT_TRUE(report) << report.error().message;
-  return report ? *report : CompareReport{};
+  return compare_or_fail(options);
 }
 
 TEST(Line, BytesAreDecodedAtThePin) {

@@ -1,4 +1,4 @@
-// The microcontroller of the servo board, as its pins see it.
+// The microcontroller of the servo board, seen from its pins.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Two engines implement it: `h8` executes the firmware image instruction by instruction, `native`
@@ -13,18 +13,18 @@
 #include <string>
 #include <vector>
 
+#include "shared/base/archive.hpp"
 #include "shared/base/result.hpp"
 #include "shared/board/board.h"
 #include "shared/servo/tick.h"
-#include "sim/mcu/archive.h"
 
 namespace kaz::sim {
 
 // Time on the board, in periods of its crystal (18.432 MHz) since power was first applied.
 using States = std::int64_t;
 
-// What the chip drives. A pin that is an input, or floats during reset, stands at the level that
-// the board's pull resistor gives it (multiplexer selects high, everything else low).
+// Levels driven by the chip. A pin that is an input, or floats during reset, has the level of the board's
+// pull resistor (multiplexer selects high, everything else low).
 struct PinLevels {
   std::array<std::uint16_t, 16> pw{};  // high counts out of 256 of PW0..PW15; 256: constant high
   std::array<std::uint16_t, 2> tmo{};  // the same for TMO0, TMO1
@@ -47,7 +47,7 @@ struct SerialByte {
   }
 };
 
-// What happened in one tick, at the boundary of shared/servo.
+// Input and output of one tick, at the interface of shared/servo.
 struct TickRecord {
   kz_tick_input input;
   kz_tick_output output;
@@ -58,50 +58,47 @@ class Mcu {
   virtual ~Mcu() = default;
 
   // "h8" or "native".
-  virtual std::string engine() const = 0;
+  virtual std::string name() const = 0;
   // h8: the engine that the emulator executes with, "translator" by default; native: empty.
   virtual std::string emulator_engine() const { return {}; }
   virtual States now() const = 0;
 
-  // Runs until `now() >= until`. Fails, once and for all until the next reset, when the chip does
-  // something no program should: undefined instruction, unmapped access, stack outside RAM. The
-  // message says where.
+  // Runs until `now() >= until`. Errors, repeated until the next reset: undefined instruction, unmapped
+  // access, stack outside RAM; the message contains the location.
   virtual Result<void> run_until(States until) = 0;
 
   virtual void reset() = 0;        // RES pin; RAM is kept
   virtual void power_cycle() = 0;  // everything but flash is lost
 
-  // The mode pins say boot mode, or to run what is in flash: from the next reset on. h8 only.
+  // Sets the mode pins to boot mode or to running from flash, effective at the next reset. h8 only.
   virtual Result<void> set_boot_pins(bool boot) {
     if (!boot) return {};
-    return fail(Fault::usage, "the " + engine() + " engine has no boot mode; h8 has");
+    return fail(Fault::usage, "the mcu \"" + name() + "\" has no boot mode; h8 has");
   }
-  // The boot ROM runs, not yet what it has loaded.
+  // True while the boot ROM runs, false once it has started the downloaded program.
   virtual bool in_boot_rom() const { return false; }
-  // With a listener a chip that does what no program should hangs until reset, and run_until()
-  // does not fail.
+  // With a listener, a chip error hangs the chip until reset instead of failing run_until().
   virtual void on_hang(std::function<void(const std::string& report)> listener) { (void)listener; }
 
-  // What the board remembers without power: flash blocks EB1 to EB3, calibration and address
-  // (shared/servo/store.h). Setting it takes effect at the next reset.
+  // Non-volatile memory: flash blocks EB1 to EB3 with calibration and address (shared/servo/store.h).
+  // Setting it takes effect at the next reset.
   static constexpr std::size_t memory_size = 3072;
   virtual std::array<std::uint8_t, memory_size> memory() const = 0;
   virtual void set_memory(std::span<const std::uint8_t, memory_size> bytes) = 0;
 
-  // State of the servo behind the last tick, where it is in this process's layout: native only, else
-  // null.
+  // State of the servo after the last tick, in this process's memory layout: native only, else null.
   virtual const struct kz_servo* servo() const { return nullptr; }
 
   virtual const PinLevels& pins() const = 0;
-  // Called at each change of a pin, with the exact time. One listener.
+  // Called at each change of a pin, with its exact time. One listener.
   virtual void on_pins(std::function<void(States, const PinLevels&)> listener) = 0;
 
-  // Voltage at AN0..AN7 as a share of AVCC, asked at the moment the converter samples. `levels`
-  // tell where the multiplexer selects stand then.
+  // Voltage at AN0..AN7 as a fraction of AVCC, 0..1; called when the converter samples. `levels` contains
+  // the multiplexer selects at that time.
   using AnalogSource = std::function<double(int channel, const PinLevels& levels, States at)>;
   virtual void set_analog(AnalogSource source) = 0;
 
-  // Bytes for RxD0; times must not decrease nor lie in the past.
+  // Bytes for RxD0; times must not decrease nor be in the past.
   virtual void receive(const SerialByte& byte) = 0;
   // Bytes that left TxD0 since the last call, each with the time of its last stop bit.
   virtual std::vector<SerialByte> take_transmitted() = 0;
@@ -109,20 +106,20 @@ class Mcu {
   // Called after each tick's computation. Used to compare the engines and to record.
   virtual void on_tick(std::function<void(const TickRecord&)> listener) = 0;
 
-  // Called when the chip's own watchdog has reset it, which it does on request too (reset, loader);
-  // with the native engine only on request.
+  // Called when the chip's watchdog has reset it, which also serves requests for reset or loader; with the
+  // native engine only on such requests.
   virtual void on_watchdog_reset(std::function<void(States)> listener) { (void)listener; }
 
-  // All that the chip remembers; listeners and the analog source stay as they are. The archive
-  // fails where an engine cannot.
+  // The chip's whole state; listeners and the analog source are kept. The archive fails if the engine does
+  // not support it.
   virtual void save(StateWriter& to) { to.refuse("this engine cannot be saved"); }
   virtual void restore(StateReader& from) { from.refuse("this engine cannot be restored"); }
 };
 
 // The firmware image: S-record or COFF. With symbols (COFF) reports are readable and `on_tick`
-// works; for an S-record the symbols are looked for in a file of the same name ending in `.coff`.
+// works; the symbols of an S-record are read from a file of the same name ending in `.coff`.
 Result<std::unique_ptr<Mcu>> make_h8(const std::string& image_path);
-// A chip as it comes from the factory.
+// The native engine, with blank non-volatile memory.
 std::unique_ptr<Mcu> make_erased_h8();
 std::unique_ptr<Mcu> make_native();
 

@@ -1,4 +1,4 @@
-// What a board remembers without power, kept in a file between two runs.
+// A board's non-volatile memory, kept in a file between runs.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/memory_file.h"
 

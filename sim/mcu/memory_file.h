@@ -1,4 +1,4 @@
-// What a board remembers without power, kept in a file between two runs.
+// A board's non-volatile memory, kept in a file between runs.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace kaz::sim {
 
-// Into the board; it is in use after the next reset. A file that does not exist yet changes nothing.
-// Errors (usage): another file than save_memory writes.
+// Loads the file into the board, effective at the next reset. A missing file changes nothing. Errors
+// (usage): not a file written by save_memory.
 Result<void> load_memory(Mcu& mcu, const std::string& path);
 // The bytes of Mcu::memory(), nothing else; the file is replaced as a whole. Errors (environment): the
 // file cannot be written.

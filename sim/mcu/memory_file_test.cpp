@@ -1,4 +1,4 @@
-// A board's memory in a file.
+// A board's non-volatile memory in a file.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/memory_file.h"
 

@@ -1,10 +1,9 @@
 // The native engine: shared/servo compiled for this machine, behind the same pins.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The board as its pins and its line show it: rings, receiver, converter, flash and start-up keep the
-// firmware's order and times, but there is no CPU that takes time. What the firmware does some time
-// after a tick became due is done after the time that it usually takes (wire_differences.h says what
-// remains).
+// Models the board as seen from its pins and its line: rings, receiver, converter, flash and start-up have
+// the firmware's order and times, but no CPU time is modelled. Actions of the firmware after a tick became
+// due happen after their usual delay (wire_differences.h lists the remaining differences).
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -13,22 +12,24 @@
 
 #include "shared/servo/servo.h"
 #include "shared/servo/startup.h"
-#include "sim/h8s/line_rate.h"
+#include "shared/servo/tick.h"
+#include "sim/h8s/chip/line_rate.h"
 #include "sim/mcu/native_mcu.h"
 #include "sim/mcu/native_memory.h"
 
 namespace kaz::sim {
 namespace {
 
-// Times of the firmware as the emulator measures them, in states. A tick begins with the entry of the
-// clock's interrupt.
-constexpr States send_after = 445;  // from a tick to the start bit of what it sends on an idle line
-constexpr States tick_after = 650;  // to the read of the receive ring, and with it the computation
-constexpr States room_after = 665;  // to the read of the transmit ring
-constexpr States act_after = 5900;  // to what a tick has asked for, on a board that rests
-constexpr States scan_after = 850;  // to the first sample of the converter
-constexpr States scan_first = 1133;     // from the first multiplexer input of a scan to the second
-constexpr States scan_next = 887;       // from each other one to the next
+// Delays of the firmware measured in the emulator, in states. A tick begins with the entry into the clock's
+// interrupt.
+constexpr States send_after =
+    445;  // from a tick to the start bit of its first byte on an idle line
+constexpr States tick_after = 650;   // to the read of the receive ring, and with it the computation
+constexpr States room_after = 665;   // to the read of the transmit ring
+constexpr States act_after = 5900;   // to the action that a tick requested, on an idle board
+constexpr States scan_after = 850;   // to the first sample of the converter
+constexpr States scan_first = 1133;  // from the first multiplexer input of a scan to the second
+constexpr States scan_next = 887;    // from each other one to the next
 constexpr States scan_states = 6500;    // a whole scan
 constexpr States convert_states = 266;  // from one of AN0..AN3 to the next
 constexpr States inertial_age = 400;    // AN4 and AN5 at a tick: they are converted all the time
@@ -38,14 +39,14 @@ constexpr States inertial_age = 400;    // AN4 and AN5 at a tick: they are conve
 constexpr States listen_before = 46940;
 constexpr States scan_before = 46800;
 constexpr States application_before = 156060;  // the loader has handed over
-constexpr States servo_before = 18500;         // what kz_startup.start_8states does not count
+constexpr States servo_before = 18500;         // not included in kz_startup.start_8states
 constexpr States watchdog_states = 1000;       // from the request to the reset
 constexpr States stored_line_states = 681;
 constexpr States calibrated_states = 1600;
 
-constexpr std::size_t transmit_ring = 63;  // bytes that it holds
+constexpr std::size_t transmit_ring = 63;  // capacity, bytes
 constexpr std::size_t receive_most =
-    48;                           // more that wait: the oldest may be gone (firmware/serial.c)
+    48;  // bytes waiting beyond it: the oldest may be lost (firmware/serial.c)
 constexpr int scan_settings = 7;  // a supply's input, then 0..5
 constexpr States never = std::numeric_limits<States>::max() / 2;
 
@@ -53,7 +54,7 @@ class NativeMcu final : public Mcu {
  public:
   explicit NativeMcu(const NativeOptions& options) : options_(options) { power_cycle(); }
 
-  std::string engine() const override { return "native"; }
+  std::string name() const override { return "native"; }
   States now() const override { return now_; }
 
   Result<void> run_until(States until) override {
@@ -131,7 +132,7 @@ class NativeMcu final : public Mcu {
     a.plain(output_);
   }
 
-  // What stands between two ticks.
+  // State between two ticks.
   enum class Phase : std::uint8_t { asked, restarting, writing, reading_back };
 
   // Reset or power-on; the start begins after `wait`.
@@ -190,7 +191,7 @@ class NativeMcu final : public Mcu {
     if (output_.action != KZ_ACTION_NONE) prepare_action(start);
   }
 
-  // What a tick has asked for is done when its outputs are at the pins and its bytes have left.
+  // A tick's requested action is done when its outputs are at the pins and its bytes have been sent.
   void prepare_action(States start) {
     action_ = std::exchange(output_.action, u8{KZ_ACTION_NONE});
     phase_ = Phase::asked;
@@ -220,7 +221,7 @@ class NativeMcu final : public Mcu {
   }
 
   void begin_action() {
-    // No tick asks for it; and no motor is left alone for seconds.
+    // No tick requests it, and motors must not be unsupervised for seconds.
     if ((output_.p4 & KZ_P4_ENABLE) != 0) return go_on(false);
     if (action_ == KZ_ACTION_RESET || action_ == KZ_ACTION_LOADER) {
       phase_ = Phase::restarting;
@@ -237,8 +238,8 @@ class NativeMcu final : public Mcu {
     act_at_ = memory_.over_at();
   }
 
-  // Flash has been written with interrupts off. The chip's receiver holds one byte; those that come
-  // on top of it are lost, and it says so; nor does it take any behind a damaged one.
+  // Flash has been written with interrupts off. The chip's receiver holds one byte; those that
+  // follow are lost and flagged as an overrun; none is accepted after a damaged one.
   void listen_again() {
     arrive(deaf_from_);
     bool full = false;
@@ -386,7 +387,7 @@ class NativeMcu final : public Mcu {
   NativeOptions options_;
   NativeMemory memory_;
   kz_startup startup_{};
-  bool started_ = false;  // the first tick has come
+  bool started_ = false;  // the first tick has run
   kz_servo servo_{};
   kz_tick_input input_{};
   kz_tick_output output_{};  // of the last tick: for the pins and the wire at the next
@@ -396,18 +397,18 @@ class NativeMcu final : public Mcu {
   u8 action_ = KZ_ACTION_NONE;
   Phase phase_ = Phase::asked;
   bool released_ = false;    // the bytes of `output_` are on the wire already
-  States asked_at_ = 0;      // when the tick that asked became due
-  States deaf_from_ = 0;     // flash is written
-  States listens_from_ = 0;  // what came earlier nobody has heard
-  States scan_at_ = 0;       // first sample of the scan that runs
+  States asked_at_ = 0;      // when the requesting tick became due
+  States deaf_from_ = 0;     // writing flash: received bytes are lost from here
+  States listens_from_ = 0;  // earlier bytes were lost
+  States scan_at_ = 0;       // first sample of the current scan
   int scans_left_ = 0;
   int setting_ = 0;  // of the scan, to be sampled next
   int supply_input_ = KZ_ANALOG_REFERENCE;
   PinLevels pins_;
 
-  std::deque<SerialByte> received_;     // on the wire to us
-  std::deque<std::pair<u8, u8>> ring_;  // received and not yet taken: value, KZ_RX_*
-  std::deque<SerialByte> wire_;         // on the wire from us
+  std::deque<SerialByte> received_;     // on the wire to the board
+  std::deque<std::pair<u8, u8>> ring_;  // received and not yet read: value, KZ_RX_*
+  std::deque<SerialByte> wire_;         // on the wire from the board
   States wire_free_ = 0;
 
   std::function<void(States, const PinLevels&)> on_pins_;

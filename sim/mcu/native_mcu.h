@@ -1,4 +1,4 @@
-// The native engine, for those who need more of it than make_native().
+// The `native` engine: options for tests and comparisons.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

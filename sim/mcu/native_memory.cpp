@@ -1,18 +1,18 @@
-// What the native engine's board remembers without power.
+// Non-volatile memory of the native engine's board.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/native_memory.h"
 
 #include <algorithm>
 
-#include "sim/mcu/random.h"
+#include "shared/base/random.hpp"
 
 namespace kaz::sim {
 namespace {
 
-constexpr int address_block = 2;  // behind the two of the calibration
+constexpr int address_block = 2;  // after the two of the calibration
 constexpr std::uint64_t seed = 1;
 
-// Lengths as the firmware has them (firmware/flash_ram.c); to the state they need not agree.
+// Durations in the firmware (firmware/flash_ram.c); they need not be exact to the state.
 constexpr States microseconds(double us) {
   return static_cast<States>(us * KZ_CLOCK_HZ / 1e6);
 }
@@ -25,7 +25,7 @@ constexpr States program_setup = microseconds(210), program_pulse = microseconds
 constexpr States prepare_calibration = 732, prepare_address = 280, copy_routine = 1960,
                  clear_routine = 1957;
 constexpr States read_calibration = 27950, read_address = 14730, read_line = 681;
-// Of a pulse: what it takes to move every cell, and what moves none.
+// Pulse lengths: the one that changes every cell, and the longest that changes none.
 constexpr double erase_least = 5000.0 / 5200.0, program_least = 150.0 / 180.0;
 constexpr double nothing_below = 0.125;
 

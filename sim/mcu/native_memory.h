@@ -1,9 +1,9 @@
-// What the native engine's board remembers without power: calibration and address, in flash of its own.
+// Non-volatile memory of the native engine's board: calibration and address, in flash of its own.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The logs are those of shared/servo/store.h, as in the firmware (firmware/memory.c). Writing takes
-// pulse after pulse as on the chip; power that is lost under a pulse leaves only some of its cells
-// moved, as many as its share of the pulse's length says, chosen by a seed.
+// pulse after pulse as on the chip. If power is lost during a pulse, only a fraction of its cells has
+// changed, in proportion to the time elapsed, selected by a seed.
 #pragma once
 
 #include <array>
@@ -21,24 +21,24 @@ class NativeMemory {
  public:
   NativeMemory() { bytes_.fill(0xFF); }
 
-  // What the logs hold goes into `startup`; what is not there stays.
+  // Copies the contents of the logs to `startup`; values that are not in them are unchanged.
   void load(kz_startup& startup);
   void tell(kz_tick_input& input) const;
 
   // Plans a store that begins at `from`. Motors are off.
   void store_calibration(const kz_servo& servo, States from);
   void store_address(const kz_servo& servo, States from);
-  // From then on nobody serves the line.
+  // Time from which the line is not served.
   States deaf_from() const { return deaf_from_; }
-  // When the write will be over, if the power lasts.
+  // Time at which the write ends, if power lasts.
   States over_at() const { return over_at_; }
-  // How long the firmware reads what it has written, and the log around it.
+  // Duration of the firmware's verification of the write and the log around it.
   States read_back_states() const { return read_back_; }
   // Lines of both logs that are not blank.
   int lines() const;
-  // After that: whether what was to be stored reads back. Reads both logs anew.
+  // Verification: whether the stored values can be read back. Reads both logs again.
   bool finish();
-  // Power or reset ends whatever is under way.
+  // Power loss or reset aborts a write in progress.
   void cut(States at);
 
   // Blocks EB1 to EB3, as memory of the board (mcu.h).
@@ -72,7 +72,7 @@ class NativeMemory {
                const std::array<std::uint8_t, Mcu::memory_size>& of) const;
   void plan(const kz_store& log, int first_block, States from,
             const std::function<void(u8* data, u8 part)>& pack);
-  // Moves the cells of a pulse that lasted for `share` of what it takes.
+  // Changes the cells of a pulse of `share` (0..1) of its full length.
   void apply(const Pulse& pulse, double share);
   void advance(States to);
 
@@ -80,7 +80,7 @@ class NativeMemory {
   kz_store calibration_{}, address_{};
   std::deque<Pulse> pulses_;
   States deaf_from_ = 0, over_at_ = 0, read_back_ = 0;
-  std::array<std::uint8_t, Mcu::memory_size> wanted_{};  // as flash will be when all is done
+  std::array<std::uint8_t, Mcu::memory_size> wanted_{};  // contents of flash after the write
   std::uint64_t pulses_done_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// The native engine's flash: stores, wear, and power that goes at any moment of a store.
+// The native engine's flash: stores, wear, and power loss at any time during a store.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/native_memory.h"
 
@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "shared/base/random.hpp"
 #include "shared/protocol/messages.h"
-#include "sim/mcu/random.h"
 
 namespace kaz::sim {
 namespace {
@@ -98,7 +98,7 @@ TEST(NativeMemory, SpoiltWhileItIsWrittenIsNoticed) {
   EXPECT_EQ(found_in(memory), values_of(1));
 }
 
-// At every 16th state of a store, pulses and what lies between them.
+// At every 16th state of a store: during pulses and between them.
 TEST(NativeMemory, PowerLostAnywhereLeavesTheOldOrTheNewCopy) {
   constexpr States step = 16;
   for (const int copies : {0, 4, 10, 20}) {
@@ -114,7 +114,7 @@ TEST(NativeMemory, PowerLostAnywhereLeavesTheOldOrTheNewCopy) {
       ++(left == newer ? news : olds);
       torn += left == old &&
               !std::equal(cut.bytes().begin(), cut.bytes().end(), before.bytes().begin());
-      // The next store works from there.
+      // The next store starts from that state.
       if (at % (64 * step) == 0) {
         kz_startup startup{};
         cut.load(startup);

@@ -1,4 +1,4 @@
-// The native engine alone, seen from its pins.
+// The native engine alone, observed at its pins.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST(Native, EnablesAndDrivesTowardsATarget) {
   const States sent = send(*mcu, enable_frame(1, 1));
   ASSERT_TRUE(mcu->run_until(sent + 3 * ms));
   EXPECT_TRUE(motors_on(*mcu));
-  EXPECT_LE(mcu->pins().pw[0], 3);  // it holds where it stands
+  EXPECT_LE(mcu->pins().pw[0], 3);  // it holds its position
 
   // 0.2 rad ahead at kp 20/rad is four times full duty; the ramp of 6 rad/s gets there in 34 ms.
   const States targeted = send(*mcu, target_frame(2, 0, 2000));
@@ -96,7 +96,7 @@ TEST(Native, ByteIsNotThereBeforeItsStopBit) {
 TEST(Native, SamplesEveryInputWithItsSelect) {
   auto mcu = make_native();
   mcu->set_analog([](int channel, const PinLevels& levels, States) {
-    // The inertial option's channels have the codes of the places that they take.
+    // The inertial option's channels have the codes of the inputs that they replace.
     constexpr int kInertial[] = {KZ_ANALOG_YAW_RATE, KZ_ANALOG_FORWARD_FORCE, KZ_ANALOG_LEFT_FORCE};
     const int place =
         channel < KZ_MUXES ? channel * 8 + (levels.p4 & 7) : kInertial[channel - KZ_MUXES];
@@ -186,7 +186,7 @@ TEST(Native, ResetLetsGoOfThePins) {
   EXPECT_FALSE(motors_on(*mcu));
 }
 
-// Bytes that come while the board starts are lost, until SCI0 listens.
+// Bytes received while the board starts are lost, until SCI0 is enabled.
 TEST(Native, ListensShortlyBeforeTheFirstTick) {
   auto mcu = make_native();
   mcu->set_analog(quiet_board);

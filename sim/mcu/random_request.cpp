@@ -1,4 +1,4 @@
-// Fields by the table's bounds, and conversations that get somewhere.
+// Random fields within and outside the table's bounds, and sequences of requests.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/random_request.h"
 
@@ -19,6 +19,8 @@ void put(std::vector<std::uint8_t>& body, long long value, std::size_t size) {
 
 // How often a request comes among others that come once.
 int weight(std::uint8_t type) {
+  // It takes the board away for a while: only where it is planned.
+  if (kz_interrupts_service(type)) return 0;
   switch (type) {
     case KZ_TYPE_targets:
       return 20;
@@ -26,12 +28,6 @@ int weight(std::uint8_t type) {
     case KZ_TYPE_enable:
     case KZ_TYPE_clear:
       return 5;
-    // Each of these takes the board away for a while: only where it is planned.
-    case KZ_TYPE_store_calibration:
-    case KZ_TYPE_set_address:
-    case KZ_TYPE_reset:
-    case KZ_TYPE_loader:
-      return 0;
     default:
       return 1;
   }
@@ -129,7 +125,7 @@ long long RandomRequest::angle(int joint, bool legal) {
   const kz_board_joint& board = kz_board_joints[joint];
   if (!legal && random_.chance(0.1)) return static_cast<std::int16_t>(random_.next());
   const int range = board.upper - board.lower + 1;
-  // Mostly in the middle half, which soft limits seldom cut.
+  // Mostly in the middle half, which soft limits rarely clip.
   const int from = random_.chance(0.1) ? 0 : range / 4;
   const int span = random_.chance(0.1) ? range - from : range / 2;
   return board.lower + from + static_cast<int>(random_.below(static_cast<std::uint32_t>(span)));
@@ -186,6 +182,33 @@ void RandomRequest::plan() {
       for (auto i = random_.below(8); i > 0; --i) planned_.push_back(legal(KZ_TYPE_targets));
       break;
     }
+  }
+}
+
+bool damage_frame(Random& random, std::vector<std::uint8_t>& frame, std::uint32_t min_length,
+                  std::uint32_t max_noise) {
+  const auto place = [&] {
+    return frame.begin() + random.below(static_cast<std::uint32_t>(frame.size()));
+  };
+  switch (random.below(6)) {
+    case 0:
+      *place() ^= static_cast<std::uint8_t>(1u << random.below(8));
+      return true;
+    case 1:
+      frame.erase(place());
+      return true;
+    case 2:
+      frame.insert(place(), static_cast<std::uint8_t>(random.next()));
+      return true;
+    case 3:
+      frame.resize(min_length + random.below(static_cast<std::uint32_t>(frame.size())));
+      return true;
+    case 4:
+      frame.resize(min_length + random.below(max_noise));
+      for (std::uint8_t& byte : frame) byte = static_cast<std::uint8_t>(random.next());
+      return true;
+    default:
+      return false;
   }
 }
 

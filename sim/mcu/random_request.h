@@ -1,20 +1,25 @@
-// Random requests to the board: every one of the message table, right and wrong.
+// Random requests to the board: every message of the table, valid and invalid.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Fields are drawn from the table's own bounds (message_info.h): inside, at their edges, outside. What
-// a bound does not say is drawn so that requests are done most of the time: angles near the middle of
-// the joint, calibration near nominal. Now and then a short conversation that gets somewhere: unlock
-// and raw drive, calibrate and store, reset.
+// Fields are drawn from the table's bounds (message_info.h): inside, at the edges, outside. Fields without
+// bounds are drawn so that most requests succeed: angles near the middle of the joint's range, calibration
+// near nominal. Some requests form short sequences: unlock and raw drive, calibrate and store, reset.
 #pragma once
 
 #include <cstdint>
 #include <deque>
 #include <vector>
 
+#include "shared/base/random.hpp"
 #include "shared/protocol/message_info.h"
-#include "sim/mcu/random.h"
 
 namespace kaz::sim {
+
+// Damages a frame with one of five random faults: a bit flipped, a byte lost, a byte inserted, the end
+// cut off, or all of it replaced by up to `max_noise` random bytes; at least `min_length` bytes are
+// left of the last two. One time in six it leaves the frame alone and returns false.
+bool damage_frame(Random& random, std::vector<std::uint8_t>& frame, std::uint32_t min_length,
+                  std::uint32_t max_noise);
 
 class RandomRequest {
  public:

@@ -1,15 +1,15 @@
-// What a host sees of flash and reset, the same with both engines: stored values outlive the power
-// whenever it goes, and a board that was asked to start anew says so.
+// Flash and reset as a host observes them, equal with both engines: stored values survive power loss at
+// any time, and a board reports a requested reset.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <optional>
 
+#include "shared/base/random.hpp"
 #include "shared/board/table.h"
 #include "sim/mcu/h8_mcu.h"
 #include "sim/mcu/host_testing.h"
-#include "sim/mcu/random.h"
 
 namespace kaz::sim {
 namespace {
@@ -65,7 +65,7 @@ class Remember : public testing::TestWithParam<const char*> {
     put(type, fields);
     return answer(longest);
   }
-  // The reason of a refusal, 0 if it was done, -1 without an answer.
+  // The reason of a refusal, 0 if it was done, -1 without a reply.
   int outcome(std::uint8_t type, const std::vector<std::uint8_t>& fields,
               States longest = 50 * ms) {
     const auto got = ask(type, fields, longest);
@@ -97,7 +97,7 @@ class Remember : public testing::TestWithParam<const char*> {
                                             static_cast<u8>(got->fields.size())));
     return reply;
   }
-  // Which offset is in use for every joint; nothing if they do not agree.
+  // The offset in use for every joint; nullopt if they differ.
   std::optional<int> offset_in_use() {
     const kz_calibration_reply reply = calibration();
     if (reply.source == KZ_CALIBRATION_NOMINAL) return 0;
@@ -177,7 +177,7 @@ TEST_P(Remember, NothingIsStoredWhileAMotorIsOn) {
 TEST_P(Remember, BytesThatCameMeanwhileAreLostAndTheNextFrameIsHeard) {
   ASSERT_EQ(calibrate(5), 0);
   put(KZ_TYPE_store_calibration, {});
-  run(2 * ms);  // the write is under way
+  run(2 * ms);  // the write is in progress
   send(*mcu, frame_of(KZ_TYPE_heartbeat, 200, {0, 0}));
   const auto got = answer(3000 * ms);
   ASSERT_TRUE(got);

@@ -1,4 +1,4 @@
-// Random requests made by the codec, damage, and random joints.
+// Random requests encoded as frames, damaged frames, and random joints.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/traffic.h"
 
@@ -9,6 +9,8 @@
 
 namespace kaz::sim {
 namespace {
+
+constexpr std::uint32_t kMaxNoise = 200;  // bytes; sometimes longer than any frame
 
 std::vector<std::uint8_t> encode(const std::vector<std::uint8_t>& body) {
   std::vector<std::uint8_t> wire(KZ_FRAME_MAX);
@@ -28,7 +30,7 @@ std::vector<SerialByte> RandomHost::millisecond(States now) {
   std::vector<std::uint8_t> frame;
   if (phase_ == Phase::faulty) {
     frame = any_frame();
-    damage(frame);
+    damage_frame(random_, frame, 0, kMaxNoise);
   } else {
     frame = request();
   }
@@ -62,7 +64,7 @@ std::vector<std::uint8_t> RandomHost::request() {
   return last_;
 }
 
-// A frame with a sound check, and anything in it.
+// A frame with a valid checksum and arbitrary contents.
 std::vector<std::uint8_t> RandomHost::any_frame() {
   if (random_.chance(0.5)) return request();
   std::vector<std::uint8_t> body(random_.below(KZ_BODY_MAX + 1));
@@ -72,32 +74,6 @@ std::vector<std::uint8_t> RandomHost::any_frame() {
     body[1] = static_cast<std::uint8_t>(random_.below(0x20));
   }
   return encode(body);
-}
-
-void RandomHost::damage(std::vector<std::uint8_t>& frame) {
-  const auto place = [this, &frame] {
-    return frame.begin() + random_.below(static_cast<std::uint32_t>(frame.size()));
-  };
-  switch (random_.below(6)) {
-    case 0:
-      *place() ^= static_cast<std::uint8_t>(1u << random_.below(8));
-      break;
-    case 1:
-      frame.erase(place());
-      break;
-    case 2:
-      frame.insert(place(), static_cast<std::uint8_t>(random_.next()));
-      break;
-    case 3:
-      frame.resize(random_.below(static_cast<std::uint32_t>(frame.size())));
-      break;
-    case 4:
-      frame.resize(random_.below(200));  // longer than any frame, at times
-      for (std::uint8_t& byte : frame) byte = static_cast<std::uint8_t>(random_.next());
-      break;
-    default:
-      break;
-  }
 }
 
 RandomAnalog::RandomAnalog(std::uint64_t seed) : seed_(seed), random_(seed) {

@@ -1,17 +1,16 @@
-// What the two engines are compared under: a random host and random joints.
+// Random inputs for comparing the two engines: host traffic and potentiometers, from one seed.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The host does everything a host can do, right and wrong; the joints move as joints do and as none
-// can. All from one seed.
+// The host sends valid and invalid traffic; the joints move plausibly and implausibly.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
+#include "shared/base/random.hpp"
 #include "shared/board/board.h"
 #include "sim/mcu/mcu.h"
-#include "sim/mcu/random.h"
 #include "sim/mcu/random_request.h"
 
 namespace kaz::sim {
@@ -23,10 +22,10 @@ class RandomHost {
   explicit RandomHost(std::uint64_t seed) : random_(seed), requests_(random_) {}
   RandomHost(const RandomHost&) = delete;
   RandomHost& operator=(const RandomHost&) = delete;
-  // What the host starts to send in the millisecond that begins at `now`; with the times at which
-  // the bytes arrive. Nothing while the wire is still busy with earlier bytes.
+  // Bytes whose transmission starts in the millisecond that begins at `now`, with their times of arrival.
+  // None while the line is busy with earlier bytes.
   std::vector<SerialByte> millisecond(States now);
-  std::int64_t frames() const { return frames_; }  // sent, sound or not
+  std::int64_t frames() const { return frames_; }  // sent, valid or not
 
  private:
   enum class Phase { orderly, burst, faulty, silent };
@@ -34,7 +33,6 @@ class RandomHost {
   void next_phase();
   std::vector<std::uint8_t> request();
   std::vector<std::uint8_t> any_frame();
-  void damage(std::vector<std::uint8_t>& frame);
 
   Random random_;
   RandomRequest requests_;
@@ -47,7 +45,7 @@ class RandomHost {
   std::int64_t frames_ = 0;
 };
 
-// Inputs of the multiplexers as shares of AVCC.
+// Inputs of the multiplexers as fractions of AVCC, 0..1.
 class RandomAnalog {
  public:
   explicit RandomAnalog(std::uint64_t seed);
@@ -59,7 +57,7 @@ class RandomAnalog {
  private:
   struct Input {
     double value = 0.5, velocity = 0;
-    int broken_ms = 0;  // at a rail for so long
+    int broken_ms = 0;  // time left at a rail
     bool high = false;
   };
   std::uint64_t seed_;

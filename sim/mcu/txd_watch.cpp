@@ -1,4 +1,4 @@
-// The bytes that TxD0 shows.
+// Bytes sent at TxD0, decoded from its edges.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/txd_watch.h"
 
@@ -24,7 +24,7 @@ TxdWatch::~TxdWatch() {
 }
 
 std::vector<DecodedByte> TxdWatch::take() {
-  // The chip stops between two instructions: edges under the last one have not been reported yet.
+  // The chip stops between two instructions: edges during the last one have not been reported yet.
   decoder_.advance(mcu_.now() - KZ_STATES_PER_BIT);
   return decoder_.take();
 }

@@ -1,7 +1,7 @@
-// The bytes that TxD0 of the emulated chip shows, decoded from the edges at its pin.
+// Bytes sent at TxD0 of the emulated chip, decoded from the edges at the pin.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The edges are those that a recording of the pin (vcd.h) has. While nobody drives the pin the board's
+// The edges are those that a recording of the pin (vcd.h) has. While the pin is not driven the board's
 // pull-up holds the line at mark.
 #pragma once
 
@@ -22,7 +22,7 @@ class TxdWatch {
 
   // Bytes whose stop bit was sampled a bit's time ago or earlier, with times of the board.
   std::vector<DecodedByte> take();
-  // The chip was reset or its power cut: what was being sent is given up.
+  // The chip was reset or its power cut: a byte in progress is dropped.
   void restart();
 
  private:

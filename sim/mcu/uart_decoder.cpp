@@ -1,4 +1,4 @@
-// Decodes the level of a serial line.
+// Decodes 8N1 frames from the level of a serial line.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/uart_decoder.h"
 
@@ -40,7 +40,7 @@ void UartDecoder::level(bool level, States at) {
     return;
   }
   if (level) return;
-  // A start bit that comes before the last frame's end shows that its bits were shorter.
+  // A start bit before the end of the last frame shows that its bits were shorter.
   DecodedByte next;
   next.start = at;
   if (now_.start != 0 && since < frame_bits * bit_) next.edge_deviation = frame_bits * bit_ - since;

@@ -1,9 +1,9 @@
-// Decodes the level of a serial line as a receiver of 8N1 frames does, and measures its edges.
+// Decodes the level of a serial line as an 8N1 receiver, and measures its edges.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Knows nothing of the channel that makes the waveform: only level changes with their times. Each bit
+// Independent of the sending channel: its only input are level changes with their times. Each bit
 // is sampled in its middle, counted from the falling edge of the start bit. The edges of a frame should
-// lie at whole bit times; the largest deviation is reported.
+// be at whole bit times; the largest deviation is reported.
 #pragma once
 
 #include <cstdint>
@@ -27,9 +27,9 @@ class UartDecoder {
 
   // The line has `level` from `at` on. Times must not decrease. A level that stays is no edge.
   void level(bool level, States at);
-  // Nothing has changed up to `to`.
+  // Advances the time to `to` without a change of level.
   void advance(States to);
-  // A byte that is under way is given up; the line has `level`.
+  // Drops a byte in progress; the line has `level`.
   void restart(bool level);
   // Bytes whose stop bit has been sampled.
   std::vector<DecodedByte> take();

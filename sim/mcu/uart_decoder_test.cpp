@@ -1,4 +1,4 @@
-// The receiver that decodes TxD0, on waveforms made by hand.
+// The decoder of TxD0, on synthetic waveforms.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/uart_decoder.h"
 
@@ -7,7 +7,7 @@
 namespace kaz::sim {
 namespace {
 
-// The frame's bits, each so long, from `at` on. Returns the end.
+// Feeds the frame's bits, each `bit` long, from `at` on. Returns the end.
 States put(UartDecoder& line, std::uint8_t value, States at, States bit, bool stop = true) {
   const unsigned frame = static_cast<unsigned>(value) << 1 | (stop ? 0x200u : 0u);
   for (int k = 0; k < 10; ++k) line.level((frame >> k & 1) != 0, at + k * bit);

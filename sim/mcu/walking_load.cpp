@@ -24,11 +24,11 @@ constexpr std::array<Wiring, KZ_JOINTS> wiring{{
 
 constexpr std::int64_t start_ms = 100, enable_ms = 110, walking_ms = 600;
 constexpr int step_ms = 10;
-constexpr int states_at_ms = 7;  // the targets have come and their answer has gone
-// A gait of one step in a second, joints a radian of phase apart, 0.3 rad to either side.
+constexpr int states_at_ms = 7;  // the targets have been received and their reply sent
+// A gait of one step per second, joints a radian of phase apart, amplitude 0.3 rad.
 constexpr double phase_per_step = 0.06;
 constexpr int amplitude = 3000;
-// No-load speed of the servos, 60 degrees in 0.2 s, as share of the potentiometer's 190 degrees.
+// No-load speed of the servos, 60 degrees in 0.2 s, as a fraction of the potentiometer's 190 degrees.
 constexpr double full_speed_per_ms = 300.0 / 190 / 1000;
 
 std::uint8_t port_level(const PinLevels& pins, int port) {

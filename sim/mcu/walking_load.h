@@ -1,8 +1,8 @@
-// The servo firmware's walking load: all loops closed, targets and states asked for at 100 Hz.
+// The servo firmware's walking load: all loops closed, targets sent and states queried at 100 Hz.
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the cost of a tick and the emulator's speed are measured under. Potentiometers follow the
-// motors by the simplest model that lets the loops work; there is no physics.
+// The load under which the cost of a tick and the emulator's speed are measured. Potentiometers follow the
+// motors by the simplest model that closes the loops; there is no physics.
 #pragma once
 
 #include <array>
@@ -22,15 +22,15 @@ class WalkingLoad {
   WalkingLoad(const WalkingLoad&) = delete;
   WalkingLoad& operator=(const WalkingLoad&) = delete;
 
-  // From power-on to walking: 100 ms to start, motors on, half a second of steps.
+  // Runs from power-on to walking: 100 ms of start-up, motors on, half a second of steps.
   Result<void> start();
-  // One millisecond. In each ten the host sends targets for all joints, waits for
-  // the answer, and asks for their states.
+  // Runs one millisecond. Once in ten the host sends targets for all joints, waits for the reply, and
+  // queries their states.
   Result<void> millisecond();
 
   std::int64_t bytes_to_board() const { return bytes_to_board_; }
   std::int64_t bytes_from_board() const { return bytes_from_board_; }
-  // How far a joint stands from its target of the last step, rad.
+  // Distance of a joint from its target of the last step, rad.
   double error(int joint) const;
 
  private:
@@ -39,7 +39,7 @@ class WalkingLoad {
   void move_joints();
 
   Mcu& mcu_;
-  std::array<double, KZ_ANALOG> inputs_{};  // shares of AVCC
+  std::array<double, KZ_ANALOG> inputs_{};  // fractions of AVCC
   std::array<std::int16_t, KZ_JOINTS> targets_{};
   std::int64_t milliseconds_ = 0;
   States wire_free_ = 0;

@@ -1,4 +1,4 @@
-// Where the native board differs from the emulated one by design.
+// Differences by design between the native board and the emulated one.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/wire_differences.h"
 
@@ -41,6 +41,11 @@ constexpr WireException exceptions[] = {
      "heard for the last 46,940, at no cost",
      "it has no CPU that takes time; the comparison sends none then"},
     {"first byte of a reply", "320 to 700 states after its tick", "445 states after it", no_cpu},
+    {"a request that waits for room in the transmit ring",
+     "room as the tick finds it, up to 1,100 states after it became due", "665 states after it",
+     "it has no CPU that takes time; where the replies are a tick apart for it the comparison ends "
+     "the "
+     "conversation, and counts it"},
     {"begin of a store or a reset that a request asked for", "when its tick has been computed",
      "5,900 states after the tick became due",
      "it has no CPU that takes time; the comparison sends nothing meanwhile, and counts time anew "

@@ -1,4 +1,4 @@
-// Where the native board differs from the emulated one by design: the one list.
+// The list of differences by design between the native board and the emulated one.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,9 +10,9 @@
 namespace kaz::sim {
 
 struct WireException {
-  const char* what;    // on the wire
-  const char* h8;      // what the emulated board does
-  const char* native;  // what the native one does
+  const char* what;    // the difference on the wire
+  const char* h8;      // behaviour of the emulated board
+  const char* native;  // behaviour of the native board
   const char* reason;
   // A field of a reply that is not compared; type 0: something else, which the comparison avoids or
   // allows for.
@@ -22,10 +22,10 @@ struct WireException {
 
 std::span<const WireException> wire_differences();
 
-// As a table in Markdown; docs/emulator.md has it.
+// As a table in Markdown, which docs/explanation/emulator.md contains.
 std::string wire_differences_table();
 
-// Sets the bytes of `body` (address, type, sequence number, fields) to 0 that are not compared. Returns
+// Sets to 0 the bytes of `body` (address, type, sequence number, fields) that are not compared. Returns
 // whether there are any.
 bool mask_wire_differences(std::span<std::uint8_t> body);
 

@@ -1,4 +1,4 @@
-// The list of what differs by design: it names fields that exist, and the document has it.
+// The list of differences by design: the fields exist, and docs/explanation/emulator.md contains the table.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/wire_differences.h"
 
@@ -32,7 +32,7 @@ TEST(WireDifferences, MaskTheirFieldsAndNothingElse) {
   std::vector<std::uint8_t> body(std::size_t{KZ_HEADER_SIZE} + info->size_max, 0xEE);
   body[1] = KZ_TYPE_statistics_reply;
   ASSERT_TRUE(mask_wire_differences(body));
-  // Behind header, tick and status: two numbers of two bytes.
+  // After header, tick and status: two numbers of two bytes.
   for (std::size_t i = 0; i < body.size(); ++i) {
     const bool masked = i >= KZ_HEADER_SIZE + 6u && i < KZ_HEADER_SIZE + 10u;
     if (i != 1) {
@@ -45,11 +45,11 @@ TEST(WireDifferences, MaskTheirFieldsAndNothingElse) {
 }
 
 TEST(WireDifferences, AreInTheDocument) {
-  std::ifstream file(KAZ_SOURCE "/docs/emulator.md");
+  std::ifstream file(KAZ_SOURCE "/docs/explanation/emulator.md");
   std::stringstream text;
   text << file.rdbuf();
   EXPECT_NE(text.str().find(wire_differences_table()), std::string::npos)
-      << "docs/emulator.md should have:\n"
+      << "docs/explanation/emulator.md should have:\n"
       << wire_differences_table();
 }
 

@@ -1,4 +1,4 @@
-// A seeded conversation with a board.
+// A seeded host that talks to a board over its serial line.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/wire_host.h"
 
@@ -12,13 +12,10 @@ namespace kaz::sim {
 namespace {
 
 constexpr States ms = KZ_STATES_PER_TICK;
-// A tick reads its ring 450 to 850 states after it has become due, by what else it has to do.
+// A tick reads its ring 450 to 850 states after it has become due, depending on its other work.
 constexpr States ring_read_from = 300, ring_read_until = 1000;
 
-bool takes_the_board_away(std::uint8_t type) {
-  return type == KZ_TYPE_store_calibration || type == KZ_TYPE_set_address ||
-         type == KZ_TYPE_reset || type == KZ_TYPE_loader;
-}
+constexpr std::uint32_t kMaxNoise = 160;  // bytes; sometimes longer than any frame
 
 std::string name_of(std::uint8_t type) {
   const kz_message_info* info = kz_message_find(type);
@@ -80,7 +77,7 @@ WireHost::Event WireHost::take_event(States at) {
 void WireHost::begin(States at) {
   begun_ = true;
   begun_at_ = line_free_ = at;
-  next_at_ = at + random_.below(50) * ms;  // some while the board starts
+  next_at_ = at + random_.below(50) * ms;  // some while the board is starting
   manner_until_ = at + 120 * ms;
   // All on, so that the loops run; telemetry in some.
   if (random_.chance(0.7)) {
@@ -110,7 +107,7 @@ void WireHost::next_manner() {
 std::vector<std::uint8_t> WireHost::harmless() {
   for (;;) {
     auto request = requests_of_.next();
-    if (!takes_the_board_away(request.front())) return request;
+    if (!kz_interrupts_service(request.front())) return request;
   }
 }
 
@@ -137,35 +134,13 @@ std::vector<std::uint8_t> WireHost::frame(const std::vector<std::uint8_t>& reque
 }
 
 void WireHost::damage(std::vector<std::uint8_t>& frame) {
-  const auto place = [this, &frame] {
-    return frame.begin() + random_.below(static_cast<std::uint32_t>(frame.size()));
-  };
-  switch (random_.below(6)) {
-    case 0:
-      *place() ^= static_cast<std::uint8_t>(1u << random_.below(8));
-      break;
-    case 1:
-      frame.erase(place());
-      break;
-    case 2:
-      frame.insert(place(), static_cast<std::uint8_t>(random_.next()));
-      break;
-    case 3:
-      frame.resize(1 + random_.below(static_cast<std::uint32_t>(frame.size())));
-      break;
-    case 4:
-      frame.resize(1 + random_.below(160));  // longer than any frame, at times
-      for (std::uint8_t& byte : frame) byte = static_cast<std::uint8_t>(random_.next());
-      break;
-    default:
-      frame.insert(frame.end(), random_.below(5), 0);
-      break;
-  }
+  if (!damage_frame(random_, frame, 1, kMaxNoise)) frame.insert(frame.end(), random_.below(5), 0);
 }
 
 void WireHost::send(const std::vector<std::uint8_t>& frame, const char* kind,
                     const std::string& text) {
-  States gap = std::max<States>(next_at_ - line_free_, 0);
+  States gap = std::max(next_at_ - line_free_, min_gap_);
+  min_gap_ = 0;
   for (const std::uint8_t value : frame) {
     pending_.push_back({value, false, gap});
     gap = 0;
@@ -174,7 +149,7 @@ void WireHost::send(const std::vector<std::uint8_t>& frame, const char* kind,
   sent_.push_back({next_at_ + static_cast<States>(frame.size()) * KZ_STATES_PER_BYTE, text});
 }
 
-// Fills the line from `at` on, which is idle.
+// Queues the next bytes on the idle line from `at` on.
 void WireHost::refill(States at) {
   if (next_at_ < at) next_at_ = at;
   if (!planned_.empty() && next_at_ - begun_at_ >= planned_.front().not_before) {
@@ -182,7 +157,7 @@ void WireHost::refill(States at) {
     const auto request = now.bodies.front();
     now.bodies.erase(now.bodies.begin());
     const std::uint8_t type = request.front();
-    if (takes_the_board_away(type)) ++kinds_[name_of(type)];
+    if (kz_interrupts_service(type)) ++kinds_[name_of(type)];
     if (type == KZ_TYPE_set_address) {
       other_address_ = request[1];
       has_moved_ = true;
@@ -194,6 +169,8 @@ void WireHost::refill(States at) {
     if (was_last) planned_.pop_front();
     ++requests_;
     send(frame(request), "planned", name_of(type));
+    min_gap_ = pause;  // also where the line was closed and the frame ends later than planned
+    if (kz_interrupts_service(type)) last_.clear();  // repeated, it would not stand alone
     next_at_ += static_cast<States>(pending_.size()) * KZ_STATES_PER_BYTE + pause +
                 random_.below(KZ_STATES_PER_TICK);
     return;

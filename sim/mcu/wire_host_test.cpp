@@ -1,4 +1,4 @@
-// The conversations of the comparison on the wire.
+// The random conversations of the wire comparison.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/mcu/wire_host.h"
 
@@ -37,6 +37,24 @@ TEST(WireHost, KeepsToTheLineAndLeavesTheWindowsFree) {
       EXPECT_FALSE(bytes[i].at > 20 * ms && bytes[i].at < 25 * ms);
     }
     EXPECT_GE(host.requests(), 20);
+  }
+}
+
+// Also where the board starts, and the frames before it had to wait.
+TEST(WireHost, RequestsThatTakeTheBoardAwayStandAlone) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    WireHost host(seed);
+    std::vector<SerialByte> bytes = second_of(host, {true, 100, 300 * ms, 500 * ms});
+    kz_receiver receiver;
+    kz_receiver_init(&receiver);
+    States store_ended = 0;
+    for (const SerialByte& byte : bytes) {
+      if (store_ended != 0) {
+        EXPECT_GE(byte.at - store_ended, 25 * ms) << "seed " << seed;
+      }
+      const bool whole = kz_receive(&receiver, byte.value, byte.framing_error) == KZ_RECEIVE_FRAME;
+      store_ended = whole && receiver.body[1] == KZ_TYPE_store_calibration ? byte.at : 0;
+    }
   }
 }
 

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
+#include "shared/base/time.hpp"
 #include "shared/board/board.h"
 #include "sim/mcu/mcu.h"
-#include "vision/image/frame.h"  // Time
 
 namespace kaz::sim {
 

@@ -1,4 +1,4 @@
-// A motor stand instead of a robot.
+// Motor stand: the discs' dynamics, and the tools.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/stand/motor_stand.h"
 
@@ -8,8 +8,8 @@
 
 #include "shared/base/random.hpp"
 #include "shared/board/table.h"
-#include "sim/body/robot_model.h"
-#include "sim/body/staged_world.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/world/staged_world.h"
 
 namespace kaz::sim {
 namespace {
@@ -61,7 +61,7 @@ double MotorStand::scale_nm(std::size_t joint) const {
   if (shaft.count == 0) return 0;
   double sum = 0;
   for (std::size_t i = 0; i < shaft.count; ++i) sum += shaft.pressed[i];
-  // The same pressing reads the same, however often it is looked at.
+  // Repeated readings of one measurement are equal.
   const double noise =
       keyed_normal(options_.seed, static_cast<std::uint64_t>(shaft.pressed_at), 100 + joint);
   return in_steps(sum / shaft.count + kScaleNoise * noise, kScaleResolution);
@@ -79,7 +79,7 @@ void MotorStand::turn(std::size_t joint, double angle_rad) {
   shaft.goal_rad = angle_rad;
 }
 
-void MotorStand::let_go(std::size_t joint) {
+void MotorStand::release(std::size_t joint) {
   shafts_[joint].guided = false;
 }
 
@@ -88,8 +88,8 @@ double MotorStand::protractor_rad(std::size_t joint) const {
 }
 
 void MotorStand::guide(Shaft& shaft) const {
-  const double most = kHandSpeed * options_.step_s;
-  shaft.guide_rad += std::clamp(shaft.goal_rad - shaft.guide_rad, -most, most);
+  const double max_step = kHandSpeed * options_.step_s;
+  shaft.guide_rad += std::clamp(shaft.goal_rad - shaft.guide_rad, -max_step, max_step);
 }
 
 void MotorStand::step_shaft(std::size_t joint, const MotorDrive& drive, double supply_volts) {
@@ -109,7 +109,7 @@ void MotorStand::step_shaft(std::size_t joint, const MotorDrive& drive, double s
     push += kHandStiffness * (shaft.guide_rad - state.angle);
   }
   const auto torque_at = [&row](double velocity, double yield) {
-    return std::clamp((row.velocity - velocity) / (row.softness + yield), row.least, row.most);
+    return std::clamp((row.velocity - velocity) / (row.softness + yield), row.min, row.max);
   };
   double torque = torque_at(push / mass, 1 / mass);
   double velocity = (push + torque) / mass;

@@ -1,6 +1,6 @@
 // A motor stand instead of a robot: each of the board's motors alone on the workbench, with a disc
-// on its shaft. What a person does there, hands and tools do: a clamp holds the shaft against a
-// scale, a weight presses on it, a hand turns it by the protractor, a knob sets the supply.
+// on its shaft. Its tools are those of manual measurements: a clamp holds the shaft against a scale, a
+// weight presses on it, a hand turns it by the protractor, a knob sets the supply.
 // SPDX-License-Identifier: Apache-2.0
 //
 // One body with one degree of freedom for each motor, so its step is solved by hand, with the same
@@ -8,8 +8,9 @@
 //
 //   (I/h + c + k h) w1 = I/h w0 + k e + load + T,   T = (velocity - w1) / softness within its bounds
 //
-// with the disc I, a guiding hand's stiffness k and damping c, its way e still to go, weight `load`
-// and the motor's torque T. The shafts have the servos' own stops, where a robot has them.
+// with the disc's inertia I, the guiding hand's stiffness k and damping c, its remaining angle e, the
+// weight's torque `load` and the motor's torque T (kg m^2, Nm/rad, Nm s/rad, rad, Nm;
+// h in s, w in rad/s). The shafts have the servos' own stops, where a robot has them.
 #pragma once
 
 #include <array>
@@ -17,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/body/joint_motor.h"
-#include "sim/body/world.h"
+#include "sim/body/motor/joint_motor.h"
+#include "sim/body/world/world.h"
 
 namespace kaz::sim {
 
@@ -37,17 +38,17 @@ class MotorStand final : public World {
   const MotorParams& motor() const { return options_.motor; }
 
   // ---- The bench's tools; `joint` is a channel of the board.
-  // A lever on the shaft against a scale. Either way the scale is set to zero.
+  // Clamps a lever on the shaft against a scale, or releases it. Both set the scale to zero.
   void clamp(std::size_t joint, bool on);
-  // Nm, what the motor has pressed with, as the joint turns: mean of the last 50 ms in which it was
-  // driven against the clamp, held by the scale since; 0 before. Sigma 2 mNm, in steps of 1 mNm.
+  // Torque of the motor, Nm, positive as the joint turns: mean over the last 50 ms in which it was driven
+  // against the clamp, held by the scale since; 0 before. Sigma 2 mNm, resolution 1 mNm.
   double scale_nm(std::size_t joint) const;
-  // A weight laid on gently, or lifted off (0 Nm).
+  // Loads the shaft with a weight, gently, or removes it (0 Nm).
   void press(std::size_t joint, double torque_nm);
-  // A hand turns the shaft there at 2 rad/s, and keeps it until it lets go.
+  // A hand turns the shaft to that angle at 2 rad/s and holds it until released.
   void turn(std::size_t joint, double angle_rad);
-  void let_go(std::size_t joint);
-  // The protractor, in steps of 0.01 degrees.
+  void release(std::size_t joint);
+  // The protractor's reading, rad, with a resolution of 0.01 degrees.
   double protractor_rad(std::size_t joint) const;
 
   double step_s() const override { return options_.step_s; }
@@ -63,10 +64,10 @@ class MotorStand final : public World {
   Eigen::Isometry3d link_pose(const std::string& link) const override;
   Result<Eigen::Vector3d> object_position(const std::string& model) const override;
   double largest_joint_gap_m() const override { return 0; }
-  std::string stepper() const override { return "stand"; }
-  const Trouble& trouble() const override { return trouble_; }
-  void save(h8s::StateWriter& to) override { transfer(to); }
-  void restore(h8s::StateReader& from) override { transfer(from); }
+  std::string dynamics() const override { return "stand"; }
+  const SolverDiagnostics& diagnostics() const override { return diagnostics_; }
+  void save(StateWriter& to) override { transfer(to); }
+  void restore(StateReader& from) override { transfer(from); }
 
  private:
   static constexpr std::size_t kScaleSteps = 50;  // of 1 ms
@@ -99,7 +100,7 @@ class MotorStand final : public World {
   std::vector<JointState> states_;
   ImuState imu_;
   Scene scene_;
-  Trouble trouble_;
+  SolverDiagnostics diagnostics_;
 };
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// The stand against the motor's own line, and its tools against what they are for.
+// The stand against the motor's characteristic line, and its tools.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/stand/motor_stand.h"
 
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/body/motor_bench.h"
+#include "sim/body/motor/motor_testing.h"
 #include "sim/stand/stand_commands.h"
 
 namespace kaz::sim {
@@ -36,7 +36,7 @@ TEST(MotorStand, RunsAtItsMotorsSpeedWithoutLoad) {
   const MotorParams& motor = stand.motor();
   stand.turn(kJoint, -2.2);
   run(stand, 1500);
-  stand.let_go(kJoint);
+  stand.release(kJoint);
   run(stand, 60, 1, true);
   const double from = angle(stand);
   run(stand, 50, 1, true);
@@ -69,15 +69,15 @@ TEST(MotorStand, ClampAndScaleReadTheTorqueAtStandstill) {
 TEST(MotorStand, ScaleReadsEachPressALittleOtherwise) {
   MotorStand stand = stand_of_kaz();
   stand.clamp(kJoint, true);
-  double least = 1e9, most = -1e9;
+  double min = 1e9, max = -1e9;
   for (int press = 0; press < 10; ++press) {
     run(stand, 100, 0.3, true);
-    least = std::min(least, stand.scale_nm(kJoint));
-    most = std::max(most, stand.scale_nm(kJoint));
+    min = std::min(min, stand.scale_nm(kJoint));
+    max = std::max(max, stand.scale_nm(kJoint));
     run(stand, 100);
   }
-  EXPECT_GT(most - least, 0.002) << "sigma 2 mNm";
-  EXPECT_LT(most - least, 0.02);
+  EXPECT_GT(max - min, 0.002) << "sigma 2 mNm";
+  EXPECT_LT(max - min, 0.02);
 }
 
 TEST(MotorStand, GentleWeightsShowTheBacklashAndNothingElse) {
@@ -111,7 +111,7 @@ TEST(MotorStand, HandTurnsAndLetsGo) {
     // The motor's friction bends the hand by 0.166 Nm / 60 Nm/rad.
     EXPECT_NEAR(angle(stand), goal, 3.5e-3);
     EXPECT_NEAR(stand.protractor_rad(kJoint), angle(stand), 0.00501 * kDegree);
-    stand.let_go(kJoint);
+    stand.release(kJoint);
     const double there = angle(stand);
     run(stand, 500);
     // It may fall back through the gap, and press the other flank as it comes.
@@ -132,10 +132,10 @@ TEST(MotorStand, GoesOnFromWhatWasSaved) {
   one.clamp(kJoint, true);
   one.press(kJoint + 1, 0.02);
   run(one, 37, 0.7, true);
-  h8s::StateWriter to;
+  StateWriter to;
   one.save(to);
   MotorStand other = stand_of_kaz();
-  h8s::StateReader from(to.bytes());
+  StateReader from(to.bytes());
   other.restore(from);
   ASSERT_TRUE(from.good());
   for (MotorStand* stand : {&one, &other}) {
@@ -158,7 +158,7 @@ TEST(StandCommands, AreCheckedWordByWord) {
   EXPECT_EQ(refused(""), "there is no command `stand `; `stand help` lists them");
   EXPECT_EQ(refused("clamp l_hand"), "`stand clamp` takes 2 words, got 1");
   EXPECT_EQ(refused("clamp l_foot on"),
-            "there is no joint `l_foot`; they are those of docs/robot.md");
+            "there is no joint `l_foot`; they are those of docs/reference/robot.md");
   EXPECT_EQ(refused("clamp l_hand in"), "`clamp` takes a joint and on or off, got `in`");
   EXPECT_EQ(refused("supply 99"), "the supply in V is a number from 0 to 15, got `99`");
   EXPECT_EQ(refused("press l_hand nan"),

@@ -1,4 +1,4 @@
-// A motor stand's tools by words.
+// Text commands for a motor stand's tools.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/stand/stand_commands.h"
 
@@ -10,16 +10,16 @@
 #include <sstream>
 #include <vector>
 
-#include "sim/body/robot_model.h"
+#include "sim/body/description/robot_model.h"
 
 namespace kaz::sim {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMostVolts = 15;  // of the supply: more than a board's motors may have
-constexpr double kMostPress = 1;   // Nm
-constexpr double kMostTurn = 4;    // rad
+constexpr double kMaxVolts = 15;  // of the supply; above the rating of the board's motors
+constexpr double kMaxPress = 1;   // Nm
+constexpr double kMaxTurn = 4;    // rad
 
 Result<double> number(const std::string& word, const std::string& what, double low, double high) {
   double value = 0;
@@ -37,7 +37,7 @@ Result<std::size_t> joint_of(const std::string& word) {
   const auto& names = joint_names();
   const auto found = std::ranges::find(names, word);
   if (found == names.end())
-    return fail(Fault::usage, "there is no joint `" + word + "`; they are those of docs/robot.md");
+    return fail(Fault::usage, "there is no joint `" + word + "`; they are those of docs/reference/robot.md");
   return static_cast<std::size_t>(found - names.begin());
 }
 
@@ -64,13 +64,13 @@ const Json kHelp = {
     {"let JOINT", "the hand lets go"},
     {"protractor JOINT", "where the shaft stands"}};
 
-// Of the commands about one joint.
+// Commands about one joint.
 Result<Json> answer_joint(MotorStand& stand, const Words& words, std::size_t joint) {
   const std::string& command = words.command;
   if (command == "scale") return Json{{"torque_nm", stand.scale_nm(joint)}};
   if (command == "protractor") return Json{{"angle_rad", stand.protractor_rad(joint)}};
   if (command == "let") {
-    stand.let_go(joint);
+    stand.release(joint);
     return Json::object();
   }
   const std::string& word = words.arguments[1];
@@ -81,18 +81,18 @@ Result<Json> answer_joint(MotorStand& stand, const Words& words, std::size_t joi
     return Json::object();
   }
   if (command == "press") {
-    const auto torque = number(word, "a weight's torque in Nm", -kMostPress, kMostPress);
+    const auto torque = number(word, "a weight's torque in Nm", -kMaxPress, kMaxPress);
     if (!torque) return tl::unexpected(torque.error());
     stand.press(joint, *torque);
     return Json::object();
   }
-  const auto angle = number(word, "an angle in rad", -kMostTurn, kMostTurn);
+  const auto angle = number(word, "an angle in rad", -kMaxTurn, kMaxTurn);
   if (!angle) return tl::unexpected(angle.error());
   stand.turn(joint, *angle);
   return Json::object();
 }
 
-// How many words follow the command; nothing: there is no such command.
+// Number of words after the command; nullopt: unknown command.
 std::optional<std::size_t> arguments_of(const std::string& command) {
   for (const auto& [form, text] : kHelp.items()) {
     const Words words = words_of(form);
@@ -105,10 +105,10 @@ std::optional<std::size_t> arguments_of(const std::string& command) {
 
 Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
                                                const StandOptions& stand) {
-  // A laboratory's supply by short thick wires, where the robot has a battery and a switch.
+  // A laboratory supply with short thick wires, where the robot has a battery and a switch.
   SimulationOptions wired = options;
   wired.supply_ohms = 0.02;
-  auto mcu = make_engine(options);
+  auto mcu = make_mcu(options);
   if (!mcu) return tl::unexpected(mcu.error());
   return Simulation::assemble(wired, std::move(*mcu), std::make_unique<MotorStand>(stand), {});
 }
@@ -130,7 +130,7 @@ Result<Json> answer_stand(Simulation& simulation, const std::string& line) {
   if (words.command == "help") return Json{{"commands", kHelp}};
   if (words.command == "disc") return Json{{"disc_kgm2", stand.disc_kgm2()}};
   if (words.command == "supply") {
-    const auto volts = number(words.arguments[0], "the supply in V", 0, kMostVolts);
+    const auto volts = number(words.arguments[0], "the supply in V", 0, kMaxVolts);
     if (!volts) return tl::unexpected(volts.error());
     simulation.board().set_supply(*volts);
     return Json::object();

@@ -1,5 +1,5 @@
 // A motor stand's tools by words, one command a line: the same in one process and over the control
-// socket. docs/bench.md lists them.
+// socket. docs/howto/bench.md lists them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,13 +8,13 @@
 #include <string>
 
 #include "shared/base/result.hpp"
-#include "sim/runtime/simulation.h"
+#include "sim/runtime/simulation/simulation.h"
 #include "sim/stand/motor_stand.h"
 
 namespace kaz::sim {
 
 // Board and motors on a stand. Of the options, those of robot, world, eyes and dynamics do not
-// count. Errors: those of the engine.
+// count. Errors: those of make_mcu().
 Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
                                                const StandOptions& stand);
 

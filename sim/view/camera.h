@@ -1,4 +1,4 @@
-// Where an onlooker's camera stands. Those of the robot are links of its URDF.
+// Pose of an observer's camera. The robot's cameras are links of its URDF.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,7 +7,7 @@
 namespace kaz::sim {
 
 // An optical frame (x right, y down, z forward) at `eye` that looks at `target`, with world z up.
-// `eye` must not stand straight above or below `target`.
+// `eye` must not be exactly above or below `target`.
 Eigen::Isometry3d look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
 
 }  // namespace kaz::sim

@@ -1,7 +1,7 @@
-// Pictures of a scene, from the robot's eyes or from outside.
+// Renders pictures of a scene, from the robot's cameras or an observer's.
 // SPDX-License-Identifier: Apache-2.0
 //
-// An interface, so that other ways to get an off-screen OpenGL context can stand beside OSMesa.
+// An interface, so that other off-screen OpenGL contexts than OSMesa can be used.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "shared/base/result.hpp"
-#include "sim/body/scene.h"
+#include "sim/body/description/scene.h"
 
 namespace kaz::sim {
 
@@ -45,17 +45,17 @@ class Renderer {
   // Builds meshes; once, before the first picture. Fails where a mesh file cannot be read or a
   // visual names a texture or frame that does not exist.
   virtual Result<void> set_scene(const Scene& scene) = 0;
-  // Same scene, pose and view: same bytes. The first call starts OpenGL (some 0.3 s) and fails with
-  // a reason where that cannot be had. Calls may come from any thread, but only one at a time.
+  // Deterministic: same scene, pose and view, same bytes. The first call starts OpenGL (some 0.3 s). Error:
+  // why OpenGL is not available. Calls may come from any thread, one at a time.
   virtual Result<void> render(const ScenePose& pose, const View& view, Picture& picture) = 0;
 };
 
-// Off-screen Mesa (llvmpipe), rasterising in the calling thread, by `way`: "osmesa", "egl" (without a
-// surface), or empty for the first of these that starts. Sets Mesa's environment variables for the
-// process, so that its pictures do not hang on the user's: call it before threads that read the
-// environment. Whether OpenGL can be had shows with the first picture.
+// Off-screen Mesa (llvmpipe), rasterising in the calling thread. `way`: "osmesa", "egl" (without a surface),
+// or empty for the first of these that starts. Sets Mesa's environment variables for the process, so that
+// pictures do not depend on the user's: call it before starting threads that read the environment. Whether
+// OpenGL is available shows with the first picture.
 Result<std::unique_ptr<Renderer>> make_renderer(const std::string& way);
-// The way that the environment variable KAZ_OPENGL names.
+// The renderer that the environment variable KAZ_OPENGL names.
 Result<std::unique_ptr<Renderer>> make_default_renderer();
 
 }  // namespace kaz::sim

@@ -42,7 +42,7 @@ def run_file(path, folder):
 
 
 total = 0
-for document in sorted([ROOT / "README.md", *ROOT.glob("docs/*.md")]):
+for document in sorted([ROOT / "README.md", *ROOT.glob("docs/**/*.md")]):
     with tempfile.TemporaryDirectory() as scratch:
         total += run_file(document, scratch)
 print(f"{total} examples ran")

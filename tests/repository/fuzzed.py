@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: fuzzed.py ROOT
 
-Holds tools/fuzz/targets.txt against the tree and against the table in docs/fuzzing.md. A file reads if it
+Holds tools/fuzz/targets.txt against the tree and the table in docs/howto/fuzzing.md. A file reads if it
 calls one of READS; comments do not count."""
 
 import pathlib
@@ -72,11 +72,11 @@ for target, folder in targets.items():
     if not any(target in used for used in reads.values()):
         faults.append(f"tools/fuzz/targets.txt: target {target} drives no parser")
 
-rows = dict(re.findall(r"^\| `([^`]+)` \| ([^|]*) \|", (ROOT / "docs/fuzzing.md").read_text(), re.M))
+rows = dict(re.findall(r"^\| `([^`]+)` \| ([^|]*) \|", (ROOT / "docs/howto/fuzzing.md").read_text(), re.M))
 for name, used in reads.items():
     shown = re.findall(r"`(\w+)`", rows.get(name, ""))
     if shown != used:
-        faults.append(f"docs/fuzzing.md: the row of {name} must name {', '.join(used)}; "
+        faults.append(f"docs/howto/fuzzing.md: the row of {name} must name {', '.join(used)}; "
                       "./tools/dev fuzz --table writes the table")
 
 print("\n".join(faults) if faults else f"{len(reads)} parsers have {len(targets)} fuzz targets")

@@ -1,4 +1,4 @@
-# The table of docs/emulator.md: each row names tests that show it, and each named test exists.
+# The table of docs/explanation/emulator.md: each row names tests that show it, and each named test exists.
 # SPDX-License-Identifier: Apache-2.0
 """usage: modelled.py ROOT"""
 
@@ -11,7 +11,7 @@ TEST = re.compile(r"\bTEST(?:_F|_P)?\(\s*(\w+)\s*,\s*(\w+)\s*\)")
 
 existing = {".".join(name) for source in ROOT.glob("sim/h8s/**/*_test.cpp")
             for name in TEST.findall(source.read_text())}
-text = (ROOT / "docs" / "emulator.md").read_text()
+text = (ROOT / "docs/explanation/emulator.md").read_text()
 table = text[text.index("| part | what is modelled"):].split("\n\n")[0]
 rows = [row for row in table.splitlines()[2:] if row.startswith("|")]
 wrong = []
@@ -22,6 +22,6 @@ for row in rows:
         wrong.append(f"row '{cells[0]}' has {len(cells)} cells and names {len(named)} tests")
     wrong += [f"row '{cells[0]}': there is no test {name}" for name in named if name not in existing]
 for line in wrong:
-    print(f"docs/emulator.md: {line}")
+    print(f"docs/explanation/emulator.md: {line}")
 print(f"{len(rows)} rows")
 sys.exit(1 if wrong or not rows else 0)

@@ -37,7 +37,7 @@ def check_packages():
 def check_printed():
     """A whole file printed in a document is that file."""
     sources = {path.read_text() for path in files("*.cpp", "*.py", "*.h")}
-    for path in files("docs/*.md", "README.md"):
+    for path in files("docs/*.md", "docs/**/*.md", "README.md"):
         for block in re.findall(r"^```(?:cpp|python)\n(.*?)^```$", path.read_text(), re.M | re.S):
             if "SPDX-License-Identifier" in block and block not in sources:
                 fault(path.relative_to(ROOT), "a file printed there differs from the one in the tree")
@@ -62,12 +62,13 @@ def check_sources():
 
 def check_directions():
     """vision and host never include the simulator; shared includes nothing of ours but shared, the
-    emulator nothing but the readers of images."""
+    emulator nothing but the readers of images, errors and saved states."""
     forbidden = {"vision": ("sim/", "host/", "tools/"), "host": ("sim/", "hil/", "tools/"),
                  "hil": ("sim/", "tools/"),
                  "shared": ("sim/", "host/", "vision/", "tools/"),
-                 "sim/h8s": ("shared/base/", "shared/board/", "shared/faults/", "shared/flash/",
-                             "shared/protocol/", "shared/servo/", "host/", "vision/", "tools/", "sim/mcu"),
+                 "sim/h8s": ("shared/base/files", "shared/base/types", "shared/base/time", "shared/board/",
+                             "shared/faults/", "shared/flash/", "shared/protocol/", "shared/servo/",
+                             "host/", "vision/", "tools/", "sim/mcu"),
                  "sim": ("tools/",)}
     for path in files("*.c", "*.h", "*.cpp", "*.hpp"):
         name = path.relative_to(ROOT).as_posix()
@@ -77,6 +78,80 @@ def check_directions():
             for include in re.findall(r'^#include "([^"]+)"', path.read_text(), re.M):
                 if include.startswith(others):
                     fault(name, f"must not include {include}")
+
+
+# Folder -> its sub-folders and the sub-folders that each may include besides itself: what is lower knows
+# nothing of what is above it. `tests` are the files named *_test.cpp and *_testing.*, wherever they are, and
+# oracle*, which only they use: a test runs its subject in the assembled whole, and nothing else may
+# include what is made for tests.
+LAYERS = {
+    "sim/h8s": {
+        "cpu": (), "translate": ("cpu",),
+        "chip": ("cpu", "translate"), "flat": ("cpu", "translate"),
+        "netlist": ("cpu", "chip"), "debug": ("cpu", "chip"),
+        "fuzz": ("cpu", "chip", "flat", "netlist", "debug"), "example": ("chip",), "testdata": (),
+        "tests": ("cpu", "translate", "chip", "flat", "netlist", "debug", "fuzz", "testdata"),
+    },
+}
+TEST_FILE = re.compile(r"(_test\.cpp|_testing\.\w+|/oracle\w*\.(cpp|h))$")
+
+
+def layer_of(folder, name):
+    inside = name.removeprefix(folder + "/")
+    return "tests" if TEST_FILE.search(name) else inside.split("/")[0] if "/" in inside else ""
+
+
+def check_layers():
+    for path in files("*.c", "*.h", "*.cpp", "*.hpp"):
+        name = path.relative_to(ROOT).as_posix()
+        for folder, allowed in LAYERS.items():
+            if not name.startswith(folder + "/"):
+                continue
+            layer = layer_of(folder, name)
+            if layer not in allowed:
+                fault(name, f"is in no sub-folder of {folder} that rules.py knows")
+                continue
+            for include in re.findall(r'^#include "([^"]+)"', path.read_text(), re.M):
+                if include.startswith(folder + "/") and \
+                        layer_of(folder, include) not in (layer, *allowed[layer]):
+                    fault(name, f"must not include {include}")
+
+
+# Inside a part: which folders (with what is in them) the sources of a folder may include, besides their own.
+FOLDERS = {
+    "vision/image": (),
+    "vision/calibration": ("vision/image",),
+    "vision/color": ("vision/image", "vision/calibration"),
+    "vision/depth": ("vision/image", "vision/calibration"),
+    "vision/flow": ("vision/image", "vision/calibration", "vision/depth"),
+    "vision/planes": ("vision/image", "vision/calibration", "vision/depth"),
+    "vision/pipeline": ("vision/image", "vision/calibration", "vision/color", "vision/depth",
+                        "vision/flow", "vision/planes"),
+    "host/link": (),
+    "host/robot": ("host/link",),
+    "host/camera": ("host/link", "host/robot"),
+    "host/flash": ("host/link", "host/robot"),
+    "host/motion": ("host/link", "host/robot"),
+    "host/map": (),
+    "host/behavior": ("host/link", "host/robot", "host/camera", "host/motion"),
+    "hil/report": (),
+    "hil/bench": ("hil/report",),
+    "hil/conformance": ("hil/report",),
+    "hil/fuzz": ("hil/report",),
+}
+
+
+def check_folders():
+    """The folders of a part are layers: no include outside of FOLDERS, tests included."""
+    for path in files("*.c", "*.h", "*.cpp", "*.hpp", "*.def"):
+        name = path.relative_to(ROOT).as_posix()
+        for folder, allowed in FOLDERS.items():
+            if not name.startswith(folder + "/"):
+                continue
+            for include in re.findall(r'^#include "([^"]+)"', path.read_text(), re.M):
+                other = "/".join(include.split("/")[:2])
+                if other != folder and other not in allowed and other.split("/")[0] == name.split("/")[0]:
+                    fault(name, f"must not include {include}: {folder} is not a layer above {other}")
 
 
 def check_links():
@@ -101,6 +176,8 @@ check_packages()
 check_printed()
 check_sources()
 check_directions()
+check_layers()
+check_folders()
 check_links()
 check_temporary_names()
 print("\n".join(faults) if faults else "the tree keeps its rules")

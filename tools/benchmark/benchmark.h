@@ -1,4 +1,4 @@
-// What the benchmark program measures: names, how each is taken, where the results go.
+// The benchmark program: names of the measurements, groups that measure them, results and their output.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,12 +14,12 @@
 namespace kaz::bench {
 
 struct Settings {
-  bool quick = false;                // short and rough: for a test that it works at all
-  int repeats = 5;                   // medians of so many
+  bool quick = false;                // short and imprecise, for the test of the program itself
+  int repeats = 5;                   // each result is the median of this many runs
   std::vector<std::string> engines;  // of the emulator; at least one
 };
 
-// One number. `due` and `aim` as the project set them; 0 where there is none.
+// One measurement. `due`: required value, `aim`: target; 0 if there is none.
 struct Name {
   std::string name;
   std::string unit;
@@ -27,14 +27,14 @@ struct Name {
   bool more_is_better = true;
   int decimals = 1;
 };
-// All names there are, in the order of the table.
+// All measurements, in the order of the table.
 const std::vector<Name>& names();
 
-// Numbers taken so far, by name.
+// Results so far, by name.
 class Results {
  public:
   void put(const std::string& name, double value) { values_[name] = value; }
-  // A word on why a number is missing or how it was taken, below the table.
+  // Note below the table: why a result is missing or how it was measured.
   void remark(const std::string& text);
   std::optional<double> get(std::string_view name) const;
   const std::vector<std::string>& remarks() const { return remarks_; }
@@ -44,18 +44,21 @@ class Results {
   std::vector<std::string> remarks_;
 };
 
-// Measures one or several names at once.
+// Measurements that are taken together.
 struct Group {
   std::vector<std::string> gives;
   std::function<Result<void>(const Settings&, Results&)> run;
 };
-// A group of numbers that each engine of the emulator gives.
+// A group that is measured for each engine of the emulator.
 using PerEngine = std::function<Result<void>(const Settings&, const std::string& engine, Results&)>;
 Group each_engine(std::vector<std::string> gives, PerEngine measure);
 
 std::vector<Group> emulator_groups();
 std::vector<Group> firmware_groups();
 std::vector<Group> program_groups();
+// `dynamics.step_kinstr.*` and `dynamics.collision_kinstr.*`: thousands of instructions per physics step and
+// per collision detection, without loading and settling. Without valgrind there are none; a remark says so.
+Group counted_steps();
 
 // A load by itself, for profilers and for counting host instructions: `amount` rounds of a guest
 // program, or milliseconds of the firmware.
@@ -65,6 +68,21 @@ struct Load {
   std::function<Result<void>(const std::string& engine, int amount)> run;
 };
 const std::vector<Load>& loads();
+// Runs a guest program of sim/h8s/testdata, 1 to 65535 rounds.
+Result<void> run_guest(const std::string& guest, const std::string& engine, int rounds);
+// Runs the firmware under its walking load for this long after its start.
+Result<void> run_firmware(const std::string& engine, int milliseconds);
+
+// Host instructions of a load: the difference between `many` and `few` (amounts of the load), which excludes
+// start-up. Counted by perf_event_open or valgrind; nothing if neither is available, with a remark.
+std::optional<double> host_instructions(const std::string& load, const std::string& engine, int few,
+                                        int many, Results& results);
+
+// The table for people, in the order of names(), with required and target values.
+std::string table(const Results& results, const std::vector<std::string>& engines);
+// One JSON object, a number per name. Written atomically.
+Result<void> write_json(const std::string& path, const Results& results,
+                        const std::vector<std::string>& engines);
 
 // CPU time that this process has used, s.
 double cpu_seconds();

@@ -1,6 +1,6 @@
 // Instructions of a physics step and of finding contacts: body_benchmark under valgrind's callgrind.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/benchmark/counted_steps.h"
+#include "tools/benchmark/benchmark.h"
 
 #include <cstdlib>
 #include <filesystem>

@@ -2,11 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "tools/benchmark/benchmark.h"
 #include "tools/benchmark/engines.h"
-#include "tools/benchmark/host_instructions.h"
-#include "tools/benchmark/loads.h"
 
 namespace kaz::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/h8s/options.h"
+#include "sim/h8s/chip/options.h"
 
 namespace kaz::bench {
 

@@ -6,8 +6,6 @@
 #include "sim/mcu/walking_load.h"
 #include "tools/benchmark/benchmark.h"
 #include "tools/benchmark/engines.h"
-#include "tools/benchmark/host_instructions.h"
-#include "tools/benchmark/loads.h"
 
 namespace kaz::bench {
 namespace {

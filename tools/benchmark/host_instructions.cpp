@@ -1,6 +1,6 @@
 // Counting host instructions: perf_event_open where it is permitted, else callgrind on this program.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/benchmark/host_instructions.h"
+#include "tools/benchmark/benchmark.h"
 
 #include <linux/perf_event.h>
 #include <sys/ioctl.h>

@@ -1,7 +1,5 @@
 // The loads that can be run by themselves.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/benchmark/loads.h"
-
 #include "tools/benchmark/benchmark.h"
 
 namespace kaz::bench {

@@ -14,7 +14,6 @@
 #include "shared/base/files.hpp"
 #include "tools/benchmark/benchmark.h"
 #include "tools/benchmark/body/names.h"
-#include "tools/benchmark/counted_steps.h"
 
 namespace kaz::bench {
 namespace {

@@ -1,6 +1,6 @@
 // Table and JSON of the results.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/benchmark/table.h"
+#include "tools/benchmark/benchmark.h"
 
 #include <unistd.h>
 

@@ -2,9 +2,11 @@
 
 # Sources of shared/servo that run on the H8 too, relative to shared/.
 function(kaz_servo_sources out)
-  set(${out} servo/tick.c servo/joints.c servo/joint_loop.c servo/protection.c servo/requests.c
-             servo/commands.c servo/motion.c servo/settings.c servo/replies.c servo/joint_replies.c servo/safety.c servo/health.c
-             servo/telemetry.c servo/bench.c servo/outputs.c servo/store.c servo/startup.c PARENT_SCOPE)
+  set(${out} servo/tick.c servo/joints.c servo/joint_loop.c servo/protection.c servo/shutdown.c
+             servo/health.c servo/safety.c servo/status.c servo/motion.c servo/settings.c servo/bench.c
+             servo/telemetry.c servo/commands.c servo/joint_replies.c servo/replies.c
+             servo/telemetry_frames.c servo/requests.c servo/actions.c servo/outputs.c servo/store.c
+             servo/startup.c PARENT_SCOPE)
 endfunction()
 
 find_program(KAZ_H8_GCC h8300-hms-gcc)

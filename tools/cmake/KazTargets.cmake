@@ -12,6 +12,13 @@ endif()
 add_library(kaz_flags INTERFACE)
 # No contraction into fused multiply-add: the same source must give the same bits (docs/decisions.md).
 target_compile_options(kaz_flags INTERFACE -Wall -Wextra -Wshadow -ffp-contract=off)
+# Sources that are compiled together (kaz_unity) make g++ 12 warn of types of another "main" file, and of lengths
+# that an inlined std::string::replace cannot have.
+if(KAZ_UNITY GREATER 1 AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(kaz_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>
+                                             $<$<COMPILE_LANGUAGE:CXX>:-Wno-stringop-overflow>
+                                             $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
+endif()
 if(KAZ_WERROR)
   target_compile_options(kaz_flags INTERFACE -Werror)
 endif()
@@ -35,9 +42,14 @@ endif()
 # that spend their time in their own code.
 find_package(Eigen3 REQUIRED NO_MODULE)
 function(kaz_precompiled name)
-  cmake_parse_arguments(ARG "" "HEADER" "LIBS;OPTIONS" ${ARGN})
+  cmake_parse_arguments(ARG "PROGRAM" "HEADER" "LIBS;OPTIONS" ${ARGN})
   add_library(kaz_pch_${name} OBJECT ${PROJECT_SOURCE_DIR}/tools/cmake/precompiled.cpp)
   target_include_directories(kaz_pch_${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  # Programs are compiled with -fPIE, libraries with -fPIC; g++ takes a precompiled header only with the same.
+  if(ARG_PROGRAM)
+    set_target_properties(kaz_pch_${name} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+    target_compile_options(kaz_pch_${name} PRIVATE -fPIE)
+  endif()
   target_link_libraries(kaz_pch_${name} PRIVATE kaz_flags Eigen3::Eigen ${ARG_LIBS})
   target_compile_options(kaz_pch_${name} PRIVATE ${ARG_OPTIONS})
   target_precompile_headers(kaz_pch_${name} PRIVATE
@@ -48,8 +60,8 @@ set(KAZ_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 kaz_precompiled(library HEADER precompiled.h)
 if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   find_package(GTest REQUIRED)
-  kaz_precompiled(test HEADER precompiled_test.h LIBS GTest::gtest OPTIONS ${KAZ_TEST_OPTIONS})
-  kaz_precompiled(fast_test HEADER precompiled_test.h LIBS GTest::gtest)
+  kaz_precompiled(test PROGRAM HEADER precompiled_test.h LIBS GTest::gtest OPTIONS ${KAZ_TEST_OPTIONS})
+  kaz_precompiled(fast_test PROGRAM HEADER precompiled_test.h LIBS GTest::gtest)
 endif()
 
 # kaz_reuse_precompiled(TARGET NAME): for targets with C++ sources whose compile options are those of NAME.
@@ -58,6 +70,9 @@ function(kaz_reuse_precompiled target name)
   list(FILTER sources INCLUDE REGEX "\\.cpp$")
   if(sources)
     target_precompile_headers(${target} REUSE_FROM kaz_pch_${name})
+    # precompiled.h names headers of it, also where no precompiled one is used (clang-tidy).
+    target_include_directories(${target} SYSTEM PRIVATE
+      $<TARGET_PROPERTY:Eigen3::Eigen,INTERFACE_INCLUDE_DIRECTORIES>)
   endif()
 endfunction()
 
@@ -112,4 +127,50 @@ function(kaz_test name)
   endif()
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. PROPERTIES ${properties}
                        WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} DISCOVERY_TIMEOUT 60)
+endfunction()
+
+# kaz_unity(SIZE): up to SIZE sources of a target become one for the compiler, which reads headers and templates once
+# for all of them. unity_groups.py finds sources that share no name. To be called behind all targets.
+function(kaz_unity size)
+  set(lists "")
+  set(folders ${PROJECT_SOURCE_DIR})
+  while(folders)
+    list(POP_FRONT folders folder)
+    get_property(inner DIRECTORY ${folder} PROPERTY SUBDIRECTORIES)
+    list(APPEND folders ${inner})
+    get_property(targets DIRECTORY ${folder} PROPERTY BUILDSYSTEM_TARGETS)
+    foreach(target IN LISTS targets)
+      get_target_property(type ${target} TYPE)
+      if(NOT type MATCHES "^(STATIC_LIBRARY|EXECUTABLE)$")
+        continue()
+      endif()
+      get_target_property(sources ${target} SOURCES)
+      list(FILTER sources INCLUDE REGEX "\\.cpp$")
+      set(absolute "")
+      foreach(source IN LISTS sources)
+        cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${folder} NORMALIZE)
+        if(EXISTS ${source})
+          list(APPEND absolute ${source})
+        endif()
+      endforeach()
+      list(LENGTH absolute count)
+      if(count GREATER 1)
+        string(APPEND lists "${target};${absolute}\n")
+        set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+      endif()
+    endforeach()
+  endwhile()
+  file(WRITE ${PROJECT_BINARY_DIR}/unity_sources.txt "${lists}")
+  execute_process(
+    COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tools/cmake/unity_groups.py ${PROJECT_SOURCE_DIR} ${size}
+    INPUT_FILE ${PROJECT_BINARY_DIR}/unity_sources.txt OUTPUT_VARIABLE groups COMMAND_ERROR_IS_FATAL ANY)
+  string(REGEX REPLACE "\n" "|" groups "${groups}")
+  string(REGEX REPLACE ";" ">" groups "${groups}")
+  string(REPLACE "|" ";" groups "${groups}")
+  foreach(line IN LISTS groups)
+    if(line MATCHES "^(.+)>(.+)_([0-9]+)$")
+      set_source_files_properties(${CMAKE_MATCH_1} TARGET_DIRECTORY ${CMAKE_MATCH_2}
+                                  PROPERTIES UNITY_GROUP ${CMAKE_MATCH_2}_${CMAKE_MATCH_3})
+    endif()
+  endforeach()
 endfunction()

@@ -8,7 +8,7 @@
 
 #include "hil/fuzz/tick_judge.h"
 #include "shared/board/table.h"
-#include "sim/runtime/simulation.h"
+#include "sim/runtime/simulation/simulation.h"
 #include "tools/fuzz/plant.h"
 #include "tools/fuzz/shadow.h"
 #include "tools/lockstep/lockstep.h"
@@ -28,7 +28,7 @@ constexpr int kDriveLag = 3;
 constexpr int kPushedMs = 100;
 
 // So far past a soft limit a host can drive a joint at most at 10 V, as
-// sim/body/joint_limits_test.cpp
+// sim/body/motor/joint_limits_test.cpp
 // states and shows for one joint.
 constexpr double kLimitMargin = 0.03;  // rad
 
@@ -108,7 +108,7 @@ struct Engine {
 };
 
 Result<Engine> make_engine(const EngineOptions& options) {
-  if (options.engine != "h8") return Engine{sim::make_native(), nullptr};
+  if (options.mcu != "h8") return Engine{sim::make_native(), nullptr};
   auto h8 = sim::H8Mcu::load(options.image);
   if (!h8) return tl::unexpected(h8.error());
   if (!(*h8)->has_tick_symbols())
@@ -158,7 +158,7 @@ Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,
   });
 
   sim::SimulationOptions simulated;
-  simulated.engine = options.engine;
+  simulated.mcu = options.mcu;
   simulated.seed = options.seed;
   auto simulation = sim::Simulation::assemble(
       simulated, std::move(engine->mcu),

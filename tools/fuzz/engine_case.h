@@ -12,8 +12,8 @@
 namespace kaz::fuzz {
 
 struct EngineOptions {
-  std::string engine = "native";  // "h8": native computes each of its ticks again
-  std::string image;              // firmware, for "h8"
+  std::string mcu = "native";  // "h8": native computes each of its ticks again
+  std::string image;           // firmware, for "h8"
   std::uint64_t seed = 1;
   // The robot and its world, hung up by its trunk; motors without a body if empty.
   std::string world_path, robot_path;

@@ -1,7 +1,7 @@
 // The fuzzer on the engines: seeds replayed, short random runs, and the robot's body.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Long runs: `kaz fuzz`, `./tools/dev fuzz` (docs/fuzzing.md).
+// Long runs: `kaz fuzz`, `./tools/dev fuzz` (docs/howto/fuzzing.md).
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -84,7 +84,7 @@ TEST(Fuzz, ACaseIsTheSameEachTime) {
 #ifdef KAZ_FIRMWARE_IMAGE
 TEST(Fuzz, RandomCasesOnTheFirmware) {
   EngineOptions options;
-  options.engine = "h8";
+  options.mcu = "h8";
   options.image = KAZ_FIRMWARE_IMAGE;
   const Sum sum = random_cases(options, 3, 8);
   EXPECT_GT(sum.ticks, 2000);

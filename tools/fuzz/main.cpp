@@ -1,4 +1,4 @@
-// libFuzzer's entry: its bytes are a case for the native engine (docs/fuzzing.md).
+// libFuzzer's entry: its bytes are a case for the native engine (docs/howto/fuzzing.md).
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <cstdlib>

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "shared/board/table.h"
-#include "sim/body/joint_motor.h"
-#include "sim/body/robot_model.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/motor/joint_motor.h"
 
 namespace kaz::fuzz {
 namespace {
@@ -36,7 +36,7 @@ class MotorBench final : public sim::World {
       // From a light hand to a leg that carries the trunk.
       const double inertia = 1e-4 * (1.0 + static_cast<double>(j * j));
       joint.torque = std::clamp((row.velocity - joint.velocity) / (row.softness + kStep / inertia),
-                                row.least, row.most);
+                                row.min, row.max);
       joint.velocity += kStep / inertia * joint.torque;
       joint.angle += kStep * joint.velocity;
       motors_[j].finish(joint.velocity, joint.torque);
@@ -66,7 +66,7 @@ class MotorBench final : public sim::World {
     return fail(Fault::usage, "the motor bench has no object `" + model + "`");
   }
   double largest_joint_gap_m() const override { return 0; }
-  std::string stepper() const override { return "none"; }
+  std::string dynamics() const override { return "none"; }
 
  private:
   std::vector<sim::JointMotor> motors_;
@@ -100,7 +100,7 @@ class WatchedWorld final : public sim::World {
     return world_->object_position(model);
   }
   double largest_joint_gap_m() const override { return world_->largest_joint_gap_m(); }
-  std::string stepper() const override { return world_->stepper(); }
+  std::string dynamics() const override { return world_->dynamics(); }
 
  private:
   std::unique_ptr<sim::World> world_;

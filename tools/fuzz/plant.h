@@ -6,8 +6,8 @@
 #include <memory>
 #include <span>
 
-#include "sim/body/motor_file.h"
-#include "sim/body/world.h"
+#include "sim/body/description/motor_file.h"
+#include "sim/body/world/world.h"
 
 namespace kaz::fuzz {
 

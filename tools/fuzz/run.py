@@ -1,4 +1,4 @@
-# Runs the fuzz targets of targets.txt, several at a time, and writes the table of docs/fuzzing.md.
+# Runs the fuzz targets of targets.txt, several at a time, and writes the table of docs/howto/fuzzing.md.
 # SPDX-License-Identifier: Apache-2.0
 """usage: run.py [SECONDS] [--only NAME[,NAME...]] [--jobs N] [--build FOLDER] [--out FOLDER] [--table]
 
@@ -23,7 +23,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MANIFEST = ROOT / "tools/fuzz/targets.txt"
-PAGE = ROOT / "docs/fuzzing.md"
+PAGE = ROOT / "docs/howto/fuzzing.md"
 BEGIN, END = "<!-- fuzz table: ./tools/dev fuzz --table -->", "<!-- end of the fuzz table -->"
 
 
@@ -133,7 +133,8 @@ def coverage(options, name, target):
     corpus = options.out / name
     folders = [target["seeds"], *([corpus] if corpus.is_dir() else [])]
     done = subprocess.run([options.build / "bin" / target["program"], *target["arguments"], "-runs=0",
-                           "-print_coverage=1", "-timeout=60", *folders],
+                           "-print_coverage=1", "-timeout=300",
+                           f"-artifact_prefix={options.out}/{name}-coverage-", *folders],
                           stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace")
     if done.returncode != 0:
         sys.exit(f"target {name} ended with {done.returncode} on its own corpus: run ./tools/dev fuzz first")

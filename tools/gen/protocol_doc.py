@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-# Writes docs/protocol.md from the message table.
+# Writes docs/reference/protocol.md from the message table.
 # SPDX-License-Identifier: Apache-2.0
 """usage: protocol_doc.py ROOT [--check]
 
-Writes ROOT/docs/protocol.md; with --check only compares, and fails if it is out of date.
+Writes ROOT/docs/reference/protocol.md; with --check only compares, and fails if it is out of date.
 """
 import re
 import struct
@@ -87,7 +87,7 @@ def with_value(match, constants):
 def document(root):
     messages = read_messages(root)
     constants = read_constants(f"{root}/shared/protocol/messages.h")
-    ticks = read_constants(f"{root}/shared/servo/tick.h")
+    snapshot = read_constants(f"{root}/shared/servo/snapshot.h")
     everything = all_constants(root)
     targets = struct.pack(">BBBIHhh", 1, 3, 7, 0b11, 500, 1000, -2)
     with open(f"{root}/tools/gen/protocol.md.in", encoding="utf-8") as source:
@@ -105,7 +105,7 @@ def document(root):
         "REPLIES": [line for m in replies for line in message_section(m)],
         "STATUS": constant_rows(constants, "KZ_STATUS_"),
         "REFUSED": constant_rows(constants, "KZ_REFUSED_"),
-        "RESET": constant_rows(ticks, "KZ_RESET_"),
+        "RESET": constant_rows(snapshot, "KZ_RESET_"),
         "JOINTS": joint_rows(root),
         **{name: constant_rows(constants, f"KZ_{name}_")
            for name in ("SHUTDOWN", "REACTION", "JOINT", "CAPABILITY", "TELEMETRY",
@@ -120,4 +120,4 @@ def document(root):
 
 
 if __name__ == "__main__":
-    sys.exit(generated_file.main(sys.argv[1:], __doc__, "docs/protocol.md", document))
+    sys.exit(generated_file.main(sys.argv[1:], __doc__, "docs/reference/protocol.md", document))

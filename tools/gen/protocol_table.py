@@ -39,6 +39,7 @@ class Field:
 class Message:
     name: str
     code: int
+    kind: str
     text: str
     fields: list = with_default(default_factory=list)
 
@@ -82,7 +83,7 @@ def read_constants(path):
 
 def all_constants(root):
     constants = {"KZ_JOINTS": (str(JOINTS), "")}
-    for name in ("protocol/frame.h", "protocol/messages.h", "servo/servo.h", "servo/tick.h"):
+    for name in ("protocol/frame.h", "protocol/messages.h", "servo/servo.h", "servo/snapshot.h"):
         constants.update(read_constants(f"{root}/shared/{name}"))
     return constants
 
@@ -107,7 +108,7 @@ def read_messages(root):
         a = arguments_of(text, match.end(), path)
         kind = match.group(1)
         if kind == "MESSAGE":
-            messages.append(Message(a[0], int(a[1], 0), a[2]))
+            messages.append(Message(a[0], int(a[1], 0), a[2], a[3]))
         elif kind == "FIELD":
             messages[-1].fields.append(Field(a[0], a[1], a[2], a[3]))
         elif kind == "BOUNDED":

@@ -1,4 +1,4 @@
-# Makes the list of the numbered statements of docs/protocol.md for the conformance suite.
+# Makes the list of the numbered statements of docs/reference/protocol.md for the conformance suite.
 # SPDX-License-Identifier: Apache-2.0
 """usage: statements.py PROTOCOL_MD OUTPUT"""
 

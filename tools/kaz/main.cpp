@@ -6,8 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/app/version.h"
 #include "tools/kaz/verbs.h"
-#include "tools/kaz/version.h"
 
 namespace {
 
@@ -56,29 +56,16 @@ int parse_and_run(int argc, char** argv) {
       "  kaz demo                              search and track the ball, leave pictures\n"
       "  kaz sim --world ball --serial board --cameras board.eyes\n"
       "  kaz run track-ball --robot serial:board --camera board.eyes\n"
-      "  kaz replay kaz-demo/recording.mcap    run it again and tell the first difference\n"
+      "  kaz replay kaz-demo/recording.mcap    run it again and print the first difference\n"
       "Recordings are MCAP files: Foxglove (foxglove.dev), PlotJuggler and the mcap command line "
       "open "
       "them.\n"
       "Exit status: 0 done, 1 the task failed, 2 wrong usage, 3 the environment failed.\n"
       "`kaz VERB --help` says more about a verb.");
   kaz::tools::Action action;
-  kaz::tools::add_demo(program, action);
-  kaz::tools::add_run(program, action);
-  kaz::tools::add_evaluate(program, action);
-  kaz::tools::add_sim(program, action);
-  kaz::tools::add_eyes(program, action);
-  kaz::tools::add_calibrate(program, action);
-  kaz::tools::add_replay(program, action);
-  kaz::tools::add_mcu(program, action);
-  kaz::tools::add_conformance(program, action);
-  kaz::tools::add_bench(program, action);
-  kaz::tools::add_flash(program, action);
-  kaz::tools::add_fuzz(program, action);
-  kaz::tools::add_status(program, action);
-  kaz::tools::add_monitor(program, action);
-  kaz::tools::add_vision(program, action);
-  kaz::tools::add_shell(program, action);
+#define KAZ_VERB(name) kaz::tools::add_##name(program, action);
+#include "tools/kaz/verbs.def"
+#undef KAZ_VERB
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help, --version

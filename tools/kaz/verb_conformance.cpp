@@ -1,166 +1,20 @@
 // `kaz conformance`: the protocol certificate of a board, case by case.
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
-#include <filesystem>
+#include <memory>
+#include <string>
 
-#include "hil/conformance/report.h"
-#include "host/link/interrupt.h"
-#include "host/link/tty_link.h"
-#include "host/link/wall_clock.h"
-#include "shared/base/files.hpp"
-#include "sim/mcu/mcu.h"
-#include "tools/kaz/interrupt_signals.h"
-#include "tools/kaz/output.h"
-#include "tools/kaz/paths.h"
-#include "tools/kaz/port_argument.h"
+#include "tools/app/conformance.h"
 #include "tools/kaz/verbs.h"
-#include "tools/kaz/version.h"
-#include "tools/lockstep/virtual_bench.h"
 
 namespace kaz::tools {
-namespace {
-
-// How late a byte may be read or written through a port of this machine.
-constexpr Time kPortSlack = std::chrono::milliseconds(20);
-
-struct Arguments {
-  std::string port, engine, image;
-  std::string junit, json, html;
-  bool list = false, allow_motion = false, allow_flash = false;
-  hil::RunOptions run;
-};
-
-int list_cases(const std::vector<const hil::Case*>& taken) {
-  for (const hil::Case* one : taken) {
-    std::string about;
-    for (const std::string& id : one->statements) about += (about.empty() ? "" : ",") + id;
-    std::printf("%-36s %-14s %s\n", one->id.c_str(), about.c_str(), one->sentence.c_str());
-  }
-  return static_cast<int>(taken.size());
-}
-
-Result<void> write_report(const std::string& path, const std::string& text) {
-  if (path.empty()) return {};
-  if (path == "-") {
-    std::fputs(text.c_str(), stdout);
-    return {};
-  }
-  return write_whole_file(path, text);
-}
-
-// Before anything runs: two reports on standard output would be neither, and a folder that is not there
-// would be found out at the end.
-Result<void> check_reports(const Arguments& arguments) {
-  int on_output = 0;
-  for (const std::string& path : {arguments.junit, arguments.json, arguments.html}) {
-    if (path == "-") ++on_output;
-    if (path.empty() || path == "-") continue;
-    const auto folder = std::filesystem::absolute(path).parent_path();
-    if (!std::filesystem::is_directory(folder))
-      return fail(Fault::usage,
-                  "cannot write the report '" + path + "': there is no folder " + folder.string());
-  }
-  if (on_output > 1)
-    return fail(Fault::usage, "only one of --junit, --json and --html can go to standard output");
-  return {};
-}
-
-void say(const hil::CaseResult& one) {
-  std::printf("%-9s %-36s %s\n", verdict_text(one.verdict), one.of->id.c_str(),
-              one.verdict == hil::Verdict::passed ? one.of->sentence.c_str() : one.message.c_str());
-  if (one.verdict == hil::Verdict::failed) {
-    for (const std::string& id : one.of->statements) {
-      for (const hil::Statement& statement : hil::statements()) {
-        if (statement.id == id)
-          std::printf("          %s: %s\n", id.c_str(), statement.text.c_str());
-      }
-    }
-  }
-}
-
-Result<hil::RunReport> run_virtual(Arguments& arguments, hil::ReportFacts& facts) {
-  std::unique_ptr<sim::Mcu> mcu;
-  if (arguments.engine == "h8") {
-    const auto image = firmware_image(arguments.image);
-    if (!image) return tl::unexpected(image.error());
-    auto made = sim::make_h8(*image);
-    if (!made) return tl::unexpected(made.error());
-    mcu = std::move(*made);
-  } else {
-    mcu = sim::make_native();
-  }
-  lockstep::VirtualBench board(std::move(mcu));
-  facts.port = board.name();
-  arguments.run.allowed = hil::kMotion | hil::kFlash | hil::kBench | hil::kExact;
-  return hil::run_suite(board, board, &board, Time::zero(), arguments.run);
-}
-
-Result<hil::RunReport> run_port(Arguments& arguments, hil::ReportFacts& facts) {
-  const auto port = parse_port(arguments.port);
-  if (!port) return tl::unexpected(port.error());
-  host::Interrupt interrupt;
-  const InterruptSignals signals(interrupt);
-  auto link = host::TtyLink::open(port->first, port->second, &interrupt);
-  if (!link) return tl::unexpected(link.error());
-  host::WallClock clock(&interrupt);
-  facts.port = port->first;
-  if (arguments.allow_motion) arguments.run.allowed |= hil::kMotion;
-  if (arguments.allow_flash) arguments.run.allowed |= hil::kFlash;
-  return hil::run_suite(**link, clock, nullptr, kPortSlack, arguments.run);
-}
-
-Result<Outcome> examine(Arguments arguments) {
-  const auto taken = hil::chosen(arguments.run.filter);
-  if (!taken) return tl::unexpected(taken.error());
-  if (arguments.list) {
-    list_cases(*taken);
-    return true;
-  }
-  if (arguments.port.empty() == arguments.engine.empty()) {
-    return fail(Fault::usage, "say which board: either --port PATH or --virtual h8|native");
-  }
-  if (!arguments.image.empty() && arguments.engine != "h8")
-    return fail(Fault::usage, "--image is for --virtual h8 alone");
-  if (auto usable = check_reports(arguments); !usable) return tl::unexpected(usable.error());
-  const bool quiet = arguments.json == "-" || arguments.junit == "-" || arguments.html == "-";
-  hil::ReportFacts facts;
-  facts.program = std::string("kaz ") + kVersion;
-  facts.seed = arguments.run.seed;
-  Progress progress("kaz conformance", quiet);
-  arguments.run.progress = [&](const hil::CaseResult& one, std::size_t number, std::size_t of) {
-    if (!quiet) {
-      progress.done();
-      say(one);
-    }
-    progress.update(static_cast<double>(number) / static_cast<double>(of), one.of->id);
-  };
-  const auto report =
-      arguments.port.empty() ? run_virtual(arguments, facts) : run_port(arguments, facts);
-  progress.done();
-  if (!report) return tl::unexpected(report.error());
-  for (const auto& [path, text] : {std::pair(arguments.junit, hil::junit_text(*report, facts)),
-                                   std::pair(arguments.json, hil::json_text(*report, facts)),
-                                   std::pair(arguments.html, hil::html_text(*report, facts))}) {
-    if (auto written = write_report(path, text); !written) return tl::unexpected(written.error());
-  }
-  const int failed = report->count(hil::Verdict::failed);
-  if (!quiet) {
-    std::printf("%s on %s: %zu cases, %d passed, %d failed, %d left out\n", report->board.c_str(),
-                facts.port.c_str(), report->results.size(), report->count(hil::Verdict::passed),
-                failed, report->count(hil::Verdict::left_out));
-  }
-  return failed == 0;
-}
-
-}  // namespace
 
 void add_conformance(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "conformance", "shows case by case that a board does what docs/protocol.md says");
-  auto arguments = std::make_shared<Arguments>();
+      "conformance", "shows case by case that a board does what docs/reference/protocol.md says");
+  auto arguments = std::make_shared<ConformanceOptions>();
   auto* port = verb->add_option("--port", arguments->port, "serial port or pty of a board")
                    ->type_name("PATH[@BAUD]");
-  verb->add_option("--virtual", arguments->engine,
+  verb->add_option("--virtual", arguments->mcu,
                    "a virtual board on a bench, in simulated time: h8 executes the firmware image, "
                    "native runs the same C compiled for this machine")
       ->check(CLI::IsMember({"h8", "native"}))
@@ -193,7 +47,8 @@ void add_conformance(CLI::App& program, Action& action) {
       "  kaz conformance --port /dev/ttyUSB0 --junit conformance.xml\n"
       "  kaz conformance --virtual native --filter 'SAFE-|watchdog'\n"
       "  kaz conformance --list");
-  verb->callback([&action, arguments] { action = [arguments] { return examine(*arguments); }; });
+  verb->callback(
+      [&action, arguments] { action = [arguments] { return run_conformance(*arguments); }; });
 }
 
 }  // namespace kaz::tools

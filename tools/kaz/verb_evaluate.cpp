@@ -1,9 +1,8 @@
 // `kaz evaluate`: many episodes of a behaviour, and how many succeed.
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
-
-#include "tools/kaz/evaluate/campaign.h"
-#include "tools/kaz/sim_options.h"
+#include "tools/app/arguments.h"
+#include "tools/app/evaluate/campaign.h"
+#include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
@@ -17,40 +16,28 @@ struct Arguments {
   bool blind_to_turns = false;
 };
 
-Result<void> take_interval(const char* option, const std::vector<double>& given, Interval& to) {
-  if (given.empty()) return {};
-  if (given.size() != 2 || !(given[0] > 0) || !(given[0] <= given[1]))
-    return fail(Fault::usage, std::string(option) +
-                                  ": give two numbers above 0, the smaller one "
-                                  "first, as in " +
-                                  option + " 0.6 0.8");
-  to = {given[0], given[1]};
-  return {};
-}
-
 Result<Outcome> start(Arguments a) {
   CampaignOptions& c = a.campaign;
-  for (const auto& setting : a.settings) {
-    const auto equals = setting.find('=');
-    if (equals == std::string::npos || equals == 0)
-      return fail(Fault::usage, "--set " + setting + ": give NAME=VALUE, as in --set distance=1");
-    c.settings[setting.substr(0, equals)] = setting.substr(equals + 1);
-  }
-  unsigned long long part = 0, parts = 0;
-  int end = 0;
-  if (a.shard.size() > 20 ||
-      std::sscanf(a.shard.c_str(), "%llu/%llu%n", &part, &parts, &end) != 2 ||
-      end != static_cast<int>(a.shard.size()) || part < 1 || part > parts)
-    return fail(Fault::usage, "--shard " + a.shard + ": give I/N, the first of four parts is 1/4");
-  c.shard = part;
-  c.shards = parts;
-  for (const auto& done :
-       {take_interval("--friction", a.friction, c.variation.friction),
-        take_interval("--supply", a.supply, c.variation.supply_volts),
-        take_interval("--ball-distance", a.distance, c.variation.ball_distance_m),
-        take_interval("--lamp", a.lamp, c.variation.lamp),
-        take_interval("--shade", a.shade, c.variation.shade)}) {
-    if (!done) return tl::unexpected(done.error());
+  const auto settings = parse_settings(a.settings);
+  if (!settings) return tl::unexpected(settings.error());
+  c.settings = *settings;
+  const auto shard = parse_shard(a.shard);
+  if (!shard) return tl::unexpected(shard.error());
+  c.shard = shard->part;
+  c.shards = shard->parts;
+  const struct {
+    const char* option;
+    const std::vector<double>& given;
+    Interval& to;
+  } intervals[] = {{"--friction", a.friction, c.variation.friction},
+                   {"--supply", a.supply, c.variation.supply_volts},
+                   {"--ball-distance", a.distance, c.variation.ball_distance_m},
+                   {"--lamp", a.lamp, c.variation.lamp},
+                   {"--shade", a.shade, c.variation.shade}};
+  for (const auto& [option, given, to] : intervals) {
+    const auto interval = parse_interval(option, given, to);
+    if (!interval) return tl::unexpected(interval.error());
+    to = *interval;
   }
   for (const std::string& color : c.variation.colors) {
     if (auto known = ball_color(color); !known) return tl::unexpected(known.error());
@@ -147,7 +134,7 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->add_option("--mass-sigma", c.variation.mass_sigma, "of each link's mass, as a share of it")
       ->check(CLI::Range(0.0, 0.3))
       ->capture_default_str();
-  verb->add_option("--mcu", c.backend.engine, "engine of the servo board: h8 or native")
+  verb->add_option("--mcu", c.backend.mcu, "microcontroller of the servo board: h8 or native")
       ->check(CLI::IsMember({"h8", "native"}))
       ->capture_default_str();
   verb->add_option("--eyes", c.backend.eyes, "ideal or real")

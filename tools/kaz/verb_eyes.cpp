@@ -1,112 +1,23 @@
 // `kaz eyes`: what both eyes and an onlooker see, as pictures.
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
+#include <memory>
+#include <string>
 
 #include "sim/view/camera.h"
-#include "sim/view/sensor.h"
+#include "sim/view/sensor/sensor.h"
+#include "tools/app/draw_eyes.h"
+#include "tools/app/output.h"
 #include "tools/figure/figure.h"
-#include "tools/kaz/output.h"
-#include "tools/kaz/sim_options.h"
+#include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
-#include "vision/calibration/rectify.h"
 
 namespace kaz::tools {
-namespace {
-
-struct EyesArguments {
-  BackendOptions backend;
-  std::string out = "kaz-eyes";
-};
-
-vision::Image image_of(sim::Picture picture) {
-  return {picture.width, picture.height, std::move(picture.rgb)};
-}
-
-Result<vision::Image> outside(sim::Simulation& simulation) {
-  sim::View view;
-  view.camera = sim::Pinhole::from_horizontal_view(960, 720, 0.6);
-  view.world_from_optical = sim::look_at({0.85, -0.75, 0.5}, {0.16, 0, 0.13});
-  view.samples_per_axis = 2;
-  auto picture = simulation.picture(view, simulation.world().pose());
-  if (!picture) return tl::unexpected(picture.error());
-  return image_of(std::move(*picture));
-}
-
-// One eye: what a pinhole at its place would give, and what its lens and sensor make of it.
-struct EyePictures {
-  vision::Image ideal, raw;
-};
-Result<EyePictures> look(sim::Simulation& simulation, const sim::CameraFile& camera,
-                         sim::Sensor::Eye eye, std::uint64_t seed) {
-  const sim::Sensor sensor(camera.eye, camera.calibration(), eye, seed);
-  const sim::ScenePose pose = simulation.world().pose();
-  sim::View view;
-  view.world_from_optical =
-      simulation.world().link_pose(eye == sim::Sensor::Eye::left ? "left_eye" : "right_eye");
-  view.camera = camera.pinhole();
-  auto ideal = simulation.picture(view, pose);
-  if (!ideal) return tl::unexpected(ideal.error());
-  view.world_from_optical = view.world_from_optical * sensor.mounting_from_optical();
-  view.camera = sensor.ideal();
-  const auto wide = simulation.picture(view, pose);
-  if (!wide) return tl::unexpected(wide.error());
-  sim::Picture raw;
-  sensor.expose(*wide, 0, raw);
-  return EyePictures{image_of(std::move(*ideal)), image_of(std::move(raw))};
-}
-
-Result<bool> draw(EyesArguments arguments) {
-  const auto folder = OutputFolder::open(arguments.out);
-  if (!folder) return tl::unexpected(folder.error());
-  auto simulation = make_simulation(arguments.backend, sim::FramePolicy::wait);
-  if (!simulation) return tl::unexpected(simulation.error());
-  if (!(*simulation)->has_eyes()) return tl::unexpected(sim::Simulation::no_eyes());
-  sim::CameraFile camera = (*simulation)->camera();
-  camera.ideal = false;
-  auto left = look(**simulation, camera, sim::Sensor::Eye::left, arguments.backend.seed);
-  if (!left) return tl::unexpected(left.error());
-  auto right = look(**simulation, camera, sim::Sensor::Eye::right, arguments.backend.seed);
-  if (!right) return tl::unexpected(right.error());
-  const auto onlooker = outside(**simulation);
-  if (!onlooker) return tl::unexpected(onlooker.error());
-  vision::StereoImages rectified;
-  vision::Rectifier(camera.calibration()).rectify({left->raw, right->raw}, rectified);
-
-  const figure::Panel panels[] = {
-      {*onlooker, "from outside"},
-      {left->raw, "left eye: lens and noise"},
-      {right->raw, "right eye: lens and noise"},
-      {left->ideal, "left eye, ideal"},
-      {rectified.left, "left eye, rectified"},
-      {rectified.right, "right eye, rectified"},
-  };
-  const struct {
-    const char* name;
-    const vision::Image& image;
-  } files[] = {{"outside.png", *onlooker},
-               {"left_ideal.png", left->ideal},
-               {"right_ideal.png", right->ideal},
-               {"left_raw.png", left->raw},
-               {"right_raw.png", right->raw},
-               {"left_rectified.png", rectified.left},
-               {"right_rectified.png", rectified.right}};
-  for (const auto& file : files) {
-    if (auto written = figure::write_png(folder->path(file.name), file.image); !written)
-      return tl::unexpected(written.error());
-  }
-  const auto written = figure::write_png(folder->path("eyes.png"), figure::compose(panels, 3, 300));
-  if (!written) return tl::unexpected(written.error());
-  std::printf("pictures in %s: eyes.png shows them together\n", folder->folder().c_str());
-  return true;
-}
-
-}  // namespace
 
 void add_eyes(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "eyes", "pictures of the virtual robot's start: from outside and through both eyes");
-  auto arguments = std::make_shared<EyesArguments>();
-  arguments->backend.engine = "native";
+  auto arguments = std::make_shared<EyesOptions>();
+  arguments->backend.mcu = "native";
   verb->add_option("--out", arguments->out, "folder for the pictures")->capture_default_str();
   add_sim_options(*verb, arguments->backend);
   // All kinds of eyes are drawn, and nothing moves.
@@ -118,7 +29,7 @@ void add_eyes(CLI::App& program, Action& action) {
       "Examples:\n"
       "  kaz eyes\n"
       "  kaz eyes --world ball --eye-width 640 --out big");
-  verb->callback([&action, arguments] { action = [arguments] { return draw(*arguments); }; });
+  verb->callback([&action, arguments] { action = [arguments] { return draw_eyes(*arguments); }; });
 }
 
 }  // namespace kaz::tools

@@ -1,19 +1,12 @@
 // `kaz mcu`: the servo board's chip by itself.
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
 #include <map>
 #include <memory>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
-#include "sim/mcu/compare.h"
-#include "tools/kaz/image_options.h"
-#include "tools/kaz/mcu_run.h"
-#include "tools/kaz/mcu_wire.h"
-#include "tools/kaz/one_of.h"
-#include "tools/kaz/output.h"
-#include "tools/kaz/paths.h"
+#include "tools/app/mcu/compare.h"
+#include "tools/app/mcu/run.h"
+#include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
@@ -36,63 +29,22 @@ const std::map<std::string, h8s::Engine> kEngines{{"reference", h8s::Engine::ref
 
 struct CompareArguments {
   sim::CompareOptions options;
+  sim::WireOptions wire;
+  bool on_wire = false;
   bool json = false;
 };
 
-nlohmann::ordered_json to_json(const sim::CompareCoverage& coverage) {
-  const auto counts = [](const std::map<std::uint8_t, std::int64_t>& by_code) {
-    auto object = nlohmann::ordered_json::object();
-    for (const auto& [code, count] : by_code) object[std::to_string(code)] = count;
-    return object;
-  };
-  return {{"replies_by_type", counts(coverage.replies)},
-          {"refusals_by_reason", counts(coverage.refusals)},
-          {"replies_by_shutdown", counts(coverage.shutdowns)},
-          {"actions", counts(coverage.actions)}};
-}
-
-nlohmann::ordered_json to_json(const sim::CompareReport& report) {
-  nlohmann::ordered_json result{{"equal", report.equal()},
-                                {"engine", report.engine},
-                                {"instructions", report.instructions},
-                                {"translated_instructions", report.translated_instructions},
-                                {"ticks", report.ticks},
-                                {"bytes_received", report.bytes_received},
-                                {"bytes_sent", report.bytes_sent},
-                                {"frames", report.frames_sent_to_board},
-                                {"worst_tick_8states", report.worst_busy_8states},
-                                {"missed_ticks", report.missed_ticks},
-                                {"resets", report.resets},
-                                {"pins_compared", report.pins_compared},
-                                {"coverage", to_json(report.coverage)},
-                                {"differences", nlohmann::ordered_json::array()}};
-  if (report.tick) result["tick"] = *report.tick;
-  if (!report.equal()) result["input_hex"] = report.input_hex;
-  for (const auto& difference : report.differences) {
-    result["differences"].push_back(
-        {{"field", difference.field}, {"native", difference.native}, {"h8", difference.h8}});
-  }
-  return result;
-}
-
-Result<bool> compare(CompareArguments arguments) {
-  auto image = firmware_image(arguments.options.image_path);
-  if (!image) return tl::unexpected(image.error());
-  arguments.options.image_path = *image;
-  Progress progress("kaz mcu compare", arguments.json);
-  arguments.options.progress = [&](std::int64_t done, std::int64_t total) {
-    progress.update(static_cast<double>(done) / static_cast<double>(total),
-                    std::to_string(done) + " ticks");
-  };
-  const auto report = sim::compare_engines(arguments.options);
-  progress.done();
-  if (!report) return tl::unexpected(report.error());
-  if (arguments.json) {
-    std::printf("%s\n", to_json(*report).dump(2).c_str());
-  } else {
-    std::printf("%s\n", report->text().c_str());
-  }
-  return report->equal();
+void add_wire_options(CLI::App& verb, CompareArguments& arguments) {
+  auto* wire =
+      verb.add_flag("--wire", arguments.on_wire, "compare whole boards on the line instead");
+  verb.add_option("--conversations", arguments.wire.conversations, "with --wire: of a second each")
+      ->check(positive())
+      ->capture_default_str()
+      ->needs(wire);
+  verb.add_option("--first", arguments.wire.first, "with --wire: number of the first one")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->needs(wire);
 }
 
 void add_compare(CLI::App& mcu, Action& action) {
@@ -127,14 +79,13 @@ void add_compare(CLI::App& mcu, Action& action) {
       "  kaz mcu compare --ticks 1000000 --seed 7\n"
       "  kaz mcu compare --ticks 1000000 --engine interpreter\n"
       "  kaz mcu compare --wire --conversations 1000");
-  auto wire = std::make_shared<WireArguments>();
-  add_wire_options(*verb, *wire);
-  verb->callback([&action, arguments, wire] {
-    action = [arguments, wire] {
-      if (!wire->wire) return compare(*arguments);
-      wire->options.image_path = arguments->options.image_path;
-      wire->options.seed = arguments->options.seed;
-      return compare_on_wire(wire->options, arguments->json);
+  add_wire_options(*verb, *arguments);
+  verb->callback([&action, arguments] {
+    action = [arguments] {
+      if (!arguments->on_wire) return compare_ticks(arguments->options, arguments->json);
+      arguments->wire.image_path = arguments->options.image_path;
+      arguments->wire.seed = arguments->options.seed;
+      return compare_on_wire(arguments->wire, arguments->json);
     };
   });
 }
@@ -216,7 +167,7 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   verb->add_option("--input", options->input, "bytes for RxD0 at line rate; - is standard input")
       ->excludes("--flat")
       ->type_name("");
-  verb->add_option("--netlist", options->netlist, "parts around the chip: docs/emulator-pins.md")
+  verb->add_option("--netlist", options->netlist, "parts around the chip: docs/reference/emulator-pins.md")
       ->excludes("--flat")
       ->type_name("FILE");
   auto* vcd = verb->add_option("--vcd", options->vcd, "record signals for GTKWave and the like")

@@ -1,6 +1,6 @@
 // `kaz replay`: runs a recording again and tells the first difference.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/kaz/replay.h"
+#include "tools/app/replay/replay.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {

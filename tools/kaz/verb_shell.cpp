@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/kaz/output.h"
+#include "tools/app/output.h"
+#include "tools/app/version.h"
 #include "tools/kaz/verbs.h"
-#include "tools/kaz/version.h"
 
 namespace kaz::tools {
 namespace {

@@ -1,139 +1,30 @@
 // `kaz status`: what a board says of itself. Asks only; moves and changes nothing.
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
+#include <memory>
+#include <string>
 
-#include <nlohmann/json.hpp>
-
-#include "host/link/tty_link.h"
-#include "host/link/wall_clock.h"
-#include "host/robot/robot.h"
-#include "shared/servo/tick.h"
-#include "tools/kaz/interrupt_signals.h"
-#include "tools/kaz/port_argument.h"
+#include "tools/app/board_status.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-struct StatusArguments {
-  std::string port;
-  bool json = false;
-};
-
-const char* cause_of_reset(std::uint8_t cause) {
-  switch (cause) {
-    case KZ_RESET_POWER:
-      return "power";
-    case KZ_RESET_WATCHDOG:
-      return "watchdog";
-    default:
-      return "command";
-  }
-}
-
-const char* motors(std::uint16_t status) {
-  if (status & KZ_STATUS_HOLDING) return "held";
-  return (status & (KZ_STATUS_ENABLED | KZ_STATUS_RAW_DRIVE)) ? "on" : "off";
-}
-
-Json as_json(const kz_identify_reply& board, const host::Health& health, const host::SelfTest& test,
-             const kz_statistics_reply& counts) {
-  Json joint;
-  if (health.joint) joint = host::joint_table()[static_cast<std::size_t>(*health.joint)].name;
-  return {
-      {"protocol", board.protocol_version},
-      {"joints", board.joints},
-      {"build", board.build_id},
-      {"image_crc", board.image_crc},
-      {"on_for_s", health.tick * 1e-3},
-      {"last_reset", cause_of_reset(board.reset_cause)},
-      {"motors", motors(health.status)},
-      {"shutdown", health.shutdown},
-      {"joint", joint},
-      {"shutdown_at_s", health.shutdown_tick * 1e-3},
-      {"calibrated", (health.status & KZ_STATUS_UNCALIBRATED) == 0},
-      {"supply_v", health.supply_volts},
-      {"supply_lowest_v", health.supply_lowest_volts},
-      {"drivers_celsius", health.temperature_c},
-      {"watchdog_ms", board.watchdog_10ms * 10},
-      {"reaction", board.reaction == KZ_REACTION_HOLD ? "hold" : "limp"},
-      {"self_test_failed", test.failed_names},
-      {"missed_ticks", counts.missed_ticks},
-      {"frames", counts.frames},
-      {"refusals", counts.refusals},
-      {"damaged_frames", counts.bad_check + counts.bad_stuffing + counts.too_short +
-                             counts.too_long + counts.line_errors + counts.overruns + counts.idle}};
-}
-
-void print(const Json& now, const std::string& fault) {
-  std::printf("motors %s", now["motors"].get<std::string>().c_str());
-  if (!fault.empty()) {
-    std::printf(", since %.1f s of %.1f s: %s\n", now["shutdown_at_s"].get<double>(),
-                now["on_for_s"].get<double>(), fault.c_str());
-  } else {
-    std::printf(", nothing is latched; last reset %.1f s ago, by %s\n",
-                now["on_for_s"].get<double>(), now["last_reset"].get<std::string>().c_str());
-  }
-  std::printf("supply %.1f V, lowest %.1f V; motor drivers %.0f degrees Celsius\n",
-              now["supply_v"].get<double>(), now["supply_lowest_v"].get<double>(),
-              now["drivers_celsius"].get<double>());
-  const auto failed = now["self_test_failed"].get<std::string>();
-  std::printf("self-test: %s; calibration: %s\n", failed.empty() ? "passed" : failed.c_str(),
-              now["calibrated"].get<bool>() ? "from flash" : "none stored, nominal values");
-  std::printf("link: %d frames, %d refused, %d damaged; watchdog %d ms, then %s\n",
-              now["frames"].get<int>(), now["refusals"].get<int>(),
-              now["damaged_frames"].get<int>(), now["watchdog_ms"].get<int>(),
-              now["reaction"].get<std::string>().c_str());
-  std::printf("ticks missed: %d\n", now["missed_ticks"].get<int>());
-}
-
-Result<Outcome> show(const StatusArguments& arguments) {
-  const auto port = parse_port(arguments.port);
-  if (!port) return tl::unexpected(port.error());
-  host::Interrupt interrupt;
-  const InterruptSignals signals(interrupt);
-  auto link = host::TtyLink::open(port->first, port->second, &interrupt);
-  if (!link) return tl::unexpected(link.error());
-  host::WallClock clock(&interrupt);
-  // The link watchdog stays as it is, with its reaction.
-  auto robot =
-      host::Robot::connect(**link, clock, {.watchdog = Time::zero(), .reconnect = Time::zero()});
-  if (!robot) return tl::unexpected(robot.error());
-  const auto health = robot->health();
-  if (!health) return tl::unexpected(health.error());
-  const auto test = robot->self_test();
-  if (!test) return tl::unexpected(test.error());
-  const auto counts = robot->board_statistics();
-  if (!counts) return tl::unexpected(counts.error());
-  const Json now = as_json(robot->identity(), *health, *test, *counts);
-  if (arguments.json) {
-    std::printf("%s\n", now.dump(2).c_str());
-  } else {
-    print(now, health->shutdown.empty() ? "" : robot->describe_fault(health->status));
-  }
-  return health->shutdown.empty();
-}
-
-}  // namespace
 
 void add_status(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "status", "what a board says of itself: motors, why they went off, supply, link");
-  auto arguments = std::make_shared<StatusArguments>();
+  auto arguments = std::make_shared<StatusOptions>();
   verb->add_option("--port", arguments->port, "serial port or pty of a board")
       ->type_name("PATH[@BAUD]")
       ->required();
   verb->add_flag("--json", arguments->json, "print it as JSON");
   verb->footer(
-      "Asks only: nothing moves, and nothing is cleared. docs/safety.md says what to do about a\n"
+      "Asks only: nothing moves, and nothing is cleared. docs/explanation/safety.md says what to do about a\n"
       "shutdown. Exit status: 0 nothing is latched, 1 a shutdown is, 2 wrong usage, 3 port "
       "trouble.\n"
       "Examples:\n"
       "  kaz status --port /dev/ttyUSB0\n"
       "  kaz status --port /dev/ttyUSB0 --json");
-  verb->callback([&action, arguments] { action = [arguments] { return show(*arguments); }; });
+  verb->callback(
+      [&action, arguments] { action = [arguments] { return print_status(*arguments); }; });
 }
 
 }  // namespace kaz::tools

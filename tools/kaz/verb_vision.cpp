@@ -3,12 +3,13 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "tools/app/session/live_camera.h"
+#include "tools/app/vision/color_file.h"
+#include "tools/app/vision/modules.h"
+#include "tools/app/vision/recorded_pictures.h"
 #include "tools/figure/figure.h"
-#include "tools/kaz/color_file.h"
-#include "tools/kaz/live_camera.h"
-#include "tools/kaz/recorded_pictures.h"
+#include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
-#include "tools/kaz/vision_modules.h"
 #include "vision/color/color_learning.h"
 #include "vision/image/picture_file.h"
 
@@ -69,42 +70,11 @@ void add_learn(CLI::App& vision, Action& action) {
   verb->add_option("--out", arguments->out, "thresholds as JSON")->required()->type_name("FILE");
   verb->add_flag("--json", arguments->json, "print them too");
   verb->footer(
-      "It tells how much of the rest of the picture has the colour: that should be the rest of "
-      "the\n"
-      "object and nothing else.\n"
+      "Prints the share of the rest of the picture that has the colour: it should be the rest of\n"
+      "the object and nothing else.\n"
       "Examples:\n"
       "  kaz vision learn-color --in eyes/left_raw.png --region 150,110,12,12 --out ball.json");
   verb->callback([&action, arguments] { action = [arguments] { return learn(*arguments); }; });
-}
-
-Result<Outcome> run_on_source(const RecordedOptions& options) {
-  if (is_real_camera(options.in)) return run_on_camera(options);
-  std::error_code error;
-  const auto status = std::filesystem::status(options.in, error);
-  if (!options.robot.empty() && status.type() != std::filesystem::file_type::socket)
-    return fail(Fault::usage, "--robot goes with a live camera; '" + options.in + "' is none");
-  switch (status.type()) {
-    case std::filesystem::file_type::directory:
-      // Of a folder that kaz run made its recording is meant.
-      if (options.calibration.empty() && options.view_deg == 0 &&
-          std::filesystem::exists(options.in + "/recording.mcap", error)) {
-        RecordedOptions recording = options;
-        recording.in += "/recording.mcap";
-        return run_on_recording(recording);
-      }
-      return run_on_pictures(options);
-    case std::filesystem::file_type::socket:
-      return run_on_camera(options);
-    case std::filesystem::file_type::regular:
-      return vision::looks_like_picture(options.in) ? run_on_pictures(options)
-                                                    : run_on_recording(options);
-    case std::filesystem::file_type::not_found:
-      return fail(Fault::usage,
-                  "--in '" + options.in + "': there is no such folder, recording or socket");
-    default:
-      return fail(Fault::usage,
-                  "--in '" + options.in + "' is no folder, recording or camera socket");
-  }
 }
 
 void add_run_on_pictures(CLI::App& vision, Action& action) {
@@ -176,7 +146,7 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       "  kaz vision run --in v4l2:/dev/video0,/dev/video2 --calibration stereo.yml \\\n"
       "      --modules color,depth --frames 90 --out found");
   verb->callback([&action, options] {
-    action = [options]() -> Result<Outcome> {
+    action = [options]() -> Result<bool> {
       if (!options->left.empty()) return run_on_pairs(*options);
       if (!options->in.empty()) return run_on_source(*options);
       return fail(Fault::usage,

@@ -11,7 +11,7 @@
 #include "host/flash/board_reset.h"
 #include "host/link/link.h"
 #include "sim/mcu/h8_mcu.h"
-#include "sim/runtime/serial_line.h"
+#include "sim/runtime/simulation/serial_line.h"
 
 namespace kaz::lockstep {
 

@@ -9,7 +9,7 @@
 
 #include "host/link/link.h"
 #include "shared/base/result.hpp"
-#include "sim/runtime/simulation.h"
+#include "sim/runtime/simulation/simulation.h"
 #include "vision/image/frame.h"
 
 namespace kaz::lockstep {

@@ -6,7 +6,7 @@
 
 #include "host/robot/robot.h"
 #include "sim/mcu/host_testing.h"
-#include "sim/runtime/world_testing.h"
+#include "sim/runtime/simulation/world_testing.h"
 
 namespace kaz::lockstep {
 namespace {
@@ -88,7 +88,7 @@ TEST(LockstepCamera, DeliversBySimulatedTime) {
     EXPECT_EQ((*pair)->images.get()->left.rgb.size(), 32u * 24 * 3);
   }
   ASSERT_TRUE(clock.sleep_until(milliseconds(500)));
-  EXPECT_EQ(simulation->pairs_left_out(), 0u);
+  EXPECT_EQ(simulation->pairs_dropped(), 0u);
   EXPECT_FALSE(simulation->next_pair()) << "closed eyes see nothing";
 }
 

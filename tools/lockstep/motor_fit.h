@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "hil/bench/measurement.h"
-#include "sim/body/motor_file.h"
-#include "sim/runtime/simulation.h"
+#include "sim/body/description/motor_file.h"
+#include "sim/runtime/simulation/simulation.h"
 
 namespace kaz::lockstep {
 

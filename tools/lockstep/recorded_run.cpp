@@ -1,4 +1,4 @@
-// Decodes the channels of a recording that the host had to do with (sim/runtime/recorder.cpp).
+// Decodes the channels of a recording that the host had to do with (sim/runtime/simulation/recorder.cpp).
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/lockstep/recorded_run.h"
 
@@ -8,7 +8,7 @@
 #include <span>
 #include <sstream>
 
-#include "sim/runtime/little_endian.h"
+#include "sim/runtime/formats/little_endian.h"
 #include "sim/runtime/time.h"
 #include "vision/calibration/valid_camera.h"
 

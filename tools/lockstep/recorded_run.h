@@ -10,7 +10,7 @@
 #include "shared/base/result.hpp"
 #include "shared/faults/faults.h"
 #include "sim/mcu/mcu.h"
-#include "sim/runtime/mcap_reader.h"
+#include "sim/runtime/formats/mcap_reader.h"
 #include "vision/image/frame.h"
 
 namespace kaz::lockstep {

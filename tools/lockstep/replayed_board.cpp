@@ -8,7 +8,7 @@
 
 #include "host/link/frame_log.h"
 #include "shared/protocol/frame.h"
-#include "sim/runtime/png_picture.h"
+#include "sim/runtime/formats/png_picture.h"
 #include "sim/runtime/time.h"
 
 namespace kaz::lockstep {

@@ -13,7 +13,7 @@
 
 #include "host/link/link.h"
 #include "shared/base/result.hpp"
-#include "sim/runtime/serial_line.h"
+#include "sim/runtime/simulation/serial_line.h"
 #include "tools/lockstep/recorded_run.h"
 #include "vision/image/frame.h"
 

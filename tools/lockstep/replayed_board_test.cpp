@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/robot/robot.h"
-#include "sim/runtime/world_testing.h"
+#include "sim/runtime/simulation/world_testing.h"
 #include "tools/lockstep/lockstep.h"
 
 namespace kaz::lockstep {

@@ -70,7 +70,7 @@ double VirtualBench::share(int channel, const sim::PinLevels& levels) const {
 
 std::string VirtualBench::name() const {
   const std::string emulator = mcu_->emulator_engine();
-  return "virtual board (" + mcu_->engine() + (emulator.empty() ? "" : ", " + emulator) + ")";
+  return "virtual board (" + mcu_->name() + (emulator.empty() ? "" : ", " + emulator) + ")";
 }
 
 Time VirtualBench::now() const {

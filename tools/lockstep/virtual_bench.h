@@ -12,7 +12,7 @@
 #include "hil/conformance/bench.h"
 #include "host/link/link.h"
 #include "sim/mcu/mcu.h"
-#include "sim/runtime/serial_line.h"
+#include "sim/runtime/simulation/serial_line.h"
 
 namespace kaz::lockstep {
 

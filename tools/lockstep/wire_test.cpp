@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/mcu/h8_mcu.h"
-#include "sim/runtime/world_testing.h"
+#include "sim/runtime/simulation/world_testing.h"
 #include "tools/lockstep/lockstep.h"
 
 namespace kaz::lockstep {

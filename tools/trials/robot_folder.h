@@ -1,4 +1,4 @@
-// A robot's files, changed a little, in a folder that goes with the object.
+// A temporary folder with modified copies of a robot's files; removed with the object.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,21 +12,21 @@
 
 namespace kaz::trials {
 
-// Nine digits.
+// Nine significant digits.
 std::string digits(double value);
-// The number after each `before`, up to the next quote, replaced by what `change` makes of it.
+// Replaces the number between each `before` and the next quote by change(number).
 std::string with_numbers(const std::string& text, const std::string& before,
                          const std::function<double(double)>& change);
-// Each <inertial> of a URDF, mass and moments, by a factor of its own: factor(number), in the order
-// of the file.
+// Multiplies mass and moments of inertia of each <inertial> of a URDF by factor(number), counted from 0 in
+// the order of the file.
 std::string with_masses(const std::string& urdf,
                         const std::function<double(std::uint64_t)>& factor);
 
 class RobotFolder {
  public:
   using Change = std::function<std::string(const std::string&)>;
-  // kaz.urdf, motor.xml, camera.json and sensors.xml out of `robot`, those named in `changes`
-  // changed, and `world` as world.sdf. Errors: a file that cannot be read or written.
+  // Copies kaz.urdf, motor.xml, camera.json and sensors.xml from the folder `robot`, applies `changes` by
+  // file name, and writes `world` as world.sdf. Errors: a file that cannot be read or written.
   static Result<RobotFolder> make(const std::string& robot,
                                   const std::map<std::string, Change>& changes,
                                   const std::string& world);

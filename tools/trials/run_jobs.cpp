@@ -1,4 +1,4 @@
-// Work shared out over threads.
+// Runs independent jobs on several threads.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/trials/run_jobs.h"
 
@@ -13,22 +13,22 @@ Result<void> run_jobs(std::size_t count, int threads,
                       const std::function<std::function<Result<void>()>(std::size_t)>& work) {
   std::mutex mutex;
   std::atomic<std::size_t> next = 0;
-  Result<void> kept;
+  Result<void> result;
   {
     std::vector<std::jthread> workers;
     for (int t = 0; t < threads; ++t) {
       workers.emplace_back([&] {
         for (std::size_t i = next++; i < count; i = next++) {
-          const auto keep = work(i);
+          const auto store = work(i);
           const std::lock_guard lock(mutex);
-          if (!kept) return;
-          kept = keep();
-          if (!kept) next = count;
+          if (!result) return;
+          result = store();
+          if (!result) next = count;
         }
       });
     }
   }
-  return kept;
+  return result;
 }
 
 }  // namespace kaz::trials

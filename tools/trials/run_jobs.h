@@ -1,4 +1,4 @@
-// Work shared out over threads.
+// Runs independent jobs on several threads.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,9 +9,9 @@
 
 namespace kaz::trials {
 
-// Calls work(i) for i from 0 to count - 1, each once, on so many threads; what it returns is called
-// with the lock held, one at a time: there results are kept and progress is told. The first error of
-// that ends it: no work begins after it.
+// Calls work(i) once for each i in 0..count-1 on `threads` threads. The function that it returns is called
+// with a lock held, one at a time: it stores the result and reports progress. Its first error is returned;
+// no job starts after it.
 Result<void> run_jobs(std::size_t count, int threads,
                       const std::function<std::function<Result<void>()>(std::size_t)>& work);
 

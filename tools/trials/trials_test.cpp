@@ -1,8 +1,9 @@
-// Intervals against published values, files against what was asked, work against its errors.
+// Statistics against published values, robot folders, parallel jobs and their errors.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <set>
 
@@ -13,23 +14,45 @@
 namespace kaz::trials {
 namespace {
 
-TEST(Statistics, IntervalsAreWilsons) {
-  EXPECT_NEAR(wilson(196, 200).least, 0.9497, 2e-4);
-  EXPECT_NEAR(wilson(196, 200).most, 0.9922, 2e-4);
-  EXPECT_NEAR(wilson(2, 2).least, 0.3424, 1e-4);
-  EXPECT_NEAR(wilson(2, 2).most, 1, 1e-12);
-  EXPECT_EQ(wilson(0, 0).least, 0);
-  EXPECT_EQ(wilson(0, 0).most, 1);
+TEST(Statistics, WilsonIntervals) {
+  EXPECT_NEAR(wilson(196, 200).min, 0.9497, 2e-4);
+  EXPECT_NEAR(wilson(196, 200).max, 0.9922, 2e-4);
+  EXPECT_NEAR(wilson(2, 2).min, 0.3424, 1e-4);
+  EXPECT_NEAR(wilson(2, 2).max, 1, 1e-12);
+  EXPECT_EQ(wilson(0, 0).min, 0);
+  EXPECT_EQ(wilson(0, 0).max, 1);
 }
 
-TEST(Statistics, QuantilesAreValues) {
+TEST(Statistics, QuantileReturnsAValue) {
   EXPECT_EQ(quantile({}, 0.5), 0);
   EXPECT_EQ(quantile({3, 1, 2}, 0.5), 2);
   EXPECT_EQ(quantile({3, 1, 2}, 0.95), 3);
   EXPECT_EQ(quantile({3, 1, 2}, 0), 1);
 }
 
-TEST(RobotFolder, ChangesEachMassByItsOwnFactor) {
+TEST(Statistics, SummaryOfASample) {
+  EXPECT_EQ(summarize({}).sigma, 0);
+  EXPECT_EQ(summarize({7}).sigma, 0);
+  const Summary s = summarize({2, 4, 4, 4, 5, 5, 7, 9});
+  EXPECT_DOUBLE_EQ(s.mean, 5);
+  EXPECT_DOUBLE_EQ(s.sigma, std::sqrt(32.0 / 7));
+  EXPECT_EQ(s.max, 9);
+}
+
+TEST(Statistics, ErrorsBySizeAndWithSign) {
+  Errors errors;
+  EXPECT_EQ(errors.rms() + errors.max() + errors.percentile(0.5) + errors.sigma(), 0);
+  for (const double v : {-4.0, 1.0, 2.0, 3.0, -2.0}) errors.add(v);
+  EXPECT_EQ(errors.count(), 5u);
+  EXPECT_DOUBLE_EQ(errors.mean(), 0);
+  EXPECT_DOUBLE_EQ(errors.rms(), std::sqrt(34.0 / 5));
+  EXPECT_DOUBLE_EQ(errors.sigma(), errors.rms());
+  EXPECT_EQ(errors.max(), 4);
+  EXPECT_EQ(errors.percentile(0.5), 2);
+  EXPECT_EQ(errors.percentile(1), 4);
+}
+
+TEST(RobotFolder, ScalesEachMassByItsOwnFactor) {
   const std::string urdf =
       "<inertial><mass value=\"2\"/><inertia ixx=\"1\" iyy=\"4\" izz=\"3\" ixy=\"0\" ixz=\"0\" "
       "iyz=\"0\"/></inertial><limit lower=\"1\"/><inertial><mass value=\"5\"/></inertial>";
@@ -40,7 +63,7 @@ TEST(RobotFolder, ChangesEachMassByItsOwnFactor) {
   EXPECT_NE(changed.find("<limit lower=\"1\"/><inertial><mass value=\"2.5\"/>"), std::string::npos);
 }
 
-TEST(RobotFolder, GoesWithItsObjectAndNamesWhatIsMissing) {
+TEST(RobotFolder, IsRemovedWithTheObjectAndNamesAMissingFile) {
   std::string path;
   {
     const auto made = RobotFolder::make("shared/robot/kaz", {}, "<sdf/>");
@@ -55,7 +78,7 @@ TEST(RobotFolder, GoesWithItsObjectAndNamesWhatIsMissing) {
   EXPECT_NE(none.error().message.find("nowhere/kaz.urdf"), std::string::npos);
 }
 
-TEST(RunJobs, RunsEachOnceAndEndsWithTheFirstError) {
+TEST(RunJobs, RunsEachJobOnceAndStopsAtTheFirstError) {
   std::set<std::size_t> done;
   EXPECT_TRUE(run_jobs(50, 3, [&](std::size_t i) {
     return [&done, i]() -> Result<void> {

@@ -61,7 +61,7 @@ void moving(benchmark::State& state, int width) {
   MovingRegions found;
   for (auto _ : state) {
     if (!finder.find(image, pair.picture(0), pair.picture(1), nullptr, found))
-      state.SkipWithError("nothing said");
+      state.SkipWithError("no result");
   }
   state.counters["regions"] = static_cast<double>(found.regions.size());
 }

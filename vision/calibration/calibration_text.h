@@ -23,7 +23,7 @@ struct CalibrationEntry {
 // Views into `content`, which has to stay.
 std::map<std::string, CalibrationEntry, std::less<>> scan_calibration(std::string_view content);
 
-// What a value says: a number, also .Nan and .Inf; false if it is something else.
+// Parses a number, also .Nan and .Inf; false if it is something else.
 bool calibration_number(std::string_view value, double& number);
 
 }  // namespace kaz::vision

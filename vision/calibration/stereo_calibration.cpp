@@ -11,7 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "vision/calibration/calibration_file.h"
-#include "vision/calibration/opencv_quiet.h"
+#include "vision/image/opencv_quiet.h"
 
 namespace kaz::vision {
 namespace {

@@ -25,7 +25,7 @@ struct Board {
 // noise.
 inline constexpr int kLeastPairs = 5;
 
-// Row by row, px; empty where the whole board is not in sight.
+// Row by row, px; empty if the board is not completely visible.
 using Corners = std::vector<Eigen::Vector2d>;
 Corners find_board(const Image& image, const Board& board);
 

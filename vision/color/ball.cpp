@@ -29,7 +29,7 @@ std::vector<Eigen::Vector3d> rays_of(const CameraModel& camera,
   return rays;
 }
 
-// A line along which the outline runs says little about where it is: rows serve at the left and
+// A line parallel to the outline hardly constrains its position: rows serve at the left and
 // right, columns at the top and bottom. `center` is the middle of the first fit.
 std::vector<OutlinePoint> well_crossed(const Image& image, const std::vector<OutlinePoint>& points,
                                        const Eigen::Vector2d& center) {
@@ -93,15 +93,15 @@ double pixels_within(const Cone& cone, const EllipseAxes& axes, const CameraMode
   return static_cast<double>(count) * step * step;
 }
 
-// 1 where the distance can be told. What the blur has beyond the camera's own is a smear; a smear in
+// 1 where the distance is observable. What the blur has beyond the camera's own is a smear; a smear in
 // one direction makes the ball seem nearer or further by up to 0.6 of its share of the radius (8 px
 // of it before the simulated eyes): at a sixth of the radius by a tenth. From there on it falls
 // steeply.
 double sharpness(double radius_px, double sigma_px) {
   constexpr double kOwn_px = 0.7;
   const double smear = std::sqrt(std::max(0.0, sigma_px * sigma_px - kOwn_px * kOwn_px));
-  const double told = std::min(1.0, radius_px / std::max(6 * smear, 1e-9));
-  return told * told * told * told;
+  const double observable = std::min(1.0, radius_px / std::max(6 * smear, 1e-9));
+  return observable * observable * observable * observable;
 }
 
 std::optional<BallObservation> measure(const Image& image, const CameraModel& camera,
@@ -132,7 +132,7 @@ std::optional<BallObservation> measure(const Image& image, const CameraModel& ca
   double explained = 0.25, sharp = 1;
   if (const std::optional<EdgeFit> better = fit_edge(image, camera, cone, seen)) {
     if (const std::optional<EllipseAxes> its = ellipse_axes(better->cone)) {
-      // Of little more than half an edge, blur and radius cannot be told apart as well as by crossings.
+      // Of little more than half an edge, blur and radius cannot be separated as well as by crossings.
       if (3 * seen.count() > 2 * kEdgeSectors) {
         cone = better->cone;
         axes = its;

@@ -13,7 +13,7 @@
 #include <Eigen/Core>
 
 #include "vision/color/color.h"
-#include "vision/color/regions.h"
+#include "vision/image/regions.h"
 
 namespace kaz::vision {
 
@@ -23,7 +23,7 @@ struct BallOptions {
   int min_area = 12;  // pixels; smaller regions are noise
   // Less is not reported as found. Highest threshold at which the shares of missed, wrong and false
   // finds, of whole, cut, half hidden balls and of red and orange clutter, sum up to within a standard
-  // error of the least (docs/vision.md).
+  // error of the least (docs/explanation/vision.md).
   double min_confidence = 0.68;
 };
 

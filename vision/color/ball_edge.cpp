@@ -1,4 +1,4 @@
-// Shares along the edge, and the blurred cone that explains them best.
+// Coverage of the pixels along the edge, and the blurred cone fitted to it.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/color/ball_edge.h"
 
@@ -13,21 +13,22 @@
 namespace kaz::vision {
 namespace {
 
-// px from the edge. The blur of lens and rectification ends within `kReach`; the colours beside it
-// are taken from further in and out.
+// Distances from the edge, px, negative inside. The blur of lens and rectification is within +-kReach; the
+// colours of ball and background are sampled further in and out.
 constexpr double kReach = 2.5, kInnerFrom = -4.5, kInnerTo = -1.6, kOuterFrom = 2.2, kOuterTo = 4.2;
-constexpr double kLeastContrast = 20;  // of 255: below that noise decides
-constexpr std::size_t kFewestPixels = 12;
+constexpr double kMinContrast = 20;  // of 255; below, noise dominates
+constexpr std::size_t kMinPixels = 12;
 
 struct Pixel {
   Eigen::Vector3d ray, color;  // ray: z = 1
-  double outside_px;           // how far from the edge, negative inside
-  double per_px;               // rad of angle to the axis for a pixel outwards
+  double outside_px;           // signed distance from the edge, negative inside
+  double per_px;               // change of the angle to the axis per pixel outwards, rad
   std::size_t sector;
-  double share;
+  double share;  // coverage by the ball
 };
 
-// How far rays (z = 1) lie outside a cone, in pixels of the picture.
+// Signed distance of rays (z = 1) from a cone's surface, px: (angle to the axis - half angle) over the
+// gradient of that angle in the image.
 class ConeEdge {
  public:
   ConeEdge(const Cone& cone, const CameraModel& camera)
@@ -37,10 +38,12 @@ class ConeEdge {
         cosine_(std::cos(cone.half_angle)),
         inverse_fx_(1 / camera.fx),
         inverse_fy_(1 / camera.fy),
-        // On the axis itself the slope has no direction.
+        // Lower bound: on the axis the gradient vanishes.
         min_per_px_(0.2 / std::max(camera.fx, camera.fy)) {}
 
-  // `along`: axis . ray; `length`: the ray's. `per_px`: change of its angle with a pixel outwards.
+  // `along`: axis . ray; `length`: |ray|. `per_px`: gradient of the angle, rad/px.
+  // cos(angle) = along / length, so d(angle)/dx = -(axis - along / length^2 ray).x / (length sin(angle)),
+  // and x changes by 1 / fx per pixel; y alike.
   double outside(const Eigen::Vector3d& ray, double along, double length, double& per_px) const {
     const double inverse = 1 / length, cosine = std::clamp(along * inverse, -1.0, 1.0);
     const double sine = std::sqrt(std::max(1 - cosine * cosine, 1e-12));
@@ -52,7 +55,9 @@ class ConeEdge {
   }
 
  private:
-  // acos(cosine) - half angle. Near the edge by the first terms of the arc sine, right to 1e-13.
+  // angle - half angle = asin(sin(angle - half angle)), by five terms of the Taylor series of asin near the
+  // edge, accurate to 1e-13 (the coefficients are 1/6, 3/40, 15/336, 105/3456); else acos(cosine) - half
+  // angle.
   double turn(double sine, double cosine) const {
     const double x = sine * cosine_ - cosine * sine_, xx = x * x;
     if (xx > 2.5e-3 || cosine * cosine_ + sine * sine_ < 0) return std::acos(cosine) - half_angle_;
@@ -79,19 +84,19 @@ std::vector<Pixel> pixels_beside(const Image& image, const CameraModel& camera, 
   };
   const SectorFrame frame(cone.axis);
   const ConeEdge edge(cone, camera);
-  // Of large balls every n-th row and column: 250 to 800 pixels in all.
+  // Large balls are subsampled by rows and columns, to 250 to 800 pixels.
   const double radius = focal * std::sqrt(axes->across * axes->along);
   const int step = std::max(1, static_cast<int>(std::sqrt(radius / 8) + 0.5));
   pixels.reserve(800);
-  // Rays whose cosine is beyond these are not near the edge: most of them.
+  // Bounds of the cosine beyond which a ray is not near the edge: rejects most pixels early.
   const double margin = 6 / std::min(camera.fx, camera.fy);
-  const double most = std::cos(std::max(cone.half_angle - margin, 0.0));
-  const double least = std::cos(std::min(cone.half_angle + margin, std::numbers::pi));
+  const double max_cosine = std::cos(std::max(cone.half_angle - margin, 0.0));
+  const double min_cosine = std::cos(std::min(cone.half_angle + margin, std::numbers::pi));
   for (int y = from(v); y <= to(v, image.height); y += step) {
     for (int x = from(u); x <= to(u, image.width); x += step) {
       const Eigen::Vector3d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
       const double along = cone.axis.dot(ray), length = ray.norm();
-      if (along > most * length || along < least * length) continue;
+      if (along > max_cosine * length || along < min_cosine * length) continue;
       double per_px = 0;
       const double d = edge.outside(ray, along, length, per_px);
       if (d < kInnerFrom || d > kOuterTo) continue;
@@ -120,7 +125,9 @@ struct Sum {
   Eigen::Vector3d mean() const { return color / weight; }
 };
 
-// Pixels along the edge with their share; those of sectors without contrast are left out.
+// Pixels along the edge with their coverage s = 1 - n . (c - b) / n . (g - b) (ball_edge.h; n . b = 0, or the
+// fallback n = g - b); b is the mean colour inside, of the sector and its neighbours, g the mean colour
+// outside in the sector. Sectors without contrast are skipped.
 std::vector<Pixel> with_shares(const std::vector<Pixel>& pixels, const EdgeSectors& seen) {
   std::array<Sum, kEdgeSectors> inner, outer;
   Sum core;
@@ -143,7 +150,7 @@ std::vector<Pixel> with_shares(const std::vector<Pixel>& pixels, const EdgeSecto
     const Eigen::Vector3d b = near.weight < 3 ? core.mean() : near.mean(), g = outer[s].mean();
     Eigen::Vector3d n = g - b * (g.dot(b) / std::max(b.squaredNorm(), 1.0));
     if (n.norm() < 0.3 * (g - b).norm()) n = g - b;
-    if (!(n.norm() > kLeastContrast)) continue;
+    if (!(n.norm() > kMinContrast)) continue;
     ball[s] = b;
     across[s] = n;
     contrast[s] = n.dot(g - b);
@@ -157,7 +164,7 @@ std::vector<Pixel> with_shares(const std::vector<Pixel>& pixels, const EdgeSecto
   return edge;
 }
 
-// The normal distribution and its density; the table's straight pieces are right to 3e-5.
+// The standard normal distribution and density, from a table with linear interpolation, error below 3e-5.
 struct Normal {
   double below, density;
 };
@@ -179,8 +186,9 @@ Normal normal_at(double q) {
           table[i].density + f * (table[i + 1].density - table[i].density)};
 }
 
-// The edge blurred, near a cone: distances from it change in proportion to turns of the axis and to
-// the half angle.
+// The blurred edge near a cone, linearised: the distance of a pixel from the edge is linear in the rotation
+// of the axis and in the half angle. Parameters: rotation components along y_ and x_, change of the half
+// angle (rad), sigma (px). Model: s = Phi(q), q = (inside + slope . turn) / sigma.
 class BlurredEdge {
  public:
   BlurredEdge(const std::vector<Pixel>& pixels, const Cone& cone)
@@ -194,25 +202,26 @@ class BlurredEdge {
     }
   }
 
-  // Gauss-Newton on axis, half angle and sigma. False where the pixels leave them open.
+  // Gauss-Newton with Huber weights on axis, half angle and sigma. False if the normal equations are
+  // singular or the result is implausible.
   bool fit(const CameraModel& camera, double start_sigma_px) {
-    // What cameras have is near this; the prior weighs as much as four pixels.
+    // Prior of sigma: N(kSigma, kSpread^2), px, with the weight of four pixels of noise kNoise.
     constexpr double kSigma = 0.7, kSpread = 0.3, kNoise = 0.1;
     sigma_px_ = start_sigma_px;
     for (int iteration = 0; iteration < 10; ++iteration) {
       const double prior = 4 * kNoise * kNoise / (kSpread * kSpread);
       const double inverse_sigma = 1 / sigma_px_;
-      // Upper triangle of the normal equations, row by row, and their right side.
+      // Normal equations sum w g g^T step = sum w g r: upper triangle row by row, and right side.
       double n00 = 0, n01 = 0, n02 = 0, n03 = 0, n11 = 0, n12 = 0, n13 = 0, n22 = 0, n23 = 0;
       double n33 = prior, r0 = 0, r1 = 0, r2 = 0, r3 = prior * (kSigma - sigma_px_);
       for (const Row& row : pixels_) {
         const double q = (row.inside_px + row.slope.dot(turn_)) * inverse_sigma;
         const Normal n = normal_at(q);
         const double residual = row.share - n.below;
-        // Huber's: what is a grain of the floor's texture, or a highlight, counts less.
+        // Huber's weight with threshold 2 kNoise: floor texture and highlights are outliers.
         const double weight =
             std::abs(residual) > 2 * kNoise ? 2 * kNoise / std::abs(residual) : 1.0;
-        // A turn of the axis towards the pixel, and a wider cone, both put it further inside.
+        // Gradient of Phi(q): phi(q) / sigma slope for rotation and half angle, -phi(q) q / sigma for sigma.
         const double gain = n.density * inverse_sigma;
         const double g0 = gain * row.slope.x(), g1 = gain * row.slope.y(),
                      g2 = gain * row.slope.z(), g3 = -gain * q;
@@ -237,7 +246,7 @@ class BlurredEdge {
     return half_angle > 1e-4 && half_angle < 1.5 && turn_.head<2>().norm() < 0.5;
   }
 
-  // Without the blur. px are as large as along this edge on the average.
+  // The cone without blur: R^2 = p^2 + sigma^2 (ball_edge.h), sigma in rad by the mean scale of the edge.
   Cone sharp() const {
     double per_px = 0;
     for (const Row& row : pixels_)
@@ -249,6 +258,7 @@ class BlurredEdge {
   }
   double sigma_px() const { return sigma_px_; }
 
+  // R^2 = 1 - residual sum of squares / total sum of squares.
   double explained() const {
     double mean = 0, all = 0, left = 0;
     for (const Row& row : pixels_) mean += row.share / static_cast<double>(pixels_.size());
@@ -263,7 +273,7 @@ class BlurredEdge {
 
  private:
   struct Row {
-    Eigen::Vector3d slope;  // px further inside for each rad of turn about y, x, and of half angle
+    Eigen::Vector3d slope;  // d(distance inside)/d(parameters), px/rad
     double inside_px;
     double share;
   };
@@ -282,7 +292,7 @@ SectorFrame::SectorFrame(const Eigen::Vector3d& axis) {
   y_ = axis.cross(x_);
 }
 
-// Sectors begin at the negative x and go round as atan2 does; a quarter has four of them.
+// Sector number by atan2(y, x) from -pi, without computing it: four sectors per quadrant.
 std::size_t SectorFrame::sector(const Eigen::Vector3d& ray) const {
   const double x = ray.dot(x_), y = ray.dot(y_), ax = std::abs(x), ay = std::abs(y);
   constexpr double kTan = 0.41421356237309503;  // of 22.5 degrees
@@ -298,17 +308,17 @@ std::optional<EdgeFit> fit_edge(const Image& image, const CameraModel& camera, c
   const double pixel = 1 / std::sqrt(camera.fx * camera.fy);
   EdgeFit fitted{cone, 0, 0};
   double sigma_px = 0.7;
-  // The colours beside the edge are those beside the cone as known so far.
+  // Two rounds: the colours on both sides of the edge are sampled again with the improved cone.
   for (int round = 0; round < 2; ++round) {
     const std::vector<Pixel> pixels = with_shares(pixels_beside(image, camera, fitted.cone), seen);
-    if (pixels.size() < kFewestPixels) return std::nullopt;
+    if (pixels.size() < kMinPixels) return std::nullopt;
     BlurredEdge edge(pixels, fitted.cone);
     if (!edge.fit(camera, sigma_px)) return std::nullopt;
     sigma_px = edge.sigma_px();
     fitted = {edge.sharp(), edge.explained(), sigma_px};
-    const double most = std::max(1.2 * pixel, 0.35 * cone.half_angle);
-    if (std::abs(fitted.cone.half_angle - cone.half_angle) > most ||
-        std::acos(std::min(1.0, fitted.cone.axis.dot(cone.axis))) > most)
+    const double max_change = std::max(1.2 * pixel, 0.35 * cone.half_angle);
+    if (std::abs(fitted.cone.half_angle - cone.half_angle) > max_change ||
+        std::acos(std::min(1.0, fitted.cone.axis.dot(cone.axis))) > max_change)
       return std::nullopt;
   }
   return fitted;

@@ -14,9 +14,9 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "vision/image/frame.h"
+#include "vision/image/regions.h"  // Mask
 
 namespace kaz::vision {
 
@@ -39,13 +39,6 @@ struct ColorRange {
 
   // The red ball: hue within 14 degrees of pure red (19.5 degrees), vivid, not almost black.
   static ColorRange red_ball();
-};
-
-// 8 bits a pixel, 255 where the colour is within the range, else 0; rows from top to bottom, no
-// padding.
-struct Mask {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> pixels;
 };
 
 // A ColorRange as up to ten half-spaces of RGB in integers: a pixel belongs if r R + g G + b B >=

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "vision/color/regions.h"
 #include "vision/image/frame.h"
+#include "vision/image/regions.h"
 
 namespace kaz::vision {
 

@@ -25,12 +25,12 @@ std::string size_text(int width, int height) {
 }
 
 // A picture as it was given: so many channels of 8 bits, rows from the top.
-struct Sight {
+struct GreySource {
   int width, height, channels;
   std::span<const std::uint8_t> bytes;
 };
 
-Result<void> check_picture(const char* name, const Sight& picture, int block) {
+Result<void> check_picture(const char* name, const GreySource& picture, int block) {
   const int width = picture.width, height = picture.height;
   const std::size_t size = picture.bytes.size();
   const std::string what = std::string("depth: the ") + name + " picture ";
@@ -80,7 +80,7 @@ Result<void> check_options(const DepthOptions& o) {
 }
 
 // The picture's own bytes where they are grey, else made in `grey`.
-const std::uint8_t* grey_of(const Sight& picture, std::vector<std::uint8_t>& grey) {
+const std::uint8_t* grey_of(const GreySource& picture, std::vector<std::uint8_t>& grey) {
   if (picture.channels == 1) return picture.bytes.data();
   grey.resize(picture.bytes.size() / 3);
   const cv::Mat from(picture.height, picture.width, CV_8UC3,
@@ -105,7 +105,8 @@ struct DepthFinder::State {
     return std::max(16, (static_cast<int>(most) + 15) / 16 * 16);
   }
 
-  Result<void> find(const Sight& l, const Sight& r, const FrameInfo& info, DepthImage& depth) {
+  Result<void> find(const GreySource& l, const GreySource& r, const FrameInfo& info,
+                    DepthImage& depth) {
     depth.info = info;
     if (auto ok = check_options(options); !ok) return ok;
     for (const auto& [name, side] : {std::pair{"left", &l}, {"right", &r}}) {
@@ -147,18 +148,18 @@ DepthFinder::DepthFinder(DepthFinder&&) noexcept = default;
 DepthFinder& DepthFinder::operator=(DepthFinder&&) noexcept = default;
 
 Result<void> DepthFinder::find(const StereoImages& pair, const FrameInfo& info, DepthImage& depth) {
-  const auto sight = [](const Image& image) {
-    return Sight{image.width, image.height, 3, image.rgb};
+  const auto source_of = [](const Image& image) {
+    return GreySource{image.width, image.height, 3, image.rgb};
   };
-  return state_->find(sight(pair.left), sight(pair.right), info, depth);
+  return state_->find(source_of(pair.left), source_of(pair.right), info, depth);
 }
 
 Result<void> DepthFinder::find(const GreyPicture& l, const GreyPicture& r, const FrameInfo& info,
                                DepthImage& depth) {
-  const auto sight = [](const GreyPicture& picture) {
-    return Sight{picture.width, picture.height, 1, picture.pixels};
+  const auto source_of = [](const GreyPicture& picture) {
+    return GreySource{picture.width, picture.height, 1, picture.pixels};
   };
-  return state_->find(sight(l), sight(r), info, depth);
+  return state_->find(source_of(l), source_of(r), info, depth);
 }
 
 void point_cloud(const DepthImage& depth, PointCloud& cloud) {

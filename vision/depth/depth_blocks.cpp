@@ -1,4 +1,4 @@
-// Sums over blocks kept up as the block moves, and their winners.
+// Running block sums and their minima.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/depth/depth_blocks.h"
 
@@ -41,13 +41,14 @@ void MirroredPicture::mirror(const FilteredPicture& picture, int n) {
 
 void MirroredPicture::warp(const FilteredPicture& picture, double a, double b, double c, int n) {
   resize(picture, n);
+  // Linear interpolation of the right image at u - (a u + b v + c), 16.16 fixed point.
   constexpr int kOne = 1 << 16;
   const int step = static_cast<int>(std::lround((1 - a) * kOne));
   const int end = (width - 1) * kOne;
   for (int v = 0; v < height; ++v) {
     std::uint8_t* to = &code[static_cast<std::size_t>(v) * pitch()];
     const std::uint8_t* from = picture.row(v);
-    // Columns -n .. width - 1, where they are in the right picture.
+    // Position in the right image of column -n; `at` advances by 1 - a per column.
     const double first = -n * (1 - a) - (b * v + c);
     auto at = static_cast<std::int64_t>(std::floor(first * kOne));
     for (int i = width + n - 1; i >= 0; --i, at += step) {
@@ -113,7 +114,7 @@ void BlockMatcher::match(const FilteredPicture& left, const MirroredPicture& rig
   }
 }
 
-void BlockTexture::find(const FilteredPicture& picture, int block, int least,
+void BlockTexture::find(const FilteredPicture& picture, int block, int min_sum,
                         std::vector<std::uint8_t>& textured) {
   const int width = picture.width, height = picture.height, half = block / 2;
   const auto w = static_cast<std::size_t>(width);
@@ -132,7 +133,7 @@ void BlockTexture::find(const FilteredPicture& picture, int block, int least,
     for (int u = 0; u < width; ++u) {
       sum += columns_[static_cast<std::size_t>(u)];
       if (u >= block) sum -= columns_[static_cast<std::size_t>(u - block)];
-      if (u + 1 >= block) to[u - half] = sum >= least ? 1 : 0;
+      if (u + 1 >= block) to[u - half] = sum >= min_sum ? 1 : 0;
     }
   }
 }

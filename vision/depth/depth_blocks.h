@@ -1,11 +1,10 @@
-// Blocks of two rectified pictures compared: for each pixel the disparity of least difference.
+// Block matching of two rectified images: the disparity of minimum difference per pixel.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The sum of absolute differences over a block is kept up from row to row and from column to
-// column, for all disparities of a pixel side by side: that is what the processor's vectors are
-// filled with. Winners are taken from these sums for the left picture and for the right one (along
-// their diagonals) in one pass. All sums are whole numbers of 16 bits, so vectors or none, the
-// result is the same to the bit.
+// Cost: the sum of absolute differences (SAD) over the block, as a running sum over rows and columns, for
+// all disparities of a pixel side by side, which fill the SIMD vectors. Winners of the left image and of the
+// right one (along the diagonals of the cost volume) are found in one pass. All sums are 16-bit integers, so
+// the result is bit-identical with and without SIMD.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +12,10 @@
 
 namespace kaz::vision {
 
-constexpr int kFilterCap = 31;  // largest code of the filtered picture, both ways from its middle
+constexpr int kFilterCap = 31;     // codes of the filtered image: 0..2 kFilterCap
 constexpr int kLargestBlock = 21;  // whose sum is at most 21 x 21 x 62, within 16 bits
 
-// The derivative along the row (Sobel's, 3 x 3), cut off at kFilterCap, plus kFilterCap.
+// Horizontal 3 x 3 Sobel derivative, clamped to +-kFilterCap, plus kFilterCap.
 struct FilteredPicture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> code;
@@ -27,15 +26,15 @@ struct FilteredPicture {
   }
 };
 
-// The right picture as matching reads it: rows from right to left, so that growing disparities are
-// side by side, and beyond the picture's left edge as many columns without texture as needed.
+// The right image as the matcher reads it: rows mirrored, so that increasing disparities are adjacent in
+// memory, with columns without texture beyond the left border.
 struct MirroredPicture {
   int width = 0, height = 0, disparities = 0;
   std::vector<std::uint8_t> code;
 
   void mirror(const FilteredPicture& picture, int n);
-  // Each pixel moved by the plane a u + b v + c of disparity: what lies in that plane then has
-  // disparity 0, and blocks of it compare as if it faced the eyes.
+  // Warps by the plane d = a u + b v + c: points on the plane get disparity 0, so that blocks on it are
+  // compared as if it were fronto-parallel.
   void warp(const FilteredPicture& picture, double a, double b, double c, int n);
   std::size_t pitch() const { return static_cast<std::size_t>(width + disparities); }
   const std::uint8_t* row(int v) const { return &code[static_cast<std::size_t>(v) * pitch()]; }
@@ -46,10 +45,10 @@ struct MirroredPicture {
 
 // One a pixel of the left picture. Loops over each of them become vectors.
 struct BlockMatches {
-  std::vector<float> disparity;  // of least difference, placed between pixels
+  std::vector<float> disparity;  // of minimum cost, px, with subpixel interpolation
   std::vector<std::int16_t> cost;
-  // 1 where it is neither the first nor the last disparity, is better than all others but the two
-  // beside it, and is found again from right to left.
+  // 1 where the minimum is not at either end of the range, is unique (uniqueness_percent) except for its
+  // two neighbours, and passes the left-right check.
   std::vector<std::uint8_t> good;
 };
 
@@ -62,8 +61,8 @@ struct BlockOptions {
 
 class BlockMatcher {
  public:
-  // Disparities a multiple of 16. No match where `wanted`, one a pixel, is 0, nor in the half block
-  // along the picture's edges.
+  // Disparities: a multiple of 16. No match where `wanted` (one per pixel) is 0, nor within half a block of
+  // the image border.
   void match(const FilteredPicture& left, const MirroredPicture& right,
              const std::vector<std::uint8_t>& wanted, const BlockOptions& options,
              BlockMatches& found);
@@ -73,11 +72,10 @@ class BlockMatcher {
   std::vector<std::uint8_t> zero_;
 };
 
-// 1 for each pixel around which the filtered picture's codes, from their middle, sum up to at least
-// so much over a block, else 0.
+// Texture mask: 1 where the sum of absolute derivatives over a block is at least `min_sum`, else 0.
 class BlockTexture {
  public:
-  void find(const FilteredPicture& picture, int block, int least,
+  void find(const FilteredPicture& picture, int block, int min_sum,
             std::vector<std::uint8_t>& textured);
 
  private:

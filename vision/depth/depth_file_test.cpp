@@ -10,8 +10,8 @@
 #include <limits>
 #include <string>
 
-#include "vision/calibration/swapped_cameras.h"
 #include "vision/depth/stereo_testing.h"
+#include "vision/depth/swapped_cameras.h"
 
 namespace kaz::vision {
 namespace {

@@ -1,4 +1,4 @@
-// Blocks facing the eyes first; then, where these lie on slanted planes, blocks slanted alike.
+// Fronto-parallel blocks first; then, along the dominant slanted planes, blocks with that slant.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/depth/depth_match.h"
 
@@ -8,18 +8,16 @@
 namespace kaz::vision {
 namespace {
 
-constexpr int kAround = 16;  // disparities compared around a plane
-constexpr float kOn_px =
-    1;  // what is further off it does not lie on it, and its slant is not known
-constexpr float kNear_px = 3;  // what blocks facing the eyes find further off it is another thing
-// Blocks facing the eyes have the least of all disparities' costs, slanted ones only of those
-// around the plane, and noise makes the least of more ones smaller. How much larger a slanted
-// block's cost may be and still count as not worse.
-constexpr int kNotWorse_percent = 125;
+constexpr int kAround = 16;    // disparities compared around a plane
+constexpr float kOn_px = 1;    // a result further off the plane is not on it: its slant is unknown
+constexpr float kNear_px = 3;  // a fronto-parallel result further off the plane is another object
+// Largest cost of a slanted block relative to the fronto-parallel one. The latter is the minimum over all
+// disparities, the former over kAround: with noise, the minimum of more values is smaller.
+constexpr int kMaxCost_percent = 125;
 
-// Where a plane of disparity start + slope u may be.
-void want(const float* __restrict disparity, const std::uint8_t* __restrict textured, int width,
-          float start, float slope, std::uint8_t* __restrict wanted) {
+// Pixels of a row where the plane of disparity start + slope u is possible.
+void select_near_plane(const float* __restrict disparity, const std::uint8_t* __restrict textured,
+                       int width, float start, float slope, std::uint8_t* __restrict wanted) {
   for (int u = 0; u < width; ++u) {
     const float d = disparity[u], off = std::abs(d - (start + slope * static_cast<float>(u)));
     wanted[u] = static_cast<std::uint8_t>((((d == 0) | (off < kNear_px)) ? 1 : 0) & textured[u]);
@@ -33,8 +31,9 @@ void StereoMatcher::match(const GreyPair& pair, int disparities, const MatchOpti
   left_.filter(pair.left, pair.width, pair.height, o.block.vectors);
   right_.filter(pair.right, pair.width, pair.height, o.block.vectors);
   mirrored_.mirror(right_, disparities);
-  const int least = o.min_texture * o.block.block * o.block.block / 225;
-  texture_.find(left_, o.block.block, least, textured_);
+  const int min_texture =
+      o.min_texture * o.block.block * o.block.block / 225;  // scaled from 15 x 15
+  texture_.find(left_, o.block.block, min_texture, textured_);
   blocks_.match(left_, mirrored_, textured_, o.block, facing_);
   const int half = o.block.block / 2;
   disparity.resize(facing_.disparity.size());
@@ -42,7 +41,7 @@ void StereoMatcher::match(const GreyPair& pair, int disparities, const MatchOpti
   for (int v = 0; v < pair.height; ++v) {
     for (int u = 0; u < pair.width; ++u, ++i) {
       const float d = facing_.disparity[i];
-      // A block that would reach into the columns before the right picture has matched nothing.
+      // A block that extends beyond the left border of the right image is not a match.
       const bool good = (facing_.good[i] != 0) & (d <= static_cast<float>(u - half));
       disparity[i] = good ? d : 0;
     }
@@ -60,9 +59,11 @@ void StereoMatcher::slant(const DisparityPlane& plane, const MatchOptions& o,
   wanted_.resize(disparity.size());
   for (int v = 0; v < left_.height; ++v) {
     const std::size_t first = static_cast<std::size_t>(v) * static_cast<std::size_t>(left_.width);
-    want(&disparity[first], &textured_[first], left_.width, plane.at(0, static_cast<float>(v)),
-         plane.a, &wanted_[first]);
+    select_near_plane(&disparity[first], &textured_[first], left_.width,
+                      plane.at(0, static_cast<float>(v)), plane.a, &wanted_[first]);
   }
+  // Warp the right image by the plane: its points then have disparity kMiddle, and the block is
+  // fronto-parallel to them.
   mirrored_.warp(right_, static_cast<double>(plane.a), static_cast<double>(plane.b),
                  static_cast<double>(plane.c - kMiddle), kAround);
   blocks_.match(left_, mirrored_, wanted_, o.block, slanted_);
@@ -72,9 +73,9 @@ void StereoMatcher::slant(const DisparityPlane& plane, const MatchOptions& o,
       if (slanted_.good[i] == 0) continue;
       const float away = slanted_.disparity[i];
       if (std::abs(away - kMiddle) > kOn_px ||
-          100 * slanted_.cost[i] > kNotWorse_percent * facing_.cost[i])
+          100 * slanted_.cost[i] > kMaxCost_percent * facing_.cost[i])
         continue;
-      // The moved pixel u - away of the right picture is where the plane had put it.
+      // Undo the warp: total disparity = residual disparity + the plane's at the warped pixel.
       const float moved = plane.at(static_cast<float>(u) - away, static_cast<float>(v));
       const float d = away + moved - kMiddle;
       if (d <= 0 || d > static_cast<float>(u - half)) continue;

@@ -1,4 +1,4 @@
-// Disparity of two grey pictures by blocks that face the eyes or lie in the scene's planes.
+// Disparity of two grey images by block matching with fronto-parallel and slanted blocks.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,7 +13,7 @@ namespace kaz::vision {
 struct MatchOptions {
   BlockOptions block;
   int min_texture = 1000;  // over a block of 15 x 15
-  int slants = 2;          // planes that blocks are slanted like
+  int slants = 2;          // number of slanted planes for the second matching
 };
 
 struct GreyPair {
@@ -23,7 +23,7 @@ struct GreyPair {
 
 class StereoMatcher {
  public:
-  // Disparities a multiple of 16; those of 0 in the result are unknown.
+  // `disparities`: a multiple of 16. `disparity`: px per pixel of the left image; 0: unknown.
   void match(const GreyPair& pair, int disparities, const MatchOptions& options,
              std::vector<float>& disparity);
 
@@ -36,7 +36,7 @@ class StereoMatcher {
   BlockMatches facing_, slanted_;
   std::vector<std::uint8_t> textured_, wanted_;
 
-  // Puts what lies on the plane where blocks slanted like it find it.
+  // Replaces disparities near the plane by those of blocks slanted like it.
   void slant(const DisparityPlane& plane, const MatchOptions& options,
              std::vector<float>& disparity);
 };

@@ -36,7 +36,7 @@ struct BlockRow {
   std::int16_t *right_cost, *right_disparity;  // winners of the right picture, mirrored
   int doubt_share;                             // of 65536
   RowWinners* winners;         // of the block's middle row; none while the block is not full
-  const std::uint8_t* wanted;  // of that row: 0 where no winner is asked for
+  const std::uint8_t* wanted;  // of that row: 0 where no winner is needed
 };
 void match_row(const BlockRow& row, bool vectors);
 

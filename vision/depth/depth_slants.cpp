@@ -1,4 +1,4 @@
-// Planes through three sampled pixels, and what agrees with them.
+// Sequential RANSAC (M. A. Fischler, R. C. Bolles, CACM 24(6), 1981) for planes in disparity.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/depth/depth_slants.h"
 
@@ -10,10 +10,12 @@
 namespace kaz::vision {
 namespace {
 
-constexpr int kColumns = 40;         // of the sample
-constexpr int kTrials = 100;         // with a third of the points on a plane, 98 % find it
-constexpr float kBand_px = 1;        // blocks facing the eyes err by some half a pixel on a slant
-constexpr float kLeastSlant = 0.5F;  // px over a block: less changes nothing
+constexpr int kColumns = 40;  // of the grid of sampled pixels
+constexpr int kTrials =
+    100;  // finds a plane with a third of the points with 98 %: 1 - (1 - 1/27)^100
+constexpr float kBand_px =
+    1;  // inlier threshold: fronto-parallel blocks err by about half a pixel on a slant
+constexpr float kMinSlant = 0.5F;  // px over a block: less has no effect
 
 }  // namespace
 
@@ -33,7 +35,7 @@ bool SlantFinder::refine(DisparityPlane& plane, float band) const {
 }
 
 const std::vector<DisparityPlane>& SlantFinder::find(const std::vector<float>& disparity, int width,
-                                                     int height, int block, int most) {
+                                                     int height, int block, int max_planes) {
   planes_.clear();
   points_.clear();
   const int step = std::max(2, width / kColumns);
@@ -46,7 +48,7 @@ const std::vector<DisparityPlane>& SlantFinder::find(const std::vector<float>& d
   }
   const std::size_t sampled = points_.size();
   Random random(1);
-  for (int round = 0; round < most && points_.size() * 10 >= sampled && points_.size() > 20;
+  for (int round = 0; round < max_planes && points_.size() * 10 >= sampled && points_.size() > 20;
        ++round) {
     DisparityPlane best;
     int max_on = 0;
@@ -54,6 +56,7 @@ const std::vector<DisparityPlane>& SlantFinder::find(const std::vector<float>& d
     for (int trial = 0; trial < kTrials; ++trial) {
       const Point &p = points_[random.below(size)], &q = points_[random.below(size)],
                   &r = points_[random.below(size)];
+      // Plane d = a u + b v + c through the three points by Cramer's rule, px.
       const float u1 = q.u - p.u, v1 = q.v - p.v, d1 = q.d - p.d;
       const float u2 = r.u - p.u, v2 = r.v - p.v, d2 = r.d - p.d;
       const float area = u1 * v2 - u2 * v1;
@@ -66,11 +69,12 @@ const std::vector<DisparityPlane>& SlantFinder::find(const std::vector<float>& d
         best = plane;
       }
     }
+    // Refined by least squares over the inliers, twice.
     if (static_cast<std::size_t>(10 * max_on) < sampled) break;
     if (!refine(best, kBand_px) || !refine(best, kBand_px)) break;
     const float slant = static_cast<float>(block) * (std::abs(best.a) + std::abs(best.b));
-    // A plane that no surface has comes of chance, such as through two of them.
-    if (slant >= kLeastSlant && std::abs(best.a) < 0.5F && std::abs(best.b) < 1)
+    // Slopes that no real surface has come from a plane through two surfaces.
+    if (slant >= kMinSlant && std::abs(best.a) < 0.5F && std::abs(best.b) < 1)
       planes_.push_back(best);
     std::erase_if(points_,
                   [&](const Point& p) { return std::abs(p.d - best.at(p.u, p.v)) < 2 * kBand_px; });

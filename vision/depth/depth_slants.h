@@ -1,21 +1,21 @@
-// Slanted planes in a disparity picture, by sample: what blocks are to be slanted like.
+// Dominant slanted planes of a disparity image, by RANSAC: the slants for a second block matching.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
 #include <vector>
 
-#include "vision/planes/plane_cells.h"
+#include "vision/depth/disparity_plane.h"
 
 namespace kaz::vision {
 
 class SlantFinder {
  public:
-  // At most `most` planes that at least a tenth of the sampled pixels lie on, the largest first,
-  // among them only those slanted enough to matter over `block` px. Disparities of 0 are unknown.
-  // Coordinates from the picture's corner. Same picture, same planes.
+  // Up to `max_planes` planes with at least a tenth of the sampled pixels as inliers, the largest first;
+  // only those whose slant over `block` px matters. Disparities of 0 are unknown. Pixel coordinates from
+  // the image corner. Deterministic: same image, same planes.
   const std::vector<DisparityPlane>& find(const std::vector<float>& disparity, int width,
-                                          int height, int block, int most);
+                                          int height, int block, int max_planes);
 
  private:
   struct Point {

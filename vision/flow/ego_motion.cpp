@@ -1,4 +1,4 @@
-// Robust least squares on the eye's turn and way.
+// Ego-motion by iteratively reweighted least squares.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/flow/ego_motion.h"
 
@@ -15,82 +15,98 @@ using Eigen::Vector3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-constexpr std::size_t kMostSights = 1200, kLeastSights = 50;
-constexpr int kSteps = 10;
-constexpr double kEnd_rad = 2e-5;     // well under a hundredth of a pixel
-constexpr double kFinest_px = 0.15;   // flow is no better
-constexpr double kTukey = 4.685;      // 95 % as good as least squares on normal errors
-constexpr double kMedianOf2 = 1.177;  // of a length in two directions, in standard deviations
+constexpr std::size_t kMaxSamples = 1200, kMinSamples = 50;
+constexpr int kMaxIterations = 10;
+constexpr double kConverged = 2e-5;     // rad and m: well under a hundredth of a pixel
+constexpr double kMinSpread_px = 0.15;  // accuracy of the flow
+// Tukey's constant: 95 % efficiency on normal errors (P. J. Huber, E. M. Ronchetti, "Robust statistics",
+// 2nd ed., Wiley 2009, ch. 7).
+constexpr double kTukey = 4.685;
+// Median of the Rayleigh distribution (length of a 2-vector of unit normals): sqrt(2 ln 2).
+constexpr double kRayleighMedian = 1.177;
 
 }  // namespace
 
-bool EgoMotion::residual(const FlowSample& sight, Vector2d& px, Vector2d& way) const {
+bool EgoMotion::residual(const FlowSample& sample, Vector2d& px, Vector2d& epipolar) const {
+  // The static flow is a Moebius function of inverse depth along one line, the epipolar line; the ends of
+  // the interval give the ends of the segment. px, earlier image.
   Vector2d from, to;
-  if (!flow(sight.at.x(), sight.at.y(), sight.least, from) ||
-      !flow(sight.at.x(), sight.at.y(), sight.most, to))
+  if (!flow(sample.at.x(), sample.at.y(), sample.min_inverse_depth, from) ||
+      !flow(sample.at.x(), sample.at.y(), sample.max_inverse_depth, to))
     return false;
-  way = to - from;
-  const double length2 = way.squaredNorm();
+  epipolar = to - from;
+  // Orthogonal projection of the measured flow on the line, clamped to the segment.
+  const double length2 = epipolar.squaredNorm();
   double along = 0;
-  if (length2 > 0) along = (sight.flow - from).dot(way) / length2;
+  if (length2 > 0) along = (sample.flow - from).dot(epipolar) / length2;
   const double inside = std::clamp(along, 0.0, 1.0);
-  px = sight.flow - from - inside * way;
+  px = sample.flow - from - inside * epipolar;
   if (length2 > 0 && inside == along)
-    way /= std::sqrt(length2);
+    epipolar /= std::sqrt(length2);
   else
-    way.setZero();
+    epipolar.setZero();
   return true;
 }
 
-EgoMotion::Correction EgoMotion::correct(std::span<const FlowSample> sights,
+EgoMotion::Correction EgoMotion::correct(std::span<const FlowSample> samples,
                                          const PostureError& error) {
   Correction all;
-  // An odd step, so that no column of the cells is left out.
-  const std::size_t step = (sights.size() / kMostSights) | 1;
-  if (sights.size() < kLeastSights) return all;
+  // Every `stride`-th sample; odd, so that all columns of the cells are sampled.
+  const std::size_t stride = (samples.size() / kMaxSamples) | 1;
+  if (samples.size() < kMinSamples) return all;
   const Eigen::Isometry3d posture = later_;
-  Vector6d total = Vector6d::Zero();
+  Vector6d xi = Vector6d::Zero();  // rotation vector (rad), translation (m); later optical frame
+  // Prior: xi ~ N(0, diag(1 / prior)).
   Vector6d prior;
-  prior << Vector3d::Constant(std::pow(error.turn_rad, -2)),
-      Vector3d::Constant(std::pow(error.shift_m, -2));
-  struct Left {
-    Vector2d px, way;
-    std::size_t sight;
+  prior << Vector3d::Constant(std::pow(error.rotation_rad, -2)),
+      Vector3d::Constant(std::pow(error.translation_m, -2));
+  struct Residual {
+    Vector2d px, epipolar;
+    std::size_t sample;
   };
-  std::vector<Left> left;
+  std::vector<Residual> residuals;
   std::vector<double> lengths;
   for (int k = 0;; ++k) {
-    left.clear();
+    // Residuals under the present pose, px, and their robust scale: median length over the median of the
+    // Rayleigh distribution.
+    residuals.clear();
     lengths.clear();
-    for (std::size_t i = 0; i < sights.size(); i += step) {
-      Left one{{}, {}, i};
-      if (!residual(sights[i], one.px, one.way)) continue;
-      left.push_back(one);
+    for (std::size_t i = 0; i < samples.size(); i += stride) {
+      Residual one{{}, {}, i};
+      if (!residual(samples[i], one.px, one.epipolar)) continue;
+      residuals.push_back(one);
       lengths.push_back(one.px.norm());
     }
-    if (lengths.size() < kLeastSights) break;
+    if (lengths.size() < kMinSamples) break;
     const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
     std::nth_element(lengths.begin(), middle, lengths.end());
-    all.spread_px = std::max(*middle / kMedianOf2, kFinest_px);
-    if (k == kSteps) break;
-    const double reach2 = std::pow(kTukey * all.spread_px, 2);
+    all.spread_px = std::max(*middle / kRayleighMedian, kMinSpread_px);
+    if (k == kMaxIterations) break;
+    // Normal equations h dxi = b with h = sum w J^T J, b = sum w J^T r; weights w = (1 - |r|^2 / c^2)^2 of
+    // Tukey's biweight, c = kTukey times the scale.
+    const double cutoff2 = std::pow(kTukey * all.spread_px, 2);
     Matrix6d h = Matrix6d::Zero();
     Vector6d b = Vector6d::Zero();
-    for (const Left& one : left) {
-      const double off = one.px.squaredNorm() / reach2;
+    for (const Residual& one : residuals) {
+      const double off = one.px.squaredNorm() / cutoff2;
       if (off >= 1) continue;
-      const FlowSample& s = sights[one.sight];
+      const FlowSample& s = samples[one.sample];
+      // Jacobian of the image point (px) by a small motion of the camera frame: the interaction matrix of
+      // a point at normalised coordinates (x, y) and inverse depth w (F. Chaumette, S. Hutchinson, "Visual
+      // servo control I", IEEE Robotics & Automation Magazine 13(4), 2006), here for the point's
+      // motion, with columns rotation x, y, z, translation x, y, z.
       const Vector2d to = s.at + s.flow - one.px;
       const double x = (to.x() - camera_.cx) / camera_.fx, y = (to.y() - camera_.cy) / camera_.fy;
-      const double w = (s.least + s.most) / 2;
+      const double w = (s.min_inverse_depth + s.max_inverse_depth) / 2;
       Eigen::Matrix<double, 2, 6> j;
       j << -x * y, 1 + x * x, -y, w, 0, -x * w,  //
           -1 - y * y, x * y, x, 0, w, -y * w;
       j.row(0) *= camera_.fx;
       j.row(1) *= camera_.fy;
-      // Depth takes up what leads along the way.
-      if (!one.way.isZero()) {
-        const Vector2d across(-one.way.y(), one.way.x());
+      // Inside the interval of depth, the epipolar component is explained by depth and projected out: one
+      // equation, along the normal of the epipolar line, instead of two.
+      if (!one.epipolar.isZero()) {
+        const Vector2d across(-one.epipolar.y(), one.epipolar.x());
         const Vector6d g = j.transpose() * across;
         h.noalias() += (1 - off) * (1 - off) * g * g.transpose();
         b.noalias() += (1 - off) * (1 - off) * across.dot(one.px) * g;
@@ -99,24 +115,29 @@ EgoMotion::Correction EgoMotion::correct(std::span<const FlowSample> sights,
         b.noalias() += (1 - off) * (1 - off) * j.transpose() * one.px;
       }
     }
-    // A patch of the flow covers a dozen cells, which err together.
-    const double counts = std::min(static_cast<double>(step) / 12, 1.0);
+    // Information: divided by the variance; a patch of the flow covers a dozen cells with a common error,
+    // so 12 / stride samples count as one.
+    const double counts = std::min(static_cast<double>(stride) / 12, 1.0);
     h *= counts / (all.spread_px * all.spread_px);
     b *= counts / (all.spread_px * all.spread_px);
     h.diagonal() += prior;
-    b -= prior.cwiseProduct(total);
-    const Vector6d by = h.ldlt().solve(b);
-    total += by;
-    const Vector3d turn = total.head<3>();
-    const double angle = turn.norm();
-    Eigen::Isometry3d more = Eigen::Isometry3d::Identity();
-    if (angle > 0) more.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
-    more.translation() = total.tail<3>();
-    later_ = more * posture;
-    if (by.head<3>().norm() < kEnd_rad && by.tail<3>().norm() < kEnd_rad) k = kSteps - 1;
+    b -= prior.cwiseProduct(xi);
+    const Vector6d step = h.ldlt().solve(b);
+    xi += step;
+    // Corrected pose: exp(xi) applied after the pose from the postures.
+    const Vector3d rotation = xi.head<3>();
+    const double angle = rotation.norm();
+    Eigen::Isometry3d correction = Eigen::Isometry3d::Identity();
+    if (angle > 0)
+      correction.linear() = Eigen::AngleAxisd(angle, rotation / angle).toRotationMatrix();
+    correction.translation() = xi.tail<3>();
+    later_ = correction * posture;
+    // Converged: one more round for the scale only.
+    if (step.head<3>().norm() < kConverged && step.tail<3>().norm() < kConverged)
+      k = kMaxIterations - 1;
   }
-  all.turn_rad = total.head<3>();
-  all.shift_m = total.tail<3>();
+  all.rotation_rad = xi.head<3>();
+  all.translation_m = xi.tail<3>();
   return all;
 }
 

@@ -1,13 +1,14 @@
-// How the eye went between two pictures: as the posture says, put right by what the flow says.
-// Inside of vision/.
+// Ego-motion of the camera between two images: predicted from the postures, refined on the optical flow.
+// Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Posture is wrong by noise and codes of the potentiometers, play of the gears, and sway that no
-// joint knows: several px of flow in the whole picture, while what moves by itself is a part of it.
-// So turn and way of the eye are corrected by the small motion that leaves most of the picture at
-// rest: Gauss-Newton on six numbers, cells that do not fit weighing less (J. Tukey's biweight, at
-// 4.685 standard deviations as the median of the residuals has them), and the posture itself one
-// more measurement of them. m, rad, px; optical frames.
+// The pose from the joint angles has errors (noise and quantisation of the potentiometers, backlash, sway
+// of the soles) that amount to several px of flow over the whole image, while independent motion affects
+// a part of it. The pose is therefore corrected by a small rigid motion xi = (rotation, translation) by
+// iteratively reweighted least squares (Gauss-Newton) on the flow: Tukey's biweight with c = 4.685,
+// scale from the median residual, and a Gaussian prior of the posture's accuracy.
+//
+// Frames: optical frame of the earlier and of the later image (frame.h). Units: m, rad, px.
 #pragma once
 
 #include <span>
@@ -19,15 +20,15 @@
 
 namespace kaz::vision {
 
-// Flow of one cell, and the range of 1/depth (1/m) that it may have.
+// Measured flow at a pixel of the earlier image (px) and the interval of inverse depth (1/m) there.
 struct FlowSample {
   Eigen::Vector2d at, flow;
-  double least, most;
+  double min_inverse_depth, max_inverse_depth;
 };
 
-// Standard deviations of the posture's error, between the two exposures.
+// Standard deviations of the relative pose from the postures, each axis.
 struct PostureError {
-  double turn_rad, shift_m;
+  double rotation_rad, translation_m;
 };
 
 class EgoMotion {
@@ -38,26 +39,28 @@ class EgoMotion {
   Eigen::Vector3d ray(double u, double v) const {
     return {(u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1};
   }
-  // Flow of what rests; false where the point comes to lie behind the eye.
+  // Flow (px) of a static point at pixel (u, v): pi(R r + w t) - (u, v) with r the pixel's ray, w the
+  // inverse depth (1/m) and pi the projection. False if the point is behind the later camera.
   bool flow(double u, double v, double inverse_depth, Eigen::Vector2d& px) const {
     const Eigen::Vector3d p = later_.linear() * ray(u, v) + inverse_depth * later_.translation();
     if (p.z() < 0.05) return false;
     px = {camera_.fx * p.x() / p.z() + camera_.cx - u, camera_.fy * p.y() / p.z() + camera_.cy - v};
     return true;
   }
-  // Later optical frame from the earlier one.
+  // Transform from the earlier optical frame to the later one: (R, t).
   const Eigen::Isometry3d& later() const { return later_; }
 
-  // What of the flow no depth within the range explains. `way` is the direction, of length 1, that
-  // depth leaves open there; zero where the range ends first. False as flow().
-  bool residual(const FlowSample& sight, Eigen::Vector2d& px, Eigen::Vector2d& way) const;
+  // Residual (px): from the nearest point of the segment of static flows that the sample's interval of
+  // inverse depth maps to, to the measured flow. `epipolar`: unit vector along the segment if that point
+  // is inside it, where depth is free; zero if it is an end point. False as flow().
+  bool residual(const FlowSample& sample, Eigen::Vector2d& px, Eigen::Vector2d& epipolar) const;
 
   struct Correction {
-    Eigen::Vector3d turn_rad{0, 0, 0}, shift_m{0, 0, 0};  // later optical frame
-    double spread_px = 0;  // standard deviation, each way, of what is left: from the median
+    Eigen::Vector3d rotation_rad{0, 0, 0}, translation_m{0, 0, 0};  // later optical frame
+    double spread_px = 0;  // robust standard deviation of the residuals, each axis
   };
-  // Corrects this motion and says by what. Fewer than 50 sights correct nothing.
-  Correction correct(std::span<const FlowSample> sights, const PostureError& error);
+  // Refines this ego-motion and returns the correction. With fewer than 50 samples: no correction.
+  Correction correct(std::span<const FlowSample> samples, const PostureError& error);
 
  private:
   CameraModel camera_;

@@ -1,4 +1,4 @@
-// Dense flow: OpenCV's inverse search, and tests of what it says.
+// Dense flow: OpenCV's inverse search (DIS), and validation of its result.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/flow/flow.h"
 
@@ -12,8 +12,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "vision/calibration/opencv_quiet.h"
 #include "vision/flow/flow_pair.h"
+#include "vision/image/opencv_quiet.h"
 
 namespace kaz::vision {
 namespace {
@@ -42,7 +42,7 @@ struct FlowFinder::State {
   std::vector<Products> sums;
   std::vector<std::uint8_t> compared;
 
-  Result<void> find(const FlowSample& before, const FrameInfo& info_before, const FlowSample& after,
+  Result<void> find(const ImageView& before, const FrameInfo& info_before, const ImageView& after,
                     const FrameInfo& info_after, FlowImage& image) {
     image.before = info_before;
     image.after = info_after;
@@ -196,12 +196,12 @@ FlowFinder& FlowFinder::operator=(FlowFinder&&) noexcept = default;
 
 Result<void> FlowFinder::find(const Image& before, const FrameInfo& info_before, const Image& after,
                               const FrameInfo& info_after, FlowImage& flow) {
-  return state_->find(flow_sight(before), info_before, flow_sight(after), info_after, flow);
+  return state_->find(image_view(before), info_before, image_view(after), info_after, flow);
 }
 Result<void> FlowFinder::find(const GreyPicture& before, const FrameInfo& info_before,
                               const GreyPicture& after, const FrameInfo& info_after,
                               FlowImage& flow) {
-  return state_->find(flow_sight(before), info_before, flow_sight(after), info_after, flow);
+  return state_->find(image_view(before), info_before, image_view(after), info_after, flow);
 }
 
 }  // namespace kaz::vision

@@ -3,7 +3,7 @@
 //
 // Dense inverse search (T. Kroeger, R. Timofte, D. Dai, L. Van Gool, "Fast Optical Flow using Dense
 // Inverse Search", ECCV 2016) as OpenCV has it, at its fastest setting: patches of 8 x 8 pixels of
-// pictures a quarter as wide and high. What it says is then tested in those small pictures, patch
+// pictures a quarter as wide and high. Its result is then validated on those small pictures, patch
 // by patch, at a small share of its cost. A pixel has a flow only where the patch around it
 // - is found where the flow leads, up to a change of brightness,
 // - has texture in two directions that, for how well it is found, leaves but a little open (else

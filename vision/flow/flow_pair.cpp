@@ -16,7 +16,7 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-Result<void> check_picture(const char* name, const FlowSample& picture, const CameraModel& camera) {
+Result<void> check_picture(const char* name, const ImageView& picture, const CameraModel& camera) {
   const int width = picture.width, height = picture.height;
   const std::string what = std::string("flow: the ") + name + " picture ";
   const std::string size = size_text(width, height);
@@ -48,8 +48,8 @@ Result<void> check_picture(const char* name, const FlowSample& picture, const Ca
 
 }  // namespace
 
-Result<void> check_flow_pair(const FlowSample& before, const FrameInfo& info_before,
-                             const FlowSample& after, const FrameInfo& info_after) {
+Result<void> check_flow_pair(const ImageView& before, const FrameInfo& info_before,
+                             const ImageView& after, const FrameInfo& info_after) {
   if (auto ok = check_picture("earlier", before, info_before.camera); !ok) return ok;
   if (auto ok = check_picture("later", after, info_after.camera); !ok) return ok;
   if (before.width != after.width || before.height != after.height)
@@ -70,11 +70,11 @@ Result<void> check_flow_pair(const FlowSample& before, const FrameInfo& info_bef
   return {};
 }
 
-cv::Mat flow_grey(const FlowSample& sight, cv::Mat& memory) {
+cv::Mat flow_grey(const ImageView& image, cv::Mat& memory) {
   // The pixels are only read.
-  const cv::Mat given(sight.height, sight.width, sight.channels == 3 ? CV_8UC3 : CV_8UC1,
-                      const_cast<std::uint8_t*>(sight.bytes.data()));
-  if (sight.channels == 1) return given;
+  const cv::Mat given(image.height, image.width, image.channels == 3 ? CV_8UC3 : CV_8UC1,
+                      const_cast<std::uint8_t*>(image.bytes.data()));
+  if (image.channels == 1) return given;
   cv::cvtColor(given, memory, cv::COLOR_RGB2GRAY);
   return memory;
 }

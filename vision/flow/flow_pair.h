@@ -1,4 +1,4 @@
-// Two pictures of one eye as flow needs them: checked, and grey. Inside of vision/.
+// Validation and grey conversion of the two input images of optical flow. Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,25 +11,26 @@
 
 namespace kaz::vision {
 
-// A picture as it was given: so many channels of 8 bits, rows from the top.
-struct FlowSample {
+// An input image: 8 bits per channel, rows from the top.
+struct ImageView {
   int width, height, channels;
   std::span<const std::uint8_t> bytes;
 };
 
-inline FlowSample flow_sight(const Image& image) {
+inline ImageView image_view(const Image& image) {
   return {image.width, image.height, 3, image.rgb};
 }
-inline FlowSample flow_sight(const GreyPicture& picture) {
+inline ImageView image_view(const GreyPicture& picture) {
   return {picture.width, picture.height, 1, picture.pixels};
 }
 
-inline constexpr int kSmallestFlow_px = 64;  // fewer hold no patch of the small pictures
+inline constexpr int kSmallestFlow_px =
+    64;  // smaller images contain no patch at the coarsest level
 
-// The errors that FlowFinder::find() names.
-Result<void> check_flow_pair(const FlowSample& before, const FrameInfo& info_before,
-                             const FlowSample& after, const FrameInfo& info_after);
-// Grey of `sight`: a view of its pixels where they are grey, else converted into `memory`.
-cv::Mat flow_grey(const FlowSample& sight, cv::Mat& memory);
+// Returns the errors listed at FlowFinder::find().
+Result<void> check_flow_pair(const ImageView& before, const FrameInfo& info_before,
+                             const ImageView& after, const FrameInfo& info_after);
+// Grey of `image`: a view of its pixels if it is grey, else converted into `memory`.
+cv::Mat flow_grey(const ImageView& image, cv::Mat& memory);
 
 }  // namespace kaz::vision

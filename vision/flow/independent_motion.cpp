@@ -1,4 +1,4 @@
-// Ranges of flow that rest explains, cell by cell, and regions of what is left.
+// Depth interval and residual of each cell, candidates, verification on the images, regions.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/flow/independent_motion.h"
 
@@ -12,13 +12,13 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kFastestEye_m_s = 5, kFastestTurn_rad_s = 20;
-constexpr double kFarFloor_m = 3;        // the floor beyond is as good as at the horizon
-constexpr int kReach_px = 3;             // of the pixels around a cell's middle that are compared
-constexpr double kNoise2 = 8;            // codes^2: of the change from noise of 2 codes a pixel
-constexpr double kLeastLook_rad = 0.17;  // down on something, to see which way it moves
+constexpr double kMaxSpeed_m_s = 5, kMaxRate_rad_s = 20;  // of the camera
+constexpr double kFarFloor_m = 3;  // beyond, the floor constrains no more than the horizon
+constexpr int kReach_px = 3;   // half side of the square of pixels compared around a cell's centre
+constexpr double kNoise2 = 8;  // codes^2: variance of a difference, noise of 2 codes a pixel
+constexpr double kMinDescent_rad = 0.17;  // of the ray, to intersect it with a horizontal plane
 
-// Middle one of the known disparities around the middle of a cell; 0 if under a third is known.
+// Median of the known disparities around a cell's centre, px; 0 if less than a third is known.
 float middle_disparity(const DepthImage& depth, int u, int v) {
   std::array<float, FlowImage::kCell_px * FlowImage::kCell_px> d;
   std::size_t n = 0;
@@ -43,13 +43,13 @@ Result<void> check(const FlowImage& flow, const DepthImage* depth) {
   if (!a.posture_known || !b.posture_known)
     return fail(Fault::failed, std::string("moving: the posture at the ") +
                                    (a.posture_known ? "later" : "earlier") +
-                                   " picture is not known, so flow of the eye's own motion cannot "
-                                   "be told from other: wait for the board's state");
+                                   " picture is not known, so ego-motion cannot be separated from "
+                                   "independent motion: wait for the board's state");
   const double dt = flow.seconds_between();
   if (!(dt > 0)) return fail(Fault::usage, "moving: no time passed between the pictures");
-  const Eigen::Isometry3d way = a.foot_from_eye.inverse() * b.foot_from_eye;
-  if (!way.matrix().allFinite() || way.translation().norm() > kFastestEye_m_s * dt ||
-      Eigen::AngleAxisd(way.linear()).angle() > kFastestTurn_rad_s * dt)
+  const Eigen::Isometry3d motion = a.foot_from_eye.inverse() * b.foot_from_eye;
+  if (!motion.matrix().allFinite() || motion.translation().norm() > kMaxSpeed_m_s * dt ||
+      Eigen::AngleAxisd(motion.linear()).angle() > kMaxRate_rad_s * dt)
     return fail(Fault::failed,
                 "moving: the eye has jumped between the pictures, as when another foot begins to "
                 "support: take the next pair");
@@ -100,32 +100,32 @@ Result<void> IndependentMotionDetector::find(const FlowImage& flow, const GreyRe
   moving.depth.assign(cells, MovingRegions::Depth::none);
   moving.label.assign(cells, 0);
   inverse_depth_.assign(cells, 0);
-  moves_.width = flow.cells_across;
-  moves_.height = flow.cells_down;
-  moves_.pixels.assign(cells, 0);
+  candidates_.width = flow.cells_across;
+  candidates_.height = flow.cells_down;
+  candidates_.pixels.assign(cells, 0);
   proven_.assign(cells, 0);
-  explain(flow, depth, moving);
+  find_candidates(flow, depth, moving);
   if (moving.turn_error_rad.norm() > options_.max_posture_error_rad ||
       moving.shift_error_m.norm() > options_.max_posture_error_m)
     return fail(Fault::failed,
-                "moving: most of the picture flows otherwise than the posture says, by more than a "
-                "posture is wrong: the robot slips or falls, or something before the eyes hides "
+                "moving: the flow of most of the picture contradicts the posture by more than its "
+                "accuracy: the robot slips or falls, or something before the eyes hides "
                 "the rest; take the next pair");
-  ask(flow, before, after, moving);
-  collect(flow, before, after, moving);
+  verify_on_images(flow, before, after, moving);
+  collect_regions(flow, before, after, moving);
   return {};
 }
 
-void IndependentMotionDetector::explain(const FlowImage& flow, const DepthImage* depth,
-                                        MovingRegions& moving) {
+void IndependentMotionDetector::find_candidates(const FlowImage& flow, const DepthImage* depth,
+                                                MovingRegions& moving) {
   EgoMotion eye(flow.before, flow.after);
   const Eigen::Matrix3d foot_from_ray = flow.before.foot_from_eye.linear();
   const double height = flow.before.foot_from_eye.translation().z();
   const bool later = depth && depth->info.exposure == flow.after.exposure;
   const double per_px = depth ? 1 / (depth->info.camera.fx * depth->info.camera.baseline_m) : 0;
-  sights_.clear();
+  samples_.clear();
   cell_.clear();
-  sight_.assign(flow.certainty.size(), 0);
+  sample_.assign(flow.certainty.size(), 0);
   for (int y = 0; y < flow.cells_down; ++y) {
     for (int x = 0; x < flow.cells_across; ++x) {
       const auto i = static_cast<std::size_t>(y * flow.cells_across + x);
@@ -140,48 +140,53 @@ void IndependentMotionDetector::explain(const FlowImage& flow, const DepthImage*
           disparity = static_cast<double>(
               middle_disparity(*depth, static_cast<int>(at.x()), static_cast<int>(at.y())));
       }
-      double least = 0, most = 1 / options_.nearest_elsewhere_m;  // of 1 / depth
+      // Interval of inverse depth, 1/m, unless stereo or floor constrain it:
+      double min_w = 0, max_w = 1 / options_.nearest_elsewhere_m;
       const double slope = (foot_from_ray * eye.ray(u, v)).z();
       if (disparity > 0) {
         moving.depth[i] = MovingRegions::Depth::stereo;
         inverse_depth_[i] = static_cast<float>(disparity * per_px);
-        least = std::max(0.0, disparity - 1) * per_px;
-        most = (disparity + 1) * per_px;
+        min_w = std::max(0.0, disparity - 1) * per_px;
+        max_w = (disparity + 1) * per_px;
       } else if (slope < 0 && height > options_.highest_on_floor_m &&
                  height < -slope * kFarFloor_m) {
         moving.depth[i] = MovingRegions::Depth::floor;
-        least = -slope / height;
-        most = -slope / (height - options_.highest_on_floor_m);
+        // Foot frame: eye.z + (R r).z / w = h for a point at height h, so w = -slope / (height - h),
+        // with h from 0 to highest_on_floor_m.
+        min_w = -slope / height;
+        max_w = -slope / (height - options_.highest_on_floor_m);
       } else {
         moving.depth[i] = MovingRegions::Depth::far;
       }
-      sights_.push_back({Vector2d(u, v), measured, least, most});
+      samples_.push_back({Vector2d(u, v), measured, min_w, max_w});
       cell_.push_back(i);
-      sight_[i] = static_cast<int>(cell_.size());
+      sample_[i] = static_cast<int>(cell_.size());
     }
   }
   const auto correction =
-      eye.correct(sights_, {options_.posture_error_rad, options_.posture_error_m});
-  moving.turn_error_rad = correction.turn_rad;
-  moving.shift_error_m = correction.shift_m;
+      eye.correct(samples_, {options_.posture_error_rad, options_.posture_error_m});
+  moving.turn_error_rad = correction.rotation_rad;
+  moving.shift_error_m = correction.translation_m;
   moving.spread_px = correction.spread_px;
   later_ = eye.later();
+  // Candidates: residual above 3 standard deviations of the ego-motion's residuals plus the flow's error,
+  // and Mahalanobis distance under the flow's covariance above min_surprise.
   const double allowed = options_.flow_error_px + 3 * correction.spread_px;
   const double surprise = options_.min_surprise * options_.min_surprise;
-  for (std::size_t k = 0; k < sights_.size(); ++k) {
-    Vector2d residual, way;
-    if (!eye.residual(sights_[k], residual, way)) continue;
+  for (std::size_t k = 0; k < samples_.size(); ++k) {
+    Vector2d residual, epipolar;
+    if (!eye.residual(samples_[k], residual, epipolar)) continue;
     const std::size_t i = cell_[k];
     if (moving.depth[i] == MovingRegions::Depth::stereo && residual.norm() > allowed) {
-      // Stereo is wrong here and there: what any depth explains does not move for certain.
-      FlowSample any = sights_[k];
-      any.least = 0;
-      any.most = std::max(any.most, 1 / options_.nearest_elsewhere_m);
+      // Stereo has outliers: a residual that another depth explains is not evidence of motion.
+      FlowSample any = samples_[k];
+      any.min_inverse_depth = 0;
+      any.max_inverse_depth = std::max(any.max_inverse_depth, 1 / options_.nearest_elsewhere_m);
       Vector2d other;
-      if (eye.residual(any, other, way) && other.norm() <= allowed) residual = other;
+      if (eye.residual(any, other, epipolar) && other.norm() <= allowed) residual = other;
     }
     moving.residual_px[i] = residual.cast<float>();
-    moves_.pixels[i] =
+    candidates_.pixels[i] =
         residual.norm() > allowed &&
                 static_cast<double>(flow.certainty[i].surprise(moving.residual_px[i])) > surprise
             ? 255
@@ -189,39 +194,44 @@ void IndependentMotionDetector::explain(const FlowImage& flow, const DepthImage*
   }
 }
 
-// Beside an edge of what moves, flow is that of the one side or the other. The pictures know which.
-void IndependentMotionDetector::ask(const FlowImage& flow, const GreyReader& before,
-                                    const GreyReader& after, const MovingRegions& moving) {
+// Compares two warps of the square around each candidate: by the measured flow and by ego-motion alone
+// (mean squared difference of grey values, codes^2). Near the border of a moving object the flow is that of
+// either side; the warp that matches decides.
+void IndependentMotionDetector::verify_on_images(const FlowImage& flow, const GreyReader& before,
+                                                 const GreyReader& after,
+                                                 const MovingRegions& moving) {
   for (int y = 0; y < flow.cells_down; ++y) {
     for (int x = 0; x < flow.cells_across; ++x) {
       const auto i = static_cast<std::size_t>(y * flow.cells_across + x);
-      if (!moves_.pixels[i]) continue;
+      if (!candidates_.pixels[i]) continue;
       const int u = cell_middle(x, flow.cells_across, flow.width);
       const int v = cell_middle(y, flow.cells_down, flow.height);
       const Vector2d measured = flow.at(u, v).cast<double>();
-      const double moved = misfit(before, after, u, v, kReach_px, measured);
+      const double by_flow = misfit(before, after, u, v, kReach_px, measured);
       const Vector2d rest = measured - moving.residual_px[i].cast<double>();
-      const double rests = misfit(before, after, u, v, kReach_px, rest);
-      if (!(moved <= 1.5 * rests + kNoise2)) moves_.pixels[i] = 0;
-      if (!moves_.pixels[i] || !(rests > 2 * moved + 4 * kNoise2)) continue;
-      // Rest itself is known up to an error, and a sharp edge does not fit a pixel beside.
-      double nearby = rests;
+      const double by_ego = misfit(before, after, u, v, kReach_px, rest);
+      if (!(by_flow <= 1.5 * by_ego + kNoise2)) candidates_.pixels[i] = 0;
+      if (!candidates_.pixels[i] || !(by_ego > 2 * by_flow + 4 * kNoise2)) continue;
+      // The ego-motion flow has an error of about `off` px, and a sharp edge does not match one pixel off:
+      // the best of it and eight neighbours at that distance counts.
+      double nearby = by_ego;
       const double off = options_.flow_error_px + moving.spread_px;
-      for (const Vector2d& way :
+      for (const Vector2d& direction :
            {Vector2d(1, 0), Vector2d(-1, 0), Vector2d(0, 1), Vector2d(0, -1), Vector2d(0.7, 0.7),
             Vector2d(0.7, -0.7), Vector2d(-0.7, 0.7), Vector2d(-0.7, -0.7)})
-        nearby = std::min(nearby, misfit(before, after, u, v, kReach_px, rest + off * way));
-      proven_[i] = nearby > 2 * moved + 4 * kNoise2 ? 1 : 0;
+        nearby = std::min(nearby, misfit(before, after, u, v, kReach_px, rest + off * direction));
+      proven_[i] = nearby > 2 * by_flow + 4 * kNoise2 ? 1 : 0;
     }
   }
 }
 
-void IndependentMotionDetector::collect(const FlowImage& flow, const GreyReader& before,
-                                        const GreyReader& after, MovingRegions& moving) {
+void IndependentMotionDetector::collect_regions(const FlowImage& flow, const GreyReader& before,
+                                                const GreyReader& after, MovingRegions& moving) {
   constexpr int kCell = FlowImage::kCell_px;
   const double dt = flow.seconds_between();
-  for (const Region& found : finder_.find(moves_, options_.min_cells)) {
+  for (const Region& found : finder_.find(candidates_, options_.min_cells)) {
     if (moving.regions.size() == 255) break;
+    // Means over the region's cells, px: residual, ego-motion flow, position.
     Vector2d residual(0, 0), rest(0, 0), middle(0, 0);
     int proven = 0;
     corners_.clear();
@@ -239,7 +249,7 @@ void IndependentMotionDetector::collect(const FlowImage& flow, const GreyReader&
       }
     }
     if (proven < options_.min_proven_cells || proven < options_.min_proven * found.area) continue;
-    if (is_near(flow, found, options_.flow_error_px + 3 * moving.spread_px)) continue;
+    if (is_own_body(flow, found, options_.flow_error_px + 3 * moving.spread_px)) continue;
     for (const Run& run : found.runs)
       for (int x = run.left; x <= run.right; ++x)
         moving.label[static_cast<std::size_t>(run.row * flow.cells_across + x)] =
@@ -251,15 +261,15 @@ void IndependentMotionDetector::collect(const FlowImage& flow, const GreyReader&
     region.right = std::min(found.right * kCell + kCell, flow.width) - 1;
     region.bottom = std::min(found.bottom * kCell + kCell, flow.height) - 1;
     Vector2d own = rest + residual;
-    // A few hundred pixels tell the flow of a large region as well as all of them.
-    constexpr std::size_t kMostSquares = 60;
-    if (const std::size_t step = (corners_.size() - 1) / kMostSquares + 1; step > 1) {
+    // Re-estimate the flow as one translation, on up to kMaxSquares cells: enough for large regions.
+    constexpr std::size_t kMaxSquares = 60;
+    if (const std::size_t step = (corners_.size() - 1) / kMaxSquares + 1; step > 1) {
       std::size_t n = 0;
       for (std::size_t k = 0; k < corners_.size(); k += step) corners_[n++] = corners_[k];
       corners_.resize(n);
     }
     if (refine_flow(before, after, corners_, kCell, own)) residual = own - rest;
-    // A patch's half further: cells at the edges of what moves are the ones left out.
+    // Centre of the moving pixels in the box grown by half a patch: cells at its border are often missed.
     constexpr int kMore = 2 * kCell;
     moved_middle(before, after, region.left - kMore, region.top - kMore, region.right + kMore,
                  region.bottom + kMore, own, rest, middle);
@@ -267,16 +277,16 @@ void IndependentMotionDetector::collect(const FlowImage& flow, const GreyReader&
     region.center_v = middle.y();
     region.velocity_px_s = residual / dt;
     region.confidence = static_cast<double>(proven) / found.area;
-    place(flow, region, found);
+    locate(flow, region, found);
     moving.regions.push_back(region);
   }
 }
 
-bool IndependentMotionDetector::is_near(const FlowImage& flow, const Region& cells,
-                                        double allowed_px) const {
+bool IndependentMotionDetector::is_own_body(const FlowImage& flow, const Region& cells,
+                                            double allowed_px) const {
   if (10 * (cells.bottom + 1) < 9 * flow.cells_down) return false;
-  // The eye's way is known to half a millimetre at best, and that is much from near.
-  constexpr double kWay_m = 0.0005, kNear_m = 0.1;
+  // Error of the camera's translation, and the distance at which it counts: fx kTranslation / kNear px.
+  constexpr double kTranslation_m = 0.0005, kNear_m = 0.1;
   FrameInfo later = flow.after;
   later.foot_from_eye = flow.before.foot_from_eye * later_.inverse();
   const EgoMotion eye(flow.before, later);
@@ -284,26 +294,27 @@ bool IndependentMotionDetector::is_near(const FlowImage& flow, const Region& cel
   for (const Run& run : cells.runs) {
     for (int x = run.left; x <= run.right; ++x) {
       const auto i = static_cast<std::size_t>(run.row * flow.cells_across + x);
-      if (sight_[i] == 0 || inverse_depth_[i] > 0) continue;
-      FlowSample any = sights_[static_cast<std::size_t>(sight_[i] - 1)];
-      any.least = 0;
-      any.most = 1 / options_.nearest_body_m;
-      Vector2d left, way;
-      near += eye.residual(any, left, way) &&
-              left.norm() <= allowed_px + flow.before.camera.fx * kWay_m / kNear_m;
+      if (sample_[i] == 0 || inverse_depth_[i] > 0) continue;
+      FlowSample any = samples_[static_cast<std::size_t>(sample_[i] - 1)];
+      any.min_inverse_depth = 0;
+      any.max_inverse_depth = 1 / options_.nearest_body_m;
+      Vector2d left, epipolar;
+      near += eye.residual(any, left, epipolar) &&
+              left.norm() <= allowed_px + flow.before.camera.fx * kTranslation_m / kNear_m;
     }
   }
   return 3 * near > 2 * cells.area;
 }
 
-void IndependentMotionDetector::place(const FlowImage& flow, MovingRegion& region,
-                                      const Region& cells) const {
+void IndependentMotionDetector::locate(const FlowImage& flow, MovingRegion& region,
+                                       const Region& cells) const {
   std::vector<float> known;
   for (const Run& run : cells.runs)
     for (int x = run.left; x <= run.right; ++x)
       if (const float w = inverse_depth_[static_cast<std::size_t>(run.row * flow.cells_across + x)];
           w > 0)
         known.push_back(w);
+  // Median inverse depth of the cells with stereo; a third of them must have it.
   if (3 * known.size() < static_cast<std::size_t>(cells.area)) return;
   const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
   std::nth_element(known.begin(), middle, known.end());
@@ -314,15 +325,17 @@ void IndependentMotionDetector::place(const FlowImage& flow, MovingRegion& regio
   const double u = region.center_u, v = region.center_v, dt = flow.seconds_between();
   Vector2d rest;
   if (!eye.flow(u, v, w, rest)) return;
+  // Foot frame: the point at the earlier exposure, and the ray through its image at the later one.
   const Vector3d from = flow.before.foot_from_eye * (eye.ray(u, v) / w);
   const Vector2d to = Vector2d(u, v) + rest + dt * region.velocity_px_s;
   const Vector3d eye_then = later.foot_from_eye.translation();
-  const Vector3d look = (later.foot_from_eye.linear() * eye.ray(to.x(), to.y())).normalized();
+  const Vector3d ray = (later.foot_from_eye.linear() * eye.ray(to.x(), to.y())).normalized();
   region.position_m = from;
-  const double level = (from.z() - eye_then.z()) / look.z();  // along the look
-  const double across = (from - eye_then).dot(look);
-  const double reach = std::abs(look.z()) > std::sin(kLeastLook_rad) && level > 0 ? level : across;
-  region.velocity_m_s = (eye_then + reach * look - from) / dt;
+  // Distance along that ray to the horizontal plane through `from`, and to the foot of the perpendicular.
+  const double level = (from.z() - eye_then.z()) / ray.z();
+  const double across = (from - eye_then).dot(ray);
+  const double reach = std::abs(ray.z()) > std::sin(kMinDescent_rad) && level > 0 ? level : across;
+  region.velocity_m_s = (eye_then + reach * ray - from) / dt;
 }
 
 }  // namespace kaz::vision

@@ -1,5 +1,4 @@
-// Two pictures asked which of two flows fits them better, and for the flow of a whole region.
-// Inside of vision/.
+// Photometric error of a flow, and the flow and centre of a region from two images. Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -28,21 +27,21 @@ struct GreyReader {
   double between(double u, double v) const;  // bilinear; where holds()
 };
 
-// Mean square of the change, codes^2, of the pixels within `reach` of (u, v) along this flow;
-// NaN where that leaves a picture.
+// Mean squared difference of grey values (codes^2) between the pixels within `reach` of (u, v) and the later
+// image displaced by `flow_px`; NaN if that is outside of an image.
 double misfit(const GreyReader& before, const GreyReader& after, int u, int v, int reach,
               const Eigen::Vector2d& flow_px);
 
-// One flow for all of these pixels (squares of `side` px with these corners), from a first guess:
-// least squares on the change of brightness (B. Lucas, T. Kanade 1981), pixels that do not fit
-// weighing less (Geman and McClure's weights at 12 codes). False if there is no texture to hold on
-// to, or it leads further than 3 px from the guess, or out of the picture.
+// One translation for all pixels of the squares of `side` px with these corners, from an initial flow_px:
+// Gauss-Newton on the brightness difference (B. Lucas, T. Kanade 1981) with Geman-McClure weights at 12
+// codes. False without sufficient texture, or if the result is more than 3 px from the initial value or
+// outside of the image.
 bool refine_flow(const GreyReader& before, const GreyReader& after,
                  std::span<const Eigen::Vector2i> corners, int side, Eigen::Vector2d& flow_px);
 
-// Middle of the pixels from (left, top) to (right, bottom) that went along `flow_px` and did not
-// rest, `rest_px`. A ball of one colour shows that at its two ends alone: at the one that it
-// leaves, before, and at the one that it comes to, after; both count. False if there are none.
+// Centre of the pixels in the box (left, top)..(right, bottom) whose motion is `flow_px` rather than the
+// static `rest_px`. An object of uniform colour shows this only at its leading and trailing edges; both
+// count. False if there are none.
 bool moved_middle(const GreyReader& before, const GreyReader& after, int left, int top, int right,
                   int bottom, const Eigen::Vector2d& flow_px, const Eigen::Vector2d& rest_px,
                   Eigen::Vector2d& middle);

@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "vision/calibration/opencv_quiet.h"
 #include "vision/flow/flow_pair.h"
+#include "vision/image/opencv_quiet.h"
 
 namespace kaz::vision {
 namespace {
@@ -36,7 +36,7 @@ struct SparseFlow::State {
   std::vector<std::uint8_t> there, returned;
   std::vector<float> error;
 
-  Result<void> find(const FlowSample& before, const FrameInfo& info_before, const FlowSample& after,
+  Result<void> find(const ImageView& before, const FrameInfo& info_before, const ImageView& after,
                     const FrameInfo& info_after, const std::vector<Eigen::Vector2f>* points,
                     FlowPoints& flow) {
     flow.before = info_before;
@@ -94,19 +94,19 @@ SparseFlow& SparseFlow::operator=(SparseFlow&&) noexcept = default;
 
 Result<void> SparseFlow::find(const Image& before, const FrameInfo& info_before, const Image& after,
                               const FrameInfo& info_after, FlowPoints& flow) {
-  return state_->find(flow_sight(before), info_before, flow_sight(after), info_after, nullptr,
+  return state_->find(image_view(before), info_before, image_view(after), info_after, nullptr,
                       flow);
 }
 Result<void> SparseFlow::find(const GreyPicture& before, const FrameInfo& info_before,
                               const GreyPicture& after, const FrameInfo& info_after,
                               FlowPoints& flow) {
-  return state_->find(flow_sight(before), info_before, flow_sight(after), info_after, nullptr,
+  return state_->find(image_view(before), info_before, image_view(after), info_after, nullptr,
                       flow);
 }
 Result<void> SparseFlow::follow(const GreyPicture& before, const FrameInfo& info_before,
                                 const GreyPicture& after, const FrameInfo& info_after,
                                 const std::vector<Eigen::Vector2f>& points, FlowPoints& flow) {
-  return state_->find(flow_sight(before), info_before, flow_sight(after), info_after, &points,
+  return state_->find(image_view(before), info_before, image_view(after), info_after, &points,
                       flow);
 }
 

@@ -1,8 +1,8 @@
-// Pictures and what is known of the moment they were taken.
+// Camera images and their frame information.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The frame information goes with every result through all of vision, however slow, so that a
-// result is placed where the eyes were, not where they are.
+// Every result of vision carries the frame information of its image, so that, regardless of latency, it is
+// located relative to the camera pose at the exposure (not at the time of the result).
 //
 // Frames: optical (x right, y down, z forward, origin at the lens), foot (x forward, y left, z up,
 // origin at the sole of the supporting foot). Units m, rad, s. Paper section 4.1, "Frame
@@ -21,34 +21,7 @@
 #include <Eigen/Geometry>
 
 #include "shared/base/result.hpp"
-
-namespace kaz {
-
-// Host time: nanoseconds on the one clock of the host (simulated in lockstep, CLOCK_MONOTONIC
-// otherwise).
-using Time = std::chrono::nanoseconds;
-
-inline double seconds(Time t) {
-  return std::chrono::duration<double>(t).count();
-}
-inline Time from_seconds(double s) {
-  return Time(static_cast<std::int64_t>(s * 1e9 + (s < 0 ? -0.5 : 0.5)));
-}
-
-// a - b and a + b, where a clock says something wild the nearest that there is.
-inline Time between(Time a, Time b) {
-  std::int64_t ns = 0;
-  if (__builtin_sub_overflow(a.count(), b.count(), &ns)) return a < b ? Time::min() : Time::max();
-  return Time(ns);
-}
-inline Time later(Time a, Time b) {
-  std::int64_t ns = 0;
-  if (__builtin_add_overflow(a.count(), b.count(), &ns))
-    return b < Time(0) ? Time::min() : Time::max();
-  return Time(ns);
-}
-
-}  // namespace kaz
+#include "shared/base/time.hpp"
 
 namespace kaz::vision {
 
@@ -69,39 +42,38 @@ struct StereoImages {
   Image left, right;
 };
 
-// The moment of a picture.
+// Time, camera and posture of an image.
 struct FrameInfo {
   std::uint64_t sequence = 0;
   Time exposure{};                // middle of the exposure
   CameraModel camera;             // of the left eye
-  bool posture_known = false;     // false where the board's state at that time is not known
+  bool posture_known = false;     // false if the board's state at that time is unknown
   std::vector<double> joint_rad;  // measured angles at `exposure`, by joint number
   Eigen::Isometry3d foot_from_eye = Eigen::Isometry3d::Identity();  // left optical frame
 };
 
-// A pair as the camera delivers it. The pixels may still be on their way: `images.get()` waits for
-// them.
+// A pair as the camera delivers it. The pixels may still be in transfer: `images.get()` waits for them.
 struct StereoPair {
   FrameInfo info;
   std::shared_future<std::shared_ptr<const StereoImages>> images;
 };
 
-// Of pictures that are there already: files, for example.
+// From images in memory, e.g. from files.
 inline StereoPair stereo_pair(FrameInfo info, StereoImages images) {
   std::promise<std::shared_ptr<const StereoImages>> pixels;
   pixels.set_value(std::make_shared<const StereoImages>(std::move(images)));
   return {std::move(info), pixels.get_future().share()};
 }
 
-// A source of stereo pairs. Simulated, published by another process, V4L2, or files: vision cannot
-// tell.
+// A source of stereo pairs. Simulated, published by another process, V4L2, or files: the
+// same interface for all.
 class Camera {
  public:
   virtual ~Camera() = default;
   virtual const CameraModel& model() const = 0;
   // The next pair that has reached the host and was not yet taken, oldest first; nothing if there
-  // is none. Never waits. An error means that no more will come (camera gone); the message says
-  // why.
+  // is none. Never waits. An error means that no more will come (camera gone); the message contains
+  // the reason.
   virtual Result<std::optional<StereoPair>> poll() = 0;
 };
 

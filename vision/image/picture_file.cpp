@@ -1,6 +1,7 @@
 // Pictures from files: libpng, libjpeg, and the two plain formats of Netpbm.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/image/picture_file.h"
+#include "shared/base/files.hpp"
 
 #include <png.h>
 
@@ -56,13 +57,13 @@ Result<Image> decode_png(Bytes bytes, const std::string& name) {
     ~Release() { png_image_free(&png); }
   } const release{png};
   if (!png_image_begin_read_from_memory(&png, bytes.data(), bytes.size()))
-    return bad(name, std::string("is no sound PNG (") + png.message + ")");
+    return bad(name, std::string("is not a valid PNG (") + png.message + ")");
   if (!valid_size(png.width, png.height)) return bad_size(name, png.width, png.height);
   png.format = PNG_FORMAT_RGB;
   Image image = blank(png.width, png.height);
   const png_color black{0, 0, 0};
   if (!png_image_finish_read(&png, &black, image.rgb.data(), 0, nullptr))
-    return bad(name, std::string("is no sound PNG (") + png.message + ")");
+    return bad(name, std::string("is not a valid PNG (") + png.message + ")");
   return image;
 }
 
@@ -79,7 +80,7 @@ class JpegDecoder {
   JpegDecoder(const JpegDecoder&) = delete;
   JpegDecoder& operator=(const JpegDecoder&) = delete;
 
-  // Reads up to the first scan. False: what() says why.
+  // Reads up to the first scan. False: what() is the reason.
   bool header() {
     jpeg_.err = jpeg_std_error(&errors_.manager);
     errors_.manager.error_exit = leave;
@@ -95,7 +96,7 @@ class JpegDecoder {
   std::uint64_t width() const { return jpeg_.image_width; }
   std::uint64_t height() const { return jpeg_.image_height; }
 
-  // `rgb` has room for width() * height() * 3 bytes. False: what() says why.
+  // `rgb` has room for width() * height() * 3 bytes. False: what() is the reason.
   bool pixels(std::span<std::uint8_t> rgb) {
     if (setjmp(errors_.give_up)) return false;
     jpeg_.out_color_space = JCS_RGB;
@@ -127,7 +128,7 @@ class JpegDecoder {
     mine->manager.format_message(common, mine->text);
     std::longjmp(mine->give_up, 1);
   }
-  // A warning (level -1) says that data are damaged or missing and were made up. Some cameras write
+  // A warning (level -1) means that data are damaged or missing and were made up. Some cameras write
   // a few bytes too many between two parts: those may be there.
   static void warn(j_common_ptr common, int level) {
     const int code = common->err->msg_code;
@@ -149,7 +150,7 @@ class JpegDecoder {
 Result<Image> decode_jpeg(Bytes bytes, const std::string& name) {
   JpegDecoder decoder(bytes);
   const auto invalid = [&] {
-    return bad(name, std::string("is no sound JPEG (") + decoder.what() + ")");
+    return bad(name, std::string("is not a valid JPEG (") + decoder.what() + ")");
   };
   if (!decoder.header()) return invalid();
   if (!valid_size(decoder.width(), decoder.height()))
@@ -200,16 +201,10 @@ Result<Image> decode_picture(Bytes bytes, const std::string& name) {
 }
 
 Result<Image> read_picture(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return bad(path, "cannot be opened");
-  std::vector<std::uint8_t> bytes;
-  char block[1 << 16];
-  while (file.read(block, sizeof block) || file.gcount() > 0) {
-    bytes.insert(bytes.end(), block, block + file.gcount());
-    if (bytes.size() > kLargestFile) return bad(path, "is larger than 256 MB");
-  }
-  if (file.bad()) return bad(path, "cannot be read");
-  return decode_picture(bytes, path);
+  const auto bytes = read_whole_file(path, kLargestFile, "give a picture: PNG, JPEG, PGM or PPM");
+  if (!bytes) return tl::unexpected(bytes.error());
+  return decode_picture({reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size()},
+                        path);
 }
 
 bool looks_like_picture(const std::string& path) {

@@ -168,7 +168,7 @@ TEST(PictureFile, AJpegOfManyScansIsRefused) {
   }
   const auto read = decode_picture(repeated(200), "a");
   ASSERT_FALSE(read);
-  EXPECT_EQ(read.error().message, "a: is no sound JPEG (more than 100 scans)");
+  EXPECT_EQ(read.error().message, "a: is not a valid JPEG (more than 100 scans)");
 }
 
 TEST(PictureFile, EndsTooEarlyAtWhateverByte) {

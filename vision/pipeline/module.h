@@ -36,7 +36,7 @@ class Frame {
   const T& of(std::string_view module) const {
     const T* value = std::any_cast<T>(find(module));
     if (value == nullptr)
-      throw std::logic_error("no result of the asked kind of module '" + std::string(module) +
+      throw std::logic_error("no result of the requested type of module '" + std::string(module) +
                              "' on this frame: is it among those needed?");
     return *value;
   }

@@ -1,4 +1,4 @@
-// Each module is a finder, told what to look at.
+// Modules of the pipeline: each adapts one detector.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/pipeline/modules.h"
 
@@ -127,7 +127,7 @@ class IndependentMotionModule final : public Module {
     MovingRegions moving;
     moving.before = moving.after = frame.info();
     Result<void> found;
-    // Where this module left out the frame that the flow begins at, nothing is said.
+    // No result if this module skipped the frame at which the flow begins.
     if (flow.width > 0 && before != kept_.end())
       found = finder_.find(flow, before->images->left, images->left, &frame.of<DepthImage>("depth"),
                            moving);

@@ -9,7 +9,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "vision/calibration/opencv_quiet.h"
+#include "vision/image/opencv_quiet.h"
 
 namespace kaz::vision {
 

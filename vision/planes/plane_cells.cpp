@@ -1,18 +1,16 @@
-// A depth image in squares.
+// Mean disparity of square cells, with outlier rejection.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/planes/plane_cells.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "vision/planes/plane_rows.h"
 
 namespace kaz::vision {
 namespace {
 
-constexpr float kFar = kMostDisparity_px;
+constexpr float kFar = kMaxDisparity_px;
 
 }  // namespace
 
@@ -25,8 +23,8 @@ void CellGrid::fill(const DepthImage& depth) {
   cy = static_cast<float>(depth.info.camera.cy);
   cells.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), Cell{});
   const auto n = static_cast<std::size_t>(columns * size);
-  // Disparity over a square may change by its slope (up to some 0.3 px a pixel at the distances of
-  // this robot) and by noise, more at the edge of something nearer.
+  // Largest range of disparity, px, over a cell of one surface: noise plus slope (up to 0.3 px per pixel at
+  // the distances of this robot). Above it the cell contains a depth discontinuity or outliers.
   const float spread = 1.5F + 0.3F * static_cast<float>(size);
   for (int row = 0; row < rows; ++row) {
     sum_.assign(n, 0);
@@ -40,20 +38,21 @@ void CellGrid::fill(const DepthImage& depth) {
     }
     for (int column = 0; column < columns; ++column) {
       Cell& cell = cells[static_cast<std::size_t>(row * columns + column)];
-      float sum = 0, least = kFar, most = 0;
+      float sum = 0, min_d = kFar, max_d = 0;
       int count = 0;
       for (std::size_t i = 0, x = static_cast<std::size_t>(column * size);
            i < static_cast<std::size_t>(size); ++i, ++x) {
         sum += sum_[x];
-        least = std::min(least, min_[x]);
-        most = std::max(most, max_[x]);
+        min_d = std::min(min_d, min_[x]);
+        max_d = std::max(max_d, max_[x]);
         count += count_[x];
       }
       if (4 * count < size * size) continue;
-      if (count < size * size || most - least > spread) {
+      if (count < size * size || max_d - min_d > spread) {
         cell = partly(depth, column, row, spread);
         continue;
       }
+      // All pixels valid: their mean position is the cell's centre, px from the principal point.
       const float half = 0.5F * static_cast<float>(size - 1);
       cell = {static_cast<float>(column * size) + half - cx,
               static_cast<float>(row * size) + half - cy, sum / static_cast<float>(count), true};
@@ -61,8 +60,9 @@ void CellGrid::fill(const DepthImage& depth) {
   }
 }
 
-// The mean of those near the median: single wrong matches do not count. Not usable where they are
-// less than a quarter of the cell or less than three quarters of what is known: an edge.
+// Mean position and disparity of the pixels within spread / 2 of the median disparity: rejects isolated
+// wrong matches. Not usable if these are less than a quarter of the cell or less than three quarters of the
+// pixels with depth (a depth discontinuity).
 Cell CellGrid::partly(const DepthImage& depth, int column, int row, float spread) {
   known_.clear();
   for (int y = row * size; y < (row + 1) * size; ++y) {
@@ -87,18 +87,6 @@ Cell CellGrid::partly(const DepthImage& depth, int column, int row, float spread
   if (4 * count < size * size || 4 * count < 3 * static_cast<int>(known_.size())) return {};
   const auto n = static_cast<float>(count);
   return {u / n - cx, v / n - cy, sum / n, true};
-}
-
-bool PlaneFit::solve(DisparityPlane& plane) const {
-  Eigen::Matrix3d matrix;
-  matrix << uu_, uv_, u_, uv_, vv_, v_, u_, v_, n_;
-  const Eigen::LDLT<Eigen::Matrix3d> solver(matrix);
-  // Pivots are sums of squares of pixels: a row of cells alone leaves one near 0.
-  if (solver.info() != Eigen::Success || solver.vectorD().minCoeff() < 1) return false;
-  const Eigen::Vector3d x = solver.solve(right_);
-  if (!x.allFinite()) return false;
-  plane = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
-  return true;
 }
 
 }  // namespace kaz::vision

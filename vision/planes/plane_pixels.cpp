@@ -1,4 +1,4 @@
-// From planes and the cells on them to pixels.
+// Labels of pixels and geometry of plane segments.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/planes/plane_pixels.h"
 
@@ -36,7 +36,7 @@ void PlanePixels::add(const DisparityPlane& plane, const std::vector<std::vector
       at[static_cast<std::size_t>(i)] = label;
       mask_[static_cast<std::size_t>(i)] |= static_cast<std::uint16_t>(1U << number);
     }
-    // Cells beside it may have pixels of it, at the edges of what is nearer.
+    // Adjacent cells may contain pixels of it, at the border of a nearer object.
     for (const int i : part) {
       const int columns = grid_->columns, column = i % columns, row = i / columns;
       if (column > 0 && row > 0 && column + 1 < columns && row + 1 < grid_->rows) {
@@ -57,7 +57,7 @@ void PlanePixels::add(const DisparityPlane& plane, const std::vector<std::vector
   }
 }
 
-void PlanePixels::take(int segment, int column, int row, int n, double r2) {
+void PlanePixels::accumulate(int segment, int column, int row, int n, double r2) {
   if (n == 0) return;
   const int size = grid_->size;
   Sums& s = sums_[static_cast<std::size_t>(segment)];
@@ -68,14 +68,15 @@ void PlanePixels::take(int segment, int column, int row, int n, double r2) {
   s.bottom = std::max(s.bottom, (row + 1) * size - 1);
   s.r2 += r2;
   const int plane = plane_of_[static_cast<std::size_t>(segment)];
+  // Relative depth error of a pixel: dz / z = dd / d, with the plane's disparity d at the cell's centre.
   const double d = std::max(0.25, static_cast<double>(planes_[static_cast<std::size_t>(plane)].at(
                                       static_cast<float>(column * size + size / 2) - grid_->cx,
                                       static_cast<float>(row * size + size / 2) - grid_->cy)));
   s.relative2 += r2 / (d * d);
 }
 
-// Cells of one row that are near the same one plane and segment: whole rows of pixels, for the
-// processor's vectors.
+// Adjacent cells of one row with the same single plane and segment: processed as whole rows of pixels, so
+// that the loop vectorises.
 void PlanePixels::assign_run(const DepthImage& depth, int column, int end, int row, float tolerance,
                              PlaneSegments& found) {
   const int plane =
@@ -105,7 +106,7 @@ void PlanePixels::assign_run(const DepthImage& depth, int column, int end, int r
       n += count[x];
       r2 += square[x];
     }
-    take(segment, c, row, n, static_cast<double>(r2));
+    accumulate(segment, c, row, n, static_cast<double>(r2));
   }
 }
 
@@ -117,8 +118,8 @@ void PlanePixels::assign_cell(const DepthImage& depth, int column, int row, floa
     int segment;
     float start, a, b;  // disparity at the cell's first pixel, and its slopes
   };
-  std::array<Near, kMostPlanes> near;
-  std::array<CellSums, kMostPlanes> sums;
+  std::array<Near, kMaxPlanes> near;
+  std::array<CellSums, kMaxPlanes> sums;
   int count = 0;
   for (int k = 0; k < planes(); ++k) {
     if ((mask_[at] >> k & 1) == 0) continue;
@@ -153,7 +154,7 @@ void PlanePixels::assign_cell(const DepthImage& depth, int column, int row, floa
     }
   }
   for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
-    take(near[k].segment, column, row, sums[k].n, static_cast<double>(sums[k].r2));
+    accumulate(near[k].segment, column, row, sums[k].n, static_cast<double>(sums[k].r2));
 }
 
 void PlanePixels::describe(const CameraModel& camera, int segment, PlaneSegment& out) const {
@@ -161,6 +162,7 @@ void PlanePixels::describe(const CameraModel& camera, int segment, PlaneSegment&
   const Sums& s = sums_[index];
   out.plane = plane_of_[index];
   const DisparityPlane& plane = planes_[static_cast<std::size_t>(out.plane)];
+  // scaled = B/D n (disparity_plane.h): unit normal towards the camera and distance D = B / |scaled|, m.
   const Eigen::Vector3d scaled = plane.scaled_normal(camera);
   out.normal = -scaled.normalized();
   out.distance_m = camera.baseline_m / scaled.norm();
@@ -172,13 +174,15 @@ void PlanePixels::describe(const CameraModel& camera, int segment, PlaneSegment&
   if (s.pixels == 0) return;
   out.error_px = std::sqrt(s.r2 / s.pixels);
   out.error_m = out.distance_m * std::sqrt(s.relative2 / s.pixels);
-  // Cells as points of the plane.
+  // Extent in the plane: cells back-projected to 3-D (optical frame, z = fx B / d) and expressed in an
+  // orthonormal basis of the plane, m; principal axes of their covariance; box along these axes.
   const Eigen::Vector3d any = out.normal.unitOrthogonal(), other = out.normal.cross(any);
   std::vector<Eigen::Vector2d> points;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   Eigen::Matrix2d square = Eigen::Matrix2d::Zero();
   for (const int i : cells_[index]) {
     const Cell& c = grid_->cells[static_cast<std::size_t>(i)];
+    // Relative depth error of a pixel: dz / z = dd / d, with the plane's disparity d at the cell's centre.
     const double d = std::max(0.25, static_cast<double>(plane.at(c.u, c.v)));
     const Eigen::Vector3d p = camera.fx * camera.baseline_m / d *
                               Eigen::Vector3d(static_cast<double>(c.u) / camera.fx,

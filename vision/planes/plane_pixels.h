@@ -1,4 +1,4 @@
-// From planes and the cells on them to pixels, and what is known of each segment.
+// Assigns pixels to plane segments and computes the geometry of each segment.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace kaz::vision {
 
-constexpr int kMostPlanes = 16;
+constexpr int kMaxPlanes = 16;
 
 class PlanePixels {
  public:
@@ -19,12 +19,13 @@ class PlanePixels {
   void add(const DisparityPlane& plane, const std::vector<std::vector<int>>& parts);
   int planes() const { return static_cast<int>(planes_.size()); }
 
-  // Every pixel within the tolerance of planes whose cells it is in or beside goes to the nearest
-  // of them.
+  // Labels each pixel with the nearest plane, in disparity and within the tolerance (px), among the planes
+  // of its cell and of the adjacent cells.
   void assign(const DepthImage& depth, float tolerance, PlaneSegments& found);
 
  private:
-  struct Sums {  // over a segment's pixels; of squares: disparity minus the plane's, and its share
+  // Over a segment's pixels: bounding box, sums of squared residuals (px^2) and of squared relative ones.
+  struct Sums {
     int pixels = 0, left = 1 << 30, top = 1 << 30, right = -1, bottom = -1;
     double r2 = 0, relative2 = 0;
   };
@@ -37,7 +38,7 @@ class PlanePixels {
                    PlaneSegments& found);
   void assign_run(const DepthImage& depth, int column, int end, int row, float tolerance,
                   PlaneSegments& found);
-  void take(int segment, int column, int row, int n, double r2);
+  void accumulate(int segment, int column, int row, int n, double r2);
   int segment_of(int plane, int column, int row) const {
     return segment_at_[static_cast<std::size_t>(plane)]
                       [static_cast<std::size_t>(row * grid_->columns + column)] -

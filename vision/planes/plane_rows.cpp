@@ -13,14 +13,14 @@ namespace kaz::vision {
 namespace {
 
 [[gnu::always_inline]] inline void add(const float* __restrict d, std::size_t pixels,
-                                       float* __restrict sum, float* __restrict least,
-                                       float* __restrict most, int* __restrict count) {
+                                       float* __restrict sum, float* __restrict min,
+                                       float* __restrict max, int* __restrict count) {
   for (std::size_t x = 0; x < pixels; ++x) {
-    const bool known = (d[x] > 0) & (d[x] < kMostDisparity_px);
+    const bool known = (d[x] > 0) & (d[x] < kMaxDisparity_px);
     sum[x] += known ? d[x] : 0.0F;
-    const float low = known ? d[x] : kMostDisparity_px, high = known ? d[x] : 0.0F;
-    least[x] = low < least[x] ? low : least[x];
-    most[x] = high > most[x] ? high : most[x];
+    const float low = known ? d[x] : kMaxDisparity_px, high = known ? d[x] : 0.0F;
+    min[x] = low < min[x] ? low : min[x];
+    max[x] = high > max[x] ? high : max[x];
     count[x] += known ? 1 : 0;
   }
 }
@@ -41,7 +41,7 @@ namespace {
 
 #ifdef KAZ_X86
 [[gnu::target("avx2")]] void add_avx2(const float* d, std::size_t pixels, const ColumnSums& s) {
-  add(d, pixels, s.sum, s.least, s.most, s.count);
+  add(d, pixels, s.sum, s.min, s.max, s.count);
 }
 [[gnu::target("avx2")]] void label_avx2(const float* d, std::size_t pixels, const RowPlane& plane,
                                         std::uint8_t* labels, float* square, int* count) {
@@ -60,7 +60,7 @@ void add_row(const float* disparity, std::size_t pixels, const ColumnSums& sums,
   if (vectors && has_avx2()) return add_avx2(disparity, pixels, sums);
 #endif
   (void)vectors;
-  add(disparity, pixels, sums.sum, sums.least, sums.most, sums.count);
+  add(disparity, pixels, sums.sum, sums.min, sums.max, sums.count);
 }
 
 void label_row(const float* disparity, std::size_t pixels, const RowPlane& plane,

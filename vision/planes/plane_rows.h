@@ -8,13 +8,13 @@
 
 namespace kaz::vision {
 
-constexpr float kMostDisparity_px = 1e9F;  // from there on, as from 0 down, it counts as unknown
+constexpr float kMaxDisparity_px = 1e9F;  // from there on, as from 0 down, it counts as unknown
 
 // What is known of columns of pixels over several rows.
 struct ColumnSums {
-  float* sum;    // of disparities
-  float* least;  // kMostDisparity_px where none is known
-  float* most;   // 0 where none is known
+  float* sum;  // of disparities
+  float* min;  // kMaxDisparity_px where none is known
+  float* max;  // 0 where none is known
   int* count;
 };
 void add_row(const float* disparity, std::size_t pixels, const ColumnSums& sums,

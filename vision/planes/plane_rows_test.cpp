@@ -27,22 +27,22 @@ std::vector<float> row(std::size_t pixels, std::uint64_t seed) {
 
 TEST(PlaneRows, SumsAreTheSameWithoutVectors) {
   for (const std::size_t n : {std::size_t{1}, std::size_t{7}, std::size_t{317}}) {
-    std::vector<float> sum[2], least[2], most[2];
+    std::vector<float> sum[2], min[2], max[2];
     std::vector<int> count[2];
     for (const int vectors : {0, 1}) {
       sum[vectors].assign(n, 0);
-      least[vectors].assign(n, kMostDisparity_px);
-      most[vectors].assign(n, 0);
+      min[vectors].assign(n, kMaxDisparity_px);
+      max[vectors].assign(n, 0);
       count[vectors].assign(n, 0);
       for (std::uint64_t seed = 1; seed < 9; ++seed)
-        add_row(row(n, seed).data(), n,
-                {sum[vectors].data(), least[vectors].data(), most[vectors].data(),
-                 count[vectors].data()},
-                vectors == 1);
+        add_row(
+            row(n, seed).data(), n,
+            {sum[vectors].data(), min[vectors].data(), max[vectors].data(), count[vectors].data()},
+            vectors == 1);
     }
     EXPECT_EQ(sum[0], sum[1]);
-    EXPECT_EQ(least[0], least[1]);
-    EXPECT_EQ(most[0], most[1]);
+    EXPECT_EQ(min[0], min[1]);
+    EXPECT_EQ(max[0], max[1]);
     EXPECT_EQ(count[0], count[1]);
   }
 }

@@ -1,4 +1,4 @@
-// Plane segments: votes, fits, connected cells, and then pixels.
+// Plane segmentation: Hough candidates, robust fits, connected cells, then pixels.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/planes/plane_segments.h"
 
@@ -13,9 +13,9 @@
 namespace kaz::vision {
 namespace {
 
-constexpr std::uint8_t kOff = 0, kOn = 1, kUnknown = 2, kPart = 3;
-constexpr int kGap = 2;
-constexpr std::size_t kSample = 250;  // cells that candidates are compared by
+constexpr std::uint8_t kOff = 0, kOn = 1, kUnknown = 2, kPart = 3;  // state of a cell
+constexpr int kGap = 2;               // cells without depth that a part may span
+constexpr std::size_t kSample = 250;  // cells for ranking candidates
 
 Result<void> check(const DepthImage& depth, const PlaneOptions& o) {
   const CameraModel& c = depth.info.camera;
@@ -33,7 +33,7 @@ Result<void> check(const DepthImage& depth, const PlaneOptions& o) {
     return fail(Fault::usage,
                 "planes: the camera model has no focal length or no distance between the eyes: "
                 "calibrate them");
-  if (o.triples < 1 || o.triples > 1'000'000 || o.max_planes < 1 || o.max_planes > kMostPlanes)
+  if (o.triples < 1 || o.triples > 1'000'000 || o.max_planes < 1 || o.max_planes > kMaxPlanes)
     return fail(Fault::usage, "planes: triples must be 1 to 1000000 and max_planes 1 to 16");
   if (!positive(o.tolerance_px) || !(o.min_share >= 0 && o.min_share <= 1))
     return fail(Fault::usage, "planes: tolerance_px must be above 0 and min_share between 0 and 1");
@@ -56,16 +56,16 @@ struct PlaneSegmentFinder::State {
   };
   std::vector<Visit> queue;
   std::vector<std::vector<int>> parts;
-  double widest = 0;  // px: how far off a cell may be to count in a fit
-  double rms = 0;     // px: of the last fit
+  double widest = 0;  // px: inlier threshold of the first round of a fit
+  double rms = 0;     // px: of the inliers of the last fit
 
   double off(const Cell& cell, const DisparityPlane& plane) const {
     return std::abs(static_cast<double>(cell.d - plane.at(cell.u, cell.v)));
   }
 
-  // Least squares over every `stride`-th of these cells, of those near the plane, three times:
-  // first within `widest`, then within 2.5 times the rms of those before, so that what adjoins at
-  // an angle does not bend it. How many cells the last one had; 0 where they span no plane.
+  // Trimmed least squares over every `stride`-th of these cells, in `rounds` rounds: inliers within `widest`
+  // first, then within 2.5 times the rms of the previous round, so that an adjoining surface does not bias
+  // the plane. Returns the number of inliers of the last round; 0 if they do not span a plane.
   int fit(const std::vector<int>& among, std::size_t stride, int rounds, DisparityPlane& plane) {
     double band = widest;
     int count = 0;
@@ -88,9 +88,9 @@ struct PlaneSegmentFinder::State {
     return count;
   }
 
-  // Cells on the plane that hang together by their sides, in `parts`, those of at least `least`
-  // cells, largest first. What is not known between them, up to kGap cells, does not part them.
-  void connect(const DisparityPlane& plane, int least) {
+  // Stores in `parts` the 4-connected components of inlier cells of at least `min_cells` cells, largest
+  // first. Gaps of up to kGap cells without depth do not separate a component.
+  void connect(const DisparityPlane& plane, int min_cells) {
     on = unknown;
     for (const int i : open_cells) {
       const auto at = static_cast<std::size_t>(i);
@@ -100,13 +100,14 @@ struct PlaneSegmentFinder::State {
     for (const int seed : open_cells) {
       if (on[static_cast<std::size_t>(seed)] != kOn) continue;
       std::vector<int> part = flood(seed);
-      if (static_cast<int>(part.size()) >= least && broad(part)) parts.push_back(std::move(part));
+      if (static_cast<int>(part.size()) >= min_cells && broad(part))
+        parts.push_back(std::move(part));
     }
     std::stable_sort(parts.begin(), parts.end(),
                      [](const auto& a, const auto& b) { return a.size() > b.size(); });
   }
 
-  // In order of nearness to the seed, so that gaps are crossed by the shortest way.
+  // Breadth first, so that gaps are crossed by the shortest path.
   std::vector<int> flood(int seed) {
     std::vector<int> part;
     queue.assign(1, {seed, 0});
@@ -130,8 +131,8 @@ struct PlaneSegmentFinder::State {
     return part;
   }
 
-  // A plane through two surfaces meets them along a line: a strip, in which hardly a cell has no
-  // neighbour that is known to be off the plane.
+  // Rejects strips: a plane that cuts through other surfaces has its inliers along lines, where almost every
+  // cell has a neighbour off the plane. True if a quarter of the cells are interior.
   bool broad(const std::vector<int>& part) {
     for (const int i : part) on[static_cast<std::size_t>(i)] = kPart;
     int inner = 0;
@@ -155,8 +156,8 @@ struct PlaneSegmentFinder::State {
     }
   }
 
-  // The next plane and its parts; false where there is no more.
-  bool next(const CameraModel& camera, int triples, int least, Random& random,
+  // Finds the next plane and its parts; false if there is none.
+  bool next(const CameraModel& camera, int triples, int min_cells, Random& random,
             DisparityPlane& plane) {
     const auto candidates = votes.count(grid, open, open_cells, camera, triples, random);
     struct Ranked {
@@ -172,11 +173,11 @@ struct PlaneSegmentFinder::State {
     std::stable_sort(ranked.begin(), ranked.end(),
                      [](const Ranked& a, const Ranked& b) { return a.count > b.count; });
     for (Ranked& r : ranked) {
-      if (3 * r.count < least) break;
-      if (fit(open_cells, 1, 2, r.plane) < least / 2) continue;
-      connect(r.plane, least);
+      if (3 * r.count < min_cells) break;
+      if (fit(open_cells, 1, 2, r.plane) < min_cells / 2) continue;
+      connect(r.plane, min_cells);
       if (parts.empty() || fit(parts.front(), 1, 3, r.plane) == 0) continue;
-      connect(r.plane, least);
+      connect(r.plane, min_cells);
       if (parts.empty()) continue;
       plane = r.plane;
       return true;
@@ -207,21 +208,21 @@ Result<void> PlaneSegmentFinder::find(const DepthImage& depth, PlaneSegments& fo
   }
   s.list_open();
   s.pixels.begin(s.grid);
-  const int least =
+  const int min_cells =
       std::max(9, static_cast<int>(o.min_share * static_cast<double>(s.grid.cells.size())));
   Random random(o.seed);
   s.widest = o.tolerance_px;
   bool ended = false;
   int triples = o.triples;
   while (s.pixels.planes() < o.max_planes && !ended &&
-         static_cast<int>(s.open_cells.size()) >= least) {
+         static_cast<int>(s.open_cells.size()) >= min_cells) {
     DisparityPlane plane;
-    if (!s.next(depth.info.camera, triples, least, random, plane)) {
+    if (!s.next(depth.info.camera, triples, min_cells, random, plane)) {
       ended = true;
       continue;
     }
     triples = std::max(1, o.triples / 3);
-    // The first plane, mostly the largest, shows how noisy cells are: it is the same all over.
+    // The first plane, usually the largest, measures the noise of the cells, taken as uniform.
     if (s.pixels.planes() == 0) s.widest = std::clamp(4 * s.rms, 0.2 * s.widest, s.widest);
     s.pixels.add(plane, s.parts);
     for (const auto& part : s.parts) {
@@ -231,6 +232,7 @@ Result<void> PlaneSegmentFinder::find(const DepthImage& depth, PlaneSegments& fo
   }
   s.pixels.assign(depth, static_cast<float>(o.tolerance_px), found);
   if (depth.info.posture_known) {
+    // The floor: a segment whose normal is vertical and whose centre is at height 0, foot frame.
     const Eigen::Vector3d up = depth.info.foot_from_eye.linear().row(2).transpose();
     for (PlaneSegment& segment : found.segments) {
       const double height = (depth.info.foot_from_eye * segment.middle).z();

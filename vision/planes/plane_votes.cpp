@@ -1,4 +1,4 @@
-// Votes of local point triples for planes.
+// Randomised Hough transform of local triples for planes.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/planes/plane_votes.h"
 
@@ -10,12 +10,17 @@ namespace kaz::vision {
 namespace {
 
 constexpr int kReach = 6;            // cells from the first point of a triple to the others
-constexpr double kNearest_m = 0.02;  // of distance
-constexpr float kStep = 0.12F;
-constexpr std::size_t kMost = 6;
+constexpr double kNearest_m = 0.02;  // lower edge of the first bin of distance
+constexpr float kStep = 0.12F;       // of the logarithm of distance
+constexpr std::size_t kMaxPlanes = 6;
 
 }  // namespace
 
+// `plane`: B/D n (disparity_plane.h) with the baseline B, so its length is B/D.
+//   distance bin: log(D / kNearest) / kStep, D = B / |plane|;
+//   normal bin: octahedral map (Z. H. Cigolle et al., "A survey of efficient representations for
+//   independent unit vectors", JCGT 3(2), 2014): n / |n|_1 projected to (x, y), the half z < 0 folded over
+//   the diagonals, so that [-1, 1]^2 covers the sphere.
 bool PlaneVotes::bin_of(const Eigen::Vector3d& plane, double baseline, Vote& vote) const {
   const double norm = plane.norm();
   if (!(norm > 1e-9)) return false;
@@ -24,7 +29,7 @@ bool PlaneVotes::bin_of(const Eigen::Vector3d& plane, double baseline, Vote& vot
   if (!(step >= 0 && step < kDistances)) return false;
   const Eigen::Vector3d n = plane / plane.lpNorm<1>();
   double x = n.x(), y = n.y();
-  if (n.z() < 0) {  // the octahedron's far half is folded out
+  if (n.z() < 0) {
     x = std::copysign(1 - std::abs(n.y()), n.x());
     y = std::copysign(1 - std::abs(n.x()), n.y());
   }
@@ -37,13 +42,13 @@ bool PlaneVotes::bin_of(const Eigen::Vector3d& plane, double baseline, Vote& vot
   return true;
 }
 
-void PlaneVotes::draw(const CellGrid& grid, std::span<const std::uint8_t> open,
-                      std::span<const int> open_cells, const CameraModel& camera, int triples,
-                      Random& random) {
+void PlaneVotes::sample(const CellGrid& grid, std::span<const std::uint8_t> open,
+                        std::span<const int> open_cells, const CameraModel& camera, int triples,
+                        Random& random) {
   bins_.assign(static_cast<std::size_t>(kSides * kSides * kDistances), 0);
   votes_.clear();
-  // Thin triangles say little about their plane: the smallest counted is 3 by 4 cells.
-  const auto least = static_cast<float>(12 * grid.size * grid.size);
+  // Twice the area of the triangle, px^2: smaller or thinner ones leave the slopes undetermined.
+  const auto min_area = static_cast<float>(12 * grid.size * grid.size);
   for (int i = 0; i < triples; ++i) {
     const int first = open_cells[random.below(static_cast<std::uint32_t>(open_cells.size()))];
     const int column = first % grid.columns, row = first / grid.columns;
@@ -59,10 +64,11 @@ void PlaneVotes::draw(const CellGrid& grid, std::span<const std::uint8_t> open,
     const Cell& p = grid.cells[static_cast<std::size_t>(first)];
     const Cell *q = near(0), *r = near(32);
     if (q == nullptr || r == nullptr) continue;
+    // Plane d = a u + b v + c through three points by Cramer's rule; u, v from the principal point, px.
     const float u1 = q->u - p.u, v1 = q->v - p.v, d1 = q->d - p.d;
     const float u2 = r->u - p.u, v2 = r->v - p.v, d2 = r->d - p.d;
     const float area = u1 * v2 - u2 * v1;
-    if (std::abs(area) < least) continue;
+    if (std::abs(area) < min_area) continue;
     DisparityPlane plane;
     plane.a = (d1 * v2 - d2 * v1) / area;
     plane.b = (u1 * d2 - u2 * d1) / area;
@@ -74,8 +80,8 @@ void PlaneVotes::draw(const CellGrid& grid, std::span<const std::uint8_t> open,
   }
 }
 
-// Votes in the bin and its 26 neighbours: a plane on a border between bins loses nothing.
-int PlaneVotes::around(const Vote& vote) const {
+// Votes in the bin and its 26 neighbours, so that a plane on a border between bins is not split.
+int PlaneVotes::votes_around(const Vote& vote) const {
   int sum = 0;
   for (int z = std::max(0, vote.bin[2] - 1); z <= std::min(kDistances - 1, vote.bin[2] + 1); ++z) {
     for (int y = std::max(0, vote.bin[1] - 1); y <= std::min(kSides - 1, vote.bin[1] + 1); ++y) {
@@ -91,19 +97,19 @@ std::span<const DisparityPlane> PlaneVotes::count(const CellGrid& grid,
                                                   std::span<const int> open_cells,
                                                   const CameraModel& camera, int triples,
                                                   Random& random) {
-  draw(grid, open, open_cells, camera, triples, random);
+  sample(grid, open, open_cells, camera, triples, random);
   best_.clear();
   struct Peak {
     int votes, vote;
   };
   std::vector<Peak> peaks;
-  std::vector<std::uint16_t> left = bins_;  // each bin is looked at once
+  std::vector<std::uint16_t> left = bins_;  // each bin is visited once
   for (std::size_t i = 0; i < votes_.size(); ++i) {
     const auto& bin = votes_[i].bin;
     std::uint16_t& here = left[static_cast<std::size_t>(index(bin[0], bin[1], bin[2]))];
     if (here == 0) continue;
     here = 0;
-    peaks.push_back({around(votes_[i]), static_cast<int>(i)});
+    peaks.push_back({votes_around(votes_[i]), static_cast<int>(i)});
   }
   std::sort(peaks.begin(), peaks.end(), [](const Peak& a, const Peak& b) {
     return a.votes != b.votes ? a.votes > b.votes : a.vote < b.vote;
@@ -112,9 +118,11 @@ std::span<const DisparityPlane> PlaneVotes::count(const CellGrid& grid,
     return std::abs(a.bin[0] - b.bin[0]) <= reach && std::abs(a.bin[1] - b.bin[1]) <= reach &&
            std::abs(a.bin[2] - b.bin[2]) <= reach;
   };
+  // Non-maximum suppression: a peak within 2 bins of a better one is skipped. The plane is the mean of all
+  // votes in the peak's bin and its neighbours.
   std::vector<int> taken;
   for (const Peak& peak : peaks) {
-    if (taken.size() == kMost || peak.votes < 3) break;
+    if (taken.size() == kMaxPlanes || peak.votes < 3) break;
     const Vote& middle = votes_[static_cast<std::size_t>(peak.vote)];
     if (std::any_of(taken.begin(), taken.end(), [&](int other) {
           return beside(middle, votes_[static_cast<std::size_t>(other)], 2);

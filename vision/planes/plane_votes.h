@@ -1,4 +1,4 @@
-// Votes of local point triples for planes.
+// Plane candidates by a randomised Hough transform: local triples of cells vote for planes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,12 +12,12 @@
 
 namespace kaz::vision {
 
-// Normals in 24 x 24 squares of an octahedron laid flat (some 6 degrees each), distances from the
-// eye in steps of 12 %, from 2 cm to 8 m.
+// Accumulator: the normal in 24 x 24 squares of the octahedral map (about 6 degrees each), the distance from
+// the camera in 50 steps of 12 %, from 2 cm to 8 m. Optical frame.
 class PlaneVotes {
  public:
-  // Draws triples among cells with `open` set and gives the planes most voted for, at most 6, best
-  // first, none two next to each other.
+  // Samples triples of cells where `open` is set and returns up to 6 planes with the most votes, best
+  // first, no two of them in adjacent bins.
   std::span<const DisparityPlane> count(const CellGrid& grid, std::span<const std::uint8_t> open,
                                         std::span<const int> open_cells, const CameraModel& camera,
                                         int triples, Random& random);
@@ -30,10 +30,10 @@ class PlaneVotes {
   };
   static int index(int x, int y, int z) { return (z * kSides + y) * kSides + x; }
   bool bin_of(const Eigen::Vector3d& plane, double baseline, Vote& vote) const;
-  void draw(const CellGrid& grid, std::span<const std::uint8_t> open,
-            std::span<const int> open_cells, const CameraModel& camera, int triples,
-            Random& random);
-  int around(const Vote& vote) const;
+  void sample(const CellGrid& grid, std::span<const std::uint8_t> open,
+              std::span<const int> open_cells, const CameraModel& camera, int triples,
+              Random& random);
+  int votes_around(const Vote& vote) const;
 
   std::vector<std::uint16_t> bins_;
   std::vector<Vote> votes_;

@@ -38,7 +38,7 @@ double passes(const Trace& trace, double from, double way, double share) {
   throw Failed{"the joint did not come near its target"};
 }
 
-StepResponse figures_of(const Trace& trace, double from, double to) {
+StepResponse step_response(const Trace& trace, double from, double to) {
   const double way = to - from;
   std::vector<double> rest;
   for (const Sample& sample : trace) {
@@ -46,17 +46,17 @@ StepResponse figures_of(const Trace& trace, double from, double to) {
   }
   check(!rest.empty(), "no readings came");
   const double end = mean_of(rest).value;
-  StepResponse figures;
-  figures.rise_ms = 1e3 * (passes(trace, from, way, 0.9) - passes(trace, from, way, 0.1));
-  figures.error_mrad = 1e3 * (end - to);
-  double most = 0;
+  StepResponse response;
+  response.rise_ms = 1e3 * (passes(trace, from, way, 0.9) - passes(trace, from, way, 0.1));
+  response.error_mrad = 1e3 * (end - to);
+  double max_overshoot = 0;
   for (const Sample& sample : trace) {
-    most = std::max(most, (sample.angle_rad - end) / way);
+    max_overshoot = std::max(max_overshoot, (sample.angle_rad - end) / way);
     if (std::abs(sample.angle_rad - end) > kSettled * std::abs(way))
-      figures.settling_ms = 1e3 * sample.t_s;
+      response.settling_ms = 1e3 * sample.t_s;
   }
-  figures.overshoot = 100 * most;
-  return figures;
+  response.overshoot = 100 * max_overshoot;
+  return response;
 }
 
 // The answer's sine of frequency f: how much and how late, as a complex number.
@@ -104,11 +104,11 @@ void measure_step(MotorOnBench& motor, BenchJudge& judge) {
       const double to = motor.middle_rad() + sign * 0.5 * kStepWay;
       const Trace trace = motor.step(from, to, kStepSeconds);
       check(!trace.empty(), "no readings came");
-      const StepResponse figures = figures_of(trace, from, to);
-      rise.push_back(figures.rise_ms);
-      overshoot.push_back(figures.overshoot);
-      settling.push_back(figures.settling_ms);
-      error.push_back(std::abs(figures.error_mrad));
+      const StepResponse response = step_response(trace, from, to);
+      rise.push_back(response.rise_ms);
+      overshoot.push_back(response.overshoot);
+      settling.push_back(response.settling_ms);
+      error.push_back(std::abs(response.error_mrad));
       if (round > 0) continue;
       for (const Sample& sample : trace)
         (sign > 0 ? up : down)

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Written against the host's Robot and a Stand: the same against a real board and the emulated one.
-// Without a stand those that need one are left out. docs/bench.md says how each is made.
+// Without a stand those that need one are skipped. docs/howto/bench.md describes each.
 #pragma once
 
 #include <functional>

@@ -45,8 +45,8 @@ std::string MotorOnBench::name() const {
 
 void MotorOnBench::come_to_rest() {
   if (!robot_.enable(0)) {
-    asked(robot_.clear());
-    asked(robot_.enable(0));
+    or_throw(robot_.clear());
+    or_throw(robot_.enable(0));
   }
   wait(0.1);
 }
@@ -54,7 +54,7 @@ void MotorOnBench::come_to_rest() {
 void MotorOnBench::set_supply(double volts) {
   sure(stand_->set_supply(volts));
   wait(0.05);
-  const double there = asked(robot_.health()).supply_volts;
+  const double there = or_throw(robot_.health()).supply_volts;
   char text[100];
   std::snprintf(text, sizeof text, "the supply was to be %.1f V, the board reads %.1f V", volts,
                 there);
@@ -68,24 +68,24 @@ void MotorOnBench::wait(double length_s) {
 void MotorOnBench::unlock() {
   const Time now = robot_.clock().now();
   if (now < unlocked_until_) return;
-  asked(robot_.unlock(kUnlockSeconds));
+  or_throw(robot_.unlock(kUnlockSeconds));
   unlocked_until_ = now + std::chrono::seconds(kUnlockSeconds) - kUnlockSpare;
 }
 
 void MotorOnBench::listen(bool on) {
   // Asked again each time: the link watchdog may have ended it.
-  asked(robot_.subscribe(on ? kSampling : Time::zero(), on ? KZ_TELEMETRY_STATE : 0));
+  or_throw(robot_.subscribe(on ? kSampling : Time::zero(), on ? KZ_TELEMETRY_STATE : 0));
   listening_ = on;
 }
 
 void MotorOnBench::forget_telemetry() {
-  while (asked(robot_.next_telemetry(robot_.clock().now()))) continue;
+  while (or_throw(robot_.next_telemetry(robot_.clock().now()))) continue;
 }
 
 template <class Enough>
 void MotorOnBench::collect(Trace& to, std::uint32_t begin_tick, Time until, Enough enough) {
   while (robot_.clock().now() < until) {
-    const auto frame = asked(robot_.next_telemetry(until));
+    const auto frame = or_throw(robot_.next_telemetry(until));
     if (!frame || frame->selection != KZ_TELEMETRY_STATE) continue;
     const auto ms = static_cast<std::int32_t>(frame->tick - begin_tick);
     if (ms < 0) continue;
@@ -98,24 +98,24 @@ void MotorOnBench::collect(Trace& to, std::uint32_t begin_tick, Time until, Enou
 }
 
 void MotorOnBench::go_to(double angle_rad) {
-  const double at = asked(robot_.state()).angle[static_cast<std::size_t>(joint_)];
+  const double at = or_throw(robot_.state()).angle[static_cast<std::size_t>(joint_)];
   const double goal = std::clamp(angle_rad, lower_, upper_);
   const double takes = std::max(0.2, std::abs(goal - at) / kTravelSpeed);
-  asked(robot_.enable(bit(joint_)));
+  or_throw(robot_.enable(bit(joint_)));
   const host::JointTarget target{joint_, goal};
-  asked(robot_.set_targets({&target, 1}, from_seconds(takes)));
+  or_throw(robot_.set_targets({&target, 1}, from_seconds(takes)));
   wait(takes + 0.3);
-  const host::Posture there = asked(robot_.state());
+  const host::Posture there = or_throw(robot_.state());
   if ((there.status & host::kMotorsOffFaults) != 0)
     throw Failed{robot_.describe_fault(there.status)};
-  asked(robot_.enable(0));
+  or_throw(robot_.enable(0));
   wait(0.1);
 }
 
 Trace MotorOnBench::watch(double length_s) {
   listen(true);
   forget_telemetry();
-  const std::uint32_t begin = asked(robot_.state()).tick;
+  const std::uint32_t begin = or_throw(robot_.state()).tick;
   Trace trace;
   collect(trace, begin, robot_.clock().now() + from_seconds(length_s),
           [](const Sample&) { return false; });
@@ -127,7 +127,7 @@ Trace MotorOnBench::drive(double duty, double length_s, double within_rad, doubl
   unlock();
   listen(true);
   forget_telemetry();
-  const std::uint32_t begin = asked(robot_.raw_drive(joint_, duty, from_seconds(length_s)));
+  const std::uint32_t begin = or_throw(robot_.raw_drive(joint_, duty, from_seconds(length_s)));
   const Time end = robot_.clock().now() + from_seconds(length_s);
   Trace trace;
   bool near = false;
@@ -135,7 +135,7 @@ Trace MotorOnBench::drive(double duty, double length_s, double within_rad, doubl
     const double left = duty > 0 ? upper_ - sample.angle_rad : sample.angle_rad - lower_;
     return near = within_rad > 0 && left < within_rad;
   });
-  if (near) (void)asked(robot_.raw_drive(joint_, 0, milliseconds(1)));
+  if (near) (void)or_throw(robot_.raw_drive(joint_, 0, milliseconds(1)));
   if (after_s > 0) {
     collect(trace, begin, robot_.clock().now() + from_seconds(after_s),
             [](const Sample&) { return false; });
@@ -146,48 +146,48 @@ Trace MotorOnBench::drive(double duty, double length_s, double within_rad, doubl
 
 void MotorOnBench::keep_driving(double duty, double length_s) {
   unlock();
-  (void)asked(robot_.raw_drive(joint_, duty, from_seconds(length_s)));
+  (void)or_throw(robot_.raw_drive(joint_, duty, from_seconds(length_s)));
 }
 
 Trace MotorOnBench::step(double from_rad, double to_rad, double length_s) {
-  asked(robot_.enable(bit(joint_)));
+  or_throw(robot_.enable(bit(joint_)));
   const host::JointTarget from{joint_, from_rad}, to{joint_, to_rad};
-  asked(robot_.set_targets({&from, 1}, from_seconds(0.3)));
+  or_throw(robot_.set_targets({&from, 1}, from_seconds(0.3)));
   wait(0.7);
   listen(true);
   forget_telemetry();
-  const std::uint32_t begin = asked(robot_.exchange({&to, 1}, Time::zero())).tick;
+  const std::uint32_t begin = or_throw(robot_.exchange({&to, 1}, Time::zero())).tick;
   Trace trace;
   collect(trace, begin, robot_.clock().now() + from_seconds(length_s),
           [](const Sample&) { return false; });
   listen(false);
-  asked(robot_.enable(0));
+  or_throw(robot_.enable(0));
   return trace;
 }
 
 MotorOnBench::Sine MotorOnBench::follow(double middle_rad, double amplitude_rad, double hertz,
                                         double length_s) {
-  asked(robot_.enable(bit(joint_)));
+  or_throw(robot_.enable(bit(joint_)));
   const host::JointTarget start{joint_, middle_rad};
-  asked(robot_.set_targets({&start, 1}, from_seconds(0.3)));
+  or_throw(robot_.set_targets({&start, 1}, from_seconds(0.3)));
   wait(0.5);
   Sine sine;
   const Time begin = robot_.clock().now();
-  const std::uint32_t begin_tick = asked(robot_.state()).tick;
+  const std::uint32_t begin_tick = or_throw(robot_.state()).tick;
   const auto cycles = static_cast<int>(length_s / kaz::seconds(kCycle));
   for (int i = 0; i < cycles; ++i) {
     sure(robot_.clock().sleep_until(begin + (i + 1) * kCycle));
     const double t = kaz::seconds(robot_.clock().now() - begin);
     const double angle = middle_rad + amplitude_rad * std::sin(2 * std::numbers::pi * hertz * t);
     const host::JointTarget target{joint_, angle};
-    const host::Posture posture = asked(robot_.exchange({&target, 1}, kCycle));
+    const host::Posture posture = or_throw(robot_.exchange({&target, 1}, kCycle));
     if ((posture.status & host::kMotorsOffFaults) != 0)
       throw Failed{robot_.describe_fault(posture.status)};
     sine.target.push_back({t, angle, posture.supply_volts});
     sine.answer.push_back({1e-3 * static_cast<std::int32_t>(posture.tick - begin_tick),
                            posture.angle[static_cast<std::size_t>(joint_)], posture.supply_volts});
   }
-  asked(robot_.enable(0));
+  or_throw(robot_.enable(0));
   return sine;
 }
 

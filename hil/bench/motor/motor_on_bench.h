@@ -1,9 +1,9 @@
-// One motor on the bench: driven, left alone, led by its loop, and what its potentiometer told
+// One motor on the bench: driven, left alone, led by its loop, and what its potentiometer measured
 // meanwhile.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Every call ends the bench (Lost) when the link or the stand is gone, and the measurement (Failed)
-// when the board does not do what it was asked.
+// when the board does not execute a request.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace kaz::hil {
 
 struct Sample {
   double t_s = 0;        // by the board's clock, since the drive or the step began
-  double angle_rad = 0;  // as the board tells it
+  double angle_rad = 0;  // as the board reports it
   double volts = 0;      // at the drivers' terminals
 };
 using Trace = std::vector<Sample>;
@@ -49,7 +49,7 @@ class MotorOnBench {
   void wait(double length_s);
   // By the loop, then off.
   void go_to(double angle_rad);
-  // The motor off: what its potentiometer tells, every 5 ms.
+  // Motor off: samples of its potentiometer every 5 ms.
   Trace watch(double length_s);
   // Duty -1..1, rounded to 1/255, for that long or, with a shaft that may turn, until it has come
   // `within_rad` of the limit it runs to; then off, and watched for `after_s` more.
@@ -67,14 +67,14 @@ class MotorOnBench {
  private:
   // A refusal fails the measurement: the board is there.
   template <class T>
-  T asked(Result<T> result) {
+  T or_throw(Result<T> result) {
     if (!result && robot_.health()) throw Failed{result.error().message};
     return sure(std::move(result));
   }
   void unlock();
   void listen(bool on);
   void forget_telemetry();
-  // Until `until` on the host's clock, or as soon as `enough` says so.
+  // Until `until` on the host's clock, or as soon as `enough` returns true.
   template <class Enough>
   void collect(Trace& to, std::uint32_t begin_tick, Time until, Enough enough);
 

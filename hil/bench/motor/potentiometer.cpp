@@ -19,8 +19,8 @@ constexpr double kMargin = 0.05;  // rad, from the soft limits
 
 Plot line_plot(const std::string& joint, const Points& read, const Line& line) {
   Series off{"read, less the line", Series::Style::line, {}};
-  for (const auto& [turned, told] : read)
-    off.points.emplace_back(turned / kDegree, (told - line(turned)) / kDegree);
+  for (const auto& [turned, measured] : read)
+    off.points.emplace_back(turned / kDegree, (measured - line(turned)) / kDegree);
   return {"potentiometer",
           joint,
           "Potentiometer against protractor",
@@ -28,7 +28,7 @@ Plot line_plot(const std::string& joint, const Points& read, const Line& line) {
           "deviation, degrees",
           false,
           {off},
-          "What the board tells, less the straight line through all places."};
+          "Measured angle minus the straight line through all positions."};
 }
 
 }  // namespace

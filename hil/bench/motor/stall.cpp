@@ -52,7 +52,7 @@ struct Readings {
   }
 };
 
-// Up and down again, so that warmth and volts can be told apart.
+// Up and down again, to separate the effects of temperature and voltage.
 Readings read_all(MotorOnBench& motor) {
   std::vector<double> supplies(std::begin(kSupplies), std::end(kSupplies));
   supplies.insert(supplies.end(), std::rbegin(kSupplies), std::rend(kSupplies));
@@ -152,9 +152,9 @@ double measure_stall(MotorOnBench& motor, BenchJudge& judge, double supply_volts
   torque_at("stall.torque_4v8", 4.8);
   torque_at("stall.torque_10v", 10);
   judge.enter(motor.name(), "stall.slope", line.slope, line.slope_error);
-  double most = 0;
-  for (const Press& press : all) most = std::max(most, press.torque);
-  judge.enter(motor.name(), "stall.line_error", 100 * line.worst / most);
+  double max_torque = 0;
+  for (const Press& press : all) max_torque = std::max(max_torque, press.torque);
+  judge.enter(motor.name(), "stall.line_error", 100 * line.worst / max_torque);
   const Line plus = fit_line(points_of(readings.positive, cold));
   const Line minus = fit_line(points_of(readings.negative, cold));
   judge.enter(motor.name(), "stall.asymmetry", 100 * (plus(7) / minus(7) - 1));

@@ -32,7 +32,7 @@ double degrees(double rad) {
 
 }  // namespace
 
-Result<void> CommandStand::tell(const std::string& line) {
+Result<void> CommandStand::send(const std::string& line) {
   const auto reply = ask_(line);
   if (!reply) return tl::unexpected(reply.error());
   return {};
@@ -57,11 +57,11 @@ Result<double> CommandStand::disc_kgm2() {
 }
 
 Result<void> CommandStand::set_supply(double volts) {
-  return tell("supply " + with_digits(volts, 3));
+  return send("supply " + with_digits(volts, 3));
 }
 
 Result<void> CommandStand::clamp(int joint, bool on) {
-  return tell("clamp " + joint_name(joint) + (on ? " on" : " off"));
+  return send("clamp " + joint_name(joint) + (on ? " on" : " off"));
 }
 
 Result<void> CommandStand::prepare_press(int, bool) {
@@ -73,15 +73,15 @@ Result<double> CommandStand::scale_nm(int joint) {
 }
 
 Result<void> CommandStand::press(int joint, double torque_nm) {
-  return tell("press " + joint_name(joint) + " " + with_digits(torque_nm, 4));
+  return send("press " + joint_name(joint) + " " + with_digits(torque_nm, 4));
 }
 
 Result<double> CommandStand::turn(int joint, double angle_rad) {
   const std::string protractor = "protractor " + joint_name(joint);
   const auto before = number(protractor, "angle_rad");
   if (!before) return before;
-  if (auto told = tell("turn " + joint_name(joint) + " " + with_digits(angle_rad, 4)); !told)
-    return tl::unexpected(told.error());
+  if (auto sent = send("turn " + joint_name(joint) + " " + with_digits(angle_rad, 4)); !sent)
+    return tl::unexpected(sent.error());
   const double takes = std::abs(angle_rad - *before) / kHandSpeed + settling_s();
   if (auto waited = clock_.sleep_until(clock_.now() + from_seconds(takes)); !waited)
     return tl::unexpected(waited.error());
@@ -89,7 +89,7 @@ Result<double> CommandStand::turn(int joint, double angle_rad) {
 }
 
 Result<void> CommandStand::let_go(int joint) {
-  return tell("let " + joint_name(joint));
+  return send("let " + joint_name(joint));
 }
 
 Result<void> ManualStand::done(const std::string& prompt) {

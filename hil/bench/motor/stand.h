@@ -40,7 +40,7 @@ class Stand {
   virtual double settling_s() const = 0;
 };
 
-// Whoever understands the words of docs/bench.md: the simulator, in process or by its control socket.
+// Whoever understands the words of docs/howto/bench.md: the simulator, in process or by its control socket.
 class CommandStand final : public Stand {
  public:
   using Ask = std::function<Result<nlohmann::ordered_json>(const std::string& line)>;
@@ -61,7 +61,7 @@ class CommandStand final : public Stand {
   double settling_s() const override { return 0.3; }
 
  private:
-  Result<void> tell(const std::string& line);
+  Result<void> send(const std::string& line);
   Result<double> number(const std::string& line, const char* key);
   std::string name_;
   Ask ask_;
@@ -69,7 +69,7 @@ class CommandStand final : public Stand {
   double pressing_s_;
 };
 
-// Somebody at the bench: `ask` gets what to do or to read, and returns what was typed.
+// A person at the bench: `ask` receives the instruction or question and returns the typed reply.
 class ManualStand final : public Stand {
  public:
   using Ask = std::function<Result<std::string>(const std::string& prompt)>;

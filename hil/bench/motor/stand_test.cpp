@@ -1,4 +1,4 @@
-// The bench's tools by words: what a machine is told, and what a person is asked.
+// Stands by text: commands to a machine, prompts for a person.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/bench/motor/stand.h"
 
@@ -28,12 +28,12 @@ class StandingClock final : public host::Clock {
 };
 
 TEST(CommandStand, SaysItsWords) {
-  std::vector<std::string> told;
+  std::vector<std::string> commands;
   StandingClock clock;
   CommandStand stand(
       "a machine",
       [&](const std::string& line) -> Result<nlohmann::ordered_json> {
-        told.push_back(line);
+        commands.push_back(line);
         return nlohmann::ordered_json{
             {"disc_kgm2", 5e-4}, {"torque_nm", 1.25}, {"angle_rad", -0.498}};
       },
@@ -46,10 +46,10 @@ TEST(CommandStand, SaysItsWords) {
   EXPECT_TRUE(stand.press(kJoint, -0.03));
   EXPECT_EQ(*stand.turn(kJoint, 1.5), -0.498);
   EXPECT_TRUE(stand.let_go(kJoint));
-  EXPECT_EQ(told, (std::vector<std::string>{
-                      "disc", "supply 6.500", "clamp l_elbow on", "scale l_elbow",
-                      "clamp l_elbow off", "press l_elbow -0.0300", "protractor l_elbow",
-                      "turn l_elbow 1.5000", "protractor l_elbow", "let l_elbow"}));
+  EXPECT_EQ(commands, (std::vector<std::string>{
+                          "disc", "supply 6.500", "clamp l_elbow on", "scale l_elbow",
+                          "clamp l_elbow off", "press l_elbow -0.0300", "protractor l_elbow",
+                          "turn l_elbow 1.5000", "protractor l_elbow", "let l_elbow"}));
   // 2 rad at 2 rad/s, and the time to settle.
   EXPECT_GE(clock.now(), std::chrono::milliseconds(1200));
 }
@@ -71,9 +71,9 @@ TEST(CommandStand, AReplyThatMakesNoSenseIsAnError) {
 // Somebody who answers one after the other.
 struct Person {
   std::deque<std::string> answers;
-  std::vector<std::string> asked;
+  std::vector<std::string> prompts;
   ManualStand stand{[this](const std::string& prompt) -> Result<std::string> {
-                      asked.push_back(prompt);
+                      prompts.push_back(prompt);
                       if (answers.empty()) return fail(Fault::usage, "nobody there");
                       std::string answer = answers.front();
                       answers.pop_front();
@@ -87,26 +87,26 @@ TEST(ManualStand, AsksAndReads) {
   person.answers = {"", "", "", "1.31", " -44.5 \r", ""};
   EXPECT_EQ(*person.stand.disc_kgm2(), 4e-4);
   EXPECT_TRUE(person.stand.set_supply(10));
-  EXPECT_EQ(person.asked.back(), "Set the supply to 10.00 V without load, then press Enter");
+  EXPECT_EQ(person.prompts.back(), "Set the supply to 10.00 V without load, then press Enter");
   EXPECT_TRUE(person.stand.clamp(kJoint, true));
-  EXPECT_NE(person.asked.back().find("against the scale"), std::string::npos);
+  EXPECT_NE(person.prompts.back().find("against the scale"), std::string::npos);
   EXPECT_TRUE(person.stand.prepare_press(kJoint, false));
-  EXPECT_NE(person.asked.back().find("in its negative sense for 0.7 s"), std::string::npos);
+  EXPECT_NE(person.prompts.back().find("in its negative sense for 0.7 s"), std::string::npos);
   EXPECT_EQ(*person.stand.scale_nm(kJoint), 1.31);
   EXPECT_NEAR(*person.stand.turn(kJoint, -0.8), -44.5 * std::numbers::pi / 180, 1e-12);
-  EXPECT_NE(person.asked.back().find("about -46 degrees"), std::string::npos)
-      << person.asked.back();
+  EXPECT_NE(person.prompts.back().find("about -46 degrees"), std::string::npos)
+      << person.prompts.back();
   EXPECT_TRUE(person.stand.press(kJoint, -0.03));
-  EXPECT_NE(person.asked.back().find("0.03 Nm in its negative sense"), std::string::npos);
+  EXPECT_NE(person.prompts.back().find("0.03 Nm in its negative sense"), std::string::npos);
 }
 
 TEST(ManualStand, AsksAgainWhereNoNumberCame) {
   Person person;
   person.answers = {"", "two", "1.2 Nm", "nan", "1.2"};
   EXPECT_EQ(*person.stand.scale_nm(kJoint), 1.2);
-  ASSERT_EQ(person.asked.size(), 5u);
-  EXPECT_EQ(person.asked[1].rfind("That is no number; give one like -0.95. What did", 0), 0u)
-      << person.asked[1];
+  ASSERT_EQ(person.prompts.size(), 5u);
+  EXPECT_EQ(person.prompts[1].rfind("That is no number; give one like -0.95. What did", 0), 0u)
+      << person.prompts[1];
 }
 
 TEST(ManualStand, NobodyThereIsAnErrorAtOnce) {

@@ -23,13 +23,13 @@ Spatial scaled(const Spatial& a, double by) {
   return {a.angular * by, a.linear * by};
 }
 
-// Rate of change of a motion that is carried along by a motion v.
+// Spatial cross product v x m for motions (Featherstone, 2.31).
 Spatial carried(const Spatial& v, const Spatial& motion) {
   return {v.angular.cross(motion.angular),
           v.angular.cross(motion.linear) + v.linear.cross(motion.angular)};
 }
 
-// The same of a force.
+// Spatial cross product v x* f for forces (Featherstone, 2.32).
 Spatial carried_force(const Spatial& v, const Spatial& force) {
   return {v.angular.cross(force.angular) + v.linear.cross(force.linear),
           v.angular.cross(force.linear)};
@@ -46,6 +46,7 @@ Matrix3d turned(const Matrix3d& turn, const Vector3d& axis, double angle) {
   return turn * r;
 }
 
+// Inertia of a point mass at r about the origin: m (r^2 I - r r^T), kg m2.
 Matrix3d point_inertia(double mass, const Vector3d& r) {
   return mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
 }
@@ -87,6 +88,8 @@ ArticulatedTree::ArticulatedTree(const RobotModel& robot, const Eigen::Isometry3
   velocities();
 }
 
+// Poses from root to leaves, R_i = R_parent R_0 R(axis, angle), and inertias about P: first moment m c,
+// second moment R I R^T + m (c^2 1 - c c^T).
 void ArticulatedTree::place() {
   whole_ = {};
   for (Link& link : links_) {
@@ -112,6 +115,7 @@ void ArticulatedTree::place() {
   }
 }
 
+// Twists from root to leaves: v_i = v_parent + S_i dq_i.
 void ArticulatedTree::twists(const std::vector<double>& v) {
   Link& root = links_.front();
   if (root_dofs_ == 6) {
@@ -140,6 +144,8 @@ ArticulatedTree::Momentum ArticulatedTree::momentum() {
   return {sum.linear, sum.angular - (whole_.first / whole_.mass).cross(sum.linear)};
 }
 
+// Rigid velocity of the whole tree that makes up the difference in momentum: w = I_c^-1 dL about the centre
+// of mass c, v_P = dp / m - w x c.
 void ArticulatedTree::set_momentum(const Momentum& to) {
   if (root_dofs_ != 6) return;
   const Momentum now = momentum();
@@ -161,6 +167,7 @@ double ArticulatedTree::kinetic_energy() {
   return twice / 2;
 }
 
+// Composite inertia of each link with all its descendants, from leaves to root.
 void ArticulatedTree::composite() {
   for (Link& link : links_) link.composite = link.inertia;
   for (std::size_t i = links_.size(); i-- > 1;) {
@@ -172,6 +179,7 @@ void ArticulatedTree::composite() {
   }
 }
 
+// M_ij = S_j . (I_i^composite S_i) for ancestors j of i; the columns of the root are that force itself.
 void ArticulatedTree::write_mass_row(const Link& link, double* m) const {
   const Spatial force = link.composite * link.motion;
   m[link.dof] = dot(link.motion, force);
@@ -184,7 +192,7 @@ void ArticulatedTree::write_mass_row(const Link& link, double* m) const {
   }
 }
 
-// Linear momentum from angular velocity: -first x.
+// Rows of the root: second moment, and m v - (m c) x w for the linear part; lower triangle.
 void ArticulatedTree::write_root_row(int i, double* m) const {
   if (i < 3) {
     for (int k = 0; k <= i; ++k) m[k] = whole_.second(i, k);
@@ -196,12 +204,13 @@ void ArticulatedTree::write_root_row(int i, double* m) const {
   m[i] = whole_.mass;
 }
 
-// What each link by itself needs to move as it does.
+// Force on each link by itself: f = I a + v x* (I v), with accelerations from root to leaves. Gravity enters
+// as an acceleration -g of the root.
 void ArticulatedTree::inertial_forces(const std::vector<double>& v, const double* a,
                                       const Vector3d& gravity) {
   twists(v);
   Link& root = links_.front();
-  // Of a spatial motion: what P as a point of the moving body accelerates by is more by this product.
+  // Spatial acceleration = acceleration of the body-fixed point at P minus w x v (Featherstone, 2.46).
   root.acceleration = {Vector3d::Zero(), -gravity - root.twist.angular.cross(root.twist.linear)};
   if (a != nullptr && root_dofs_ == 6)
     root.acceleration = root.acceleration + Spatial{{a[0], a[1], a[2]}, {a[3], a[4], a[5]}};

@@ -1,28 +1,27 @@
-// Dynamics of a tree of rigid links in reduced coordinates: one coordinate for each joint, six for
-// a root that is free. Joints have no gaps by construction.
+// Dynamics of a tree of rigid links in reduced (joint) coordinates: one coordinate for each joint, six for a
+// floating base. Joints cannot drift apart by construction.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Sources: R. Featherstone, "Rigid Body Dynamics Algorithms" (2008): composite-rigid-body inertia
 // (6.2), recursive Newton-Euler bias (5.3).
 //
-// All spatial quantities are in world axes about one point, the root's origin P as it is now: so
-// inertias and forces of links are added without any transform. Order of coordinates v: angular
-// velocity of the root and velocity of P (world axes, rad/s and m/s; neither of them where the root
-// does not move), then the joints' rates in the order of links, parents first (rad/s).
+// All spatial quantities are in world axes about one point, the present origin P of the root, so inertias and
+// forces of links are added without transforms. Order of the coordinates v: angular velocity of the root and
+// velocity of P (world axes, rad/s and m/s; absent for a fixed base), then the joint rates in the order of
+// links, parents first (rad/s).
 //
 //   M(q) dv/dt + c(q, v) = tau
 //
-// Nothing allocates after the constructor; the order of all sums is fixed, so the same input gives
-// the same bits.
+// No allocation after the constructor; the order of all sums is fixed, so equal input gives equal bits.
 #pragma once
 
 #include <vector>
 
-#include "sim/body/robot_model.h"
+#include "sim/body/description/robot_model.h"
 
 namespace kaz::sim {
 
-// Of a motion about P: angular velocity and velocity of P. Of a force: moment about P and force.
+// Spatial vector about P. Motion: angular velocity and velocity of P. Force: moment about P and force.
 struct Spatial {
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();
@@ -30,7 +29,7 @@ struct Spatial {
 
 class ArticulatedTree {
  public:
-  // `held`: the root stays where it is, although the model would let it move.
+  // `held`: fixes the base although the model has a floating one.
   ArticulatedTree(const RobotModel& robot, const Eigen::Isometry3d& root, bool held);
 
   int dofs() const { return dofs_; }
@@ -38,68 +37,68 @@ class ArticulatedTree {
   int dof_of_joint(int joint) const { return dof_of_joint_[static_cast<std::size_t>(joint)]; }
   int link_of_dof(int dof) const { return dof - root_dofs_ + 1; }
 
-  // State. Angles (rad) are of the joints alone, velocity has all coordinates.
+  // State. `angle` (rad) has the joints only, `velocity` all coordinates.
   Eigen::Vector3d root_at;  // m, world
   Eigen::Quaterniond root_turn;
   std::vector<double> angle;  // by coordinate - root_dofs()
   std::vector<double> velocity;
 
-  // Places, axes and inertias for the state as it is; to be called after each change of place or angle.
+  // Forward kinematics: poses, joint axes and inertias. Call after each change of root pose or angle.
   void place();
   const Eigen::Matrix3d& axes(int link) const { return links_[index(link)].axes; }
   Eigen::Vector3d origin(int link) const { return root_at + links_[index(link)].origin; }
   Eigen::Vector3d com(int link) const { return root_at + links_[index(link)].com; }
-  // Velocity of a point of a link, world axes; needs velocities().
+  // Velocity of a point (world frame, m) fixed to a link, world axes, m/s. Valid after velocities().
   Eigen::Vector3d velocity_at(int link, const Eigen::Vector3d& point) const;
   Eigen::Vector3d angular_velocity(int link) const { return links_[index(link)].twist.angular; }
-  // Twists of the links for `velocity`.
+  // Computes the links' twists from `velocity`.
   void velocities() { twists(velocity); }
 
-  // Momentum for `velocity`: linear (kg m/s), and angular about the centre of mass (kg m2/s).
+  // Momentum at `velocity`: linear (kg m/s), and angular about the centre of mass (kg m2/s).
   struct Momentum {
     Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
   };
   Momentum momentum();
-  // Changes the root's velocity, and no joint's, so that momentum() becomes this. For free roots.
+  // Changes the velocity of a floating base, and no joint's, so that momentum() becomes `to`.
   void set_momentum(const Momentum& to);
   Eigen::Vector3d mass_centre() const;  // m, world
   double mass() const { return mass_; }
   double kinetic_energy();  // J
 
-  // M for the present place: row(i) points to row i, of which ancestors' columns and the diagonal are
-  // written.
+  // M for the present pose (composite-rigid-body algorithm). row(i) returns a pointer to row i; written are
+  // the diagonal and the columns of ancestors.
   template <class Row>
   void mass_matrix(Row row) {
     composite();
     for (std::size_t i = 1; i < links_.size(); ++i) write_mass_row(links_[i], row(links_[i].dof));
     for (int i = 0; i < root_dofs_; ++i) write_root_row(i, row(i));
   }
-  // c for any velocity: what tau has to be so that nothing accelerates but what falls freely.
+  // c(q, v): generalised forces that keep the coordinates unaccelerated under gravity (recursive
+  // Newton-Euler with zero acceleration). N m, N.
   void bias(const std::vector<double>& velocity, const Eigen::Vector3d& gravity,
             std::vector<double>& c);
 
-  // What passes to each link through the joint that carries it, so that the tree moves at `velocity`
-  // with `acceleration` (both by coordinate): recursive
-  // Newton-Euler. `forces`, by link: in, what pushes the link besides gravity; out, the root's in the
-  // place of a joint's.
+  // Spatial force transmitted to each link through its parent joint for motion at `velocity` with
+  // `acceleration` (recursive Newton-Euler). `forces`, by link: external force without gravity in, joint
+  // force out; for the root, the force that the base would need.
   void joint_forces(const std::vector<double>& velocity, const std::vector<double>& acceleration,
                     const Eigen::Vector3d& gravity, std::vector<Spatial>& forces);
 
-  // Coordinates of a link's branch, beside those of the root: all that may move it.
+  // Range of joint coordinates that contains all ancestors of a link, without the root's six.
   struct Span {
     int first = 0, end = 0;
   };
   Span span_of_link(int link) const { return links_[index(link)].span; }
   Span span_of_dof(int dof) const { return links_[index(dof - root_dofs_ + 1)].span; }
-  // Coordinate of the joint that carries this one's link; -1: the root does.
+  // Coordinate of the parent link's joint; -1: the parent is the root.
   int carrier_of_dof(int dof) const {
     return links_[index(links_[index(dof - root_dofs_ + 1)].parent)].dof;
   }
-  // Adds to `out`, by coordinate, what a force (N, or N s) on a point of a link does.
+  // out += J^T force for a force (N, or N s) at a point of a link, world frame.
   void add_force(int link, const Eigen::Vector3d& point, const Eigen::Vector3d& force,
                  double* out) const;
-  // Motions of a link about P at unit rates of the joints that carry it, times `sign`, added to
-  // columns of six (angular, linear): that of coordinate i at columns + 6 (i - first).
+  // Adds `sign` times the link's geometric Jacobian about P (angular, linear) to columns of six; the column
+  // of coordinate i is at columns + 6 (i - first).
   void add_motions(int link, double sign, int first, double* columns) const;
 
  private:
@@ -121,10 +120,10 @@ class ArticulatedTree {
     double mass = 0;
     Eigen::Vector3d own_com = Eigen::Vector3d::Zero();          // own axes
     Eigen::Matrix3d own_inertia = Eigen::Matrix3d::Identity();  // about com, own axes
-    // For the present place; vectors from P.
+    // For the present pose; vectors from P.
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
     Eigen::Vector3d origin = Eigen::Vector3d::Zero(), com = Eigen::Vector3d::Zero();
-    Spatial motion;  // that the joint gives at unit rate
+    Spatial motion;  // of the joint at unit rate (motion subspace S)
     Inertia inertia, composite;
     Spatial twist, acceleration, force;
   };

@@ -1,4 +1,4 @@
-// Symmetric positive definite matrix of a system of branches and free bodies.
+// Symmetric positive definite block matrix of a kinematic tree and free bodies.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/reduced/block_matrix.h"
 
@@ -12,7 +12,7 @@
 namespace kaz::sim {
 namespace {
 
-// Of a root or a free body.
+// Coordinates of a floating base or a free body.
 using Six = Eigen::Matrix<double, 6, 1>;
 
 }  // namespace
@@ -50,7 +50,7 @@ void BlockMatrix::close() {
   find_calm();
 }
 
-// Eliminating a block couples all that it is coupled to.
+// Symbolic factorisation: eliminating a block couples all its neighbours (fill-in).
 void BlockMatrix::spread_couplings() {
   const int count = static_cast<int>(blocks_.size());
   coupled_.assign(at(count) * at(count), 0);
@@ -76,7 +76,8 @@ void BlockMatrix::spread_couplings() {
   }
 }
 
-// Blocks of an island stand in `order_` one after the other, rising.
+// Connected components by breadth-first search. The blocks of an island are consecutive in `order_`,
+// ascending.
 void BlockMatrix::find_islands() {
   const int count = static_cast<int>(blocks_.size());
   islands_.clear();
@@ -102,7 +103,7 @@ void BlockMatrix::find_islands() {
   }
 }
 
-// What is left of a calm block stands in the root's block alone, and nothing is left in it.
+// A block is calm if its elimination changes the root's block only and no other block changes it.
 void BlockMatrix::find_calm() {
   for (std::size_t b = blocks_.size(); b-- > 0;) {
     Block& block = blocks_[b];
@@ -117,6 +118,7 @@ void BlockMatrix::find_calm() {
   }
 }
 
+// out = M x with the lower triangle: each entry M_ij, j < i, contributes to out_i and out_j.
 void BlockMatrix::multiply(const Island& island, const double* __restrict x,
                            double* __restrict out) const {
   for (int k = 0; k < island.blocks.length; ++k) {
@@ -176,7 +178,8 @@ void BlockMatrix::load(const Island& island, bool keep) {
   }
 }
 
-// Rows of a block from its last to its first, and what each leaves in the rows before it.
+// Factors H = L^T L of a block, from its last row to its first: L_kk = sqrt(H_kk), L_ki = H_ki / L_kk, then
+// the rank-one update H_ij -= L_ki L_kj of all rows before k.
 void BlockMatrix::factor_block(const Block& block) {
   const Range* below = below_.data() + block.below.first;
   const Range* end = below + block.below.length;
@@ -197,7 +200,7 @@ void BlockMatrix::factor_block(const Block& block) {
       for (const Range* r = below; r < end; ++r)
         add_range(-of_k[i], of_k + r->first, of_i + r->first, r->length);
     }
-    // Beyond the diagonal too: what stands there is never read.
+    // Writes above the diagonal as well; those entries are never read.
     for (const Range* r = below; r < end; ++r) {
       for (int i = r->first; i < r->first + r->length; ++i) {
         double* of_i = matrix_.data() + row(i);
@@ -227,6 +230,7 @@ void BlockMatrix::factor(const Island& island) {
   }
 }
 
+// Solves L^T y = x from the last row to the first, then L x = y from the first to the last.
 void BlockMatrix::back_solve(const Island& island, double* __restrict x) const {
   for (int k = island.blocks.length; k-- > 0;) {
     const Block& block = blocks_[at(order_[at(island.blocks.first + k)])];

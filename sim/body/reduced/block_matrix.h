@@ -1,19 +1,17 @@
-// Symmetric positive definite matrix of a system of branches and free bodies: its blocks, what
-// couples them, and its factors.
+// Symmetric positive definite block matrix of a kinematic tree and free bodies, and its sparse factors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A block is the coordinates of a free root, of a chain of joints between two forks of the robot, or of
-// one free body. The inertia couples a chain to what carries it; contacts couple what touches. Blocks
-// that are coupled, over whatever others, are an island: islands are solved one by one.
+// A block has the coordinates of a floating base, of a chain of joints between two forks of the robot, or of
+// one free body. The inertia couples a chain to its ancestors; contacts couple the touching bodies. Blocks
+// that are connected by couplings form an island; islands are solved independently.
 //
-// Two matrices of one pattern: the inertia M, and H = M plus what the rows of a step of Newton's method
-// add. H is factored as L^T L from the last coordinate to the first, so that branches leave no fill in
-// each other (R. Featherstone, "Rigid Body Dynamics Algorithms", 6.5: branch-induced sparsity). A chain on
-// the root that nothing touches is calm: its factors and what it leaves in the root's block are kept as
-// long as its rows stay the same.
+// Two matrices have the same pattern: the inertia M, and H = M plus the stiffness of the rows in a Newton
+// iteration. H is factored as L^T L from the last coordinate to the first, so that branches cause no fill-in
+// in each other (R. Featherstone, "Rigid Body Dynamics Algorithms", 6.5: branch-induced sparsity). A chain on
+// the root without contacts is calm: its factors and its Schur complement in the root's block are kept as
+// long as its active set does not change.
 //
-// Nothing allocates where the numbers of coordinates and blocks have been reached before. The order of
-// all sums is fixed.
+// No allocation once the numbers of coordinates and blocks have been reached. The order of all sums is fixed.
 #pragma once
 
 #include <cstddef>
@@ -31,19 +29,19 @@ class BlockMatrix {
     bool calm = false;  // has calm blocks
   };
 
-  // Forgets all blocks. Coordinates are covered by blocks in rising order, each once.
+  // Removes all blocks. The blocks then added cover the coordinates in ascending order, each once.
   void begin(int coordinates);
-  // `carrier`: the block that carries it, -1 for none. M couples it to that and to its carriers.
+  // `carrier`: the parent block, -1 for none. M couples a block to all its ancestors. Returns its index.
   int add_block(int first, int length, int carrier);
   int block_of(int coordinate) const { return block_of_[at(coordinate)]; }
   int island_of(int coordinate) const { return blocks_[at(block_of(coordinate))].island; }
   void couple(int block_a, int block_b);
   void touch(int block) { blocks_[at(block)].calm = false; }
-  // After the last of these.
+  // Computes fill-in, islands and calm blocks. To be called after the last of the calls above.
   void close();
 
   int size() const { return size_; }
-  // Row i of M, lower triangle: to be written for the columns of its own block and its carriers'.
+  // Row i of M, lower triangle. The caller writes the columns of its own block and of its ancestors.
   double* inertia_row(int i) { return inertia_.data() + row(i); }
   double inertia(int i) const { return inertia_[row(i) + at(i)]; }
 
@@ -53,11 +51,11 @@ class BlockMatrix {
   }
   bool calm(int block) const { return blocks_[at(block)].calm; }
 
-  // out = M x, of an island's coordinates.
+  // out = M x for an island's coordinates.
   void multiply(const Island& island, const double* x, double* out) const;
-  // H = M for an island. `keep`: but for its calm blocks, which stay factored.
+  // H = M for an island. `keep`: its calm blocks stay factored.
   void load(const Island& island, bool keep);
-  // Lower triangle; columns above the diagonal may be written, and are never read.
+  // Row i of H, lower triangle; entries above the diagonal may be written and are never read.
   double* row_of(int i) { return matrix_.data() + row(i); }
   void factor_calm(const Island& island);
   void factor(const Island& island);
@@ -84,7 +82,7 @@ class BlockMatrix {
   std::vector<double> root_kept_;  // the root's rows with calm blocks eliminated
   std::vector<int> block_of_, order_;
   std::vector<Block> blocks_;
-  std::vector<Range> couplings_;  // asked for: two blocks
+  std::vector<Range> couplings_;  // by couple(): two blocks each
   std::vector<char> coupled_;     // after elimination, by block and block before it
   std::vector<Range> below_;
   std::vector<Island> islands_;

@@ -1,4 +1,4 @@
-// Velocities after a step: the rows, their impulses, and what they add to the matrix.
+// Velocity-level solver: the rows, their impulses and their stiffness in the Hessian.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
@@ -18,10 +18,12 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-double cut(double force, double most) {
-  return force > most ? most / force : 1.0;
+// Factor that scales a vector of length `force` to at most `max`.
+double cut(double force, double max) {
+  return force > max ? max / force : 1.0;
 }
 
+// Matrix of the cross product: cross_of(a) b = a x b.
 Matrix3d cross_of(const Vector3d& a) {
   Matrix3d m;
   m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
@@ -65,8 +67,9 @@ void VelocitySolver::add_point(const Point& point) {
   contact.impulse.setZero();
 }
 
-// What an impulse along a row does to its velocity, with each coordinate by itself: more than with all
-// of them, by a small factor.
+// Tangential compliance of a point: its `give`, or kGive times the mobility of the bodies along each row,
+// estimated as sum_k J_k^2 / M_kk (diagonal of M only; overestimates by a small factor). m/s per N s,
+// rad/s per N m s.
 void VelocitySolver::set_give(Contact& contact) {
   const Point& point = contact.point;
   if (point.give > 0 && point.rolling == 0) {
@@ -95,6 +98,7 @@ void VelocitySolver::set_give(Contact& contact) {
   contact.moment_firm = 1 / (kGive * yields.tail<3>().maxCoeff());
 }
 
+// Relative motion J x of a pair about its point of reference, world axes.
 VelocitySolver::Motion VelocitySolver::motion_of(const Pair& pair, const double* x) const {
   Motion motion = Motion::Zero();
   const double* column = columns_.data() + pair.pool;
@@ -111,7 +115,8 @@ VelocitySolver::Motion VelocitySolver::motion_of(const Pair& pair, const double*
   return motion;
 }
 
-// Velocities along a point's rows.
+// Velocities along a point's rows: B^T (v + w x arm) for the three forces, B^T w for the three moments, where
+// B = (normal, tangent 1, tangent 2).
 void VelocitySolver::along(const Contact& contact, const Motion& motion, Impulse& u) {
   const Matrix3d& basis = contact.point.basis;
   const Vector3d angular = motion.head<3>();
@@ -125,14 +130,16 @@ void VelocitySolver::along(const Contact& contact, const Motion& motion, Impulse
   u[5] = basis.col(0).dot(angular);
 }
 
-void VelocitySolver::set_lengths(Contact& contact, double anew) {
+// Friction radii mu l_n and rolling l_n, under-relaxed.
+void VelocitySolver::set_lengths(Contact& contact, double relaxation) {
   const double normal =
       std::max(0.0, (contact.point.target - contact.velocity[0]) * contact.hardness);
-  contact.length_t += anew * (contact.point.mu * normal - contact.length_t);
-  contact.length_r += anew * (contact.point.rolling * normal - contact.length_r);
+  contact.length_t += relaxation * (contact.point.mu * normal - contact.length_t);
+  contact.length_r += relaxation * (contact.point.rolling * normal - contact.length_r);
 }
 
-// From the velocities along the rows, with the lengths of friction as they are.
+// Impulses from the velocities along the rows, for fixed friction radii:
+// l_n = max(0, (target - u_n) / softness), l_t = project(l_t before - u_t / give, radius).
 void VelocitySolver::impulses(const Contact& contact, const Impulse& u, Impulse& l) {
   const Point& point = contact.point;
   l[0] = std::max(0.0, (point.target - u[0]) * contact.hardness);
@@ -147,13 +154,13 @@ void VelocitySolver::impulses(const Contact& contact, const Impulse& u, Impulse&
   l[5] *= cut(std::abs(l[5]), contact.length_r);
 }
 
-// Off, slipping or sticking; the same of rolling and spinning.
+// Active set of a point: separated, slipping or sticking; likewise for rolling and spinning.
 std::uint8_t VelocitySolver::pattern_of(const Contact& contact) {
   const Impulse& l = contact.impulse;
   if (l[0] <= 0) return 0;
-  // Cut to the length, up to rounding: whatever is meant, a pattern is only compared with itself.
+  // Equal to the radius up to rounding; a pattern is only compared with another one of the same point.
   constexpr double kCut = 1 - 1e-12;
-  const auto sticks = [](double force, double most) { return force < kCut * most ? 1 : 0; };
+  const auto sticks = [](double force, double max) { return force < kCut * max ? 1 : 0; };
   int pattern = 1 + 2 * sticks(l.segment<2>(1).norm(), contact.length_t);
   if (contact.point.rolling > 0) {
     pattern += 4 * sticks(l.segment<2>(3).norm(), contact.length_r) +
@@ -163,9 +170,10 @@ std::uint8_t VelocitySolver::pattern_of(const Contact& contact) {
 }
 
 double VelocitySolver::bounded_impulse(const Bounded& row, double u) {
-  return std::clamp((row.target - u) / row.softness, row.least, row.most);
+  return std::clamp((row.target - u) / row.softness, row.min, row.max);
 }
 
+// Wrench of a point's impulses on body a about the pair's point of reference.
 void VelocitySolver::add_wrench(const Contact& contact, Motion& wrench) {
   const Impulse& l = contact.impulse;
   const Vector3d force = contact.point.basis * l.head<3>();
@@ -175,7 +183,7 @@ void VelocitySolver::add_wrench(const Contact& contact, Motion& wrench) {
     wrench.head<3>() += contact.point.basis * Vector3d(l[5], l[3], l[4]);
 }
 
-// From the gradient.
+// g -= J^T wrench.
 void VelocitySolver::take_wrench(const Pair& pair) {
   const double* column = columns_.data() + pair.pool;
   for (int s = 0; s < pair.segment_count; ++s) {
@@ -190,22 +198,23 @@ void VelocitySolver::take_wrench(const Pair& pair) {
   }
 }
 
-// J^T D J of a point about the pair's point of reference, D the negative derivative of its impulses.
+// Adds J^T D J of a point, 6 x 6 about the pair's point of reference, where D = -dl/du: 1 / softness along
+// the normal, 1 / give in both tangents while sticking. While slipping only the component across the slip
+// direction t remains: mu l_n / |f| / give (I - t t^T), f the unprojected friction.
 void VelocitySolver::add_point_stiffness(const Contact& contact, Stiffness& k) {
   const Matrix3d& basis = contact.point.basis;
-  // Of two components along the columns a and b of the basis, cut to a length: the part across what is
-  // cut is left.
-  const auto plane = [&](int first, int a, int b, double firmness, double most, Matrix3d& d) {
+  // D of two components along the columns a and b of the basis that are projected onto a disc.
+  const auto plane = [&](int first, int a, int b, double firmness, double max, Matrix3d& d) {
     const Eigen::Vector2d free =
         contact.point.before.segment<2>(first) - contact.velocity.segment<2>(first) * firmness;
     const double force = free.norm();
-    if (force <= most) {
+    if (force <= max) {
       d += firmness *
            (basis.col(a) * basis.col(a).transpose() + basis.col(b) * basis.col(b).transpose());
       return;
     }
     const Vector3d across = (free[0] * basis.col(b) - free[1] * basis.col(a)) / force;
-    d += most / force * firmness * across * across.transpose();
+    d += max / force * firmness * across * across.transpose();
   };
   Matrix3d d = contact.hardness * basis.col(0) * basis.col(0).transpose();
   plane(1, 1, 2, contact.firmness, contact.length_t, d);
@@ -224,7 +233,7 @@ void VelocitySolver::add_point_stiffness(const Contact& contact, Stiffness& k) {
   k.topLeftCorner<3, 3>() += r;
 }
 
-// The rows that the pair's stiffness adds, as far as the diagonal: beyond it nothing is ever read.
+// H += J^T K J for a pair with the 6 x 6 stiffness K; lower triangle only.
 void VelocitySolver::add_pair_rows(const Pair& pair) {
   const double* columns = columns_.data() + pair.pool;
   scratch_.resize(at(6 * pair.length));  // stiffness times columns
@@ -263,10 +272,10 @@ void VelocitySolver::add_pair_rows(const Pair& pair) {
 bool VelocitySolver::yields(int bounded) const {
   const Bounded& row = bounded_[at(bounded)];
   const double impulse = bounded_impulse_[at(bounded)];
-  return impulse > row.least && impulse < row.most;
+  return impulse > row.min && impulse < row.max;
 }
 
-// Whether rows act otherwise than when H was factored.
+// Whether the active set differs from that when H was factored.
 bool VelocitySolver::pattern_changed() const {
   return std::ranges::any_of(its_points_,
                              [this](int i) {
@@ -277,7 +286,7 @@ bool VelocitySolver::pattern_changed() const {
                              [this](int i) { return yields(i) != (factored_yields_[at(i)] != 0); });
 }
 
-// Whether calm blocks are to be factored anew.
+// Whether calm blocks need a new factorisation. Updates their record of active rows.
 bool VelocitySolver::calm_rows_changed() {
   bool changed = calm_island_ != island_;
   calm_island_ = island_;
@@ -290,7 +299,7 @@ bool VelocitySolver::calm_rows_changed() {
   return changed;
 }
 
-// H of the island, its calm blocks factored.
+// Assembles H = M + J^T D J of the island; calm blocks are factored or reused.
 void VelocitySolver::add_stiffness() {
   const BlockMatrix::Island& island = matrix_.islands()[island_];
   const auto add_bounded = [this](bool calm) {

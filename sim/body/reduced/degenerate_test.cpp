@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "sim/body/files_testing.h"
-#include "sim/body/motor_file.h"
+#include "sim/body/description/files_testing.h"
+#include "sim/body/description/motor_file.h"
 #include "sim/body/reduced/reduced_world.h"
 
 namespace kaz::sim {
@@ -116,14 +116,14 @@ TEST_F(Degenerate, HoldsAHeapOfHundredsOfContacts) {
   }
   const auto world = kaz_among(models);
   ASSERT_TRUE(world);
-  int most = 0;
+  int max = 0;
   for (int i = 0; i < 100; ++i) {
     world->step({}, 10.0);
-    most = std::max(most, world->find_contacts());
+    max = std::max(max, world->find_contacts());
   }
-  EXPECT_GE(most, 200);
-  EXPECT_EQ(world->trouble().broken, "");
-  EXPECT_EQ(world->trouble().unsettled, 0) << world->trouble().worst;
+  EXPECT_GE(max, 200);
+  EXPECT_EQ(world->diagnostics().failure, "");
+  EXPECT_EQ(world->diagnostics().unconverged_steps, 0) << world->diagnostics().max_residual;
   for (int i = 0; i < 64; ++i) {
     const double z = 0.02 + 0.04 * (i / 16);
     EXPECT_NEAR((*world->object_position(number_of(i))).z(), z, 1e-3) << i;
@@ -143,7 +143,7 @@ TEST_F(Degenerate, WithoutFrictionWhatSlidesGoesOn) {
   EXPECT_NEAR(gone.x(), 0.9, 1e-6);
   EXPECT_NEAR(gone.y(), 0.45, 1e-6);
   EXPECT_NEAR(gone.z(), 0, 1e-6);
-  EXPECT_EQ(world->trouble().unsettled, 0);
+  EXPECT_EQ(world->diagnostics().unconverged_steps, 0);
 }
 
 // Legs and arms of a milligram a link under a trunk of half a kilogram that falls on them: the rotors are
@@ -165,15 +165,15 @@ TEST_F(Degenerate, LinksNextToMasslessMove) {
     for (std::size_t j = 0; j < KZ_JOINTS; ++j)
       drives[j] = {0.5 * std::sin(0.01 * i + static_cast<double>(j)), true};
     world->step(drives, 10.0);
-    ASSERT_EQ(world->trouble().broken, "") << i;
+    ASSERT_EQ(world->diagnostics().failure, "") << i;
     for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
       const JointState& joint = world->joints()[j];
       furthest = std::max(furthest, std::abs(joint.angle));
     }
   }
   EXPECT_GT(furthest, 0.5);
-  std::printf("next to massless: %s\n", world->trouble().sentence().c_str());
-  EXPECT_LT(world->trouble().unsettled, 200);
+  std::printf("next to massless: %s\n", world->diagnostics().summary().c_str());
+  EXPECT_LT(world->diagnostics().unconverged_steps, 200);
 }
 
 // Five times the torque, thrown from stop to stop: the stops hold.
@@ -183,19 +183,19 @@ TEST_F(Degenerate, HugeTorquesStayWithinTheStops) {
   double beyond = 0;
   for (int i = 0; i < 3000; ++i) {
     world->step(thrown(i), 10.0);
-    ASSERT_EQ(world->trouble().broken, "") << i;
+    ASSERT_EQ(world->diagnostics().failure, "") << i;
     for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
       const double angle = world->joints()[j].angle;
       beyond = std::max({beyond, angle - robot_->joints[j].upper, robot_->joints[j].lower - angle});
     }
   }
   std::printf("huge torques: %.2f mrad beyond a stop, %lld steps unsettled, worst %.1e\n",
-              1e3 * beyond, static_cast<long long>(world->trouble().unsettled),
-              world->trouble().worst);
+              1e3 * beyond, static_cast<long long>(world->diagnostics().unconverged_steps),
+              world->diagnostics().max_residual);
   // The stop is a spring of erp / softness / h = 2500 Nm/rad; a rotor of 5e-4 kg m2 runs into it at the
   // motor's 60 rad/s, sqrt(J / k) w = 27 mrad, and presses with 11 Nm, 4 mrad.
   EXPECT_LT(1e3 * beyond, 35);
-  EXPECT_EQ(world->trouble().unsettled, 0);
+  EXPECT_EQ(world->diagnostics().unconverged_steps, 0);
 }
 
 // Ten thousand times: joints would turn by many radians in a step. The world stops before, at numbers,
@@ -203,9 +203,10 @@ TEST_F(Degenerate, HugeTorquesStayWithinTheStops) {
 TEST_F(Degenerate, WhatTurnsTooFastForAStepIsTold) {
   const auto world = strong_kaz(10'000);
   ASSERT_TRUE(world);
-  for (int i = 0; i < 3000 && world->trouble().broken.empty(); ++i) world->step(thrown(i), 10.0);
-  EXPECT_NE(world->trouble().broken.find("more than a step can follow"), std::string::npos)
-      << world->trouble().broken;
+  for (int i = 0; i < 3000 && world->diagnostics().failure.empty(); ++i)
+    world->step(thrown(i), 10.0);
+  EXPECT_NE(world->diagnostics().failure.find("more than a step can follow"), std::string::npos)
+      << world->diagnostics().failure;
   const double time = world->time_s();
   world->step(thrown(0), 10.0);
   EXPECT_EQ(world->time_s(), time) << "broken is broken";
@@ -223,13 +224,14 @@ TEST_F(Degenerate, ASupplyThatIsNoNumberIsTold) {
   const auto world = kaz_in(*around);
   ASSERT_TRUE(world);
   world->step({}, 10.0);
-  EXPECT_EQ(world->trouble().broken, "");
+  EXPECT_EQ(world->diagnostics().failure, "");
   Drives drives;
   for (MotorDrive& drive : drives) drive = {0.5, true};
   for (int i = 0; i < 3; ++i) world->step(drives, std::nan(""));
-  EXPECT_EQ(world->trouble().broken,
-            "the physics broke down at 0.001 s: what drives joint `neck_pan` is no number; look at "
-            "masses, inertias and motors of the model");
+  EXPECT_EQ(
+      world->diagnostics().failure,
+      "the physics broke down at 0.001 s: the drive of joint `neck_pan` is not a number; check "
+      "masses, inertias and motors of the model");
 }
 
 }  // namespace

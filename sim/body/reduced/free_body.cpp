@@ -1,4 +1,4 @@
-// A rigid body that hangs on nothing: a ball, a box.
+// A free rigid body: a ball, a box.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/reduced/free_body.h"
 
@@ -8,6 +8,7 @@
 
 namespace kaz::sim {
 
+// Exponential map: rotation by |by| about by / |by|, then normalised.
 Eigen::Quaterniond turned(const Eigen::Quaterniond& turn, const Eigen::Vector3d& by) {
   const double angle = by.norm();
   const double part = angle > 1e-12 ? std::sin(angle / 2) / angle : 0.5;
@@ -38,12 +39,13 @@ void FreeBody::place() {
   angular_velocity_ = turning(turn_);
 }
 
+// Angular velocity at orientation `turn`: w = R I^-1 R^T L, world axes, rad/s.
 Eigen::Vector3d FreeBody::turning(const Eigen::Quaterniond& turn) const {
   return turn * (inverse_ * (turn.conjugate() * momentum_));
 }
 
-// In flight the mean of both velocities, which is exact under gravity; in touch the new one, which is
-// what contacts asked for. Turning is a midpoint rule either way: of second order.
+// Position: trapezoidal rule in flight, exact under gravity; the new velocity in contact, so that the
+// solver's contact constraints hold. Rotation: midpoint rule on w = R I^-1 R^T L, second order.
 void FreeBody::advance(const Eigen::Vector3d& velocity_after, const Eigen::Vector3d& angular_after,
                        bool flight, double step_s) {
   momentum_ += axes_ * (inertia_ * (axes_.transpose() * (angular_after - angular_velocity_)));

@@ -1,18 +1,18 @@
-// A rigid body that hangs on nothing: a ball, a box.
+// A free rigid body: a ball, a box.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sim/body/body_sleep.h"
-#include "sim/body/rigid_link.h"
+#include "sim/body/description/rigid_link.h"
+#include "sim/body/world/body_sleep.h"
 
 namespace kaz::sim {
 
-// Its angular momentum is a part of the state: in flight it stays what it is, to the last bit.
+// Angular momentum is the state variable, so in flight it is conserved to the last bit.
 class FreeBody {
  public:
   FreeBody(const RigidLink& link, const Eigen::Isometry3d& start);
 
-  // m, m/s, rad/s, kg m2/s; world axes, of the centre of mass.
+  // World axes, of the centre of mass; m, m/s, rad/s.
   Eigen::Vector3d com;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   const Eigen::Vector3d& angular_velocity() const { return angular_velocity_; }
@@ -22,15 +22,15 @@ class FreeBody {
 
   Eigen::Matrix3d inertia() const { return axes_ * inertia_ * axes_.transpose(); }  // world axes
 
-  // After the step's impulses: moves on by one step. `flight`: nothing touched it.
+  // Advances by one step with the velocities after the step's impulses. `flight`: no contact acted.
   void advance(const Eigen::Vector3d& velocity_after, const Eigen::Vector3d& angular_after,
                bool flight, double step_s);
   void stop();
 
   bool awake = true;
-  double left_s = SleepRule{}.after_s;  // how long it has still to lie still before it sleeps
+  double left_s = SleepRule{}.after_s;  // time at rest still needed before it sleeps
 
-  // All that it remembers (archive.h).
+  // Archives the state (archive.h).
   template <class A>
   void transfer(A& a) {
     for (int k = 0; k < 3; ++k) a(com[k], velocity[k], momentum_[k]);
@@ -53,7 +53,7 @@ class FreeBody {
   Eigen::Matrix3d axes_;
 };
 
-// Turns by the rotation vector `by`, rad, world axes.
+// `turn` rotated by the rotation vector `by`, rad, world axes.
 Eigen::Quaterniond turned(const Eigen::Quaterniond& turn, const Eigen::Vector3d& by);
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// World in reduced coordinates: forces on links and in joints, from what a step's solution is.
+// World in reduced coordinates: contact forces on links and loads in joints, from the solution of a step.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
@@ -8,7 +8,8 @@ namespace kaz::sim {
 
 using Eigen::Vector3d;
 
-// To be called when the step is solved and nothing has moved yet.
+// Contact forces = impulses / h, at the poses of the beginning of the step. To be called after solve() and
+// before advance().
 void ReducedWorld::measure_forces() {
   std::ranges::fill(link_forces_, LinkForce{});
   if (watch_loads_) std::ranges::fill(outer_, Spatial{});
@@ -39,7 +40,8 @@ void ReducedWorld::measure_forces() {
   if (watch_loads_) measure_loads();
 }
 
-// The motion that the solver found, at the velocities with which it reckoned.
+// Joint loads by inverse dynamics: accelerations (v_new - v) / h, bias at the midpoint velocity as in the
+// solve, external forces from contacts and pushes. At the joint's origin in the child link's axes.
 void ReducedWorld::measure_loads() {
   for (const HandPush& push : hand_pushes_) {
     const int link = static_cast<int>(push.link);

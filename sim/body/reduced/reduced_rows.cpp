@@ -1,11 +1,11 @@
-// World in reduced coordinates: what a step's solver is given, inertia, momentum and rows.
+// World in reduced coordinates: input of the velocity solver for one step, i.e. inertia, momentum and rows.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "sim/body/contact_surface.h"
+#include "sim/body/contact/contact_surface.h"
 #include "sim/body/reduced/reduced_world.h"
 
 namespace kaz::sim {
@@ -14,14 +14,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kStopWatch = 0.02;  // rad, from which a stop is looked at
-// m/s per N: what is harder is taken as that hard.
-constexpr double kLeastSoftness = 1e-8;
-constexpr double kSamePoint = 3e-3;  // m, that a point moves at most in a step
+constexpr double kStopWatch = 0.02;    // rad, distance from which a stop gets a row
+constexpr double kMinSoftness = 1e-8;  // m/s per N
+constexpr double kSamePoint = 3e-3;    // m, max displacement of a contact point in a step
 
 }  // namespace
 
-// Joints in a row without a fork.
+// Splits the tree into chains of joints without a fork: the blocks of the matrix.
 void ReducedWorld::find_chains() {
   const int root = tree_.root_dofs(), dofs = tree_.dofs();
   if (root > 0) chains_.push_back({0, root, -1});
@@ -41,6 +40,8 @@ void ReducedWorld::find_chains() {
   }
 }
 
+// Writes M: the tree's mass matrix, then for each awake object its inertia about the centre of mass and its
+// mass (world axes; angular before linear). Sleeping objects have no coordinates.
 void ReducedWorld::write_inertia() {
   int size = tree_.dofs();
   for (std::size_t i = 0; i < objects_.size(); ++i) {
@@ -76,8 +77,8 @@ void ReducedWorld::write_inertia() {
   }
 }
 
-// What the step leaves without rows. Forces that depend on velocity are taken for the one halfway, as the
-// last step lets expect it.
+// Momentum after the step without rows: p = M v - h c(q, v_mid) + h m g + pushes. Velocity-dependent forces
+// use the midpoint velocity extrapolated from the last step, v_mid = v + (v - v_before) / 2: second order.
 void ReducedWorld::write_momentum() {
   for (std::size_t i = 0; i < halfway_.size(); ++i)
     halfway_[i] = tree_.velocity[i] + (tree_.velocity[i] - velocity_before_[i]) / 2;
@@ -95,7 +96,7 @@ void ReducedWorld::write_momentum() {
   }
 }
 
-// What the nearest point of the same shapes got in the step before.
+// Impulse of the nearest contact point of the same shapes in the step before, in the axes of `basis`.
 VelocitySolver::Impulse ReducedWorld::recall(const Touch& touch, const Matrix3d& basis) const {
   const Memory* best = nullptr;
   double nearest = kSamePoint * kSamePoint;
@@ -114,7 +115,8 @@ VelocitySolver::Impulse ReducedWorld::recall(const Touch& touch, const Matrix3d&
   return start;
 }
 
-// The motion of one body against another, about the root's origin where the robot is one of them.
+// Adds the relative motion of two bodies to the solver. Point of reference: the root's origin if the robot is
+// involved, else the centre of mass of the first object.
 void ReducedWorld::make_pair(const Touch& touch) {
   std::array<VelocitySolver::Segment, 4> segments;
   std::size_t count = 0;
@@ -133,17 +135,17 @@ void ReducedWorld::make_pair(const Touch& touch) {
     span = {std::min(span.first, one.first), std::max(span.end, one.end)};
   }
   if (span.end > 0) segments[count++] = {span.first, span.end - span.first};
-  // Coordinates in rising order.
+  // Coordinates in ascending order.
   std::array<std::pair<int, double>, 2> sides{{{touch.body_a, 1.0}, {touch.body_b, -1.0}}};
   if (sides[0].first > sides[1].first) std::swap(sides[0], sides[1]);
-  bool plain = !robot_a && !robot_b;  // a free body about its own centre of mass
+  bool plain = !robot_a && !robot_b;  // identity Jacobian: a free body about its own centre of mass
   for (const auto& [body, sign] : sides) {
     if (body < 0 || of_robot(body)) continue;
     if (plain) meeting.about = object(body).com;
     segments[count++] = {coordinate_of(body), 6, plain ? sign : 0};
     plain = false;
   }
-  // A held root has no coordinates: then there is nothing to push.
+  // A fixed root has no coordinates: the pair has nothing to move.
   if (std::ranges::all_of(std::span(segments).first(count),
                           [](const auto& segment) { return segment.length == 0; }))
     return;
@@ -175,6 +177,9 @@ const ReducedWorld::Meeting& ReducedWorld::meeting_of(const Touch& touch) {
   return meetings_.back();
 }
 
+// Row of a contact point (contact_surface.h): target velocity = erp / h (depth - kContactLayer), limited to
+// kContactMaxCorrection, or restitution times the approach velocity if that is larger; friction from the
+// stored shear (soft surfaces) or from the impulse of the step before (hard ones).
 void ReducedWorld::make_contact_row(const Touch& touch) {
   const auto moves = [this](int body) {
     return of_robot(body) || (body >= 0 && object(body).awake);
@@ -190,7 +195,7 @@ void ReducedWorld::make_contact_row(const Touch& touch) {
   point.basis.col(2) = touch.normal.cross(point.basis.col(1));
   const Surface& surface = touch.surface;
   point.softness =
-      softness_for(step_s_, kContactErp, std::max(surface.softness, kLeastSoftness)) / step_s_;
+      softness_for(step_s_, kContactErp, std::max(surface.softness, kMinSoftness)) / step_s_;
   point.mu = surface.mu;
   point.rolling = surface.rolling_resistance;
   point.target =
@@ -206,7 +211,7 @@ void ReducedWorld::make_contact_row(const Touch& touch) {
   const bool soft = ContactMemory::has_shear(touch);
   if (!soft || point.rolling > 0) point.before = recall(touch, point.basis);
   if (soft) {
-    // In N s: the spring's kContactErp / (kErpStep softness) times h times the shear.
+    // Impulse of the shear spring, N s: -k h s with k = kContactErp / (kErpStep softness).
     const Vector3d stretch =
         -kContactErp / surface.softness * (step_s_ / kErpStep) * shear_.shear(number);
     point.give = point.softness;
@@ -223,24 +228,25 @@ Vector3d ReducedWorld::velocity_at(int body, const Vector3d& point) const {
   return free.velocity + free.angular_velocity().cross(point - free.com);
 }
 
-// First the motors, joint by joint, then the stops that are near.
+// Bounded rows: first one motor row for each joint (joint_motor.h, times h: impulses), then the joint stops
+// in reach. A stop: target -gap / h while apart (it may close the gap, no more), erp penetration / h beyond.
 void ReducedWorld::make_joint_rows() {
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const JointMotor::Row& row = rows_[i];
-    solver_.add_bounded({joints_[i].dof, 1, row.velocity, row.softness / step_s_,
-                         step_s_ * row.least, step_s_ * row.most});
+    solver_.add_bounded({joints_[i].dof, 1, row.velocity, row.softness / step_s_, step_s_ * row.min,
+                         step_s_ * row.max});
   }
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const double angle = joint_states_[i].angle;
     const double back = erp_for(step_s_, kStopErp);
     const double yields = softness_for(step_s_, kStopErp, kStopSoftness) / step_s_;
-    // As far as it goes in this step, or as its motor would have it go.
+    // Reach: the joint's path in this step at its own or its motor's speed.
     const double watch = kStopWatch + step_s_ * std::max(std::abs(joint_states_[i].velocity),
                                                          std::abs(rows_[i].velocity));
-    const auto stop = [&](double way, double sign) {  // way: rad, left to it
-      if (way > watch) return;
-      const double target = way > 0 ? -way / step_s_ : -back * way / step_s_;
+    const auto stop = [&](double gap, double sign) {  // rad; negative: beyond the stop
+      if (gap > watch) return;
+      const double target = gap > 0 ? -gap / step_s_ : -back * gap / step_s_;
       solver_.add_bounded({joints_[i].dof, sign, target, yields, 0, kEndless});
     };
     stop(angle - joints_[i].lower, 1);

@@ -12,10 +12,11 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Velocities change by no more than this in the last step of Newton's method, m/s or rad/s.
+// Tolerance of Newton's method: largest velocity change in the last iteration, m/s or rad/s.
 constexpr double kExact = 1e-8;
-constexpr double kSettled = 1e-6;  // what nobody would see, m/s or rad/s
-constexpr int kMostSteps = 100;
+constexpr double kSettled =
+    1e-6;                       // a step with a larger residual counts as unconverged, m/s or rad/s
+constexpr int kMaxSteps = 100;  // iterations
 
 }  // namespace
 
@@ -58,7 +59,7 @@ int ReducedWorld::find_contacts() {
   return static_cast<int>(contacts_.touches().size());
 }
 
-// The rule of BodySleep: what lies still long enough sleeps, unless something that is awake touches it.
+// The rule of BodySleep: a body at rest for long enough sleeps until a body that is awake touches it.
 void ReducedWorld::settle_sleep() {
   constexpr SleepRule rule;
   const auto touched = [this](std::size_t i) {
@@ -105,15 +106,15 @@ void ReducedWorld::solve() {
   solver_.close();
   write_momentum();
   velocity_before_ = tree_.velocity;
-  solver_.solve(momentum_, velocity_, kExact, kMostSteps);
+  solver_.solve(momentum_, velocity_, kExact, kMaxSteps);
   effort_ = {solver_.steps(), solver_.residual()};
   if (!(solver_.residual() <= kSettled)) {
-    ++trouble_.unsettled;
-    trouble_.worst = std::max(trouble_.worst, solver_.residual());
+    ++diagnostics_.unconverged_steps;
+    diagnostics_.max_residual = std::max(diagnostics_.max_residual, solver_.residual());
   }
 }
 
-// By the velocities of the tree, which it keeps.
+// Explicit position update q += seconds v with the tree's velocities, which it does not change.
 void ReducedWorld::move_tree(double seconds) {
   const std::vector<double>& v = tree_.velocity;
   if (tree_.root_dofs() > 0) {
@@ -128,8 +129,8 @@ void ReducedWorld::move_tree(double seconds) {
   tree_.velocities();
 }
 
-// The root moves as the momentum asks halfway, where the joints are halfway too: of second order. The
-// centre of mass goes where its momentum takes it.
+// Position update in flight, second order: the root's velocity follows from momentum conservation at the
+// midpoint of the joints' motion. The centre of mass moves by h (p_new - h m g / 2) / m, exactly.
 void ReducedWorld::fly(const ArticulatedTree::Momentum& after, const Vector3d& centre) {
   const Vector3d at = tree_.root_at;
   const Eigen::Quaterniond turn = tree_.root_turn;
@@ -138,7 +139,7 @@ void ReducedWorld::fly(const ArticulatedTree::Momentum& after, const Vector3d& c
   tree_.set_momentum({mean, after.angular});
   tree_.root_at = at;
   tree_.root_turn = turn;
-  // The joints have half of their way behind them.
+  // Back to the start of the step: the joints have already moved by half a step.
   for (const Joint& joint : joints_) {
     const auto dof = static_cast<std::size_t>(joint.dof);
     tree_.angle[dof - static_cast<std::size_t>(tree_.root_dofs())] -=
@@ -172,7 +173,7 @@ void ReducedWorld::advance() {
         flies_[static_cast<std::size_t>(body) - robot_links_] = false;
         continue;
       }
-      // What it does to itself does not hold it.
+      // Contacts between its own links do not end a flight.
       robot_flies = robot_flies && of_robot(touch.body_a) && of_robot(touch.body_b);
       momentum.linear += sign * impulse;
       momentum.angular += sign * ((touch.at - centre).cross(impulse) + moment);
@@ -203,11 +204,11 @@ void ReducedWorld::advance() {
   }
 }
 
-// Whether the tree and the free bodies can go on with the velocities found.
+// Checks the solution: finite, and no joint or body moves further than a step can follow.
 bool ReducedWorld::can_move() {
   const std::vector<double>& v = velocity_;
   if (!std::isfinite(solver_.residual())) {
-    break_down("the solver found no velocities");
+    break_down("the solver found no finite velocities");
     return false;
   }
   for (std::size_t i = 0; i < joints_.size(); ++i) {
@@ -225,7 +226,7 @@ bool ReducedWorld::can_move() {
 }
 
 void ReducedWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
-  if (!trouble_.broken.empty()) return;
+  if (!diagnostics_.failure.empty()) return;
   kick_due();
   find_contacts();
   prepare_motors(drives, supply_volts);
@@ -253,13 +254,14 @@ void ReducedWorld::read_joints() {
   }
 }
 
-// Of the sensor's place, world axes.
+// Velocity of the sensor's origin, world axes, m/s.
 Vector3d ReducedWorld::imu_velocity() const {
   const int link = imu_frame_.link;
   return tree_.velocity_at(
       link, tree_.origin(link) + tree_.axes(link) * imu_frame_.in_link.translation());
 }
 
+// Specific force = (v_new - v_old) / h - g in the sensor's axes, m/s^2.
 void ReducedWorld::read_imu(const Vector3d& velocity_before) {
   const int link = imu_frame_.link;
   const Matrix3d to_sensor = (tree_.axes(link) * imu_frame_.in_link.linear()).transpose();
@@ -303,11 +305,11 @@ void ReducedWorld::transfer(A& a) {
   }
 }
 
-void ReducedWorld::save(h8s::StateWriter& to) {
+void ReducedWorld::save(StateWriter& to) {
   transfer(to);
 }
 
-void ReducedWorld::restore(h8s::StateReader& from) {
+void ReducedWorld::restore(StateReader& from) {
   transfer(from);
 }
 

@@ -1,24 +1,24 @@
-// World in reduced coordinates: joints without gaps, motors implicit in the inertia, contacts with
-// friction cones, and whatever touches in one solve. docs/dynamics.md has the formulation.
+// World in reduced coordinates: joints without constraint drift, implicit motors, contacts with friction
+// cones, all bodies in contact in one solve. docs/explanation/dynamics.md has the formulation.
 // SPDX-License-Identifier: Apache-2.0
 //
 // One step of h seconds, from q, v to the next:
-//   1. contacts by the colliders of contacts.h; for each joint its motor's row (joint_motor.h)
-//   2. velocities: c for the one halfway, as the last step lets expect it, which makes what depends on
-//      velocity second order; then Newton's method to its end (velocity_solver.h)
-//   3. q moves by h times the new v; a root that nothing touches by its velocity halfway, a body by the
-//      mean of old and new v
-//   4. the momentum of the free robot is put to what it was plus what contacts and gravity gave: it
-//      does not drift. This changes the root's velocity by terms of h^2.
+//   1. contacts from contacts.h; for each joint its motor's row (joint_motor.h)
+//   2. velocities: the bias c at the midpoint velocity, extrapolated from the last step, which makes the
+//      velocity-dependent forces second order; then Newton's method to convergence (velocity_solver.h)
+//   3. q += h v; a robot in flight uses the midpoint velocity of its root, a free body in flight the mean of
+//      old and new v
+//   4. the robot's momentum is set to its old value plus the impulses of contacts and gravity, so it does
+//      not drift. This changes the root's velocity by terms of h^2.
 #pragma once
 
 #include <vector>
 
-#include "sim/body/contact_memory.h"
+#include "sim/body/contact/contact_memory.h"
 #include "sim/body/reduced/articulated_tree.h"
 #include "sim/body/reduced/free_body.h"
 #include "sim/body/reduced/velocity_solver.h"
-#include "sim/body/staged_world.h"
+#include "sim/body/world/staged_world.h"
 
 namespace kaz::sim {
 
@@ -30,16 +30,16 @@ class ReducedWorld final : public StagedWorld {
   void step(std::span<const MotorDrive> drives, double supply_volts) override;
   int find_contacts() override;
   double largest_joint_gap_m() const override { return 0; }  // there are none to open
-  std::string stepper() const override { return "reduced"; }
+  std::string dynamics() const override { return "reduced"; }
   void watch_contacts(bool on) override { watch_ = on; }
   std::vector<ContactPoint> contacts() const override;
-  void save(h8s::StateWriter& to) override;
-  void restore(h8s::StateReader& from) override;
+  void save(StateWriter& to) override;
+  void restore(StateReader& from) override;
 
-  // Of the last step: how the solver fared.
+  // Convergence of the last step.
   struct Effort {
-    int steps = 0;        // of Newton's method
-    double residual = 0;  // m/s or rad/s, change of a velocity in the last of them
+    int steps = 0;        // Newton iterations
+    double residual = 0;  // largest velocity change in the last iteration, m/s or rad/s
   };
   const Effort& effort() const { return effort_; }
   const ArticulatedTree& tree() const { return tree_; }
@@ -49,8 +49,8 @@ class ReducedWorld final : public StagedWorld {
     int dof = 0;
     double lower = 0, upper = 0;  // rad, of the stops
   };
-  // What a contact gave in the last step: the stretch of its friction (velocity_solver.h) where it is
-  // hard, and that of rolling. Soft ones have their shear, as under every solver.
+  // Impulses of a contact in the last step: the stored friction of hard contacts (velocity_solver.h), and
+  // rolling. Soft contacts have their shear in ContactMemory.
   struct Memory {
     std::uint32_t shape_a = 0, shape_b = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
@@ -61,14 +61,14 @@ class ReducedWorld final : public StagedWorld {
       for (int k = 0; k < 3; ++k) a(at[k], impulse[k], moment[k]);
     }
   };
-  struct Chain {  // of joints, as a block of the solver's matrix
+  struct Chain {  // of joints: a block of the solver's matrix
     int first = 0, length = 0, carrier = -1;
   };
-  struct Meeting {                                    // two bodies in touch
+  struct Meeting {                                    // two bodies in contact
     int body_a = -1, body_b = -1, pair = -1;          // pair: of the solver; -1: neither can move
     Eigen::Vector3d about = Eigen::Vector3d::Zero();  // m, point of reference of their motion
   };
-  struct Push {  // what a contact gave in this step, on body_a
+  struct Push {  // a contact point of the solver; its impulse acts on body_a
     std::size_t touch = 0;
     Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();  // normal, two tangents
   };
@@ -116,14 +116,14 @@ class ReducedWorld final : public StagedWorld {
   bool watch_ = false;
   std::vector<ContactPoint> watched_;
   std::vector<double> velocity_before_;  // of the tree, one step ago
-  // Of the step under way.
+  // Of the current step.
   std::vector<double> bias_, halfway_, acceleration_;  // by coordinate of the tree
   std::vector<double> momentum_, velocity_;            // by coordinate of the solver
-  std::vector<Spatial> outer_;                         // by link: what pushes it
-  std::vector<int> coordinate_of_;  // where an object's begin: angular, linear; -1: it sleeps
+  std::vector<Spatial> outer_;                         // by link: external force
+  std::vector<int> coordinate_of_;  // first of an object's six (angular, linear); -1: it sleeps
   std::vector<Meeting> meetings_;
   std::vector<Push> pushes_;  // of each point of the solver
-  std::vector<bool> flies_;   // by object: nothing touched it
+  std::vector<bool> flies_;   // by object: without contacts
 };
 
 }  // namespace kaz::sim

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "sim/body/files_testing.h"
-#include "sim/body/motor_file.h"
+#include "sim/body/description/files_testing.h"
+#include "sim/body/description/motor_file.h"
 
 namespace kaz::sim {
 namespace {

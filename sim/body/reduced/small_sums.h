@@ -1,4 +1,4 @@
-// Sums over a few doubles, in the order that machines with two of them in a register like.
+// Dot products and sums of few doubles in a fixed order that suits registers of two doubles (SSE2).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,7 +19,7 @@ inline double dot_six(const double* a, const double* b) {
   return (a[0] * b[0] + a[2] * b[2] + a[4] * b[4]) + (a[1] * b[1] + a[3] * b[3] + a[5] * b[5]);
 }
 
-// Six, the coordinates of a root or a free body, are so frequent that the compiler had better know.
+// Length six (a floating base or a free body) is the common case and gets unrolled code.
 inline double dot_range(const double* a, const double* b, int n) {
   return n == 6 ? dot_six(a, b) : dot(a, b, n);
 }

@@ -1,4 +1,4 @@
-// Velocities after a step: Newton's method, island by island.
+// Velocity-level solver: Newton's method, island by island.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/reduced/velocity_solver.h"
 
@@ -9,24 +9,24 @@
 namespace kaz::sim {
 namespace {
 
-// The line search ends where the slope has fallen to this share.
+// The line search ends when the slope has fallen to this fraction.
 constexpr double kSlopeShare = 1e-3;
 constexpr int kSearchSteps = 40;
-// What each coordinate by itself would still change may be less than what all of them do.
+// change_left() treats coordinates separately and so may underestimate the coupled change.
 constexpr double kSafety = 0.05;
-// Where a step is as small as this, m/s or rad/s, and rows act as before, the factors serve once more.
+// Below this velocity change (m/s or rad/s) and with the same active set the factors are reused.
 constexpr double kNear = 1e-3;
-constexpr double kFarthest = 4;  // changes that the next one may be foreseen to be
+constexpr double kMaxExtrapolation = 4;  // in units of the last change
 
-// After so many steps normal forces and lengths of friction chase each other round, as in a wedge that
-// jams: then lengths follow by a share only.
+// After this many iterations normal forces and friction radii are taken to oscillate, as in a jamming wedge;
+// the radii are then under-relaxed.
 constexpr int kPatience = 12;
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-// The larger; what is no number wins, and stays.
+// The larger value; NaN propagates.
 double worse(double a, double b) {
   return a >= b || std::isnan(a) ? a : b;
 }
@@ -56,7 +56,7 @@ void VelocitySolver::close() {
   calm_island_ = kNone;
 }
 
-// Lists of the islands' members, one island's after the other's, each in the order of its rows.
+// Counting sort of pairs, points and bounded rows by island, stable in the order of the rows.
 void VelocitySolver::sort_members() {
   const std::size_t islands = matrix_.islands().size();
   members_.assign(islands, {});
@@ -64,7 +64,7 @@ void VelocitySolver::sort_members() {
     for (std::size_t i = 0; i < count; ++i) ++(members_[at(island_of(i))].*end);
     int sum = 0;
     for (Members& members : members_) sum = std::exchange(members.*end, sum) + sum;
-    // Now the beginnings, which grow to the ends.
+    // Now the begin offsets, which the next loop advances to the end offsets.
     list.resize(count);
     for (std::size_t i = 0; i < count; ++i)
       list[at((members_[at(island_of(i))].*end)++)] = static_cast<int>(i);
@@ -85,7 +85,8 @@ void VelocitySolver::multiply(const double* x, double* out) const {
   for (const BlockMatrix::Island& island : matrix_.islands()) matrix_.multiply(island, x, out);
 }
 
-// M v - p - J^T l, with the lengths of friction set anew.
+// Gradient g = M v - p - J^T l(J v), in N s and N m s, with updated friction radii. Also stores u, l and the
+// active set of every row.
 void VelocitySolver::gradient(std::span<const double> momentum, std::span<const double> v) {
   for_each_coordinate([&](std::size_t k) { gradient_[k] = inertia_v_[k] - momentum[k]; });
   for (const int i : its_pairs_) {
@@ -97,7 +98,7 @@ void VelocitySolver::gradient(std::span<const double> momentum, std::span<const 
     Contact& contact = points_[at(i)];
     Pair& pair = pairs_[at(contact.point.pair)];
     along(contact, pair.motion, contact.velocity);
-    set_lengths(contact, anew_);
+    set_lengths(contact, relaxation_);
     impulses(contact, contact.velocity, contact.impulse);
     contact.pattern = pattern_of(contact);
     if (contact.impulse[0] > 0) add_wrench(contact, pair.wrench);
@@ -111,7 +112,7 @@ void VelocitySolver::gradient(std::span<const double> momentum, std::span<const 
   }
 }
 
-// About the change that the gradient asks for, m/s or rad/s: each coordinate by itself.
+// Jacobi estimate of the remaining velocity change: max |g_k| / M_kk, m/s or rad/s.
 double VelocitySolver::change_left() const {
   double largest = 0;
   for_each_coordinate([&](std::size_t k) {
@@ -120,43 +121,45 @@ double VelocitySolver::change_left() const {
   return largest;
 }
 
-// Derivative of the convex function at v + way * change.
-double VelocitySolver::slope(double way, std::span<const double> v) const {
-  double sum = start_slope_ + way * curve_;
+// Directional derivative of the convex function at v + length * d with d = change:
+// d . (M v - p) + length d . M d - sum l(J v + length J d) . J d.
+double VelocitySolver::slope(double length, std::span<const double> v) const {
+  double sum = start_slope_ + length * curve_;
   for (const int i : its_points_) {
     const Contact& contact = points_[at(i)];
     Impulse moved;
-    impulses(contact, contact.velocity + way * contact.change, moved);
+    impulses(contact, contact.velocity + length * contact.change, moved);
     if (moved[0] > 0) sum -= moved.dot(contact.change);
   }
   for (const int i : its_bounded_) {
     const Bounded& bounded = bounded_[at(i)];
     const std::size_t c = at(bounded.coordinate);
     const double change = bounded.sign * change_[c];
-    sum -= change * bounded_impulse(bounded, bounded.sign * v[c] + way * change);
+    sum -= change * bounded_impulse(bounded, bounded.sign * v[c] + length * change);
   }
   return sum;
 }
 
-// Where along the change the slope is 0. It grows all the way.
+// Exact line search in [0, 1]: the zero of slope(), which increases monotonically.
 double VelocitySolver::search(std::span<const double> v) const {
   const double at_start = slope(0, v);
   const double enough = kSlopeShare * std::abs(at_start);
   double low = 0, of_low = at_start, high = 1, of_high = slope(1, v);
   if (std::abs(of_high) <= enough || of_high < 0) return 1;
-  // The Illinois method: the chord, but an end that has stayed counts half.
+  // Illinois method (Dowell & Jarratt, BIT 11, 1971): regula falsi, where the value at an endpoint that was
+  // kept twice is halved.
   int stayed = 0;
   for (int i = 0; i < kSearchSteps; ++i) {
-    const double way = low - of_low * (high - low) / (of_high - of_low);
-    const double here = slope(way, v);
-    if (std::abs(here) <= enough) return way;
+    const double length = low - of_low * (high - low) / (of_high - of_low);
+    const double here = slope(length, v);
+    if (std::abs(here) <= enough) return length;
     if (here < 0) {
-      low = way;
+      low = length;
       of_low = here;
       if (stayed > 0) of_high /= 2;
       stayed = 1;
     } else {
-      high = way;
+      high = length;
       of_high = here;
       if (stayed < 0) of_low /= 2;
       stayed = -1;
@@ -165,9 +168,9 @@ double VelocitySolver::search(std::span<const double> v) const {
   return low > 0 ? low : high;
 }
 
-// The slope's parts along the change, and its end.
-double VelocitySolver::way_along_change(std::span<const double> momentum,
-                                        std::span<const double> v) {
+// Prepares the parts of the slope that are linear along the change (d . (M v - p), d . M d, J d) and returns
+// the step length of the line search.
+double VelocitySolver::step_length(std::span<const double> momentum, std::span<const double> v) {
   start_slope_ = 0;
   curve_ = 0;
   for_each_coordinate([&](std::size_t k) {
@@ -185,20 +188,22 @@ double VelocitySolver::way_along_change(std::span<const double> momentum,
   return search(v);
 }
 
-// Where rows act as in the step before, what is left is the lengths of friction, which follow the normal
-// forces by one step: changes come to be multiples of each other, and their sum can be told (Aitken; here
-// for many coordinates, as D. Anderson, J. ACM 12(4), 1965, with one step remembered).
-void VelocitySolver::foresee() {
+// With an unchanged active set only the friction radii still change, one iteration behind the normal forces:
+// the changes converge geometrically and their limit can be extrapolated. Anderson acceleration with depth 1
+// (D. Anderson, J. ACM 12(4), 1965; Aitken's method for vectors): with d the present and d' the last Newton
+// change, theta = d . (d - d') / |d - d'|^2, the change becomes d - theta (s' + d - d'), s' the last change
+// applied.
+void VelocitySolver::accelerate() {
   double product = 0, square = 0;
   for_each_coordinate([&](std::size_t k) {
     const double less = change_[k] - asked_before_[k];
     product += change_[k] * less;
     square += less * less;
   });
-  const double share = square > 0 ? std::clamp(product / square, -kFarthest, 0.5) : 0;
+  const double theta = square > 0 ? std::clamp(product / square, -kMaxExtrapolation, 0.5) : 0;
   for_each_coordinate([&](std::size_t k) {
     const double asked = change_[k];
-    change_[k] -= share * (gone_before_[k] + asked - asked_before_[k]);
+    change_[k] -= theta * (gone_before_[k] + asked - asked_before_[k]);
     asked_before_[k] = asked;
     gone_before_[k] = change_[k];
   });
@@ -208,14 +213,15 @@ int VelocitySolver::solve_island(std::span<const double> momentum, std::span<dou
                                  double tolerance, int max_steps) {
   const BlockMatrix::Island& island = matrix_.islands()[island_];
   matrix_.multiply(island, v.data(), inertia_v_.data());
-  anew_ = 1;
+  relaxation_ = 1;
   gradient(momentum, v);
   double left = change_left();
   int steps = 0;
-  bool near = false;  // the same rows act as in the step before, and that was small
+  bool near = false;  // same active set as in the iteration before, and that changed little
   while (steps < max_steps && left > kSafety * tolerance) {
     ++steps;
-    anew_ = steps < kPatience ? 1 : steps < 2 * kPatience ? 0.5 : 0.25;
+    // Newton step: (M + J^T D J) d = -g with D = -dl/du.
+    relaxation_ = steps < kPatience ? 1 : steps < 2 * kPatience ? 0.5 : 0.25;
     if (!near) {
       add_stiffness();
       matrix_.factor(island);
@@ -225,19 +231,19 @@ int VelocitySolver::solve_island(std::span<const double> momentum, std::span<dou
     left = 0;
     for_each_coordinate([&](std::size_t k) { left = worse(left, std::abs(change_[k])); });
     if (near) {
-      foresee();
+      accelerate();
     } else {
       for_each_coordinate([&](std::size_t k) { asked_before_[k] = gone_before_[k] = change_[k]; });
     }
     matrix_.multiply(island, change_.data(), inertia_change_.data());
-    const double way = near || left <= tolerance ? 1 : way_along_change(momentum, v);
+    const double length = near || left <= tolerance ? 1 : step_length(momentum, v);
     for_each_coordinate([&](std::size_t k) {
-      v[k] += way * change_[k];
-      inertia_v_[k] += way * inertia_change_[k];
+      v[k] += length * change_[k];
+      inertia_v_[k] += length * inertia_change_[k];
     });
     gradient(momentum, v);
     if (left <= tolerance) break;
-    near = left < kNear && way == 1 && !pattern_changed();
+    near = left < kNear && length == 1 && !pattern_changed();
   }
   residual_ = worse(residual_, left);
   return steps;

@@ -1,4 +1,4 @@
-// A/D converter: conversion sequence and registers (h8s2128, A/D section: tD, tSPL, tCONV).
+// A/D converter: conversion sequence and registers (hardware manual, A/D converter: tD, tSPL, tCONV).
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/chip/adc.h"
 
@@ -13,7 +13,7 @@ namespace {
 // States without the start delay: sampling, and conversion from the start delay's end.
 constexpr States kSampleSlow = 63, kSampleFast = 31;
 constexpr States kConvertSlow = 249, kConvertFast = 125;
-// Each further conversion of a scan.
+// States of each further conversion in scan mode.
 constexpr States kScanSlow = 256, kScanFast = 128;
 
 std::uint16_t convert(double share) {

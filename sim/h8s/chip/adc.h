@@ -10,6 +10,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 class Adc {
  public:
   // FFE0..FFE9 and KBCOMP at FEE4.
@@ -17,17 +19,17 @@ class Adc {
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
   void reset(Machine& m, States at);
-  // The DTC has read a result and goes on doing so.
+  // The DTC has read a result and will read more.
   void taken_by_dtc(Machine& m, States at) {
     adf_.drop(0x80);
     update(m, at);
   }
 
   States next_event() const { return next_; }
-  // When the conversion that sets ADF ends. What comes before concerns nobody on the chip.
+  // When the conversion that sets ADF ends. Earlier ones affect nothing else on the chip.
   States next_request() const;
   void advance(Machine& m, States to);
-  // Start from outside: 2 is the 8-bit timer, 3 the ADTRG pin, as ADCR.TRGS says.
+  // External trigger, by the value of ADCR.TRGS: 2 is the 8-bit timer, 3 the ADTRG pin.
   void trigger(Machine& m, unsigned source, States at);
 
   // All that it remembers (archive.h).

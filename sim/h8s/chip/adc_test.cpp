@@ -1,6 +1,6 @@
 // A/D converter: sampling instant, conversion time, single and scan mode, result format.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

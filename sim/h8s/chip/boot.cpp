@@ -17,7 +17,7 @@ constexpr States kPoll = 32;         // its loops look at the channel so often
 constexpr States kCheckPerWord = 8;  // reading the flash: 8 states a word
 constexpr std::uint32_t kWords = kFlashSize / 2;
 constexpr double kPulseUs = 10'000, kAroundPulseUs = 240, kVerifyWordUs = 3;
-// RAM that it works in (2148A manual, boot mode): afterwards it holds anything.
+// RAM that the boot ROM uses (2148A manual, boot mode): its contents are undefined afterwards.
 constexpr std::uint32_t kOwnRam = 0xffe880, kOwnRamEnd = 0xfff000;
 constexpr std::uint32_t kOwnShortRam = 0xffff00, kOwnShortRamEnd = 0xffff80;
 constexpr std::uint32_t kFirstRam = 0xffe080;
@@ -44,7 +44,7 @@ States states(const Machine& m, double us) {
   return static_cast<States>(us * static_cast<double>(m.options.clock_hz) / 1e6);
 }
 
-// Whether the manual's table allows a rate that was measured, to a twentieth.
+// Whether a measured bit rate is within 1/20 of one in the manual's table.
 bool allowed(const Machine& m, States bit) {
   const auto fits = [&](const Rate& rate) {
     const States nominal = m.options.clock_hz / rate.baud;
@@ -94,7 +94,7 @@ void BootRom::edge(Machine& m, bool level, States at) {
   }
 }
 
-// Of a whole byte the first low stretch counts: the start bit and the zeros behind it.
+// The first low interval of a whole byte: the start bit and the zero bits after it.
 void BootRom::heard(Machine& m, const ReceivedByte& byte) {
   if (byte.bit_states <= 0) return;
   const int zeros = byte.value == 0 ? 8 : std::countr_zero(byte.value);
@@ -161,7 +161,7 @@ void BootRom::take(Machine& m, std::uint8_t byte, States) {
   }
 }
 
-// One look at the channel.
+// Polls the channel once.
 void BootRom::poll(Machine& m, States at) {
   const unsigned n = channel(m);
   Sci& sci = m.sci[n];
@@ -178,7 +178,7 @@ void BootRom::poll(Machine& m, States at) {
   const bool quiet = (flags & kTend) != 0;
   switch (step_) {
     case Step::match:
-      // It began to listen in the middle of a byte.
+      // Listening began in the middle of a byte.
       if (flags & kErrors)
         sci.write(m, n, kSsr, static_cast<std::uint8_t>(flags & ~(kErrors | kRdrf)), at);
       [[fallthrough]];
@@ -209,7 +209,7 @@ void BootRom::poll(Machine& m, States at) {
   }
 }
 
-// A block is not blank: it is erased, and looked at again.
+// A block is not blank: erases it and checks it again.
 void BootRom::next_block(Machine& m, States at) {
   if (pulse_from_ != kNever) {
     m.flash_control.erase_block(m, block_, 1);
@@ -221,7 +221,7 @@ void BootRom::next_block(Machine& m, States at) {
     }
     ++block_;
   }
-  // Any byte that is not FF, and all blocks are erased.
+  // Any byte that is not 0xff starts the erasure of all blocks.
   bool blank = true;
   for (unsigned n = 0; n < FlashControl::blocks; ++n) blank &= m.flash_control.blank(m, n);
   while (block_ < FlashControl::blocks && m.flash_control.blank(m, block_)) ++block_;
@@ -262,7 +262,7 @@ void BootRom::advance(Machine& m, States to) {
     else
       poll(m, at);
     m.rescheduled(source_of(channel(m)));
-    if (step_ == Step::off) m.disturbed();
+    if (step_ == Step::off) m.reschedule_all();
   }
 }
 

@@ -1,20 +1,23 @@
 // The boot ROM: loads a program into RAM over a serial channel (hardware manual, boot mode).
 // SPDX-License-Identifier: Apache-2.0
 //
-// Its instructions are not known, so it is a sequence of steps at their times; the bytes go through
-// the serial channel bit by bit as any program's. The CPU stands until the loaded program starts.
+// Its instructions are not known; it is modelled as a sequence of steps with their times. Its bytes pass
+// through the serial channel bit by bit, as those of any program. The CPU is stopped until the loaded
+// program starts.
 #pragma once
 
 #include <cstdint>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
 
+class Machine;
+
 class BootRom {
  public:
-  // The mode pins ask for it at a reset.
+  // Boot mode is selected by the mode pins at a reset.
   void enter(Machine& m, States at);
   // Reset or power cut at `at`: an erase pulse ends in the middle.
   void leave(Machine& m, States at);
@@ -24,7 +27,7 @@ class BootRom {
   States next_event() const { return wake_; }
   void advance(Machine& m, States to);
 
-  // While it measures: a whole byte whose last stop bit ended at `byte.at`, or an edge.
+  // During the bit rate measurement: a whole byte whose last stop bit ended at `byte.at`, or an edge.
   void heard(Machine& m, const ReceivedByte& byte);
   void edge(Machine& m, bool level, States at);
 
@@ -37,14 +40,14 @@ class BootRom {
  private:
   enum class Step : std::uint8_t {
     off,
-    measure,     // of the host's H'00
-    greet,       // H'00 back
+    measure,     // bit time of the host's H'00
+    greet,       // sends H'00
     match,       // waits for H'55
     count_high,  // of bytes
     count_low,
-    load,   // the program
-    check,  // is the flash blank?
-    erase,  // a pulse runs
+    load,   // receives the program
+    check,  // whether the flash is blank
+    erase,  // an erase pulse is running
     answer,
     halted,
   };
@@ -59,7 +62,7 @@ class BootRom {
   Step step_ = Step::off;
   States wake_ = kNever;
   States low_since_ = kNever;  // RxD
-  std::int32_t sending_ = -1;  // waits for the transmitter
+  std::int32_t sending_ = -1;  // byte waiting for the transmitter
   std::int32_t answers_ = 0;   // H'AA still to be sent before the program starts
   std::uint32_t expected_ = 0, stored_ = 0;
   std::uint32_t block_ = 0;

@@ -1,10 +1,10 @@
-// Boot mode, byte for byte: rate, answers, echo, erase check, start; each unconfirmed point both ways.
+// Boot mode: bit rate, replies, echo, erase check, start; each unconfirmed property with both options.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <memory>
 
-#include "sim/h8s/line_rate.h"
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
+#include "sim/h8s/chip/line_rate.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -16,7 +16,7 @@ constexpr States kBit9600 = kClock / 9600;
 const std::vector<std::uint8_t> kProgram = {0xf8, 0x5a, 0x6a, 0xa8, 0x00,
                                             0xff, 0xe9, 0x00, 0x40, 0xfe};
 
-// A host at the end of the line, which waits for what it has sent.
+// A host at the other end of the line; waits until its bytes are sent.
 struct Host {
   Chip chip;
   States bit = kBit9600;
@@ -47,7 +47,7 @@ struct Host {
     ASSERT_TRUE(chip.receive(channel, byte));
     run(10 * bit);
   }
-  // What came since the last call, after some time; -1: nothing.
+  // The byte received since the last call, after some time; -1: none.
   int answer(States wait = 25 * kBit9600) {
     run(wait);
     if (came.empty()) return -1;
@@ -245,7 +245,7 @@ TEST(Boot, PowerCutUnderTheErasePulseLeavesPart) {
   for (std::uint32_t a = 0x8000; a < 0xc000; ++a) (*host.chip.peek(a) == 0 ? left : changed)++;
   EXPECT_GT(changed, 100);
   EXPECT_GT(left + changed, 0x3fff);
-  // The mode pins still say boot: it begins anew.
+  // The mode pins still select boot mode: it starts again.
   host.came.clear();
   ASSERT_TRUE(host.open());
   host.load(kProgram);
@@ -297,10 +297,10 @@ TEST(LineRate, OtherRatesGiveOtherBytes) {
           << value << " " << off;
     }
   }
-  // A fast receiver sees nothing but the slow start bit: a break.
+  // A fast receiver samples only the slow start bit: a break.
   EXPECT_TRUE(heard_at(0xff, 1920, 160).framing_error);
   EXPECT_EQ(heard_at(0xff, 1920, 160).value, 0);
-  // A slow receiver sees the fast frame as part of its start bit, if at all.
+  // A slow receiver detects the fast frame as part of its start bit, if at all.
   EXPECT_FALSE(heard_at(0xff, 160, 1920).heard);
 }
 

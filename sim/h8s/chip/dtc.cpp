@@ -64,7 +64,7 @@ struct Dtc::Block {
   std::uint32_t target_step() const { return step(mra >> 4 & 3u); }
   bool chained() const { return (mrb & 0x80) != 0; }
   bool always_tells() const { return (mrb & 0x40) != 0; }
-  // The repeat or block area goes back to its beginning after `count` units.
+  // At the end of `count` units the repeat or block area returns to its beginning.
   void rewind(std::uint32_t count) {
     if (source_repeats())
       sar -= count * source_step();
@@ -94,7 +94,7 @@ void Dtc::write(Machine& m, std::uint32_t address, std::uint8_t value, States at
   }
   const bool active = (dtvecr_ & kSwdte) != 0;
   if (active) {
-    // The vector number stays; SWDTE goes by writing 0 after it has been read as 1.
+    // The vector number stays; SWDTE is cleared by writing 0 after it has been read as 1.
     if ((value & 0x7f) != (dtvecr_ & 0x7f))
       m.misuse(address, "DTVEC changed while SWDTE is set; it has no effect");
     if (!(value & kSwdte) && swdte_seen_) {
@@ -173,7 +173,7 @@ Dtc::Outcome Dtc::serve(Machine& m, unsigned vector) {
       return outcome;
     }
     Block b(p);
-    // Reading the register information, half of its accesses.
+    // Reading the register information: half of its accesses.
     c.now += m.options.dtc_register_accesses / 2;
     if (b.mode() == 3) m.misuse((c.mask & 0xff0000) | at, "DTC mode 3 does not exist");
     const bool end = transfer(m, b);
@@ -186,7 +186,7 @@ Dtc::Outcome Dtc::serve(Machine& m, unsigned vector) {
       break;
     }
     at += 12;
-    // No program chains more than fit into the area; a last block that still chains runs out of it.
+    // At most as many chained blocks as fit into the area; a last block that still chains ends there.
     if (chained > 256) return outcome;
   }
   c.now += m.options.dtc_internal_states + c.stall;
@@ -237,7 +237,7 @@ void Dtc::move(Machine& m, Block& b) {
   b.dar = (b.dar + b.target_step()) & 0xffffff;
 }
 
-// The request has been met: its flag goes, as the manual tells for each source.
+// The request has been served: clears its flag as the manual specifies for each source.
 void Dtc::release(Machine& m, unsigned vector) {
   const States at = m.time();
   switch (vector) {

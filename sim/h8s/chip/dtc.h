@@ -9,6 +9,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 class Dtc {
  public:
   // DTCERA..DTCERE and DTVECR, FEEE..FEF3.
@@ -16,8 +18,7 @@ class Dtc {
   std::uint8_t read(std::uint32_t address);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
 
-  // Transfers whatever has been requested long enough at this instruction boundary; the CPU's time
-  // goes on meanwhile. False: nothing to do.
+  // Does the transfers that are due at this instruction boundary; advances Cpu::now. False: none due.
   bool run(Machine& m);
   // When the next transfer may begin; kNever if nothing is requested.
   States earliest(const Machine& m) const;
@@ -32,7 +33,7 @@ class Dtc {
  private:
   struct Block;  // register information as it lies in RAM
   struct Outcome {
-    bool ended;  // the CPU is to be told
+    bool ended;  // an interrupt is requested of the CPU
     bool valid;
   };
 
@@ -45,10 +46,10 @@ class Dtc {
   std::array<std::uint8_t, 5> dtcer_{};
   std::uint8_t dtvecr_ = 0;
   bool swdte_seen_ = false;  // read as 1
-  bool ended_ = false;       // software activation done, its interrupt is requested
+  bool ended_ = false;       // software activation is complete, its interrupt is requested
   States software_at_ = 0;
-  // Of the activation that runs: what was touched decides about the flag of a serial channel or
-  // the converter.
+  // Registers accessed by the running activation; they decide whether the flag of a serial channel or
+  // of the converter is cleared.
   std::array<bool, 2> rdr_read_{}, tdr_written_{};
   bool result_read_ = false;
 };

@@ -1,6 +1,6 @@
 // Data transfer controller: modes, chains, ends of counts, flags, time taken from the CPU.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -56,7 +56,7 @@ void set_vector(Chip& chip, unsigned vector, std::uint32_t block) {
   ASSERT_TRUE(chip.poke(0x401 + 2 * vector, static_cast<std::uint8_t>(block)));
 }
 
-// Nops, with IRQ0 on falling edges enabled and given to the DTC; interrupts masked until later.
+// Nops, with IRQ0 on falling edges enabled and assigned to the DTC; interrupts masked until later.
 Chip irq_chip(bool interrupts = false, Options o = {}) {
   Program p;
   p.modules_on().out8(kIscrl, 0x01).out8(kIer, 0x01).out8(kDtcera, 0x80);
@@ -195,7 +195,7 @@ TEST(Dtc, BlockMode) {
 // Information, data and nothing else again for each transfer of a chain.
 TEST(Dtc, ChainedTransfers) {
   Chip chip = irq_chip();
-  put(chip, kBlock0, {kSourceUp | kTargetUp, kChain, kFrom, kTo, 1});  // its end tells nobody
+  put(chip, kBlock0, {kSourceUp | kTargetUp, kChain, kFrom, kTo, 1});  // its end requests no interrupt
   put(chip, kBlock0 + 12, {kSourceUp | kTargetUp | kWord, 0, kFrom + 4, kTo + 4, 5});
   EXPECT_EQ(activate(chip), 1 + 2 * (6 + 2) + 3);
   EXPECT_EQ(chip.peek(kTo), 0x40);
@@ -227,8 +227,8 @@ TEST(Dtc, SoftwareActivationAndItsInterrupt) {
     set_vector(chip, 0x60, kBlock0 + 24);
     ASSERT_TRUE(chip.poke(kFrom, 0x77));
     put(chip, kBlock0 + 24, {0, mrb, kFrom, kTo, 5});
-    const bool told = run_to(chip, mrb ? handler(24) : end_of(p) - 2);
-    EXPECT_TRUE(told);
+const bool interrupted = run_to(chip, mrb ? handler(24) : end_of(p) - 2);
+    EXPECT_TRUE(interrupted);
     EXPECT_EQ(chip.peek(kTo), 0x77);
     EXPECT_EQ(chip.peek(kDtvecr), mrb ? 0xe0 : 0x60);
   }

@@ -23,7 +23,7 @@ unsigned block_of(std::uint32_t address) {
   return n;
 }
 
-// 0..1 from whatever is mixed in: which cells a weak pulse moves, what a forbidden read gives.
+// Hash to 0..1: selects the cells that a weak pulse changes and the data of a forbidden read.
 std::uint64_t mixed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15u;
   x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
@@ -64,7 +64,7 @@ void FlashControl::latch(Machine& m, std::uint32_t address, std::uint8_t value) 
     m.misuse(address, "write to flash memory while it is set up or under a pulse; no effect");
     return;
   }
-  // In verify mode a dummy write prepares its word for reading.
+  // In verify mode a dummy write selects the word to be read.
   if (flmcr1_ & (kPv | kEv)) {
     if (value != 0xff) m.misuse(address, "dummy write of verification with other than FF");
     require(m, verify_at_, flmcr1_ & kPv ? times::after_pv : times::after_ev, at,
@@ -102,7 +102,7 @@ void FlashControl::error(Machine& m, const char* text, States at) {
   m.choose_paths();
 }
 
-// A weak pulse moves some of its cells; which ones depends on the seed and the pulse's number.
+// A weak pulse changes some of its cells, selected by the seed and the pulse's number.
 bool FlashControl::cell_moves(const Machine& m, std::uint32_t cell, double share) const {
   if (share >= 1) return true;
   if (share < times::nothing_below) return false;
@@ -169,7 +169,7 @@ void FlashControl::erase_block(Machine& m, unsigned n, double share) {
   m.forget_flash(kBlocks[n], size);
 }
 
-// What the pulse that runs has done by `at`.
+// Applies what the running pulse has done by `at`.
 void FlashControl::end_pulse(Machine& m, States at) {
   if (!(flmcr1_ & (kProgram | kErase))) return;
   ++pulses_;
@@ -181,7 +181,7 @@ void FlashControl::end_pulse(Machine& m, States at) {
   if (m.options.flash_timing) {
     share = length / least;
     if (share < 1) m.misuse(0xff80, "flash pulse shorter than the manual's; cells are left weak");
-    // A tenth over is what a polling loop may cost.
+    // Tolerance of 10% for a polling loop.
     if (length > 1.1 * most) m.misuse(0xff80, "flash pulse longer than the manual allows");
   }
   if (writes)
@@ -209,7 +209,7 @@ void FlashControl::write(Machine& m, std::uint32_t address, std::uint8_t value, 
       if (!(next & kSwe)) next = 0x80, ebr1_ = ebr2_ = 0;
       if (!(flmcr2_ & kPsu) || locked) next = static_cast<std::uint8_t>(next & ~kProgram);
       if (!(flmcr2_ & kEsu) || locked) next = static_cast<std::uint8_t>(next & ~kErase);
-      // Both at once, or together with verification, is no operation.
+      // Both at once, or together with verification, is not an operation.
       if (std::popcount(static_cast<unsigned>(next & 0x0f)) > 1) {
         m.misuse(0xff80, "more than one of EV, PV, E and P set; none acts");
         next = static_cast<std::uint8_t>(next & 0xf0);

@@ -5,20 +5,23 @@
 #include <array>
 #include <cstdint>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
 
+class Machine;
+
 // Waits and pulses of the 32-byte generation, in microseconds (hardware manual, flash memory
-// programming and erasing flowcharts; recalled figures, see README).
+// programming and erasing flowcharts; values of the non-A-mask part, see docs/explanation/emulator.md).
 namespace flash_times {
 inline constexpr double after_swe = 10, after_psu = 50, after_esu = 200, after_pv = 4,
                         after_ev = 20, after_dummy = 2;
 inline constexpr double program_least = 150, program_most = 200;
 inline constexpr double erase_least = 5'000, erase_most = 10'000;
-inline constexpr double nothing_below = 0.125;  // share of the least pulse that moves no cell
-inline constexpr int endurance = 100;           // erasures of a block
+inline constexpr double nothing_below =
+    0.125;                             // fraction of the minimum pulse below which no cell changes
+inline constexpr int endurance = 100;  // erasures of a block
 }  // namespace flash_times
 
 class FlashControl {
@@ -30,15 +33,15 @@ class FlashControl {
   void latch(Machine& m, std::uint32_t address, std::uint8_t value);
 
   bool enabled() const { return (flmcr1_ & 0x40) != 0; }
-  // The array answers as ever: no pulse, no verification.
+  // Normal reads: no pulse is running and verification is off.
   bool plain() const { return !busy() && (flmcr1_ & 0x0c) == 0; }
-  // Pulse or its setup: a read, a fetch or an exception now is an error.
+  // During a pulse or its setup: a read, a fetch or an exception is an error.
   bool busy() const { return (flmcr1_ & 0x03) != 0 || (flmcr2_ & 0x01) != 0; }
-  // What a read gives while not plain().
+  // Value read while not plain().
   std::uint8_t read(Machine& m, std::uint32_t address, std::uint8_t cell, States at);
-  // Protection: the pulse ends where it is, and no other begins before reset.
+  // Error protection: ends the running pulse early; no other begins before reset.
   void error(Machine& m, const char* text, States at);
-  // What the boot ROM does: one erase pulse over a block; below 1 it was cut off.
+  // Erase pulse by the boot ROM over one block; `share` below 1: it was cut off.
   void erase_block(Machine& m, unsigned block, double share);
   static constexpr unsigned blocks = 10;
   static std::uint32_t size_of(unsigned block);
@@ -67,7 +70,7 @@ class FlashControl {
   std::uint32_t line_ = 0;
   std::uint32_t latched_ = 0;  // one bit a byte of the line
   std::array<std::uint8_t, 32> data_{};
-  std::uint32_t dummy_ = 0xffffffff;  // word that a dummy write has prepared for verification
+  std::uint32_t dummy_ = 0xffffffff;  // word selected for verification by a dummy write
   States pulse_start_ = 0, swe_at_ = 0, setup_at_ = 0, verify_at_ = 0, dummy_at_ = 0;
   std::uint32_t pulses_ = 0;
 };

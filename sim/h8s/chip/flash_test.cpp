@@ -3,8 +3,8 @@
 #include <bit>
 #include <cmath>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/chip/machine.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kFlmcr1 = 0xffff80, kFlmcr2 = 0xffff81, kEbr1 = 0xffff82, kEbr2 = 0xffff83;
 constexpr std::uint32_t kLine = 0x18020;
 
-// A machine whose program counter stands in RAM; registers are written from outside, time passes
+// A machine whose program counter is in RAM; registers are written from outside, time passes
 // by hand.
 struct Kernel {
   Machine m;

@@ -19,7 +19,7 @@ States Frt::divisor() const {
   return table[tcr_ & 3];
 }
 
-// Ticks until the counter leaves `value`: that is when a match takes effect.
+// Ticks until the counter leaves `value`, which is when a match takes effect.
 std::int64_t Frt::to_count(std::uint32_t value) const {
   return static_cast<std::int64_t>((value - count_) & 0xffff) + 1;
 }
@@ -86,7 +86,7 @@ void Frt::advance(Machine& m, States to) {
       update(m, m.epoch + tick_ * d);
       changed = true;
     }
-    // Everything that can be flagged is: whole turns of a plain counter leave no trace.
+    // All possible flags are set: whole periods of the counter change nothing.
     const std::int64_t turn = clear_on_a_ ? ocr_[0] + 1 : 0x10000;
     if (before == flags_.value() && !(tocr_ & 0x4c) && !masked_ && count_ < turn &&
         target - tick_ > 2 * turn)
@@ -98,14 +98,14 @@ void Frt::advance(Machine& m, States to) {
 States Frt::next_event(States epoch) const {
   const States d = divisor();
   if (d == 0) return kNever;
-  // Flags that are set already cannot be noticed again; pins can.
+  // Flags that are already set cannot change again; pins can.
   const std::uint8_t wanted = static_cast<std::uint8_t>(tier_ & ~flags_.value());
   std::int64_t counts = kNever;
   if ((wanted & kOcfa) || drives(0)) counts = std::min(counts, to_count(ocr_[0]));
   if ((wanted & kOcfb) || drives(1)) counts = std::min(counts, to_count(ocr_[1]));
   if (wanted & kOvf) counts = std::min(counts, to_count(0xffff));
   if (counts == kNever) return kNever;
-  // A clear at A may come first and hide the rest: look again then.
+  // A clear at A may come first and prevent the others: check again then.
   if (clear_on_a_) counts = std::min(counts, to_count(ocr_[0]));
   return epoch + (tick_ + counts) * d;
 }
@@ -196,8 +196,8 @@ std::uint8_t Frt::read(Machine& m, std::uint32_t address, States at) {
 }
 
 void Frt::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
-  // In the state of the write itself a write to FRC wins over the count, one to OCR keeps its match
-  // away.
+  // In the state of the write itself, a write to FRC wins over the count; one to OCR suppresses
+  // its match.
   advance(m, at - 1);
   const auto word = static_cast<std::uint16_t>(temp_ << 8 | value);
   std::uint16_t& ocr = ocr_[tocr_ & 0x10 ? 1 : 0];

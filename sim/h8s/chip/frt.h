@@ -1,4 +1,4 @@
-// The 16-bit free-running timer, computed when looked at.
+// The 16-bit free-running timer, brought up to date when it is accessed.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,6 +10,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 class Frt {
  public:
   // `address` is the low 16 bits: FF90..FF9F. `at` is when the bus cycle ends.
@@ -18,9 +20,9 @@ class Frt {
   // As of the last advance().
   std::uint8_t peek(std::uint32_t address) const;
 
-  // When something happens that the program or the board would notice without looking.
+  // Time of the next interrupt request or output change.
   States next_event(States epoch) const;
-  // The DTC has met the request of `vector`.
+  // The DTC has served the request of `vector`.
   void taken_by_dtc(Machine& m, unsigned vector, States at);
   // Brings count, flags and requests up to `to`.
   void advance(Machine& m, States to);

@@ -1,6 +1,6 @@
 // The free-running timer's counting: clocks, clear, flags, TEMP and banks, module stop.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -164,7 +164,7 @@ TEST(FrtCount, BanksShareAddresses) {
   EXPECT_EQ(chip.peek16(kIcra), 0x0000);
   EXPECT_TRUE(chip.misuse().empty());
   chip.run_until(chip.now() + 40);
-  EXPECT_EQ(chip.peek16(kIcra), 0x0000);  // read-only, and told
+  EXPECT_EQ(chip.peek16(kIcra), 0x0000);  // read-only, and reported as misuse
   ASSERT_EQ(chip.misuse().size(), 1u);
 }
 

@@ -1,6 +1,6 @@
 // The free-running timer's finer rules: coincidences, capture edges and masking, automatic addition.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

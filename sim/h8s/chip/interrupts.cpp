@@ -1,4 +1,4 @@
-// Choosing among requests, and the registers of the interrupt controller.
+// Selection among interrupt requests, and the interrupt controller's registers.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/chip/interrupts.h"
 
@@ -45,7 +45,7 @@ void Interrupts::set(unsigned vector, bool level, States at) {
   raised_ |= level;
 }
 
-// A request that comes back to the CPU is decided on anew.
+// A request returned to the CPU is decided again.
 void Interrupts::divert(const std::array<std::uint64_t, 2>& vectors, States at) {
   for (unsigned half = 0; half < 2; ++half) {
     std::uint64_t back = diverted_[half] & ~vectors[half] & raw_[half];

@@ -12,7 +12,7 @@
 
 namespace kaz::h8s {
 
-// Vector numbers (h8s2128, vector table).
+// Vector numbers (hardware manual, exception vector table).
 namespace vec {
 inline constexpr unsigned nmi = 7, irq0 = 16, swdtend = 24, wovi0 = 25, wovi1 = 26,
                           address_break = 27, adi = 28, icia = 48, ocia = 52, ocib = 53, fovi = 54,
@@ -32,33 +32,32 @@ class Interrupts {
     if ((raw_[first / 64] & mask) == levels << (first % 64)) return;
     for (unsigned k = 0; k < count; ++k) set(first + k, (levels >> k & 1) != 0, at);
   }
-  // Whether a request has been raised since this was last asked.
+  // Whether a request has been raised since the last call.
   bool take_raised() { return std::exchange(raised_, false); }
   bool requested(unsigned vector) const { return since_[vector] != kNever; }
 
-  // Whether a request could be accepted at all, now or a little later, by mask bits I and UI of
-  // `control`.
+  // Whether a request passes mask bits I and UI of `control`: it is accepted now or a few states later.
   bool any_unmasked(std::uint8_t control, bool two_level) const {
     if ((pending_[0] | pending_[1]) == 0) return false;
     return !(control & 0x80) || two_level || (pending_[0] >> vec::nmi & 1) != 0;
   }
-  // What an instruction boundary brings.
+  // The decision at an instruction boundary.
   struct Choice {
-    unsigned vector = 0;       // to accept there; 0: none
-    States earliest = kNever;  // else the first boundary at which one will be
+    unsigned vector = 0;       // to accept now; 0: none
+    States earliest = kNever;  // otherwise the earliest time at which one is accepted
   };
   Choice choose(States boundary, std::uint8_t control, bool two_level, int decision) const;
-  // --- for the DTC: requests of the sources in `vectors` go there and not to the CPU.
+  // --- for the DTC: requests of the sources in `vectors` activate it instead of the CPU.
   void divert(const std::array<std::uint64_t, 2>& vectors, States at);
   bool any_diverted() const { return ((raw_[0] & diverted_[0]) | (raw_[1] & diverted_[1])) != 0; }
   // When the oldest of them was raised; kNever: none.
   States diverted_since() const;
   // The first of them in vector order that was raised at `limit` or before; 0: none.
   unsigned first_diverted(States limit) const;
-  // An edge request that the DTC has met.
+  // An edge request that the DTC has served.
   void taken_by_dtc(unsigned vector, States at);
 
-  // Edge requests end as the CPU takes them.
+  // Edge requests are cleared when the CPU accepts them.
   void accepted(unsigned vector, States at);
 
   void set_irq_pin(unsigned n, bool level, States at);
@@ -66,7 +65,7 @@ class Interrupts {
   bool nmi_level() const { return nmi_level_; }
   bool any_irq_enabled() const { return (ier_ & 7) != 0; }
 
-  // Address break: while it is on, each instruction's address is told as it is fetched.
+  // Address break (PC break): while enabled, fetched() must be called for each instruction.
   bool watches_fetches() const { return (abrkcr_ & 1) != 0; }
   void fetched(std::uint32_t pc, States at) {
     const std::uint32_t bar = std::uint32_t{bar_[0]} << 16 | std::uint32_t{bar_[1]} << 8 | bar_[2];
@@ -102,7 +101,7 @@ class Interrupts {
   StickyFlags isr_;
   std::uint8_t iscrh_ = 0, iscrl_ = 0, ier_ = 0, abrkcr_ = 0;
   std::array<std::uint8_t, 3> bar_{};
-  std::uint8_t irq_level_ = 7;  // an input that the board leaves alone requests nothing
+  std::uint8_t irq_level_ = 7;  // inputs that the board does not drive are inactive
   bool nmi_level_ = true;
 
   static std::array<States, vec::count> filled() {

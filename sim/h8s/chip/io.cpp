@@ -1,4 +1,4 @@
-// Register addresses: which module answers, module stop, register banks, peeking.
+// Register addresses: modules, module stop, register banks, reads without side effects.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/chip/machine.h"
 
@@ -35,7 +35,7 @@ constexpr bool within(std::uint32_t a, std::uint32_t first, std::uint32_t last) 
   return a >= first && a <= last;
 }
 
-// The banks that STCR and others switch are resolved here (h8s2128, access multiplexing).
+// Resolves the register banks selected by STCR, TCONRS and others (hardware manual, register list).
 constexpr Place find_place(std::uint32_t a, std::uint8_t stcr) {
   const bool iice = (stcr & 0x10) != 0, flshe = (stcr & 0x08) != 0;
   if (a == 0xfee4) return {Unit::adc, Stop_adc};
@@ -68,7 +68,7 @@ constexpr Place find_place(std::uint32_t a, std::uint8_t stcr) {
   return {};
 }
 
-// The same by table: FE00..FFFF in each combination of the bits of STCR that switch banks.
+// The same as a table: FE00..FFFF for each combination of STCR's bank bits.
 constexpr unsigned kBankShift = 3, kBanks = 4;
 constexpr std::uint32_t kFirstPlace = 0xfe00, kPlaces = 0x200;
 
@@ -103,7 +103,7 @@ Source source_of(const Place& p) {
   }
 }
 
-// Ports whose pins the module may drive or take, bit n: port n. Ports, module stop and the like: all.
+// Ports whose pins the module may drive or read, bit n: port n. Ports, module stop and others: all.
 unsigned ports_of(const Place& p) {
   switch (p.unit) {
     case Unit::frt:
@@ -125,7 +125,7 @@ unsigned ports_of(const Place& p) {
 
 }  // namespace
 
-// What an access to a register may have moved: nothing, its module's next event, or anything.
+// What must be rescheduled after an access: nothing, the module's next event, or all modules.
 void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
   switch (p.unit) {
     case Unit::frt:
@@ -141,7 +141,7 @@ void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
     }
     case Unit::ports:
       // Port 6 is where timers count and capture.
-      if (written && (a == 0xffb9 || a == 0xffbb)) disturbed();
+      if (written && (a == 0xffb9 || a == 0xffbb)) reschedule_all();
       break;
     case Unit::none:
     case Unit::absent:
@@ -150,11 +150,11 @@ void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
     case Unit::pwmx:
       break;
     default:
-      if (written) disturbed();
+      if (written) reschedule_all();
       break;
   }
   if (written && pins.watches(ports_of(p))) {
-    pins.sample(*this, moment());
+    pins.sample(*this, event_time());
     rescheduled(Source::pins);
   }
   if (irq.take_raised() && (irq.any_unmasked(cpu.control, cpu.two_level) || irq.any_diverted()))
@@ -232,7 +232,7 @@ std::optional<std::uint8_t> Machine::io_peek(std::uint32_t address) {
     case Unit::interrupts:
       return irq.peek(a);
     case Unit::ports:
-      if (a == 0xffbb) bring_outputs_to(time());
+      if (a == 0xffbb) advance_outputs(time());
       return ports.read(*this, a);
     case Unit::frt:
       frt.advance(*this, time());

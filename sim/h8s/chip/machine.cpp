@@ -1,4 +1,4 @@
-// The machine as a whole: making, copying, resetting, and its links to the CPU core.
+// The machine as a whole: construction, copying, reset, and its links to the CPU core.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/chip/machine.h"
 
@@ -6,13 +6,13 @@
 #include <cstdlib>
 #include <new>
 
+#include "sim/h8s/chip/observer.h"
 #include "sim/h8s/cpu/access.h"
-#include "sim/h8s/debug/observer.h"
 
 namespace kaz::h8s {
 namespace {
 
-// All zero is "not decoded"; fresh pages cost nothing until touched.
+// Zero means "not decoded", so fresh pages cost nothing until touched.
 Insn* allocate_code() {
   void* p = std::calloc(kCodeSize, sizeof(Insn));
   if (!p) throw std::bad_alloc();
@@ -39,7 +39,7 @@ Machine::Machine(const Machine& other)
 }
 
 void Machine::attach() {
-  cpu.machine = this;
+  cpu.bus = this;
   cpu.flash = flash_.data();
   cpu.ram = block_.data() + kRam;
   cpu.has_code = cpu.chip_lines.data() + kRam / kLine;
@@ -48,7 +48,7 @@ void Machine::attach() {
   cpu.engine = options.engine;
   cpu.translate_after = options.translate_after;
   if (options.engine == Engine::translator && !translator_) translator_ = make_translator();
-  cpu.translator = options.engine == Engine::translator ? translator_.get() : nullptr;
+  cpu.translated = options.engine == Engine::translator ? translator_.get() : nullptr;
   choose_paths();
 }
 
@@ -86,7 +86,7 @@ void Machine::take_state(const Machine& other) {
   first_after_reset_ = other.first_after_reset_;
   options = other.options;
   attach();
-  // Pointers into the decoded code lead to the same place in this machine's.
+  // Pointers into the decoded code point to the same place in this machine's.
   const auto moved = [&](const Insn* p) -> const Insn* {
     if (p == nullptr) return nullptr;
     if (p == &other.cpu.outside) return &cpu.outside;
@@ -130,7 +130,7 @@ void Machine::power_on(std::uint8_t ram_fill) {
   sci = fresh;
   cpu.now = cpu.stall = 0;
   cpu.executed = 0;
-  if (translator_) translator_->count_anew();
+  if (translator_) translator_->reset_count();
   cpu.er.fill(0);
   misuses.clear();
   reset(ResetCause::power_on, 0);
@@ -259,7 +259,7 @@ void Machine::clear_hook(std::uint32_t address) {
   hook_changed(address);
 }
 
-// The instruction there is decoded again, and no translated code runs over it.
+// The instruction there is decoded again, and translated code that contains it is discarded.
 void Machine::hook_changed(std::uint32_t address) {
   const Insn outside = cpu.outside;  // the chip may stand at an address without memory
   Insn* slot = const_cast<Insn*>(at_address(cpu, address));

@@ -1,4 +1,4 @@
-// Everything on the chip, and the loop that runs it. Internal; chip.h is the public face.
+// Machine: all modules of the chip, and the loop that runs them. Internal; chip.h is the public interface.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,13 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "sim/h8s/chip.h"
 #include "sim/h8s/chip/adc.h"
 #include "sim/h8s/chip/boot.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/chip/dtc.h"
 #include "sim/h8s/chip/flash.h"
 #include "sim/h8s/chip/frt.h"
 #include "sim/h8s/chip/interrupts.h"
+#include "sim/h8s/chip/observer.h"
 #include "sim/h8s/chip/pin_watch.h"
 #include "sim/h8s/chip/ports.h"
 #include "sim/h8s/chip/pwm.h"
@@ -29,9 +30,6 @@
 #include "sim/h8s/translate/translator.h"
 
 namespace kaz::h8s {
-
-class Observer;
-class InputLog;
 
 // Bits of MSTPCR, module by module.
 inline constexpr unsigned Stop_dtc = 14, Stop_frt = 13, Stop_tmr = 12, Stop_pwm = 11, Stop_adc = 9,
@@ -55,7 +53,7 @@ struct SystemRegisters {
   }
 };
 
-// Modules that have events, in the order in which those of one state are worked off.
+// Modules that have events; events of the same state are processed in this order.
 enum class Source : unsigned { sci0, wdt0, sci1, wdt1, adc, frt, tmr, tmr_xy, pins, boot };
 inline constexpr unsigned kSources = 10;
 
@@ -65,14 +63,14 @@ struct CodeFree {
   void operator()(Insn* p) const;
 };
 
-class Machine {
+class Machine final : public Bus {
  public:
   explicit Machine(const Options& options);
-  // State without listeners and hooks.
+  // Copies the state without listeners and hooks.
   Machine(const Machine& other);
   Machine& operator=(const Machine&) = delete;
 
-  // Takes over the state of another one; listeners and hooks stay.
+  // Copies the state of another machine; listeners and hooks are kept.
   void take_state(const Machine& other);
   // The same to and from bytes (state.cpp).
   void write_state(StateWriter& to);
@@ -80,7 +78,7 @@ class Machine {
 
   void power_on(std::uint8_t ram_fill);
   void reset(ResetCause cause, States at);
-  // Takes back an error stop.
+  // Clears an error stop.
   void revive() {
     dead.reset();
     cpu.fault = Fault::none;
@@ -93,23 +91,34 @@ class Machine {
   void request_stop();
   void memory_changed(std::uint32_t address, std::uint32_t size);
 
+  // --- for the CPU (bus.h) -----------------------------------------------------------------------
+  std::uint8_t load8(std::uint32_t address) override;
+  std::uint16_t load16(std::uint32_t address) override;
+  void store8(std::uint32_t address, std::uint8_t value) override;
+  void store16(std::uint32_t address, std::uint16_t value) override;
+  void odd_word_access(std::uint32_t address) override;
+  bool interrupt_pending() const override { return irq.any_unmasked(cpu.control, cpu.two_level); }
+  bool hook_due(std::uint32_t pc) const override { return pc != unhooked_ && hooks.contains(pc); }
+  bool has_hook(std::uint32_t pc) const override { return hooks.contains(pc); }
+  void run_observed() override;
+
   // --- for the modules ---------------------------------------------------------------------------
-  // End of the access that runs, or the event's time.
+  // End of the current bus access, or the event's time.
   States time() const {
     const States at = cpu.now + cpu.stall;
     return slow_from_ == kNever ? at : slow_from_ + (at - slow_from_) * slow_by_;
   }
-  // The chip stands by: its clocks, but not the subclock, are off.
-  bool stands_still() const { return standby_; }
-  // Time for those outside who look or act: of the event that is being worked off, else time().
-  States moment() const { return working_ != kNever ? working_ : time(); }
-  // The timers that may drive pins.
-  void bring_outputs_to(States at) {
+  // True in software standby: all clocks except the subclock are stopped.
+  bool in_standby() const { return standby_; }
+  // Current time as seen from outside: of the event being processed, else time().
+  States event_time() const { return processing_ != kNever ? processing_ : time(); }
+  // Advances the timers that may drive pins.
+  void advance_outputs(States at) {
     frt.advance(*this, at);
     tmr.advance(*this, at);
     tmr_xy.advance(*this, at);
   }
-  // What the board does to a pin, and what follows from it.
+  // Sets or releases the board's drive of a pin and applies its effects.
   void set_input(unsigned port, unsigned bit, std::optional<bool> level);
   void set_nmi(bool level);
   bool stopped(unsigned bit) const { return (system.mstpcr >> bit & 1) != 0; }
@@ -118,10 +127,10 @@ class Machine {
     if (listeners.output) listeners.output({unit, index, at});
   }
   void misuse(std::uint32_t address, const char* text);
-  // The module's next event may have moved. While instructions run: they stop in time for it.
+  // Reschedules a module whose next event may have changed; running instructions stop in time for it.
   void rescheduled(Source source);
-  // Anything may have moved: somebody outside, a hook, or what is not known closer.
-  void disturbed();
+  // Reschedules all modules. Call after external writes, hooks, or any change whose effect is not tracked.
+  void reschedule_all();
   void pin_edge(unsigned port, unsigned bit, bool rising, States at);
 
   // --- memory ------------------------------------------------------------------------------------
@@ -130,7 +139,7 @@ class Machine {
   std::uint8_t io_read(std::uint32_t address);
   void io_write(std::uint32_t address, std::uint8_t value);
   void io_write_word(std::uint32_t address, std::uint16_t value);
-  // Without side effects; timers are brought up to date.
+  // Reads without side effects; timers are brought up to date.
   std::optional<std::uint8_t> io_peek(std::uint32_t address);
   // FE50..FEFF and FF80..FFFF.
   bool is_io(std::uint32_t address) const {
@@ -141,10 +150,8 @@ class Machine {
   void forget_flash(std::uint32_t address, std::uint32_t size);
   void set_ram_enabled(bool on);
   void forget_all_code();
-  // Which of the CPU's accesses may go past Machine.
+  // Selects which of the CPU's accesses take its fast path.
   void choose_paths();
-  // The instruction at `pc` is to be announced before it runs.
-  bool hooked(std::uint32_t pc) const { return pc != unhooked_ && hooks.contains(pc); }
   void set_hook(std::uint32_t pc, Chip::CodeHook hook);
   void clear_hook(std::uint32_t pc);
   void hook_changed(std::uint32_t address);
@@ -158,6 +165,9 @@ class Machine {
   int pw_high_counts(int channel) const;
   bool tmo_driven(int timer) const;
   double tmo_high_share(int timer);
+
+  // Null unless Options::engine is the translator and this build has one.
+  const Translator* translator() const { return cpu.translated ? translator_.get() : nullptr; }
 
   std::string report(const std::string& headline) const;
   std::string disassemble(std::uint32_t address, int* length) const;
@@ -180,8 +190,8 @@ class Machine {
   Dtc dtc;
   SystemRegisters system;
 
-  // Where prescalers count from: the last reset, moved along while clocks stood still. The
-  // subclock's stays.
+  // Origin of the prescalers' counts: the last reset, shifted by the time that clocks were stopped; the
+  // subclock is never stopped.
   States epoch = 0, sub_epoch = 0;
   ResetCause cause = ResetCause::power_on;
   bool watchdog_reset = false;  // requested by a watchdog
@@ -190,11 +200,11 @@ class Machine {
 
   Listeners listeners;
   std::vector<Observer*> observers;
-  InputLog* input_log = nullptr;  // of a debug::History
+  InputLog* input_log = nullptr;  // of History (debug/history.h)
   bool running = false;           // inside run()
-  bool in_hook = false;           // at a boundary all the same
+  bool in_hook = false;           // inside a code hook, at an instruction boundary
   std::function<double(int, States)> analog_source;
-  // To be called before an input is applied.
+  // Must be called before an input is applied.
   void log_input(std::function<void(Chip&)> apply);
   void log_cut();
   void connect_analog();
@@ -202,6 +212,7 @@ class Machine {
   std::shared_ptr<const SymbolTable> symbols = std::make_shared<SymbolTable>();
 
  private:
+  void notify_access(std::uint32_t address, unsigned size, unsigned value, bool write);
   template <class A>
   void transfer(A& a);
   template <class A>
@@ -229,11 +240,11 @@ class Machine {
   void find_events();
   void first_events();
   void run_events(States to);
-  // Before an access to a register: what lies before `to` has happened.
+  // Before a register access: processes all events up to `to`.
   void settle(States to) {
-    if (!events_known_ || next_event_ <= to) work_off(to);
+    if (!events_known_ || next_event_ <= to) process_events(to);
   }
-  void work_off(States to);
+  void process_events(States to);
   void accept(unsigned vector);
   bool could_wake() const;
   void stretch(States stop, bool one);
@@ -244,7 +255,7 @@ class Machine {
   void end_slow();
   bool stands_by() const;
   void enter_standby();
-  bool stand_by(States until);  // false: nothing could ever end it
+  bool stand_by(States until);  // false: nothing can end it
   Stop error_stop(Stop::Reason reason, const std::string& headline);
   Stop stop_for_fault();
   enum class Hooked { none, ran, stop };
@@ -253,23 +264,23 @@ class Machine {
   std::vector<std::uint8_t> flash_;
   std::array<std::uint8_t, 0x2000> block_{};
   std::unique_ptr<Insn, CodeFree> code_;
-  std::unique_ptr<Translator, TranslatorFree> translator_;
+  std::unique_ptr<Translator> translator_;
   static constexpr std::uint32_t kNoAddress = 0xffffffff;
   std::uint32_t hook_done_ =
-      kNoAddress;  // its hook has been called, the instruction has not run yet
-  std::uint32_t unhooked_ = kNoAddress;  // decoded as it is, whatever hooks there are
+      kNoAddress;  // the hook there has been called, its instruction has not run yet
+  std::uint32_t unhooked_ = kNoAddress;  // decoded without regard to its hook
   bool first_after_reset_ = false;
   bool standby_ = false, watch_ = false;
   States wakes_at_ = kNever;   // the oscillator has settled
-  States slow_from_ = kNever;  // beginning of what the CPU does on a divided clock
+  States slow_from_ = kNever;  // start of execution on a divided clock
   States slow_by_ = 1;
   bool stop_requested_ = false;
-  // When each module's next event is, worked out again only where an access, an event, a hook or
-  // somebody outside may have moved it, and when the CPU has to stop for it; the first of them.
+  // Time of each module's next event, and the time by which the CPU must stop for it; the earliest of
+  // each. Recomputed only after something that may change them.
   std::array<States, kSources> events_{}, stops_{};
   States next_event_ = 0, next_stop_ = 0;
   bool events_known_ = false;
-  States working_ = kNever;  // the event that is being worked off
+  States processing_ = kNever;  // time of the event being processed
 };
 
 }  // namespace kaz::h8s

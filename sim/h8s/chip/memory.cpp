@@ -1,4 +1,4 @@
-// The slow path of memory accesses: short RAM, registers, and what is neither.
+// Memory accesses outside the CPU's fast path: short RAM, I/O registers, flash under programming.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
@@ -7,132 +7,82 @@
 #include "sim/h8s/cpu/opcode.h"
 
 namespace kaz::h8s {
-namespace {
 
-// Offset into Cpu::ram of a byte in either RAM window of the chip.
-std::optional<std::uint32_t> ram_offset(const Cpu& c, std::uint32_t address) {
-  const std::uint32_t offset = (address & c.mask) - c.ram_at;
-  if (c.ram_size == 0) return std::nullopt;
-  if (offset < kRamSize || offset - (kShortRam - kRam) < kShortRamSize) return offset;
-  return std::nullopt;
-}
-
-void note_odd(Cpu& c, std::uint32_t address) {
-  if (c.machine)
-    c.machine->misuse(address, "word access at an odd address; the chip takes the even one below");
-}
-
-}  // namespace
-
-void raise_fault(Cpu& c, Fault fault, std::uint32_t address) {
-  if (c.fault == Fault::none) {
-    c.fault = fault;
-    c.fault_address = address;
-    c.fault_pc = pc_of(c, c.ip);
-  }
-  end_stretch(c);
-}
-
-bool check_stack(Cpu& c, std::uint32_t address) {
-  if (ram_offset(c, address)) return true;
-  raise_fault(c, Fault::stack, address & c.mask);
-  return false;
-}
-
-std::uint8_t slow_load8(Cpu& c, std::uint32_t address) {
+std::uint8_t Machine::load8(std::uint32_t address) {
   const auto seen = [&](std::uint8_t value) {
-    if (c.observed) observe_access(c, address, 1, value, false);
+    if (cpu.observed) notify_access(address, 1, value, false);
     return value;
   };
-  if (c.machine->is_io(address)) {
-    add_stall(c, 1);
-    return seen(c.machine->io_read(address));
+  if (is_io(address)) {
+    add_stall(cpu, 1);
+    return seen(io_read(address));
   }
-  if (const auto offset = ram_offset(c, address)) return seen(c.ram[*offset]);
-  if (address < c.flash_size) {
-    Machine& m = *c.machine;
-    if (m.flash_control.plain()) return seen(c.flash[address]);
-    return seen(m.flash_control.read(m, address, c.flash[address], m.time()));
+  if (const auto offset = ram_offset(cpu, address)) return seen(cpu.ram[*offset]);
+  if (address < cpu.flash_size) {
+    if (flash_control.plain()) return seen(cpu.flash[address]);
+    return seen(flash_control.read(*this, address, cpu.flash[address], time()));
   }
-  raise_fault(c, Fault::unmapped, address);
+  raise_fault(cpu, Fault::unmapped, address);
   return 0xff;
 }
 
-std::uint16_t slow_load16(Cpu& c, std::uint32_t address) {
-  if (address & 1) {
-    note_odd(c, address);
-    return load16(c, address - 1);
-  }
+std::uint16_t Machine::load16(std::uint32_t address) {
   const auto seen = [&](unsigned value) {
-    if (c.observed) observe_access(c, address, 2, value, false);
+    if (cpu.observed) notify_access(address, 2, value, false);
     return static_cast<std::uint16_t>(value);
   };
-  if (const auto offset = ram_offset(c, address)) return seen(big16(c.ram + *offset));
-  if (address < c.flash_size) {
-    Machine& m = *c.machine;
-    if (m.flash_control.plain()) return seen(big16(c.flash + address));
-    const unsigned high = m.flash_control.read(m, address, c.flash[address], m.time());
-    if (m.flash_control.plain()) return seen(high << 8 | c.flash[address + 1]);
-    return seen(high << 8 | m.flash_control.read(m, address + 1, c.flash[address + 1], m.time()));
+  if (const auto offset = ram_offset(cpu, address)) return seen(big16(cpu.ram + *offset));
+  if (address < cpu.flash_size) {
+    const std::uint8_t* flash = cpu.flash + address;
+    if (flash_control.plain()) return seen(big16(flash));
+    const unsigned high = flash_control.read(*this, address, flash[0], time());
+    if (flash_control.plain()) return seen(high << 8 | flash[1]);
+    return seen(high << 8 | flash_control.read(*this, address + 1, flash[1], time()));
   }
-  if (!c.machine->is_io(address)) {
-    raise_fault(c, Fault::unmapped, address);
+  if (!is_io(address)) {
+    raise_fault(cpu, Fault::unmapped, address);
     return 0xffff;
   }
-  const bool wide = c.machine->wide(address);
-  add_stall(c, 1);
-  const unsigned high = c.machine->io_read(address);
-  if (!wide) add_stall(c, 2);
-  return seen(high << 8 | c.machine->io_read(address + 1));
+  const bool one_access = wide(address);
+  add_stall(cpu, 1);
+  const unsigned high = io_read(address);
+  if (!one_access) add_stall(cpu, 2);
+  return seen(high << 8 | io_read(address + 1));
 }
 
-void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value) {
-  if (c.machine->is_io(address)) {
-    add_stall(c, 1);
-    c.machine->io_write(address, value);
-  } else if (const auto offset = ram_offset(c, address)) {
-    c.ram[*offset] = value;
-    note_ram_write(c, *offset);
-  } else if (address < c.flash_size) {
-    c.machine->flash_control.latch(*c.machine, address, value);
+void Machine::store8(std::uint32_t address, std::uint8_t value) {
+  if (is_io(address)) {
+    add_stall(cpu, 1);
+    io_write(address, value);
+  } else if (const auto offset = ram_offset(cpu, address)) {
+    cpu.ram[*offset] = value;
+    note_ram_write(cpu, *offset);
+  } else if (address < cpu.flash_size) {
+    flash_control.latch(*this, address, value);
   } else {
-    return raise_fault(c, Fault::unmapped, address);
+    return raise_fault(cpu, Fault::unmapped, address);
   }
-  if (c.observed) observe_access(c, address, 1, value, true);
+  if (cpu.observed) notify_access(address, 1, value, true);
 }
 
-void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value) {
-  if (address & 1) {
-    note_odd(c, address);
-    return store16(c, address - 1, value);
-  } else if (const auto offset = ram_offset(c, address)) {
-    put_big16(c.ram + *offset, value);
-    note_ram_write(c, *offset);
-  } else if (address < c.flash_size) {
-    c.machine->flash_control.latch(*c.machine, address, static_cast<std::uint8_t>(value >> 8));
-    c.machine->flash_control.latch(*c.machine, address + 1, static_cast<std::uint8_t>(value));
-  } else if (c.machine->is_io(address)) {
-    add_stall(c, c.machine->wide(address) ? 1 : 3);
-    c.machine->io_write_word(address, value);
+void Machine::store16(std::uint32_t address, std::uint16_t value) {
+  if (const auto offset = ram_offset(cpu, address)) {
+    put_big16(cpu.ram + *offset, value);
+    note_ram_write(cpu, *offset);
+  } else if (address < cpu.flash_size) {
+    flash_control.latch(*this, address, static_cast<std::uint8_t>(value >> 8));
+    flash_control.latch(*this, address + 1, static_cast<std::uint8_t>(value));
+  } else if (is_io(address)) {
+    add_stall(cpu, wide(address) ? 1 : 3);
+    io_write_word(address, value);
   } else {
-    return raise_fault(c, Fault::unmapped, address);
+    return raise_fault(cpu, Fault::unmapped, address);
   }
-  if (c.observed) observe_access(c, address, 2, value, true);
+  if (cpu.observed) notify_access(address, 2, value, true);
 }
 
-void mask_changed(Cpu& c, bool hold_off) {
-  if (!c.machine || (c.now < c.stop && !c.machine->irq.any_unmasked(c.control, c.two_level)))
-    return;
-  c.hold_off = hold_off;
-  end_stretch(c);
-}
-
-bool hooked_here(const Cpu& c, std::uint32_t pc) {
-  return c.machine && c.machine->hooked(pc);
-}
-
-bool has_hook(const Cpu& c, std::uint32_t pc) {
-  return c.machine && c.machine->hooks.contains(pc);
+void Machine::odd_word_access(std::uint32_t address) {
+  misuse(address, "word access at an odd address; the chip takes the even one below");
 }
 
 std::uint8_t* Machine::memory_at(std::uint32_t address) {

@@ -1,4 +1,4 @@
-// What the board sees of the PWM and timer output pins: who owns the pin, and its mean.
+// PWM and timer output pins as the board sees them: the pin's owner and its mean level.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/chip/machine.h"
 

@@ -1,4 +1,4 @@
-// Edges at watched pins, in the order of their states.
+// Reports edges at watched pins, in order of time.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/chip/pin_watch.h"
 
@@ -9,9 +9,9 @@
 namespace kaz::h8s {
 namespace {
 
-// Reactions without delay may lead to the next; more in one state than this is an oscillation.
+// Listeners' reactions may cause further edges; more than this in one state is an oscillation.
 constexpr int kMaxRounds = 1000;
-// All outputs of the timers are there; those of other modules follow from the time alone.
+// Timer outputs are up to date; those of other modules depend on time alone.
 constexpr unsigned kTimerPorts = 1u << 6;
 
 Driver chip_driver(const Machine& m, unsigned port, unsigned bit) {
@@ -141,20 +141,20 @@ void PinWatch::advance(Machine& m, States to) {
   }
 }
 
-bool PinWatch::tell_once(Machine& m, States at) {
-  bool told = false;
-  // By index: a listener may add watches. One that removes itself makes the next one wait a round.
+bool PinWatch::report_once(Machine& m, States at) {
+  bool reported = false;
+  // By index: a listener may add watches. If one removes itself, the next one is reported in the next pass.
   for (std::size_t k = 0; k < watched_.size(); ++k) {
     Watched& w = watched_[k];
     const PinState now = pin_state(m, w.pin, at);
     const bool edge = now.level != w.last.level || (w.drivers && now != w.last);
     w.last = now;
     if (!edge) continue;
-    told = true;
+    reported = true;
     const PinListener listener = w.listener;
     listener({w.pin, now.level, now.driver, at});
   }
-  return told;
+  return reported;
 }
 
 void PinWatch::sample(Machine& m, States at) {
@@ -162,13 +162,13 @@ void PinWatch::sample(Machine& m, States at) {
     sampled_ = at;
     return;
   }
-  if (telling_) return;  // the round that runs will see it
-  telling_ = true;
-  if (watches(kTimerPorts)) m.bring_outputs_to(at);
+  if (reporting_) return;  // the pass in progress will report it
+  reporting_ = true;
+  if (watches(kTimerPorts)) m.advance_outputs(at);
   int rounds = 0;
-  while (tell_once(m, at) && ++rounds < kMaxRounds) {
+  while (report_once(m, at) && ++rounds < kMaxRounds) {
   }
-  telling_ = false;
+  reporting_ = false;
   if (rounds == kMaxRounds) m.misuse(0, "the pins oscillate without delay");
   sampled_ = at;
 }

@@ -1,4 +1,4 @@
-// Who watches pins, and calls that somebody outside wants at a given state.
+// Listeners of pins, and calls scheduled at a given time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,12 +7,14 @@
 #include <utility>
 #include <vector>
 
+#include "sim/h8s/chip/pins.h"
 #include "sim/h8s/cpu/cpu.h"
-#include "sim/h8s/pins.h"
 
 namespace kaz::h8s {
 
-// Level and driver of a pin at `at`, with the modules as they stand: advance them to `at` first.
+class Machine;
+
+// Level and driver of a pin at `at`. The modules must have been advanced to `at`.
 PinState pin_state(const Machine& m, Pin pin, States at);
 // First state after `at` at which the module behind a pin may change its level by itself.
 States next_pin_change(const Machine& m, Pin pin, States at);
@@ -29,11 +31,11 @@ class PinWatch {
   void cancel(int id);
 
   States next_event(const Machine& m) const;
-  // Tells the edges at `to` and makes the calls that are due.
+  // Reports the edges at `to` and makes the calls that are due.
   void advance(Machine& m, States to);
-  // Something was done to the chip at `at`: tells the edges.
+  // Reports the edges at `at`, after a change from outside.
   void sample(Machine& m, States at);
-  // The chip's state has been replaced: what the pins show now is not an edge.
+  // Takes the pins' current levels without reporting edges, after the chip's state was replaced.
   void forget(const Machine& m, States at);
 
  private:
@@ -42,20 +44,20 @@ class PinWatch {
     int id;
     Pin pin;
     PinState last;
-    bool drivers;  // changes of the driver are told too
+    bool drivers;  // changes of the driver are reported too
     PinListener listener;
   };
   struct Call {
     int id;
     std::function<void(States)> call;
   };
-  bool tell_once(Machine& m, States at);
+  bool report_once(Machine& m, States at);
 
   std::vector<Watched> watched_;
   std::multimap<States, Call> calls_;
   int next_id_ = 1;
-  States sampled_ = 0;  // everything up to here has been told
-  bool telling_ = false;
+  States sampled_ = 0;  // edges up to this time have been reported
+  bool reporting_ = false;
   unsigned ports_ = 0;  // of the watched pins, bit n: port n
 };
 

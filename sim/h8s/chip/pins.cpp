@@ -1,6 +1,6 @@
 // The table of pins.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/pins.h"
+#include "sim/h8s/chip/pins.h"
 
 #include <algorithm>
 #include <array>
@@ -17,8 +17,8 @@ struct Row {
   std::array<string_view, 7> names;  // the rest empty
 };
 
-// Ports 1, 2, 5, 6 and 7 as the register names of the siblings have them (hardware manual, pin
-// functions); port 4, SCI1, PWX0/1 and TMR0/1 from the family's 64-pin layout.
+// Ports 1, 2, 5, 6 and 7 as in the siblings' hardware manuals (pin functions); port 4, SCI1, PWX0/1
+// and TMR0/1 from the family's 64-pin layout.
 constexpr std::array<Row, kPins> kRows{{
     {1, 0, false, false, {"P10", "PW0", "PWX0"}},
     {1, 1, false, false, {"P11", "PW1", "PWX1"}},

@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -70,7 +70,7 @@ PortOutput Ports::output(const Machine& m, unsigned port, States at) const {
     out.driven = static_cast<std::uint8_t>(out.driven | mask);
     out.level = static_cast<std::uint8_t>(level ? out.level | mask : out.level & ~mask);
   };
-  // What the channel takes in is not driven, whatever the direction bit says.
+  // A pin that the channel uses as an input is not driven, regardless of its direction bit.
   const auto serial = [&](const Sci& sci, unsigned txd, unsigned rxd, unsigned sck) {
     if (sci.drives_txd()) own(txd, sci.txd(at));
     if (sci.drives_sck()) own(sck, sci.sck(at));

@@ -6,21 +6,23 @@
 #include <cstdint>
 #include <optional>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
+
+class Machine;
 
 class Ports {
  public:
   // Registers by low 16 bits, FFAC..FFBE; nullopt or false where there is none.
   std::optional<std::uint8_t> read(const Machine& m, std::uint32_t address) const;
   bool write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
-  // Reset leaves what the board does to the pins.
+  // Levels driven by the board are kept.
   void reset();
 
   PortOutput output(const Machine& m, unsigned port, States at) const;
-  // What reading the pins gives: own outputs, the board's levels, pull-ups.
+  // Levels read at the pins: own outputs, the board's levels, pull-ups.
   std::uint8_t pins(const Machine& m, unsigned port, States at) const;
   void set_input(Machine& m, unsigned port, unsigned bit, std::optional<bool> level, States at);
 
@@ -37,7 +39,7 @@ class Ports {
 
  private:
   std::array<std::uint8_t, 8> ddr_{}, dr_{}, pcr_{};  // by port number
-  std::array<std::uint8_t, 8> given_{}, level_{};     // by the board
+  std::array<std::uint8_t, 8> given_{}, level_{};     // driven by the board, and the level
 };
 
 }  // namespace kaz::h8s

@@ -12,7 +12,7 @@ constexpr std::uint8_t kSsby = 0x80, kDton = 0x80, kLson = 0x40;
 
 }  // namespace
 
-// SBYCR.STS: how long the oscillator settles before clocks go on.
+// SBYCR.STS: oscillator settling time before clocks resume.
 States Machine::settling_states() const {
   constexpr States table[] = {8192, 16384, 32768, 65536, 131072, 262144, 16, 16};
   return table[system.sbycr >> 4 & 7];
@@ -36,7 +36,7 @@ void Machine::end_slow() {
   slow_from_ = kNever;
 }
 
-// A request that is pending as SLEEP runs keeps the chip awake.
+// A request that is pending when SLEEP executes keeps the chip awake.
 bool Machine::stands_by() const {
   if (standby_) return true;
   if (!cpu.asleep || !(system.sbycr & kSsby)) return false;
@@ -63,8 +63,8 @@ void Machine::enter_standby() {
   notify(OutputChange::Unit::port, 0, cpu.now);
 }
 
-// One step of standing by: to the next thing that happens outside, or to the end of the settling.
-// Clocks stand: the beginning of their counting moves along.
+// One step of standby: to the next external event, or to the end of the settling time. Clocks are
+// stopped, so the origins of their counts move along.
 bool Machine::stand_by(States until) {
   if (!standby_) enter_standby();
   const auto choice = irq.choose(cpu.now, cpu.control, cpu.two_level, 0);

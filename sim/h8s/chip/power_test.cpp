@@ -1,6 +1,6 @@
 // Software standby, watch mode, medium speed.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -19,7 +19,7 @@ std::int64_t frc(Chip& chip) {
   return chip.peek16(0xffff92).value();
 }
 
-// Clocks stand until the oscillator has settled after the wake-up; then the interrupt follows.
+// Clocks are stopped until the oscillator has settled after the wake-up; then the interrupt follows.
 TEST(Standby, StopsClocksAndSettles) {
   constexpr States settle[] = {8192, 16384, 32768, 65536, 131072, 262144};
   for (std::uint8_t sts = 0; sts < 6; ++sts) {

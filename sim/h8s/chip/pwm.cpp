@@ -7,7 +7,7 @@
 namespace kaz::h8s {
 
 bool pwm_pulse(std::uint8_t data, unsigned count, bool right_aligned) {
-  // Basic pulses that get an extra count, in the order in which the lower nibble adds them.
+  // Basic pulses that get an additional count, in the order in which the lower nibble adds them.
   constexpr std::array<std::uint8_t, 15> order{15, 7, 11, 3, 13, 5, 9, 1, 14, 6, 10, 2, 12, 4, 8};
   const unsigned width = data >> 4, extra = data & 15u, pulse = count >> 4;
   const unsigned slot = right_aligned ? count & 15u : 15 - (count & 15u);

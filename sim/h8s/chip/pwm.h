@@ -9,6 +9,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 class Pwm {
  public:
   // FFD2..FFD7, and PCSR at FF82.
@@ -20,9 +22,9 @@ class Pwm {
   void reset() { *this = Pwm(epoch_); }
 
   bool enabled(unsigned channel) const { return (oe_ >> channel & 1) != 0; }
-  // High counts out of 256; with the clock stopped 0 or 256, as the comparator stands.
+  // Duty cycle: high counts out of 256; with the clock stopped 0 or 256, by the comparator's output.
   int high_counts(unsigned channel, States at) const;
-  // The waveform itself.
+  // Level of the waveform at `at`.
   bool level(unsigned channel, States at, bool right_aligned) const;
   // First state after `at` at which level() differs, kNever if it stays.
   States next_change(unsigned channel, States at, bool right_aligned) const;
@@ -41,7 +43,7 @@ class Pwm {
   std::uint16_t oe_ = 0, os_ = 0;
   std::uint8_t select_ = 0x20, pcsr_ = 0;
   std::array<std::uint8_t, 16> data_{};
-  // The counter stood at `base_count_` at time `base_`.
+  // The counter was `base_count_` at time `base_`.
   States epoch_, base_;
   unsigned base_count_ = 0;
 };

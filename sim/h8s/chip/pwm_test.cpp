@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/chip/pwm.h"
 #include "sim/h8s/chip/pwmx.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -86,7 +86,7 @@ TEST(PwmxWaveform, PulseCountIsTheDataAboveOneCountABaseCycle) {
   }
 }
 
-// Base cycles differ by one count at most, and the longer ones lie evenly.
+// Base cycles differ by one count at most, and the longer ones are evenly distributed.
 TEST(PwmxWaveform, SpreadsTheLowerBitsEvenly) {
   const unsigned data = 0x0500 | 0x80;  // CFS = 0: width 5, and one more in 128 of 256 cycles
   for (unsigned cycle = 0; cycle < 256; ++cycle) {

@@ -15,8 +15,8 @@ unsigned reversed(unsigned value, int bits) {
   return r;
 }
 
-// Counts of the pulse in one base cycle: the upper bits of the data, and one more in as many cycles
-// as the lower bits say, spread in bit-reversed order as in the 8-bit PWM.
+// Counts of the pulse in one base cycle: the upper bits of the data, plus one in as many cycles as
+// the lower bits specify, in bit-reversed order as in the 8-bit PWM.
 unsigned width_in(unsigned data, bool long_cycle, unsigned cycle) {
   const int low_bits = long_cycle ? 6 : 8;
   const unsigned width = data >> low_bits, extra = data & ((1u << low_bits) - 1);

@@ -9,6 +9,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 // Hardware manual, 14-bit PWM timer. A conversion period is 16384 T (T = 1 or 2 states by DACR.CKS).
 class Pwmx {
  public:
@@ -20,7 +22,7 @@ class Pwmx {
 
   // Channel 0 is PWX0 (A), 1 is PWX1 (B).
   bool enabled(unsigned channel) const { return (dacr_ >> (channel ? 3 : 2) & 1) != 0; }
-  // `data_is_low`: DADR gives the low time for OS = 0 (Options::pwmx_data_is_low).
+  // `data_is_low`: DADR is the low time for OS = 0 (Options::pwmx_data_is_low).
   bool level(unsigned channel, States at, bool data_is_low) const;
   // Next state at which the level may change while no register is written; kNever: none.
   States next_change(unsigned channel, States at, bool data_is_low) const;
@@ -41,12 +43,12 @@ class Pwmx {
 
   std::array<std::uint16_t, 2> dadr_{0xffff, 0xfffe};  // bit 0 of B is REGS
   std::uint8_t dacr_ = 0x30, temp_ = 0;
-  // The counter stood at `base_count_` at time `base_`.
+  // The counter was `base_count_` at time `base_`.
   States base_ = 0;
   unsigned base_count_ = 0;
 };
 
-// Whether count 0..16383 of the conversion period lies in the part whose length is the data value:
+// Whether count 0..16383 of the conversion period is in the pulse, whose length is the data value:
 // 14-bit data, base cycles of 64 counts (long_cycle false) or 256. Below one count a base cycle
 // there is no pulse at all.
 bool pwmx_pulse(unsigned data, bool long_cycle, unsigned count);

@@ -1,4 +1,4 @@
-// What a stop tells: registers, back-trace by scanning the stack, the last instructions.
+// The report of a stop: registers, back-trace from a stack scan, the last instructions.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
@@ -39,7 +39,7 @@ std::string registers_text(const Cpu& c) {
   return text + "]\n";
 }
 
-// The instructions that ran last, oldest first: between two jumps they follow from each other.
+// The last instructions executed, oldest first: those between two recorded jumps are sequential.
 std::vector<std::uint32_t> last_run(const Machine& m) {
   const Cpu& c = m.cpu;
   std::vector<std::uint32_t> result;
@@ -65,7 +65,7 @@ std::vector<std::uint32_t> last_run(const Machine& m) {
   return result;
 }
 
-// A stacked long word is taken for a return address when a call stands just before where it points.
+// A stacked long word counts as a return address if a call instruction precedes its target.
 bool follows_call(const Machine& m, std::uint32_t address) {
   if ((address & 1) || address < 4) return false;
   const auto starts = [&](std::uint32_t back, unsigned first, unsigned mask) {
@@ -115,7 +115,7 @@ std::string Machine::report(const std::string& headline) const {
   text += registers_text(cpu);
   text += "in " + symbols->describe(pc()) + ": " + disassemble(pc(), nullptr) + "\n";
   text += "called from\n" + back_trace(*this);
-  text += cpu.translator && cpu.translator->translated() > 0
+  text += translator() && translator()->translated() > 0
               ? "last instructions (translated ones are left out; the interpreter lists them all)\n"
               : "last instructions\n";
   for (const std::uint32_t at : last_run(*this))

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "sim/h8s/chip/machine.h"
-#include "sim/h8s/cpu/exception.h"
-#include "sim/h8s/debug/observer.h"
+#include "sim/h8s/chip/observer.h"
+#include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
 namespace {
@@ -15,7 +15,7 @@ std::string hex6(std::uint32_t value) {
   return text;
 }
 
-// Says that the chip runs, also to hooks that ask; a hook may run a clone, never this chip.
+// Sets Machine::running for the duration of a run. A hook may run a clone, never this chip.
 class Running {
  public:
   explicit Running(bool& flag) : flag_(flag) { flag_ = true; }
@@ -80,9 +80,9 @@ void Machine::advance(Source source, States to) {
   }
 }
 
-// Where a module's event does no more than raise a request, the CPU need not stop before the
-// boundary at which that could be taken, by the CPU or the DTC; what the event changes is made up for
-// when it is looked at.
+// The state by which the CPU must stop for a module's event. If the event only raises a request, that
+// is the first boundary at which the CPU or the DTC could accept it; the module's other changes are
+// computed when it is next accessed.
 States Machine::stop_for(Source source, States event) const {
   States request = event;
   if (source == Source::adc)
@@ -121,7 +121,7 @@ void Machine::rescheduled(Source source) {
   cpu.stop = std::min(cpu.stop, stops_[k] - cpu.stall);
 }
 
-void Machine::disturbed() {
+void Machine::reschedule_all() {
   events_known_ = false;
   end_stretch(cpu);
 }
@@ -133,8 +133,8 @@ void Machine::run_modules(States to) {
   }
 }
 
-// Events in the order of their times, so that one may lead to the next. A module without one is
-// left alone until somebody looks at it.
+// Processes events in order of time, so that one may cause the next. A module without an event is not
+// advanced until it is accessed.
 void Machine::run_events(States to) {
   if (next_event() > to) return;
   for (;;) {
@@ -142,45 +142,45 @@ void Machine::run_events(States to) {
     unsigned first = 0;
     for (unsigned k = 1; k < kSources; ++k) first = events_[k] < events_[first] ? k : first;
     if (events_[first] > to) break;
-    working_ = events_[first];
+    processing_ = events_[first];
     const auto source = static_cast<Source>(first);
-    advance(source, working_);
+    advance(source, processing_);
     events_[first] = event_of(source);
     stops_[first] = stop_for(source, events_[first]);
-    // A frame that begins now may have been looked for at this very state, before it began.
+    // A frame that begins now may have been sampled at this state before it began.
     if ((source == Source::sci0 || source == Source::sci1) && pins.active()) {
       constexpr auto of_pins = static_cast<unsigned>(Source::pins);
-      pins.sample(*this, working_);
+      pins.sample(*this, processing_);
       events_[of_pins] = event_of(Source::pins);
       stops_[of_pins] = stop_for(Source::pins, events_[of_pins]);
     }
   }
-  working_ = kNever;
+  processing_ = kNever;
   first_events();
   cpu.stop = std::min(cpu.stop, next_stop_ - cpu.stall);
 }
 
-void Machine::work_off(States to) {
-  if (working_ == kNever && next_event() <= to) run_events(to);
+void Machine::process_events(States to) {
+  if (processing_ == kNever && next_event() <= to) run_events(to);
 }
 
 void Machine::set_input(unsigned port, unsigned bit, std::optional<bool> level) {
-  const States at = moment();
+  const States at = event_time();
   ports.set_input(*this, port, bit, level, at);
   if (pins.active()) pins.sample(*this, at);
-  disturbed();
+  reschedule_all();
 }
 
 void Machine::set_nmi(bool level) {
-  const States at = moment();
+  const States at = event_time();
   irq.set_nmi_pin(level, (system.syscr & 4) != 0, at);
   if (pins.active()) pins.sample(*this, at);
-  disturbed();
+  reschedule_all();
 }
 
 void Machine::accept(unsigned vector) {
   irq.accepted(vector, cpu.now);
-  // EEPMOV.W left in the middle: the program finds R4 not 0 and starts it again.
+  // An interrupted EEPMOV.W: the program finds R4 not 0 and restarts it.
   const std::uint32_t back = pc() + (cpu.moving ? 4 : 0);
   cpu.moving = false;
   cpu.asleep = false;
@@ -194,7 +194,7 @@ void Machine::accept(unsigned vector) {
   for (Observer* o : observers) o->entered(entry);
 }
 
-// Something outside may still end the sleep: an enabled pin or a byte on the line.
+// Whether an external event may still end the sleep: an enabled pin or a received byte.
 bool Machine::could_wake() const {
   if ((cpu.control & 0x80) && !(cpu.two_level && !(cpu.control & 0x40))) return false;
   return irq.any_irq_enabled() || sci[0].waits_for_input() || sci[1].waits_for_input() ||
@@ -209,7 +209,7 @@ Stop Machine::error_stop(Stop::Reason reason, const std::string& headline) {
 Stop Machine::stop_for_fault() {
   const std::string at = " at " + symbols->describe(cpu.fault_pc);
   const std::string where = hex6(cpu.fault_address);
-  // Show the instruction that failed, not the one after.
+  // Report the instruction that failed, not the one after it.
   if (cpu.fault != Fault::fetch) cpu.ip = at_address(cpu, cpu.fault_pc);
   switch (cpu.fault) {
     case Fault::undefined:
@@ -247,7 +247,7 @@ Machine::Hooked Machine::run_hook(Chip& chip, States stop, bool one) {
   const std::uint32_t at = pc();
   const auto found = hooks.find(at);
   if (found == hooks.end()) return Hooked::none;
-  // An EEPMOV.W that goes on has been announced already.
+  // A resumed EEPMOV.W has already called its hook.
   if (hook_done_ != at && !cpu.moving) {
     hook_done_ = at;
     const Chip::CodeHook hook = found->second;  // it may remove itself
@@ -262,7 +262,7 @@ Machine::Hooked Machine::run_hook(Chip& chip, States stop, bool one) {
   Insn* slot = const_cast<Insn*>(cpu.ip);
   if (slot != &cpu.outside) slot->run = nullptr;
   unhooked_ = at;
-  // One instruction; an EEPMOV.W until something is due.
+  // One instruction; an EEPMOV.W until the next event.
   stretch(one || !cpu.moving ? cpu.now : stop, one || !cpu.moving);
   unhooked_ = kNoAddress;
   hook_done_ = kNoAddress;
@@ -303,7 +303,7 @@ Stop Machine::run(Chip& chip, States until, bool single) {
             "standby with nothing enabled that could end it, before " + symbols->describe(pc()));
       continue;
     }
-    // The DTC takes the bus between two instructions, whatever the CPU's mask says.
+    // The DTC takes the bus between two instructions, regardless of the CPU's interrupt mask.
     const bool moves = irq.any_diverted() || !dtc.idle();
     if (moves) {
       begin_slow();
@@ -335,7 +335,7 @@ Stop Machine::run(Chip& chip, States until, bool single) {
       cpu.hold_off = first_after_reset_ = false;
       continue;
     }
-    // An address break is looked for before each instruction.
+    // Address breaks are checked before each instruction.
     const bool watched = irq.watches_fetches();
     if (watched) irq.fetched(pc(), cpu.now);
     guarded |= watched;

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "sim/h8s/chip/machine.h"
-#include "sim/h8s/chip/sci_bits.h"
 
 namespace kaz::h8s {
 using namespace sci_bits;
@@ -60,7 +59,7 @@ void Sci::advance(Machine& m, unsigned n, States to) {
     if (arrives_ == at) {
       arrives_ = kNever;
       take(m, n, arrived_);
-      // Clocked reception alone goes on until it overruns.
+      // Reception alone in clocked mode continues until an overrun.
       if (burst_ != kNever) {
         burst_ = flags_.has(kErrors) ? kNever : at;
         if (burst_ != kNever) begin_clocked(at);
@@ -132,7 +131,7 @@ void Sci::enable(Machine& m, unsigned n, std::uint8_t value, States at) {
   if ((before ^ value) & (kTe | kRe | kCke)) m.notify(OutputChange::Unit::port, n == 0 ? 5 : 2, at);
 }
 
-// Clocked reception without transmission makes its own clocks, eight and eight.
+// Clocked reception without transmission generates its own clocks, in groups of eight.
 void Sci::start_reception_clock(States at) {
   const bool wanted =
       synchronous() && !outside_clock() && (scr_ & (kTe | kRe)) == kRe && !flags_.has(kErrors);
@@ -181,7 +180,7 @@ void Sci::write(Machine& m, unsigned n, unsigned offset, std::uint8_t value, Sta
       mpbt_ = (value & 1) != 0;
       const std::uint8_t cleared = flags_.write(static_cast<std::uint8_t>(value | 7));
       start_reception_clock(at);
-      // An overrun has kept a byte of clocked mode waiting.
+      // An overrun had blocked the next byte of clocked mode.
       if ((cleared & kOrer) && !flags_.has(kTdre | kOrer) && sending_ == Sending::nothing)
         begin(m, n, at);
       if (!(cleared & kTdre)) break;

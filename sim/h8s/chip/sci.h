@@ -5,13 +5,27 @@
 #include <cstdint>
 #include <deque>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/chip/sticky.h"
 #include "sim/h8s/cpu/cpu.h"
 
+// Bits of SSR and SCR, shared by the serial channel's files. Internal.
+namespace kaz::h8s::sci_bits {
+
+// SSR.
+inline constexpr std::uint8_t kTdre = 0x80, kRdrf = 0x40, kOrer = 0x20, kFer = 0x10, kPer = 0x08;
+inline constexpr std::uint8_t kErrors = kOrer | kFer | kPer;
+// SCR.
+inline constexpr std::uint8_t kTie = 0x80, kRie = 0x40, kTe = 0x20, kRe = 0x10, kMpie = 0x08,
+                              kTeie = 0x04, kCke = 0x03;
+
+}  // namespace kaz::h8s::sci_bits
+
 namespace kaz::h8s {
 
-// What goes over a line in one piece: bit k of `bits` stands for the k-th bit time.
+class Machine;
+
+// One frame on the line: bit k of `bits` is the level in the k-th bit time.
 struct SerialFrame {
   std::uint16_t bits = 0;
   int count = 0;
@@ -28,7 +42,7 @@ class Sci {
   std::uint8_t read(Machine& m, unsigned n, unsigned offset, States at);
   void write(Machine& m, unsigned n, unsigned offset, std::uint8_t value, States at);
   std::uint8_t peek(unsigned offset) const;
-  // Reset or module stop; what is on the wire stays there.
+  // Reset or module stop; frames that are already on the line continue.
   void reset(Machine& m, unsigned n, States at);
 
   States next_event() const;
@@ -37,26 +51,26 @@ class Sci {
 
   // --- pins --------------------------------------------------------------------------------------
   bool drives_txd() const { return (scr_ & 0x20) != 0; }
-  // Level of TxD while drives_txd(); not before the frame that runs.
+  // Level of TxD while drives_txd(); `at` not before the current frame.
   bool txd(States at) const;
-  // First state later than `after` at which TxD changes, as far as is settled; else kNever.
+  // First state later than `after` at which TxD changes, if already determined; else kNever.
   States txd_change(States after) const;
   // SCK is an output in clocked mode with the own clock, and for the bit clock (CKE = 01).
   bool drives_sck() const { return synchronous() ? !(scr_ & 2) : (scr_ & 3) == 1; }
   bool sck(States at) const;
   States sck_change(States after) const;
-  // RE makes RxD an input whatever its DDR bit says.
+  // RE makes RxD an input regardless of its DDR bit.
   bool takes_rxd() const { return (scr_ & 0x10) != 0; }
   bool takes_sck() const { return (scr_ & 2) != 0; }
-  // The board has changed a level. `driven` goes with RxD: false when it lets go of the pin, after
-  // which only whole bytes arrive.
+  // The board has changed a level. `driven` applies to RxD: false when the board stops driving it; from
+  // then on only whole bytes are received.
   void rxd_edge(Machine& m, unsigned n, bool level, bool driven, States at);
   void sck_edge(Machine& m, unsigned n, bool rising, States at);
 
   States bit_states() const;
   bool waits_for_input() const { return (scr_ & 0x50) == 0x50; }
 
-  // The DTC has read RDR or written TDR and goes on doing so.
+  // The DTC has read RDR or written TDR and will do so again.
   void taken_by_dtc(Machine& m, unsigned n, States at);
   void filled_by_dtc(Machine& m, unsigned n, States at);
 
@@ -112,21 +126,21 @@ class Sci {
   Sending sending_ = Sending::nothing;
   std::uint8_t tsr_ = 0;
   SerialFrame frame_;
-  bool before_ = true;      // level ahead of the frame
+  bool before_ = true;      // level before the frame
   States start_ = 0;        // of the frame
   States bit_ = 32;         // its bit time; 0: clocked from outside
-  States end_ = kNever;     // when sending goes on to something else
+  States end_ = kNever;     // time of the transmitter's next step
   std::int64_t ticks_ = 0;  // clocks from outside since the frame began
 
   std::deque<ReceivedByte> incoming_;
   bool rxd_ = true, rxd_driven_ = false;
   bool receiving_ = false;
-  int received_ = 0;  // bits of the frame that comes in
+  int received_ = 0;  // bits received of the current frame
   std::uint16_t rsr_ = 0;
   States edge_ = 0;         // the start bit's
-  States sample_ = kNever;  // next look at RxD
+  States sample_ = kNever;  // next sample of RxD
   int sample_ticks_ = 0;    // the same in clocks from outside
-  ReceivedByte arrived_;    // sampled, not yet due
+  ReceivedByte arrived_;    // sampled, not yet delivered
   States arrives_ = kNever;
   States burst_ = kNever;  // clocked reception alone: start of its eight clocks
 

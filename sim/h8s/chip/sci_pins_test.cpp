@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <bit>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/chip/machine.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -29,7 +29,7 @@ void drive(Chip& chip, bool level, States until) {
   chip.run_until(until);
 }
 
-// Sends the bits of a frame, each `bit` states long, beginning about now; gives the beginning.
+// Sends the bits of a frame, each `bit` states long, from about now; returns the start time.
 States send_bits(Chip& chip, unsigned bits, int count, double bit) {
   const States start = chip.now();
   for (int k = 0; k < count; ++k)
@@ -49,7 +49,7 @@ std::uint8_t flags(const Chip& chip) {
   return chip.peek(kSsr).value() & 0x78;
 }
 
-// The two ways in give the same registers in every format, at the same state.
+// Reception of bytes and of levels has the same effect on the registers in every format, at the same state.
 TEST(SciPins, LevelsAndWholeBytesGiveTheSame) {
   for (const std::uint8_t smr : {0x00, 0x40, 0x20, 0x30, 0x08, 0x60, 0x78}) {
     for (const std::uint8_t scmr : {0xf2, 0xfa, 0xf6, 0xfe}) {
@@ -106,7 +106,7 @@ TEST(SciPins, WrongRatesAreSeen) {
   Chip slow = listening(0, 0x10);
   send_bits(slow, frame(0x00), 10, kBit * 1.08);
   slow.run_until(slow.now() + 2 * kBit);
-  EXPECT_EQ(flags(slow), 0x10);  // the last 0 stands where the stop bit should be
+  EXPECT_EQ(flags(slow), 0x10);  // the last 0 is where the stop bit should be
   Chip fast = listening(0, 0x10);
   send_bits(fast, frame(0x7f), 10, kBit * 0.92);
   fast.run_until(fast.now() + 2 * kBit);
@@ -329,7 +329,7 @@ TEST(SciPins, ClockedReceptionRunsUntilOverrun) {
   EXPECT_EQ(chip.output(Port::p5).level & 4, 4);
 }
 
-// The waveform told ahead: each change lies where the level does change.
+// The predicted waveform: each change is where the level does change.
 TEST(SciPins, ChangesAreKnownAhead) {
   struct Case {
     std::uint8_t smr, scr;

@@ -1,23 +1,22 @@
 // Serial channel: reception from levels at RxD, and of whole bytes.
 // SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/chip/line_rate.h"
 #include "sim/h8s/chip/machine.h"
 #include "sim/h8s/chip/sci.h"
-#include "sim/h8s/chip/sci_bits.h"
-#include "sim/h8s/line_rate.h"
 
 namespace kaz::h8s {
 using namespace sci_bits;
 
 namespace {
 
-// A bit has 16 basic clocks. The first clock that sees the start bit is followed by 7 more until
-// the sample, so that it lies 7 to 8 sixteenths behind the edge.
+// A bit has 16 basic clocks. The sample is 7 clocks after the first one that sees the start bit, so
+// 7/16 to 8/16 of a bit after the edge.
 constexpr int kClocksPerBit = 16, kClocksToSample = 7;
 
 }  // namespace
 
-// Rules of reception: errors block, an overrun loses the new byte, a bad frame is copied without
-// RDRF.
+// Rules of reception: errors block, an overrun loses the new byte, a byte with an error is copied
+// without RDRF (hardware manual, SCI: receive operation).
 void Sci::take(Machine& m, unsigned n, const ReceivedByte& arrived) {
   if (m.boot.measuring() && n == static_cast<unsigned>(m.options.boot_channel))
     return m.boot.heard(m, arrived);
@@ -89,7 +88,7 @@ void Sci::sample(Machine& m, States at) {
   rsr_ = static_cast<std::uint16_t>(rsr_ | (rxd_ ? 1u : 0u) << received_);
   ++received_;
   if (sample_ != kNever) sample_ = at + bit_states();
-  // Only the first stop bit is looked at.
+  // Only the first stop bit is checked.
   if (received_ == frame_bits() - stop_bits() + 1)
     judge(m, outside_clock() ? at : edge_ + frame_bits() * bit_states());
 }
@@ -108,7 +107,7 @@ void Sci::sample_clocked(Machine& m, unsigned, States at) {
   if (++received_ == 8) judge(m, outside_clock() ? at : at + bit_states() / 2);
 }
 
-// All bits are in; the byte is there at `end`.
+// All bits are received; the byte becomes available at `end`.
 void Sci::judge(Machine& m, States end) {
   ReceivedByte byte;
   byte.at = m.options.sci_ready_mid_stop && sample_ != kNever ? sample_ - bit_states() : end;

@@ -1,6 +1,6 @@
 // Serial channel: byte timing, double buffering, error rules, flags.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

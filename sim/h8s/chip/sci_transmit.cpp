@@ -1,18 +1,17 @@
-// Serial channel: sending, and what TxD and SCK show (hardware manual, SCI: operation).
+// Serial channel: transmission, and the levels of TxD and SCK (hardware manual, SCI: operation).
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <bit>
 
 #include "sim/h8s/chip/machine.h"
 #include "sim/h8s/chip/sci.h"
-#include "sim/h8s/chip/sci_bits.h"
 
 namespace kaz::h8s {
 using namespace sci_bits;
 
 namespace {
 
-// Clocks from outside that one bit takes: 16 asynchronous, each clock once otherwise.
+// External clocks per bit: 16 asynchronous, otherwise 1.
 constexpr int kClocksPerBit = 16;
 // First of base + k * period that is not before `at`.
 States grid_from(States base, States period, States at) {
@@ -38,7 +37,7 @@ SerialFrame Sci::frame_of(std::uint8_t wire) const {
   return {static_cast<std::uint16_t>(bits), count};
 }
 
-// TDR waits and the shift register is free.
+// TDR holds a byte and the shift register is free.
 void Sci::begin(Machine& m, unsigned n, States at) {
   // An overrun stops the clock of clocked mode for both directions.
   if (synchronous() && (scr_ & kRe) && flags_.has(kOrer)) return;
@@ -91,7 +90,7 @@ void Sci::stop_sending() {
   end_ = kNever;
 }
 
-// A clock from outside: 16 a bit, rising edges; in clocked mode falling edges put bits out and the
+// An external clock: 16 rising edges per bit; in clocked mode falling edges shift bits out and the
 // eighth rising one ends the frame.
 void Sci::send_tick(Machine& m, unsigned n, States at) {
   if (sending_ != Sending::frame) return;
@@ -169,7 +168,7 @@ States Sci::sck_change(States after) const {
   const States from = burst_ != kNever ? burst_ : start_;
   const States next = grid_after(from, half, after), end = from + 16 * half;
   if (next < end) return next;
-  // Clocks go on when reception alone wants them or TDR has another byte.
+  // Clocks continue while reception alone needs them or TDR holds another byte.
   const bool more = burst_ != kNever || !flags_.has(kTdre);
   return more && end > after ? end : kNever;
 }

@@ -1,11 +1,11 @@
-// The whole machine to bytes and back.
+// Saves and loads the whole machine as bytes.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Decoded instructions are not kept; places in them are written as numbers. What take_state()
-// (machine.cpp) copies, stands here.
+// Decoded instructions are not saved; pointers to them are written as indices. The members are those
+// that take_state() (machine.cpp) copies.
 #include <algorithm>
 
-#include "sim/h8s/archive.h"
+#include "shared/base/archive.hpp"
 #include "sim/h8s/chip/machine.h"
 
 namespace kaz::h8s {
@@ -25,7 +25,7 @@ void Machine::transfer_cpu(A& a) {
     cpu.control, cpu.exr, cpu.request, cpu.normal, cpu.two_level, cpu.stc_copies, cpu.rte_holds_off,
     cpu.predecrement_stores_decremented, cpu.hold_off, cpu.asleep, cpu.moving, cpu.fault,
     cpu.fault_address, cpu.fault_pc, cpu.jumps);
-  // Where it is, and the last jumps.
+  // The current instruction and the last jumps.
   std::array<std::int64_t, 1 + 2 * kTrail> places{};
   std::uint32_t outside = 0;
   if constexpr (!A::reading) {
@@ -53,7 +53,7 @@ void Machine::transfer_cpu(A& a) {
 
 template <class A>
 void Machine::transfer(A& a) {
-  // Flash without its blank end.
+  // Flash without trailing 0xff.
   std::vector<std::uint8_t> used;
   if constexpr (!A::reading) {
     used = flash_;
@@ -82,7 +82,7 @@ void Machine::read_state(StateReader& from) {
   attach();
   forget_all_code();
   pins.forget(*this, cpu.now);
-  disturbed();
+  reschedule_all();
 }
 
 }  // namespace kaz::h8s

@@ -11,7 +11,7 @@ class StickyFlags {
   std::uint8_t value() const { return set_; }
   bool has(std::uint8_t mask) const { return (set_ & mask) != 0; }
   void raise(std::uint8_t mask) { set_ = static_cast<std::uint8_t>(set_ | mask); }
-  // By hardware.
+  // Set by hardware.
   void drop(std::uint8_t mask) {
     set_ = static_cast<std::uint8_t>(set_ & ~mask);
     seen_ = static_cast<std::uint8_t>(seen_ & ~mask);
@@ -20,7 +20,7 @@ class StickyFlags {
     seen_ = static_cast<std::uint8_t>(seen_ | set_);
     return set_;
   }
-  // Gives the flags that this write has cleared.
+  // Returns the flags that this write has cleared.
   std::uint8_t write(std::uint8_t byte) {
     const auto cleared = static_cast<std::uint8_t>(set_ & seen_ & ~byte);
     drop(cleared);

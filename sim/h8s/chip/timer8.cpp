@@ -1,4 +1,4 @@
-// The counting that the four 8-bit timers share.
+// Counting shared by the four 8-bit timers.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/chip/timer8.h"
 
@@ -56,7 +56,7 @@ std::int64_t Timer8::to_next_change() const {
   if (!drives()) return kNever;
   Timer8 ahead = *this;
   std::int64_t counts = 0;
-  // Two turns show every crossing at both levels.
+  // Two periods include every crossing at both levels.
   for (int crossing = 0; crossing < 8; ++crossing) {
     const std::int64_t next = ahead.to_next();
     counts += next;

@@ -1,9 +1,9 @@
-// Edges that timers give to their pins, told ahead, against a look at the pin in every state.
+// Predicted edges at the timers' pins, against the pin's level in every state.
 // SPDX-License-Identifier: Apache-2.0
 #include <random>
 #include <utility>
 
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -13,18 +13,18 @@ using Edges = std::vector<std::pair<States, bool>>;
 constexpr std::uint32_t kTcr0 = 0xffffc8, kTcsr0 = 0xffffca, kTcora = 0xffffcc, kTcorb = 0xffffce;
 constexpr std::uint32_t kTcnt = 0xffffd0, kStcr = 0xffffc3;
 
-// Runs `p` and then `states` NOPs, once with the pin watched and once looking at it state by state.
+// Runs `p` and then `states` NOPs, once with the pin watched and once reading it state by state.
 // Gives the number of edges.
 std::size_t compare(Program p, const char* pin_name, int states, const std::string& what) {
   const std::uint32_t begun = end_of(p);
   p.nops(states + 20).stay();
   const Pin pin = *find_pin(pin_name);
-  Edges told, seen;
+  Edges reported, sampled;
   {
     Chip chip = make_chip(p);
     EXPECT_TRUE(run_to(chip, begun));
     const States start = chip.now();
-    chip.watch(pin, [&](const PinEdge& e) { told.emplace_back(e.at, e.level); });
+    chip.watch(pin, [&](const PinEdge& e) { reported.emplace_back(e.at, e.level); });
     chip.run_until(start + states);
   }
   {
@@ -36,11 +36,11 @@ std::size_t compare(Program p, const char* pin_name, int states, const std::stri
       chip.step();
       if (chip.level(pin) == level) continue;
       level = !level;
-      seen.emplace_back(chip.now(), level);
+      sampled.emplace_back(chip.now(), level);
     }
   }
-  EXPECT_EQ(told, seen) << pin_name << ": " << what;
-  return seen.size();
+  EXPECT_EQ(reported, sampled) << pin_name << ": " << what;
+  return reported.size();
 }
 
 // Small periods, so that clears, both matches and overflows of the cascade all come.
@@ -134,7 +134,7 @@ TEST(TimerEdges, OfPwmAndPwmx) {
   }
 }
 
-// The mean that the board asks for is the mean of the edges, also where the timers are joined.
+// The duty cycle reported to the board is that of the edges, also for cascaded timers.
 TEST(TimerEdges, MeanOfCascadesIsTheShareHigh) {
   struct Case {
     std::uint8_t tcr0, tcr1, tcsr0, tcsr1;

@@ -1,6 +1,6 @@
 // Each interrupt of FRT, TMR0, TMR1, TMRX and TMRY: requested in its very state, only where enabled.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -1,7 +1,7 @@
 // FRT, 8-bit timers, PWM and watchdogs against the counts that the fact sheet states.
 // SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/chip/pwm.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -94,7 +94,7 @@ TEST(Tmr, OutputShareFollowsTheRegisters) {
     chip.run_until(200);
     EXPECT_TRUE(chip.tmo_driven(0));
     EXPECT_DOUBLE_EQ(chip.tmo_high_share(0), c.share) << int(c.tcora) << " " << int(c.tcorb);
-    // The same by looking at the pin at each state over whole periods, once settled.
+    // The same by reading the pin at each state over whole periods, in the steady state.
     const States from = 8 * 2048 * 2;
     chip.run_until(from);
     const States span = 8 * 2 *

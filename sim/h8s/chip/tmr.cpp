@@ -47,8 +47,8 @@ void Tmr::step(Machine& m, unsigned n, std::int64_t counts, States at) {
   if (n == 0 && crossed.a) matched_a0(m, at);
 }
 
-// 16-bit count mode: TCNT0 is the upper byte. TMR0's matches, output and clear go by both bytes, and
-// its clear takes TCNT1 along; TMR1's matches and output go by the lower byte, its CCLR is ignored.
+// 16-bit count mode: TCNT0 is the upper byte. TMR0's matches, output and clear use both bytes, and
+// its clear also clears TCNT1; TMR1's matches and output use the lower byte, its CCLR is ignored.
 void Tmr::step_pair(Machine& m, std::int64_t counts, States at) {
   Timer8 &upper = timer_[0], &lower = timer_[1];
   const std::uint8_t flags = lower.flags.value();
@@ -80,7 +80,7 @@ void Tmr::advance_one(Machine& m, unsigned n, States to) {
     const States at = m.epoch + t.tick * d;
     const std::uint8_t before = t.flags.value();
     step(m, n, counts, at);
-    // A long time unobserved.
+    // Long time without an access.
     if (before == t.flags.value() && !chained) t.skip_turns(target);
   }
 }
@@ -105,7 +105,7 @@ States Tmr::next_event(Machine& m) const {
     const Timer8& fed = timer_[1 - n];
     const bool feeds = cascaded(1 - n) && ((fed.tcr & 0xe0) || (n == 1 && (fed.tcsr_low & 0x10)));
     std::int64_t counts = kNever;
-    // Whichever comes first may clear the counter, so look at each crossing.
+    // Either may clear the counter first, so every crossing is checked.
     if (wanted || triggers || feeds) counts = t.to_next();
     if (counts != kNever) first = std::min(first, m.epoch + (t.tick + counts) * d);
   }
@@ -118,7 +118,7 @@ States Tmr::next_change(const Machine& m, unsigned n) const {
   const States d = divisor(m, clocked);
   if (d == 0 || !t.drives()) return kNever;
   const Timer8& counter = timer_[clocked];
-  // In a cascade each crossing of the timer that has the clock may be the one.
+  // In a cascade any crossing of the clocked timer may be the one.
   const bool joined = cascaded(0) || cascaded(n);
   const std::int64_t counts = joined ? counter.to_next() : t.to_next_change();
   return counts == kNever ? kNever : m.epoch + (counter.tick + counts) * d;
@@ -151,13 +151,13 @@ bool Tmr::waits_for_input() const {
 
 namespace {
 
-// Counts from a clear to the next, and to the matches in each lap of the compared counter.
+// Counts from a clear to the next, and to the matches in each period of the compared counter.
 struct Wave {
   int turn, lap, a, b;
 };
 
-// One turn after another from the present level; two turns are a whole number of periods, also of a
-// toggle.
+// One period after another from the present level; two are a whole number of periods of a toggled
+// output too.
 double mean_level(const Wave& w, bool level, std::uint8_t selection) {
   int high = 0;
   for (int round = 0; round < 4; ++round) {
@@ -221,12 +221,12 @@ std::uint8_t Tmr::read(Machine& m, std::uint32_t address, States at) {
 void Tmr::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
   const unsigned n = address & 1, which = address & ~1u;
   Timer8& t = timer_[n];
-  // Up to the state of the write itself, where a write wins over a count and keeps a match away.
+  // Up to the state of the write itself, where a write wins over a count and suppresses a match.
   advance(m, at - 1);
   std::uint8_t* const compare = which == 0xffcc ? &t.tcora : which == 0xffce ? &t.tcorb : nullptr;
   const std::uint8_t before = compare ? *compare : 0;
   if (compare) *compare = static_cast<std::uint8_t>(~t.count);
-  // A word written to a pair of TCORs keeps both matches away: the other timer waits for its byte.
+  // A word written to a pair of TCORs suppresses both matches: the other timer waits for its byte.
   if (compare || (which == 0xffd0 && cascaded(n)))
     advance_one(m, cascaded(n) ? 1 - n : n, at);
   else if (which != 0xffd0)

@@ -1,4 +1,4 @@
-// 8-bit timers TMR0 and TMR1, computed when looked at, with their cascades.
+// 8-bit timers TMR0 and TMR1, brought up to date when accessed, with their cascades.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,6 +10,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 class Tmr {
  public:
   // FFC8..FFD1: even addresses TMR0, odd TMR1.
@@ -19,9 +21,9 @@ class Tmr {
 
   States next_event(Machine& m) const;
   void advance(Machine& m, States to);
-  // The DTC has met the request of compare match A or B.
+  // The DTC has served the request of compare match A or B.
   void taken_by_dtc(Machine& m, unsigned vector, States at);
-  // STCR has switched the prescaler.
+  // STCR has selected another prescaler.
   void clock_changed(Machine& m, States at);
   // Rising or falling edge at TMCI0/1 and TMRI0/1.
   void clock_edge(Machine& m, unsigned n, bool rising, States at);
@@ -32,7 +34,7 @@ class Tmr {
   bool level(unsigned n) const { return timer_[n].level; }
   // The next match that may change level(), from the last advance() on.
   States next_change(const Machine& m, unsigned n) const;
-  // Mean over the settled waveform, 0..1.
+  // Duty cycle of the steady waveform, 0..1.
   double high_share(Machine& m, unsigned n) const;
   bool waits_for_input() const;
 
@@ -47,7 +49,7 @@ class Tmr {
   bool cascaded(unsigned n) const { return timer_[n].clock_select() == 4; }
   void step(Machine& m, unsigned n, std::int64_t counts, States at);
   void step_pair(Machine& m, std::int64_t counts, States at);
-  // What follows from a match A of TMR0.
+  // Effects of a match A of TMR0 on TMR1.
   void matched_a0(Machine& m, States at);
   void advance_one(Machine& m, unsigned n, States to);
   void update(Machine& m, unsigned n, States at);

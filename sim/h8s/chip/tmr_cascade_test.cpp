@@ -1,6 +1,6 @@
 // TMR0 and TMR1 joined: 16-bit count mode and compare match count mode; their pins for clock and reset.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -27,7 +27,7 @@ struct Clock {
   std::uint8_t cks, stcr;
   States divisor;
 };
-// What TMR1 counts (hardware manual, 8-bit timers, clock select).
+// Clock source of TMR1 (hardware manual, 8-bit timers, clock select).
 constexpr Clock kClocks[] = {{1, 0, 8},   {1, 2, 2},    {2, 0, 64},
                              {2, 2, 128}, {3, 0, 1024}, {3, 2, 2048}};
 

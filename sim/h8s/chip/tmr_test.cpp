@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/chip/timer8.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -53,7 +53,7 @@ void TmrXY::advance(Machine& m, States to) {
   }
 }
 
-// Only TMRY's matches and overflow can interrupt. A clear may come first, so each crossing counts.
+// Only TMRY's matches and overflow can interrupt. A clear may come first, so each crossing is checked.
 States TmrXY::next_event(const Machine& m) const {
   const Timer8& t = timer_[y];
   const States d = divisor(y);

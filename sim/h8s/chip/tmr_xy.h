@@ -10,10 +10,11 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 // Hardware manual, 8-bit timers and timer connection. TMRX counts the system clock itself, measures
 // pulses at TMIX (P60) and drives TMOX (P67); TMRY has three interrupts and, on this part, no pin.
-// Of the timer connection the paths that join the units of sync signals are not modelled: switching
-// one on is reported.
+// The timer connection's paths for sync signals are not modelled: enabling one is reported as misuse.
 class TmrXY {
  public:
   static constexpr unsigned x = 0, y = 1;
@@ -23,7 +24,7 @@ class TmrXY {
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
 
-  // The DTC has met the request of TMRY's compare match A or B.
+  // The DTC has served the request of TMRY's compare match A or B.
   void taken_by_dtc(Machine& m, unsigned vector, States at) {
     timer_[y].flags.drop(vector & 1 ? Timer8::kCmfb : Timer8::kCmfa);
     update(m, at);

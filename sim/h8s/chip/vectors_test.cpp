@@ -1,7 +1,7 @@
 // Every interrupt vector of the part: acceptance to the state, frames, priorities, address break.
 // SPDX-License-Identifier: Apache-2.0
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/chip/machine.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

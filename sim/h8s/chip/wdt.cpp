@@ -13,7 +13,7 @@ States Wdt::divisor(const Machine& m, unsigned n) const {
   return table[tcsr_ & 7];
 }
 
-// The subclock goes on while the system clock stands.
+// The subclock continues while the system clock is stopped.
 States Wdt::base(const Machine& m, unsigned n) const {
   return n == 1 && subclocked() ? m.sub_epoch : m.epoch;
 }
@@ -49,7 +49,7 @@ void Wdt::advance(Machine& m, unsigned n, States to) {
     m.irq.set(vec::nmi, true, at);
 }
 
-// An interval timer whose flag is set already has nothing new to tell.
+// An interval timer whose flag is already set has no further event.
 States Wdt::next_event(const Machine& m, unsigned n) const {
   const States d = divisor(m, n);
   if (!running() || d == 0 || (!watchdog() && ovf_.has(0x80))) return kNever;

@@ -9,6 +9,8 @@
 
 namespace kaz::h8s {
 
+class Machine;
+
 class Wdt {
  public:
   // Even address: TCSR, odd: TCNT.

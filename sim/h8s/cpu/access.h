@@ -1,8 +1,9 @@
-// Registers and memory as handlers see them: the fast path inline, everything else in Machine.
+// Registers and memory as handlers see them: the fast path inline, the rest in cpu/memory.cpp and the bus.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstring>
+#include <optional>
 #include <type_traits>
 
 #include "sim/h8s/cpu/cpu.h"
@@ -14,7 +15,7 @@ std::uint8_t slow_load8(Cpu& c, std::uint32_t address);
 std::uint16_t slow_load16(Cpu& c, std::uint32_t address);
 void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value);
 void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value);
-// Forgets decoded instructions that the bytes at `offset` (even, from ram_at) may be part of.
+// Discards decoded instructions that may contain the bytes at `offset` (even, relative to ram_at).
 void forget_code(Cpu& c, std::uint32_t offset);
 // True when ER7 (`address`) points into RAM; raises Fault::stack otherwise.
 bool check_stack(Cpu& c, std::uint32_t address);
@@ -48,6 +49,14 @@ inline void put_big16(std::uint8_t* p, std::uint32_t value) {
 inline void put_big32(std::uint8_t* p, std::uint32_t value) {
   put_big16(p, value >> 16);
   put_big16(p + 2, value);
+}
+
+// Offset into Cpu::ram of a byte in either RAM window of the chip; nullopt elsewhere.
+inline std::optional<std::uint32_t> ram_offset(const Cpu& c, std::uint32_t address) {
+  const std::uint32_t offset = (address & c.mask) - c.ram_at;
+  if (c.ram_size == 0) return std::nullopt;
+  if (offset < kRamSize || offset - (kShortRam - kRam) < kShortRamSize) return offset;
+  return std::nullopt;
 }
 
 inline void note_ram_write(Cpu& c, std::uint32_t offset) {
@@ -129,7 +138,7 @@ void store(Cpu& c, std::uint32_t address, T value) {
     store32(c, address, value);
 }
 
-// Stack accesses move ER7 and insist on RAM.
+// Stack accesses must be in RAM (Fault::stack).
 inline bool stack_ok(Cpu& c, std::uint32_t address) {
   const std::uint32_t offset = (address & c.mask) - c.ram_base;
   return offset < c.ram_size || check_stack(c, address);

@@ -9,7 +9,7 @@ namespace {
 
 enum class Bit { set, flip, clear, test, bor, bxor, band, load, store };
 
-// Applies to one byte; true when the byte is to be written back.
+// Applies to one byte; true if the byte must be written back.
 template <Bit op, bool inverted>
 bool apply(Cpu& c, u8& byte, unsigned number) {
   const u8 mask = static_cast<u8>(1u << number);
@@ -68,7 +68,7 @@ const Insn* bit_memory(Cpu& c, const Insn* i) {
   return i + i->units;
 }
 
-// Memory forms: `w` is the nibble that tells reading (C, E, 0) from writing (D, F, 8).
+// Memory forms: `w` is the nibble that distinguishes reading (C, E, 0) from writing (D, F, 8).
 #define KAZ_BIT_MEMORY(op, inv, from, name, ind, abs8, abs16, second, field, text, l)              \
   {ind "n0 " second field "0", name, text ",@%n", bit_memory<op, inv, from, false>, {2, 0, 0, l}}, \
       {abs8 "aa " second field "0",                                                                \

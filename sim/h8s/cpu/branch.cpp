@@ -28,8 +28,8 @@ bool holds(const Flags& f) {
   return f.z == 0 || less;
 }
 
-// imm is the displacement in bytes. Decoding replaces this by the near form where the target lies
-// in the same stretch of memory; see near_branch.
+// imm is the displacement in bytes. Decoding replaces this by the near form if the target is in the same
+// memory region; see near_branch.
 u32 target(const Cpu& c, const Insn* i) {
   return pc_of(c, i) + 2u * i->units + i->imm;
 }

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <random>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/cpu/oracle_testing.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::oracle {
 namespace {
@@ -61,7 +61,7 @@ class Program {
   const std::vector<u16>& table() const { return table_; }  // what block moves copy from
 
  private:
-  // Instructions in a row that a store replaces, and where the store stands.
+  // Consecutive instructions that a store replaces, and the store's position.
   struct Group {
     u32 count;
     std::size_t from;

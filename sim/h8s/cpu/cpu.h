@@ -6,50 +6,45 @@
 #include <cstdint>
 #include <limits>
 
-#include "sim/h8s/options.h"
+#include "sim/h8s/cpu/bus.h"
+#include "sim/h8s/cpu/types.h"
 
 namespace kaz::h8s {
 
-using States = std::int64_t;
-inline constexpr States kNever = std::numeric_limits<States>::max();
-
-class Machine;
-class Translator;
 struct Cpu;
 struct Insn;
 
 // Runs one instruction and returns the next one.
 using Handler = const Insn* (*)(Cpu&, const Insn*);
 
-// One decoded instruction; one stands for each even address of memory. `run` is null until
-// it has been decoded. Sequential flow is pointer arithmetic: the next instruction is `this +
-// units`.
+// One decoded instruction; there is one for each even address of memory. `run` is null until it is
+// decoded. Sequential flow is pointer arithmetic: the next instruction is `this + units`.
 struct Insn {
   Handler run;
   std::uint32_t imm;    // immediate, absolute address or displacement; branches: units to add
   std::uint8_t rs, rd;  // byte offsets into the register file, bit numbers or vector numbers
-  std::uint8_t states;  // with all accesses on chip memory; I/O adds to Cpu::stall
+  std::uint8_t states;  // with all accesses to on-chip memory; I/O adds to Cpu::stall
   std::uint8_t units;   // length in 16-bit units
 };
 static_assert(sizeof(void*) != 8 || sizeof(Insn) == 16);
 
 enum class Fault : std::uint8_t { none, undefined, fetch, unmapped, stack, misuse, odd_pc };
 
-// The chip's address layout. RAM lies in two windows of one 8 KiB block below the top. The flat
-// machine has one window of RAM from 0 and nothing else; the CPU goes by the members of Cpu.
+// The chip's address layout (hardware manual, memory map). RAM consists of two windows in the top 8 KiB
+// block. The flat machine has one window of RAM from 0 and nothing else; the CPU uses the members of Cpu.
 inline constexpr std::uint32_t kFlashSize = 0x20000;
-inline constexpr std::uint32_t kBlock = 0xffe000;  // what ram[0] would be
+inline constexpr std::uint32_t kBlock = 0xffe000;  // address of the block
 inline constexpr std::uint32_t kRam = 0x0080;      // offsets into the block
 inline constexpr std::uint32_t kRamSize = 0x0f80;
 inline constexpr std::uint32_t kShortRam = 0x1f00;
 inline constexpr std::uint32_t kShortRamSize = 0x80;
-// Decoded instructions: flash, then the two RAM windows, each followed by a few that lead outside.
+// Decoded instructions: flash, then the two RAM windows, each followed by a gap of entries that fault.
 inline constexpr std::uint32_t kGap = 8;
 inline constexpr std::uint32_t kFlashCode = 0;
 inline constexpr std::uint32_t kRamCode = kFlashSize / 2 + kGap;
 inline constexpr std::uint32_t kShortRamCode = kRamCode + kRamSize / 2 + kGap;
 inline constexpr std::uint32_t kCodeSize = kShortRamCode + kShortRamSize / 2 + kGap;
-// One flag a line of RAM tells whether instructions there may have been decoded.
+// One flag per line of RAM: whether instructions there may have been decoded. Bytes.
 inline constexpr std::uint32_t kLine = 64;
 static_assert(kRam % kLine == 0 && kShortRam % kLine == 0);
 
@@ -59,8 +54,8 @@ struct Jump {
 };
 inline constexpr std::uint32_t kTrail = 32;
 
-// Flags are kept as the values they follow from; ccr() packs them. Operands of 8 and 16 bits are
-// shifted up so that the same bits serve all three sizes.
+// Flags are evaluated lazily: kept as the values that they are computed from, packed by ccr(). Operands of
+// 8 and 16 bits are shifted to the top of 32, so the same bit positions serve all three sizes.
 struct Flags {
   std::uint32_t n = 0;  // N is bit 31
   std::uint32_t z = 1;  // Z is set when this is 0
@@ -74,56 +69,57 @@ struct Flags {
 };
 
 struct Cpu {
-  // The part that the inner loop touches.
+  // Used by the inner loop.
   std::array<std::uint32_t, 8> er{};
   Flags flags;
-  const Insn* ip = nullptr;  // the instruction that runs, or runs next
+  const Insn* ip = nullptr;  // the current instruction, or the next one between instructions
   States now = 0;            // end of that instruction, without `stall`
   States stop = 0;           // the inner loop ends at the first boundary where now >= stop
-  States stall = 0;          // further states of this stretch: I/O accesses, block moves
+  States stall =
+      0;  // additional states since the inner loop was entered: I/O accesses, block moves
   std::int64_t executed = 0;
 
   std::uint8_t* flash = nullptr;
-  std::uint8_t* ram = nullptr;       // what stands at ram_at; the short window lies behind it
+  std::uint8_t* ram = nullptr;       // contents at ram_at; the short window is at a higher offset
   std::uint8_t* has_code = nullptr;  // a flag for each line of RAM, from ram_at on
   Insn* code = nullptr;
   std::uint32_t ram_size = kRamSize;  // 0 while SYSCR.RAME = 0
   std::uint32_t flash_size = kFlashSize;
   std::uint32_t mask = 0xffffff;  // of addresses: 0xffff in normal mode
-  // Where the fast paths of access.h find RAM and flash; while the chip is observed, nowhere, so
-  // that every access takes the slow path (Machine::choose_paths).
+  // Address ranges of the fast paths of access.h. While the chip is observed they are empty, so every
+  // access takes the slow path (Machine::choose_paths).
   std::uint32_t ram_base = kBlock + kRam;
   std::uint32_t quick_flash = kFlashSize;
   bool observed = false;
-  std::uint32_t ram_at = kBlock + kRam;          // where RAM stands in any case
-  std::uint32_t ram_code = kRamCode;             // where RAM begins in `code`
-  std::uint32_t short_ram_code = kShortRamCode;  // and its short window; flat: beyond the end
+  std::uint32_t ram_at = kBlock + kRam;          // address of RAM, independent of ram_base
+  std::uint32_t ram_code = kRamCode;             // index of RAM in `code`
+  std::uint32_t short_ram_code = kShortRamCode;  // index of the short window; flat: past the end
   std::uint32_t code_size = kCodeSize;           // of `code`
-  Machine* machine = nullptr;
-  bool hooks = false;  // any code hooks set
+  Bus* bus = nullptr;                            // null: RAM at every address (Flat)
+  bool hooks = false;                            // any code hooks set
   Engine engine = Engine::interpreter;
-  Translator* translator = nullptr;  // null: none
+  CodeCache* translated = nullptr;  // null: interpret
   std::uint32_t translate_after = 1000;
 
-  std::uint8_t control = 0x80;  // bits I, UI, U of CCR in their places
+  std::uint8_t control = 0x80;  // bits I, UI, U of CCR
   std::uint8_t exr = 0x7f;
-  bool flat = false;         // 16 MiB of RAM: the top leads to 0, an odd PC is an error
-  bool semihost = false;     // JSR @@0xC5:8 to @@0xCC:8 are requests to the host
+  bool flat = false;         // 16 MiB of RAM: addresses wrap, an odd PC is an error
+  bool semihost = false;     // JSR @@0xC5:8 to @@0xCC:8 are semihosting requests
   std::uint8_t request = 0;  // vector of the request just made
   bool normal = false;       // 16-bit mode
   bool two_level = false;    // interrupt control mode 1: exceptions set UI too
   bool stc_copies = false;   // Options
   bool rte_holds_off = false;
   bool predecrement_stores_decremented = true;
-  bool hold_off = false;  // no interrupt before one more instruction has run
+  bool hold_off = false;  // interrupts are held off for one instruction
   bool asleep = false;
   bool moving = false;  // EEPMOV.W interrupted between two bytes
   Fault fault = Fault::none;
   std::uint32_t fault_address = 0;
   std::uint32_t fault_pc = 0;
-  Insn outside{};  // stands for any address without memory; imm is the address
+  Insn outside{};  // any address without memory; imm is the address
 
-  // The lines that has_code points to on the chip.
+  // On the chip, the target of has_code.
   std::array<std::uint8_t, 0x2000 / kLine> chip_lines{};
 
   std::array<Jump, kTrail> trail{};
@@ -134,14 +130,14 @@ inline void end_stretch(Cpu& c) {
   c.stop = std::numeric_limits<States>::min();
 }
 
-// Time that `now` will not hold before the stretch ends; `stop` comes nearer instead.
+// Adds states that `now` does not include until the inner loop ends; `stop` is reduced instead.
 inline void add_stall(Cpu& c, int states) {
   c.stall += states;
   if (c.stop > 0) c.stop -= states;
 }
 
-// The interrupt mask has changed, or an instruction that keeps interrupts off has run: ends the
-// stretch unless nothing is requested.
+// After a change of the interrupt mask or an instruction that holds interrupts off: leaves the inner loop
+// if a request is pending.
 void mask_changed(Cpu& c, bool hold_off);
 
 inline std::uint8_t ccr(const Cpu& c) {
@@ -180,25 +176,25 @@ inline const Insn* jump_to(Cpu& c, const Insn* from, std::uint32_t address) {
   return record_jump(c, from, at_address(c, address));
 }
 
-// Decodes the instruction at `ip` in place and gives its handler.
+// Decodes the instruction at `ip` into Cpu::code and returns its handler.
 Handler decode_in_place(Cpu& c, const Insn* ip);
 
-// The same from memory each time, branches in their general form: for the reference engine.
+// For the reference engine: decodes from memory each time, with branches in their general form.
 Handler decode_afresh(Cpu& c, const Insn* ip);
 
 // Runs instructions with the engine of `c` until now >= stop (run.cpp).
 void run_stretch(Cpu& c);
 void run_reference(Cpu& c);
 void run_interpreter(Cpu& c);
-// The same while there are observers, whatever the engine (observed.cpp).
-void run_observed(Cpu& c);
-// Tells the observers of an access.
-void observe_access(Cpu& c, std::uint32_t address, unsigned size, unsigned value, bool write);
 
-// Whether the instruction at this address is to be replaced by a call of its code hook, now.
+// Whether the code hook of this address is due, before its instruction may run.
 bool hooked_here(const Cpu& c, std::uint32_t pc);
-// Whether Machine keeps a code hook for this address at all, also while its instruction runs.
+// Whether there is a code hook for this address at all, also while its instruction runs.
 bool has_hook(const Cpu& c, std::uint32_t pc);
+
+// Exception entry, shared by TRAPA and interrupts: stacks PC and CCR, sets the mask bits and returns
+// the handler's first instruction. Adds no time.
+const Insn* enter_exception(Cpu& c, const Insn* from, std::uint32_t return_pc, unsigned vector);
 
 void raise_fault(Cpu& c, Fault fault, std::uint32_t address);
 

@@ -1,4 +1,4 @@
-// From units of memory to handlers with their operands taken apart.
+// Decoding: from 16-bit units of memory to handlers with their operands.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
@@ -7,7 +7,6 @@
 
 #include "sim/h8s/cpu/access.h"
 #include "sim/h8s/cpu/opcode.h"
-#include "sim/h8s/translate/translator.h"
 
 namespace kaz::h8s {
 
@@ -30,7 +29,7 @@ unsigned literal(char ch) {
   return static_cast<unsigned>(ch <= '9' ? ch - '0' : ch - 'A' + 10);
 }
 
-// Which values a nibble of the pattern takes.
+// Whether a nibble matches a pattern character.
 bool fits(char ch, unsigned nibble) {
   if (is_literal(ch)) return literal(ch) == nibble;
   switch (ch) {
@@ -49,7 +48,7 @@ bool fits(char ch, unsigned nibble) {
   }
 }
 
-// Rows by the first byte that they can match.
+// Rows indexed by the first byte that they can match.
 struct Table {
   std::vector<Row> rows;
   std::array<std::vector<std::uint16_t>, 256> by_byte;
@@ -194,14 +193,14 @@ const Insn* fetch_outside(Cpu& c, const Insn* i) {
   return i;
 }
 
-// Stands in for an instruction with a code hook: takes no time, leaves the inner loop.
+// Handler of an instruction with a code hook: takes no time, leaves the inner loop.
 const Insn* announce(Cpu& c, const Insn* i) {
   --c.executed;
   end_stretch(c);
   return i;
 }
 
-// What a stretch of memory offers for decoding: its bytes from `address` on.
+// A memory region for decoding: its bytes from `address` on.
 struct Stretch {
   const std::uint8_t* bytes;
   std::uint32_t units;                 // from the address to the end
@@ -222,7 +221,7 @@ Stretch stretch_of(const Cpu& c, std::uint32_t index) {
           kShortRamCode, end};
 }
 
-// Behind the top of the flat machine's memory stands its beginning.
+// The flat machine's memory wraps: its top is followed by its beginning.
 const Insn* wrap(Cpu& c, const Insn* i) {
   --c.executed;
   return at_address(c, pc_of(c, i));
@@ -233,7 +232,7 @@ const Insn* odd_pc(Cpu& c, const Insn* i) {
   return i;
 }
 
-// A call of the host instead of a subroutine: whoever runs the CPU answers it.
+// A semihosting request instead of a subroutine call; the caller of run_stretch handles it.
 const Insn* host_request(Cpu& c, const Insn* i) {
   c.request = static_cast<std::uint8_t>(i->imm);
   end_stretch(c);
@@ -257,7 +256,7 @@ Decoded decode_stretch(const Cpu& c, const Stretch& stretch) {
   return decode(std::span(units).first(available), c.normal);
 }
 
-// Fetches and decodes into the slot; the stretch of memory it came from.
+// Fetches and decodes into the slot; returns the memory region.
 Stretch decode_slot(Cpu& c, Insn& slot, std::uint32_t index) {
   const Stretch stretch = stretch_of(c, index);
   if (stretch.units == 0) {
@@ -323,7 +322,7 @@ void forget_code(Cpu& c, std::uint32_t offset) {
     else if (c.flat)
       c.code[base + at + c.ram_size / 2 - back].run = nullptr;
   }
-  if (c.translator) c.translator->forget(base + at, 1);
+  if (c.translated) c.translated->forget(base + at, 1);
 }
 
 const Insn* at_address(Cpu& c, std::uint32_t address) {

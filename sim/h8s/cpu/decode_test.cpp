@@ -4,9 +4,9 @@
 
 #include <random>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/cpu/opcode.h"
 #include "sim/h8s/cpu/oracle.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::oracle {
 namespace {
@@ -26,7 +26,7 @@ void compare(std::span<const u16> units, Tally& tally) {
                 << " units, not " << wanted << (form ? " of " + form->name : std::string());
 }
 
-// What may stand behind a first word, so that each form gets its turn.
+// Words that may follow a first word, so that every form is reached.
 TEST(Decode, EveryFirstWord) {
   static constexpr u16 kSecond[] = {0x0000, 0xffff, 0x598f, 0x7008, 0x7300, 0x67f0, 0x6000,
                                     0x6b20, 0x6aa0, 0x6930, 0x6df0, 0x6d71, 0x1234, 0x6411};
@@ -96,7 +96,7 @@ TEST(Decode, InstructionsCutShort) {
   EXPECT_GT(tally.defined, 10'000);
 }
 
-// A word that is no instruction stops the chip there, whatever it stands behind.
+// A word that is not an instruction stops the chip there, whatever precedes it.
 TEST(Decode, UndefinedWordsStopTheChip) {
   std::mt19937 random(2);
   int tried = 0;

@@ -1,4 +1,4 @@
-// Text of one instruction, from the same rows that decode it.
+// Disassembly of one instruction, from the rows that decode it.
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cstdio>

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Branches are left out: their text has no size, which the assembler chooses.
+// Branches are skipped: the assembler chooses the size that their text does not contain.
 bool is_branch(const Form& f) {
   return f.name.rfind("bcc", 0) == 0 || f.name.rfind("bsr", 0) == 0;
 }

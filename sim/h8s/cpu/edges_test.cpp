@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -59,7 +59,7 @@ TEST_P(Edges, CodeRunsToTheEndOfItsMemoryAndStopsThere) {
   }
 }
 
-// mov.w #,r1 whose immediate would stand behind the end: no instruction.
+// mov.w #,r1 whose immediate would be past the end: not an instruction.
 TEST_P(Edges, AnInstructionCutByTheEndDoesNotRun) {
   for (const Memory& memory : kMemories) {
     Chip chip = make_chip(std::vector<std::uint16_t>{}, options());
@@ -76,7 +76,7 @@ TEST_P(Edges, AnInstructionCutByTheEndDoesNotRun) {
   }
 }
 
-// A hot loop whose way out leads over the end.
+// A hot loop whose exit is past the end.
 TEST_P(Edges, ALoopLeavesOverTheEnd) {
   Chip chip = make_chip(std::vector<std::uint16_t>{}, options());
   // dec.w #1,r0 ; bne back
@@ -136,7 +136,7 @@ TEST_P(Edges, AByteCountedBlockMoveIsNotInterrupted) {
   }
 }
 
-// eepmov.w in the usual loop, NMI at each state of it: the handler sees a number of whole bytes
+// eepmov.w in the usual loop, NMI at each state of it: the handler observes a number of whole bytes
 // moved, the rest is moved afterwards, and the time is that of both.
 TEST_P(Edges, ABlockMoveIsInterruptedBetweenTwoBytes) {
   constexpr std::uint32_t kFrom = 0xffe400, kTo = 0xffe500, kSeen = 0xffe600;
@@ -177,7 +177,7 @@ TEST_P(Edges, ABlockMoveIsInterruptedBetweenTwoBytes) {
     for (std::uint32_t k = 0; k < kBytes; ++k)
       EXPECT_EQ(chip.peek(kTo + k), 0x30 + k) << at << ", byte " << k;
     EXPECT_EQ(chip.peek(kTo + kBytes), 0) << at;
-    // What the handler saw.
+    // State observed by the handler.
     const std::uint32_t rest = chip.peek16(kSeen).value_or(0xffff);
     ASSERT_LE(rest, kBytes) << at;
     EXPECT_EQ(chip.peek32(kSeen + 2), kFrom + kBytes - rest) << at;

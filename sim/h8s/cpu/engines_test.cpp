@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <random>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/cpu/opcode.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -18,9 +18,9 @@ unsigned pick(Random& random, unsigned below) {
   return static_cast<unsigned>(random() % below);
 }
 
-constexpr std::uint32_t kRamProgram = 0xffe200;  // where programs that change themselves stand
+constexpr std::uint32_t kRamProgram = 0xffe200;  // address of self-modifying programs
 
-// A program of instructions out of the opcode table. Addresses mostly lie in RAM, in ER4 to ER6;
+// A program of instructions out of the opcode table. Addresses are mostly in RAM, in ER4 to ER6;
 // branches lead to instructions of the program, calls to short functions behind it.
 class RandomProgram {
  public:
@@ -365,9 +365,17 @@ void run_hooked_seed(unsigned seed, bool in_ram, std::int64_t& translated) {
   translated += hooked[2].translated_instructions();
 }
 
+// More by hand: KAZ_ENGINE_SEEDS=first,count.
+void seeds_of_environment(unsigned& first, unsigned& count) {
+  if (const char* text = std::getenv("KAZ_ENGINE_SEEDS"))
+    std::sscanf(text, "%u,%u", &first, &count);
+}
+
 void run_hooked_seeds(unsigned first, bool in_ram) {
   std::int64_t translated = 0;
-  for (unsigned seed = first; seed < first + 60; ++seed) {
+  unsigned count = 60;
+  seeds_of_environment(first, count);
+  for (unsigned seed = first; seed < first + count; ++seed) {
     run_hooked_seed(seed, in_ram, translated);
     if (::testing::Test::HasFatalFailure()) return;
   }
@@ -376,18 +384,16 @@ void run_hooked_seeds(unsigned first, bool in_ram) {
   }
 }
 
-// More by hand: KAZ_ENGINE_SEEDS=first,count.
 void run_seeds(unsigned first, unsigned count, bool in_ram) {
-  if (const char* text = std::getenv("KAZ_ENGINE_SEEDS"))
-    std::sscanf(text, "%u,%u", &first, &count);
+  seeds_of_environment(first, count);
   for (unsigned seed = first; seed < first + count; ++seed) {
     run_seed(seed, in_ram, 40);
     if (::testing::Test::HasFatalFailure()) return;
   }
 }
 
-// Power comes again and again: each time the translator forgets what it has made, here so much that
-// it lies in several pieces of the host's memory.
+// Repeated power cycles: each discards the translated code, here so much that it takes several parts of
+// the host's memory.
 TEST(Engines, AgreeAfterEachPowerOn) {
   std::vector<std::uint16_t> words;
   for (int k = 0; k < 6000; ++k) {

@@ -106,7 +106,7 @@ TEST(EveryByte, OneOperand) {
   }
 }
 
-// Every bit of every byte, with C and Z both ways; and by a register whose upper bits are noise.
+// Every bit of every byte, with C and Z 0 and 1; and by a register whose upper bits are random.
 TEST(EveryByte, Bits) {
   Bench bench(false);
   int found = 0;

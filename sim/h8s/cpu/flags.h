@@ -1,4 +1,4 @@
-// Arithmetic with the flags it leaves (h8s2000-cpu: flag table), for operands of 8, 16 and 32 bits.
+// Arithmetic and its flags (programming manual, condition codes), for operands of 8, 16 and 32 bits.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -56,7 +56,7 @@ Pin pin_of(const Opcode& row) {
   return pin;
 }
 
-// Instructions to stand around the one that is tried: they neither jump nor use address registers.
+// Instructions around the one under test: they neither jump nor use address registers.
 bool tame(const Form& f) {
   if (has(f, "@ER") || has(f, "@(") || has(f, "@@") || f.name == "tas") return false;
   for (const char* name : {"bcc", "bsr", "jmp", "jsr", "rts", "rte", "trapa", "sleep", "eepmov",
@@ -70,7 +70,7 @@ bool touches_data(const Form& form) {
   return form.cycles.l + form.cycles.m > 0 && form.name.rfind("eepmov", 0) != 0;
 }
 
-// What the manual leaves open must not be read by what follows.
+// Results that the manual leaves open must not be read by later instructions.
 bool leaves_open(const Form& form) {
   return has(form, "daa") || has(form, "das") || has(form, "divx");
 }
@@ -286,10 +286,10 @@ class RowBench {
 
 constexpr int kTrials = 1000;  // of one set of encodings
 
-// Sets of encodings a row: KAZ_FORM_TRIALS, which is a number of trials.
+// Sets of encodings a row, for at least KAZ_FORM_TRIALS trials.
 u32 rounds() {
   const char* text = std::getenv("KAZ_FORM_TRIALS");
-  return text ? static_cast<u32>(std::max(1, std::atoi(text) / kTrials)) : 1;
+  return text ? static_cast<u32>(std::max(1, (std::atoi(text) + kTrials - 1) / kTrials)) : 1;
 }
 
 // The translator leaves these to the interpreter, the code around them not.

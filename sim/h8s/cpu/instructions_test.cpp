@@ -1,6 +1,6 @@
-// What instructions do to registers, memory and flags; expected values by hand from the flag table.
+// Effects of instructions on registers, memory and flags; expected values by hand from the flag table.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

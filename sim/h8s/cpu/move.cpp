@@ -47,7 +47,7 @@ const Insn* mov_store_absolute(Cpu& c, const Insn* i) {
   return i + i->units;
 }
 
-// With ER7 as pointer the address must lie in RAM; a byte leaves SP odd. Rd may be part of ERs: the
+// With ER7 as pointer the address must be in RAM; a byte access leaves SP odd. Rd may be part of ERs: the
 // loaded value is written last.
 template <class T>
 const Insn* mov_load_increment(Cpu& c, const Insn* i) {

@@ -1,6 +1,6 @@
 // Normal mode: 16-bit addresses that wrap, vectors and return addresses of one word, exceptions.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -28,7 +28,7 @@ Chip normal_chip(const std::vector<std::uint16_t>& words) {
   EXPECT_TRUE(chip.load(image).has_value());
   chip.power_on();
   Registers r = chip.registers();
-  r.er[7] = 0xa5a50000 | kTop;  // what stands above 16 bits does not count
+  r.er[7] = 0xa5a50000 | kTop;  // bits above 16 are ignored
   chip.set_registers(r);
   return chip;
 }

@@ -1,4 +1,4 @@
-// One row of the opcode table: encoding, text, handler and state counts of an instruction's form.
+// Opcode table: encoding, text, handler and state counts of each form of an instruction.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace kaz::h8s {
 
-// Accesses of an instruction as the manual counts them: states = I + J + K + L + M + N on chip
-// memory.
+// Accesses of an instruction (programming manual, number of states): states = I + J + K + L + M + N with
+// on-chip memory.
 struct Counts {
   std::uint8_t i = 1;  // instruction fetches
   std::uint8_t j = 0;  // branch address reads, for advanced mode (half of it in normal mode)
@@ -44,12 +44,12 @@ struct Decoded {
 
 inline constexpr int kMaxUnits = 5;
 
-// `units` holds what stands at the address and behind it, `available` of them.
+// `units` holds the memory at the address and after it, as far as it exists.
 Decoded decode(std::span<const std::uint16_t> units, bool normal);
-// What stands in memory for Cpu::code[index], without touching that.
+// Decodes the instruction in memory that belongs to Cpu::code[index], which stays unchanged.
 Decoded decode_at(const Cpu& c, std::uint32_t index);
 
-// "mov.l @(0x10:16,er6),er0"; `address` resolves branches. Undefined: ".word 0x0001". `bytes` gets
+// "mov.l @(0x10:16,er6),er0"; `address` resolves branches. Undefined: ".word 0x0001". `bytes` is set to
 // its length.
 std::string disassemble(std::span<const std::uint16_t> units, std::uint32_t address, int* bytes);
 

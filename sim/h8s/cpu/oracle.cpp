@@ -1,4 +1,4 @@
-// Registers, memory and the reading of patterns of the tests' own model of the CPU.
+// Registers, memory and pattern matching of the tests' own model of the CPU.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/cpu/oracle.h"
 
@@ -41,7 +41,7 @@ void World::set_reg(int bits, u32 field, u32 value) {
     whole = (whole & 0xffffff00) + (value & 0xff);
 }
 
-// Words lie at even addresses; bit 0 is ignored. A longword is two words, the upper one first.
+// Words are at even addresses; bit 0 is ignored. A long word is two words, the upper one first.
 u32 World::load_uncounted(int bits, u32 address) {
   if (bits == 8) return read(address & mask());
   if (bits == 32) {

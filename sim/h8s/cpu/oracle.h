@@ -1,4 +1,4 @@
-// A second model of the H8S/2000 for the tests: slow, plain, and written from the manual alone.
+// An independent model of the H8S/2000 for the tests: slow, plain, written from the manual alone.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -22,20 +22,20 @@ struct Access {
   int bytes = 1;
 };
 
-// Registers, flags and memory, everything by its plainest name.
+// Registers, flags and memory of the model.
 struct World {
   std::array<u32, 8> er{};
   u32 pc = 0;
   bool i = true, ui = false, h = false, u = false, n = false, z = false, v = false, c = false;
   u8 exr = 0x7f;
   bool normal = false;  // 16-bit addresses
-  // MOV Rs,@-ERd with Rs in ERd stores the register as the decrement leaves it, else as it was.
+  // Options::predecrement_stores_decremented.
   bool predecrement_stores_decremented = true;
 
   std::function<u8(u32)> read;
   std::function<void(u32, u8)> write;
 
-  // What the last instruction did.
+  // Effects of the last instruction.
   std::vector<Access> data;  // accesses that the manual counts as L or M
   int block_bytes = 0;       // moved by EEPMOV
   bool asleep = false;

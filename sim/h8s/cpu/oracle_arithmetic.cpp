@@ -1,4 +1,4 @@
-// The manual's list of sums, products, logic, shifts and extensions, for the tests' own model.
+// The manual's arithmetic, logic, shifts and extensions, for the tests' own model.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/cpu/oracle.h"
 
@@ -301,7 +301,7 @@ Run divxs(int half) {
     w.z = b == 0;
     w.open_result = b == 0 || !fits(half, a / b);
     if (w.open_result) w.open_flags = 0x08;
-    // Where the manual says nothing the emulator keeps Rd and takes the sign rule of division.
+    // Where the manual leaves the result open the emulator keeps Rd and takes the sign rule of division.
     w.n = b == 0 ? (a < 0) != (b < 0) : a / b < 0;
     if (b != 0) put_quotient(w, half, f['d'], static_cast<u64>(a / b), static_cast<u64>(a % b));
   };

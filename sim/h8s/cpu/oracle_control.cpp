@@ -1,4 +1,4 @@
-// The manual's list of bit instructions, branches and system control, for the tests' own model.
+// The manual's bit instructions, branches and system control, for the tests' own model.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/cpu/oracle.h"
 
@@ -6,7 +6,7 @@ namespace kaz::h8s::oracle {
 namespace {
 
 // --- bits
-// What happens to a byte and to Z or C, given the number of the bit; true: the byte changes.
+// Effect on a byte and on Z or C, given the bit number; true: the byte changes.
 using Bit = std::function<void(World&, u32& byte, u32 number)>;
 
 struct BitRow {

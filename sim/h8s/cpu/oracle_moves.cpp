@@ -1,4 +1,4 @@
-// The manual's list of data transfers, for the tests' own model of the CPU.
+// The manual's data transfers, for the tests' own model of the CPU.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/cpu/oracle.h"
 
@@ -16,7 +16,7 @@ u32 sign16(u32 d) {
   return d < 0x8000 ? d : d + 0xffff0000;
 }
 
-// Where the addressing modes of MOV and of LDC, STC lead; may change the address register.
+// Effective addresses of MOV and of LDC, STC; may change the address register.
 using Where = std::function<u32(World&, const Fields&, int bytes)>;
 
 struct Mode {

@@ -29,7 +29,7 @@ INSTANTIATE_TEST_SUITE_P(Cpu, Mode,
                                                               Engine::interpreter)),
                          name_of);
 
-// Whether the form touches data that may lie in registers: bytes, or words in steps of even
+// Whether the form touches data that may be in I/O registers: bytes, or words in steps of even
 // addresses. Block moves would run over registers that do not keep what is written.
 bool touches_data(const Form& form) {
   return form.cycles.l + form.cycles.m > 0 && form.name.rfind("eepmov", 0) != 0;

@@ -13,7 +13,7 @@ constexpr u32 kBase = 0xffe000;
 constexpr u32 kData = 0xffe400, kDataSize = 0x800;  // of the data that instructions work on
 constexpr u32 kStackArea = 0xffed00;
 
-// Registers that give back what was written: port pull-ups (8-bit bus), timer compare registers
+// Registers that return the value written: port pull-ups (8-bit bus), timer compare registers
 // (16-bit bus).
 constexpr u32 kNarrow = 0xffffac, kWide = 0xffffcc;
 
@@ -176,7 +176,7 @@ std::string Bench::compare(std::span<const Access> accesses, u8 open_flags, bool
   const Registers r = chip.registers();
   for (u32 n = 0; n < 8; ++n) {
     if (r.er[n] == w.er[n]) continue;
-    // What the manual leaves open is the chip's choice.
+    // Results that the manual leaves open are copied from the chip.
     if (!open_result) wrong += differ("er", n, r.er[n], w.er[n]);
     w.er[n] = r.er[n];
   }
@@ -237,7 +237,7 @@ void Bench::aim_fields(const Form& form, Fields& f, bool io) {
   const u32 target = data_address(form, io, false);
   const u32 garbage = static_cast<u32>(random()) & (world.normal ? 0xffff0000 : 0xff000000);
   if (has(form, "@aa:8")) {
-    // The vectors of JMP and JSR lie at the beginning of memory, and each leads to a landing, if any.
+    // The vectors of JMP and JSR are at the beginning of memory, and each points to a landing, if any.
     const bool vectors = jumps(form), whole = !landings.empty() && random() % 4 != 0;
     field('a') = vectors ? static_cast<u32>(whole ? random() % 64 * 4 : random() % 128 * 2)
                  : io    ? target % 256
@@ -258,7 +258,7 @@ void Bench::aim_fields(const Form& form, Fields& f, bool io) {
 void Bench::aim_registers(const Form& form, const Fields& f, World& before, bool io) {
   const u32 garbage = static_cast<u32>(random()) & (world.normal ? 0xffff0000 : 0xff000000);
   before.er[7] = (kStackArea + random() % 0x100 * 2) & 0xffffff;
-  if (random() % 32 == 0) ++before.er[7];  // words lie at the even addresses below
+  if (random() % 32 == 0) ++before.er[7];  // words are at the even addresses below
   if (random() % 2) before.er[7] = (before.er[7] & world.mask()) | garbage;
   if (has(form, "eepmov")) {
     before.er[4] = (before.er[4] & ~0xffffu) | random() % 24;

@@ -1,4 +1,4 @@
-// One instruction at a time on the chip and on the tests' own model, with chosen or random operands.
+// Runs single instructions on the chip and on the tests' own model, with chosen or random operands.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/cpu/oracle.h"
 
 namespace kaz::h8s::oracle {
@@ -18,7 +18,7 @@ namespace kaz::h8s::oracle {
 // The units of a form with these field values.
 std::vector<u16> encode(const Form& form, const Fields& fields);
 
-// An encoding that goes by these bits of the units where `mask` is set.
+// Bits of the units, valid where `mask` is set.
 struct Pin {
   std::array<u16, 5> mask{}, value{};
   std::vector<u16> apply(std::vector<u16> units) const;
@@ -29,13 +29,13 @@ class Bench {
  public:
   explicit Bench(bool normal, const Options& options = {});
 
-  // Runs the instruction at `at` from this state on both. Empty when they agree, else what differs.
+  // Runs the instruction at `at` from this state on both. Empty if they agree, else the differences.
   std::string trial(const Form& form, const std::vector<u16>& units, const World& before, u32 at);
   // Fields, registers and flags at random, often at the borders; addresses point at memory or, if
   // `io`, at registers that keep what is written.
   std::string random_trial(const Form& form, bool io);
   // The two halves of a random trial: units of `form`, with operands that instructions may work on;
-  // registers and flags with which these units reach them. `pin`: bits that are given.
+  // registers and flags with which these units reach them. `pin`: bits that are fixed.
   std::vector<u16> draw_units(const Form& form, bool io, const Pin& pin = {});
   World draw_registers(const Form& form, const std::vector<u16>& units, bool io);
   // The model knows the contents of registers at io_states' addresses from the chip.
@@ -45,10 +45,10 @@ class Bench {
   void put(u32 address, const std::vector<u16>& units);
   // States that an access takes besides those of memory.
   int io_states(const Access& a) const;
-  // Compares registers and memory that the model has accessed; empty when equal. Sets what the manual
-  // leaves open to the chip's.
+  // Compares registers and memory that the model has accessed; empty when equal. Values
+  // that the manual leaves open are copied from the chip.
   std::string compare(std::span<const Access> accesses, u8 open_flags, bool open_result);
-  // What the model has touched outside memory since the last call.
+  // Accesses of the model outside memory since the last call.
   std::string outside() { return std::exchange(outside_, {}); }
   // Addresses that calls and jumps are drawn from, three times of four; none: any.
   std::vector<u32> landings;

@@ -1,7 +1,7 @@
 // MOV between memory and the very register that points there: both settings of the option, each engine.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/flat.h"
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
+#include "sim/h8s/flat/flat.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -14,7 +14,7 @@ struct Store {
   int pointer;
   std::uint32_t before, after;  // of the address register
   unsigned bytes;
-  // What is stored, and N and Z: the register after the decrement, and before it.
+  // The value stored, and N and Z: the register after the decrement, and before it.
   std::uint32_t decremented;
   std::uint8_t flags;
   std::uint32_t old;
@@ -118,7 +118,7 @@ TEST_P(Predecrement, AnotherRegisterIsStoredAsItIs) {
   }
 }
 
-// H8S/2138 manual, figure 4.6: a byte moves SP by one.
+// H8S/2138 manual, figure 4.6: a byte access changes SP by one.
 TEST_P(Predecrement, ABytePushedLeavesTheStackPointerOdd) {
   Registers r;
   r.er[1] = 0x5a;

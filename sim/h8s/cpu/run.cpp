@@ -1,9 +1,20 @@
 // The inner loops of the reference engine and of the interpreter, and the choice between engines.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/cpu/cpu.h"
-#include "sim/h8s/translate/translator.h"
 
 namespace kaz::h8s {
+
+const char* name_of(Engine engine) {
+  switch (engine) {
+    case Engine::reference:
+      return "reference";
+    case Engine::interpreter:
+      return "interpreter";
+    case Engine::translator:
+      break;
+  }
+  return "translator";
+}
 
 void run_reference(Cpu& c) {
   while (c.now < c.stop) {
@@ -34,11 +45,11 @@ void run_interpreter(Cpu& c) {
 
 void run_stretch(Cpu& c) {
   if (c.observed)
-    run_observed(c);
+    c.bus->run_observed();
   else if (c.engine == Engine::reference)
     run_reference(c);
-  else if (c.translator && !c.normal)
-    c.translator->run(c);
+  else if (c.translated && !c.normal)
+    c.translated->run(c);
   else
     run_interpreter(c);
 }

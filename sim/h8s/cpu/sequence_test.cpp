@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <random>
 
+#include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/cpu/oracle_testing.h"
-#include "sim/h8s/testing.h"
 
 namespace kaz::h8s::oracle {
 namespace {

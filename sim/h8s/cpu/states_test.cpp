@@ -1,6 +1,6 @@
 // State counts: every row of the manual's table, with encodings from the instruction list.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

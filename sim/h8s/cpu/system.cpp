@@ -1,7 +1,6 @@
 // Control registers, exceptions, sleep, block moves and multiple register transfers.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/cpu/access.h"
-#include "sim/h8s/cpu/exception.h"
 #include "sim/h8s/cpu/flags.h"
 #include "sim/h8s/cpu/opcode.h"
 
@@ -85,7 +84,7 @@ const Insn* ldc_absolute(Cpu& c, const Insn* i) {
   return i + i->units;
 }
 
-// The register stands in the high byte of the word.
+// The register is in the high byte of the word.
 template <Target target>
 u16 control_word(const Cpu& c) {
   const unsigned value = read_control<target>(c);
@@ -136,7 +135,7 @@ const Insn* sleep(Cpu& c, const Insn* i) {
   return i + 1;
 }
 
-// Moves one byte; two states beyond what I/O adds.
+// Moves one byte: two states, and those that I/O adds.
 void move_byte(Cpu& c) {
   store8(c, c.er[6], load8(c, c.er[5]));
   ++c.er[5];
@@ -151,8 +150,8 @@ const Insn* eepmov_b(Cpu& c, const Insn* i) {
   return i + 2;
 }
 
-// May be left between two bytes: by an interrupt (the next instruction is stacked, so that the rest
-// of the block is the program's business) or just because an event is due, after which it goes on.
+// May be interrupted between two bytes: by an interrupt (the next instruction is stacked; the program
+// must restart the move) or by an event, after which it continues.
 const Insn* eepmov_w(Cpu& c, const Insn* i) {
   if (c.moving) add_stall(c, -i->states);
   c.moving = false;

@@ -1,11 +1,11 @@
-// The chain of calls as it follows from instructions and the stack pointer.
+// The call stack, derived from instructions and the stack pointer.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/debug/call_stack.h"
 
 namespace kaz::h8s {
 namespace {
 
-// A program that only ever calls ends here rather than filling the memory.
+// Limit of the depth, for programs that call without ever returning.
 constexpr std::size_t kMaxDepth = 4096;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Which instructions have run and which branches went which way.
+// Instruction and branch coverage.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/debug/coverage.h"
 
@@ -29,7 +29,7 @@ std::string Coverage::text() const {
   std::string out = line;
   for (std::size_t k = 0; k < functions.size(); ++k) {
     const std::uint32_t first = functions[k]->address;
-    // The last function ends where the coverage does.
+    // The last function is taken to end at the last covered instruction.
     std::uint32_t end = k + 1 < functions.size() ? functions[k + 1]->address : first;
     std::int64_t covered = 0, one_way = 0;
     for (auto at = counts_.lower_bound(first);

@@ -1,11 +1,11 @@
-// Which instructions have run and which branches went which way.
+// Instruction and branch coverage.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <map>
 #include <string>
 
-#include "sim/h8s/debug/observer.h"
+#include "sim/h8s/chip/observer.h"
 
 namespace kaz::h8s {
 
@@ -19,11 +19,11 @@ class Coverage final : public Observer {
     bool branch = false;
     std::uint8_t length = 2;
   };
-  // By address of the instruction; those that never ran are absent.
+  // By instruction address; instructions that never ran are absent.
   const std::map<std::uint32_t, Count>& counts() const { return counts_; }
 
-  // One line a function: instructions executed, bytes covered of its size, branches that went one
-  // way only. Sizes reach to the next function.
+  // One line per function: instructions executed, bytes covered of its size, branches taken in one
+  // direction only. A function's size extends to the next function.
   std::string text() const;
   // lcov's tracefile for genhtml: FN, DA and BRDA records, for images with line numbers.
   std::string lcov() const;

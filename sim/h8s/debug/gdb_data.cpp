@@ -97,7 +97,7 @@ std::string GdbServer::set_one_register(Text packet) {
   return "OK";
 }
 
-// As much as there is memory from the address on.
+// Reads as far as there is memory.
 std::string GdbServer::read_memory(Text packet) const {
   GdbReader in(packet);
   const auto r = range(in, false);

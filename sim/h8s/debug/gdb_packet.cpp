@@ -1,4 +1,4 @@
-// GDB's remote protocol on the level of bytes: packets, acknowledgements, hexadecimal numbers.
+// GDB's remote protocol, packet layer: framing, acknowledgements, hexadecimal numbers.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/debug/gdb_packet.h"
 
@@ -52,12 +52,12 @@ void GdbFraming::feed(std::span<const std::uint8_t> bytes, std::vector<GdbInput>
         at_ = At::inside;
         break;
       case At::first_digit:
-        told_ = digit(c) * 16;
+        checksum_ = digit(c) * 16;
         at_ = At::second_digit;
         break;
       case At::second_digit: {
         const int low = digit(c);
-        const bool good = told_ >= 0 && low >= 0 && told_ + low == sum_ && !too_long_;
+        const bool good = checksum_ >= 0 && low >= 0 && checksum_ + low == sum_ && !too_long_;
         to.push_back({good ? GdbInput::Kind::packet : GdbInput::Kind::damaged, std::move(data_)});
         data_.clear();
         at_ = At::outside;

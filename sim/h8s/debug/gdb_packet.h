@@ -1,4 +1,4 @@
-// GDB's remote protocol on the level of bytes: packets, acknowledgements, hexadecimal numbers.
+// GDB's remote protocol, packet layer: framing, acknowledgements, hexadecimal numbers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,13 +11,13 @@
 
 namespace kaz::h8s {
 
-// What came out of the stream of bytes.
+// One item of the byte stream.
 struct GdbInput {
   enum class Kind {
     packet,     // `data`, with its checksum right and escapes resolved
     damaged,    // a packet whose checksum is wrong, or longer than kMaxPacket
     interrupt,  // Ctrl-C
-    repeat,     // '-': the other side wants the last packet again
+    repeat,     // '-': the peer requests retransmission of the last packet
   };
   Kind kind = Kind::packet;
   std::string data;
@@ -27,7 +27,7 @@ inline constexpr std::size_t kMaxPacket = 0x4000;
 
 class GdbFraming {
  public:
-  // Bytes of any kind, cut anywhere; acknowledgements and noise between packets are passed over.
+  // Accepts bytes in pieces of any size; acknowledgements and noise between packets are ignored.
   void feed(std::span<const std::uint8_t> bytes, std::vector<GdbInput>& to);
 
  private:
@@ -35,7 +35,7 @@ class GdbFraming {
   At at_ = At::outside;
   std::string data_;
   std::uint8_t sum_ = 0;
-  int told_ = 0;
+  int checksum_ = 0;  // as received
   bool too_long_ = false;
 };
 
@@ -51,7 +51,7 @@ std::string hex32(std::uint32_t value);
 // nullopt: odd length or not hexadecimal.
 std::optional<std::vector<std::uint8_t>> from_hex(std::string_view digits);
 
-// Reads a packet from front to back; every function leaves the text alone where it does not fit.
+// Parses a packet from front to back; functions consume nothing if the text does not match.
 class GdbReader {
  public:
   explicit GdbReader(std::string_view text) : text_(text) {}

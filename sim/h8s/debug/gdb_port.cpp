@@ -1,4 +1,4 @@
-// Where GDB connects: TCP on this machine, a Unix socket, or standard input and output.
+// Transport of GDB's remote protocol: local TCP, a Unix socket, or standard input and output.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/debug/gdb_port.h"
 
@@ -26,7 +26,7 @@ std::string reason() {
 
 bool write_all(int fd, const std::string& text) {
   for (std::size_t at = 0; at < text.size();) {
-    // A connection that is gone is an answer, not a signal; send works on sockets only.
+    // A closed connection must be an error, not a signal; send works on sockets only.
     ssize_t n = ::send(fd, text.data() + at, text.size() - at, MSG_NOSIGNAL);
     if (n < 0 && errno == ENOTSOCK) n = ::write(fd, text.data() + at, text.size() - at);
     if (n < 0 && errno == EINTR) continue;
@@ -36,7 +36,7 @@ bool write_all(int fd, const std::string& text) {
   return true;
 }
 
-// Until it is finished or the other side closes.
+// Until the server has finished or the peer closes.
 Result<void> converse(GdbServer& server, int in, int out, States slice) {
   std::array<std::uint8_t, 4096> buffer{};
   while (!server.finished()) {
@@ -110,7 +110,7 @@ GdbPort::GdbPort(GdbPort&& other) noexcept
 
 GdbPort::~GdbPort() {
   if (listener_ >= 0) ::close(listener_);
-  // Somebody may have put something else there.
+  // Another process may have replaced it.
   struct stat status {};
   if (!path_.empty() && ::lstat(path_.c_str(), &status) == 0 && status.st_ino == inode_)
     ::unlink(path_.c_str());

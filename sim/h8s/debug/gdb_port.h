@@ -1,19 +1,19 @@
-// Where GDB connects: TCP on this machine, a Unix socket, or standard input and output.
+// Transport of GDB's remote protocol: local TCP, a Unix socket, or standard input and output.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
 
+#include "shared/base/result.hpp"
 #include "sim/h8s/debug/gdb_server.h"
-#include "sim/h8s/error.h"
 
 namespace kaz::h8s {
 
 class GdbPort {
  public:
-  // "PORT" (1..65535, on 127.0.0.1 only; 0: any free one), a path with a '/' (a Unix socket, made
+  // "PORT" (1..65535, on 127.0.0.1 only; 0: any free one), a path with a '/' (a Unix socket, created
   // here and removed at the end), or "-" (standard input and output: `target remote | COMMAND`).
-  // Errors: not one of these, or the port or path cannot be had.
+  // Errors: not one of these, or the port or path is not available.
   static Result<GdbPort> open(const std::string& where);
   ~GdbPort();
   GdbPort(GdbPort&& other) noexcept;
@@ -21,11 +21,11 @@ class GdbPort {
 
   // The TCP port; 0 for the others.
   int port() const { return port_; }
-  // What to tell GDB: "target remote localhost:1234".
+  // The command to enter in GDB: "target remote localhost:1234".
   std::string hint() const;
 
   // Waits for one GDB and serves it until it kills, detaches or closes the connection. Runs the
-  // chip in pieces of `slice` states and looks for Ctrl-C in between. Errors: the connection fails.
+  // chip in slices of `slice` states and checks for Ctrl-C between them. Errors: the connection fails.
   Result<void> serve(GdbServer& server, States slice = 1'000'000);
 
  private:

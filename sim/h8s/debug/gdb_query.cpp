@@ -1,4 +1,4 @@
-// GDB's remote protocol: queries, the descriptions GDB asks for, and `monitor` commands.
+// GDB's remote protocol: queries, target descriptions, and `monitor` commands.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <sstream>
@@ -65,7 +65,7 @@ std::string GdbServer::query(Text packet) {
   return "";
 }
 
-// Text for GDB's console, in as many packets as it needs; the answer that ends it.
+// Text for GDB's console, in as many packets as needed; returns the reply that ends it.
 std::string GdbServer::console(const std::string& text) {
   constexpr std::size_t kPiece = kMaxPacket / 2 - 8;
   for (std::size_t at = 0; at < text.size(); at += kPiece)

@@ -1,4 +1,4 @@
-// GDB's remote protocol: the dispatch of packets, running and stopping.
+// GDB's remote protocol: packet dispatch, running and stopping.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/debug/gdb_server.h"
 
@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMaxTriggers = 4096;
 
-// GDB's numbers of signals.
+// GDB's signal numbers.
 int signal_of(Stop::Reason reason) {
   switch (reason) {
     case Stop::Reason::undefined_instruction:
@@ -84,7 +84,7 @@ void GdbServer::handle(Text packet) {
     chip_.reset();
     return;
   }
-  // Whatever is asked of a running chip, it has to stand for it.
+  // Any packet while the chip runs stops it first.
   running_ = false;
   const std::string reply = answer(packet);
   if (!running_) send(reply);
@@ -152,7 +152,7 @@ std::string GdbServer::single_step() {
   return stopped(history_.step());
 }
 
-// c[address], s[address], and with a signal, which the chip has no use for: Csignal[;address]
+// c[address], s[address], and with a signal, which is ignored: Csignal[;address]
 std::string GdbServer::resume(Text packet) {
   const char action = packet[0];
   packet.remove_prefix(1);
@@ -170,7 +170,7 @@ std::string GdbServer::resume_threads(Text packet) {
   if (packet == "vCont?") return "vCont;c;C;s;S";
   GdbReader in(packet);
   if (!in.take("vCont;") || in.empty()) return "";
-  // The first action is that of the only thread.
+  // The first action is for the only thread.
   const char action = in.rest()[0];
   if (action == 's' || action == 'S') return single_step();
   if (action != 'c' && action != 'C') return "E01";
@@ -206,7 +206,7 @@ Triggers GdbServer::triggers() const {
   return t;
 }
 
-// The answer to a run; what the chip says about an error goes to GDB's console first.
+// The stop reply; the report of an error stop goes to GDB's console first.
 std::string GdbServer::stopped(const Halt& halt) {
   std::string text = signal_text(halt.why == Halt::Why::stopped ? signal_of(halt.stop.reason) : 5);
   const Registers r = chip_.registers();

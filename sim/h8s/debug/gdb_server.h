@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/debug/gdb_packet.h"
 #include "sim/h8s/debug/history.h"
 
@@ -17,38 +17,37 @@ namespace kaz::h8s {
 // Registers in the order of GDB's h8300s target, 4 bytes each, big-endian (the `g` packet):
 //   0-7 er0..er6, sp   8 ccr   9 pc   10 cycles: states since power-on, low 32 bits   11 exr
 //   12 tick: states, high 32 bits   13 inst: instructions executed   14, 15 mach, macl: 0
-// (this CPU has none, but GDB gives up printing registers where one is missing)
-// Writable: 0-9 and 11. GDB is to be told `set architecture h8300s` if it does not take it from
-// target.xml.
+// (this CPU has none, but GDB stops printing registers at a missing one)
+// Writable: 0-9 and 11. Versions of GDB that do not read the architecture from target.xml need `set
+// architecture h8300s`.
 //
-// Memory reads have no side effects, on registers of the chip either; writes reach flash (without
-// the programming sequence, as a programmer does) and RAM. Breakpoints and watchpoints of any
-// number. Reverse execution by History, from the server's construction on: an object of this class
-// records the chip.
+// Memory reads have no side effects, not even on I/O registers. Writes go to RAM and to flash, the latter
+// without the programming sequence, as by a programmer. The number of breakpoints and watchpoints is not
+// limited. Reverse execution uses History, which records the chip from the server's construction on.
 class GdbServer {
  public:
   explicit GdbServer(Chip& chip, HistoryOptions history = {});
 
-  // Bytes from GDB, cut anywhere.
+  // Bytes from GDB, in pieces of any size.
   void feed(std::span<const std::uint8_t> bytes);
   // Bytes for GDB since the last call.
   std::string take_output();
 
-  // GDB has let the chip run: call run(states) until this is false, and feed what arrives
+  // True after GDB has resumed the chip: call run(states) until this is false, and feed bytes that arrive
   // meanwhile.
   bool running() const { return running_; }
   void run(States states);
   // Killed or detached.
   bool finished() const { return finished_; }
 
-  // What `monitor TEXT` answers.
+  // Reply to `monitor TEXT`.
   std::string monitor(std::string_view text);
 
  private:
   using Text = std::string_view;
 
   void handle(Text packet);
-  std::string answer(Text packet);  // empty: unknown, as the protocol wants it
+  std::string answer(Text packet);  // empty: unknown packet, as the protocol requires
   std::string query(Text packet);
   std::string transfer(Text packet);
   std::string resume(Text packet);

@@ -8,8 +8,8 @@
 #include <random>
 #include <thread>
 
+#include "sim/h8s/debug/debug_testing.h"
 #include "sim/h8s/debug/gdb_port.h"
-#include "sim/h8s/debug/testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -24,8 +24,8 @@ class Session {
  public:
   explicit Session(Chip& chip) : server(chip, {200, 12}) {}
 
-  // Sends a packet, runs the chip as long as GDB lets it; the last answer, unescaped.
-  std::string ask(std::string_view packet) {
+  // Sends a packet, runs the chip while GDB lets it run; returns the last reply, unescaped.
+  std::string send(std::string_view packet) {
     feed(gdb_frame(packet));
     for (int k = 0; k < 1000 && server.running(); ++k) server.run(1000);
     return answer();
@@ -75,45 +75,45 @@ TEST(Gdb, RegistersInTheOrderOfTheTarget) {
   r.ccr = 0x85;
   chip.set_registers(r);
   Session s(chip);
-  EXPECT_EQ(s.ask("g"),
+  EXPECT_EQ(s.send("g"),
             "0000000011111111222222223333333344444444555555556666666600fff000"
             "0000008500001000000000000000007f00000000000000000000000000000000");
-  EXPECT_EQ(s.ask("p9"), "00001000");
-  EXPECT_EQ(s.ask("P3=deadbeef"), "OK");
+  EXPECT_EQ(s.send("p9"), "00001000");
+  EXPECT_EQ(s.send("P3=deadbeef"), "OK");
   EXPECT_EQ(chip.registers().er[3], 0xdeadbeefu);
-  EXPECT_EQ(s.ask("P8=81"), "OK");
+  EXPECT_EQ(s.send("P8=81"), "OK");
   EXPECT_EQ(chip.registers().ccr, 0x81);
-  EXPECT_EQ(s.ask("Gxxxxxxxx00000001"), "OK");
+  EXPECT_EQ(s.send("Gxxxxxxxx00000001"), "OK");
   EXPECT_EQ(chip.registers().er[1], 1u);
-  EXPECT_EQ(s.ask("p10"), "E01");
-  EXPECT_EQ(s.ask("P9=123456789a"), "E01");
-  s.ask("s");
-  EXPECT_EQ(s.ask("pa"), "00000002");  // cycles: mov.w #,r0 takes 2 states
-  EXPECT_EQ(s.ask("pd"), "00000001");
+  EXPECT_EQ(s.send("p10"), "E01");
+  EXPECT_EQ(s.send("P9=123456789a"), "E01");
+  s.send("s");
+  EXPECT_EQ(s.send("pa"), "00000002");  // cycles: mov.w #,r0 takes 2 states
+  EXPECT_EQ(s.send("pd"), "00000001");
 }
 
 TEST(Gdb, MemoryAndFlash) {
   Chip chip = small_chip();
   Session s(chip);
-  EXPECT_EQ(s.ask("m1000,4"), "79000005");
-  EXPECT_EQ(s.ask("Mffe200,3:0102ff"), "OK");
-  EXPECT_EQ(s.ask("mffe1ff,5"), "a50102ffa5");
-  EXPECT_EQ(s.ask("Xffe200,2:}\x03}\x5d"), "E01");  // escaped once more by the frame
-  EXPECT_EQ(s.ask(std::string("Xffe200,2:#}")), "OK");
-  EXPECT_EQ(s.ask("mffe200,2"), "237d");
-  EXPECT_EQ(s.ask("m20000,1"), "E14");
-  EXPECT_EQ(s.ask("m1fffe,4"), "ffff");  // as far as there is memory
-  EXPECT_EQ(s.ask("M30000,1:00"), "E14");
-  EXPECT_EQ(s.ask("Mffe200,2:00"), "E01");
-  EXPECT_EQ(s.ask("vFlashErase:1000,400"), "OK");
-  EXPECT_EQ(s.ask("m1000,2"), "ffff");
-  EXPECT_EQ(s.ask(std::string("vFlashWrite:1000:\x0b\x70\x40\xfe", 21)), "OK");
-  EXPECT_EQ(s.ask("vFlashDone"), "OK");
-  EXPECT_EQ(s.ask("m1000,4"), "0b7040fe");
-  EXPECT_TRUE(has(s.ask("s"), "09:00001002"));
-  EXPECT_EQ(s.ask("vFlashWrite:20000:ab"), "E.memtype");
-  EXPECT_EQ(s.ask("vFlashErase:1fff0,20"), "E14");
-  const std::string map = s.ask("qXfer:memory-map:read::0,1000");
+  EXPECT_EQ(s.send("m1000,4"), "79000005");
+  EXPECT_EQ(s.send("Mffe200,3:0102ff"), "OK");
+  EXPECT_EQ(s.send("mffe1ff,5"), "a50102ffa5");
+  EXPECT_EQ(s.send("Xffe200,2:}\x03}\x5d"), "E01");  // escaped once more by the frame
+  EXPECT_EQ(s.send(std::string("Xffe200,2:#}")), "OK");
+  EXPECT_EQ(s.send("mffe200,2"), "237d");
+  EXPECT_EQ(s.send("m20000,1"), "E14");
+  EXPECT_EQ(s.send("m1fffe,4"), "ffff");  // as far as there is memory
+  EXPECT_EQ(s.send("M30000,1:00"), "E14");
+  EXPECT_EQ(s.send("Mffe200,2:00"), "E01");
+  EXPECT_EQ(s.send("vFlashErase:1000,400"), "OK");
+  EXPECT_EQ(s.send("m1000,2"), "ffff");
+  EXPECT_EQ(s.send(std::string("vFlashWrite:1000:\x0b\x70\x40\xfe", 21)), "OK");
+  EXPECT_EQ(s.send("vFlashDone"), "OK");
+  EXPECT_EQ(s.send("m1000,4"), "0b7040fe");
+  EXPECT_TRUE(has(s.send("s"), "09:00001002"));
+  EXPECT_EQ(s.send("vFlashWrite:20000:ab"), "E.memtype");
+  EXPECT_EQ(s.send("vFlashErase:1fff0,20"), "E14");
+  const std::string map = s.send("qXfer:memory-map:read::0,1000");
   EXPECT_TRUE(has(map, "type=\"flash\" start=\"0x00000000\" length=\"0x00020000\""));
   EXPECT_EQ(map[0], 'l');
 }
@@ -121,48 +121,48 @@ TEST(Gdb, MemoryAndFlash) {
 TEST(Gdb, BreakpointsStepsAndGoingBack) {
   Chip chip = small_chip();
   Session s(chip);
-  EXPECT_TRUE(has(s.ask("qSupported:multiprocess+;swbreak+"), "ReverseContinue+"));
-  EXPECT_EQ(s.ask("?"), "S05");
-  EXPECT_EQ(s.ask("Z0,100c,2"), "OK");
-  std::string stop = s.ask("c");
+  EXPECT_TRUE(has(s.send("qSupported:multiprocess+;swbreak+"), "ReverseContinue+"));
+  EXPECT_EQ(s.send("?"), "S05");
+  EXPECT_EQ(s.send("Z0,100c,2"), "OK");
+  std::string stop = s.send("c");
   EXPECT_TRUE(has(stop, "swbreak:;") && has(stop, "09:0000100c")) << stop;
-  EXPECT_TRUE(has(s.ask("s"), "09:0000100e"));
-  EXPECT_TRUE(has(s.ask("vCont;s:1;c"), "09:0000100a"));
+  EXPECT_TRUE(has(s.send("s"), "09:0000100e"));
+  EXPECT_TRUE(has(s.send("vCont;s:1;c"), "09:0000100a"));
   EXPECT_EQ(chip.registers().er[0] & 0xffff, 6u);
-  EXPECT_TRUE(has(s.ask("bs"), "09:0000100e"));
-  EXPECT_TRUE(has(s.ask("bs"), "09:0000100c"));
+  EXPECT_TRUE(has(s.send("bs"), "09:0000100e"));
+  EXPECT_TRUE(has(s.send("bs"), "09:0000100c"));
   EXPECT_EQ(chip.registers().er[0] & 0xffff, 5u);
-  EXPECT_TRUE(has(s.ask("bs"), "09:00001008"));
-  stop = s.ask("bc");
+  EXPECT_TRUE(has(s.send("bs"), "09:00001008"));
+  stop = s.send("bc");
   EXPECT_TRUE(has(stop, "replaylog:begin;")) << stop;
   EXPECT_EQ(chip.now(), 0);
-  stop = s.ask("c");
+  stop = s.send("c");
   EXPECT_TRUE(has(stop, "swbreak:;") && has(stop, "09:0000100c")) << stop;
-  EXPECT_EQ(s.ask("z0,100c,2"), "OK");
-  EXPECT_EQ(s.ask("Z1,100a,2"), "OK");
-  stop = s.ask("c");
+  EXPECT_EQ(s.send("z0,100c,2"), "OK");
+  EXPECT_EQ(s.send("Z1,100a,2"), "OK");
+  stop = s.send("c");
   EXPECT_TRUE(has(stop, "hwbreak:;") && has(stop, "09:0000100a")) << stop;
-  stop = s.ask("c");  // bra . comes by again
+  stop = s.send("c");  // bra . comes by again
   EXPECT_TRUE(has(stop, "hwbreak:;") && has(stop, "09:0000100a")) << stop;
 }
 
 TEST(Gdb, Watchpoints) {
   Chip chip = small_chip();
   Session s(chip);
-  EXPECT_EQ(s.ask("Z2,ffe101,1"), "OK");
-  std::string stop = s.ask("c");
+  EXPECT_EQ(s.send("Z2,ffe101,1"), "OK");
+  std::string stop = s.send("c");
   EXPECT_TRUE(has(stop, "watch:00ffe100;") && has(stop, "09:00001008")) << stop;
-  EXPECT_EQ(s.ask("z2,ffe101,1"), "OK");
-  EXPECT_EQ(s.ask("Z4,ffeffc,4"), "OK");  // the return address
-  stop = s.ask("c");
+  EXPECT_EQ(s.send("z2,ffe101,1"), "OK");
+  EXPECT_EQ(s.send("Z4,ffeffc,4"), "OK");  // the return address
+  stop = s.send("c");
   EXPECT_TRUE(has(stop, "awatch:00ffeffc;") && has(stop, "09:0000100c")) << stop;
-  EXPECT_EQ(s.ask("z4,ffeffc,4"), "OK");
-  EXPECT_EQ(s.ask("Z3,ffeffc,4"), "OK");
-  stop = s.ask("c");
+  EXPECT_EQ(s.send("z4,ffeffc,4"), "OK");
+  EXPECT_EQ(s.send("Z3,ffeffc,4"), "OK");
+  stop = s.send("c");
   EXPECT_TRUE(has(stop, "rwatch:00ffeffc;") && has(stop, "09:0000100a")) << stop;
-  EXPECT_EQ(s.ask("z3,ffeffc,4"), "OK");
-  EXPECT_EQ(s.ask("Z2,ffe100,2"), "OK");
-  stop = s.ask("bc");
+  EXPECT_EQ(s.send("z3,ffeffc,4"), "OK");
+  EXPECT_EQ(s.send("Z2,ffe100,2"), "OK");
+  stop = s.send("bc");
   EXPECT_TRUE(has(stop, "watch:00ffe100;") && has(stop, "09:00001004")) << stop;
   EXPECT_EQ(chip.peek16(0xffe100), 0xa5a5);
 }
@@ -176,18 +176,18 @@ TEST(Gdb, InterruptErrorsAndTheEnd) {
   s.feed("\x03");
   EXPECT_TRUE(s.answer().starts_with("T02"));
   EXPECT_FALSE(s.server.running());
-  EXPECT_EQ(s.ask("Mffe200,2:0001"), "OK");  // not an instruction
-  EXPECT_TRUE(s.ask("cffe200").starts_with("T04"));
-  EXPECT_EQ(s.ask("vMustReplyEmpty"), "");
-  EXPECT_EQ(s.ask("qAttached"), "1");
-  EXPECT_EQ(s.ask("qfThreadInfo"), "m1");
-  EXPECT_EQ(s.ask("Hg0"), "OK");
-  EXPECT_TRUE(has(s.ask("qXfer:features:read:target.xml:0,fff"), ">h8300s<"));
+  EXPECT_EQ(s.send("Mffe200,2:0001"), "OK");  // not an instruction
+  EXPECT_TRUE(s.send("cffe200").starts_with("T04"));
+  EXPECT_EQ(s.send("vMustReplyEmpty"), "");
+  EXPECT_EQ(s.send("qAttached"), "1");
+  EXPECT_EQ(s.send("qfThreadInfo"), "m1");
+  EXPECT_EQ(s.send("Hg0"), "OK");
+  EXPECT_TRUE(has(s.send("qXfer:features:read:target.xml:0,fff"), ">h8300s<"));
   EXPECT_TRUE(has(s.server.monitor("states"), "states"));
   EXPECT_TRUE(has(s.server.monitor("nonsense"), "monitor help"));
   s.server.monitor("reset");
   EXPECT_EQ(chip.registers().pc, kCode);
-  EXPECT_EQ(s.ask("D"), "OK");
+  EXPECT_EQ(s.send("D"), "OK");
   EXPECT_TRUE(s.server.finished());
 }
 
@@ -269,7 +269,7 @@ TEST(Gdb, OverASocket) {
     ASSERT_EQ(::connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
     GdbFraming framing;
     std::vector<GdbInput> got;
-    const auto ask = [&](const std::string& bytes) -> std::string {
+    const auto send_bytes = [&](const std::string& bytes) -> std::string {
       EXPECT_EQ(::write(fd, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
       got.clear();
       std::array<std::uint8_t, 4096> buffer{};
@@ -280,14 +280,14 @@ TEST(Gdb, OverASocket) {
       }
       return got.back().data;
     };
-    EXPECT_EQ(ask(gdb_frame("Z0,100c,2")), "OK");
-    EXPECT_TRUE(has(ask(gdb_frame("c")), "swbreak"));
-    EXPECT_TRUE(has(ask(gdb_frame("bs")), "09:00001008"));
-    EXPECT_EQ(ask(gdb_frame("z0,100c,2")), "OK");
+    EXPECT_EQ(send_bytes(gdb_frame("Z0,100c,2")), "OK");
+    EXPECT_TRUE(has(send_bytes(gdb_frame("c")), "swbreak"));
+    EXPECT_TRUE(has(send_bytes(gdb_frame("bs")), "09:00001008"));
+    EXPECT_EQ(send_bytes(gdb_frame("z0,100c,2")), "OK");
     // Runs until Ctrl-C.
     EXPECT_EQ(::write(fd, "$c#63", 5), 5);
-    EXPECT_TRUE(ask("\x03").starts_with("T02"));
-    EXPECT_EQ(ask(gdb_frame("k")), "closed");
+    EXPECT_TRUE(send_bytes("\x03").starts_with("T02"));
+    EXPECT_EQ(send_bytes(gdb_frame("k")), "closed");
     ::close(fd);
   });
   Chip chip = small_chip();

@@ -1,4 +1,4 @@
-// Going back in time: snapshots, and what came from outside since, played again.
+// Reverse execution: snapshots, and replay of the inputs since.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/debug/history.h"
 
@@ -19,7 +19,7 @@ bool went_on(const Stop& stop) {
 
 }  // namespace
 
-// A chip of its own that runs from a snapshot with the recorded inputs.
+// A separate chip that runs from a snapshot with the recorded inputs.
 struct History::Player {
   const History& history;
   Chip chip;
@@ -37,7 +37,7 @@ struct History::Player {
       if (!went_on(stop)) return stop;
     }
   }
-  // As History::step: sleep is cut where an input comes, or at `limit`.
+  // As History::step: sleep is divided at an input or at `limit`.
   Stop step(States limit) {
     feed();
     const Stop stop = chip.step(std::min(limit, due()));
@@ -83,7 +83,7 @@ void History::snapshot() {
   end_ = chip_.now();
   snapshots_.push_back({chip_.now(), inputs_.size(), chip_.save()});
   if (snapshots_.size() <= std::max<std::size_t>(options_.snapshots, 3)) return;
-  // Drop the one whose going widens a gap least, measured by how long ago it lies.
+  // Drops the snapshot whose removal widens a gap least, relative to its age.
   std::size_t least = 1;
   double best = 0;
   for (std::size_t k = 1; k + 1 < snapshots_.size(); ++k) {
@@ -218,7 +218,7 @@ Halt History::step_back() {
     const States start = std::max(from->at, here - margin);
     Player p = player(*from);
     p.run_until(start);
-    // Inside a long instruction or a sleep: begin earlier.
+    // Inside a long instruction or a sleep: start earlier.
     if (start > from->at && (p.chip.now() >= here || p.chip.asleep())) continue;
     States last = p.chip.now();
     while (p.chip.now() < here) {

@@ -1,4 +1,4 @@
-// Going back in time: snapshots, and what came from outside since, played again.
+// Reverse execution: snapshots, and replay of the inputs since.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "sim/h8s/chip.h"
-#include "sim/h8s/debug/input_log.h"
-#include "sim/h8s/error.h"
+#include "shared/base/result.hpp"
+#include "sim/h8s/chip/chip.h"
+#include "sim/h8s/chip/observer.h"
 
 namespace kaz::h8s {
 
@@ -22,8 +22,8 @@ struct Watch {
   bool operator==(const Watch&) const = default;
 };
 
-// Where a run is to halt. A breakpoint takes the place of a code hook at its address for the time
-// of the run. One at the instruction where the run begins counts only with `at_start`.
+// Conditions that halt a run. A breakpoint replaces a code hook at its address for the duration of the
+// run. A breakpoint at the run's first instruction counts only with `at_start`.
 struct Triggers {
   std::vector<std::uint32_t> breakpoints;
   std::vector<Watch> watches;
@@ -34,26 +34,26 @@ struct Halt {
   enum class Why {
     reached,
     breakpoint,  // the instruction there has not run
-    watch,       // forwards: after the access; backwards: before the instruction that makes it
-    begin,       // backwards: history begins here
-    stopped,     // the chip stopped by itself: `stop` tells why
+    watch,       // forwards: after the access; backwards: before the instruction that does it
+    begin,       // backwards: the start of the history
+    stopped,     // the chip stopped by itself, for the reason in `stop`
   };
   Why why = Why::reached;
   Stop stop;
-  std::uint32_t address = 0;  // watch: what was accessed
+  std::uint32_t address = 0;  // watch: address of the access
   Watch watch;                // watch: the one that was hit
 };
 
 struct HistoryOptions {
-  States spacing = 100'000;    // between the newest snapshots
-  std::size_t snapshots = 40;  // kept at most; older ones stand further apart; 0.2 MB each
+  States spacing = 100'000;    // states between the newest snapshots
+  std::size_t snapshots = 40;  // maximum number; older ones are further apart; 0.2 MB each
 };
 
-// Records a chip from its construction on. Run the chip through this object: then snapshots are
-// taken on the way, and what lies before end() is played again as it was, without calling the
-// chip's listeners a second time. An input given in the past (a poke, a pin) makes a new future:
-// what followed is dropped. Load, power_on and restore begin the history anew, and so do inputs
-// from inside listeners; inputs from code hooks are recorded.
+// Records a chip from its construction on. The chip must be run through this object, which takes
+// snapshots meanwhile; execution before end() is replayed from the record, without calling the chip's
+// listeners a second time. An input in the past (a poke, a pin) discards the record after it. Load,
+// power_on, restore and inputs from inside listeners restart the history; inputs from code hooks are
+// recorded.
 class History final : public InputLog {
  public:
   explicit History(Chip& chip, HistoryOptions options = {});
@@ -64,7 +64,7 @@ class History final : public InputLog {
   // First and last state that can be visited.
   States begin() const;
   States end() const;
-  // The chip stands before end(): running on plays the record.
+  // Whether the chip is before end(), so that running replays the record.
   bool replaying() const;
 
   Halt run_until(States until, const Triggers& triggers = {});
@@ -114,10 +114,10 @@ class History final : public InputLog {
   std::vector<Snapshot> snapshots_;
   std::vector<Input> inputs_;
   std::vector<Sample> samples_;
-  std::size_t cursor_ = 0;  // inputs applied to the chip where it stands
+  std::size_t cursor_ = 0;  // inputs applied to the chip so far
   States end_ = 0;
   bool adopting_ = false;
-  bool broken_ = false;  // cut while the chip ran: begin anew at the next boundary
+  bool broken_ = false;  // cut while the chip ran: restart at the next boundary
 };
 
 }  // namespace kaz::h8s

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "sim/h8s/debug/testing.h"
+#include "sim/h8s/debug/debug_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {
@@ -35,7 +35,7 @@ TEST(History, BackwardsIsForwardsReversed) {
     if (random() % 300 == 0) {
       chip.poke(kRamData + 0x100, static_cast<std::uint8_t>(random()));
     }
-    // Inputs belong to the place where they were given.
+    // Inputs are recorded at the time at which they were applied.
     places.back() = place(chip);
     ASSERT_EQ(history.step().why, Halt::Why::reached);
   }

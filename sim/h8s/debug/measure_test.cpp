@@ -3,9 +3,9 @@
 #include <sstream>
 
 #include "sim/h8s/debug/coverage.h"
+#include "sim/h8s/debug/debug_testing.h"
 #include "sim/h8s/debug/memory_checks.h"
 #include "sim/h8s/debug/profile.h"
-#include "sim/h8s/debug/testing.h"
 #include "sim/h8s/debug/trace.h"
 
 namespace kaz::h8s::testing {

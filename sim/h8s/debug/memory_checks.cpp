@@ -1,4 +1,4 @@
-// How deep the stack goes, and reads of RAM that nobody has written.
+// Stack depth, and reads of uninitialised RAM.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/debug/memory_checks.h"
 
@@ -19,10 +19,10 @@ bool is_ram(std::uint32_t address) {
 
 void StackMeter::look(States at) {
   const std::uint32_t sp = chip_.registers().er[7] & 0xffffff;
-  // Before the program has set its stack pointer it leads anywhere.
+  // Before the program has set its stack pointer it is arbitrary.
   if (!is_ram(sp) && !is_ram(sp - 1)) return;
   highest_ = std::max(highest_, sp);
-  // A call lowers ER7 and then begins its frame, at the same moment.
+  // A call lowers ER7 and then begins its frame, at the same time.
   if (sp > lowest_ || (sp == lowest_ && at != at_)) return;
   lowest_ = sp;
   chain_ = frames_;

@@ -1,4 +1,4 @@
-// How deep the stack goes, and reads of RAM that nobody has written.
+// Stack depth, and reads of uninitialised RAM.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,14 +11,14 @@
 
 namespace kaz::h8s {
 
-// The lowest ER7 since it was attached, and who had called whom then.
+// The lowest ER7 since attachment, and the call stack at that time.
 class StackMeter final : public CallStack {
  public:
   explicit StackMeter(const Chip& chip) : CallStack(chip) {}
 
   std::uint32_t lowest() const { return lowest_; }
-  // Bytes from the highest ER7 seen at or above `lowest` down to it. A program that sets its stack
-  // pointer once has this as its use.
+  // Bytes between the highest ER7 observed and the lowest: the stack usage of a program that sets its stack
+  // pointer once.
   std::uint32_t used() const { return highest_ < lowest_ ? 0 : highest_ - lowest_; }
   // Outermost first; interrupts among them.
   const std::vector<Frame>& chain() const { return chain_; }
@@ -41,9 +41,8 @@ struct UninitialisedRead {
   States at = 0;
 };
 
-// RAM counts as not initialised from the power-on on, or from the construction of this object,
-// until the program or somebody from outside (Chip::poke, restore) writes it. One report for each
-// instruction that reads such a byte, the first time.
+// RAM is uninitialised from power-on, or from the construction of this object, until it is written by the
+// program or from outside (Chip::poke, restore). One report per instruction that reads such a byte.
 class UninitialisedReads final : public Observer {
  public:
   explicit UninitialisedReads(const Chip& chip) : chip_(chip) {}
@@ -56,7 +55,7 @@ class UninitialisedReads final : public Observer {
   void changed(std::uint32_t address, std::uint32_t size) override;
 
  private:
-  // By the low 13 bits of the address; RAM lies in the upper 8 KiB.
+  // Index by the low 13 bits of the address; RAM is in the top 8 KiB.
   static std::size_t place(std::uint32_t address) { return address & 0x1fff; }
 
   const Chip& chip_;

@@ -1,8 +1,8 @@
-// Observed runs equal unobserved ones, and what observers are told is what happened.
+// Observed runs equal unobserved ones, and reports to observers match the execution.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/debug/observer.h"
+#include "sim/h8s/chip/observer.h"
 
-#include "sim/h8s/debug/testing.h"
+#include "sim/h8s/debug/debug_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

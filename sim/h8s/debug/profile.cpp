@@ -1,4 +1,4 @@
-// Where the states go, function by function, and in the worst tick.
+// Profile: states by function, and in the longest window.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/debug/profile.h"
 

@@ -1,4 +1,4 @@
-// Where the states go, function by function, and in the worst tick.
+// Profile: states by function, and in the longest window (such as a tick).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace kaz::h8s {
 
-// How long something took, call by call, in states.
+// Distribution of durations, in states.
 class Durations {
  public:
   void add(States s) {
@@ -21,7 +21,7 @@ class Durations {
   }
   std::int64_t count() const { return n_; }
   States worst() const { return counts_.empty() ? 0 : counts_.rbegin()->first; }
-  // The lower one of the two in the middle.
+  // Of an even number the lower of the two middle values.
   States median() const;
 
  private:
@@ -39,27 +39,27 @@ struct FunctionProfile {
   States worst = 0, median = 0;  // of one call, with callees, of those that have returned
 };
 
-// A stretch of the program from the instruction at `begin` to that at `end`, again and again.
+// A repeated section of the program, from the instruction at `begin` to that at `end`.
 struct ProfileWindow {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
 };
 
-// The longest window: its states (without sleep, with interrupts), and what each function took.
+// The longest window: its states (without sleep, with interrupts), and those of each function.
 struct WorstWindow {
   std::int64_t windows = 0;
   States median = 0, worst = 0, at = 0;
   std::vector<FunctionProfile> functions;  // name, address, self only
 };
 
-// Attach it to the chip. States asleep count for nobody, those of an interrupt (its 8 states of
-// entry among them) for its handler and not for what it interrupted, states of a call instruction
-// for the caller, those of RTS for the callee.
+// Attach it to the chip. States asleep are not attributed to any function; those of an interrupt, including
+// its 8 states of entry, to its handler; those of a call instruction to the caller, those of RTS to the
+// callee.
 class Profile final : public CallStack {
  public:
   explicit Profile(const Chip& chip, std::optional<ProfileWindow> window = {});
 
-  // By `self`, most first.
+  // In descending order of `self`.
   std::vector<FunctionProfile> functions() const;
   WorstWindow worst_window() const;
   States asleep() const { return asleep_; }

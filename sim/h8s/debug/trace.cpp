@@ -1,4 +1,4 @@
-// A line of text for each instruction: time, place, text, and what it changed.
+// Trace: a line of text for each instruction.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/debug/trace.h"
 
@@ -36,7 +36,7 @@ std::string Trace::text() const {
 
 void Trace::before(std::uint32_t pc, States) {
   before_ = chip_.registers();
-  // Before it runs: it may overwrite itself.
+  // Disassembled before it runs: it may overwrite itself.
   text_ = chip_.disassemble(pc);
   accesses_.clear();
 }

@@ -1,4 +1,4 @@
-// A line of text for each instruction: time, place, text, and what it changed.
+// Trace: a line of text for each instruction, with time, address, disassembly and effects.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,18 +6,18 @@
 #include <ostream>
 #include <string>
 
-#include "sim/h8s/debug/observer.h"
+#include "sim/h8s/chip/observer.h"
 
 namespace kaz::h8s {
 
 // "     1234  001006  _main+0x6  mov.w r0,@0xffe100:16  ccr=80  [ffe100]=0005"
-// State at its beginning, address, symbol, instruction, registers that differ afterwards, bus
-// accesses ("=" for writes, "->" for reads). Interrupts, sleep and resets have lines of their own.
+// Start time in states, address, symbol, instruction, changed registers, bus accesses ("=" for writes,
+// "->" for reads). Interrupts, sleep and resets have lines of their own.
 class Trace final : public Observer {
  public:
-  // To `out` as it happens.
+  // Writes to `out` continuously.
   Trace(const Chip& chip, std::ostream& out);
-  // The last `lines` only, for text().
+  // Keeps the last `lines` lines for text().
   Trace(const Chip& chip, std::size_t lines);
 
   std::string text() const;

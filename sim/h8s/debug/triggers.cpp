@@ -1,4 +1,4 @@
-// Breakpoints and watchpoints on a chip for the time of one run.
+// Breakpoints and watchpoints on a chip for the duration of one run.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/debug/triggers.h"
 

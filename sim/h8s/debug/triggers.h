@@ -1,11 +1,11 @@
-// Breakpoints and watchpoints on a chip for the time of one run. Internal to debug/.
+// Breakpoints and watchpoints on a chip for the duration of one run. Internal to debug/.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <optional>
 
+#include "sim/h8s/chip/observer.h"
 #include "sim/h8s/debug/history.h"
-#include "sim/h8s/debug/observer.h"
 
 namespace kaz::h8s {
 
@@ -20,7 +20,7 @@ class ArmedTriggers final : public Observer {
   ArmedTriggers& operator=(const ArmedTriggers&) = delete;
 
   void accessed(const Access& access) override;
-  // What `stop` means with these triggers.
+  // Converts a stop of the chip to a Halt, given these triggers.
   Halt halt(const Stop& stop) const;
 
  private:
@@ -29,7 +29,7 @@ class ArmedTriggers final : public Observer {
   std::optional<Halt> watched_;
 };
 
-// Notes the last boundary before `limit` at which a trigger fires, and runs on.
+// Records the last boundary before `limit` at which a trigger fires, without halting.
 class NotedTriggers final : public Observer {
  public:
   NotedTriggers(Chip& chip, const Triggers& triggers, States limit);

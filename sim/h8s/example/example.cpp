@@ -1,8 +1,8 @@
-// Runs a program that raises P30, sends a byte and sleeps, and watches the pins.
+// Runs a program that raises P30, sends a byte and sleeps, and reports what the pins do.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 
 namespace h8s = kaz::h8s;
 

@@ -22,8 +22,8 @@ Options options_of(std::uint8_t bits) {
 
 }  // namespace
 
-// One byte of options, one of RAM fill, two of how many bytes are events; the events; then the
-// program. Every vector leads into it, so that whatever happens is handled by something.
+// Input: one byte of options, one of RAM fill, two for the number of event bytes; the events; then the
+// program. Every vector points into it, so that all events are handled.
 std::string chip(Bytes input) {
   Reader in(input);
   const Options options = options_of(in.byte());
@@ -51,7 +51,7 @@ std::string chip(Bytes input) {
   return engines.play(events, kStates);
 }
 
-// One byte of how many bits flip, three for each; then events.
+// Input: one byte for the number of bits to flip, three for each; then events.
 std::string flipped(const Image& base, Bytes input) {
   Reader in(input);
   Image image = base;

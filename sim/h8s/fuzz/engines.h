@@ -1,10 +1,10 @@
-// The same chip in each engine, kept at the same time and compared.
+// The same chip in each engine, run in lockstep and compared.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <vector>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/fuzz/reader.h"
 
 namespace kaz::h8s::fuzz {
@@ -13,13 +13,12 @@ class Engines {
  public:
   Engines(Options options, const Image& image, std::uint8_t ram_fill);
 
-  // Does one thing to all of them.
+  // Applies `act` to all of them.
   template <class Do>
   void each(Do act) {
     for (Chip& chip : chips_) act(chip);
   }
-  // Applies the events that the input holds, `states` in all at most, comparing at each. Empty:
-  // they agree.
+  // Applies the input's events for at most `states` in all, comparing after each. Empty: all agree.
   std::string play(Reader& input, States states);
 
  private:

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <string_view>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "sim/h8s/fuzz/targets.h"
 
 namespace kaz::h8s::fuzz {
 namespace {
 
-// What a loader says of its own work: one sentence on failure, an image that holds together else.
+// Checks a loader's result: one sentence on failure, else a consistent image.
 std::string check(const Result<Image>& image) {
   if (!image) {
     if (image.error().message.empty()) return "an error without a message";

@@ -1,4 +1,4 @@
-// Takes an input apart from its front; past its end everything is 0.
+// Reads an input from its front; past its end all values are 0.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

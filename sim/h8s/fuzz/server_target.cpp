@@ -5,7 +5,7 @@
 
 #include "sim/h8s/debug/gdb_server.h"
 #include "sim/h8s/fuzz/targets.h"
-#include "sim/h8s/netlist.h"
+#include "sim/h8s/netlist/netlist.h"
 
 namespace kaz::h8s::fuzz {
 namespace {
@@ -23,7 +23,7 @@ Chip counting() {
 
 }  // namespace
 
-// Each line is a packet with its right sum; a line that begins with ! goes to the server as it is.
+// Each line is a packet with its correct checksum; a line that begins with ! is passed unchanged.
 std::string gdb(Bytes input) {
   Chip chip = counting();
   GdbServer server(chip);

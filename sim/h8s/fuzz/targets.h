@@ -1,4 +1,4 @@
-// What the fuzzer drives: each takes any bytes and says what broke, or nothing.
+// Fuzz targets: each accepts any bytes and returns a description of the failure, or an empty string.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "sim/h8s/image.h"
+#include "shared/image/image.h"
 
 namespace kaz::h8s::fuzz {
 

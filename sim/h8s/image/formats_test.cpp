@@ -1,4 +1,4 @@
-// Intel HEX, ELF and raw images: good files, damaged files, and messages that say where.
+// Intel HEX, ELF and raw images: valid files, damaged files, and the locations in error messages.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <random>
 
-#include "sim/h8s/image.h"
+#include "shared/image/image.h"
 
 namespace kaz::h8s {
 namespace {

@@ -1,8 +1,8 @@
-// Loaders: good files, damaged files, and messages that say where.
+// Image loaders: valid files, damaged files, and the locations in error messages.
 // SPDX-License-Identifier: Apache-2.0
 #include <random>
 
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

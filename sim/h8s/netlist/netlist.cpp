@@ -1,13 +1,13 @@
-// Nets: who drives them, what they show to the pins, and in which order changes spread.
+// Nets: their drivers, the levels at the pins, and the order in which changes propagate.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/netlist.h"
+#include "sim/h8s/netlist/netlist.h"
 
 #include <algorithm>
 
 namespace kaz::h8s {
 namespace {
 
-// Changes that lead to each other in one state; more than this never come to rest.
+// Limit of changes that cause each other within one state; beyond it the loop does not settle.
 constexpr int kMaxChanges = 10'000;
 constexpr std::size_t kMaxConflicts = 1000;
 constexpr double kThreshold = 0.5;
@@ -37,7 +37,7 @@ Netlist::Netlist(Chip& chip, const Settings& settings) : chip_(chip), settings_(
 
 Netlist::~Netlist() {
   for (const int id : watches_) chip_.unwatch(id);
-  for (const auto& [part, wish] : wishes_) chip_.cancel(wish.call);
+  for (const auto& [part, wake_up] : wake_ups_) chip_.cancel(wake_up.call);
   chip_.set_analog(nullptr);
 }
 
@@ -101,7 +101,7 @@ void Netlist::set_analog_otherwise(std::function<double(int, States)> source) {
 }
 
 int Netlist::output(const Part& part, Net net, const std::string& name) {
-  // A part that is started again finds the outputs that it had.
+  // A part that is started again keeps its outputs.
   for (std::size_t k = 0; k < outputs_.size(); ++k) {
     if (outputs_[k].part == &part && outputs_[k].net == net && outputs_[k].name == name)
       return static_cast<int>(k);
@@ -141,24 +141,24 @@ void Netlist::touch(int output) {
 }
 
 void Netlist::wake(Part& part, States at) {
-  if (const auto old = wishes_.find(&part); old != wishes_.end()) {
+  if (const auto old = wake_ups_.find(&part); old != wake_ups_.end()) {
     if (old->second.at == at) return;
     chip_.cancel(old->second.call);
-    wishes_.erase(old);
+    wake_ups_.erase(old);
   }
   if (at == std::numeric_limits<States>::max()) return;
   const int call = chip_.call_at(at, [this, &part](States when) {
-    wishes_.erase(&part);
+    wake_ups_.erase(&part);
     const bool outer = !std::exchange(inside_, true);
     at_ = when;
     part.woken(*this, when);
     if (outer) inside_ = false;
     settle(when);
   });
-  wishes_[&part] = {at, call};
+  wake_ups_[&part] = {at, call};
 }
 
-// All who drive, but for the chip's own drive of one pin.
+// All drivers, except the chip's own drive of one pin.
 Netlist::Resolved Netlist::resolve(const Node& node, std::optional<Pin> without, States at) const {
   Resolved r;
   std::optional<double> strong;
@@ -242,13 +242,13 @@ void Netlist::work(Node& node) {
   for (Part* part : listeners) part->changed(*this, node.joined, at_);
 }
 
-// To each pin what the others do, so that a pin that stops driving finds the right level.
+// Drives each pin by the others on its net, so that a pin that stops driving has the right level.
 void Netlist::push(Node& node) {
   for (const Pin pin : node.pins) {
     const auto others = resolve(node, pin, at_).voltage;
     std::optional<bool> level;
     if (others) level = *others >= kThreshold;
-    // An own pull-up against a resistor outside.
+    // An internal pull-up against an external resistor.
     const PinState s = chip_.state(pin);
     if (others && s.pull_up && !s.output())
       level = resolve(node, std::nullopt, at_).voltage.value_or(0) >= kThreshold;
@@ -270,8 +270,8 @@ Netlist::Saved Netlist::save() const {
 }
 
 void Netlist::restore(const Saved& saved) {
-  for (const auto& [part, wish] : wishes_) chip_.cancel(wish.call);
-  wishes_.clear();
+  for (const auto& [part, wake_up] : wake_ups_) chip_.cancel(wake_up.call);
+  wake_ups_.clear();
   given_.clear();
   inside_ = true;
   at_ = chip_.now();

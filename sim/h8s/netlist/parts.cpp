@@ -161,7 +161,7 @@ void Divider::start(Netlist& n, States at) {
   changed(n, in_, at);
 }
 
-// Seen from the output: the divided voltage behind both resistors side by side.
+// Source resistance at the output: both resistors in parallel.
 void Divider::changed(Netlist& n, Net, States at) {
   const auto in = n.voltage(in_, at);
   if (in)

@@ -1,4 +1,4 @@
-// The parts that a netlist can be made of; others derive from Part.
+// Parts of a netlist; others can be derived from Part.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/h8s/netlist.h"
+#include "sim/h8s/netlist/netlist.h"
 
 namespace kaz::h8s {
 
@@ -15,9 +15,9 @@ namespace kaz::h8s {
 class Switch : public Part {
  public:
   Switch(Net net, bool to_supply) : net_(net), to_supply_(to_supply) {}
-  // Now, as the netlist has it.
+  // Switches at the netlist's current time.
   void set(Netlist& n, bool closed);
-  // From that state on. In ascending order.
+  // Switches at that time. Calls must be in ascending order.
   void set_at(Netlist& n, States at, bool closed);
   bool closed() const { return closed_; }
 
@@ -34,7 +34,7 @@ class Switch : public Part {
   std::vector<std::pair<States, bool>> schedule_;
 };
 
-// A logic part: what comes in, negated, after a delay.
+// Inverter: the negated input after a delay.
 class Inverter : public Part {
  public:
   Inverter(Net in, Net out, States delay = 0) : in_(in), out_(out), delay_(delay) {}
@@ -52,7 +52,7 @@ class Inverter : public Part {
   std::deque<std::pair<States, bool>> under_way_;
 };
 
-// Pulls its output to ground while its input is high, else lets go.
+// Pulls its output to ground while its input is high, else does not drive it.
 class OpenDrain : public Part {
  public:
   OpenDrain(Net in, Net out) : in_(in), out_(out) {}
@@ -65,8 +65,8 @@ class OpenDrain : public Part {
 };
 
 // Low-pass of a resistor and a capacitor to ground. Between two edges of the input the output
-// follows v = vin + (v0 - vin) exp(-t / RC) exactly; it holds its voltage while nobody drives the
-// input. The output bears no load, the input must not be another moving voltage.
+// follows v = vin + (v0 - vin) exp(-t / RC) exactly; it holds its voltage while the input is not
+// driven. The output bears no load, the input must not be another moving voltage.
 class Rc : public Part {
  public:
   Rc(Net in, Net out, double ohms, double farads)
@@ -109,7 +109,7 @@ class Probe : public Part {
   const std::string& name() const { return name_; }
   // The first is the level at the start.
   const std::vector<std::pair<States, bool>>& levels() const { return levels_; }
-  // Share of the time from `from` to `to` in which the net was high.
+  // Fraction of the time from `from` to `to` in which the net was high.
   double high_share(States from, States to) const;
   void start(Netlist& n, States at) override;
   void changed(Netlist& n, Net net, States at) override;

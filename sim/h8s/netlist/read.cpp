@@ -53,7 +53,7 @@ class Line {
   bool is_net() const {
     if (!more()) return false;
     const std::string& t = tokens_[next_].text;
-    // What looks like a port's pin must be one.
+    // A name of the form of a port's pin must be an existing pin.
     const auto digit = [&](std::size_t k) {
       return std::isdigit(static_cast<unsigned char>(t[k])) != 0;
     };
@@ -66,7 +66,7 @@ class Line {
     return netlist_.net(tokens_[next_++].text);
   }
 
-  // "4.7k", "1u"; negative when it is none.
+  // A number such as "4.7k" or "1u"; negative if invalid.
   static double number(std::string_view t, std::string_view unit) {
     double value = 0;
     const auto [rest, bad] = std::from_chars(t.data(), t.data() + t.size(), value);
@@ -88,7 +88,7 @@ class Line {
     ++next_;
     return value;
   }
-  // States, or seconds with "s"; negative when it is neither.
+  // States, or seconds with "s"; negative if invalid.
   States time(std::string_view t) const {
     States states = 0;
     const auto [rest, bad] = std::from_chars(t.data(), t.data() + t.size(), states);

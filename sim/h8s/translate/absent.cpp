@@ -24,13 +24,9 @@ std::int64_t Translator::translated() const {
 std::int64_t Translator::executed() const {
   return 0;
 }
-void Translator::count_anew() {}
+void Translator::reset_count() {}
 
-void TranslatorFree::operator()(Translator* p) const {
-  delete p;
-}
-
-std::unique_ptr<Translator, TranslatorFree> make_translator() {
+std::unique_ptr<Translator> make_translator() {
   return nullptr;
 }
 

@@ -1,4 +1,4 @@
-// Steps of a block, and the lives of their flags.
+// Steps of a block, and the liveness of their flags.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/translate/block.h"
 
@@ -109,7 +109,7 @@ void describe_flags(const Cpu& c, Step& s) {
       by_result(kNzv, kNzv, form.size);
       if (form.dst == Mode::reg) break;
       d.r = part_at(s.insn.rs, form.size);
-      // Unless the value stored is what the register holds afterwards.
+      // Except if the value stored is the register's value afterwards.
       if (form.dst == Mode::decrement && s.insn.rd / 4 == d.r.reg &&
           !c.predecrement_stores_decremented)
         s.recoverable = 0;
@@ -190,7 +190,7 @@ void describe_flags(const Cpu& c, Step& s) {
   }
 }
 
-// False where the interpreter had to run it anyway: registers, memory that is not there.
+// False where the interpreter has to run it anyway: I/O registers, unmapped addresses.
 bool resolve_memory(Cpu& c, const Step& s) {
   const Form& form = s.form;
   const bool load = form.src == Mode::absolute, store = form.dst == Mode::absolute;
@@ -249,7 +249,7 @@ bool take_step(Cpu& c, std::uint32_t index, Step& step) {
   step.insn = decoded.insn;
   step.index = index;
   step.target = kNowhere;
-  // One that goes on at the beginning of the flat machine's memory is not worth the care.
+  // A block that wraps around the top of the flat machine's memory is not translated.
   if (c.flat && index + step.insn.units > c.ram_size / 2) return false;
   if (step.form.op == Op::none || !resolve_memory(c, step)) return false;
   const Op op = step.form.op;
@@ -302,8 +302,8 @@ void settle_flags(Block& block) {
       if (s.sets >> f & 1) last[f] = static_cast<std::int16_t>(k);
     }
   }
-  // A flag is kept in memory where something reads it there, or where the block may be left after
-  // the registers that it follows from have changed.
+  // A flag must be in memory where it is read from there, or where the block may be left after the
+  // registers that it is computed from have changed.
   for (std::size_t i = 0; i < block.steps.size(); ++i) {
     Step& s = block.steps[i];
     const unsigned registers = registers_read_by(s.definition);
@@ -319,7 +319,7 @@ void settle_flags(Block& block) {
     }
     left_here();
   }
-  // Alive at the entry: read, or the block may be left, before it is set.
+  // Live at the entry: read, or the block may be left, before it is set.
   unsigned open = kAllFlags;
   for (const Step& s : block.steps) {
     block.live |= s.uses & open;

@@ -1,4 +1,4 @@
-// A straight run of instructions with exits to the side, and where its flags must be kept.
+// A basic block with side exits, and the liveness of its flags.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,7 +15,7 @@ namespace kaz::h8s::translate {
 inline constexpr unsigned kN = 1, kZ = 2, kV = 4, kH = 8, kC = 16, kAllFlags = 31;
 inline constexpr int kFlags = 5;
 
-// A register or a part of one: byte and word registers stand 0, 8 or 16 bits up.
+// A register or a part of one: byte and word registers start at bit 0, 8 or 16.
 struct Part {
   std::uint8_t reg = 0;
   std::uint8_t shift = 0;
@@ -23,10 +23,10 @@ struct Part {
   bool operator==(const Part&) const = default;
 };
 
-// Of an offset into the register file (Insn::rs, Insn::rd).
+// The part at an offset into the register file (Insn::rs, Insn::rd).
 Part part_at(unsigned offset, unsigned size);
 
-// How flags can be worked out again from registers, after the instruction.
+// How flags can be recomputed from registers after the instruction.
 enum class From : std::uint8_t {
   nothing,
   result,  // N and Z of `r`, V is 0
@@ -54,20 +54,20 @@ struct Step {
   std::uint32_t before = 0;  // states of the steps before
 
   unsigned sets = 0;         // flags written
-  unsigned recoverable = 0;  // of them, those that `definition` gives again
+  unsigned recoverable = 0;  // of them, those that can be recomputed by `definition`
   unsigned uses = 0;         // flags read from memory
   unsigned keep = 0;         // of `sets`: must be in memory after the step
-  bool exits = false;        // may be left before it has done anything
+  bool exits = false;        // the block may be left before this step has any effect
   Definition definition;
-  // Of each flag: the step before this one that set it, -1: none in the block.
+  // For each flag the last earlier step that set it; -1: none in the block.
   std::array<std::int16_t, kFlags> set_by{};
 };
 
 // Why a block ends.
 enum class End : std::uint8_t {
-  next,       // goes on at `after`
+  next,       // execution continues at `after`
   interpret,  // the interpreter runs the instruction at `after`
-  jump,       // the last step leaves the block for good
+  jump,       // the last step leaves the block
 };
 
 struct Block {
@@ -85,22 +85,22 @@ inline constexpr std::uint32_t kNowhere = 0xffffffff;
 // Flags that a condition of Bcc reads.
 unsigned flags_of_condition(unsigned condition);
 
-// Whether the flags `wanted` at step `k` all follow from one earlier step, whose registers still
-// hold what they held: that step, or -1.
+// The earlier step from whose registers, still unchanged at step `k`, all flags `wanted` can be
+// recomputed; -1: none.
 int common_source(const Block& block, std::size_t k, unsigned wanted);
 
-// Where an address known beforehand lies.
+// Memory region of an address known at translation time.
 enum class Place : std::uint8_t { ram, short_ram, flash, elsewhere };
 Place place_of(const Cpu& c, std::uint32_t address, unsigned size);
 
-// The block that begins at `start` of Cpu::code; without steps if its first instruction is not
-// worth translating. `known(index)` tells that another block begins there already.
+// The block that begins at `start` of Cpu::code; without steps if its first instruction cannot be
+// translated. `known(index)`: whether another block already begins there.
 template <class Known>
 Block find_block(Cpu& c, std::uint32_t start, const Known& known);
 
-// One instruction for find_block; false: leave it to the interpreter.
+// Adds one instruction for find_block; false: the interpreter must run it.
 bool take_step(Cpu& c, std::uint32_t index, Step& step);
-// Fills in what depends on the whole block.
+// Computes the members of steps that depend on the whole block.
 void settle_flags(Block& block);
 
 inline constexpr std::size_t kMaxSteps = 48;

@@ -1,4 +1,4 @@
-// One stretch of address space, of which pages become writable, then executable.
+// One range of addresses, whose pages become writable, then executable.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/translate/code_memory.h"
 
@@ -33,7 +33,7 @@ const void* CodeMemory::add(asmjit::CodeHolder& code) {
   if (code.relocateToBase(reinterpret_cast<std::uintptr_t>(base)) != asmjit::kErrorOk)
     return nullptr;
 
-  // The first page may hold the end of other code: that does not run meanwhile.
+  // The first page may hold the end of other code, which does not run meanwhile.
   static const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
   std::byte* const first = begin_ + used_ / page * page;
   const auto length = static_cast<std::size_t>(base + size - first);

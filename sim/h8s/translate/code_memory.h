@@ -4,7 +4,7 @@
 // asmjit's own JitRuntime maps its memory writable and executable. Its option of two mappings of the same
 // memory keeps each of them from being both, but leaves the writable one there for good: whoever can write
 // anywhere can still write code that runs. Here a page has one mapping, and the permission to write to
-// it is given back before the code runs (mprotect). What that costs: docs/emulator.md.
+// it is given back before the code runs (mprotect). What that costs: docs/explanation/emulator.md.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace kaz::h8s::translate {
 
 class CodeMemory {
  public:
-  // Address space; memory is taken as code comes.
+  // Size of the address range, bytes; pages are committed as code is added.
   static constexpr std::size_t kSize = std::size_t{16} << 20;
 
   CodeMemory() = default;
@@ -23,10 +23,10 @@ class CodeMemory {
   CodeMemory(const CodeMemory&) = delete;
   CodeMemory& operator=(const CodeMemory&) = delete;
 
-  // Puts finished code behind what is there. Null: the host gives no such memory (a policy may forbid to
-  // execute what was written), or it is full. Not while code of this memory runs.
+  // Appends finished code. Null: the range is full, or the host refuses executable memory (a security
+  // policy). Must not be called while code of this memory runs.
   const void* add(asmjit::CodeHolder& code);
-  // Forgets all code; its memory stays for what comes next.
+  // Discards all code; its memory is reused.
   void clear() { used_ = 0; }
 
  private:

@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-#include "sim/h8s/testing.h"
+#include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
 namespace {

@@ -1,4 +1,4 @@
-// MOV between registers, and what computes in them.
+// Emits MOV between registers, and arithmetic.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
 
@@ -94,7 +94,7 @@ void Emitter::emit_two(const Step& s) {
   }
 }
 
-// A register is about to be added to itself: V, H and C do not follow from the result.
+// A register is added to itself: V, H and C cannot be recomputed from the result.
 void Emitter::store_doubled(Part part, unsigned keep) {
   using host::esi, host::r15d;
   if (!(keep & (kV | kH | kC))) return;

@@ -1,4 +1,4 @@
-// Blocks one after the other, the ways between them and out of them.
+// Emits blocks, the edges between them and the exits.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
 

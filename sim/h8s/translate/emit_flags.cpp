@@ -1,4 +1,4 @@
-// Guest flags: put into memory, or compared again where a branch wants them.
+// Emits guest flags: stores to memory, or recomputation where a branch needs them.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
 

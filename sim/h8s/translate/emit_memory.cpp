@@ -1,4 +1,4 @@
-// Loads and stores: memory inline, everything else is left to the interpreter before it is done.
+// Emits loads and stores: memory inline; for everything else the block is left before the access.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
 
@@ -30,7 +30,7 @@ host::Mem Emitter::flag(std::size_t offset, unsigned size) const {
   return host::ptr(kCpu, static_cast<std::int32_t>(offset), size);
 }
 
-// Loads a word or long word the wrong way round for the host.
+// Loads a word or long word with the bytes in reverse order for the host.
 void Emitter::fetch_big(const host::Gp& to, const host::Mem& at, unsigned size) {
   host::Mem from = at;
   from.setSize(size);
@@ -64,8 +64,8 @@ void Emitter::store_big(const host::Mem& at, const host::Gp& from, unsigned size
   }
 }
 
-// esi holds the distance from the beginning of RAM; `bytes` from there must all lie in it. Words:
-// esi is halved, an odd address goes far beyond the end.
+// esi holds the offset from the beginning of RAM; `bytes` from there must all be in it. Words: esi is
+// halved, an odd address becomes an offset far beyond the end.
 host::Mem Emitter::ram_check(unsigned size, std::uint32_t bytes, const asmjit::Label& outside) {
   using host::esi;
   if (size == 1) {
@@ -79,7 +79,7 @@ host::Mem Emitter::ram_check(unsigned size, std::uint32_t bytes, const asmjit::L
   return host::ptr(kRamBase, host::rsi, 1, 0, size);
 }
 
-// Works out the address: esi becomes its distance from RAM, or `at` is known already.
+// Computes the address: esi becomes its offset in RAM, or `at` is known at translation time.
 Place Emitter::address(const Step& s, Mode mode, unsigned reg, unsigned size, std::uint32_t bytes,
                        host::Mem& at) {
   if (mode == Mode::absolute) {
@@ -135,13 +135,13 @@ void Emitter::load(std::size_t k, Mode mode, unsigned reg, unsigned size, const 
   });
 }
 
-// The operand's place in RAM, where no instructions have been decoded from. Uses esi and edi.
+// The operand's location in RAM, in lines without decoded instructions. Uses esi and edi.
 host::Mem Emitter::writable(std::size_t k, Mode mode, unsigned reg, unsigned size,
                             std::uint32_t bytes) {
   const Step& s = block_->steps[k];
   const asmjit::Label out = before(k);
   const unsigned lines = size == 1 ? 1 : 2;  // an operand may reach into the next line
-  // The flags of lines that hold code, from RAM's first one on.
+  // The flags of lines that hold code, from the first line of RAM on.
   constexpr auto flags_at = static_cast<std::int32_t>(offsetof(Cpu, chip_lines) + kRam / kLine);
   const host::Mem elsewhere = host::ptr(kCpu, static_cast<std::int32_t>(offsetof(Cpu, has_code)));
   host::Mem at;
@@ -209,7 +209,7 @@ void Emitter::emit_store(std::size_t k) {
     store_big(at, host::edi, size);
   }
   if (!down || decremented) return;
-  // The flags are those of the value before the decrement, which is about to be gone.
+  // The flags are those of the value before the decrement, which is about to be overwritten.
   if (overlaps && (s.keep & (kN | kZ | kV))) {
     store_flags(s.definition, s.keep & (kN | kZ | kV));
     stored_ |= kN | kZ | kV;
@@ -217,7 +217,7 @@ void Emitter::emit_store(std::size_t k) {
   a_.sub(gp(pointer), size);
 }
 
-// LDM and STM: the lowest register stands at the highest address.
+// LDM and STM: the lowest register is at the highest address.
 void Emitter::emit_multiple(std::size_t k) {
   const Step& s = block_->steps[k];
   const bool store = s.form.op == Op::stm;

@@ -1,4 +1,4 @@
-// Guest registers and their parts in host registers.
+// Emits accesses to guest registers and their parts in host registers.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/translate/emitter.h"
 

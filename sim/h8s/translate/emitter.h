@@ -9,16 +9,24 @@
 #include <vector>
 
 #include "sim/h8s/translate/block.h"
-#include "sim/h8s/translate/entry.h"
 
 namespace kaz::h8s::translate {
 
+// The translator's record of one entry of Cpu::code.
+struct Entry {
+  const void* code = nullptr;  // host code of the block that begins here
+  std::uint16_t bound = 0;     // states that must be left, and one more
+  bool covered = false;        // part of a translated instruction
+  std::uint32_t count = 0;     // times reached by a jump
+};
+static_assert(sizeof(void*) != 8 || sizeof(Entry) == 16);
+
 namespace host = asmjit::x86;
 
-// Registers inside translated code. ER0 to ER3 stand where their second bytes can be named.
+// Registers inside translated code. ER0 to ER3 are in registers whose second bytes can be addressed.
 //   rax rbx rcx rdx r8 r9 r10 r11   ER0..ER7, upper halves zero
 //   rbp   Cpu
-//   r12   states left until Cpu::stop, less the bound of the block that runs
+//   r12   states left until Cpu::stop, minus the bound of the current block
 //   r13   instructions executed since the code was entered
 //   r14   guest RAM
 //   rsi rdi r15   free within one instruction
@@ -28,10 +36,10 @@ inline constexpr host::Gp kCpu = host::rbp, kLeft = host::r12, kExecuted = host:
 // What translated code returns: whether the interpreter must run the instruction at Cpu::ip.
 inline constexpr std::uint32_t kGoOn = 0, kInterpret = 1;
 
-// Code that is entered as std::uint32_t(Cpu*, const void* entry), and the way out of it.
+// Entry code, called as std::uint32_t(Cpu*, const void* entry), and the common exit.
 struct Gate {
   const void* enter = nullptr;
-  const void* leave = nullptr;  // index of the next instruction in edi, the answer in esi
+  const void* leave = nullptr;  // index of the next instruction in edi, the return value in esi
 };
 void emit_gate(host::Assembler& a, const asmjit::Label& leave);
 
@@ -46,23 +54,23 @@ class Emitter {
 
  private:
   using Fetch = std::function<void(const host::Mem&)>;
-  // Of each flag: the step that it can be worked out from, -1: it is in memory.
+  // For each flag the step from which it can be recomputed; -1: it is in memory.
   using Pending = std::array<std::int16_t, kFlags>;
 
-  // --- blocks and ways out (emit_branch.cpp)
+  // --- blocks and exits (emit_branch.cpp)
   void emit_block(std::size_t n);
   void emit_step(std::size_t k);
   void emit_condition(std::size_t k, unsigned native);
   void emit_call(std::size_t k);
   void emit_jump(std::size_t k);
   void emit_return(std::size_t k);
-  // r15 (address, even): twice the index of its code, or out before the step.
+  // r15 (address, even) becomes twice the index of its code; exits before the step if it has none.
   void find_target(std::size_t k);
   void leave_through_table(std::size_t k);
-  // Way to `target` after `steps` steps have run.
+  // Edge to `target` after `steps` steps have run.
   void emit_edge(std::size_t steps, std::uint32_t target);
   void emit_out(std::uint32_t index, std::uint32_t answer);
-  // Label of the way out before step k has done anything.
+  // Label of the exit before step k has any effect.
   asmjit::Label before(std::size_t k);
   std::uint32_t states_before(std::size_t k) const;
   void emit_handler(const Step& s);
@@ -71,7 +79,7 @@ class Emitter {
   void store_flags(const Definition& d, unsigned mask);
   void store_pending(const Pending& pending, const Block& block, unsigned mask);
   void store_carry(bool inverted = false);
-  // Compares again what `d` came from, so that the host's flags hold `d`'s.
+  // Repeats the comparison of `d`, so that the host's flags equal the guest's.
   void compare_again(const Definition& d);
 
   // --- registers (emit_registers.cpp)
@@ -81,10 +89,10 @@ class Emitter {
   static host::Gp sized(const host::Gp& r, unsigned size);
   void get(const host::Gp& to, Part part);
   void put(Part part, const host::Gp& from);
-  // The part's bits at the top of 32, zeros below.
+  // The part's bits shifted to the top of 32, zeros below.
   void get_up(const host::Gp& to, Part part);
   void get_operand_up(const host::Gp& to, const Definition& d);
-  // Turns the register until the part is low, and back.
+  // Rotates the register so that the part is low, and back.
   void turn(Part part);
   void turn_back(Part part);
   static bool high_byte(Part part) { return part.shift == 8 && part.reg < 4; }
@@ -124,14 +132,14 @@ class Emitter {
   const std::vector<Block>* blocks_ = nullptr;
   const Block* block_ = nullptr;
   std::map<std::uint32_t, std::size_t> block_at_;
-  std::vector<asmjit::Label> inside_;   // the checks for time are done
+  std::vector<asmjit::Label> inside_;   // entries after the check of the time left
   std::vector<asmjit::Label> outside_;  // entered through the table
   std::vector<std::function<void()>> side_, cold_;
 
   Pending pending_{};
   asmjit::Label before_;
   bool has_before_ = false;
-  unsigned native_ = 0;  // guest flags that the host's flags hold just now
+  unsigned native_ = 0;  // guest flags that are currently in the host's flags
   unsigned stored_ = 0;  // flags of the step's `keep` that are in memory already
 };
 

@@ -1,4 +1,4 @@
-// Rows of the opcode table taken apart by their names and operand texts.
+// Parses rows of the opcode table by their names and operand texts.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/translate/form.h"
 
@@ -94,7 +94,7 @@ constexpr Named kNames[] = {
     {"ldm", Op::ldm, 0},
 };
 
-// Operands apart, commas inside parentheses left alone.
+// Splits operands at commas outside parentheses.
 std::vector<std::string_view> split(std::string_view text) {
   std::vector<std::string_view> parts;
   int depth = 0;

@@ -1,4 +1,4 @@
-// What an instruction does, told by its row of the opcode table: the translator's view of it.
+// An instruction's operation and operands, derived from its row of the opcode table.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,7 @@
 namespace kaz::h8s::translate {
 
 enum class Op : std::uint8_t {
-  none,     // left to the interpreter
+  none,     // run by the interpreter
   handler,  // the interpreter's handler is called from the host code
   nop,
   mov,
@@ -70,7 +70,7 @@ struct Form {
   bool number_in_register = false;  // bit operations
 };
 
-// The form of a row; worked out once for each.
+// The form of a row; computed once for each.
 const Form& form_of(const Opcode& opcode);
 
 }  // namespace kaz::h8s::translate

@@ -1,4 +1,4 @@
-// Translated blocks: making, finding, running and forgetting them.
+// The cache of translated blocks: translation, lookup, execution and invalidation.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/translate/translator.h"
 
@@ -19,15 +19,15 @@ using namespace translate;
 namespace {
 
 constexpr std::size_t kMaxBlocks = 24, kMaxUnitSteps = 400;  // of one translation
-constexpr std::size_t kMaxCode = 8u << 20;                   // bytes, then everything is forgotten
-constexpr std::uint32_t kHopeless = 0xffffffff;              // count of what is not worth it
-constexpr std::uint32_t kMaxPatience = 1u << 20;
+constexpr std::size_t kMaxCode = 8u << 20;                   // bytes, then all code is discarded
+constexpr std::uint32_t kNeverTranslate = 0xffffffff;  // Entry::count where no block can begin
+constexpr std::uint32_t kMaxThreshold = 1u << 20;
 
 struct Free {
   void operator()(Entry* p) const { std::free(p); }
 };
 
-struct Complaints : asmjit::ErrorHandler {
+struct ErrorFlag : asmjit::ErrorHandler {
   bool any = false;
   void handleError(asmjit::Error, const char*, asmjit::BaseEmitter*) override { any = true; }
 };
@@ -41,9 +41,9 @@ struct Translator::Cache {
   std::vector<std::uint32_t> touched;  // entries with code, or covered
   std::size_t bytes = 0;
   std::int64_t blocks = 0;
-  std::int64_t executed = 0;     // instructions, in translated code
-  std::uint32_t impatience = 0;  // how often code has changed: doubles the patience
-  bool unusable = false;         // the host gives no memory for code
+  std::int64_t executed = 0;        // instructions, in translated code
+  std::uint32_t invalidations = 0;  // each doubles the threshold of translation
+  bool unusable = false;            // the host gives no memory for code
 
   // Entries of fresh pages cost nothing until they are touched.
   bool prepare(const Cpu& c) {
@@ -58,13 +58,13 @@ struct Translator::Cache {
   bool make_gate() {
     if (gate.enter) return true;
     asmjit::CodeHolder code;
-    Complaints complaints;
+    ErrorFlag errors;
     code.init(asmjit::Environment::host());
-    code.setErrorHandler(&complaints);
+    code.setErrorHandler(&errors);
     host::Assembler a(&code);
     const asmjit::Label leave = a.newLabel();
     emit_gate(a, leave);
-    const void* const base = complaints.any ? nullptr : memory.add(code);
+    const void* const base = errors.any ? nullptr : memory.add(code);
     if (!base) return false;
     gate.enter = base;
     gate.leave = static_cast<const char*>(base) + code.labelOffset(leave);
@@ -77,9 +77,9 @@ struct Translator::Cache {
     std::deque<std::uint32_t> waiting{start};
     std::size_t steps = 0;
     const auto want = [&](std::uint32_t index) {
-      // What has never run is not worth it; what is translated already is reached through its
-      // entry.
-      if (!c.code[index].run || entries[index].code || entries[index].count == kHopeless) return;
+      // Code that has never run is not translated; code already translated is reached through its entry.
+      if (!c.code[index].run || entries[index].code || entries[index].count == kNeverTranslate)
+        return;
       if (known.insert(index).second) waiting.push_back(index);
     };
     std::set<std::uint32_t> found;
@@ -88,7 +88,7 @@ struct Translator::Cache {
       waiting.pop_front();
       Block block = find_block(c, at, [&](std::uint32_t index) { return found.contains(index); });
       if (block.steps.empty()) {
-        entries[at].count = kHopeless;
+        entries[at].count = kNeverTranslate;
         continue;
       }
       found.insert(at);
@@ -117,18 +117,18 @@ struct Translator::Cache {
     }
     for (const Block& block : found) {
       for (const Step& s : block.steps) {
-        // Handlers want their operands; RAM under it must be marked as holding code.
+        // Handlers need decoded operands; RAM with the instruction must be marked as holding code.
         if (!c.code[s.index].run || s.index >= c.ram_code) decode_in_place(c, c.code + s.index);
       }
     }
     asmjit::CodeHolder code;
-    Complaints complaints;
+    ErrorFlag errors;
     code.init(asmjit::Environment::host());
-    code.setErrorHandler(&complaints);
+    code.setErrorHandler(&errors);
     Emitter emitter(c, code, entries.get(), gate.leave);
     emitter.emit(found);
-    if (complaints.any) {
-      entries[start].count = kHopeless;
+    if (errors.any) {
+      entries[start].count = kNeverTranslate;
       return;
     }
     const void* const base = memory.add(code);
@@ -163,8 +163,8 @@ struct Translator::Cache {
     bytes = 0;
   }
 
-  std::uint32_t patience(const Cpu& c) const {
-    return std::min(kMaxPatience, c.translate_after << std::min(impatience, 10u));
+  std::uint32_t threshold(const Cpu& c) const {
+    return std::min(kMaxThreshold, c.translate_after << std::min(invalidations, 10u));
   }
 };
 
@@ -179,7 +179,7 @@ std::int64_t Translator::executed() const {
   return cache_->executed;
 }
 
-void Translator::count_anew() {
+void Translator::reset_count() {
   cache_->executed = 0;
 }
 
@@ -196,7 +196,7 @@ void Translator::forget(std::uint32_t first, std::uint32_t count) {
   for (std::uint32_t k = first; k < first + count; ++k) {
     cache.entries[k].count = 0;
     if (!cache.entries[k].covered) continue;
-    ++cache.impatience;
+    ++cache.invalidations;
     return cache.forget_all();
   }
 }
@@ -209,26 +209,26 @@ void Translator::run(Cpu& c) {
   Cache& cache = *cache_;
   if (!cache.prepare(c)) return run_interpreter(c);
   using Enter = std::uint32_t (*)(Cpu*, const void*);
-  const std::uint32_t patience = cache.patience(c);
-  bool arrived = true;  // at a place where a block may begin
-  bool left = false;    // a block, before an instruction that it does not run itself
+  const std::uint32_t threshold = cache.threshold(c);
+  bool arrived = true;  // at an instruction where a block may begin
+  bool left = false;    // a block was left before an instruction that it does not contain
   while (c.now < c.stop) {
     const Insn* ip = c.ip;
     if (arrived && ip != &c.outside) {
       const auto index = static_cast<std::uint32_t>(ip - c.code);
       Entry& entry = cache.entries[index];
-      if (!entry.code && entry.count != kHopeless && ++entry.count >= patience)
+      if (!entry.code && entry.count != kNeverTranslate && ++entry.count >= threshold)
         cache.translate(c, index);
-      // What no block can begin with leaves the way free for one behind it.
-      left = entry.count == kHopeless;
+      // A block may begin after an instruction that cannot begin one.
+      left = entry.count == kNeverTranslate;
       if (entry.code && c.stop - c.now > entry.bound) {
         const auto enter =
             reinterpret_cast<Enter>(reinterpret_cast<std::uintptr_t>(cache.gate.enter));
         const std::int64_t before = c.executed;
-        const std::uint32_t answer = enter(&c, entry.code);
+        const std::uint32_t result = enter(&c, entry.code);
         cache.executed += c.executed - before;
         record_jump(c, nullptr, c.ip);
-        if (answer == kGoOn) continue;
+        if (result == kGoOn) continue;
         if (c.now >= c.stop) return;
         ip = c.ip;
         left = true;
@@ -244,12 +244,8 @@ void Translator::run(Cpu& c) {
   }
 }
 
-void TranslatorFree::operator()(Translator* p) const {
-  delete p;
-}
-
-std::unique_ptr<Translator, TranslatorFree> make_translator() {
-  return std::unique_ptr<Translator, TranslatorFree>(new Translator);
+std::unique_ptr<Translator> make_translator() {
+  return std::make_unique<Translator>();
 }
 
 bool translator_available() {

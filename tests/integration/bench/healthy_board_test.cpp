@@ -5,8 +5,8 @@
 
 #include "hil/bench/report.h"
 #include "host/robot/connect.h"
-#include "tests/integration/bench/measured.h"
-#include "tests/integration/bench/rewriting_link.h"
+#include "tests/integration/bench/measured_testing.h"
+#include "tests/integration/bench/rewriting_link_testing.h"
 
 namespace kaz::hil {
 namespace {
@@ -103,7 +103,7 @@ TEST(BoardLine, LeavesNoStreamBehindAndEndsThatOfOthers) {
   host::Requester before(board, board, {});
   const kz_telemetry all{10, KZ_TELEMETRY_COMMANDS};
   const host::Request request = host::make_request(KZ_TYPE_telemetry, all, kz_pack_telemetry);
-  ASSERT_TRUE(before.ask({&request, 1}));
+  ASSERT_TRUE(before.exchange({&request, 1}));
   LinkBenchOptions options;
   options.round_trips = 20;
   EXPECT_EQ(failed(measure_link(board, board, options)), Names{});

@@ -2,8 +2,8 @@
 // fault alone.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/link/faulty_link.h"
-#include "tests/integration/bench/measured.h"
-#include "tests/integration/bench/rewriting_link.h"
+#include "tests/integration/bench/measured_testing.h"
+#include "tests/integration/bench/rewriting_link_testing.h"
 
 namespace kaz::hil {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "tests/integration/bench/motor_bench.h"
+#include "tests/integration/bench/motor_testing.h"
 #include "tools/lockstep/motor_fit.h"
 
 namespace kaz::hil {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "host/robot/posture.h"
-#include "tests/integration/bench/motor_bench.h"
+#include "tests/integration/bench/motor_testing.h"
 
 namespace kaz::hil {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "host/link/faulty_link.h"
-#include "tests/integration/bench/measured.h"
-#include "tests/integration/bench/rewriting_link.h"
+#include "tests/integration/bench/measured_testing.h"
+#include "tests/integration/bench/rewriting_link_testing.h"
 
 namespace kaz::hil {
 namespace {

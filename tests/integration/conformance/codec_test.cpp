@@ -1,4 +1,4 @@
-// The suite's own codec against the bytes that docs/protocol.md shows.
+// The suite's own codec against the bytes that docs/reference/protocol.md shows.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 

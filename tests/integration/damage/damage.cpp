@@ -10,7 +10,7 @@
 
 #include "shared/board/table.h"
 #include "shared/protocol/message_info.h"
-#include "shared/servo/servo.h"
+#include "shared/servo/tick.h"
 
 namespace kaz::test {
 namespace {

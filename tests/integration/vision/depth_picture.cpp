@@ -1,10 +1,10 @@
-// The picture of docs/vision.md: what an eye sees, how far it is, and which planes are there.
+// The picture of docs/explanation/vision.md: what an eye sees, how far it is, and which planes are there.
 // SPDX-License-Identifier: Apache-2.0
 //
 // depth_picture FILE
 #include <cstdio>
 
-#include "tests/integration/vision/rendered_scene.h"
+#include "tests/integration/vision/rendered_scene_testing.h"
 #include "tools/figure/figure.h"
 #include "tools/figure/vision_views.h"
 #include "vision/planes/plane_segments.h"

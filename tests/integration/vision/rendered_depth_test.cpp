@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-#include "tests/integration/vision/rendered_scene.h"
+#include "tests/integration/vision/rendered_scene_testing.h"
 #include "vision/depth/depth.h"
 
 namespace kaz::sim {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "tests/integration/vision/rendered_scene.h"
+#include "tests/integration/vision/rendered_scene_testing.h"
 #include "vision/planes/plane_segments.h"
 
 namespace kaz::sim {

@@ -1,4 +1,4 @@
-// The picture of docs/vision.md: flow while the head turns, what rest does not explain, the ball.
+// The picture of docs/explanation/vision.md: flow while the head turns, what rest does not explain, the ball.
 // SPDX-License-Identifier: Apache-2.0
 //
 // flow_picture FILE
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/integration/vision_flow/moving_scene.h"
+#include "tests/integration/vision_flow/moving_scene_testing.h"
 #include "tools/figure/figure.h"
 #include "vision/flow/independent_motion.h"
 

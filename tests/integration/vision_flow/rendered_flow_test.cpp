@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "tests/integration/vision_flow/moving_scene.h"
+#include "tests/integration/vision_flow/moving_scene_testing.h"
 #include "vision/flow/flow.h"
 #include "vision/flow/sparse_flow.h"
 

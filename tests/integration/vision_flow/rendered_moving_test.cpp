@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-#include "tests/integration/vision_flow/moving_scene.h"
+#include "tests/integration/vision_flow/moving_scene_testing.h"
 #include "vision/depth/depth.h"
 #include "vision/flow/independent_motion.h"
 

@@ -5,7 +5,7 @@
 
 #include "host/robot/posture.h"
 #include "shared/protocol/frame.h"
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 #include "vision/color/ball.h"
 
 int main() {

@@ -1,4 +1,4 @@
-// In flight without gravity: a body that tumbles, and Kaz tumbling with its motors at work.
+// Free flight without gravity: a tumbling rigid body, and Kaz tumbling while its motors run.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
@@ -14,8 +14,8 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// Two parts on a jammed joint, so that two pushes can set it spinning. The joint gives by 1e-6 rad
-// for each Nm (joint_motor.h): nothing here.
+// Two links on a jammed joint, so that two pushes can set it spinning. The joint yields by 1e-6 rad/Nm
+// (joint_motor.h), which is negligible here.
 sim::RobotModel tumbler() {
   sim::RobotModel robot;
   robot.name = "tumbler";
@@ -48,7 +48,7 @@ Matrix3d inertia_of(const sim::RobotModel& robot) {
   return sum;
 }
 
-// Euler's equations by Runge and Kutta's fourth order in steps of 20 us: exact to 1e-11 here.
+// Euler's equations by classical fourth-order Runge-Kutta in steps of 20 us: error below 1e-11 here.
 struct Euler {
   Matrix3d inertia;
   Quaterniond turn;
@@ -86,7 +86,7 @@ void tumble(const std::string& stepper, Table& table) {
   const auto world = world_of(stepper, space, robot, sim::test::free_motor());
   const std::array jammed{sim::MotorDrive{.duty = 0, .powered = true, .jammed = true}};
   world->step(jammed, kVolts);
-  // Some 12 rad/s, mostly about the middle axis, which is unstable: it turns over again and again.
+  // About 12 rad/s, mostly about the intermediate axis, which is unstable: it flips repeatedly.
   const Vector3d push = {-0.05, 0.006, 0.05};
   static_cast<void>(world->push("body", -push));
   static_cast<void>(world->push("handle", push));
@@ -94,7 +94,7 @@ void tumble(const std::string& stepper, Table& table) {
 
   const auto turn = [&] { return Matrix3d(world->link_pose("body").linear()); };
   const auto spin = [&] { return world->imu().angular_velocity; };  // own axes, end of the step
-  // reduced's own, of both parts; else of what turns as the body does.
+  // Computed by `reduced` for both links; else of a rigid body with the measured attitude and rate.
   const auto momentum_now = [&]() -> Vector3d {
     if (const auto* reduced = dynamic_cast<const sim::ReducedWorld*>(world.get())) {
       sim::ArticulatedTree tree = reduced->tree();
@@ -153,7 +153,7 @@ class Flyer {
       sum += robot_.links[i].rigid.mass * (now_[i] * robot_.links[i].rigid.com);
     return sum / robot_.mass();
   }
-  // About the centre of mass, kg m2/s: reduced's own, else by differences over the step.
+  // About the centre of mass, kg m2/s: computed by `reduced`, else from differences over the step.
   Vector3d momentum() const {
     if (const auto* reduced = dynamic_cast<const sim::ReducedWorld*>(world_.get())) {
       sim::ArticulatedTree tree = reduced->tree();
@@ -196,7 +196,7 @@ void tumble_kaz(const std::string& stepper, Table& table) {
     lost = std::max(lost, (kaz.momentum() - momentum).norm() / momentum.norm());
     moved = std::max(moved, (kaz.centre() - centre).norm());
   }
-  const std::string scene = value("Kaz tumbles, all motors at work, %.3f kg m²/s", momentum.norm());
+  const std::string scene = value("Kaz tumbles, all motors running, %.3f kg m²/s", momentum.norm());
   table.put(stepper, scene, "angular momentum, 3 s", "constant", "", lost);
   table.put(stepper, scene, "centre of mass, 3 s", "at rest", "m", moved);
   table.put(stepper, scene, "gap in a joint, 3 s", "none", "m", kaz.world().largest_joint_gap_m());

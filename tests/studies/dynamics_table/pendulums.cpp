@@ -1,5 +1,5 @@
-// Double and triple pendulum, let go level: energy over the step, and the path of the tip against
-// the equations of motion solved far more finely.
+// Double and triple pendulum released horizontally: energy error over the step length, and the path of the
+// tip against a reference solution of the equations of motion.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
@@ -18,10 +18,10 @@ using sim::test::kRodInertia;
 using sim::test::kRodLength;
 using sim::test::kRodMass;
 
-// Lagrange's equations of the chain in its plane, in absolute angles t from where gravity pulls.
-//   M_ij = m_ij cos(t_i - t_j) + rotors,  m_ij: what hangs below both, times their lengths
+// Lagrange's equations of the planar chain; t: absolute angles from the direction of gravity.
+//   M_ij = m_ij cos(t_i - t_j) + rotors,  m_ij: mass below both times their lengths
 //   sum_j M_ij t_j'' = -sum_j m_ij sin(t_i - t_j) t_j'^2 - g_i sin t_i
-// Rotors turn with the joints, by t_i' - t_(i-1)'.
+// Rotors rotate with the joints, at t_i' - t_(i-1)'.
 class Lagrange {
  public:
   explicit Lagrange(int rods)
@@ -46,7 +46,7 @@ class Lagrange {
   }
   VectorXd angle, rate;  // rad, rad/s
 
-  // Runge and Kutta's fourth order, 10 steps.
+  // Classical fourth-order Runge-Kutta, 10 steps.
   void half_millisecond() {
     constexpr double h = 5e-5;
     for (int i = 0; i < 10; ++i) {
@@ -81,7 +81,7 @@ class Lagrange {
   VectorXd weight_;
 };
 
-// The chain stands straight along -z at its zero; gravity along +x lets it go as if it were level.
+// The chain extends along -z at zero angles; gravity along +x is as if it were released horizontally.
 struct Swing {
   Swing(const std::string& stepper, int rods, double step_s) : count(rods), step(step_s) {
     sim::WorldModel around;
@@ -101,7 +101,8 @@ struct Swing {
     now = poses();
   }
   Vector3d tip() const { return now.back() * Vector3d(0, 0, -kRodLength); }
-  // J, in the middle of the last step: speeds by differences of places, rotors included.
+  // Kinetic (rotors included) and potential energy at the middle of the last step, J; velocities are
+  // differences of positions.
   std::pair<double, double> energy() const {
     const Vector3d centre(0, 0, -kRodLength / 2);
     double kinetic = 0, potential = 0, carrier = 0;
@@ -122,17 +123,17 @@ struct Swing {
   std::vector<Eigen::Isometry3d> before, now;
 };
 
-// Largest error in 10 s as a share of the most that moves.
+// Max energy error in 10 s relative to the max kinetic energy.
 double energy_error(const std::string& stepper, int rods, double step_s) {
   Swing swing(stepper, rods, step_s);
-  double most = 0, off = 0;
+  double max_kinetic = 0, off = 0;
   for (long i = std::lround(10 / step_s); i > 0; --i) {
     swing.go();
     const auto [kinetic, potential] = swing.energy();
-    most = std::max(most, kinetic);
+    max_kinetic = std::max(max_kinetic, kinetic);
     off = std::max(off, std::abs(kinetic + potential));  // it starts level and at rest: 0
   }
-  return off / most;
+  return off / max_kinetic;
 }
 
 }  // namespace

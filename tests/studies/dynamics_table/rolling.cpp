@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kRadius = 0.02, kMass = 0.015;
 
-// A robot of one link: it can be pushed, and does not sleep.
+// A robot of one link: it can be pushed, and is never put to sleep.
 std::unique_ptr<sim::StagedWorld> ball_on(const std::string& stepper, double slope, double mu,
                                           double resistance) {
   const sim::Surface surface{.mu = mu, .rolling_resistance = resistance};
@@ -54,12 +54,12 @@ void roll(const std::string& stepper, Table& table) {
     const double at = along(*world), end = speed(*world);
     const double rolls = 5.0 / 7 * start;
     const double slips = 2 * start / (7 * mu * kG);  // s, until it rolls
-    const double way = (start + rolls) / 2 * slips + rolls * (0.5 - slips);
+    const double distance = (start + rolls) / 2 * slips + rolls * (0.5 - slips);
     const std::string scene = "ball pushed to 0.35 m/s, mu 0.2";
     table.put(stepper, scene, "speed once it rolls", value("5/7 v = %.3f m/s", rolls), "",
               end / rolls - 1);
-    table.put(stepper, scene, "way in 0.5 s, slipping for 2v/(7 mu g) of it", value("%.4f m", way),
-              "", (at - from) / way - 1);
+    table.put(stepper, scene, "distance in 0.5 s, slipping for 2v/(7 mu g) of it",
+              value("%.4f m", distance), "", (at - from) / distance - 1);
   }
   {
     constexpr double rho = 0.0005;

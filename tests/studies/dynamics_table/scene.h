@@ -1,14 +1,14 @@
-// What the scenes of the table share: a world, and how it is run.
+// Worlds of the table's scenes, and how they are stepped.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdio>
 #include <memory>
 #include <span>
 #include <string>
 
-#include "sim/body/plain_models.h"
-#include "sim/body/staged_world.h"
+#include "sim/body/world/plain_models_testing.h"
+#include "sim/body/world/staged_world.h"
+#include "tests/studies/common/table.h"
 #include "tests/studies/dynamics_table/table.h"
 
 namespace kaz::dynamics_table {
@@ -23,9 +23,9 @@ inline std::unique_ptr<sim::StagedWorld> world_of(const std::string& stepper,
                                                   const sim::MotorParams& motor,
                                                   double step_s = kStep) {
   sim::WorldOptions options;
-  options.stepper = stepper;
+  options.dynamics = stepper;
   options.step_s = step_s;
-  // The steppers and steps of the table are known to all worlds.
+  // Cannot fail: every world supports the dynamics and step lengths of the table.
   return std::move(sim::make_world(around, robot, motor, options).value());
 }
 
@@ -40,9 +40,7 @@ inline Eigen::Vector3d on_slope(double radians) {
 }
 
 inline std::string value(const char* format, double number) {
-  char text[96];
-  std::snprintf(text, sizeof text, format, number);
-  return text;
+  return studies::text(format, number);
 }
 
 }  // namespace kaz::dynamics_table

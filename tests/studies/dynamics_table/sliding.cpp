@@ -11,7 +11,7 @@ constexpr double kMu = 0.5, kMass = 0.1;
 constexpr double kSole = 0.005;                 // m/s per N
 const Eigen::Vector3d kSize(0.06, 0.06, 0.02);  // flat: friction does not tip it
 
-// The block is a robot of one link: it does not sleep, which would hide what creeps.
+// The block is a robot of one link, which is never put to sleep: sleeping would hide creep.
 std::unique_ptr<sim::StagedWorld> block_on(const std::string& stepper, double slope,
                                            double softness) {
   const sim::Surface surface{.mu = kMu, .softness = softness};
@@ -34,15 +34,15 @@ void slide_to_a_stop(const std::string& stepper, Table& table, double softness,
   double before = from, stopped = 0;
   while (world->time_s() < began + 1) {
     world->step({}, kVolts);
-    // Slower than friction takes off in a step: it stands with the next.
+    // Slower than the change of velocity by friction in a step: the block stops within the next one.
     if (stopped == 0 && along(*world) - before < kMu * kG * kStep * kStep)
       stopped = world->time_s() - began;
     before = along(*world);
   }
-  const double way = speed * speed / (2 * kMu * kG), time = speed / (kMu * kG);
+  const double distance = speed * speed / (2 * kMu * kG), time = speed / (kMu * kG);
   const std::string scene = std::string("block pushed to 1 m/s, mu 0.5, ").append(what);
-  table.put(stepper, scene, "way to its stop", value("v²/(2 mu g) = %.4f m", way), "",
-            (along(*world) - from) / way - 1);
+  table.put(stepper, scene, "distance to its stop", value("v²/(2 mu g) = %.4f m", distance), "",
+            (along(*world) - from) / distance - 1);
   table.put(stepper, scene, "time to its stop", value("v/(mu g) = %.4f s", time), "",
             stopped / time - 1);
 }
@@ -59,7 +59,7 @@ void hold(const std::string& stepper, Table& table, double softness, const std::
 void slide_down(const std::string& stepper, Table& table, double degrees) {
   const double slope = degrees * M_PI / 180;
   const auto world = block_on(stepper, slope, 0);
-  // Second differences: how it sat down does not matter.
+  // Second differences cancel the initial settling.
   std::array<double, 3> at{};
   for (double& x : at) {
     run(*world, 0.5);

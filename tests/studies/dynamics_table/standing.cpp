@@ -1,19 +1,19 @@
-// What bears weight: a stack of boxes, a joint on its stop, Kaz in its crouch.
+// Static loads: a stack of boxes, a joint on its stop, Kaz in its crouch.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "sim/body/contact_surface.h"
+#include "sim/body/contact/contact_surface.h"
+#include "sim/body/world/gait_testing.h"
 #include "tests/studies/dynamics_table/scene.h"
-#include "sim/body/gait_testing.h"
 
 namespace kaz::dynamics_table {
 namespace {
 
 using Eigen::Vector3d;
 
-// Sum of the forces that `model` gives to what stands on it, N.
+// Sum of the contact forces of `model` on other bodies, N.
 Vector3d borne_by(const sim::World& world, const std::string& model) {
   Vector3d sum = Vector3d::Zero();
   for (const sim::ContactPoint& point : world.contacts()) {
@@ -23,7 +23,7 @@ Vector3d borne_by(const sim::World& world, const std::string& model) {
   return sum;
 }
 
-// The uppermost box is a robot of one link, which keeps all of them awake.
+// The uppermost box is a robot of one link, which keeps all boxes awake.
 void stack(const std::string& stepper, Table& table) {
   constexpr int boxes = 5;
   constexpr double side = 0.04, mass = 0.04, softness = 0.005;
@@ -49,7 +49,8 @@ void stack(const std::string& stepper, Table& table) {
     if (std::abs(borne) > std::abs(worst)) worst = borne;
   }
   const Vector3d top = world->link_pose("top").translation();
-  // A seam of n points under N gives until each point's depth beyond the layer gives N / n.
+  // Of a seam's 4 contact points each carries a quarter of the load; its depth beyond the contact layer is
+  // softness * force * step / ERP.
   double sinks = 0;
   for (int seam = 0; seam < boxes; ++seam) {
     const double soft = seam == 0 ? softness : 2 * softness;
@@ -58,12 +59,12 @@ void stack(const std::string& stepper, Table& table) {
   const std::string scene = "stack of five boxes of 40 mm, 40 g";
   table.put(stepper, scene, "force on the floor, worst step of 10 s",
             value("weight %.3f N", boxes * mass * kG), "", worst);
-  table.put(stepper, scene, "place of the uppermost, 10 s", "at rest", "m", (top - from).norm());
+  table.put(stepper, scene, "position of the uppermost, 10 s", "at rest", "m", (top - from).norm());
   table.put(stepper, scene, "its height", value("five soft seams: -%.2f mm", sinks * 1e3), "m",
             top.z() - (side * (boxes - 0.5) - sinks));
 }
 
-// A rod with Kaz's motor, without gap and heat, driven at full duty into its stop at 0.5 rad.
+// A rod with Kaz's motor, without backlash and heating, driven at full duty into its stop at 0.5 rad.
 void stop(const std::string& stepper, Table& table) {
   sim::RobotModel robot = sim::test::fixed_place();
   constexpr double limit = 0.5;
@@ -74,16 +75,16 @@ void stop(const std::string& stepper, Table& table) {
   const auto world = world_of(stepper, space, robot, motor);
   const std::array forward{sim::MotorDrive{.duty = 1, .powered = true}};
   const double upper = limit + sim::kStopMargin;
-  double most = 0, struck = 0, back = 0;
+  double deepest = 0, struck = 0, back = 0;
   for (int i = 0; i < 2000; ++i) {
     const double speed = world->joints()[0].velocity;
     world->step(forward, kVolts);
     const double beyond = world->joints()[0].angle - upper;
     if (struck == 0 && beyond > 0) struck = speed;
-    most = std::max(most, beyond);
+    deepest = std::max(deepest, beyond);
     if (struck > 0) back = std::min(back, beyond);
   }
-  // Where the motor's torque and the stop's are equal; stiction holds it within some of that.
+  // At rest the torques of motor and stop are equal, up to stiction.
   const double torque = motor.stall_slope_nm_per_v * kVolts;
   const double gives = kStep * sim::kStopSoftness * torque / sim::kStopErp;
   const double holds = motor.friction_nm * motor.stiction_ratio / torque;
@@ -91,9 +92,9 @@ void stop(const std::string& stepper, Table& table) {
   char closed[96];
   std::snprintf(closed, sizeof closed, "%.3f mrad, ±%.3f by stiction", gives * 1e3,
                 holds * gives * 1e3);
-  table.put(stepper, scene, "rests beyond it by", closed, "",
+  table.put(stepper, scene, "penetration at rest", closed, "",
             (world->joints()[0].angle - upper) / gives - 1);
-  table.put(stepper, scene, "deepest beyond it", "no bound", "rad", most);
+  table.put(stepper, scene, "max penetration", "no bound", "rad", deepest);
   table.put(stepper, scene, "bounce back from it", "none", "rad", back);
 }
 

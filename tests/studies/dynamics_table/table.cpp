@@ -1,21 +1,38 @@
-// Differences of the steppers from closed forms, as Markdown and JSON.
+// Markdown and JSON of the errors.
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/studies/dynamics_table/table.h"
 
 #include <cmath>
-#include <cstdio>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
+
+#include "tests/studies/common/table.h"
 
 namespace kaz::dynamics_table {
 namespace {
 
+using studies::MarkdownTable;
+using studies::text;
+
 std::string written(double value) {
-  if (value == 0) return "0";
-  char text[32];
-  std::snprintf(text, sizeof text, "%+.1e", value);
-  return text;
+  return value == 0 ? "0" : text("%+.1e", value);
+}
+
+std::string energy_table(const Table::Energies& energies) {
+  std::vector<std::string> heading{"relative energy error in 10 s, at a step of"};
+  for (const double step : kStepsMs) heading.push_back(text("%g ms", step));
+  heading.emplace_back("slope");
+  MarkdownTable table(heading);
+  for (const char* pendulum : kPendulums) {
+    for (const char* dynamics : kSteppers) {
+      const std::vector<double>& errors = energies.at(pendulum).at(dynamics);
+      std::vector<std::string> cells{text("%s, %s", pendulum, dynamics)};
+      for (const double error : errors) cells.push_back(written(error).substr(1));
+      cells.push_back(text("%g", std::round(10 * slope(errors)) / 10));
+      table.add(std::move(cells));
+    }
+  }
+  return table.text();
 }
 
 }  // namespace
@@ -31,36 +48,19 @@ void Table::put(const std::string& stepper, const std::string& scene, const std:
 }
 
 std::string Table::markdown() const {
-  std::ostringstream text;
-  text << "| scene | quantity | closed form | error in |";
-  for (const char* stepper : kSteppers) text << " " << stepper << " |";
-  text << "\n|---|---|---|---|";
-  for (std::size_t i = 0; i < kSteppers.size(); ++i) text << "---|";
-  text << "\n";
+  std::vector<std::string> heading{"scene", "quantity", "closed form", "error in"};
+  heading.insert(heading.end(), kSteppers.begin(), kSteppers.end());
+  MarkdownTable table(heading);
   for (const Row& row : rows_) {
-    text << "| " << row.scene << " | " << row.quantity << " | " << row.closed << " | "
-         << (row.unit.empty() ? "share" : row.unit) << " |";
-    for (const char* stepper : kSteppers) {
-      const auto found = row.error.find(stepper);
-      text << " " << (found == row.error.end() ? std::string("–") : written(found->second)) << " |";
+    std::vector<std::string> cells{row.scene, row.quantity, row.closed,
+                                   row.unit.empty() ? "relative" : row.unit};
+    for (const char* dynamics : kSteppers) {
+      const auto found = row.error.find(dynamics);
+      cells.push_back(found == row.error.end() ? "–" : written(found->second));
     }
-    text << "\n";
+    table.add(std::move(cells));
   }
-  if (energies.empty()) return text.str();
-  text << "\n| energy in 10 s, share, at a step of |";
-  for (const double step : kStepsMs) text << " " << step << " ms |";
-  text << " slope |\n|---|";
-  for (std::size_t i = 0; i < kStepsMs.size(); ++i) text << "---|";
-  text << "---|\n";
-  for (const char* pendulum : kPendulums) {
-    for (const char* stepper : kSteppers) {
-      const std::vector<double>& errors = energies.at(pendulum).at(stepper);
-      text << "| " << pendulum << ", " << stepper << " |";
-      for (const double error : errors) text << " " << written(error).substr(1) << " |";
-      text << " " << std::round(10 * slope(errors)) / 10 << " |\n";
-    }
-  }
-  return text.str();
+  return energies.empty() ? table.text() : table.text() + "\n" + energy_table(energies);
 }
 
 std::string Table::json() const {
@@ -70,11 +70,11 @@ std::string Table::json() const {
     all["rows"].push_back({{"scene", row.scene},
                            {"quantity", row.quantity},
                            {"closed_form", row.closed},
-                           {"unit", row.unit.empty() ? "share" : row.unit},
+                           {"unit", row.unit.empty() ? "relative" : row.unit},
                            {"error", row.error}});
   }
   all["step_ms"] = kStepsMs;
-  all["energy_share"] = energies;
+  all["relative_energy_error"] = energies;
   return all.dump(2) + "\n";
 }
 

@@ -1,4 +1,4 @@
-// Differences of the steppers from closed forms, as one table.
+// Errors of the implementations of the dynamics against closed forms, as tables.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,19 +15,17 @@ inline constexpr std::array kPendulums{"double pendulum", "triple pendulum"};
 
 struct Row {
   std::string scene, quantity;
-  std::string closed;  // the closed form, and its value
-  std::string unit;    // of the error; "" where it is a share of the closed form's value
-  std::map<std::string, double> error;  // by stepper
+  std::string closed;                   // the closed form, and its value
+  std::string unit;                     // of the error; "" if relative to the closed form's value
+  std::map<std::string, double> error;  // by dynamics
 };
 
-// Of a scene under one stepper.
 class Table {
  public:
   void put(const std::string& stepper, const std::string& scene, const std::string& quantity,
            const std::string& closed, const std::string& unit, double error);
   const std::vector<Row>& rows() const { return rows_; }
-  // Largest error of the energy in 10 s as a share of the most that ever moves, by pendulum,
-  // stepper and kStepsMs.
+  // Max energy error in 10 s relative to the max kinetic energy, by pendulum, dynamics and kStepsMs.
   using Energies = std::map<std::string, std::map<std::string, std::vector<double>>>;
   Energies energies;
 
@@ -38,10 +36,10 @@ class Table {
   std::vector<Row> rows_;
 };
 
-// How fast the error falls with the step: slope of a straight line through the logarithms.
+// Order of convergence: slope of log error over log step, least squares.
 double slope(const std::vector<double>& errors);
 
-// Each runs its scenes under one stepper.
+// Each runs its scenes under one implementation of the dynamics.
 void fly(const std::string& stepper, Table& table);
 void swing(const std::string& stepper, Table& table);
 void swing_by_step(const std::string& stepper, Table& table);

@@ -13,8 +13,8 @@ namespace {
 
 EdgeScore shown(const char* name, const map::LocalMap& map, const Sweep& sweep) {
   const EdgeScore s = score(edge_errors(map, sweep.edges, 0.2, 0.8));
-  std::printf("%-7s %d places: mean %+.1f mm, middle %.1f, 95 %% %.1f, all %.1f mm\n", name,
-              s.points, 1e3 * s.mean_m, 1e3 * s.middle_m, 1e3 * s.p95_m, 1e3 * s.max_m);
+  std::printf("%-7s %d places: mean %+.1f mm, median %.1f, 95 %% %.1f, max %.1f mm\n", name,
+              s.points, 1e3 * s.mean_m, 1e3 * s.median_m, 1e3 * s.p95_m, 1e3 * s.max_m);
   return s;
 }
 
@@ -42,7 +42,7 @@ TEST(Figure7, EdgesOfTheFloorAreWithinACellWithFrameInformationOnly) {
   // a picture of any use.
   const EdgeScore without = shown("without", run->without, *run);
   EXPECT_EQ(without.points, with.points);
-  EXPECT_GT(without.middle_m, 2 * cell);
+  EXPECT_GT(without.median_m, 2 * cell);
   EXPECT_GT(without.p95_m, 5 * cell);
 }
 

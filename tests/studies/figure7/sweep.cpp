@@ -45,7 +45,7 @@ class Run {
     if (!with) return tl::unexpected(with.error());
     out_.emplace(Sweep{std::move(*with), std::move(*without), {}, std::move(*boxes), 0, 0, 0, {}});
     sim::SimulationOptions sim;
-    sim.engine = "h8";
+    sim.mcu = "h8";
     sim.image_path = options_.image_path;
     sim.world_path = options_.world;
     sim.robot_path = options_.robot_folder + "/kaz.urdf";

@@ -1,4 +1,4 @@
-// Where the floor's edges really are, and how far from there a map has them.
+// True edges of the floor, and the errors of a map's edges.
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/studies/figure7/yard.h"
 
@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+
+#include "tools/trials/statistics.h"
 
 namespace kaz::figure7 {
 namespace {
@@ -18,7 +20,7 @@ using Eigen::Vector3d;
 
 constexpr double kStep_m = 0.005, kBefore_m = 0.06;
 
-// The lower rim of a box, one side after the other; outward is to the right of the way.
+// Corners of the lower rim of a box in order; outward is to the right of each side.
 std::vector<Vector3d> rim(const Box& box) {
   const Vector3d h = 0.5 * box.size;
   std::vector<Vector3d> corners;
@@ -27,14 +29,14 @@ std::vector<Vector3d> rim(const Box& box) {
   return corners;
 }
 
-// Whether a box is on the way from `from` to `to`, the last millimetre left out.
+// Whether a box is on the line from `from` to `to`, without its last millimetre.
 bool hidden(const Box& box, const Vector3d& from, const Vector3d& to) {
   const Vector3d start = box.pose.inverse() * from;
-  const Vector3d way = box.pose.inverse() * to - start;
-  const Eigen::Array3d one = (-0.5 * box.size - start).array() / way.array();
-  const Eigen::Array3d two = (0.5 * box.size - start).array() / way.array();
+  const Vector3d ray = box.pose.inverse() * to - start;
+  const Eigen::Array3d one = (-0.5 * box.size - start).array() / ray.array();
+  const Eigen::Array3d two = (0.5 * box.size - start).array() / ray.array();
   const double enter = one.min(two).maxCoeff(), leave = one.max(two).minCoeff();
-  return enter < leave && leave > 0 && enter < 1 - 0.001 / way.norm();
+  return enter < leave && leave > 0 && enter < 1 - 0.001 / ray.norm();
 }
 
 }  // namespace
@@ -60,7 +62,7 @@ Result<std::vector<Box>> boxes_of(const std::string& sdf) {
     std::istringstream(at->GetText()) >> box.size.x() >> box.size.y() >> box.size.z();
     boxes.push_back(box);
   }
-  if (boxes.empty()) return fail(Fault::usage, sdf + ": there is no box in it");
+  if (boxes.empty()) return fail(Fault::usage, sdf + ": has no box");
   return boxes;
 }
 
@@ -127,14 +129,9 @@ EdgeScore score(const std::vector<EdgeError>& errors) {
     score.mean_m += e.error_m / static_cast<double>(errors.size());
     sizes.push_back(std::abs(e.error_m));
   }
-  std::sort(sizes.begin(), sizes.end());
-  const auto at = [&](double share) {
-    return sizes[static_cast<std::size_t>(std::ceil(share * static_cast<double>(sizes.size()))) -
-                 1];
-  };
-  score.middle_m = at(0.5);
-  score.p95_m = at(0.95);
-  score.max_m = sizes.back();
+  score.median_m = trials::quantile(sizes, 0.5);
+  score.p95_m = trials::quantile(sizes, 0.95);
+  score.max_m = trials::quantile(sizes, 1);
   return score;
 }
 

@@ -49,10 +49,10 @@ struct EdgeError {
 std::vector<EdgeError> edge_errors(const map::LocalMap& map, const std::vector<EdgePoint>& points,
                                    double near_m, double far_m);
 
-// Of their sizes: the middle one, the 95th percentile, the largest; m. `mean_m` with signs.
+// Of the absolute errors: median, 95th percentile, max; m. `mean_m` with signs.
 struct EdgeScore {
   int points = 0;
-  double mean_m = 0, middle_m = 0, p95_m = 0, max_m = 0;
+  double mean_m = 0, median_m = 0, p95_m = 0, max_m = 0;
 };
 EdgeScore score(const std::vector<EdgeError>& errors);
 

@@ -15,12 +15,14 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using studies::Noise;
+using studies::noise;
 
 constexpr Time kControlCycle = std::chrono::milliseconds(20);
 constexpr double kControlCycle_s = 0.020;
-constexpr double kHeadingNoise = 0.02;              // rad
-constexpr double kStride = 0.040, kReach = 0.012;   // m
-constexpr double kStopEarly = 0.03;                 // m, what the ramp down still walks
+constexpr double kHeadingNoise = 0.02;             // rad
+constexpr double kStride = 0.040, kReach = 0.012;  // m
+constexpr double kStopEarly = 0.03;                // m, still walked while the amplitude ramps down
 constexpr double kTurnPerSupport = 11.5 * kDegree;  // of one double support at kReach
 constexpr double kTurnedEnough = 3 * kDegree;
 constexpr double kStand_s = 12, kSettle_s = 0.5;
@@ -66,19 +68,19 @@ class Episode {
   sim::World& world() { return simulation_->world(); }
 
   Result<void> start() {
-    Surroundings around;
+    studies::Surroundings around;
     around.mu = task_.mu;
     around.motors = setting_.motors;
     if (task_.kind == Kind::grab) {
       around.ball = kBallAt + task_.off[seed_ % task_.off.size()] +
                     0.003 * Vector2d(noise(seed_, Noise::ball, 0), noise(seed_, Noise::ball, 1));
     }
-    const auto files = disturbed_files(setting_.robot_folder, around, seed_);
+    const auto files = studies::disturbed_files(setting_.robot_folder, around, seed_);
     if (!files) return tl::unexpected(files.error());
     sim::SimulationOptions options;
-    options.engine = setting_.engine;
+    options.mcu = setting_.engine;
     options.image_path = setting_.image_path;
-    options.stepper = setting_.stepper;
+    options.dynamics = setting_.stepper;
     options.seed = seed_;
     options.world_path = files->world();
     options.robot_path = files->robot();
@@ -93,7 +95,7 @@ class Episode {
     robot_.emplace(std::move(*robot));
     if (auto set = set_gains(); !set) return set;
     if (auto on = robot_->enable(host::kAllJoints); !on) return on;
-    // Into the crouch, each joint off its place by a little.
+    // Into the crouch, each joint off by 0.5 degrees (sigma).
     JointAngles first = home();
     for (std::size_t j = 0; j < first.size(); ++j) {
       const auto& limit = host::joint_table()[j];
@@ -101,11 +103,11 @@ class Episode {
                             limit.lower_rad, limit.upper_rad);
     }
     if (auto moved = send(first, 2.0); !moved) return moved;
-    beat_ = clock_->now() + from_seconds(2.5);
-    return robot_->clock().sleep_until(beat_);
+    next_cycle_ = clock_->now() + from_seconds(2.5);
+    return robot_->clock().sleep_until(next_cycle_);
   }
 
-  // Each joint's by 5 %. The neck's is lower because its light head would hunt across the gear's gap.
+  // Gains vary by 5 % (sigma). The neck's is lower: with its low inertia it would hunt within the backlash.
   Result<void> set_gains() {
     for (int joint = 0; joint < KZ_JOINTS; ++joint) {
       host::Gains gains;
@@ -129,43 +131,45 @@ class Episode {
     return robot_->set_targets(targets, from_seconds(duration_s));
   }
 
-  // One beat of motion, and what there is to see after it.
+  // One control cycle: push if due, send the targets, wait, measure.
   Result<void> step(const JointAngles& angles) {
     if (task_.push_ns > 0 && pushes_ * task_.push_every_s + task_.push_every_s <= time_) {
-      const double way = 2 * std::numbers::pi * 1000 * noise(seed_, Noise::push, pushes_++);
-      const Vector3d push = task_.push_ns * Vector3d(std::cos(way), std::sin(way), 0);
+      const double direction = 2 * std::numbers::pi * 1000 * noise(seed_, Noise::push, pushes_++);
+      const Vector3d push = task_.push_ns * Vector3d(std::cos(direction), std::sin(direction), 0);
       if (auto pushed = world().push("trunk", push); !pushed) return pushed;
     }
     if (auto sent = send(angles, kControlCycle_s); !sent) return sent;
-    beat_ += kControlCycle;
-    if (auto slept = robot_->clock().sleep_until(beat_); !slept) return slept;
+    next_cycle_ += kControlCycle;
+    if (auto slept = robot_->clock().sleep_until(next_cycle_); !slept) return slept;
     time_ += kControlCycle_s;
-    look();
+    measure();
     return {};
   }
 
-  void look() {
+  // Updates the outcome from the trunk's true pose.
+  void measure() {
     const Eigen::Isometry3d trunk = world().link_pose("trunk");
     const Eigen::Matrix3d axes = trunk.linear();
-    // Whole turns are kept.
+    // Unwrapped: full turns are counted.
     const double yaw = std::atan2(axes(1, 0), axes(0, 0));
     heading_ += std::remainder(yaw - heading_, 2 * std::numbers::pi);
     const Vector3d at = trunk.translation();
     out_.aside_m = std::max(out_.aside_m, std::abs(at.y()));
     const double tilt = std::acos(std::clamp(axes(2, 2), -1.0, 1.0)) / kDegree;
     out_.tilt_deg = std::max(out_.tilt_deg, tilt);
-    // Picking up, the trunk is bent by 50 degrees and its hips are 110 mm high; else 145 mm, and rolls.
+    // Limits of a fall. When picking up, the trunk pitches by 50 degrees with the hips at 110 mm; walking,
+    // the hips are at 145 mm and the trunk rolls.
     const bool bends = task_.kind == Kind::grab;
     out_.fell = out_.fell || at.z() < (bends ? 0.08 : 0.11) || tilt > (bends ? 75 : 45);
-    if (looks_++ % 10 == 0) out_.path.push_back({1e3 * at.x(), 1e3 * at.y()});
+    if (measurements_++ % 10 == 0) out_.path.push_back({1e3 * at.x(), 1e3 * at.y()});
   }
 
   double measured_heading() {
     return heading_ + kHeadingNoise * noise(seed_, Noise::heading, headings_++);
   }
 
-  // Beats of a cyclic motion: `targets` of phase and amplitude, until `ended` says so at full
-  // amplitude; then the ramp down.
+  // Runs a cyclic motion: targets(phase, amplitude) with the amplitude ramped up in `up` cycles, until
+  // ended(phase) returns true or `max_s` have passed; then the amplitude ramps down in `down` cycles.
   template <class Targets, class Ended>
   Result<void> cycle(double up, double down, double max_s, Targets targets, Ended ended) {
     const double period = task_.shape.period;
@@ -246,10 +250,10 @@ class Episode {
   Result<void> grab() {
     const auto plan = motion::Pickup::plan(host::Side::right, kBallAt, kBallRadius);
     if (!plan) return fail(Fault::failed, "the arm does not reach the ball where it is assumed");
-    // Smoothly from standing to the same with the centre of mass where the plan has it.
+    // From the crouch to the plan's first posture, which shifts the centre of mass.
     if (auto sent = send(plan->at(0), 0.5); !sent) return sent;
-    beat_ += from_seconds(0.5);
-    if (auto slept = robot_->clock().sleep_until(beat_); !slept) return slept;
+    next_cycle_ += from_seconds(0.5);
+    if (auto slept = robot_->clock().sleep_until(next_cycle_); !slept) return slept;
     while (time_ < plan->end_s() - 1e-9 && !out_.fell)
       if (auto done = step(plan->at(time_ + kControlCycle_s)); !done) return done;
     out_.seconds = time_;
@@ -269,10 +273,10 @@ class Episode {
   std::optional<lockstep::LockstepLink> link_;
   std::optional<host::Robot> robot_;
   Outcome out_;
-  Time beat_{};
+  Time next_cycle_{};
   double time_ = 0;     // s, since the motion began
   double heading_ = 0;  // rad
-  std::uint64_t headings_ = 0, pushes_ = 0, looks_ = 0;
+  std::uint64_t headings_ = 0, pushes_ = 0, measurements_ = 0;
 };
 
 }  // namespace

@@ -1,9 +1,9 @@
 // A known gait of Kaz as a load for the dynamics: walking and turning by slip, as joint angles over phase.
 // SPDX-License-Identifier: Apache-2.0
 //
-// It was found on another simulator of the same body: steppers are compared by what it does there. The
-// pattern is the product's (host/motion/gait.h); here the trunk leans as far as a table says, and not as
-// far as the product's criterion asks.
+// It was found on another simulator of the same body, whose results are the reference for each
+// implementation of the dynamics. The pattern is the product's (host/motion/gait.h); the trunk's roll is a
+// parameter here, not computed from the product's stability criterion.
 #pragma once
 
 #include "host/motion/gait.h"
@@ -19,11 +19,11 @@ struct Shape {
   double roll = 20 * kDegree;  // of the trunk to each side
   double lift = 0.010;         // m
   double swing = 0.30;         // of the cycle, each foot
-  double lag = 0.02;           // of the cycle, of the feet behind the trunk
+  double lag = 0.02;           // of the cycle, by which the feet follow the trunk
 };
 
 struct Stride {
-  double left = 0, right = 0;  // m, of each foot against the hips
+  double left = 0, right = 0;  // m, stroke of each foot relative to the hips
 };
 
 inline JointAngles stepping(const Shape& shape, double phase, const motion::Steps& steps) {
@@ -32,15 +32,16 @@ inline JointAngles stepping(const Shape& shape, double phase, const motion::Step
       shape.roll, phase, steps);
 }
 
-// `amplitude`: 0 stands, 1 walks in full.
+// `amplitude`: 0 stands, 1 is the full gait.
 inline JointAngles walking(const Shape& shape, double phase, double amplitude,
                            const Stride& stride) {
   return stepping(shape, phase,
                   {.amplitude = amplitude, .left = stride.left, .right = stride.right});
 }
 
-// `reach`: m, of each foot to and fro against the hips; > 0 turns left, twice a cycle, while both feet
-// carry. At phase shape.lag and half a cycle later the feet pass the hips: there it may change.
+// `reach`: m, forward and backward stroke of the feet relative to the hips; > 0 turns left, in both
+// double-support phases of a cycle. At phase shape.lag and half a cycle later the feet pass the hips: there
+// it may change.
 inline JointAngles turning(const Shape& shape, double phase, double amplitude, double reach) {
   return stepping(shape, phase, {.amplitude = amplitude, .reach = reach});
 }

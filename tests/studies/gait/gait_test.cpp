@@ -1,16 +1,15 @@
-// The known gait in short: through host, wire and emulated firmware, it walks, turns and picks up a ball.
+// A few episodes of the known gait through host, wire and emulated firmware: walking, turning, picking up.
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/studies/gait/gait.h"
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 
 #include <gtest/gtest.h>
 
-#include "sim/body/robot_model.h"
-#include "sim/body/world.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/world/world.h"
+#include "tests/studies/gait/episode.h"
 #include "tests/studies/gait/report.h"
 
 namespace kaz::gait {
@@ -35,7 +34,7 @@ Outcome run(const std::string& name, std::uint64_t seed) {
   return out;
 }
 
-// At 50 Hz nothing leaps: 12 rad/s is what the motors do unloaded. Starts and ends in the crouch.
+// Targets at 50 Hz change by less than the motors' no-load speed, 12 rad/s. Starts and ends in the crouch.
 TEST(Gait, IsSmooth) {
   const Shape walk, turn{.period = 1.8};
   for (const double amplitude : {0.0, 0.5, 1.0}) {
@@ -57,10 +56,11 @@ TEST(Gait, IsSmooth) {
   }
 }
 
-// Without sensors' noise and rounding, and without backlash, the gait that starts with the other foot is the
-// mirror's picture: solver and contacts have no hand of their own. Walking multiplies rounding errors by
-// some e per second; 0.02 degrees are far above them and far below the 1.3 that the start turns it by.
-TEST(Gait, OfBothHandsIsTheSame) {
+// Without sensor noise, quantisation and backlash, the gait that starts with the other foot is mirrored:
+// solver and contacts have no left-right bias. Rounding errors grow by about a factor e per second of
+// walking; the tolerance of 0.02 degrees is far above them and far below the 1.3 degrees by which the start
+// turns the robot.
+TEST(Gait, StartingWithTheOtherFootMirrorsIt) {
   std::array<double, 2> heading{}, aside{};
   for (const std::size_t foot : {0, 1}) {
     sim::WorldOptions options;
@@ -93,7 +93,7 @@ TEST(Gait, OfBothHandsIsTheSame) {
   EXPECT_NEAR(aside[0], -aside[1], 1e-4);
 }
 
-// Margins: of some 30 seeds (docs/dynamics.md) none was beyond them.
+// About 30 seeds were all within these margins (docs/results/gait.md).
 TEST(Gait, WalksHalfAMetre) {
   for (const std::uint64_t seed : {1, 2}) {
     const Outcome out = run("walk 0.5 m, roll 20", seed);
@@ -121,41 +121,11 @@ TEST(Gait, PicksUpTheBall) {
   EXPECT_LT(out.grasp_mm, 15);
 }
 
-// Same seed, same run; another seed, another.
-TEST(Gait, RunsAgainAsItDid) {
+TEST(Gait, IsDeterministicForASeed) {
   const Outcome one = run("slow turn +45, mu 0.7", 3), two = run("slow turn +45, mu 0.7", 3);
   EXPECT_EQ(one.heading_deg, two.heading_deg);
   EXPECT_EQ(one.path, two.path);
   EXPECT_NE(one.heading_deg, run("slow turn +45, mu 0.7", 4).heading_deg);
-}
-
-TEST(Gait, ResultsAreKeptAndNeverMixed) {
-  const std::string path = testing::TempDir() + "kaz_gait_results.jsonl";
-  std::filesystem::remove(path);
-  Entry entry;
-  entry.outcome.heading_deg = 12.5;
-  entry.outcome.per_cycle_deg = {24, 25};
-  entry.outcome.path = {{1.5, -2.5}};
-  {
-    auto results = Results::open(path, "product");
-    ASSERT_TRUE(results);
-    ASSERT_TRUE(results->add({"a", "exact", 7}, entry));
-    ASSERT_TRUE(results->add({"a", "exact", 8}, {{}, "no answer"}));
-  }
-  std::ofstream(path, std::ios::app) << R"({"task":"a","step)";  // interrupted while writing
-  const auto results = Results::open(path, "product");
-  ASSERT_TRUE(results) << results.error().message;
-  EXPECT_TRUE(results->has({"a", "exact", 7}));
-  EXPECT_FALSE(results->has({"a", "reduced", 7}));
-  EXPECT_EQ(results->errors("a", "exact"), 1);
-  const auto outcomes = results->of("a", "exact");
-  ASSERT_EQ(outcomes.size(), 1u);
-  EXPECT_EQ(outcomes[0].per_cycle_deg, entry.outcome.per_cycle_deg);
-  EXPECT_EQ(outcomes[0].path, entry.outcome.path);
-  EXPECT_FALSE(Results::open(path, "ideal")) << "of other motors";
-  std::ofstream(path, std::ios::app) << "{}\n";
-  EXPECT_FALSE(Results::open(path, "product"));
-  std::filesystem::remove(path);
 }
 
 }  // namespace

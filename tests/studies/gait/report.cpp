@@ -1,71 +1,55 @@
-// Tables of the outcomes, steppers side by side.
+// Tables of the outcomes, by task and implementation of the dynamics.
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/studies/gait/report.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
-#include <numeric>
 
 #include <nlohmann/json.hpp>
+
+#include "tests/studies/common/table.h"
+#include "tools/trials/statistics.h"
 
 namespace kaz::gait {
 namespace {
 
-std::string text(const char* format, auto... values) {
-  char line[200];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
-}
+using studies::EpisodeFile;
+using studies::text;
+using trials::Summary;
 
-struct Spread {
-  double mean = 0, sigma = 0, most = 0;
-};
-
-Spread spread(const std::vector<double>& values) {
-  Spread out;
-  if (values.empty()) return out;
-  const auto count = static_cast<double>(values.size());
-  out.mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
-  for (const double value : values) out.sigma += std::pow(value - out.mean, 2);
-  out.sigma = values.size() > 1 ? std::sqrt(out.sigma / (count - 1)) : 0;
-  out.most = *std::max_element(values.begin(), values.end());
-  return out;
-}
-
-// All figures of a task under a stepper. Those of motion are of the runs that did not fall.
-struct Figures {
+// Statistics of a task under one dynamics. Those of motion are over the episodes without a fall.
+struct Statistics {
   int runs = 0, errors = 0, falls = 0, caught = 0;
-  Spread speed_cm, seconds, heading, off_heading, aside_mm, tilt, away_mm, grasp_mm, hottest;
-  Spread per_cycle;   // over seeds, of each seed's mean
-  double within = 0;  // root mean square over seeds of the scatter between a seed's cycles
+  Summary speed_cm, seconds, heading, abs_heading, aside_mm, tilt, displaced_mm, grasp_mm, hottest;
+  Summary per_cycle;  // over seeds, of each seed's mean
+  double within = 0;  // root mean square over seeds of sigma between a seed's cycles
 };
 
-Figures figures_of(const Results& results, const Task& task, const std::string& stepper) {
-  const std::vector<Outcome> all = results.of(task.name, stepper);
-  Figures f;
-  f.runs = static_cast<int>(all.size());
-  f.errors = results.errors(task.name, stepper);
+Statistics statistics_of(const EpisodeFile& file, const Task& task, const std::string& dynamics) {
+  const std::vector<Outcome> all = file.outcomes(task.name, dynamics);
+  Statistics s;
+  s.runs = static_cast<int>(all.size());
+  s.errors = file.errors(task.name, dynamics);
   std::vector<Outcome> upright;
   for (const Outcome& out : all) {
-    f.falls += out.fell;
-    f.caught += out.caught;
+    s.falls += out.fell;
+    s.caught += out.caught;
     if (!out.fell) upright.push_back(out);
   }
   const auto over = [&upright](const std::function<double(const Outcome&)>& value) {
     std::vector<double> values;
     for (const Outcome& out : upright) values.push_back(value(out));
-    return spread(values);
+    return trials::summarize(values);
   };
-  f.speed_cm = over([](const Outcome& o) { return 100 * o.forward_m / o.seconds; });
-  f.seconds = over([](const Outcome& o) { return o.seconds; });
-  f.heading = over([](const Outcome& o) { return o.heading_deg; });
-  f.off_heading = over([](const Outcome& o) { return std::abs(o.heading_deg); });
-  f.aside_mm = over([](const Outcome& o) { return 1e3 * o.aside_m; });
-  f.tilt = over([](const Outcome& o) { return o.tilt_deg; });
-  f.hottest = over([](const Outcome& o) { return o.hottest_celsius; });
-  f.away_mm = over([](const Outcome& o) {
+  s.speed_cm = over([](const Outcome& o) { return 100 * o.forward_m / o.seconds; });
+  s.seconds = over([](const Outcome& o) { return o.seconds; });
+  s.heading = over([](const Outcome& o) { return o.heading_deg; });
+  s.abs_heading = over([](const Outcome& o) { return std::abs(o.heading_deg); });
+  s.aside_mm = over([](const Outcome& o) { return 1e3 * o.aside_m; });
+  s.tilt = over([](const Outcome& o) { return o.tilt_deg; });
+  s.hottest = over([](const Outcome& o) { return o.hottest_celsius; });
+  s.displaced_mm = over([](const Outcome& o) {
     if (o.path.empty()) return 0.0;
     return std::hypot(o.path.back().first - o.path.front().first,
                       o.path.back().second - o.path.front().second);
@@ -75,124 +59,118 @@ Figures figures_of(const Results& results, const Task& task, const std::string& 
   for (const Outcome& out : upright) {
     if (out.caught) held.push_back(out.grasp_mm);
     if (out.per_cycle_deg.empty()) continue;
-    const Spread one = spread(out.per_cycle_deg);
+    const Summary one = trials::summarize(out.per_cycle_deg);
     means.push_back(one.mean);
     squares += one.sigma * one.sigma;
   }
-  f.grasp_mm = spread(held);
-  f.per_cycle = spread(means);
-  if (!means.empty()) f.within = std::sqrt(squares / static_cast<double>(means.size()));
-  return f;
+  s.grasp_mm = trials::summarize(held);
+  s.per_cycle = trials::summarize(means);
+  if (!means.empty()) s.within = std::sqrt(squares / static_cast<double>(means.size()));
+  return s;
 }
 
 struct Column {
   const char* title;
-  std::function<std::string(const Figures&)> value;
+  std::function<std::string(const Statistics&)> value;
 };
 
+std::string mean_max(const char* format, const Summary& s) {
+  return text(format, s.mean, s.max);
+}
+std::string mean_sigma(const char* format, const Summary& s) {
+  return text(format, s.mean, s.sigma);
+}
+
 std::vector<Column> columns(Kind kind) {
-  const Column time{"time, s", [](const Figures& f) { return text("%.1f", f.seconds.mean); }};
+  using S = Statistics;
+  const Column time{"time, s", [](const S& s) { return text("%.1f", s.seconds.mean); }};
   switch (kind) {
     case Kind::walk:
-      return {
-          {"speed, cm/s", [](const Figures& f) { return text("%.2f", f.speed_cm.mean); }},
-          {"heading at the end, off by mean / most, °",
-           [](const Figures& f) {
-             return text("%.2f / %.2f", f.off_heading.mean, f.off_heading.most);
-           }},
-          {"heading, mean ± sigma, °",
-           [](const Figures& f) { return text("%+.2f ± %.2f", f.heading.mean, f.heading.sigma); }},
-          {"aside mean / most, mm",
-           [](const Figures& f) { return text("%.0f / %.0f", f.aside_mm.mean, f.aside_mm.most); }},
-          time};
+      return {{"speed, cm/s", [](const S& s) { return text("%.2f", s.speed_cm.mean); }},
+              {"heading error at the end, mean / max, °",
+               [](const S& s) { return mean_max("%.2f / %.2f", s.abs_heading); }},
+              {"heading, mean ± sigma, °",
+               [](const S& s) { return mean_sigma("%+.2f ± %.2f", s.heading); }},
+              {"lateral deviation, mean / max, mm",
+               [](const S& s) { return mean_max("%.0f / %.0f", s.aside_mm); }},
+              time};
     case Kind::turn:
-      return {
-          {"turned, °",
-           [](const Figures& f) { return text("%+.1f ± %.1f", f.heading.mean, f.heading.sigma); }},
-          {"displaced mean / most, mm",
-           [](const Figures& f) { return text("%.0f / %.0f", f.away_mm.mean, f.away_mm.most); }},
-          time};
+      return {{"rotation, °", [](const S& s) { return mean_sigma("%+.1f ± %.1f", s.heading); }},
+              {"displacement, mean / max, mm",
+               [](const S& s) { return mean_max("%.0f / %.0f", s.displaced_mm); }},
+              time};
     case Kind::spin:
-      return {{"a cycle ± over seeds, °",
-               [](const Figures& f) {
-                 return text("%.1f ± %.1f", f.per_cycle.mean, f.per_cycle.sigma);
-               }},
-              {"± between the cycles of a run, °",
-               [](const Figures& f) { return text("%.1f", f.within); }}};
+      return {
+          {"rotation a cycle, ± over seeds, °",
+           [](const S& s) { return mean_sigma("%.1f ± %.1f", s.per_cycle); }},
+          {"± between the cycles of a run, °", [](const S& s) { return text("%.1f", s.within); }}};
     case Kind::stand:
-      return {{"largest tilt mean / most, °",
-               [](const Figures& f) { return text("%.1f / %.1f", f.tilt.mean, f.tilt.most); }}};
+      return {
+          {"max tilt, mean / max, °", [](const S& s) { return mean_max("%.1f / %.1f", s.tilt); }}};
     case Kind::grab:
-      return {{"caught", [](const Figures& f) { return text("%d of %d", f.caught, f.runs); }},
-              {"ball from the grasp's centre, mm", [](const Figures& f) {
-                 return text("%.1f ± %.1f", f.grasp_mm.mean, f.grasp_mm.sigma);
-               }}};
+      return {{"caught", [](const S& s) { return text("%d of %d", s.caught, s.runs); }},
+              {"ball from the grasp's centre, mm",
+               [](const S& s) { return mean_sigma("%.1f ± %.1f", s.grasp_mm); }}};
   }
   return {};
 }
 
+std::string table_of(Kind kind, const EpisodeFile& file, const std::vector<Task>& tasks,
+                     const std::vector<std::string>& dynamics) {
+  const std::vector<Column> shown = columns(kind);
+  std::vector<std::string> heading{"task", "dynamics", "falls"};
+  for (const Column& column : shown) heading.emplace_back(column.title);
+  studies::MarkdownTable table(std::move(heading));
+  for (const Task& task : tasks) {
+    if (task.kind != kind) continue;
+    bool any = false;
+    for (const std::string& name : dynamics) {
+      const Statistics s = statistics_of(file, task, name);
+      if (s.runs + s.errors == 0) continue;
+      any = true;
+      std::vector<std::string> cells{task.name, name, text("%d of %d", s.falls, s.runs)};
+      if (s.errors > 0) cells.back().append(text(", %d errors", s.errors));
+      for (const Column& column : shown) cells.push_back(column.value(s));
+      table.add(std::move(cells));
+    }
+    if (any && task.reference != "-") table.add({"", "reference", task.reference});
+  }
+  return table.empty() ? "" : table.text() + "\n";
+}
+
 }  // namespace
 
-std::string tables(const Results& results, const std::vector<Task>& tasks,
-                   const std::vector<std::string>& steppers) {
+std::string tables(const EpisodeFile& file, const std::vector<Task>& tasks,
+                   const std::vector<std::string>& dynamics) {
   std::string out;
-  const auto line = [](std::string& to, const std::vector<std::string>& cells) {
-    for (const std::string& cell : cells) to.append("| ").append(cell).append(" ");
-    to.append("|\n");
-  };
-  for (const Kind kind : {Kind::walk, Kind::turn, Kind::spin, Kind::stand, Kind::grab}) {
-    const std::vector<Column> shown = columns(kind);
-    std::vector<std::string> head{"task", "stepper", "falls"};
-    for (const Column& column : shown) head.emplace_back(column.title);
-    std::string rows;
-    for (const Task& task : tasks) {
-      if (task.kind != kind) continue;
-      bool any = false;
-      for (const std::string& stepper : steppers) {
-        const Figures f = figures_of(results, task, stepper);
-        if (f.runs + f.errors == 0) continue;
-        any = true;
-        std::vector<std::string> cells{task.name, stepper, text("%d of %d", f.falls, f.runs)};
-        if (f.errors > 0) cells.back().append(text(", %d errors", f.errors));
-        for (const Column& column : shown) cells.push_back(column.value(f));
-        line(rows, cells);
-      }
-      std::vector<std::string> found(head.size());
-      found[1] = "where found";
-      found[2] = task.reference;
-      if (any && task.reference != "-") line(rows, found);
-    }
-    if (rows.empty()) continue;
-    line(out, head);
-    line(out, std::vector<std::string>(head.size(), "---"));
-    out.append(rows).append("\n");
-  }
+  for (const Kind kind : {Kind::walk, Kind::turn, Kind::spin, Kind::stand, Kind::grab})
+    out += table_of(kind, file, tasks, dynamics);
   return out;
 }
 
-std::string summary_json(const Results& results, const std::vector<Task>& tasks,
-                         const std::vector<std::string>& steppers) {
+std::string summary_json(const EpisodeFile& file, const std::vector<Task>& tasks,
+                         const std::vector<std::string>& dynamics) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const Task& task : tasks) {
-    for (const std::string& stepper : steppers) {
-      const Figures f = figures_of(results, task, stepper);
-      if (f.runs + f.errors == 0) continue;
-      nlohmann::ordered_json row{{"task", task.name},  {"stepper", stepper}, {"runs", f.runs},
-                                 {"errors", f.errors}, {"falls", f.falls},   {"caught", f.caught}};
-      const auto put = [&row](const char* name, const Spread& s) {
-        row[name] = {{"mean", s.mean}, {"sigma", s.sigma}, {"most", s.most}};
+    for (const std::string& name : dynamics) {
+      const Statistics s = statistics_of(file, task, name);
+      if (s.runs + s.errors == 0) continue;
+      nlohmann::ordered_json row{{"task", task.name},  {"dynamics", name}, {"runs", s.runs},
+                                 {"errors", s.errors}, {"falls", s.falls}, {"caught", s.caught}};
+      const auto put = [&row](const char* key, const Summary& value) {
+        row[key] = {{"mean", value.mean}, {"sigma", value.sigma}, {"max", value.max}};
       };
-      put("speed_cm_per_s", f.speed_cm);
-      put("seconds", f.seconds);
-      put("heading_deg", f.heading);
-      put("off_heading_deg", f.off_heading);
-      put("aside_mm", f.aside_mm);
-      put("displaced_mm", f.away_mm);
-      put("tilt_deg", f.tilt);
-      put("grasp_mm", f.grasp_mm);
-      put("hottest_celsius", f.hottest);
-      put("per_cycle_deg", f.per_cycle);
-      row["within_run_deg"] = f.within;
+      put("speed_cm_per_s", s.speed_cm);
+      put("seconds", s.seconds);
+      put("heading_deg", s.heading);
+      put("heading_error_deg", s.abs_heading);
+      put("lateral_mm", s.aside_mm);
+      put("displaced_mm", s.displaced_mm);
+      put("tilt_deg", s.tilt);
+      put("grasp_mm", s.grasp_mm);
+      put("hottest_celsius", s.hottest);
+      put("per_cycle_deg", s.per_cycle);
+      row["within_run_deg"] = s.within;
       all.push_back(row);
     }
   }

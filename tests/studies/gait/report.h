@@ -1,25 +1,25 @@
-// Tables and pictures of the outcomes, steppers side by side.
+// Tables and plots of the outcomes, by task and implementation of the dynamics.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "tests/studies/gait/results.h"
+#include "tests/studies/gait/episode.h"
 
 namespace kaz::gait {
 
-// Markdown: one table for each kind of task, a line for each task and stepper.
-std::string tables(const Results& results, const std::vector<Task>& tasks,
-                   const std::vector<std::string>& steppers);
+// Markdown: a table for each kind of task, with a row for each task and dynamics.
+std::string tables(const studies::EpisodeFile& file, const std::vector<Task>& tasks,
+                   const std::vector<std::string>& dynamics);
 
-// The same figures as JSON, one object for each task and stepper.
-std::string summary_json(const Results& results, const std::vector<Task>& tasks,
-                         const std::vector<std::string>& steppers);
+// The same statistics as JSON, an object for each task and dynamics.
+std::string summary_json(const studies::EpisodeFile& file, const std::vector<Task>& tasks,
+                         const std::vector<std::string>& dynamics);
 
-// Paths of the trunk seen from above, one panel for each task that walks; and how the turns are spread,
-// one curve for each stepper. SVG files in `folder`, which must exist.
-Result<void> pictures(const Results& results, const std::vector<Task>& tasks,
-                      const std::vector<std::string>& steppers, const std::string& folder);
+// gait_paths: trunk paths from above, a plot for each walking task; gait_turns: histograms of the rotation,
+// a curve for each dynamics. SVG and PNG files in `folder`, which must exist.
+Result<void> write_plots(const studies::EpisodeFile& file, const std::vector<Task>& tasks,
+                         const std::vector<std::string>& dynamics, const std::string& folder);
 
 }  // namespace kaz::gait

@@ -1,7 +1,7 @@
 // The tasks of the tables.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where nothing else is said the trunk rolls by 16 degrees and the floor has a friction of 0.7.
+// Defaults: the trunk rolls by 16 degrees, the floor has a friction coefficient of 0.7.
 #include "tests/studies/gait/episode.h"
 
 namespace kaz::gait {
@@ -19,7 +19,7 @@ std::vector<Task> make() {
   constexpr double k45 = 45 * kDegree;
   const Shape walk = walk_shape(16), wide = walk_shape(20);
   const Shape turn = turn_shape(16), wide_turn = turn_shape(20);
-  // Of our own: slow enough to stand on one foot at a time on every floor.
+  // Our own, not of the reference: slow enough for single support on every floor.
   const Shape slow_turn{.period = 2.2, .roll = 22 * kDegree};
   const auto turning = [](std::string name, Shape shape, double mu, double angle,
                           std::string reference) {

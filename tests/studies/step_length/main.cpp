@@ -1,69 +1,92 @@
-// Prints how far standing, steps on the spot and a rolling ball depend on the length of the physics step.
+// step_length: deviation of standing, stepping and a rolling ball by the length of the physics step.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
+#include <CLI/CLI.hpp>
+
+#include "tests/studies/common/program.h"
+#include "tests/studies/common/table.h"
 #include "tests/studies/step_length/step_run.h"
 
 namespace kaz::step_length {
 namespace {
 
+using studies::text;
+
 constexpr double kDegree = M_PI / 180;
 
-bool print(const char* name, const Result<Course>& run, const Course& reference) {
-  if (!run) {
-    std::fprintf(stderr, "%s: %s\n", name, run.error().message.c_str());
-    return false;
-  }
-  const Apart a = apart(*run, reference);
-  std::printf("| %s | %.2f | %.2f | %.2f | %.2f | %.2f %% | %.3f | %.1f | %.2f |\n", name,
-              1e3 * a.tracking, 1e3 * a.joints, 1e3 * a.trunk, a.turn / kDegree, 100 * a.force,
-              1e3 * a.ball, run->largest_tilt / kDegree, run->physics_s);
-  std::fflush(stdout);
-  return true;
+Result<void> add_row(studies::MarkdownTable& table, const char* name, const Result<Course>& run,
+                     const Course& reference) {
+  if (!run) return fail(run.error().fault, std::string(name) + ": " + run.error().message);
+  const Deviation d = deviation(*run, reference);
+  table.add({name, text("%.2f", 1e3 * d.tracking), text("%.2f", 1e3 * d.joints),
+             text("%.2f", 1e3 * d.trunk), text("%.2f", d.heading / kDegree),
+             text("%.2f %%", 100 * d.force), text("%.3f", 1e3 * d.ball),
+             text("%.1f", run->max_tilt / kDegree), text("%.2f", run->physics_s)});
+  return {};
 }
 
-bool table(const char* name, Setting setting, Result<Course> (*go)(const Setting&)) {
+// Runs all step lengths, prints the table and appends it to `tables`.
+Result<void> measure(const std::string& name, Setting setting, Result<Course> (*go)(const Setting&),
+                     std::string& tables) {
   setting.step_ms = 0.125;
   const auto reference = go(setting);
-  std::printf(
-      "\n%s, %s, gain %.0f\n| step | tracking, mrad | joints, mrad | trunk, mm | heading, degrees "
-      "| feet | ball, mm | largest tilt | wall s |\n|---|---|---|---|---|---|---|---|---|\n",
-      name, setting.stepper.c_str(), setting.gain);
-  if (!reference) {
-    std::fprintf(stderr, "%s\n", reference.error().message.c_str());
-    return false;
-  }
-  print("0.125 ms", reference, *reference);
-  for (const auto& [text, step] :
+  if (!reference) return tl::unexpected(reference.error());
+  studies::MarkdownTable table({"step", "tracking, mrad", "joints, mrad", "trunk, mm",
+                                "heading, degrees", "feet", "ball, mm", "max tilt", "wall s"});
+  auto done = add_row(table, "0.125 ms", reference, *reference);
+  for (const auto& [label, step] :
        {std::pair{"0.25 ms", 0.25}, {"0.5 ms", 0.5}, {"1 ms", 1.0}, {"2 ms", 2.0}, {"4 ms", 4.0}}) {
     setting.step_ms = step;
-    print(text, go(setting), *reference);
+    if (done) done = add_row(table, label, go(setting), *reference);
   }
-  if (go == run_smooth) return true;
-  // The scale for all this: the same again, begun 20 ms later. The ball is flicked when it was.
-  setting.step_ms = 0.125;
-  setting.lead_ms = 20;
-  return print("0.125 ms, 20 ms later", go(setting), *reference);
+  if (go != run_smooth) {
+    // The scale of the deviations: the same run started 20 ms later; the ball is kicked at the same time.
+    setting.step_ms = 0.125;
+    setting.lead_ms = 20;
+    if (done) done = add_row(table, "0.125 ms, 20 ms later", go(setting), *reference);
+  }
+  const std::string written =
+      text("\n%s, %s, gain %.0f\n\n", name.c_str(), setting.stepper.c_str(), setting.gain) +
+      table.text();
+  std::printf("%s", written.c_str());
+  std::fflush(stdout);
+  tables += written;
+  return done;
 }
 
-int main(const char* stepper) {
-  bool all = true;
+Result<std::string> measure_all(const std::string& dynamics) {
+  std::string tables;
   for (const auto& [name, load] : {std::pair{"stand", Load::stand}, {"walk", Load::walk}}) {
     for (const double gain : {20.0, 40.0, 80.0}) {
-      const Setting setting{.load = load, .stepper = stepper, .gain = gain};
-      all = table((std::string(name) + " smooth").c_str(), setting, run_smooth) && all;
-      // With 40 the firmware takes a motor for stalled.
-      if (gain == 20.0) all = table(name, setting, run) && all;
+      Setting setting;
+      setting.load = load;
+      setting.stepper = dynamics;
+      setting.gain = gain;
+      auto done = measure(std::string(name) + " smooth", setting, run_smooth, tables);
+      // At a gain of 40 the firmware's stall detection trips.
+      if (done && gain == 20.0) done = measure(name, setting, run, tables);
+      if (!done) return tl::unexpected(done.error());
     }
   }
-  return all ? 0 : 1;
+  return tables;
 }
 
 }  // namespace
 }  // namespace kaz::step_length
 
-int main(int count, char** arguments) {
-  return kaz::step_length::main(count > 1 ? arguments[1] : "reduced");
+int main(int argc, char** argv) {
+  using namespace kaz;
+  CLI::App app("Deviation of the robot's motion by the length of the physics step, as tables.");
+  std::string dynamics = "reduced", markdown;
+  app.add_option("dynamics,--dynamics", dynamics, "reduced, exact or quickN")
+      ->capture_default_str();
+  studies::add_markdown_option(app, markdown);
+  return studies::run_program(app, "step_length", argc, argv, [&]() -> Result<void> {
+    const auto tables = step_length::measure_all(dynamics);
+    if (!tables) return tl::unexpected(tables.error());
+    return studies::write_markdown(markdown, studies::command_line(argc, argv),
+                                   "deterministic: 1 seed", *tables);
+  });
 }

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "host/robot/robot.h"
-#include "sim/body/robot_model.h"
-#include "sim/body/gait_testing.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/world/gait_testing.h"
 #include "tools/lockstep/lockstep.h"
 
 namespace kaz::step_length {
@@ -23,7 +23,7 @@ constexpr double kIntoCrouch = 2.0, kIntoWalk = 2.0;  // s
 constexpr int kControlMs = 20;
 constexpr char kRobot[] = "shared/robot/kaz/kaz.urdf";
 
-// The ball is flicked at 1 s, slides, and rolls.
+// The ball is kicked at 1 s, slides, and rolls.
 constexpr char kWorld[] = R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="test">
 <model name="floor"><static>true</static><link name="l"><collision name="c">
@@ -75,7 +75,7 @@ Result<std::unique_ptr<sim::Simulation>> make(const Setting& setting) {
   options.robot_path = kRobot;
   options.camera_path = "shared/robot/kaz/camera.json";
   options.sensors = sim::SensorSwitches::ideal();
-  options.stepper = setting.stepper;
+  options.dynamics = setting.stepper;
   options.physics_step_ms = setting.step_ms;
   auto simulation = sim::Simulation::create(options);
   std::filesystem::remove(options.world_path);
@@ -91,8 +91,8 @@ Result<Course> with_weight() {
 }
 
 void add(Course& run, int ms, const Sample& sample) {
-  run.largest_tilt =
-      std::max(run.largest_tilt, std::acos(std::clamp(sample.trunk.linear()(2, 2), -1.0, 1.0)));
+  run.max_tilt =
+      std::max(run.max_tilt, std::acos(std::clamp(sample.trunk.linear()(2, 2), -1.0, 1.0)));
   run.at.emplace(ms, sample);
 }
 
@@ -100,7 +100,7 @@ void add(Course& run, int ms, const Sample& sample) {
 
 Result<Course> run_smooth(const Setting& setting) {
   sim::WorldOptions options;
-  options.stepper = setting.stepper;
+  options.dynamics = setting.stepper;
   options.step_s = setting.step_ms / 1000;
   options.ideal_motors = true;
   const std::string path = world_file();
@@ -149,7 +149,7 @@ Result<Course> run(const Setting& setting) {
     return tl::unexpected(set.error());
   if (auto on = robot->enable(host::kAllJoints); !on) return tl::unexpected(on.error());
   const Time lead = from_seconds(1e-3 * setting.lead_ms);
-  // The same moment in each run, whatever the length: a multiple of all.
+  // The same time in each run: a multiple of all step lengths.
   const Time begin = from_seconds(0.2) + lead;
   if (auto slept = robot->clock().sleep_until(begin); !slept) return tl::unexpected(slept.error());
 
@@ -158,7 +158,7 @@ Result<Course> run(const Setting& setting) {
   const auto started = std::chrono::steady_clock::now();
   const int cycles = static_cast<int>(setting.seconds * 1000) / kControlMs;
   for (int cycle = 0; cycle < cycles; ++cycle) {
-    // What the ramp reaches at its end.
+    // Targets at the end of the ramp.
     const auto angles = targets_at(setting.load, 1e-3 * kControlMs * (cycle + 1));
     std::vector<host::JointTarget> targets;
     for (int j = 0; j < KZ_JOINTS; ++j) targets.push_back({j, angles[static_cast<std::size_t>(j)]});
@@ -178,8 +178,8 @@ Result<Course> run(const Setting& setting) {
   return run;
 }
 
-Apart apart(const Course& run, const Course& reference) {
-  Apart apart;
+Deviation deviation(const Course& run, const Course& reference) {
+  Deviation result;
   double joints = 0, tracking = 0, force = 0;
   std::size_t samples = 0, windows = 0, in_window = 0;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -201,22 +201,22 @@ Apart apart(const Course& run, const Course& reference) {
       joints += std::pow(now.angle[j] - then.angle[j], 2) / KZ_JOINTS;
       tracking += std::pow(now.angle[j] - now.target[j], 2) / KZ_JOINTS;
     }
-    apart.trunk =
-        std::max(apart.trunk, (now.trunk.translation() - then.trunk.translation()).norm());
+    result.trunk =
+        std::max(result.trunk, (now.trunk.translation() - then.trunk.translation()).norm());
     const Eigen::Matrix3d turn = then.trunk.linear().transpose() * now.trunk.linear();
-    apart.turn = std::max(apart.turn, std::abs(std::atan2(turn(1, 0), turn(0, 0))));
-    apart.ball = std::max(apart.ball, (now.ball - then.ball).norm());
+    result.heading = std::max(result.heading, std::abs(std::atan2(turn(1, 0), turn(0, 0))));
+    result.ball = std::max(result.ball, (now.ball - then.ball).norm());
     if (ms / kControlMs != window) close();
     window = ms / kControlMs;
     sum += Eigen::Vector2d(now.left - then.left, now.right - then.right);
     ++in_window;
   }
   close();
-  if (samples == 0) return apart;
-  apart.joints = std::sqrt(joints / static_cast<double>(samples));
-  apart.tracking = std::sqrt(tracking / static_cast<double>(samples));
-  apart.force = std::sqrt(force / static_cast<double>(windows)) / run.weight;
-  return apart;
+  if (samples == 0) return result;
+  result.joints = std::sqrt(joints / static_cast<double>(samples));
+  result.tracking = std::sqrt(tracking / static_cast<double>(samples));
+  result.force = std::sqrt(force / static_cast<double>(windows)) / run.weight;
+  return result;
 }
 
 }  // namespace kaz::step_length

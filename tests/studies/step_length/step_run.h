@@ -1,9 +1,9 @@
 // One run of the whole virtual robot under a physics step of a given length, and how far two runs are
-// apart.
+// result.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Host, wire, native firmware with its tick of 1 ms, sensors without noise, Kaz's motors. Targets are
-// those of sim/body/gait_testing.h, sent each 20 ms as ramps of 20 ms.
+// those of sim/body/world/gait_testing.h, sent each 20 ms as ramps of 20 ms.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 #include <string>
 
 #include "shared/base/result.hpp"
-#include "sim/runtime/simulation.h"
+#include "sim/runtime/simulation/simulation.h"
 
 namespace kaz::step_length {
 
@@ -27,7 +27,7 @@ struct Setting {
   std::string stepper = "reduced";
   double gain = 20;       // of full drive per rad
   double damping = 0.15;  // of full drive per rad/s
-  double lead_ms = 0;     // the first targets leave so much later: another run of the same
+  double lead_ms = 0;     // delay of the first targets
 };
 
 struct Sample {
@@ -41,25 +41,25 @@ struct Course {
   std::map<int, Sample> at;  // by ms since the targets began
   double weight = 0;         // N
   double physics_s = 0;      // wall time in all
-  double largest_tilt = 0;   // rad, of the trunk
+  double max_tilt = 0;       // rad, of the trunk
 };
 
-// The same without what makes paths part by themselves: motors without backlash, a servo at 1 kHz that
-// knows angles exactly (between steps as Simulation tells them: by the speed at the last one's end), its
-// duty a step's mean. Errors: World's.
+// The same without sources of chaotic divergence: motors without backlash, and a servo at 1 kHz with exact
+// angles (between steps extrapolated by the velocity at the last step's end, as Simulation does) whose duty
+// is averaged over a step. Errors: World's.
 Result<Course> run_smooth(const Setting& setting);
 
 // A ball of 40 mm rolls beside the robot meanwhile. Errors: Simulation's and the host's.
 Result<Course> run(const Setting& setting);
 
-struct Apart {
+struct Deviation {
   double joints = 0;    // rad, root mean square
   double tracking = 0;  // rad, root mean square of angle - target in the first of the two
-  double trunk = 0;     // m, largest distance of its places
-  double turn = 0;      // rad, largest difference of its heading
-  double force = 0;     // share of the weight: root mean square over feet, means of 20 ms
-  double ball = 0;      // m, largest
+  double trunk = 0;     // m, max distance of its positions
+  double heading = 0;   // rad, max difference of its heading
+  double force = 0;     // relative to the weight: root mean square over feet, means of 20 ms
+  double ball = 0;      // m, max distance of its positions
 };
-Apart apart(const Course& run, const Course& reference);
+Deviation deviation(const Course& run, const Course& reference);
 
 }  // namespace kaz::step_length

@@ -6,7 +6,7 @@
 
 namespace kaz::vision_table {
 
-Result<void> measure_accuracy(int width, Sight sight, int pictures, Table& table) {
+Result<void> measure_accuracy(int width, Visibility visibility, int pictures, Table& table) {
   World world("wood", sim::kRedBall, false, false);
   const Eyes eyes(width, {});
   auto renderer = renderer_of(world);
@@ -16,12 +16,12 @@ Result<void> measure_accuracy(int width, Sight sight, int pictures, Table& table
   for (const double distance_m : kDistances_m) {
     AccuracyRow row;
     row.width = width;
-    row.sight = sight;
+    row.visibility = visibility;
     row.distance_m = distance_m;
     row.pictures = pictures;
-    Random random(100 * static_cast<std::uint64_t>(width) + static_cast<std::uint64_t>(sight));
+    Random random(100 * static_cast<std::uint64_t>(width) + static_cast<std::uint64_t>(visibility));
     for (int i = 0; i < pictures; ++i) {
-      const Placement place = place_ball(random, eyes.camera(), distance_m, sight, world);
+      const Placement place = place_ball(random, eyes.camera(), distance_m, visibility, world);
       auto left = eyes.take_left(**renderer, world.scene.pose, place.eye, ++number);
       if (!left) return tl::unexpected(left.error());
       const auto ball = detector.detect(*left, eyes.info(place.eye));

@@ -26,10 +26,10 @@ Result<void> measure_boards(const std::string& folder, Table& table) {
   }
   const auto result = vision::calibrate_stereo(pairs, board, width, height);
   if (!result) return tl::unexpected(result.error());
-  table.boards = {{"reprojection, left lens alone", result->left.rms_px},
-                  {"reprojection, right lens alone", result->right.rms_px},
-                  {"reprojection, both with the way between them", result->rms_px},
-                  {"rows of the same corner in both rectified pictures", result->row_rms_px}};
+  table.boards = {{"reprojection, left lens only", result->left.rms_px},
+                  {"reprojection, right lens only", result->right.rms_px},
+                  {"reprojection, both with the transform between them", result->rms_px},
+                  {"row difference of a corner in the rectified pictures", result->row_rms_px}};
   return {};
 }
 

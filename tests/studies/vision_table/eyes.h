@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "sim/view/sensor.h"
+#include "sim/view/sensor/sensor.h"
 #include "tests/studies/vision_table/world.h"
 #include "vision/calibration/rectify.h"
 
@@ -24,7 +24,7 @@ class Eyes {
  public:
   static constexpr double kBaseline_m = sim::kEyeBaseline_m;
 
-  // Unit 2 of the eyes: lenses, mounting and noise as the simulator has them (sim/view/sensor.h).
+  // Unit 2 of the eyes: lenses, mounting and noise as the simulator has them (sim/view/sensor/sensor.h).
   Eyes(int width, const Conditions& conditions);
 
   const vision::CameraModel& camera() const { return calibration_.rectified; }

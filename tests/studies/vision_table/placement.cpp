@@ -43,7 +43,7 @@ void hide(Random& random, const Placement& place, World& world) {
 }  // namespace
 
 Placement place_ball(Random& random, const vision::CameraModel& camera, double distance_m,
-                     Sight sight, World& world) {
+                     Visibility visibility, World& world) {
   world.remove_board();
   Placement place;
   place.distance_m = distance_m;
@@ -51,7 +51,7 @@ Placement place_ball(Random& random, const vision::CameraModel& camera, double d
   const double radius = camera.fx * World::kBallRadius_m / distance_m;
   const double margin = 1.7 * radius + 3;
   for (;;) {
-    if (sight == Sight::cut) {
+    if (visibility == Visibility::cut) {
       // Along an edge: of the ball's middle row or column between a fifth and six tenths is lost.
       const double out = within(random, -0.6, 0.2) * radius;
       const bool sideways = random.chance(0.5), first = random.chance(0.5);
@@ -74,7 +74,7 @@ Placement place_ball(Random& random, const vision::CameraModel& camera, double d
     if (in_sight(world, place.eye.translation(), place.ball)) break;
   }
   world.put_ball(place.ball);
-  if (sight == Sight::hidden) hide(random, place, world);
+  if (visibility == Visibility::hidden) hide(random, place, world);
   return place;
 }
 

@@ -17,7 +17,7 @@ struct Placement {
 
 // Also puts ball and board there. The eye is 0.3 m above the floor.
 Placement place_ball(Random& random, const vision::CameraModel& camera, double distance_m,
-                     Sight sight, World& world);
+                     Visibility visibility, World& world);
 
 // Further off than this from the ball is another thing: 3 px, or half its radius.
 bool at_the_ball(const Placement& place, const vision::CameraModel& camera,

@@ -40,7 +40,7 @@ Result<void> balls(const RobustCase& row, int pictures, const Eyes& eyes, sim::R
   Random random(11);
   for (int i = 0; i < pictures; ++i) {
     const double distance_m = 0.25 + 0.75 * random.uniform();
-    const Placement place = place_ball(random, eyes.camera(), distance_m, Sight::whole, world);
+    const Placement place = place_ball(random, eyes.camera(), distance_m, Visibility::whole, world);
     const bool there = i % 3 != 2;  // every third picture is without a ball
     if (!there) world.remove_ball();
     const auto left =

@@ -2,138 +2,108 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/studies/vision_table/table.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-
 #include <nlohmann/json.hpp>
+
+#include "tests/studies/common/table.h"
 
 namespace kaz::vision_table {
 namespace {
 
-const char* name_of(Sight sight) {
-  switch (sight) {
-    case Sight::whole:
+using studies::MarkdownTable;
+using studies::percent;
+using studies::text;
+
+const char* name_of(Visibility visibility) {
+  switch (visibility) {
+    case Visibility::whole:
       return "whole";
-    case Sight::cut:
-      return "cut by the edge of the picture";
-    case Sight::hidden:
-      return "hidden in part";
+    case Visibility::cut:
+      return "cut by the image border";
+    case Visibility::hidden:
+      return "partly hidden";
   }
   return "";
 }
 
-template <class... T>
-std::string text(const char* format, T... values) {
-  char line[512];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
-}
-
-double percent(int part, int all) {
-  return all > 0 ? 100.0 * part / all : 0;
-}
-
 std::string accuracy_text(const std::vector<AccuracyRow>& rows) {
   std::string out;
-  int width = 0;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const AccuracyRow& r = rows[i];
-    if (i == 0 || r.sight != rows[i - 1].sight || r.width != width) {
-      width = r.width;
-      out += text("\nBall %s, %d x %d, %d pictures a row:\n\n", name_of(r.sight), r.width,
-                  r.width * 3 / 4, r.pictures);
-      out +=
-          "| distance | found | centre rms, 95 % | distance rms, 95 % | mean |\n"
-          "|---|---|---|---|---|\n";
+  for (auto r = rows.begin(); r != rows.end();) {
+    out += text("\nBall %s, %d x %d, %d pictures a row:\n\n", name_of(r->visibility), r->width,
+                r->width * 3 / 4, r->pictures);
+    MarkdownTable table(
+        {"distance", "found", "centre rms, 95 %", "distance rms, 95 %", "distance mean"});
+    for (const auto first = r;
+         r != rows.end() && r->width == first->width && r->visibility == first->visibility; ++r) {
+      const std::string wrong = r->wrong > 0 ? text(", %d wrong", r->wrong) : "";
+      table.add({text("%.2f m", r->distance_m),
+                 text("%.1f %%%s", percent(r->found, r->pictures), wrong.c_str()),
+                 text("%.2f, %.2f px", r->center_px.rms(), r->center_px.percentile(0.95)),
+                 text("%.1f, %.1f %%", 100 * r->distance.rms(), 100 * r->distance.percentile(0.95)),
+                 text("%+.1f %%", 100 * r->distance.mean())});
     }
-    out +=
-        text("| %.2f m | %.1f %%%s | %.2f, %.2f px | %.1f, %.1f %% | %+.1f %% |\n", r.distance_m,
-             percent(r.found, r.pictures), r.wrong > 0 ? text(", %d wrong", r.wrong).c_str() : "",
-             r.center_px.rms(), r.center_px.percentile(0.95), 100 * r.distance.rms(),
-             100 * r.distance.percentile(0.95), 100 * r.distance.bias());
+    out += table.text();
   }
   return out;
 }
 
-std::string robustness(const std::vector<RobustRow>& rows) {
-  if (rows.empty()) return "";
-  std::string out, group;
-  int width = 0;
-  for (const RobustRow& r : rows) {
-    if (r.width != width) {
-      out += text(
-          "\nBall at 0.25 to 1 m, depth and floor, %d x %d; a row has up to %d pictures with a ",
-          r.width, r.width * 3 / 4, r.balls);
-      out += text("ball, %d without, %d pairs:\n\n", r.without, r.floors);
-      out +=
-          "| | ball found | wrong, false | centre rms | distance 95 % | depth right, known | floor "
-          "found | normal, height 95 % |\n|---|---|---|---|---|---|---|---|\n";
-      group.clear();
+std::vector<std::string> cells_of(const RobustRow& r) {
+  std::vector<std::string> cells(8);
+  cells[0] = r.name;
+  if (r.balls > 0) {
+    cells[1] = text("%.0f %%", percent(r.found, r.balls));
+    cells[2] = text("%.0f, %.0f %%", percent(r.wrong, r.balls), percent(r.false_finds, r.without));
+    if (r.found > 0) {
+      cells[3] = text("%.2f px", r.center_px.rms());
+      cells[4] = text("%.1f %%", 100 * r.distance.percentile(0.95));
     }
-    width = r.width;
-    if (r.group != group) out += "| **" + r.group + "** | | | | | | | |\n";
-    group = r.group;
-    out += "| " + r.name;
-    if (r.balls > 0) {
-      out += text(" | %.0f %% | %.0f, %.0f %%", percent(r.found, r.balls),
-                  percent(r.wrong, r.balls), percent(r.false_finds, r.without));
-      out += r.found > 0 ? text(" | %.2f px | %.1f %%", r.center_px.rms(),
-                                100 * r.distance.percentile(0.95))
-                         : " | | ";
-    } else {
-      out += " | | | | ";
+  }
+  if (r.floors > 0) {
+    cells[5] = r.textured > 0 ? text("%.0f, %.0f %%", percent(r.good, r.textured),
+                                     percent(r.known, r.textured))
+                              : std::string("no texture");
+    cells[6] = text("%.0f %%", percent(r.floors_found, r.floors));
+    if (r.floors_found > 0)
+      cells[7] =
+          text("%.1f°, %.1f mm", r.normal_deg.percentile(0.95), r.height_mm.percentile(0.95));
+  }
+  return cells;
+}
+
+std::string robustness_text(const std::vector<RobustRow>& rows) {
+  std::string out;
+  for (auto r = rows.begin(); r != rows.end();) {
+    out += text(
+        "\nBall at 0.25 to 1 m, depth and floor, %d x %d; up to %d pictures a row with a ball, %d "
+        "without, %d stereo pairs:\n\n",
+        r->width, r->width * 3 / 4, r->balls, r->without, r->floors);
+    MarkdownTable table({"", "ball found", "wrong, false", "centre rms", "distance 95 %",
+                         "depth correct, known", "floor found", "normal, height 95 %"});
+    std::string group;
+    for (const int width = r->width; r != rows.end() && r->width == width; ++r) {
+      if (r->group != group) table.add({"**" + r->group + "**"});
+      group = r->group;
+      table.add(cells_of(*r));
     }
-    if (r.floors > 0) {
-      out += r.textured > 0 ? text(" | %.0f, %.0f %%", percent(r.good, r.textured),
-                                   percent(r.known, r.textured))
-                            : std::string(" | no texture");
-      out += text(" | %.0f %%", percent(r.floors_found, r.floors));
-      out += r.floors_found > 0 ? text(" | %.1f°, %.1f mm", r.normal_deg.percentile(0.95),
-                                       r.height_mm.percentile(0.95))
-                                : " | ";
-    } else {
-      out += " | | | ";
-    }
-    out += " |\n";
+    out += table.text();
   }
   return out;
 }
 
 }  // namespace
 
-double Errors::rms() const {
-  double sum = 0;
-  for (const double v : values_) sum += v * v;
-  return values_.empty() ? 0 : std::sqrt(sum / static_cast<double>(values_.size()));
-}
-
-double Errors::bias() const {
-  double sum = 0;
-  for (const double v : values_) sum += v;
-  return values_.empty() ? 0 : sum / static_cast<double>(values_.size());
-}
-
-double Errors::percentile(double share) const {
-  if (values_.empty()) return 0;
-  std::vector<double> sizes;
-  for (const double v : values_) sizes.push_back(std::abs(v));
-  std::sort(sizes.begin(), sizes.end());
-  return sizes[static_cast<std::size_t>(share * static_cast<double>(sizes.size() - 1) + 0.5)];
-}
-
 std::string Table::markdown() const {
-  std::string out = accuracy_text(accuracy) + robustness(robust);
-  if (!boards.empty()) out += "\n| the 13 photographed pairs, 640 x 480 | px rms |\n|---|---|\n";
-  for (const BoardRow& r : boards) out += "| " + r.quantity + text(" | %.2f |\n", r.value_px);
-  return out;
+  std::string out = accuracy_text(accuracy) + robustness_text(robust);
+  if (boards.empty()) return out;
+  MarkdownTable table({"13 photographed pairs, 640 x 480", "px rms"});
+  for (const BoardRow& r : boards) table.add({r.quantity, text("%.2f", r.value_px)});
+  return out + "\n" + table.text();
 }
 
 std::string Table::json() const {
   nlohmann::ordered_json all;
   for (const AccuracyRow& r : accuracy) {
     all["accuracy"].push_back({{"width", r.width},
-                               {"sight", name_of(r.sight)},
+                               {"visibility", name_of(r.visibility)},
                                {"distance_m", r.distance_m},
                                {"pictures", r.pictures},
                                {"found", r.found},
@@ -142,7 +112,7 @@ std::string Table::json() const {
                                {"center_95_px", r.center_px.percentile(0.95)},
                                {"distance_rms", r.distance.rms()},
                                {"distance_95", r.distance.percentile(0.95)},
-                               {"distance_mean", r.distance.bias()}});
+                               {"distance_mean", r.distance.mean()}});
   }
   for (const RobustRow& r : robust) {
     all["robustness"].push_back({{"width", r.width},
@@ -157,7 +127,7 @@ std::string Table::json() const {
                                  {"distance_95", r.distance.percentile(0.95)},
                                  {"textured_px", r.textured},
                                  {"known_px", r.known},
-                                 {"right_px", r.good},
+                                 {"correct_px", r.good},
                                  {"floors", r.floors},
                                  {"floors_found", r.floors_found},
                                  {"normal_95_deg", r.normal_deg.percentile(0.95)},

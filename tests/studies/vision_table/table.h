@@ -1,4 +1,4 @@
-// The tables of what vision finds: rows as measured, as Markdown and JSON.
+// Tables of vision accuracy on rendered images against ground truth: rows, Markdown and JSON.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,40 +7,34 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "tools/trials/statistics.h"
 
 namespace kaz::vision_table {
 
-// Errors of one quantity; percentiles of their size.
-class Errors {
- public:
-  void add(double error) { values_.push_back(error); }
-  bool empty() const { return values_.empty(); }
-  double rms() const;
-  double bias() const;                    // mean with sign
-  double percentile(double share) const;  // of the size; 0..1. 0 where there are none
+using trials::Errors;
 
- private:
-  std::vector<double> values_;
-};
-
-enum class Sight { whole, cut, hidden };  // cut: by the edge of the picture; hidden: by a board
+enum class Visibility {
+  whole,
+  cut,
+  hidden
+};  // cut: by the image border; hidden: partly, by a board
 inline constexpr double kDistances_m[] = {0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5};
 
-// A red ball of 20 mm radius somewhere in the picture, at one distance.
+// A red ball of 20 mm radius at one distance and random positions in the image.
 struct AccuracyRow {
   int width = 0;
-  Sight sight = Sight::whole;
+  Visibility visibility = Visibility::whole;
   double distance_m = 0;
-  int pictures = 0, found = 0, wrong = 0;  // wrong: found where the ball is not; not in `found`
-  Errors center_px, distance;              // distance as a share
+  int pictures = 0, found = 0, wrong = 0;  // wrong: detected elsewhere; not in `found`
+  Errors center_px, distance;              // distance: relative
 };
 
-// Ball, depth and floor under conditions.
+// Ball, depth and floor under one condition.
 struct RobustRow {
   int width = 0;
   std::string group, name;
   int balls = 0, found = 0, wrong = 0;
-  int without = 0, false_finds = 0;  // pictures in which there is no such ball
+  int without = 0, false_finds = 0;  // images without a ball; detections in them
   Errors center_px, distance;
   int textured = 0, known = 0, good = 0;  // pixels
   int floors = 0, floors_found = 0;
@@ -61,11 +55,17 @@ struct Table {
   std::string json() const;
 };
 
-// Each adds its rows. `pictures`: per row. Errors where OpenGL cannot be had.
-Result<void> measure_accuracy(int width, Sight sight, int pictures, Table& table);
-// Rows whose group or name is `only`; all where that is empty. Every third picture is without a ball.
+// Required 95th percentile of the relative distance error of a whole ball.
+constexpr double max_distance_error(int width, double distance_m) {
+  if (width == 320) return distance_m <= 0.6 ? 0.03 : distance_m <= 0.8 ? 0.05 : 0.12;
+  return distance_m <= 1.0 ? 0.03 : 0.06;
+}
+
+// Each appends its rows. `pictures`: per row. Errors: no OpenGL.
+Result<void> measure_accuracy(int width, Visibility visibility, int pictures, Table& table);
+// Rows whose group or name is `only`, or all if empty. Every third image is without a ball.
 Result<void> measure_robustness(int width, int pictures, const std::string& only, Table& table);
-// From OpenCV's photographs in `folder`; an error where they are not there.
+// From OpenCV's photographs in `folder`. Errors: they do not exist.
 Result<void> measure_boards(const std::string& folder, Table& table);
 
 }  // namespace kaz::vision_table

@@ -1,31 +1,31 @@
-// A short form of the tables: what holds is held, and what breaks does not pass for right.
+// A short form of the tables: accuracy is kept, and failures are not reported as detections.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "tests/studies/vision_table/pictures.h"
+#include "tests/studies/vision_table/table.h"
 
 namespace kaz::vision_table {
 namespace {
 
-void hold(int width, int pictures) {
+void expect_accurate(int width, int pictures) {
   Table table;
-  const auto done = measure_accuracy(width, Sight::whole, pictures, table);
+  const auto done = measure_accuracy(width, Visibility::whole, pictures, table);
   ASSERT_TRUE(done) << done.error().message;
   for (const AccuracyRow& row : table.accuracy) {
     SCOPED_TRACE(row.distance_m);
-    // At 1.5 m the ball has 20 pixels, of which those at the rim are too pale for its colour.
+    // At 1.5 m the ball covers 20 pixels; those at its edge are mixed with the background.
     EXPECT_GE(row.found, (width == 320 && row.distance_m > 1.3 ? 0.7 : 0.95) * row.pictures);
     EXPECT_EQ(row.wrong, 0);
     EXPECT_LT(row.center_px.rms(), 0.5);
-    EXPECT_LT(row.distance.percentile(0.95), due(width, row.distance_m));
+    EXPECT_LT(row.distance.percentile(0.95), max_distance_error(width, row.distance_m));
   }
 }
 
 TEST(VisionTable, BallAt320) {
-  hold(320, 20);
+  expect_accurate(320, 20);
 }
 TEST(VisionTable, BallAt640) {
-  hold(640, 8);
+  expect_accurate(640, 8);
 }
 
 RobustRow row_of(const std::string& name) {
@@ -36,7 +36,7 @@ RobustRow row_of(const std::string& name) {
   return table.robust.empty() ? RobustRow{} : table.robust.front();
 }
 
-TEST(VisionTable, WhatHolds) {
+TEST(VisionTable, AccurateUnderManyConditions) {
   for (const char* name : {"strong, from the side, 20° high, hard shadows",
                            "warm, no white balance", "0.25 times", "60°/s, 10 ms"}) {
     SCOPED_TRACE(name);
@@ -53,16 +53,16 @@ TEST(VisionTable, WhatHolds) {
   }
 }
 
-// A smear of 4 px, up to a third of the radius: some are not reported, none is far off.
-TEST(VisionTable, WhatBlurLeavesIsRight) {
+// Motion blur of 4 px, up to a third of the radius: some are missed, none is far off.
+TEST(VisionTable, BallsFoundInBlurredPicturesAreRight) {
   const RobustRow row = row_of("120°/s, 10 ms");
   EXPECT_GE(row.found, 0.6 * row.balls);
   EXPECT_EQ(row.wrong, 0);
   EXPECT_LT(row.distance.percentile(1), 0.1);
 }
 
-// No texture, no floor: rather none than a wrong one.
-TEST(VisionTable, APlainFloorIsNotGuessed) {
+// Without texture the floor may be missed, but must not be wrong.
+TEST(VisionTable, APlainFloorIsNotInvented) {
   const RobustRow row = row_of("plain");
   EXPECT_EQ(row.found, row.balls);
   if (row.floors_found > 0) {
@@ -71,8 +71,8 @@ TEST(VisionTable, APlainFloorIsNotGuessed) {
   }
 }
 
-// A red box seen on a corner is nearly round; most of them are told from a ball by their edge.
-TEST(VisionTable, RedAndOrangeThingsAreSeldomTheBall) {
+// A red box seen at a corner is nearly round; most are distinguished from a ball by their outline.
+TEST(VisionTable, RedAndOrangeObjectsAreSeldomTakenForTheBall) {
   const RobustRow row = row_of("wood, with red and orange things");
   EXPECT_GT(row.found, 0.7 * row.balls);
   EXPECT_LE(row.wrong, 0.1 * row.balls);

@@ -1,4 +1,4 @@
-// One run of a walking behaviour on a virtual robot.
+// Runs a walking behaviour on a virtual robot and measures the outcome.
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/studies/walking/course.h"
 
@@ -12,7 +12,7 @@
 #include "host/motion/gait.h"
 #include "host/robot/robot.h"
 #include "sim/board/sensor_file.h"
-#include "tests/studies/gait/disturbed.h"
+#include "tests/studies/common/disturbed_robot.h"
 #include "tools/lockstep/lockstep.h"
 
 namespace kaz::walking {
@@ -25,17 +25,17 @@ constexpr double kFallen_m = 0.11,
                  kFallen_deg = 50;  // hips' height, and trunk against the vertical
 constexpr double kPathEvery_s = 0.2;
 constexpr double kKnock_ns = 0.5;
-constexpr Time kLook = std::chrono::milliseconds(20);
-// Of who got up: hips' height in the crouch is 0.145 m.
+constexpr Time kPoll = std::chrono::milliseconds(20);
+// Standing again: above this hip height (0.145 m in the crouch) and below this tilt.
 constexpr double kUp_m = 0.135, kUp_deg = 10;
 
-// The truth, millisecond by millisecond; and the hand that pushes.
-class Onlooker final : public behavior::Sink {
+// Measures the outcome from the ground truth, each millisecond, and pushes the robot.
+class Observer final : public behavior::Sink {
  public:
-  Onlooker(sim::Simulation& simulation, const Trial& trial, std::uint64_t seed, bool trace)
+  Observer(sim::Simulation& simulation, const Trial& trial, std::uint64_t seed, bool trace)
       : simulation_(simulation), trial_(trial), seed_(seed), trace_(trace) {}
 
-  // Where the motion begins the count begins.
+  // Measurement starts with the phase of motion.
   void phase(Time time, std::string_view, std::string_view phase) override {
     if (phase != "walk" && phase != "turn" && phase != "hold") return;
     begin_ = seconds(time);
@@ -44,7 +44,7 @@ class Onlooker final : public behavior::Sink {
     out_.path.clear();
   }
 
-  Result<void> look() {
+  Result<void> measure() {
     const Eigen::Isometry3d pose = trunk();
     const Eigen::Matrix3d axes = pose.linear();
     const double tilt = std::acos(std::clamp(axes(2, 2), -1.0, 1.0)) / kDegree;
@@ -59,7 +59,7 @@ class Onlooker final : public behavior::Sink {
     }
     if (!out_.fell) out_.seconds = now;
     if (now >= kPathEvery_s * static_cast<double>(out_.path.size())) {
-      const Vector3d at = seen_from_start();
+      const Vector3d at = relative_to_start();
       out_.path.push_back({1e3 * at.x(), 1e3 * at.y()});
       if (trace_ && out_.path.size() % 2 == 0) {
         std::fprintf(stderr, "%6.2f s  x %.3f  y %.3f  heading %6.2f  tilt %5.1f  z %.3f\n", now,
@@ -67,11 +67,12 @@ class Onlooker final : public behavior::Sink {
       }
     }
     if (trial_.push_ns > 0 && now >= trial_.push_every_s * static_cast<double>(pushes_ + 1)) {
-      const double way = trial_.push_to_deg ? *trial_.push_to_deg * kDegree
-                                            : 2 * std::numbers::pi * 1000 *
-                                                  noise(seed_, gait::Noise::push, pushes_);
+      const double direction =
+          trial_.push_to_deg
+              ? *trial_.push_to_deg * kDegree
+              : 2 * std::numbers::pi * 1000 * studies::noise(seed_, studies::Noise::push, pushes_);
       ++pushes_;
-      const double to = way + yaw_of(pose);
+      const double to = direction + yaw_of(pose);
       return simulation_.world().push("trunk",
                                       trial_.push_ns * Vector3d(std::cos(to), std::sin(to), 0));
     }
@@ -79,7 +80,7 @@ class Onlooker final : public behavior::Sink {
   }
 
   Outcome outcome() {
-    const Vector3d at = seen_from_start();
+    const Vector3d at = relative_to_start();
     out_.forward_m = at.x();
     out_.aside_m = at.y();
     out_.heading_deg = heading_ / kDegree;
@@ -95,14 +96,14 @@ class Onlooker final : public behavior::Sink {
 
   void begin() { begun_ = seconds(simulation_.time()); }
   bool fell() const { return out_.fell; }
-  bool gives_up() const { return out_.fell && !trial_.to_the_end; }
+  bool stops_after_fall() const { return out_.fell && !trial_.to_the_end; }
 
  private:
   Eigen::Isometry3d trunk() const { return simulation_.world().link_pose("trunk"); }
   static double yaw_of(const Eigen::Isometry3d& pose) {
     return std::atan2(pose.linear()(1, 0), pose.linear()(0, 0));
   }
-  Vector3d seen_from_start() const {
+  Vector3d relative_to_start() const {
     return Eigen::AngleAxisd(-yaw_of(origin_), Vector3d::UnitZ()) *
            (trunk().translation() - origin_.translation());
   }
@@ -117,31 +118,31 @@ class Onlooker final : public behavior::Sink {
   std::uint64_t pushes_ = 0;
 };
 
-// Lockstep's clock and link; each look at the time is a look at the robot.
-class WatchedClock final : public host::Clock {
+// A lockstep clock that lets the observer measure at each wait and ends the behaviour after a fall.
+class ObservedClock final : public host::Clock {
  public:
-  WatchedClock(sim::Simulation& simulation, Onlooker& onlooker)
-      : clock_(simulation), onlooker_(onlooker) {}
+  ObservedClock(sim::Simulation& simulation, Observer& observer)
+      : clock_(simulation), observer_(observer) {}
   Time now() const override { return clock_.now(); }
   Result<void> sleep_until(Time t) override {
     if (auto slept = clock_.sleep_until(t); !slept) return slept;
-    if (auto looked = onlooker_.look(); !looked) return looked;
-    if (onlooker_.gives_up()) return fail(Fault::failed, "the robot has fallen");
+    if (auto measured = observer_.measure(); !measured) return measured;
+    if (observer_.stops_after_fall()) return fail(Fault::failed, "the robot has fallen");
     return {};
   }
 
  private:
   lockstep::LockstepClock clock_;
-  Onlooker& onlooker_;
+  Observer& observer_;
 };
 
-// Into the crouch, then motors off and pushed over; 2.5 s to come to rest.
+// Moves into the crouch, switches the motors off, pushes the robot over and waits 2.5 s until it rests.
 Result<void> knock_down(host::Robot& robot, sim::Simulation& simulation, double to_deg,
                         std::uint64_t seed) {
   const auto wait = [&robot](double time_s) -> Result<void> {
     const Time end = robot.clock().now() + from_seconds(time_s);
     while (robot.clock().now() < end) {
-      if (auto slept = robot.clock().sleep_until(robot.clock().now() + kLook); !slept) return slept;
+      if (auto slept = robot.clock().sleep_until(robot.clock().now() + kPoll); !slept) return slept;
       if (auto state = robot.state(); !state) return tl::unexpected(state.error());
     }
     return {};
@@ -153,7 +154,7 @@ Result<void> knock_down(host::Robot& robot, sim::Simulation& simulation, double 
   if (auto set = robot.set_targets(crouch, from_seconds(1.5)); !set) return set;
   if (auto done = wait(2.0); !done) return done;
   if (auto off = robot.enable(0); !off) return off;
-  const double to = (to_deg + 20 * noise(seed, gait::Noise::push, 0)) * kDegree;
+  const double to = (to_deg + 20 * studies::noise(seed, studies::Noise::push, 0)) * kDegree;
   if (auto pushed =
           simulation.world().push("trunk", kKnock_ns * Vector3d(std::cos(to), std::sin(to), 0));
       !pushed)
@@ -165,7 +166,7 @@ Result<std::unique_ptr<sim::Simulation>> make(const Trial& trial, const Setting&
                                               const trials::RobotFolder& files,
                                               std::uint64_t seed) {
   sim::SimulationOptions options;
-  options.engine = setting.engine;
+  options.mcu = setting.engine;
   options.image_path = setting.image_path;
   options.seed = seed;
   options.world_path = files.world();
@@ -182,15 +183,15 @@ Result<std::unique_ptr<sim::Simulation>> make(const Trial& trial, const Setting&
 }  // namespace
 
 Result<Outcome> run_trial(const Trial& trial, const Setting& setting, std::uint64_t seed) {
-  gait::Surroundings around;
+  studies::Surroundings around;
   around.mu = trial.mu;
   around.mu_spread = trial.mu_spread;
-  const auto files = gait::disturbed_files(setting.robot_folder, around, seed);
+  const auto files = studies::disturbed_files(setting.robot_folder, around, seed);
   if (!files) return tl::unexpected(files.error());
   const auto simulation = make(trial, setting, *files, seed);
   if (!simulation) return tl::unexpected(simulation.error());
-  Onlooker onlooker(**simulation, trial, seed, setting.trace);
-  WatchedClock clock(**simulation, onlooker);
+  Observer observer(**simulation, trial, seed, setting.trace);
+  ObservedClock clock(**simulation, observer);
   lockstep::LockstepLink link(**simulation);
   auto robot = host::Robot::connect(link, clock);
   if (!robot) return tl::unexpected(robot.error());
@@ -198,32 +199,32 @@ Result<Outcome> run_trial(const Trial& trial, const Setting& setting, std::uint6
   if (!behavior) return tl::unexpected(behavior.error());
   auto options = behavior::OptionValues::parse(behavior->options, trial.options);
   if (!options) return tl::unexpected(options.error());
-  behavior::Context context{*robot, clock, nullptr, onlooker, *options, seed};
+  behavior::Context context{*robot, clock, nullptr, observer, *options, seed};
   if (trial.knocked_to_deg) {
     if (auto down = knock_down(*robot, **simulation, *trial.knocked_to_deg, seed); !down)
       return tl::unexpected(down.error());
   }
-  onlooker.begin();
+  observer.begin();
   const auto done = behavior->run(context);
   if (setting.trace && done) std::fprintf(stderr, "%s\n", done->sentence.c_str());
-  if (!done && !onlooker.fell()) return tl::unexpected(done.error());
+  if (!done && !observer.fell()) return tl::unexpected(done.error());
   if (done && trial.judged == Judged::stand) {
-    // Standing under pushes: ten of them, heard of by nobody.
-    onlooker.phase(clock.now(), trial.name, "hold");
+    // Holds the posture under ten pushes.
+    observer.phase(clock.now(), trial.name, "hold");
     const Time end = clock.now() + from_seconds(10.5 * trial.push_every_s);
-    while (clock.now() < end && !onlooker.fell())
+    while (clock.now() < end && !observer.fell())
       if (auto slept = robot->clock().sleep_until(clock.now() + std::chrono::milliseconds(10));
-          !slept && !onlooker.fell())
+          !slept && !observer.fell())
         return tl::unexpected(slept.error());
   }
-  Outcome out = onlooker.outcome();
+  Outcome out = observer.outcome();
   if (trial.to_the_end && done) {
-    out.figures["seen_to_fall"] = done->sentence.find("fell") != std::string::npos;
+    out.reported["fall_detected"] = done->sentence.find("fell") != std::string::npos;
     for (const sim::JointState& joint : (*simulation)->world().joints())
-      out.figures["current_a"] += std::abs(joint.current);
+      out.reported["current_a"] += std::abs(joint.current);
   }
   if (done) {
-    for (const auto& [name, value] : done->figures) out.figures[name] = value;
+    for (const auto& [name, value] : done->measurements) out.reported[name] = value;
   }
   return out;
 }

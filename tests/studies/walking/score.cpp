@@ -1,65 +1,50 @@
-// What counts as done, how sure a share is, and the table.
+// Success criterion, success rates with confidence intervals, and tables.
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/studies/walking/score.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
 
+#include "tests/studies/common/table.h"
 #include "tools/figure/figure.h"
 #include "tools/trials/statistics.h"
 
 namespace kaz::walking {
 namespace {
 
-struct Line {
-  int all = 0, done = 0, falls = 0;
-  double low = 0, high = 0;
-  // Of those that did not fall: by what they missed the goal.
-  double mean = 0, sigma = 0, most = 0, seconds = 0, heading_sigma = 0, heading_most = 0;
+using studies::EpisodeFile;
+using studies::text;
+
+struct Score {
+  int episodes = 0, successes = 0, falls = 0;
+  trials::Interval interval;  // of the success rate
+  // Of the episodes without a fall. Error: mm from the goal, or degrees of a turn.
+  trials::Errors error, heading_deg;
+  double seconds = 0;  // mean
 };
 
-double missed(const Trial& trial, const Outcome& out) {
+double goal_error(const Trial& trial, const Outcome& out) {
   if (trial.judged == Judged::turn) return out.heading_deg - trial.turn_deg;
   return 1e3 * std::hypot(out.forward_m - trial.distance, out.aside_m);
 }
 
-Line line_of(const Trial& trial, const std::vector<Outcome>& outcomes) {
-  Line line;
-  line.all = static_cast<int>(outcomes.size());
-  double sum = 0, squares = 0, headings = 0;
+Score score_of(const Trial& trial, const std::vector<Outcome>& outcomes) {
+  Score score;
+  score.episodes = static_cast<int>(outcomes.size());
   for (const Outcome& out : outcomes) {
-    line.done += succeeded(trial, out);
-    line.falls += out.fell;
+    score.successes += succeeded(trial, out);
+    score.falls += out.fell;
     if (out.fell) continue;
-    const double miss = missed(trial, out);
-    sum += miss;
-    squares += miss * miss;
-    headings += out.heading_deg * out.heading_deg;
-    line.most = std::max(line.most, std::abs(miss));
-    line.heading_most = std::max(line.heading_most, std::abs(out.heading_deg));
-    line.seconds += out.seconds;
+    score.error.add(goal_error(trial, out));
+    score.heading_deg.add(out.heading_deg);
+    score.seconds += out.seconds;
   }
-  const auto interval =
-      trials::wilson(static_cast<std::uint64_t>(line.done), static_cast<std::uint64_t>(line.all));
-  line.low = interval.least;
-  line.high = interval.most;
-  const int stood = line.all - line.falls;
-  if (stood == 0) return line;
-  line.mean = sum / stood;
-  line.sigma = std::sqrt(std::max(0.0, squares / stood - line.mean * line.mean));
-  line.heading_sigma = std::sqrt(headings / stood);
-  line.seconds /= stood;
-  return line;
-}
-
-std::string text_of(const char* format, auto... values) {
-  char text[200];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
+  score.interval = trials::wilson(static_cast<std::uint64_t>(score.successes),
+                                  static_cast<std::uint64_t>(score.episodes));
+  if (!score.error.empty()) score.seconds /= static_cast<double>(score.error.count());
+  return score;
 }
 
 }  // namespace
@@ -77,116 +62,107 @@ bool succeeded(const Trial& trial, const Outcome& out) {
   }
 }
 
-std::string table(const gait::Results& results, const std::vector<Trial>& trials,
-                  const std::string& variant) {
-  std::ostringstream out;
-  out << "| trial | done | 95 % interval | falls | missed, mean ± sigma | most | heading, rms / "
-         "most, ° "
-         "| time, s |\n| --- | --- | --- | --- | --- | --- | --- | --- |\n";
-  for (const Trial& trial : trials) {
-    const auto outcomes = results.of(trial.name, variant);
+std::string table(const EpisodeFile& file, const std::vector<Trial>& all_trials,
+                  const std::string& mcu) {
+  studies::MarkdownTable table({"trial", "success", "95 % interval", "falls", "error, mean ± sigma",
+                                "max", "heading, rms / max, °", "time, s"});
+  for (const Trial& trial : all_trials) {
+    const auto outcomes = file.outcomes(trial.name, mcu);
     if (outcomes.empty()) continue;
-    const Line line = line_of(trial, outcomes);
+    const Score s = score_of(trial, outcomes);
     const char* unit = trial.judged == Judged::turn ? "°" : " mm";
-    out << "| " << trial.name
-        << text_of(" | %d of %d | %.1f to %.1f %% | %d", line.done, line.all, 100 * line.low,
-                   100 * line.high, line.falls);
-    if (trial.judged == Judged::stand || trial.judged == Judged::get_up) {
-      out << " |  |  |  |" << (trial.judged == Judged::stand ? "" : text_of(" %.1f", line.seconds))
-          << " |\n";
-      continue;
+    const bool moves = trial.judged == Judged::walk || trial.judged == Judged::turn;
+    std::vector<std::string> cells{
+        trial.name, text("%d of %d", s.successes, s.episodes),
+        text("%.1f to %.1f %%", 100 * s.interval.min, 100 * s.interval.max),
+        std::to_string(s.falls)};
+    cells.resize(8);
+    if (moves && !s.error.empty()) {
+      cells[4] = text("%+.1f ± %.1f%s", s.error.mean(), s.error.sigma(), unit);
+      cells[5] = text("%.1f%s", s.error.max(), unit);
+      if (trial.judged == Judged::walk)
+        cells[6] = text("%.1f / %.1f", s.heading_deg.rms(), s.heading_deg.max());
     }
-    if (line.falls == line.all) {
-      out << " |  |  |  |  |\n";
-      continue;
-    }
-    out << text_of(" | %+.1f ± %.1f%s | %.1f%s | ", line.mean, line.sigma, unit, line.most, unit);
-    if (trial.judged == Judged::walk)
-      out << text_of("%.1f / %.1f", line.heading_sigma, line.heading_most);
-    out << text_of(" | %.1f |\n", line.seconds);
-    if (const int errors = results.errors(trial.name, variant); errors > 0)
-      out << "|  | and " << errors << " that broke off |  |  |  |  |  |  |\n";
+    if (trial.judged == Judged::get_up || (moves && !s.error.empty()))
+      cells[7] = text("%.1f", s.seconds);
+    table.add(std::move(cells));
+    if (const int errors = file.errors(trial.name, mcu); errors > 0)
+      table.add({"", text("and %d aborted", errors)});
   }
-  return out.str();
+  return table.text();
 }
 
-std::string odometry_table(const gait::Results& results, const std::vector<Trial>& trials,
-                           const std::string& variant) {
-  std::ostringstream out;
-  for (const Trial& trial : trials) {
+std::string odometry_table(const EpisodeFile& file, const std::vector<Trial>& all_trials,
+                           const std::string& mcu) {
+  studies::MarkdownTable table(
+      {"walk", "along, mm", "in sigmas", "across, mm", "in sigmas", "heading, °", "in sigmas"});
+  for (const Trial& trial : all_trials) {
     if (trial.judged != Judged::walk) continue;
     // Along, across, heading.
-    std::array<double, 3> sum{}, squares{}, sigmas{};
-    int count = 0;
-    for (const Outcome& one : results.of(trial.name, variant)) {
-      if (one.fell || !one.figures.contains("ahead_m")) continue;
-      const auto said = [&one](const char* name) { return one.figures.at(name); };
-      const std::array<double, 3> off{said("ahead_m") - one.forward_m,
-                                      said("aside_m") - one.aside_m,
-                                      said("turned_deg") - one.heading_deg};
-      const std::array<double, 3> sigma{said("sigma_along_m"), said("sigma_across_m"),
-                                        said("sigma_heading_deg")};
+    std::array<trials::Errors, 3> errors, normalized;
+    for (const Outcome& one : file.outcomes(trial.name, mcu)) {
+      if (one.fell || !one.reported.contains("ahead_m")) continue;
+      const auto reported = [&one](const char* name) { return one.reported.at(name); };
+      const std::array<double, 3> off{reported("ahead_m") - one.forward_m,
+                                      reported("aside_m") - one.aside_m,
+                                      reported("turned_deg") - one.heading_deg};
+      const std::array<double, 3> sigma{reported("sigma_along_m"), reported("sigma_across_m"),
+                                        reported("sigma_heading_deg")};
       for (std::size_t i = 0; i < 3; ++i) {
-        sum[i] += off[i];
-        squares[i] += off[i] * off[i];
-        sigmas[i] += off[i] * off[i] / (sigma[i] * sigma[i]);
+        errors[i].add(off[i]);
+        normalized[i].add(off[i] / sigma[i]);
       }
-      ++count;
     }
-    if (count == 0) continue;
-    if (out.str().empty()) {
-      out << "| walk | along, mm | in sigmas | across, mm | in sigmas | heading, ° | in sigmas |\n"
-             "| --- | --- | --- | --- | --- | --- | --- |\n";
-    }
-    out << "| " << trial.name << " (" << count << ")";
+    if (errors[0].empty()) continue;
+    std::vector<std::string> cells{text("%s (%zu)", trial.name.c_str(), errors[0].count())};
     for (std::size_t i = 0; i < 3; ++i) {
-      const double unit = i < 2 ? 1e3 : 1, mean = sum[i] / count;
-      out << text_of(" | %+.1f ± %.1f | %.2f", unit * mean,
-                     unit * std::sqrt(std::max(0.0, squares[i] / count - mean * mean)),
-                     std::sqrt(sigmas[i] / count));
+      const double unit = i < 2 ? 1e3 : 1;
+      cells.push_back(text("%+.1f ± %.1f", unit * errors[i].mean(), unit * errors[i].sigma()));
+      cells.push_back(text("%.2f", normalized[i].rms()));
     }
-    out << " |\n";
+    table.add(std::move(cells));
   }
-  return out.str();
+  return table.empty() ? "" : table.text();
 }
 
-std::string summary_json(const gait::Results& results, const std::vector<Trial>& trials,
-                         const std::string& variant) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  for (const Trial& trial : trials) {
-    const auto outcomes = results.of(trial.name, variant);
+std::string summary_json(const EpisodeFile& file, const std::vector<Trial>& all_trials,
+                         const std::string& mcu) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const Trial& trial : all_trials) {
+    const auto outcomes = file.outcomes(trial.name, mcu);
     if (outcomes.empty()) continue;
-    const Line line = line_of(trial, outcomes);
-    all.push_back({{"trial", trial.name},
-                   {"episodes", line.all},
-                   {"success_rate", static_cast<double>(line.done) / line.all},
-                   {"interval", {line.low, line.high}},
-                   {"falls", line.falls},
-                   {"broke_off", results.errors(trial.name, variant)},
-                   {"missed_mean", line.mean},
-                   {"missed_sigma", line.sigma},
-                   {"missed_most", line.most},
-                   {"heading_rms_deg", line.heading_sigma},
-                   {"seconds", line.seconds}});
+    const Score s = score_of(trial, outcomes);
+    rows.push_back({{"trial", trial.name},
+                    {"episodes", s.episodes},
+                    {"success_rate", static_cast<double>(s.successes) / s.episodes},
+                    {"interval", {s.interval.min, s.interval.max}},
+                    {"falls", s.falls},
+                    {"aborted", file.errors(trial.name, mcu)},
+                    {"error_mean", s.error.mean()},
+                    {"error_sigma", s.error.sigma()},
+                    {"error_max", s.error.max()},
+                    {"heading_rms_deg", s.heading_deg.rms()},
+                    {"seconds", s.seconds}});
   }
-  return all.dump(2) + "\n";
+  return rows.dump(2) + "\n";
 }
 
-Result<void> pictures(const gait::Results& results, const std::string& variant,
-                      const std::string& folder) {
+Result<void> write_plots(const EpisodeFile& file, const std::string& mcu,
+                         const std::string& folder) {
   figure::PlotPage page;
   page.title = "One metre: paths of the trunk from above";
   page.x_label = "ahead, cm";
   page.plot_height_px = 190;
-  for (const auto& [name, title] : {std::pair{"walk 1 m", "with the gyro"},
-                                    {"walk 1 m, no gyro", "without: heading by strides"}}) {
+  for (const auto& [name, title] :
+       {std::pair{"walk 1 m", "with the gyro"},
+        {"walk 1 m, no gyro", "without gyro: heading from the strides"}}) {
     figure::LinePlot plot;
     plot.title = title;
     plot.y_label = "to the left, mm";
     figure::Series series;
     series.color = figure::kBlue;
     series.width_px = 0.8;
-    for (const Outcome& out : results.of(name, variant)) {
+    for (const Outcome& out : file.outcomes(name, mcu)) {
       for (const auto& [x, y] : out.path) {
         series.x.push_back(x / 10);
         series.y.push_back(y);

@@ -1,16 +1,16 @@
-// Rounds, their events, and the judge.
+// Runs the rounds of the campaign, injects the events and checks the reactions.
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/system/campaign/campaign.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <optional>
 
 #include "host/robot/robot.h"
+#include "shared/base/random.hpp"
 #include "shared/board/table.h"
-#include "sim/mcu/random.h"
+#include "tests/studies/common/table.h"
 #include "tests/system/campaign/line.h"
 #include "tests/system/campaign/servo_view.h"
 
@@ -24,7 +24,7 @@ constexpr double reaction_due_ms = 100;
 constexpr double switch_off_due_ms =
     2;  // after a reset or a power cut: at once, seen each millisecond
 constexpr double resume_due_ms = 1000;
-constexpr int rounds_a_world = 20;  // a robot that went limp lies on the floor
+constexpr int rounds_a_world = 20;  // after a reaction `limp` the robot lies on the floor
 constexpr Time cycle = milliseconds(10), ramp = milliseconds(12);
 
 enum class Event { cable, port, garbage, host_killed, reset, power };
@@ -39,7 +39,7 @@ double milliseconds_of(States states) {
   return 1e3 * static_cast<double>(states) / KZ_CLOCK_HZ;
 }
 
-// What a round needs to know of the firmware, millisecond by millisecond.
+// Observes the firmware in a round, each millisecond.
 class Judge {
  public:
   Judge(CuttableLine& line, Event event, host::Reaction reaction)
@@ -48,7 +48,7 @@ class Judge {
         reaction_(reaction),
         enabled_(servo_state(line.mcu()).enabled) {}
 
-  // The event has come. Until it is over the motors must become and stay safe.
+  // The event begins. Until it is over the motors must become and stay safe.
   void lost(States since) {
     since_ = since;
     watching_ = true;
@@ -56,7 +56,7 @@ class Judge {
   void over() { watching_ = false; }
 
   // After each millisecond.
-  void look() {
+  void check() {
     if (!watching_) return;
     const ServoState now = servo_state(line_.mcu());
     const bool safe = holds() ? now.holding : !line_.simulation().board().drivers_enabled();
@@ -119,12 +119,12 @@ class Campaign {
  private:
   Result<void> new_world(int round) {
     sim::SimulationOptions options;
-    options.engine = "h8";
+    options.mcu = "h8";
     options.image_path = options_.image_path;
     options.world_path = options_.world_path;
     options.robot_path = options_.robot_path;
     options.camera_path = options_.camera_path;
-    options.seed = sim::mix64(options_.seed) + static_cast<std::uint64_t>(round);
+    options.seed = mix64(options_.seed) + static_cast<std::uint64_t>(round);
     robot_.reset();
     line_.reset();
     auto simulation = sim::Simulation::create(options);
@@ -135,7 +135,7 @@ class Campaign {
   }
 
   Result<void> one(int round) {
-    sim::Random random(sim::mix64(options_.seed ^ sim::mix64(static_cast<std::uint64_t>(round))));
+    Random random(mix64(options_.seed ^ mix64(static_cast<std::uint64_t>(round))));
     const auto event = static_cast<Event>(random.below(6));
     const auto reaction = random.chance(0.5) ? host::Reaction::limp : host::Reaction::hold;
     const Time before = milliseconds(60 + random.below(200)),
@@ -163,7 +163,7 @@ class Campaign {
         begin(event);
         judge.lost(is_link_event(event) ? line_->last_arrival() : line_->simulation().now());
       }
-      judge.look();
+      judge.check();
       if (out && !back && line_->now() >= end) {
         back = true;
         judge.over();
@@ -177,7 +177,7 @@ class Campaign {
       moved = line_->sleep_until(end);
       if (moved) moved = connect(reaction);
     }
-    // The client seeks the board for as long as the outage lasts, inside one of these calls.
+    // The client searches for the board during the outage, inside one of these calls.
     if (moved) moved = move_until(end + milliseconds(1), random);
     const Time resumed = line_->now();
     if (moved) moved = move_until(resumed + milliseconds(60), random);
@@ -191,21 +191,21 @@ class Campaign {
     if (!reaction_ms) {
       wrong("the motors never became safe");
     } else {
-      tally.worst_reaction_ms = std::max(tally.worst_reaction_ms, *reaction_ms);
+      tally.max_reaction_ms = std::max(tally.max_reaction_ms, *reaction_ms);
       if (*reaction_ms > due)
         wrong("motors safe only after " + std::to_string(*reaction_ms) + " ms");
     }
     if (judge.unsafe_again()) wrong("motors on again before the host was back");
-    tally.worst_jump_mrad = std::max(tally.worst_jump_mrad, judge.jump_mrad());
+    tally.max_jump_mrad = std::max(tally.max_jump_mrad, judge.jump_mrad());
     if (judge.jump_mrad() > 0) wrong("a joint was switched on with its target elsewhere");
-    tally.worst_creep_mrad = std::max(tally.worst_creep_mrad, judge.creep_mrad());
+    tally.max_creep_mrad = std::max(tally.max_creep_mrad, judge.creep_mrad());
     if (judge.creep_mrad() > 0) wrong("a held joint's command went on");
     if (!moved) {
       wrong("the client did not come back: " + moved.error().message);
       return new_world(round);
     }
     const double resume_ms = seconds(resumed - end) * 1e3;
-    tally.worst_resume_ms = std::max(tally.worst_resume_ms, resume_ms);
+    tally.max_resume_ms = std::max(tally.max_resume_ms, resume_ms);
     if (resume_ms > resume_due_ms)
       wrong("the client came back only after " + std::to_string(resume_ms) + " ms");
     if (servo_state(line_->mcu()).enabled != host::kAllJoints) wrong("not all motors are on again");
@@ -221,11 +221,11 @@ class Campaign {
     return robot_->enable(host::kAllJoints);
   }
 
-  // All joints to and fro around the middle of what each can do, a target every 10 ms.
-  Result<void> move_until(Time end, sim::Random& random) {
+  // Oscillates all joints around the middle of their ranges, with a target every 10 ms.
+  Result<void> move_until(Time end, Random& random) {
     const double phase = 6.28 * random.uniform();
     while (line_->now() < end) {
-      const Time beat = line_->now() + cycle;
+      const Time next_cycle = line_->now() + cycle;
       std::array<host::JointTarget, KZ_JOINTS> targets;
       for (int j = 0; j < KZ_JOINTS; ++j) {
         const kz_board_joint& joint = kz_board_joints[j];
@@ -236,7 +236,7 @@ class Campaign {
       }
       const auto posture = robot_->exchange(targets, ramp);
       if (!posture) return tl::unexpected(posture.error());
-      if (auto slept = line_->sleep_until(beat); !slept) return slept;
+      if (auto slept = line_->sleep_until(next_cycle); !slept) return slept;
     }
     return {};
   }
@@ -272,20 +272,20 @@ class Campaign {
 
 }  // namespace
 
-std::string Report::text() const {
-  char line[200];
-  std::snprintf(line, sizeof line, "%-22s %6s %12s %12s %12s %12s\n", "what happened", "rounds",
-                "reaction", "resumed", "jump", "creep");
-  std::string text = line;
-  std::snprintf(line, sizeof line, "%-22s %6s %12s %12s %12s %12s\n", "", "", "worst, ms",
-                "worst, ms", "worst, mrad", "worst, mrad");
-  text += line;
+std::string Report::table() const {
+  using studies::text;
+  studies::MarkdownTable table({"event", "rounds", "max reaction, ms", "max resume, ms",
+                                "max jump, mrad", "max creep, mrad"});
   for (const auto& [name, t] : tallies) {
-    std::snprintf(line, sizeof line, "%-22s %6d %12.2f %12.1f %12.2f %12.2f\n", name.c_str(),
-                  t.rounds, t.worst_reaction_ms, t.worst_resume_ms, t.worst_jump_mrad,
-                  t.worst_creep_mrad);
-    text += line;
+    table.add({name, std::to_string(t.rounds), text("%.2f", t.max_reaction_ms),
+               text("%.1f", t.max_resume_ms), text("%.2f", t.max_jump_mrad),
+               text("%.2f", t.max_creep_mrad)});
   }
+  return table.text();
+}
+
+std::string Report::text() const {
+  std::string text = table();
   for (const std::string& failure : failures) text += failure + "\n";
   return text;
 }

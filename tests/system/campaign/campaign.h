@@ -1,9 +1,9 @@
-// A moving robot loses its host, its line, its power, again and again at random moments.
+// A moving robot repeatedly loses its host, its line or its power at random times.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Emulated firmware, physics, and the host's own client in lockstep. In each round the robot moves its
-// joints until something happens to it; then the motors have to be safe in time, and the client has
-// to come back by itself and start from where the joints are.
+// joints until an event; then the motors have to be safe in time, and the client has to reconnect by itself
+// and start from the joints' actual angles.
 #pragma once
 
 #include <cstdint>
@@ -23,22 +23,23 @@ struct Options {
   std::function<void(int done, int total)> progress;
 };
 
-// What happened to the robot: name of the event and of the link watchdog's reaction.
+// Statistics of one kind of event and reaction of the link watchdog.
 struct Tally {
   int rounds = 0;
   // From the last good frame's last byte (reset, power: from the event) until the motors are off or
   // the commands stand still.
-  double worst_reaction_ms = 0;
-  double worst_resume_ms = 0;   // from the end of the outage until the client moves on
-  double worst_jump_mrad = 0;   // between command and angle of a joint that is switched on
-  double worst_creep_mrad = 0;  // of a command that should stand still
+  double max_reaction_ms = 0;
+  double max_resume_ms = 0;   // from the end of the outage until the client moves on
+  double max_jump_mrad = 0;   // between command and angle of a joint that is switched on
+  double max_creep_mrad = 0;  // of a command that should stand still
 };
 
 struct Report {
   std::map<std::string, Tally> tallies;
   std::vector<std::string> failures;  // one sentence a round that went wrong
   bool passed() const { return failures.empty(); }
-  std::string text() const;
+  std::string table() const;  // Markdown, a row for each event
+  std::string text() const;   // the table, and the failures
 };
 
 // Errors: files, a chip that stopped.

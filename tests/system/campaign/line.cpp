@@ -1,4 +1,4 @@
-// Bytes pass, are lost or damaged, as the line stands.
+// Passes, drops or damages bytes, by the state of the line.
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/system/campaign/line.h"
 
@@ -40,7 +40,7 @@ Result<void> CuttableLine::write(std::span<const std::uint8_t> bytes) {
 Result<std::size_t> CuttableLine::read(std::span<std::uint8_t> bytes, Time deadline) {
   while (true) {
     if (line_ == Line::gone) {
-      // Who asks again and again must not stop the world.
+      // Simulated time must advance even if the client polls in a loop.
       if (auto stepped = step(); !stepped) return tl::unexpected(stepped.error());
       return tl::unexpected(gone());
     }

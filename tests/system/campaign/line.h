@@ -1,4 +1,4 @@
-// Host and emulated board in one process, on a line that can be cut at any moment.
+// Host and emulated board in one process, on a line that can be cut at any time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,7 @@
 
 #include "host/link/link.h"
 #include "sim/mcu/h8_mcu.h"
-#include "sim/runtime/simulation.h"
+#include "sim/runtime/simulation/simulation.h"
 
 namespace kaz::campaign {
 
@@ -20,10 +20,10 @@ enum class Line {
 };
 
 // Link and clock of the host's client over a simulation; waiting advances it. After each
-// millisecond `each_ms` is called: a judge looks on there, and things are made to happen.
+// millisecond `each_ms` is called, for checks and for events.
 class CuttableLine final : public host::Link, public host::Clock {
  public:
-  // The simulation must have the engine h8.
+  // The simulation must have the mcu h8.
   explicit CuttableLine(sim::Simulation& simulation);
 
   std::string name() const override { return "line"; }
@@ -34,7 +34,7 @@ class CuttableLine final : public host::Link, public host::Clock {
   Result<void> sleep_until(Time t) override;
 
   void set(Line line) { line_ = line; }
-  // When the last sound byte that was written has reached, or will reach, the board.
+  // Arrival time at the board of the last undamaged byte that was written.
   sim::States last_arrival() const { return last_arrival_; }
   sim::Simulation& simulation() { return simulation_; }
   sim::H8Mcu& mcu() { return mcu_; }

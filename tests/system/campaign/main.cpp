@@ -1,31 +1,40 @@
-// campaign [ROUNDS [SEED]]: as many rounds, a table, exit 1 if one went wrong.
+// kaz_campaign: many rounds of the campaign and their table; exit code 1 if a round failed.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 
+#include <CLI/CLI.hpp>
+
+#include "tests/studies/common/program.h"
 #include "tests/system/campaign/campaign.h"
 
 int main(int argc, char** argv) {
-  if (argc > 3 || (argc > 1 && std::atoi(argv[1]) < 1)) {
-    std::fprintf(stderr, "usage: kaz_campaign [ROUNDS [SEED]]\n  kaz_campaign 1000 7\n");
-    return 2;
-  }
-  kaz::campaign::Options options;
+  using namespace kaz;
+  CLI::App app(
+      "A moving robot loses host, line or power at random times: are the motors safe in time, and "
+      "does the host reconnect by itself?");
+  campaign::Options options;
+  std::string markdown;
   options.image_path = KAZ_FIRMWARE_IMAGE;
   options.world_path = KAZ_WORLD;
   options.robot_path = KAZ_ROBOT "/kaz.urdf";
   options.camera_path = KAZ_ROBOT "/camera.json";
-  if (argc > 1) options.rounds = std::atoi(argv[1]);
-  if (argc > 2) options.seed = std::strtoull(argv[2], nullptr, 10);
+  app.add_option("rounds,--rounds", options.rounds, "rounds")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  app.add_option("seed,--seed", options.seed, "seed of the events")->capture_default_str();
+  studies::add_markdown_option(app, markdown);
+  app.footer("kaz_campaign 1000 7");
   options.progress = [](int done, int total) {
     if (done % 50 == 0) std::fprintf(stderr, "campaign: %d of %d rounds\n", done, total);
   };
-  const auto report = kaz::campaign::run_campaign(options);
-  if (!report) {
-    std::fprintf(stderr, "kaz_campaign: %s\n", report.error().message.c_str());
-    return static_cast<int>(report.error().fault);
-  }
-  std::printf("%s", report->text().c_str());
-  return report->passed() ? 0 : 1;
+  return studies::run_program(app, "kaz_campaign", argc, argv, [&]() -> Result<void> {
+    const auto report = campaign::run_campaign(options);
+    if (!report) return tl::unexpected(report.error());
+    std::printf("%s", report->text().c_str());
+    if (!report->passed())
+      return fail(Fault::failed, std::to_string(report->failures.size()) + " failures, see above");
+    return studies::write_markdown(markdown, studies::command_line(argc, argv),
+                                   std::to_string(options.rounds) + " rounds of 1 seed",
+                                   report->table());
+  });
 }

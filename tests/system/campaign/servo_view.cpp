@@ -1,4 +1,4 @@
-// Fields by the list that the comparison of the engines uses.
+// Reads fields by the list that the comparison of the engines uses.
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/system/campaign/servo_view.h"
 

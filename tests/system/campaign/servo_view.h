@@ -1,4 +1,4 @@
-// The servo's state in the memory of an emulated chip, for judges: a behaviour never sees it.
+// The servo's state in the memory of an emulated chip, for checks; behaviours have no access to it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

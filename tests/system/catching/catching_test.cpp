@@ -5,7 +5,7 @@
 // ideal eyes, because they are of what is decided, and four times as fast.
 #include <gtest/gtest.h>
 
-#include "tests/system/catching/scene.h"
+#include "tests/system/catching/scene_testing.h"
 
 namespace kaz::catching {
 namespace {

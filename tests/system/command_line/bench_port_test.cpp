@@ -9,7 +9,7 @@
 #include "hil/bench/tick_bench.h"
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
-#include "tests/system/command_line/process.h"
+#include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/system/command_line/process.h"
+#include "tests/system/command_line/process_testing.h"
 #include "vision/calibration/calibration_file.h"
 #include "vision/calibration/rectify.h"
 #include "vision/calibration/stereo_calibration.h"
@@ -186,7 +186,7 @@ TEST(Calibrate, NamesAndLeavesOutWhatShowsNoBoard) {
              "P6\n640 480\n255\n" + std::string(grey.rgb.begin(), grey.rgb.end()));
   const Finished finished = calibrate(folder.path(), folder / "stereo.json");
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
-  EXPECT_NE(finished.out.find("left out: left05.jpg: is no sound JPEG"), std::string::npos)
+  EXPECT_NE(finished.out.find("left out: left05.jpg: is not a valid JPEG"), std::string::npos)
       << finished.out;
   EXPECT_NE(finished.out.find("left out: right07.jpg: the whole board is not in sight"),
             std::string::npos)

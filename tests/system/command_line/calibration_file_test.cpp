@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "sim/runtime/eyes.h"
-#include "tests/system/command_line/process.h"
+#include "sim/runtime/eyes/eyes.h"
+#include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
 namespace {

@@ -16,9 +16,9 @@
 
 #include "host/flash/diagnostic.h"
 #include "host/flash/flash_image.h"
-#include "tests/system/command_line/control_socket.h"
-#include "tests/system/command_line/process.h"
-#include "tests/system/flash/variant.h"
+#include "tests/system/command_line/control_socket_testing.h"
+#include "tests/system/command_line/process_testing.h"
+#include "tests/system/flash/variant_testing.h"
 
 namespace kaz::test {
 namespace {

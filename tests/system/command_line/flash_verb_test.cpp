@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/system/command_line/control_socket.h"
-#include "tests/system/command_line/process.h"
+#include "tests/system/command_line/control_socket_testing.h"
+#include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
 namespace {

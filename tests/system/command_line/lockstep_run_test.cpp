@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/system/command_line/process.h"
+#include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
 namespace {
@@ -27,7 +27,7 @@ TEST(Demo, FindsAndTracksThroughTheEmulatedFirmware) {
   const json result = demo(folder, "out", {"--seed", "1"});
   ASSERT_TRUE(result.is_object());
   EXPECT_EQ(result["outcome"], "done");
-  EXPECT_EQ(result["engine"], "h8");
+  EXPECT_EQ(result["mcu"], "h8");
   EXPECT_EQ(result["seed"], 1);
   EXPECT_GT(result["found_s"].get<double>(), 0);
   EXPECT_GE(result["tracking_within_3deg"].get<double>(), 0.9);
@@ -44,7 +44,7 @@ TEST(Demo, NativeEngineDoesTheSame) {
   const TemporaryFolder folder;
   const json result = demo(folder, "out", {"--seed", "1", "--mcu", "native"});
   ASSERT_TRUE(result.is_object());
-  EXPECT_EQ(result["engine"], "native");
+  EXPECT_EQ(result["mcu"], "native");
   EXPECT_GE(result["tracking_within_3deg"].get<double>(), 0.9);
 }
 

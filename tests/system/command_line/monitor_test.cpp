@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/system/command_line/process.h"
+#include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
 namespace {

@@ -10,7 +10,7 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
-#include "tests/system/command_line/process.h"
+#include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
 namespace {

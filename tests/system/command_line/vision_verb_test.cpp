@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/system/command_line/process.h"
+#include "tests/system/command_line/process_testing.h"
 #include "vision/image/picture_file.h"
 
 namespace kaz::test {
@@ -70,7 +70,7 @@ TEST(VisionVerb, FindsTheBallWhoseColourItLearned) {
   // distance for noise and one sample a pixel.
   EXPECT_NEAR(ball["position_m"][0].get<double>(), 0.28, 0.011 + 0.03 * 0.28);
   EXPECT_NEAR(ball["distance_m"].get<double>(), 1.06, 0.03 * 1.06);
-  EXPECT_NE(result["pictures"][1]["trouble"].get<std::string>().find("no sound PNG"),
+  EXPECT_NE(result["pictures"][1]["trouble"].get<std::string>().find("not a valid PNG"),
             std::string::npos);
   EXPECT_NE(result["pictures"][2]["trouble"].get<std::string>().find("640 x 480"),
             std::string::npos);
@@ -143,7 +143,8 @@ TEST(VisionVerb, FindsNothingThatMovesWhereNothingDoes) {
     quiet += frame["moving"].empty() ? 1 : 0;
   }
   EXPECT_GE(said, 80);
-  // The whole run has 94 % without (docs/vision.md says why not all): a little less is its scatter.
+  // The whole run has 94 % without (docs/explanation/vision.md says why not all): a little less is its
+  // scatter.
   EXPECT_GE(quiet, 0.9 * said);
 }
 

@@ -16,7 +16,7 @@
 #include <random>
 
 #include "host/flash/flasher.h"
-#include "tests/system/flash/variant.h"
+#include "tests/system/flash/variant_testing.h"
 #include "tools/lockstep/flash_bench.h"
 
 namespace kaz::flash_test {

@@ -1,4 +1,4 @@
-// One seeded run of flashing with something that goes wrong, and the judgement of what is left.
+// One seeded run of flashing with a fault, and the checks of the board after it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,13 +7,13 @@
 
 namespace kaz::flash_test {
 
-// The application that stands in the flash when flashing has ended, however it did.
+// The application in flash at the end of a run: the old image, the new one, or neither.
 enum class Stands { before, fresh, none };
 
 struct CampaignRun {
   std::string text;   // "boot mode, running board, power cut at 1.234 s: refused; flashed again"
-  std::string fault;  // what must not have been; empty: all is well
-  std::string kind;   // of what went wrong
+  std::string fault;  // violated requirement; empty if the run passed
+  std::string kind;   // of the injected fault
   bool reported_success = false;
   Stands stands = Stands::none;
 };

@@ -1,9 +1,12 @@
-// The whole campaign: usage: flash_campaign RUNS IMAGE WRITER [FIRST_SEED]
+// flash_campaign: many runs of flashing with a random fault in each, and their table.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 
+#include <CLI/CLI.hpp>
+
+#include "tests/studies/common/program.h"
+#include "tests/studies/common/table.h"
 #include "tests/system/flash/campaign.h"
 
 namespace {
@@ -11,7 +14,7 @@ namespace {
 using kaz::flash_test::CampaignRun;
 using kaz::flash_test::Stands;
 
-// Of one kind of fault: runs that reported success, and what failures left in the flash.
+// Of one kind of fault: runs that reported success, and the image in flash after reported failures.
 struct Counts {
   int runs = 0, done = 0, before = 0, fresh = 0, none = 0, faults = 0;
 
@@ -26,34 +29,46 @@ struct Counts {
   }
 };
 
-void print(const char* kind, const Counts& c) {
-  std::printf("%-16s %5d %8d %10d %10d %10d %7d\n", kind, c.runs, c.done, c.before, c.fresh, c.none,
-              c.faults);
+std::vector<std::string> row(const std::string& kind, const Counts& c) {
+  std::vector<std::string> cells{kind};
+  for (const int count : {c.runs, c.done, c.before, c.fresh, c.none, c.faults})
+    cells.push_back(std::to_string(count));
+  return cells;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 4) {
-    std::fprintf(stderr, "usage: flash_campaign RUNS IMAGE WRITER [FIRST_SEED]\n");
-    return 2;
-  }
-  const long runs = std::atol(argv[1]);
-  const std::uint64_t first = argc > 4 ? std::strtoull(argv[4], nullptr, 10) : 1;
-  std::map<std::string, Counts> kinds;
-  Counts all;
-  for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(runs); ++seed) {
-    const CampaignRun run = kaz::flash_test::campaign_run(seed, argv[2], argv[3]);
-    kinds[run.kind].add(run);
-    all.add(run);
-    if (run.fault.empty()) continue;
-    std::printf("%s\n  FAULT: %s\n", run.text.c_str(), run.fault.c_str());
-    std::fflush(stdout);
-  }
-  std::printf("%-16s %5s %8s %32s %7s\n", "", "", "reported", "reported failure; stands", "");
-  std::printf("%-16s %5s %8s %10s %10s %10s %7s\n", "what went wrong", "runs", "success",
-              "old image", "new image", "none", "faults");
-  for (const auto& [kind, counts] : kinds) print(kind.c_str(), counts);
-  print("all", all);
-  return all.faults == 0 ? 0 : 1;
+  using namespace kaz;
+  CLI::App app("Flashing in simulated time with a random fault in each run, by seed.");
+  int runs = 500;
+  std::uint64_t first = 1;
+  std::string image, writer, markdown;
+  app.add_option("runs", runs, "number of seeds")->required()->check(CLI::Range(1, 1000000));
+  app.add_option("image", image, "the firmware, kaz.mot")->required();
+  app.add_option("writer", writer, "the flash writer, writer.bin")->required();
+  app.add_option("first-seed,--first-seed", first, "the seeds begin with it")
+      ->capture_default_str();
+  studies::add_markdown_option(app, markdown);
+  return studies::run_program(app, "flash_campaign", argc, argv, [&]() -> Result<void> {
+    std::map<std::string, Counts> kinds;
+    Counts all;
+    for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(runs); ++seed) {
+      const CampaignRun run = flash_test::campaign_run(seed, image, writer);
+      kinds[run.kind].add(run);
+      all.add(run);
+      if (run.fault.empty()) continue;
+      std::printf("%s\n  FAULT: %s\n", run.text.c_str(), run.fault.c_str());
+      std::fflush(stdout);
+    }
+    studies::MarkdownTable table({"fault", "runs", "success reported", "failure: old image",
+                                  "failure: new image", "failure: no image", "violations"});
+    for (const auto& [kind, counts] : kinds) table.add(row(kind, counts));
+    table.add(row("all", all));
+    std::printf("%s", table.text().c_str());
+    if (all.faults > 0)
+      return fail(Fault::failed, std::to_string(all.faults) + " violations, see above");
+    return studies::write_markdown(markdown, studies::command_line(argc, argv),
+                                   std::to_string(runs) + " seeds", table.text());
+  });
 }

@@ -9,9 +9,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/runtime/mcap_reader.h"
-#include "sim/runtime/mcap_writer.h"
-#include "tests/system/command_line/process.h"
+#include "sim/runtime/formats/mcap_reader.h"
+#include "sim/runtime/formats/mcap_writer.h"
+#include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
 namespace {

@@ -152,7 +152,7 @@ TEST_F(Cameras, YuvIsReadAsTheDriverMeansIt) {
 TEST_F(Cameras, PairsAreTimedOnTheHostsClockAndNeverWaitedFor) {
   const auto camera = open({kLeft, kRight, 10, {}});
   ASSERT_TRUE(camera);
-  EXPECT_EQ(camera->mode(host::Side::left), "320 x 180 yuyv, 10 Hz");
+  EXPECT_EQ(camera->mode(host::EyeSide::left), "320 x 180 yuyv, 10 Hz");
   const Time before = now();
   const auto watched = watch(*camera, 15, 30s);
   ASSERT_EQ(watched.pairs.size(), 15u) << watched.error;
@@ -283,7 +283,7 @@ TEST_F(Cameras, WhatCannotBeOpenedIsTold) {
   expect_in(refusal({kLeft, kRight, 10, {}}, 333, 222),
             "it has no 333 x 222, the calibration's size; it offers 320 x 180, 640 x 360, 640 x "
             "480,");
-  expect_in(refusal({kLeft, kRight, 10, PixelFormat::mjpeg}), "; mjpeg was asked for");
+  expect_in(refusal({kLeft, kRight, 10, PixelFormat::mjpeg}), "; mjpeg was requested");
   {
     Vivid other(kRight);
     other.reserve_buffers();

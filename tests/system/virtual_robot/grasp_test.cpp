@@ -3,35 +3,35 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/system/virtual_robot/robot_bench.h"
+#include "tests/system/virtual_robot/robot_testing.h"
 
 namespace kaz {
 namespace {
 
-// Centre of the grasp in the forearm's frame (docs/robot.md).
+// Centre of the grasp in the forearm's frame (docs/reference/robot.md).
 const Eigen::Vector3d kGrasp(0, 0, -0.093);
 
-double away_mm(const RobotBench& bench) {
-  return 1e3 * (bench.ball() - bench.world().link_pose("r_elbow") * kGrasp).norm();
+double away_mm(const RobotFixture& fixture) {
+  return 1e3 * (fixture.ball() - fixture.world().link_pose("r_elbow") * kGrasp).norm();
 }
 
 TEST(Grasp, HoldsTheBallWhileTheArmMoves) {
   // Lies between the jaws of the right hand, hanging: the lips carry it from the start.
-  const auto bench = RobotBench::start(world_of(ball("0 -0.08 0.097", 0.015, 0.020, "")));
-  ASSERT_TRUE(bench);
-  bench->wait(0.2);
-  EXPECT_LT(away_mm(*bench), 6) << "it lies on the lips";
-  bench->move({{host::r_hand, 14 * kDegree}}, 0.8);
-  bench->wait(0.4);
-  const double gripped = away_mm(*bench);
+  const auto fixture = RobotFixture::start(world_of(ball("0 -0.08 0.097", 0.015, 0.020, "")));
+  ASSERT_TRUE(fixture);
+  fixture->wait(0.2);
+  EXPECT_LT(away_mm(*fixture), 6) << "it lies on the lips";
+  fixture->move({{host::r_hand, 14 * kDegree}}, 0.8);
+  fixture->wait(0.4);
+  const double gripped = away_mm(*fixture);
   EXPECT_LT(gripped, 6);
   double worst = 0;
   const auto swing = [&](const std::vector<host::JointTarget>& targets, double seconds) {
-    const auto set = bench->robot().set_targets(targets, from_seconds(seconds));
+    const auto set = fixture->robot().set_targets(targets, from_seconds(seconds));
     ASSERT_TRUE(set) << set.error().message;
     for (double t = 0; t < seconds + 0.3; t += 0.05) {
-      bench->wait(0.05);
-      worst = std::max(worst, away_mm(*bench));
+      fixture->wait(0.05);
+      worst = std::max(worst, away_mm(*fixture));
     }
   };
   // Forward and up, elbow bent, out to the side, and as fast as the shoulder follows.
@@ -48,13 +48,13 @@ TEST(Grasp, HoldsTheBallWhileTheArmMoves) {
               worst);
   // It gives way in the V by what the jaw's weak loop yields; dropped it would be 90 mm away.
   EXPECT_LT(worst, 10);
-  EXPECT_LT(bench->tilt_deg(), 3);
-  EXPECT_GT(bench->ball().z(), 0.07);
+  EXPECT_LT(fixture->tilt_deg(), 3);
+  EXPECT_GT(fixture->ball().z(), 0.07);
 
   // And falls when the hand opens: nothing else holds it.
-  bench->move({{host::r_hand, -60 * kDegree}}, 0.5);
-  bench->wait(0.5);
-  EXPECT_LT(bench->ball().z(), 0.03);
+  fixture->move({{host::r_hand, -60 * kDegree}}, 0.5);
+  fixture->wait(0.5);
+  EXPECT_LT(fixture->ball().z(), 0.03);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/system/virtual_robot/robot_bench.h"
+#include "tests/system/virtual_robot/robot_testing.h"
 
 namespace kaz {
 namespace {
@@ -48,20 +48,20 @@ class MeanPose {
   Eigen::Vector3d way_ = Eigen::Vector3d::Zero(), turn_ = Eigen::Vector3d::Zero();
 };
 
-Stood stand(RobotBench& bench, const char* posture) {
-  const double for_s = long_run() ? 60 : 6, begin = bench.time_s();
-  const auto left_sole = [&] { return bench.world().link_pose("l_ankle_pitch"); };
-  const auto right_sole = [&] { return bench.world().link_pose("r_ankle_pitch"); };
-  const Eigen::Isometry3d start = bench.trunk(), left = left_sole(), right = right_sole();
+Stood stand(RobotFixture& fixture, const char* posture) {
+  const double for_s = long_run() ? 60 : 6, begin = fixture.time_s();
+  const auto left_sole = [&] { return fixture.world().link_pose("l_ankle_pitch"); };
+  const auto right_sole = [&] { return fixture.world().link_pose("r_ankle_pitch"); };
+  const Eigen::Isometry3d start = fixture.trunk(), left = left_sole(), right = right_sole();
   Stood stood;
   MeanPose early, late;
-  while (bench.time_s() < begin + for_s) {
-    bench.wait(0.05);
-    stood.trunk.widen(start, bench.trunk());
+  while (fixture.time_s() < begin + for_s) {
+    fixture.wait(0.05);
+    stood.trunk.widen(start, fixture.trunk());
     stood.soles.widen(left, left_sole());
     stood.soles.widen(right, right_sole());
-    if (bench.time_s() < begin + for_s / 6) early.add(bench.trunk());
-    if (bench.time_s() > begin + for_s * 5 / 6) late.add(bench.trunk());
+    if (fixture.time_s() < begin + for_s / 6) early.add(fixture.trunk());
+    if (fixture.time_s() > begin + for_s * 5 / 6) late.add(fixture.trunk());
   }
   stood.drift.widen(early.mean(), late.mean());
   std::printf(
@@ -73,10 +73,10 @@ Stood stand(RobotBench& bench, const char* posture) {
 }
 
 TEST(StandingRobot, DoesNotDriftInItsCrouch) {
-  const auto bench = RobotBench::start(world_of(""));
-  ASSERT_TRUE(bench);
-  bench->stand_in_crouch();
-  const Stood stood = stand(*bench, "crouch");
+  const auto fixture = RobotFixture::start(world_of(""));
+  ASSERT_TRUE(fixture);
+  fixture->stand_in_crouch();
+  const Stood stood = stand(*fixture, "crouch");
   for (const Moved& moved : {stood.trunk, stood.drift, stood.soles}) {
     EXPECT_LT(moved.mm, 1.0);
     EXPECT_LT(moved.degrees, 0.5);
@@ -86,10 +86,10 @@ TEST(StandingRobot, DoesNotDriftInItsCrouch) {
 // On straight legs nothing loads the joints, and the trunk sways by the backlash: 0.4 degrees in the
 // ankles and as much in the hips, over 160 mm of leg. What it must not do is wander.
 TEST(StandingRobot, DoesNotDriftUpright) {
-  const auto bench = RobotBench::start(world_of(""), 2);
-  ASSERT_TRUE(bench);
-  bench->wait(1.0);
-  const Stood stood = stand(*bench, "upright");
+  const auto fixture = RobotFixture::start(world_of(""), 2);
+  ASSERT_TRUE(fixture);
+  fixture->wait(1.0);
+  const Stood stood = stand(*fixture, "upright");
   for (const Moved& moved : {stood.drift, stood.soles}) {
     EXPECT_LT(moved.mm, 1.0);
     EXPECT_LT(moved.degrees, 0.5);
@@ -120,26 +120,26 @@ Push push(double from_rad, double mass_kg, double speed) {
                 "</box></geometry></collision></link></model>",
                 x, y, from_rad);
   Push result;
-  const auto bench = RobotBench::start(world_of(shelf + ball(at, mass_kg, 0.025, kick)));
-  if (!bench) return result;
-  bench->stand_in_crouch();
-  EXPECT_LT(bench->time_s(), 3.4);
-  EXPECT_LT((bench->ball() - Eigen::Vector3d(x, y, 0.205)).norm(), 0.003) << "still on its shelf";
+  const auto fixture = RobotFixture::start(world_of(shelf + ball(at, mass_kg, 0.025, kick)));
+  if (!fixture) return result;
+  fixture->stand_in_crouch();
+  EXPECT_LT(fixture->time_s(), 3.4);
+  EXPECT_LT((fixture->ball() - Eigen::Vector3d(x, y, 0.205)).norm(), 0.003) << "still on its shelf";
   // The ball's horizontal speed towards the robot before and after it has touched.
   const Eigen::Vector3d towards(-std::cos(from_rad), -std::sin(from_rad), 0);
-  Eigen::Vector3d last = bench->ball();
+  Eigen::Vector3d last = fixture->ball();
   double before = 0, after = 0, fastest = 0;
-  while (bench->time_s() < 4.5) {
-    bench->wait(0.005);
-    const double v = (bench->ball() - last).dot(towards) / 0.005;
-    last = bench->ball();
+  while (fixture->time_s() < 4.5) {
+    fixture->wait(0.005);
+    const double v = (fixture->ball() - last).dot(towards) / 0.005;
+    last = fixture->ball();
     fastest = std::max(fastest, v);
     if (fastest > 0.5 * speed && before == 0 && v < 0.9 * fastest) before = fastest;
-    if (before > 0 && after == 0 && bench->time_s() > 3.5 + distance / speed + 0.03) after = v;
+    if (before > 0 && after == 0 && fixture->time_s() > 3.5 + distance / speed + 0.03) after = v;
   }
   result.given_ns = mass_kg * (before - after);
-  bench->wait(2.5);
-  result.tilt_deg = bench->tilt_deg();
+  fixture->wait(2.5);
+  result.tilt_deg = fixture->tilt_deg();
   return result;
 }
 

@@ -18,8 +18,8 @@
 #include <valgrind/callgrind.h>
 
 #include "shared/board/board.h"
-#include "sim/body/staged_world.h"
-#include "sim/body/gait_testing.h"
+#include "sim/body/world/gait_testing.h"
+#include "sim/body/world/staged_world.h"
 #include "tools/benchmark/body/names.h"
 #include "tools/benchmark/bullet/bullet_world.h"
 
@@ -37,7 +37,7 @@ class Run {
  public:
   Run(const std::string& load, const std::string& stepper) : walks_(load != "alone") {
     WorldOptions options;
-    options.stepper = stepper;
+    options.dynamics = stepper;
     const char* world = load == "props" ? "props" : "empty";
     const auto load_world =
         stepper.compare(0, 6, "bullet") == 0 ? bench::BulletWorld::load : World::load;
@@ -145,7 +145,7 @@ void register_all() {
   };
   // What runs by default.
   add(bench::name_of("step_us", "walking"),
-      [](benchmark::State& state) { step(state, "walking", WorldOptions{}.stepper); });
+      [](benchmark::State& state) { step(state, "walking", WorldOptions{}.dynamics); });
   for (const std::string load : bench::kLoads) {
     for (const std::string stepper : bench::kSteppers)
       add(bench::name_of("step_us", load, stepper),

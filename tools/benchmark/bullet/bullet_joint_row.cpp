@@ -19,12 +19,12 @@ void BulletJointRow::finalizeMultiDof() {
   m_numDofsFinalized = m_jacSizeBoth;
 }
 
-void BulletJointRow::ask(double velocity, double softness, double least, double most) {
+void BulletJointRow::ask(double velocity, double softness, double min, double max) {
   asked_ = true;
   velocity_ = velocity;
   softness_ = softness;
-  min_ = least;
-  max_ = most;
+  min_ = min;
+  max_ = max;
 }
 
 double BulletJointRow::torque(double step_s) {

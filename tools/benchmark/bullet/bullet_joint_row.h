@@ -1,10 +1,10 @@
-// A row of a joint in Bullet's solver: a motor by the law of every stepper, or a stop.
+// A joint row in Bullet's solver: a motor with the law of joint_motor.h, or a stop.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bullet's own btMultiBodyJointMotor reaches a velocity with a bounded torque and knows no
-// softness, so it cannot be the motor line, whose softness is back-EMF and rotor (joint_motor.h).
-// The rows of its contacts can yield; this gives a joint a row of the same kind:
-//     w_new + softness T = velocity,  least <= T <= most
+// Bullet's btMultiBodyJointMotor drives to a velocity with a bounded torque and has no softness, so it cannot
+// model the motor line, whose softness is back-EMF and rotor inertia (joint_motor.h). Bullet's contact rows
+// can be soft; this is a joint row of the same kind:
+//     w_new + softness T = velocity,  min <= T <= max
 #pragma once
 
 #include <BulletDynamics/Featherstone/btMultiBody.h>
@@ -18,7 +18,7 @@ class BulletJointRow final : public btMultiBodyConstraint {
   BulletJointRow(btMultiBody* body, int link, double sign);
 
   // For the coming step: rad/s, rad/s per Nm, Nm.
-  void ask(double velocity, double softness, double least, double most);
+  void ask(double velocity, double softness, double min, double max);
   // No row in the coming step.
   void rest() { asked_ = false; }
   double torque(double step_s);  // Nm, in the last step, in the joint's own direction

@@ -4,7 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "sim/body/contact_surface.h"
+#include "sim/body/contact/contact_surface.h"
 
 namespace kaz::sim::bench {
 namespace {

@@ -8,7 +8,7 @@
 #include <btBulletDynamicsCommon.h>
 #include <Eigen/Geometry>
 
-#include "sim/body/rigid_link.h"
+#include "sim/body/description/rigid_link.h"
 
 namespace kaz::sim::bench {
 

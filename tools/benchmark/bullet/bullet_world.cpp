@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "sim/body/body_sleep.h"
+#include "sim/body/world/body_sleep.h"
 
 namespace kaz::sim::bench {
 namespace {
@@ -33,11 +33,11 @@ Result<std::unique_ptr<World>> BulletWorld::load(const std::string& world_path,
                                                  const std::string& robot_path,
                                                  const WorldOptions& options) {
   const std::string name = "bullet";
-  const int iterations = options.stepper.compare(0, name.size(), name) == 0
-                             ? std::atoi(options.stepper.c_str() + name.size())
+  const int iterations = options.dynamics.compare(0, name.size(), name) == 0
+                             ? std::atoi(options.dynamics.c_str() + name.size())
                              : 0;
   if (iterations < 1)
-    return fail(Fault::usage, "stepper \"" + options.stepper + "\" is not \"bulletN\", N from 1");
+    return fail(Fault::usage, "dynamics \"" + options.dynamics + "\" is not \"bulletN\", N from 1");
   const Result<RobotModel> robot = load_robot(robot_path);
   if (!robot) return tl::unexpected(robot.error());
   const Result<MotorParams> motor = load_motor_file(
@@ -232,11 +232,11 @@ void BulletWorld::ask_joints() {
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     Joint& joint = joints_[i];
     const JointMotor::Row& row = rows_[i];
-    joint.motor->ask(row.velocity, row.softness, row.least, row.most);
+    joint.motor->ask(row.velocity, row.softness, row.min, row.max);
     const double watch = kStopWatch + step_s_ * std::abs(joint_states_[i].velocity);
-    const auto stop = [&](BulletJointRow& out, double way) {  // way: rad, left to it
-      if (way > watch) return out.rest();
-      out.ask(way > 0 ? -way / step_s_ : -kStopErp * way / step_s_, kStopSoftness, 0,
+    const auto stop = [&](BulletJointRow& out, double gap) {  // rad, to the stop
+      if (gap > watch) return out.rest();
+      out.ask(gap > 0 ? -gap / step_s_ : -kStopErp * gap / step_s_, kStopSoftness, 0,
               std::numeric_limits<double>::max());
     };
     stop(*joint.lower_stop, joint_states_[i].angle - joint.lower);

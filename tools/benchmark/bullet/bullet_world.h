@@ -15,7 +15,7 @@
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
-#include "sim/body/staged_world.h"
+#include "sim/body/world/staged_world.h"
 #include "tools/benchmark/bullet/bullet_joint_row.h"
 #include "tools/benchmark/bullet/bullet_shapes.h"
 
@@ -35,7 +35,7 @@ class BulletWorld final : public StagedWorld {
   void step(std::span<const MotorDrive> drives, double supply_volts) override;
   int find_contacts() override;
   double largest_joint_gap_m() const override { return 0; }  // reduced coordinates
-  std::string stepper() const override { return "bullet" + std::to_string(iterations_); }
+  std::string dynamics() const override { return "bullet" + std::to_string(iterations_); }
 
  private:
   // Links so near in the tree that their shapes may overlap at the joints never meet.

@@ -1,4 +1,4 @@
-// Hostile frames to the flash writer in an emulated board (docs/fuzzing.md).
+// Hostile frames to the flash writer in an emulated board (docs/howto/fuzzing.md).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

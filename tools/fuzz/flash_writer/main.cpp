@@ -1,4 +1,4 @@
-// libFuzzer's entry for the flash writer (docs/fuzzing.md).
+// libFuzzer's entry for the flash writer (docs/howto/fuzzing.md).
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <cstdlib>

@@ -12,7 +12,7 @@
 
 #include "shared/flash/image.h"
 #include "shared/flash/protocol.h"
-#include "sim/h8s/image.h"
+#include "shared/image/image.h"
 
 namespace kaz::fuzz {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/h8s/chip.h"
+#include "sim/h8s/chip/chip.h"
 
 namespace kaz::fuzz {
 

@@ -11,13 +11,13 @@
 #include "shared/servo/store.h"
 #include "sim/mcu/mcu.h"
 #include "sim/mcu/memory_file.h"
-#include "sim/runtime/sha256.h"
-#include "sim/runtime/snapshot.h"
+#include "sim/runtime/formats/sha256.h"
+#include "sim/runtime/simulation/snapshot.h"
 #include "sim/stand/stand_commands.h"
+#include "tools/app/arguments.h"
+#include "tools/app/vision/modules.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
-#include "tools/kaz/port_argument.h"
-#include "tools/kaz/vision_modules.h"
 
 namespace kaz::fuzz {
 namespace {

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "sim/body/robot_model.h"
-#include "sim/body/world_model.h"
-#include "sim/view/mesh.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/description/world_model.h"
+#include "sim/view/model/mesh.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 

@@ -4,8 +4,8 @@
 
 #include "shared/faults/faults.h"
 #include "sim/board/sensor_file.h"
-#include "sim/body/motor_file.h"
-#include "sim/runtime/eyes.h"
+#include "sim/body/description/motor_file.h"
+#include "sim/runtime/eyes/eyes.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 

@@ -3,8 +3,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "sim/body/robot_model.h"
-#include "sim/body/world_model.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/description/world_model.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 #include "tools/fuzz/seeds_test.h"

@@ -1,4 +1,4 @@
-// libFuzzer's entry for all targets of targets.h: --target=NAME chooses one (docs/fuzzing.md).
+// libFuzzer's entry for all targets of targets.h: --target=NAME chooses one (docs/howto/fuzzing.md).
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <cstdlib>

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "sim/runtime/mcap_reader.h"
+#include "sim/runtime/formats/mcap_reader.h"
+#include "tools/app/replay/message_fields.h"
+#include "tools/app/replay/recorded_backend.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
-#include "tools/kaz/message_fields.h"
-#include "tools/kaz/recorded_backend.h"
 #include "tools/lockstep/recorded_run.h"
 #include "tools/lockstep/replayed_board.h"
 

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "hil/bench/report.h"
+#include "tools/app/evaluate/episode_file.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
-#include "tools/kaz/evaluate/episode_file.h"
 
 namespace kaz::fuzz {
 

@@ -17,7 +17,7 @@
 #include "host/camera/published_camera.h"
 #include "host/robot/control_socket.h"
 #include "shared/base/camera_stream.hpp"
-#include "sim/runtime/control_server.h"
+#include "sim/runtime/serving/control_server.h"
 #include "sim/stand/stand_commands.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"

@@ -6,7 +6,7 @@
 #include "hil/conformance/codec.h"
 #include "hil/fuzz/choices.h"
 #include "host/camera/raw_picture.h"
-#include "host/robot/board_testing.h"
+#include "host/link/board_testing.h"
 #include "host/robot/robot.h"
 #include "shared/protocol/frame.h"
 #include "tools/fuzz/inputs/input.h"

@@ -4,7 +4,7 @@
 
 #include "tools/fuzz/vision/hostile_frames.h"
 #include "tools/fuzz/vision/targets.h"
-#include "vision/calibration/swapped_cameras.h"
+#include "vision/depth/swapped_cameras.h"
 #include "vision/color/ball_track.h"
 #include "vision/depth/depth_file.h"
 #include "vision/flow/independent_motion.h"

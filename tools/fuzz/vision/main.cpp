@@ -1,4 +1,4 @@
-// libFuzzer's entry for one of vision's targets, KAZ_FUZZ_TARGET (docs/fuzzing.md).
+// libFuzzer's entry for one of vision's targets, KAZ_FUZZ_TARGET (docs/howto/fuzzing.md).
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <cstdlib>

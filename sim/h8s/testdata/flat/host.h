@@ -1,4 +1,4 @@
-// What programs on the flat machine may ask of the host, and a printf without floats.
+// Semihosting requests for programs on the flat machine, and a printf without floats.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_H8S_FLAT_HOST_H
 #define KAZ_H8S_FLAT_HOST_H

@@ -1,0 +1,140 @@
+// Error sentences for refusal codes and status flags: the joint, the reason, the remedy.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/robot/typed_request.h"
+
+#include <cstdio>
+#include <numbers>
+
+#include "host/link/frame_log.h"
+#include "shared/protocol/message_info.h"
+
+namespace kaz::host {
+
+namespace {
+
+std::string degrees(double rad) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", rad * 180 / std::numbers::pi);
+  return text;
+}
+
+std::string joint_name(int joint) {
+  return joint < KZ_JOINTS ? joint_table()[static_cast<std::size_t>(joint)].name
+                           : "joint " + std::to_string(joint);
+}
+
+std::string outside_limits(int joint, std::span<const JointTarget> targets) {
+  std::string text = joint_name(joint) + " was not moved: its target";
+  for (const JointTarget& target : targets) {
+    if (target.joint == joint) text += " of " + degrees(target.angle_rad) + " degrees";
+  }
+  text += " lies outside its limits";
+  if (joint < KZ_JOINTS) {
+    const JointInfo& info = joint_table()[static_cast<std::size_t>(joint)];
+    text += " of " + degrees(info.lower_rad) + " to " + degrees(info.upper_rad) + " degrees";
+  }
+  return text;
+}
+
+std::string out_of_range(const kz_refused& refusal) {
+  if (refusal.request == KZ_TYPE_calibrate) {
+    return "the calibration of " + joint_name(refusal.detail) +
+           " is too far from nominal: at most 0.5 rad for the centre and 25 % for the scale";
+  }
+  const kz_message_info* message = kz_message_find(refusal.request);
+  if (!message || refusal.detail >= message->field_count) return "a value is out of range";
+  return std::string("its field `") + message->fields[refusal.detail].name + "` is out of range";
+}
+
+}  // namespace
+
+Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targets) {
+  const std::string request = std::string("`") + message_name(refusal.request) + "`";
+  switch (refusal.reason) {
+    case KZ_REFUSED_UNKNOWN_TYPE:
+      return {Fault::environment, "the board does not know the request " + request +
+                                      ": its firmware is older than this program"};
+    case KZ_REFUSED_LENGTH:
+      return {Fault::environment,
+              "the board refused " + request +
+                  " for its length: firmware and program do not fit each other"};
+    case KZ_REFUSED_RANGE:
+      return {Fault::failed, "the board refused " + request + ": " + out_of_range(refusal)};
+    case KZ_REFUSED_LIMIT:
+      return {Fault::failed, outside_limits(refusal.detail, targets)};
+    case KZ_REFUSED_DISABLED:
+      return {Fault::failed,
+              joint_name(refusal.detail) +
+                  " was not moved: its motor is off; enable it first (after a fault, again)"};
+    case KZ_REFUSED_FAULT:
+      return {Fault::environment, "the board refused " + request + ": " +
+                                      kz_shutdown_text(refusal.detail) +
+                                      "; mend that, then clear the shutdown"};
+    case KZ_REFUSED_BUSY:
+      return {Fault::environment,
+              "the board refused " + request + ": it is still sending the previous reply"};
+    case KZ_REFUSED_ARMED:
+      return {Fault::failed,
+              "the board refused " + request + " while a motor is on: switch all joints off first"};
+    case KZ_REFUSED_LOCKED:
+      return {Fault::failed,
+              "the board refused " + request + ": it is only for the bench; unlock it first"};
+    case KZ_REFUSED_SHARED_LINE:
+      return {Fault::failed,
+              "the board refused " + request + ": other boards share its line; query it instead"};
+    case KZ_REFUSED_STORE:
+      return {Fault::environment, "the board refused " + request +
+                                      ": its flash could not be written; what was stored before "
+                                      "is still there, and the part may be worn out"};
+    default:
+      return {Fault::environment, "the board refused " + request + " for reason " +
+                                      std::to_string(refusal.reason) +
+                                      ", which this program does not know"};
+  }
+}
+
+namespace {
+
+const char* remedy(std::uint8_t reason) {
+  switch (reason) {
+    case KZ_SHUTDOWN_STOP:
+      return "find out who stopped it, then enable again";
+    case KZ_SHUTDOWN_LINK_LOST:
+      return "enable again";
+    case KZ_SHUTDOWN_POT:
+      return "look at its plug and its cable";
+    case KZ_SHUTDOWN_UNDERVOLTAGE:
+      return "charge the battery, or look for thin wires";
+    case KZ_SHUTDOWN_OVERVOLTAGE:
+      return "take a supply of at most 12 V";
+    case KZ_SHUTDOWN_TEMPERATURE:
+      return "let the motor drivers cool";
+    case KZ_SHUTDOWN_REFERENCE:
+      return "look for a short at an analogue input";
+    case KZ_SHUTDOWN_STALL:
+      return "free the joint, or look for a target inside an obstacle";
+    case KZ_SHUTDOWN_OVERLOAD:
+      return "let the motor cool";
+    default:
+      return "see docs/explanation/safety.md";
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> fault_sentence(std::uint16_t status, const std::string& where) {
+  std::string faults;
+  const auto reason = static_cast<std::uint8_t>(status >> 8);
+  if (reason != KZ_SHUTDOWN_NONE) {
+    faults = std::string(status & KZ_STATUS_HOLDING ? "motors hold" : "motors went off") + ": " +
+             kz_shutdown_text(reason) + (where.empty() ? "" : " (" + where + ")") + "; " +
+             remedy(reason);
+  }
+  if (status & KZ_STATUS_MISSED_TICK) {
+    faults += (faults.empty() ? "" : "; ") + std::string("a control cycle took longer than 1 ms");
+  }
+  if (faults.empty()) return std::nullopt;
+  return "the board reports: " + faults;
+}
+
+}  // namespace kaz::host

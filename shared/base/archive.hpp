@@ -1,0 +1,187 @@
+// Archive of saved states: one list of members serves writing and reading.
+// SPDX-License-Identifier: Apache-2.0
+//
+// A class lists its members once, in a member function
+//   template <class A> void transfer(A& a) { a(first_, second_); }
+// StateWriter appends the members, StateReader fills them. Numbers are little-endian, in the size of
+// their type; containers begin with their length. A reader never reads beyond its bytes: it fails, and
+// sets what is missing to zero.
+#ifndef KAZ_SHARED_BASE_ARCHIVE_HPP
+#define KAZ_SHARED_BASE_ARCHIVE_HPP
+
+#include <array>
+#include <bit>
+#include <chrono>
+#include <concepts>
+#include <cstdint>
+#include <cstring>
+#include <deque>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace kaz {
+
+namespace archive_detail {
+template <class T>
+inline constexpr bool is_sequence = false;
+template <class T>
+inline constexpr bool is_sequence<std::vector<T>> = true;
+template <class T>
+inline constexpr bool is_sequence<std::deque<T>> = true;
+template <>
+inline constexpr bool is_sequence<std::string> = true;
+template <class T>
+inline constexpr bool is_fixed = std::is_bounded_array_v<T>;
+template <class T, std::size_t n>
+inline constexpr bool is_fixed<std::array<T, n>> = true;
+template <class T>
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
+template <class T>
+inline constexpr bool is_pair = false;
+template <class T, class U>
+inline constexpr bool is_pair<std::pair<T, U>> = true;
+template <class T>
+inline constexpr bool is_duration = false;
+template <class R, class P>
+inline constexpr bool is_duration<std::chrono::duration<R, P>> = true;
+}  // namespace archive_detail
+
+// Common to writer and reader. Derived defines number(), plain() and `reading`.
+template <class Derived>
+class StateArchive {
+ public:
+  template <class... T>
+  void operator()(T&&... values) {
+    (one(values), ...);
+  }
+
+  // The first error, empty if there is none.
+  const std::string& error() const { return error_; }
+  bool good() const { return error_.empty(); }
+  void refuse(std::string why) {
+    if (good()) error_ = std::move(why);
+  }
+
+ protected:
+  template <class T>
+  void one(T& value) {
+    using namespace archive_detail;
+    Derived& self = static_cast<Derived&>(*this);
+    if constexpr (requires { value.transfer(self); }) {
+      value.transfer(self);
+    } else if constexpr (std::is_enum_v<T>) {
+      auto number = static_cast<std::underlying_type_t<T>>(value);
+      one(number);
+      value = static_cast<T>(number);
+    } else if constexpr (std::same_as<T, bool>) {
+      std::uint8_t number = value ? 1 : 0;
+      self.number(number);
+      value = number != 0;
+    } else if constexpr (std::is_integral_v<T>) {
+      auto number = static_cast<std::make_unsigned_t<T>>(value);
+      self.number(number);
+      value = static_cast<T>(number);
+    } else if constexpr (std::same_as<T, double>) {
+      auto number = std::bit_cast<std::uint64_t>(value);
+      self.number(number);
+      value = std::bit_cast<double>(number);
+    } else if constexpr (is_duration<T>) {
+      auto count = value.count();
+      one(count);
+      value = T(count);
+    } else if constexpr (is_fixed<T>) {
+      for (auto& item : value) one(item);
+    } else if constexpr (is_pair<T>) {
+      one(value.first);
+      one(value.second);
+    } else if constexpr (is_optional<T>) {
+      bool there = value.has_value();
+      one(there);
+      if (!there) return value.reset();
+      if (!value) value.emplace();
+      one(*value);
+    } else if constexpr (std::same_as<T, std::vector<bool>>) {
+      std::vector<std::uint8_t> bits(value.begin(), value.end());
+      one(bits);
+      value.assign(bits.begin(), bits.end());
+    } else {
+      static_assert(is_sequence<T>, "this type has no transfer()");
+      auto size = static_cast<std::uint64_t>(value.size());
+      self.number(size);
+      if constexpr (Derived::reading) {
+        if (!self.holds(size)) return;
+        value.clear();
+        value.resize(static_cast<std::size_t>(size));
+      }
+      for (auto& item : value) one(item);
+    }
+  }
+
+ private:
+  std::string error_;
+};
+
+class StateWriter : public StateArchive<StateWriter> {
+ public:
+  static constexpr bool reading = false;
+  void number(std::unsigned_integral auto value) {
+    for (std::size_t i = 0; i < sizeof value; ++i)
+      bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+  }
+  // The bytes of a C struct without pointers as they are in memory: only the same build can read them.
+  template <class T>
+  void plain(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    number(static_cast<std::uint32_t>(sizeof value));
+    const auto* from = reinterpret_cast<const std::uint8_t*>(&value);
+    bytes_.insert(bytes_.end(), from, from + sizeof value);
+  }
+  std::vector<std::uint8_t>& bytes() { return bytes_; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
+class StateReader : public StateArchive<StateReader> {
+ public:
+  static constexpr bool reading = true;
+  explicit StateReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+
+  template <std::unsigned_integral T>
+  void number(T& value) {
+    value = 0;
+    if (!holds(sizeof value)) return;
+    for (std::size_t i = 0; i < sizeof value; ++i)
+      value = static_cast<T>(value | static_cast<T>(T{bytes_[i]} << (8 * i)));
+    bytes_ = bytes_.subspan(sizeof value);
+  }
+  template <class T>
+  void plain(T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::uint32_t size = 0;
+    number(size);
+    if (good() && size != sizeof value) refuse("it is from another build");
+    if (!holds(sizeof value)) return;
+    std::memcpy(&value, bytes_.data(), sizeof value);
+    bytes_ = bytes_.subspan(sizeof value);
+  }
+  // Returns whether `size` bytes are left; refuses the archive if not.
+  bool holds(std::uint64_t size) {
+    if (good() && size > bytes_.size()) refuse("it ends too early");
+    return good();
+  }
+  std::size_t left() const { return bytes_.size(); }
+
+ private:
+  std::span<const std::uint8_t> bytes_;
+};
+
+}  // namespace kaz
+
+#endif

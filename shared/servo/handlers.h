@@ -1,0 +1,43 @@
+// Handlers of the requests that change something, and how they come out.
+// SPDX-License-Identifier: Apache-2.0
+#ifndef KAZ_SHARED_SERVO_HANDLERS_H
+#define KAZ_SHARED_SERVO_HANDLERS_H
+
+#include "shared/servo/servo.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// KZ_REFUSED_* in the upper byte (0: the request is done), its detail in the lower.
+typedef u16 kz_outcome;
+#define KZ_REFUSE(reason, detail) ((kz_outcome)((u16)((u16)(reason) << 8) | (u16)(detail)))
+#define KZ_DONE ((kz_outcome)KZ_NO_DETAIL)
+// Known only after the action between this tick and the next: kz_requests_finish.
+#define KZ_PENDING 255
+#define KZ_LATER KZ_REFUSE(KZ_PENDING, KZ_NO_DETAIL)
+
+// kz_do_<name> for each command of messages.def (motion.c, settings.c, telemetry.c, bench.c). Its
+// fields are within the bounds of the table; those of a BULK_COMMAND are as they came. A handler does
+// all of a request or nothing: it changes nothing before all has been checked.
+#define KZ_HANDLER_QUERY(name)
+#define KZ_HANDLER_JOINT_QUERY(name)
+#define KZ_HANDLER_COMMAND(name) kz_outcome kz_do_##name(kz_servo* servo, const kz_##name* request);
+#define KZ_HANDLER_BULK_COMMAND(name) \
+  kz_outcome kz_do_##name(kz_servo* servo, const u8* fields, u8 length);
+#define KZ_HANDLER_FLASH_COMMAND(name) KZ_HANDLER_COMMAND(name)
+#define KZ_HANDLER_RESTART_COMMAND(name) KZ_HANDLER_COMMAND(name)
+#define KZ_HANDLER_REPLY(name)
+#define KZ_HANDLER_LARGE_REPLY(name)
+#define KZ_HANDLER_SPLIT_REPLY(name)
+#define KZ_HANDLER_ACKNOWLEDGEMENT(name)
+#define KZ_HANDLER_REFUSAL(name)
+#define KZ_HANDLER_TELEMETRY(name)
+#define KZ_MESSAGE(name, code, kind, text) KZ_HANDLER_##kind(name)
+#include "shared/protocol/messages.def"
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

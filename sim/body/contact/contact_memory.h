@@ -1,0 +1,58 @@
+// Elastic shear of soft contact points, kept from step to step (bristle friction).
+// SPDX-License-Identifier: Apache-2.0
+//
+// A rubber sole yields elastically before it slips. Friction without memory keeps the error of every step:
+// a robot that only stands drifts. Here a contact point has a tangential spring and damper, with the same
+// softness as along its normal, and slips when the spring force exceeds mu times the normal force (as in
+// Cundall & Strack, Geotechnique 29(1), 1979). Solver rows for the two tangents t:
+//     t (v_a - v_b) = -erp / h t shear - softness f,   |f| <= mu N
+// with f the force on a along t, erp and softness for the step h (contact_surface.h), i.e. a spring of
+// kContactErp / (kErpStep softness) N/m. Surfaces without softness have no shear. World frame, m.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sim/body/contact/contacts.h"
+
+namespace kaz::sim {
+
+class ContactMemory {
+ public:
+  // Before a step: matches the contacts with those of the step before and takes over their shear. A point is
+  // the same if it belongs to the same pair of shapes and moved by less than 3 mm.
+  void recall(std::span<const Touch> touches);
+  static bool has_shear(const Touch& touch) { return touch.surface.softness > 0; }
+  // Displacement of a against b in the tangent plane, m, world axes; by index into `touches`.
+  const Eigen::Vector3d& shear(std::size_t touch) const { return points_[touch].shear; }
+  // After the step: integrates the shear with the velocity of a against b at the point (m/s) and limits it
+  // by the normal force (N).
+  void remember(std::size_t touch, const Eigen::Vector3d& velocity, double normal_n, double step_s);
+
+  template <class A>
+  void transfer(A& a) {
+    auto size = static_cast<std::uint32_t>(points_.size());
+    a(size);
+    if (!a.good()) return;
+    if (size > kMaxPoints) return a.refuse("it has more points of contact than a world can have");
+    points_.resize(size);
+    for (Point& point : points_) {
+      a(point.shape_a, point.shape_b, point.limit);
+      for (Eigen::Vector3d* v : {&point.at, &point.shear, &point.normal})
+        for (int k = 0; k < 3; ++k) a((*v)[k]);
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kMaxPoints = 100'000;
+  struct Point {
+    std::uint32_t shape_a = 0, shape_b = 0;
+    Eigen::Vector3d at = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
+    Eigen::Vector3d shear = Eigen::Vector3d::Zero();
+    double limit = 0;  // max shear per N of normal force, divided by kErpStep: m / (N s)
+  };
+  std::vector<Point> points_, before_;
+};
+
+}  // namespace kaz::sim

@@ -1,0 +1,44 @@
+// Contact parameters of a pair of surfaces.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+
+#include "sim/body/description/rigid_link.h"
+
+namespace kaz::sim {
+
+// ERP (error reduction parameter) and softness (ODE's CFM) of contacts and stops are given for steps of this
+// length, s.
+constexpr double kErpStep = 1e-3;
+// Fraction of the penetration depth that is corrected in such a step (ODE's ERP).
+constexpr double kContactErp = 0.2;
+
+// ERP and CFM stand for a spring k and a damper c (ODE manual, "How to use ERP and CFM"): with the step h,
+// erp = h k / (h k + c), cfm = 1 / (h k + c). Here k = erp / (kErpStep softness) in N/m and
+// c = (1 - erp) / softness in N s/m. These two functions return ERP and softness of the same spring and
+// damper for a step of another length.
+constexpr double erp_for(double step_s, double erp) {
+  const double spring = erp * (step_s / kErpStep);
+  return spring / (spring + (1 - erp));
+}
+constexpr double softness_for(double step_s, double erp, double softness) {
+  return softness / (erp * (step_s / kErpStep) + (1 - erp));
+}
+
+// Penetration that is not corrected, so that bodies at rest keep their contacts, m.
+constexpr double kContactLayer = 2e-4;
+// Max velocity at which penetrating bodies are separated, m/s.
+constexpr double kContactMaxCorrection = 0.2;
+
+// Parameters of a pair of surfaces, by the rule at Surface.
+inline Surface joined(const Surface& a, const Surface& b) {
+  const Surface& livelier = a.restitution >= b.restitution ? a : b;
+  return {.mu = std::min(a.mu, b.mu),
+          .softness = a.softness + b.softness,
+          .restitution = livelier.restitution,
+          .bounce_threshold = livelier.bounce_threshold,
+          .rolling_resistance = std::max(a.rolling_resistance, b.rolling_resistance)};
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,324 @@
+// Broken robot and world files: one sentence with file and line, and no crash.
+// SPDX-License-Identifier: Apache-2.0
+#include <ostream>
+
+#include "sim/body/description/files_testing.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/description/world_model.h"
+
+namespace kaz::sim {
+namespace {
+
+// A sound world with one of everything.
+const char* const kValidWorld = R"(<?xml version="1.0"?>
+<sdf version="1.9" xmlns:kaz="urn:kaz:sdf">
+  <world name="sound">
+    <kaz:robot pose="0 0 0 0 0 0"/>
+    <gravity>0 0 -9.81</gravity>
+    <model name="floor">
+      <static>true</static>
+      <link name="slab">
+        <visual name="wood">
+          <geometry><plane><normal>0 0 1</normal><size>8 8</size></plane></geometry>
+          <material><diffuse>0.7 0.6 0.4 1</diffuse></material>
+          <kaz:texture name="wood"/>
+        </visual>
+      </link>
+    </model>
+    <model name="ball">
+      <pose>0.3 0.5 0.02 0 0 0</pose>
+      <link name="ball">
+        <inertial>
+          <mass>0.015</mass>
+          <inertia>
+            <ixx>2.4e-6</ixx><iyy>2.4e-6</iyy><izz>2.4e-6</izz>
+          </inertia>
+        </inertial>
+        <collision name="skin">
+          <geometry><sphere><radius>0.02</radius></sphere></geometry>
+          <surface>
+            <friction><ode><mu>1.0</mu></ode></friction>
+            <bounce><restitution_coefficient>0.7</restitution_coefficient></bounce>
+            <kaz:rolling_resistance metres="0.0002"/>
+          </surface>
+        </collision>
+      </link>
+      <kaz:kick time="7.0" velocity="0.34 -0.2 0"/>
+    </model>
+    <model name="pen">
+      <static>true</static>
+    </model>
+  </world>
+</sdf>
+)";
+
+struct Case {
+  const char* name;
+  const char* find;  // in the sound file, once or first
+  const char* replace;
+  int lines_down;       // the error is that many lines below the change
+  const char* message;  // part of the sentence
+};
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
+
+// The text changed, and the line on which the change begins.
+std::pair<std::string, int> changed(std::string text, const Case& c) {
+  const std::size_t at = text.find(c.find);
+  if (at == std::string::npos) {
+    ADD_FAILURE() << "the sound file has no " << c.find;
+    return {text, 0};
+  }
+  text.replace(at, std::string(c.find).size(), c.replace);
+  return {text, 1 + static_cast<int>(std::count(
+                        text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'))};
+}
+
+void expect_error(const Error& error, const std::string& path, int line, const Case& c) {
+  EXPECT_EQ(error.fault, Fault::usage);
+  EXPECT_EQ(error.message.find(path + ":" + std::to_string(line) + ": "), 0u) << error.message;
+  EXPECT_NE(error.message.find(c.message), std::string::npos) << error.message;
+  EXPECT_EQ(error.message.find('\n'), std::string::npos) << error.message;
+}
+
+class BadRobot : public testing::TestWithParam<Case> {};
+
+TEST_P(BadRobot, IsNamedWithFileAndLine) {
+  const test::Folder folder;
+  const auto [text, line] = changed(test::read_text(test::kRobot), GetParam());
+  const std::string path = folder.write("robot.urdf", text);
+  folder.write("broken.stl", "solid of nothing");
+  const auto robot = load_robot(path);
+  ASSERT_FALSE(robot);
+  expect_error(robot.error(), path, line + GetParam().lines_down, GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, BadRobot,
+    testing::Values(
+        Case{"xml", "<mass value=\"0.060\"/>", "<mass value=0.060/>", 0, "well-formed"},
+        Case{"other_root", "<robot name=\"kaz\">", "<model name=\"kaz\"/><!--", 0, ""},
+        Case{"typing_error", "<visual name=\"pelvis\">", "<visuel/><visual name=\"pelvis\">", 0,
+             "unknown element <visuel> in <link>"},
+        Case{"zero_mass", "<mass value=\"0.550\"/>", "<mass value=\"0\"/>", 0,
+             "mass of link `trunk` is not above zero"},
+        Case{"no_number", "<mass value=\"0.550\"/>", "<mass value=\"half\"/>", 0,
+             "attribute `value` of <mass> is \"half\""},
+        Case{"two_numbers", "size=\"0.05 0.084 0.02\"", "size=\"0.05 0.084\"", 0,
+             "attribute `size` of <box> must be 3 numbers"},
+        Case{"millimetres", "size=\"0.05 0.084 0.02\"", "size=\"50 84 20\"", 0,
+             "<box> has a size of 50 m; sizes are above 0 and at most 10 m"},
+        Case{"negative_size", "size=\"0.05 0.084 0.02\"", "size=\"0.05 -0.084 0.02\"", 0,
+             "<box> has a size of -0.084 m"},
+        Case{"flat_cylinder", "<cylinder radius=\"0.009\" length=\"0.002\"/>",
+             "<cylinder radius=\"0\" length=\"0.002\"/>", 0, "<cylinder> has a size of 0 m"},
+        Case{"far_away", "<origin xyz=\"-0.004 0 0.021\"/>", "<origin xyz=\"-4000 0 21\"/>", 0,
+             "<origin> lies -4000 m away"},
+        Case{"grams", "<mass value=\"0.550\"/>", "<mass value=\"550\"/>", 0,
+             "a mass of 550 kg; 100 kg is the most"},
+        Case{"no_mesh", "<box size=\"0.05 0.084 0.02\"/>", "<mesh filename=\"pelvis.stl\"/>", 0,
+             "mesh `pelvis.stl` cannot be read; check the path"},
+        Case{"mesh_of_another_kind", "<box size=\"0.05 0.084 0.02\"/>",
+             "<mesh filename=\"pelvis.dae\"/>", 0, "mesh `pelvis.dae` is neither .obj nor .stl"},
+        Case{"mesh_that_is_none", "<box size=\"0.05 0.084 0.02\"/>",
+             "<mesh filename=\"broken.stl\"/>", 0, "mesh `broken.stl` is no STL file"},
+        Case{"friction_of_nobody", "<gazebo reference=\"trunk\">", "<gazebo reference=\"belly\">",
+             0, "<gazebo> is about the link `belly`, which does not exist"},
+        Case{"negative_friction", "<mu1>0.4</mu1>", "<mu1>-0.4</mu1>", 0,
+             "<mu1> must hold one number not below 0"},
+        Case{"two_frictions", "<mu1>0.4</mu1>", "<mu1>0.4</mu1><mu2>0.5</mu2>", 0,
+             "<mu2> must hold one number not below 0, in mu1 and mu2 the same"},
+        Case{"no_inertia",
+             "<mass value=\"0.550\"/>\n      <inertia ixx=\"0.000872\" iyy=\"0.000597\" "
+             "izz=\"0.0005523\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>",
+             "<mass value=\"0.550\"/>", -1,
+             "<inertial> of link `trunk` needs <mass> and <inertia>"},
+        Case{"impossible_inertia", "<inertia ixx=\"0.000872\"", "<inertia ixx=\"0.1\"", 0,
+             "no body can have the inertia of link `trunk`"},
+        Case{"unknown_child", "<child link=\"neck_pan\"/>", "<child link=\"neck_pam\"/>", 0,
+             "child link `neck_pam` of joint `neck_pan` does not exist"},
+        Case{"loop", "<parent link=\"trunk\"/><child link=\"neck_pan\"/>",
+             "<parent link=\"neck_tilt\"/><child link=\"neck_pan\"/>", -1, "closes a loop"},
+        Case{"second_parent", "<child link=\"neck_tilt\"/>", "<child link=\"neck_pan\"/>", -1,
+             "link `neck_pan` already hangs on joint `neck_pan`"},
+        Case{"mimic", "<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 1\"/><mimic joint=\"waist\"/>", 0,
+             "names the joint `waist`, which does not exist"},
+        Case{"zero_axis", "<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 0\"/>", 0,
+             "axis of joint `neck_pan` is zero"},
+        Case{"swapped_limits", "<limit lower=\"-1.5707\" upper=\"1.5707\"",
+             "<limit lower=\"1.5707\" upper=\"-1.5707\"", 0, "is not below the upper one"},
+        Case{"prismatic", "<joint name=\"neck_pan\" type=\"revolute\">",
+             "<joint name=\"neck_pan\" type=\"prismatic\">", 0, "type \"prismatic\""},
+        Case{"moving_without_mass",
+             "<link name=\"left_eye\"/>\n  <joint name=\"left_eye\" type=\"fixed\">",
+             "<link name=\"left_eye\"/>\n  <joint name=\"waist\" type=\"revolute\">"
+             "<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/>",
+             0, "link `left_eye` moves but has no <inertial>"},
+        Case{"not_wired", "<link name=\"left_eye\"/>\n  <joint name=\"left_eye\" type=\"fixed\">",
+             "<link name=\"left_eye\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" "
+             "izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\n"
+             "  <joint name=\"waist\" type=\"revolute\">"
+             "<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/>",
+             1, "joint `waist` is not wired to the servo board"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(BadRobotFile, LacksAJointOfTheBoard) {
+  const test::Folder folder;
+  std::string text = test::read_text(test::kRobot);
+  for (std::size_t at; (at = text.find("\"r_hand\"")) != std::string::npos;) {
+    text.replace(at, 8, "\"r_claw\"");
+  }
+  const std::string path = folder.write("robot.urdf", text);
+  const auto robot = load_robot(path);
+  ASSERT_FALSE(robot);
+  EXPECT_NE(robot.error().message.find("robot has no joint `r_hand`"), std::string::npos)
+      << robot.error().message;
+}
+
+TEST(BadRobotFile, DoesNotExist) {
+  const auto robot = load_robot("no/such.urdf");
+  ASSERT_FALSE(robot);
+  EXPECT_EQ(robot.error().message, "no/such.urdf: cannot be read; check the path");
+}
+
+class BadWorld : public testing::TestWithParam<Case> {};
+
+TEST_P(BadWorld, IsNamedWithFileAndLine) {
+  const test::Folder folder;
+  const auto [text, line] = changed(kValidWorld, GetParam());
+  const std::string path = folder.write("world.sdf", text);
+  const auto world = load_world(path);
+  ASSERT_FALSE(world);
+  expect_error(world.error(), path, line + GetParam().lines_down, GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, BadWorld,
+    testing::Values(
+        Case{"xml", "<mass>0.015</mass>", "<mass 0.015</mass>", 0, "well-formed"},
+        Case{"typing_error", "<mass>0.015</mass>", "<mas>0.015</mas>", 0,
+             "unknown element <mas> in <inertial>, which takes inertia, mass, pose"},
+        Case{"not_taken", "<kaz:robot", "<light name=\"sun\" type=\"point\"/><kaz:robot", 0,
+             "unknown element <light> in <world>"},
+        Case{"no_number", "<mass>0.015</mass>", "<mass>light</mass>", 0,
+             "<mass> must hold 1 number not below 0 and at most 10000, not \"light\""},
+        Case{"five_numbers", "<pose>0.3 0.5 0.02 0 0 0</pose>", "<pose>0.3 0.5 0.02 0 0</pose>", 0,
+             "<pose> must hold 6 numbers"},
+        Case{"flat_ball", "<radius>0.02</radius>", "<radius>0</radius>", 0,
+             "<radius> must hold 1 number above 0"},
+        Case{"no_mass", "<mass>0.015</mass>", "", -1, "<inertial> lacks <mass>"},
+        Case{"zero_mass", "<mass>0.015</mass>", "<mass>0</mass>", 1,
+             "no body can have this mass and inertia"},
+        Case{"no_inertia_at_all",
+             "<inertial>\n          <mass>0.015</mass>\n          <inertia>\n            "
+             "<ixx>2.4e-6</ixx><iyy>2.4e-6</iyy><izz>2.4e-6</izz>\n          </inertia>\n        "
+             "</inertial>",
+             "", -1, "<inertial>"},
+        Case{"as_large_as_a_town", "<radius>0.02</radius>", "<radius>20000</radius>", 0,
+             "<radius> must hold 1 number above 0 and at most 1000"},
+        Case{"impossible_inertia", "<ixx>2.4e-6</ixx>", "<ixx>2.4e-3</ixx>", -1,
+             "no body can have this mass and inertia"},
+        Case{"kick_without_time", "<kaz:kick time=\"7.0\"", "<kaz:kick tiem=\"7.0\"", 0,
+             "<kaz:kick> needs the attribute `time` with 1 number"},
+        Case{"kick_of_two_numbers", "velocity=\"0.34 -0.2 0\"", "velocity=\"0.34 -0.2\"", 0,
+             "<kaz:kick> needs the attribute `velocity` with 3 numbers"},
+        Case{"robot_pose", "<kaz:robot pose=\"0 0 0 0 0 0\"/>", "<kaz:robot pose=\"0 0 0\"/>", 0,
+             "<kaz:robot> needs the attribute `pose` with 6 numbers"},
+        Case{"lamp_below", "<kaz:robot",
+             "<kaz:light to_lamp=\"1 0 0\" lamp=\"1\" shade=\"1\"/><kaz:robot", 0,
+             "<kaz:light> needs a lamp 3 degrees or more above"},
+        Case{"lamp_dark", "<kaz:robot",
+             "<kaz:light to_lamp=\"1 0 1\" lamp=\"-1\" shade=\"1\"/><kaz:robot", 0,
+             "<kaz:light> needs the attribute `lamp` with 1 number not below 0"},
+        Case{"texture", "<kaz:texture name=\"wood\"/>", "<kaz:texture name=\"oak\"/>", 0,
+             "<kaz:texture> needs a `name` of checker, wood or carpet"},
+        Case{"frozen_ball", "<kaz:kick time=\"7.0\"", "<static>true</static><kaz:kick time=\"7.0\"",
+             0, "model `ball` is static, so <kaz:kick> cannot move it"},
+        Case{"restitution", "<restitution_coefficient>0.7</restitution_coefficient>",
+             "<restitution_coefficient>1.7</restitution_coefficient>", 0,
+             "<restitution_coefficient> must hold 1 number from 0 to 1"},
+        Case{"same_name_twice", "<model name=\"pen\">", "<model name=\"ball\">", 0,
+             "there is another model `ball` above"},
+        Case{"no_shape", "<geometry><sphere><radius>0.02</radius></sphere></geometry>",
+             "<geometry></geometry>", -1, "<collision> must hold one <geometry> with one shape"},
+        Case{"no_truth", "<static>true</static>", "<static>maybe</static>", 0,
+             "<static> must hold true or false"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+// Known to the parser alone, which gives no line.
+TEST(ValidWorldFile, IsTaken) {
+  const test::Folder folder;
+  const auto world = load_world(folder.write("world.sdf", kValidWorld));
+  ASSERT_TRUE(world) << world.error().message;
+  ASSERT_EQ(world->bodies.size(), 2u);
+  const WorldBody& ball = world->bodies[1];
+  EXPECT_EQ(ball.model, "ball");
+  EXPECT_EQ(ball.rigid.mass, 0.015);
+  ASSERT_EQ(ball.kicks.size(), 1u);
+  EXPECT_EQ(ball.kicks[0].velocity, Eigen::Vector3d(0.34, -0.2, 0));
+  ASSERT_EQ(ball.rigid.collisions.size(), 1u);
+  EXPECT_EQ(ball.rigid.collisions[0].surface.restitution, 0.7);
+  EXPECT_EQ(ball.rigid.collisions[0].surface.rolling_resistance, 0.0002);
+  EXPECT_EQ(world->bodies[0].rigid.visuals[0].texture, "wood");
+  EXPECT_EQ(world->light.to_key, Light{}.to_key) << "without <kaz:light>";
+  const Case light{"", "<kaz:robot",
+                   "<kaz:light to_lamp=\"0 2 3\" lamp=\"0.5\" shade=\"1.2\"/><kaz:robot", 0, ""};
+  const auto lit = load_world(folder.write("lit.sdf", changed(kValidWorld, light).first));
+  ASSERT_TRUE(lit) << lit.error().message;
+  EXPECT_EQ(lit->light.to_key, Eigen::Vector3d(0, 2, 3));
+  EXPECT_EQ(lit->light.key, 0.5);
+  EXPECT_EQ(lit->light.shaded, 1.2);
+}
+
+TEST(BadWorldFile, NamesTheLinkToo) {
+  const test::Folder folder;
+  std::string text = kValidWorld;
+  const auto mass = text.find("<mass>");
+  ASSERT_NE(mass, std::string::npos);
+  text.replace(mass, text.find("</mass>") - mass, "<mass>heavy");
+  const auto world = load_world(folder.write("world.sdf", text));
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().message.find("(link `"), std::string::npos) << world.error().message;
+  EXPECT_NE(world.error().message.find("` of model `"), std::string::npos);
+}
+
+TEST(BadWorldFile, HasAReservedName) {
+  const test::Folder folder;
+  std::string text = kValidWorld;
+  text.replace(text.find("\"pen\""), 5, "\"__pen__\"");
+  const std::string path = folder.write("world.sdf", text);
+  const auto world = load_world(path);
+  ASSERT_FALSE(world);
+  EXPECT_EQ(world.error().message.find(path + ": "), 0u) << world.error().message;
+  EXPECT_NE(world.error().message.find("[__pen__] is reserved"), std::string::npos);
+}
+
+TEST(Load, NamesUnknownDynamics) {
+  WorldOptions options;
+  options.dynamics = "fast";
+  const auto world = World::load(test::kEmpty, test::kRobot, options);
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().message.find("unknown dynamics \"fast\" (--dynamics)"),
+            std::string::npos);
+}
+
+TEST(Load, NamesAnUnknownMotor) {
+  WorldOptions options;
+  options.motor = "s3003";
+  const auto world = World::load(test::kEmpty, test::kRobot, options);
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().message.find("has no motor `s3003`"), std::string::npos);
+}
+
+TEST(Load, NamesAnUnknownObject) {
+  const auto world = test::load_or_fail(test::kBall, {});
+  ASSERT_TRUE(world);
+  const auto cube = world->object_position("cube");
+  ASSERT_FALSE(cube);
+  EXPECT_EQ(cube.error().message, "the world has no object `cube`; those that can move: ball");
+}
+
+}  // namespace
+}  // namespace kaz::sim

@@ -1,0 +1,87 @@
+// For tests: robot and world files, whole or with one thing changed.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "shared/board/board.h"
+#include "sim/body/world/world.h"
+
+namespace kaz::sim::test {
+
+inline const std::string kRobot = "shared/robot/kaz/kaz.urdf";
+inline const std::string kEmpty = "sim/worlds/empty.sdf";
+inline const std::string kBall = "sim/worlds/ball.sdf";
+
+inline std::string read_text(const std::string& path) {
+  std::ifstream in(path);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+// A folder of its own for each test case, removed afterwards.
+class Folder {
+ public:
+  Folder() {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    std::string name = std::string(info->test_suite_name()) + "." + info->name();
+    std::replace(name.begin(), name.end(), '/', '_');
+    path_ =
+        std::filesystem::path(testing::TempDir()) / ("kaz_body_" + std::to_string(getpid()) + name);
+    std::filesystem::create_directories(path_);
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  std::string write(const std::string& name, const std::string& text) const {
+    const std::string path = path_ / name;
+    std::ofstream(path) << text;
+    return path;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// A world of a floor (mu 0.5) and whatever `models` says, the robot out of the way.
+inline std::string world_text(const std::string& gravity, const std::string& models) {
+  return R"(<?xml version="1.0"?>
+<sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="test">
+<kaz:robot pose="0 -3 0 0 0 0"/>
+<gravity>)" +
+         gravity + R"(</gravity>
+<model name="floor"><static>true</static><link name="l"><collision name="c">
+<geometry><plane><normal>0 0 1</normal><size>9 9</size></plane></geometry>
+<surface><friction><ode><mu>0.5</mu></ode></friction></surface></collision></link></model>
+)" + models +
+         "</world></sdf>\n";
+}
+
+inline std::unique_ptr<World> load_or_fail(const std::string& world, const WorldOptions& options) {
+  auto loaded = World::load(world, kRobot, options);
+  if (!loaded) {
+    ADD_FAILURE() << loaded.error().message;
+    return nullptr;
+  }
+  return std::move(*loaded);
+}
+
+using Drives = std::array<MotorDrive, KZ_JOINTS>;
+
+inline void run(World& world, double seconds, const Drives& drives = {}) {
+  const double end = world.time_s() + seconds - world.step_s() / 2;
+  while (world.time_s() < end) world.step(drives, 10.0);
+}
+
+}  // namespace kaz::sim::test

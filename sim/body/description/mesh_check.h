@@ -1,0 +1,14 @@
+// Whether a mesh that a robot file names can be read at all.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace kaz::sim {
+
+// What is wrong with it, as the end of a sentence; nothing if it looks sound. It is read in full
+// only where pictures are drawn (sim/view/model/mesh.h).
+std::optional<std::string> mesh_error(const std::string& path);
+
+}  // namespace kaz::sim

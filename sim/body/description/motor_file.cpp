@@ -1,0 +1,175 @@
+// The motor file: figures of the gear motor that drives each joint.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/description/motor_file.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <numbers>
+#include <vector>
+
+#include "shared/base/xml_text.hpp"
+#include "sim/body/description/xml_file.h"
+
+namespace kaz::sim {
+namespace {
+
+enum class Need { always, with_heat, never };
+
+struct Param {
+  const char* element;
+  double MotorParams::*member;
+  double min;
+  bool min_allowed;
+  Need need = Need::always;
+  double unit = 1;
+};
+
+constexpr double kColdest = -273.15;
+// Far beyond any motor, and near enough that ratios of them stay numbers: resistance_ohm().
+constexpr double kSmallest = 1e-12, kLargest = 1e9;
+constexpr std::array<Param, 13> kParams{{
+    {"stall_slope", &MotorParams::stall_slope_nm_per_v, 0, false},
+    {"friction", &MotorParams::friction_nm, 0, true},
+    {"back_emf", &MotorParams::back_emf_nms_per_rad, 0, false},
+    {"stiction_ratio", &MotorParams::stiction_ratio, 1, true},
+    {"rotor_inertia", &MotorParams::rotor_inertia_kgm2, 0, false},
+    {"max_supply", &MotorParams::max_supply_v, 0, false},
+    {"backlash_degrees", &MotorParams::backlash_rad, 0, true, Need::never, std::numbers::pi / 180},
+    {"winding_heat_capacity", &MotorParams::winding_heat_capacity, 0, false, Need::with_heat},
+    {"winding_to_case", &MotorParams::winding_to_case, 0, false, Need::with_heat},
+    {"case_heat_capacity", &MotorParams::case_heat_capacity, 0, false, Need::with_heat},
+    {"case_to_air", &MotorParams::case_to_air, 0, false, Need::with_heat},
+    {"copper_per_kelvin", &MotorParams::copper_per_kelvin, 0, true, Need::with_heat},
+    {"air_celsius", &MotorParams::air_celsius, kColdest, false, Need::never},
+}};
+using Seen = std::array<bool, kParams.size()>;
+
+struct Motor {
+  MotorParams params;
+  Seen seen{};
+};
+
+Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor) {
+  std::size_t which = 0;
+  while (which < kParams.size() && std::string(element.Name()) != kParams[which].element) ++which;
+  if (which == kParams.size()) {
+    return file.error(element, std::string("unknown element <") + element.Name() +
+                                   "> in <motor>; see docs/reference/robot.md for those it takes");
+  }
+  const Result<double> value = file.number(element, "value");
+  if (!value) return tl::unexpected(value.error());
+  const Param& param = kParams[which];
+  if (*value < param.min || (*value == param.min && !param.min_allowed)) {
+    return file.error(element, std::string("<") + param.element + "> must be " +
+                                   (param.min_allowed ? "at least " : "more than ") +
+                                   std::to_string(static_cast<int>(param.min)));
+  }
+  if (*value > kLargest || (!param.min_allowed && *value < param.min + kSmallest)) {
+    return file.error(element, std::string("<") + param.element +
+                                   "> is of no motor: such a number lies between 1e-12 and 1e9");
+  }
+  motor.params.*param.member = *value * param.unit;
+  motor.seen[which] = true;
+  return {};
+}
+
+// `motor` comes with what it is based on.
+Result<void> read_motor(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor) {
+  for (auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    if (auto done = read_param(file, *child, motor); !done) return done;
+  }
+  bool heat = false;
+  for (std::size_t i = 0; i < kParams.size(); ++i) {
+    heat = heat || (kParams[i].need == Need::with_heat && motor.seen[i]);
+  }
+  for (std::size_t i = 0; i < kParams.size(); ++i) {
+    if (motor.seen[i] || kParams[i].need == Need::never) continue;
+    if (kParams[i].need == Need::with_heat && !heat) continue;
+    return file.error(element, std::string("<motor> lacks <") + kParams[i].element + ">");
+  }
+  return {};
+}
+
+std::string names_of(const std::vector<Motor>& motors) {
+  std::string names;
+  for (const Motor& motor : motors) {
+    if (!names.empty()) names += ", ";
+    names += motor.params.name;
+  }
+  return names;
+}
+
+const Motor* find(const std::vector<Motor>& motors, const std::string& name) {
+  const auto found = std::find_if(motors.begin(), motors.end(),
+                                  [&](const Motor& motor) { return motor.params.name == name; });
+  return found == motors.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+MotorParams MotorParams::ideal() const {
+  MotorParams params = *this;
+  params.backlash_rad = 0;
+  params.winding_heat_capacity = 0;
+  return params;
+}
+
+Result<MotorParams> load_motor_file(const std::string& path, const std::string& name) {
+  const Result<XmlFile> file = XmlFile::load(path, "motors");
+  if (!file) return tl::unexpected(file.error());
+  std::string wanted = name;
+  if (wanted.empty()) {
+    const Result<std::string> standard = file->attribute(file->root(), "default");
+    if (!standard) return tl::unexpected(standard.error());
+    wanted = *standard;
+  }
+  std::vector<Motor> motors;
+  for (auto* element = file->root().FirstChildElement(); element;
+       element = element->NextSiblingElement()) {
+    if (std::string(element->Name()) != "motor") {
+      return file->error(
+          *element, std::string("unknown element <") + element->Name() + ">, expected <motor>");
+    }
+    const Result<std::string> its_name = file->attribute(*element, "name");
+    if (!its_name) return tl::unexpected(its_name.error());
+    Motor motor;
+    if (const char* base = element->Attribute("based_on")) {
+      const Motor* known = find(motors, base);
+      if (!known) {
+        return file->error(*element, std::string("is based on motor `") + base +
+                                         "`, which does not stand above; those that do: " +
+                                         (motors.empty() ? "none" : names_of(motors)));
+      }
+      motor = *known;
+    }
+    motor.params.name = *its_name;
+    if (auto done = read_motor(*file, *element, motor); !done) {
+      return tl::unexpected(done.error());
+    }
+    motors.push_back(motor);
+  }
+  const Motor* found = find(motors, wanted);
+  if (found) return found->params;
+  return file->error(file->root(), "has no motor `" + wanted + "`; it has: " + names_of(motors));
+}
+
+std::string motor_file_text(const MotorParams& motor, const std::string& about) {
+  std::string comment = about;
+  for (auto at = comment.find("--"); at != std::string::npos; at = comment.find("--", at))
+    comment[at + 1] = ' ';  // XML's comments must not have it
+  const std::string name = xml_text(motor.name);
+  std::string text = "<?xml version=\"1.0\"?>\n<!-- " + comment + " -->\n<motors default=\"" +
+                     name + "\">\n  <motor name=\"" + name + "\">\n";
+  for (const Param& param : kParams) {
+    if (param.need == Need::with_heat && motor.winding_heat_capacity == 0) continue;
+    char number[40];
+    const auto end =
+        std::to_chars(number, number + sizeof number, motor.*param.member / param.unit);
+    text += std::string("    <") + param.element + " value=\"" + std::string(number, end.ptr) +
+            "\"/>\n";
+  }
+  return text + "  </motor>\n</motors>\n";
+}
+
+}  // namespace kaz::sim

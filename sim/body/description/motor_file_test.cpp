@@ -1,0 +1,119 @@
+// The motor file: its figures give what the paper measured; errors name file and line.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/description/motor_file.h"
+
+#include "sim/body/description/files_testing.h"
+
+namespace kaz::sim {
+namespace {
+
+TEST(MotorFile, GivesTheTorquesThePaperMeasured) {
+  for (const char* name : {"", "s9204-original"}) {
+    const auto motor = load_motor_file("shared/robot/kaz/motor.xml", name);
+    ASSERT_TRUE(motor) << motor.error().message;
+    EXPECT_NEAR(motor->stall_slope_nm_per_v * 4.8 - motor->friction_nm, 0.97, 0.005);
+    EXPECT_NEAR(motor->stall_slope_nm_per_v * 10 - motor->friction_nm, 2.16, 0.005);
+    // 0.19 s for 60 degrees at 4.8 V.
+    const double speed =
+        (motor->stall_slope_nm_per_v * 4.8 - motor->friction_nm) / motor->back_emf_nms_per_rad;
+    EXPECT_NEAR(1.0472 / speed, 0.19, 0.001);
+  }
+}
+
+TEST(MotorFile, VariantSaysOnlyWhatDiffers) {
+  const auto driver = load_motor_file("shared/robot/kaz/motor.xml", "s9204-jskd04");
+  const auto original = load_motor_file("shared/robot/kaz/motor.xml", "s9204-original");
+  ASSERT_TRUE(driver && original);
+  EXPECT_EQ(driver->max_supply_v, 12);
+  EXPECT_EQ(original->max_supply_v, 6);
+  EXPECT_EQ(original->name, "s9204-original");
+  EXPECT_EQ(original->stall_slope_nm_per_v, driver->stall_slope_nm_per_v);
+  EXPECT_EQ(original->case_to_air, driver->case_to_air);
+  EXPECT_NEAR(original->backlash_rad, 0.00698132, 1e-8);
+}
+
+TEST(MotorFile, ReadsWhatItWrites) {
+  const test::Folder folder;
+  for (const char* name : {"", "s9204-original"}) {
+    auto motor = *load_motor_file("shared/robot/kaz/motor.xml", name);
+    motor.name = "a <new> \"one\"";
+    motor.rotor_inertia_kgm2 = 1.0 / 3000;
+    for (const bool warms : {true, false}) {
+      if (!warms) motor = motor.ideal();
+      const auto again = load_motor_file(
+          folder.write("motor.xml", motor_file_text(motor, "fitted -- by hand ---")), "");
+      ASSERT_TRUE(again) << again.error().message;
+      EXPECT_NEAR(again->backlash_rad, motor.backlash_rad, 1e-15);
+      auto same = *again;
+      same.backlash_rad = motor.backlash_rad;
+      if (warms) {
+        EXPECT_EQ(same, motor);
+      }
+      EXPECT_EQ(same.winding_heat_capacity, motor.winding_heat_capacity);
+      EXPECT_EQ(same.rotor_inertia_kgm2, motor.rotor_inertia_kgm2);
+    }
+  }
+}
+
+TEST(MotorFile, NeedsNeitherBacklashNorHeat) {
+  const test::Folder folder;
+  const auto motor = load_motor_file(
+      folder.write("motor.xml",
+                   "<motors default='a'><motor name='a'><stall_slope value='1'/>"
+                   "<friction value='0'/><back_emf value='1'/><stiction_ratio value='1'/>"
+                   "<rotor_inertia value='1'/><max_supply value='1'/></motor></motors>"),
+      "");
+  ASSERT_TRUE(motor) << motor.error().message;
+  EXPECT_EQ(motor->backlash_rad, 0);
+  EXPECT_EQ(motor->winding_heat_capacity, 0);
+}
+
+struct Case {
+  const char* name;
+  const char* motors;
+  const char* message;
+};
+
+class BadMotorFile : public testing::TestWithParam<Case> {};
+
+TEST_P(BadMotorFile, IsNamedWithFileAndLine) {
+  const test::Folder folder;
+  const std::string path = folder.write("motor.xml", GetParam().motors);
+  const auto motor = load_motor_file(path, "");
+  ASSERT_FALSE(motor);
+  EXPECT_EQ(motor.error().message, path + GetParam().message);
+  EXPECT_EQ(motor.error().fault, Fault::usage);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, BadMotorFile,
+    testing::Values(
+        Case{"typing_error",
+             "<motors default='a'>\n<motor name='a'>\n<fricton value='1'/>\n"
+             "</motor></motors>",
+             ":3: unknown element <fricton> in <motor>; see docs/reference/robot.md for those it takes"},
+        Case{"no_number",
+             "<motors default='a'>\n<motor name='a'>\n<friction value='0,1'/>\n"
+             "</motor></motors>",
+             ":3: attribute `value` of <friction> is \"0,1\", expected a number"},
+        Case{"negative",
+             "<motors default='a'><motor name='a'>\n\n<friction value='-1'/>"
+             "</motor></motors>",
+             ":3: <friction> must be at least 0"},
+        Case{"incomplete",
+             "<motors default='a'>\n<motor name='a'><friction value='1'/></motor>"
+             "</motors>",
+             ":2: <motor> lacks <stall_slope>"},
+        Case{"half_of_the_heat",
+             "<motors default='a'>\n<motor name='a'><stall_slope value='1'/>"
+             "<friction value='0'/><back_emf value='1'/><stiction_ratio value='1'/>"
+             "<rotor_inertia value='1'/><max_supply value='1'/>"
+             "<winding_heat_capacity value='5'/></motor></motors>",
+             ":2: <motor> lacks <winding_to_case>"},
+        Case{"based_on_nothing", "<motors default='a'>\n<motor name='a' based_on='b'/></motors>",
+             ":2: is based on motor `b`, which does not stand above; those that do: none"},
+        Case{"no_default", "\n<motors></motors>", ":2: <motors> lacks the attribute `default`"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+}  // namespace
+}  // namespace kaz::sim

@@ -1,0 +1,50 @@
+// One rigid part as the files describe it: what it weighs, what it touches with, what it looks
+// like.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "sim/body/description/scene.h"
+
+namespace kaz::sim {
+
+// How a shape touches. Of a pair: the smaller mu, the sum of the softnesses, the larger restitution
+// with its threshold, the larger rolling resistance.
+struct Surface {
+  double mu = 1.0;                // Coulomb friction
+  double softness = 0;            // m/s per N: ODE's soft contact CFM
+  double restitution = 0;         // 0..1
+  double bounce_threshold = 0;    // m/s; slower impacts do not bounce
+  double rolling_resistance = 0;  // m: rolling moment = this * normal force
+};
+
+struct CollisionShape {
+  Eigen::Isometry3d in_link = Eigen::Isometry3d::Identity();
+  Shape shape;
+  Surface surface;
+};
+
+struct RigidLink {
+  std::string name;
+  double mass = 0;
+  Eigen::Vector3d com = Eigen::Vector3d::Zero();      // in the link's frame
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about com, axes of the link's frame
+  std::vector<CollisionShape> collisions;
+  std::vector<Visual> visuals;  // in_frame: in the link's frame; frame is not set yet
+};
+
+// Adds a part fixed to `link` at `in_link`: mass, inertia, shapes and looks.
+void weld(RigidLink& link, const RigidLink& part, const Eigen::Isometry3d& in_link);
+
+// Box that holds the shape, in the frame that `pose` maps to. Planes have no extent.
+Eigen::AlignedBox3d extent(const Shape& shape, const Eigen::Isometry3d& pose);
+
+// Whether a body can have this mass and inertia: positive, and no principal moment above the sum of
+// the other two.
+bool physical(double mass, const Eigen::Matrix3d& inertia);
+
+}  // namespace kaz::sim

@@ -1,0 +1,54 @@
+// Visual scene: shapes, materials and poses. Built by sim/body, drawn by sim/view.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace kaz::sim {
+
+struct Rgb {
+  float r = 0.8f, g = 0.8f, b = 0.8f;  // 0..1, as in URDF and SDF
+};
+
+struct Shape {
+  enum class Kind { box, cylinder, sphere, capsule, plane, mesh };
+  Kind kind = Kind::box;
+  // box: full lengths x, y, z; cylinder and capsule: radius, length along z; sphere: radius;
+  // plane: lengths x, y, normal z. Metres.
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();
+  std::string mesh_path;  // kind mesh: absolute path of an OBJ or STL file, scaled by `size`
+};
+
+struct Visual {
+  std::string name;  // link/visual, unique
+  int frame = 0;     // index into ScenePose::frames
+  Eigen::Isometry3d in_frame = Eigen::Isometry3d::Identity();
+  Shape shape;
+  Rgb color;
+  std::string texture;  // "", "checker", "wood", "carpet": procedural, drawn with `color` as base
+};
+
+// A directional key light and the ambient light.
+struct Light {
+  Eigen::Vector3d to_key{0.55, -0.50, 1.0};  // direction to the lamp, any length; from above
+  double key = 1,
+         shaded = 1;  // factors on the key light and on the ambient light
+};
+
+// Does not change while the world runs.
+struct Scene {
+  std::vector<Visual> visuals;
+  std::vector<std::string> frames;  // name of each moving body; frame 0 is the world
+  Light light;
+};
+
+// World pose of each frame at one time.
+struct ScenePose {
+  std::vector<Eigen::Isometry3d> frames;
+};
+
+}  // namespace kaz::sim

@@ -1,0 +1,317 @@
+// Finds what is wrong with a world file before the parser sees it, so that its line can be named.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/description/sdf_check.h"
+
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "sim/body/description/rigid_link.h"
+#include "sim/body/description/xml_file.h"
+
+namespace kaz::sim {
+namespace {
+
+using Element = tinyxml2::XMLElement;
+
+// What may stand in what. Some names stand in several places, so keys are the ends of paths.
+const std::map<std::string, std::set<std::string>> kChildren{
+    {"sdf", {"world"}},
+    {"world", {"gravity", "model", "kaz:light", "kaz:robot"}},
+    {"model", {"static", "pose", "link", "kaz:kick"}},
+    {"link", {"pose", "inertial", "visual", "collision"}},
+    {"inertial", {"mass", "pose", "inertia"}},
+    {"inertia", {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}},
+    {"visual", {"pose", "geometry", "material", "kaz:texture"}},
+    {"collision", {"pose", "geometry", "surface"}},
+    {"geometry", {"box", "capsule", "cylinder", "plane", "sphere"}},
+    {"box", {"size"}},
+    {"capsule", {"radius", "length"}},
+    {"cylinder", {"radius", "length"}},
+    {"plane", {"normal", "size"}},
+    {"sphere", {"radius"}},
+    {"material", {"ambient", "diffuse", "specular"}},
+    {"surface", {"friction", "bounce", "contact", "kaz:rolling_resistance"}},
+    {"friction", {"ode"}},
+    {"friction/ode", {"mu"}},
+    {"bounce", {"restitution_coefficient", "threshold"}},
+    {"contact", {"ode"}},
+    {"contact/ode", {"soft_cfm"}},
+};
+
+// What SDF would quietly fill in: a sphere of 1 m, a nameless part.
+const std::map<std::string, std::set<std::string>> kNeeded{
+    {"box", {"size"}},
+    {"capsule", {"radius", "length"}},
+    {"cylinder", {"radius", "length"}},
+    {"plane", {"size"}},
+    {"sphere", {"radius"}},
+    {"inertial", {"mass", "inertia"}},
+};
+const std::set<std::string> kNamed{"world", "model", "link", "visual", "collision"};
+
+// Beyond it no number is accepted, so that no product of a few of them overflows.
+constexpr double kLargest = 1e300;
+
+// Elements whose text is numbers: how many, and their bounds.
+struct Numbers {
+  std::size_t count;
+  double min = -kLargest;
+  double max = kLargest;
+};
+const std::map<std::string, Numbers> kNumbers{
+    {"gravity", {3}},
+    {"pose", {6}},
+    {"mass", {1, 0, 1e4}},
+    {"ixx", {1}},
+    {"ixy", {1}},
+    {"ixz", {1}},
+    {"iyy", {1}},
+    {"iyz", {1}},
+    {"izz", {1}},
+    {"radius", {1, 1e-6, 1e3}},
+    {"length", {1, 1e-6, 1e3}},
+    {"box/size", {3, 1e-6, 1e3}},
+    {"plane/size", {2, 1e-6, 1e3}},
+    {"normal", {3}},
+    {"ambient", {4, 0, 1}},
+    {"diffuse", {4, 0, 1}},
+    {"specular", {4, 0, 1}},
+    {"mu", {1, 0}},
+    {"soft_cfm", {1, 0}},
+    {"restitution_coefficient", {1, 0, 1}},
+    {"threshold", {1, 0}},
+};
+
+// Our own elements: attributes that hold numbers.
+struct OwnAttribute {
+  const char* element;
+  const char* attribute;
+  Numbers numbers;
+};
+const OwnAttribute kOwn[] = {
+    {"kaz:robot", "pose", {6}},
+    {"kaz:light", "to_lamp", {3}},
+    {"kaz:light", "lamp", {1, 0, 10}},
+    {"kaz:light", "shade", {1, 0, 10}},
+    {"kaz:kick", "time", {1, 0}},
+    {"kaz:kick", "velocity", {3}},
+    {"kaz:rolling_resistance", "metres", {1, 0}},
+};
+
+// The parser's time grows with their square.
+constexpr std::size_t kMaxModels = 500;
+
+const std::set<std::string> kTextures{"checker", "wood", "carpet"};
+
+// How <ode> in <contact> is called in the tables: contact/ode.
+template <class Table>
+auto look_up(const Table& table, const Element& element) {
+  const std::string name = element.Name();
+  const auto plain = table.find(name);
+  if (plain != table.end() || element.Parent()->ToElement() == nullptr) return plain;
+  return table.find(element.Parent()->ToElement()->Name() + ("/" + name));
+}
+
+bool fits(const std::optional<std::vector<double>>& values, const Numbers& wanted) {
+  if (!values) return false;
+  for (const double value : *values) {
+    if (value < wanted.min || value > wanted.max) return false;
+  }
+  return true;
+}
+
+std::string describe(const Numbers& wanted) {
+  std::string text = std::to_string(wanted.count);
+  text += wanted.count == 1 ? " number" : " numbers";
+  if (wanted.max == 1) return text + " from 0 to 1";
+  char max[40] = "";
+  if (wanted.max < kLargest || wanted.min >= 0)
+    std::snprintf(max, sizeof max, " and at most %g", wanted.max);
+  if (wanted.min == 0) return text + " not below 0" + max;
+  if (wanted.min > 0) return text + " above 0" + max;
+  return text;
+}
+
+class Check {
+ public:
+  explicit Check(const XmlFile& file) : file_(file) {}
+
+  Result<void> run() {
+    if (auto ok = check(file_.root()); !ok) return ok;
+    const Element* world = file_.root().FirstChildElement("world");
+    if (world == nullptr || world->NextSiblingElement("world") != nullptr) {
+      return error(file_.root(), "<sdf> must hold one <world>");
+    }
+    std::size_t models = 0;
+    for (auto* e = world->FirstChildElement("model"); e; e = e->NextSiblingElement("model")) {
+      if (++models > kMaxModels)
+        return error(*e, "<world> has more than " + std::to_string(kMaxModels) + " models");
+      if (auto ok = check_model(*e); !ok) return ok;
+    }
+    return {};
+  }
+
+ private:
+  Result<void> check(const Element& element) {
+    if (auto ok = check_values(element); !ok) return ok;
+    const auto allowed = look_up(kChildren, element);
+    std::set<std::string> names;
+    for (const Element* e = element.FirstChildElement(); e; e = e->NextSiblingElement()) {
+      const std::string name = e->Name();
+      if (allowed == kChildren.end() || !allowed->second.count(name)) {
+        std::string known = "nothing";
+        if (allowed != kChildren.end()) {
+          known.clear();
+          for (const std::string& k : allowed->second) {
+            if (!known.empty()) known += ", ";
+            known += k;
+          }
+        }
+        return error(
+            *e, "unknown element <" + name + "> in <" + element.Name() + ">, which takes " + known);
+      }
+      if (const char* own_name = e->Attribute("name");
+          own_name != nullptr && !names.insert(name + " " + own_name).second) {
+        return error(*e, std::string("there is another ") + name + " `" + own_name + "` above");
+      }
+      if (auto ok = check(*e); !ok) return ok;
+    }
+    if (const auto needed = kNeeded.find(element.Name()); needed != kNeeded.end()) {
+      for (const std::string& child : needed->second) {
+        if (element.FirstChildElement(child.c_str()) == nullptr) {
+          return error(element, std::string("<") + element.Name() + "> lacks <" + child + ">");
+        }
+      }
+    }
+    return {};
+  }
+
+  Result<void> check_values(const Element& element) {
+    const std::string name = element.Name();
+    if (const auto numbers = look_up(kNumbers, element); numbers != kNumbers.end()) {
+      const char* text = element.GetText();
+      if (!fits(parse_numbers(text ? text : "", numbers->second.count), numbers->second)) {
+        return error(element, "<" + name + "> must hold " + describe(numbers->second) + ", not \"" +
+                                  (text ? text : "") + "\"");
+      }
+    }
+    if (kNamed.count(name) && element.Attribute("name") == nullptr) {
+      return error(element, "<" + name + "> lacks the attribute `name`");
+    }
+    if (element.Attribute("relative_to") != nullptr) {
+      return error(element, "`relative_to` is not taken; give the pose in the parent's frame");
+    }
+    for (const OwnAttribute& own : kOwn) {
+      if (name != own.element) continue;
+      const char* text = element.Attribute(own.attribute);
+      if (!fits(parse_numbers(text ? text : "", own.numbers.count), own.numbers)) {
+        return error(element, "<" + name + "> needs the attribute `" + own.attribute + "` with " +
+                                  describe(own.numbers));
+      }
+    }
+    if (name == "static") {
+      bool fixed = false;
+      if (element.QueryBoolText(&fixed) != tinyxml2::XML_SUCCESS) {
+        return error(element, "<static> must hold true or false");
+      }
+    }
+    if (name == "visual" || name == "collision") {
+      const Element* geometry = element.FirstChildElement("geometry");
+      const Element* shape = geometry ? geometry->FirstChildElement() : nullptr;
+      if (shape == nullptr || shape->NextSiblingElement() != nullptr ||
+          geometry->NextSiblingElement("geometry") != nullptr) {
+        return error(element, "<" + name + "> must hold one <geometry> with one shape");
+      }
+    }
+    if (name == "kaz:light") {  // the renderer's limit: shadows of a lower lamp are endless
+      const auto to = parse_numbers(element.Attribute("to_lamp"), 3).value();
+      if (!(to[2] > 0.05 * std::hypot(to[0], to[1], to[2])))
+        return error(element, "<kaz:light> needs a lamp 3 degrees or more above the floor");
+    }
+    if (name == "kaz:texture") {
+      const char* texture = element.Attribute("name");
+      if (texture == nullptr || !kTextures.count(texture)) {
+        return error(element, "<kaz:texture> needs a `name` of checker, wood or carpet");
+      }
+    }
+    return {};
+  }
+
+  Result<void> check_model(const Element& model) {
+    const std::string name = model.Attribute("name");
+    const Element* fixed = model.FirstChildElement("static");
+    if (fixed != nullptr && fixed->BoolText(false)) {
+      if (const Element* kick = model.FirstChildElement("kaz:kick")) {
+        return error(*kick, "model `" + name + "` is static, so <kaz:kick> cannot move it");
+      }
+      return {};
+    }
+    for (auto* link = model.FirstChildElement("link"); link;
+         link = link->NextSiblingElement("link")) {
+      if (auto ok = check_inertial(*link); !ok) return ok;
+      for (auto* c = link->FirstChildElement("collision"); c;
+           c = c->NextSiblingElement("collision")) {
+        const Element* geometry = c->FirstChildElement("geometry");
+        if (geometry != nullptr && geometry->FirstChildElement("plane") != nullptr) {
+          return error(*geometry, "a plane collides only as part of a static model");
+        }
+      }
+    }
+    return {};
+  }
+
+  // SDF gives a link without <inertial> a mass of 1 kg: no ball is meant to weigh that.
+  Result<void> check_inertial(const Element& link) {
+    const Element* inertial = link.FirstChildElement("inertial");
+    if (inertial == nullptr) {
+      return error(link,
+                   "a link that can move lacks <inertial>; add it, or make the model "
+                   "<static>true</static>");
+    }
+    const Element* mass = inertial->FirstChildElement("mass");
+    const Element* inertia = inertial->FirstChildElement("inertia");
+    const auto of = [&](const char* moment, double otherwise) {
+      const Element* e = inertia->FirstChildElement(moment);
+      return e ? e->DoubleText() : otherwise;
+    };
+    Eigen::Matrix3d tensor;                              // as SDF fills it up
+    tensor << of("ixx", 1), of("ixy", 0), of("ixz", 0),  //
+        of("ixy", 0), of("iyy", 1), of("iyz", 0),        //
+        of("ixz", 0), of("iyz", 0), of("izz", 1);
+    if (!physical(mass->DoubleText(), tensor)) {
+      return error(*inertia,
+                   "no body can have this mass and inertia: the mass must be above 0, "
+                   "moments positive and each at most the sum of the other two");
+    }
+    return {};
+  }
+
+  // With the link that it is about.
+  tl::unexpected<Error> error(const Element& at, const std::string& message) const {
+    for (const Element* e = &at; e != nullptr;
+         e = e->Parent() != nullptr ? e->Parent()->ToElement() : nullptr) {
+      const char* link = std::string(e->Name()) == "link" ? e->Attribute("name") : nullptr;
+      const Element* model = link && e->Parent() ? e->Parent()->ToElement() : nullptr;
+      const char* of = model ? model->Attribute("name") : nullptr;
+      if (link == nullptr) continue;
+      return file_.error(at, message + " (link `" + link + "`" +
+                                 (of ? " of model `" + std::string(of) + "`" : "") + ")");
+    }
+    return file_.error(at, message);
+  }
+
+  const XmlFile& file_;
+};
+
+}  // namespace
+
+Result<void> check_sdf(const std::string& path) {
+  const Result<XmlFile> file = XmlFile::load(path, "sdf");
+  if (!file) return tl::unexpected(file.error());
+  return Check(*file).run();
+}
+
+}  // namespace kaz::sim

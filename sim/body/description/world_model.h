@@ -1,0 +1,41 @@
+// What stands around the robot, as the SDF world describes it. The subset that is taken:
+// docs/reference/worlds.md.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "shared/base/result.hpp"
+#include "sim/body/description/rigid_link.h"
+
+namespace kaz::sim {
+
+// A flick: at that time the velocity is added to what the object has.
+struct Kick {
+  double time_s = 0;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, world axes
+};
+
+struct WorldBody {
+  std::string model;
+  RigidLink rigid;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // in the world, at the start
+  bool fixed = false;
+  std::vector<Kick> kicks;  // by time
+};
+
+struct WorldModel {
+  Eigen::Vector3d gravity{0, 0, -9.81};
+  std::vector<WorldBody> bodies;
+  Light light;
+  // Where the robot starts: the point between its soles, x forward.
+  Eigen::Isometry3d robot_start = Eigen::Isometry3d::Identity();
+};
+
+// Errors name file and line. Never touches the network.
+Result<WorldModel> load_world(const std::string& sdf_path);
+
+}  // namespace kaz::sim

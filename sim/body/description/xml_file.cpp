@@ -1,0 +1,127 @@
+// Reads an XML file so that whatever is wrong with it can be said with file and line.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/description/xml_file.h"
+
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace kaz::sim {
+
+Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_name) {
+  XmlFile file;
+  file.path_ = path;
+  file.document_ = std::make_unique<tinyxml2::XMLDocument>();
+  std::ifstream in(path, std::ios::binary);
+  std::error_code unknown;
+  if (!in || std::filesystem::is_directory(path, unknown))
+    return fail(Fault::usage, path + ": cannot be read; check the path");
+  char block[16384];
+  while (file.text_.size() <= kBytesMax && (in.read(block, sizeof block) || in.gcount() > 0))
+    file.text_.append(block, static_cast<std::size_t>(in.gcount()));
+  if (auto checked = file.check_text(); !checked) return tl::unexpected(checked.error());
+  const tinyxml2::XMLError status = file.document_->Parse(file.text_.data(), file.text_.size());
+  if (status == tinyxml2::XML_ERROR_EMPTY_DOCUMENT)
+    return file.error(1, "is empty; it needs an element <" + root_name + ">");
+  if (status != tinyxml2::XML_SUCCESS) {
+    // "XML_ERROR_MISMATCHED_ELEMENT" in words.
+    std::string what = file.document_->ErrorName();
+    if (const std::string prefix = "XML_ERROR_"; what.rfind(prefix, 0) == 0)
+      what.erase(0, prefix.size());
+    for (char& c : what) c = c == '_' ? ' ' : static_cast<char>(std::tolower(c));
+    return file.error(file.document_->ErrorLineNum(),
+                      "is not well-formed XML (" + what + "); check tags and quotes there");
+  }
+  // urdfdom and sdformat do not read what comes behind one.
+  for (const tinyxml2::XMLNode* node = file.document_->FirstChild(); node != nullptr;
+       node = node->NextSibling()) {
+    if (node->ToUnknown() != nullptr)
+      return file.error(node->GetLineNum(), "has a document type (<!...>); remove that line");
+  }
+  const tinyxml2::XMLElement* root = file.document_->RootElement();
+  if (root == nullptr) return file.error(1, "has no element <" + root_name + ">");
+  if (root->Name() != root_name) {
+    return file.error(
+        *root, std::string("root element is <") + root->Name() + ">, expected <" + root_name + ">");
+  }
+  return file;
+}
+
+// The parsers of URDF and SDF read the same bytes afterwards, and one of them does not end at a NUL or
+// a broken sequence of UTF-8 (TinyXML 2.6.2, CVE-2021-42260).
+Result<void> XmlFile::check_text() const {
+  if (text_.size() > kBytesMax)
+    return fail(Fault::usage, path_ + ": has more than " + std::to_string(kBytesMax >> 20) +
+                                  " MB, which no such file needs; check the path");
+  int line = 1;
+  for (std::size_t i = 0; i < text_.size();) {
+    const auto c = static_cast<unsigned char>(text_[i]);
+    const std::size_t length = c < 0x80   ? 1
+                               : c < 0xc2 ? 0
+                               : c < 0xe0 ? 2
+                               : c < 0xf0 ? 3
+                               : c < 0xf5 ? 4
+                                          : 0;
+    bool valid = c != 0 && length > 0 && i + length <= text_.size();
+    for (std::size_t k = 1; valid && k < length; ++k)
+      valid = (static_cast<unsigned char>(text_[i + k]) & 0xc0) == 0x80;
+    if (!valid) return error(line, "holds a byte that is no text in UTF-8; save it as UTF-8");
+    line += c == '\n';
+    i += length;
+  }
+  return {};
+}
+
+tl::unexpected<Error> XmlFile::error(int line, const std::string& message) const {
+  // Messages quote the file, and stay one line.
+  std::string text = message;
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  }
+  return fail(Fault::usage, path_ + ":" + std::to_string(line) + ": " + text);
+}
+
+Result<std::string> XmlFile::attribute(const tinyxml2::XMLElement& element,
+                                       const char* name) const {
+  const char* value = element.Attribute(name);
+  if (value == nullptr) {
+    return error(element,
+                 std::string("<") + element.Name() + "> lacks the attribute `" + name + "`");
+  }
+  return std::string(value);
+}
+
+Result<double> XmlFile::number(const tinyxml2::XMLElement& element, const char* name) const {
+  const Result<std::string> text = attribute(element, name);
+  if (!text) return tl::unexpected(text.error());
+  const auto numbers = parse_numbers(*text, 1);
+  if (!numbers) {
+    return error(element, std::string("attribute `") + name + "` of <" + element.Name() +
+                              "> is \"" + *text + "\", expected a number");
+  }
+  return numbers->front();
+}
+
+std::optional<std::vector<double>> parse_numbers(const std::string& text, std::size_t count) {
+  std::vector<double> numbers;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; };
+  while (true) {
+    while (at != end && blank(*at)) ++at;
+    if (at == end) break;
+    if (*at == '+') ++at;
+    double value = 0;
+    const auto [next, status] = std::from_chars(at, end, value);
+    if (status != std::errc() || !std::isfinite(value)) return std::nullopt;
+    if (next != end && !blank(*next)) return std::nullopt;
+    numbers.push_back(value);
+    at = next;
+  }
+  if (numbers.size() != count) return std::nullopt;
+  return numbers;
+}
+
+}  // namespace kaz::sim

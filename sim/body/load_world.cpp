@@ -1,0 +1,75 @@
+// Loads robot and world, and puts them on a dynamics engine.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/world/world.h"
+
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+
+#include "sim/body/ode/ode_world.h"
+#include "sim/body/reduced/reduced_world.h"
+
+namespace kaz::sim {
+
+std::string SolverDiagnostics::summary() const {
+  if (unconverged_steps == 0) return "";
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "the dynamics solver did not converge in %lld steps; largest remaining change of a "
+                "velocity: %.1e m/s or rad/s",
+                static_cast<long long>(unconverged_steps), max_residual);
+  return text;
+}
+namespace {
+
+constexpr int kReduced = -1;
+
+// "exact": 0; "quickN": N; "reduced": kReduced.
+Result<int> iterations_of(const std::string& dynamics) {
+  if (dynamics == "reduced") return kReduced;
+  if (dynamics == "exact") return 0;
+  const std::string quick = "quick";
+  int iterations = 0;
+  if (dynamics.compare(0, quick.size(), quick) == 0) {
+    const char* end = dynamics.data() + dynamics.size();
+    const auto [next, status] = std::from_chars(dynamics.data() + quick.size(), end, iterations);
+    if (status == std::errc() && next == end && iterations >= 1 && iterations <= 1000) {
+      return iterations;
+    }
+  }
+  return fail(Fault::usage, "unknown dynamics \"" + dynamics +
+                                "\" (--dynamics); use \"reduced\", \"exact\", or \"quickN\" with N "
+                                "from 1 to 1000");
+}
+
+}  // namespace
+
+Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
+                                                const MotorParams& motor,
+                                                const WorldOptions& options) {
+  const Result<int> iterations = iterations_of(options.dynamics);
+  if (!iterations) return tl::unexpected(iterations.error());
+  if (!(options.step_s > 0 && options.step_s <= 0.01)) {
+    return fail(Fault::usage, "physics step of " + std::to_string(options.step_s) +
+                                  " s is outside 0..0.01 s; 0.001 is what all is tuned for");
+  }
+  if (*iterations == kReduced) return std::make_unique<ReducedWorld>(world, robot, motor, options);
+  return std::make_unique<OdeWorld>(world, robot, motor, options, *iterations);
+}
+
+Result<std::unique_ptr<World>> World::load(const std::string& world_path,
+                                           const std::string& robot_path,
+                                           const WorldOptions& options) {
+  if (const auto known = iterations_of(options.dynamics); !known)
+    return tl::unexpected(known.error());
+  const Result<RobotModel> robot = load_robot(robot_path);
+  if (!robot) return tl::unexpected(robot.error());
+  const std::string motor_path = std::filesystem::path(robot_path).replace_filename("motor.xml");
+  const Result<MotorParams> motor = load_motor_file(motor_path, options.motor);
+  if (!motor) return tl::unexpected(motor.error());
+  const Result<WorldModel> world = load_world(world_path);
+  if (!world) return tl::unexpected(world.error());
+  return make_world(*world, *robot, options.ideal_motors ? motor->ideal() : *motor, options);
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,30 @@
+// Locked-rotor test: torque, voltage and current of a motor whose output shaft is held by a lever.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sim/body/description/motor_file.h"
+
+namespace kaz::sim {
+
+struct LockedLever {
+  double duty = 1;
+  double supply_volts = 10;  // open-circuit voltage of the source
+  double supply_ohms = 0;    // resistance between source and driver
+  double seconds =
+      0.05;  // duration; the motor starts cold and at rest, with no gap at the driving flank
+  // Switches the drive off 0.1 s before the end and on again 50 ms later. A motor whose torque falls while
+  // it presses is held by its friction; restarting measures what it can lift.
+  bool anew = false;
+};
+
+struct LeverReading {
+  double torque_nm = 0;
+  double terminal_volts = 0;  // at the driver under load
+  double supply_amperes = 0;
+  double winding_celsius = 0;
+};
+
+// Readings at the end of the test. Steps of 1 ms, as for the robot.
+LeverReading measure_locked_lever(const MotorParams& motor, const LockedLever& bench);
+
+}  // namespace kaz::sim

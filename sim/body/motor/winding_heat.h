@@ -1,0 +1,54 @@
+// Thermal model of a motor: winding, case and ambient air in series.
+// SPDX-License-Identifier: Apache-2.0
+//
+//   C_w dT_w/dt = I^2 R - (T_w - T_c) / R_wc
+//   C_c dT_c/dt = (T_w - T_c) / R_wc + friction - (T_c - T_air) / R_ca
+//
+// (lumped network; Hendershot and Miller, "Design of Brushless Permanent-Magnet Motors", on thermal
+// circuits). The copper's resistance grows linearly with T_w. Demagnetisation by heat is not modelled: it
+// depends on the material, some 0.2 %/K for ferrite and half of that for neodymium. Units: J/K, K/W, W, s,
+// degrees Celsius.
+#pragma once
+
+#include "sim/body/description/motor_file.h"
+
+namespace kaz::sim {
+
+class WindingHeat {
+ public:
+  explicit WindingHeat(const MotorParams& params)
+      : params_(params), winding_(params.air_celsius), case_(params.air_celsius) {}
+
+  // Heat (W) of the copper and of gear and brushes during step_s. Explicit Euler; both flows are taken from
+  // the old temperatures. The step is 1e-5 of the shortest time constant. Without heat parameters in the
+  // motor file the motor stays cold.
+  void take(double copper_watts, double friction_watts, double step_s) {
+    if (params_.winding_heat_capacity == 0) return;
+    const double to_case = (winding_ - case_) / params_.winding_to_case;
+    const double to_air = (case_ - params_.air_celsius) / params_.case_to_air;
+    winding_ += step_s * (copper_watts - to_case) / params_.winding_heat_capacity;
+    case_ += step_s * (to_case + friction_watts - to_air) / params_.case_heat_capacity;
+  }
+  // Resistance now over resistance at `air_celsius`.
+  double resistance_ratio() const {
+    return 1 + params_.copper_per_kelvin * (winding_ - params_.air_celsius);
+  }
+  double winding_celsius() const { return winding_; }
+  double case_celsius() const { return case_; }
+  void set(double winding_celsius, double case_celsius) {
+    winding_ = winding_celsius;
+    case_ = case_celsius;
+  }
+
+  // Archives the state (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(winding_, case_);
+  }
+
+ private:
+  MotorParams params_;
+  double winding_, case_;
+};
+
+}  // namespace kaz::sim

@@ -1,0 +1,90 @@
+// World on the Open Dynamics Engine, double precision. Settings: docs/reference/robot.md, "Dynamics".
+// SPDX-License-Identifier: Apache-2.0
+//
+// QuickStep shuffles its rows with ODE's one global random generator: each world keeps its own
+// state of it and puts it in place for its step, under a lock. Worlds may therefore step in
+// different threads, one step at a time.
+#pragma once
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "sim/body/contact/contact_memory.h"
+#include "sim/body/contact/ode_handles.h"
+#include "sim/body/world/body_sleep.h"
+#include "sim/body/world/staged_world.h"
+
+namespace kaz::sim {
+
+class OdeWorld final : public StagedWorld {
+ public:
+  // `iterations` of QuickStep; 0: ODE's exact solver.
+  OdeWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
+           const WorldOptions& options, int iterations);
+  ~OdeWorld() override;
+
+  void step(std::span<const MotorDrive> drives, double supply_volts) override;
+  int find_contacts() override;
+  double largest_joint_gap_m() const override { return largest_gap_; }
+  std::string dynamics() const override;
+  void watch_contacts(bool on) override { watch_ = on; }
+  void watch_loads(bool on) override;
+  std::vector<ContactPoint> contacts() const override;
+  void save(StateWriter& to) override;
+  void restore(StateReader& from) override;
+
+ private:
+  struct Joint {
+    dJointID hinge = nullptr, motor = nullptr;
+    dJointFeedback feedback{}, bearing{};            // of motor and hinge
+    Eigen::Vector3d axis = Eigen::Vector3d::Zero();  // in the child's frame
+    dBodyID child = nullptr;
+    int link = 0;                    // of the child
+    double lower = 0, upper = 0;     // mechanical stops, rad
+    std::optional<double> pressing;  // Nm on a stop, in the step under way
+  };
+  struct Watched {
+    Touch touch;
+    dJointFeedback feedback;
+  };
+
+  template <class A>
+  void transfer(A& a);
+  void make_bodies();
+  void hang();
+  void build_joint(const RobotModel& robot, std::size_t number);
+  dBodyID body(int number) const {
+    return number < 0 ? nullptr : ode_bodies_[static_cast<std::size_t>(number)];
+  }
+  Eigen::Isometry3d moving_pose(int body) const override;
+  void kick(int body, const Eigen::Vector3d& velocity) override;
+  void make_contact_rows();
+  void remember_contacts();
+  void drive(std::size_t number);
+  void set_row(dJointID motor, const JointMotor::Row& row) const;
+  void solve();
+  void keep_frames();
+  void measure_forces();
+  void measure_loads();
+  void check_solver();
+  void read_joints();
+  Eigen::Vector3d imu_velocity() const;
+  void read_imu(const Eigen::Vector3d& velocity_before);
+
+  int iterations_;
+  unsigned long random_state_;
+  OdeThreadingHandle threading_;  // outlives ode_
+  OdeWorldHandle ode_;
+  OdeJointGroupHandle contact_rows_;
+  BodySleep sleep_;
+  std::vector<dBodyID> ode_bodies_;               // by number; null: does not move
+  std::vector<Joint> ode_joints_;                 // never grows after the start: ODE writes into it
+  std::vector<Eigen::Isometry3d> frames_before_;  // of the robot's links, as the step began
+  ContactMemory memory_;
+  bool watch_ = false;
+  std::deque<Watched> watched_;  // ODE keeps pointers to the feedbacks
+  double largest_gap_ = 0;
+};
+
+}  // namespace kaz::sim

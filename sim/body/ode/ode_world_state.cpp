@@ -1,0 +1,63 @@
+// The world's state to bytes and back.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "sim/body/ode/ode_world.h"
+
+namespace kaz::sim {
+namespace {
+
+// dBodySetQuaternion() normalizes once more, which may change the last bit, and so might the
+// rotation that follows from it: both are put where ODE keeps them, after it has been told that the
+// body moved.
+void place(dBodyID body, const std::array<double, 4>& q, const std::array<double, 12>& r) {
+  dBodySetQuaternion(body, q.data());
+  std::ranges::copy(q, const_cast<dReal*>(dBodyGetQuaternion(body)));
+  std::ranges::copy(r, const_cast<dReal*>(dBodyGetRotation(body)));
+}
+
+template <class A>
+void transfer_body(A& a, dBodyID body) {
+  std::array<double, 3> at{}, linear{}, angular{};
+  std::array<double, 4> q{};
+  std::array<double, 12> r{};
+  bool awake = dBodyIsEnabled(body) != 0;
+  std::copy_n(dBodyGetPosition(body), 3, at.begin());
+  std::copy_n(dBodyGetQuaternion(body), 4, q.begin());
+  std::copy_n(dBodyGetRotation(body), 12, r.begin());
+  std::copy_n(dBodyGetLinearVel(body), 3, linear.begin());
+  std::copy_n(dBodyGetAngularVel(body), 3, angular.begin());
+  a(at, q, r, linear, angular, awake);
+  if constexpr (A::reading) {
+    if (!a.good()) return;
+    dBodySetPosition(body, at[0], at[1], at[2]);
+    place(body, q, r);
+    dBodySetLinearVel(body, linear[0], linear[1], linear[2]);
+    dBodySetAngularVel(body, angular[0], angular[1], angular[2]);
+    awake ? dBodyEnable(body) : dBodyDisable(body);
+  }
+}
+
+}  // namespace
+
+template <class A>
+void OdeWorld::transfer(A& a) {
+  transfer_stage(a);
+  if (!a.good()) return;
+  std::uint64_t random = random_state_;
+  a(random, largest_gap_, sleep_, memory_);
+  random_state_ = static_cast<unsigned long>(random);
+  for (const dBodyID body : ode_bodies_) {
+    if (body != nullptr) transfer_body(a, body);
+  }
+}
+
+void OdeWorld::save(StateWriter& to) {
+  transfer(to);
+}
+
+void OdeWorld::restore(StateReader& from) {
+  transfer(from);
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,41 @@
+// Puts resting bodies to sleep until a moving body touches them.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The rule is ODE's "auto disable" with one sample: a body in contact that stays below both speed thresholds
+// for SleepRule::after_s is stopped. ODE's own counters can be neither read nor set, so a restored world
+// would not continue like the saved one; these can.
+#pragma once
+
+#include <vector>
+
+#include "sim/body/contact/ode_handles.h"
+
+namespace kaz::sim {
+
+struct SleepRule {
+  double linear = 0.003, angular = 0.15;  // m/s, rad/s; above either a body stays awake
+  double after_s = 0.25;
+};
+
+class BodySleep {
+ public:
+  void add(dBodyID body) { bodies_.push_back({body, SleepRule{}.after_s}); }
+  void wake(dBodyID body);
+  // To be called before each solver step, after its contacts have been created.
+  void update(double step_s);
+
+  // Remaining time at rest of each body, in the order of add().
+  template <class A>
+  void transfer(A& a) {
+    for (Sleeper& sleeper : bodies_) a(sleeper.left_s);
+  }
+
+ private:
+  struct Sleeper {
+    dBodyID body;
+    double left_s;
+  };
+  std::vector<Sleeper> bodies_;
+};
+
+}  // namespace kaz::sim

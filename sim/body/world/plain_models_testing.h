@@ -1,0 +1,134 @@
+// For tests: robots and things of few parts, made without files.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "sim/body/description/motor_file.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/description/world_model.h"
+
+namespace kaz::sim::test {
+
+// Rods of this mass (kg), length between joints (m), centre of mass in the middle, inertia about it
+// (kg m2).
+constexpr double kRodMass = 0.1, kRodLength = 0.2, kRodInertia = 4e-4, kRodSlim = 2e-5;
+constexpr double kFreeRotor =
+    5e-4;  // kg m2, Kaz's; it turns with the joint and belongs to the answer
+
+// Without friction, gap and heat. With the bridge open back-EMF does nothing.
+inline MotorParams free_motor() {
+  MotorParams motor;
+  motor.name = "free";
+  motor.stall_slope_nm_per_v = 0.2288;
+  motor.back_emf_nms_per_rad = 0.1764;
+  motor.rotor_inertia_kgm2 = kFreeRotor;
+  motor.max_supply_v = 12;
+  return motor;
+}
+
+inline void add_link(RobotModel& robot, const RigidLink& rigid, const Eigen::Vector3d& at,
+                     const Eigen::Vector3d& axis, double lower, double upper) {
+  RobotLink link;
+  link.rigid = rigid;
+  link.at_zero.translation() = at;
+  link.parent = static_cast<int>(robot.links.size()) - 1;
+  if (link.parent >= 0) {
+    link.joint = static_cast<int>(robot.joints.size());
+    robot.joints.push_back(
+        {std::string("j").append(std::to_string(link.joint)), link.parent + 1, axis, lower, upper});
+  }
+  robot.frames[rigid.name] = {link.parent + 1, Eigen::Isometry3d::Identity()};
+  robot.links.push_back(link);
+}
+
+// A robot that is a place and nothing else.
+inline RobotModel fixed_place() {
+  RobotModel robot;
+  robot.name = "place";
+  robot.fixed_base = true;
+  RigidLink world;
+  world.name = "world";
+  add_link(robot, world, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), 0, 0);
+  return robot;
+}
+
+inline RigidLink rod(const std::string& name) {
+  RigidLink link;
+  link.name = name;
+  link.mass = kRodMass;
+  link.com.z() = -kRodLength / 2;
+  link.inertia = Eigen::Vector3d(kRodInertia, kRodInertia, kRodSlim).asDiagonal();
+  return link;
+}
+
+// `count` of them, rod0 and on, below each other, hanging at zero from what does not move. All turn
+// about y; `crossed`: the first and every second after it about x.
+inline RobotModel chain(int count, bool crossed) {
+  RobotModel robot = fixed_place();
+  for (int i = 0; i < count; ++i) {
+    const bool about_x = crossed && i % 2 == 0;
+    add_link(robot, rod(std::string("rod").append(std::to_string(i))), {0, 0, -kRodLength * i},
+             about_x ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY(), -1e3, 1e3);
+  }
+  return robot;
+}
+
+inline CollisionShape touching(Shape::Kind kind, const Eigen::Vector3d& size,
+                               const Surface& surface) {
+  CollisionShape shape;
+  shape.shape.kind = kind;
+  shape.shape.size = size;
+  shape.surface = surface;
+  return shape;
+}
+
+inline RigidLink box(const std::string& name, double mass, const Eigen::Vector3d& size,
+                     const Surface& surface) {
+  RigidLink link;
+  link.name = name;
+  link.mass = mass;
+  const Eigen::Vector3d square = size.cwiseProduct(size);
+  link.inertia = (mass / 12 * (Eigen::Vector3d::Constant(square.sum()) - square)).asDiagonal();
+  link.collisions.push_back(touching(Shape::Kind::box, size, surface));
+  return link;
+}
+
+inline RigidLink ball(const std::string& name, double mass, double radius, const Surface& surface) {
+  RigidLink link;
+  link.name = name;
+  link.mass = mass;
+  link.inertia = 0.4 * mass * radius * radius * Eigen::Matrix3d::Identity();
+  link.collisions.push_back(touching(Shape::Kind::sphere, {radius, 0, 0}, surface));
+  return link;
+}
+
+// One free link: a thing that never sleeps.
+inline RobotModel lone(const RigidLink& link) {
+  RobotModel robot;
+  robot.name = link.name;
+  add_link(robot, link, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), 0, 0);
+  return robot;
+}
+
+// A floor at z = 0.
+inline WorldModel floor_of(const Surface& surface, const Eigen::Vector3d& gravity) {
+  WorldModel world;
+  world.gravity = gravity;
+  WorldBody floor;
+  floor.model = floor.rigid.name = "floor";
+  floor.fixed = true;
+  floor.rigid.collisions.push_back(touching(Shape::Kind::plane, {9, 9, 0}, surface));
+  world.bodies.push_back(floor);
+  return world;
+}
+
+inline WorldBody thing(const RigidLink& rigid, const Eigen::Vector3d& at) {
+  WorldBody body;
+  body.model = rigid.name;
+  body.rigid = rigid;
+  body.pose.translation() = at;
+  return body;
+}
+
+}  // namespace kaz::sim::test

@@ -1,0 +1,160 @@
+// Base of all worlds, independent of the solver: numbered bodies, scene, names, kicks, motors and their
+// readings.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/body/contact/contacts.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/body/description/world_model.h"
+#include "sim/body/motor/joint_motor.h"
+#include "sim/body/world/world.h"
+
+namespace kaz::sim {
+
+// Mechanical stop beyond the firmware's limit, rad.
+constexpr double kStopMargin = 0.0174533;
+// ERP of a stop for a step of 1 ms (contact_surface.h), and its compliance, rad/s per Nm: 1 mrad at the
+// motor's 2.4 Nm, plastic on steel. At a rigid stop the residual of an iterative solver would make the joint
+// bounce.
+constexpr double kStopErp = 0.2;
+constexpr double kStopSoftness = 0.08;
+
+class StagedWorld : public World {
+ public:
+  double step_s() const override { return step_s_; }
+  double time_s() const override { return static_cast<double>(steps_) * step_s_; }
+  std::span<const JointState> joints() const override { return joint_states_; }
+  std::span<const std::string> joint_order() const override { return joint_order_; }
+  double supply_current_a() const override { return current_; }
+  const ImuState& imu() const override { return imu_; }
+  std::span<const LinkForce> link_forces() const override { return link_forces_; }
+  std::span<const std::string> link_order() const override { return link_order_; }
+  void watch_loads(bool on) override { watch_loads_ = on; }
+  std::span<const JointLoad> joint_loads() const override { return joint_loads_; }
+  const Scene& scene() const override { return scene_; }
+  ScenePose pose() const override;
+  int head_frame() const override { return head_frame_; }
+  Eigen::Isometry3d link_pose(const std::string& link) const override;
+  Result<Eigen::Vector3d> object_position(const std::string& model) const override;
+  Result<void> push(const std::string& link, const Eigen::Vector3d& impulse) override;
+  // The collision detection with which step() begins, for benchmarks. Returns the number of contact points.
+  virtual int find_contacts() = 0;
+  const SolverDiagnostics& diagnostics() const override { return diagnostics_; }
+
+ protected:
+  // Robot links have the numbers of RobotModel::links; the objects that can move follow.
+  struct Body {
+    RigidLink rigid;    // without visuals and collision shapes
+    bool moves = true;  // false: fixed at `start`
+    Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  // of the link's frame
+  };
+  struct Kick {
+    std::int64_t step = 0;
+    int body = 0;
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  };
+  // An impulse of push() on a moving link of the robot, for the next step.
+  struct HandPush {
+    std::uint32_t link = 0;
+    Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // N s, world axes, at the centre of mass
+    template <class A>
+    void transfer(A& a) {
+      a(link);
+      for (int k = 0; k < 3; ++k) a(impulse[k]);
+    }
+  };
+
+  StagedWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
+              const WorldOptions& options);
+
+  // World pose of the link's frame, for bodies that move.
+  virtual Eigen::Isometry3d moving_pose(int body) const = 0;
+  virtual void kick(int body, const Eigen::Vector3d& velocity) = 0;
+  Eigen::Isometry3d body_pose(int body) const;
+  void kick_due();
+  // Computes each motor's row from the joints' present state.
+  void prepare_motors(std::span<const MotorDrive> drives, double supply_volts);
+  // Updates the motors with the joints' state after the step.
+  void finish_motors();
+  // Validity checks of one step; each sets diagnostics_.failure if it returns false.
+  static constexpr double kMaxTurn = 1, kMaxTravel = 1;  // rad and m, per step
+  bool drives_are_numbers();
+  bool joint_can_turn(std::size_t joint, double velocity);
+  bool body_can_move(std::size_t body, const Eigen::Vector3d& velocity,
+                     const Eigen::Vector3d& angular);
+  void break_down(const std::string& why);
+  void read_motors();
+  // Archives the state of StagedWorld itself.
+  template <class A>
+  void transfer_stage(A& a) {
+    auto bodies = static_cast<std::uint32_t>(bodies_.size());
+    auto kicks = static_cast<std::uint32_t>(kicks_.size());
+    a(bodies, kicks);
+    // Kicks that are done here may still be due in the saved state.
+    if (bodies != bodies_.size() || kicks > all_kicks_.size()) {
+      return a.refuse("it is of another world");
+    }
+    if (!a.good()) return;
+    if constexpr (A::reading) kicks_.assign(all_kicks_.begin(), all_kicks_.begin() + kicks);
+    a(steps_, current_, hand_pushes_, diagnostics_.unconverged_steps, diagnostics_.max_residual);
+    for (const HandPush& push : hand_pushes_) {
+      if (push.link >= robot_links_) return a.refuse("it pushes what is not there");
+    }
+    for (JointMotor& motor : motors_) a(motor);
+    for (JointState& joint : joint_states_) {
+      a(joint.angle, joint.velocity, joint.torque, joint.current, joint.winding_celsius);
+    }
+    for (Eigen::Vector3d* v : {&imu_.angular_velocity, &imu_.specific_force})
+      for (int k = 0; k < 3; ++k) a((*v)[k]);
+    for (LinkForce& force : link_forces_) a(force);
+    if constexpr (A::reading) joint_loads_.clear();
+  }
+
+  double step_s_;
+  Eigen::Vector3d gravity_;
+  std::int64_t steps_ = 0;
+  bool hung_ = false;  // the root does not move
+  std::vector<Body> bodies_;
+  std::size_t robot_links_;
+  Contacts contacts_;
+  std::vector<JointMotor> motors_;
+  std::vector<JointMotor::Row> rows_;  // of motors_, for the current step
+  std::vector<JointState> joint_states_;
+  RobotFrame imu_frame_;
+  ImuState imu_;
+  std::vector<LinkForce> link_forces_;  // by link of the robot
+  bool watch_loads_ = false;
+  std::vector<JointLoad> joint_loads_;  // by joint; empty: not watched
+  double current_ = 0;
+  std::vector<HandPush> hand_pushes_;
+  SolverDiagnostics diagnostics_;
+
+ private:
+  int add_frame(const std::string& name, int body);
+  void add_visuals(const RigidLink& link, int frame, const Eigen::Isometry3d& in_frame);
+  int add_body(const RigidLink& link, const Eigen::Isometry3d& start, bool moves);
+  void add_robot(const RobotModel& robot, const Eigen::Isometry3d& root);
+  void add_object(const WorldBody& object);
+
+  std::vector<std::string> joint_order_, link_order_;
+  std::map<std::string, RobotFrame> link_frames_;  // by link name
+  std::map<std::string, Eigen::Isometry3d> fixed_objects_;
+  std::map<std::string, int> objects_;  // first link of each model that can move
+  std::vector<Kick> kicks_;             // the next one last
+  std::vector<Kick> all_kicks_;         // as at the start
+  std::vector<int> frames_;             // body of scene frame 1 onwards
+  Scene scene_;
+  int head_frame_ = -1;
+};
+
+// Builds a world on the dynamics that the options name. Errors: unknown dynamics, step size out of range.
+Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
+                                                const MotorParams& motor,
+                                                const WorldOptions& options);
+
+}  // namespace kaz::sim

@@ -1,0 +1,109 @@
+// For tests: a chip with a few words of program.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/h8s/chip/chip.h"
+
+namespace kaz::h8s::testing {
+
+inline constexpr std::uint32_t kCode = 0x1000;      // where programs start
+inline constexpr std::uint32_t kHandlers = 0x8000;  // handler of vector n: kHandlers + 16 n
+inline constexpr std::uint32_t kRamData = 0xffe100;
+inline constexpr std::uint32_t kStack = 0xfff000;
+
+inline std::uint32_t handler(unsigned vector) {
+  return kHandlers + 16 * vector;
+}
+
+// Addresses of registers used by the tests.
+inline constexpr std::uint32_t kMstpcr = 0xffff86;
+
+// Flash with vectors 0..103, each handler `bra .`, and `words` at kCode. Powered on, ER7 set up.
+inline Chip make_chip(const std::vector<std::uint16_t>& words, Options options = {}) {
+  Image image;
+  Segment vectors{0, 0, "vectors", {}};
+  for (unsigned v = 0; v < 104; ++v) {
+    const std::uint32_t to = v == 0 ? kCode : handler(v);
+    for (int shift = 24; shift >= 0; shift -= 8)
+      vectors.bytes.push_back(static_cast<std::uint8_t>(to >> shift));
+    image.segments.push_back({handler(v), handler(v), "handler", {0x40, 0xfe}});
+  }
+  Segment code{kCode, kCode, "code", {}};
+  for (const std::uint16_t w : words) {
+    code.bytes.push_back(static_cast<std::uint8_t>(w >> 8));
+    code.bytes.push_back(static_cast<std::uint8_t>(w));
+  }
+  image.segments.push_back(vectors);
+  image.segments.push_back(code);
+  Chip chip(options);
+  EXPECT_TRUE(chip.load(image).has_value());
+  chip.power_on();
+  Registers r = chip.registers();
+  r.er[7] = kStack;
+  chip.set_registers(r);
+  return chip;
+}
+
+// Program text that writes registers: mov.b #value,r0l ; mov.b r0l,@address:8 for the page FFFFxx
+// (3 states + 1), or mov.b r0l,@address:16.
+class Program {
+ public:
+  Program& word(std::uint16_t w) {
+    words_.push_back(w);
+    return *this;
+  }
+  Program& words(std::initializer_list<std::uint16_t> ws) {
+    for (const std::uint16_t w : ws) words_.push_back(w);
+    return *this;
+  }
+  // 1 + 4 states for a register (mov.b #,r0l: 1; mov.b r0l,@aa:16: 3 + 1 for I/O).
+  Program& out8(std::uint32_t address, std::uint8_t value) {
+    return words(
+        {static_cast<std::uint16_t>(0xf800 | value), 0x6a88, static_cast<std::uint16_t>(address)});
+  }
+  // mov.w #,r0 ; mov.w r0,@aa:16: 2 + 3 states, and 1 or 3 more for I/O.
+  Program& out16(std::uint32_t address, std::uint16_t value) {
+    return words({0x7900, value, 0x6b80, static_cast<std::uint16_t>(address)});
+  }
+  // mov.b @aa:16,r0l
+  Program& in8(std::uint32_t address) {
+    return words({0x6a08, static_cast<std::uint16_t>(address)});
+  }
+  Program& enable_interrupts() { return word(0x067f); }  // andc #0x7f,ccr
+  Program& nops(int n) {
+    for (int k = 0; k < n; ++k) word(0x0000);
+    return *this;
+  }
+  Program& stay() { return word(0x40fe); }  // bra .
+  // All modules on.
+  Program& modules_on() { return out16(kMstpcr, 0x0000); }
+  const std::vector<std::uint16_t>& get() const { return words_; }
+
+ private:
+  std::vector<std::uint16_t> words_;
+};
+
+inline Chip make_chip(const Program& program, Options options = {}) {
+  return make_chip(program.get(), options);
+}
+
+// Runs until PC is at `address`; false after 200,000 steps or a stop.
+inline bool run_to(Chip& chip, std::uint32_t address) {
+  for (int k = 0; k < 200'000; ++k) {
+    if (chip.registers().pc == address) return true;
+    if (chip.step().reason != Stop::Reason::reached) return false;
+  }
+  return false;
+}
+
+// Address after the words of a program.
+inline std::uint32_t end_of(const Program& p) {
+  return kCode + 2 * static_cast<std::uint32_t>(p.get().size());
+}
+
+}  // namespace kaz::h8s::testing

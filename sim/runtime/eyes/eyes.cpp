@@ -1,0 +1,189 @@
+// Exposures on the step grid, drawn by the render thread, delivered by simulated time.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/eyes/eyes.h"
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "shared/base/random.hpp"
+#include "sim/runtime/formats/png_picture.h"
+#include "sim/runtime/formats/sha256.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr std::size_t max_under_way = 3;  // rendering jobs in flight
+constexpr std::size_t max_kept = 8;       // pairs queued for the host
+
+vision::Image take_image(Picture& picture) {
+  return {picture.width, picture.height, std::move(picture.rgb)};
+}
+
+// Delivered if rendering failed; the simulation's next step returns the error.
+vision::Image black(const Pinhole& camera) {
+  const auto bytes = static_cast<std::size_t>(camera.width) * camera.height * 3;
+  return {camera.width, camera.height, std::vector<std::uint8_t>(bytes)};
+}
+
+bool done(const auto& future) {
+  return future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+}  // namespace
+
+Eyes::Eyes(RenderThread& draws, const CameraFile& camera, const Mounting& mounting,
+           FramePolicy policy, Keep keep, std::uint64_t seed)
+    : draws_(draws),
+      camera_(camera),
+      model_(camera.model()),
+      mounting_(mounting),
+      policy_(policy),
+      keep_(keep),
+      seed_(seed) {
+  if (!camera.ideal) optics_ = std::make_shared<const Optics>(camera, seed);
+}
+
+Eyes::Optics::Optics(const CameraFile& camera, std::uint64_t seed)
+    : left(camera.eye, camera.calibration(), Sensor::Eye::left, seed),
+      right(camera.eye, camera.calibration(), Sensor::Eye::right, seed),
+      rectifier(camera.calibration()) {}
+
+Time Eyes::exposure_time(std::uint64_t sequence) const {
+  const double ms = std::round(1000.0 * static_cast<double>(sequence) / camera_.rate_hz);
+  return std::chrono::milliseconds(static_cast<std::int64_t>(ms));
+}
+
+// Delay by bus slots and the host's scheduling: latency plus uniform jitter.
+Time Eyes::arrival_time(Time exposure) const {
+  const double share = static_cast<double>(mix64(mix64(seed_) ^ sequence_) >> 11) * 0x1p-53;
+  return exposure + from_seconds(camera_.latency_s + share * camera_.jitter_s);
+}
+
+Result<void> Eyes::draw(Renderer& renderer, const ScenePose& pose, const View& left,
+                        const View& right, const Optics* optics, std::uint64_t sequence,
+                        vision::StereoImages& pair) {
+  Picture pictures[2];
+  Result<void> drawn = renderer.render(pose, left, pictures[0]);
+  if (drawn) drawn = renderer.render(pose, right, pictures[1]);
+  if (!drawn) return drawn;
+  if (optics == nullptr) {
+    pair.left = take_image(pictures[0]);
+    pair.right = take_image(pictures[1]);
+    return {};
+  }
+  Picture real[2];
+  optics->left.expose(pictures[0], sequence, real[0]);
+  optics->right.expose(pictures[1], sequence, real[1]);
+  optics->rectifier.rectify({take_image(real[0]), take_image(real[1])}, pair);
+  return {};
+}
+
+Result<Eyes::Kept> Eyes::kept_of(const vision::StereoImages& pair, Keep keep) {
+  Kept kept;
+  if (keep == Keep::nothing) return kept;
+  kept.left = sha256_hex(pair.left.rgb);
+  kept.right = sha256_hex(pair.right.rgb);
+  if (keep == Keep::digests) return kept;
+  auto left = encode_png(pair.left), right = encode_png(pair.right);
+  if (!left) return tl::unexpected(left.error());
+  if (!right) return tl::unexpected(right.error());
+  kept.left_png = std::move(*left);
+  kept.right_png = std::move(*right);
+  return kept;
+}
+
+Result<void> Eyes::look(Time now, const std::function<ScenePose()>& pose) {
+  if (auto error = draws_.error()) return tl::unexpected(*error);
+  while (exposure_time(sequence_) < now) ++sequence_;  // exposures while the eyes were closed
+  while (!under_way_.empty() && done(under_way_.front())) under_way_.pop_front();
+  if (now < exposure_time(sequence_)) return {};
+
+  if (under_way_.size() >= max_under_way) {
+    if (policy_ == FramePolicy::drop) {
+      ++left_out_;
+      ++sequence_;
+      return {};
+    }
+    under_way_.front().wait();
+    under_way_.pop_front();
+  }
+  expose(now, pose());
+  return {};
+}
+
+void Eyes::expose(Time now, ScenePose pose) {
+  const Eigen::Isometry3d head = pose.frames[static_cast<std::size_t>(mounting_.head_frame)];
+  View left{camera_.pinhole(), head * mounting_.left};
+  View right{camera_.pinhole(), head * mounting_.right};
+  if (optics_) {
+    left = {optics_->left.ideal(), left.world_from_optical * optics_->left.mounting_from_optical()};
+    right = {optics_->right.ideal(),
+             right.world_from_optical * optics_->right.mounting_from_optical()};
+  }
+  left.light = right.light = mounting_.light;
+
+  auto drawn = std::make_shared<std::promise<Drawn>>();
+  auto images = std::make_shared<std::promise<std::shared_ptr<const vision::StereoImages>>>();
+  draws_.submit([&draws = draws_, left, right, drawn, images, keep = keep_, optics = optics_,
+                 size = camera_.pinhole(), sequence = sequence_,
+                 pose = std::move(pose)](const Result<Renderer*>& renderer) {
+    auto pair = std::make_shared<vision::StereoImages>();
+    Result<void> result;
+    if (renderer) {
+      result = draw(**renderer, pose, left, right, optics.get(), sequence, *pair);
+    } else {
+      result = tl::unexpected(renderer.error());
+    }
+    Drawn outcome;
+    if (result) {
+      images->set_value(pair);  // vision can start while the pictures are hashed
+      if (auto kept = kept_of(*pair, keep)) {
+        outcome.kept = std::move(*kept);
+      } else {
+        draws.set_error(kept.error());
+      }
+    } else {
+      draws.set_error(result.error());
+      pair->left = black(size);
+      pair->right = black(size);
+      images->set_value(pair);
+    }
+    outcome.images = pair;
+    drawn->set_value(std::move(outcome));
+  });
+
+  vision::StereoPair pair;
+  pair.info.sequence = sequence_;
+  pair.info.exposure = now;
+  pair.info.camera = model_;
+  pair.images = images->get_future().share();
+  const Time arrival = arrival_time(now);
+  arriving_.emplace_back(arrival, std::move(pair));
+  if (arriving_.size() > max_kept) arriving_.pop_front();
+
+  const std::shared_future<Drawn> outcome = drawn->get_future().share();
+  under_way_.push_back(outcome);
+  if (keep_ != Keep::nothing) to_digest_.push_back({sequence_, now, arrival, outcome});
+  ++sequence_;
+}
+
+std::optional<vision::StereoPair> Eyes::next_pair(Time now) {
+  if (arriving_.empty() || arriving_.front().first > now) return std::nullopt;
+  vision::StereoPair pair = std::move(arriving_.front().second);
+  arriving_.pop_front();
+  return pair;
+}
+
+std::vector<Eyes::Digest> Eyes::take_digests(bool all) {
+  std::vector<Digest> digests;
+  while (!to_digest_.empty() && (all || to_digest_.front().sequence + 2 < sequence_)) {
+    const Exposed& exposed = to_digest_.front();
+    const Drawn& drawn = exposed.drawn.get();
+    digests.push_back({exposed.sequence, exposed.exposure, exposed.arrival, drawn.kept});
+    to_digest_.pop_front();
+  }
+  return digests;
+}
+
+}  // namespace kaz::sim

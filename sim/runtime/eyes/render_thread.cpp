@@ -1,0 +1,67 @@
+// A queue of drawing jobs and the thread that does them.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/eyes/render_thread.h"
+
+#include <utility>
+
+namespace kaz::sim {
+
+RenderThread::RenderThread(Scene scene, RendererFactory factory)
+    : scene_(std::move(scene)), factory_(std::move(factory)) {}
+
+RenderThread::~RenderThread() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_one();
+  if (thread_.joinable()) thread_.join();
+}
+
+void RenderThread::submit(Job job) {
+  {
+    const std::lock_guard lock(mutex_);
+    jobs_.push_back(std::move(job));
+  }
+  wake_.notify_one();
+  if (thread_.joinable()) return;
+  // Created in the caller's thread because it may set environment variables; everything else runs in ours.
+  renderer_ = factory_();
+  if (!renderer_) set_error(renderer_.error());
+  thread_ = std::thread([this] { run(); });
+}
+
+void RenderThread::run() {
+  if (renderer_) {
+    if (auto set = (*renderer_)->set_scene(scene_); !set) {
+      renderer_ = tl::unexpected(set.error());
+      set_error(set.error());
+    }
+  }
+  const Result<Renderer*> for_jobs =
+      renderer_ ? Result<Renderer*>(renderer_->get()) : tl::unexpected(renderer_.error());
+  while (true) {
+    Job job;
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait(lock, [this] { return stop_ || !jobs_.empty(); });
+      if (jobs_.empty()) break;
+      job = std::move(jobs_.front());
+      jobs_.pop_front();
+    }
+    job(for_jobs);
+  }
+  renderer_ = nullptr;  // destroys its OpenGL context in the thread that used it
+}
+
+void RenderThread::set_error(Error error) {
+  const std::lock_guard lock(mutex_);
+  if (!error_) error_ = std::move(error);
+}
+
+std::optional<Error> RenderThread::error() const {
+  const std::lock_guard lock(mutex_);
+  return error_;
+}
+
+}  // namespace kaz::sim

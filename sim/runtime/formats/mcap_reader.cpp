@@ -1,0 +1,294 @@
+// Reads MCAP files record by record.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/formats/mcap_reader.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <span>
+
+#include "sim/runtime/formats/little_endian.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr std::array<std::uint8_t, 8> magic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+constexpr std::size_t head_size = 9;  // opcode and length
+
+enum Opcode : std::uint8_t {
+  op_invalid = 0x00,
+  op_header = 0x01,
+  op_footer = 0x02,
+  op_schema = 0x03,
+  op_channel = 0x04,
+  op_message = 0x05,
+  op_chunk = 0x06,
+  op_metadata = 0x0C,
+  op_data_end = 0x0F,
+};
+
+using Bytes = LittleEndianFields::Bytes;
+using Fields = LittleEndianFields;
+
+struct Record {
+  std::uint8_t opcode = 0;
+  std::uint64_t length = 0;  // of the content, as its head claims
+};
+
+Record head_of(Bytes bytes) {
+  Fields head(bytes);
+  const auto opcode = head.number<std::uint8_t>();
+  return {opcode, head.number<std::uint64_t>()};
+}
+
+class Loader {
+ public:
+  Loader(McapRecording& to, Bytes file, const std::string& name)
+      : to_(to), file_(file), name_(name) {}
+
+  // The data section: records up to the data end or the truncation. The summary behind it is redundant.
+  Result<void> load() {
+    for (std::size_t at = magic.size(); file_.size() - at >= head_size;) {
+      const Bytes rest = file_.subspan(at);
+      const Record record = head_of(rest);
+      record_at_ = at;
+      if ((record.opcode == op_header) != (at == magic.size()))
+        return malformed("the header is missing or not the first record");
+      // The last record of a truncated file may end beyond it, but not by more than a file can hold.
+      if (record.length > McapRecording::max_bytes)
+        return malformed("a record claims " + std::to_string(record.length) + " bytes");
+      if (record.length > rest.size() - head_size) return {};
+      const auto length = static_cast<std::size_t>(record.length);
+      const Bytes content = rest.subspan(head_size, length);
+      if (record.opcode == op_data_end) return data_end(content);
+      if (auto done = top_level(record.opcode, content); !done) return done;
+      at += head_size + length;
+    }
+    return {};
+  }
+
+ private:
+  tl::unexpected<Error> malformed(const std::string& what) const {
+    return fail(Fault::usage, name_ + ": malformed at byte " + std::to_string(record_at_) + ": " +
+                                  what + "; record the run again");
+  }
+  tl::unexpected<Error> too_short(const char* record) const {
+    return malformed(std::string("a ") + record + " whose fields do not fit its length");
+  }
+
+  Result<void> top_level(std::uint8_t opcode, Bytes content) {
+    switch (opcode) {
+      case op_invalid:
+        return malformed("a record of type 0");
+      case op_footer:
+        return malformed("the footer comes before the end of the data");
+      case op_chunk:
+        return chunk(content);
+      case op_metadata:
+        return metadata(content);
+      case op_schema:
+      case op_channel:
+      case op_message:
+        return datum(opcode, content);
+      default:  // indexes, attachments, private records: to be skipped by the specification
+        return {};
+    }
+  }
+
+  // Records in chunks or between them.
+  Result<void> datum(std::uint8_t opcode, Bytes content) {
+    if (opcode == op_schema) return schema(content);
+    if (opcode == op_channel) return channel(content);
+    return message(content);
+  }
+
+  Result<void> schema(Bytes content) {
+    Fields fields(content);
+    const auto id = fields.number<std::uint16_t>();
+    fields.array();  // name
+    fields.array();  // encoding
+    fields.array();  // text
+    if (!fields.whole()) return too_short("schema");
+    if (id == 0) return malformed("a schema has number 0");
+    return {};
+  }
+
+  Result<void> channel(Bytes content) {
+    Fields fields(content);
+    const auto id = fields.number<std::uint16_t>();
+    fields.number<std::uint16_t>();  // schema
+    const std::string topic = fields.text();
+    fields.array();  // encoding
+    fields.array();  // metadata
+    if (!fields.whole()) return too_short("channel");
+    const auto [known, added] = to_.topics.try_emplace(id, topic);
+    if (!added && known->second != topic)
+      return malformed("channel " + std::to_string(id) + " is defined twice");
+    return {};
+  }
+
+  Result<void> message(Bytes content) {
+    Fields fields(content);
+    McapRecording::Message message;
+    message.channel = fields.number<std::uint16_t>();
+    fields.number<std::uint32_t>();  // sequence
+    message.time_ns = fields.number<std::uint64_t>();
+    fields.number<std::uint64_t>();  // when it was published
+    if (!fields.good()) return too_short("message");
+    if (!to_.topics.contains(message.channel))
+      return malformed("a message of channel " + std::to_string(message.channel) +
+                       ", which is not defined");
+    if (message.time_ns > McapRecording::max_time_ns)
+      return malformed("a message at " + std::to_string(message.time_ns) +
+                       " ns, more than a year after the start");
+    if (message.time_ns < first_ns_ || message.time_ns > last_ns_)
+      return malformed("a message outside of its chunk's times");
+    message.data.assign(fields.rest().begin(), fields.rest().end());
+    to_.messages.push_back(std::move(message));
+    return {};
+  }
+
+  Result<void> metadata(Bytes content) {
+    Fields fields(content);
+    fields.array();  // name
+    Fields map(fields.array());
+    if (!fields.whole()) return too_short("metadata record");
+    while (map.good() && !map.rest().empty()) {
+      const std::string key = map.text();
+      const std::string value = map.text();
+      if (!map.good()) return malformed("metadata whose entries do not fit its length");
+      if (!to_.facts.try_emplace(key, value).second)
+        return malformed("metadata has an entry twice");
+      if (to_.facts.size() > McapRecording::max_facts)
+        return malformed("more than " + std::to_string(McapRecording::max_facts) +
+                         " entries of metadata");
+    }
+    return {};
+  }
+
+  Result<void> chunk(Bytes content) {
+    Fields fields(content);
+    const auto first = fields.number<std::uint64_t>();
+    const auto last = fields.number<std::uint64_t>();
+    const auto uncompressed = fields.number<std::uint64_t>();
+    const auto crc = fields.number<std::uint32_t>();
+    const std::string compression = fields.text();
+    const auto size = fields.number<std::uint64_t>();
+    if (!fields.good() || size != fields.rest().size()) return too_short("chunk");
+    if (!compression.empty())
+      return fail(Fault::usage,
+                  name_ + ": its chunks are compressed; give a recording that kaz has made");
+    if (uncompressed != size) return malformed("a chunk of two different sizes");
+    if (first > last) return malformed("a chunk that ends before it begins");
+    const Bytes inside = fields.rest();
+    if (crc != 0 && crc32_z(0, inside.data(), inside.size()) != crc) {
+      ++to_.damaged_chunks;
+      return {};
+    }
+    first_ns_ = first;
+    last_ns_ = last;
+    auto done = chunk_content(inside);
+    first_ns_ = 0;
+    last_ns_ = ~std::uint64_t{0};
+    return done;
+  }
+
+  Result<void> chunk_content(Bytes inside) {
+    while (!inside.empty()) {
+      if (inside.size() < head_size) return malformed("a chunk ends within a record");
+      const Record record = head_of(inside);
+      if (record.length > inside.size() - head_size)
+        return malformed("a chunk ends within a record");
+      if (record.opcode != op_schema && record.opcode != op_channel && record.opcode != op_message)
+        return malformed("a chunk holds a record of type " + std::to_string(record.opcode));
+      const auto length = static_cast<std::size_t>(record.length);
+      if (auto done = datum(record.opcode, inside.subspan(head_size, length)); !done) return done;
+      inside = inside.subspan(head_size + length);
+    }
+    return {};
+  }
+
+  Result<void> data_end(Bytes content) {
+    Fields fields(content);
+    const auto crc = fields.number<std::uint32_t>();
+    if (!fields.whole()) return too_short("data end");
+    // Damaged chunks were counted before.
+    if (crc != 0 && to_.damaged_chunks == 0 && crc32_z(0, file_.data(), record_at_) != crc)
+      return malformed("the checksum of the data does not fit");
+    to_.whole = true;
+    return {};
+  }
+
+  McapRecording& to_;
+  Bytes file_;
+  const std::string& name_;
+  std::size_t record_at_ = 0;  // of the top-level record, in the file
+  std::uint64_t first_ns_ = 0, last_ns_ = ~std::uint64_t{0};  // of the chunk, if in one
+};
+
+bool has_magic(Bytes bytes) {
+  return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
+}
+
+tl::unexpected<Error> no_mcap(const std::string& name) {
+  return fail(Fault::usage, name + ": this is no MCAP file; give a recording.mcap of kaz");
+}
+
+tl::unexpected<Error> too_large(const std::string& name) {
+  return fail(Fault::usage, name + ": is larger than " +
+                                std::to_string(McapRecording::max_bytes >> 30) +
+                                " GiB, the largest recording that is read; record a shorter run");
+}
+
+}  // namespace
+
+bool McapRecording::has_messages(const std::string& topic) const {
+  return std::ranges::any_of(messages, [&](const Message& message) {
+    const auto found = topics.find(message.channel);
+    return found != topics.end() && found->second == topic;
+  });
+}
+
+std::uint64_t McapRecording::end_ns() const {
+  std::uint64_t end = 0;
+  for (const Message& message : messages) end = std::max(end, message.time_ns);
+  return end;
+}
+
+Result<McapRecording> McapRecording::parse(Bytes bytes, const std::string& name) {
+  if (bytes.size() > max_bytes) return too_large(name);
+  if (!has_magic(bytes)) return no_mcap(name);
+  McapRecording recording;
+  if (auto done = Loader(recording, bytes, name).load(); !done) return tl::unexpected(done.error());
+  return recording;
+}
+
+Result<McapRecording> McapRecording::load(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+    return fail(Fault::usage, "cannot read the recording " + path + ": " + std::strerror(errno) +
+                                  "; check the path");
+  std::error_code no_size;
+  const auto size = std::filesystem::file_size(path, no_size);
+  if (!no_size && size > max_bytes) return too_large(path);
+  std::vector<std::uint8_t> bytes;
+  if (!no_size) bytes.reserve(size);
+  // In blocks: a device has no size and may never end. Reading stops early if the file is not MCAP.
+  std::vector<std::uint8_t> block(1 << 20);
+  while (file.read(reinterpret_cast<char*>(block.data()),
+                   static_cast<std::streamsize>(block.size())) ||
+         file.gcount() > 0) {
+    bytes.insert(bytes.end(), block.begin(), block.begin() + file.gcount());
+    if (!has_magic(bytes)) return no_mcap(path);
+    if (bytes.size() > max_bytes) return too_large(path);
+  }
+  if (file.bad()) return fail(Fault::usage, "cannot read the recording " + path + "; give a file");
+  return parse(bytes, path);
+}
+
+}  // namespace kaz::sim

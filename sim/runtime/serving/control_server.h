@@ -1,0 +1,70 @@
+// The control socket: reset, mode pins, power, faults and status, which a pty cannot carry. One request per
+// line, one JSON object as reply.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "shared/base/result.hpp"
+#include "shared/faults/faults.h"
+#include "sim/runtime/serving/unix_listener.h"
+#include "vision/image/frame.h"
+
+namespace kaz::sim {
+
+// Executes one request and returns the reply. A request is a JSON object {"command": "power", "argument":
+// "off"} or plain text "power off". Replies have "ok"; if false, also "error". docs/reference/simulator.md
+// lists
+// them.
+class ControlCommands {
+ public:
+  struct Handlers {
+    std::function<void()> reset;
+    std::function<Result<void>(bool boot)> boot_pins;
+    std::function<void(bool on)> power;
+    std::function<Result<void>(bool in)> plug;
+    std::function<nlohmann::ordered_json()> status;
+    std::function<void(const faults::Fault& fault)> fault;
+    std::function<void()> clear_faults;
+    std::function<Time()> now;  // simulated
+    // Motor stand: maps the rest of the line to a reply without "ok". Empty: no stand.
+    std::function<Result<nlohmann::ordered_json>(const std::string& line)> stand = nullptr;
+  };
+  explicit ControlCommands(Handlers handlers) : handlers_(std::move(handlers)) {}
+  nlohmann::ordered_json answer(std::string_view line) const;
+
+ private:
+  nlohmann::ordered_json fault(const std::string& line) const;
+  nlohmann::ordered_json run(const std::string& command, const std::string& argument) const;
+  Handlers handlers_;
+};
+
+// Non-blocking: poll() handles the requests received since the last call.
+class ControlServer {
+ public:
+  static Result<std::unique_ptr<ControlServer>> open(const std::string& path,
+                                                     ControlCommands commands);
+  void poll();
+
+ private:
+  struct Client {
+    Descriptor socket;
+    std::string received, to_send;
+    bool closing = false;  // once `to_send` is sent
+  };
+
+  ControlServer(std::unique_ptr<UnixListener> listener, ControlCommands commands)
+      : listener_(std::move(listener)), commands_(std::move(commands)) {}
+  bool serve(Client& client);  // false: the client has disconnected
+
+  std::unique_ptr<UnixListener> listener_;
+  ControlCommands commands_;
+  std::vector<Client> clients_;
+};
+
+}  // namespace kaz::sim

@@ -1,0 +1,77 @@
+// Texts of the events of the host.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/serving/host_watch.h"
+
+#include <cstdio>
+
+namespace kaz::sim {
+namespace {
+
+std::string milliseconds(Time t) {
+  return std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(t).count()) + " ms";
+}
+
+}  // namespace
+
+void HostWatch::say(const std::string& text) {
+  if (report_) report_(text);
+}
+
+void HostWatch::presence(Time now, bool present, long baud) {
+  if (present != present_) {
+    present_ = present;
+    if (present) {
+      say("host opened " + port_);
+      heard_ = silent_ = losing_ = false;
+      baud_ = 115200;
+    } else {
+      say("host closed " + port_ +
+          (heard_ ? ", " + milliseconds(now - last_byte_) + " after its last byte" : ""));
+    }
+  }
+  if (present && baud != baud_) {
+    baud_ = baud;
+    if (baud != 115200)
+      say("host set " + port_ + " to " +
+          (baud == 0 ? "an odd speed" : std::to_string(baud) + " baud") +
+          "; the firmware talks at 115200 baud and hears damaged bytes, boot mode wants 9600");
+  }
+}
+
+void HostWatch::bytes_came(Time now) {
+  if (silent_) say("host talks again");
+  heard_ = true;
+  silent_ = false;
+  last_byte_ = now;
+}
+
+void HostWatch::bytes_lost(std::size_t count) {
+  if (!losing_)
+    say("host does not read " + port_ + ": " + std::to_string(count) +
+        " bytes from the board lost");
+  losing_ = true;
+}
+
+void HostWatch::check_silence(Time now) {
+  if (!present_ || !heard_ || silent_ || now - last_byte_ < silence) return;
+  silent_ = true;
+  say("host silent for " + milliseconds(now - last_byte_));
+}
+
+void HostWatch::drivers(Time now, bool enabled) {
+  if (enabled == enabled_) return;
+  enabled_ = enabled;
+  if (enabled) {
+    say("motors on");
+  } else if (heard_) {
+    say("motors off, " + milliseconds(now - last_byte_) + " after the host's last byte");
+  } else {
+    say("motors off");
+  }
+}
+
+void HostWatch::board_restarted(const std::string& why) {
+  say("board restarted: " + why);
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,45 @@
+// Paces simulated time by the wall clock.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Arithmetic only: the caller reads the clock.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "vision/image/frame.h"  // Time
+
+namespace kaz::sim {
+
+// Simulated time t is due at origin + t. A late world catches up, unless it is later than `tolerance`: then
+// the origin is shifted, so that a stall is not followed by a burst, and the loss is counted.
+class Pacer {
+ public:
+  explicit Pacer(Time tolerance) : tolerance_(tolerance) {}
+
+  void start(Time simulated, Time wall) { origin_ = wall - simulated; }
+
+  // To be called after the step that ends at `simulated`. Returns the time to wait before the next one.
+  Time step_done(Time simulated, Time wall) {
+    const Time late = wall - wall_of(simulated);
+    worst_late_ = std::max(worst_late_, late);
+    if (late > tolerance_) {
+      ++overruns_;
+      lost_ += late;
+      origin_ += late;
+    }
+    return std::max(Time::zero(), -late);
+  }
+
+  Time wall_of(Time simulated) const { return origin_ + simulated; }
+  std::uint64_t overruns() const { return overruns_; }
+  Time lost() const { return lost_; }
+  Time worst_late() const { return worst_late_; }
+
+ private:
+  Time tolerance_;
+  Time origin_{}, lost_{}, worst_late_{};
+  std::uint64_t overruns_ = 0;
+};
+
+}  // namespace kaz::sim

@@ -1,0 +1,285 @@
+// The loop of `kaz sim`: bytes in, one step, bytes and pictures out, wait for the wall clock.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/serving/real_time.h"
+
+#include <time.h>
+
+#include <array>
+#include <cerrno>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "sim/runtime/serving/camera_server.h"
+#include "sim/runtime/serving/control_server.h"
+#include "sim/runtime/serving/host_watch.h"
+#include "sim/runtime/serving/pacer.h"
+#include "sim/runtime/serving/pty.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr Time tolerance = std::chrono::milliseconds(20);
+// Time for which bytes may still arrive from a host that has closed the port.
+constexpr Time echo_of_a_host = std::chrono::milliseconds(50);
+// Buffer size of a USB adapter, beyond which it blocks its writer.
+constexpr std::size_t adapter_bytes = 256;
+
+Time monotonic_now() {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return Time(std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec);
+}
+
+void sleep_for(Time length) {
+  timespec t{static_cast<time_t>(length.count() / 1'000'000'000),
+             static_cast<long>(length.count() % 1'000'000'000)};
+  // A signal may end the wait early; the next step then waits longer.
+  clock_nanosleep(CLOCK_MONOTONIC, 0, &t, nullptr);
+}
+
+}  // namespace
+
+struct RealTimeServer::Parts {
+  Parts(Simulation& s, const RealTimeOptions& o)
+      : simulation(s), options(o), watch(o.serial_path, o.report) {}
+
+  void keep_hung();
+  void host_to_board();
+  void board_to_host();
+  void pictures();
+  void set_power(bool on);
+  Result<void> plug(bool in);
+  void report_overrun();
+  nlohmann::ordered_json status() const;
+
+  Simulation& simulation;
+  RealTimeOptions options;
+  HostWatch watch;
+  Pacer pacer{tolerance};
+  Time overruns_reported_at{}, discard_until{};
+  std::uint64_t overruns_reported = 0;
+  // The control socket first: opening it fails if another simulator serves the same paths.
+  std::unique_ptr<ControlServer> control;
+  std::unique_ptr<Pty> pty;
+  std::unique_ptr<CameraServer> cameras;
+};
+
+Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulation,
+                                                             const RealTimeOptions& options) {
+  auto parts = std::make_unique<Parts>(simulation, options);
+  Parts* p = parts.get();
+  ControlCommands commands({
+      .reset =
+          [p] {
+            p->simulation.board().reset();
+            p->watch.board_restarted("reset by the control socket");
+          },
+      .boot_pins =
+          [p](bool boot) {
+            // While flashing the board may have no program.
+            if (boot) p->keep_hung();
+            return p->simulation.board().set_boot_pins(boot);
+          },
+      .power = [p](bool on) { p->set_power(on); },
+      .plug = [p](bool in) { return p->plug(in); },
+      .status = [p] { return p->status(); },
+      .fault = [p](const faults::Fault& fault) { p->simulation.add_fault(fault); },
+      .clear_faults = [p] { p->simulation.clear_faults(); },
+      .now = [p] { return p->simulation.time(); },
+      .stand = options.stand,
+  });
+  // A control socket that nobody serves (else opening fails) was left by a killed simulator, and so was the
+  // link beside it.
+  std::error_code none;
+  const std::string control_path = options.serial_path + ".ctl";
+  const bool left_over =
+      std::filesystem::is_socket(std::filesystem::symlink_status(control_path, none));
+  auto control = ControlServer::open(control_path, std::move(commands));
+  if (!control) return tl::unexpected(control.error());
+  parts->control = std::move(*control);
+  auto pty = Pty::open(options.serial_path, left_over);
+  if (!pty) return tl::unexpected(pty.error());
+  parts->pty = std::move(*pty);
+  if (!options.cameras_path.empty()) {
+    auto cameras = CameraServer::open(options.cameras_path, simulation.camera().model(),
+                                      from_seconds(simulation.camera().latency_s));
+    if (!cameras) return tl::unexpected(cameras.error());
+    parts->cameras = std::move(*cameras);
+  }
+  if (options.keep_hung) p->keep_hung();
+  simulation.board().mcu().on_watchdog_reset([p](States) {
+    p->watch.board_restarted(
+        "through its watchdog, asked for by the host or because its program hung (`identify` tells "
+        "which)");
+  });
+  return std::unique_ptr<RealTimeServer>(new RealTimeServer(std::move(parts)));
+}
+
+RealTimeServer::RealTimeServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+RealTimeServer::~RealTimeServer() {
+  parts_->simulation.board().mcu().on_watchdog_reset([](States) {});
+  parts_->simulation.board().mcu().on_hang(nullptr);
+  parts_->simulation.close_eyes();
+}
+
+Result<RealTimeStatistics> RealTimeServer::run(const std::atomic<bool>& stop) {
+  Parts& p = *parts_;
+  const Time begin = p.simulation.time();
+  p.pacer.start(begin, monotonic_now());
+  while (!stop) {
+    p.control->poll();
+    p.host_to_board();
+    if (auto stepped = p.simulation.step(); !stepped) return tl::unexpected(stepped.error());
+    p.board_to_host();
+    p.pictures();
+    if (p.options.fast) {
+      p.pacer.start(p.simulation.time(), monotonic_now());
+      continue;
+    }
+    const Time wait = p.pacer.step_done(p.simulation.time(), monotonic_now());
+    p.report_overrun();
+    if (wait > Time::zero()) sleep_for(wait);
+  }
+  return RealTimeStatistics{.simulated_s = seconds(p.simulation.time() - begin),
+                            .overruns = p.pacer.overruns(),
+                            .lost_s = seconds(p.pacer.lost()),
+                            .worst_late_s = seconds(p.pacer.worst_late()),
+                            .pairs_dropped = p.simulation.pairs_dropped()};
+}
+
+void RealTimeServer::Parts::keep_hung() {
+  simulation.board().mcu().on_hang([this](const std::string& hang) {
+    if (options.report)
+      options.report("board hangs until reset: " + hang.substr(0, hang.find('\n')));
+  });
+}
+
+void RealTimeServer::Parts::host_to_board() {
+  const Time now = simulation.time();
+  const bool present = pty && pty->host_present();
+  const long baud = present ? pty->baud() : 115200;
+  watch.presence(now, present, baud);
+  if (baud > 0) simulation.line().set_host_bit(KZ_CLOCK_HZ / baud);
+
+  std::array<std::uint8_t, adapter_bytes> buffer{};
+  const std::size_t waiting = simulation.line().waiting(simulation.now());
+  const std::size_t room = waiting < adapter_bytes ? adapter_bytes - waiting : 0;
+  // A host that has closed the port may have left bytes.
+  const std::size_t count = pty && room > 0 ? pty->read(std::span(buffer).first(room)) : 0;
+  if (count > 0) {
+    watch.bytes_came(now);
+    const auto bytes = std::span<const std::uint8_t>(buffer).first(count);
+    if (baud > 0) {
+      simulation.line().write(bytes, simulation.now());
+    } else {
+      simulation.line().write_garbled(bytes, simulation.now());
+    }
+  }
+  watch.check_silence(now);
+  if (present) {
+    discard_until = now + echo_of_a_host;
+  } else if (pty && now < discard_until) {
+    pty->discard_unread();
+  }
+}
+
+void RealTimeServer::Parts::board_to_host() {
+  watch.drivers(simulation.time(), simulation.board().drivers_enabled());
+  std::array<std::uint8_t, adapter_bytes> buffer{};
+  const std::size_t count = simulation.read(buffer);
+  // Without a host the board's bytes are lost; a later host must not receive them.
+  if (count == 0 || !watch.present()) return;
+  const std::size_t taken = pty->write(std::span<const std::uint8_t>(buffer).first(count));
+  if (taken < count) watch.bytes_lost(count - taken);
+}
+
+// Unplugged: a host with the port open gets a hang-up, as with a USB adapter; the board continues.
+Result<void> RealTimeServer::Parts::plug(bool in) {
+  if (!in) {
+    pty.reset();
+    if (options.report) options.report(options.serial_path + " is unplugged");
+    return {};
+  }
+  if (pty) return {};
+  auto opened = Pty::open(options.serial_path);
+  if (!opened) return tl::unexpected(opened.error());
+  pty = std::move(*opened);
+  if (options.report) options.report(options.serial_path + " is plugged in");
+  return {};
+}
+
+void RealTimeServer::Parts::pictures() {
+  if (!cameras) return;
+  if (cameras->readers() > 0) {
+    simulation.open_eyes();
+  } else {
+    simulation.close_eyes();
+  }
+  while (auto pair = simulation.next_exposed_pair()) {
+    const Time exposure = pacer.wall_of(pair->info.exposure);
+    cameras->publish(std::move(*pair), exposure);
+  }
+}
+
+void RealTimeServer::Parts::set_power(bool on) {
+  simulation.board().set_power(on);
+  if (options.report) options.report(on ? "board's power is on" : "board's power is off");
+}
+
+// At most once per second: on a slow machine every step is late.
+void RealTimeServer::Parts::report_overrun() {
+  const Time now = simulation.time();
+  if (pacer.overruns() == overruns_reported || now - overruns_reported_at < std::chrono::seconds(1))
+    return;
+  overruns_reported = pacer.overruns();
+  overruns_reported_at = now;
+  if (options.report)
+    options.report("overrun: the world has lost " +
+                   std::to_string(pacer.lost().count() / 1'000'000) + " ms to the wall clock in " +
+                   std::to_string(overruns_reported) + " stalls");
+}
+
+// Links in contact: force in N, centre of pressure in the link's frame, m.
+nlohmann::ordered_json link_forces(const World& world) {
+  auto links = nlohmann::ordered_json::object();
+  for (std::size_t i = 0; i < world.link_forces().size(); ++i) {
+    const LinkForce& link = world.link_forces()[i];
+    if (!(link.pressure > 0)) continue;
+    links[world.link_order()[i]] = {
+        {"force_n", {link.force.x(), link.force.y(), link.force.z()}},
+        {"centre_m", {link.centre.x(), link.centre.y(), link.centre.z()}}};
+  }
+  return links;
+}
+
+// World frame, m; null without a model `ball`.
+nlohmann::ordered_json ball(const World& world) {
+  const auto place = world.object_position("ball");
+  if (!place) return nullptr;
+  return {place->x(), place->y(), place->z()};
+}
+
+nlohmann::ordered_json RealTimeServer::Parts::status() const {
+  const ServoBoard& board = simulation.board();
+  return {{"time_s", seconds(simulation.time())},
+          {"mcu", board.mcu().name()},
+          {"power", board.power()},
+          {"boot_rom", board.mcu().in_boot_rom()},
+          {"motors", board.drivers_enabled()},
+          {"supply_volts", board.supply_volts()},
+          {"driver_celsius", board.driver_celsius()},
+          {"imu", board.imu().has_value()},
+          {"link_forces", link_forces(simulation.world())},
+          {"ball_m", ball(simulation.world())},
+          {"host", watch.present()},
+          {"camera_readers", cameras ? cameras->readers() : 0},
+          {"unconverged_steps", simulation.world().diagnostics().unconverged_steps},
+          {"pairs_dropped", simulation.pairs_dropped()},
+          {"pairs_missed_by_readers", cameras ? cameras->missed() : 0},
+          {"overruns", pacer.overruns()},
+          {"lost_s", seconds(pacer.lost())}};
+}
+
+}  // namespace kaz::sim

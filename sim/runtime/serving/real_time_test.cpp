@@ -1,0 +1,173 @@
+// The whole server with a host of its own on pty and sockets. Runs unpaced.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/serving/real_time.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/wait.h>
+
+#include <csignal>
+#include <mutex>
+#include <thread>
+
+#include "sim/mcu/host_testing.h"
+#include "sim/runtime/serving/descriptor.h"
+#include "sim/runtime/serving/socket_testing.h"
+#include "sim/runtime/simulation/world_testing.h"
+
+namespace kaz::sim {
+namespace {
+
+// The server in a thread, and what it said.
+class Running {
+ public:
+  explicit Running(const TestFolder& folder) : port(folder.file("port")) {
+    RealTimeOptions options;
+    options.serial_path = port;
+    options.cameras_path = folder.file("cameras");
+    options.fast = true;
+    options.report = [this](const std::string& line) {
+      const std::lock_guard lock(mutex_);
+      lines_.push_back(line);
+    };
+    auto server = RealTimeServer::open(*simulation_, options);
+    EXPECT_TRUE(server) << server.error().message;
+    server_ = std::move(*server);
+    thread_ = std::thread([this] { EXPECT_TRUE(server_->run(stop_)); });
+  }
+  ~Running() {
+    stop_ = true;
+    thread_.join();
+  }
+
+  // Waits until a line that contains `text` was said.
+  void wait_for(const std::string& text) {
+    while (true) {
+      {
+        const std::lock_guard lock(mutex_);
+        for (const std::string& line : lines_)
+          if (line.find(text) != std::string::npos) return;
+      }
+      std::this_thread::yield();
+    }
+  }
+
+  std::string port;
+
+ private:
+  std::unique_ptr<Simulation> simulation_ = test_simulation();
+  std::unique_ptr<RealTimeServer> server_;
+  std::atomic<bool> stop_ = false;
+  std::mutex mutex_;
+  std::vector<std::string> lines_;
+  std::thread thread_;
+};
+
+void write_all(int fd, const std::vector<std::uint8_t>& bytes) {
+  ASSERT_EQ(::write(fd, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+}
+
+// The next sound frame's body.
+std::vector<std::uint8_t> read_frame(int fd) {
+  kz_receiver receiver;
+  kz_receiver_init(&receiver);
+  while (true) {
+    pollfd readable{fd, POLLIN, 0};
+    std::uint8_t byte = 0;
+    if (::poll(&readable, 1, 10000) <= 0 || ::read(fd, &byte, 1) != 1) return {};
+    if (kz_receive(&receiver, byte, 0) == KZ_RECEIVE_FRAME)
+      return {receiver.body, receiver.body + receiver.length};
+  }
+}
+
+// The board's answer to `identify`; it may still be starting: as a client does, ask again.
+std::vector<std::uint8_t> identify(int host) {
+  std::vector<std::uint8_t> reply;
+  for (std::uint8_t n = 1; reply.empty() && n < 100; ++n) {
+    write_all(host, frame_of(KZ_TYPE_identify, n, {}));
+    pollfd readable{host, POLLIN, 0};
+    if (::poll(&readable, 1, 100) > 0) reply = read_frame(host);
+  }
+  return reply;
+}
+
+TEST(RealTimeServer, HostTalksThroughThePty) {
+  const TestFolder folder;
+  Running server(folder);
+  const Descriptor host(::open(server.port.c_str(), O_RDWR | O_NOCTTY));
+  ASSERT_TRUE(host);
+  server.wait_for("host opened");
+  const auto reply = identify(host.get());
+  ASSERT_GT(reply.size(), 3u);
+  EXPECT_EQ(reply[1], KZ_TYPE_identify_reply);
+}
+
+// As with an adapter that is pulled: who has the port open finds it gone, and the board goes on.
+TEST(RealTimeServer, ThePlugCanBePulledAndPutBack) {
+  const TestFolder folder;
+  Running server(folder);
+  const Descriptor host(::open(server.port.c_str(), O_RDWR | O_NOCTTY));
+  ASSERT_TRUE(host);
+  server.wait_for("host opened");
+  ASSERT_FALSE(identify(host.get()).empty());
+  const Descriptor control = connect_to(server.port + ".ctl");
+  ASSERT_EQ(::send(control.get(), "plug out\n", 9, MSG_NOSIGNAL), 9);
+  server.wait_for("is unplugged");
+  pollfd hung_up{host.get(), POLLIN, 0};
+  EXPECT_EQ(::poll(&hung_up, 1, 10000), 1);
+  EXPECT_NE(hung_up.revents & POLLHUP, 0);
+  EXPECT_FALSE(std::filesystem::exists(std::filesystem::symlink_status(server.port)));
+  server.wait_for("host closed");
+  ASSERT_EQ(::send(control.get(), "plug in\n", 8, MSG_NOSIGNAL), 8);
+  server.wait_for("is plugged in");
+  const Descriptor again(::open(server.port.c_str(), O_RDWR | O_NOCTTY));
+  ASSERT_TRUE(again);
+  EXPECT_FALSE(identify(again.get()).empty());
+}
+
+TEST(RealTimeServer, KilledHostLeavesMotorsOff) {
+  const TestFolder folder;
+  Running server(folder);
+  // Again and again, as new requests: the first ones may find a board that has not measured its supply
+  // yet, and a repetition of what was refused is refused again.
+  std::vector<std::uint8_t> frames;
+  for (std::uint8_t n = 1; n <= 2 * KZ_REQUESTS_REMEMBERED; ++n) {
+    const auto frame = enable_frame(n, 1);
+    frames.insert(frames.end(), frame.begin(), frame.end());
+  }
+  const pid_t host = ::fork();
+  ASSERT_GE(host, 0);
+  if (host == 0) {
+    const int fd = ::open(server.port.c_str(), O_RDWR | O_NOCTTY);
+    while (fd >= 0 && ::write(fd, frames.data(), frames.size()) >= 0) continue;
+    ::_exit(1);
+  }
+  server.wait_for("motors on");
+  ::kill(host, SIGKILL);
+  ::waitpid(host, nullptr, 0);
+  server.wait_for("host closed");
+  server.wait_for("motors off");
+}
+
+TEST(RealTimeServer, LeavesNothingBehind) {
+  const TestFolder folder;
+  { Running server(folder); }
+  EXPECT_TRUE(std::filesystem::is_empty(std::filesystem::path(folder.file("x")).parent_path()));
+}
+
+TEST(RealTimeServer, SecondServerOfTheSamePathsIsRefused) {
+  const TestFolder folder;
+  Running server(folder);
+  const auto link = std::filesystem::read_symlink(server.port);
+  auto simulation = test_simulation();
+  RealTimeOptions options;
+  options.serial_path = server.port;
+  const auto second = RealTimeServer::open(*simulation, options);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().fault, Fault::environment);
+  EXPECT_EQ(std::filesystem::read_symlink(server.port), link);
+}
+
+}  // namespace
+}  // namespace kaz::sim

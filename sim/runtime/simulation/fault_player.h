@@ -1,0 +1,48 @@
+// Injects faults of sensors, power and mechanics into board and world, step by step.
+// SPDX-License-Identifier: Apache-2.0
+//
+// A fault begins with the step that contains its start time and ends with the first step after its end.
+// Faults of the serial line are injected by SerialLine, byte by byte.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "shared/faults/faults.h"
+#include "sim/board/servo_board.h"
+#include "sim/body/world/world.h"
+
+namespace kaz::sim {
+
+class FaultPlayer {
+ public:
+  explicit FaultPlayer(faults::Schedule schedule) : schedule_(std::move(schedule)) {}
+  const faults::Schedule& schedule() const { return schedule_; }
+  void add(const faults::Fault& fault) { schedule_.add(fault); }
+  void clear();
+
+  // To be called before the board runs the step that begins at `start`. `begins` is called for each new
+  // fault.
+  void begin_step(Time start, ServoBoard& board,
+                  const std::function<void(const faults::Fault&)>& begins);
+  // Applies faults of the gears to the drives of the same step.
+  void apply(Time start, std::span<MotorDrive, KZ_JOINTS> drives) const;
+
+  // Archives the state (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(schedule_, begun_, touched_, cut_);
+  }
+
+ private:
+  void set_pots(Time start, ServoBoard& board);
+  void set_power(Time start, ServoBoard& board);
+
+  faults::Schedule schedule_;
+  std::vector<bool> begun_;  // by fault of the schedule
+  bool touched_ = false;     // the board has a fault that may have to be cleared
+  bool cut_ = false;         // a fault switched the power off
+};
+
+}  // namespace kaz::sim

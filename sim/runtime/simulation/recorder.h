@@ -1,0 +1,63 @@
+// Records all signals between the parts as an MCAP file, with simulated time only.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The channels are described in docs/explanation/time.md.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "shared/base/result.hpp"
+#include "sim/body/world/world.h"
+#include "sim/mcu/mcu.h"
+#include "sim/runtime/eyes/eyes.h"
+#include "sim/runtime/formats/mcap_writer.h"
+#include "vision/image/frame.h"
+
+namespace kaz::sim {
+
+class Recorder {
+ public:
+  static Result<std::unique_ptr<Recorder>> create(const std::string& path,
+                                                  const McapWriter::Metadata& facts);
+
+  enum class Direction { to_board, to_host };
+  // Bytes whose stop bit ended in the step that began at `step_start`.
+  void wire(Direction direction, States step_start, std::span<const SerialByte> bytes);
+  void pins(States at, const PinLevels& pins);
+  // A/D codes that a firmware tick used.
+  void analog(States at, const kz_tick_input& input);
+  void joints(States at, std::span<const JointState, KZ_JOINTS> joints);
+  void ball(States at, const Eigen::Vector3d& position);
+  // Supply voltage at the board (V) and current (A).
+  void supply(States at, double volts, double amperes);
+  void contacts(States at, std::span<const ContactPoint> points);
+  // Links in contact only; `names` by link.
+  void link_forces(States at, std::span<const std::string> names, std::span<const LinkForce> links);
+  void joint_loads(States at, std::span<const JointLoad, KZ_JOINTS> loads);
+  // With the pictures, if they were stored.
+  void eyes(const Eyes::Digest& digest);
+  void behavior(States at, std::string_view json);
+  // Start of a fault, as a line of docs/reference/faults.md.
+  void fault(States at, std::string_view line);
+
+  // SHA-256 of the file.
+  Result<std::string> finish() { return file_->finish(); }
+
+ private:
+  explicit Recorder(std::unique_ptr<McapWriter> file);
+  void put(std::uint16_t channel, Time time);
+  void picture(std::uint16_t channel, const char* eye, const Eyes::Digest& digest,
+               std::span<const std::uint8_t> png);
+
+  std::unique_ptr<McapWriter> file_;
+  std::uint16_t to_board_, to_host_, pins_, analog_, joints_, ball_, supply_, contacts_,
+      link_forces_, joint_loads_, eyes_, left_eye_, right_eye_, behavior_, faults_;
+  std::vector<std::uint8_t> data_;  // of the current message
+};
+
+}  // namespace kaz::sim

@@ -1,0 +1,62 @@
+// The serial line between host and board: 8N1, each side at its own bit rate, 115,200 baud by default.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "shared/faults/link_faults.h"
+#include "sim/mcu/mcu.h"
+
+namespace kaz::sim {
+
+// The line with the host's adapter, in which bytes queue until the line is free. Time in states (periods of
+// the board's crystal).
+class SerialLine {
+ public:
+  explicit SerialLine(std::uint64_t seed = 1)
+      : fault_to_board_(seed, faults::Way::to_board), fault_to_host_(seed, faults::Way::to_host) {}
+  // Link faults for bytes written or sent from now on. Null: none. Must outlive the line.
+  void set_faults(const faults::Schedule* schedule) { schedule_ = schedule; }
+  // The host's bit rate from now on; each byte of the board carries its own. If they differ, the receiver
+  // samples the waveform at its own rate.
+  void set_host_bit(States bit) { host_bit_ = bit; }
+  // Bytes that the host writes at `now`. The first starts then, or after the byte before it.
+  void write(std::span<const std::uint8_t> bytes, States now);
+  // The same with every byte damaged.
+  void write_garbled(std::span<const std::uint8_t> bytes, States now);
+  // Number of bytes written whose stop bit has not ended by `now`; a full adapter blocks its writer.
+  std::size_t waiting(States now) const;
+  // Removes and returns the bytes that arrive at the board until `until`.
+  std::vector<SerialByte> take_for_board(States until);
+
+  // Bytes that the board sent, in order of time.
+  void from_board(std::span<const SerialByte> bytes);
+  // Moves bytes whose stop bit has ended by `now` into `bytes`; returns their number.
+  std::size_t read(std::span<std::uint8_t> bytes, States now);
+  bool readable(States now) const;
+  // The host closed the port: unread bytes are discarded.
+  void drop_unread() { to_host_.clear(); }
+
+  // Archives the state (archive.h).
+  template <class A>
+  void transfer(A& a) {
+    a(fault_to_board_, fault_to_host_, to_board_, to_host_, wire_free_, host_bit_);
+  }
+
+ private:
+  void queue(std::span<const std::uint8_t> bytes, States now, bool framing_error);
+
+  void pass(faults::LinkFaults& link, const SerialByte& byte, std::deque<SerialByte>& to);
+
+  const faults::Schedule* schedule_ = nullptr;
+  faults::LinkFaults fault_to_board_, fault_to_host_;
+  std::deque<SerialByte> to_board_, to_host_;
+  States wire_free_ = 0;
+  States host_bit_ = KZ_STATES_PER_BIT;
+};
+
+}  // namespace kaz::sim

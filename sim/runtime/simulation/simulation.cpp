@@ -1,0 +1,344 @@
+// One step: board, motors, bodies, potentiometers, eyes, recording.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/simulation/simulation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "shared/board/table.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/runtime/simulation/recorder.h"
+
+namespace kaz::sim {
+namespace {
+
+Eyes::Mounting eye_mounting(const World& world) {
+  const ScenePose pose = world.pose();
+  const int frame = world.head_frame();
+  const Eigen::Isometry3d world_from_head = pose.frames[static_cast<std::size_t>(frame)];
+  const Eigen::Isometry3d head_from_world = world_from_head.inverse();
+  return {frame, head_from_world * world.link_pose("left_eye"),
+          head_from_world * world.link_pose("right_eye"), world.scene().light};
+}
+
+// Channel of the servo board for each joint: by its name in joints.def; for robots other than Kaz the n-th
+// joint has the n-th channel.
+std::vector<std::size_t> channels_of(const World& world) {
+  const auto& board = joint_names();
+  std::vector<std::size_t> channels;
+  for (const std::string& joint : world.joint_order()) {
+    const auto named = std::find(board.begin(), board.end(), joint);
+    channels.push_back(named != board.end() ? static_cast<std::size_t>(named - board.begin())
+                                            : channels.size());
+  }
+  return channels;
+}
+
+constexpr double kLimitRounding = 2e-4;  // rad; the table's unit is 100 microradians
+
+// The firmware enforces the limits of its channels: another robot's joints must not exceed them.
+Result<void> check_limits(const std::string& robot_path) {
+  const auto robot = load_robot(robot_path);
+  if (!robot) return tl::unexpected(robot.error());
+  const auto& board = joint_names();
+  const std::size_t count = std::min<std::size_t>(KZ_JOINTS, robot->joints.size());
+  for (std::size_t j = 0; j < count; ++j) {
+    const RobotJoint& joint = robot->joints[j];
+    if (std::ranges::find(board, joint.name) != board.end()) continue;
+    const double least = 1e-4 * kz_board_joints[j].lower, most = 1e-4 * kz_board_joints[j].upper;
+    if (joint.lower >= least - kLimitRounding && joint.upper <= most + kLimitRounding) continue;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "limits of %.3f to %.3f rad are beyond %.3f to %.3f, which channel %zu of the "
+                  "servo board (Kaz's %s) has; make them narrower, or put another joint there",
+                  joint.lower, joint.upper, least, most, j, board[j].c_str());
+    return fail(Fault::usage, robot_path + ": joint `" + joint.name + "`: " + text);
+  }
+  return {};
+}
+
+// Contacts are recorded less often: they are many and change slowly.
+constexpr States contact_interval_ms = 10;
+
+constexpr int detour_steps = 100;
+
+}  // namespace
+
+Result<std::unique_ptr<Mcu>> make_mcu(const SimulationOptions& options) {
+  if (options.mcu == "h8")
+    return options.image_path.empty() ? make_erased_h8() : make_h8(options.image_path);
+  if (options.mcu == "native") return make_native();
+  return fail(Fault::usage,
+              "unknown mcu \"" + options.mcu + "\" (--mcu); use \"h8\" or \"native\"");
+}
+
+Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& options) {
+  if (const auto fits = step_ratio(options.physics_step_ms); !fits)
+    return tl::unexpected(fits.error());
+  auto mcu = make_mcu(options);
+  if (!mcu) return tl::unexpected(mcu.error());
+  WorldOptions world_options;
+  world_options.seed = options.seed;
+  world_options.dynamics = options.dynamics;
+  world_options.step_s = options.physics_step_ms / 1000;
+  auto world = World::load(options.world_path, options.robot_path, world_options);
+  if (!world) return tl::unexpected(world.error());
+  if (auto fits = check_limits(options.robot_path); !fits) return tl::unexpected(fits.error());
+  Result<CameraFile> camera;
+  if ((*world)->head_frame() >= 0) camera = CameraFile::load(options.camera_path);
+  if (!camera) return tl::unexpected(camera.error());
+  camera->ideal = options.ideal_eyes;
+  if (options.eye_width > 0) {
+    camera->eye.width = options.eye_width;
+    camera->eye.height = options.eye_width * 3 / 4;
+  }
+  const auto params =
+      load_sensor_file(std::filesystem::path(options.robot_path).replace_filename("sensors.xml"));
+  if (!params) return tl::unexpected(params.error());
+  SimulationOptions with_params = options;
+  with_params.sensor_params = *params;
+  return assemble(with_params, std::move(*mcu), std::move(*world), *camera);
+}
+
+Result<std::unique_ptr<Simulation>> Simulation::assemble(const SimulationOptions& options,
+                                                         std::unique_ptr<Mcu> mcu,
+                                                         std::unique_ptr<World> world,
+                                                         const CameraFile& camera) {
+  if (world->joint_order().size() > KZ_JOINTS) {
+    return fail(Fault::usage, options.robot_path + ": the robot has " +
+                                  std::to_string(world->joint_order().size()) +
+                                  " joints; the servo board has channels for " +
+                                  std::to_string(KZ_JOINTS));
+  }
+  const auto ratio = step_ratio(1000 * world->step_s());
+  if (!ratio) return tl::unexpected(ratio.error());
+  std::unique_ptr<Simulation> simulation(
+      new Simulation(options, std::move(mcu), std::move(world), camera, *ratio));
+  if (!options.recording_path.empty()) {
+    if (auto started = simulation->start_recording(options.recording_path); !started)
+      return tl::unexpected(started.error());
+  }
+  return simulation;
+}
+
+Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mcu,
+                       std::unique_ptr<World> world, const CameraFile& camera, StepRatio ratio)
+    : options_(options),
+      camera_(camera),
+      world_(std::move(world)),
+      ratio_(ratio),
+      board_(std::move(mcu), {.seed = options.seed,
+                              .params = options.sensor_params,
+                              .sensors = options.sensors,
+                              .imu = options.imu,
+                              .supply_volts = options.supply_volts,
+                              .supply_ohms = options.supply_ohms}),
+      channels_(channels_of(*world_)),
+      drives_(channels_.size()),
+      faults_(options.faults),
+      line_(options.seed),
+      draws_(world_->scene(), options.renderer) {
+  if (has_eyes()) {
+    const Eyes::Mounting eyes = eye_mounting(*world_);
+    camera_.baseline_m = (eyes.left.translation() - eyes.right.translation()).norm();
+  }
+  line_.set_faults(&faults_.schedule());
+  tell_sensors(0);
+  tell_motion(world_->imu().specific_force);
+}
+
+Simulation::~Simulation() = default;
+
+// Potentiometers of channels without a joint read zero. `since_s`: time since the end of the world's last
+// step; joint angles are extrapolated linearly over it.
+void Simulation::tell_sensors(double since_s) {
+  std::array<double, KZ_JOINTS> angles{};
+  double motor_current = 0;
+  const auto joints = world_->joints();
+  for (std::size_t j = 0; j < channels_.size(); ++j) {
+    angles[channels_[j]] = joints[j].angle + since_s * joints[j].velocity;
+    motor_current += std::abs(joints[j].current);
+  }
+  board_.set_joint_angles(angles);
+  board_.set_supply_current(world_->supply_current_a());
+  board_.set_motor_current(motor_current);
+}
+
+void Simulation::tell_motion(const Eigen::Vector3d& specific_force) {
+  board_.set_motion({world_->imu().angular_velocity.z(), specific_force.x(), specific_force.y()});
+}
+
+Result<void> Simulation::step() {
+  if (!error_) {
+    Result<void> done = advance();
+    if (done && options_.detour_every > Time::zero() && recorder_ &&
+        time() % options_.detour_every == Time::zero())
+      done = detour(detour_steps);
+    if (!done) error_ = done.error();
+  }
+  if (error_) return tl::unexpected(*error_);
+  return {};
+}
+
+Result<void> Simulation::advance() {
+  const States start = now_;
+  const States end = start + KZ_STATES_PER_TICK;
+
+  faults_.begin_step(time(), board_, [this](const faults::Fault& fault) {
+    if (recorder_) recorder_->fault(now_, faults::text_of(fault));
+  });
+  const auto to_board = line_.take_for_board(end);
+  for (const SerialByte& byte : to_board) board_.receive(byte);
+  const States tick = end / KZ_STATES_PER_TICK;
+  // For the step that will be the last one before the next recording of loads.
+  world_->watch_loads(recorder_ && (tick + ratio_.ticks_a_step - 1) / contact_interval_ms !=
+                                       (tick - 1) / contact_interval_ms);
+  Eigen::Vector3d felt = Eigen::Vector3d::Zero();
+  for (int part = 1; part <= ratio_.steps_a_tick; ++part) {
+    const States to = start + part * KZ_STATES_PER_TICK / ratio_.steps_a_tick;
+    if (auto ran = board_.run_until(to); !ran) return ran;
+    const States late = tick % ratio_.ticks_a_step;
+    if (late == 0) move_world();
+    if (const std::string& broken = world_->diagnostics().failure; !broken.empty())
+      return fail(Fault::failed, broken);
+    tell_sensors(1e-3 * static_cast<double>(late));
+    felt += world_->imu().specific_force / ratio_.steps_a_tick;
+  }
+  tell_motion(felt);
+  const auto from_board = board_.take_transmitted();
+  line_.from_board(from_board);
+  now_ = end;
+
+  if (eyes_open_) {
+    if (auto looked = eyes_->look(time(), [this] { return world_->pose(); }); !looked)
+      return looked;
+  }
+  if (recorder_) record(start, to_board, from_board);
+  return {};
+}
+
+// Steps the world with the drivers' means over its step, which ends now.
+void Simulation::move_world() {
+  std::array<MotorDrive, KZ_JOINTS> drives{};
+  const auto means = board_.take_drives();
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j) drives[j] = {means[j].duty, means[j].powered};
+  faults_.apply(time(), drives);
+  for (std::size_t j = 0; j < channels_.size(); ++j) drives_[j] = drives[channels_[j]];
+  world_->step(drives_, board_.supply_volts());
+}
+
+void Simulation::record(States start, std::span<const SerialByte> to_board,
+                        std::span<const SerialByte> from_board) {
+  recorder_->wire(Recorder::Direction::to_board, start, to_board);
+  recorder_->wire(Recorder::Direction::to_host, start, from_board);
+  recorder_->pins(now_, board_.pins());
+  std::array<JointState, KZ_JOINTS> joints{};
+  for (std::size_t j = 0; j < channels_.size(); ++j) joints[channels_[j]] = world_->joints()[j];
+  recorder_->joints(now_, joints);
+  recorder_->supply(now_, board_.supply_volts(), world_->supply_current_a());
+  recorder_->link_forces(now_, world_->link_order(), world_->link_forces());
+  if (now_ / KZ_STATES_PER_TICK % contact_interval_ms == 0) {
+    recorder_->contacts(now_, world_->contacts());
+    if (const auto loads = world_->joint_loads(); !loads.empty()) {
+      std::array<JointLoad, KZ_JOINTS> by_channel{};
+      for (std::size_t j = 0; j < channels_.size(); ++j) by_channel[channels_[j]] = loads[j];
+      recorder_->joint_loads(now_, by_channel);
+    }
+  }
+  if (const auto ball = world_->object_position("ball")) recorder_->ball(now_, *ball);
+  if (eyes_) {
+    for (const auto& digest : eyes_->take_digests(false)) recorder_->eyes(digest);
+  }
+}
+
+Error Simulation::no_eyes() {
+  return {Fault::usage,
+          "this robot has no eyes: its file has no `left_eye` and `right_eye` on one link"};
+}
+
+void Simulation::open_eyes() {
+  if (!has_eyes()) return;
+  eyes_open_ = true;
+  if (!eyes_) make_eyes();
+}
+
+Eyes::Keep Simulation::kept_of_pairs() const {
+  if (!recorder_) return Eyes::Keep::nothing;
+  return options_.record_pictures ? Eyes::Keep::pictures : Eyes::Keep::digests;
+}
+
+void Simulation::make_eyes() {
+  eyes_ = std::make_unique<Eyes>(draws_, camera_, eye_mounting(*world_), options_.frames,
+                                 kept_of_pairs(), options_.seed);
+}
+
+std::optional<vision::StereoPair> Simulation::next_pair() {
+  return eyes_ ? eyes_->next_pair(time()) : std::nullopt;
+}
+
+std::optional<vision::StereoPair> Simulation::next_exposed_pair() {
+  return eyes_ ? eyes_->next_pair(Time::max()) : std::nullopt;
+}
+
+std::uint64_t Simulation::pairs_dropped() const {
+  return eyes_ ? eyes_->left_out() : 0;
+}
+
+Result<Picture> Simulation::picture(const View& view, const ScenePose& pose) {
+  std::promise<Result<Picture>> promise;
+  auto future = promise.get_future();
+  View lit = view;
+  lit.light = world_->scene().light;
+  draws_.submit([&promise, &lit, &pose](const Result<Renderer*>& renderer) {
+    Picture picture;
+    if (!renderer) return promise.set_value(tl::unexpected(renderer.error()));
+    if (auto drawn = (*renderer)->render(pose, lit, picture); !drawn)
+      return promise.set_value(tl::unexpected(drawn.error()));
+    promise.set_value(std::move(picture));
+  });
+  return future.get();
+}
+
+void Simulation::record_behavior(std::string_view json) {
+  if (recorder_) recorder_->behavior(now_, json);
+}
+
+Result<void> Simulation::start_recording(const std::string& path) {
+  if (recorder_)
+    return fail(Fault::usage, "cannot record into " + path +
+                                  ": a recording is in progress; finish that one first");
+  McapWriter::Metadata facts = options_.recording_facts;
+  for (auto& fact : facts_of(options_, *world_)) {
+    // MCAP readers reject duplicate keys.
+    if (std::ranges::find(facts, fact.first, &McapWriter::Metadata::value_type::first) ==
+        facts.end())
+      facts.push_back(std::move(fact));
+  }
+  if (options_.record_pictures && has_eyes()) facts.push_back({"camera", text_of(camera_)});
+  auto recorder = Recorder::create(path, facts);
+  if (!recorder) return tl::unexpected(recorder.error());
+  recorder_ = std::move(*recorder);
+  world_->watch_contacts(true);
+  if (eyes_) eyes_->keep(kept_of_pairs());
+  board_.mcu().on_tick([this](const TickRecord& tick) {
+    if (recorder_) recorder_->analog(now_ + KZ_STATES_PER_TICK, tick.input);
+  });
+  return {};
+}
+
+Result<std::string> Simulation::finish_recording() {
+  if (!recorder_) return std::string();
+  if (eyes_) {
+    for (const auto& digest : eyes_->take_digests(true)) recorder_->eyes(digest);
+  }
+  board_.mcu().on_tick(nullptr);
+  world_->watch_contacts(false);
+  const auto recorder = std::exchange(recorder_, nullptr);
+  if (eyes_) eyes_->keep(kept_of_pairs());
+  return recorder->finish();
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,155 @@
+// Saves and restores a whole simulation; options as metadata of recordings and saved states.
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <type_traits>
+#include <utility>
+
+#include "sim/runtime/formats/sha256.h"
+#include "sim/runtime/simulation/recorder.h"
+#include "sim/runtime/simulation/simulation.h"
+#include "sim/runtime/simulation/snapshot.h"
+
+namespace kaz::sim {
+namespace {
+
+// SHA-256 of a file's content; empty if there is no file.
+std::string digest_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (path.empty() || !file) return "";
+  const std::vector<std::uint8_t> bytes(std::istreambuf_iterator<char>(file), {});
+  return sha256_hex(bytes);
+}
+
+std::string digest_beside(const std::string& path, const std::string& name) {
+  if (path.empty()) return "";
+  return digest_of(std::filesystem::path(path).replace_filename(name).string());
+}
+
+// All digits: different numbers give different texts.
+std::string exact(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", number);
+  return text;
+}
+
+// SHA-256 of the bytes: SensorParams has doubles only, without padding.
+std::string digest_of(const SensorParams& params) {
+  static_assert(std::is_trivially_copyable_v<SensorParams> && sizeof params == 26 * sizeof(double));
+  std::array<std::uint8_t, sizeof params> bytes{};
+  std::memcpy(bytes.data(), &params, sizeof params);
+  return sha256_hex(bytes);
+}
+
+// Name of a set of switches; a set without a name is listed switch by switch.
+std::string switches_of(const SensorSwitches& sensors) {
+  std::string name = name_of(sensors);
+  if (name != "mixed") return name;
+  const auto& [potentiometer, as_built, supply, reference, temperature, gyro, accelerometer] =
+      sensors;
+  for (const bool on :
+       {potentiometer, as_built, supply, reference, temperature, gyro, accelerometer})
+    name += on ? " 1" : " 0";
+  return name;
+}
+
+// Name of the renderer factory: "Mesa" for the default one; others cannot be distinguished.
+std::string name_of(const RendererFactory& renderer) {
+  const auto* function = renderer.target<Result<std::unique_ptr<Renderer>> (*)()>();
+  return function != nullptr && *function == &make_default_renderer ? "Mesa" : "own";
+}
+
+}  // namespace
+
+// Binds every field of the options, so that a new field does not compile until it is listed here.
+std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
+                                                          const World& world) {
+  const auto& [mcu, image_path, world_path, robot_path, camera_path, seed, dynamics,
+               physics_step_ms, sensors, sensor_params, imu, ideal_eyes, eye_width, supply_volts,
+               supply_ohms, frames, faults, recording_path, record_pictures, recording_facts,
+               renderer, detour_every] = options;
+  static_cast<void>(dynamics);        // the world returns it with the iterations
+  static_cast<void>(recording_path);  // a recording changes nothing
+  static_cast<void>(record_pictures);
+  static_cast<void>(recording_facts);
+  static_cast<void>(detour_every);  // nor does a detour
+  return {{"mcu", mcu},
+          {"seed", std::to_string(seed)},
+          {"dynamics", world.dynamics()},
+          {"physics_step_ms", exact(physics_step_ms)},
+          {"sensors", switches_of(sensors)},
+          {"sensor_params_sha256", digest_of(sensor_params)},
+          {"imu", imu ? "true" : "false"},
+          {"eyes", ideal_eyes ? "ideal" : "real"},
+          {"eye_width", std::to_string(eye_width)},
+          {"frames", frames == FramePolicy::wait ? "wait" : "drop"},
+          {"renderer", name_of(renderer)},
+          {"supply_volts", exact(supply_volts)},
+          {"supply_ohms", exact(supply_ohms)},
+          {"world_sha256", digest_of(world_path)},
+          {"robot_sha256", digest_of(robot_path)},
+          {"sensors_sha256", digest_beside(robot_path, "sensors.xml")},
+          {"motor_sha256", digest_beside(robot_path, "motor.xml")},
+          {"camera_sha256", digest_of(camera_path)},
+          {"image_sha256", digest_of(image_path)},
+          {"faults", faults.text()}};
+}
+
+template <class A>
+void Simulation::transfer(A& a) {
+  a(now_, faults_, line_, eyes_open_);
+  bool has_eyes = eyes_ != nullptr;
+  a(has_eyes);
+  if constexpr (A::reading) {
+    if (!a.good()) return;
+    if (has_eyes && world_->head_frame() < 0)
+      return a.refuse("it has eyes, but the robot has no head");
+    if (has_eyes && !eyes_) make_eyes();
+    if (!has_eyes) eyes_ = nullptr;
+  }
+  if (eyes_) eyes_->transfer(a);
+}
+
+Result<std::vector<std::uint8_t>> Simulation::save() {
+  if (error_) return tl::unexpected(*error_);
+  StateWriter to;
+  world_->save(to);
+  board_.save(to);
+  transfer(to);
+  if (!to.good()) return fail(Fault::failed, "the simulation cannot be saved: " + to.error());
+  return Snapshot::pack(facts_of(options_, *world_), to.bytes());
+}
+
+Result<void> Simulation::restore(std::span<const std::uint8_t> blob) {
+  const auto state = Snapshot::unpack(blob, facts_of(options_, *world_));
+  if (!state) return tl::unexpected(state.error());
+  StateReader from(*state);
+  world_->restore(from);
+  board_.restore(from);
+  transfer(from);
+  if (from.good() && from.left() != 0) from.refuse("it is longer than it should be");
+  if (!from.good()) {
+    error_ = Error{Fault::usage,
+                   "this saved state cannot be restored: " + from.error() + "; save it again"};
+    return tl::unexpected(*error_);
+  }
+  error_.reset();
+  return {};
+}
+
+Result<void> Simulation::detour(int steps) {
+  const auto blob = save();
+  if (!blob) return tl::unexpected(blob.error());
+  auto recorder = std::exchange(recorder_, nullptr);
+  Result<void> went;
+  for (int k = 0; k < steps && went; ++k) went = advance();
+  recorder_ = std::move(recorder);
+  if (!went) return went;
+  return restore(*blob);
+}
+
+}  // namespace kaz::sim

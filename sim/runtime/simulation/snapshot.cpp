@@ -1,0 +1,95 @@
+// File format of a saved state.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/simulation/snapshot.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include "shared/base/archive.hpp"
+#include "shared/base/files.hpp"
+#include "sim/runtime/formats/sha256.h"
+
+namespace kaz::sim {
+namespace {
+
+constexpr std::string_view magic = "KAZSTATE";
+constexpr std::size_t digest_size = 64;  // hexadecimal digits
+
+tl::unexpected<Error> unusable(const std::string& why) {
+  return fail(Fault::usage, "this saved state cannot be restored: " + why);
+}
+
+std::string shown(const std::string& value) {
+  return value.empty() ? "none" : value;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> Snapshot::pack(const Facts& facts, std::span<const std::uint8_t> state) {
+  StateWriter to;
+  for (const char c : magic) to.number(static_cast<std::uint8_t>(c));
+  std::uint32_t number = version;
+  Facts told = facts;
+  auto size = static_cast<std::uint64_t>(state.size());
+  to(number, told, size);
+  std::vector<std::uint8_t> blob = std::move(to.bytes());
+  blob.insert(blob.end(), state.begin(), state.end());
+  const std::string digest = sha256_hex(blob);
+  blob.insert(blob.end(), digest.begin(), digest.end());
+  return blob;
+}
+
+Result<std::span<const std::uint8_t>> Snapshot::unpack(std::span<const std::uint8_t> blob,
+                                                       const Facts& facts) {
+  if (blob.size() < magic.size() || !std::equal(magic.begin(), magic.end(), blob.begin()))
+    return unusable("it does not begin as one; give a file that `save` has made");
+  StateReader head(blob.subspan(magic.size()));
+  std::uint32_t number = 0;
+  head(number);
+  if (head.good() && number != version)
+    return unusable("it has version " + std::to_string(number) + ", this program reads version " +
+                    std::to_string(version) + "; save it again with this program");
+  if (blob.size() < magic.size() + digest_size)
+    return unusable("it ends too early; the file is damaged");
+  const auto reported_digest = blob.last(digest_size);
+  const auto body = blob.first(blob.size() - digest_size);
+  const std::string digest = sha256_hex(std::vector<std::uint8_t>(body.begin(), body.end()));
+  if (!std::equal(digest.begin(), digest.end(), reported_digest.begin()))
+    return unusable("its checksum is wrong; the file is damaged");
+  StateReader from(body.subspan(magic.size() + 4));
+  Facts told;
+  std::uint64_t size = 0;
+  from(told, size);
+  if (!from.good() || size != from.left())
+    return unusable("its parts do not fit together; the file is damaged");
+  for (const auto& [name, value] : facts) {
+    const auto other = std::ranges::find(told, name, &Facts::value_type::first);
+    const std::string was = other == told.end() ? "" : other->second;
+    if (was != value)
+      return unusable("it was saved with " + name + " " + shown(was) + ", this simulation has " +
+                      shown(value) + "; use the same options");
+  }
+  return body.last(from.left());
+}
+
+Result<void> Snapshot::write(const std::string& path, std::span<const std::uint8_t> blob) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(reinterpret_cast<const char*>(blob.data()), static_cast<std::streamsize>(blob.size()));
+  file.close();
+  if (!file)
+    return fail(Fault::environment, "cannot write the saved state " + path + ": " +
+                                        std::strerror(errno) + "; choose another folder");
+  return {};
+}
+
+Result<std::vector<std::uint8_t>> Snapshot::read(const std::string& path) {
+  constexpr std::size_t max_bytes = 256 << 20;
+  const auto bytes = read_whole_file(path, max_bytes, "give a saved state");
+  if (!bytes) return tl::unexpected(bytes.error());
+  return std::vector<std::uint8_t>(bytes->begin(), bytes->end());
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,29 @@
+// OpenGL 3.3 core contexts without a window.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::sim {
+
+class GlContext {
+ public:
+  using Function = void (*)();
+
+  virtual ~GlContext() = default;
+  // Between make_current() and release() the calling thread may call OpenGL.
+  virtual Result<void> make_current() = 0;
+  virtual void release() = 0;
+  // Address of an OpenGL function, or null. The context must be current.
+  virtual Function function(const char* name) = 0;
+};
+
+// On off-screen Mesa.
+Result<std::unique_ptr<GlContext>> make_osmesa_context();
+// On EGL 1.5 without a surface (EGL_MESA_platform_surfaceless). libEGL is loaded at run time; error if
+// absent.
+Result<std::unique_ptr<GlContext>> make_egl_context();
+
+}  // namespace kaz::sim

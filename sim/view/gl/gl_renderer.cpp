@@ -1,0 +1,164 @@
+// Renderer: starts OpenGL late, keeps a framebuffer for each size of picture, reads pixels back.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/view/gl/gl_renderer.h"
+
+#include <cmath>
+#include <optional>
+
+#include "sim/view/gl/gl_scene.h"
+#include "sim/view/gl/resample.h"
+
+namespace kaz::sim {
+
+namespace {
+
+constexpr int kLargestSide = 8192;  // px, samples included
+
+struct Target {
+  int width = 0, height = 0;
+  GLuint framebuffer = 0, color = 0, depth = 0;
+};
+
+// Makes the context current for a scope. Other contexts of the process may be used in between.
+class Current {
+ public:
+  explicit Current(GlContext& context) : context_(context) {}
+  ~Current() { context_.release(); }
+  Current(const Current&) = delete;
+  Current& operator=(const Current&) = delete;
+
+ private:
+  GlContext& context_;
+};
+
+class GlRenderer final : public Renderer {
+ public:
+  explicit GlRenderer(ContextMaker make_context) : make_context_(std::move(make_context)) {}
+
+  Result<void> set_scene(const Scene& scene) override {
+    if (model_) return fail(Fault::usage, "a renderer takes one scene: make another renderer");
+    Result<SceneModel> model = build_scene_model(scene);
+    if (!model) return tl::unexpected(model.error());
+    model_ = std::make_unique<SceneModel>(std::move(*model));
+    return {};
+  }
+
+  Result<void> render(const ScenePose& pose, const View& view, Picture& picture) override {
+    if (Result<void> checked = check(pose, view); !checked) return checked;
+    if (!context_) {
+      Result<std::unique_ptr<GlContext>> context = make_context_();
+      if (!context) return tl::unexpected(context.error());
+      context_ = std::move(*context);
+    }
+    if (Result<void> made = context_->make_current(); !made) return made;
+    const Current current(*context_);
+    if (!scene_) {
+      if (Result<void> started = start(); !started) return started;
+    }
+    const int n = view.samples_per_axis;
+    Result<const Target*> target = target_for(view.camera.width * n, view.camera.height * n);
+    if (!target) return tl::unexpected(target.error());
+    scene_->draw(pose, view, (*target)->framebuffer);
+    return read_back(**target, n, picture);
+  }
+
+ private:
+  Result<void> check(const ScenePose& pose, const View& view) const {
+    if (!model_) return fail(Fault::usage, "a renderer needs a scene before its first picture");
+    if (pose.frames.size() != model_->frames) {
+      return fail(Fault::usage, "a pose of " + std::to_string(pose.frames.size()) +
+                                    " frames does not fit a scene of " +
+                                    std::to_string(model_->frames));
+    }
+    const Pinhole& c = view.camera;
+    const int n = view.samples_per_axis;
+    if (n < 1 || n > 4 || c.width < 1 || c.height < 1 || c.width > kLargestSide / n ||
+        c.height > kLargestSide / n) {
+      return fail(Fault::usage,
+                  "a picture of " + std::to_string(c.width) + " x " + std::to_string(c.height) +
+                      " with " + std::to_string(n) + " samples an axis cannot be drawn: sides 1.." +
+                      std::to_string(kLargestSide) + ", samples included, 1..4 of them");
+    }
+    if (!(c.fx > 0 && c.fy > 0 && std::isfinite(c.fx + c.fy + c.cx + c.cy))) {
+      return fail(Fault::usage, "a camera needs positive focal lengths and a finite centre");
+    }
+    const Light& light = view.light;
+    // A lower lamp's shadows reach beyond every map.
+    if (!light.to_key.allFinite() || !(light.to_key.z() > 0.05 * light.to_key.norm()) ||
+        !(light.key >= 0 && light.shaded >= 0 && std::isfinite(light.key + light.shaded))) {
+      return fail(Fault::usage,
+                  "a lamp needs a direction 3 degrees or more above the ground and factors of 0 or "
+                  "more");
+    }
+    return {};
+  }
+
+  Result<void> start() {
+    Result<Gl> gl = Gl::load(*context_);
+    if (!gl) return tl::unexpected(gl.error());
+    gl_ = std::make_unique<Gl>(*gl);
+    Result<GlScene> scene = GlScene::create(*gl_, *model_);
+    if (!scene) return tl::unexpected(scene.error());
+    scene_.emplace(std::move(*scene));
+    return {};
+  }
+
+  Result<const Target*> target_for(int width, int height) {
+    for (const Target& t : targets_) {
+      if (t.width == width && t.height == height) return &t;
+    }
+    Target t{width, height};
+    gl_->GenFramebuffers(1, &t.framebuffer);
+    gl_->BindFramebuffer(GL_FRAMEBUFFER, t.framebuffer);
+    const auto attach = [&](GLuint& buffer, GLenum format, GLenum attachment) {
+      gl_->GenRenderbuffers(1, &buffer);
+      gl_->BindRenderbuffer(GL_RENDERBUFFER, buffer);
+      gl_->RenderbufferStorage(GL_RENDERBUFFER, format, width, height);
+      gl_->FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer);
+    };
+    attach(t.color, GL_RGBA8, GL_COLOR_ATTACHMENT0);
+    attach(t.depth, GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT);
+    if (gl_->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+      gl_->DeleteFramebuffers(1, &t.framebuffer);
+      gl_->DeleteRenderbuffers(1, &t.color);
+      gl_->DeleteRenderbuffers(1, &t.depth);
+      return fail(Fault::environment, "OpenGL has no memory for a picture of " +
+                                          std::to_string(width) + " x " + std::to_string(height) +
+                                          " samples: ask for a smaller one");
+    }
+    targets_.push_back(t);
+    return &targets_.back();
+  }
+
+  Result<void> read_back(const Target& target, int n, Picture& picture) {
+    samples_.resize(static_cast<std::size_t>(target.width) *
+                    static_cast<std::size_t>(target.height) * 4);
+    gl_->PixelStorei(GL_PACK_ALIGNMENT, 4);
+    gl_->ReadPixels(0, 0, target.width, target.height, GL_RGBA, GL_UNSIGNED_BYTE, samples_.data());
+    if (const GLenum error = gl_->GetError(); error != GL_NO_ERROR) {
+      return fail(Fault::environment, "OpenGL failed while drawing a picture (error " +
+                                          std::to_string(error) + "): check the memory left");
+    }
+    picture.width = target.width / n;
+    picture.height = target.height / n;
+    pack_rgb(samples_, target.width, target.height, n, picture.rgb);
+    return {};
+  }
+
+  ContextMaker make_context_;
+  std::unique_ptr<SceneModel> model_;
+  // Destroyed from the last to the first: what OpenGL holds goes with the context.
+  std::unique_ptr<GlContext> context_;
+  std::unique_ptr<Gl> gl_;
+  std::optional<GlScene> scene_;
+  std::vector<Target> targets_;
+  std::vector<std::uint8_t> samples_;
+};
+
+}  // namespace
+
+std::unique_ptr<Renderer> make_gl_renderer(ContextMaker make_context) {
+  return std::make_unique<GlRenderer>(std::move(make_context));
+}
+
+}  // namespace kaz::sim

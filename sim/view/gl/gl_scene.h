@@ -1,0 +1,72 @@
+// Draws a scene into the current framebuffer with OpenGL 3.3.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sim/view/gl/gl_program.h"
+#include "sim/view/gl/projection.h"
+#include "sim/view/gl/shaders.h"
+#include "sim/view/model/scene_model.h"
+
+namespace kaz::sim {
+
+// The context must be current in every call. What it makes lives as long as the context.
+class GlScene {
+ public:
+  // `gl` and `model` must outlive this.
+  static Result<GlScene> create(const Gl& gl, const SceneModel& model);
+
+  // Into `framebuffer`, whose size is that of the picture times `samples_per_axis`.
+  void draw(const ScenePose& pose, const View& view, GLuint framebuffer);
+
+ private:
+  GlScene(const Gl& gl, const SceneModel& model) : gl_(&gl), model_(&model) {}
+
+  struct Surface {
+    GlProgram program;
+    int world_from_model = -1;
+  };
+
+  struct ShadowMap {
+    int texels = 0;
+    GLuint framebuffer = 0, texture = 0;
+    ShadowView view{};
+    std::vector<Eigen::Isometry3d> pose;  // for which it was drawn; empty: never
+    Eigen::Vector3d to_key = Eigen::Vector3d::Zero();
+  };
+
+  // What is being drawn.
+  struct Frame {
+    const ScenePose& pose;
+    const View& view;
+    const ShadowMap& map;
+    Eigen::Matrix4d clip_from_world;
+    const Surface* in_use = nullptr;
+  };
+
+  void upload_geometry();
+  void upload_textures();
+  Result<void> make_shadow_map(int texels);
+  Result<void> build_programs();
+  void draw_shadow_map(const ScenePose& pose, const Eigen::Vector3d& to_key, ShadowMap& map);
+  void draw_surfaces(Frame& frame);
+  const Surface& surface(const Piece& piece, Shadow shadow) const {
+    return surfaces_[2 * static_cast<std::size_t>(shadow) + (piece.texture >= 0 ? 1 : 0)];
+  }
+  void use(const Surface& surface, const Piece& piece, Frame& frame);
+  void draw_ground(const Piece& piece, Frame& frame);
+  void draw_triangles(std::uint32_t first_index, std::uint32_t count) const;
+
+  const Gl* gl_;
+  const SceneModel* model_;
+  GLuint vertex_array_ = 0, empty_vertex_array_ = 0;
+  std::vector<GLuint> textures_;
+
+  std::array<Surface, 6> surfaces_;  // plain and textured, for each kind of shadow
+  GlProgram depth_, background_;
+  std::vector<ShadowMap> shadow_maps_;  // for the eyes, and for supersampled pictures
+};
+
+}  // namespace kaz::sim

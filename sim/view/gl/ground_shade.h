@@ -1,0 +1,37 @@
+// Splits a picture into parts where a flat ground may be in shadow and where it is lit: the shadow map is
+// sampled only in the former.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "sim/view/model/scene_model.h"
+#include "sim/view/renderer.h"
+
+namespace kaz::sim {
+
+// Rectangle of samples; y counts from the first row in memory.
+struct PictureRectangle {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+// The lit side of the ground: points with normal . x = distance, world frame, m.
+struct GroundPlane {
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double distance = 0;
+};
+
+// Rectangles that cover the picture without overlap.
+struct GroundParts {
+  std::vector<PictureRectangle> shaded, lit;
+};
+
+// Conservative: `shaded` covers every sample of the ground that the bounding sphere of a piece, enlarged by
+// the width of the shadow's edge (`edge_m`, perpendicular to the light), may shade.
+GroundParts parts_of_ground(std::span<const Piece> pieces, const ScenePose& pose, const View& view,
+                            const GroundPlane& ground, double edge_m);
+
+}  // namespace kaz::sim

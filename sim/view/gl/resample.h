@@ -1,0 +1,16 @@
+// Supersampling: averages samples to pixels.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace kaz::sim {
+
+// `rgba`: width x height samples; writes (width / n) x (height / n) RGB pixels. Code of a pixel:
+// sqrt(mean of code^2) over n x n samples, i.e. the mean light (shaders.h), rounded.
+void pack_rgb(std::span<const std::uint8_t> rgba, int width, int height, int n,
+              std::vector<std::uint8_t>& rgb);
+
+}  // namespace kaz::sim

@@ -1,0 +1,191 @@
+// GLSL sources.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/view/gl/shaders.h"
+
+namespace kaz::sim {
+
+namespace {
+
+std::string header(const SurfaceVariant& variant) {
+  std::string text = "#version 330 core\n";
+  if (variant.textured) text += "#define TEXTURED\n";
+  if (variant.shadow != Shadow::none) text += "#define SHADOW\n";
+  if (variant.shadow == Shadow::soft) text += "#define SOFT_SHADOW\n";
+  return text;
+}
+
+constexpr const char* kHorizon = R"(
+const vec3 horizon = vec3(0.66, 0.68, 0.70);
+const vec3 zenith = vec3(0.20, 0.29, 0.42);
+)";
+
+constexpr const char* kLights = R"(
+const vec3 key_light = vec3(0.76, 0.73, 0.67);
+const vec3 sky_light = vec3(0.36, 0.38, 0.41);
+const vec3 ground_light = vec3(0.16, 0.145, 0.13);
+const vec3 to_fill = vec3(0.38, 0.76, 0.53);
+// What reaches a surface where the key light does not.
+vec3 shaded_light(vec3 n) {
+  return mix(ground_light, sky_light, 0.5 * n.z + 0.5) + 0.10 * max(dot(n, to_fill), 0.0);
+}
+)";
+
+// Textured surfaces are flat and matt: their light is computed at the corners. It is the ground
+// that fills the pictures.
+constexpr const char* kSurfaceVertex = R"(
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec2 uv;
+layout(location = 3) in vec3 color;
+uniform mat4 world_from_model;
+uniform mat4 clip_from_world;
+uniform mat4 shadow_from_world;
+uniform vec3 eye;
+uniform vec3 to_key;
+uniform float key_gain;
+uniform float shaded_gain;
+out vec3 v_to_eye;
+#ifdef SHADOW
+out vec3 v_shadow;
+#endif
+#ifdef TEXTURED
+uniform float repeats_per_m;
+out vec2 v_uv;
+flat out vec3 v_shaded;
+flat out vec3 v_key;
+#else
+out vec3 v_normal;
+out vec3 v_color;
+#endif
+void main() {
+  vec4 world = world_from_model * vec4(position, 1.0);
+  gl_Position = clip_from_world * world;
+  v_to_eye = eye - world.xyz;
+#ifdef SHADOW
+  v_shadow = (shadow_from_world * world).xyz;
+#endif
+  vec3 n = mat3(world_from_model) * normal;
+#ifdef TEXTURED
+  v_uv = uv * repeats_per_m;
+  v_shaded = color * color * shaded_light(n) * shaded_gain;
+  v_key = color * color * key_light * (max(dot(n, to_key), 0.0) * key_gain);
+#else
+  v_normal = n;
+  v_color = color;
+#endif
+}
+)";
+
+constexpr const char* kSurfaceFragment = R"(
+in vec3 v_to_eye;
+uniform vec3 to_key;
+uniform float key_gain;
+uniform float shaded_gain;
+#ifdef SHADOW
+in vec3 v_shadow;
+uniform sampler2DShadow shadow_map;
+uniform float shadow_texel;
+#endif
+#ifdef TEXTURED
+in vec2 v_uv;
+flat in vec3 v_shaded;
+flat in vec3 v_key;
+uniform sampler2D pattern;
+#else
+in vec3 v_normal;
+in vec3 v_color;
+#endif
+out vec4 picture;
+
+float lit() {
+#ifdef SOFT_SHADOW
+  const vec2 taps[12] = vec2[](
+      vec2(-0.33, -0.84), vec2(0.52, -0.77), vec2(-0.84, -0.27), vec2(-0.20, -0.36),
+      vec2(0.29, -0.14), vec2(0.90, -0.22), vec2(-0.58, 0.21), vec2(0.05, 0.29),
+      vec2(0.62, 0.34), vec2(-0.79, 0.60), vec2(-0.19, 0.83), vec2(0.42, 0.86));
+  float sum = 0.0;
+  for (int i = 0; i < 12; ++i) {
+    sum += texture(shadow_map, vec3(v_shadow.xy + taps[i] * (3.0 * shadow_texel), v_shadow.z));
+  }
+  return sum * (1.0 / 12.0);
+#elif defined(SHADOW)
+  return texture(shadow_map, v_shadow);
+#else
+  return 1.0;
+#endif
+}
+
+void main() {
+  float distance2 = dot(v_to_eye, v_to_eye);
+#ifdef TEXTURED
+  vec3 pattern_code = texture(pattern, v_uv).rgb;
+  vec3 color = pattern_code * pattern_code * (v_shaded + v_key * lit());
+#else
+  vec3 n = normalize(v_normal);
+  float key = max(dot(n, to_key), 0.0) * lit() * key_gain;
+  vec3 color = v_color * v_color * (shaded_light(n) * shaded_gain + key_light * key);
+  vec3 view = v_to_eye * inversesqrt(distance2);
+  float s = max(dot(n, normalize(view + to_key)), 0.0);
+  s *= s; s *= s; s *= s; s *= s; s *= s;
+  color += 0.16 * s * key;
+#endif
+  float haze = distance2 / (distance2 + 28.0);
+  picture = vec4(sqrt(mix(color, horizon, haze)), 1.0);
+}
+)";
+
+constexpr const char* kDepthVertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+uniform mat4 clip_from_model;
+void main() { gl_Position = clip_from_model * vec4(position, 1.0); }
+)";
+
+constexpr const char* kDepthFragment = R"(#version 330 core
+void main() {}
+)";
+
+constexpr const char* kBackgroundVertex = R"(#version 330 core
+uniform mat4 ray_from_clip;
+out vec3 v_ray;
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  gl_Position = vec4(corner, 1.0, 1.0);
+  v_ray = (ray_from_clip * vec4(corner, 1.0, 1.0)).xyz;
+}
+)";
+
+constexpr const char* kBackgroundFragment = R"(
+in vec3 v_ray;
+out vec4 picture;
+void main() {
+  float up = clamp(v_ray.z * inversesqrt(dot(v_ray, v_ray)), 0.0, 1.0);
+  float t = up * (2.0 - up);
+  picture = vec4(sqrt(mix(horizon, zenith, t)), 1.0);
+}
+)";
+
+}  // namespace
+
+std::string surface_vertex_shader(const SurfaceVariant& variant) {
+  return header(variant) + kLights + kSurfaceVertex;
+}
+
+std::string surface_fragment_shader(const SurfaceVariant& variant) {
+  return header(variant) + kHorizon + kLights + kSurfaceFragment;
+}
+
+std::string depth_vertex_shader() {
+  return kDepthVertex;
+}
+std::string depth_fragment_shader() {
+  return kDepthFragment;
+}
+std::string background_vertex_shader() {
+  return kBackgroundVertex;
+}
+
+std::string background_fragment_shader() {
+  return std::string("#version 330 core\n") + kHorizon + kBackgroundFragment;
+}
+
+}  // namespace kaz::sim

@@ -1,0 +1,53 @@
+// Triangle meshes of the shapes in a scene, in the frame of their visual.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "shared/base/result.hpp"
+#include "sim/body/description/scene.h"
+
+namespace kaz::sim {
+
+struct Vertex {
+  std::array<float, 3> position;  // m
+  std::array<float, 3> normal;    // unit
+  std::array<float, 2> uv;        // m along the surface; the texture says how long a repeat is
+};
+
+// Counter-clockwise triangles seen from outside.
+struct Mesh {
+  std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> indices;  // three a triangle
+
+  std::uint32_t add(const Eigen::Vector3d& position, const Eigen::Vector3d& normal, double u,
+                    double v);
+  void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+  void quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d);
+};
+
+// Fine meshes are for pictures, coarse ones (closed, about a quarter of the triangles) for the
+// shadow map.
+enum class Detail { fine, coarse };
+
+// Fine: edges are bevelled by min(2 mm, 12 % of the shortest side), shaded as if they were round.
+Mesh box_mesh(const Eigen::Vector3d& lengths, Detail detail = Detail::fine);
+Mesh cylinder_mesh(double radius, double length, Detail detail = Detail::fine);
+Mesh capsule_mesh(double radius, double length, Detail detail = Detail::fine);
+// Subdivided icosahedron with the sphere's volume, so that its outline has the sphere's size on
+// average.
+Mesh sphere_mesh(double radius, Detail detail = Detail::fine);
+// Normal +z, centre at the origin.
+Mesh plane_mesh(double length_x, double length_y);
+// OBJ (v, vn, f with any polygon) or STL (text or binary), by the ending of the path.
+Result<Mesh> load_mesh(const std::string& path, const Eigen::Vector3d& scale);
+
+// Fails where a size is not a positive number, or a file cannot be read.
+Result<Mesh> make_mesh(const Shape& shape, Detail detail = Detail::fine);
+
+}  // namespace kaz::sim

@@ -1,0 +1,50 @@
+// A scene as the graphics card wants it: one vertex buffer, and pieces drawn with one call each.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "shared/base/result.hpp"
+#include "sim/body/description/scene.h"
+#include "sim/view/model/mesh.h"
+#include "sim/view/model/texture.h"
+
+namespace kaz::sim {
+
+struct ColoredVertex {
+  Vertex vertex;                      // in the frame of its piece
+  std::array<std::uint8_t, 4> color;  // RGB codes, alpha unused
+};
+
+// Visuals of one frame and texture. Some hundred triangles: larger ones are slower in llvmpipe.
+struct Piece {
+  int frame = 0;
+  int texture = -1;     // index into SceneModel::textures, -1 none
+  bool ground = false;  // planes: drawn last, cast no shadow
+  // Ranges of SceneModel::indices. The coarse meshes are for pieces that look small, and the first
+  // `caster_count` of them, those of visuals large enough to matter, for the shadow map.
+  std::uint32_t fine_first = 0, fine_count = 0;
+  std::uint32_t coarse_first = 0, coarse_count = 0, caster_count = 0;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of a sphere around it, in the frame
+  double radius = 0;
+  // A ground that is one plane: its normal and distance from the origin, in the frame.
+  bool flat = false;
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double distance = 0;
+};
+
+struct SceneModel {
+  std::vector<ColoredVertex> vertices;
+  std::vector<std::uint32_t> indices;
+  std::vector<Piece> pieces;
+  std::vector<Texture> textures;
+  std::size_t frames = 0;
+};
+
+Result<SceneModel> build_scene_model(const Scene& scene);
+
+}  // namespace kaz::sim

@@ -1,0 +1,68 @@
+// Camera model: turns an ideal pinhole picture into that of a real lens and image sensor.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Modelled: lens distortion (Brown-Conrady, as in OpenCV), vignetting, exposure, shot and read noise, 8-bit
+// codes. Not modelled: rolling shutter (the paper's cameras expose all rows of a field at once), motion blur,
+// interlacing, the colour mosaic, blooming.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/view/renderer.h"
+#include "sim/view/sensor/sensor_noise.h"
+#include "vision/calibration/calibration.h"
+#include "vision/calibration/remap.h"
+
+namespace kaz::sim {
+
+// Nominal parameters of a camera and the tolerances of its series.
+struct EyeModel {
+  int width = 320, height = 240;
+  double rectified_view_rad = 1.3962634015954636;  // 80 degrees: of the rectified pictures
+  // Horizontal view of the middle row through the lens. Wider than the rectified view, so that rectified
+  // pictures have no empty margin where centre and direction deviate.
+  double lens_view_rad = 1.4922565104551517;                // 85.5 degrees
+  std::array<double, 5> distortion{-0.15, 0.022, 0, 0, 0};  // k1 k2 p1 p2 k3
+  double vignetting = 0.3;  // fraction of the light lost in the corners; grows as r^2
+  NoiseLaw noise;
+  // Standard deviations over the series.
+  double focal_spread = 0.004;          // relative to the focal length
+  double centre_spread = 0.004;         // relative to the width
+  double distortion_spread = 0.03;      // relative to k1, k2
+  double tangential_spread = 0.0003;    // of p1, p2: tilt of the lens against the sensor
+  double direction_spread_rad = 0.004;  // about each axis: 0.23 degrees
+};
+
+// Two cameras of the series, `baseline_m` apart. The same `unit` gives the same cameras; deviations are
+// clamped to 2.5 sigma, as rejects are sorted out at the factory.
+vision::StereoCalibration make_calibration(const EyeModel& model, std::uint64_t unit,
+                                           double baseline_m);
+
+class Sensor {
+ public:
+  enum class Eye { left = 0, right = 1 };
+
+  // `noise_seed`, the eye and the number of the exposure determine the noise.
+  Sensor(const EyeModel& model, const vision::StereoCalibration& calibration, Eye eye,
+         std::uint64_t noise_seed);
+
+  // The pinhole camera whose picture expose() needs: the lens's full view, at 0.92 of the rectified picture's
+  // angular resolution. The loss is below the blur of a wide conversion lens.
+  const Pinhole& ideal() const { return ideal_; }
+  // Rotation from that pinhole's optical frame to the eye's mounting frame.
+  Eigen::Isometry3d mounting_from_optical() const;
+  // Lens, vignetting, noise and quantisation. `ideal` has the size of ideal().
+  void expose(const Picture& ideal, std::uint64_t exposure, Picture& picture) const;
+  // Lens and vignetting only, codes rounded: for tests of geometry.
+  void bend(const Picture& ideal, Picture& picture) const;
+
+ private:
+  Pinhole ideal_;
+  Eigen::Matrix3d rotation_;
+  vision::Remap lens_;
+  NoiseRow noise_;
+  std::uint64_t key_;
+};
+
+}  // namespace kaz::sim

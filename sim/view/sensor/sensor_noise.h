@@ -1,0 +1,40 @@
+// Image sensor noise of a row of pixels: exposure, shot noise, read noise, quantisation to codes.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace kaz::sim {
+
+// Photon-transfer model: a code c stands for the light c^2 (shaders.h), code 255 for `full_well_e` electrons;
+// variance of the electron count = n + read_noise_e^2 (EMVA 1288, shot and dark noise).
+struct NoiseLaw {
+  double exposure = 1.0;  // factor on the light
+  double full_well_e = 10'000;
+  double read_noise_e = 12;  // rms
+};
+
+// Applies the law to rows; light in units of codes squared.
+class NoiseRow {
+ public:
+  explicit NoiseRow(const NoiseLaw& law);
+
+  // Converts `count` values in 1/64 codes to codes. n electrons are read as n + z sqrt(n + read^2), z with
+  // mean 0 and sigma 1: the sum of four random bytes (nearly normal, |z| <= 3.46), a function of `key` and
+  // the position in the row. AVX2 is used where available and gives the same bytes.
+  void expose(const std::uint16_t* codes64, std::uint8_t* codes, std::size_t count,
+              std::uint64_t key) const;
+  void expose_plain(const std::uint16_t* codes64, std::uint8_t* codes, std::size_t count,
+                    std::uint64_t key) const;
+
+  struct Factors {
+    float code = 0;  // codes per 1/64 code, times sqrt(exposure)
+    float shot = 0,
+          read = 0;  // variance = shot * code^2 + read, for the unscaled sum of random bytes
+  };
+
+ private:
+  Factors factors_;
+};
+
+}  // namespace kaz::sim

@@ -1,0 +1,48 @@
+// For tests: the motor measurements of an emulated board on the virtual stand.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "sim/board/sensor_file.h"
+#include "tests/integration/bench/measured_testing.h"
+#include "tools/lockstep/stand_backend.h"
+
+namespace kaz::hil {
+
+inline sim::MotorParams kaz_motor() {
+  const auto motor =
+      sim::load_motor_file(std::string(KAZ_TREE) + "/shared/robot/kaz/motor.xml", "");
+  EXPECT_TRUE(motor) << motor.error().message;
+  return *motor;
+}
+
+inline sim::SimulationOptions kaz_board() {
+  sim::SimulationOptions board;
+  board.sensors = *sim::sensors_by_name("nominal");
+  const auto params =
+      sim::load_sensor_file(std::string(KAZ_TREE) + "/shared/robot/kaz/sensors.xml");
+  EXPECT_TRUE(params) << params.error().message;
+  board.sensor_params = *params;
+  return board;
+}
+
+// A motor and its surroundings, with faults.
+struct MotorTest {
+  sim::MotorParams motor = kaz_motor();
+  sim::SimulationOptions board = kaz_board();
+  MotorBenchOptions options;
+  Limits limits;
+  double disc_kgm2 = 4e-4;
+  // Gain error of the scale for positive torques: reading over true torque.
+  double scale_forward = 1;
+  bool with_stand = true;
+  // Changes the board before the measurement.
+  std::function<void(host::Robot&)> prepare;
+};
+
+BenchReport measure_motor(const MotorTest& test);
+
+}  // namespace kaz::hil

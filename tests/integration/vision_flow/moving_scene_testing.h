@@ -1,0 +1,149 @@
+// A floor, boxes and a ball as the simulator's eyes see them while eyes and ball move.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/view/scenes_testing.h"
+#include "sim/view/sensor/eye_testing.h"
+#include "sim/view/sensor/sensor.h"
+#include "vision/calibration/rectify.h"
+
+namespace kaz::sim {
+
+// Where the eyes and the ball are at one moment; the foot stands in the world's origin.
+struct Moment {
+  Eigen::Isometry3d eye = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d ball{0.45, 0, 0.02};
+};
+
+class MovingScene {
+ public:
+  static constexpr double kBallRadius = 0.02;
+
+  MovingScene(int width, const std::string& texture)
+      : calibration_(make_calibration(model(width), 2, kEyeBaseline_m)),
+        left_(model(width), calibration_, Sensor::Eye::left, 1),
+        right_(model(width), calibration_, Sensor::Eye::right, 1),
+        rectifier_(calibration_) {
+    scene_.add_ground(texture);
+    ball_frame_ = scene_.add_ball({0.45, 0, kBallRadius});
+    boxes_ = {{{0.75, 0.22, 0.04}, {0.08, 0.10, 0.08}}, {{1.60, 0.00, 0.50}, {0.10, 4.00, 1.00}}};
+    for (const Box& b : boxes_)
+      scene_.add(Shape::Kind::box, b.size, b.middle, {0.5F, 0.7F, 0.6F}, "carpet");
+    renderer_ = std::move(*make_default_renderer());
+    EXPECT_TRUE(renderer_->set_scene(scene_.scene));
+  }
+
+  // The head's pan turns about an upright axis; the eye is 3 cm before and 2 cm left of it.
+  static Eigen::Isometry3d turned(double pan_rad, double tilt_rad = 0.55,
+                                  const Eigen::Vector3d& shift = Eigen::Vector3d::Zero()) {
+    return Eigen::Translation3d(shift) * Eigen::AngleAxisd(pan_rad, Eigen::Vector3d::UnitZ()) *
+           look_at({0.03, 0.02, 0.3}, {0.03 + std::cos(tilt_rad), 0.02, 0.3 - std::sin(tilt_rad)});
+  }
+
+  const vision::CameraModel& camera() const { return calibration_.rectified; }
+
+  vision::FrameInfo info(const Moment& moment, std::uint64_t number) const {
+    vision::FrameInfo info;
+    info.sequence = number;
+    info.exposure = from_seconds(static_cast<double>(number) / 30);
+    info.camera = camera();
+    info.posture_known = true;
+    info.foot_from_eye = moment.eye;
+    return info;
+  }
+
+  // Rectified pictures of real eyes: lenses, noise of exposure `number`.
+  vision::StereoImages take(const Moment& moment, std::uint64_t number) {
+    scene_.pose.frames[static_cast<std::size_t>(ball_frame_)].translation() = moment.ball;
+    vision::StereoImages raw, rectified;
+    raw.left = sim::take(*renderer_, scene_.pose, left_, moment.eye, number);
+    raw.right = sim::take(*renderer_, scene_.pose, right_,
+                          moment.eye * Eigen::Translation3d(kEyeBaseline_m, 0, 0), number);
+    rectifier_.rectify(raw, rectified);
+    return rectified;
+  }
+
+  struct Hit {
+    double depth_m = 0;  // 0: nothing there
+    bool ball = false;
+  };
+  Hit hit(const Moment& moment, double u, double v) const {
+    const vision::CameraModel& c = camera();
+    return along(moment, moment.eye.translation(),
+                 moment.eye.linear() * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1));
+  }
+  // Where a point of the world is in the picture, px.
+  Eigen::Vector2d pixel(const Moment& moment, const Eigen::Vector3d& world) const {
+    const vision::CameraModel& c = camera();
+    const Eigen::Vector3d p = moment.eye.inverse() * world;
+    return {c.fx * p.x() / p.z() + c.cx, c.fy * p.y() / p.z() + c.cy};
+  }
+  // True flow of what is at (u, v); NaN where there is nothing, or where it is hidden or out of the
+  // picture later.
+  Eigen::Vector2d flow(const Moment& before, const Moment& after, double u, double v) const {
+    const vision::CameraModel& c = camera();
+    const Hit h = hit(before, u, v);
+    const Eigen::Vector2d none(NAN, NAN);
+    if (h.depth_m <= 0) return none;
+    Eigen::Vector3d at =
+        before.eye * (h.depth_m * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1));
+    if (h.ball) at += after.ball - before.ball;  // slides, being of one colour
+    const Eigen::Vector2d to = pixel(after, at);
+    if (to.x() < 0 || to.y() < 0 || to.x() > c.width - 1 || to.y() > c.height - 1) return none;
+    const Eigen::Vector3d from = after.eye.translation();
+    if (along(after, from, at - from).depth_m < 1 - 1e-3) return none;
+    return to - Eigen::Vector2d(u, v);
+  }
+
+ private:
+  struct Box {
+    Eigen::Vector3d middle, size;
+  };
+  static EyeModel model(int width) {
+    EyeModel m;
+    m.width = width;
+    m.height = width * 3 / 4;
+    return m;
+  }
+
+  // In lengths of the ray, which for rays with z = 1 in the optical frame are depths.
+  Hit along(const Moment& moment, const Eigen::Vector3d& from, const Eigen::Vector3d& ray) const {
+    Hit best;
+    if (ray.z() < 0) {
+      const double depth = -from.z() / ray.z();
+      const Eigen::Vector3d at = from + depth * ray;
+      if (std::abs(at.x()) < 3 && std::abs(at.y()) < 3) best.depth_m = depth;
+    }
+    for (const Box& b : boxes_) {
+      const Eigen::Array3d one = (b.middle - 0.5 * b.size - from).array() / ray.array();
+      const Eigen::Array3d two = (b.middle + 0.5 * b.size - from).array() / ray.array();
+      const double enter = one.min(two).maxCoeff(), leave = one.max(two).minCoeff();
+      if (enter > 0 && enter < leave && (best.depth_m == 0 || enter < best.depth_m)) best = {enter};
+    }
+    const Eigen::Vector3d off = moment.ball - from;
+    const double a = ray.squaredNorm(), b = ray.dot(off);
+    const double root = b * b - a * (off.squaredNorm() - kBallRadius * kBallRadius);
+    if (root > 0 && b > 0) {
+      const double depth = (b - std::sqrt(root)) / a;
+      if (best.depth_m == 0 || depth < best.depth_m) best = {depth, true};
+    }
+    return best;
+  }
+
+  vision::StereoCalibration calibration_;
+  Sensor left_, right_;
+  vision::Rectifier rectifier_;
+  TestScene scene_;
+  int ball_frame_ = 0;
+  std::vector<Box> boxes_;
+  std::unique_ptr<Renderer> renderer_;
+};
+
+}  // namespace kaz::sim

@@ -1,0 +1,140 @@
+// Runs programs as a user would: separate processes, their exit status, what they print.
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/system/command_line/process_testing.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+namespace kaz::test {
+
+using Steady = std::chrono::steady_clock;
+
+Process::Process(const std::vector<std::string>& arguments, bool typing) {
+  int in[2] = {-1, -1}, out[2], err[2];
+  if (pipe2(out, O_CLOEXEC) != 0 || pipe2(err, O_CLOEXEC) != 0 ||
+      (typing && pipe2(in, O_CLOEXEC) != 0))
+    throw std::runtime_error("pipe2");
+  pid_ = fork();
+  if (pid_ < 0) throw std::runtime_error("fork");
+  if (pid_ == 0) {
+    dup2(out[1], STDOUT_FILENO);
+    dup2(err[1], STDERR_FILENO);
+    dup2(typing ? in[0] : open("/dev/null", O_RDONLY), STDIN_FILENO);
+    std::vector<char*> argv;
+    for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  if (typing) close(in[0]);
+  in_ = in[1];
+  close(out[1]);
+  close(err[1]);
+  out_ = out[0];
+  err_ = err[0];
+  fcntl(out_, F_SETFL, O_NONBLOCK);
+  fcntl(err_, F_SETFL, O_NONBLOCK);
+}
+
+Process::~Process() {
+  if (!ended_) {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  if (in_ >= 0) close(in_);
+  close(out_);
+  close(err_);
+}
+
+void Process::type(const std::string& text) {
+  if (write(in_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+    throw std::runtime_error("the program does not read its standard input");
+}
+
+void Process::signal(int number) {
+  if (!ended_) kill(pid_, number);
+}
+
+void Process::drain(int milliseconds) {
+  std::array<pollfd, 2> fds{pollfd{out_, POLLIN, 0}, pollfd{err_, POLLIN, 0}};
+  poll(fds.data(), fds.size(), milliseconds);
+  std::array<char, 4096> buffer{};
+  ssize_t count = 0;
+  while ((count = read(out_, buffer.data(), buffer.size())) > 0) {
+    result_.out.append(buffer.data(), static_cast<std::size_t>(count));
+  }
+  while ((count = read(err_, buffer.data(), buffer.size())) > 0) {
+    result_.err.append(buffer.data(), static_cast<std::size_t>(count));
+  }
+  int status = 0;
+  if (!ended_ && waitpid(pid_, &status, WNOHANG) == pid_) {
+    ended_ = true;
+    result_.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+}
+
+bool Process::wait_for_output(const std::string& text, std::chrono::seconds at_most) {
+  const auto until = Steady::now() + at_most;
+  const auto seen = [&] {
+    return result_.out.find(text) != std::string::npos ||
+           result_.err.find(text) != std::string::npos;
+  };
+  while (!seen() && !ended_ && Steady::now() < until) drain(20);
+  drain(0);
+  return seen();
+}
+
+Finished Process::wait(std::chrono::seconds at_most) {
+  const auto until = Steady::now() + at_most;
+  while (!ended_ && Steady::now() < until) drain(20);
+  if (!ended_) {
+    kill(pid_, SIGKILL);
+    while (!ended_) drain(20);
+  }
+  drain(0);
+  return result_;
+}
+
+std::vector<std::string> kaz(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), KAZ_PROGRAM);
+  return arguments;
+}
+
+Finished run(const std::vector<std::string>& arguments, std::chrono::seconds at_most) {
+  return Process(arguments).wait(at_most);
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "kaz-test-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp");
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code error;
+  std::filesystem::remove_all(path_, error);
+}
+
+std::string read_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream content;
+  content << file.rdbuf();
+  return content.str();
+}
+
+void write_file(const std::string& path, const std::string& content) {
+  std::ofstream(path, std::ios::binary) << content;
+}
+
+}  // namespace kaz::test

@@ -1,0 +1,51 @@
+// Values of options as the user types them: ports, settings, intervals, shards.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/arguments.h"
+
+#include <charconv>
+#include <cstdio>
+
+namespace kaz::tools {
+
+Result<std::pair<std::string, int>> parse_port(const std::string& text) {
+  const auto at = text.rfind('@');
+  if (at == std::string::npos) return std::pair(text, 115200);
+  int baud = 0;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data() + at + 1, end, baud);
+  if (parsed.ec != std::errc() || parsed.ptr != end || baud <= 0 || at == 0) {
+    return fail(Fault::usage, "--port " + text + ": give PATH or PATH@BAUD");
+  }
+  return std::pair(text.substr(0, at), baud);
+}
+
+Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts) {
+  std::map<std::string, std::string> settings;
+  for (const std::string& text : texts) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+      return fail(Fault::usage, "--set " + text + ": give NAME=VALUE, as in --set seconds=20");
+    settings[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  return settings;
+}
+
+Result<trials::Interval> parse_interval(const std::string& option, const std::vector<double>& given,
+                                        trials::Interval otherwise) {
+  if (given.empty()) return otherwise;
+  if (given.size() != 2 || !(given[0] > 0) || !(given[0] <= given[1]))
+    return fail(Fault::usage, option + ": give two numbers above 0, the smaller one first, as in " +
+                                  option + " 0.6 0.8");
+  return trials::Interval{given[0], given[1]};
+}
+
+Result<Shard> parse_shard(const std::string& text) {
+  unsigned long long part = 0, parts = 0;
+  int end = 0;
+  if (text.size() > 20 || std::sscanf(text.c_str(), "%llu/%llu%n", &part, &parts, &end) != 2 ||
+      end != static_cast<int>(text.size()) || part < 1 || part > parts)
+    return fail(Fault::usage, "--shard " + text + ": give I/N, the first of four parts is 1/4");
+  return Shard{part, parts};
+}
+
+}  // namespace kaz::tools

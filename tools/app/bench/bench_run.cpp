@@ -1,0 +1,327 @@
+// `kaz bench`: measures a board and fits the motor model to the measurements.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/bench/bench_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "hil/bench/link_bench.h"
+#include "hil/bench/motor/motor_bench.h"
+#include "hil/bench/report.h"
+#include "hil/bench/report/numbers.h"
+#include "hil/bench/tick_bench.h"
+#include "host/robot/connect.h"
+#include "shared/base/files.hpp"
+#include "sim/board/sensor_file.h"
+#include "tools/app/bench/bench_target.h"
+#include "tools/app/bench/fit_report.h"
+#include "tools/app/output.h"
+#include "tools/app/paths.h"
+#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/version.h"
+#include "tools/figure/figure.h"
+
+namespace kaz::tools {
+namespace {
+
+Result<std::string> read_file(const std::string& path) {
+  constexpr std::size_t max_bytes = 64 << 20;
+  return read_whole_file(path, max_bytes, "is there such a file?");
+}
+
+Result<void> write(const OutputFolder& folder, const std::string& name, const std::string& text) {
+  return figure::write_file(folder.path(name),
+                            {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+std::string all_joint_names() {
+  std::string names;
+  for (const host::JointInfo& joint : host::joint_table())
+    names += (names.empty() ? "" : ", ") + std::string(joint.name);
+  return names;
+}
+
+Result<hil::Limits> limits_of(const std::string& path) {
+  if (path.empty()) return hil::Limits{};
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return hil::parse_limits(*text, path);
+}
+
+void say(const hil::Measurement& one) {
+  std::printf("%-9s %-11s %-24s", hil::verdict_text(one.verdict), one.subject.c_str(),
+              one.of->name.c_str());
+  if (one.verdict == hil::Verdict::left_out) {
+    std::printf(" %s\n", one.message.c_str());
+  } else {
+    std::printf(" %9.4g %-7s  %s\n", one.value, one.of->unit.c_str(), one.message.c_str());
+  }
+}
+
+Result<void> measure_motors(const BenchOptions& arguments, const std::vector<int>& joints,
+                            BenchTarget& target, hil::BenchJudge& judge,
+                            const hil::BenchProgress& progress) {
+  auto robot = host::Robot::connect(target.link(), target.clock(), hil::bench_connection());
+  if (!robot) return tl::unexpected(robot.error());
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    hil::MotorBenchOptions options;
+    options.joint = joints[i];
+    options.filter = arguments.filter;
+    options.supply_volts = arguments.supply_volts;
+    options.progress = [&](double share, const std::string& what) {
+      progress((static_cast<double>(i) + share) / static_cast<double>(joints.size()), what);
+    };
+    if (auto done = hil::bench_motor(*robot, target.stand(), options, judge); !done) return done;
+  }
+  return {};
+}
+
+Result<void> measure(const BenchOptions& arguments, const std::vector<int>& joints,
+                     BenchTarget& target, hil::BenchJudge& judge,
+                     const hil::BenchProgress& progress) {
+  // Shares of the whole, roughly by how long they take.
+  const double link = arguments.link ? 25 : 0, tick = arguments.tick ? 20 : 0;
+  const double motor = arguments.motor ? 210 * static_cast<double>(joints.size()) : 0;
+  double done = 0;
+  const auto part = [&](double weight) {
+    return [&, weight](double share, const std::string& what) {
+      progress((done + share * weight) / (link + tick + motor), what);
+    };
+  };
+  if (arguments.link) {
+    hil::LinkBenchOptions options;
+    options.allow_motion = arguments.allow_motion;
+    options.progress = part(link);
+    if (auto ran = hil::bench_link(target.link(), target.clock(), options, judge); !ran) return ran;
+    done += link;
+  }
+  if (arguments.tick) {
+    hil::TickBenchOptions options;
+    options.allow_motion = arguments.allow_motion;
+    options.progress = part(tick);
+    if (auto ran = hil::bench_tick(target.link(), target.clock(), options, judge); !ran) return ran;
+    done += tick;
+  }
+  if (!arguments.motor) return {};
+  return measure_motors(arguments, joints, target, judge, part(motor));
+}
+
+// For pages and papers: each plot of the report as a file of its own.
+Result<void> leave_plots(const OutputFolder& folder, const std::vector<hil::Plot>& plots) {
+  const auto into = OutputFolder::open(folder.path("plots"));
+  if (!into) return tl::unexpected(into.error());
+  for (const hil::Plot& plot : plots) {
+    if (auto written = write(*into, plot.subject + "-" + plot.id + ".svg", hil::plot_svg(plot));
+        !written)
+      return written;
+  }
+  return {};
+}
+
+Result<void> leave_reports(const OutputFolder& folder, const hil::BenchReport& report) {
+  const std::pair<const char*, std::string> files[] = {
+      {"report.html", hil::bench_html(report)},
+      {"measurements.csv", hil::bench_csv(report)},
+      {"curves.csv", hil::bench_curves_csv(report)},
+      {"junit.xml", hil::bench_junit(report)},
+      {"result.json", hil::bench_json(report)}};
+  for (const auto& [name, text] : files) {
+    if (auto written = write(folder, name, text); !written) return written;
+  }
+  return leave_plots(folder, report.plots);
+}
+
+Result<std::string> describe(BenchTarget& target) {
+  host::Requester requester(target.link(), target.clock(), {});
+  const auto who = host::identify_board(requester);
+  if (!who) return tl::unexpected(who.error());
+  return host::board_text(*who);
+}
+
+// A motor is driven at full speed through nearly all of its joint's range.
+Result<void> check_motion(const BenchOptions& arguments) {
+  if (!arguments.motor || arguments.target.port.empty() || !arguments.target.stand.empty() ||
+      arguments.allow_motion)
+    return {};
+  return fail(Fault::usage,
+              "this drives " + arguments.joints +
+                  " at full speed through its range: give --stand if the motor is on a bench, or "
+                  "--allow-motion if the joint may move so and you stand by");
+}
+
+Result<lockstep::MotorFitOptions> fit_options(const BenchFitOptions& arguments) {
+  lockstep::MotorFitOptions options;
+  options.joint = arguments.joint;
+  const auto standard = data_file("robot/kaz/motor.xml");
+  if (!standard) return tl::unexpected(standard.error());
+  const auto start = sim::load_motor_file(
+      arguments.model.motor_file.empty() ? *standard : arguments.model.motor_file,
+      arguments.model.motor);
+  if (!start) return tl::unexpected(start.error());
+  options.start = *start;
+  const auto sensors =
+      sim::load_sensor_file(std::filesystem::path(*standard).replace_filename("sensors.xml"));
+  if (!sensors) return tl::unexpected(sensors.error());
+  options.board.sensor_params = *sensors;
+  options.board.mcu = arguments.model.mcu;
+  if (options.board.mcu == "h8") {
+    const auto image = firmware_image(arguments.model.image);
+    if (!image) return tl::unexpected(image.error());
+    options.board.image_path = *image;
+  }
+  options.board.sensors = *sim::sensors_by_name("nominal");
+  options.board.seed = arguments.model.seed;
+  return options;
+}
+
+}  // namespace
+
+Result<std::vector<int>> joints_of(const std::string& text) {
+  std::vector<int> joints;
+  if (text == "all") {
+    for (int joint = 0; joint < KZ_JOINTS; ++joint) joints.push_back(joint);
+    return joints;
+  }
+  std::size_t from = 0;
+  while (from <= text.size()) {
+    const auto comma = std::min(text.find(',', from), text.size());
+    const std::string name = text.substr(from, comma - from);
+    const auto joint = host::joint_index(name);
+    if (!joint)
+      return fail(Fault::usage,
+                  "--joint " + text + ": there is no joint `" + name +
+                      "`; give all, or of these, with commas between: " + all_joint_names());
+    if (std::ranges::find(joints, *joint) == joints.end()) joints.push_back(*joint);
+    from = comma + 1;
+  }
+  return joints;
+}
+
+Result<bool> run_bench(const BenchOptions& arguments) {
+  const BackendOptions& backend = arguments.target.backend;
+  if (!arguments.target.port.empty() && !(backend.motor_file.empty() && backend.motor.empty()))
+    return fail(
+        Fault::usage,
+        "--motor-file and --motor are of the emulated board; at a port the motor is the one "
+        "that is there");
+  if (auto allowed = check_motion(arguments); !allowed) return tl::unexpected(allowed.error());
+  if (auto sound = hil::check_motor_filter(arguments.filter); !sound)
+    return tl::unexpected(sound.error());
+  const auto joints = joints_of(arguments.joints);
+  if (!joints) return tl::unexpected(joints.error());
+  const auto limits = limits_of(arguments.limits);
+  if (!limits) return tl::unexpected(limits.error());
+  if (auto usable = OutputFolder::check(arguments.out); !usable)
+    return tl::unexpected(usable.error());
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  auto target = BenchTarget::open(arguments.target, interrupt);
+  if (!target) return tl::unexpected(target.error());
+
+  hil::BenchReport report;
+  report.port = (*target)->name();
+  report.program = std::string("kaz ") + kVersion;
+  report.seed = arguments.target.backend.seed;
+  const auto board = describe(**target);
+  if (!board) return tl::unexpected(board.error());
+  report.board = *board;
+  Progress progress("kaz bench", arguments.json);
+  hil::BenchJudge judge(report, *limits, [&](const hil::Measurement& one) {
+    progress.done();
+    if (!arguments.json) say(one);
+  });
+  auto folder = OutputFolder::open(arguments.out);
+  if (!folder) return tl::unexpected(folder.error());
+  const Time begin = (*target)->clock().now();
+  const auto ran =
+      measure(arguments, *joints, **target, judge,
+              [&](double share, const std::string& what) { progress.update(share, what); });
+  progress.done();
+  report.seconds = seconds((*target)->clock().now() - begin);
+  if (!ran) report.interrupted = ran.error().message;
+  if (auto left = leave_reports(*folder, report); !left) return tl::unexpected(left.error());
+  if (!ran)
+    return tl::unexpected(Error{ran.error().fault, ran.error().message +
+                                                       "; what was measured until then is in " +
+                                                       folder->path("report.html")});
+  const int failed = report.count(hil::Verdict::failed);
+  if (arguments.json) {
+    std::fputs(hil::bench_json(report).c_str(), stdout);
+  } else {
+    std::printf("%s on %s: %d passed, %d failed, %d left out; the report is %s\n",
+                report.board.c_str(), report.port.c_str(), report.count(hil::Verdict::passed),
+                failed, report.count(hil::Verdict::left_out), folder->path("report.html").c_str());
+  }
+  if (failed == 0 && report.count(hil::Verdict::passed) == 0)
+    std::fprintf(stderr, "kaz bench: nothing was measured, so nothing has passed\n");
+  return failed == 0 && report.count(hil::Verdict::passed) > 0;
+}
+
+Result<bool> run_fit(const BenchFitOptions& arguments) {
+  std::error_code none;
+  const std::string path = std::filesystem::is_directory(arguments.report, none)
+                               ? arguments.report + "/result.json"
+                               : arguments.report;
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  const auto report = hil::parse_bench_json(*text, path);
+  if (!report) return tl::unexpected(report.error());
+  if (auto usable = OutputFolder::check(arguments.out); !usable)
+    return tl::unexpected(usable.error());
+  auto options = fit_options(arguments);
+  if (!options) return tl::unexpected(options.error());
+  Progress progress("kaz bench fit", arguments.json);
+  options->progress = [&](double share, const std::string& what) { progress.update(share, what); };
+  auto folder = OutputFolder::open(arguments.out);
+  if (!folder) return tl::unexpected(folder.error());
+  const auto fitted = lockstep::fit_motor(*report, *options);
+  progress.done();
+  if (!fitted) return tl::unexpected(fitted.error());
+  const std::string about = "Fitted by kaz " + std::string(kVersion) + " to " + path + ", " +
+                            report->board + " on " + report->port + ".";
+  for (const auto& [name, content] : {std::pair<std::string, std::string>(
+                                          "motor.xml", sim::motor_file_text(fitted->motor, about)),
+                                      {"report.html", fit_html(*fitted, path)}}) {
+    if (auto written = write(*folder, name, content); !written)
+      return tl::unexpected(written.error());
+  }
+  if (auto left = leave_plots(*folder, fitted->plots); !left) return tl::unexpected(left.error());
+  if (auto written = folder->write_json("result.json", fit_json(*fitted)); !written)
+    return tl::unexpected(written.error());
+  if (arguments.json) {
+    std::printf("%s\n", fit_json(*fitted).dump(2).c_str());
+  } else {
+    std::printf("%s\nthe motor is %s, the curves are in %s\n", fit_text(*fitted).c_str(),
+                folder->path("motor.xml").c_str(), folder->path("report.html").c_str());
+  }
+  return true;
+}
+
+void print_measurements(bool json) {
+  if (json) {
+    auto all = nlohmann::ordered_json::array();
+    for (const hil::MeasurementInfo& info : hil::measurement_infos()) {
+      nlohmann::ordered_json one{{"name", info.name}, {"group", hil::text(info.group)},
+                                 {"unit", info.unit}, {"low", nullptr},
+                                 {"high", nullptr},   {"text", info.text}};
+      if (std::isfinite(info.low)) one["low"] = info.low;
+      if (std::isfinite(info.high)) one["high"] = info.high;
+      all.push_back(std::move(one));
+    }
+    std::printf("%s\n", all.dump(2).c_str());
+    return;
+  }
+  for (const hil::MeasurementInfo& info : hil::measurement_infos()) {
+    std::printf("%-6s %-24s %-8s %-17s %s\n", hil::text(info.group), info.name.c_str(),
+                info.unit.c_str(), hil::limits_text(info.low, info.high).c_str(),
+                info.text.c_str());
+  }
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,111 @@
+// An emulated board on the virtual motor stand, or one on a port.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/bench/bench_target.h"
+
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
+#include "host/robot/control_socket.h"
+#include "tools/app/arguments.h"
+#include "tools/app/session/interrupt_signals.h"
+#include "tools/lockstep/stand_backend.h"
+
+namespace kaz::tools {
+namespace {
+
+class VirtualTarget final : public BenchTarget {
+ public:
+  VirtualTarget(std::unique_ptr<sim::Simulation> simulation, const std::string& mcu,
+                const host::Interrupt& interrupt)
+      : name_("virtual board (" + mcu + ")"),
+        backend_(std::move(simulation)),
+        clock_(backend_.clock(), interrupt) {}
+  std::string name() const override { return name_; }
+  host::Link& link() override { return backend_.link(); }
+  host::Clock& clock() override { return clock_; }
+  hil::Stand* stand() override { return &backend_.stand(); }
+
+ private:
+  std::string name_;
+  lockstep::StandBackend backend_;
+  InterruptibleClock clock_;
+};
+
+class PortTarget final : public BenchTarget {
+ public:
+  PortTarget(std::unique_ptr<host::TtyLink> link, const host::Interrupt& interrupt)
+      : link_(std::move(link)), clock_(&interrupt) {}
+  std::string name() const override { return link_->name(); }
+  host::Link& link() override { return *link_; }
+  host::Clock& clock() override { return clock_; }
+  hil::Stand* stand() override { return stand_.get(); }
+  void put(std::unique_ptr<hil::Stand> stand) { stand_ = std::move(stand); }
+
+ private:
+  std::unique_ptr<host::TtyLink> link_;
+  host::WallClock clock_;
+  std::unique_ptr<hil::Stand> stand_;
+};
+
+Result<std::string> ask_user(const std::string& prompt) {
+  std::fprintf(stderr, "\n%s: ", prompt.c_str());
+  std::string line;
+  if (!std::getline(std::cin, line))
+    return fail(Fault::usage, "--stand manual needs somebody at the keyboard");
+  return line;
+}
+
+Result<std::unique_ptr<hil::Stand>> make_stand(const BenchTargetOptions& options,
+                                               host::Clock& clock) {
+  std::unique_ptr<hil::Stand> stand;
+  if (options.stand == "manual") {
+    stand = std::make_unique<hil::ManualStand>(ask_user, options.backend.disc_kgm2);
+  } else if (options.stand.starts_with("ctl:")) {
+    const std::string path = options.stand.substr(4);
+    const auto ask = [path](const std::string& line) -> Result<nlohmann::ordered_json> {
+      const auto reply = host::ask_control_socket(path, "stand " + line);
+      if (!reply) return tl::unexpected(reply.error());
+      return nlohmann::ordered_json::parse(*reply, nullptr, false);
+    };
+    // Whether it is a stand: said before anything moves.
+    if (const auto there = ask("disc"); !there) return tl::unexpected(there.error());
+    stand = std::make_unique<hil::CommandStand>(options.stand, ask, clock);
+  } else if (!options.stand.empty()) {
+    return fail(Fault::usage,
+                "--stand " + options.stand +
+                    ": give ctl:PATH (the control socket of kaz sim --stand) or manual");
+  }
+  return stand;
+}
+
+Result<std::unique_ptr<BenchTarget>> open_virtual(const BenchTargetOptions& options,
+                                                  const host::Interrupt& interrupt) {
+  if (!options.stand.empty())
+    return fail(Fault::usage, "--stand goes with --port; the virtual board has its own");
+  BackendOptions backend = options.backend;
+  backend.stand = true;
+  auto simulation = make_simulation(backend, sim::FramePolicy::wait);
+  if (!simulation) return tl::unexpected(simulation.error());
+  return std::make_unique<VirtualTarget>(std::move(*simulation), backend.mcu, interrupt);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<BenchTarget>> BenchTarget::open(const BenchTargetOptions& options,
+                                                       host::Interrupt& interrupt) {
+  if (options.port.empty()) return open_virtual(options, interrupt);
+  const auto port = parse_port(options.port);
+  if (!port) return tl::unexpected(port.error());
+  auto link = host::TtyLink::open(port->first, port->second, &interrupt);
+  if (!link) return tl::unexpected(link.error());
+  auto target = std::make_unique<PortTarget>(std::move(*link), interrupt);
+  auto stand = make_stand(options, target->clock());
+  if (!stand) return tl::unexpected(stand.error());
+  target->put(std::move(*stand));
+  return target;
+}
+
+}  // namespace kaz::tools

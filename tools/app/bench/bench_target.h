@@ -1,0 +1,37 @@
+// What `kaz bench` measures: an emulated board on the virtual motor stand, or one on a port with
+// whatever stand there is.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "hil/bench/motor/stand.h"
+#include "host/link/interrupt.h"
+#include "host/link/link.h"
+#include "shared/base/result.hpp"
+#include "tools/app/session/backend.h"
+
+namespace kaz::tools {
+
+struct BenchTargetOptions {
+  std::string port;        // PATH[@BAUD]; empty: the virtual stand
+  std::string stand;       // at a port: "", "manual" or "ctl:PATH"
+  BackendOptions backend;  // of the virtual stand: mcu, image, motor, disc, sensors, seed
+};
+
+class BenchTarget {
+ public:
+  // Errors: options that exclude each other, files (usage); a port or stand that is not there
+  // (environment). `interrupt` must outlive it.
+  static Result<std::unique_ptr<BenchTarget>> open(const BenchTargetOptions& options,
+                                                   host::Interrupt& interrupt);
+  virtual ~BenchTarget() = default;
+  virtual std::string name() const = 0;  // "virtual board (h8)", "/dev/ttyUSB0"
+  virtual host::Link& link() = 0;
+  virtual host::Clock& clock() = 0;
+  virtual hil::Stand* stand() = 0;  // null: none
+};
+
+}  // namespace kaz::tools

@@ -1,0 +1,117 @@
+// A fit of the motor model for machines and people.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/bench/fit_report.h"
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "hil/bench/report.h"
+#include "hil/report/page.h"
+#include "shared/base/xml_text.hpp"
+
+namespace kaz::tools {
+namespace {
+
+using lockstep::FittedFigure;
+using lockstep::Gap;
+using lockstep::MotorFit;
+
+std::string short_number(double value) {
+  if (std::isnan(value)) return "";
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+// "+3.1 %"
+std::string change(double from, double to) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%+.1f %%", 100 * (to / from - 1));
+  return text;
+}
+
+std::string row(std::initializer_list<std::string> cells) {
+  std::string text = "<tr>";
+  for (const std::string& cell : cells) text += "<td>" + xml_text(cell) + "</td>";
+  return text + "</tr>\n";
+}
+
+const char* const kStyle = R"(
+.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(30em, 1fr)); gap: 1em }
+figure { margin: 0; border: 1px solid #e4e6e9; border-radius: 4px; padding: .4em }
+figure svg { display: block; max-width: 100%; height: auto }
+)";
+
+}  // namespace
+
+nlohmann::ordered_json fit_json(const MotorFit& fit) {
+  nlohmann::ordered_json all;
+  all["motor"] = fit.motor.name;
+  all["rounds"] = fit.rounds;
+  all["last_change"] = fit.last_change;
+  for (const FittedFigure& one : fit.figures) {
+    all["figures"][one.name] = {{"unit", one.unit},
+                                {"measured", one.measured},
+                                {"before", one.before},
+                                {"after", one.after}};
+  }
+  for (const Gap& one : fit.gaps) {
+    auto& gap = all["gaps"][one.name];
+    gap["unit"] = one.unit;
+    if (!std::isnan(one.measured)) gap["measured"] = one.measured;
+    gap["before"] = one.before;
+    gap["after"] = one.after;
+  }
+  return all;
+}
+
+std::string fit_text(const MotorFit& fit) {
+  std::string text;
+  char line[160];
+  std::snprintf(line, sizeof line, "%-24s %-9s %11s %11s\n", "figure", "unit", "before", "after");
+  text += line;
+  for (const FittedFigure& one : fit.figures) {
+    std::snprintf(line, sizeof line, "%-24s %-9s %11s %11s  %s\n", one.name.c_str(),
+                  one.unit.c_str(), short_number(one.before).c_str(),
+                  short_number(one.after).c_str(),
+                  one.measured ? change(one.before, one.after).c_str() : "not measured, stays");
+    text += line;
+  }
+  std::snprintf(line, sizeof line, "\n%-24s %-9s %11s %11s %11s\n", "gap", "unit", "measured",
+                "before", "after");
+  text += line;
+  for (const Gap& one : fit.gaps) {
+    std::snprintf(line, sizeof line, "%-24s %-9s %11s %11s %11s\n", one.name.c_str(),
+                  one.unit.c_str(), short_number(one.measured).c_str(),
+                  short_number(one.before).c_str(), short_number(one.after).c_str());
+    text += line;
+  }
+  return text;
+}
+
+std::string fit_html(const MotorFit& fit, const std::string& from) {
+  std::string text = hil::page_head("Kaz bench fit: " + fit.motor.name, kStyle);
+  text += "<h1>Motor model fitted</h1>\n<p class=\"facts\">" + xml_text(fit.motor.name) +
+          "<br>to " + xml_text(from) + "<br>in " + std::to_string(fit.rounds) +
+          " rounds of the bench on the model</p>\n<h2>Figures</h2>\n<table><tr><th>figure</th>"
+          "<th>unit</th><th>before</th><th>after</th><th>change</th></tr>\n";
+  for (const FittedFigure& one : fit.figures) {
+    text += row({one.name, one.unit, short_number(one.before), short_number(one.after),
+                 one.measured ? change(one.before, one.after) : "not measured, stays"});
+  }
+  text +=
+      "</table>\n<h2>Gap between motor and model</h2>\n<p>The same bench, run on the model. Of a "
+      "curve: root mean square of the difference.</p>\n<table><tr><th>measurement</th><th>unit</th>"
+      "<th>measured</th><th>model before</th><th>model after</th></tr>\n";
+  for (const Gap& one : fit.gaps) {
+    text += row({one.name, one.unit, short_number(one.measured), short_number(one.before),
+                 short_number(one.after)});
+  }
+  text += "</table>\n<div class=\"plots\">\n";
+  for (const hil::Plot& plot : fit.plots)
+    text += "<figure>\n" + hil::plot_svg(plot) + "</figure>\n";
+  return text + "</div>\n" + hil::kPageEnd;
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,46 @@
+// Many episodes of one behaviour: each in a process of its own, each kept as soon as it has ended.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "host/behavior/behavior.h"
+#include "shared/base/result.hpp"
+#include "tools/app/evaluate/scenario.h"
+#include "tools/app/session/backend.h"
+
+namespace kaz::tools {
+
+struct CampaignOptions {
+  std::string behavior;
+  std::map<std::string, std::string> settings;  // of the behaviour
+  BackendOptions backend;                       // mcu, eyes, sensors, imu and so on
+  Variation variation;
+  std::uint64_t seed = 1;
+  std::uint64_t episodes = 20;
+  std::uint64_t shard = 1, shards = 1;  // this is part `shard` of so many
+  bool realtime = false;                // two processes and a pty instead of lockstep
+  int jobs = 1;
+  std::string out;
+  bool json = false;
+};
+
+// What decides how each episode goes: campaigns with the same text differ only in which they ran.
+nlohmann::ordered_json campaign_json(const CampaignOptions& options);
+
+// Runs those episodes of the part that are not in the folder yet, then writes summary and table.
+// False where not one episode succeeded. Errors: a folder of another campaign, interruption (what
+// has ended is kept), a behaviour that there is none of.
+Result<bool> run_campaign(const CampaignOptions& options);
+
+// Joins folders of parts of one campaign. Errors: parts of different campaigns, the same episode
+// with different results, none.
+Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std::string& out,
+                             bool json);
+
+}  // namespace kaz::tools

@@ -1,0 +1,82 @@
+// One episode of a campaign: a scenario's files, a session, the judge.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/evaluate/episode.h"
+
+#include <cmath>
+#include <filesystem>
+
+#include "tools/app/evaluate/judge.h"
+#include "tools/app/paths.h"
+
+namespace kaz::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+double rounded(double value) {
+  return std::round(value * 1e6) / 1e6;
+}
+
+}  // namespace
+
+Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
+                         const std::string& failures) {
+  const auto known = behavior::find_behavior(options.behavior);
+  if (!known) return tl::unexpected(known.error());
+  const auto asked = behavior::OptionValues::parse(known->options, options.settings);
+  if (!asked) return tl::unexpected(asked.error());
+  const Scenario scenario = Scenario::draw(options.variation, options.seed, number);
+  const auto robot = data_file("robot/kaz/kaz.urdf");
+  if (!robot) return tl::unexpected(robot.error());
+  const auto files = scenario_files(scenario, fs::path(*robot).parent_path().string());
+  if (!files) return tl::unexpected(files.error());
+  const auto color = ball_color(scenario.ball_color);
+  if (!color) return tl::unexpected(color.error());
+
+  Judge judge(scenario.ball_radius_m);
+  Result<behavior::Outcome> ended = fail(Fault::environment, "the episode did not begin");
+  double run_s = 0, rtf = 0;
+  SessionOptions session;
+  session.backend = options.backend;
+  session.backend.world = files->world();
+  session.backend.robot_file = files->robot();
+  session.backend.seed = scenario.seed;
+  session.backend.supply_volts = scenario.supply_volts;
+  session.behavior = options.behavior;
+  session.settings = options.settings;
+  session.vision.ball.radius_m = scenario.ball_radius_m;
+  session.vision.ball.color = color->range;
+  session.quiet = true;
+  session.json = true;  // no progress
+  session.onlooker = &judge;
+  session.on_end = [&](const Result<behavior::Outcome>& outcome, double seconds, double speed) {
+    ended = outcome;
+    run_s = seconds;
+    rtf = speed;
+  };
+  char name[32];
+  std::snprintf(name, sizeof name, "%06llu", static_cast<unsigned long long>(number));
+  const std::string kept = (fs::path(failures) / name).string();
+  std::error_code ignored;
+  fs::remove_all(kept, ignored);
+  session.out = kept;
+  const auto ran = run_session(session);
+  if (!ran && ended.has_value()) ended = tl::unexpected(ran.error());
+  if (!ran && !ended) ended = tl::unexpected(ran.error());
+
+  const std::string cause = cause_of_failure(options.behavior, *asked, ended, judge);
+  if (cause.empty()) fs::remove_all(kept, ignored);
+  Json figures = Json::object();
+  if (ended) {
+    for (const auto& [figure, value] : ended->measurements) figures[figure] = value;
+  }
+  const std::string end = ended ? ended->sentence : ended.error().message;
+  return Json{{"episode", number},        {"scenario", scenario_json(scenario)},
+              {"success", cause.empty()}, {"cause", cause},
+              {"sentence", end},          {"seconds", rounded(run_s)},
+              {"rtf", rounded(rtf)},      {"figures", figures},
+              {"truth", judge.json()}};
+}
+
+}  // namespace kaz::tools

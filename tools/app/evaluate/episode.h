@@ -1,0 +1,24 @@
+// One episode of a campaign.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/app/evaluate/campaign.h"
+
+namespace kaz::tools {
+
+// Runs it in this process. A failure leaves its recording in `failures`/NUMBER; a success leaves
+// nothing there. The answer is what the campaign keeps of it. Errors: it could not be begun.
+Result<nlohmann::ordered_json> run_episode(const CampaignOptions& options, std::uint64_t number,
+                                           const std::string& failures);
+
+// The same in real time, robot and behaviour in processes of their own, a pty between them: nothing
+// repeats to the bit. For behaviours whose success does not need the robot's true place.
+Result<nlohmann::ordered_json> run_realtime_episode(const CampaignOptions& options,
+                                                    std::uint64_t number,
+                                                    const std::string& failures);
+
+}  // namespace kaz::tools

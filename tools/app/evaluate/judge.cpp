@@ -1,0 +1,81 @@
+// Looks at trunk and ball, and decides.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/evaluate/judge.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace kaz::tools {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+double yaw_of(const Eigen::Isometry3d& pose) {
+  const Eigen::Vector3d ahead = pose.linear().col(0);
+  return std::atan2(ahead.y(), ahead.x());
+}
+
+}  // namespace
+
+void Judge::look(sim::Simulation& simulation) {
+  const sim::World& world = simulation.world();
+  now_ = simulation.time();
+  last_ = world.link_pose("trunk");
+  if (!start_) {
+    start_ = last_;
+    last_yaw_ = yaw_of(last_);
+  }
+  heading_ += std::remainder(yaw_of(last_) - last_yaw_, 2 * std::numbers::pi);
+  last_yaw_ = yaw_of(last_);
+  if (last_.linear()(2, 2) < std::cos(60 * kDegree)) fell_ = true;
+  const auto ball = world.object_position("ball");
+  has_ball_ = ball.has_value();
+  if (!ball) return;
+  ball_ = *ball;
+  if (ball_.z() < ball_radius_m_ + kClearOfFloor_m) {
+    lifted_.reset();
+  } else if (!lifted_) {
+    lifted_ = now_;
+  }
+}
+
+double Judge::forward_m() const {
+  return start_ ? (start_->inverse() * last_.translation()).x() : 0;
+}
+double Judge::aside_m() const {
+  return start_ ? (start_->inverse() * last_.translation()).y() : 0;
+}
+double Judge::held_s() const {
+  return lifted_ ? seconds(now_ - *lifted_) : 0;
+}
+
+nlohmann::ordered_json Judge::json() const {
+  nlohmann::ordered_json json{{"fell", fell_},
+                              {"forward_m", forward_m()},
+                              {"aside_m", aside_m()},
+                              {"heading_deg", heading_ / kDegree}};
+  if (!has_ball_) return json;
+  json["held_s"] = held_s();
+  json["ball_m"] = {ball_.x(), ball_.y(), ball_.z()};
+  return json;
+}
+
+std::string cause_of_failure(const std::string& behavior, const behavior::OptionValues& asked,
+                             const Result<behavior::Outcome>& outcome, const Judge& judge) {
+  if (judge.fell()) return "fell";
+  if (!outcome) return "error";
+  if (!outcome->success) return outcome->cause.empty() ? "gave up" : outcome->cause;
+  if (behavior == "catch-ball" && judge.held_s() < 3) return "not held";
+  if (behavior == "go-forward") {
+    const double distance = asked.number("distance");
+    if (std::abs(judge.forward_m() - distance) > 0.1 * distance) return "distance";
+    if (std::abs(judge.heading_rad()) > 8 * kDegree) return "heading";
+  }
+  if (behavior == "turn-left" || behavior == "turn-right") {
+    const double angle = asked.number("angle") * (behavior == "turn-left" ? 1 : -1) * kDegree;
+    if (std::abs(judge.heading_rad() - angle) > 6 * kDegree) return "heading";
+  }
+  return {};
+}
+
+}  // namespace kaz::tools

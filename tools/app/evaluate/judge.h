@@ -1,0 +1,54 @@
+// How an episode ended in truth: what the simulator knows and no behaviour does.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
+
+#include "tools/app/session/session.h"
+
+namespace kaz::tools {
+
+constexpr double kClearOfFloor_m = 0.02;  // under a ball that is lifted
+
+class Judge final : public Onlooker {
+ public:
+  explicit Judge(double ball_radius_m) : ball_radius_m_(ball_radius_m) {}
+  void look(sim::Simulation& simulation) override;
+
+  // The trunk lay farther than 60 degrees from upright, at whatever time.
+  bool fell() const { return fell_; }
+  // From the first look to the last: along and across the first heading, m; turned, rad.
+  double forward_m() const;
+  double aside_m() const;
+  double heading_rad() const { return heading_; }
+  // For how long, up to the last look, the ball was lifted clear of the floor without a break, s.
+  double held_s() const;
+  nlohmann::ordered_json json() const;
+
+ private:
+  double ball_radius_m_;
+  bool fell_ = false;
+  std::optional<Eigen::Isometry3d> start_;
+  Eigen::Isometry3d last_ = Eigen::Isometry3d::Identity();
+  double heading_ = 0, last_yaw_ = 0;  // rad; the heading over any number of turns
+  bool has_ball_ = true;
+  Time now_{};
+  std::optional<Time> lifted_;
+  Eigen::Vector3d ball_ = Eigen::Vector3d::Zero();
+};
+
+// Why an episode does not count as a success; empty where it does. What the behaviour says must be
+// so in truth:
+// - catch-ball: the ball is held clear of the floor for the last 3 s,
+// - go-forward: the way within 10 %, the heading within 8 degrees,
+// - turn-left, turn-right: the heading within 6 degrees of what was asked,
+// - all: the robot has not fallen.
+// `asked`: the behaviour's options.
+std::string cause_of_failure(const std::string& behavior, const behavior::OptionValues& asked,
+                             const Result<behavior::Outcome>& outcome, const Judge& judge);
+
+}  // namespace kaz::tools

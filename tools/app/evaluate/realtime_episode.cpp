@@ -1,0 +1,235 @@
+// One episode in real time: the robot in one process, the behaviour in another, a pty between them.
+// SPDX-License-Identifier: Apache-2.0
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "tools/app/evaluate/child.h"
+#include "tools/app/evaluate/episode.h"
+#include "tools/app/evaluate/judge.h"
+#include "tools/app/paths.h"
+#include "tools/app/vision/color_file.h"
+
+namespace kaz::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using std::chrono::seconds;
+
+constexpr seconds kReady{60}, kMost{400}, kEnd{30};
+
+std::string text_of(const std::string& path) {
+  std::ifstream in(path);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::string last_line(const std::string& text) {
+  const auto end = text.find_last_not_of("\n");
+  if (end == std::string::npos) return "it said nothing";
+  const auto begin = text.find_last_of('\n', end);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin);
+}
+
+// Asks `kaz sim` how it goes.
+class Control {
+ public:
+  static Result<Control> open(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    Control control(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    if (path.size() >= sizeof address.sun_path)
+      return fail(Fault::usage,
+                  path + ": the path is too long for a socket; set TMPDIR to a shorter one");
+    std::strcpy(address.sun_path, path.c_str());
+    const timeval most{5, 0};
+    ::setsockopt(control.socket_, SOL_SOCKET, SO_RCVTIMEO, &most, sizeof most);
+    if (::connect(control.socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) !=
+        0)
+      return fail(Fault::environment, path + ": " + std::strerror(errno));
+    return control;
+  }
+  Control(Control&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
+  Control& operator=(Control&&) = delete;
+  ~Control() {
+    if (socket_ >= 0) ::close(socket_);
+  }
+
+  // Nothing where it has ended.
+  std::optional<Json> status() {
+    if (::send(socket_, "status\n", 7, MSG_NOSIGNAL) != 7) return std::nullopt;
+    std::string line;
+    for (char c = 0; c != '\n'; line += c)
+      if (::recv(socket_, &c, 1, 0) != 1) return std::nullopt;
+    Json status = Json::parse(line, nullptr, false);
+    if (!status.is_object() || !status.contains("time_s")) return std::nullopt;
+    return status;
+  }
+
+ private:
+  explicit Control(int socket) : socket_(socket) {}
+  int socket_;
+};
+
+// For how long at most the ball was clear of the floor without a break, in the simulator's time.
+class Held {
+ public:
+  explicit Held(double radius_m) : clear_m_(radius_m + kClearOfFloor_m) {}
+  void see(const Json& status) {
+    const double now = status["time_s"].get<double>();
+    const Json& ball = status["ball_m"];
+    if (ball.is_null() || ball[2].get<double>() < clear_m_) {
+      lifted_s_ = -1;
+      return;
+    }
+    if (lifted_s_ < 0) lifted_s_ = now;
+    longest_ = std::max(longest_, now - lifted_s_);
+  }
+  double longest() const { return longest_; }
+
+ private:
+  double clear_m_, longest_ = 0;
+  double lifted_s_ = -1;  // since when; negative: it is not
+};
+
+std::string board_of(const trials::RobotFolder& files) {
+  return fs::path(files.robot()).replace_filename("board").string();
+}
+
+// Both programs' arguments.
+struct Commands {
+  std::vector<std::string> simulator, behaviour;
+};
+Result<Commands> commands(const CampaignOptions& options, const Scenario& scenario,
+                          const trials::RobotFolder& files, const std::string& folder) {
+  const auto color = ball_color(scenario.ball_color);
+  if (!color) return tl::unexpected(color.error());
+  const std::string color_file = folder + "/color.json";
+  std::ofstream(color_file) << color_json(color->range).dump(1) << "\n";
+  const BackendOptions& backend = options.backend;
+  // Short paths: a socket's has at most 107 characters.
+  const std::string board = board_of(files), eyes = board + ".eyes";
+  Commands both{{"sim",
+                 "--serial",
+                 board,
+                 "--cameras",
+                 eyes,
+                 "--world",
+                 files.world(),
+                 "--robot-file",
+                 files.robot(),
+                 "--mcu",
+                 backend.mcu,
+                 "--eyes",
+                 backend.eyes,
+                 "--sensors",
+                 backend.sensors,
+                 "--seed",
+                 std::to_string(scenario.seed),
+                 "--supply",
+                 std::to_string(scenario.supply_volts),
+                 "--record",
+                 folder + "/recording.mcap"},
+                {"run", options.behavior, "--robot", "serial:" + board, "--camera", eyes, "--color",
+                 color_file, "--radius", std::to_string(scenario.ball_radius_m), "--json"}};
+  if (backend.imu) both.simulator.push_back("--imu");
+  for (const auto& [name, value] : options.settings) {
+    both.behaviour.push_back("--set");
+    both.behaviour.push_back(name + "=" + value);
+  }
+  return both;
+}
+
+// The result that a `kaz run --json` left in its log, after what else it said.
+Json result_of(const std::string& log) {
+  const auto begin = log.rfind("\n{\n");
+  const auto at = begin != std::string::npos ? begin + 1 : log.starts_with("{\n") ? 0 : log.size();
+  Json result = Json::parse(log.substr(at), nullptr, false);
+  return result.is_object() ? result : Json::object();
+}
+
+}  // namespace
+
+Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t number,
+                                  const std::string& failures) {
+  const Scenario scenario = Scenario::draw(options.variation, options.seed, number);
+  const auto robot = data_file("robot/kaz/kaz.urdf");
+  if (!robot) return tl::unexpected(robot.error());
+  const auto files = scenario_files(scenario, fs::path(*robot).parent_path().string());
+  if (!files) return tl::unexpected(files.error());
+  char name[32];
+  std::snprintf(name, sizeof name, "%06llu", static_cast<unsigned long long>(number));
+  const std::string kept = (fs::path(failures) / name).string();
+  std::error_code wrong;
+  fs::remove_all(kept, wrong);
+  if (!fs::create_directories(kept, wrong))
+    return fail(Fault::environment, kept + ": cannot be made: " + wrong.message());
+  const auto both = commands(options, scenario, *files, kept);
+  if (!both) return tl::unexpected(both.error());
+
+  const std::string sim_log = kept + "/sim.txt", run_log = kept + "/run.txt";
+  auto simulator = Child::begin(both->simulator, sim_log);
+  if (!simulator) return tl::unexpected(simulator.error());
+  const auto begun = std::chrono::steady_clock::now();
+  while (!simulator->ended() && text_of(sim_log).find("ready") == std::string::npos) {
+    if (std::chrono::steady_clock::now() - begun > kReady) break;
+    ::usleep(50'000);
+  }
+  if (text_of(sim_log).find("ready") == std::string::npos)
+    return fail(Fault::environment, "kaz sim did not begin: " + last_line(text_of(sim_log)));
+  auto behaviour = Child::begin(both->behaviour, run_log);
+  if (!behaviour) return tl::unexpected(behaviour.error());
+  auto control = Control::open(board_of(*files) + ".ctl");
+  if (!control) return tl::unexpected(control.error());
+  Held held(scenario.ball_radius_m);
+  Json last = Json::object();
+  const auto run_begun = std::chrono::steady_clock::now();
+  while (!behaviour->ended() && std::chrono::steady_clock::now() - run_begun < kMost) {
+    if (const auto status = control->status()) held.see(last = *status);
+    ::usleep(100'000);
+  }
+  const auto status = behaviour->ended();
+  if (!status) {
+    behaviour->signal(SIGINT);
+    behaviour->wait(kEnd);
+  }
+  simulator->signal(SIGINT);
+  if (!simulator->wait(kEnd))
+    return fail(Fault::environment, "kaz sim did not end; its log is " + sim_log);
+
+  const Json result = result_of(text_of(run_log));
+  std::string cause = result.value("cause", std::string());
+  if (cause.empty()) cause = status ? "error" : "time";
+  if (result.value("outcome", "") == "done")
+    cause = options.behavior == "catch-ball" && held.longest() < 3 ? "not held" : "";
+  Json figures = Json::object();
+  for (const char* figure : {"found_s", "catch_s", "held_s", "hand_load", "hand_gap_deg"})
+    if (result.contains(figure) && result[figure].is_number()) figures[figure] = result[figure];
+  const std::string told = last_line(text_of(run_log));
+  Json simulator_json = Json::object();
+  for (const char* figure : {"overruns", "lost_s", "pairs_dropped", "unconverged_steps"})
+    if (last.contains(figure)) simulator_json[figure] = last[figure];
+  if (cause.empty()) fs::remove_all(kept, wrong);
+  return Json{{"episode", number},
+              {"scenario", scenario_json(scenario)},
+              {"success", cause.empty()},
+              {"cause", cause},
+              {"sentence", result.value("sentence", told)},
+              {"seconds", result.value("duration_s", 0.0)},
+              {"rtf", result.value("rtf", 0.0)},
+              {"figures", figures},
+              {"truth", {{"fell", cause == "fell"}, {"longest_held_s", held.longest()}}},
+              {"simulator", simulator_json}};
+}
+
+}  // namespace kaz::tools

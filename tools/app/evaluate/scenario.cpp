@@ -1,0 +1,178 @@
+// Draws what differs from episode to episode, and writes the files that make it so.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/evaluate/scenario.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "shared/base/random.hpp"
+
+namespace kaz::tools {
+namespace {
+
+using trials::digits;
+
+// What random numbers are for: each has its own stream.
+enum class Draw : std::uint64_t {
+  friction = 301,
+  supply,
+  distance,
+  bearing,
+  radius,
+  color,
+  floor,
+  mass,
+  start_x,
+  start_y,
+  start_yaw,
+  lamp_azimuth,
+  lamp_height,
+  lamp,
+  shade
+};
+
+// 0..1, from the normal distribution that is keyed alike on all machines.
+double evenly(std::uint64_t seed, Draw what) {
+  const double normal = keyed_normal(seed, 0, static_cast<std::uint64_t>(what));
+  return std::clamp(0.5 * std::erfc(-normal / std::numbers::sqrt2), 0.0, 1 - 1e-12);
+}
+double within(const Interval& interval, std::uint64_t seed, Draw what) {
+  return interval.min + (interval.max - interval.min) * evenly(seed, what);
+}
+template <class T>
+const T& one_of(const std::vector<T>& all, std::uint64_t seed, Draw what) {
+  return all[static_cast<std::size_t>(evenly(seed, what) * static_cast<double>(all.size()))];
+}
+
+constexpr double kPi = std::numbers::pi;
+
+// A wedge of hue around that of the paint.
+vision::ColorRange range_around(const std::array<double, 3>& rgb) {
+  const vision::Yiq yiq = vision::yiq_from_rgb(255 * rgb[0], 255 * rgb[1], 255 * rgb[2]);
+  const double hue = std::atan2(yiq.q, yiq.i);
+  vision::ColorRange range = vision::ColorRange::red_ball();
+  range.hue_min = hue - 14 * kPi / 180;
+  range.hue_max = hue + 14 * kPi / 180;
+  range.saturation_min = std::min(range.saturation_min, 0.5 * std::hypot(yiq.i, yiq.q) / yiq.y);
+  return range;
+}
+
+// A floor and a ball of hard rubber.
+Result<std::string> world_of(const Scenario& scenario) {
+  const auto color = ball_color(scenario.ball_color);
+  if (!color) return tl::unexpected(color.error());
+  const Scenario& s = scenario;
+  const double r = s.ball_radius_m;
+  const double c = std::cos(s.start_yaw_rad), d = std::sin(s.start_yaw_rad);
+  const double ball_x = s.start_x_m + c * s.ball_x_m - d * s.ball_y_m;
+  const double ball_y = s.start_y_m + d * s.ball_x_m + c * s.ball_y_m;
+  const double aside = std::cos(s.lamp_height_rad);
+  const double mass = 0.015 * std::pow(r / 0.020, 3);
+  const std::string moment = digits(0.4 * mass * r * r);
+  return R"(<?xml version="1.0"?>
+<sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="episode">
+<kaz:robot pose=")" +
+         digits(s.start_x_m) + " " + digits(s.start_y_m) + " 0 0 0 " + digits(s.start_yaw_rad) +
+         R"("/><kaz:light to_lamp=")" + digits(aside * std::cos(s.lamp_azimuth_rad)) + " " +
+         digits(aside * std::sin(s.lamp_azimuth_rad)) + " " + digits(std::sin(s.lamp_height_rad)) +
+         "\" lamp=\"" + digits(s.lamp) + "\" shade=\"" + digits(s.shade) + R"("/>
+<model name="floor"><static>true</static><link name="slab"><collision name="hull">
+<geometry><plane><normal>0 0 1</normal><size>8 8</size></plane></geometry>
+<surface><friction><ode><mu>)" +
+         digits(scenario.friction) + R"(</mu></ode></friction></surface></collision>
+<visual name="top"><geometry><plane><normal>0 0 1</normal><size>8 8</size></plane></geometry>
+<material><diffuse>0.72 0.60 0.44 1</diffuse></material><kaz:texture name=")" +
+         scenario.floor + R"("/></visual></link></model>
+<model name="ball"><pose>)" +
+         digits(ball_x) + " " + digits(ball_y) + " " + digits(r) +
+         R"( 0 0 0</pose><link name="ball"><inertial><mass>)" + digits(mass) +
+         "</mass><inertia><ixx>" + moment + "</ixx><iyy>" + moment + "</iyy><izz>" + moment +
+         R"(</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial>
+<collision name="skin"><geometry><sphere><radius>)" +
+         digits(r) +
+         R"(</radius></sphere></geometry><surface><friction><ode><mu>1.0</mu></ode></friction>
+<kaz:rolling_resistance metres="0.0005"/></surface></collision>
+<visual name="paint"><geometry><sphere><radius>)" +
+         digits(r) + "</radius></sphere></geometry><material><diffuse>" + digits(color->rgb[0]) +
+         " " + digits(color->rgb[1]) + " " + digits(color->rgb[2]) +
+         " 1</diffuse></material></visual></link></model>\n</world></sdf>\n";
+}
+
+}  // namespace
+
+std::span<const BallColor> ball_colors() {
+  static const std::array<BallColor, 3> all = [] {
+    std::array<BallColor, 3> colors{{{"red", {0.85, 0.06, 0.05}, {}},
+                                     {"green", {0.08, 0.55, 0.12}, {}},
+                                     {"blue", {0.06, 0.16, 0.75}, {}}}};
+    for (BallColor& color : colors) color.range = range_around(color.rgb);
+    colors[0].range = vision::ColorRange::red_ball();
+    return colors;
+  }();
+  return all;
+}
+
+Result<BallColor> ball_color(const std::string& name) {
+  std::string names;
+  for (const BallColor& color : ball_colors()) {
+    if (color.name == name) return color;
+    names += (names.empty() ? "" : ", ") + std::string(color.name);
+  }
+  return fail(Fault::usage, "'" + name + "' is no colour of a ball: there are " + names);
+}
+
+Scenario Scenario::draw(const Variation& variation, std::uint64_t seed, std::uint64_t episode) {
+  Scenario s;
+  // Far enough apart that episodes of neighbouring seeds are not each other's.
+  s.seed = seed * 1'000'003 + episode + 1;
+  s.friction = within(variation.friction, s.seed, Draw::friction);
+  s.supply_volts = within(variation.supply_volts, s.seed, Draw::supply);
+  const double distance = within(variation.ball_distance_m, s.seed, Draw::distance);
+  const double most = variation.bearing_deg * kPi / 180;
+  const double bearing = within({-most, most}, s.seed, Draw::bearing);
+  s.ball_x_m = distance * std::cos(bearing);
+  s.ball_y_m = distance * std::sin(bearing);
+  s.ball_radius_m = one_of(variation.radii_m, s.seed, Draw::radius);
+  s.ball_color = one_of(variation.colors, s.seed, Draw::color);
+  s.floor = one_of(std::vector<std::string>{"wood", "carpet", "checker"}, s.seed, Draw::floor);
+  s.mass_sigma = variation.mass_sigma;
+  s.start_x_m = within({-0.5, 0.5}, s.seed, Draw::start_x);
+  s.start_y_m = within({-0.5, 0.5}, s.seed, Draw::start_y);
+  s.start_yaw_rad = within({-kPi, kPi}, s.seed, Draw::start_yaw);
+  s.lamp_azimuth_rad = within({-kPi, kPi}, s.seed, Draw::lamp_azimuth);
+  s.lamp_height_rad = within(variation.lamp_height_deg, s.seed, Draw::lamp_height) * kPi / 180;
+  s.lamp = within(variation.lamp, s.seed, Draw::lamp);
+  s.shade = within(variation.shade, s.seed, Draw::shade);
+  return s;
+}
+
+nlohmann::ordered_json scenario_json(const Scenario& s) {
+  return {{"seed", s.seed},
+          {"friction", s.friction},
+          {"supply_volts", s.supply_volts},
+          {"ball_m", {s.ball_x_m, s.ball_y_m}},
+          {"ball_radius_m", s.ball_radius_m},
+          {"ball_color", s.ball_color},
+          {"floor", s.floor},
+          {"start", {s.start_x_m, s.start_y_m, s.start_yaw_rad}},
+          {"lamp_azimuth_rad", s.lamp_azimuth_rad},
+          {"lamp_height_rad", s.lamp_height_rad},
+          {"lamp", s.lamp},
+          {"shade", s.shade}};
+}
+
+Result<trials::RobotFolder> scenario_files(const Scenario& scenario, const std::string& robot) {
+  const auto world = world_of(scenario);
+  if (!world) return tl::unexpected(world.error());
+  const auto factor = [&](std::uint64_t number) {
+    return 1 + scenario.mass_sigma *
+                   keyed_normal(scenario.seed, number, static_cast<std::uint64_t>(Draw::mass));
+  };
+  return trials::RobotFolder::make(
+      robot,
+      {{"kaz.urdf", [&](const std::string& urdf) { return trials::with_masses(urdf, factor); }}},
+      *world);
+}
+
+}  // namespace kaz::tools

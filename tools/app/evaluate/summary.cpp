@@ -1,0 +1,117 @@
+// Rates, intervals and causes out of the episodes of a campaign.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/evaluate/summary.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include "tools/app/evaluate/campaign.h"
+#include "tools/figure/figure.h"
+#include "tools/trials/statistics.h"
+
+namespace kaz::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using trials::quantile;
+
+// Median and spread of every figure that successful episodes told.
+Json figures_json(const Episodes& episodes) {
+  std::map<std::string, std::vector<double>> all;
+  for (const auto& [number, episode] : episodes) {
+    if (!episode["success"].get<bool>()) continue;
+    for (const auto& [name, value] : episode["figures"].items())
+      if (value.is_number()) all[name].push_back(value.get<double>());
+  }
+  Json json = Json::object();
+  for (const auto& [name, values] : all) {
+    json[name] = {{"median", quantile(values, 0.5)},
+                  {"p5", quantile(values, 0.05)},
+                  {"p95", quantile(values, 0.95)}};
+  }
+  return json;
+}
+
+std::string table(const Episodes& episodes) {
+  std::string text = "episode,seed,success,cause,seconds,rtf,sentence\n";
+  for (const auto& [number, e] : episodes) {
+    std::string sentence = e["sentence"].get<std::string>();
+    std::replace(sentence.begin(), sentence.end(), '"', '\'');
+    text += std::to_string(number) + "," + e["scenario"]["seed"].dump() + "," +
+            (e["success"].get<bool>() ? "1," : "0,") + e["cause"].get<std::string>() + "," +
+            e["seconds"].dump() + "," + e["rtf"].dump() + ",\"" + sentence + "\"\n";
+  }
+  return text;
+}
+
+void print(const Json& result, const OutputFolder& folder) {
+  const double n = result["episodes"].get<double>();
+  std::printf("%s: %.0f of %.0f succeeded, %.1f %% (95 %% interval %.1f to %.1f)\n",
+              result["campaign"]["behavior"].get<std::string>().c_str(),
+              result["successes"].get<double>(), n, 100 * result["success_rate"].get<double>(),
+              100 * result["interval"][0].get<double>(), 100 * result["interval"][1].get<double>());
+  std::printf(
+      "falls %llu; seconds of the robot, median %.1f, 95 %% of them under %.1f; %.1f x real "
+      "time\n",
+      result["falls"].get<unsigned long long>(), result["seconds"]["median"].get<double>(),
+      result["seconds"]["p95"].get<double>(), result["rtf_median"].get<double>());
+  for (const auto& [cause, numbers] : result["failures"].items()) {
+    std::printf("  %-24s %3zu  episodes", cause.c_str(), numbers.size());
+    for (std::size_t i = 0; i < std::min<std::size_t>(numbers.size(), 12); ++i)
+      std::printf(" %llu", numbers[i].get<unsigned long long>());
+    std::printf("%s\n", numbers.size() > 12 ? " ..." : "");
+  }
+  if (!result["failures"].empty())
+    std::printf("recordings of the failures are in %s\n", folder.path("failures").c_str());
+  std::printf("result.json and episodes.csv are in %s\n", folder.folder().c_str());
+}
+
+}  // namespace
+
+Result<bool> summarize(const Json& campaign, const Episodes& episodes, const OutputFolder& folder,
+                       bool json) {
+  std::uint64_t successes = 0, falls = 0;
+  std::vector<double> times, speeds;
+  Json failures = Json::object();
+  for (const auto& [number, e] : episodes) {
+    const std::string cause = e["cause"].get<std::string>();
+    if (e["success"].get<bool>()) {
+      ++successes;
+    } else {
+      if (!failures.contains(cause)) failures[cause] = Json::array();
+      failures[cause].push_back(number);
+    }
+    if (e["truth"].value("fell", false)) ++falls;
+    times.push_back(e["seconds"].get<double>());
+    speeds.push_back(e["rtf"].get<double>());
+  }
+  const auto n = static_cast<std::uint64_t>(episodes.size());
+  const Interval interval = trials::wilson(successes, n);
+  const Json result{
+      {"success_rate", n == 0 ? 0 : static_cast<double>(successes) / static_cast<double>(n)},
+      {"episodes", n},
+      {"interval", {interval.min, interval.max}},
+      {"successes", successes},
+      {"falls", falls},
+      {"seconds", {{"median", quantile(times, 0.5)}, {"p95", quantile(times, 0.95)}}},
+      {"rtf_median", quantile(speeds, 0.5)},
+      {"failures", failures},
+      {"figures", figures_json(episodes)},
+      {"campaign", campaign}};
+  const std::string lines = table(episodes);
+  const auto written =
+      figure::write_file(folder.path("episodes.csv"),
+                         {reinterpret_cast<const std::uint8_t*>(lines.data()), lines.size()});
+  if (!written) return tl::unexpected(written.error());
+  if (auto done = folder.write_json("result.json", result); !done)
+    return tl::unexpected(done.error());
+  if (json) {
+    std::printf("%s\n", result.dump(2).c_str());
+  } else {
+    print(result, folder);
+  }
+  return successes > 0;
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,21 @@
+// Rates, intervals and causes out of the episodes of a campaign.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/app/output.h"
+
+namespace kaz::tools {
+
+using Episodes = std::map<std::uint64_t, nlohmann::ordered_json>;  // by number
+
+// result.json and episodes.csv into the folder, and a table on standard output (or result.json).
+// False where no episode succeeded.
+Result<bool> summarize(const nlohmann::ordered_json& campaign, const Episodes& episodes,
+                       const OutputFolder& folder, bool json);
+
+}  // namespace kaz::tools

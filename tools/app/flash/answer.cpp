@@ -1,0 +1,103 @@
+// Lines and JSON of `kaz flash`.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/flash/answer.h"
+
+#include <cstdio>
+
+#include "host/flash/diagnostic.h"
+
+namespace kaz::tools {
+namespace {
+
+std::string hex_long(std::uint32_t number) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%08x", number);
+  return text;
+}
+
+nlohmann::ordered_json json_of(const host::ImageIdentity& identity) {
+  return {{"board_id", host::hex_word(identity.board_id)},
+          {"version", identity.version},
+          {"build", hex_long(identity.build_id)},
+          {"length", identity.length},
+          {"crc", host::hex_word(identity.crc)}};
+}
+
+std::string line_of(const host::ImageIdentity& identity) {
+  return "board id " + host::hex_word(identity.board_id) + ", version " +
+         std::to_string(identity.version) + ", build " + hex_long(identity.build_id) + ", " +
+         std::to_string(identity.length) + " bytes, CRC " + host::hex_word(identity.crc);
+}
+
+}  // namespace
+
+void Answer::say(const std::string& line) const {
+  if (!json_) std::printf("%s\n", line.c_str());
+}
+
+void Answer::image(const host::FlashImage& image) {
+  std::string blocks;
+  std::vector<int> numbers;
+  for (int block = 0; block < host::kFlashBlocks; ++block) {
+    if (!image.touches(block)) continue;
+    blocks += " EB" + std::to_string(block);
+    numbers.push_back(block);
+  }
+  put("bytes", image.size());
+  put("blocks", numbers);
+  std::string line = std::to_string(image.size()) + " bytes in" + blocks;
+  if (const auto identity = image.identity()) {
+    put("application", json_of(*identity));
+    line += "; Kaz application, " + line_of(*identity);
+  }
+  say(line);
+}
+
+void Answer::written(const host::FlashReport& report) {
+  put("bytes", report.bytes);
+  put("written", report.written);
+  put("blocks_erased", report.erased);
+  put("blocks_unchanged", report.unchanged);
+  put("repeated", report.repeated);
+  put("verified", report.verified);
+  put("seconds", report.seconds);
+  put("min_seconds", report.min_seconds);
+  put("efficiency", report.efficiency());
+  say("written and verified: " + std::to_string(report.written) + " bytes, " +
+      std::to_string(report.erased) + " blocks erased, " + std::to_string(report.unchanged) +
+      " unchanged, " + std::to_string(report.repeated) + " requests repeated");
+  if (report.written == 0) return;
+  char times[96];
+  std::snprintf(times, sizeof times,
+                "%.2f s, of which line and cells take %.2f: efficiency %.1f %%", report.seconds,
+                report.min_seconds, 100 * report.efficiency());
+  say(times);
+}
+
+void Answer::application(const std::optional<host::ImageIdentity>& identity) {
+  put("application", identity ? json_of(*identity) : nlohmann::ordered_json());
+  say("application: " + (identity ? line_of(*identity) : "none"));
+}
+
+void Answer::runs(const kz_identify_reply& board) {
+  put("runs", nlohmann::ordered_json{{"version", board.firmware_version},
+                                     {"build", hex_long(board.build_id)},
+                                     {"crc", host::hex_word(board.image_crc)}});
+  say("runs: firmware " + std::to_string(board.firmware_version) + ", build " +
+      hex_long(board.build_id) + ", CRC " + host::hex_word(board.image_crc));
+}
+
+void Answer::finish(const std::string& verb, const Result<void>& done) {
+  if (!json_) return;
+  nlohmann::ordered_json all{{"ok", done.has_value()}, {"verb", verb}};
+  if (!done) {
+    all["error"] = done.error().message;
+    all["exit_code"] = static_cast<int>(done.error().fault);
+  }
+  all.update(object_);
+  // File names may hold bytes that are no UTF-8.
+  std::printf("%s\n",
+              all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+}
+
+}  // namespace kaz::tools

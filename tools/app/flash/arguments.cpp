@@ -1,0 +1,47 @@
+// Checks of the options of `kaz flash`, before a port is opened.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/flash/arguments.h"
+
+#include <algorithm>
+
+namespace kaz::tools {
+namespace {
+
+Result<void> check_erase(const FlashArguments& arguments) {
+  if (arguments.reset.empty()) {
+    if (arguments.blocks.empty())
+      return fail(
+          Fault::usage,
+          "give --blocks N,N to erase those through the loader, or --reset HOW to erase the "
+          "whole flash, calibration and address too, through boot mode");
+    const auto kept = [](int block) {
+      return block == host::kVectorBlock || block == host::kLoaderBlock;
+    };
+    if (std::ranges::any_of(arguments.blocks, kept))
+      return fail(Fault::usage,
+                  "the loader keeps EB0 (vectors) and EB6 (itself); --reset HOW without --blocks "
+                  "erases the whole flash through boot mode");
+    return {};
+  }
+  if (arguments.blocks.empty()) return {};
+  return fail(Fault::usage,
+              "boot mode erases the whole flash: give either --blocks, through the loader, or "
+              "--reset");
+}
+
+}  // namespace
+
+Result<void> check(const FlashArguments& arguments) {
+  if (arguments.from + arguments.length > host::kFlashBytes)
+    return fail(Fault::usage, "the flash ends at 0x01ffff; give --from and --length within it");
+  if (arguments.port.empty() && !arguments.dry_run)
+    return fail(Fault::usage, "--port is missing: the board's serial port");
+  const std::string& verb = arguments.verb;
+  if (!arguments.reset.empty() && (verb == "read" || verb == "verify" || verb == "info"))
+    return fail(Fault::usage, "boot mode erases the flash: `kaz flash " + verb +
+                                  "` goes through the resident loader, without --reset");
+  if (verb == "erase") return check_erase(arguments);
+  return {};
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,25 @@
+// The options of `kaz flash`.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/flash/flash_image.h"
+
+namespace kaz::tools {
+
+struct FlashArguments {
+  std::string verb, image, port, reset, writer, out;
+  h8s::LoadOptions load;
+  std::uint32_t from = 0, length = host::kFlashBytes;
+  std::vector<int> blocks;
+  int boot_baud = 9600;
+  bool dry_run = false, force = false, start = true, json = false;
+};
+
+// Checks that need no board: missing options, options that exclude each other.
+Result<void> check(const FlashArguments& arguments);
+
+}  // namespace kaz::tools

@@ -1,0 +1,152 @@
+// Port, reset and flash writer of one board.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/flash/session.h"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <iterator>
+
+#include "host/flash/diagnostic.h"
+#include "host/link/requester.h"
+#include "host/robot/connect.h"
+#include "shared/base/files.hpp"
+#include "tools/app/arguments.h"
+#include "tools/app/monitor/monitor.h"
+#include "tools/app/paths.h"
+
+namespace kaz::tools {
+namespace {
+
+using std::chrono::milliseconds;
+
+// From reset to the first answer: the loader's sum over the application, then the self-test.
+constexpr Time kStart = milliseconds(300);
+
+}  // namespace
+
+// Not by std::cin: Ctrl-C has to end the wait.
+Result<void> FlashSession::ask_user(const std::string& prompt) {
+  progress_.done();
+  std::fprintf(stderr, "%s, then press Enter: ", prompt.c_str());
+  char letter = 0;
+  while (letter != '\n') {
+    pollfd watched[2] = {{STDIN_FILENO, POLLIN, 0}, {interrupt_.descriptor(), POLLIN, 0}};
+    const int ready = poll(watched, 2, -1);
+    if (interrupt_.requested()) return tl::unexpected(host::Interrupt::error());
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready < 0 || ::read(STDIN_FILENO, &letter, 1) != 1)
+      return fail(Fault::usage, "--reset manual needs somebody at the keyboard");
+  }
+  return {};
+}
+
+Result<void> FlashSession::make_reset() {
+  const std::string& how = arguments_.reset;
+  if (how.empty()) return {};
+  if (how == "manual") {
+    reset_ = std::make_unique<host::ManualReset>(
+        [this](const std::string& prompt) { return ask_user(prompt); });
+  } else if (how.starts_with("ctl:")) {
+    reset_ = std::make_unique<host::ControlSocketReset>(how.substr(4));
+  } else if (how == "dtr-rts") {
+    reset_ = std::make_unique<host::ModemLineReset>(*link_, clock_);
+    if (arguments_.dry_run) return {};
+    // Opening the port has made both lines active: the board is let go, so that its firmware can say
+    // which board it is.
+    if (auto released = reset_->reset(false); !released)
+      return fail(released.error().fault, released.error().message +
+                                              "; give --reset manual, or with `kaz sim` --reset "
+                                              "ctl:" +
+                                              arguments_.port + ".ctl");
+    return clock_.sleep_until(clock_.now() + kStart);
+  } else {
+    return fail(Fault::usage, "--reset " + how + ": give dtr-rts, ctl:PATH or manual");
+  }
+  return {};
+}
+
+Result<void> FlashSession::read_writer() {
+  const auto path = arguments_.writer.empty() ? data_file("firmware/writer.bin")
+                                              : Result<std::string>(arguments_.writer);
+  if (!path) return tl::unexpected(path.error());
+  constexpr std::size_t max_bytes = 64 << 10;
+  const auto bytes =
+      read_whole_file(*path, max_bytes, "give the flash writer, firmware/writer.bin");
+  if (!bytes) return tl::unexpected(bytes.error());
+  program_.assign(bytes->begin(), bytes->end());
+  if (program_.empty()) return fail(Fault::usage, *path + ": is empty; give the flash writer");
+  return {};
+}
+
+Result<void> FlashSession::open() {
+  if (auto read = read_writer(); !read) return read;
+  const auto port = parse_port(arguments_.port);
+  if (!port) return tl::unexpected(port.error());
+  auto link = host::TtyLink::open(port->first, 115200, &interrupt_);
+  if (!link) return tl::unexpected(link.error());
+  link_ = std::move(*link);
+  if (auto made = make_reset(); !made) return made;
+  host::FlasherOptions options;
+  options.boot.baud = arguments_.boot_baud;
+  options.force = arguments_.force;
+  options.note = [this](const std::string& line) {
+    progress_.done();
+    std::fprintf(stderr, "kaz flash: %s\n", line.c_str());
+  };
+  options.progress = [this](const host::FlashProgress& p) {
+    char rate[64];
+    std::snprintf(rate, sizeof rate, "%s %u of %u%s, %.1f KB/s", p.phase.c_str(), p.done, p.total,
+                  p.phase == "erase" ? " blocks" : " bytes", p.bytes_per_s / 1000);
+    progress_.update(p.total > 0 ? static_cast<double>(p.done) / p.total : 0, rate);
+  };
+  flasher_ = std::make_unique<host::Flasher>(*link_, clock_, program_, options);
+  return {};
+}
+
+tl::unexpected<Error> FlashSession::nobody() const {
+  return fail(Fault::environment,
+              host::text_of({"no firmware and no loader answers on " + link_->name(),
+                             "a Kaz board at 115200 baud",
+                             "nothing sound",
+                             {"the board's flash is blank: that takes boot mode",
+                              "the port is another one", "the board has no power"},
+                             "kaz flash write IMAGE --port " + link_->name() +
+                                 " --reset dtr-rts (or ctl:PATH, or manual)"}));
+}
+
+Result<void> FlashSession::enter(const host::FlashImage* image) {
+  const auto there = flasher_->enter_loader();
+  if (!there && (!reset_ || there.error().fault == Fault::failed))
+    return tl::unexpected(there.error());
+  if (image != nullptr) {
+    if (auto allowed = flasher_->check(*image, through_boot()); !allowed) return allowed;
+  }
+  if (!reset_) {
+    if (*there) return {};
+    return nobody();
+  }
+  if (image != nullptr && !flasher_->board_id())
+    std::fprintf(stderr,
+                 "kaz flash: the board does not say its id; it is taken to be that of the image\n");
+  return flasher_->enter_boot(*reset_);
+}
+
+Result<void> FlashSession::start() {
+  if (auto left = flasher_->run(reset_.get()); !left) return left;
+  return clock_.sleep_until(clock_.now() + kStart);
+}
+
+Result<kz_identify_reply> FlashSession::identify() {
+  host::Requester requester(*link_, clock_, {});
+  return host::identify_board(requester);
+}
+
+Error FlashSession::with_advice(const Error& error) const {
+  const std::string left = flasher_ ? flasher_->left_behind() : "";
+  return left.empty() ? error : Error{error.fault, error.message + "\n  left: " + left};
+}
+
+}  // namespace kaz::tools

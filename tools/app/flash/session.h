@@ -1,0 +1,58 @@
+// One board under `kaz flash`, from the port to its flash writer.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "host/flash/flasher.h"
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
+#include "shared/protocol/messages.h"
+#include "tools/app/flash/arguments.h"
+#include "tools/app/output.h"
+
+namespace kaz::tools {
+
+class FlashSession {
+ public:
+  FlashSession(const FlashArguments& arguments, host::Interrupt& interrupt)
+      : arguments_(arguments),
+        clock_(&interrupt),
+        interrupt_(interrupt),
+        progress_("kaz flash", arguments.json) {}
+
+  Result<void> open();
+  // With a way to the reset, through boot mode; the firmware that may run tells its board's id first.
+  // Nothing is changed before the image has been checked against that.
+  Result<void> enter(const host::FlashImage* image);
+  // Leaves boot mode or loader, and gives the firmware time to start.
+  Result<void> start();
+  // What the firmware that runs says of itself.
+  Result<kz_identify_reply> identify();
+
+  host::Flasher& flasher() { return *flasher_; }
+  bool through_boot() const { return reset_ != nullptr; }
+  const std::string& port() const { return arguments_.port; }
+  void end_progress() { progress_.done(); }
+  // An error with what it leaves on the board.
+  Error with_advice(const Error& error) const;
+
+ private:
+  Result<void> ask_user(const std::string& prompt);
+  Result<void> make_reset();
+  Result<void> read_writer();
+  tl::unexpected<Error> nobody() const;
+
+  const FlashArguments& arguments_;
+  host::WallClock clock_;
+  host::Interrupt& interrupt_;
+  Progress progress_;
+  std::unique_ptr<host::TtyLink> link_;
+  std::unique_ptr<host::BoardReset> reset_;
+  std::vector<std::uint8_t> program_;
+  std::unique_ptr<host::Flasher> flasher_;
+};
+
+}  // namespace kaz::tools

@@ -1,0 +1,125 @@
+// The monitor's lines.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/monitor/board_view.h"
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <numbers>
+
+namespace kaz::tools {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kTickShare = 8.0 / KZ_STATES_PER_TICK;  // of a tick, in 8 states
+constexpr double kTickBound = 0.75;                      // of a tick, docs/reference/firmware.md
+
+[[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
+  char buffer[160];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(buffer, sizeof buffer, format, arguments);
+  va_end(arguments);
+  return buffer;
+}
+
+// Of a long path its end, which tells boards apart.
+std::string tail(const std::string& path, std::size_t most) {
+  return path.size() <= most ? path : "..." + path.substr(path.size() - most + 3);
+}
+
+// Without the sign of what rounds to nothing.
+double tenth(double degrees) {
+  return std::abs(degrees) < 0.05 ? 0 : degrees;
+}
+
+Line motors(const BoardView& view) {
+  const std::uint16_t status = view.health.status;
+  if (!view.there) return {{"no answer", Ink::bad}};
+  if (status & KZ_STATUS_HOLDING) return {{"motors held: the link was lost", Ink::warning}};
+  if ((status & host::kMotorsOffFaults) != 0) return {{"motors off: shutdown", Ink::bad}};
+  if (status & KZ_STATUS_ENABLED) return {{"motors on", Ink::good}};
+  return {{"motors off", Ink::plain}};
+}
+
+// A duty of -1..1 as a bar of 9 columns with zero in its middle.
+std::string bar(double duty) {
+  constexpr int kHalf = 4;
+  std::string drawn(2 * kHalf + 1, ' ');
+  drawn[kHalf] = '|';
+  const int length = static_cast<int>(std::lround(std::min(1.0, std::abs(duty)) * kHalf));
+  for (int i = 1; i <= length; ++i)
+    drawn[static_cast<std::size_t>(kHalf + (duty < 0 ? -i : i))] = '=';
+  return drawn;
+}
+
+Line joint_line(const BoardView& view, int joint, bool selected) {
+  const auto at = static_cast<std::size_t>(joint);
+  const char* name = host::joint_table()[at].name;
+  const Ink base = selected ? Ink::selected : Ink::plain;
+  if (at >= view.joints.size()) return {{text("%2d %-13s", joint, name), base}};
+  const host::JointDetail& now = view.joints[at];
+  const bool on = (now.flags & KZ_JOINT_ON) != 0;
+  Line line;
+  line.push_back({text("%2d %-13s", joint, name), base});
+  const double target = view.targets[at] * kDegrees, angle = now.angle_rad * kDegrees;
+  line.push_back(
+      {on ? text("%8.1f %8.1f %7.1f ", tenth(target), tenth(angle), tenth(target - angle))
+          : text("%8s %8.1f %7s ", "-", tenth(angle), "-"),
+       Ink::plain});
+  const double load = std::abs(now.load);
+  line.push_back({text("%+5.0f %% %s", 100 * now.duty, bar(now.duty).c_str()), Ink::plain});
+  line.push_back({text("%5.0f %% ", 100 * load),
+                  load > 0.7 ? Ink::bad : (load > 0.4 ? Ink::warning : Ink::plain)});
+  line.push_back(on ? Span{"on", Ink::good} : Span{"off", Ink::plain});
+  if (now.flags & KZ_JOINT_MOVING) line.push_back({" moves", Ink::plain});
+  if (now.flags & KZ_JOINT_POT) line.push_back({" POT", Ink::bad});
+  if (now.flags & KZ_JOINT_STALLED) line.push_back({" STALLED", Ink::bad});
+  if (now.flags & KZ_JOINT_HOT) line.push_back({" HOT", Ink::warning});
+  if (now.flags & KZ_JOINT_AT_LIMIT) line.push_back({" limit", Ink::warning});
+  return line;
+}
+
+}  // namespace
+
+std::vector<Line> lines(const BoardView& view, int selected, const std::string& said) {
+  std::vector<Line> all;
+  Line title{{text("kaz monitor  %s  ", tail(view.port, 36).c_str()), Ink::bold}};
+  for (Span& span : motors(view)) title.push_back(std::move(span));
+  all.push_back(std::move(title));
+
+  const host::Health& h = view.health;
+  const double busy = view.counts.busy_8states * kTickShare,
+               worst = view.counts.worst_8states * kTickShare;
+  all.push_back({{text("up %.0f s  supply %.2f V, lowest %.2f  %.0f degC  ", h.tick * 1e-3,
+                       h.supply_volts, h.supply_lowest_volts, h.temperature_c),
+                  Ink::plain},
+                 {text("tick %.0f %%, worst %.0f %%", 100 * busy, 100 * worst),
+                  worst > kTickBound ? Ink::bad : Ink::plain},
+                 {text(", missed %u", static_cast<unsigned>(view.counts.missed_ticks)),
+                  view.counts.missed_ticks > 0 ? Ink::bad : Ink::plain}});
+  const host::LinkStatistics& l = view.link;
+  const std::uint64_t lost = l.timeouts + l.bad_frames;
+  all.push_back(
+      {{text("link %.0f/s  reply %.1f ms (%.1f to %.1f)  ", view.rounds_per_s,
+             1e3 * l.round_trip.smoothed_s, 1e3 * l.round_trip.min_s, 1e3 * l.round_trip.max_s),
+        Ink::plain},
+       {text("%llu requests, ", static_cast<unsigned long long>(l.requests)), Ink::plain},
+       {text("%llu late, %llu damaged", static_cast<unsigned long long>(l.timeouts),
+             static_cast<unsigned long long>(l.bad_frames)),
+        lost > 0 ? Ink::warning : Ink::plain}});
+  all.push_back(
+      {{"   joint           target    angle   error     duty            load", Ink::bold}});
+  for (int joint = 0; joint < KZ_JOINTS; ++joint)
+    all.push_back(joint_line(view, joint, joint == selected));
+  if (!view.fault.empty())
+    all.push_back({{view.fault, Ink::bad}});
+  else
+    all.push_back({{said, Ink::plain}});
+  all.push_back(
+      {{"up/down  e on/off  E all on  <- -> 1 deg  [ ] 5 deg  SPACE stop  c clear  q quit",
+        Ink::bold}});
+  return all;
+}
+
+}  // namespace kaz::tools

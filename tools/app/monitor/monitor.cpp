@@ -1,0 +1,234 @@
+// `kaz monitor`: joints, supply, tick and link in a terminal, and keys to move the joints.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/monitor/monitor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <optional>
+
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
+#include "host/robot/robot.h"
+#include "tools/app/arguments.h"
+#include "tools/app/monitor/board_view.h"
+#include "tools/app/monitor/terminal.h"
+#include "tools/app/session/interrupt_signals.h"
+
+namespace kaz::tools {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr Time kRound = std::chrono::milliseconds(50);
+constexpr int kSlow = 10;                // rounds between questions after what changes slowly
+constexpr double kSpeed = 30 * kDegree;  // rad/s, of what the keys move
+// A shell over a slow line may stand still for as long; the board's longest.
+constexpr Time kWatchdog = std::chrono::seconds(1);
+
+class Monitor {
+ public:
+  Monitor(std::string port, int baud, host::Interrupt& interrupt)
+      : port_(std::move(port)), baud_(baud), interrupt_(interrupt), clock_(&interrupt) {
+    view_.port = port_;
+  }
+
+  // Errors: the board is not there at the start. Later ones are shown, and the board is sought.
+  Result<void> run() {
+    if (auto connected = connect(); !connected) return connected;
+    auto terminal = Terminal::open();
+    if (!terminal) return tl::unexpected(terminal.error());
+    while (!interrupt_.requested()) {
+      const Time begin = clock_.now();
+      ask();
+      for (Key key = terminal->key(); key != Key::none; key = terminal->key()) {
+        if (key == Key::quit) return leave();
+        press(key);
+      }
+      terminal->show(lines(view_, selected_, said_));
+      // On the robot's clock: it sends heartbeats while motors are on.
+      host::Clock& clock = robot_ ? robot_->clock() : static_cast<host::Clock&>(clock_);
+      if (auto slept = clock.sleep_until(begin + kRound); !slept && !interrupt_.requested())
+        lost(slept.error());
+    }
+    return leave();
+  }
+
+ private:
+  Result<void> connect() {
+    auto link = host::TtyLink::open(port_, baud_, &interrupt_);
+    if (!link) return tl::unexpected(link.error());
+    link_ = std::move(*link);
+    // Nothing of the board is changed by looking at it.
+    auto robot =
+        host::Robot::connect(*link_, clock_, {.watchdog = Time::zero(), .reconnect = Time::zero()});
+    if (!robot) {
+      link_.reset();
+      return tl::unexpected(robot.error());
+    }
+    robot_.emplace(std::move(*robot));
+    watched_ = false;
+    view_.build = std::to_string(robot_->identity().build_id);
+    round_ = 0;
+    since_ = Time::zero();
+    return {};
+  }
+
+  void lost(const Error& error) {
+    view_.there = false;
+    view_.fault = error.message;
+    robot_.reset();
+    link_.reset();
+    next_try_ = clock_.now() + std::chrono::seconds(1);
+  }
+
+  void ask() {
+    if (!robot_) {
+      if (clock_.now() < next_try_) return;
+      if (auto again = connect(); !again) return lost(again.error());
+      said_ = "the board answers again";
+    }
+    if (auto asked = read(); !asked && !interrupt_.requested()) lost(asked.error());
+  }
+
+  Result<void> read() {
+    auto joints = robot_->joints(host::kAllJoints);
+    if (!joints) return tl::unexpected(joints.error());
+    const auto targets = robot_->read_targets();
+    if (!targets) return tl::unexpected(targets.error());
+    ++rounds_;
+    if (round_++ % kSlow == 0) {
+      const auto health = robot_->health();
+      if (!health) return tl::unexpected(health.error());
+      const auto counts = robot_->board_statistics();
+      if (!counts) return tl::unexpected(counts.error());
+      view_.health = *health;
+      view_.counts = *counts;
+      view_.fault = health->shutdown.empty() ? "" : robot_->describe_fault(health->status);
+      // What line 1 says already would push what to do out of the line.
+      if (const auto at = view_.fault.find("went off: "); at != std::string::npos)
+        view_.fault.erase(0, at + std::string_view("went off: ").size());
+      const Time now = clock_.now();
+      if (now - since_ > std::chrono::milliseconds(300)) {
+        if (since_ > Time::zero()) view_.rounds_per_s = rounds_ / seconds(now - since_);
+        since_ = now;
+        rounds_ = 0;
+      }
+    }
+    view_.joints = std::move(*joints);
+    view_.targets = *targets;
+    view_.link = robot_->statistics();
+    view_.there = true;
+    return {};
+  }
+
+  std::uint32_t on() const {
+    std::uint32_t mask = 0;
+    for (const host::JointDetail& joint : view_.joints) {
+      if (joint.flags & KZ_JOINT_ON) mask |= std::uint32_t{1} << joint.joint;
+    }
+    return mask;
+  }
+
+  Result<void> enable(std::uint32_t mask) {
+    // Whoever switches motors on says what is to become of them when he is heard no more.
+    if (!watched_) {
+      if (auto beat = robot_->heartbeat(kWatchdog, host::Reaction::limp); !beat)
+        return tl::unexpected(beat.error());
+      watched_ = true;
+    }
+    return robot_->enable(mask);
+  }
+
+  Result<void> shift(double by_rad) {
+    const host::JointInfo& info = host::joint_table()[static_cast<std::size_t>(selected_)];
+    if ((on() >> selected_ & 1U) == 0)
+      return fail(Fault::usage, std::string(info.name) + " is off: e switches it on");
+    const double from = view_.targets[static_cast<std::size_t>(selected_)];
+    const double to = std::clamp(from + by_rad, info.lower_rad, info.upper_rad);
+    const host::JointTarget target{selected_, to};
+    if (auto set = robot_->set_targets({&target, 1}, from_seconds(std::abs(to - from) / kSpeed));
+        !set)
+      return set;
+    // Until the board is asked again: so that keys pressed quickly add up.
+    view_.targets[static_cast<std::size_t>(selected_)] = to;
+    char text[80];
+    std::snprintf(text, sizeof text, "%s to %.1f degrees", info.name, to / kDegree);
+    said_ = text;
+    return {};
+  }
+
+  Result<void> act(Key key) {
+    const std::uint32_t bit = std::uint32_t{1} << selected_;
+    switch (key) {
+      case Key::left:
+        return shift(-1 * kDegree);
+      case Key::right:
+        return shift(1 * kDegree);
+      case Key::page_left:
+        return shift(-5 * kDegree);
+      case Key::page_right:
+        return shift(5 * kDegree);
+      case Key::toggle:
+        said_ = host::joint_table()[static_cast<std::size_t>(selected_)].name;
+        said_ += (on() & bit) != 0 ? " is off" : " is on and holds where it was";
+        return enable(on() ^ bit);
+      case Key::all_on:
+        said_ = "all joints are on and hold where they were";
+        return enable(host::kAllJoints);
+      case Key::stop:
+        said_ = "stopped: all motors are off";
+        return robot_->stop();
+      case Key::clear:
+        said_ = on() != 0 ? "nothing was latched: motors are on"
+                          : "nothing is latched any more; motors stay off";
+        return robot_->clear();
+      default:
+        return {};
+    }
+  }
+
+  void press(Key key) {
+    if (key == Key::up) selected_ = (selected_ + KZ_JOINTS - 1) % KZ_JOINTS;
+    if (key == Key::down) selected_ = (selected_ + 1) % KZ_JOINTS;
+    if (key == Key::up || key == Key::down) return;
+    if (!robot_) {
+      said_ = "no board answers";
+      return;
+    }
+    if (auto done = act(key); !done) said_ = done.error().message;
+    round_ = 0;  // ask for all of it at once
+  }
+
+  Result<void> leave() {
+    // What it switched on; a board that it only looked at is left as it was.
+    if (robot_ && watched_) robot_->disable_all();
+    return {};
+  }
+
+  std::string port_;
+  int baud_;
+  host::Interrupt& interrupt_;
+  host::WallClock clock_;
+  std::unique_ptr<host::TtyLink> link_;
+  std::optional<host::Robot> robot_;
+  BoardView view_;
+  int selected_ = 0, round_ = 0, rounds_ = 0;
+  bool watched_ = false;
+  Time since_{}, next_try_{};
+  std::string said_ = "looks only, until e or E switches motors on; q switches those off again";
+};
+
+}  // namespace
+
+Result<bool> monitor(const std::string& argument) {
+  const auto port = parse_port(argument);
+  if (!port) return tl::unexpected(port.error());
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  if (auto ran = Monitor(port->first, port->second, interrupt).run(); !ran)
+    return tl::unexpected(ran.error());
+  return true;
+}
+
+}  // namespace kaz::tools

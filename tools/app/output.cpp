@@ -1,0 +1,138 @@
+// Output of a verb: a folder of results, JSON on standard output, progress on standard error.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/output.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+
+#include "shared/base/files.hpp"
+
+namespace kaz::tools {
+
+namespace fs = std::filesystem;
+
+Result<void> OutputFolder::check(const std::string& path) {
+  if (path.empty()) return {};
+  std::error_code error;
+  if (fs::exists(path, error)) {
+    if (fs::is_directory(path, error) && ::access(path.c_str(), W_OK) == 0) return {};
+    return fail(Fault::usage, "cannot put results into '" + path +
+                                  "': it is no folder that can be written to; choose another with "
+                                  "--out");
+  }
+  return {};
+}
+
+Result<OutputFolder> OutputFolder::open(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error || !fs::is_directory(path)) {
+    return fail(Fault::usage, "cannot make the folder '" + path + "' for results: " +
+                                  (error ? error.message() : "a file of that name is in the way") +
+                                  "; choose another with --out");
+  }
+  OutputFolder folder(path);
+  fs::remove(folder.path("result.json"), error);
+  return folder;
+}
+
+Result<void> OutputFolder::write_json(const std::string& name,
+                                      const nlohmann::ordered_json& value) const {
+  const auto replace = nlohmann::ordered_json::error_handler_t::replace;
+  return write_whole_file(path(name), value.dump(2, ' ', false, replace) + "\n");
+}
+
+Progress::Progress(std::string label, bool quiet)
+    : label_(std::move(label)), quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
+
+Progress::~Progress() {
+  done();
+}
+
+void Progress::update(double share, const std::string& note) {
+  if (quiet_) return;
+  share = std::clamp(share, 0.0, 1.0);
+  if (terminal_) {
+    const auto now = std::chrono::steady_clock::now();
+    if (line_open_ && now - last_draw_ < std::chrono::milliseconds(100)) return;
+    last_draw_ = now;
+    const int filled = static_cast<int>(share * 30);
+    std::fprintf(stderr, "\r%s [%s%s] %3d %%  %-36.36s", label_.c_str(),
+                 std::string(static_cast<std::size_t>(filled), '#').c_str(),
+                 std::string(static_cast<std::size_t>(30 - filled), '.').c_str(),
+                 static_cast<int>(share * 100), note.c_str());
+    line_open_ = true;
+    return;
+  }
+  const int decile = static_cast<int>(share * 10);
+  if (decile == last_decile_) return;
+  last_decile_ = decile;
+  std::fprintf(stderr, "%s %3d %%  %s\n", label_.c_str(), decile * 10, note.c_str());
+}
+
+void Progress::announce(double at_s, const std::string& phase) {
+  if (quiet_) return;
+  done();
+  std::fprintf(stderr, "%s: %.2f s: %s\n", label_.c_str(), at_s, phase.c_str());
+}
+
+void Progress::done() {
+  if (line_open_) std::fprintf(stderr, "\r\033[K");
+  line_open_ = false;
+}
+
+void print_json(const nlohmann::ordered_json& value) {
+  const auto replace = nlohmann::ordered_json::error_handler_t::replace;
+  std::printf("%s\n", value.dump(2, ' ', false, replace).c_str());
+}
+
+namespace {
+
+// Made when the first name is asked for. What a run leaves in it (the last frames of a lost link) keeps
+// it; else it goes with the program.
+class PrivateFolder {
+ public:
+  PrivateFolder() {
+    auto made = make_temporary_folder("kaz-");
+    if (!made) throw std::runtime_error(made.error().message);
+    path_ = std::move(*made);
+  }
+  ~PrivateFolder() { ::rmdir(path_.c_str()); }
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace
+
+std::string temporary_file(const std::string& name) {
+  static const PrivateFolder folder;
+  return folder.path() + "/" + name;
+}
+
+Result<void> move_file(const std::string& from, const std::string& to) {
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (!error) return {};
+  error.clear();
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  if (error) {
+    return fail(Fault::environment, "cannot write '" + to + "': " + error.message());
+  }
+  fs::remove(from, error);
+  return {};
+}
+
+FileRemover::~FileRemover() {
+  std::error_code error;
+  if (!path_.empty()) fs::remove(path_, error);
+}
+
+}  // namespace kaz::tools

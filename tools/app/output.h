@@ -1,0 +1,78 @@
+// Output of a verb: a folder of results, JSON on standard output, progress on standard error.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "shared/base/result.hpp"
+
+namespace kaz::tools {
+
+// A folder for results. Each file appears whole or not at all.
+class OutputFolder {
+ public:
+  // Makes the folder if need be. Files of an earlier run are replaced one by one, others left
+  // alone; an old result.json goes first, so that it never stands beside newer pictures.
+  static Result<OutputFolder> open(const std::string& path);
+  // Whether open() can succeed; creates nothing. An empty path is fine: no results wanted.
+  static Result<void> check(const std::string& path);
+
+  std::string path(const std::string& name) const { return folder_ + "/" + name; }
+  const std::string& folder() const { return folder_; }
+  Result<void> write_json(const std::string& name, const nlohmann::ordered_json& value) const;
+
+ private:
+  explicit OutputFolder(std::string folder) : folder_(std::move(folder)) {}
+  std::string folder_;
+};
+
+// A bar on a terminal; in a pipe a plain line every ten per cent. Goes to standard error, so that
+// results on standard output stay clean. Prints nothing if `quiet`.
+class Progress {
+ public:
+  Progress(std::string label, bool quiet);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  // share: 0..1 done; note: a few words on what is going on.
+  void update(double share, const std::string& note);
+  // A new phase of the work: a line of its own.
+  void announce(double at_s, const std::string& phase);
+  void done();
+
+ private:
+  std::string label_;
+  bool quiet_;
+  bool terminal_;
+  int last_decile_ = -1;
+  bool line_open_ = false;
+  std::chrono::steady_clock::time_point last_draw_{};
+};
+
+// A result on standard output. What stands in texts and is no UTF-8 (a recording may hold any bytes) is
+// replaced: JSON has none.
+void print_json(const nlohmann::ordered_json& value);
+
+// The path of a file of that name in a folder that only this process uses.
+std::string temporary_file(const std::string& name);
+
+// Moves a file, across file systems too.
+Result<void> move_file(const std::string& from, const std::string& to);
+
+// Removes a file, if it is there, when the object goes.
+class FileRemover {
+ public:
+  explicit FileRemover(std::string path) : path_(std::move(path)) {}
+  ~FileRemover();
+  FileRemover(const FileRemover&) = delete;
+  FileRemover& operator=(const FileRemover&) = delete;
+
+ private:
+  std::string path_;
+};
+
+}  // namespace kaz::tools

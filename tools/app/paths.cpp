@@ -1,0 +1,74 @@
+// Where the program's own files are: robot, worlds, firmware.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/paths.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+namespace kaz::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path data_folder() {
+  if (const char* folder = std::getenv("KAZ_DATA"); folder != nullptr && *folder != '\0')
+    return folder;
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  return program.parent_path().parent_path() / "share" / "kaz";
+}
+
+std::string known_worlds() {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(data_folder() / "worlds", error)) {
+    if (entry.path().extension() == ".sdf") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  std::string list;
+  for (const auto& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+}  // namespace
+
+Result<std::string> data_file(const std::string& name) {
+  const fs::path path = data_folder() / name;
+  std::error_code error;
+  if (fs::exists(path, error)) return path.string();
+  return fail(Fault::environment,
+              "'" + path.string() +
+                  "' is missing: the installation is incomplete; set KAZ_DATA to "
+                  "the folder that holds 'robot' and 'worlds', or install again");
+}
+
+Result<std::string> world_file(const std::string& name) {
+  std::error_code error;
+  if (fs::is_regular_file(name, error)) return name;
+  const bool plain_name =
+      name.find('/') == std::string::npos && name.find('.') == std::string::npos;
+  if (plain_name) {
+    const fs::path path = data_folder() / "worlds" / (name + ".sdf");
+    if (fs::exists(path, error)) return path.string();
+  }
+  return fail(Fault::usage, "no world '" + name +
+                                "': give the path of an SDF file, or one of: " + known_worlds());
+}
+
+Result<std::string> firmware_image(const std::string& given) {
+  std::error_code error;
+  if (!given.empty()) {
+    if (fs::is_regular_file(given, error)) return given;
+    return fail(Fault::usage, "no firmware image '" + given +
+                                  "': give the path of an S-record (.mot) or COFF (.coff) file");
+  }
+  const fs::path path = data_folder() / "firmware" / "kaz.mot";
+  if (fs::exists(path, error)) return path.string();
+  return fail(Fault::environment,
+              "no firmware image at '" + path.string() +
+                  "': install the cross compiler (apt-get install gcc-h8300-hms "
+                  "binutils-h8300-hms) and build again, or use --mcu native");
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,200 @@
+// Runs again what a recording holds, and compares.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/replay/replay.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <fstream>
+#include <span>
+
+#include "tools/app/output.h"
+#include "tools/app/replay/message_fields.h"
+#include "tools/app/replay/recorded_backend.h"
+#include "tools/app/replay/replay_host.h"
+#include "tools/app/session/session.h"
+
+namespace kaz::tools {
+namespace {
+
+using Message = sim::McapRecording::Message;
+
+constexpr std::size_t kMostShown = 64;  // bytes of a message
+
+std::string shown(std::span<const std::uint8_t> data) {
+  const auto printable = [](std::uint8_t c) { return c >= 0x20 && c < 0x7f; };
+  const std::span front = data.first(std::min(data.size(), kMostShown));
+  std::string text;
+  if (std::ranges::all_of(front, printable)) {
+    text.assign(front.begin(), front.end());
+  } else {
+    for (const std::uint8_t byte : front) {
+      char hex[4];
+      std::snprintf(hex, sizeof hex, "%02x ", byte);
+      text += hex;
+    }
+    text.pop_back();
+  }
+  return data.size() > kMostShown ? text + " ..." : text;
+}
+
+std::string topic_of(const sim::McapRecording& recording, const Message& message) {
+  const auto topic = recording.topics.find(message.channel);
+  return topic == recording.topics.end() ? "?" : topic->second;
+}
+
+Result<SessionOptions> session_of(const sim::McapRecording& recording,
+                                  const ReplayOptions& options) {
+  auto recorded = recorded_backend(recording, options.file);
+  if (!recorded) return tl::unexpected(recorded.error());
+  SessionOptions session;
+  session.behavior = recorded->behavior;
+  session.settings = std::move(recorded->settings);
+  session.backend.world = recorded->world;
+  session.backend.robot_file = recorded->robot_file;
+  session.backend.mcu = recorded->mcu;
+  session.backend.image = recorded->image;
+  session.backend.sensors = recorded->sensors;
+  session.backend.imu = recorded->imu;
+  session.backend.dynamics = recorded->dynamics;
+  session.backend.physics_step_ms = recorded->physics_step_ms;
+  session.backend.supply_volts = recorded->supply_volts;
+  session.backend.eyes = recorded->eyes;
+  session.backend.eye_width = recorded->eye_width;
+  session.backend.seed = options.seed.value_or(recorded->seed);
+  for (const auto& [name, value] : options.settings) session.settings[name] = value;
+  session.quiet = true;
+  session.vision = options.vision;
+  session.watcher = options.watcher;
+  session.label = options.label;
+  session.json = options.json;
+  return session;
+}
+
+// Files that the recording's run had otherwise.
+std::string changed_files(const sim::McapRecording& recorded, const sim::McapRecording& now) {
+  std::string names;
+  for (const auto& [name, value] : recorded.facts) {
+    if (!name.ends_with("_sha256")) continue;
+    const auto other = now.facts.find(name);
+    if (other != now.facts.end() && other->second == value) continue;
+    names += (names.empty() ? "" : ", ") + name.substr(0, name.size() - 7);
+  }
+  return names;
+}
+
+void print(const ReplayOptions& options, const sim::McapRecording& recorded,
+           const std::optional<Difference>& difference, const std::string& changed,
+           std::size_t messages) {
+  const double end_s = 1e-9 * static_cast<double>(recorded.end_ns());
+  if (options.json) {
+    nlohmann::ordered_json result{{"recording", options.file},
+                                  {"mode", "simulation"},
+                                  {"identical", !difference},
+                                  {"messages", messages},
+                                  {"changed_files", changed}};
+    if (!recorded.whole) result["cut_off_s"] = end_s;
+    if (difference) {
+      result["time_s"] = difference->time_s;
+      result["topic"] = difference->topic;
+      result["recorded"] = difference->recorded;
+      result["now"] = difference->now;
+    }
+    print_json(result);
+    return;
+  }
+  std::printf("host and simulation run again from the seed, everything compared\n");
+  if (!recorded.whole)
+    std::printf("the recording was cut off: compared up to its end at %.6f s\n", end_s);
+  if (!changed.empty()) std::printf("files that have changed since: %s\n", changed.c_str());
+  if (!difference) {
+    std::printf("identical: %zu messages\n", messages);
+    return;
+  }
+  std::printf("first difference at %.6f s, %s\n  recorded: %s\n  now:      %s\n",
+              difference->time_s, difference->topic.c_str(), difference->recorded.c_str(),
+              difference->now.c_str());
+}
+
+}  // namespace
+
+std::optional<Difference> first_difference(const sim::McapRecording& recorded,
+                                           const sim::McapRecording& now) {
+  const auto& a = recorded.messages;
+  const auto& b = now.messages;
+  const auto [at, other] = std::ranges::mismatch(a, b);
+  // Of a recording that was cut off every message that is there must come again.
+  if (at == a.end() && (other == b.end() || !recorded.whole)) return std::nullopt;
+  // Different messages at one place: the earlier one is what the other run lacks.
+  const bool only_there = other == b.end() || (at != a.end() && at->time_ns < other->time_ns);
+  const bool only_now = at == a.end() || (other != b.end() && other->time_ns < at->time_ns);
+  Difference difference;
+  difference.time_s = 1e-9 * static_cast<double>(only_now ? other->time_ns : at->time_ns);
+  difference.topic = only_now ? topic_of(now, *other) : topic_of(recorded, *at);
+  difference.recorded = only_now ? "nothing" : shown(at->data);
+  difference.now = only_there ? "nothing" : shown(other->data);
+  if (only_there || only_now) return difference;
+  if (at->channel != other->channel) {
+    difference.now = topic_of(now, *other) + ": " + difference.now;
+  } else if (const auto field = field_difference(difference.topic, at->data, other->data)) {
+    difference.recorded = field->recorded;
+    difference.now = field->now;
+  }
+  return difference;
+}
+
+// Host and simulation from the seed, every message compared.
+Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording& recorded,
+                          SessionOptions session) {
+  const std::string faults = temporary_file("faults.txt");
+  const FileRemover remove_faults(faults);
+  if (const auto text = recorded.facts.find("faults");
+      text != recorded.facts.end() && !text->second.empty()) {
+    std::ofstream(faults) << text->second;
+    session.backend.faults = faults;
+  }
+  const std::string again = temporary_file("replay.mcap");
+  const FileRemover remove_again(again);
+  session.backend.recording = again;
+  session.backend.record_pictures = recorded.has_messages("/eyes/left");
+  // Whether the behaviour succeeded does not matter, only whether it did the same.
+  if (auto ran = run_session(session); !ran) return tl::unexpected(ran.error());
+  const auto now = sim::McapRecording::load(again);
+  if (!now) return tl::unexpected(now.error());
+
+  const auto difference = first_difference(recorded, *now);
+  print(options, recorded, difference, changed_files(recorded, *now),
+        recorded.whole ? now->messages.size() : recorded.messages.size());
+  return !difference;
+}
+
+Result<bool> replay(const ReplayOptions& options) {
+  const auto recorded = sim::McapRecording::load(options.file);
+  if (!recorded) return tl::unexpected(recorded.error());
+  if (recorded->damaged_chunks > 0)
+    return fail(Fault::usage, options.file + ": a chunk is damaged; record the run again");
+  if (!recorded->whole && recorded->messages.empty())
+    return fail(Fault::usage,
+                options.file +
+                    ": was cut off before anything of the run was written; record the "
+                    "run again");
+  auto session = session_of(*recorded, options);
+  if (!session) return tl::unexpected(session.error());
+  if (options.mode == ReplayMode::host && options.seed)
+    return fail(Fault::usage,
+                "--seed: the host alone has none; leave it out, or give --whole instead of --host");
+  bool whole = options.mode == ReplayMode::whole || options.seed.has_value();
+  if (!whole && options.mode == ReplayMode::by_itself) {
+    const auto alone = host_can_run_alone(*recorded, session->behavior);
+    if (!alone) return tl::unexpected(alone.error());
+    whole = !*alone;
+    if (whole)
+      std::fprintf(stderr,
+                   "kaz replay: this recording has no pictures, so the simulation runs again too; "
+                   "record with\n--record-pictures and the host runs alone\n");
+  }
+  return whole ? replay_whole(options, *recorded, std::move(*session))
+               : replay_host(options, *recorded, std::move(*session));
+}
+
+}  // namespace kaz::tools

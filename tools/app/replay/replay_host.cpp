@@ -1,0 +1,132 @@
+// Runs the host alone against a recording, and compares what it sends.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/replay/replay_host.h"
+
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "host/behavior/behavior.h"
+#include "sim/runtime/time.h"
+#include "tools/app/output.h"
+#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/session/live_camera.h"
+#include "tools/lockstep/replayed_board.h"
+
+namespace kaz::tools {
+namespace {
+
+using lockstep::HostDifference;
+using lockstep::RecordedRun;
+using lockstep::ReplayedBoard;
+
+// The recording in the robot's place.
+class ReplayBackend final : public SessionBackend {
+ public:
+  ReplayBackend(ReplayedBoard& board, const host::Interrupt& interrupt)
+      : board_(board), clock_(raw_clock_, interrupt) {}
+  host::Link& link() override { return link_; }
+  host::Clock& clock() override { return clock_; }
+  Result<void> open_camera() override { return {}; }
+  bool sees() const override { return board_.run().has_pictures; }
+  vision::Camera& camera() override {
+    return board_.run().has_pictures ? static_cast<vision::Camera&>(camera_) : no_camera_;
+  }
+  vision::Pace pace() const override { return vision::Pace::lockstep; }
+  Time camera_latency() const override { return board_.run().camera_latency; }
+  sim::Simulation* simulation() override { return nullptr; }
+  void record_behavior(const std::string& json) override { board_.think(json); }
+
+ private:
+  ReplayedBoard& board_;
+  lockstep::ReplayClock raw_clock_{board_};
+  InterruptibleClock clock_;
+  lockstep::ReplayLink link_{board_};
+  lockstep::ReplayCamera camera_{board_};
+  NoCamera no_camera_;
+};
+
+nlohmann::ordered_json json_of(const HostDifference& difference) {
+  return {{"time_s", seconds(difference.time)},
+          {"where", difference.where},
+          {"recorded", difference.recorded},
+          {"now", difference.now}};
+}
+
+void print(const char* what, const HostDifference& difference) {
+  std::printf("%s at %.6f s, %s\n  recorded: %s\n  now:      %s\n", what, seconds(difference.time),
+              difference.where.c_str(), difference.recorded.c_str(), difference.now.c_str());
+}
+
+void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedBoard& board) {
+  const bool identical = !board.difference() && !board.other_thought();
+  if (options.json) {
+    nlohmann::ordered_json result{{"recording", options.file},
+                                  {"mode", "host"},
+                                  {"identical", identical},
+                                  {"bytes_to_board", run.to_board.size()},
+                                  {"bytes_to_host", run.to_host.size()},
+                                  {"pairs", run.pairs.size()},
+                                  {"behavior_records", run.thoughts.size()}};
+    if (run.cut_off) result["cut_off_s"] = seconds(sim::time_of(run.end));
+    if (board.difference()) result["difference"] = json_of(*board.difference());
+    if (board.other_thought()) result["behavior_difference"] = json_of(*board.other_thought());
+    print_json(result);
+    return;
+  }
+  std::printf("the host alone runs again: bytes of the board and pictures are those recorded\n");
+  if (run.cut_off)
+    std::printf("the recording was cut off: compared up to its last whole step at %.6f s\n",
+                seconds(sim::time_of(run.end)));
+  if (identical) {
+    std::printf(
+        "identical: %zu bytes sent at the same times, %zu records of the behaviour, on %zu bytes "
+        "received and %zu pairs of pictures\n",
+        run.to_board.size(), run.thoughts.size(), run.to_host.size(), run.pairs.size());
+    return;
+  }
+  if (board.other_thought())
+    print("first difference of the behaviour's record", *board.other_thought());
+  if (board.difference()) print("first difference of what is sent", *board.difference());
+}
+
+}  // namespace
+
+Result<bool> host_can_run_alone(const sim::McapRecording& recording, const std::string& behavior) {
+  const auto found = behavior::find_behavior(behavior);
+  if (!found) return tl::unexpected(found.error());
+  return !found->needs_camera || recording.has_messages("/eyes/left");
+}
+
+Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording& recording,
+                         SessionOptions session) {
+  const auto possible = host_can_run_alone(recording, session.behavior);
+  if (!possible) return tl::unexpected(possible.error());
+  if (!*possible)
+    return fail(Fault::usage,
+                options.file + ": it has no pictures, and " + session.behavior +
+                    " needs them; record with --record-pictures, or give --whole to run the "
+                    "simulation again too");
+  const auto run = RecordedRun::of(recording, options.file);
+  if (!run) return tl::unexpected(run.error());
+  ReplayedBoard board(*run);
+  session.open_backend =
+      [&board](host::Interrupt& interrupt) -> Result<std::unique_ptr<SessionBackend>> {
+    return std::make_unique<ReplayBackend>(board, interrupt);
+  };
+  const auto ran = run_session(std::move(session));
+  // A host that does something else cannot go on, which is the result. Other errors are its own.
+  const auto& stopped = board.error();
+  if (stopped && stopped->fault == Fault::usage)
+    return fail(Fault::usage, options.file + ": " + stopped->message + "; record the run again");
+  if (!ran && (!stopped || ran.error().message.find(stopped->message) == std::string::npos))
+    return tl::unexpected(ran.error());
+  board.finish();
+  if (!options.quiet) print(options, *run, board);
+  if (options.quiet && run->cut_off)
+    std::fprintf(stderr, "%s: was cut off; run to its last whole step at %.6f s\n",
+                 options.file.c_str(), seconds(sim::time_of(run->end)));
+  return !board.difference() && !board.other_thought();
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,131 @@
+// Recordings read back: how a run was put together, and where two runs differ.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/replay/replay.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+
+#include "tools/app/replay/message_fields.h"
+#include "tools/app/replay/recorded_backend.h"
+
+namespace kaz::tools {
+namespace {
+
+sim::McapRecording with_backend(const std::string& backend) {
+  sim::McapRecording recording;
+  recording.facts = {
+      {"behavior", "track-ball"}, {"settings", R"({"seconds":"5"})"}, {"backend", backend}};
+  return recording;
+}
+
+TEST(RecordedBackend, ReadsEachKey) {
+  const auto read = recorded_backend(
+      with_backend(R"({"world":"catch","robot_file":"r.urdf","mcu":"native","image":"kaz.mot",
+                       "sensors":"ideal","imu":true,"dynamics":"exact","physics_step_ms":0.5,
+                       "eyes":"real","eye_width":640,"supply_volts":9.5,"seed":7})"),
+      "run.mcap");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->behavior, "track-ball");
+  EXPECT_EQ(read->settings.at("seconds"), "5");
+  EXPECT_EQ(read->world, "catch");
+  EXPECT_EQ(read->robot_file, "r.urdf");
+  EXPECT_EQ(read->mcu, "native");
+  EXPECT_EQ(read->image, "kaz.mot");
+  EXPECT_EQ(read->sensors, "ideal");
+  EXPECT_TRUE(read->imu);
+  EXPECT_EQ(read->dynamics, "exact");
+  EXPECT_EQ(read->physics_step_ms, 0.5);
+  EXPECT_EQ(read->eyes, "real");
+  EXPECT_EQ(read->eye_width, 640);
+  EXPECT_EQ(read->supply_volts, 9.5);
+  EXPECT_EQ(read->seed, 7u);
+}
+
+TEST(RecordedBackend, ReadsTheMcuOfOlderRecordings) {
+  const auto read = recorded_backend(with_backend(R"({"engine":"native"})"), "old.mcap");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->mcu, "native");
+}
+
+TEST(RecordedBackend, NamesTheKeyOfAnotherKind) {
+  for (const char* backend :
+       {R"({"mcu":1})", R"({"engine":1})", R"({"imu":"yes"})", R"({"seed":-1})",
+        R"({"eye_width":5000})", R"({"physics_step_ms":"1"})"}) {
+    const auto read = recorded_backend(with_backend(backend), "run.mcap");
+    ASSERT_FALSE(read) << backend;
+    EXPECT_EQ(read.error().fault, Fault::usage);
+    const std::string text(backend);
+    const std::string key = text.substr(2, text.find('"', 2) - 2);
+    EXPECT_NE(read.error().message.find("`" + key + "`"), std::string::npos)
+        << read.error().message;
+  }
+}
+
+TEST(RecordedBackend, RefusesARecordingWithoutBehaviour) {
+  EXPECT_FALSE(recorded_backend(sim::McapRecording{}, "run.mcap"));
+  EXPECT_FALSE(recorded_backend(with_backend("[]"), "run.mcap"));
+}
+
+std::vector<std::uint8_t> doubles(std::initializer_list<double> values) {
+  std::vector<std::uint8_t> bytes;
+  for (const double value : values) {
+    const auto bits = std::bit_cast<std::uint64_t>(value);
+    for (int k = 0; k < 8; ++k) bytes.push_back(static_cast<std::uint8_t>(bits >> 8 * k));
+  }
+  return bytes;
+}
+
+TEST(FieldDifference, IsTheFirstFieldThatDiffers) {
+  const auto difference =
+      field_difference("/truth/ball", doubles({1, 2, 3}), doubles({1, 2.5, 3.5}));
+  ASSERT_TRUE(difference);
+  EXPECT_EQ(difference->recorded, "y = 2");
+  EXPECT_EQ(difference->now, "y = 2.5 (1 more numbers differ)");
+}
+
+TEST(FieldDifference, IsNothingForOtherChannelsAndLengths) {
+  EXPECT_FALSE(field_difference("/behavior", doubles({1}), doubles({2})));
+  EXPECT_FALSE(field_difference("/truth/ball", doubles({1, 2}), doubles({1, 3})));
+  EXPECT_FALSE(field_difference("/truth/ball", doubles({1, 2, 3}), doubles({1, 2})));
+}
+
+sim::McapRecording ball_at(std::initializer_list<double> x) {
+  sim::McapRecording recording;
+  recording.topics = {{1, "/truth/ball"}};
+  recording.whole = true;
+  std::uint64_t time_ns = 0;
+  for (const double value : x) {
+    recording.messages.push_back({1, time_ns, doubles({value, 0, 0})});
+    time_ns += 1'000'000'000;
+  }
+  return recording;
+}
+
+TEST(FirstDifference, IsNoneBetweenEqualRecordings) {
+  EXPECT_FALSE(first_difference(ball_at({1, 2}), ball_at({1, 2})));
+}
+
+TEST(FirstDifference, HasTimeTopicAndField) {
+  const auto difference = first_difference(ball_at({1, 2, 3}), ball_at({1, 4, 5}));
+  ASSERT_TRUE(difference);
+  EXPECT_EQ(difference->time_s, 1);
+  EXPECT_EQ(difference->topic, "/truth/ball");
+  EXPECT_EQ(difference->recorded, "x = 2");
+  EXPECT_EQ(difference->now, "x = 4");
+}
+
+TEST(FirstDifference, IsAMissingMessageUnlessTheRecordingWasCutOff) {
+  const auto missing = first_difference(ball_at({1, 2}), ball_at({1}));
+  ASSERT_TRUE(missing);
+  EXPECT_EQ(missing->now, "nothing");
+  const auto more = first_difference(ball_at({1}), ball_at({1, 2}));
+  ASSERT_TRUE(more);
+  EXPECT_EQ(more->recorded, "nothing");
+  sim::McapRecording cut_off = ball_at({1});
+  cut_off.whole = false;
+  EXPECT_FALSE(first_difference(cut_off, ball_at({1, 2})));
+}
+
+}  // namespace
+}  // namespace kaz::tools

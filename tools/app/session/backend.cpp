@@ -1,0 +1,239 @@
+// What a behaviour runs on: the virtual robot in lockstep, or a board on a serial port.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/session/backend.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "host/link/faulty_link.h"
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
+#include "sim/stand/stand_commands.h"
+#include "tools/app/paths.h"
+#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/session/live_camera.h"
+#include "tools/app/version.h"
+#include "tools/lockstep/lockstep.h"
+
+namespace kaz::tools {
+namespace {
+
+constexpr std::string_view kSerial = "serial:";
+
+class LockstepBackend final : public SessionBackend {
+ public:
+  LockstepBackend(std::unique_ptr<sim::Simulation> simulation, const host::Interrupt& interrupt)
+      : simulation_(std::move(simulation)), clock_(raw_clock_, interrupt) {}
+  host::Link& link() override { return link_; }
+  host::Clock& clock() override { return clock_; }
+  Result<void> open_camera() override { return {}; }
+  bool sees() const override { return simulation_->has_eyes(); }
+  vision::Camera& camera() override { return camera_; }
+  vision::Pace pace() const override { return vision::Pace::lockstep; }
+  Time camera_latency() const override { return from_seconds(simulation_->camera().latency_s); }
+  sim::Simulation* simulation() override { return simulation_.get(); }
+  void record_behavior(const std::string& json) override { simulation_->record_behavior(json); }
+
+ private:
+  std::unique_ptr<sim::Simulation> simulation_;
+  lockstep::LockstepClock raw_clock_{*simulation_};
+  InterruptibleClock clock_;
+  lockstep::LockstepLink link_{*simulation_};
+  lockstep::LockstepCamera camera_{*simulation_};
+};
+
+class RealBackend final : public SessionBackend {
+ public:
+  RealBackend(std::unique_ptr<host::TtyLink> link, const BackendOptions& options,
+              faults::Schedule faults, const host::Interrupt& interrupt)
+      : link_(std::move(link)),
+        camera_path_(options.camera),
+        calibration_(options.calibration),
+        clock_(&interrupt) {
+    if (!faults.empty()) faulty_.emplace(*link_, clock_, std::move(faults), options.seed);
+  }
+  ~RealBackend() override {
+    if (const std::string told = camera_.summary(); !told.empty())
+      std::fprintf(stderr, "kaz: cameras: %s\n", told.c_str());
+  }
+  host::Link& link() override { return faulty_ ? static_cast<host::Link&>(*faulty_) : *link_; }
+  const host::TtyLink* port() const override { return link_.get(); }
+  host::Clock& clock() override { return clock_; }
+  Result<void> open_camera() override {
+    if (camera_path_ == "sim") return {};  // left out
+    auto camera = open_live_camera(camera_path_, calibration_);
+    if (!camera) return tl::unexpected(camera.error());
+    camera_ = std::move(*camera);
+    return {};
+  }
+  bool sees() const override { return camera_.camera != nullptr; }
+  vision::Camera& camera() override { return camera_.camera ? *camera_.camera : no_camera_; }
+  vision::Pace pace() const override { return vision::Pace::realtime; }
+  Time camera_latency() const override { return camera_.latency; }
+  sim::Simulation* simulation() override { return nullptr; }
+
+ private:
+  std::unique_ptr<host::TtyLink> link_;
+  std::string camera_path_, calibration_;
+  LiveCamera camera_;
+  NoCamera no_camera_;
+  host::WallClock clock_;
+  std::optional<host::FaultyLink> faulty_;
+};
+
+struct SerialAddress {
+  std::string path;
+  int baud = 115200;
+};
+
+Result<SerialAddress> parse_robot(const std::string& text) {
+  const auto wrong = [&](const std::string& why) {
+    return fail(Fault::usage, "--robot " + text + ": " + why +
+                                  "; give sim, or serial:PATH[@BAUD] as in serial:/dev/ttyUSB0");
+  };
+  if (text.rfind(kSerial, 0) != 0) return wrong("no such kind of robot");
+  SerialAddress address;
+  address.path = text.substr(kSerial.size());
+  if (const auto at = address.path.rfind('@'); at != std::string::npos) {
+    const std::string baud = address.path.substr(at + 1);
+    const auto end = baud.data() + baud.size();
+    const auto [stop, error] = std::from_chars(baud.data(), end, address.baud);
+    if (error != std::errc() || stop != end || address.baud <= 0) {
+      return wrong("'" + baud + "' is no baud rate");
+    }
+    address.path.resize(at);
+  }
+  if (address.path.empty()) return wrong("the path of the port is missing");
+  return address;
+}
+
+// For a port: no other faults can be made there.
+Result<faults::Schedule> line_faults(const BackendOptions& options) {
+  if (options.faults.empty()) return faults::Schedule{};
+  auto schedule = faults::Schedule::load(options.faults);
+  if (!schedule) return schedule;
+  if (const auto name = schedule->only_simulated())
+    return fail(Fault::usage, options.faults + ": the fault `" + std::string(*name) +
+                                  "` is possible in the simulator only; on a port those of the "
+                                  "line are");
+  return schedule;
+}
+
+}  // namespace
+
+Result<void> check(const BackendOptions& options) {
+  const bool sim_robot = options.robot == "sim";
+  if (!sim_robot) {
+    if (auto address = parse_robot(options.robot); !address) {
+      return tl::unexpected(address.error());
+    }
+  }
+  const bool blind = !sim_robot && options.camera == "sim" && !options.needs_camera;
+  if (!blind && sim_robot != (options.camera == "sim")) {
+    return fail(Fault::usage,
+                sim_robot ? "--robot sim sees through its own eyes: leave --camera out"
+                          : "--camera is missing: a robot on a serial port needs the path of a "
+                            "camera socket, as `kaz sim --cameras PATH` makes it, or real cameras "
+                            "(v4l2:/dev/video0,/dev/video2)");
+  }
+  if (!sim_robot && options.camera != "sim")
+    return check_live_camera(options.camera, options.calibration);
+  if (!options.calibration.empty())
+    return fail(Fault::usage, "--calibration goes with real cameras (v4l2:...); leave it out");
+  return {};
+}
+
+namespace {
+
+Result<std::unique_ptr<sim::Simulation>> make_stand(const BackendOptions& options,
+                                                    sim::SimulationOptions sim) {
+  const auto robot = data_file("robot/kaz/kaz.urdf");
+  if (!robot) return tl::unexpected(robot.error());
+  const std::filesystem::path beside(*robot);
+  const auto sensors =
+      sim::load_sensor_file(std::filesystem::path(beside).replace_filename("sensors.xml"));
+  if (!sensors) return tl::unexpected(sensors.error());
+  sim.sensor_params = *sensors;
+  const std::string file =
+      options.motor_file.empty()
+          ? std::filesystem::path(beside).replace_filename("motor.xml").string()
+          : options.motor_file;
+  const auto motor = sim::load_motor_file(file, options.motor);
+  if (!motor) return tl::unexpected(motor.error());
+  return sim::make_stand(sim,
+                         {.motor = *motor, .disc_kgm2 = options.disc_kgm2, .seed = options.seed});
+}
+
+}  // namespace
+
+Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& options,
+                                                         sim::FramePolicy frames) {
+  sim::SimulationOptions sim;
+  sim.mcu = options.mcu;
+  sim.seed = options.seed;
+  sim.ideal_eyes = options.eyes == "ideal";
+  sim.eye_width = options.eye_width;
+  sim.dynamics = options.dynamics;
+  sim.physics_step_ms = options.physics_step_ms;
+  sim.frames = frames;
+  const auto sensors = sim::sensors_by_name(options.sensors);
+  if (!sensors)
+    return fail(Fault::usage, "--sensors " + options.sensors + ": give nominal, ideal or as-built");
+  sim.sensors = *sensors;
+  sim.imu = options.imu;
+  sim.supply_volts = options.supply_volts;
+  sim.recording_path = options.recording;
+  sim.detour_every = std::chrono::milliseconds(std::llround(1000 * options.restore_every_s));
+  sim.record_pictures = options.record_pictures;
+  if (!options.faults.empty()) {
+    auto schedule = faults::Schedule::load(options.faults);
+    if (!schedule) return tl::unexpected(schedule.error());
+    sim.faults = std::move(*schedule);
+  }
+  sim.recording_facts = {{"kaz", kVersion},
+                         {"mcu", options.mcu},
+                         {"world", options.world},
+                         {"seed", std::to_string(options.seed)}};
+  for (const auto& fact : options.facts) sim.recording_facts.push_back(fact);
+  const auto find = [](Result<std::string> path, std::string& to) -> Result<void> {
+    if (!path) return tl::unexpected(path.error());
+    to = *path;
+    return {};
+  };
+  Result<void> found;
+  if (!options.stand) {
+    found = find(world_file(options.world), sim.world_path);
+    if (options.robot_file.empty()) {
+      if (found) found = find(data_file("robot/kaz/kaz.urdf"), sim.robot_path);
+      if (found) found = find(data_file("robot/kaz/camera.json"), sim.camera_path);
+    } else {
+      sim.robot_path = options.robot_file;
+      sim.camera_path =
+          std::filesystem::path(options.robot_file).replace_filename("camera.json").string();
+    }
+  }
+  if (found && options.mcu == "h8" && !options.erased)
+    found = find(firmware_image(options.image), sim.image_path);
+  if (!found) return tl::unexpected(found.error());
+  return options.stand ? make_stand(options, sim) : sim::Simulation::create(sim);
+}
+
+Result<std::unique_ptr<SessionBackend>> SessionBackend::open(const BackendOptions& options,
+                                                             host::Interrupt& interrupt) {
+  if (auto sound = check(options); !sound) return tl::unexpected(sound.error());
+  if (options.robot == "sim") {
+    auto simulation = make_simulation(options, sim::FramePolicy::wait);
+    if (!simulation) return tl::unexpected(simulation.error());
+    return std::make_unique<LockstepBackend>(std::move(*simulation), interrupt);
+  }
+  auto faults = line_faults(options);
+  if (!faults) return tl::unexpected(faults.error());
+  const auto address = parse_robot(options.robot);
+  auto link = host::TtyLink::open(address->path, address->baud, &interrupt);
+  if (!link) return tl::unexpected(link.error());
+  return std::make_unique<RealBackend>(std::move(*link), options, std::move(*faults), interrupt);
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,87 @@
+// What a behaviour runs on: the virtual robot in lockstep, or a board on a serial port with a
+// published camera or real ones. Both have the same three interfaces; callers cannot distinguish them.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/link/interrupt.h"
+#include "host/link/link.h"
+#include "host/link/tty_link.h"
+#include "shared/base/result.hpp"
+#include "sim/runtime/simulation/simulation.h"
+#include "vision/image/frame.h"
+#include "vision/pipeline/pipeline.h"
+
+namespace kaz::tools {
+
+struct BackendOptions {
+  std::string robot = "sim";        // "sim" or "serial:PATH[@BAUD]"
+  std::string camera = "sim";       // "sim", or as open_live_camera() has it
+  std::string calibration;          // file; of real cameras
+  bool needs_camera = true;          // false: at a port the camera may be left out
+  std::string world = "ball";       // the rest for "sim" only
+  std::string robot_file;           // URDF of the simulated robot; Kaz if empty
+  std::string mcu = "h8";           // "h8" or "native"
+  std::string image;                // firmware image; the built one if empty
+  bool stand = false;               // a motor stand instead of robot and world
+  std::string motor_file, motor;    // of the stand; Kaz's motor.xml and its default if empty
+  double disc_kgm2 = 4e-4;          // on each shaft of the stand
+  bool erased = false;              // no image: the flash is blank
+  std::string sensors = "nominal";  // "nominal", "ideal" or "as-built"
+  bool imu = false;                 // the board's option
+  std::string eyes = "ideal";
+  std::string dynamics = "reduced";  // WorldOptions::dynamics
+  double physics_step_ms = 1;        // SimulationOptions
+  double supply_volts = 10;
+  int eye_width = 0;  // 320 or 640; 0: as in camera.json
+  std::uint64_t seed = 1;
+  std::string faults;          // file with a schedule of faults; none if empty
+  std::string recording;       // path of the recording; none if empty
+  double restore_every_s = 0;  // detours of the simulation; 0: none
+  bool record_pictures = false;
+  // Of what runs on it, for the recording: name and value.
+  std::vector<std::pair<std::string, std::string>> facts;
+};
+
+class SessionBackend {
+ public:
+  // Errors: wrong or missing files (usage), ports that are not there (environment).
+  // `interrupt` ends waiting and must outlive the backend.
+  static Result<std::unique_ptr<SessionBackend>> open(const BackendOptions& options,
+                                                      host::Interrupt& interrupt);
+  virtual ~SessionBackend() = default;
+
+  virtual host::Link& link() = 0;
+  virtual host::Clock& clock() = 0;
+  // The port; null where the robot is simulated in this process.
+  virtual const host::TtyLink* port() const { return nullptr; }
+  // To be called once, before camera() and camera_latency(): apart from open(), so that a board that does
+  // not answer is reported before a camera that is not there.
+  virtual Result<void> open_camera() = 0;
+  // False: there is no camera, and camera() has no pictures. Valid after open_camera().
+  virtual bool sees() const = 0;
+  virtual vision::Camera& camera() = 0;
+  // Of the vision that runs on it.
+  virtual vision::Pace pace() const = 0;
+  // From exposure to arrival at the host.
+  virtual Time camera_latency() const = 0;
+  // For recording, pictures and scoring; null where the robot is not simulated in this process.
+  // Behaviours never see it.
+  virtual sim::Simulation* simulation() = 0;
+  // The state of the behaviour, as one JSON object, for a recording where there is one.
+  virtual void record_behavior(const std::string& /*json*/) {}
+};
+
+// Checks what can be checked without opening anything.
+Result<void> check(const BackendOptions& options);
+
+// The virtual robot of `kaz demo`, `kaz run` and `kaz sim`: finds its files and loads them.
+Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& options,
+                                                         sim::FramePolicy frames);
+
+}  // namespace kaz::tools

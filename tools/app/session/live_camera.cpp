@@ -1,0 +1,54 @@
+// By the name's beginning.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/session/live_camera.h"
+
+#include "host/camera/published_camera.h"
+#include "host/camera/v4l2_camera.h"
+#include "vision/calibration/calibration_file.h"
+
+namespace kaz::tools {
+
+std::string LiveCamera::summary() const {
+  const auto* real = dynamic_cast<const host::V4l2Camera*>(camera.get());
+  return real != nullptr ? real->summary() : "";
+}
+
+bool is_real_camera(const std::string& where) {
+  return where.starts_with(host::kV4l2);
+}
+
+Result<void> check_live_camera(const std::string& where, const std::string& calibration) {
+  if (!is_real_camera(where)) {
+    if (!calibration.empty())
+      return fail(Fault::usage,
+                  "--calibration goes with real cameras (v4l2:...); what comes from " + where +
+                      " is rectified already: leave it out");
+    return {};
+  }
+  if (const auto source = host::parse_v4l2_source(where); !source)
+    return tl::unexpected(source.error());
+  if (calibration.empty())
+    return fail(Fault::usage, where +
+                                  " needs --calibration FILE (kaz calibrate stereo): pictures of "
+                                  "real lenses have to be rectified");
+  return {};
+}
+
+Result<LiveCamera> open_live_camera(const std::string& where, const std::string& calibration) {
+  if (auto sound = check_live_camera(where, calibration); !sound)
+    return tl::unexpected(sound.error());
+  if (!is_real_camera(where)) {
+    auto published = host::PublishedCamera::connect(where);
+    if (!published) return tl::unexpected(published.error());
+    const Time latency = (*published)->latency();
+    return LiveCamera{std::move(*published), latency};
+  }
+  const auto eyes = vision::read_calibration(calibration);
+  if (!eyes) return tl::unexpected(eyes.error());
+  const auto source = host::parse_v4l2_source(where);
+  auto real = host::V4l2Camera::open(*source, *eyes);
+  if (!real) return tl::unexpected(real.error());
+  return LiveCamera{std::move(*real), Time::zero()};
+}
+
+}  // namespace kaz::tools

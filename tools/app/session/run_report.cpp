@@ -1,0 +1,235 @@
+// result.json and the pictures of a run.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/session/run_report.h"
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "shared/board/board.h"
+#include "tools/app/output.h"
+#include "tools/figure/figure.h"
+
+namespace kaz::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+double rounded(double value, double unit) {
+  return std::round(value / unit) * unit;
+}
+
+// At most ten samples a second: enough for a plot, small enough to read.
+ordered_json thinned_errors(const Score& score) {
+  ordered_json rows = ordered_json::array();
+  double next = 0;
+  for (std::size_t i = 0; i < score.time_s.size(); ++i) {
+    if (score.time_s[i] < next) continue;
+    next = score.time_s[i] + 0.0999;
+    ordered_json row{{"t_s", rounded(score.time_s[i], 0.001)}};
+    if (std::isnan(score.error_deg[i])) {
+      row["deg"] = nullptr;
+    } else {
+      row["deg"] = rounded(score.error_deg[i], 0.001);
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+ordered_json board_json(const RunReport& report) {
+  const double tick_8states = KZ_STATES_PER_TICK / 8.0;
+  return {{"firmware_version", std::to_string(report.identity.firmware_version >> 8) + "." +
+                                   std::to_string(report.identity.firmware_version & 0xff)},
+          {"protocol_version", report.identity.protocol_version},
+          {"build_id", report.identity.build_id},
+          {"image_crc", report.identity.image_crc},
+          {"worst_tick_share", rounded(report.health.worst_8states / tick_8states, 1e-4)},
+          {"missed_ticks", report.health.missed_ticks},
+          {"bad_frames", report.health.bad_check + report.health.bad_stuffing +
+                             report.health.too_short + report.health.too_long +
+                             report.health.line_errors}};
+}
+
+ordered_json link_json(const host::LinkStatistics& link) {
+  return {{"requests", link.requests},
+          {"replies", link.replies},
+          {"timeouts", link.timeouts},
+          {"retries", link.retries},
+          {"refused", link.refused},
+          {"bad_frames", link.bad_frames},
+          {"bytes_out", link.bytes_out},
+          {"bytes_in", link.bytes_in},
+          {"round_trip_s", rounded(link.round_trip.smoothed_s, 1e-6)},
+          {"round_trip_min_s", rounded(link.round_trip.min_s, 1e-6)},
+          {"round_trip_mean_s", rounded(link.round_trip.mean_s, 1e-6)},
+          {"round_trip_max_s", rounded(link.round_trip.max_s, 1e-6)}};
+}
+
+figure::LinePlot joint_plot(const RunReport& report, const std::string& title,
+                            double behavior::CycleRow::*target,
+                            double behavior::CycleRow::*measured,
+                            double TruthProbe::Sample::*truth) {
+  figure::Series target_curve{"target", figure::kOrange, {}, {}};
+  figure::Series pot_curve{"potentiometer", figure::kBlue, {}, {}};
+  figure::Series true_curve{"true", figure::kGreen, {}, {}};
+  for (const auto& row : report.recording.cycles) {
+    const double t = seconds(row.time - report.start);
+    target_curve.x.push_back(t);
+    target_curve.y.push_back(row.*target * kDegrees);
+    pot_curve.x.push_back(t);
+    pot_curve.y.push_back(row.*measured * kDegrees);
+  }
+  figure::LinePlot plot;
+  plot.title = title;
+  plot.y_label = "degrees";
+  plot.series = {target_curve, pot_curve};
+  if (report.probe != nullptr) {
+    for (const auto& sample : report.probe->samples()) {
+      true_curve.x.push_back(seconds(sample.time - report.start));
+      true_curve.y.push_back(sample.*truth * kDegrees);
+    }
+    true_curve.dashed = true;
+    plot.series.push_back(true_curve);
+  }
+  return plot;
+}
+
+figure::PlotPage tracking_page(const RunReport& report) {
+  figure::LinePlot error;
+  error.title = "Angle between the left eye's axis and the ball";
+  error.y_label = "degrees";
+  error.series = {{"error", figure::kRed, report.score.time_s, report.score.error_deg}};
+  error.lines = {{3.0, figure::kGrey, "3 degrees"}};
+  error.y_min = 0;
+  error.y_max = 12;
+  figure::PlotPage page;
+  page.title = report.behavior + " through the " + report.backend.mcu + " mcu";
+  if (report.probe == nullptr) page.title = report.behavior + " over " + report.backend.robot;
+  page.x_label = "time, s";
+  page.plots = {joint_plot(report, "Neck pan (positive: left)", &behavior::CycleRow::pan_target,
+                           &behavior::CycleRow::pan_measured, &TruthProbe::Sample::pan_rad),
+                joint_plot(report, "Neck tilt (positive: down)", &behavior::CycleRow::tilt_target,
+                           &behavior::CycleRow::tilt_measured, &TruthProbe::Sample::tilt_rad),
+                error};
+  if (report.score.found_s) {
+    for (auto& plot : page.plots) {
+      plot.spans = {{*report.score.found_s, report.run_s, figure::kGreen, "tracking"}};
+    }
+  }
+  return page;
+}
+
+Result<std::vector<std::string>> write_pictures(const RunReport& report, const Snapshots& snapshots,
+                                                const OutputFolder& folder) {
+  auto names = snapshots.write(folder);
+  if (!names || report.recording.cycles.empty()) return names;
+  const figure::PlotPage page = tracking_page(report);
+  for (const auto& [name, write] : {std::pair{"pan_tilt.png", &figure::write_plot_png},
+                                    std::pair{"pan_tilt.svg", &figure::write_plot_svg}}) {
+    if (auto written = write(folder.path(name), page); !written) {
+      return tl::unexpected(written.error());
+    }
+    names->push_back(name);
+  }
+  return names;
+}
+
+}  // namespace
+
+Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
+                                  const Snapshots& snapshots, const std::string& out,
+                                  const std::string& partial_recording) {
+  ordered_json result{{"outcome", report.outcome.success ? "done" : "failed"},
+                      {"sentence", report.outcome.sentence},
+                      {"behavior", report.behavior},
+                      {"mcu", nullptr},
+                      {"seed", report.backend.seed},
+                      {"duration_s", rounded(report.run_s, 1e-3)},
+                      {"rtf", rounded(report.rtf, 1e-3)},
+                      {"found_s", nullptr},
+                      {"tracking_within_3deg", rounded(report.score.within_3deg, 1e-4)},
+                      {"tracking_rms_deg", rounded(report.score.rms_deg, 1e-4)},
+                      {"tracking_measured_by", report.score.measured_by}};
+  if (report.score.found_s) result["found_s"] = rounded(*report.score.found_s, 1e-3);
+  if (!report.outcome.success) result["cause"] = report.outcome.cause;
+  for (const auto& [name, value] : report.outcome.measurements) {
+    if (!result.contains(name) || result[name].is_null()) result[name] = rounded(value, 1e-6);
+  }
+  if (simulation != nullptr) {
+    result["mcu"] = report.backend.mcu;
+    if (const std::string emulator = simulation->board().mcu().emulator_engine(); !emulator.empty())
+      result["emulator_engine"] = emulator;
+    result["world"] = report.backend.world;
+    result["dynamics"] = simulation->world().dynamics();
+    result["physics_step_ms"] = report.backend.physics_step_ms;
+    result["joint_gap_m"] = rounded(simulation->world().largest_joint_gap_m(), 1e-7);
+    const sim::SolverDiagnostics& diagnostics = simulation->world().diagnostics();
+    result["unconverged_steps"] = diagnostics.unconverged_steps;
+    if (diagnostics.unconverged_steps > 0) result["warning"] = diagnostics.summary();
+    const auto sha256 = simulation->finish_recording();
+    if (!sha256) return tl::unexpected(sha256.error());
+    if (!sha256->empty()) result["recording_sha256"] = *sha256;
+  } else {
+    result["robot"] = report.backend.robot;
+  }
+  result["board"] = board_json(report);
+  result["link"] = link_json(report.link);
+  result["vision"] = report.vision;
+  if (!out.empty()) {
+    const auto folder = OutputFolder::open(out);
+    if (!folder) return tl::unexpected(folder.error());
+    if (simulation != nullptr) {
+      auto moved = move_file(partial_recording, folder->path("recording.mcap"));
+      if (!moved) return tl::unexpected(moved.error());
+      result["recording"] = "recording.mcap";
+    }
+    const auto names = write_pictures(report, snapshots, *folder);
+    if (!names) return tl::unexpected(names.error());
+    result["pictures"] = *names;
+    const auto table =
+        figure::write_file(folder->path("vision.csv"),
+                           {reinterpret_cast<const std::uint8_t*>(report.vision_table.data()),
+                            report.vision_table.size()});
+    if (!table) return tl::unexpected(table.error());
+    result["tracking_error"] = thinned_errors(report.score);
+    if (auto written = folder->write_json("result.json", result); !written) {
+      return tl::unexpected(written.error());
+    }
+  }
+  return result;
+}
+
+void print_report(const ordered_json& result, const RunReport& report, const std::string& out,
+                  bool json) {
+  if (json) {
+    std::printf("%s\n", result.dump(2).c_str());
+    return;
+  }
+  std::printf("%s: %s\n", report.outcome.success ? "done" : "failed",
+              report.outcome.sentence.c_str());
+  if (report.score.found_s) {
+    std::printf(
+        "within 3 degrees of the picture's centre %.1f %% of the time after the ball was "
+        "found (by %s)\n",
+        100 * report.score.within_3deg, report.score.measured_by.c_str());
+  }
+  std::printf("%.1f s of the robot, %.1f times as fast as real time", report.run_s, report.rtf);
+  if (report.health.worst_8states != 0) {  // native counts no states
+    std::printf("; worst tick of the board %.0f %%",
+                100 * report.health.worst_8states / (KZ_STATES_PER_TICK / 8.0));
+  }
+  std::printf("\n");
+  if (!report.vision_text.empty())
+    std::printf("vision, computing a picture: %s\n", report.vision_text.c_str());
+  if (result.contains("warning"))
+    std::printf("warning: %s\n", result["warning"].get<std::string>().c_str());
+  if (result.contains("recording_sha256")) {
+    std::printf("recording %s\n", result["recording_sha256"].get<std::string>().c_str());
+  }
+  if (!out.empty()) std::printf("pictures and result.json are in %s\n", out.c_str());
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,45 @@
+// result.json and the pictures of a run.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "host/behavior/behavior.h"
+#include "host/link/link_statistics.h"
+#include "tools/app/session/backend.h"
+#include "tools/app/session/score.h"
+#include "tools/app/session/snapshots.h"
+
+namespace kaz::tools {
+
+struct RunReport {
+  std::string behavior;
+  BackendOptions backend;
+  behavior::Outcome outcome;
+  double run_s = 0;  // time of the robot
+  double rtf = 0;    // run_s over wall time
+  Score score;
+  kz_identify_reply identity{};
+  kz_statistics_reply health{};
+  host::LinkStatistics link;
+  Time start{};
+  const behavior::Recording& recording;
+  const TruthProbe* probe = nullptr;
+  nlohmann::ordered_json vision;  // by module: frames, times
+  std::string vision_text;        // the same for people
+  std::string vision_table;       // CSV, a line for each result
+};
+
+// Ends the recording and, where `out` is not empty, makes the folder and fills it, result.json
+// last. `partial_recording` moves in as recording.mcap. Returns what stands in result.json.
+Result<nlohmann::ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
+                                            const Snapshots& snapshots, const std::string& out,
+                                            const std::string& partial_recording);
+
+// A few lines for people, or the whole result as JSON, on standard output.
+void print_report(const nlohmann::ordered_json& result, const RunReport& report,
+                  const std::string& out, bool json);
+
+}  // namespace kaz::tools

@@ -1,0 +1,263 @@
+// One behaviour from start to end on a backend, with everything that is kept of it.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/session/session.h"
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "host/behavior/behavior.h"
+#include "host/behavior/ball_detector.h"
+#include "host/camera/capture.h"
+#include "host/robot/measure_link.h"
+#include "host/robot/robot.h"
+#include "tools/app/output.h"
+#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/session/moments.h"
+#include "tools/app/session/run_report.h"
+#include "tools/app/session/score.h"
+#include "tools/app/session/snapshots.h"
+#include "tools/app/vision/report.h"
+
+namespace kaz::tools {
+namespace {
+
+// Listens to the behaviour: progress for the user, truth for the score, moments for the snapshots, a
+// record.
+class Listener final : public behavior::Sink {
+ public:
+  Listener(SessionBackend& backend, Snapshots& snapshots, Progress& progress, Time start,
+           double expected_s)
+      : backend_(backend),
+        snapshots_(snapshots),
+        progress_(progress),
+        start_(start),
+        expected_s_(expected_s) {
+    if (backend.simulation() != nullptr) probe_.emplace(*backend.simulation());
+  }
+
+  void phase(Time time, std::string_view behavior, std::string_view phase) override {
+    recording_.phase(time, behavior, phase);
+    phase_ = phase;
+    record({{"behavior", behavior}, {"phase", phase}});
+    progress_.announce(seconds(time - start_), phase_);
+    if (const auto shown = moments_.on_phase(seconds(time - start_), behavior, phase))
+      snapshots_.take(time, *shown);
+  }
+
+  void cycle(const behavior::CycleRow& row) override {
+    recording_.cycle(row);
+    if (probe_) probe_->sample();
+    record({{"pan_target", row.pan_target}, {"tilt_target", row.tilt_target}});
+    const double elapsed = seconds(row.time - start_);
+    progress_.update(elapsed / expected_s_, phase_);
+    if (const auto shown = moments_.on_cycle(elapsed)) snapshots_.take(row.time, *shown);
+  }
+
+  void picture(const behavior::PictureRow& row) override {
+    recording_.picture(row);
+    record({{"exposure_ns", row.exposure.count()}, {"found", row.found}, {"error", row.error_rad}});
+  }
+
+  const behavior::Recording& recording() const { return recording_; }
+  const TruthProbe* probe() const { return probe_ ? &*probe_ : nullptr; }
+
+ private:
+  void record(const nlohmann::ordered_json& value) { backend_.record_behavior(value.dump()); }
+
+  SessionBackend& backend_;
+  Snapshots& snapshots_;
+  Progress& progress_;
+  Time start_;
+  double expected_s_;
+  std::string phase_;
+  Moments moments_{expected_s_};
+  std::optional<TruthProbe> probe_;
+  behavior::Recording recording_;
+};
+
+// Lets somebody look at the world whenever the host has waited or asked for the time: whoever is busy on
+// the line all the time waits for nothing else.
+class WatchedClock final : public host::Clock {
+ public:
+  WatchedClock(host::Clock& clock, sim::Simulation* simulation, Onlooker* onlooker)
+      : clock_(clock), simulation_(simulation), onlooker_(onlooker) {}
+  Time now() const override {
+    const Time now = clock_.now();
+    if (onlooker_ != nullptr && simulation_ != nullptr && now > looked_) {
+      onlooker_->look(*simulation_);
+      looked_ = now;
+    }
+    return now;
+  }
+  Result<void> sleep_until(Time t) override {
+    auto slept = clock_.sleep_until(t);
+    if (slept) now();
+    return slept;
+  }
+
+ private:
+  mutable Time looked_{-1};
+  host::Clock& clock_;
+  sim::Simulation* simulation_;
+  Onlooker* onlooker_;
+};
+
+double expected_seconds(const behavior::OptionValues& values,
+                        std::span<const behavior::Option> options) {
+  for (const auto& option : options) {
+    if (option.name == "seconds") return values.number("seconds");
+  }
+  return 10;
+}
+
+// Joints of a robot that is no Kaz; of Kaz none.
+std::vector<std::string> other_joints(const sim::World& world) {
+  const auto joints = world.joint_order();
+  if (joints.empty() || host::joint_index(joints.front())) return {};
+  return {joints.begin(), joints.end()};
+}
+
+// What `kaz replay` runs it again with.
+std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& options) {
+  const BackendOptions& backend = options.backend;
+  const nlohmann::ordered_json robot{{"world", backend.world},
+                                     {"robot_file", backend.robot_file},
+                                     {"mcu", backend.mcu},
+                                     {"image", backend.image},
+                                     {"sensors", backend.sensors},
+                                     {"imu", backend.imu},
+                                     {"dynamics", backend.dynamics},
+                                     {"physics_step_ms", backend.physics_step_ms},
+                                     {"eyes", backend.eyes},
+                                     {"eye_width", backend.eye_width},
+                                     {"supply_volts", backend.supply_volts},
+                                     {"seed", backend.seed}};
+  return {{"behavior", options.behavior},
+          {"settings", nlohmann::json(options.settings).dump()},
+          {"backend", robot.dump()}};
+}
+
+// What there is of a run that broke off is its recording up to there: it moves in all the same.
+Error with_recording(Error error, sim::Simulation* simulation, const SessionOptions& options,
+                     const std::string& partial) {
+  if (simulation == nullptr || partial.empty() || options.backend.recording != partial)
+    return error;
+  const auto ended = simulation->finish_recording();
+  if (!ended || ended->empty()) return error;
+  const auto folder = OutputFolder::open(options.out);
+  if (!folder) return error;
+  const std::string path = folder->path("recording.mcap");
+  if (move_file(partial, path)) error.message += "; the recording up to there is " + path;
+  return error;
+}
+
+}  // namespace
+
+Result<bool> run_session(SessionOptions options) {
+  const auto behavior = behavior::find_behavior(options.behavior);
+  if (!behavior) return tl::unexpected(behavior.error());
+  const auto values = behavior::OptionValues::parse(behavior->options, options.settings);
+  if (!values) return tl::unexpected(values.error());
+  if (auto known = parse_modules(options.vision.modules); !known)
+    return tl::unexpected(known.error());
+  options.backend.needs_camera = behavior->needs_camera;
+  if (auto sound = check(options.backend); !sound) return tl::unexpected(sound.error());
+  if (auto usable = OutputFolder::check(options.out); !usable)
+    return tl::unexpected(usable.error());
+
+  // The recording grows elsewhere and moves in with the results when the run has ended.
+  const std::string partial = options.out.empty() ? "" : temporary_file("recording.mcap");
+  if (options.backend.robot == "sim" && options.backend.recording.empty())
+    options.backend.recording = partial;
+  options.backend.facts = facts_of(options);
+  const FileRemover remove_partial(partial);
+
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  auto backend = options.open_backend ? options.open_backend(interrupt)
+                                      : SessionBackend::open(options.backend, interrupt);
+  if (!backend) return tl::unexpected(backend.error());
+  const bool real = (*backend)->port() != nullptr;
+  const Time connecting = (*backend)->clock().now();
+  const auto tell_resumption = [&](const host::Resumption& resumption) {
+    std::fprintf(stderr, "\n%s: after %.1f s %s; after %.2f s more it answered again\n",
+                 options.label.c_str(), seconds(resumption.lost - connecting),
+                 text(resumption.cause), seconds(resumption.resumed - resumption.lost));
+  };
+  WatchedClock clock((*backend)->clock(), (*backend)->simulation(), options.onlooker);
+  auto robot =
+      host::Robot::connect((*backend)->link(), clock,
+                           {.on_resumed = tell_resumption,
+                            .frames_path = real ? temporary_file("frames.txt") : std::string()});
+  if (!robot) return tl::unexpected(robot.error());
+  if (real) {
+    const auto trip = host::measure_round_trip(*robot, *(*backend)->port());
+    if (!trip) return tl::unexpected(trip.error());
+    if (!options.json || trip->slow) std::fprintf(stderr, "kaz: %s\n", trip->sentence.c_str());
+  }
+
+  if (auto seen = (*backend)->open_camera(); !seen) return tl::unexpected(seen.error());
+  const bool sees = (*backend)->sees();
+  if (behavior->needs_camera && !sees) return tl::unexpected(sim::Simulation::no_eyes());
+  RememberingCamera camera((*backend)->camera());
+  host::Capture capture(camera, *robot);
+  vision::Pipeline pipeline({(*backend)->pace(), (*backend)->camera_latency()});
+  VisionOptions modules = options.vision;
+  modules.modules = "color," + modules.modules;
+  if (auto added = add_modules(modules, pipeline); !added) return tl::unexpected(added.error());
+  DeliveryTable deliveries(pipeline);
+  if (options.watcher != nullptr) options.watcher->begin(pipeline);
+  behavior::PipelineBallDetector detector(capture, pipeline);
+  Snapshots snapshots(camera, (*backend)->simulation(), options.vision.ball);
+  Progress progress(options.label, options.json);
+  const Time start = (*backend)->clock().now();
+  Listener listener(**backend, snapshots, progress, start,
+                    expected_seconds(*values, behavior->options));
+
+  const auto wall_start = std::chrono::steady_clock::now();
+  behavior::Context context{*robot,   robot->clock(), sees ? &detector : nullptr,
+                            listener, *values,        options.backend.seed};
+  context.ball_radius_m = options.vision.ball.radius_m;
+  if (const auto* simulation = (*backend)->simulation())
+    context.other_joints = other_joints(simulation->world());
+  const Result<behavior::Outcome> outcome = behavior->run(context);
+  const double wall_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
+  const double run_s = seconds((*backend)->clock().now() - start);
+  if (options.on_end) options.on_end(outcome, run_s, run_s / wall_s);
+  const auto health = outcome ? robot->board_statistics() : Result<kz_statistics_reply>{};
+  robot->disable_all();
+  progress.done();
+  pipeline.finish();
+  if (options.watcher != nullptr) options.watcher->end(pipeline);
+  if (!outcome) {
+    return tl::unexpected(
+        with_recording(outcome.error(), (*backend)->simulation(), options, partial));
+  }
+  if (!health) return tl::unexpected(health.error());
+
+  RunReport report{options.behavior,
+                   options.backend,
+                   *outcome,
+                   run_s,
+                   run_s / wall_s,
+                   score(listener.recording(), listener.probe(), start),
+                   robot->identity(),
+                   *health,
+                   robot->statistics(),
+                   start,
+                   listener.recording(),
+                   listener.probe(),
+                   module_statistics_json(pipeline),
+                   module_statistics_text(pipeline),
+                   deliveries.text()};
+  auto written = write_report(report, (*backend)->simulation(), snapshots, options.out, partial);
+  if (!written) return tl::unexpected(written.error());
+  if (!options.quiet) print_report(*written, report, options.out, options.json);
+  return outcome->success;
+}
+
+}  // namespace kaz::tools

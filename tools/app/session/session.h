@@ -1,0 +1,45 @@
+// One behaviour from start to end on a backend, with everything that is kept of it.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "host/behavior/behavior.h"
+#include "shared/base/result.hpp"
+#include "tools/app/session/backend.h"
+#include "tools/app/vision/modules.h"
+
+namespace kaz::tools {
+
+// Sees the simulated world as it is while a behaviour runs: for scores. No behaviour sees it.
+class Onlooker {
+ public:
+  virtual ~Onlooker() = default;
+  virtual void look(sim::Simulation& simulation) = 0;
+};
+
+struct SessionOptions {
+  BackendOptions backend;
+  std::string behavior = "track-ball";
+  std::map<std::string, std::string> settings;  // the behaviour's options
+  std::string out;                              // folder for results; none if empty
+  bool quiet = false;                           // prints no result
+  bool json = false;                            // result.json on standard output, no progress
+  std::string label = "kaz run";                // begins progress lines
+  VisionOptions vision;                         // always with the module color
+  VisionWatcher* watcher = nullptr;             // must outlive the session
+  Onlooker* onlooker = nullptr;                 // of a simulated robot; must outlive the session
+  // How the behaviour ended, how long it took (s of the robot), and that over wall time.
+  std::function<void(const Result<behavior::Outcome>&, double, double)> on_end;
+  // In place of SessionBackend::open(); what it refers to must outlive the session.
+  std::function<Result<std::unique_ptr<SessionBackend>>(host::Interrupt&)> open_backend;
+};
+
+// False where the behaviour did not succeed. Motors are off afterwards, whatever happened. Nothing
+// is left in the folder unless the run came to its end.
+Result<bool> run_session(SessionOptions options);
+
+}  // namespace kaz::tools

@@ -1,0 +1,67 @@
+// Pictures of a run, taken at a few moments: what the left eye sees, and an onlooker's view.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/behavior/sink.h"
+#include "sim/runtime/simulation/simulation.h"
+#include "tools/app/output.h"
+#include "vision/color/ball.h"
+#include "vision/image/frame.h"
+
+namespace kaz::tools {
+
+// Passes pairs through and remembers the newest.
+class RememberingCamera final : public vision::Camera {
+ public:
+  explicit RememberingCamera(vision::Camera& camera) : camera_(camera) {}
+  const vision::CameraModel& model() const override { return camera_.model(); }
+  Result<std::optional<vision::StereoPair>> poll() override {
+    auto pair = camera_.poll();
+    if (pair && *pair) newest_ = **pair;
+    return pair;
+  }
+  const std::optional<vision::StereoPair>& newest() const { return newest_; }
+
+ private:
+  vision::Camera& camera_;
+  std::optional<vision::StereoPair> newest_;
+};
+
+class Snapshots {
+ public:
+  // `simulation` may be null: then there is no onlooker.
+  // `ball`: what is looked for in the left eye.
+  Snapshots(const RememberingCamera& camera, sim::Simulation* simulation,
+            const vision::BallOptions& ball)
+      : camera_(camera), simulation_(simulation), ball_(ball) {}
+
+  // Keeps what is to be seen now, called `shown`, or nothing. The onlooker's view is drawn only by
+  // write().
+  void take(Time now, const std::string& shown);
+
+  // left_eye.png, color_extraction.png, outside.png of the latest moment with a ball in sight, and
+  // moments.png with all of them, and the same as moments.jpg, a tenth as large. Returns the names written.
+  Result<std::vector<std::string>> write(const OutputFolder& folder) const;
+
+ private:
+  struct Moment {
+    Time time{};
+    std::string shown;
+    vision::StereoPair pair;
+    sim::ScenePose pose;                  // of the world; empty without a simulation
+    std::optional<Eigen::Vector3d> near;  // where an onlooker looks from close by
+    double extent_m = 0;                  // of what is to be seen there
+  };
+  Result<vision::Image> outside(const Moment& moment) const;
+
+  const RememberingCamera& camera_;
+  sim::Simulation* simulation_;
+  vision::BallOptions ball_;
+  std::vector<Moment> moments_;
+};
+
+}  // namespace kaz::tools

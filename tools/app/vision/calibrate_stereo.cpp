@@ -1,0 +1,258 @@
+// `kaz calibrate stereo`: two cameras from pictures of a chessboard.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/vision/calibrate_stereo.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/app/output.h"
+#include "tools/app/vision/picture_pairs.h"
+#include "tools/figure/coverage.h"
+#include "vision/calibration/calibration_file.h"
+#include "vision/image/picture_file.h"
+
+namespace kaz::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using vision::Board;
+using vision::StereoResult;
+
+// What was seen of the board, picture by picture.
+struct Sighting {
+  PicturePair files;
+  std::string left_error, right_error;  // empty: the board was found
+};
+struct Sightings {
+  std::vector<Sighting> pairs;
+  std::vector<vision::BoardPair> boards;
+  int width = 0, height = 0;
+};
+
+// An empty answer: no board. An error: the pictures cannot be of one pair of eyes.
+Result<vision::Corners> look(const std::string& path, const Board& board, Sightings& all,
+                             std::string& trouble) {
+  const auto image = vision::read_picture(path);
+  if (!image) {
+    trouble = image.error().message.substr(path.size() + 2);
+    return vision::Corners{};
+  }
+  if (all.width == 0) {
+    all.width = image->width;
+    all.height = image->height;
+  }
+  if (image->width != all.width || image->height != all.height)
+    return fail(Fault::usage, "'" + path + "' is " + std::to_string(image->width) + " x " +
+                                  std::to_string(image->height) + " pixels, those before it " +
+                                  std::to_string(all.width) + " x " + std::to_string(all.height) +
+                                  ": calibrate with pictures of one size");
+  vision::Corners corners = vision::find_board(*image, board);
+  if (corners.empty()) trouble = "the whole board is not in sight";
+  return corners;
+}
+
+Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board& board,
+                              bool quiet) {
+  Sightings all;
+  Progress progress("kaz calibrate", quiet);
+  for (const PicturePair& files : pairs) {
+    progress.update(
+        static_cast<double>(all.pairs.size()) / static_cast<double>(pairs.size()),
+        "looking for the board in " + std::filesystem::path(files.left).filename().string());
+    Sighting sighting{files, {}, {}};
+    const auto left = look(files.left, board, all, sighting.left_error);
+    if (!left) return tl::unexpected(left.error());
+    const auto right = look(files.right, board, all, sighting.right_error);
+    if (!right) return tl::unexpected(right.error());
+    all.pairs.push_back(sighting);
+    all.boards.push_back({*left, *right});
+  }
+  progress.update(1, "fitting lenses and the way from eye to eye");
+  return all;
+}
+
+double turn_rad(const StereoResult& result) {
+  return Eigen::AngleAxisd(result.calibration.right_from_left()).angle();
+}
+
+Json eye_json(const vision::EyeQuality& eye, const vision::Lens& lens) {
+  return {{"pictures", eye.pictures},
+          {"rms_px", eye.rms_px},
+          {"fx_px", lens.fx},
+          {"fy_px", lens.fy},
+          {"cx_px", lens.cx},
+          {"cy_px", lens.cy},
+          {"distortion", lens.distortion},
+          {"fx_sigma_px", eye.focal_sigma_px},
+          {"covered", eye.covered}};
+}
+
+Json as_json(const Sightings& seen, const StereoResult& result,
+             const StereoCalibrationOptions& arguments) {
+  const auto& c = result.calibration;
+  Json pictures = Json::array();
+  for (std::size_t i = 0; i < seen.pairs.size(); ++i) {
+    const Sighting& s = seen.pairs[i];
+    const vision::PairQuality& q = result.pairs[i];
+    Json one{{"left", s.files.left}, {"right", s.files.right}, {"used", q.used}};
+    if (!s.left_error.empty()) one["left_error"] = s.left_error;
+    if (!s.right_error.empty()) one["right_error"] = s.right_error;
+    if (q.used) {
+      one["left_rms_px"] = q.left_rms_px;
+      one["right_rms_px"] = q.right_rms_px;
+      one["row_rms_px"] = q.row_rms_px;
+    }
+    pictures.push_back(one);
+  }
+  return {{"width", c.width},
+          {"height", c.height},
+          {"pairs", seen.pairs.size()},
+          {"pairs_used", result.pairs_used},
+          {"rms_px", result.rms_px},
+          {"row_rms_px", result.row_rms_px},
+          {"baseline_m", c.rectified.baseline_m},
+          {"turn_rad", turn_rad(result)},
+          {"left", eye_json(result.left, c.left.lens)},
+          {"right", eye_json(result.right, c.right.lens)},
+          {"pictures", pictures},
+          {"calibration", arguments.out},
+          {"coverage", arguments.coverage}};
+}
+
+void print_eye(const char* side, const vision::EyeQuality& eye, const vision::Lens& lens) {
+  std::printf(
+      "%-5s  %d pictures, reprojection %.3f px rms; focal length %.2f px +- %.2f, centre "
+      "%.1f, %.1f; board in %.0f %% of the picture\n",
+      side, eye.pictures, eye.rms_px, lens.fx, eye.focal_sigma_px, lens.cx, lens.cy,
+      100 * eye.covered);
+  if (eye.focal_sigma_px > 0.01 * lens.fx)
+    std::printf(
+        "       the focal length is not known to 1 %%: add pictures with the board tilted\n");
+}
+
+void print(const Sightings& seen, const StereoResult& result,
+           const StereoCalibrationOptions& arguments) {
+  const auto name = [](const std::string& path) {
+    return std::filesystem::path(path).filename().string();
+  };
+  std::printf("%-24s %9s %9s %9s   px rms\n", "pair", "left", "right", "rows");
+  for (std::size_t i = 0; i < seen.pairs.size(); ++i) {
+    const Sighting& s = seen.pairs[i];
+    const vision::PairQuality& q = result.pairs[i];
+    const std::string both = name(s.files.left) + " " + name(s.files.right);
+    if (q.used) {
+      std::printf("%-24s %9.3f %9.3f %9.3f\n", both.c_str(), q.left_rms_px, q.right_rms_px,
+                  q.row_rms_px);
+      continue;
+    }
+    const bool left = !s.left_error.empty();
+    std::printf("%-24s left out: %s: %s\n", both.c_str(),
+                name(left ? s.files.left : s.files.right).c_str(),
+                (left ? s.left_error : s.right_error).c_str());
+  }
+  print_eye("left", result.left, result.calibration.left.lens);
+  print_eye("right", result.right, result.calibration.right.lens);
+  std::printf(
+      "both   %d of %zu pairs, reprojection %.3f px rms, rows of the rectified pictures "
+      "%.3f px rms\n       right eye %.5f m from the left one, turned by %.4f rad\n",
+      result.pairs_used, seen.pairs.size(), result.rms_px, result.row_rms_px,
+      result.calibration.rectified.baseline_m, turn_rad(result));
+  std::printf("written: %s, %s\n", arguments.out.c_str(), arguments.coverage.c_str());
+}
+
+Result<void> write(const StereoResult& result, const Board& board,
+                   const StereoCalibrationOptions& arguments) {
+  const auto format = vision::calibration_format(arguments.out);
+  if (!format) return tl::unexpected(format.error());
+  const auto& c = result.calibration;
+  const figure::Panel panels[] = {
+      {figure::coverage_picture(result.left, c.width, c.height), "left: corners, residuals x 40"},
+      {figure::coverage_picture(result.right, c.width, c.height), "right"}};
+  if (auto done = figure::write_png(arguments.coverage, figure::compose(panels, 2, 360)); !done)
+    return done;
+  const std::string text = vision::calibration_text(c, *format,
+                                                    {{"board_width", board.columns},
+                                                     {"board_height", board.rows},
+                                                     {"square_size", board.square_m},
+                                                     {"pairs_used", result.pairs_used},
+                                                     {"rms_left_px", result.left.rms_px},
+                                                     {"rms_right_px", result.right.rms_px},
+                                                     {"rms_stereo_px", result.rms_px},
+                                                     {"rms_rows_px", result.row_rms_px}});
+  return figure::write_file(arguments.out,
+                            {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+tl::unexpected<Error> too_far_off(const Sightings& seen, const StereoResult& result,
+                                  const StereoCalibrationOptions& arguments) {
+  std::size_t worst = 0;
+  const auto off = [&](std::size_t i) {
+    return std::hypot(result.pairs[i].left_rms_px, result.pairs[i].right_rms_px);
+  };
+  for (std::size_t i = 1; i < seen.pairs.size(); ++i) {
+    if (off(i) > off(worst)) worst = i;
+  }
+  char numbers[96];
+  std::snprintf(numbers, sizeof numbers,
+                "the fit is off by %.2f px rms, more than the %.2f of "
+                "--max-rms",
+                result.rms_px, arguments.max_rms_px);
+  return fail(Fault::failed, std::string(numbers) + ", most in '" + seen.pairs[worst].files.left +
+                                 "': are its pictures of one moment, of this board, and sharp?");
+}
+
+}  // namespace
+
+Result<Board> parse_board(const std::string& text, double square_m) {
+  int columns = 0, rows = 0, end = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%n", &columns, &rows, &end) != 2 ||
+      end != static_cast<int>(text.size()) || columns < 3 || rows < 3 || columns > 100 ||
+      rows > 100)
+    return fail(Fault::usage, "--board '" + text +
+                                  "' is not like 9x6: inner corners along both sides, 3 to 100 (a "
+                                  "board of 10 x 7 squares has 9x6)");
+  return Board{columns, rows, square_m};
+}
+
+Result<bool> calibrate_stereo(StereoCalibrationOptions arguments) {
+  const auto board = parse_board(arguments.board, arguments.square_m);
+  if (!board) return tl::unexpected(board.error());
+  if (auto format = vision::calibration_format(arguments.out); !format)
+    return tl::unexpected(format.error());
+  const auto folder = std::filesystem::path(arguments.out).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder))
+    return fail(Fault::usage, "there is no folder '" + folder.string() + "' for --out");
+  if (arguments.coverage.empty())
+    arguments.coverage =
+        std::filesystem::path(arguments.out).replace_extension(".coverage.png").string();
+  const auto pairs = find_pairs(arguments.left, arguments.right);
+  if (!pairs) return tl::unexpected(pairs.error());
+  const auto seen = look_at_all(*pairs, *board, arguments.json);
+  if (!seen) return tl::unexpected(seen.error());
+  const auto result = vision::calibrate_stereo(seen->boards, *board, seen->width, seen->height);
+  if (!result) {
+    std::string why = result.error().message;
+    for (const Sighting& s : seen->pairs) {
+      if (s.left_error.empty() && s.right_error.empty()) continue;
+      const bool left = !s.left_error.empty();
+      why += "; first left out: '" + (left ? s.files.left : s.files.right) + "', " +
+             (left ? s.left_error : s.right_error) + " (looked for " + arguments.board +
+             " inner corners)";
+      break;
+    }
+    return fail(result.error().fault, why);
+  }
+  if (result->rms_px > arguments.max_rms_px) return too_far_off(*seen, *result, arguments);
+  if (auto done = write(*result, *board, arguments); !done) return tl::unexpected(done.error());
+  if (arguments.json) {
+    std::printf("%s\n", as_json(*seen, *result, arguments).dump(2).c_str());
+  } else {
+    print(*seen, *result, arguments);
+  }
+  return true;
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,66 @@
+// Colour thresholds as a JSON file.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/vision/color_file.h"
+
+#include <cmath>
+#include <iterator>
+
+#include "shared/base/files.hpp"
+#include "shared/base/json_depth.hpp"
+
+namespace kaz::tools {
+namespace {
+
+struct Member {
+  const char* key;
+  double vision::ColorRange::*value;
+};
+constexpr Member kMembers[] = {{"hue_min", &vision::ColorRange::hue_min},
+                               {"hue_max", &vision::ColorRange::hue_max},
+                               {"saturation_min", &vision::ColorRange::saturation_min},
+                               {"y_min", &vision::ColorRange::y_min},
+                               {"y_max", &vision::ColorRange::y_max},
+                               {"i_min", &vision::ColorRange::i_min},
+                               {"i_max", &vision::ColorRange::i_max},
+                               {"q_min", &vision::ColorRange::q_min},
+                               {"q_max", &vision::ColorRange::q_max}};
+
+}  // namespace
+
+nlohmann::ordered_json color_json(const vision::ColorRange& range) {
+  nlohmann::ordered_json json;
+  for (const Member& member : kMembers) json[member.key] = range.*member.value;
+  return json;
+}
+
+Result<vision::ColorRange> read_color(const std::string& path) {
+  constexpr std::size_t max_bytes = 64 << 10;
+  const auto text = read_whole_file(path, max_bytes, "kaz vision learn-color writes such a file");
+  if (!text) return tl::unexpected(text.error());
+  return parse_color(*text, path);
+}
+
+Result<vision::ColorRange> parse_color(const std::string& content, const std::string& name) {
+  const auto bad = [&](const std::string& what) { return fail(Fault::usage, name + ": " + what); };
+  const auto json =
+      json_too_deep(content) ? nlohmann::json() : nlohmann::json::parse(content, nullptr, false);
+  if (!json.is_object()) return bad("is no JSON object of colour thresholds");
+  vision::ColorRange range;
+  bool any = false;
+  for (const Member& member : kMembers) {
+    const auto found = json.find(member.key);
+    if (found == json.end()) continue;
+    if (!found->is_number() || std::abs(found->get<double>()) > 1000)
+      return bad(std::string(member.key) + " is no number that fits");
+    range.*member.value = found->get<double>();
+    any = true;
+  }
+  if (!any) return bad("holds no colour threshold (hue_min, hue_max, saturation_min, ...)");
+  const double width = range.hue_max - range.hue_min;
+  if (width < 0 || width >= 3.1415) return bad("hue_max is not above hue_min by less than pi");
+  if (range.saturation_min != 0 && width == 0)
+    return bad("saturation_min needs hue_min and hue_max");
+  return range;
+}
+
+}  // namespace kaz::tools

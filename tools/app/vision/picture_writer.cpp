@@ -1,0 +1,44 @@
+// One thread that composes and compresses.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/vision/picture_writer.h"
+
+namespace kaz::tools {
+
+void PictureWriter::add(std::string path, std::vector<figure::Panel> panels, int columns) {
+  add([path = std::move(path), panels = std::move(panels), columns] {
+    return figure::write_png(path, figure::compose(panels, columns, panels.front().image.height));
+  });
+}
+
+void PictureWriter::add(std::function<Result<void>()> write) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return jobs_.size() < kMostWaiting; });
+  jobs_.push_back(std::move(write));
+  changed_.notify_all();
+}
+
+Result<void> PictureWriter::finish() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return jobs_.empty() && !busy_; });
+  return written_;
+}
+
+void PictureWriter::work(const std::stop_token& stop) {
+  for (;;) {
+    std::function<Result<void>()> job;
+    {
+      std::unique_lock lock(mutex_);
+      busy_ = false;
+      changed_.notify_all();
+      if (!changed_.wait(lock, stop, [this] { return !jobs_.empty(); })) return;
+      job = std::move(jobs_.front());
+      jobs_.pop_front();
+      busy_ = true;
+    }
+    auto done = job();
+    const std::lock_guard lock(mutex_);
+    if (written_ && !done) written_ = std::move(done);
+  }
+}
+
+}  // namespace kaz::tools

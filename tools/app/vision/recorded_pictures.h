@@ -1,0 +1,45 @@
+// `kaz vision run`: the modules of vision on pictures in a folder.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "shared/base/result.hpp"
+#include "vision/color/ball.h"
+#include "vision/depth/depth.h"
+
+namespace kaz::tools {
+
+struct RecordedOptions {
+  std::vector<std::string> left, right;  // stereo pairs, in place of `in`
+  std::string in, out, modules = "color";
+  std::string exported;            // of depth,points; empty: none
+  std::string robot;               // serial:PATH[@BAUD]; of a live camera
+  std::uint64_t frames = 0;        // 0: all, or until interrupted
+  std::string color, calibration;  // files; empty: the red ball, no calibration
+  double view_deg = 0;             // horizontally, of a pinhole, where there is no calibration
+  double radius_m = 0.020;
+  double nearest_m = vision::DepthOptions{}.nearest_m;
+  bool json = false;
+};
+
+// For each picture NAME: NAME.ball.png, a line of ball.csv and an entry of result.json. What cannot be
+// read is an entry with its trouble. 1 if none could be looked at.
+Result<bool> run_on_pictures(const RecordedOptions& options);
+// Of stereo pairs: for each LEFT.vision.png, a line of frames.csv and an entry of result.json.
+Result<bool> run_on_pairs(const RecordedOptions& options);
+
+// The same of a live camera, until so many pairs have been looked at or it is interrupted; with a
+// robot at a port frames carry its posture, and the floor is known.
+Result<bool> run_on_camera(const RecordedOptions& options);
+// The same of a recording (kaz run --record-pictures), with the posture that the board told then.
+Result<bool> run_on_recording(const RecordedOptions& options);
+// `options.in`: a folder, a recording, a picture, a camera socket or v4l2 cameras; chooses from the above.
+Result<bool> run_on_source(const RecordedOptions& options);
+
+// The ball to look for: its radius, and its colour from the file if one is named.
+Result<vision::BallOptions> ball_options(const RecordedOptions& options);
+}  // namespace kaz::tools

@@ -1,0 +1,343 @@
+// `kaz vision run` on stereo pairs: of files, of a live camera, of a recording.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <sstream>
+
+#include "host/camera/capture.h"
+#include "host/link/wall_clock.h"
+#include "host/robot/robot.h"
+#include "tools/app/replay/replay.h"
+#include "tools/app/session/backend.h"
+#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/session/live_camera.h"
+#include "tools/app/vision/picture_pairs.h"
+#include "tools/app/vision/recorded_pictures.h"
+#include "tools/app/vision/report.h"
+#include "vision/calibration/calibration_file.h"
+#include "vision/calibration/rectify.h"
+#include "vision/image/picture_file.h"
+
+namespace kaz::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Result<VisionOptions> vision_options(const RecordedOptions& options) {
+  VisionOptions vision;
+  vision.modules = options.modules;
+  vision.depth.nearest_m = options.nearest_m;
+  const auto ball = ball_options(options);
+  if (!ball) return tl::unexpected(ball.error());
+  vision.ball = *ball;
+  if (!options.exported.empty()) {
+    std::istringstream words(options.exported);
+    for (std::string word; std::getline(words, word, ',');) {
+      if (word != "depth" && word != "points")
+        return fail(Fault::usage, "--export '" + word + "': there are depth and points");
+      (word == "depth" ? vision.export_depth : vision.export_points) = true;
+    }
+    vision.modules += vision.modules.empty() ? "depth" : ",depth";
+  }
+  if (auto known = parse_modules(vision.modules); !known) return tl::unexpected(known.error());
+  return vision;
+}
+
+// Modules that need a sequence of pictures or the posture, where there is none.
+Result<void> refuse(const VisionOptions& vision, std::initializer_list<std::string_view> modules,
+                    const std::string& why) {
+  const auto names = parse_modules(vision.modules);
+  for (const std::string& name : *names) {
+    if (std::find(modules.begin(), modules.end(), name) != modules.end())
+      return fail(Fault::usage, "--modules " + name + ": " + why);
+  }
+  return {};
+}
+
+// The end of each kind: files, and what is told.
+Result<bool> finish(VisionReport& report, const Json& statistics, const std::string& text,
+                    const RecordedOptions& options, const OutputFolder& folder) {
+  if (auto written = report.end(); !written) return tl::unexpected(written.error());
+  const std::string table = report.table();
+  const auto written =
+      figure::write_file(folder.path("frames.csv"),
+                         {reinterpret_cast<const std::uint8_t*>(table.data()), table.size()});
+  if (!written) return tl::unexpected(written.error());
+  const Json result{{"modules", options.modules},
+                    {"frames_looked_at", report.looked_at()},
+                    {"vision", statistics},
+                    {"frames", report.frames()}};
+  if (auto done = folder.write_json("result.json", result); !done)
+    return tl::unexpected(done.error());
+  if (report.looked_at() == 0)
+    return fail(Fault::failed,
+                report.frames().empty()
+                    ? "no pair of pictures came"
+                    : "none of the " + std::to_string(report.frames().size()) +
+                          " pairs could be looked at; the first: " +
+                          report.frames().front().value("trouble", std::string("nothing seen")));
+  if (options.json) {
+    std::printf("%s\n", result.dump(2).c_str());
+    return true;
+  }
+  constexpr int kMaxReported = 10;
+  int told = 0;
+  for (const Json& one : report.frames()) {
+    if (!one.contains("trouble")) continue;
+    if (++told <= kMaxReported)
+      std::printf("trouble: %s\n", one["trouble"].get<std::string>().c_str());
+  }
+  if (told > kMaxReported) std::printf("... and %d more (frames.csv)\n", told - kMaxReported);
+  std::printf("%zu of %zu pairs looked at; computing a pair: %s\n", report.looked_at(),
+              report.frames().size(), text.c_str());
+  std::printf("overlays, frames.csv and result.json are in %s\n", options.out.c_str());
+  return true;
+}
+
+// Reads and rectifies pairs of files.
+struct PairReader {
+  vision::StereoCalibration calibration;
+  vision::Rectifier rectifier;
+
+  Result<vision::StereoImages> read(const PicturePair& files) const {
+    vision::StereoImages raw, rectified;
+    for (const auto& [path, image] :
+         {std::pair(&files.left, &raw.left), std::pair(&files.right, &raw.right)}) {
+      auto read = vision::read_picture(*path);
+      if (!read) return tl::unexpected(read.error());
+      if (read->width != calibration.width || read->height != calibration.height)
+        return fail(Fault::usage, *path + ": is of another size than the calibration's " +
+                                      std::to_string(calibration.width) + " x " +
+                                      std::to_string(calibration.height));
+      *image = std::move(*read);
+    }
+    rectifier.rectify(raw, rectified);
+    return rectified;
+  }
+};
+
+std::string file_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+// For a run that a recording is of.
+class RecordingWatcher final : public VisionWatcher {
+ public:
+  RecordingWatcher(const VisionOptions& options, const OutputFolder& folder, std::uint64_t most)
+      : options_(options), folder_(folder), max_(most) {}
+  void begin(vision::Pipeline& pipeline) override {
+    report_.emplace(pipeline, options_, &folder_, max_);
+  }
+  void end(const vision::Pipeline& pipeline) override {
+    statistics = module_statistics_json(pipeline);
+    text = module_statistics_text(pipeline);
+  }
+  VisionReport* report() { return report_ ? &*report_ : nullptr; }
+  Json statistics;
+  std::string text;
+
+ private:
+  VisionOptions options_;
+  const OutputFolder& folder_;
+  std::uint64_t max_;
+  std::optional<VisionReport> report_;
+};
+
+// The camera, and the robot that has it, if there is one at a port.
+struct LiveSource {
+  std::unique_ptr<SessionBackend> backend;
+  std::optional<host::Robot> robot;
+  LiveCamera alone;
+  std::optional<host::Capture> capture;
+  vision::Camera* camera = nullptr;
+
+  Result<void> open(const RecordedOptions& options, host::Interrupt& interrupt) {
+    if (options.robot.empty()) {
+      auto connected = open_live_camera(options.in, options.calibration);
+      if (!connected) return tl::unexpected(connected.error());
+      alone = std::move(*connected);
+      camera = alone.camera.get();
+      return {};
+    }
+    BackendOptions rig_options;
+    rig_options.robot = options.robot;
+    rig_options.camera = options.in;
+    rig_options.calibration = options.calibration;
+    auto opened = SessionBackend::open(rig_options, interrupt);
+    if (!opened) return tl::unexpected(opened.error());
+    backend = std::move(*opened);
+    auto connected = host::Robot::connect(backend->link(), backend->clock(), {});
+    if (!connected) return tl::unexpected(connected.error());
+    robot.emplace(std::move(*connected));
+    if (auto seen = backend->open_camera(); !seen) return seen;
+    capture.emplace(backend->camera(), *robot);
+    camera = &*capture;
+    return {};
+  }
+};
+
+}  // namespace
+
+Result<bool> run_on_pairs(const RecordedOptions& options) {
+  const auto vision = vision_options(options);
+  if (!vision) return tl::unexpected(vision.error());
+  if (auto fits = refuse(*vision, {"flow", "moving", "floor"},
+                         "single pictures have no time and no posture; take a recording or a live "
+                         "camera with --robot");
+      !fits)
+    return tl::unexpected(fits.error());
+  if (options.calibration.empty())
+    return fail(Fault::usage, "stereo pairs need --calibration FILE (kaz calibrate stereo)");
+  const auto files = find_pairs(options.left, options.right);
+  if (!files) return tl::unexpected(files.error());
+  const auto calibration = vision::read_calibration(options.calibration);
+  if (!calibration) return tl::unexpected(calibration.error());
+  const auto folder = OutputFolder::open(options.out);
+  if (!folder) return tl::unexpected(folder.error());
+  const PairReader reader{*calibration, vision::Rectifier(*calibration)};
+
+  vision::Pipeline pipeline({vision::Pace::lockstep, Time(0)});
+  if (auto added = add_modules(*vision, pipeline); !added) return tl::unexpected(added.error());
+  VisionReport report(pipeline, *vision, &*folder);
+  Progress progress("kaz vision", options.json);
+  const std::size_t most =
+      options.frames > 0 ? std::min<std::size_t>(options.frames, files->size()) : files->size();
+  // Nothing says when the pictures were taken: a second apart, so that each is a frame of its own.
+  for (std::size_t i = 0; i < most; ++i) {
+    const PicturePair& pair = (*files)[i];
+    const std::string left = file_name(pair.left);
+    progress.update(static_cast<double>(i) / static_cast<double>(most), left);
+    const Json facts{{"left", left}, {"right", file_name(pair.right)}};
+    auto images = reader.read(pair);
+    if (!images) {
+      report.trouble(facts, images.error().message);
+      continue;
+    }
+    vision::FrameInfo info;
+    info.sequence = i;
+    info.exposure = std::chrono::seconds(i);
+    info.camera = calibration->rectified;
+    report.begin(i, left, facts);
+    pipeline.submit(vision::stereo_pair(std::move(info), std::move(*images)));
+    pipeline.finish();
+  }
+  progress.update(1, "done");
+  progress.done();
+  return finish(report, module_statistics_json(pipeline), module_statistics_text(pipeline), options,
+                *folder);
+}
+
+Result<bool> run_on_camera(const RecordedOptions& options) {
+  const auto vision = vision_options(options);
+  if (!vision) return tl::unexpected(vision.error());
+  if (options.robot.empty()) {
+    if (auto fits = refuse(*vision, {"moving", "floor"},
+                           "needs the posture: name the robot that has the eyes with --robot");
+        !fits)
+      return tl::unexpected(fits.error());
+  }
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  host::WallClock clock(&interrupt);
+  LiveSource source;
+  if (auto opened = source.open(options, interrupt); !opened) return tl::unexpected(opened.error());
+  const auto folder = OutputFolder::open(options.out);
+  if (!folder) return tl::unexpected(folder.error());
+
+  vision::Pipeline pipeline({vision::Pace::realtime, Time(0)});
+  if (auto added = add_modules(*vision, pipeline); !added) return tl::unexpected(added.error());
+  VisionReport report(pipeline, *vision, &*folder, options.frames);
+  Progress progress("kaz vision", options.json);
+  std::uint64_t taken = 0;
+  std::string end;
+  while (end.empty() && !report.full()) {
+    // The board's state between pictures: what frames get their posture from.
+    if (source.robot) {
+      if (auto state = source.robot->state(); !state) {
+        end = state.error().message;
+        break;
+      }
+    }
+    for (;;) {
+      auto pair = source.camera->poll();
+      if (!pair) end = pair.error().message;
+      if (!pair || !*pair) break;
+      ++taken;
+      pipeline.submit(std::move(**pair));
+    }
+    pipeline.poll(clock.now());
+    const double share = options.frames == 0 ? 0
+                                             : static_cast<double>(report.frames().size()) /
+                                                   static_cast<double>(options.frames);
+    progress.update(share, std::to_string(taken) + " pairs; " + module_statistics_text(pipeline));
+    if (auto slept = clock.sleep_until(clock.now() + std::chrono::milliseconds(5)); !slept)
+      end = slept.error().message;
+  }
+  pipeline.finish();
+  progress.done();
+  if (!end.empty()) std::fprintf(stderr, "kaz vision: %s\n", end.c_str());
+  if (const std::string told = source.alone.summary(); !told.empty())
+    std::fprintf(stderr, "kaz vision: cameras: %s\n", told.c_str());
+  return finish(report, module_statistics_json(pipeline), module_statistics_text(pipeline), options,
+                *folder);
+}
+
+Result<bool> run_on_recording(const RecordedOptions& options) {
+  const auto vision = vision_options(options);
+  if (!vision) return tl::unexpected(vision.error());
+  if (!options.calibration.empty() || options.view_deg != 0)
+    return fail(Fault::usage, "a recording knows its eyes: leave --calibration and --view out");
+  const auto recorded = sim::McapRecording::load(options.in);
+  if (!recorded) return tl::unexpected(recorded.error());
+  if (!recorded->has_messages("/eyes/left"))
+    return fail(Fault::usage, options.in + ": it has no pictures; record with --record-pictures");
+  const auto folder = OutputFolder::open(options.out);
+  if (!folder) return tl::unexpected(folder.error());
+  RecordingWatcher watcher(*vision, *folder, options.frames);
+  ReplayOptions replayed;
+  replayed.label = "kaz vision run";
+  replayed.file = options.in;
+  replayed.mode = ReplayMode::host;
+  replayed.quiet = true;
+  replayed.json = options.json;
+  replayed.vision = *vision;
+  replayed.watcher = &watcher;
+  const auto ran = replay(replayed);
+  if (!ran) return tl::unexpected(ran.error());
+  if (watcher.report() == nullptr)
+    return fail(Fault::usage, options.in + ": nothing looked at its pictures");
+  return finish(*watcher.report(), watcher.statistics, watcher.text, options, *folder);
+}
+
+Result<bool> run_on_source(const RecordedOptions& options) {
+  if (is_real_camera(options.in)) return run_on_camera(options);
+  std::error_code error;
+  const auto status = std::filesystem::status(options.in, error);
+  if (!options.robot.empty() && status.type() != std::filesystem::file_type::socket)
+    return fail(Fault::usage, "--robot goes with a live camera; '" + options.in + "' is none");
+  switch (status.type()) {
+    case std::filesystem::file_type::directory:
+      // Of a folder that kaz run made its recording is meant.
+      if (options.calibration.empty() && options.view_deg == 0 &&
+          std::filesystem::exists(options.in + "/recording.mcap", error)) {
+        RecordedOptions recording = options;
+        recording.in += "/recording.mcap";
+        return run_on_recording(recording);
+      }
+      return run_on_pictures(options);
+    case std::filesystem::file_type::socket:
+      return run_on_camera(options);
+    case std::filesystem::file_type::regular:
+      return vision::looks_like_picture(options.in) ? run_on_pictures(options)
+                                                    : run_on_recording(options);
+    case std::filesystem::file_type::not_found:
+      return fail(Fault::usage,
+                  "--in '" + options.in + "': there is no such folder, recording or socket");
+    default:
+      return fail(Fault::usage,
+                  "--in '" + options.in + "' is no folder, recording or camera socket");
+  }
+}
+
+}  // namespace kaz::tools

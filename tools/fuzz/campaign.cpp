@@ -1,0 +1,278 @@
+// `kaz fuzz`: cases for a board from a seed and a corpus, each judged.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/fuzz/campaign.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "hil/fuzz/search.h"
+#include "host/link/faulty_link.h"
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
+#include "tools/app/output.h"
+#include "tools/app/paths.h"
+#include "tools/app/session/interrupt_signals.h"
+#include "tools/fuzz/engine_case.h"
+
+namespace kaz::tools {
+namespace {
+
+using hil::fuzz::Genome;
+using hil::fuzz::Verdict;
+using WallTime = std::chrono::steady_clock;
+
+struct Totals {
+  long long cases = 0, ticks = 0, requests = 0, replies = 0, refusals = 0, damaged = 0;
+  double board_s = 0, worst_overshoot_rad = 0;
+  std::uint16_t worst_busy_8states = 0;
+  std::string emulator_engine;
+  long long instructions = 0, translated_instructions = 0;
+};
+
+bool in_process(const FuzzOptions& arguments) {
+  return arguments.target == "native" || arguments.target == "h8";
+}
+
+// A board at a port: cases one after the other, each begins with the motors off.
+class PortTarget {
+ public:
+  static Result<std::unique_ptr<PortTarget>> open(const std::string& path, std::uint64_t seed,
+                                                  const host::Interrupt& interrupt) {
+    auto link = host::TtyLink::open(path, 115200, &interrupt);
+    if (!link) return tl::unexpected(link.error());
+    return std::unique_ptr<PortTarget>(new PortTarget(std::move(*link), seed, interrupt));
+  }
+  Result<Verdict> run(const Genome& genome, const hil::fuzz::GrammarOptions& grammar) {
+    host::FaultyLink faulty(*link_, clock_, {}, seed_);
+    hil::fuzz::RunnerOptions runner;
+    runner.patience = std::chrono::milliseconds(200);
+    runner.fault = [&](faults::Fault fault) {
+      fault.at = faulty.age();
+      faulty.add(fault);
+    };
+    return hil::fuzz::run_case(faulty, clock_, hil::fuzz::events_of(genome, grammar), runner);
+  }
+
+ private:
+  PortTarget(std::unique_ptr<host::TtyLink> link, std::uint64_t seed,
+             const host::Interrupt& interrupt)
+      : link_(std::move(link)), clock_(&interrupt), seed_(seed) {}
+  std::unique_ptr<host::TtyLink> link_;
+  host::WallClock clock_;
+  std::uint64_t seed_;
+};
+
+class Fuzzing {
+ public:
+  explicit Fuzzing(const FuzzOptions& arguments) : arguments_(arguments) {}
+
+  Result<bool> run() {
+    // Not only when there is something to keep.
+    const auto folder = std::filesystem::absolute(arguments_.out).parent_path();
+    if (!std::filesystem::is_directory(folder))
+      return fail(Fault::usage, "cannot write a failing case to '" + arguments_.out +
+                                    "': there is no folder " + folder.string());
+    const InterruptSignals signals(interrupt_);
+    if (auto ready = prepare(); !ready) return tl::unexpected(ready.error());
+    if (!arguments_.replay.empty()) return replay();
+    hil::fuzz::Search search(arguments_.seed);
+    if (auto loaded = load(search); !loaded) return loaded;
+    if (failing_) return report_failure(*failing_, search);
+    Progress progress("kaz fuzz", arguments_.json);
+    const auto began = WallTime::now();
+    const auto elapsed = [&] {
+      return std::chrono::duration<double>(WallTime::now() - began).count();
+    };
+    while (arguments_.cases > 0 ? totals_.cases < arguments_.cases
+                                : elapsed() < arguments_.seconds) {
+      if (interrupt_.requested()) break;
+      const Genome genome = search.next();
+      const auto verdict = one(genome);
+      if (!verdict) return tl::unexpected(verdict.error());
+      if (verdict->violation) {
+        progress.done();
+        return report_failure(genome, search);
+      }
+      if (search.learn(genome, *verdict) && !arguments_.corpus.empty()) {
+        const std::string name = arguments_.corpus + "/" + std::to_string(arguments_.seed) + "-" +
+                                 std::to_string(totals_.cases);
+        if (auto saved = hil::fuzz::save_genome(name, genome); !saved)
+          return tl::unexpected(saved.error());
+      }
+      const double share = arguments_.cases > 0 ? static_cast<double>(totals_.cases) /
+                                                      static_cast<double>(arguments_.cases)
+                                                : elapsed() / arguments_.seconds;
+      progress.update(std::min(share, 1.0), std::to_string(totals_.cases) + " cases, " +
+                                                std::to_string(search.features()) + " features");
+    }
+    progress.done();
+    report(search, std::nullopt, "");
+    return true;
+  }
+
+ private:
+  Result<void> prepare() {
+    if (!in_process(arguments_)) {
+      if (arguments_.body)
+        return fail(Fault::usage, "--body needs the simulator: use it with --target native or h8");
+      grammar_.faults = false;
+      grammar_.flash = arguments_.wear_flash;
+      auto port = PortTarget::open(arguments_.target, arguments_.seed, interrupt_);
+      if (!port) return tl::unexpected(port.error());
+      port_ = std::move(*port);
+      return {};
+    }
+    engine_.mcu = arguments_.target;
+    engine_.seed = arguments_.seed;
+    if (engine_.mcu == "h8") {
+      auto image = firmware_image(arguments_.image);
+      if (!image) return tl::unexpected(image.error());
+      engine_.image = *image;
+    }
+    if (arguments_.body) {
+      auto world = world_file("empty");
+      if (!world) return tl::unexpected(world.error());
+      auto robot = data_file("robot/kaz/kaz.urdf");
+      if (!robot) return tl::unexpected(robot.error());
+      engine_.world_path = *world;
+      engine_.robot_path = *robot;
+      grammar_.faults = false;
+    }
+    return {};
+  }
+
+  Result<bool> load(hil::fuzz::Search& search) {
+    if (arguments_.corpus.empty()) return true;
+    std::error_code error;
+    std::filesystem::create_directories(arguments_.corpus, error);
+    auto corpus = hil::fuzz::load_corpus(arguments_.corpus);
+    if (!corpus) return tl::unexpected(corpus.error());
+    for (const Genome& genome : *corpus) {
+      const auto verdict = one(genome);
+      if (!verdict) return tl::unexpected(verdict.error());
+      if (verdict->violation) {
+        failing_ = genome;
+        return true;
+      }
+      search.learn(genome, *verdict);
+    }
+    return true;
+  }
+
+  Result<Verdict> one(const Genome& genome) {
+    ++totals_.cases;
+    if (port_) {
+      auto verdict = port_->run(genome, grammar_);
+      if (verdict) count(*verdict);
+      return verdict;
+    }
+    engine_.grammar = grammar_;
+    const auto verdict = kaz::fuzz::run_engine_case(genome, engine_);
+    if (!verdict) return tl::unexpected(verdict.error());
+    count(*verdict);
+    totals_.ticks += verdict->ticks;
+    totals_.emulator_engine = verdict->emulator_engine;
+    totals_.instructions += verdict->instructions;
+    totals_.translated_instructions += verdict->translated_instructions;
+    totals_.worst_busy_8states = std::max(totals_.worst_busy_8states, verdict->worst_busy_8states);
+    totals_.worst_overshoot_rad =
+        std::max(totals_.worst_overshoot_rad, verdict->worst_overshoot_rad);
+    return *verdict;
+  }
+
+  void count(const Verdict& verdict) {
+    totals_.requests += verdict.counts.requests;
+    totals_.replies += verdict.counts.replies;
+    totals_.refusals += verdict.counts.refusals;
+    totals_.damaged += verdict.counts.damaged;
+    totals_.board_s += verdict.seconds;
+  }
+
+  Result<bool> report_failure(const Genome& genome, const hil::fuzz::Search& search) {
+    const auto runner = [this](const Genome& candidate) { return one(candidate); };
+    const Genome shorter = hil::fuzz::shortened(genome, runner, port_ ? 20 : 400);
+    const auto verdict = one(shorter);
+    if (!verdict) return tl::unexpected(verdict.error());
+    // A board at a port need not fail twice.
+    const Genome& kept = verdict->violation ? shorter : genome;
+    if (auto saved = hil::fuzz::save_genome(arguments_.out, kept); !saved)
+      return tl::unexpected(saved.error());
+    report(search, verdict->violation.value_or("not seen again in the shortened case"),
+           hil::fuzz::text_of(hil::fuzz::events_of(kept, grammar_)));
+    return false;
+  }
+
+  Result<bool> replay() {
+    const auto genome = hil::fuzz::load_genome(arguments_.replay);
+    if (!genome) return tl::unexpected(genome.error());
+    const auto verdict = one(*genome);
+    if (!verdict) return tl::unexpected(verdict.error());
+    report(hil::fuzz::Search(1), verdict->violation,
+           hil::fuzz::text_of(hil::fuzz::events_of(*genome, grammar_)));
+    return !verdict->violation;
+  }
+
+  void report(const hil::fuzz::Search& search, const std::optional<std::string>& violation,
+              const std::string& text) const {
+    if (arguments_.json) {
+      nlohmann::ordered_json json{
+          {"target", arguments_.target},      {"cases", totals_.cases},
+          {"board_s", totals_.board_s},       {"requests", totals_.requests},
+          {"replies", totals_.replies},       {"refusals", totals_.refusals},
+          {"corpus", search.corpus().size()}, {"features", search.features()}};
+      if (!port_) json["ticks"] = totals_.ticks;
+      if (engine_.mcu == "h8") {
+        json["worst_tick_8states"] = totals_.worst_busy_8states;
+        json["emulator_engine"] = totals_.emulator_engine;
+        json["instructions"] = totals_.instructions;
+        json["translated_instructions"] = totals_.translated_instructions;
+      }
+      if (arguments_.body) json["worst_overshoot_rad"] = totals_.worst_overshoot_rad;
+      if (violation) {
+        json["violation"] = *violation;
+        json["case"] = text;
+        if (arguments_.replay.empty()) json["reproducer"] = arguments_.out;
+      }
+      std::printf("%s\n", json.dump(2).c_str());
+      return;
+    }
+    if (!text.empty()) std::printf("%s", text.c_str());
+    std::printf("%lld cases, %.1f s of the board, %lld requests, %lld replies, %lld refusals\n",
+                totals_.cases, totals_.board_s, totals_.requests, totals_.replies,
+                totals_.refusals);
+    if (arguments_.target == "h8")
+      std::printf(
+          "longest tick: %d of 18432 states; emulator's engine: %s, %.0f %% of instructions as "
+          "translated code\n",
+          8 * totals_.worst_busy_8states, totals_.emulator_engine.c_str(),
+          100.0 * static_cast<double>(totals_.translated_instructions) /
+              static_cast<double>(std::max(1LL, totals_.instructions)));
+    if (arguments_.body)
+      std::printf("furthest past a soft limit: %.4f rad\n", totals_.worst_overshoot_rad);
+    if (!violation) return;
+    std::printf("wrong: %s\n", violation->c_str());
+    if (arguments_.replay.empty())
+      std::printf("The case is in %s; see it again with: kaz fuzz --target %s --replay %s\n",
+                  arguments_.out.c_str(), arguments_.target.c_str(), arguments_.out.c_str());
+  }
+
+  const FuzzOptions& arguments_;
+  host::Interrupt interrupt_;
+  kaz::fuzz::EngineOptions engine_;
+  hil::fuzz::GrammarOptions grammar_;
+  std::unique_ptr<PortTarget> port_;
+  std::optional<Genome> failing_;
+  Totals totals_;
+};
+
+}  // namespace
+
+Result<bool> fuzz(const FuzzOptions& options) {
+  return Fuzzing(options).run();
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,107 @@
+// Options that several verbs have, and checks of their values.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/kaz/options.h"
+
+namespace kaz::tools {
+
+CLI::Validator positive() {
+  return CLI::Validator(
+      [](std::string& text) {
+        double number = 0;
+        const bool valid = CLI::detail::lexical_cast(text, number) && number > 0;
+        return valid ? std::string() : "`" + text + "` is not a number above 0";
+      },
+      "POSITIVE");
+}
+
+void add_sim_options(CLI::App& verb, BackendOptions& options) {
+  verb.add_option("--world", options.world, "a world of Kaz by name, or an SDF file")
+      ->capture_default_str();
+  verb.add_option("--robot-file", options.robot_file,
+                  "URDF of another robot, its motor.xml and sensors.xml beside it; without it Kaz")
+      ->type_name("FILE");
+  verb.add_option(
+          "--mcu", options.mcu,
+          "microcontroller of the servo board: h8 executes the firmware image, native runs the "
+          "same C compiled for this machine")
+      ->check(CLI::IsMember({"h8", "native"}))
+      ->capture_default_str();
+  verb.add_option("--image", options.image, "firmware image for h8: S-record or COFF");
+  verb.add_option("--faults", options.faults, "schedule of faults: docs/reference/faults.md")
+      ->type_name("FILE");
+  verb.add_option("--sensors", options.sensors,
+                  "nominal: with noise; ideal: without; as-built: besides, each potentiometer "
+                  "with its own curve and offset, to be calibrated")
+      ->check(CLI::IsMember({"nominal", "ideal", "as-built"}))
+      ->capture_default_str();
+  verb.add_flag("--imu", options.imu, "a board with gyro and accelerometer on AN3..AN5");
+  verb.add_option(
+          "--dynamics", options.dynamics,
+          "reduced: docs/explanation/dynamics.md; Open Dynamics Engine instead: exact, or quickN with N "
+          "iterations, 1 to 1000")
+      ->capture_default_str();
+  verb.add_option(
+          "--physics-step", options.physics_step_ms,
+          "length of a step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's "
+          "tick stays at 1 ms. Balls thrown want 1 or less, servos 2 or less (docs/explanation/dynamics.md)")
+      ->type_name("MS")
+      ->capture_default_str();
+  verb.add_option("--supply", options.supply_volts, "of the board, V")
+      ->check(CLI::Range(1.0, 20.0))
+      ->capture_default_str();
+  verb.add_option("--eyes", options.eyes,
+                  "ideal: pinholes without noise; real: with lens, exposure and noise, rectified")
+      ->check(CLI::IsMember({"ideal", "real"}))
+      ->capture_default_str();
+  verb.add_option("--eye-width", options.eye_width,
+                  "width of the eyes' pictures: 320 or 640; that of camera.json if not given")
+      ->check(CLI::IsMember({320, 640}));
+  verb.add_option("--seed", options.seed, "of all noise; the same seed gives the same bytes")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            const bool valid = !text.empty() && text.size() < 20 &&
+                               text.find_first_not_of("0123456789") == std::string::npos;
+            return valid ? ""
+                         : "`" + text + "` is no seed: give a whole number of at most 19 digits";
+          },
+          ""))
+      ->capture_default_str();
+}
+
+void add_motor_options(CLI::App& verb, BackendOptions& options) {
+  verb.add_option("--motor-file", options.motor_file,
+                  "of the motors on the virtual stand; without it Kaz's motor.xml")
+      ->type_name("FILE");
+  verb.add_option("--motor", options.motor, "the motor of that file; without it the file's default")
+      ->type_name("NAME");
+  verb.add_option("--disc", options.disc_kgm2,
+                  "inertia of the disc on each shaft of the virtual stand, kg m2")
+      ->check(CLI::Range(1e-6, 1e-1))
+      ->capture_default_str();
+}
+
+void add_record_pictures(CLI::App& verb, BackendOptions& options) {
+  verb.add_flag("--record-pictures", options.record_pictures,
+                "the eyes' pictures into the recording too, not only their SHA-256");
+}
+
+void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load,
+                       std::uint32_t max_address) {
+  verb.add_option("IMAGE", path, "COFF, ELF, S-record, Intel HEX or raw")
+      ->required()
+      ->type_name("");
+  const std::map<std::string, h8s::Format> formats{{"coff", h8s::Format::coff},
+                                                   {"elf", h8s::Format::elf},
+                                                   {"srec", h8s::Format::srecord},
+                                                   {"ihex", h8s::Format::intel_hex},
+                                                   {"raw", h8s::Format::raw}};
+  verb.add_option("--format", load.format,
+                  "coff, elf, srec, ihex or raw; by the contents if not given")
+      ->transform(one_of(formats))
+      ->type_name("");
+  verb.add_option("--address", load.address, "of a raw image's first byte, and its entry")
+      ->check(CLI::Range(std::uint32_t{0}, max_address))
+      ->type_name("");
+}
+
+}  // namespace kaz::tools

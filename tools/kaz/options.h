@@ -1,0 +1,47 @@
+// Options that several verbs have, and checks of their values.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "shared/image/image.h"
+#include "tools/app/session/backend.h"
+
+namespace kaz::tools {
+
+// A number above 0; the message of CLI11's own check would contain the largest double.
+CLI::Validator positive();
+
+// Takes the names of `values`; CLI11's own transformer would print their numbers too.
+template <class T>
+CLI::Validator one_of(const std::map<std::string, T>& values) {
+  return CLI::Validator(
+      [values](std::string& text) {
+        const auto found = values.find(text);
+        if (found != values.end()) {
+          text = std::to_string(static_cast<int>(found->second));
+          return std::string{};
+        }
+        std::string names;
+        for (const auto& [name, value] : values) names += (names.empty() ? "" : ", ") + name;
+        return "'" + text + "' is none of " + names;
+      },
+      "");
+}
+
+// --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --dynamics,
+// --physics-step, --eyes, --eye-width, --seed.
+void add_sim_options(CLI::App& verb, BackendOptions& options);
+// --motor-file, --motor, --disc: the motors on a virtual motor stand.
+void add_motor_options(CLI::App& verb, BackendOptions& options);
+// --record-pictures, for verbs that record.
+void add_record_pictures(CLI::App& verb, BackendOptions& options);
+// IMAGE, --format and --address. `max_address`: of the first byte of a raw image.
+void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load,
+                       std::uint32_t max_address);
+
+}  // namespace kaz::tools

@@ -1,0 +1,56 @@
+// Planes in a disparity image, and their least-squares fit.
+// SPDX-License-Identifier: Apache-2.0
+//
+// With rays (x/z, y/z) = ((u - cx) / fx, (v - cy) / fy) and disparity d = fx B / z (B: baseline), the
+// plane n . p = D becomes linear in the pixel after division by z D / (fx B):
+//   d = B/D (nx (u - cx) + ny fx/fy (v - cy) + nz fx).
+// Units: px. Frame of n and p: optical (x right, y down, z forward), m.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "vision/image/frame.h"
+
+namespace kaz::vision {
+
+// d = a (u - cx) + b (v - cy) + c, px.
+struct DisparityPlane {
+  float a = 0, b = 0, c = 0;
+
+  float at(float u, float v) const { return a * u + b * v + c; }  // from cx, cy
+  // B/D n, dimensionless, optical frame; its direction is the normal's.
+  Eigen::Vector3d scaled_normal(const CameraModel& camera) const {
+    return {a, b * camera.fy / camera.fx, c / camera.fx};
+  }
+  static DisparityPlane of(const Eigen::Vector3d& scaled_normal, const CameraModel& camera) {
+    return {static_cast<float>(scaled_normal.x()),
+            static_cast<float>(scaled_normal.y() * camera.fx / camera.fy),
+            static_cast<float>(scaled_normal.z() * camera.fx)};
+  }
+};
+
+// Linear least squares: minimises sum (a u + b v + c - d)^2 over the points added. solve() solves the
+// normal equations
+//   [uu uv u]   [a]   [ud]
+//   [uv vv v] * [b] = [vd]      (sums over all points)
+//   [u  v  n]   [c]   [d ]
+// and returns false if the points are (nearly) collinear.
+class PlaneFit {
+ public:
+  void add(double u, double v, double d) {
+    uu_ += u * u;
+    uv_ += u * v;
+    vv_ += v * v;
+    u_ += u;
+    v_ += v;
+    n_ += 1;
+    right_ += d * Eigen::Vector3d(u, v, 1);
+  }
+  bool solve(DisparityPlane& plane) const;
+
+ private:
+  double uu_ = 0, uv_ = 0, vv_ = 0, u_ = 0, v_ = 0, n_ = 0;
+  Eigen::Vector3d right_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace kaz::vision
