@@ -43,13 +43,13 @@ TEST(Settings, RefuseATextWithoutName) {
 TEST(Interval, IsTwoOrderedNumbersAboveZero) {
   const auto given = parse_interval("--friction", {0.6, 0.8}, {1, 2});
   ASSERT_TRUE(given);
-  EXPECT_EQ(given->least, 0.6);
-  EXPECT_EQ(given->most, 0.8);
+  EXPECT_EQ(given->min, 0.6);
+  EXPECT_EQ(given->max, 0.8);
   EXPECT_TRUE(parse_interval("--friction", {0.7, 0.7}, {}));
   const auto otherwise = parse_interval("--friction", {}, {1, 2});
   ASSERT_TRUE(otherwise);
-  EXPECT_EQ(otherwise->least, 1);
-  EXPECT_EQ(otherwise->most, 2);
+  EXPECT_EQ(otherwise->min, 1);
+  EXPECT_EQ(otherwise->max, 2);
 }
 
 TEST(Interval, NamesItsOptionInTheError) {

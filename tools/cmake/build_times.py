@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: build_times.py BUILD_FOLDER [--top N]
 
-Times are of the wall clock from begin to end of each step of the last build that made it; beside other steps and
+Times are of the wall clock from begin to end of each step of the last build that made it; beside other
+steps and
 other programs they are longer than the step alone."""
 
 import argparse
