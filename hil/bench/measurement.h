@@ -80,7 +80,7 @@ struct BenchReport {
 // Collects what is measured and judges it: a value inside its limits passes, NaN fails.
 class BenchJudge {
  public:
-  // Told of each measurement as it is entered.
+  // Called for each measurement as it is entered.
   using Listener = std::function<void(const Measurement&)>;
   BenchJudge(BenchReport& report, const Limits& limits, Listener listener = nullptr)
       : report_(report), limits_(limits), listener_(std::move(listener)) {}

@@ -40,11 +40,11 @@ def values_of(message, choose, mask):
 
 def message_vector(name, message, values, address, sequence):
     body = bytes([address, message.code, sequence]) + pack(message, values)
-    told = {field.name: values[field.name] if field.kind != "masked" else
+    fields = {field.name: values[field.name] if field.kind != "masked" else
             [values[field.name][joint] for joint in joints_of(values[field.mask], field.most)]
             for field in message.fields}
     return {"name": f"{message.name}: {name}", "message": message.name, "address": address,
-            "sequence": sequence, "fields": told, "out_of_bounds": out_of_bounds(message, values),
+            "sequence": sequence, "fields": fields, "out_of_bounds": out_of_bounds(message, values),
             "body": body.hex(), "wire": frame_of(body).hex()}
 
 

@@ -31,8 +31,7 @@ void add_replay(CLI::App& program, Action& action) {
   verb->add_flag("--json", arguments->replay.json, "print the result as JSON on standard output");
   verb->footer(
       "With --host (behaviour, vision, protocol) what the host sends is compared byte by byte; the "
-      "first\ndifference is told with time, place in the stream, and the message that it stands "
-      "in. "
+      "first\ndifference is reported with time, place in the stream, and its message. "
       "Changed programs\nof the host are tried like this on what a robot has met.\n"
       "Exit status 0: identical; 1: they differ.\n"
       "Examples:\n"

@@ -85,7 +85,7 @@ TEST(MotorFit, LeavesWhatWasNotMeasured) {
   ASSERT_TRUE(fit) << fit.error().message;
   EXPECT_NEAR(fit->motor.stall_slope_nm_per_v, test.motor.stall_slope_nm_per_v, 0.005);
   EXPECT_NEAR(fit->motor.friction_nm, test.motor.friction_nm, 0.1 * test.motor.friction_nm)
-      << "torques tell it roughly where no speeds were measured";
+      << "torques determine it roughly where no speeds were measured";
   EXPECT_EQ(fit->motor.rotor_inertia_kgm2, kaz_motor().rotor_inertia_kgm2);
   for (const lockstep::FittedFigure& figure : fit->figures)
     EXPECT_EQ(figure.measured, figure.name == "stall_slope" || figure.name == "friction" ||

@@ -84,7 +84,7 @@ bool damage(Random& random, std::size_t kind, Bytes& wire) {
   return wire != before && wire.size() <= KZ_BODY_MAX + 6;
 }
 
-// The native board, with motors that turn as fast as they are told, without inertia.
+// The native board, with motors that turn at the commanded speed, without inertia.
 class Board {
  public:
   explicit Board(DamageReport& report) : report_(report) {

@@ -16,7 +16,7 @@
 
 namespace kaz::sim {
 
-// Where the eyes and the ball are at one moment; the foot stands in the world's origin.
+// Poses of the eyes and the ball at one time; the foot is at the world's origin.
 struct Moment {
   Eigen::Isometry3d eye = Eigen::Isometry3d::Identity();
   Eigen::Vector3d ball{0.45, 0, 0.02};

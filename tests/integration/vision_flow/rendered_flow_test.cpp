@@ -37,7 +37,7 @@ struct Turn {
 
 class RenderedFlow : public ::testing::TestWithParam<Turn> {};
 
-TEST_P(RenderedFlow, EndsWhereThingsAre) {
+TEST_P(RenderedFlow, EndsAtTheObjectsNewPlace) {
   const auto [width, floor, rate] = GetParam();
   MovingScene scene(width, floor);
   const Moment before{MovingScene::turned(0.1)},

@@ -22,7 +22,7 @@ struct Way {
   const char* floor;
   double pan_deg_s;
   Vector3d eye_m_s, ball_m_s;
-  double posture_rad = 0;  // by which pan and tilt are read wrong, this way and that
+  double posture_rad = 0;  // error of the pan and tilt readings, of either sign
 };
 
 std::string text(const vision::MovingRegions& moving) {
@@ -93,13 +93,13 @@ TEST_P(RenderedMoving, TheBallAloneMoves) {
       // Half of the ball's radius (7.6 px, 15 px): its bright upper side is as grey as the floor.
       EXPECT_LT(off, w.width == 320 ? 4 : 8) << where << centre.transpose();
       // Flow of wood errs by half a pixel in a whole picture, and so does the turn found from it.
-      const double most = w.floor == std::string("wood") ? 0.2 : 0.15;
-      EXPECT_LT(wrong, most) << where << own.transpose();
+      const double limit = w.floor == std::string("wood") ? 0.2 : 0.15;
+      EXPECT_LT(wrong, limit) << where << own.transpose();
       EXPECT_EQ(region.velocity_m_s.has_value(), stereo);
       if (!stereo) continue;
       const double wrong_m = (*region.velocity_m_s - w.ball_m_s).norm() / w.ball_m_s.norm();
       worst_m_s = std::max(worst_m_s, wrong_m);
-      EXPECT_LT(wrong_m, most) << where << region.velocity_m_s->transpose();
+      EXPECT_LT(wrong_m, limit) << where << region.velocity_m_s->transpose();
       // Half a block of the disparity is 7 px: floor in front of the ball or behind it.
       EXPECT_LT((*region.position_m - before.ball).norm(), 0.05) << region.position_m->transpose();
     }
@@ -145,7 +145,7 @@ class IndependentMotionErrors : public ::testing::Test {
   }
 };
 
-TEST_F(IndependentMotionErrors, NothingIsSaidWithoutThePosture) {
+TEST_F(IndependentMotionErrors, NoRegionsWithoutThePosture) {
   EXPECT_EQ(complaint(), "none");
   flow.after.posture_known = false;
   EXPECT_NE(complaint().find("posture at the later picture is not known"), std::string::npos);
@@ -172,7 +172,7 @@ TEST_F(IndependentMotionErrors, DepthAndPicturesMustBelongToTheFlow) {
 }
 
 // Depth of the later picture is looked up where the flow leads.
-TEST_F(IndependentMotionErrors, DepthOfEitherMomentDoes) {
+TEST_F(IndependentMotionErrors, DepthOfEitherExposureDoes) {
   ASSERT_TRUE(vision::DepthFinder().find(b, scene.info(after, 2), depth));
   EXPECT_EQ(complaint(&depth), "none");
   EXPECT_TRUE(moving.regions.empty());

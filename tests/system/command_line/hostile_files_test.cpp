@@ -100,7 +100,7 @@ struct Planted {
   string content;
 };
 
-// One sentence on standard error that names the file, the exit status, and no crash on the way.
+// One sentence on standard error that names the file, the exit status, and no crash.
 void expect_sentence(const Finished& finished, int exit_code, const string& file) {
   EXPECT_EQ(finished.exit_code, exit_code) << finished.err;
   EXPECT_EQ(finished.err.rfind("kaz ", 0), 0u) << finished.err;

@@ -1,4 +1,4 @@
-// A recording of `kaz run` read by the npm package of MCAP: same messages as our own reader, sound
+// A recording of `kaz run` read by the npm package of MCAP: same messages as our own reader, valid
 // checksums, schemas that decode.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Frames out of a string of bytes: pictures, camera models, postures, clocks, sound and unsound.
+// Frames out of a string of bytes: pictures, camera models, postures, clocks, valid and invalid.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
