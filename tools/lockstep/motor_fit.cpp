@@ -316,9 +316,10 @@ Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptio
   bool any = false;
   for (const Estimator& estimator : estimators()) any |= has_all(estimator, values);
   if (!any)
-    return fail(Fault::usage,
-                "the report of " + *joint +
-                    " tells no figure of the motor: its measurements were left out or failed");
+    return fail(
+        Fault::usage,
+        "the report of " + *joint +
+            " determines no parameter of the motor: its measurements were skipped or failed");
   const auto tell = [&](int done) {
     if (options.progress)
       options.progress(static_cast<double>(done) / (options.max_rounds + 1),

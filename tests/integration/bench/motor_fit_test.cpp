@@ -104,10 +104,10 @@ TEST(MotorFit, SaysWhyAReportIsOfNoUse) {
   MotorTest test;
   test.options.filter = "pot.noise";
   BenchReport report = measure_motor(test);
-  EXPECT_EQ(
-      error(report),
-      "the report of l_sh_pitch tells no figure of the motor: its measurements were left out or "
-      "failed");
+  EXPECT_EQ(error(report),
+            "the report of l_sh_pitch determines no parameter of the motor: its measurements were "
+            "skipped or "
+            "failed");
   EXPECT_EQ(error(report, "l_knee"), "the report has nothing of a joint `l_knee`");
   BenchReport two = report;
   two.measurements.push_back(two.measurements.front());

@@ -6,8 +6,8 @@
 #include <cstdio>
 
 #include "tools/figure/vision_views.h"
-#include "vision/depth/swapped_cameras.h"
 #include "vision/depth/depth_file.h"
+#include "vision/depth/swapped_cameras.h"
 
 namespace kaz::tools {
 namespace {
@@ -170,8 +170,8 @@ DeliveryTable::DeliveryTable(vision::Pipeline& pipeline) {
 }
 
 VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& options,
-                           const OutputFolder* folder, std::uint64_t most)
-    : folder_(folder), options_(options), max_(most) {
+                           const OutputFolder* folder, std::uint64_t max_frames)
+    : folder_(folder), options_(options), max_(max_frames) {
   for (const vision::ModuleStatistics& m : pipeline.statistics()) modules_.push_back(m.name);
   subscribe<vision::BallObservation>(
       pipeline, "color", [this](const vision::Frame& frame, const auto* ball, const Error* error) {
@@ -224,7 +224,7 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
           Entry& e = entry(frame);
           e.json["moving"] = moving_json(*moving);
           if (folder_ != nullptr) {
-            // Regions are of the earlier picture; its things have not gone far.
+            // Regions are in pixels of the earlier picture; objects have moved little since.
             vision::Image image = frame.images().left;
             for (const vision::MovingRegion& region : moving->regions) {
               figure::draw_circle(
@@ -233,7 +233,7 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
                   figure::kOrange);
             }
             e.panels.push_back({std::move(image), std::to_string(moving->regions.size()) +
-                                                      " things move by themselves"});
+                                                      " independently moving objects"});
           }
         }
         heard(frame, error);

@@ -42,9 +42,9 @@ class VisionReport {
   // Subscribes to the modules, all of which the pipeline has; it has to outlive the pipeline's
   // last poll().
   // `options` is what the modules were made with. `folder`: where overlays go; null: none.
-  // `most`: frames after so many are passed over; 0: none are.
+  // `max_frames`: later frames are skipped; 0: no limit.
   VisionReport(vision::Pipeline& pipeline, const VisionOptions& options, const OutputFolder* folder,
-               std::uint64_t most = 0);
+               std::uint64_t max_frames = 0);
   VisionReport(const VisionReport&) = delete;
   VisionReport& operator=(const VisionReport&) = delete;
 
