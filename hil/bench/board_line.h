@@ -28,10 +28,9 @@ class BoardLine {
  public:
   BoardLine(host::Link& link, host::Clock& clock, std::uint8_t address);
 
-  // Finds the board, ends a stream that somebody has left behind, measures, and leaves motors off and
-  // no stream, whatever came of it. `what`: "its link was", for the error. Errors (environment): there
-  // is no board, its motors are on, for they would go off when nobody talks to it any more; it was
-  // reset meanwhile; those of `measure`.
+  // Finds the board, ends a stream left running, measures, and leaves motors off and no stream, also
+  // after errors. `what`: "its link was", for the error. Errors (environment): there is no board; its
+  // motors are on, which the measurement would switch off; it was reset meanwhile; those of `measure`.
   Result<void> measure(const std::string& what, const std::function<Result<void>()>& measure);
 
   template <class Message, class Answer>

@@ -1,7 +1,7 @@
 // The board under test, as the cases talk to it: raw bytes, requests by name, what must come back.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every call fails the case (Failed) when the board does otherwise than it says, and ends the whole
+// Every call fails the case (Failed) when the board does otherwise than it describes, and ends the whole
 // run (Lost) when the link is gone.
 #pragma once
 

@@ -40,7 +40,7 @@ void add_telemetry_cases(Cases& to) {
           }
         });
   }
-  add(to, "contents", "The frames tell what the replies tell.", "TEL-1", [](Board& b) {
+  add(to, "contents", "The frames carry the values of the replies.", "TEL-1", [](Board& b) {
     b.done("telemetry", Put().u16(50).u8(15));
     const auto frames = b.telemetry(220, true);
     b.done("telemetry", Put().u16(0).u8(0));

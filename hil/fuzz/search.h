@@ -3,7 +3,7 @@
 //
 // A case that shows something new (its features) joins the corpus, and later cases are made by
 // changing and
-// joining those. Where the compiler can tell which code has run, `./tools/dev fuzz` is better.
+// joining those. Where the compiler can measure coverage, `./tools/dev fuzz` is better.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// `kaz replay`: runs a recording again and tells the first difference.
+// `kaz replay`: runs a recording again and reports the first difference.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/replay/replay.h"
 #include "tools/kaz/verbs.h"
@@ -7,7 +7,7 @@ namespace kaz::tools {
 
 void add_replay(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "replay", "run a recording of kaz run or kaz demo again and tell the first difference");
+      "replay", "run a recording of kaz run or kaz demo again and report the first difference");
   struct Arguments {
     ReplayOptions replay;
     std::vector<std::string> settings;

@@ -1,4 +1,4 @@
-// From a bench's report to the figures of the motor model.
+// From a bench's report to the parameters of the motor model.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/lockstep/motor_fit.h"
 
@@ -193,7 +193,7 @@ const hil::Plot* find_plot(const hil::BenchReport& report, const std::string& jo
   return nullptr;
 }
 
-// What a series says at x, between its points; NaN outside.
+// A series at x, linear between its points; NaN outside.
 double at(const hil::Series& series, double x) {
   auto points = series.points;
   std::ranges::stable_sort(points, {}, &std::pair<double, double>::first);
@@ -320,12 +320,12 @@ Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptio
         Fault::usage,
         "the report of " + *joint +
             " determines no parameter of the motor: its measurements were skipped or failed");
-  const auto tell = [&](int done) {
+  const auto report_progress = [&](int done) {
     if (options.progress)
       options.progress(static_cast<double>(done) / (options.max_rounds + 1),
                        "the bench on the model, round " + std::to_string(done + 1));
   };
-  tell(0);
+  report_progress(0);
   const auto before = run_model(*bench, fit.motor);
   if (!before) return tl::unexpected(before.error());
   Model model = *before;
@@ -336,7 +336,7 @@ Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptio
     const MotorParams corrected = fit.motor;
     if (fit.rounds >= kRough) halve_the_way(fit.motor, last);
     last = corrected;
-    tell(++fit.rounds);
+    report_progress(++fit.rounds);
     auto next = run_model(*bench, fit.motor);
     if (!next) return tl::unexpected(next.error());
     model = std::move(*next);

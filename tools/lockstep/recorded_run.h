@@ -1,4 +1,4 @@
-// What a recording says of the host's side: bytes of both directions, pictures, the behaviour's record.
+// The host's side of a recording: bytes of both directions, pictures, the behaviour's record.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -91,7 +91,7 @@ class MotorLimits : public testing::TestWithParam<Breaker> {};
 TEST_P(MotorLimits, IsBroken) {
   const Breaker& breaker = GetParam();
   MotorTest test;
-  // Figures of friction are worth what the torque line says.
+  // Friction values are as accurate as the torque line.
   test.options.filter =
       std::string(breaker.name).starts_with("friction") || std::string(breaker.name) == "dead_band"
           ? "friction|stall.slope|dead_band"

@@ -70,7 +70,7 @@ class RenderedScene {
     return rectified;
   }
 
-  // What an ideal left eye sees, to tell where there is texture.
+  // What an ideal left eye sees, to find where there is texture.
   vision::Image ideal_picture(Renderer& renderer) const {
     View view;
     const vision::CameraModel& c = camera();

@@ -89,7 +89,7 @@ int main(int count, char** words) {
   using kaz::sim::MovingScene;
   constexpr double kTurn_rad = 30 * 3.14159265358979 / 180 / 30;  // 30 degrees/s at 30 Hz
   MovingScene scene(640, "carpet");
-  const kaz::sim::Moment before{MovingScene::turned(0), {0.45, -0.05, 0.02}},
+  const kaz::sim::MovingPoses before{MovingScene::turned(0), {0.45, -0.05, 0.02}},
       after{MovingScene::turned(kTurn_rad), {0.45, -0.05 + 0.3 / 30, 0.02}};
   const auto a = scene.take(before, 1), b = scene.take(after, 2);
   kaz::vision::FlowImage flow;

@@ -38,7 +38,7 @@ std::string text(const vision::MovingRegions& moving) {
 
 class RenderedMoving : public ::testing::TestWithParam<Way> {
  protected:
-  Moment moment(double t) const {
+  MovingPoses poses(double t) const {
     const Way& w = GetParam();
     return {MovingScene::turned(0.05 + w.pan_deg_s * kDegree * t, 0.55, w.eye_m_s * t),
             Vector3d(0.45, 0.02, MovingScene::kBallRadius) + w.ball_m_s * t};
@@ -48,7 +48,7 @@ class RenderedMoving : public ::testing::TestWithParam<Way> {
     const Way& w = GetParam();
     const double pan = number % 2 == 0 ? w.posture_rad : -w.posture_rad;
     const double tilt = number % 4 < 2 ? w.posture_rad : -w.posture_rad;
-    Moment read = moment(t);
+    MovingPoses read = poses(t);
     read.eye =
         MovingScene::turned(0.05 + w.pan_deg_s * kDegree * t + pan, 0.55 + tilt, w.eye_m_s * t);
     return scene.info(read, number);
@@ -66,7 +66,7 @@ TEST_P(RenderedMoving, TheBallAloneMoves) {
   vision::MovingRegions moving;
   double worst_off = 0, worst_px_s = 0, worst_m_s = 0;
   for (int i = 0; i < 6; ++i) {
-    const Moment before = moment(i / 30.0), after = moment((i + 1) / 30.0);
+    const MovingPoses before = poses(i / 30.0), after = poses((i + 1) / 30.0);
     const auto number = static_cast<std::uint64_t>(i + 1);
     const auto a = scene.take(before, number), b = scene.take(after, number + 1);
     const auto read = info(scene, i / 30.0, number);
@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(
 class IndependentMotionErrors : public ::testing::Test {
  protected:
   MovingScene scene{320, "carpet"};
-  Moment before{MovingScene::turned(0)}, after{MovingScene::turned(0.01)};
+  MovingPoses before{MovingScene::turned(0)}, after{MovingScene::turned(0.01)};
   vision::StereoImages a = scene.take(before, 1), b = scene.take(after, 2);
   vision::FlowImage flow;
   vision::DepthImage depth;

@@ -31,7 +31,7 @@ TEST(CatchBall, LiftsAndHoldsASmallBallFromTheSide) {
   EXPECT_GT(ending->ball.z(), kLifted) << description(*ending);
 }
 
-// Flicked off while the robot walks toward it: it searches all around once more, and says so.
+// Flicked off while the robot walks toward it: it searches all around once more, and reports that.
 TEST(CatchBall, SearchesAgainWhenTheBallIsTakenAway) {
   Scene scene;
   scene.ball = {0.45, 0};
@@ -81,7 +81,7 @@ TEST(CatchBall, StandsAndWaitsWhileTheCameraIsFrozen) {
   EXPECT_LT(ending->walked_while_frozen, 0.04) << "no more than to end the step";
 }
 
-// A knee with half its torque carries the robot all the same: it catches, or says why not.
+// A knee with half its torque carries the robot all the same: it catches, or reports why not.
 TEST(CatchBall, GoesOnWithAKneeOfHalfTheTorque) {
   Scene scene;
   scene.ball = {0.3, -0.1};

@@ -29,7 +29,7 @@ class FlashSession {
   Result<void> enter(const host::FlashImage* image);
   // Leaves boot mode or loader, and gives the firmware time to start.
   Result<void> start();
-  // What the firmware that runs says of itself.
+  // Identity of the running firmware.
   Result<kz_identify_reply> identify();
 
   host::Flasher& flasher() { return *flasher_; }

@@ -80,7 +80,7 @@ Json planes_json(const vision::PlaneSegments& planes) {
              {"pixels", s.pixels},
              {"box_px", {s.left, s.top, s.right, s.bottom}},
              {"extent_m", {s.length_m, s.width_m}}};
-    // Without the posture nobody knows which one is the floor.
+    // Without the posture the floor is not known among them.
     if (planes.info.posture_known) one["floor"] = s.floor;
     all.push_back(std::move(one));
   }
@@ -305,7 +305,7 @@ VisionReport::Entry& VisionReport::entry(const vision::Frame& frame) {
 void VisionReport::heard(const vision::Frame& frame, const Error* error) {
   Entry& e = entry(frame);
   if (error != nullptr) {
-    // The one that failed first: the others tell the same.
+    // The first failure; the others follow from it.
     if (!e.json.contains("trouble")) e.json["trouble"] = error->message;
   } else {
     e.seen = true;

@@ -15,7 +15,7 @@
 
 namespace kaz::tools {
 
-// What result.json says of a ball.
+// A ball in result.json.
 nlohmann::ordered_json ball_json(const vision::BallObservation& ball);
 
 // Of a pipeline's modules: what they found, how long it took, how old it was. Times are of the wall

@@ -58,7 +58,7 @@ class WriterBoard {
   // Runs on; stops early if the emulator stops (failure()) or `until` returns true, which is checked
   // each 1/8 ms.
   void run(h8s::States states, const std::function<bool()>& until = {});
-  // What the board has sent and nobody has taken: frames in order. Anything that is no whole frame is
+  // Frames that the board has sent and that were not taken yet, in order. Anything that is no whole frame is
   // a failure().
   std::optional<WriterAnswer> take_answer();
   // A request by itself, with silence before it, and its answer.

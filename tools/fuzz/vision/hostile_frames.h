@@ -24,7 +24,7 @@ class HostileFrames {
 
  private:
   int side();
-  double number(double sound);
+  double number(double valid);
   vision::Image picture(int width, int height);
   vision::CameraModel camera(int width, int height);
   Eigen::Isometry3d posture();
