@@ -19,7 +19,7 @@
 
 namespace kaz::lockstep {
 
-struct FittedFigure {
+struct FittedParam {
   std::string name, unit;  // of the motor file
   double before = 0, after = 0;
   bool measured = false;  // false: the bench said nothing of it, and it stays
@@ -34,11 +34,11 @@ struct Gap {
 
 struct MotorFit {
   sim::MotorParams motor;
-  std::vector<FittedFigure> figures;
+  std::vector<FittedParam> params;
   std::vector<Gap> gaps;
   std::vector<hil::Plot> plots;  // measured, before and after in one
   int rounds = 0;
-  double last_change = 0;  // largest relative change of a figure in the last round
+  double last_change = 0;  // largest relative change of a parameter in the last round
 };
 
 struct MotorFitOptions {

@@ -87,10 +87,10 @@ TEST(MotorFit, LeavesWhatWasNotMeasured) {
   EXPECT_NEAR(fit->motor.friction_nm, test.motor.friction_nm, 0.1 * test.motor.friction_nm)
       << "torques determine it roughly where no speeds were measured";
   EXPECT_EQ(fit->motor.rotor_inertia_kgm2, kaz_motor().rotor_inertia_kgm2);
-  for (const lockstep::FittedFigure& figure : fit->figures)
-    EXPECT_EQ(figure.measured, figure.name == "stall_slope" || figure.name == "friction" ||
-                                   figure.name == "backlash")
-        << figure.name;
+  for (const lockstep::FittedParam& param : fit->params)
+    EXPECT_EQ(param.measured,
+              param.name == "stall_slope" || param.name == "friction" || param.name == "backlash")
+        << param.name;
 }
 
 TEST(MotorFit, SaysWhyAReportIsOfNoUse) {

@@ -265,7 +265,7 @@ void VisionReport::check_eyes(const vision::Frame& frame, const vision::DepthIma
   if (eyes_checked_ == 3 || entry["depth"]["known"].get<double>() > 0.2) return;
   ++eyes_checked_;
   if (vision::cameras_look_swapped(frame.images(), depth.info, options_.depth))
-    entry["trouble"] =
+    entry["error"] =
         "left and right look exchanged: the other way round the pair has depth, so it has hardly "
         "any; exchange the pictures or cameras, or calibrate them as they are";
 }
@@ -306,7 +306,7 @@ void VisionReport::heard(const vision::Frame& frame, const Error* error) {
   Entry& e = entry(frame);
   if (error != nullptr) {
     // The first failure; the others follow from it.
-    if (!e.json.contains("trouble")) e.json["trouble"] = error->message;
+    if (!e.json.contains("error")) e.json["error"] = error->message;
   } else {
     e.seen = true;
   }
@@ -337,8 +337,8 @@ void VisionReport::begin(std::uint64_t sequence, const std::string& name, Json f
   e.json = std::move(facts);
 }
 
-void VisionReport::trouble(Json facts, const std::string& why) {
-  facts["trouble"] = why;
+void VisionReport::add_error(Json facts, const std::string& why) {
+  facts["error"] = why;
   frames_.push_back(std::move(facts));
 }
 
@@ -351,7 +351,7 @@ std::string VisionReport::table() const {
   std::string text =
       "frame,ball,ball_distance_m,depth_known,depth_median_m,flow_known,flow_median_px,moving,"
       "planes,"
-      "floor,trouble\n";
+      "floor,error\n";
   for (const Json& one : frames_) {
     const auto cell = [](const Json& of, const char* key) {
       return of.contains(key) ? csv_text(of[key]) : std::string();
@@ -370,7 +370,7 @@ std::string VisionReport::table() const {
     text += cell(one, one.contains("left") ? "left" : "frame") + "," + cell(ball, "found") + "," +
             cell(ball, "distance_m") + "," + cell(depth, "known") + "," + cell(depth, "median_m") +
             "," + cell(flow, "known") + "," + cell(flow, "median_px") + "," + moving + "," +
-            planes + "," + floor + "," + cell(one, "trouble") + "\n";
+            planes + "," + floor + "," + cell(one, "error") + "\n";
   }
   return text;
 }

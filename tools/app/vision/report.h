@@ -51,8 +51,8 @@ class VisionReport {
   // Begins a frame's entry with what is known of it beforehand; `name` begins its overlay's name.
   // Frames that are not begun are called by their number.
   void begin(std::uint64_t sequence, const std::string& name, nlohmann::ordered_json facts);
-  // Something that could not be looked at at all.
-  void trouble(nlohmann::ordered_json facts, const std::string& why);
+  // An entry for a frame that could not be processed at all.
+  void add_error(nlohmann::ordered_json facts, const std::string& why);
 
   // After the last poll(): frames that some modules dropped are closed, too. An error where an
   // overlay could not be written.

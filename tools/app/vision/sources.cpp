@@ -76,7 +76,7 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
                     ? "no pair of pictures came"
                     : "none of the " + std::to_string(report.frames().size()) +
                           " pairs could be looked at; the first: " +
-                          report.frames().front().value("trouble", std::string("nothing seen")));
+                          report.frames().front().value("error", std::string("nothing seen")));
   if (options.json) {
     std::printf("%s\n", result.dump(2).c_str());
     return true;
@@ -84,9 +84,9 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   constexpr int kMaxReported = 10;
   int reported = 0;
   for (const Json& one : report.frames()) {
-    if (!one.contains("trouble")) continue;
+    if (!one.contains("error")) continue;
     if (++reported <= kMaxReported)
-      std::printf("trouble: %s\n", one["trouble"].get<std::string>().c_str());
+      std::printf("error: %s\n", one["error"].get<std::string>().c_str());
   }
   if (reported > kMaxReported)
     std::printf("... and %d more (frames.csv)\n", reported - kMaxReported);
@@ -212,7 +212,7 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
     const Json facts{{"left", left}, {"right", file_name(pair.right)}};
     auto images = reader.read(pair);
     if (!images) {
-      report.trouble(facts, images.error().message);
+      report.add_error(facts, images.error().message);
       continue;
     }
     vision::FrameInfo info;
