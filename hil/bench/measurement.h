@@ -37,7 +37,7 @@ struct Measurement {
   double value = 0;          // in of->unit; NaN where nothing could be measured
   double error = 0;          // standard error of the value, 0: not known
   double low = 0, high = 0;  // the limits that were applied
-  std::string message;       // why it failed or was left out
+  std::string message;       // why it failed or was skipped
 };
 
 // A curve or a cloud of points.

@@ -24,7 +24,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kSeeds = 2;          // of the simulated bench in each round
 constexpr int kRough = 3;          // rounds that come near, before the fine ones
 constexpr double kSettled = 2e-3;  // relative change of every parameter
-constexpr double kMostFactor = 3;  // that a round may change a parameter by
+constexpr double kMaxFactor = 3;   // that a round may change a parameter by
 const std::vector<std::string> kCurves = {"stall", "no_load", "start", "step", "thermal", "gain"};
 
 Values values_of(const hil::BenchReport& report, const std::string& joint) {
@@ -107,7 +107,7 @@ bool has_all(const Estimator& estimator, const Values& values) {
 struct Bench {
   int joint = 0;
   double disc_kgm2 = 0, supply_volts = 0, pressing_s = 0.1;
-  bool running = true;  // friction.running was measured; else friction.sliding stands in
+  bool running = true;  // friction.running was measured; else friction.sliding is used
   sim::SimulationOptions board;
 };
 
@@ -174,7 +174,7 @@ double correct(MotorParams& motor, const Values& measured, const Values& model, 
     const double more = with_disc ? disc : 0;
     const double ratio =
         std::clamp(estimator.estimate(measured, disc) / estimator.estimate(model, disc),
-                   1 / kMostFactor, kMostFactor);
+                   1 / kMaxFactor, kMaxFactor);
     const double before = motor.*estimator.param;
     double after = (before + more) * ratio - more;
     if (estimator.param == &MotorParams::stiction_ratio) after = std::max(after, 1.0);

@@ -49,7 +49,7 @@ class RenderedScene {
     vision::FrameInfo info;
     info.camera = camera();
     info.posture_known = true;
-    info.foot_from_eye = eye_;  // the foot stands in the world's origin
+    info.foot_from_eye = eye_;  // the foot is at the world's origin
     return info;
   }
 

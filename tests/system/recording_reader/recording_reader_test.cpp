@@ -74,7 +74,7 @@ TEST_F(RecordingReader, FindsWhatOurOwnReaderFinds) {
   EXPECT_EQ(indexed["metadata"]["kaz"], json(own->facts));
   EXPECT_EQ(indexed["in_order"], true);
 
-  // Each chunk has a checksum and stands in the index.
+  // Each chunk has a checksum and is in the index.
   const int chunks = stream["chunks"];
   EXPECT_GT(chunks, 1);
   EXPECT_EQ(stream["checked"], chunks);

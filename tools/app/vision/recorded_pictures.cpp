@@ -189,7 +189,7 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
                     {"balls", found},
                     {"color", color_json(color)},
                     {"radius_m", options.radius_m},
-                    {"latency_ms", {{"median", median}, {"most", ms.empty() ? 0 : ms.back()}}},
+                    {"latency_ms", {{"median", median}, {"max", ms.empty() ? 0 : ms.back()}}},
                     {"pictures", pictures}};
   if (auto done = folder.write_json("result.json", result); !done)
     return tl::unexpected(done.error());

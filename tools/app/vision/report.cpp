@@ -138,9 +138,9 @@ Json module_statistics_json(const vision::Pipeline& pipeline) {
         {"computing_ms",
          {{"median", ms(m.computing_median_s)},
           {"p95", ms(m.computing_p95_s)},
-          {"most", ms(m.computing_max_s)}}},
+          {"max", ms(m.computing_max_s)}}},
         {"age_ms",
-         {{"median", ms(m.age_median_s)}, {"p95", ms(m.age_p95_s)}, {"most", ms(m.age_max_s)}}}};
+         {{"median", ms(m.age_median_s)}, {"p95", ms(m.age_p95_s)}, {"max", ms(m.age_max_s)}}}};
   }
   return all;
 }
