@@ -224,7 +224,7 @@ def main():
     parser.add_argument("--joint", type=int, default=0, choices=range(18), metavar="0..17",
                         help="number of the joint (default: 0, neck_pan)")
     parser.add_argument("--angle", type=float, default=0.3, help="rad (default: 0.3)")
-    parser.add_argument("--seconds", type=float, default=1.0, help="for the way (default: 1)")
+    parser.add_argument("--seconds", type=float, default=1.0, help="duration of the motion (default: 1)")
     options = parser.parse_args()
     if not math.isfinite(options.angle) or abs(options.angle) > 3.2 or not 0 <= options.seconds <= 60:
         parser.error("--angle is within 3.2 rad, --seconds 0 to 60")

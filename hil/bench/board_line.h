@@ -1,4 +1,4 @@
-// A board as the bench talks to it: typed requests, and each frame of telemetry with its moment.
+// A board as the bench talks to it: typed requests, and telemetry frames with their arrival times.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Below host::Robot, which makes good what the bench is to count: no link is sought again here.
@@ -13,7 +13,7 @@
 
 namespace kaz::hil {
 
-// Told now and then: what is under way, and which share of it all is done.
+// Called now and then with the measurement in progress and the share of all that is done.
 using BenchProgress = std::function<void(double share, const std::string& what)>;
 
 // A frame of telemetry that came.
@@ -28,10 +28,9 @@ class BoardLine {
  public:
   BoardLine(host::Link& link, host::Clock& clock, std::uint8_t address);
 
-  // Finds the board, ends a stream that somebody has left behind, measures, and leaves motors off and
-  // no stream, whatever came of it. `what`: "its link was", for the error. Errors (environment): there
-  // is no board, its motors are on, for they would go off when nobody talks to it any more; it was
-  // reset meanwhile; those of `measure`.
+  // Finds the board, ends a stream left running, measures, and leaves motors off and no stream, also
+  // after errors. `what`: "its link was", for the error. Errors (environment): there is no board; its
+  // motors are on, which the measurement would switch off; it was reset meanwhile; those of `measure`.
   Result<void> measure(const std::string& what, const std::function<Result<void>()>& measure);
 
   template <class Message, class Answer>
@@ -51,7 +50,7 @@ class BoardLine {
   // Whether a stream is to be had at all: not on a shared line.
   bool can_stream() const;
   // Reads until then, and keeps the board's link watchdog content, which would end the stream; each
-  // time just after a frame, so that no reply is in the way of the next one.
+  // time just after a frame, so that no reply delays the next frame.
   Result<void> listen_until(Time t);
   // Those that came since the last call.
   std::vector<Arrival> take_arrivals();

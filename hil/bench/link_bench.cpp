@@ -1,4 +1,4 @@
-// Round trips, control cycles, a stream; and what was damaged or lost on the way.
+// Round trips, control cycles, a stream; frames damaged or lost on the line.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/bench/link_bench.h"
 

@@ -37,7 +37,7 @@ struct Measurement {
   double value = 0;          // in of->unit; NaN where nothing could be measured
   double error = 0;          // standard error of the value, 0: not known
   double low = 0, high = 0;  // the limits that were applied
-  std::string message;       // why it failed or was left out
+  std::string message;       // why it failed or was skipped
 };
 
 // A curve or a cloud of points.
@@ -80,7 +80,7 @@ struct BenchReport {
 // Collects what is measured and judges it: a value inside its limits passes, NaN fails.
 class BenchJudge {
  public:
-  // Told of each measurement as it is entered.
+  // Called for each measurement as it is entered.
   using Listener = std::function<void(const Measurement&)>;
   BenchJudge(BenchReport& report, const Limits& limits, Listener listener = nullptr)
       : report_(report), limits_(limits), listener_(std::move(listener)) {}

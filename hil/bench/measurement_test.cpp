@@ -74,7 +74,7 @@ TEST(MeasurementTable, NothingMeasuredFailsEverywhere) {
 }
 
 // docs/howto/bench.md has a row for each, with its unit and its limits.
-TEST(MeasurementTable, ThePageTellsTheSame) {
+TEST(MeasurementTable, AgreesWithThePage) {
   std::ifstream file("docs/howto/bench.md");
   ASSERT_TRUE(file) << "to be run in the root of the tree";
   const std::string page{std::istreambuf_iterator<char>(file), {}};
@@ -86,7 +86,7 @@ TEST(MeasurementTable, ThePageTellsTheSame) {
   }
 }
 
-TEST(BenchJudge, EntersWhatWasMeasuredAndTellsOfIt) {
+TEST(BenchJudge, EntersMeasurementsAndCallsTheListener) {
   BenchReport report;
   const Limits limits;
   std::vector<std::string> reported;

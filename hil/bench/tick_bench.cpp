@@ -60,7 +60,7 @@ class TickBench {
     return streamed ? Result<void>() : tl::unexpected(streamed.error());
   }
 
-  // Nothing but telemetry is on the line then, so that nothing is in its way.
+  // Nothing but telemetry is on the line then, so that nothing delays it.
   Result<void> keep_quiet(double done, const char* what) {
     if (auto streamed = stream(kQuietPeriodMs); !streamed) return streamed;
     (void)line_.take_arrivals();

@@ -17,9 +17,9 @@ class Bench {
  public:
   virtual ~Bench() = default;
 
-  // Everything sound, every joint at 0 rad and free to turn, power on.
+  // No fault injected, every joint at 0 rad and free to turn, power on.
   virtual void restore() = 0;
-  // The RES pin for a moment.
+  // Pulses the RES pin.
   virtual void reset() = 0;
   virtual void set_power(bool on) = 0;
 
@@ -34,7 +34,7 @@ class Bench {
   // Bytes for the board, each with a framing error.
   virtual void write_damaged(std::span<const std::uint8_t> bytes) = 0;
 
-  // At this moment: drive of a joint's motor, -1..1, positive turns the joint positively; 0 while
+  // Present drive of a joint's motor, -1..1, positive turns the joint positively; 0 while
   // the motor drivers are disabled.
   virtual double drive(int joint) const = 0;
   virtual double angle_rad(int joint) const = 0;

@@ -99,9 +99,10 @@ void Board::come_to_rest() {
   for (int ms = 0; ms < kAtMostMs && still_ms < 100; ms += 20) {
     wait(20);
     const auto now = angles();
-    int most = 0;
-    for (std::size_t j = 0; j < KZ_JOINTS; ++j) most = std::max(most, std::abs(now[j] - before[j]));
-    still_ms = most <= 2 * kStill ? still_ms + 20 : 0;
+    int max_change = 0;
+    for (std::size_t j = 0; j < KZ_JOINTS; ++j)
+      max_change = std::max(max_change, std::abs(now[j] - before[j]));
+    still_ms = max_change <= 2 * kStill ? still_ms + 20 : 0;
     if (still_ms == 0) before = now;
   }
 }
@@ -298,21 +299,21 @@ void Board::expect_off() {
 std::vector<Frame> Board::telemetry(int ms, bool heartbeats) {
   std::vector<Frame> all;
   const Time until = clock_.now() + milliseconds(ms);
-  Time beat = clock_.now();
-  std::ptrdiff_t beats = 0;
+  Time next_heartbeat = clock_.now();
+  std::ptrdiff_t sent_heartbeats = 0;
   while (clock_.now() < until) {
-    if (heartbeats && clock_.now() >= beat) {
+    if (heartbeats && clock_.now() >= next_heartbeat) {
       write(request_bytes("heartbeat", Put().u8(0).u8(0)));
-      ++beats;
-      beat += milliseconds(30);
+      ++sent_heartbeats;
+      next_heartbeat += milliseconds(30);
     }
-    pump(std::min(until, heartbeats ? beat : until));
+    pump(std::min(until, heartbeats ? next_heartbeat : until));
   }
-  // The last heartbeat's reply may still be under way: it must not come to whoever asks next.
+  // The last heartbeat's reply may still be under way: it must not be taken for a later request's.
   const u8 reply = static_cast<u8>(KZ_TYPE_heartbeat | KZ_REPLY);
   const auto unanswered = [&] {
-    return beats > std::count_if(frames_.begin(), frames_.end(),
-                                 [&](const Frame& frame) { return frame.type == reply; });
+    return sent_heartbeats > std::count_if(frames_.begin(), frames_.end(),
+                                           [&](const Frame& frame) { return frame.type == reply; });
   };
   const Time latest = clock_.now() + milliseconds(patience(50));
   while (unanswered() && clock_.now() < latest) pump(latest);

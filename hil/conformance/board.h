@@ -1,7 +1,7 @@
 // The board under test, as the cases talk to it: raw bytes, requests by name, what must come back.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every call fails the case (Failed) when the board does otherwise than it says, and ends the whole
+// Every call fails the case (Failed) when the board does otherwise than it describes, and ends the whole
 // run (Lost) when the link is gone.
 #pragma once
 
@@ -30,7 +30,7 @@ class Board {
   // the board's own; zero in lockstep.
   Board(host::Link& link, host::Clock& clock, Bench* bench, Time slack, std::uint64_t seed);
 
-  // Before a case: reset, nothing latched, nothing on the way. After it: motors off.
+  // Before a case: reset, nothing latched, no frame in flight. After it: motors off.
   void begin(std::uint64_t case_seed);
   void end();
 
@@ -81,7 +81,7 @@ class Board {
   void expect_off();        // no motor is on: by status, and by the pins where there is a bench
   std::vector<Frame> telemetry(int ms, bool heartbeats);  // what came in this time
 
-  // The bytes exchanged in this case, a line each way at a time.
+  // The bytes exchanged in this case, one line per direction and time.
   const std::vector<std::string>& transcript() const { return transcript_; }
 
  private:

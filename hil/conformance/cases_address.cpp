@@ -79,7 +79,7 @@ void add_address_cases(Cases& to) {
           b.write(frame_of(static_cast<std::uint8_t>(other), KZ_TYPE_stop, b.new_sequence(), {}));
           b.silence(15);
           equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_NONE);
-          equal("sound frames", b.statistics()["frames"] - before, 2);
+          equal("valid frames", b.statistics()["frames"] - before, 2);
         });
   }
   for (const int type : {0x81, 0x87, 0xC0, 0xFF, 0x80}) {

@@ -80,17 +80,18 @@ void with_stored(Board& b, Then then) {
 }
 
 void add_use(Cases& to) {
-  add(to, "told", "`calibration` tells values, source, number and wear.", "CAL-1", [](Board& b) {
-    const Reply now = b.done("calibration");
-    within("erases of A", now["erases_a"], 0, 100);
-    within("erases of B", now["erases_b"], 0, 100);
-    for (int j = 0; j < KZ_JOINTS; ++j) {
-      const Values usual = nominal();
-      const auto i = static_cast<std::size_t>(j);
-      within("centre of joint " + std::to_string(j), now.number("centre", j),
-             usual.centre[i] - KZ_CENTRE_TOLERANCE, usual.centre[i] + KZ_CENTRE_TOLERANCE);
-    }
-  });
+  add(to, "reported", "`calibration` reports values, source, number and wear.", "CAL-1",
+      [](Board& b) {
+        const Reply now = b.done("calibration");
+        within("erases of A", now["erases_a"], 0, 100);
+        within("erases of B", now["erases_b"], 0, 100);
+        for (int j = 0; j < KZ_JOINTS; ++j) {
+          const Values usual = nominal();
+          const auto i = static_cast<std::size_t>(j);
+          within("centre of joint " + std::to_string(j), now.number("centre", j),
+                 usual.centre[i] - KZ_CENTRE_TOLERANCE, usual.centre[i] + KZ_CENTRE_TOLERANCE);
+        }
+      });
   add(to, "nominal", "Without a stored copy values are nominal and UNCALIBRATED is set.", "CAL-5",
       [](Board& b) { expect_valid(b); });
   add(to, "set", "`calibrate` sets the joints of its mask, no others.", "CAL-2", [](Board& b) {
@@ -196,16 +197,16 @@ void add_store(Cases& to) {
       [](Board& b) {
         long number = b.done("calibration")["sequence"];
         for (int n = 0; n < 3; ++n) {
-          const Time asked = b.now();
+          const Time start = b.now();
           const Reply stored = b.done("store_calibration", {}, 3000);
-          check(seconds(b.now() - asked) < 3.0 + seconds(b.slack()), "it took more than 3 s");
+          check(seconds(b.now() - start) < 3.0 + seconds(b.slack()), "it took more than 3 s");
           equal("number of the copy", stored["sequence"], number + 1);
           ++number;
         }
       },
       kFlash);
   add(
-      to, "store-many", "The store goes on when a block is full, and wear is told.", "CAL-1",
+      to, "store-many", "The store goes on when a block is full, and wear is reported.", "CAL-1",
       [](Board& b) {
         const Reply before = b.done("calibration");
         Reply stored = b.done("store_calibration", {}, 3000);

@@ -8,7 +8,7 @@ namespace kaz::hil {
 namespace {
 
 // A frame that is whole but for what is done to it; `heartbeat` has two bytes of fields.
-Bytes sound(Board& board, std::uint8_t& sequence) {
+Bytes valid_frame(Board& board, std::uint8_t& sequence) {
   sequence = board.new_sequence();
   return board.request_bytes("heartbeat", Put().u8(0).u8(0), sequence);
 }
@@ -26,10 +26,10 @@ void append(Bytes& to, const Bytes& more) {
   for (const std::uint8_t byte : more) to.push_back(byte);
 }
 
-// `junk` and at once a sound frame, which must be answered, and nothing else.
+// `junk` and at once a valid frame, which must be answered, and nothing else.
 void answered_after(Board& board, Bytes junk) {
   std::uint8_t sequence;
-  append(junk, sound(board, sequence));
+  append(junk, valid_frame(board, sequence));
   board.write(junk);
   board.take("heartbeat", sequence);
   board.silence(10);
@@ -46,13 +46,13 @@ void dropped_as(Board& board, const Bytes& bytes, const char* cause) {
   for (const char* one : causes) {
     equal(std::string("count of ") + one, after[one] - before[one], std::string(one) == cause);
   }
-  equal("sound frames", after["frames"] - before["frames"], 1);  // the second question
+  equal("valid frames", after["frames"] - before["frames"], 1);  // the second question
 }
 
 // One byte of the frame damaged at each place in turn; the first zero too.
 void damage_each_byte(Board& board, std::uint8_t change) {
   std::uint8_t sequence;
-  const Bytes whole = sound(board, sequence);
+  const Bytes whole = valid_frame(board, sequence);
   for (std::size_t at = 0; at + 1 < whole.size(); ++at) {
     Bytes damaged = whole;
     damaged[at] = static_cast<std::uint8_t>(damaged[at] ^ change);
@@ -64,14 +64,14 @@ void damage_each_byte(Board& board, std::uint8_t change) {
   board.expect_alive();
 }
 
-// Damages sound frames at random places; the whole frame that follows must be answered.
+// Damages valid frames at random places; the whole frame that follows must be answered.
 template <class Damage>
 void damaged_then_whole(Board& board, Damage damage) {
   for (int n = 0; n < 20; ++n) {
     std::uint8_t sequence;
-    Bytes wire = sound(board, sequence);
+    Bytes wire = valid_frame(board, sequence);
     damage(wire, 1 + board.random()() % (wire.size() - 2));
-    append(wire, sound(board, sequence));
+    append(wire, valid_frame(board, sequence));
     board.write(wire);
     // Where the damage fell between two frames both are whole.
     while (true) {
@@ -110,14 +110,14 @@ void add_before(Cases& to) {
   });
   add(to, "half-frame-before", "Half a frame before does not matter.", "FRAME-2", [](Board& b) {
     std::uint8_t sequence;
-    const Bytes whole = sound(b, sequence);
+    const Bytes whole = valid_frame(b, sequence);
     for (std::size_t cut = 1; cut + 1 < whole.size(); ++cut) {
       answered_after(b, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(cut)});
     }
   });
   add(to, "tail-before", "The tail of a frame before does not matter.", "FRAME-2", [](Board& b) {
     std::uint8_t sequence;
-    const Bytes whole = sound(b, sequence);
+    const Bytes whole = valid_frame(b, sequence);
     for (std::size_t cut = 2; cut < whole.size(); ++cut) {
       answered_after(b, {whole.begin() + static_cast<std::ptrdiff_t>(cut), whole.end()});
     }
@@ -133,8 +133,8 @@ void add_before(Cases& to) {
   });
   add(to, "shared-zero", "One zero may end a frame and begin the next.", "FRAME-3", [](Board& b) {
     std::uint8_t first, second;
-    Bytes wire = sound(b, first);
-    const Bytes other = sound(b, second);
+    Bytes wire = valid_frame(b, first);
+    const Bytes other = valid_frame(b, second);
     wire.insert(wire.end(), other.begin() + 1, other.end());
     b.write(wire);
     b.take("heartbeat", first);
@@ -179,9 +179,9 @@ void add_damage(Cases& to) {
   add(to, "lost-zero-then-whole",
       "A frame whose closing zero was lost does not take the next along.", "FRAME-5", [](Board& b) {
         std::uint8_t first, second;
-        Bytes wire = sound(b, first);
+        Bytes wire = valid_frame(b, first);
         wire.pop_back();
-        append(wire, sound(b, second));
+        append(wire, valid_frame(b, second));
         b.write(wire);
         b.take("heartbeat", first);  // the next frame's zero ended it
         b.take("heartbeat", second);
@@ -192,7 +192,7 @@ void add_damage(Cases& to) {
           std::uint8_t sequence;
           Bytes wire = b.request_bytes("read_targets", Put().u32(0x01010101 & KZ_ALL_JOINTS));
           append(wire, random_bytes(b, 20, 0));
-          append(wire, sound(b, sequence));
+          append(wire, valid_frame(b, sequence));
           b.write(wire);
           bool answered = false;
           while (const auto frame = b.next(30)) answered |= frame->sequence == sequence;
@@ -282,7 +282,7 @@ void add_counts(Cases& to) {
       [](Board& b) {
         const Reply before = b.statistics();
         std::uint8_t sequence;
-        const Bytes wire = sound(b, sequence);
+        const Bytes wire = valid_frame(b, sequence);
         for (std::size_t at = 1; at + 1 < wire.size(); ++at) {
           b.write({wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(at)});
           b.bench().write_damaged({wire.data() + at, 1});
@@ -299,7 +299,7 @@ void add_counts(Cases& to) {
       to, "break", "A damaged zero (a break) does not end a frame.", "FRAME-10",
       [](Board& b) {
         std::uint8_t sequence;
-        Bytes wire = sound(b, sequence);
+        Bytes wire = valid_frame(b, sequence);
         wire.pop_back();
         b.write(wire);
         const Bytes zero{0};
@@ -313,7 +313,7 @@ void add_counts(Cases& to) {
       [](Board& b) {
         const Reply before = b.statistics();
         std::uint8_t sequence;
-        const Bytes wire = sound(b, sequence);
+        const Bytes wire = valid_frame(b, sequence);
         b.write({wire.begin(), wire.begin() + 4});
         b.wait(24);
         b.write({wire.begin() + 4, wire.end()});
@@ -325,7 +325,7 @@ void add_counts(Cases& to) {
   add(to, "idle-then-whole", "The next frame behind one that was given up is received.", "FRAME-11",
       [](Board& b) {
         std::uint8_t sequence;
-        const Bytes wire = sound(b, sequence);
+        const Bytes wire = valid_frame(b, sequence);
         b.write({wire.begin(), wire.begin() + 6});
         b.wait(40);
         b.done("identify");
@@ -372,7 +372,7 @@ void add_contents(Cases& to) {
   add(to, "slow-bytes", "Bytes with pauses of 10 ms between them make a frame.", "FRAME-13",
       [](Board& b) {
         std::uint8_t sequence;
-        for (const std::uint8_t byte : sound(b, sequence)) {
+        for (const std::uint8_t byte : valid_frame(b, sequence)) {
           b.write({byte});
           b.wait(10);
         }
@@ -382,7 +382,7 @@ void add_contents(Cases& to) {
       to, "slowest-bytes", "Bytes with pauses of 18 ms between them make a frame.", "FRAME-13",
       [](Board& b) {
         std::uint8_t sequence;
-        for (const std::uint8_t byte : sound(b, sequence)) {
+        for (const std::uint8_t byte : valid_frame(b, sequence)) {
           b.write({byte});
           b.wait(18);
         }

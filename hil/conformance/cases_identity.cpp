@@ -13,7 +13,7 @@ void add(Cases& to, const char* id, const char* sentence, const char* statement,
 }  // namespace
 
 void add_identity_cases(Cases& to) {
-  add(to, "identify", "`identify` tells version, joints, capabilities and cause of the reset.",
+  add(to, "identify", "`identify` reports version, joints, capabilities and cause of the reset.",
       "ID-1", [](Board& b) {
         const Reply who = b.done("identify");
         equal("protocol version", who["protocol_version"], KZ_PROTOCOL_VERSION);
@@ -29,15 +29,15 @@ void add_identity_cases(Cases& to) {
       [](Board& b) {
         equal("fifth byte", b.done("identify").frame().fields[4], KZ_PROTOCOL_VERSION);
       });
-  add(to, "watchdog-default", "After a reset `identify` tells the link watchdog's default: LIMP.",
+  add(to, "watchdog-default", "After a reset `identify` reports the link watchdog's default: LIMP.",
       "ID-1", [](Board& b) {
         const Reply who = b.done("identify");
         within("watchdog, 10 ms", who["watchdog_10ms"], 1, 9);
         equal("reaction", who["reaction"], KZ_REACTION_LIMP);
       });
   add(to, "watchdog-set",
-      "`heartbeat` sets limit and reaction, `identify` tells them; 0 leaves them.", "ID-1",
-      [](Board& b) {
+      "`heartbeat` sets limit and reaction, `identify` reports them; 0 leaves them unchanged.",
+      "ID-1", [](Board& b) {
         b.watchdog(25, KZ_REACTION_HOLD);
         b.watchdog(0, 0);
         Reply who = b.done("identify");
@@ -114,7 +114,7 @@ void add_identity_cases(Cases& to) {
     equal("repetitions", counts["repetitions"], 0);
     within("frames", counts["frames"], 1, 12);
   });
-  add(to, "ticks-in-time", "No tick is missed by what a host asks.", "ID-4", [](Board& b) {
+  add(to, "ticks-in-time", "No request makes the board miss a tick.", "ID-4", [](Board& b) {
     for (int n = 0; n < 20; ++n) {
       b.done("joints", Put().u32(0x1FF));
       b.done("calibration");

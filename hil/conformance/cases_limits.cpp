@@ -17,7 +17,7 @@ Bytes one_target(int joint, long angle, int duration_ms) {
   return Put().u32(1L << joint).u16(duration_ms).s16(angle);
 }
 
-// Soft limits of a joint as the board tells them.
+// Soft limits of a joint as the board reports them.
 std::pair<long, long> limits_of(Board& b, int joint) {
   const Reply set = b.done("settings", Put().u8(joint));
   return {set["lower"], set["upper"]};
@@ -37,7 +37,7 @@ void add_refusals(Cases& to) {
         "Targets at this joint's soft limits are taken, one beyond is refused with LIMIT.",
         "MOVE-6", [j](Board& b) {
           const auto [lower, upper] = limits_of(b, j);
-          check(lower < upper, "the joint has no way between its limits");
+          check(lower < upper, "the joint's limits leave no range");
           b.enable(1u << j);
           b.refused("targets", one_target(j, lower - 1, 5000), KZ_REFUSED_LIMIT, j);
           b.refused("targets", one_target(j, upper + 1, 5000), KZ_REFUSED_LIMIT, j);
@@ -148,7 +148,8 @@ void add_motion(Cases& to) {
         },
         kMotion | kBench);
     add(
-        to, std::string("at-limit-flag-") + side, "AT_LIMIT is told of a joint there.", "MOVE-11",
+        to, std::string("at-limit-flag-") + side, "AT_LIMIT is reported for a joint there.",
+        "MOVE-11",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(120).s16(-2000).s16(2000));
           b.bench().place_joint(0, sign * 0.22);

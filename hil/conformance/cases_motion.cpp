@@ -156,7 +156,7 @@ void add_enable(Cases& to) {
   for (const bool high : {false, true}) {
     add(
         to, high ? "enable-overvoltage" : "enable-undervoltage",
-        "`enable` is refused while the supply is not sound.", "MOVE-3",
+        "`enable` is refused while the supply is out of range.", "MOVE-3",
         [high](Board& b) {
           b.bench().set_analog(KZ_ANALOG_SUPPLY, high ? 880 : 200);  // 13.2 V, 3 V
           b.wait(30);
@@ -191,7 +191,7 @@ void add_ramps(Cases& to) {
     b.stay_alive(450);
     near("angle", b.angle(0), goal, b.exact() ? kStill : kReached);
   });
-  add(to, "ramp-straight", "The command goes straight, as fast as the time asks for.", "MOVE-4",
+  add(to, "ramp-straight", "The command is a linear ramp that takes the requested time.", "MOVE-4",
       [](Board& b) {
         b.enable(1);
         const long from = target_of(b, 0), goal = from > 0 ? from - 4000 : from + 4000;
@@ -202,7 +202,8 @@ void add_ramps(Cases& to) {
         for (const auto& [tick, command] : commands_of(b, 0, 500).samples) {
           const double share = std::min(1.0, static_cast<double>(tick - start) / 400);
           const long wanted = from + std::lround(share * static_cast<double>(goal - from));
-          near("command " + std::to_string(tick - start) + " ms on its way", command, wanted, 25);
+          near("command " + std::to_string(tick - start) + " ms after its start", command, wanted,
+               25);
         }
       });
   add(to, "ramp-limit", "Where the time is too short the joint's ramp decides.", "MOVE-4",
@@ -215,8 +216,8 @@ void add_ramps(Cases& to) {
         b.write(b.request_bytes("targets", Put().u32(1).u16(50).s16(goal), sequence));
         const long start = b.take("targets", sequence)["tick"];
         for (const auto& [tick, command] : commands_of(b, 0, 300).samples) {
-          const long way = std::min(2000L, 10 * (tick - start));
-          near("command", std::labs(command - from), way, 30);
+          const long distance = std::min(2000L, 10 * (tick - start));
+          near("command", std::labs(command - from), distance, 30);
         }
       });
   add(to, "ramp-from-command", "A new target starts from where the command is.", "MOVE-4",
@@ -291,7 +292,7 @@ void add_ramps(Cases& to) {
 
 void add_reading(Cases& to) {
   add(
-      to, "read-targets-off", "`read_targets` tells the angle of a joint that is off.", "MOVE-7",
+      to, "read-targets-off", "`read_targets` reports the angle of a joint that is off.", "MOVE-7",
       [](Board& b) {
         const Reply targets = b.done("read_targets", Put().u32(KZ_ALL_JOINTS));
         const Reply state = b.state();
@@ -302,17 +303,17 @@ void add_reading(Cases& to) {
         }
       },
       kNothing);
-  add(to, "read-targets-on", "`read_targets` tells the end of the ramp, not where it is.", "MOVE-7",
-      [](Board& b) {
+  add(to, "read-targets-on", "`read_targets` reports the end of the ramp, not its present value.",
+      "MOVE-7", [](Board& b) {
         b.enable(1);
         const long goal = some_way(b, 0, 3000);
         b.target(0, goal, 500);
         equal("target", target_of(b, 0), goal);
         b.stay_alive(100);
-        equal("target on the way", target_of(b, 0), goal);
+        equal("target during the ramp", target_of(b, 0), goal);
       });
   add(
-      to, "state-angles", "`state` tells the angles of all joints.", "MOVE-8",
+      to, "state-angles", "`state` reports the angles of all joints.", "MOVE-8",
       [](Board& b) {
         for (int j = 0; j < KZ_JOINTS; ++j) b.bench().place_joint(j, 0.02 * j - 0.1);
         b.wait(20);
@@ -324,7 +325,7 @@ void add_reading(Cases& to) {
       },
       kBench);
   add(
-      to, "joints-same-as-state", "`joints` tells the same angles, joint by joint.", "MOVE-8",
+      to, "joints-same-as-state", "`joints` reports the same angles, joint by joint.", "MOVE-8",
       [](Board& b) {
         const Reply state = b.state();
         for (int first = 0; first < KZ_JOINTS; first += 9) {
@@ -337,7 +338,7 @@ void add_reading(Cases& to) {
         }
       },
       kNothing);
-  add(to, "joints-speed", "`joints` tells speed and duty of a joint that moves.", "MOVE-8",
+  add(to, "joints-speed", "`joints` reports speed and duty of a joint that moves.", "MOVE-8",
       [](Board& b) {
         b.enable(1);
         const long goal = some_way(b, 0, 5000);

@@ -165,19 +165,18 @@ void add_sensors(Cases& to) {
         [code](Board& b) { shut_down_by(b, 1, code, KZ_SHUTDOWN_POT, 1, KZ_POT_FAULT_MS); });
   }
   for (const int code : {KZ_POT_LOWEST, KZ_POT_HIGHEST}) {
-    add(to, "pot-sound-" + std::to_string(code), "This code is a sound one.", "SAFE-9",
-        [code](Board& b) {
-          b.enable(0x1);
-          b.bench().set_analog(1, code);  // of a joint whose angle moves nothing
-          b.stay_alive(40);
-          b.enable(0x3);
-          b.stay_alive(60);
-          check(b.state().reason() != KZ_SHUTDOWN_POT, "POT is latched");
-        });
+    add(to, "pot-valid-" + std::to_string(code), "This code is valid.", "SAFE-9", [code](Board& b) {
+      b.enable(0x1);
+      b.bench().set_analog(1, code);  // of a joint whose angle moves nothing
+      b.stay_alive(40);
+      b.enable(0x3);
+      b.stay_alive(60);
+      check(b.state().reason() != KZ_SHUTDOWN_POT, "POT is latched");
+    });
   }
   add(to, "pot-short", "A potentiometer that is gone for 10 ms shuts nothing down.", "SAFE-9",
       [](Board& b) { no_shut_down(b, 0, 0, 10); });
-  add(to, "pot-no-power", "Its motor has no power from the first moment.", "SAFE-9", [](Board& b) {
+  add(to, "pot-no-power", "Its motor has no power from the start.", "SAFE-9", [](Board& b) {
     b.bench().block_joint(0, true);
     b.enable(1);
     b.bench().place_joint(0, 0.2);
@@ -206,7 +205,7 @@ void add_sensors(Cases& to) {
   add(to, "supply-short", "A supply that sags for 10 ms shuts nothing down.", "SAFE-10",
       [](Board& b) { no_shut_down(b, KZ_ANALOG_SUPPLY, 100, 10); });
   for (const int code : {268, 866}) {  // 4.02 and 12.99 V
-    add(to, "supply-sound-" + std::to_string(code), "This supply is sound.", "SAFE-10",
+    add(to, "supply-valid-" + std::to_string(code), "This supply is within its limits.", "SAFE-10",
         [code](Board& b) { no_shut_down(b, KZ_ANALOG_SUPPLY, code, 200); });
   }
   add(to, "supply-off-joints", "While all motors are off a low supply latches nothing.", "SAFE-10",
@@ -233,8 +232,8 @@ void add_sensors(Cases& to) {
     b.wait(60);
     b.done("clear");
   });
-  add(to, "temperature-sound", "84 degrees shut nothing down, and `health` tells them.", "SAFE-11",
-      [](Board& b) {
+  add(to, "temperature-valid", "84 degrees shut nothing down, and `health` reports them.",
+      "SAFE-11", [](Board& b) {
         no_shut_down(b, KZ_ANALOG_TEMPERATURE, 840, 200);
         b.bench().set_analog(KZ_ANALOG_TEMPERATURE, 840);
         b.stay_alive(60);
@@ -250,7 +249,7 @@ void add_sensors(Cases& to) {
   }
   for (const int code :
        {KZ_REFERENCE_CODE - KZ_REFERENCE_TOLERANCE, KZ_REFERENCE_CODE + KZ_REFERENCE_TOLERANCE}) {
-    add(to, "reference-sound-" + std::to_string(code), "A reference at this code is sound.",
+    add(to, "reference-valid-" + std::to_string(code), "A reference at this code is valid.",
         "SAFE-12", [code](Board& b) { no_shut_down(b, KZ_ANALOG_REFERENCE, code, 100); });
   }
 }
@@ -297,7 +296,7 @@ void add_motors(Cases& to) {
       },
       kMotion);
   add(
-      to, "no-missed-tick", "Under a host that asks without pause no tick is missed.", "SAFE-14",
+      to, "no-missed-tick", "With requests sent without pause no tick is missed.", "SAFE-14",
       [](Board& b) {
         b.enable(KZ_ALL_JOINTS);
         for (int n = 0; n < 50; ++n) {

@@ -187,10 +187,10 @@ void add_settings_cases(Cases& to) {
         b.done("limits", Put().u32(1).u16(60).s16(-15000).s16(from + 2000));
         b.done("telemetry", Put().u16(10).u8(KZ_TELEMETRY_COMMANDS));
         for (const Frame& frame : b.telemetry(900, true)) {
-          within("way of the command",
+          within("distance of the command",
                  Reply(message("telemetry_commands"), frame).number("angle", 0) - from, 0, 2000);
         }
-        within("way of the joint", b.angle(0) - from, 1900, 2100);
+        within("distance of the joint", b.angle(0) - from, 1900, 2100);
         check(!b.state().flag(KZ_STATUS_MOVING), "the ramp has not ended");
       },
       kMotion);

@@ -26,8 +26,8 @@ void add_telemetry_cases(Cases& to) {
   for (int n = 0; n < 4; ++n) {
     add(to, std::string("frame-") + kFrames[n], "The selected frame comes each period, no other.",
         "TEL-1", [n](Board& b) {
-          const long asked = b.done("telemetry", Put().u16(20).u8(1 << n))["tick"];
-          long last = asked;
+          const long first_tick = b.done("telemetry", Put().u16(20).u8(1 << n))["tick"];
+          long last = first_tick;
           const auto frames = b.telemetry(210, true);
           within("frames in 210 ms", static_cast<long>(frames.size()), 9, 11);
           int sequence = frames.front().sequence;
@@ -40,7 +40,7 @@ void add_telemetry_cases(Cases& to) {
           }
         });
   }
-  add(to, "contents", "The frames tell what the replies tell.", "TEL-1", [](Board& b) {
+  add(to, "contents", "The frames carry the values of the replies.", "TEL-1", [](Board& b) {
     b.done("telemetry", Put().u16(50).u8(15));
     const auto frames = b.telemetry(220, true);
     b.done("telemetry", Put().u16(0).u8(0));
@@ -123,10 +123,10 @@ void add_telemetry_cases(Cases& to) {
     b.done("telemetry", Put().u16(5).u8(15));
     b.wait(30);
     for (int n = 0; n < 10; ++n) {
-      const Time asked = b.now();
+      const Time start = b.now();
       b.done("heartbeat", Put().u8(0).u8(0), 40);
       // 11 bytes out, the rest of a frame of 53, two ticks, 15 bytes back.
-      const long took = (b.now() - asked).count() / 1'000'000;
+      const long took = (b.now() - start).count() / 1'000'000;
       within("round trip, ms", took, 0, 12 + b.slack().count() / 250'000);
       b.wait(7);
     }

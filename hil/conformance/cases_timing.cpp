@@ -24,22 +24,22 @@ void add_timing_cases(Cases& to) {
           b.wait(3);
           for (int i = 0; i < n % 5; ++i) b.write({0});
           const Bytes wire = b.request_bytes("heartbeat", Put().u8(0).u8(0));
-          const Time asked = b.now();
+          const Time sent = b.now();
           b.write(wire);
           const auto frame = b.next(20);
           check(frame.has_value(), "no answer");
           // 15 bytes in a row; those written before the request go first.
           const double out = kByteMs * static_cast<double>(wire.size() + n % 5);
-          const double first = 1e3 * seconds(frame->at - asked) - out - 14 * kByteMs;
+          const double first = 1e3 * seconds(frame->at - sent) - out - 14 * kByteMs;
           check(first >= 0.95 && first <= 2.35, "it came after " + std::to_string(first) + " ms");
         }
       },
       kExact);
   add(to, "reply-coarse", "A reply is there 20 ms after its request.", "TIME-1", [](Board& b) {
     for (int n = 0; n < 20; ++n) {
-      const Time asked = b.now();
+      const Time sent = b.now();
       b.done("state");
-      const double took = 1e3 * seconds(b.now() - asked);
+      const double took = 1e3 * seconds(b.now() - sent);
       check(took < 20 + 2e3 * seconds(b.slack()), "it took " + std::to_string(took) + " ms");
     }
   });
@@ -51,7 +51,7 @@ void add_timing_cases(Cases& to) {
           b.wait(3 + n % 2);
           const double angle = 0.05 * (n + 1);
           const std::uint8_t sequence = b.new_sequence();
-          // Its last byte is there 0.8 ms after this moment, and a tick begins behind that.
+          // Its last byte is there 0.8 ms from now, and a tick begins after that.
           b.write(b.request_bytes("state", {}, sequence));
           b.bench().place_joint(4, -angle);
           within("angle", b.take("state", sequence).number("angle", 4),

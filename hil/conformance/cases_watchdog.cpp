@@ -95,7 +95,7 @@ void add_limits(Cases& to) {
         equal("reason", b.state().reason(), KZ_SHUTDOWN_NONE);
       },
       kNothing);
-  add(to, "any-request-feeds", "Any sound request feeds it, a refused one too.", "SAFE-5",
+  add(to, "any-request-feeds", "Any valid request feeds it, a refused one too.", "SAFE-5",
       [](Board& b) {
         int n = 0;
         feeds(b, [&] {
@@ -172,7 +172,7 @@ void add_reactions(Cases& to) {
     b.wait(200);
     check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set");
     const long at = b.angle(0);
-    within("way of the joint until the reaction", goal > from ? at - from : from - at, 200, 1400);
+    within("distance until the reaction", goal > from ? at - from : from - at, 200, 1400);
     for (int n = 0; n < 5; ++n) {
       b.wait(60);
       within("angle while holding", b.angle(0), at - 80, at + 80);

@@ -1,4 +1,4 @@
-// COBS and CRC-16/IBM-3740, bit by bit as docs/reference/protocol.md tells them.
+// COBS and CRC-16/IBM-3740, bit by bit as docs/reference/protocol.md specifies them.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/conformance/codec.h"
 

@@ -55,7 +55,7 @@ class Put {
 // Legal fields: each bounded one at its lowest value, all others 0. `changed` has another value.
 Bytes legal_fields(const Message& request, int changed = -1, long value = 0);
 
-// What a frame says, by the names of the table. Fails (Failed) if its length is wrong.
+// The fields of a frame, by the names of the table. Fails (Failed) if its length is wrong.
 class Reply {
  public:
   Reply(const Message& message, const Frame& frame);

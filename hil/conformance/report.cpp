@@ -135,7 +135,8 @@ std::string html_text(const RunReport& report, const ReportFacts& facts) {
   };
   table(Verdict::failed, "Cases that failed");
   text +=
-      "<h2>Statements of docs/reference/protocol.md</h2>\n<table><tr><th>statement</th><th>says</th>"
+      "<h2>Statements of "
+      "docs/reference/protocol.md</h2>\n<table><tr><th>statement</th><th>text</th>"
       "<th>result</th><th>cases passed</th></tr>\n" +
       statement_rows(report) + "</table>\n";
   table(Verdict::passed, "Cases that passed");

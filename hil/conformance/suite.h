@@ -40,7 +40,7 @@ const std::vector<Statement>& statements();
 struct CaseResult {
   const Case* of = nullptr;
   Verdict verdict = Verdict::passed;
-  std::string message;                  // why it failed or was left out
+  std::string message;                  // why it failed or was skipped
   double seconds = 0;                   // on the board's clock
   std::vector<std::string> transcript;  // of a failed one
 };

@@ -46,9 +46,9 @@ void Conversation::request(std::span<const std::uint8_t> body) {
   if (type == KZ_TYPE_telemetry) telemetry_ = true;
   if (type == KZ_TYPE_set_address) address_known_ = false;
   if (address == KZ_ADDRESS_ALL || (type & KZ_REPLY) != 0) return;
-  Asked& asked = asked_[key(address, type, body[2])];
-  ++asked.sent;
-  asked.answered = 0;
+  Asked& request_sent = asked_[key(address, type, body[2])];
+  ++request_sent.sent;
+  request_sent.answered = 0;
 }
 
 bool Conversation::take_deafening() {
@@ -58,8 +58,8 @@ bool Conversation::take_deafening() {
 }
 
 int Conversation::replies_to(std::uint8_t type, std::uint8_t sequence) const {
-  const auto asked = asked_.find(key(KZ_ADDRESS_DEFAULT, type, sequence));
-  return asked == asked_.end() ? 0 : asked->second.answered;
+  const auto request_sent = asked_.find(key(KZ_ADDRESS_DEFAULT, type, sequence));
+  return request_sent == asked_.end() ? 0 : request_sent->second.answered;
 }
 
 void Conversation::received(std::span<const std::uint8_t> bytes) {
@@ -95,7 +95,7 @@ void Conversation::frame(std::span<const std::uint8_t> body) {
   if ((type & 0xC0) == 0xC0 && type != KZ_TYPE_refused) {
     ++counts_.telemetry;
     features_.insert(0x01000000u | type);
-    if (!telemetry_ && !faulty_) wrong(name_of(type) + " came, and nobody asked for telemetry");
+    if (!telemetry_ && !faulty_) wrong(name_of(type) + " came without a subscription to telemetry");
     return;
   }
   if (type == KZ_TYPE_refused) {
@@ -112,16 +112,16 @@ void Conversation::frame(std::span<const std::uint8_t> body) {
 
 void Conversation::reply(std::uint8_t address, std::uint8_t request, std::uint8_t sequence,
                          const std::string& what) {
-  const auto asked = asked_.find(key(address, request, sequence));
+  const auto request_sent = asked_.find(key(address, request, sequence));
   const std::string number = " with number " + std::to_string(sequence);
-  if (asked == asked_.end() || asked->second.sent == 0) {
+  if (request_sent == asked_.end() || request_sent->second.sent == 0) {
     if (!faulty_)
       wrong(what + number + " came " +
-            (asked == asked_.end() ? "to no request" : "once more than it was asked for"));
+            (request_sent == asked_.end() ? "to no request" : "once more than it was requested"));
     return;
   }
-  --asked->second.sent;
-  ++asked->second.answered;
+  --request_sent->second.sent;
+  ++request_sent->second.answered;
 }
 
 // A latched shutdown and motors that are on exclude each other, but where the watchdog holds.

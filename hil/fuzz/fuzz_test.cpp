@@ -57,7 +57,7 @@ TEST(Grammar, ReachesEveryRequestAndIsDeterminedByItsBytes) {
   })) << "a type that there is not";
 }
 
-TEST(Grammar, LeavesOutWhatItIsToldTo) {
+TEST(Grammar, OmitsDisabledEvents) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     for (const Event& event :
          events_of(random_genome(seed, 300), {.faults = false, .line_faults = false}))

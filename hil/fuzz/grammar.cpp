@@ -129,7 +129,7 @@ class Maker {
     send(framed(made.body), "odd " + made.text);
   }
 
-  // One to four bytes of a sound frame turned over, lost or inserted.
+  // One to four bytes of a valid frame inverted, lost or inserted.
   void damaged() {
     const auto made = make_request(type(), choices_, true, KZ_ADDRESS_DEFAULT, sequence());
     auto wire = framed(made.body);

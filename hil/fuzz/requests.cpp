@@ -75,9 +75,9 @@ std::uint32_t pick_mask(Choices& choices, Range usual, bool legal) {
   }
 }
 
-// The highest joints go until at most `most` are left.
-std::uint32_t thinned(std::uint32_t mask, int most) {
-  while (std::popcount(mask) > most) mask &= ~std::bit_floor(mask);
+// The highest joints go until at most `max_joints` are left.
+std::uint32_t thinned(std::uint32_t mask, int max_joints) {
+  while (std::popcount(mask) > max_joints) mask &= ~std::bit_floor(mask);
   return mask;
 }
 
@@ -102,18 +102,19 @@ RequestBytes make_request(const kz_message_info& message, Choices& choices, bool
                           std::uint8_t address, std::uint8_t sequence) {
   RequestBytes request{{address, message.code, sequence}, message.name};
   std::uint32_t mask = 0;
-  int most = KZ_JOINTS;
+  int max_joints = KZ_JOINTS;
   for (int f = 0; f < message.field_count; ++f) {
-    if (message.fields[f].mask != nullptr) most = std::min<int>(most, message.fields[f].count);
+    if (message.fields[f].mask != nullptr)
+      max_joints = std::min<int>(max_joints, message.fields[f].count);
   }
-  if (message.code == KZ_TYPE_joints) most = KZ_JOINTS_PER_REPLY;
+  if (message.code == KZ_TYPE_joints) max_joints = KZ_JOINTS_PER_REPLY;
   for (int f = 0; f < message.field_count; ++f) {
     const kz_field_info& field = message.fields[f];
     const Range type = type_range(field);
     request.text.append(" ").append(field.name).append("=");
     if (std::strcmp(field.name, "mask") == 0) {
       mask = pick_mask(choices, {field.low, field.high}, legal);
-      if (legal) mask = thinned(mask, most);
+      if (legal) mask = thinned(mask, max_joints);
       put(request.body, mask, field.size);
       request.text.append(std::to_string(mask));
       continue;

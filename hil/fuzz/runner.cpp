@@ -121,7 +121,7 @@ class Run {
   }
 
   Result<void> lonely(const Event& event) {
-    // What was asked before has been answered by then: two replies of 10 ms, and telemetry between.
+    // Earlier requests have been answered by then: two replies of 10 ms, and telemetry between.
     if (auto done = listen(clock_.now() + milliseconds(60)); !done) return done;
     const std::uint8_t type = type_of(event.bytes), sequence = sequence_of(event.bytes);
     const bool due = !faulty_ && clock_.now() >= deaf_until_;
@@ -147,7 +147,7 @@ class Run {
   static std::uint8_t sequence_of(std::span<const std::uint8_t> wire) { return header(wire)[2]; }
 
   // Whatever happened, the board answers again, and `stop` switches its motors off. A board at a port
-  // goes on to the next case, whose judge knows nothing of telemetry asked for in this one.
+  // goes on to the next case, whose judge knows nothing of telemetry subscribed in this one.
   Result<void> end() {
     if (auto done = listen(clock_.now() + milliseconds(60)); !done) return done;
     const auto back =

@@ -16,7 +16,8 @@ namespace kaz::hil::fuzz {
 
 struct Verdict {
   std::optional<std::string> violation;
-  std::set<std::uint32_t> features;  // what was new in the board's behaviour can be told by them
+  std::set<std::uint32_t>
+      features;  // codes of board behaviour reached: coverage that guides the search
   ConversationCounts counts;
   double seconds = 0;  // on the clock
 };
@@ -31,7 +32,7 @@ struct RunnerOptions {
   Time longest_start = std::chrono::seconds(3);
 };
 
-// Waits until the board answers, does what the events say, and asks once more whether it is alive;
+// Waits until the board answers, applies the events, and checks once more that it answers;
 // then all
 // motors are off. Errors: nothing answers at the start, the link is gone, the program was
 // interrupted.

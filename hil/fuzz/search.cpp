@@ -73,10 +73,10 @@ bool Search::learn(const Genome& genome, const Verdict& verdict) {
   return fresh_feature;
 }
 
-Genome shortened(const Genome& genome, const CaseRunner& run, int most) {
+Genome shortened(const Genome& genome, const CaseRunner& run, int max_runs) {
   Genome best = genome;
   const auto fails = [&](const Genome& candidate) {
-    if (most-- <= 0) return false;
+    if (max_runs-- <= 0) return false;
     const auto verdict = run(candidate);
     return verdict && verdict->violation;
   };

@@ -3,7 +3,7 @@
 //
 // A case that shows something new (its features) joins the corpus, and later cases are made by
 // changing and
-// joining those. Where the compiler can tell which code has run, `./tools/dev fuzz` is better.
+// joining those. Where the compiler can measure coverage, `./tools/dev fuzz` is better.
 #pragma once
 
 #include <functional>
@@ -39,8 +39,8 @@ class Search {
   std::set<std::uint32_t> seen_;
 };
 
-// A shorter case that is wrong too, after at most `most` runs.
-Genome shortened(const Genome& genome, const CaseRunner& run, int most);
+// A shorter case that is wrong too, after at most `max_runs` runs.
+Genome shortened(const Genome& genome, const CaseRunner& run, int max_runs);
 
 // Corpus and reproducers: a file is a genome. Errors say which path, and why.
 Result<Genome> load_genome(const std::string& path);

@@ -116,7 +116,7 @@ void TickJudge::judge_limit(const kz_servo& servo, int number, int drive) {
   // Drives were computed before this tick's requests, so by the limits before them.
   const int lower = started_ ? std::min<int>(joint.lower, before.lower) : joint.lower;
   const int upper = started_ ? std::max<int>(joint.upper, before.upper) : joint.upper;
-  // Where both limits are one there is no way in: any drive is as good as another.
+  // Where both limits are one no drive leads back inside: none is judged.
   const bool above = joint.angle >= upper && lower != upper;
   const bool below = joint.angle <= lower && lower != upper;
   before.above_ticks = above ? before.above_ticks + 1 : 0;

@@ -29,7 +29,7 @@ class TickJudge {
 
   const std::optional<std::string>& violation() const { return violation_; }
   long long ticks() const { return ticks_; }
-  // States of the board that were reached: shutdown, what is on, what is under way.
+  // States of the board that were reached: shutdown, what is on, what is in progress.
   const std::set<std::uint32_t>& features() const { return features_; }
 
  private:

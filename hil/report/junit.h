@@ -13,7 +13,7 @@ struct JunitCase {
   std::string group, name;
   std::optional<double> seconds;
   Verdict verdict = Verdict::passed;
-  std::string message;  // why it failed or was left out
+  std::string message;  // why it failed or was skipped
   std::string detail;   // of a failed one
   std::string output;   // of any, if not empty
 };

@@ -1,4 +1,4 @@
-# Installs the build into a scratch folder, builds a project of somebody else against it, and runs the
+# Installs the build into a scratch folder, builds an outside project against it, and runs the
 # installed program far from the tree.
 set(prefix ${BINARY}/prefix)
 file(REMOVE_RECURSE ${BINARY})

@@ -31,7 +31,7 @@ def check_packages():
     table = (ROOT / "docs/dependencies.md").read_text()
     explained = re.findall(r"^\| `([^`]+)` \|", table, re.M)
     for name in sorted(set(installed) ^ set(explained)):
-        fault("tools/packages.txt, docs/dependencies.md", f"'{name}' stands in only one of them")
+        fault("tools/packages.txt, docs/dependencies.md", f"'{name}' is in only one of them")
 
 
 def check_printed():
@@ -80,8 +80,8 @@ def check_directions():
                     fault(name, f"must not include {include}")
 
 
-# Folder -> its sub-folders and the sub-folders that each may include besides itself: what is lower knows
-# nothing of what is above it. `tests` are the files named *_test.cpp and *_testing.*, wherever they are, and
+# Folder -> its sub-folders and the sub-folders that each may include besides itself: a lower one knows
+# nothing of those above it. `tests` are the files named *_test.cpp and *_testing.*, wherever they are, and
 # oracle*, which only they use: a test runs its subject in the assembled whole, and nothing else may
 # include what is made for tests.
 LAYERS = {
@@ -169,7 +169,38 @@ def check_temporary_names():
         if name == "shared/base/files.hpp" or name.startswith("tests/") or "test" in path.name:
             continue
         if guessable.search(path.read_text()):
-            fault(name, "makes a temporary name of its own; shared/base/files.hpp has the one way")
+            fault(name, "makes a temporary name of its own; shared/base/files.hpp has the one function")
+
+
+# Words that code and docs do not use, each with the term to use instead (docs/glossary.md). Only those that
+# are wrong everywhere: "ask", "sound" or "figure" have proper uses, so they are left to the reviewer.
+WORDS = [(re.compile(pattern), term) for pattern, term in (
+    (r"\b_?[Tt]old(?![a-z])|(?<=[a-z])Told(?![a-z])", "reported, returned"),
+    (r"\b\w*[Uu]nsound\b", "invalid or faulty"),
+    (r"\bTrouble\b", "Diagnostic"),
+    (r"\b[Bb]eats?\b", "control cycle"),
+    (r"\b[Hh]urried\b", "tx_throttled"),
+    (r"\b[Cc]areful\b", "constrained"),
+    (r"\bMotorFigures\b", "MotorParams"),
+    (r"\bkFigures\b", "kParams, kMeasurements"),
+    (r"\bEyeMotion\b", "EgoMotion"),
+    (r"\bFlowSight\b", "FlowSample"),
+    (r"\bexchanged_eyes\b", "swapped_cameras"),
+    (r"\bwriter_rest\b", "writer_second_stage"),
+    (r"\bAlbum\b", "Snapshots"),
+    (r"\bRig\b", "session backend"),
+)]
+
+
+def check_words():
+    for path in files("*.h", "*.hpp", "*.c", "*.cpp", "*.S", "*.py", "*.md"):
+        name = path.relative_to(ROOT)
+        if name.as_posix() == "tests/repository/rules.py":
+            continue
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            for pattern, term in WORDS:
+                for found in pattern.finditer(line):
+                    fault(f"{name}:{number}", f"'{found[0]}' is not a term of ours: {term}")
 
 
 check_packages()
@@ -180,5 +211,6 @@ check_layers()
 check_folders()
 check_links()
 check_temporary_names()
+check_words()
 print("\n".join(faults) if faults else "the tree keeps its rules")
 sys.exit(1 if faults else 0)

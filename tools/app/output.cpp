@@ -92,8 +92,8 @@ void print_json(const nlohmann::ordered_json& value) {
 
 namespace {
 
-// Made when the first name is asked for. What a run leaves in it (the last frames of a lost link) keeps
-// it; else it goes with the program.
+// Made when the first name is requested. Kept if a run leaves files in it (the last frames of a lost
+// link), else removed at exit.
 class PrivateFolder {
  public:
   PrivateFolder() {

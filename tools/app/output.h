@@ -53,7 +53,7 @@ class Progress {
   std::chrono::steady_clock::time_point last_draw_{};
 };
 
-// A result on standard output. What stands in texts and is no UTF-8 (a recording may hold any bytes) is
+// A result on standard output. Text that is not UTF-8 (a recording may hold any bytes) is
 // replaced: JSON has none.
 void print_json(const nlohmann::ordered_json& value);
 

@@ -17,15 +17,15 @@ namespace fs = std::filesystem;
 
 // A dump of callgrind says `desc: Trigger: Client Request: NAME=TIMES` and `totals: N`.
 void take_dump(const fs::path& dump, Results& results) {
-  const std::string asked = "desc: Trigger: Client Request: ", totals = "totals: ";
+  const std::string request = "desc: Trigger: Client Request: ", totals = "totals: ";
   std::ifstream file(dump);
   std::string line, name;
   double times = 0;
   while (std::getline(file, line)) {
-    if (line.compare(0, asked.size(), asked) == 0) {
+    if (line.compare(0, request.size(), request) == 0) {
       const std::size_t equals = line.rfind('=');
       if (equals == std::string::npos) return;
-      name = line.substr(asked.size(), equals - asked.size());
+      name = line.substr(request.size(), equals - request.size());
       times = std::atof(line.c_str() + equals + 1);
     } else if (line.compare(0, totals.size(), totals) == 0 && times > 0) {
       results.put(name, std::atof(line.c_str() + totals.size()) / times / 1e3);

@@ -134,8 +134,8 @@ int parse_and_run(int argc, char** argv) {
       "failed.");
   try {
     program.parse(argc, argv);
-  } catch (const CLI::Success& asked) {
-    return program.exit(asked);
+  } catch (const CLI::Success& success) {
+    return program.exit(success);
   } catch (const CLI::ParseError& wrong) {
     std::fprintf(stderr, "kaz_benchmark: %s; see `kaz_benchmark --help`\n", wrong.what());
     return static_cast<int>(Fault::usage);

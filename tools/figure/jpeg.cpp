@@ -16,7 +16,7 @@ Result<void> write_jpeg(const std::string& path, const Image& image, int quality
                                   std::to_string(image.height) + " cannot be a JPEG file");
   jpeg_compress_struct jpeg;
   jpeg_error_mgr errors;
-  jpeg.err = jpeg_std_error(&errors);  // into memory and with sound sizes there are none
+  jpeg.err = jpeg_std_error(&errors);  // into memory and with valid sizes there are none
   jpeg_create_compress(&jpeg);
   unsigned char* bytes = nullptr;
   unsigned long size = 0;

@@ -55,7 +55,7 @@ Axis y_axis(const LinePlot& plot) {
   }
   for (const HorizontalLine& line : plot.lines) range.include(line.y);
   Axis axis = make_axis(plot.y_min.value_or(range.low), plot.y_max.value_or(range.high), 5, true);
-  // An end that was asked for stays where it is.
+  // A limit that the caller set is kept.
   if (plot.y_min && *plot.y_min < axis.high) axis.low = *plot.y_min;
   if (plot.y_max && *plot.y_max > axis.low) axis.high = *plot.y_max;
   return axis;

@@ -1,4 +1,4 @@
-// Cairo surfaces that close themselves, and the way between them and our images.
+// Cairo surfaces that close themselves, and conversion between them and our images.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -35,8 +35,8 @@ constexpr double kLimitMargin = 0.03;  // rad
 // Judge of the motors and joints of the world themselves.
 class BodyJudge {
  public:
-  // `sound`: no sensor, motor or supply has a fault.
-  explicit BodyJudge(bool sound) : sound_(sound) {}
+  // `healthy`: no sensor, motor or supply has a fault.
+  explicit BodyJudge(bool healthy) : healthy_(healthy) {}
   // After each tick.
   void board(const kz_servo& servo) {
     servo_ = &servo;
@@ -89,12 +89,12 @@ class BodyJudge {
     if (joint.pushed_up_ms < kPushedMs) past = std::max(past, 1e-4 * (angle - servo.upper));
     if (joint.pushed_down_ms < kPushedMs) past = std::max(past, 1e-4 * (servo.lower - angle));
     worst_ = std::max(worst_, past);
-    if (sound_ && past > kLimitMargin && !violation_)
+    if (healthy_ && past > kLimitMargin && !violation_)
       violation_ = std::string(joint_names[j]) + " was driven " + std::to_string(past) +
                    " rad past its soft limit";
   }
 
-  const bool sound_;
+  const bool healthy_;
   const kz_servo* servo_ = nullptr;
   std::array<Joint, KZ_JOINTS> joints_{};
   std::array<int, KZ_JOINTS> lower_{}, upper_{};

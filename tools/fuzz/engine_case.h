@@ -15,7 +15,7 @@ struct EngineOptions {
   std::string mcu = "native";  // "h8": native computes each of its ticks again
   std::string image;           // firmware, for "h8"
   std::uint64_t seed = 1;
-  // The robot and its world, hung up by its trunk; motors without a body if empty.
+  // The robot and its world, suspended by its trunk; motors without a body if empty.
   std::string world_path, robot_path;
   hil::fuzz::GrammarOptions grammar;
 };

@@ -44,7 +44,7 @@ def last(pattern, text, default=0):
 
 
 class Run:
-    """One target under way."""
+    """One running target."""
 
     def __init__(self, name, target, options, seconds):
         self.name, self.seconds, self.began = name, seconds, time.monotonic()

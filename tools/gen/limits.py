@@ -4,7 +4,7 @@
 """usage: limits.py URDF JOINTS_DEF HEADER
 
 Every joint of JOINTS_DEF must stand in URDF with a <limit lower upper>, inside the range in which
-its potentiometer gives a sound code. Limits are rounded inwards.
+its potentiometer gives a valid code. Limits are rounded inwards.
 """
 import math
 import re
@@ -74,7 +74,7 @@ def read_joints(path):
 
 
 def pot_window(sign, centre_deg):
-    """Joint angles, rad, at the first and last sound code."""
+    """Joint angles, rad, at the first and last valid code."""
     ends = [centre_deg + sign * (code - POT_CODES // 2) * POT_RANGE_DEG / POT_CODES
             for code in SOUND_CODES]
     return math.radians(min(ends)), math.radians(max(ends))

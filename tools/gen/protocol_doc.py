@@ -113,7 +113,7 @@ def document(root):
     }
     for key, lines in blocks.items():
         text = text.replace(f"@{key}@", "\n".join(lines).rstrip())
-    # A constant that the table's texts name is told by its value too.
+    # A constant that the table's texts name is printed with its value.
     text = re.sub(r"(?<![@\w])(KZ_\w*[A-Z0-9])(?![\w*@])", lambda match: with_value(match, everything),
                   text)
     return re.sub(r"@(KZ_\w+)@", lambda match: everything[match.group(1)][0], text)

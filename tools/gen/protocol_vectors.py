@@ -40,11 +40,11 @@ def values_of(message, choose, mask):
 
 def message_vector(name, message, values, address, sequence):
     body = bytes([address, message.code, sequence]) + pack(message, values)
-    told = {field.name: values[field.name] if field.kind != "masked" else
+    fields = {field.name: values[field.name] if field.kind != "masked" else
             [values[field.name][joint] for joint in joints_of(values[field.mask], field.most)]
             for field in message.fields}
     return {"name": f"{message.name}: {name}", "message": message.name, "address": address,
-            "sequence": sequence, "fields": told, "out_of_bounds": out_of_bounds(message, values),
+            "sequence": sequence, "fields": fields, "out_of_bounds": out_of_bounds(message, values),
             "body": body.hex(), "wire": frame_of(body).hex()}
 
 
@@ -107,13 +107,13 @@ def damaged(name, wire):
 
 def streams(rng, idle_ms):
     body = bytes([1, 3, 9, 0, 0, 0, 3, 1, 0xF4, 3, 0xE8, 0xFF, 0xFE])
-    sound, after = frame_of(body), frame_of(bytes([1, 5, 10]))
-    out = [damaged("two frames", sound + after),
-           damaged("two frames share a zero", sound[:-1] + after),
-           damaged("zeros between frames", sound + bytes(20) + after),
-           damaged("noise before the first zero", b"\x12\x34\x56" + sound),
-           damaged("half a frame, then a whole one", sound[5:] + sound),
-           damaged("a frame without an end", sound[:-1]),
+    valid, after = frame_of(body), frame_of(bytes([1, 5, 10]))
+    out = [damaged("two frames", valid + after),
+           damaged("two frames share a zero", valid[:-1] + after),
+           damaged("zeros between frames", valid + bytes(20) + after),
+           damaged("noise before the first zero", b"\x12\x34\x56" + valid),
+           damaged("half a frame, then a whole one", valid[5:] + valid),
+           damaged("a frame without an end", valid[:-1]),
            damaged("one byte too long", b"\0" + b"\x11" * (BODY_MAX + 5) + b"\0" + after),
            damaged("far too long", b"\0" + b"\x11" * 700 + b"\0" + after),
            damaged("the longest that is not too long", b"\0" + b"\x11" * (BODY_MAX + 4) + b"\0")]
@@ -126,27 +126,27 @@ def streams(rng, idle_ms):
                     stuff(body) + b"\x02", b"\x01\x01\x01\x02"):
         wire = b"\0" + stuffed + check_of(stuffed) + b"\0" + after
         out.append(damaged("stuffing that does not come out, check right: " + stuffed.hex(), wire))
-    for place in range(len(sound)):
-        for name, byte in (("a flipped bit", sound[place] ^ 1 << rng.randint(0, 7)), ("a zero", 0)):
-            if byte != sound[place]:
-                wire = sound[:place] + bytes([byte]) + sound[place + 1:]
+    for place in range(len(valid)):
+        for name, byte in (("a flipped bit", valid[place] ^ 1 << rng.randint(0, 7)), ("a zero", 0)):
+            if byte != valid[place]:
+                wire = valid[:place] + bytes([byte]) + valid[place + 1:]
                 out.append(damaged(f"{name} in byte {place}", wire + after))
-        out.append(damaged(f"byte {place} lost", sound[:place] + sound[place + 1:] + after))
+        out.append(damaged(f"byte {place} lost", valid[:place] + valid[place + 1:] + after))
         extra = bytes([rng.randint(0, 255)])
         out.append(damaged(f"{extra.hex()} before byte {place}",
-                           sound[:place] + extra + sound[place:] + after))
+                           valid[:place] + extra + valid[place:] + after))
     for error, result in (("PARITY", "LINE_ERROR"), ("FRAMING", "LINE_ERROR"), ("LOST", "OVERRUN"),
                           ("OVERRUN", "OVERRUN")):
-        for place in (1, len(sound) // 2, len(sound) - 2):
-            out.append(stream(f"{error} at byte {place}", sound + after,
+        for place in (1, len(valid) // 2, len(valid) - 2):
+            out.append(stream(f"{error} at byte {place}", valid + after,
                               [(result, None), *received(after)], errors=[[place, error]]))
-    for pause, results in ((idle_ms - 1, received(sound + after)),
+    for pause, results in ((idle_ms - 1, received(valid + after)),
                            (idle_ms, [("IDLE", None), *received(after)])):
-        for place in (2, len(sound) // 2, len(sound) - 1):
-            out.append(stream(f"{pause} ms before byte {place}", sound + after, results,
+        for place in (2, len(valid) // 2, len(valid) - 1):
+            out.append(stream(f"{pause} ms before byte {place}", valid + after, results,
                               silence_ms=[[place, pause]]))
-        out.append(stream(f"{pause} ms between frames", sound + after, received(sound + after),
-                          silence_ms=[[len(sound), pause]]))
+        out.append(stream(f"{pause} ms between frames", valid + after, received(valid + after),
+                          silence_ms=[[len(valid), pause]]))
     return out
 
 

@@ -4,7 +4,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: stamp_image.py COFF
 
-shared/flash/image.h tells the layout of both and what the CRCs cover.
+shared/flash/image.h has the layout of both and the range of the CRCs.
 """
 import struct
 import sys

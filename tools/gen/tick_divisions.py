@@ -4,7 +4,7 @@
 32 bits takes some hundred states, and in a loop over the joints that is a tick. The instructions that
 divide 16 bits, up to 21 states each, are counted against a list."""
 
-# By function: how many, and why that is no trouble. Measured under the walking load with the profile
+# By function: how many, and why that is acceptable. Measured under the walking load with the profile
 # of `kaz mcu run`: all ramps of a tick start in 2,400 states.
 ALLOWED = {
     "_kz_joints_start_ramps": 2,  # a joint's ramp: its length; its whole step and the rest

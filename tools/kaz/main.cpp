@@ -68,8 +68,8 @@ int parse_and_run(int argc, char** argv) {
 #undef KAZ_VERB
   try {
     program.parse(argc, argv);
-  } catch (const CLI::Success& asked) {  // --help, --version
-    return program.exit(asked);
+  } catch (const CLI::Success& success) {  // --help, --version
+    return program.exit(success);
   } catch (const CLI::ParseError& wrong) {
     const std::string name = spoken_name(program);
     const std::string verb = unknown_verb(program, argc, argv);

@@ -81,7 +81,7 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
             "board refuses targets that are as long");
   verb->footer(
       std::string("Exit status: 0 all within its limits, 1 a limit failed, 2 wrong usage, 3 "
-                  "port trouble.\nExamples:\n") +
+                  "port error.\nExamples:\n") +
       footer);
   verb->callback([&action, arguments] { action = [arguments] { return run_bench(*arguments); }; });
   return verb;
@@ -90,7 +90,7 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
 void add_fit(CLI::App& bench_verb, Action& action) {
   auto* verb = bench_verb.add_subcommand(
       "fit",
-      "finds the figures of the motor model with which the simulator's bench reads the same");
+      "fits the parameters of the motor model so that the simulated bench measures the same");
   auto arguments = std::make_shared<BenchFitOptions>();
   verb->add_option("REPORT", arguments->report,
                    "result.json of `kaz bench motor`, or the folder it is in")

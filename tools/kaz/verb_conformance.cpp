@@ -41,7 +41,7 @@ void add_conformance(CLI::App& program, Action& action) {
       ->type_name("FILE");
   verb->footer(
       "A virtual board passes all cases; on a port those that need a bench are left out.\n"
-      "Exit status: 0 all that ran passed, 1 a case failed, 2 wrong usage, 3 port trouble.\n"
+      "Exit status: 0 all that ran passed, 1 a case failed, 2 wrong usage, 3 port error.\n"
       "Examples:\n"
       "  kaz conformance --virtual h8 --html report.html\n"
       "  kaz conformance --port /dev/ttyUSB0 --junit conformance.xml\n"

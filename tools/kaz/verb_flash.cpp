@@ -43,7 +43,7 @@ void add_flash(CLI::App& program, Action& action) {
       "  kaz flash write kaz.mot --port board --reset ctl:board.ctl     (kaz sim --erased)\n"
       "  kaz flash write kaz.mot --port /dev/ttyUSB0 --reset manual\n"
       "  kaz flash info --port /dev/ttyUSB0\n"
-      "Exit status: 0 done and verified, 1 it failed, 2 wrong usage or image, 3 port trouble.");
+      "Exit status: 0 done and verified, 1 it failed, 2 wrong usage or image, 3 port error.");
   const auto add = [&](const char* name, const char* text) {
     auto* verb = all->add_subcommand(name, text);
     auto arguments = std::make_shared<FlashArguments>();
@@ -54,7 +54,7 @@ void add_flash(CLI::App& program, Action& action) {
     return std::pair(verb, arguments);
   };
   add("info", "what the board says of itself");
-  add("run", "starts what is in the flash, and asks the firmware who it is");
+  add("run", "starts the firmware in the flash, and prints its identity");
   auto [write, to_write] =
       add("write", "erases what differs, writes, verifies and starts an image");
   add_image(*write, *to_write);

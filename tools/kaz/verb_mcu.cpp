@@ -138,7 +138,7 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
       ->needs(profile)
       ->type_name("");
   verb.add_option("--tick", debug.tick,
-                  "BEGIN,END: labels around a tick; the profile tells the worst one")
+                  "BEGIN,END: labels around a tick; the profile reports the longest one")
       ->needs(profile)
       ->type_name("");
   verb.add_option("--coverage", debug.coverage,
@@ -167,7 +167,8 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   verb->add_option("--input", options->input, "bytes for RxD0 at line rate; - is standard input")
       ->excludes("--flat")
       ->type_name("");
-  verb->add_option("--netlist", options->netlist, "parts around the chip: docs/reference/emulator-pins.md")
+  verb->add_option("--netlist", options->netlist,
+                   "parts around the chip: docs/reference/emulator-pins.md")
       ->excludes("--flat")
       ->type_name("FILE");
   auto* vcd = verb->add_option("--vcd", options->vcd, "record signals for GTKWave and the like")

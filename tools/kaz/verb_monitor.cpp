@@ -20,7 +20,7 @@ void add_monitor(CLI::App& program, Action& action) {
       "otherwise: e switches the selected joint on or off, E all on, left and right move it by a\n"
       "degree, [ and ] by five, SPACE stops everything, c clears a shutdown, q quits and switches\n"
       "off what was switched on here. A board that goes away is sought until it is there again.\n"
-      "Exit status: 0 left by q or Ctrl-C, 2 wrong usage or no terminal, 3 port trouble.\n"
+      "Exit status: 0 left by q or Ctrl-C, 2 wrong usage or no terminal, 3 port error.\n"
       "Examples:\n"
       "  kaz monitor --port /dev/ttyUSB0\n"
       "  kaz sim --mcu native --serial board &  kaz monitor --port board\n"

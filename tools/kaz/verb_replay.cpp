@@ -1,4 +1,4 @@
-// `kaz replay`: runs a recording again and tells the first difference.
+// `kaz replay`: runs a recording again and reports the first difference.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/replay/replay.h"
 #include "tools/kaz/verbs.h"
@@ -7,7 +7,7 @@ namespace kaz::tools {
 
 void add_replay(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "replay", "run a recording of kaz run or kaz demo again and tell the first difference");
+      "replay", "run a recording of kaz run or kaz demo again and report the first difference");
   struct Arguments {
     ReplayOptions replay;
     std::vector<std::string> settings;
@@ -31,8 +31,7 @@ void add_replay(CLI::App& program, Action& action) {
   verb->add_flag("--json", arguments->replay.json, "print the result as JSON on standard output");
   verb->footer(
       "With --host (behaviour, vision, protocol) what the host sends is compared byte by byte; the "
-      "first\ndifference is told with time, place in the stream, and the message that it stands "
-      "in. "
+      "first\ndifference is reported with time, place in the stream, and its message. "
       "Changed programs\nof the host are tried like this on what a robot has met.\n"
       "Exit status 0: identical; 1: they differ.\n"
       "Examples:\n"

@@ -25,7 +25,7 @@ void add_sim(CLI::App& program, Action& action) {
       ->type_name("FILE");
   verb->add_flag("--erased", arguments->backend.erased,
                  "the board's flash is blank, as the chip comes from the factory (kaz flash)");
-  verb->add_flag("--boot", arguments->boot, "the board's switch stands at boot mode");
+  verb->add_flag("--boot", arguments->boot, "the board's mode switch is set to boot mode");
   verb->add_option("--write-calibration", arguments->calibration,
                    "write the eyes' calibration as OpenCV does (YAML); without --serial, only that")
       ->type_name("FILE");

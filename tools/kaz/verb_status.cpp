@@ -1,4 +1,4 @@
-// `kaz status`: what a board says of itself. Asks only; moves and changes nothing.
+// `kaz status`: prints a board's state. Reads only; moves and changes nothing.
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
 #include <string>
@@ -10,16 +10,17 @@ namespace kaz::tools {
 
 void add_status(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "status", "what a board says of itself: motors, why they went off, supply, link");
+      "status", "print a board's state: motors, why they went off, supply, link");
   auto arguments = std::make_shared<StatusOptions>();
   verb->add_option("--port", arguments->port, "serial port or pty of a board")
       ->type_name("PATH[@BAUD]")
       ->required();
   verb->add_flag("--json", arguments->json, "print it as JSON");
   verb->footer(
-      "Asks only: nothing moves, and nothing is cleared. docs/explanation/safety.md says what to do about a\n"
+      "Reads only: nothing moves, and nothing is cleared. docs/explanation/safety.md says what to "
+      "do about a\n"
       "shutdown. Exit status: 0 nothing is latched, 1 a shutdown is, 2 wrong usage, 3 port "
-      "trouble.\n"
+      "error.\n"
       "Examples:\n"
       "  kaz status --port /dev/ttyUSB0\n"
       "  kaz status --port /dev/ttyUSB0 --json");

@@ -126,7 +126,7 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->check(CLI::Range(1, 100000000));
   verb->add_option("--robot", options->robot,
                    "of a live camera: the robot that has it (serial:PATH[@BAUD]), whose posture "
-                   "tells which plane is the floor")
+                   "determines which plane is the floor")
       ->type_name("ROBOT");
   verb->add_flag("--json", options->json, "print result.json, no progress");
   verb->footer(

@@ -41,7 +41,7 @@ class FlashBench final : public host::Link, public host::Clock, public host::Boa
 
   h8s::Chip& chip() { return mcu_->chip(); }
   sim::H8Mcu& mcu() { return *mcu_; }
-  // Everything is sound again: plugged in, powered, no faults.
+  // Restores the bench: plugged in, powered, no faults.
   void repair();
   // The firmware that runs answers `identify`; the CRC of its image, or nothing.
   std::optional<std::uint16_t> running_image();

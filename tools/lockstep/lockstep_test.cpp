@@ -81,7 +81,7 @@ TEST(LockstepCamera, DeliversBySimulatedTime) {
     auto pair = camera.poll();
     ASSERT_TRUE(pair);
     EXPECT_FALSE(*pair);
-    ASSERT_TRUE(clock.sleep_until(milliseconds(48)));  // exposed at 33 ms, 15 ms under way
+    ASSERT_TRUE(clock.sleep_until(milliseconds(48)));  // exposed at 33 ms, 15 ms in transit
     pair = camera.poll();
     ASSERT_TRUE(pair && *pair);
     EXPECT_EQ((*pair)->info.exposure, milliseconds(33));

@@ -1,4 +1,4 @@
-// From a bench's report to the figures of the motor model.
+// From a bench's report to the parameters of the motor model.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/lockstep/motor_fit.h"
 
@@ -23,8 +23,8 @@ using Values = std::map<std::string, double>;  // by measurement; only those tha
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kSeeds = 2;          // of the simulated bench in each round
 constexpr int kRough = 3;          // rounds that come near, before the fine ones
-constexpr double kSettled = 2e-3;  // relative change of every figure
-constexpr double kMostFactor = 3;  // that a round may change a figure by
+constexpr double kSettled = 2e-3;  // relative change of every parameter
+constexpr double kMaxFactor = 3;   // that a round may change a parameter by
 const std::vector<std::string> kCurves = {"stall", "no_load", "start", "step", "thermal", "gain"};
 
 Values values_of(const hil::BenchReport& report, const std::string& joint) {
@@ -42,11 +42,11 @@ void take_sliding(Values& values) {
     values["friction.running"] = sliding->second;
 }
 
-// A figure, the measurements it takes, and its estimate by formula.
+// A parameter, the measurements it takes, and its estimate by formula.
 struct Estimator {
   const char* name;
   const char* unit;
-  double MotorParams::*figure;
+  double MotorParams::*param;
   std::vector<std::string> needs;
   double (*estimate)(const Values&, double disc_kgm2);
 };
@@ -107,7 +107,7 @@ bool has_all(const Estimator& estimator, const Values& values) {
 struct Bench {
   int joint = 0;
   double disc_kgm2 = 0, supply_volts = 0, pressing_s = 0.1;
-  bool running = true;  // friction.running was measured; else friction.sliding stands in
+  bool running = true;  // friction.running was measured; else friction.sliding is used
   sim::SimulationOptions board;
 };
 
@@ -162,7 +162,7 @@ Result<Model> run_model(const Bench& bench, const MotorParams& motor) {
 
 void halve_the_way(MotorParams& motor, const MotorParams& last) {
   for (const Estimator& estimator : estimators())
-    motor.*estimator.figure = 0.5 * (motor.*estimator.figure + last.*estimator.figure);
+    motor.*estimator.param = 0.5 * (motor.*estimator.param + last.*estimator.param);
 }
 
 // Returns the largest relative change. Inertia of rotor and disc together are what a start shows.
@@ -170,16 +170,16 @@ double correct(MotorParams& motor, const Values& measured, const Values& model, 
   double largest = 0;
   for (const Estimator& estimator : estimators()) {
     if (!has_all(estimator, measured) || !has_all(estimator, model)) continue;
-    const bool with_disc = estimator.figure == &MotorParams::rotor_inertia_kgm2;
+    const bool with_disc = estimator.param == &MotorParams::rotor_inertia_kgm2;
     const double more = with_disc ? disc : 0;
     const double ratio =
         std::clamp(estimator.estimate(measured, disc) / estimator.estimate(model, disc),
-                   1 / kMostFactor, kMostFactor);
-    const double before = motor.*estimator.figure;
+                   1 / kMaxFactor, kMaxFactor);
+    const double before = motor.*estimator.param;
     double after = (before + more) * ratio - more;
-    if (estimator.figure == &MotorParams::stiction_ratio) after = std::max(after, 1.0);
+    if (estimator.param == &MotorParams::stiction_ratio) after = std::max(after, 1.0);
     if (with_disc) after = std::max(after, 0.01 * disc);
-    motor.*estimator.figure = after;
+    motor.*estimator.param = after;
     largest = std::max(largest, std::abs(after / before - 1));
   }
   return largest;
@@ -193,7 +193,7 @@ const hil::Plot* find_plot(const hil::BenchReport& report, const std::string& jo
   return nullptr;
 }
 
-// What a series says at x, between its points; NaN outside.
+// A series at x, linear between its points; NaN outside.
 double at(const hil::Series& series, double x) {
   auto points = series.points;
   std::ranges::stable_sort(points, {}, &std::pair<double, double>::first);
@@ -316,15 +316,16 @@ Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptio
   bool any = false;
   for (const Estimator& estimator : estimators()) any |= has_all(estimator, values);
   if (!any)
-    return fail(Fault::usage,
-                "the report of " + *joint +
-                    " tells no figure of the motor: its measurements were left out or failed");
-  const auto tell = [&](int done) {
+    return fail(
+        Fault::usage,
+        "the report of " + *joint +
+            " determines no parameter of the motor: its measurements were skipped or failed");
+  const auto report_progress = [&](int done) {
     if (options.progress)
       options.progress(static_cast<double>(done) / (options.max_rounds + 1),
                        "the bench on the model, round " + std::to_string(done + 1));
   };
-  tell(0);
+  report_progress(0);
   const auto before = run_model(*bench, fit.motor);
   if (!before) return tl::unexpected(before.error());
   Model model = *before;
@@ -335,15 +336,15 @@ Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptio
     const MotorParams corrected = fit.motor;
     if (fit.rounds >= kRough) halve_the_way(fit.motor, last);
     last = corrected;
-    tell(++fit.rounds);
+    report_progress(++fit.rounds);
     auto next = run_model(*bench, fit.motor);
     if (!next) return tl::unexpected(next.error());
     model = std::move(*next);
     if (fit.last_change < kSettled) break;
   }
   for (const Estimator& estimator : estimators()) {
-    fit.figures.push_back({estimator.name, estimator.unit, options.start.*estimator.figure,
-                           fit.motor.*estimator.figure, has_all(estimator, values)});
+    fit.params.push_back({estimator.name, estimator.unit, options.start.*estimator.param,
+                          fit.motor.*estimator.param, has_all(estimator, values)});
   }
   fit.motor.name = options.start.name + "-fitted";
   compare(fit, measured, *joint, *before, model);

@@ -1,10 +1,10 @@
-// From a bench's report to the figures of the motor model: those with which the same bench, run on
+// From a bench's report to the parameters of the motor model: those with which the same bench, run on
 // the simulated stand, finds the same.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Each figure has an estimate by formula from the measurements, which what the bench itself does to
+// Each parameter has an estimate by formula from the measurements, which what the bench itself does to
 // them (codes, steps of the duty, a motor that warms meanwhile) puts off by some per cent. So the
-// bench is run on the model, too, and the model's figure is corrected by the ratio of both estimates,
+// bench is run on the model, too, and the model's parameter is corrected by the ratio of both estimates,
 // over and over: indirect inference (C. Gourieroux, A. Monfort, E. Renault 1993, "Indirect
 // Inference", Journal of Applied Econometrics 8).
 #pragma once
@@ -19,7 +19,7 @@
 
 namespace kaz::lockstep {
 
-struct FittedFigure {
+struct FittedParam {
   std::string name, unit;  // of the motor file
   double before = 0, after = 0;
   bool measured = false;  // false: the bench said nothing of it, and it stays
@@ -34,11 +34,11 @@ struct Gap {
 
 struct MotorFit {
   sim::MotorParams motor;
-  std::vector<FittedFigure> figures;
+  std::vector<FittedParam> params;
   std::vector<Gap> gaps;
   std::vector<hil::Plot> plots;  // measured, before and after in one
   int rounds = 0;
-  double last_change = 0;  // largest relative change of a figure in the last round
+  double last_change = 0;  // largest relative change of a parameter in the last round
 };
 
 struct MotorFitOptions {
@@ -51,7 +51,7 @@ struct MotorFitOptions {
   std::function<void(double share, const std::string& what)> progress;
 };
 
-// Errors (usage): the report is not one of a motor, or has nothing that tells a figure; several
+// Errors (usage): the report is not one of a motor, or determines no parameter; several
 // joints and none chosen. Else those of the simulation.
 Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptions& options);
 

@@ -1,4 +1,4 @@
-// What a recording says of the host's side: bytes of both directions, pictures, the behaviour's record.
+// The host's side of a recording: bytes of both directions, pictures, the behaviour's record.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -39,7 +39,7 @@ struct RecordedRun {
   vision::CameraModel camera;  // where there are pictures
   Time camera_latency{};
 
-  // `name` stands in the errors (usage): damaged, messages that do not fit their schema, cut off before
+  // `name`: for the errors (usage): damaged, messages that do not fit their schema, cut off before
   // its first whole step.
   static Result<RecordedRun> of(const sim::McapRecording& recording,
                                 const std::string& name = "the recording");

@@ -115,7 +115,7 @@ void ReplayedBoard::compare(std::span<const sim::SerialByte> arrived, sim::State
 }
 
 // `arrived[at]`, or nothing, came in place of the recording's next byte. What both are to send after
-// it tells which messages they stand in.
+// it determines their messages.
 void ReplayedBoard::differ(std::span<const sim::SerialByte> arrived, std::size_t at) {
   auto here = std::vector<sim::SerialByte>(arrived.begin() + static_cast<std::ptrdiff_t>(at),
                                            arrived.end());

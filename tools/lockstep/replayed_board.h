@@ -103,7 +103,7 @@ class ReplayCamera final : public vision::Camera {
   ReplayedBoard& board_;
 };
 
-// The byte at `offset` of what a host sent, with the message that it stands in: "0x3a in `enable` #12
+// The byte at `offset` of what a host sent, with the message that contains it: "0x3a in `enable` #12
 // mask=0x3, frame 00 05 01 ...".
 std::string byte_in_words(std::span<const std::uint8_t> sent, std::size_t offset);
 

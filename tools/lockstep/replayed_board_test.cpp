@@ -99,7 +99,7 @@ TEST(ReplayedBoard, TheSameHostDoesTheSame) {
   EXPECT_EQ(again.first_byte, recorded.behavior.first_byte);
 }
 
-// Bytes that the line lost, doubled and bent reach both the same way.
+// Bytes that the line lost, doubled or damaged reach both runs alike.
 TEST(ReplayedBoard, FaultsOfTheLineHappenAgain) {
   const Recorded recorded = record("at 0.050 s for 1 s link_drop 0.01\n");
   ReplayedBoard board(recorded.run);

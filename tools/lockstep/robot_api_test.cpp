@@ -158,7 +158,7 @@ TEST_F(Api, CalibrationIsStoredAndThereAfterAReset) {
   ASSERT_TRUE(robot.set_gains(1, {.kp_per_rad = 7}));
   ASSERT_TRUE(robot.reset());
   EXPECT_EQ(robot.identity().reset_cause, KZ_RESET_COMMAND);
-  EXPECT_FALSE(robot.take_resumption()) << "this one was asked for";
+  EXPECT_FALSE(robot.take_resumption()) << "this one was requested";
   calibration = robot.calibration();
   ASSERT_TRUE(calibration);
   EXPECT_NE(calibration->source, KZ_CALIBRATION_NOMINAL);

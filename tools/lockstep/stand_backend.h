@@ -1,4 +1,4 @@
-// An emulated board with its motors on a stand, and the host's way to both.
+// An emulated board with its motors on a stand, and the host's connection to both.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

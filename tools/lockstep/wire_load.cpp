@@ -1,4 +1,4 @@
-// A beat, cycles sent ahead of their answers, and counting.
+// Runs control cycles at a rate, sent ahead of their replies, and counts them.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/lockstep/wire_load.h"
 
@@ -38,7 +38,7 @@ Result<WireLoad> run_wire_load(host::Robot& robot, Time byte_time, double rate_h
     return true;
   };
 
-  for (std::uint64_t beat = 0; clock.now() - start < duration; ++beat) {
+  for (std::uint64_t cycle = 0; clock.now() - start < duration; ++cycle) {
     const double phase = 2 * std::numbers::pi * kSwingHz * seconds(clock.now() - start);
     std::array<host::JointTarget, KZ_JOINTS> targets;
     for (int j = 0; j < KZ_JOINTS; ++j) {
@@ -48,7 +48,7 @@ Result<WireLoad> run_wire_load(host::Robot& robot, Time byte_time, double rate_h
     sent.push_back(clock.now());
     if (auto done = robot.send_cycle(targets, kRamp); !done) return tl::unexpected(done.error());
     if (rate_hz > 0) {
-      const Time next = start + from_seconds(static_cast<double>(beat + 1) / rate_hz);
+      const Time next = start + from_seconds(static_cast<double>(cycle + 1) / rate_hz);
       while (clock.now() < next) {
         if (sent.empty()) {
           if (auto slept = clock.sleep_until(next); !slept) return tl::unexpected(slept.error());

@@ -1,4 +1,4 @@
-// All 18 targets out and all 18 positions back, as often as asked or as the wire allows.
+// All 18 targets out and all 18 positions back, at a given rate or as fast as the wire allows.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,7 @@ struct WireLoad {
   double rate_hz = 0;                  // postures that came
   double share_out = 0, share_in = 0;  // of the wire, 0..1
   double oldest_s = 0;     // longest from when targets left to when their posture was there
-  std::uint64_t late = 0;  // beats at which an earlier cycle was still to leave
+  std::uint64_t late = 0;  // cycles due while earlier ones filled the window
   std::uint64_t retries = 0;
 };
 

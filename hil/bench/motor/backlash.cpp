@@ -1,4 +1,4 @@
-// Backlash: how far the shaft gives way to gentle presses from both sides.
+// Backlash: how far the shaft yields to gentle presses from both sides.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <numbers>
@@ -12,7 +12,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 // Well below what turns the motor through its gear, far above what a disc needs.
 constexpr double kPress = 0.03;  // Nm
-// Each reading is off by half a code: some thousand of them find a hundredth of the way.
+// Each reading is off by half a code: some thousand of them resolve a hundredth of that.
 constexpr int kRounds = 8;
 constexpr double kWatched = 2;         // s
 constexpr std::ptrdiff_t kShown = 20;  // readings to a point of the plot
@@ -43,14 +43,14 @@ void measure_backlash(MotorOnBench& motor, BenchJudge& judge) {
     ways.push_back((mean_angle(forth) - mean_angle(back)) / kDegree);
   }
   sure(stand.press(motor.joint(), 0));
-  const Mean way = mean_of(ways);
-  judge.enter(motor.name(), "backlash", way.value, way.error);
+  const Mean play = mean_of(ways);
+  judge.enter(motor.name(), "backlash", play.value, play.error);
   judge.add(
       {"backlash",
        motor.name(),
        "Backlash",
        "time pressed, s",
-       "angle told, degrees",
+       "reported angle, degrees",
        false,
        {shown},
        "The shaft pressed with 0.03 Nm backward and forward in turn, motor off: the step is the "

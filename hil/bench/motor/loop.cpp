@@ -14,8 +14,8 @@ namespace {
 constexpr double kStepWay = 0.3;  // rad
 constexpr double kStepSeconds = 0.6;
 constexpr double kStepEnd = 0.45;    // s from which on it has come to rest
-constexpr double kSettled = 0.05;    // of the way
-constexpr int kStepRounds = 3;       // each way
+constexpr double kSettled = 0.05;    // of the step
+constexpr int kStepRounds = 3;       // per direction
 constexpr double kAmplitude = 0.05;  // rad
 constexpr double kHertz[] = {0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20};
 constexpr double kLeadIn = 0.5;  // s of each sine that are not looked at
@@ -25,11 +25,11 @@ struct StepResponse {
   double rise_ms = 0, overshoot = 0, settling_ms = 0, error_mrad = 0;  // overshoot in percent
 };
 
-// When the answer first passes a share of the way, between two readings.
-double passes(const Trace& trace, double from, double way, double share) {
+// Time, s, at which the response first passes `share` of the step; linear between readings.
+double passes(const Trace& trace, double from, double distance, double share) {
   for (std::size_t i = 1; i < trace.size(); ++i) {
-    const double before = (trace[i - 1].angle_rad - from) / way;
-    const double here = (trace[i].angle_rad - from) / way;
+    const double before = (trace[i - 1].angle_rad - from) / distance;
+    const double here = (trace[i].angle_rad - from) / distance;
     if (before < share && here >= share) {
       const double part = (share - before) / (here - before);
       return trace[i - 1].t_s + part * (trace[i].t_s - trace[i - 1].t_s);
@@ -39,7 +39,7 @@ double passes(const Trace& trace, double from, double way, double share) {
 }
 
 StepResponse step_response(const Trace& trace, double from, double to) {
-  const double way = to - from;
+  const double distance = to - from;
   std::vector<double> rest;
   for (const Sample& sample : trace) {
     if (sample.t_s >= kStepEnd) rest.push_back(sample.angle_rad);
@@ -47,12 +47,13 @@ StepResponse step_response(const Trace& trace, double from, double to) {
   check(!rest.empty(), "no readings came");
   const double end = mean_of(rest).value;
   StepResponse response;
-  response.rise_ms = 1e3 * (passes(trace, from, way, 0.9) - passes(trace, from, way, 0.1));
+  response.rise_ms =
+      1e3 * (passes(trace, from, distance, 0.9) - passes(trace, from, distance, 0.1));
   response.error_mrad = 1e3 * (end - to);
   double max_overshoot = 0;
   for (const Sample& sample : trace) {
-    max_overshoot = std::max(max_overshoot, (sample.angle_rad - end) / way);
-    if (std::abs(sample.angle_rad - end) > kSettled * std::abs(way))
+    max_overshoot = std::max(max_overshoot, (sample.angle_rad - end) / distance);
+    if (std::abs(sample.angle_rad - end) > kSettled * std::abs(distance))
       response.settling_ms = 1e3 * sample.t_s;
   }
   response.overshoot = 100 * max_overshoot;
@@ -127,7 +128,7 @@ void measure_step(MotorOnBench& motor, BenchJudge& judge) {
              motor.name(),
              "Step of the target",
              "time, ms",
-             "way, rad",
+             "displacement, rad",
              false,
              {up, down, {"target", Series::Style::dashed, {{0, kStepWay}, {600, kStepWay}}}},
              "0.3 rad at once, with 20 /rad, 0.15 s/rad and the board's ramp of 6 rad/s."});

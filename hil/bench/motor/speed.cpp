@@ -11,7 +11,7 @@ namespace {
 
 // In 255ths, as the board has them.
 constexpr double kDuties[] = {77. / 255, 115. / 255, 153. / 255, 204. / 255, 1};
-constexpr int kFullStarts = 4;       // more of them, each way: the start's lag is a small number
+constexpr int kFullStarts = 4;  // more of them, per direction: the start's lag is a small number
 constexpr double kFromLimit = 0.08;  // rad, where a run begins
 constexpr double kSteady = 0.06;     // s after which the start is over
 constexpr double kPress = 0.03;      // Nm, to begin with the gear's flanks on the driving side
@@ -53,7 +53,7 @@ std::optional<Run> run_once(MotorOnBench& motor, double duty, double supply_volt
   }
   if (steady.size() < kFewest) return std::nullopt;
   const Line line = fit_line(steady);
-  check(sign * line.slope > 0.1, "the shaft did not turn the way it was driven");
+  check(sign * line.slope > 0.1, "the shaft did not turn in the direction in which it was driven");
   run.speed = line.slope;
   run.lag = (run.from - line.at_zero) / line.slope;
   run.volts = duty * mean_volts(run.trace, kSteady, 10);
@@ -92,7 +92,7 @@ Plot start_plot(const std::string& joint, const Run& run) {
           joint,
           "Start at full duty",
           "time, ms",
-          "way, rad",
+          "displacement, rad",
           false,
           {measured, steady},
           "Where the dashed line meets zero is the lag: rotor and disc over back-EMF, the gear's "

@@ -36,7 +36,7 @@ class Stand {
   virtual Result<void> let_go(int joint) = 0;
   // How long the motor has to press for the scale to be read.
   virtual double pressing_s() const = 0;
-  // For how long what is under way is left to come to rest after press().
+  // How long the shaft is left to come to rest after press().
   virtual double settling_s() const = 0;
 };
 

@@ -27,7 +27,7 @@ class StandingClock final : public host::Clock {
   Time now_{};
 };
 
-TEST(CommandStand, SaysItsWords) {
+TEST(CommandStand, SendsItsCommands) {
   std::vector<std::string> commands;
   StandingClock clock;
   CommandStand stand(
@@ -82,7 +82,7 @@ struct Person {
                     4e-4};
 };
 
-TEST(ManualStand, AsksAndReads) {
+TEST(ManualStand, PromptsAndReads) {
   Person person;
   person.answers = {"", "", "", "1.31", " -44.5 \r", ""};
   EXPECT_EQ(*person.stand.disc_kgm2(), 4e-4);
@@ -100,7 +100,7 @@ TEST(ManualStand, AsksAndReads) {
   EXPECT_NE(person.prompts.back().find("0.03 Nm in its negative sense"), std::string::npos);
 }
 
-TEST(ManualStand, AsksAgainWhereNoNumberCame) {
+TEST(ManualStand, PromptsAgainWithoutANumber) {
   Person person;
   person.answers = {"", "two", "1.2 Nm", "nan", "1.2"};
   EXPECT_EQ(*person.stand.scale_nm(kJoint), 1.2);

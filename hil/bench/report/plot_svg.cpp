@@ -219,7 +219,7 @@ class Drawing {
            "\" fill-opacity=\"0.75\"/>\n";
   }
 
-  // As strokes without length, which are short to write; those that cannot be told apart once.
+  // As strokes of zero length, which are short in SVG; points that fall on the same place are drawn once.
   void draw_points(const Series& series, const char* of_color) {
     std::set<std::pair<long, long>> taken;
     std::string path;

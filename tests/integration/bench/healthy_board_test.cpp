@@ -1,4 +1,4 @@
-// A sound virtual board passes all measurements of link and tick, and no motor goes on.
+// A healthy virtual board passes all measurements of link and tick, and no motor goes on.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <memory>
@@ -77,7 +77,7 @@ std::vector<const char*> engines() {
 INSTANTIATE_TEST_SUITE_P(Engines, HealthyBoard, ::testing::ValuesIn(engines()),
                          [](const auto& tested) { return std::string(tested.param); });
 
-// All that comes from the board tells its status.
+// Every reply of the board carries its status.
 TEST(BoardLine, NoMotorIsEverOnUnlessThatIsAllowed) {
   for (const bool allowed : {false, true}) {
     lockstep::VirtualBench board(sim::make_native());

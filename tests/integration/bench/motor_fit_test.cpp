@@ -85,12 +85,12 @@ TEST(MotorFit, LeavesWhatWasNotMeasured) {
   ASSERT_TRUE(fit) << fit.error().message;
   EXPECT_NEAR(fit->motor.stall_slope_nm_per_v, test.motor.stall_slope_nm_per_v, 0.005);
   EXPECT_NEAR(fit->motor.friction_nm, test.motor.friction_nm, 0.1 * test.motor.friction_nm)
-      << "torques tell it roughly where no speeds were measured";
+      << "torques determine it roughly where no speeds were measured";
   EXPECT_EQ(fit->motor.rotor_inertia_kgm2, kaz_motor().rotor_inertia_kgm2);
-  for (const lockstep::FittedFigure& figure : fit->figures)
-    EXPECT_EQ(figure.measured, figure.name == "stall_slope" || figure.name == "friction" ||
-                                   figure.name == "backlash")
-        << figure.name;
+  for (const lockstep::FittedParam& param : fit->params)
+    EXPECT_EQ(param.measured,
+              param.name == "stall_slope" || param.name == "friction" || param.name == "backlash")
+        << param.name;
 }
 
 TEST(MotorFit, SaysWhyAReportIsOfNoUse) {
@@ -104,10 +104,10 @@ TEST(MotorFit, SaysWhyAReportIsOfNoUse) {
   MotorTest test;
   test.options.filter = "pot.noise";
   BenchReport report = measure_motor(test);
-  EXPECT_EQ(
-      error(report),
-      "the report of l_sh_pitch tells no figure of the motor: its measurements were left out or "
-      "failed");
+  EXPECT_EQ(error(report),
+            "the report of l_sh_pitch determines no parameter of the motor: its measurements were "
+            "skipped or "
+            "failed");
   EXPECT_EQ(error(report, "l_knee"), "the report has nothing of a joint `l_knee`");
   BenchReport two = report;
   two.measurements.push_back(two.measurements.front());

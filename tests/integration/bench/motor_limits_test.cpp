@@ -1,4 +1,4 @@
-// A sound motor passes; each limit of the group `motor` is broken by a motor, a potentiometer or a
+// A healthy motor passes; each limit of the group `motor` is broken by a motor, a potentiometer or a
 // loop that is not as it should be.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
@@ -91,7 +91,7 @@ class MotorLimits : public testing::TestWithParam<Breaker> {};
 TEST_P(MotorLimits, IsBroken) {
   const Breaker& breaker = GetParam();
   MotorTest test;
-  // Figures of friction are worth what the torque line says.
+  // Friction values are as accurate as the torque line.
   test.options.filter =
       std::string(breaker.name).starts_with("friction") || std::string(breaker.name) == "dead_band"
           ? "friction|stall.slope|dead_band"
@@ -142,7 +142,7 @@ TEST(HealthyMotor, PassesOnJointsOfAllRangesAndSenses) {
   }
 }
 
-// The paper's figures (section 2.1), and the rest of what the motor is made of.
+// The paper's values (section 2.1), and the other motor parameters.
 TEST(HealthyMotor, IsMeasuredAsItIs) {
   const BenchReport report = measure_motor({});
   const sim::MotorParams motor = kaz_motor();
@@ -161,7 +161,7 @@ TEST(HealthyMotor, IsMeasuredAsItIs) {
   EXPECT_NEAR(value(report, "no_load.speed"), speed, 0.01 * speed);
 }
 
-// The servo as sold, whose circuit gives its motor 6 V at most: the paper's other figure.
+// The servo as sold, whose circuit gives its motor 6 V at most: the paper's other value.
 TEST(HealthyMotor, OriginalCircuitHasThePapersTorqueAndNoMoreAbove) {
   MotorTest test;
   const auto original =

@@ -43,10 +43,10 @@ TEST(ConformanceCodec, TakesFramesApart) {
 }
 
 TEST(ConformanceCodec, SeesWhatIsWrongWithFrames) {
-  Deframer sound;
-  EXPECT_EQ(frames_in(sound, kState), 1);
-  EXPECT_EQ(frames_in(sound, kState), 1);
-  EXPECT_EQ(sound.faults(), 0);
+  Deframer valid;
+  EXPECT_EQ(frames_in(valid, kState), 1);
+  EXPECT_EQ(frames_in(valid, kState), 1);
+  EXPECT_EQ(valid.faults(), 0);
 
   Deframer shared_zero;
   EXPECT_EQ(frames_in(shared_zero, kState), 1);

@@ -60,7 +60,7 @@ u8 other_than_zero(Random& random) {
 }
 
 // Damages the stuffed body; its zeros at both ends stay, and so does the check, so that nothing but
-// the CRC can tell. Returns false if the frame came out as it was.
+// the CRC detects. Returns false if the frame came out as it was.
 bool damage(Random& random, std::size_t kind, Bytes& wire) {
   const Bytes before = wire;
   const int last = static_cast<int>(wire.size()) - 5;  // of the stuffed body, which begins at 1
@@ -84,7 +84,7 @@ bool damage(Random& random, std::size_t kind, Bytes& wire) {
   return wire != before && wire.size() <= KZ_BODY_MAX + 6;
 }
 
-// The native board, with motors that turn as fast as they are told, without inertia.
+// The native board, with motors that turn at the commanded speed, without inertia.
 class Board {
  public:
   explicit Board(DamageReport& report) : report_(report) {

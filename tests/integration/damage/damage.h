@@ -7,12 +7,12 @@
 
 namespace kaz::test {
 
-// One way to damage a frame. Each changes more than the CRC finds for certain, but the first.
+// One kind of damage. All but the first change more than the CRC is certain to detect.
 struct Damage {
   const char* name;
   std::uint64_t frames = 0;
   std::uint64_t passed = 0;    // had the right check all the same
-  std::uint64_t accepted = 0;  // of them, those that were sound frames in all
+  std::uint64_t accepted = 0;  // of them, those that were valid frames in all respects
 };
 
 struct DamageReport {
@@ -30,7 +30,7 @@ struct DamageReport {
   std::uint64_t passed() const;  // without the first kind, of which none may
 };
 
-// Sends `frames` damaged frames to a native board whose joints are on and move, with sound requests
+// Sends `frames` damaged frames to a native board whose joints are on and move, with valid requests
 // between them that keep it so.
 DamageReport measure_damage(std::uint64_t frames, std::uint64_t seed);
 

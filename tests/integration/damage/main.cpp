@@ -41,7 +41,7 @@ int main(int count, char** arguments) {
     unsigned long long* const value =
         name == "--frames" ? &frames : (name == "--seed" ? &seed : nullptr);
     if (!value || ++i == count || !number(arguments[i], *value)) {
-      std::fprintf(stderr, "kaz_damage: '%s' is no option with a number; --help tells them\n",
+      std::fprintf(stderr, "kaz_damage: '%s' is no option with a number; see --help\n",
                    name.c_str());
       return 2;
     }

@@ -3,8 +3,8 @@
 """Runs `kaz run` N times with one seed and compares the recordings byte for byte.
 
 The circumstances change from run to run: alone; beside busy processes, two for each core; with the virtual
-robot saved, sent astray and restored on the way; both. Where two recordings differ both are kept, and the
-first byte that differs is told. Exit status 0: all equal; 1: not.
+robot saved, moved on and restored during the run; both. Where two recordings differ both are kept, and the
+first byte that differs is printed. Exit status 0: all equal; 1: not.
 """
 import argparse
 import hashlib

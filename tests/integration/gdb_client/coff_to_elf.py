@@ -10,8 +10,8 @@ TEXT, BSS = 0x20, 0x80
 SHF = {"text": 6, "data": 3}
 
 
-def text_at(data, at, most):
-    return data[at:at + most].split(b"\0")[0].decode("latin-1")
+def text_at(data, at, size):
+    return data[at:at + size].split(b"\0")[0].decode("latin-1")
 
 
 def read_coff(data):

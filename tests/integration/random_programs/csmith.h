@@ -35,7 +35,7 @@ typedef unsigned int uintptr_t;
 #define CHAR_BIT 8
 #define NULL ((void*)0)
 #define assert(condition)
-// Only the indices of what is hashed, and only when asked to by an argument.
+// Only the indices of what is hashed, and only if an argument requests it.
 #define printf(...) ((void)0)
 
 // Writes to standard output: host.c, start.s.

@@ -104,8 +104,8 @@ TEST(PhotographedDepth, OfTheAloeIsMostlyRight) {
   ASSERT_TRUE(left) << left.error().message << ": ./tools/dev setup";
   ASSERT_TRUE(right && measured);
   ASSERT_EQ(left->width, measured->width);
-  int most = 0;
-  for (const std::uint8_t d : measured->rgb) most = std::max<int>(most, d);
+  int max_level = 0;
+  for (const std::uint8_t d : measured->rgb) max_level = std::max<int>(max_level, d);
   const std::vector<bool> seen = seen_by_both(*measured);
   for (const int scale : {1, 2}) {
     const StereoImages pair = scale == 1 ? StereoImages{*left, *right}
@@ -119,7 +119,7 @@ TEST(PhotographedDepth, OfTheAloeIsMostlyRight) {
                    pair.left.width / 2.0,
                    pair.left.height / 2.0,
                    0.16};
-    DepthFinder finder({.nearest_m = 3740 * 0.16 / (most + 8)});
+    DepthFinder finder({.nearest_m = 3740 * 0.16 / (max_level + 8)});
     DepthImage depth;
     const auto found = finder.find(pair, info, depth);
     ASSERT_TRUE(found) << found.error().message;
@@ -137,7 +137,7 @@ TEST(PhotographedDepth, OfTheAloeIsMostlyRight) {
       std::printf(
           "aloe, %d x %d, disparities to %d px, %s: %.1f %% known; of the known %.1f %% within "
           "1 px, %.1f %% within 0.6 px; of all %.1f %%, %.1f %%\n",
-          depth.width, depth.height, most / scale, name, 100.0 * score.known / score.all,
+          depth.width, depth.height, max_level / scale, name, 100.0 * score.known / score.all,
           100.0 * score.near / score.known, 100.0 * score.fine / score.known,
           100.0 * score.near / score.all, 100.0 * score.fine / score.all);
       return score;
@@ -145,7 +145,7 @@ TEST(PhotographedDepth, OfTheAloeIsMostlyRight) {
     const Score own = judged("kaz", 8, [&](int u, int v) { return depth.disparity(u, v); });
     // OpenCV's, with the same disparities and left-right check. It gives nothing in the columns on
     // the left that the disparities take; those are left out for all in these lines.
-    const int range = (most / scale + 16) / 16 * 16;
+    const int range = (max_level / scale + 16) / 16 * 16;
     judged("kaz, right part", range + 8, [&](int u, int v) { return depth.disparity(u, v); });
     const auto peer = [&](const char* name, cv::StereoMatcher& matcher) {
       matcher.setDisp12MaxDiff(1);

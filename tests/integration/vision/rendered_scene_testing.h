@@ -49,7 +49,7 @@ class RenderedScene {
     vision::FrameInfo info;
     info.camera = camera();
     info.posture_known = true;
-    info.foot_from_eye = eye_;  // the foot stands in the world's origin
+    info.foot_from_eye = eye_;  // the foot is at the world's origin
     return info;
   }
 
@@ -70,7 +70,7 @@ class RenderedScene {
     return rectified;
   }
 
-  // What an ideal left eye sees, to tell where there is texture.
+  // What an ideal left eye sees, to find where there is texture.
   vision::Image ideal_picture(Renderer& renderer) const {
     View view;
     const vision::CameraModel& c = camera();

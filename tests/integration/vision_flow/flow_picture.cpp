@@ -15,28 +15,29 @@ namespace {
 using kaz::vision::Image;
 
 // Direction as hue, length as strength; grey is unknown.
-void paint(Image& image, std::size_t pixel, const Eigen::Vector2f& flow, float most) {
+void paint(Image& image, std::size_t pixel, const Eigen::Vector2f& flow, float max_px) {
   std::uint8_t* to = &image.rgb[3 * pixel];
   if (std::isnan(flow.x())) {
     std::fill(to, to + 3, std::uint8_t{110});
     return;
   }
   const double angle = std::atan2(static_cast<double>(flow.y()), static_cast<double>(flow.x()));
-  const double share = std::min(1.0, static_cast<double>(flow.norm() / most));
+  const double share = std::min(1.0, static_cast<double>(flow.norm() / max_px));
   for (int c = 0; c < 3; ++c) {
     const double hue = 0.5 + 0.5 * std::cos(angle - c * 2.0943951);
     to[c] = static_cast<std::uint8_t>(std::lround(255 * (1 - share * (1 - hue))));
   }
 }
 
-Image flow_colors(const kaz::vision::FlowImage& flow, float most) {
+Image flow_colors(const kaz::vision::FlowImage& flow, float max_px) {
   Image image{flow.width, flow.height, {}};
   image.rgb.resize(flow.flow_px.size() * 3);
-  for (std::size_t i = 0; i < flow.flow_px.size(); ++i) paint(image, i, flow.flow_px[i], most);
+  for (std::size_t i = 0; i < flow.flow_px.size(); ++i) paint(image, i, flow.flow_px[i], max_px);
   return image;
 }
 
-Image residual_colors(const kaz::vision::MovingRegions& moving, int width, int height, float most) {
+Image residual_colors(const kaz::vision::MovingRegions& moving, int width, int height,
+                      float max_px) {
   constexpr int kCell = kaz::vision::FlowImage::kCell_px;
   Image image{width, height, {}};
   image.rgb.resize(static_cast<std::size_t>(width * height) * 3);
@@ -45,7 +46,7 @@ Image residual_colors(const kaz::vision::MovingRegions& moving, int width, int h
       const int x = std::min(u / kCell, moving.cells_across - 1);
       const int y = std::min(v / kCell, moving.cells_down - 1);
       paint(image, static_cast<std::size_t>(v * width + u),
-            moving.residual_px[static_cast<std::size_t>(y * moving.cells_across + x)], most);
+            moving.residual_px[static_cast<std::size_t>(y * moving.cells_across + x)], max_px);
     }
   }
   return image;
@@ -88,7 +89,7 @@ int main(int count, char** words) {
   using kaz::sim::MovingScene;
   constexpr double kTurn_rad = 30 * 3.14159265358979 / 180 / 30;  // 30 degrees/s at 30 Hz
   MovingScene scene(640, "carpet");
-  const kaz::sim::Moment before{MovingScene::turned(0), {0.45, -0.05, 0.02}},
+  const kaz::sim::MovingPoses before{MovingScene::turned(0), {0.45, -0.05, 0.02}},
       after{MovingScene::turned(kTurn_rad), {0.45, -0.05 + 0.3 / 30, 0.02}};
   const auto a = scene.take(before, 1), b = scene.take(after, 2);
   kaz::vision::FlowImage flow;

@@ -16,8 +16,8 @@
 
 namespace kaz::sim {
 
-// Where the eyes and the ball are at one moment; the foot stands in the world's origin.
-struct Moment {
+// Poses of the eyes and the ball at one time; the foot is at the world's origin.
+struct MovingPoses {
   Eigen::Isometry3d eye = Eigen::Isometry3d::Identity();
   Eigen::Vector3d ball{0.45, 0, 0.02};
 };
@@ -49,23 +49,23 @@ class MovingScene {
 
   const vision::CameraModel& camera() const { return calibration_.rectified; }
 
-  vision::FrameInfo info(const Moment& moment, std::uint64_t number) const {
+  vision::FrameInfo info(const MovingPoses& poses, std::uint64_t number) const {
     vision::FrameInfo info;
     info.sequence = number;
     info.exposure = from_seconds(static_cast<double>(number) / 30);
     info.camera = camera();
     info.posture_known = true;
-    info.foot_from_eye = moment.eye;
+    info.foot_from_eye = poses.eye;
     return info;
   }
 
   // Rectified pictures of real eyes: lenses, noise of exposure `number`.
-  vision::StereoImages take(const Moment& moment, std::uint64_t number) {
-    scene_.pose.frames[static_cast<std::size_t>(ball_frame_)].translation() = moment.ball;
+  vision::StereoImages take(const MovingPoses& poses, std::uint64_t number) {
+    scene_.pose.frames[static_cast<std::size_t>(ball_frame_)].translation() = poses.ball;
     vision::StereoImages raw, rectified;
-    raw.left = sim::take(*renderer_, scene_.pose, left_, moment.eye, number);
+    raw.left = sim::take(*renderer_, scene_.pose, left_, poses.eye, number);
     raw.right = sim::take(*renderer_, scene_.pose, right_,
-                          moment.eye * Eigen::Translation3d(kEyeBaseline_m, 0, 0), number);
+                          poses.eye * Eigen::Translation3d(kEyeBaseline_m, 0, 0), number);
     rectifier_.rectify(raw, rectified);
     return rectified;
   }
@@ -74,20 +74,21 @@ class MovingScene {
     double depth_m = 0;  // 0: nothing there
     bool ball = false;
   };
-  Hit hit(const Moment& moment, double u, double v) const {
+  Hit hit(const MovingPoses& poses, double u, double v) const {
     const vision::CameraModel& c = camera();
-    return along(moment, moment.eye.translation(),
-                 moment.eye.linear() * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1));
+    return along(poses, poses.eye.translation(),
+                 poses.eye.linear() * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1));
   }
   // Where a point of the world is in the picture, px.
-  Eigen::Vector2d pixel(const Moment& moment, const Eigen::Vector3d& world) const {
+  Eigen::Vector2d pixel(const MovingPoses& poses, const Eigen::Vector3d& world) const {
     const vision::CameraModel& c = camera();
-    const Eigen::Vector3d p = moment.eye.inverse() * world;
+    const Eigen::Vector3d p = poses.eye.inverse() * world;
     return {c.fx * p.x() / p.z() + c.cx, c.fy * p.y() / p.z() + c.cy};
   }
   // True flow of what is at (u, v); NaN where there is nothing, or where it is hidden or out of the
   // picture later.
-  Eigen::Vector2d flow(const Moment& before, const Moment& after, double u, double v) const {
+  Eigen::Vector2d flow(const MovingPoses& before, const MovingPoses& after, double u,
+                       double v) const {
     const vision::CameraModel& c = camera();
     const Hit h = hit(before, u, v);
     const Eigen::Vector2d none(NAN, NAN);
@@ -114,7 +115,8 @@ class MovingScene {
   }
 
   // In lengths of the ray, which for rays with z = 1 in the optical frame are depths.
-  Hit along(const Moment& moment, const Eigen::Vector3d& from, const Eigen::Vector3d& ray) const {
+  Hit along(const MovingPoses& poses, const Eigen::Vector3d& from,
+            const Eigen::Vector3d& ray) const {
     Hit best;
     if (ray.z() < 0) {
       const double depth = -from.z() / ray.z();
@@ -127,7 +129,7 @@ class MovingScene {
       const double enter = one.min(two).maxCoeff(), leave = one.max(two).minCoeff();
       if (enter > 0 && enter < leave && (best.depth_m == 0 || enter < best.depth_m)) best = {enter};
     }
-    const Eigen::Vector3d off = moment.ball - from;
+    const Eigen::Vector3d off = poses.ball - from;
     const double a = ray.squaredNorm(), b = ray.dot(off);
     const double root = b * b - a * (off.squaredNorm() - kBallRadius * kBallRadius);
     if (root > 0 && b > 0) {

@@ -37,10 +37,10 @@ struct Turn {
 
 class RenderedFlow : public ::testing::TestWithParam<Turn> {};
 
-TEST_P(RenderedFlow, EndsWhereThingsAre) {
+TEST_P(RenderedFlow, EndsAtTheObjectsNewPlace) {
   const auto [width, floor, rate] = GetParam();
   MovingScene scene(width, floor);
-  const Moment before{MovingScene::turned(0.1)},
+  const MovingPoses before{MovingScene::turned(0.1)},
       after{MovingScene::turned(0.1 + rate * kDegree / 30)};
   const auto a = scene.take(before, 1), b = scene.take(after, 2);
   const auto info_a = scene.info(before, 1), info_b = scene.info(after, 2);

@@ -22,7 +22,7 @@ struct Way {
   const char* floor;
   double pan_deg_s;
   Vector3d eye_m_s, ball_m_s;
-  double posture_rad = 0;  // by which pan and tilt are read wrong, this way and that
+  double posture_rad = 0;  // error of the pan and tilt readings, of either sign
 };
 
 std::string text(const vision::MovingRegions& moving) {
@@ -38,7 +38,7 @@ std::string text(const vision::MovingRegions& moving) {
 
 class RenderedMoving : public ::testing::TestWithParam<Way> {
  protected:
-  Moment moment(double t) const {
+  MovingPoses poses(double t) const {
     const Way& w = GetParam();
     return {MovingScene::turned(0.05 + w.pan_deg_s * kDegree * t, 0.55, w.eye_m_s * t),
             Vector3d(0.45, 0.02, MovingScene::kBallRadius) + w.ball_m_s * t};
@@ -48,7 +48,7 @@ class RenderedMoving : public ::testing::TestWithParam<Way> {
     const Way& w = GetParam();
     const double pan = number % 2 == 0 ? w.posture_rad : -w.posture_rad;
     const double tilt = number % 4 < 2 ? w.posture_rad : -w.posture_rad;
-    Moment read = moment(t);
+    MovingPoses read = poses(t);
     read.eye =
         MovingScene::turned(0.05 + w.pan_deg_s * kDegree * t + pan, 0.55 + tilt, w.eye_m_s * t);
     return scene.info(read, number);
@@ -66,7 +66,7 @@ TEST_P(RenderedMoving, TheBallAloneMoves) {
   vision::MovingRegions moving;
   double worst_off = 0, worst_px_s = 0, worst_m_s = 0;
   for (int i = 0; i < 6; ++i) {
-    const Moment before = moment(i / 30.0), after = moment((i + 1) / 30.0);
+    const MovingPoses before = poses(i / 30.0), after = poses((i + 1) / 30.0);
     const auto number = static_cast<std::uint64_t>(i + 1);
     const auto a = scene.take(before, number), b = scene.take(after, number + 1);
     const auto read = info(scene, i / 30.0, number);
@@ -93,13 +93,13 @@ TEST_P(RenderedMoving, TheBallAloneMoves) {
       // Half of the ball's radius (7.6 px, 15 px): its bright upper side is as grey as the floor.
       EXPECT_LT(off, w.width == 320 ? 4 : 8) << where << centre.transpose();
       // Flow of wood errs by half a pixel in a whole picture, and so does the turn found from it.
-      const double most = w.floor == std::string("wood") ? 0.2 : 0.15;
-      EXPECT_LT(wrong, most) << where << own.transpose();
+      const double limit = w.floor == std::string("wood") ? 0.2 : 0.15;
+      EXPECT_LT(wrong, limit) << where << own.transpose();
       EXPECT_EQ(region.velocity_m_s.has_value(), stereo);
       if (!stereo) continue;
       const double wrong_m = (*region.velocity_m_s - w.ball_m_s).norm() / w.ball_m_s.norm();
       worst_m_s = std::max(worst_m_s, wrong_m);
-      EXPECT_LT(wrong_m, most) << where << region.velocity_m_s->transpose();
+      EXPECT_LT(wrong_m, limit) << where << region.velocity_m_s->transpose();
       // Half a block of the disparity is 7 px: floor in front of the ball or behind it.
       EXPECT_LT((*region.position_m - before.ball).norm(), 0.05) << region.position_m->transpose();
     }
@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(
 class IndependentMotionErrors : public ::testing::Test {
  protected:
   MovingScene scene{320, "carpet"};
-  Moment before{MovingScene::turned(0)}, after{MovingScene::turned(0.01)};
+  MovingPoses before{MovingScene::turned(0)}, after{MovingScene::turned(0.01)};
   vision::StereoImages a = scene.take(before, 1), b = scene.take(after, 2);
   vision::FlowImage flow;
   vision::DepthImage depth;
@@ -145,7 +145,7 @@ class IndependentMotionErrors : public ::testing::Test {
   }
 };
 
-TEST_F(IndependentMotionErrors, NothingIsSaidWithoutThePosture) {
+TEST_F(IndependentMotionErrors, NoRegionsWithoutThePosture) {
   EXPECT_EQ(complaint(), "none");
   flow.after.posture_known = false;
   EXPECT_NE(complaint().find("posture at the later picture is not known"), std::string::npos);
@@ -172,7 +172,7 @@ TEST_F(IndependentMotionErrors, DepthAndPicturesMustBelongToTheFlow) {
 }
 
 // Depth of the later picture is looked up where the flow leads.
-TEST_F(IndependentMotionErrors, DepthOfEitherMomentDoes) {
+TEST_F(IndependentMotionErrors, DepthOfEitherExposureDoes) {
   ASSERT_TRUE(vision::DepthFinder().find(b, scene.info(after, 2), depth));
   EXPECT_EQ(complaint(&depth), "none");
   EXPECT_TRUE(moving.regions.empty());

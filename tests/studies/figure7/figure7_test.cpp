@@ -18,7 +18,7 @@ EdgeScore shown(const char* name, const map::LocalMap& map, const Sweep& sweep) 
   return s;
 }
 
-// Edges are those of boxes on the floor, every 5 mm, 0.2 to 0.8 m from the foot, in sight of both
+// Edges are those of boxes on the floor, every 5 mm, 0.2 to 0.8 m from the foot, in view of both
 // eyes in three pictures. Each is where floor ends in the map, along the true edge's normal: within
 // a cell for 95 of 100 of them, and within two for all. A cell is floor or it is not, which alone
 // moves an edge by up to 0.7 of one.

@@ -100,7 +100,7 @@ class Run {
       const double lasts = 2 * options_.pan_deg / options_.speed_deg_per_s;
       if (auto swept = go(lasts, lasts); !swept) return swept;
     }
-    return go(0.1, 0.1 + seconds(options_.delay));  // what is still under way
+    return go(0.1, 0.1 + seconds(options_.delay));  // for results still in progress
   }
 
   // Depth, planes and the floor's edges, done `delay` after the pair has come.
@@ -123,10 +123,10 @@ class Run {
   Result<void> go(double duration_s, double lasts_s) {
     if (auto sent = send(duration_s); !sent) return sent;
     const Time end = robot_->clock().now() + from_seconds(lasts_s);
-    Time beat = robot_->clock().now();
-    while (beat < end) {
-      beat += kControlCycle;
-      if (auto slept = robot_->clock().sleep_until(beat); !slept) return slept;
+    Time next_cycle = robot_->clock().now();
+    while (next_cycle < end) {
+      next_cycle += kControlCycle;
+      if (auto slept = robot_->clock().sleep_until(next_cycle); !slept) return slept;
       const auto state = robot_->state();
       if (!state) return tl::unexpected(state.error());
       newest_ = state->angle;

@@ -37,7 +37,7 @@ class Eyes {
   // The left picture alone.
   Result<vision::Image> take_left(sim::Renderer& renderer, const sim::ScenePose& pose,
                                   const Eigen::Isometry3d& eye, std::uint64_t number) const;
-  // What an ideal left eye sees in usual light, to tell where there is texture.
+  // What an ideal left eye sees in usual light, to find where there is texture.
   Result<vision::Image> ideal(sim::Renderer& renderer, const sim::ScenePose& pose,
                               const Eigen::Isometry3d& eye) const;
 

@@ -19,7 +19,7 @@ struct Placement {
 Placement place_ball(Random& random, const vision::CameraModel& camera, double distance_m,
                      Visibility visibility, World& world);
 
-// Further off than this from the ball is another thing: 3 px, or half its radius.
+// Whether an observation is of the ball: within 3 px of it, or within half its radius.
 bool at_the_ball(const Placement& place, const vision::CameraModel& camera,
                  const vision::BallObservation& ball);
 

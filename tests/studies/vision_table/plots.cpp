@@ -110,7 +110,7 @@ Result<void> write_plot(const std::string& path, const Table& table) {
               {"dim: an eighth of it", "dim"},
               {"4 times", "noise 4×"},
               {"warm, no white balance", "warm"},
-              {"wood, with red and orange things", "clutter"},
+              {"wood, with red and orange objects", "clutter"},
               {"120°/s, 20 ms", "blur 8 px"}};
   std::vector<figure::Panel> panels;
   for (const auto& row : rows) {

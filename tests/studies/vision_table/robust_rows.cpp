@@ -74,7 +74,7 @@ void add_floors(std::vector<RobustCase>& rows) {
   for (const char* floor : {"wood", "carpet", "checker", "plain"})
     rows.push_back({"floor", floor, {}, floor});
   rows.push_back(
-      {"floor", "wood, with red and orange things", {}, "wood", sim::kRedBall, false, true});
+      {"floor", "wood, with red and orange objects", {}, "wood", sim::kRedBall, false, true});
   rows.push_back({"floor", "the same, colour learned", {}, "wood", sim::kRedBall, true, true});
 }
 

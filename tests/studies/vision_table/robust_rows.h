@@ -1,4 +1,4 @@
-// The rows of the robustness table: what is asked of the eyes, and where vision is known to break.
+// The rows of the robustness table: conditions that vision must handle, and those where it is known to fail.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,7 +15,7 @@ struct RobustCase {
   std::string floor = "wood";
   sim::Rgb ball = sim::kRedBall;
   bool learn = false;    // the colour from one picture in this light; else ColorRange::red_ball()
-  bool clutter = false;  // red and orange things
+  bool clutter = false;  // red and orange objects
 };
 
 std::vector<RobustCase> robust_cases();

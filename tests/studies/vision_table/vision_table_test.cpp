@@ -73,7 +73,7 @@ TEST(VisionTable, APlainFloorIsNotInvented) {
 
 // A red box seen at a corner is nearly round; most are distinguished from a ball by their outline.
 TEST(VisionTable, RedAndOrangeObjectsAreSeldomTakenForTheBall) {
-  const RobustRow row = row_of("wood, with red and orange things");
+  const RobustRow row = row_of("wood, with red and orange objects");
   EXPECT_GT(row.found, 0.7 * row.balls);
   EXPECT_LE(row.wrong, 0.1 * row.balls);
   EXPECT_LE(row.false_finds, 0.34 * row.without);

@@ -10,7 +10,7 @@ namespace {
 
 using Kind = sim::Shape::Kind;
 
-// Out of sight, near enough that the shadow map does not grow.
+// Out of view, near enough that the shadow map does not grow.
 const Eigen::Vector3d kAway{0.3, 0, -0.4};
 
 }  // namespace

@@ -36,7 +36,7 @@ struct World {
   void put_board(const Eigen::Isometry3d& pose);
   void remove_board();
 
-  // The nearest thing along a ray, without ball and board.
+  // The nearest surface along a ray, without ball and board.
   Hit along(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) const;
 
   sim::TestScene scene;

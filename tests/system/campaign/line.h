@@ -14,7 +14,7 @@ namespace kaz::campaign {
 
 enum class Line {
   whole,
-  cut,      // nothing passes, either way: the cable is pulled, the ports stay
+  cut,      // nothing passes in either direction: the cable is pulled, the ports stay
   gone,     // the host's port is gone
   garbled,  // every byte to the board is damaged, none comes back
 };

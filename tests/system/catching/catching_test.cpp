@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLifted = 0.10;  // m; standing, the hand is 0.15 m above the floor
 
-std::string told(const Ending& ending) {
+std::string description(const Ending& ending) {
   std::string text = ending.outcome.sentence + " [" + ending.outcome.cause + "]";
   for (const std::string& phase : ending.phases) text += " " + phase;
   return text;
@@ -26,12 +26,12 @@ TEST(CatchBall, LiftsAndHoldsASmallBallFromTheSide) {
   scene.radius = 0.018;
   const auto ending = play(scene);
   ASSERT_TRUE(ending) << ending.error().message;
-  EXPECT_TRUE(ending->outcome.success) << told(*ending);
+  EXPECT_TRUE(ending->outcome.success) << description(*ending);
   EXPECT_FALSE(ending->fell);
-  EXPECT_GT(ending->ball.z(), kLifted) << told(*ending);
+  EXPECT_GT(ending->ball.z(), kLifted) << description(*ending);
 }
 
-// Flicked off while the robot walks toward it: it searches all around once more, and says so.
+// Flicked off while the robot walks toward it: it searches all around once more, and reports that.
 TEST(CatchBall, SearchesAgainWhenTheBallIsTakenAway) {
   Scene scene;
   scene.ball = {0.45, 0};
@@ -39,11 +39,11 @@ TEST(CatchBall, SearchesAgainWhenTheBallIsTakenAway) {
   const auto ending = play(scene);
   ASSERT_TRUE(ending) << ending.error().message;
   EXPECT_FALSE(ending->outcome.success);
-  EXPECT_EQ(ending->outcome.cause, "not found") << told(*ending);
+  EXPECT_EQ(ending->outcome.cause, "not found") << description(*ending);
   EXPECT_TRUE(ending->did("walk"));
   // The first search and four scans of the second.
-  EXPECT_GE(ending->times("search"), 5) << told(*ending);
-  EXPECT_GE(ending->times("turn"), 3) << told(*ending);
+  EXPECT_GE(ending->times("search"), 5) << description(*ending);
+  EXPECT_GE(ending->times("turn"), 3) << description(*ending);
   EXPECT_FALSE(ending->fell);
 }
 
@@ -53,7 +53,7 @@ TEST(CatchBall, DoesNotMindABallOfAnotherColour) {
   scene.other_balls = {{0.24, 0.09}, {0.45, -0.02}};
   const auto ending = play(scene);
   ASSERT_TRUE(ending) << ending.error().message;
-  EXPECT_TRUE(ending->outcome.success) << told(*ending);
+  EXPECT_TRUE(ending->outcome.success) << description(*ending);
   EXPECT_GT(ending->ball.z(), kLifted);
 }
 
@@ -65,7 +65,7 @@ TEST(CatchBall, FollowsABallThatRollsAndTakesItWhenItRests) {
   scene.kicks = {{12, {0, 0.12, 0}}};
   const auto ending = play(scene);
   ASSERT_TRUE(ending) << ending.error().message;
-  EXPECT_TRUE(ending->outcome.success) << told(*ending);
+  EXPECT_TRUE(ending->outcome.success) << description(*ending);
   EXPECT_GT(ending->ball.z(), kLifted);
 }
 
@@ -76,19 +76,19 @@ TEST(CatchBall, StandsAndWaitsWhileTheCameraIsFrozen) {
   scene.frozen_for_s = 1;
   const auto ending = play(scene);
   ASSERT_TRUE(ending) << ending.error().message;
-  EXPECT_TRUE(ending->outcome.success) << told(*ending);
-  EXPECT_GE(ending->times("walk"), 2) << "stopped and went on: " << told(*ending);
+  EXPECT_TRUE(ending->outcome.success) << description(*ending);
+  EXPECT_GE(ending->times("walk"), 2) << "stopped and went on: " << description(*ending);
   EXPECT_LT(ending->walked_while_frozen, 0.04) << "no more than to end the step";
 }
 
-// A knee with half its torque carries the robot all the same: it catches, or says why not.
+// A knee with half its torque carries the robot all the same: it catches, or reports why not.
 TEST(CatchBall, GoesOnWithAKneeOfHalfTheTorque) {
   Scene scene;
   scene.ball = {0.3, -0.1};
   scene.faults = {"at 1 s motor_weak joint l_knee 0.5"};
   const auto ending = play(scene);
   ASSERT_TRUE(ending) << ending.error().message;
-  EXPECT_TRUE(ending->outcome.success) << told(*ending);
+  EXPECT_TRUE(ending->outcome.success) << description(*ending);
   EXPECT_FALSE(ending->fell);
 }
 
@@ -96,10 +96,10 @@ TEST(CatchBall, GoesOnWithAKneeOfHalfTheTorque) {
 void expect_second_grasp(const Scene& scene) {
   const auto ending = play(scene);
   ASSERT_TRUE(ending) << ending.error().message;
-  EXPECT_EQ(ending->times("close"), 2) << told(*ending);
-  EXPECT_EQ(ending->times("stand up"), 1) << told(*ending);
-  EXPECT_TRUE(ending->outcome.success) << told(*ending);
-  EXPECT_GT(ending->ball.z(), kLifted) << told(*ending);
+  EXPECT_EQ(ending->times("close"), 2) << description(*ending);
+  EXPECT_EQ(ending->times("stand up"), 1) << description(*ending);
+  EXPECT_TRUE(ending->outcome.success) << description(*ending);
+  EXPECT_GT(ending->ball.z(), kLifted) << description(*ending);
   EXPECT_FALSE(ending->fell);
 }
 
@@ -127,7 +127,7 @@ TEST(SearchBall, TurnsTheBodyWhenTheHeadSeesNothing) {
   scene.ball = {-0.45, 0.05};
   const auto found = play(scene);
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_TRUE(found->outcome.success) << told(*found);
+  EXPECT_TRUE(found->outcome.success) << description(*found);
   EXPECT_TRUE(found->did("turn"));
 }
 

@@ -52,7 +52,7 @@ TEST(BenchVerb, MotorLeavesItsReportsAndFitReadsThem) {
   EXPECT_EQ(again.exit_code, 0) << again.err;
 }
 
-TEST(BenchVerb, ALimitThatFailsIsTold) {
+TEST(BenchVerb, AFailedLimitIsReported) {
   const TemporaryFolder folder;
   write_file(folder / "limits.json", R"({"pot.noise": {"high": 0.1}})");
   const Finished bench = run(kaz({"bench", "motor", "--mcu", "native", "--filter", "pot.noise",

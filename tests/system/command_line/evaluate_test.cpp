@@ -48,7 +48,7 @@ TEST(Evaluate, PartsJoinToTheWhole) {
   EXPECT_GT(result["interval"][1].get<double>() - result["interval"][0].get<double>(), 0.3);
   const auto all = without_speed(folder / "whole", 4);
   ASSERT_EQ(all.size(), 4u);
-  // Each thing that is to differ does.
+  // All fields that should vary do.
   for (const char* what : {"seed", "friction", "supply_volts", "ball_m", "start", "lamp", "shade",
                            "lamp_azimuth_rad", "lamp_height_rad"}) {
     ASSERT_TRUE(all[0]["scenario"].contains(what)) << what;

@@ -1,9 +1,9 @@
 // The campaign's five runs in real time: `kaz sim` and `kaz flash` in processes of their own, a pty
-// between them, and something that goes wrong at a seeded point of the way.
+// between them, and a fault at a seeded point of the writing.
 // SPDX-License-Identifier: Apache-2.0
 //
-// After each the board can be flashed again in the same way and says who it is, nothing runs that is not
-// whole, and no success was reported that is none. tests/flash has the other 500, in simulated time.
+// After each the board can be flashed again with the same options and identifies itself, no partial
+// image runs, and every reported success is one. tests/flash has the other 500, in simulated time.
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -58,11 +58,11 @@ class FlashPty : public ::testing::Test {
     all.insert(all.end(), more.begin(), more.end());
     return kaz(all);
   }
-  // With the options `way`, whole, and the firmware answers.
+  // Writes the image with `options`; the firmware answers afterwards.
   void write_whole(const std::string& name, const FlashImage& image,
-                   std::vector<std::string> way) const {
-    way.emplace_back("--json");
-    const Finished done = run(flash("write", name, way), seconds(90));
+                   std::vector<std::string> options) const {
+    options.emplace_back("--json");
+    const Finished done = run(flash("write", name, options), seconds(90));
     ASSERT_EQ(done.exit_code, 0) << done.err;
     const json answer = json::parse(done.out, nullptr, false);
     ASSERT_TRUE(answer.is_object()) << done.out;
@@ -72,10 +72,10 @@ class FlashPty : public ::testing::Test {
   }
   // Flashes, and calls `fault` at a point that the seed says: while the program is downloaded or at some
   // share of the writing.
-  Finished write_with(std::uint64_t seed, std::vector<std::string> way, bool may_be_boot,
+  Finished write_with(std::uint64_t seed, std::vector<std::string> options, bool may_be_boot,
                       const std::function<void(Process&)>& fault) const {
     std::mt19937_64 random(seed);
-    Process program(flash("write", "next.bin", way));
+    Process program(flash("write", "next.bin", options));
     const std::uint64_t point = random() % (may_be_boot ? 12 : 9);
     const milliseconds later(random() % (point < 9 ? 200 : 1500));
     const std::string phase = point < 9 ? std::to_string(10 * point) + " %  write" : "0 %  boot";
@@ -84,7 +84,7 @@ class FlashPty : public ::testing::Test {
     fault(program);
     return program.wait(seconds(60));
   }
-  void expect_judgements(const Finished& first, const std::vector<std::string>& way) const {
+  void expect_judgements(const Finished& first, const std::vector<std::string>& options) const {
     if (first.exit_code == 0) {
       EXPECT_EQ(run(flash("verify", "next.bin")).exit_code, 0) << "a success that is none";
     }
@@ -98,7 +98,7 @@ class FlashPty : public ::testing::Test {
       const auto crc = said["image_crc"];
       EXPECT_TRUE(crc == old_.identity()->crc || crc == next_.identity()->crc) << status.out;
     }
-    write_whole("next.bin", next_, way);
+    write_whole("next.bin", next_, options);
   }
   std::vector<std::string> boot() const { return {"--reset", "ctl:" + (folder_ / "board.ctl")}; }
 

@@ -72,7 +72,7 @@ string data_end(const string& before = "") {
                                           static_cast<uInt>(before.size()));
   return record(0x0F, number(static_cast<std::uint32_t>(crc)));
 }
-// What stands in a recording of `kaz run`, as far as `kaz replay` needs it.
+// Content of a recording of `kaz run`, as far as `kaz replay` needs it.
 string facts(const string& camera = "32 24 30 30 15.5 11.5 0.04 0.015") {
   return metadata({{"behavior", "stand"},
                    {"backend", "{}"},
@@ -100,7 +100,7 @@ struct Planted {
   string content;
 };
 
-// One sentence on standard error that names the file, the exit status, and no crash on the way.
+// One sentence on standard error that names the file, the exit status, and no crash.
 void expect_sentence(const Finished& finished, int exit_code, const string& file) {
   EXPECT_EQ(finished.exit_code, exit_code) << finished.err;
   EXPECT_EQ(finished.err.rfind("kaz ", 0), 0u) << finished.err;

@@ -93,7 +93,7 @@ TEST(Monitor, ShowsJointsMovesAndStopsThemAndFindsABoardAgain) {
   screen.press({"Down", "e"});
   screen.wait("1 neck_tilt .* on");
 
-  // The emergency stop, told with its reason, and its end.
+  // The emergency stop, shown with its reason, and its end.
   screen.press({"Space"});
   screen.wait("motors off: shutdown[^]*stop");
   screen.press({"c"});

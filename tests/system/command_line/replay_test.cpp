@@ -1,4 +1,4 @@
-// `kaz replay`: an unchanged run is identical, a changed one tells where it begins to differ.
+// `kaz replay`: an unchanged run is identical, a changed one reports where it begins to differ.
 // SPDX-License-Identifier: Apache-2.0
 #include <fstream>
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // After every run: a success that was reported has to be one, byte by byte; a firmware that answers has
-// to be a whole image; and the board, with line and power sound again, has to take the image in the same
-// way, the loader's without mode pins.
+// to be a whole image; and the board, with line and power restored, has to take the image by the same
+// method, the loader's without mode pins.
 #include "tests/system/flash/campaign.h"
 
 #include <algorithm>
@@ -103,14 +103,14 @@ std::unique_ptr<FlashBench> bench_of(Way way, const std::string& image_path, std
   return bench;
 }
 
-// How long each way takes undisturbed, s; tried once.
+// How long each method takes undisturbed, s; tried once.
 double lasts(Way way, const std::string& image_path, const FlashImage& next,
              std::span<const std::uint8_t> writer) {
   static std::map<Way, double> known;
   if (known.contains(way)) return known[way];
   const auto bench = bench_of(way, image_path, 1);
   const Time begin = bench->now();
-  if (!flash(*bench, way, next, writer)) std::abort();  // nothing was in its way
+  if (!flash(*bench, way, next, writer)) std::abort();  // nothing disturbed it
   return known[way] = std::chrono::duration<double>(bench->now() - begin).count();
 }
 
@@ -144,7 +144,7 @@ CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
   }
   const FlashImage& before = *loaded;
   const FlashImage next = variant(before, kBuildId, static_cast<std::uint8_t>(1 + seed % 255));
-  // The first fault is the one that is told.
+  // The first fault is the one that is reported.
   const auto blame = [&run](const std::string& fault) {
     if (run.fault.empty()) run.fault = fault;
   };

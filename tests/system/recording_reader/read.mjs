@@ -3,7 +3,7 @@
 //
 // usage: node read.mjs FILE. The packages are those of package.json beside this file. Reads the file
 // twice: from front to end as a stream, and by its index, with all checksums; decodes the first
-// message of each channel by the schema that stands in the file. Exit status 1 and a sentence if
+// message of each channel by its schema in the file. Exit status 1 and a sentence if
 // anything is wrong.
 import { open, readFile } from "node:fs/promises";
 import { McapIndexedReader, McapStreamReader } from "@mcap/core";

@@ -1,4 +1,4 @@
-// A recording of `kaz run` read by the npm package of MCAP: same messages as our own reader, sound
+// A recording of `kaz run` read by the npm package of MCAP: same messages as our own reader, valid
 // checksums, schemas that decode.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
@@ -74,7 +74,7 @@ TEST_F(RecordingReader, FindsWhatOurOwnReaderFinds) {
   EXPECT_EQ(indexed["metadata"]["kaz"], json(own->facts));
   EXPECT_EQ(indexed["in_order"], true);
 
-  // Each chunk has a checksum and stands in the index.
+  // Each chunk has a checksum and is in the index.
   const int chunks = stream["chunks"];
   EXPECT_GT(chunks, 1);
   EXPECT_EQ(stream["checked"], chunks);

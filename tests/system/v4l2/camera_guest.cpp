@@ -114,8 +114,8 @@ TEST_F(Cameras, EachFormatHasTheColoursOfItsSide) {
     const auto images = watched.pairs[0].images.get();
     EXPECT_EQ(images->left.width, 320);
     EXPECT_EQ(images->right.height, 180);
-    // The driver cuts Y, U and V off to whole numbers: up to 1.2 + 2 of blue. Of grey it says in no
-    // way which range is meant.
+    // The driver cuts Y, U and V off to whole numbers: up to 1.2 + 2 of blue. For grey it does not
+    // report which range is meant.
     if (format == PixelFormat::grey) {
       EXPECT_GT(middle(images->left)[0], middle(images->right)[0] + 30);
     } else {
@@ -272,7 +272,7 @@ TEST_F(Cameras, PicturesThatAreNeverPairsStopAfterTheStatedTime) {
   EXPECT_GT(camera->statistics().without_partner, 10u);  // of about 50
 }
 
-TEST_F(Cameras, WhatCannotBeOpenedIsTold) {
+TEST_F(Cameras, ReportsWhyACameraCannotBeOpened) {
   const auto expect_in = [](const std::string& message, const std::string& part) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };

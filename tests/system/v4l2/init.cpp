@@ -1,4 +1,4 @@
-// First process of a virtual machine: mounts, loads /modules, runs /test, tells how it ended.
+// First process of a virtual machine: mounts, loads /modules, runs /test, prints how it ended.
 // SPDX-License-Identifier: Apache-2.0
 #include <fcntl.h>
 #include <sys/mount.h>

@@ -46,7 +46,7 @@ TEST(Grasp, HoldsTheBallWhileTheArmMoves) {
   }
   std::printf("ball from the centre of the grasp: %.2f mm gripped, at most %.2f mm\n", gripped,
               worst);
-  // It gives way in the V by what the jaw's weak loop yields; dropped it would be 90 mm away.
+  // In the V it moves by what the jaw's weak loop yields; dropped it would be 90 mm away.
   EXPECT_LT(worst, 10);
   EXPECT_LT(fixture->tilt_deg(), 3);
   EXPECT_GT(fixture->ball().z(), 0.07);

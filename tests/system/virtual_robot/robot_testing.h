@@ -24,8 +24,8 @@ constexpr double kDegree = std::numbers::pi / 180;
 // KAZ_LONG=1 selects the long versions, KAZ_DYNAMICS other dynamics (sim/body/world/world.h),
 // KAZ_PHYSICS_STEP another step length, ms.
 inline bool long_run() {
-  const char* asked = std::getenv("KAZ_LONG");
-  return asked != nullptr && std::string(asked) == "1";
+  const char* value = std::getenv("KAZ_LONG");
+  return value != nullptr && std::string(value) == "1";
 }
 
 // A world of a floor as in sim/worlds, and `models`.

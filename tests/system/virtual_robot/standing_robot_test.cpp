@@ -14,9 +14,9 @@ namespace {
 struct Moved {
   double mm = 0, degrees = 0;
   void widen(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
-    const Eigen::Isometry3d way = from.inverse() * to;
-    mm = std::max(mm, 1e3 * way.translation().norm());
-    degrees = std::max(degrees, std::abs(Eigen::AngleAxisd(way.linear()).angle()) / kDegree);
+    const Eigen::Isometry3d motion = from.inverse() * to;
+    mm = std::max(mm, 1e3 * motion.translation().norm());
+    degrees = std::max(degrees, std::abs(Eigen::AngleAxisd(motion.linear()).angle()) / kDegree);
   }
 };
 
@@ -30,9 +30,9 @@ class MeanPose {
  public:
   void add(const Eigen::Isometry3d& pose) {
     if (count_ == 0) first_ = pose;
-    const Eigen::Isometry3d way = first_.inverse() * pose;
-    const Eigen::AngleAxisd turn(way.linear());
-    way_ += way.translation();
+    const Eigen::Isometry3d motion = first_.inverse() * pose;
+    const Eigen::AngleAxisd turn(motion.linear());
+    way_ += motion.translation();
     turn_ += turn.angle() * turn.axis();
     ++count_;
   }

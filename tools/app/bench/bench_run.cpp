@@ -211,8 +211,8 @@ Result<bool> run_bench(const BenchOptions& arguments) {
         "--motor-file and --motor are of the emulated board; at a port the motor is the one "
         "that is there");
   if (auto allowed = check_motion(arguments); !allowed) return tl::unexpected(allowed.error());
-  if (auto sound = hil::check_motor_filter(arguments.filter); !sound)
-    return tl::unexpected(sound.error());
+  if (auto valid = hil::check_motor_filter(arguments.filter); !valid)
+    return tl::unexpected(valid.error());
   const auto joints = joints_of(arguments.joints);
   if (!joints) return tl::unexpected(joints.error());
   const auto limits = limits_of(arguments.limits);

@@ -13,7 +13,7 @@
 namespace kaz::tools {
 namespace {
 
-using lockstep::FittedFigure;
+using lockstep::FittedParam;
 using lockstep::Gap;
 using lockstep::MotorFit;
 
@@ -50,7 +50,7 @@ nlohmann::ordered_json fit_json(const MotorFit& fit) {
   all["motor"] = fit.motor.name;
   all["rounds"] = fit.rounds;
   all["last_change"] = fit.last_change;
-  for (const FittedFigure& one : fit.figures) {
+  for (const FittedParam& one : fit.params) {
     all["figures"][one.name] = {{"unit", one.unit},
                                 {"measured", one.measured},
                                 {"before", one.before},
@@ -69,9 +69,10 @@ nlohmann::ordered_json fit_json(const MotorFit& fit) {
 std::string fit_text(const MotorFit& fit) {
   std::string text;
   char line[160];
-  std::snprintf(line, sizeof line, "%-24s %-9s %11s %11s\n", "figure", "unit", "before", "after");
+  std::snprintf(line, sizeof line, "%-24s %-9s %11s %11s\n", "parameter", "unit", "before",
+                "after");
   text += line;
-  for (const FittedFigure& one : fit.figures) {
+  for (const FittedParam& one : fit.params) {
     std::snprintf(line, sizeof line, "%-24s %-9s %11s %11s  %s\n", one.name.c_str(),
                   one.unit.c_str(), short_number(one.before).c_str(),
                   short_number(one.after).c_str(),
@@ -92,11 +93,12 @@ std::string fit_text(const MotorFit& fit) {
 
 std::string fit_html(const MotorFit& fit, const std::string& from) {
   std::string text = hil::page_head("Kaz bench fit: " + fit.motor.name, kStyle);
-  text += "<h1>Motor model fitted</h1>\n<p class=\"facts\">" + xml_text(fit.motor.name) +
-          "<br>to " + xml_text(from) + "<br>in " + std::to_string(fit.rounds) +
-          " rounds of the bench on the model</p>\n<h2>Figures</h2>\n<table><tr><th>figure</th>"
-          "<th>unit</th><th>before</th><th>after</th><th>change</th></tr>\n";
-  for (const FittedFigure& one : fit.figures) {
+  text +=
+      "<h1>Motor model fitted</h1>\n<p class=\"facts\">" + xml_text(fit.motor.name) + "<br>to " +
+      xml_text(from) + "<br>in " + std::to_string(fit.rounds) +
+      " rounds of the bench on the model</p>\n<h2>Parameters</h2>\n<table><tr><th>parameter</th>"
+      "<th>unit</th><th>before</th><th>after</th><th>change</th></tr>\n";
+  for (const FittedParam& one : fit.params) {
     text += row({one.name, one.unit, short_number(one.before), short_number(one.after),
                  one.measured ? change(one.before, one.after) : "not measured, stays"});
   }

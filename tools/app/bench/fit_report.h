@@ -10,9 +10,9 @@
 namespace kaz::tools {
 
 nlohmann::ordered_json fit_json(const lockstep::MotorFit& fit);
-// One page with the figures, the gap before and after, and the curves. `from`: the report's name.
+// One page with the parameters, the gap before and after, and the curves. `from`: the report's name.
 std::string fit_html(const lockstep::MotorFit& fit, const std::string& from);
-// The same figures and gaps as lines of text.
+// The same parameters and gaps as lines of text.
 std::string fit_text(const lockstep::MotorFit& fit);
 
 }  // namespace kaz::tools

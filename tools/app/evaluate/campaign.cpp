@@ -246,8 +246,8 @@ Json campaign_json(const CampaignOptions& o) {
 Result<bool> run_campaign(const CampaignOptions& options) {
   const auto known = behavior::find_behavior(options.behavior);
   if (!known) return tl::unexpected(known.error());
-  const auto asked = behavior::OptionValues::parse(known->options, options.settings);
-  if (!asked) return tl::unexpected(asked.error());
+  const auto values = behavior::OptionValues::parse(known->options, options.settings);
+  if (!values) return tl::unexpected(values.error());
   if (options.realtime && (known->name == "go-forward" || known->name.starts_with("turn-")))
     return fail(Fault::usage, options.behavior +
                                   " is judged by where the robot truly is, which a robot in "

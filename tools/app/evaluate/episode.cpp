@@ -24,8 +24,8 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
                          const std::string& failures) {
   const auto known = behavior::find_behavior(options.behavior);
   if (!known) return tl::unexpected(known.error());
-  const auto asked = behavior::OptionValues::parse(known->options, options.settings);
-  if (!asked) return tl::unexpected(asked.error());
+  const auto values = behavior::OptionValues::parse(known->options, options.settings);
+  if (!values) return tl::unexpected(values.error());
   const Scenario scenario = Scenario::draw(options.variation, options.seed, number);
   const auto robot = data_file("robot/kaz/kaz.urdf");
   if (!robot) return tl::unexpected(robot.error());
@@ -65,17 +65,17 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   if (!ran && ended.has_value()) ended = tl::unexpected(ran.error());
   if (!ran && !ended) ended = tl::unexpected(ran.error());
 
-  const std::string cause = cause_of_failure(options.behavior, *asked, ended, judge);
+  const std::string cause = cause_of_failure(options.behavior, *values, ended, judge);
   if (cause.empty()) fs::remove_all(kept, ignored);
-  Json figures = Json::object();
+  Json results = Json::object();
   if (ended) {
-    for (const auto& [figure, value] : ended->measurements) figures[figure] = value;
+    for (const auto& [key, value] : ended->measurements) results[key] = value;
   }
   const std::string end = ended ? ended->sentence : ended.error().message;
   return Json{{"episode", number},        {"scenario", scenario_json(scenario)},
               {"success", cause.empty()}, {"cause", cause},
               {"sentence", end},          {"seconds", rounded(run_s)},
-              {"rtf", rounded(rtf)},      {"figures", figures},
+              {"rtf", rounded(rtf)},      {"figures", results},
               {"truth", judge.json()}};
 }
 

@@ -12,7 +12,7 @@ namespace kaz::tools {
 
 // campaign.json. Errors (usage) name the file.
 Result<nlohmann::ordered_json> parse_campaign(const std::string& text, const std::string& name);
-// One episode: its number, scenario, outcome, times, figures and truth.
+// One episode: its number, scenario, outcome, times, results and ground truth.
 Result<nlohmann::ordered_json> parse_episode(const std::string& text, const std::string& name);
 
 }  // namespace kaz::tools

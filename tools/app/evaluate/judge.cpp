@@ -60,19 +60,19 @@ nlohmann::ordered_json Judge::json() const {
   return json;
 }
 
-std::string cause_of_failure(const std::string& behavior, const behavior::OptionValues& asked,
+std::string cause_of_failure(const std::string& behavior, const behavior::OptionValues& options,
                              const Result<behavior::Outcome>& outcome, const Judge& judge) {
   if (judge.fell()) return "fell";
   if (!outcome) return "error";
   if (!outcome->success) return outcome->cause.empty() ? "gave up" : outcome->cause;
   if (behavior == "catch-ball" && judge.held_s() < 3) return "not held";
   if (behavior == "go-forward") {
-    const double distance = asked.number("distance");
+    const double distance = options.number("distance");
     if (std::abs(judge.forward_m() - distance) > 0.1 * distance) return "distance";
     if (std::abs(judge.heading_rad()) > 8 * kDegree) return "heading";
   }
   if (behavior == "turn-left" || behavior == "turn-right") {
-    const double angle = asked.number("angle") * (behavior == "turn-left" ? 1 : -1) * kDegree;
+    const double angle = options.number("angle") * (behavior == "turn-left" ? 1 : -1) * kDegree;
     if (std::abs(judge.heading_rad() - angle) > 6 * kDegree) return "heading";
   }
   return {};

@@ -41,14 +41,14 @@ class Judge final : public Onlooker {
   Eigen::Vector3d ball_ = Eigen::Vector3d::Zero();
 };
 
-// Why an episode does not count as a success; empty where it does. What the behaviour says must be
-// so in truth:
+// Why an episode does not count as a success; empty where it does. A behaviour's success must hold by
+// ground truth:
 // - catch-ball: the ball is held clear of the floor for the last 3 s,
-// - go-forward: the way within 10 %, the heading within 8 degrees,
-// - turn-left, turn-right: the heading within 6 degrees of what was asked,
+// - go-forward: the distance within 10 %, the heading within 8 degrees,
+// - turn-left, turn-right: the heading within 6 degrees of the option `angle`,
 // - all: the robot has not fallen.
-// `asked`: the behaviour's options.
-std::string cause_of_failure(const std::string& behavior, const behavior::OptionValues& asked,
+// `options`: the behaviour's options.
+std::string cause_of_failure(const std::string& behavior, const behavior::OptionValues& options,
                              const Result<behavior::Outcome>& outcome, const Judge& judge);
 
 }  // namespace kaz::tools

@@ -52,8 +52,8 @@ class Control {
       return fail(Fault::usage,
                   path + ": the path is too long for a socket; set TMPDIR to a shorter one");
     std::strcpy(address.sun_path, path.c_str());
-    const timeval most{5, 0};
-    ::setsockopt(control.socket_, SOL_SOCKET, SO_RCVTIMEO, &most, sizeof most);
+    const timeval limit{5, 0};
+    ::setsockopt(control.socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
     if (::connect(control.socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) !=
         0)
       return fail(Fault::environment, path + ": " + std::strerror(errno));
@@ -212,22 +212,22 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   if (cause.empty()) cause = status ? "error" : "time";
   if (result.value("outcome", "") == "done")
     cause = options.behavior == "catch-ball" && held.longest() < 3 ? "not held" : "";
-  Json figures = Json::object();
-  for (const char* figure : {"found_s", "catch_s", "held_s", "hand_load", "hand_gap_deg"})
-    if (result.contains(figure) && result[figure].is_number()) figures[figure] = result[figure];
-  const std::string told = last_line(text_of(run_log));
+  Json results = Json::object();
+  for (const char* key : {"found_s", "catch_s", "held_s", "hand_load", "hand_gap_deg"})
+    if (result.contains(key) && result[key].is_number()) results[key] = result[key];
+  const std::string log_line = last_line(text_of(run_log));
   Json simulator_json = Json::object();
-  for (const char* figure : {"overruns", "lost_s", "pairs_dropped", "unconverged_steps"})
-    if (last.contains(figure)) simulator_json[figure] = last[figure];
+  for (const char* key : {"overruns", "lost_s", "pairs_dropped", "unconverged_steps"})
+    if (last.contains(key)) simulator_json[key] = last[key];
   if (cause.empty()) fs::remove_all(kept, wrong);
   return Json{{"episode", number},
               {"scenario", scenario_json(scenario)},
               {"success", cause.empty()},
               {"cause", cause},
-              {"sentence", result.value("sentence", told)},
+              {"sentence", result.value("sentence", log_line)},
               {"seconds", result.value("duration_s", 0.0)},
               {"rtf", result.value("rtf", 0.0)},
-              {"figures", figures},
+              {"figures", results},
               {"truth", {{"fell", cause == "fell"}, {"longest_held_s", held.longest()}}},
               {"simulator", simulator_json}};
 }

@@ -129,8 +129,8 @@ Scenario Scenario::draw(const Variation& variation, std::uint64_t seed, std::uin
   s.friction = within(variation.friction, s.seed, Draw::friction);
   s.supply_volts = within(variation.supply_volts, s.seed, Draw::supply);
   const double distance = within(variation.ball_distance_m, s.seed, Draw::distance);
-  const double most = variation.bearing_deg * kPi / 180;
-  const double bearing = within({-most, most}, s.seed, Draw::bearing);
+  const double max_bearing = variation.bearing_deg * kPi / 180;
+  const double bearing = within({-max_bearing, max_bearing}, s.seed, Draw::bearing);
   s.ball_x_m = distance * std::cos(bearing);
   s.ball_y_m = distance * std::sin(bearing);
   s.ball_radius_m = one_of(variation.radii_m, s.seed, Draw::radius);

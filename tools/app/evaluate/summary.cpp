@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using trials::quantile;
 
-// Median and spread of every figure that successful episodes told.
+// Median and spread of every result that successful episodes reported.
 Json figures_json(const Episodes& episodes) {
   std::map<std::string, std::vector<double>> all;
   for (const auto& [number, episode] : episodes) {

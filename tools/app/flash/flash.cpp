@@ -117,7 +117,7 @@ Result<void> run(FlashSession& session, Answer& answer) {
   return fail(Fault::failed,
               host::text_of({"the board was started, and no firmware of Kaz answers",
                              "its answer to `identify`",
-                             "nothing sound",
+                             "no valid reply",
                              {"there is no whole application: the loader waits for one",
                               "what stands in the flash is another program"},
                              "kaz flash info --port " + session.port()}));
@@ -127,7 +127,7 @@ Result<void> look(FlashSession& session, const FlashArguments& arguments, Answer
                   const host::FlashImage& image) {
   answer.put("dry_run", true);
   answer.image(image);
-  if (auto sound = session.flasher().check(image, !arguments.reset.empty()); !sound) return sound;
+  if (auto valid = session.flasher().check(image, !arguments.reset.empty()); !valid) return valid;
   answer.say("port " + arguments.port + " can be opened; nothing was sent (--dry-run)");
   return {};
 }
@@ -138,7 +138,7 @@ Result<void> act(FlashSession& session, const FlashArguments& arguments, Answer&
   const bool writes = arguments.verb == "write";
   if (arguments.dry_run) return look(session, arguments, answer, *image);
   if (writes) {
-    if (auto sound = session.flasher().check(*image, session.through_boot()); !sound) return sound;
+    if (auto valid = session.flasher().check(*image, session.through_boot()); !valid) return valid;
   }
   if (arguments.verb == "run" && session.through_boot()) return run(session, answer);
   if (auto entered = session.enter(writes ? &*image : nullptr); !entered) return entered;
@@ -150,7 +150,7 @@ Result<void> act(FlashSession& session, const FlashArguments& arguments, Answer&
   if (arguments.verb == "info") done = show_info(session, answer);
   if (arguments.verb == "verify") done = verify_image(session, answer, *image);
   if (!done) return done;
-  // Nobody is left in the loader; where there is nothing to start it stays there.
+  // The loader starts the firmware; without a valid firmware it stays in control.
   return session.flasher().run(nullptr);
 }
 
@@ -161,7 +161,7 @@ Result<void> flash(const FlashArguments& arguments, Answer& answer) {
     if (!loaded) return tl::unexpected(loaded.error());
     image = std::move(*loaded);
   }
-  if (auto sound = check(arguments); !sound) return sound;
+  if (auto valid = check(arguments); !valid) return valid;
   if (arguments.port.empty()) {
     answer.put("dry_run", true);
     answer.image(*image);

@@ -110,7 +110,7 @@ tl::unexpected<Error> FlashSession::nobody() const {
   return fail(Fault::environment,
               host::text_of({"no firmware and no loader answers on " + link_->name(),
                              "a Kaz board at 115200 baud",
-                             "nothing sound",
+                             "no valid reply",
                              {"the board's flash is blank: that takes boot mode",
                               "the port is another one", "the board has no power"},
                              "kaz flash write IMAGE --port " + link_->name() +

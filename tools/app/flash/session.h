@@ -24,12 +24,12 @@ class FlashSession {
         progress_("kaz flash", arguments.json) {}
 
   Result<void> open();
-  // With a way to the reset, through boot mode; the firmware that may run tells its board's id first.
+  // Through boot mode where the reset line can be driven; a running firmware reports its board's id first.
   // Nothing is changed before the image has been checked against that.
   Result<void> enter(const host::FlashImage* image);
   // Leaves boot mode or loader, and gives the firmware time to start.
   Result<void> start();
-  // What the firmware that runs says of itself.
+  // Identity of the running firmware.
   Result<kz_identify_reply> identify();
 
   host::Flasher& flasher() { return *flasher_; }

@@ -18,7 +18,7 @@ class Attached {
   // Empty paths: none. `chip` must outlive this.
   Result<void> open(h8s::Chip& chip, const std::string& netlist, const std::string& vcd,
                     const std::vector<std::string>& signals, double crystal_hz);
-  // Completes the recording and tells the netlist's conflicts on standard error.
+  // Completes the recording and prints the netlist's conflicts on standard error.
   Result<void> close();
 
  private:

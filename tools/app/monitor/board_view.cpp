@@ -23,9 +23,9 @@ constexpr double kTickBound = 0.75;                      // of a tick, docs/refe
   return buffer;
 }
 
-// Of a long path its end, which tells boards apart.
-std::string tail(const std::string& path, std::size_t most) {
-  return path.size() <= most ? path : "..." + path.substr(path.size() - most + 3);
+// The end of a long path, where paths of boards differ.
+std::string tail(const std::string& path, std::size_t max_size) {
+  return path.size() <= max_size ? path : "..." + path.substr(path.size() - max_size + 3);
 }
 
 // Without the sign of what rounds to nothing.

@@ -88,7 +88,7 @@ class Monitor {
       if (auto again = connect(); !again) return lost(again.error());
       said_ = "the board answers again";
     }
-    if (auto asked = read(); !asked && !interrupt_.requested()) lost(asked.error());
+    if (auto done = read(); !done && !interrupt_.requested()) lost(done.error());
   }
 
   Result<void> read() {
@@ -131,10 +131,10 @@ class Monitor {
   }
 
   Result<void> enable(std::uint32_t mask) {
-    // Whoever switches motors on says what is to become of them when he is heard no more.
+    // Motors go on only with a link watchdog that switches them off if this program stops.
     if (!watched_) {
-      if (auto beat = robot_->heartbeat(kWatchdog, host::Reaction::limp); !beat)
-        return tl::unexpected(beat.error());
+      if (auto set = robot_->heartbeat(kWatchdog, host::Reaction::limp); !set)
+        return tl::unexpected(set.error());
       watched_ = true;
     }
     return robot_->enable(mask);
@@ -150,7 +150,7 @@ class Monitor {
     if (auto set = robot_->set_targets({&target, 1}, from_seconds(std::abs(to - from) / kSpeed));
         !set)
       return set;
-    // Until the board is asked again: so that keys pressed quickly add up.
+    // Shown until the next reading of the board, so that keys pressed quickly add up.
     view_.targets[static_cast<std::size_t>(selected_)] = to;
     char text[80];
     std::snprintf(text, sizeof text, "%s to %.1f degrees", info.name, to / kDegree);

@@ -23,7 +23,7 @@ struct RecordedBackend {
   std::uint64_t seed = 1;
 };
 
-// `name` stands in the errors (usage): the recording does not state it, or in another way than kaz does.
+// `name`: of the recording, for the errors (usage): it does not state its backend, or not as kaz does.
 Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
                                          const std::string& name);
 

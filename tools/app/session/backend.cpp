@@ -55,8 +55,8 @@ class RealBackend final : public SessionBackend {
     if (!faults.empty()) faulty_.emplace(*link_, clock_, std::move(faults), options.seed);
   }
   ~RealBackend() override {
-    if (const std::string told = camera_.summary(); !told.empty())
-      std::fprintf(stderr, "kaz: cameras: %s\n", told.c_str());
+    if (const std::string summary = camera_.summary(); !summary.empty())
+      std::fprintf(stderr, "kaz: cameras: %s\n", summary.c_str());
   }
   host::Link& link() override { return faulty_ ? static_cast<host::Link&>(*faulty_) : *link_; }
   const host::TtyLink* port() const override { return link_.get(); }
@@ -222,7 +222,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
 
 Result<std::unique_ptr<SessionBackend>> SessionBackend::open(const BackendOptions& options,
                                                              host::Interrupt& interrupt) {
-  if (auto sound = check(options); !sound) return tl::unexpected(sound.error());
+  if (auto valid = check(options); !valid) return tl::unexpected(valid.error());
   if (options.robot == "sim") {
     auto simulation = make_simulation(options, sim::FramePolicy::wait);
     if (!simulation) return tl::unexpected(simulation.error());

@@ -35,8 +35,8 @@ Result<void> check_live_camera(const std::string& where, const std::string& cali
 }
 
 Result<LiveCamera> open_live_camera(const std::string& where, const std::string& calibration) {
-  if (auto sound = check_live_camera(where, calibration); !sound)
-    return tl::unexpected(sound.error());
+  if (auto valid = check_live_camera(where, calibration); !valid)
+    return tl::unexpected(valid.error());
   if (!is_real_camera(where)) {
     auto published = host::PublishedCamera::connect(where);
     if (!published) return tl::unexpected(published.error());

@@ -33,7 +33,7 @@ struct RunReport {
 };
 
 // Ends the recording and, where `out` is not empty, makes the folder and fills it, result.json
-// last. `partial_recording` moves in as recording.mcap. Returns what stands in result.json.
+// last. `partial_recording` moves in as recording.mcap. Returns the content of result.json.
 Result<nlohmann::ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
                                             const Snapshots& snapshots, const std::string& out,
                                             const std::string& partial_recording);

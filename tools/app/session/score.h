@@ -12,8 +12,8 @@
 namespace kaz::tools {
 
 struct Score {
-  // "truth": the simulated world was asked where the ball is; "pictures": what the left eye saw, a
-  // picture without the ball counting as a miss.
+  // "truth": the ball's position in the simulated world; "pictures": that in the left eye's pictures,
+  // a picture without the ball counting as a miss.
   std::string measured_by;
   std::optional<double> found_s;  // from the start of the run to when tracking began
   std::vector<double> time_s;     // from the start of the run

@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/behavior/behavior.h"
 #include "host/behavior/ball_detector.h"
+#include "host/behavior/behavior.h"
 #include "host/camera/capture.h"
 #include "host/robot/measure_link.h"
 #include "host/robot/robot.h"
@@ -78,8 +78,8 @@ class Listener final : public behavior::Sink {
   behavior::Recording recording_;
 };
 
-// Lets somebody look at the world whenever the host has waited or asked for the time: whoever is busy on
-// the line all the time waits for nothing else.
+// Updates viewers of the world whenever the host has waited or read the time: a host that keeps the
+// line busy does nothing else.
 class WatchedClock final : public host::Clock {
  public:
   WatchedClock(host::Clock& clock, sim::Simulation* simulation, Onlooker* onlooker)
@@ -164,7 +164,7 @@ Result<bool> run_session(SessionOptions options) {
   if (auto known = parse_modules(options.vision.modules); !known)
     return tl::unexpected(known.error());
   options.backend.needs_camera = behavior->needs_camera;
-  if (auto sound = check(options.backend); !sound) return tl::unexpected(sound.error());
+  if (auto valid = check(options.backend); !valid) return tl::unexpected(valid.error());
   if (auto usable = OutputFolder::check(options.out); !usable)
     return tl::unexpected(usable.error());
 

@@ -57,28 +57,29 @@ LeftEye look(const vision::Image& left, const vision::FrameInfo& info,
 
 void Snapshots::take(Time now, const std::string& shown) {
   if (!camera_.newest()) return;
-  Moment moment{now, shown, *camera_.newest(), {}, {}, 0};
+  Snapshot snapshot{now, shown, *camera_.newest(), {}, {}, 0};
   if (simulation_ != nullptr) {
     const sim::World& world = simulation_->world();
-    moment.pose = world.pose();
+    snapshot.pose = world.pose();
     const auto ball = world.object_position("ball");
     if (ball && !shown.empty()) {
       const Eigen::Vector3d trunk = world.link_pose("trunk").translation();
-      moment.near = 0.5 * (trunk + *ball) + Eigen::Vector3d(0, 0, 0.03);  // its head is higher
-      moment.extent_m = (trunk - *ball).norm();
+      snapshot.near = 0.5 * (trunk + *ball) + Eigen::Vector3d(0, 0, 0.03);  // its head is higher
+      snapshot.extent_m = (trunk - *ball).norm();
     }
   }
-  moments_.push_back(std::move(moment));
+  moments_.push_back(std::move(snapshot));
 }
 
-Result<vision::Image> Snapshots::outside(const Moment& moment) const {
+Result<vision::Image> Snapshots::outside(const Snapshot& snapshot) const {
   if (simulation_ == nullptr) return vision::Image{};
   sim::View view = onlooker(kEye, kTarget);
   // From the same side, and as near as robot and ball allow.
-  if (moment.near)
-    view = onlooker(*moment.near + (0.55 + 1.1 * moment.extent_m) * (kEye - kTarget).normalized(),
-                    *moment.near);
-  auto picture = simulation_->picture(view, moment.pose);
+  if (snapshot.near)
+    view =
+        onlooker(*snapshot.near + (0.55 + 1.1 * snapshot.extent_m) * (kEye - kTarget).normalized(),
+                 *snapshot.near);
+  auto picture = simulation_->picture(view, snapshot.pose);
   if (!picture) return tl::unexpected(picture.error());
   return vision::Image{picture->width, picture->height, std::move(picture->rgb)};
 }
@@ -92,19 +93,19 @@ Result<std::vector<std::string>> Snapshots::write(const OutputFolder& folder) co
   std::vector<figure::Panel> panels;
   std::optional<LeftEye> best;
   vision::Image best_outside;
-  for (const Moment& moment : moments_) {
-    const auto images = moment.pair.images.get();
+  for (const Snapshot& snapshot : moments_) {
+    const auto images = snapshot.pair.images.get();
     if (images == nullptr) continue;
-    LeftEye eye = look(images->left, moment.pair.info, ball_);
-    char when[64], sight[48] = "left eye";
-    std::snprintf(when, sizeof when, "%s%s%.1f s", moment.shown.c_str(),
-                  moment.shown.empty() ? "" : ", ", seconds(moment.time));
+    LeftEye eye = look(images->left, snapshot.pair.info, ball_);
+    char when[64], caption[48] = "left eye";
+    std::snprintf(when, sizeof when, "%s%s%.1f s", snapshot.shown.c_str(),
+                  snapshot.shown.empty() ? "" : ", ", seconds(snapshot.time));
     if (eye.found)
-      std::snprintf(sight, sizeof sight, "left eye: %.2f m by the ball's size", eye.distance_m);
-    auto outside_view = outside(moment);
+      std::snprintf(caption, sizeof caption, "left eye: %.2f m by the ball's size", eye.distance_m);
+    auto outside_view = outside(snapshot);
     if (!outside_view) return tl::unexpected(outside_view.error());
     if (outside_view->width > 0) panels.push_back({*outside_view, when});
-    panels.push_back({eye.marked, sight});
+    panels.push_back({eye.marked, caption});
     panels.push_back({eye.extraction, "colour extraction"});
     if (eye.found || !best) {
       best = std::move(eye);

@@ -39,29 +39,29 @@ class Snapshots {
             const vision::BallOptions& ball)
       : camera_(camera), simulation_(simulation), ball_(ball) {}
 
-  // Keeps what is to be seen now, called `shown`, or nothing. The onlooker's view is drawn only by
-  // write().
+  // Keeps the present pictures and poses under the name `shown`; nothing without pictures. The
+  // onlooker's view is drawn only by write().
   void take(Time now, const std::string& shown);
 
-  // left_eye.png, color_extraction.png, outside.png of the latest moment with a ball in sight, and
+  // left_eye.png, color_extraction.png, outside.png of the latest snapshot with the ball in view, and
   // moments.png with all of them, and the same as moments.jpg, a tenth as large. Returns the names written.
   Result<std::vector<std::string>> write(const OutputFolder& folder) const;
 
  private:
-  struct Moment {
+  struct Snapshot {
     Time time{};
     std::string shown;
     vision::StereoPair pair;
     sim::ScenePose pose;                  // of the world; empty without a simulation
     std::optional<Eigen::Vector3d> near;  // where an onlooker looks from close by
-    double extent_m = 0;                  // of what is to be seen there
+    double extent_m = 0;                  // of what is in view there
   };
-  Result<vision::Image> outside(const Moment& moment) const;
+  Result<vision::Image> outside(const Snapshot& snapshot) const;
 
   const RememberingCamera& camera_;
   sim::Simulation* simulation_;
   vision::BallOptions ball_;
-  std::vector<Moment> moments_;
+  std::vector<Snapshot> moments_;
 };
 
 }  // namespace kaz::tools

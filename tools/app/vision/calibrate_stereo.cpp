@@ -32,12 +32,12 @@ struct Sightings {
   int width = 0, height = 0;
 };
 
-// An empty answer: no board. An error: the pictures cannot be of one pair of eyes.
+// Empty corners: no board, `error` says why. An error: the pictures cannot be of one pair of cameras.
 Result<vision::Corners> look(const std::string& path, const Board& board, Sightings& all,
-                             std::string& trouble) {
+                             std::string& error) {
   const auto image = vision::read_picture(path);
   if (!image) {
-    trouble = image.error().message.substr(path.size() + 2);
+    error = image.error().message.substr(path.size() + 2);
     return vision::Corners{};
   }
   if (all.width == 0) {
@@ -50,7 +50,7 @@ Result<vision::Corners> look(const std::string& path, const Board& board, Sighti
                                   std::to_string(all.width) + " x " + std::to_string(all.height) +
                                   ": calibrate with pictures of one size");
   vision::Corners corners = vision::find_board(*image, board);
-  if (corners.empty()) trouble = "the whole board is not in sight";
+  if (corners.empty()) error = "the whole board is not in sight";
   return corners;
 }
 
@@ -70,7 +70,7 @@ Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board
     all.pairs.push_back(sighting);
     all.boards.push_back({*left, *right});
   }
-  progress.update(1, "fitting lenses and the way from eye to eye");
+  progress.update(1, "fitting lenses and the transform between the eyes");
   return all;
 }
 
@@ -200,8 +200,9 @@ tl::unexpected<Error> too_far_off(const Sightings& seen, const StereoResult& res
                 "the fit is off by %.2f px rms, more than the %.2f of "
                 "--max-rms",
                 result.rms_px, arguments.max_rms_px);
-  return fail(Fault::failed, std::string(numbers) + ", most in '" + seen.pairs[worst].files.left +
-                                 "': are its pictures of one moment, of this board, and sharp?");
+  return fail(Fault::failed,
+              std::string(numbers) + ", most in '" + seen.pairs[worst].files.left +
+                  "': were its pictures taken at the same time, of this board, and sharp?");
 }
 
 }  // namespace

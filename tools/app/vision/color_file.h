@@ -14,7 +14,7 @@ namespace kaz::tools {
 nlohmann::ordered_json color_json(const vision::ColorRange& range);
 // Keys that are missing keep their default; others may be there. Errors name file and key.
 Result<vision::ColorRange> read_color(const std::string& path);
-// The same of a file's content; `name` stands in the errors.
+// The same of a file's content; `name`: for the errors.
 Result<vision::ColorRange> parse_color(const std::string& content, const std::string& name);
 
 }  // namespace kaz::tools

@@ -88,7 +88,7 @@ class Lens {
 };
 
 struct Looked {
-  std::string picture, trouble;
+  std::string picture, error;
   BallObservation ball;
   double ms = 0;
 };
@@ -111,7 +111,7 @@ Image overlay(const Image& image, const vision::Mask& mask, const BallObservatio
 Json as_json(const Looked& looked) {
   Json one{{"picture", looked.picture}};
   one.update(ball_json(looked.ball));
-  if (!looked.trouble.empty()) one["trouble"] = looked.trouble;
+  if (!looked.error.empty()) one["error"] = looked.error;
   return one;
 }
 
@@ -123,7 +123,7 @@ std::string quoted(const std::string& text) {
 
 std::string csv(const std::vector<Looked>& all) {
   std::string text =
-      "picture,found,center_u_px,center_v_px,radius_px,distance_m,x_m,y_m,z_m,confidence,trouble\n";
+      "picture,found,center_u_px,center_v_px,radius_px,distance_m,x_m,y_m,z_m,confidence,error\n";
   for (const Looked& one : all) {
     char numbers[200] = ",,,,,,,";
     const BallObservation& b = one.ball;
@@ -132,7 +132,7 @@ std::string csv(const std::vector<Looked>& all) {
       std::snprintf(numbers, sizeof numbers, "%.3f,%.3f,%.3f,%.5f,%.5f,%.5f,%.5f,%.3f", b.center_u,
                     b.center_v, b.radius_px, b.distance_m, at.x(), at.y(), at.z(), b.confidence);
     text += quoted(one.picture) + "," + (b.found ? "1," : "0,") + numbers + "," +
-            (one.trouble.empty() ? std::string() : quoted(one.trouble)) + "\n";
+            (one.error.empty() ? std::string() : quoted(one.error)) + "\n";
   }
   return text;
 }
@@ -143,13 +143,13 @@ Result<Looked> look(const std::string& path, const Lens& lens, vision::BallDetec
   Looked looked{fs::path(path).filename().string(), {}, {}, 0};
   auto image = vision::read_picture(path);
   if (!image) {
-    looked.trouble = image.error().message.substr(path.size() + 2);
+    looked.error = image.error().message.substr(path.size() + 2);
     return looked;
   }
   vision::FrameInfo info;
   const auto camera = lens.prepare(*image);
   if (!camera) {
-    looked.trouble = camera.error().message;
+    looked.error = camera.error().message;
     return looked;
   }
   info.camera = *camera;
@@ -158,7 +158,7 @@ Result<Looked> look(const std::string& path, const Lens& lens, vision::BallDetec
   looked.ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   if (looked.ball.error) {
-    looked.trouble = looked.ball.error->message;
+    looked.error = looked.ball.error->message;
     return looked;
   }
   const auto written = figure::write_png(folder.path(looked.picture + ".ball.png"),
@@ -179,7 +179,7 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
   for (const Looked& one : all) {
     pictures.push_back(as_json(one));
     found += one.ball.found;
-    if (one.trouble.empty()) ms.push_back(one.ms);
+    if (one.error.empty()) ms.push_back(one.ms);
   }
   std::sort(ms.begin(), ms.end());
   const double median = ms.empty() ? 0 : ms[ms.size() / 2];
@@ -189,20 +189,20 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
                     {"balls", found},
                     {"color", color_json(color)},
                     {"radius_m", options.radius_m},
-                    {"latency_ms", {{"median", median}, {"most", ms.empty() ? 0 : ms.back()}}},
+                    {"latency_ms", {{"median", median}, {"max", ms.empty() ? 0 : ms.back()}}},
                     {"pictures", pictures}};
   if (auto done = folder.write_json("result.json", result); !done)
     return tl::unexpected(done.error());
   if (ms.empty())
     return fail(Fault::failed, "none of the " + std::to_string(all.size()) + " pictures in '" +
                                    options.in + "' could be looked at; the first, '" +
-                                   all.front().picture + "', " + all.front().trouble);
+                                   all.front().picture + "', " + all.front().error);
   if (options.json) {
     std::printf("%s\n", result.dump(2).c_str());
   } else {
     for (const Looked& one : all) {
-      if (!one.trouble.empty())
-        std::printf("left out: %s: %s\n", one.picture.c_str(), one.trouble.c_str());
+      if (!one.error.empty())
+        std::printf("left out: %s: %s\n", one.picture.c_str(), one.error.c_str());
     }
     std::printf(
         "%d balls in %zu of %zu pictures, %.2f ms a picture (median); overlays, ball.csv "

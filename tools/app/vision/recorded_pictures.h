@@ -26,8 +26,8 @@ struct RecordedOptions {
   bool json = false;
 };
 
-// For each picture NAME: NAME.ball.png, a line of ball.csv and an entry of result.json. What cannot be
-// read is an entry with its trouble. 1 if none could be looked at.
+// For each picture NAME: NAME.ball.png, a line of ball.csv and an entry of result.json. A picture
+// that cannot be read is an entry with its error. False if none could be processed.
 Result<bool> run_on_pictures(const RecordedOptions& options);
 // Of stereo pairs: for each LEFT.vision.png, a line of frames.csv and an entry of result.json.
 Result<bool> run_on_pairs(const RecordedOptions& options);
@@ -35,7 +35,7 @@ Result<bool> run_on_pairs(const RecordedOptions& options);
 // The same of a live camera, until so many pairs have been looked at or it is interrupted; with a
 // robot at a port frames carry its posture, and the floor is known.
 Result<bool> run_on_camera(const RecordedOptions& options);
-// The same of a recording (kaz run --record-pictures), with the posture that the board told then.
+// The same of a recording (kaz run --record-pictures), with the posture that the board reported then.
 Result<bool> run_on_recording(const RecordedOptions& options);
 // `options.in`: a folder, a recording, a picture, a camera socket or v4l2 cameras; chooses from the above.
 Result<bool> run_on_source(const RecordedOptions& options);

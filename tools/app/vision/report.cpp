@@ -6,8 +6,8 @@
 #include <cstdio>
 
 #include "tools/figure/vision_views.h"
-#include "vision/depth/swapped_cameras.h"
 #include "vision/depth/depth_file.h"
+#include "vision/depth/swapped_cameras.h"
 
 namespace kaz::tools {
 namespace {
@@ -80,7 +80,7 @@ Json planes_json(const vision::PlaneSegments& planes) {
              {"pixels", s.pixels},
              {"box_px", {s.left, s.top, s.right, s.bottom}},
              {"extent_m", {s.length_m, s.width_m}}};
-    // Without the posture nobody knows which one is the floor.
+    // Without the posture the floor is not known among them.
     if (planes.info.posture_known) one["floor"] = s.floor;
     all.push_back(std::move(one));
   }
@@ -138,9 +138,9 @@ Json module_statistics_json(const vision::Pipeline& pipeline) {
         {"computing_ms",
          {{"median", ms(m.computing_median_s)},
           {"p95", ms(m.computing_p95_s)},
-          {"most", ms(m.computing_max_s)}}},
+          {"max", ms(m.computing_max_s)}}},
         {"age_ms",
-         {{"median", ms(m.age_median_s)}, {"p95", ms(m.age_p95_s)}, {"most", ms(m.age_max_s)}}}};
+         {{"median", ms(m.age_median_s)}, {"p95", ms(m.age_p95_s)}, {"max", ms(m.age_max_s)}}}};
   }
   return all;
 }
@@ -170,8 +170,8 @@ DeliveryTable::DeliveryTable(vision::Pipeline& pipeline) {
 }
 
 VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& options,
-                           const OutputFolder* folder, std::uint64_t most)
-    : folder_(folder), options_(options), max_(most) {
+                           const OutputFolder* folder, std::uint64_t max_frames)
+    : folder_(folder), options_(options), max_(max_frames) {
   for (const vision::ModuleStatistics& m : pipeline.statistics()) modules_.push_back(m.name);
   subscribe<vision::BallObservation>(
       pipeline, "color", [this](const vision::Frame& frame, const auto* ball, const Error* error) {
@@ -224,7 +224,7 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
           Entry& e = entry(frame);
           e.json["moving"] = moving_json(*moving);
           if (folder_ != nullptr) {
-            // Regions are of the earlier picture; its things have not gone far.
+            // Regions are in pixels of the earlier picture; objects have moved little since.
             vision::Image image = frame.images().left;
             for (const vision::MovingRegion& region : moving->regions) {
               figure::draw_circle(
@@ -233,7 +233,7 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
                   figure::kOrange);
             }
             e.panels.push_back({std::move(image), std::to_string(moving->regions.size()) +
-                                                      " things move by themselves"});
+                                                      " independently moving objects"});
           }
         }
         heard(frame, error);
@@ -265,7 +265,7 @@ void VisionReport::check_eyes(const vision::Frame& frame, const vision::DepthIma
   if (eyes_checked_ == 3 || entry["depth"]["known"].get<double>() > 0.2) return;
   ++eyes_checked_;
   if (vision::cameras_look_swapped(frame.images(), depth.info, options_.depth))
-    entry["trouble"] =
+    entry["error"] =
         "left and right look exchanged: the other way round the pair has depth, so it has hardly "
         "any; exchange the pictures or cameras, or calibrate them as they are";
 }
@@ -305,8 +305,8 @@ VisionReport::Entry& VisionReport::entry(const vision::Frame& frame) {
 void VisionReport::heard(const vision::Frame& frame, const Error* error) {
   Entry& e = entry(frame);
   if (error != nullptr) {
-    // The one that failed first: the others tell the same.
-    if (!e.json.contains("trouble")) e.json["trouble"] = error->message;
+    // The first failure; the others follow from it.
+    if (!e.json.contains("error")) e.json["error"] = error->message;
   } else {
     e.seen = true;
   }
@@ -337,8 +337,8 @@ void VisionReport::begin(std::uint64_t sequence, const std::string& name, Json f
   e.json = std::move(facts);
 }
 
-void VisionReport::trouble(Json facts, const std::string& why) {
-  facts["trouble"] = why;
+void VisionReport::add_error(Json facts, const std::string& why) {
+  facts["error"] = why;
   frames_.push_back(std::move(facts));
 }
 
@@ -351,7 +351,7 @@ std::string VisionReport::table() const {
   std::string text =
       "frame,ball,ball_distance_m,depth_known,depth_median_m,flow_known,flow_median_px,moving,"
       "planes,"
-      "floor,trouble\n";
+      "floor,error\n";
   for (const Json& one : frames_) {
     const auto cell = [](const Json& of, const char* key) {
       return of.contains(key) ? csv_text(of[key]) : std::string();
@@ -370,7 +370,7 @@ std::string VisionReport::table() const {
     text += cell(one, one.contains("left") ? "left" : "frame") + "," + cell(ball, "found") + "," +
             cell(ball, "distance_m") + "," + cell(depth, "known") + "," + cell(depth, "median_m") +
             "," + cell(flow, "known") + "," + cell(flow, "median_px") + "," + moving + "," +
-            planes + "," + floor + "," + cell(one, "trouble") + "\n";
+            planes + "," + floor + "," + cell(one, "error") + "\n";
   }
   return text;
 }

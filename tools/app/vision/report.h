@@ -15,7 +15,7 @@
 
 namespace kaz::tools {
 
-// What result.json says of a ball.
+// A ball in result.json.
 nlohmann::ordered_json ball_json(const vision::BallObservation& ball);
 
 // Of a pipeline's modules: what they found, how long it took, how old it was. Times are of the wall
@@ -42,17 +42,17 @@ class VisionReport {
   // Subscribes to the modules, all of which the pipeline has; it has to outlive the pipeline's
   // last poll().
   // `options` is what the modules were made with. `folder`: where overlays go; null: none.
-  // `most`: frames after so many are passed over; 0: none are.
+  // `max_frames`: later frames are skipped; 0: no limit.
   VisionReport(vision::Pipeline& pipeline, const VisionOptions& options, const OutputFolder* folder,
-               std::uint64_t most = 0);
+               std::uint64_t max_frames = 0);
   VisionReport(const VisionReport&) = delete;
   VisionReport& operator=(const VisionReport&) = delete;
 
   // Begins a frame's entry with what is known of it beforehand; `name` begins its overlay's name.
   // Frames that are not begun are called by their number.
   void begin(std::uint64_t sequence, const std::string& name, nlohmann::ordered_json facts);
-  // Something that could not be looked at at all.
-  void trouble(nlohmann::ordered_json facts, const std::string& why);
+  // An entry for a frame that could not be processed at all.
+  void add_error(nlohmann::ordered_json facts, const std::string& why);
 
   // After the last poll(): frames that some modules dropped are closed, too. An error where an
   // overlay could not be written.

@@ -55,7 +55,7 @@ Result<void> refuse(const VisionOptions& vision, std::initializer_list<std::stri
   return {};
 }
 
-// The end of each kind: files, and what is told.
+// The end of each kind: files and printed summary.
 Result<bool> finish(VisionReport& report, const Json& statistics, const std::string& text,
                     const RecordedOptions& options, const OutputFolder& folder) {
   if (auto written = report.end(); !written) return tl::unexpected(written.error());
@@ -76,19 +76,20 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
                     ? "no pair of pictures came"
                     : "none of the " + std::to_string(report.frames().size()) +
                           " pairs could be looked at; the first: " +
-                          report.frames().front().value("trouble", std::string("nothing seen")));
+                          report.frames().front().value("error", std::string("nothing seen")));
   if (options.json) {
     std::printf("%s\n", result.dump(2).c_str());
     return true;
   }
   constexpr int kMaxReported = 10;
-  int told = 0;
+  int reported = 0;
   for (const Json& one : report.frames()) {
-    if (!one.contains("trouble")) continue;
-    if (++told <= kMaxReported)
-      std::printf("trouble: %s\n", one["trouble"].get<std::string>().c_str());
+    if (!one.contains("error")) continue;
+    if (++reported <= kMaxReported)
+      std::printf("error: %s\n", one["error"].get<std::string>().c_str());
   }
-  if (told > kMaxReported) std::printf("... and %d more (frames.csv)\n", told - kMaxReported);
+  if (reported > kMaxReported)
+    std::printf("... and %d more (frames.csv)\n", reported - kMaxReported);
   std::printf("%zu of %zu pairs looked at; computing a pair: %s\n", report.looked_at(),
               report.frames().size(), text.c_str());
   std::printf("overlays, frames.csv and result.json are in %s\n", options.out.c_str());
@@ -124,8 +125,8 @@ std::string file_name(const std::string& path) {
 // For a run that a recording is of.
 class RecordingWatcher final : public VisionWatcher {
  public:
-  RecordingWatcher(const VisionOptions& options, const OutputFolder& folder, std::uint64_t most)
-      : options_(options), folder_(folder), max_(most) {}
+  RecordingWatcher(const VisionOptions& options, const OutputFolder& folder, std::uint64_t count)
+      : options_(options), folder_(folder), max_(count) {}
   void begin(vision::Pipeline& pipeline) override {
     report_.emplace(pipeline, options_, &folder_, max_);
   }
@@ -201,17 +202,17 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
   if (auto added = add_modules(*vision, pipeline); !added) return tl::unexpected(added.error());
   VisionReport report(pipeline, *vision, &*folder);
   Progress progress("kaz vision", options.json);
-  const std::size_t most =
+  const std::size_t count =
       options.frames > 0 ? std::min<std::size_t>(options.frames, files->size()) : files->size();
   // Nothing says when the pictures were taken: a second apart, so that each is a frame of its own.
-  for (std::size_t i = 0; i < most; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const PicturePair& pair = (*files)[i];
     const std::string left = file_name(pair.left);
-    progress.update(static_cast<double>(i) / static_cast<double>(most), left);
+    progress.update(static_cast<double>(i) / static_cast<double>(count), left);
     const Json facts{{"left", left}, {"right", file_name(pair.right)}};
     auto images = reader.read(pair);
     if (!images) {
-      report.trouble(facts, images.error().message);
+      report.add_error(facts, images.error().message);
       continue;
     }
     vision::FrameInfo info;
@@ -277,8 +278,8 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
   pipeline.finish();
   progress.done();
   if (!end.empty()) std::fprintf(stderr, "kaz vision: %s\n", end.c_str());
-  if (const std::string told = source.alone.summary(); !told.empty())
-    std::fprintf(stderr, "kaz vision: cameras: %s\n", told.c_str());
+  if (const std::string summary = source.alone.summary(); !summary.empty())
+    std::fprintf(stderr, "kaz vision: cameras: %s\n", summary.c_str());
   return finish(report, module_statistics_json(pipeline), module_statistics_text(pipeline), options,
                 *folder);
 }

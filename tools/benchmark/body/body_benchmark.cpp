@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Beside the time: gap_um, the largest gap between the halves of a joint in the first 5 s, and
-// track_mrad, the root mean square error of the joints against what they were told in the last
+// track_mrad, the root mean square error of the joints against their targets in the last
 // second of these. `--count` is for callgrind (tools/benchmark/counted_steps.cpp): it runs each load for
 // a while with counting switched off, then some steps of it with counting on, and dumps.
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The robot and its things in Bullet's multibody dynamics.
+// The robot and the other bodies in Bullet's multibody dynamics.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/benchmark/bullet/bullet_world.h"
 
@@ -77,7 +77,7 @@ BulletWorld::BulletWorld(const WorldModel& world, const RobotModel& robot, const
   for (const Body& body : bodies_) frames_.push_back(principal_frame(body.rigid));
   add_robot(robot);
   add_joints(robot);
-  add_things(world);
+  add_bodies(world);
   imu_at_ = body_pose(imu_frame_.link) * imu_frame_.in_link;
 }
 
@@ -86,7 +86,7 @@ BulletWorld::~BulletWorld() {
     for (const auto* row : {&joint.motor, &joint.lower_stop, &joint.upper_stop})
       world_.removeMultiBodyConstraint(row->get());
   }
-  for (const auto& thing : things_) world_.removeRigidBody(thing.get());
+  for (const auto& moving : moving_bodies_) world_.removeRigidBody(moving.get());
   for (const auto& object : fixed_) world_.removeCollisionObject(object.get());
   for (const auto& collider : colliders_) world_.removeCollisionObject(collider.get());
   world_.removeMultiBody(robot_.get());
@@ -174,16 +174,16 @@ void BulletWorld::add_joints(const RobotModel& robot) {
   }
 }
 
-void BulletWorld::add_things(const WorldModel& world) {
+void BulletWorld::add_bodies(const WorldModel& world) {
   auto body = static_cast<int>(robot_links_);
-  for (const WorldBody& thing : world.bodies) {
-    if (!thing.fixed) {
-      add_thing(thing, body++);
+  for (const WorldBody& world_body : world.bodies) {
+    if (!world_body.fixed) {
+      add_moving_body(world_body, body++);
       continue;
     }
-    for (const CollisionShape& part : thing.rigid.collisions) {
+    for (const CollisionShape& part : world_body.rigid.collisions) {
       btTransform at;
-      btCollisionShape* shape = shapes_.of_fixed(part, thing.pose, at);
+      btCollisionShape* shape = shapes_.of_fixed(part, world_body.pose, at);
       if (!shape) continue;
       auto object = std::make_unique<btCollisionObject>();
       object->setCollisionShape(shape);
@@ -196,25 +196,26 @@ void BulletWorld::add_things(const WorldModel& world) {
   }
 }
 
-void BulletWorld::add_thing(const WorldBody& thing, int number) {
+void BulletWorld::add_moving_body(const WorldBody& world_body, int number) {
   const PrincipalFrame& frame = frames_[static_cast<std::size_t>(number)];
-  btRigidBody::btRigidBodyConstructionInfo info(
-      thing.rigid.mass, nullptr, shapes_.of_link(thing.rigid, frame), to_bullet(frame.moments));
-  info.m_startWorldTransform = to_bullet(Eigen::Isometry3d(thing.pose * frame.in_link));
+  btRigidBody::btRigidBodyConstructionInfo info(world_body.rigid.mass, nullptr,
+                                                shapes_.of_link(world_body.rigid, frame),
+                                                to_bullet(frame.moments));
+  info.m_startWorldTransform = to_bullet(Eigen::Isometry3d(world_body.pose * frame.in_link));
   info.m_linearSleepingThreshold = SleepRule{}.linear;
   info.m_angularSleepingThreshold = SleepRule{}.angular;
   auto body = std::make_unique<btRigidBody>(info);
   body->setCollisionFlags(body->getCollisionFlags() |
                           btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
   world_.addRigidBody(body.get());
-  things_.push_back(std::move(body));
+  moving_bodies_.push_back(std::move(body));
 }
 
 Eigen::Isometry3d BulletWorld::moving_pose(int body) const {
   const auto index = static_cast<std::size_t>(body);
   const Eigen::Isometry3d back = frames_[index].in_link.inverse();
   if (index >= robot_links_)
-    return pose_of(things_[index - robot_links_]->getWorldTransform()) * back;
+    return pose_of(moving_bodies_[index - robot_links_]->getWorldTransform()) * back;
   if (body == 0) return pose_of(robot_->getBaseWorldTransform()) * back;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = from_bullet(robot_->localPosToWorld(body - 1, btVector3(0, 0, 0)));
@@ -223,9 +224,9 @@ Eigen::Isometry3d BulletWorld::moving_pose(int body) const {
 }
 
 void BulletWorld::kick(int body, const Eigen::Vector3d& velocity) {
-  btRigidBody& thing = *things_[static_cast<std::size_t>(body) - robot_links_];
-  thing.setLinearVelocity(thing.getLinearVelocity() + to_bullet(velocity));
-  thing.activate(true);
+  btRigidBody& moving = *moving_bodies_[static_cast<std::size_t>(body) - robot_links_];
+  moving.setLinearVelocity(moving.getLinearVelocity() + to_bullet(velocity));
+  moving.activate(true);
 }
 
 void BulletWorld::ask_joints() {

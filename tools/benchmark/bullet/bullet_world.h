@@ -1,4 +1,4 @@
-// The robot and its things in Bullet's multibody dynamics, for the benchmark of the body alone.
+// The robot and the other bodies in Bullet's multibody dynamics, for the benchmark of the body alone.
 // SPDX-License-Identifier: Apache-2.0
 //
 // btMultiBody: Featherstone's articulated bodies in reduced coordinates, rows of motors and
@@ -56,8 +56,8 @@ class BulletWorld final : public StagedWorld {
   void set_up_link(const RobotModel& robot, int link);
   void add_collider(const RobotModel& robot, int link);
   void add_joints(const RobotModel& robot);
-  void add_things(const WorldModel& world);
-  void add_thing(const WorldBody& thing, int body);
+  void add_bodies(const WorldModel& world);
+  void add_moving_body(const WorldBody& world_body, int body);
   void ask_joints();
   void read_joints();
   void read_imu();
@@ -75,7 +75,8 @@ class BulletWorld final : public StagedWorld {
   std::vector<PrincipalFrame> frames_;  // by number of body
   std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders_;
   std::vector<std::unique_ptr<btCollisionObject>> fixed_;
-  std::vector<std::unique_ptr<btRigidBody>> things_;  // by number of body less the robot's links
+  // By number of body less the robot's links.
+  std::vector<std::unique_ptr<btRigidBody>> moving_bodies_;
   Eigen::Isometry3d imu_at_ = Eigen::Isometry3d::Identity();
   Eigen::Vector3d imu_velocity_ = Eigen::Vector3d::Zero();
 };

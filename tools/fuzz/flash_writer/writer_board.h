@@ -50,15 +50,15 @@ class WriterBoard {
 
   static constexpr h8s::States kMillisecond = 18432;
 
-  // Bytes on the line, at the board's bit rate, behind those that are under way. Returns the time at
+  // Bytes on the line, at the board's bit rate, behind those still in transit. Returns the time at
   // which the last of them has arrived.
   h8s::States send(std::span<const std::uint8_t> bytes);
   // Keeps the line silent from the last byte sent on.
   void pause(h8s::States states);
-  // Runs on; stops early if the emulator stops (failure()) or `until` returns true, which is asked
+  // Runs on; stops early if the emulator stops (failure()) or `until` returns true, which is checked
   // each 1/8 ms.
   void run(h8s::States states, const std::function<bool()>& until = {});
-  // What the board has sent and nobody has taken: frames in order. Anything that is no whole frame is
+  // Frames that the board has sent and that were not taken yet, in order. Anything that is no whole frame is
   // a failure().
   std::optional<WriterAnswer> take_answer();
   // A request by itself, with silence before it, and its answer.

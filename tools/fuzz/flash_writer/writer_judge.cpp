@@ -235,7 +235,7 @@ std::string WriterJudge::flash_fault(const Request& request, const WriterAnswer&
 // to answer at once.
 bool WriterJudge::alive() {
   constexpr auto ms = WriterBoard::kMillisecond;
-  const auto asked = [&](std::uint8_t number, h8s::States patience) {
+  const auto answers_query = [&](std::uint8_t number, h8s::States patience) {
     const auto frame = writer_frame(KZ_WRITER_INFO, number, {});
     board_.pause(30 * ms);
     const h8s::States end = board_.send(frame);
@@ -250,8 +250,8 @@ bool WriterJudge::alive() {
   board_.pause(30 * ms);
   board_.run(30 * ms, [this] { return look(), false; });
   for (int k = 0; k < 8; ++k) {
-    if (asked(static_cast<std::uint8_t>(k), 400 * ms))
-      return asked(0xee, 40 * ms);  // 14 bytes at 4,800 baud
+    if (answers_query(static_cast<std::uint8_t>(k), 400 * ms))
+      return answers_query(0xee, 40 * ms);  // 14 bytes at 4,800 baud
   }
   return false;
 }

@@ -22,10 +22,10 @@ class WriterJudge {
   void sent(std::span<const std::uint8_t> bytes);
   // Takes and judges what the board has answered. Call at least once in 1/8 ms while it may answer.
   void look();
-  // The board is asked whether it is alive; then flash, RAM and the emulator's reports are judged.
+  // Checks that the board answers; then flash, RAM and the emulator's reports are judged.
   void finish();
 
-  // The first thing that was wrong; empty: nothing.
+  // The first error; empty: none.
   const std::string& complaint() const { return complaint_; }
   std::size_t answers() const { return answers_; }
   // The second stage is there up to here.

@@ -42,7 +42,7 @@ std::vector<std::uint8_t> memory_of(Bytes bytes) {
   return memory;
 }
 
-// The board on it: it runs, drives nothing that nobody asked for, and forgets nothing.
+// The board on it: it runs, drives nothing without a request, and loses no state.
 Complaint run_on(std::span<const std::uint8_t> memory) {
   const std::string path = input_file(memory, "memory");
   const auto mcu = sim::make_native();
@@ -110,7 +110,7 @@ Complaint try_state(Bytes bytes) {
   if (sim::Snapshot::unpack(bytes, {})) return "a state without its check sum was taken";
 
   // As the parts of a simulation. What is taken is not run: a saved state is trusted as far as its
-  // check sum and its options go. A sound one must be taken afterwards.
+  // check sum and its options go. A valid one must be taken afterwards.
   const auto simulation = stand();
   if (!simulation) return "no stand";
   (void)simulation->step();
@@ -119,10 +119,10 @@ Complaint try_state(Bytes bytes) {
   sim::SimulationOptions options;
   options.supply_ohms = 0.02;  // as make_stand() has it
   const auto facts = facts_of(options, simulation->world());
-  const auto sound = sim::Snapshot::unpack(*saved, facts);
-  if (!sound) return "cannot be read back: " + sound.error().message;
-  // The input replaces bytes of the sound state: position (2 bytes), value.
-  std::vector<std::uint8_t> parts(sound->begin(), sound->end());
+  const auto valid = sim::Snapshot::unpack(*saved, facts);
+  if (!valid) return "cannot be read back: " + valid.error().message;
+  // The input replaces bytes of the valid state: position (2 bytes), value.
+  std::vector<std::uint8_t> parts(valid->begin(), valid->end());
   Choices choices(bytes);
   while (!choices.ended()) {
     const std::size_t at = static_cast<std::size_t>(choices.byte()) << 8 | choices.byte();
@@ -138,7 +138,7 @@ Complaint try_state(Bytes bytes) {
     if (auto wrong = judge_error(restored.error(), "saved state")) return wrong;
   }
   if (auto again = simulation->restore(*saved); !again)
-    return "a sound state is refused afterwards: " + again.error().message;
+    return "a valid state is refused afterwards: " + again.error().message;
   if (auto stepped = simulation->step(); !stepped)
     return "the restored simulation does not run: " + stepped.error().message;
   const auto other = stand();

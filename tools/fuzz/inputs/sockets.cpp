@@ -123,7 +123,7 @@ std::string converse(sim::ControlServer& server, const std::string& path, Bytes 
 }
 
 // Whole lines, each an object with "ok", and with "error" where that is false.
-Complaint judge_replies(const std::string& replies, std::size_t most) {
+Complaint judge_replies(const std::string& replies, std::size_t max_lines) {
   std::size_t lines = 0;
   for (std::size_t at = 0; at < replies.size(); ++lines) {
     const std::size_t end = replies.find('\n', at);
@@ -136,7 +136,7 @@ Complaint judge_replies(const std::string& replies, std::size_t most) {
       return "a refusal without a reason";
     at = end + 1;
   }
-  if (lines > most) return "more replies than requests";
+  if (lines > max_lines) return "more replies than requests";
   return std::nullopt;
 }
 

@@ -72,7 +72,7 @@ Complaint try_color(Bytes bytes) {
   vision::Mask vectors, plain;
   extractor.extract(image, vectors, true);
   extractor.extract(image, plain, false);
-  if (vectors.pixels != plain.pixels) return "vectors and plain code tell colours differently";
+  if (vectors.pixels != plain.pixels) return "vector and plain code classify colours differently";
   const auto again = tools::parse_color(tools::color_json(*range).dump(), "again");
   if (!again) return "what was read and written cannot be read: " + again.error().message;
   return std::nullopt;

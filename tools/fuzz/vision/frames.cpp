@@ -4,9 +4,9 @@
 
 #include "tools/fuzz/vision/hostile_frames.h"
 #include "tools/fuzz/vision/targets.h"
-#include "vision/depth/swapped_cameras.h"
 #include "vision/color/ball_track.h"
 #include "vision/depth/depth_file.h"
+#include "vision/depth/swapped_cameras.h"
 #include "vision/flow/independent_motion.h"
 #include "vision/pipeline/modules.h"
 #include "vision/pipeline/pipeline.h"
@@ -216,10 +216,10 @@ Complaint try_vision(Bytes bytes) {
   }();
   if (!run.ball() || run.ball()->found != fresh->ball()->found ||
       run.ball()->distance_m != fresh->ball()->distance_m)
-    return "hostile frames changed how the ball is seen in a sound one";
+    return "hostile frames changed how the ball is seen in a valid one";
   if (run.disparities() != fresh->disparities())
-    return "hostile frames changed the depth of a sound one";
-  if (run.labels() != fresh->labels()) return "hostile frames changed the planes of a sound one";
+    return "hostile frames changed the depth of a valid one";
+  if (run.labels() != fresh->labels()) return "hostile frames changed the planes of a valid one";
   return std::nullopt;
 }
 

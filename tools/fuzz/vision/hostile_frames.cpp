@@ -1,4 +1,4 @@
-// Each decision takes a byte or two; zeros make a sound frame.
+// Each decision takes a byte or two; zeros make a valid frame.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/fuzz/vision/hostile_frames.h"
 
@@ -82,9 +82,9 @@ int HostileFrames::side() {
   return kSides[choices_.below(std::size(kSides))];
 }
 
-double HostileFrames::number(double sound) {
+double HostileFrames::number(double valid) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
-  const double numbers[] = {sound, sound, sound * 1.5,  sound * 0.3, 0,  -sound, 1e-300, 1e300,
+  const double numbers[] = {valid, valid, valid * 1.5,  valid * 0.3, 0,  -valid, 1e-300, 1e300,
                             kInf,  -kInf, std::nan(""), 1,           -1, 1e9,    -1e9,   1e-9};
   return numbers[choices_.below(std::size(numbers))];
 }

@@ -1,4 +1,4 @@
-// Frames out of a string of bytes: pictures, camera models, postures, clocks, sound and unsound.
+// Frames out of a string of bytes: pictures, camera models, postures, clocks, valid and invalid.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -24,7 +24,7 @@ class HostileFrames {
 
  private:
   int side();
-  double number(double sound);
+  double number(double valid);
   vision::Image picture(int width, int height);
   vision::CameraModel camera(int width, int height);
   Eigen::Isometry3d posture();

@@ -1,8 +1,8 @@
-// Hostile input for vision: each function takes any bytes; what it says is wrong, if anything.
+// Hostile input for vision: each function takes any bytes and returns the first error, if any.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Errors are fine, and expected: what may not happen is a crash, undefined behaviour, or a result
-// that is no sound one (not finite, outside of the picture, of another frame).
+// that is not valid (not finite, outside of the picture, of another frame).
 #pragma once
 
 #include "tools/fuzz/target.h"
@@ -17,7 +17,7 @@ Complaint try_calibration(Bytes bytes);
 // A file of colour thresholds, and pixels that are judged by it.
 Complaint try_color(Bytes bytes);
 // Frames through a pipeline of all modules: the bytes choose sizes, contents, camera models,
-// postures, sequence numbers and clocks. The last frame is a sound one, and must come out as it does
+// postures, sequence numbers and clocks. The last frame is valid, and must come out as it does
 // of a fresh pipeline.
 Complaint try_vision(Bytes bytes);
 
