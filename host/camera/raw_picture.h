@@ -34,8 +34,8 @@ struct RawLayout {
 };
 
 // Fills `image`. Grey comes as RGB of equal parts, values as they are. MJPEG need not hold its
-// Huffman tables: most cameras omit them, the standard's are used then. An error contains in a few
-// words what is wrong with the bytes: too few, damaged, of another size.
+// Huffman tables: most cameras omit them, the standard's are used then. Errors: too few
+// bytes, damaged bytes, another size.
 Result<void> convert_picture(std::span<const std::uint8_t> bytes, const RawLayout& layout,
                              vision::Image& image);
 

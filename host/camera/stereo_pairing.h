@@ -22,7 +22,7 @@ struct RawFrame {
 
 struct RawPair {
   RawFrame left, right;
-  // Of the pair: half way between both.
+  // Exposure of the pair: the mean of both.
   Time exposure() const { return left.exposure + (right.exposure - left.exposure) / 2; }
   Time gap() const;  // between both, never negative
 };
@@ -36,9 +36,9 @@ class StereoPairing {
   // the first partner within it is also the nearest, and nothing has to wait for the next picture.
   explicit StereoPairing(Time tolerance) : tolerance_(tolerance) {}
 
-  // A picture that is not newer than the last one of its side is left out and counted.
+  // A picture that is not newer than the last one of its side is skipped and counted.
   void add(EyeSide side, RawFrame frame);
-  // The next pair, oldest first. Drops on the way what can have no partner any more.
+  // The next pair, oldest first. Drops pictures that can have no partner any more.
   std::optional<RawPair> next();
 
   Time tolerance() const { return tolerance_; }

@@ -38,7 +38,7 @@ struct ImageIdentity {
 class FlashImage {
  public:
   FlashImage();
-  // S-record, Intel HEX, COFF, ELF, told by their contents; raw with an address. Errors (usage): a
+  // S-record, Intel HEX, COFF, ELF, recognised by their contents; raw with an address. Errors (usage): a
   // damaged file, bytes outside the flash.
   static Result<FlashImage> load(const std::string& path, const h8s::LoadOptions& options = {});
 

@@ -1,4 +1,4 @@
-// The order of things: find the board, check, erase, write, verify, the header last.
+// The sequence: find the board, check, erase, write, verify, the header last.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/flash/flasher.h"
 

@@ -183,7 +183,8 @@ Result<void> WriterLink::ask_all(
   constexpr int kTries = 8;
   std::deque<UnderWay> under_way;
   bool more = true;
-  // A slow board or adapter (an emulated one on a busy machine) is not asked again and again.
+  // The time-out adapts, so that a slow board or adapter (an emulated one on a busy machine) does not
+  // cause repetition after repetition.
   const auto patient = [&] { return std::clamp(2 * took_, patience, 4 * patience); };
   Time since = clock_.now(), deadline = since + patient();
   const auto answers_first = [&](const WriterReply& reply) {

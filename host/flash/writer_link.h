@@ -49,8 +49,9 @@ class WriterLink {
 
   // One request, repeated until a reply comes. Errors: none came, the link's. A status is no error.
   Result<WriterReply> exchange(const WriterRequest& request, Time patience, int tries = 6);
-  // Requests in order, up to WINDOW of them on their way; each is repeated as need be. `answered`
-  // gets each reply in order, and ends everything by an error. Requests are made when there is room.
+  // Sends requests in order, up to WINDOW of them outstanding, repeating each as needed. `answered`
+  // is called with each reply in order; an error from it ends the exchange. `next` is called when there is
+  // room for another request.
   Result<void> ask_all(
       const std::function<std::optional<WriterRequest>()>& next, Time patience,
       const std::function<Result<void>(const WriterRequest&, const WriterReply&)>& answered);

@@ -5,7 +5,7 @@
 // what each picture shows of the floor is put where the eyes were when it was taken, and pictures
 // are merged cell by cell, with a confidence.
 //
-// Frame of the map: x forward, y left, z up, as the foot frame (vision/image/frame.h) of the moment the
+// Frame of the map: x forward, y left, z up, as the foot frame (vision/image/frame.h) at the time the
 // map was begun; the floor is z = 0. Units m, px.
 //
 // One picture, one vote a cell:
@@ -41,8 +41,8 @@ struct LocalMapOptions {
   double cell_m = 0.01;
   double size_m = 4.0;              // side; the origin is in the middle. 2..2000 cells
   double farthest_m = 1.5;          // from the eye over the floor: beyond it nothing is entered
-  double obstacle_m = 0.015;        // lower things are none
-  double robot_m = 0.36;            // higher things pass above the robot
+  double obstacle_m = 0.015;        // objects below this height are no obstacles
+  double robot_m = 0.36;            // what is higher than this passes above the robot
   double own_m = 0.13;              // points nearer to the foot's middle are the robot's own body
   double disparity_error_px = 0.2;  // one sigma
 };
@@ -66,10 +66,10 @@ class LocalMap {
   // Errors: options out of range.
   static Result<LocalMap> make(const LocalMapOptions& options = {});
 
-  // Enters one pair's floor and depth, seen with `info` (as a rule planes.info), the foot of that
-  // moment standing at `map_from_foot` with its sole on z = 0. After an error nothing is changed
-  // but counts(). Errors: the posture at the exposure is not known; the exposure is not later than
-  // that of the last update; planes and depth of different moments or sizes, no camera model,
+  // Enters one pair's floor and depth. `info` (as a rule planes.info) holds camera and posture;
+  // `map_from_foot` is the pose of the foot at the exposure, its sole on z = 0. After an error only
+  // counts() is changed. Errors: the posture at the exposure is not known; the exposure is not later than
+  // that of the last update; planes and depth of different exposures or sizes, no camera model,
   // numbers that are not finite.
   Result<void> update(const vision::PlaneSegments& planes, const vision::DepthImage& depth,
                       const vision::FrameInfo& info,

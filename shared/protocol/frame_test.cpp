@@ -23,7 +23,7 @@ Bytes encode(const Bytes& body) {
 
 struct Receiver {
   Receiver() { kz_receiver_init(&state); }
-  // Results other than KZ_RECEIVE_MORE, in order; sound bodies are kept.
+  // Results other than KZ_RECEIVE_MORE, in order; bodies of valid frames are kept.
   void feed(const Bytes& wire) {
     for (const u8 byte : wire) feed_byte(byte, 0);
   }

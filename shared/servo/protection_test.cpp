@@ -20,7 +20,7 @@ constexpr u32 only_knee = 1u << knee;
 
 class Protection : public testing::Test {
  protected:
-  // The knee is on and asks for `share` of full duty; 256 /rad units.
+  // Enables the knee with a target that demands `share` of full duty; gain in units of 1/256 per rad.
   void push(double share) {
     ASSERT_EQ(board.heartbeat(100), 0);
     ASSERT_EQ(board.enable(only_knee), 0);

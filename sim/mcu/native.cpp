@@ -45,7 +45,7 @@ constexpr States stored_line_states = 681;
 constexpr States calibrated_states = 1600;
 
 constexpr std::size_t transmit_ring = 63;  // capacity, bytes
-constexpr std::size_t receive_most =
+constexpr std::size_t receive_max =
     48;  // bytes waiting beyond it: the oldest may be lost (firmware/serial.c)
 constexpr int scan_settings = 7;  // a supply's input, then 0..5
 constexpr States never = std::numeric_limits<States>::max() / 2;
@@ -297,7 +297,7 @@ class NativeMcu final : public Mcu {
   // inputs that are converted all the time.
   void gather(States start) {
     arrive(start + tick_after);
-    if (ring_.size() > receive_most) {
+    if (ring_.size() > receive_max) {
       ring_.erase(ring_.begin(), ring_.end() - KZ_RX_PER_TICK);
       ring_.front().second |= KZ_RX_LOST;
     }

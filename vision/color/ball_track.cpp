@@ -16,10 +16,10 @@ using Eigen::Vector3d;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kGravity = 9.81;
-constexpr std::size_t kRemembered = 40;    // more than a second at 30 Hz
-constexpr double kFastest_m_s = 8;         // of two outliers that may be one ball
-constexpr double kLeastHeight_m = 0.01;    // that counts as above the floor
-constexpr double kLeastBounce_m_s = 0.15;  // slower, it stays on the floor
+constexpr std::size_t kRemembered = 40;  // more than a second at 30 Hz
+constexpr double kFastest_m_s = 8;       // of two outliers that may be one ball
+constexpr double kMinHeight_m = 0.01;    // that counts as above the floor
+constexpr double kMinBounce_m_s = 0.15;  // slower, it stays on the floor
 
 }  // namespace
 
@@ -142,8 +142,8 @@ bool BallTrack::correct(BallState& state, const Entry& seen) const {
 BallTrack::Ground BallTrack::ground(const BallState& state) const {
   if (!options_.floor_m) return Ground::unknown;
   const double height = state.position.z() - *options_.floor_m - options_.radius_m;
-  const double high = kLeastHeight_m + 2 * std::sqrt(state.covariance(2, 2));
-  const double fast = kLeastBounce_m_s + 2 * std::sqrt(state.covariance(5, 5));
+  const double high = kMinHeight_m + 2 * std::sqrt(state.covariance(2, 2));
+  const double fast = kMinBounce_m_s + 2 * std::sqrt(state.covariance(5, 5));
   return height > high || state.velocity.z() > fast ? Ground::flight : Ground::floor;
 }
 
@@ -178,7 +178,7 @@ void BallTrack::advance(BallState& state, double dt) const {
     const double down = state.velocity.z(), e = options_.restitution;
     state.position.z() = rest;
     state.velocity.z() = -e * down;
-    rolls = -e * down < kLeastBounce_m_s;
+    rolls = -e * down < kMinBounce_m_s;
     if (down < 0) {
       Matrix6 through = Matrix6::Identity();
       through(2, 2) = through(5, 5) = -e;

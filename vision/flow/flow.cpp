@@ -140,7 +140,7 @@ struct FlowFinder::State {
     image.cells_down = cells.height;
     image.certainty.assign(static_cast<std::size_t>(cells.area()), {});
     auto* to = image.certainty.data();
-    constexpr float kLeastShare = 0.5F;  // of the patch that was compared
+    constexpr float kMinShare = 0.5F;  // of the patch that was compared
     const float error2 =
         static_cast<float>(options.max_error_px * options.max_error_px) / (kSmall * kSmall);
     const float step2 =
@@ -152,7 +152,7 @@ struct FlowFinder::State {
       for (int x = 0; x < cells.width; ++x, ++to, ++sum, ++was_compared) {
         const float *h = sum->data(), *m = h + 4, *n = h + 8;
         const float w = m[3];
-        if (*was_compared == 0 || w < kLeastShare * kPatch * kPatch) continue;
+        if (*was_compared == 0 || w < kMinShare * kPatch * kPatch) continue;
         const float xx = h[0] / w, xy = h[1] / w, yy = h[2] / w;
         const float lesser = (xx + yy) / 2 - std::sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
         if (!(lesser > 0)) continue;

@@ -1,4 +1,4 @@
-// The motor file: figures of the gear motor that drives each joint.
+// The motor file: parameters of the gear motor that drives each joint.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/motor_file.h"
 

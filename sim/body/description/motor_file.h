@@ -1,4 +1,4 @@
-// The motor file: figures of the gear motor that drives each joint.
+// The motor file: parameters of the gear motor that drives each joint.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,7 +18,7 @@ struct MotorParams {
   double rotor_inertia_kgm2 = 0;
   double max_supply_v = 0;  // the driver gives the motor no more than this
 
-  double backlash_rad = 0;  // whole way between the flanks; 0: none
+  double backlash_rad = 0;  // free travel between the flanks; 0: none
   // Heat (winding_heat.h): J/K and K/W. Without winding_heat_capacity the motor stays cold.
   double winding_heat_capacity = 0, winding_to_case = 0;
   double case_heat_capacity = 0, case_to_air = 0;
@@ -40,7 +40,7 @@ struct MotorParams {
 Result<MotorParams> load_motor_file(const std::string& path, const std::string& name);
 
 // A motor file with this motor alone, its default. `about` goes into a comment: why it is as it is.
-// load_motor_file() reads the same figures from it, to the last digit but the backlash's.
+// load_motor_file() reads the same numbers from it, bit for bit except the backlash.
 std::string motor_file_text(const MotorParams& motor, const std::string& about);
 
 }  // namespace kaz::sim

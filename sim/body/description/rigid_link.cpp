@@ -68,7 +68,7 @@ bool physical(double mass, const Eigen::Matrix3d& inertia) {
   if (!(mass > 0)) return false;
   const Eigen::Vector3d moments =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
-  // Files round their figures: allow the triangle inequality that much.
+  // Numbers in files are rounded: the triangle inequality may be violated by 1 %.
   return moments[0] > 0 && moments[2] <= 1.01 * (moments[0] + moments[1]);
 }
 

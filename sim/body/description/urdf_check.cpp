@@ -155,8 +155,8 @@ class Check {
     const auto name = file_.attribute(e, "filename");
     if (!name) return tl::unexpected(name.error());
     const auto path = std::filesystem::path(file_.path()).parent_path() / *name;
-    if (const auto trouble = mesh_error(path.string()))
-      return file_.error(e, "mesh `" + *name + "` " + *trouble);
+    if (const auto error = mesh_error(path.string()))
+      return file_.error(e, "mesh `" + *name + "` " + *error);
     return {};
   }
 
@@ -166,7 +166,7 @@ class Check {
     return text;
   }
 
-  // <gazebo reference="link"><mu1> is how Gazebo is told, too. One friction for all directions.
+  // Friction of a link: <gazebo reference="link"><mu1>, as Gazebo reads it; the same in all directions.
   Result<void> surfaces() {
     for (auto* e = file_.root().FirstChildElement("gazebo"); e;
          e = e->NextSiblingElement("gazebo")) {

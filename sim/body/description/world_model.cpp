@@ -35,7 +35,7 @@ double value_at(sdf::ElementPtr element, std::initializer_list<const char*> path
   return element->Get<double>();
 }
 
-// Attributes of our own elements. The parser keeps them as text; check_sdf has found them sound.
+// Attributes of our own elements. The parser keeps them as text; check_sdf() has validated them.
 std::vector<double> numbers(const sdf::ElementPtr& element, const char* attribute,
                             std::size_t count) {
   return parse_numbers(element->GetAttribute(attribute)->GetAsString(), count).value();

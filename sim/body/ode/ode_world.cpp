@@ -42,7 +42,7 @@ OdeWorldHandle make_world(const Eigen::Vector3d& gravity, int iterations) {
   return world;
 }
 
-// What ODE is told of a point of contact. `motion`: of a against b, m/s.
+// ODE's parameters of a contact point. `motion`: velocity of a relative to b, m/s, world frame.
 dContact contact_of(const Touch& touch, const Eigen::Vector3d& motion, double min_softness,
                     double step_s) {
   dContact contact{};
@@ -267,8 +267,8 @@ void OdeWorld::drive(std::size_t number) {
   set_row(joint.motor, row);
 }
 
-// ODE's motors push and pull alike; what only pushes is a stop. A stop's goal is ERP * way / step, and
-// its ERP may be negative.
+// Writes a row to an ODE motor. ODE's motors act in both directions, so a one-sided row becomes a stop.
+// A stop's target velocity is ERP * violation / step, and its ERP may be negative.
 void OdeWorld::set_row(dJointID motor, const JointMotor::Row& row) const {
   const bool low = row.min == 0 && row.max > 0, high = row.max == 0 && row.min < 0;
   dJointSetAMotorParam(motor, dParamLoStop, low ? 0 : -dInfinity);

@@ -1,4 +1,4 @@
-// The robot as a whole: it stands, moves by its motors alone, and does the same thing twice.
+// The whole robot: it stands, moves by its motors alone, and two runs are equal.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstring>
@@ -187,7 +187,7 @@ TEST_P(Standing, PanReachesTheNoLoadSpeedOfTheMotor) {
 }
 
 TEST_P(Standing, LimpArmFallsAndRestsAtItsFriction) {
-  // Raised forward by 60 degrees and let go: gravity on the arm (at most 0.11 Nm) is less than the
+  // Raised forward by 60 degrees and released: gravity on the arm (at most 0.11 Nm) is less than the
   // breakaway torque of 0.166 Nm, so the geared joint stays where it is.
   const auto world = load();
   ASSERT_TRUE(world);
