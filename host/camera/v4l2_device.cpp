@@ -75,11 +75,12 @@ Stamp stamp_kind(std::uint32_t flags) {
 
 // The first of a long list.
 std::string list_of(const std::vector<std::uint32_t>& codes) {
-  constexpr std::size_t kMost = 8;
+  constexpr std::size_t kMaxListed = 8;
   std::string list;
-  for (std::size_t i = 0; i < std::min(kMost, codes.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMaxListed, codes.size()); ++i)
     list += (i == 0 ? "" : ", ") + code_text(codes[i]);
-  if (codes.size() > kMost) list += " and " + std::to_string(codes.size() - kMost) + " more";
+  if (codes.size() > kMaxListed)
+    list += " and " + std::to_string(codes.size() - kMaxListed) + " more";
   return codes.empty() ? "no format" : list;
 }
 

@@ -1,4 +1,4 @@
-// The world's state to bytes and back.
+// Saving and restoring the world's state.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
