@@ -19,7 +19,7 @@ using std::chrono::milliseconds;
 // which hides the adapter's latency; every kBreath bytes all echoes are awaited, because a chip whose baud
 // clock is slower than the host's falls behind.
 constexpr std::size_t kUnderWay = 32, kBreath = 256;
-// 64 KB looked at, ten blocks erased with their verification: less than a second of a valid part.
+// Blank check of 64 KB, and ten blocks erased and verified: less than a second of a healthy part.
 constexpr Time kEraseTime = std::chrono::seconds(10);
 
 class Boot {
@@ -70,7 +70,7 @@ Result<int> Boot::get(Time patience) {
   return byte;
 }
 
-// H'00 until H'00 comes back: the chip measures its start bit and eight zeros.
+// Sends H'00 until the chip replies with H'00: it measures start bit and eight zeros to set its baud rate.
 Result<void> Boot::greet() {
   int answer = -1;
   for (int k = 0; k < options_.tries && answer != 0; ++k) {

@@ -22,7 +22,7 @@ struct WriterRequest {
 
 struct WriterReply {
   std::uint8_t type = 0, number = 0, status = 0;
-  std::vector<std::uint8_t> data;  // behind the status
+  std::vector<std::uint8_t> data;  // after the status
 };
 
 struct WriterInfo {
@@ -60,7 +60,7 @@ class WriterLink {
   Result<void> set_rate(int baud, std::uint8_t brr);
   Result<WriterSums> sums(std::uint32_t address, std::uint32_t length);
 
-  // The rate of the link now; set_rate() goes back to it where the writer does not follow.
+  // Present rate of the link; set_rate() returns to it if the writer does not follow.
   void rate_is(int baud) { rate_ = baud; }
   int repeated() const { return repeated_; }
 
@@ -69,7 +69,7 @@ class WriterLink {
   // A valid frame, or nothing until `deadline`.
   Result<std::optional<WriterReply>> receive(Time deadline);
   bool parse(WriterReply& reply);
-  // Until the line is quiet. What comes meanwhile counts: a board may be slow, and no reply lost.
+  // Waits until the line is quiet. Replies received meanwhile count: the board may only be slow.
   Result<void> settle();
 
   Link& link_;
@@ -77,7 +77,7 @@ class WriterLink {
   std::uint8_t number_ = 0;
   std::vector<std::uint8_t> buffer_;
   int repeated_ = 0;
-  Time took_{};  // replies lately, from when they were waited for
+  Time took_{};  // recent response time
   int rate_ = 115200;
   bool silent_ = false;  // the last exchange() failed because no reply came
 };

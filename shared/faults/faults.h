@@ -37,7 +37,7 @@ struct Kind {
   Name id;
   std::string_view name;
   Target target;
-  std::string_view parameter, unit;  // parameter "": it has none
+  std::string_view parameter, unit;  // parameter "": none
   double low, high, initial;
   Where where;
   std::string_view text;
@@ -67,7 +67,7 @@ struct Fault {
 // Parses one line of a schedule without its comment. Without `at` the fault begins at `now`. Errors name
 // what was expected and what was found instead.
 Result<Fault> parse(std::string_view line, Time now = Time::zero());
-// The line that parse() turns into this fault again.
+// Inverse of parse().
 std::string text_of(const Fault& fault);
 
 class Schedule {
@@ -98,7 +98,7 @@ class Schedule {
 
 struct RandomOptions {
   Time length = std::chrono::seconds(10);  // faults begin within it
-  double per_second = 1;                   // how many begin, on average
+  double per_second = 1;                   // mean rate of faults
   Time longest = std::chrono::milliseconds(500);
   bool line = true, joints = true, power = true;
 };

@@ -1,4 +1,4 @@
-// Whether a mesh that a robot file names can be read at all.
+// Checks that a mesh file named in a robot file is readable.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

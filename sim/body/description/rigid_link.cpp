@@ -1,5 +1,4 @@
-// One rigid part as the files describe it: what it weighs, what it touches with, what it looks
-// like.
+// A rigid part as the files describe it: mass properties, collision shapes, visual shapes.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/rigid_link.h"
 
