@@ -133,7 +133,7 @@ class NativeMcu final : public Mcu {
   }
 
   // State between two ticks.
-  enum class Phase : std::uint8_t { asked, restarting, writing, reading_back };
+  enum class Phase : std::uint8_t { requested, restarting, writing, reading_back };
 
   // Reset or power-on; the start begins after `wait`.
   void start(u8 cause, States wait) {
@@ -194,7 +194,7 @@ class NativeMcu final : public Mcu {
   // A tick's requested action is done when its outputs are at the pins and its bytes have been sent.
   void prepare_action(States start) {
     action_ = std::exchange(output_.action, u8{KZ_ACTION_NONE});
-    phase_ = Phase::asked;
+    phase_ = Phase::requested;
     asked_at_ = start;
     show(levels_of(output_));
     transmit(start + act_after);
@@ -206,7 +206,7 @@ class NativeMcu final : public Mcu {
   void act() {
     act_at_ = never;
     switch (phase_) {
-      case Phase::asked:
+      case Phase::requested:
         return begin_action();
       case Phase::restarting:
         return restart(action_ == KZ_ACTION_LOADER ? KZ_LOADER_S * KZ_CLOCK_HZ : 0);
@@ -395,7 +395,7 @@ class NativeMcu final : public Mcu {
   States tick_at_ = 0;     // when the next one becomes due
   States act_at_ = never;  // when the next step of `action_` is due
   u8 action_ = KZ_ACTION_NONE;
-  Phase phase_ = Phase::asked;
+  Phase phase_ = Phase::requested;
   bool released_ = false;    // the bytes of `output_` are on the wire already
   States asked_at_ = 0;      // when the requesting tick became due
   States deaf_from_ = 0;     // writing flash: received bytes are lost from here

@@ -19,8 +19,8 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 
 bool long_run() {
-  const char* asked = std::getenv("KAZ_LONG");
-  return asked != nullptr && std::string(asked) == "1";
+  const char* value = std::getenv("KAZ_LONG");
+  return value != nullptr && std::string(value) == "1";
 }
 
 struct Room {

@@ -336,7 +336,7 @@ local function crc16(bytes, first, last)
   return crc
 end
 
--- The receiver's result, and the body if the frame is valid.
+-- The result as the receiver's, and of a sound frame its body.
 local function receive(bytes, first, last)
   local length = last - first + 1
   if length <= 3 then return "TOO_SHORT" end

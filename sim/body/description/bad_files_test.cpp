@@ -117,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"far_away", "<origin xyz=\"-0.004 0 0.021\"/>", "<origin xyz=\"-4000 0 21\"/>", 0,
              "<origin> lies -4000 m away"},
         Case{"grams", "<mass value=\"0.550\"/>", "<mass value=\"550\"/>", 0,
-             "a mass of 550 kg; 100 kg is the most"},
+             "a mass of 550 kg; the maximum is 100 kg"},
         Case{"no_mesh", "<box size=\"0.05 0.084 0.02\"/>", "<mesh filename=\"pelvis.stl\"/>", 0,
              "mesh `pelvis.stl` cannot be read; check the path"},
         Case{"mesh_of_another_kind", "<box size=\"0.05 0.084 0.02\"/>",

@@ -141,12 +141,12 @@ class Check {
       const std::vector<double> places = *parse_numbers(e.Attribute("xyz"), 3);
       for (const double place : places) {
         if (std::abs(place) > kLargest)
-          return file_.error(e, "<origin> lies " + format(place) + " m away; 10 m is the most");
+          return file_.error(e, "<origin> lies " + format(place) + " m away; the maximum is 10 m");
       }
     }
     if (name == "mass" && e.DoubleAttribute("value") > kHeaviest) {
       return file_.error(
-          e, "a mass of " + format(e.DoubleAttribute("value")) + " kg; 100 kg is the most");
+          e, "a mass of " + format(e.DoubleAttribute("value")) + " kg; the maximum is 100 kg");
     }
     return name == "mesh" ? mesh(e) : Result<void>();
   }
