@@ -1,4 +1,4 @@
-// For tests: the firmware on the emulated chip, asked for what it does between ticks.
+// For tests: runs the firmware on the emulated chip and reads its state between ticks.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -139,7 +139,7 @@ TEST_F(Firmware, DrivesTheMotorsOfMovedJoints) {
   }
   const PinLevels& pins = mcu->pins();
   EXPECT_NE(pins.p4 & KZ_P4_ENABLE, 0);
-  // Duty by hand: kp times the way from where the joint stands, which is mid-scale, to the target.
+  // Expected duty: kp times the control error, target minus the joint's angle, which is mid-scale.
   const auto duty = [](int joint, double kp_per_rad) {
     const int target = (kz_board_joints[joint].lower + kz_board_joints[joint].upper) / 2 +
                        static_cast<int>(std::lround(1000 * std::sin(0.5 + joint)));

@@ -18,8 +18,8 @@ class Flash : public TestChip {
     TestChip::SetUp();
     run(100 * ms);
   }
-  // Cuts power at each of many states of the store that is asked for now, from the end of a tick on to
-  // the tick after. `check` gets the chip as it is with power applied again.
+  // Requests a store, then cuts power at each of many states of it, from the end of a tick on to the
+  // tick after. `check` gets the chip as it is with power applied again.
   template <class Check>
   int cut_everywhere(States step, Check check) {
     chip().poke(address_of("kz_output") + offsetof(kz_tick_output, action),
@@ -88,7 +88,7 @@ TEST_F(Flash, BlocksTakeTurnsAndWearIsCounted) {
   }
   EXPECT_EQ(worn.errors, 0);
   expect_no_misuse();
-  std::printf("store: deaf for %.1f ms at most, of a sound flash\n",
+  std::printf("store: deaf for at most %.1f ms, healthy flash\n",
               static_cast<double>(longest) / static_cast<double>(ms));
 }
 

@@ -325,7 +325,7 @@ int fail(int status, const std::string& text) {
 constexpr std::uint64_t kWarmUpCalls = 5000;
 constexpr double kMinTranslated = 0.9;
 
-// The first calls under an observer, which the translator gives way to.
+// The first calls run under an observer; while one is attached the chip interprets, not translates.
 constexpr std::uint64_t kObservedCalls = 4000;
 int observed_calls(const Options& options, Bench& bench, Loop native, std::uint64_t calls) {
   RoutineCoverage coverage(bench.chip(), bench.loop());

@@ -296,10 +296,10 @@ class JointState {
     }
   }
 
-  // How much faster than its way to the limit allows the joint moves towards it.
+  // Rate in excess of what the remaining distance to the limit allows; negative: slower.
   int excess() const {
-    const int way = std::max(0, rate_ > 0 ? joint_.upper - angle_ : angle_ - joint_.lower);
-    return std::abs(rate_) - (way + std::min(way, KZ_NEAR_LIMIT));
+    const int distance = std::max(0, rate_ > 0 ? joint_.upper - angle_ : angle_ - joint_.lower);
+    return std::abs(rate_) - (distance + std::min(distance, KZ_NEAR_LIMIT));
   }
 
   // Chooses gains for half an error of 1 or -1 such that the drive is what was drawn.

@@ -4,7 +4,7 @@
 // Each field of each joint is drawn from a mixture: corner values (0, 1, -1, the ends of the type), values
 // of every magnitude, uniform ones, and values solved for the state so that a comparison of the loop
 // falls one short of, exactly on or one beyond its threshold: the range of codes, the change of angle
-// that counts, the rate at which a limit brakes, the way that a rate needs, a limit met by a ramp, the
+// that counts, the rate at which a limit brakes, the distance that a rate needs, a limit met by a ramp, the
 // edges of the dead band, the rounding and the saturation of the duty, the braking drive.
 //
 // Fields are independent of each other and of what requests allow: limits may be crossed, gains negative,

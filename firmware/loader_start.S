@@ -3,8 +3,8 @@
 ;
 ; After reset every pin is an input, and the driver-enable's pull-down keeps the motors off: neither the
 ; loader nor the flash writer touches more than the host line. Interrupts stay masked. The application
-; gets its CRC in R0. Else the flash writer goes to RAM and waits for a host: for as many seconds as was
-; asked for, without end where there is no whole application.
+; gets its CRC in R0. Else the flash writer goes to RAM and waits for a host: for as many seconds as were
+; requested, forever where there is no whole application.
 	.h8300s
 	.section .text
 	.global _kz_loader_start

@@ -116,7 +116,7 @@ void kz_serial_take(kz_tick_input* input) {
   }
 }
 
-// After an overrun the byte in RDR is the last sound one; after the others it is the damaged one.
+// After an overrun the byte in RDR is the last valid one; after the other errors it is the damaged one.
 KZ_INTERRUPT void kz_serial_receive_error(void) {
   const u8 flags = (u8)(SCI0_SSR & (SSR_ORER | SSR_FER | SSR_PER));
   const u8 in = kz_received_in;

@@ -9,7 +9,7 @@ _kz_start:
 	mov.l	#_kz_stack_top,er7
 	mov.w	r0,r4
 
-; The free-running timer tells how long the start takes, in units of 8 states.
+; The free-running counter measures the start, in units of 8 states.
 	mov.b	#0x1f,r3l
 	mov.b	r3l,@0xffff86:8		; MSTPCRH: out of module stop
 	mov.b	#0x01,r3l

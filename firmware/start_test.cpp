@@ -75,12 +75,12 @@ TEST_F(Start, RamTestFindsADamagedCellAnywhere) {
   EXPECT_EQ(startup().tests_failed, 0);
 }
 
-// A cell that is stuck shows only when the complement is read, on the way down.
+// Some stuck cells show only when the complement is read, in the downward pass.
 TEST_F(Start, RamTestReadsTheComplementToo) {
   const std::uint32_t at = 0xFFE800;
   chip().power_on();
   ASSERT_GE(run_to("ram_written"), 0);
-  // Far behind the place on the way up, and before it is read on the way down.
+  // Past this address in the upward pass, and before it is read in the downward pass.
   run(ms);
   const u8 complement = *chip().peek(at);
   EXPECT_EQ(complement, static_cast<u8>(~(at >> 8)));

@@ -142,7 +142,7 @@ class WorstTick : public testing::Test {
     }
   }
 
-  // How many replies to requests have come, whole, since it was last asked.
+  // Number of complete replies to requests received since the last call.
   int replies() {
     int count = 0;
     for (const SerialByte& byte : mcu->take_transmitted()) {

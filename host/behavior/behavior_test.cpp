@@ -60,8 +60,8 @@ TEST(Options, AreCheckedAgainstRangeAndChoices) {
   }
 }
 
-// Every direction that the head can see comes into the middle part of the view during the first
-// round. The eyes see 40 degrees to each side and 32 up and down; asked for are 36 and 29.
+// Every direction that the head can see is in the middle part of the view at some time of the first
+// round. The field of view is 40 degrees to each side and 32 up and down; required are 36 and 29.
 TEST(SearchPattern, CoversTheViewSphere) {
   for (const double start_pan : {-60.0, 0.0, 30.0}) {
     for (const double start_tilt : {-40.0, 0.0, 70.0}) {
@@ -177,7 +177,7 @@ TEST_F(Stand, KeepsWhatItFinds) {
   EXPECT_NEAR(board.angles_at(board.now())[host::l_elbow], -0.7, 0.01);
 }
 
-// At rest the accelerometer says which way is up; the part may be 0.2 g off.
+// At rest the accelerometer measures the direction of gravity, with an offset of up to 0.2 g.
 TEST(GetUp, KnowsHowItLies) {
   EXPECT_EQ(lying_from(-0.8, 0.2), Lying::on_face);
   EXPECT_EQ(lying_from(1.0, -0.2), Lying::on_back);

@@ -1,4 +1,4 @@
-// Order, tries, replacement and time, with tasks that say what they were asked.
+// Order, retries, replacement and time, with tasks that log their calls.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/composition.h"
 

@@ -32,8 +32,8 @@ Vector3d swinging(Time t) {
 // Rolls on the floor (0.16 below the hips) past the robot, 0.45 m in front of it, back and forth:
 // 0.35 m/s, up to 45 degrees/s as seen from above the feet, and turns round in no time.
 Vector3d rolling(Time t) {
-  const double way = std::fmod(0.35 * seconds(t), 1.6);
-  return {0.45, way < 0.8 ? way - 0.4 : 1.2 - way, -0.14};
+  const double travelled = std::fmod(0.35 * seconds(t), 1.6);
+  return {0.45, travelled < 0.8 ? travelled - 0.4 : 1.2 - travelled, -0.14};
 }
 
 // Bounces on the floor 0.6 m ahead, 8 mm high (0.4 m/s at the bottom, 37 degrees/s), and drifts
@@ -65,11 +65,11 @@ struct TrackBall : ::testing::Test {
   }
 };
 
-double figure(const Outcome& outcome, std::string_view name) {
+double measurement(const Outcome& outcome, std::string_view name) {
   for (const auto& [key, value] : outcome.measurements) {
     if (key == name) return value;
   }
-  ADD_FAILURE() << "no figure " << name;
+  ADD_FAILURE() << "no measurement " << name;
   return NAN;
 }
 
@@ -86,13 +86,13 @@ TEST_P(TrackPath, HeadStaysWithinThreeDegrees) {
   const auto outcome = run(ball, "track-ball", 20);
   ASSERT_TRUE(outcome) << outcome.error().message;
   EXPECT_TRUE(outcome->success) << outcome->sentence;
-  EXPECT_EQ(figure(*outcome, "losses"), 0);
+  EXPECT_EQ(measurement(*outcome, "losses"), 0);
   const Time begin = tracking_since();
   const double share = ball.share_within(3 * kDegree, begin, board.now());
   RecordProperty("share_within_3deg", std::to_string(share));
   EXPECT_GE(share, GetParam().share);
   // What the behaviour claims from its pictures agrees with the truth.
-  EXPECT_NEAR(figure(*outcome, "tracking_within_3deg"), share, 0.03);
+  EXPECT_NEAR(measurement(*outcome, "tracking_within_3deg"), share, 0.03);
 }
 
 INSTANTIATE_TEST_SUITE_P(Paths, TrackPath,
@@ -132,7 +132,7 @@ TEST_F(TrackBall, SearchesAgainAfterALoss) {
   };
   const auto outcome = run(ball, "track-ball", 15);
   ASSERT_TRUE(outcome) << outcome.error().message;
-  EXPECT_EQ(figure(*outcome, "losses"), 1);
+  EXPECT_EQ(measurement(*outcome, "losses"), 1);
   std::vector<std::string> phases;
   for (const auto& phase : recording.phases) phases.push_back(phase.phase);
   EXPECT_EQ(phases, (std::vector<std::string>{"search", "track", "search", "track"}));
@@ -148,7 +148,8 @@ TEST_F(TrackBall, CountsPicturesWithoutTheBallAsMisses) {
   const auto outcome = run(ball, "track-ball", 5);
   ASSERT_TRUE(outcome) << outcome.error().message;
   EXPECT_FALSE(outcome->success);
-  EXPECT_NEAR(figure(*outcome, "pictures_with_ball") / figure(*outcome, "pictures"), 2.0 / 3, 0.05);
+  EXPECT_NEAR(measurement(*outcome, "pictures_with_ball") / measurement(*outcome, "pictures"),
+              2.0 / 3, 0.05);
 }
 
 class SearchFrom : public TrackBall, public ::testing::WithParamInterface<std::pair<int, int>> {};
@@ -165,9 +166,9 @@ TEST_P(SearchFrom, FindsTheBall) {
   // Half a code of the potentiometer, a third of a pixel, and 3 % of the distance seen from 4 cm
   // aside.
   const host::Gaze gaze = host::gaze_at(at_angles(0.5, pan * kDegree, tilt * kDegree));
-  EXPECT_NEAR(figure(*outcome, "ball_pan_deg"), gaze.pan_rad / kDegree, 1);
-  EXPECT_NEAR(figure(*outcome, "ball_tilt_deg"), gaze.tilt_rad / kDegree, 1);
-  EXPECT_NEAR(figure(*outcome, "ball_distance_m"), 0.5, 0.08);
+  EXPECT_NEAR(measurement(*outcome, "ball_pan_deg"), gaze.pan_rad / kDegree, 1);
+  EXPECT_NEAR(measurement(*outcome, "ball_tilt_deg"), gaze.tilt_rad / kDegree, 1);
+  EXPECT_NEAR(measurement(*outcome, "ball_distance_m"), 0.5, 0.08);
 }
 
 INSTANTIATE_TEST_SUITE_P(Places, SearchFrom,

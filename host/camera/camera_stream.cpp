@@ -1,4 +1,4 @@
-// Checks of what another process sends as a camera.
+// Validation of a camera stream from another process.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/camera/camera_stream.h"
 
@@ -60,7 +60,7 @@ Result<vision::FrameInfo> parse(const CameraStreamPair& pair, const CameraStream
   info.sequence = pair.sequence;
   info.exposure = Time(pair.exposure_ns);
   info.camera = stream.model;
-  // A pair that is never due would keep back all that come after it.
+  // A pair that never becomes due would block all later ones.
   if (info.exposure < Time(0) || info.exposure > later(now, kMaxCameraAhead)) {
     return fail(Fault::environment, "camera " + path + " stopped: a pair claims to be exposed at " +
                                         std::to_string(pair.exposure_ns) +

@@ -11,7 +11,7 @@ namespace kaz::host {
 
 struct CameraStream {
   vision::CameraModel model;
-  Time latency{};  // from the middle of the exposure to when a pair may be used
+  Time latency{};  // from the middle of the exposure to the delivery of the pair
 };
 
 // The longest latency, and the furthest that an exposure may lie ahead of the reader's clock, which is
@@ -19,8 +19,8 @@ struct CameraStream {
 inline constexpr Time kMaxCameraLatency = std::chrono::seconds(10);
 inline constexpr Time kMaxCameraAhead = std::chrono::seconds(10);
 
-// Errors (environment), each one sentence with `path`: no camera stream, another version, a camera that
-// there cannot be (sizes, intrinsics or baseline that are no finite or no sensible numbers).
+// Errors (environment), each one sentence with `path`: no camera stream, another version, invalid camera
+// parameters (sizes, intrinsics or baseline not finite or out of range).
 Result<CameraStream> parse(const CameraStreamHeader& header, const std::string& path);
 // Errors (environment): no pair, an exposure before the clock's start or far after `now`.
 Result<vision::FrameInfo> parse(const CameraStreamPair& pair, const CameraStream& stream, Time now,

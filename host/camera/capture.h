@@ -1,8 +1,8 @@
 // The capture module: stamps each stereo pair with the posture of the robot when it was exposed.
 // SPDX-License-Identifier: Apache-2.0
 //
-// First in the chain of vision modules (paper, section 4.1, "Frame Information Messaging"): what it
-// writes into FrameInfo goes with every later result.
+// First in the chain of vision modules (paper, section 4.1, "Frame Information Messaging"): its FrameInfo
+// accompanies every later result.
 #pragma once
 
 #include <deque>

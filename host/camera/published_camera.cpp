@@ -1,4 +1,4 @@
-// One thread reads pairs off the socket; poll() hands them out when their latency has passed.
+// A thread reads pairs from the socket; poll() returns them when their latency has passed.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/camera/published_camera.h"
 

@@ -15,7 +15,7 @@ namespace kaz::host {
 
 class PublishedCamera final : public vision::Camera {
  public:
-  // Pairs that wait here at most; older ones are dropped when the user of the camera is slow.
+  // Size of the queue of pairs; if poll() is called too rarely, the oldest are dropped.
   static constexpr std::size_t kMostWaiting = 4;
 
   // Connects and waits up to `patience` for the stream's header. Errors, each one sentence: nothing
@@ -28,10 +28,10 @@ class PublishedCamera final : public vision::Camera {
   PublishedCamera& operator=(const PublishedCamera&) = delete;
 
   const vision::CameraModel& model() const override { return stream_.model; }
-  // From exposure to when poll() gives a pair, as the publisher declared it.
+  // From the exposure to the time when poll() returns a pair, as declared by the publisher.
   Time latency() const { return stream_.latency; }
 
-  // Once the publisher is gone and what it sent has been taken: "camera PATH stopped: ...".
+  // The error "camera PATH stopped: ..." once the publisher has ended and all its pairs were returned.
   Result<std::optional<vision::StereoPair>> poll() override;
 
  private:

@@ -19,7 +19,7 @@ enum class PixelFormat { yuyv, rgb24, mjpeg, grey };
 std::string_view pixel_format_name(PixelFormat format);
 std::optional<PixelFormat> pixel_format_by_name(std::string_view name);
 
-// How YUYV is meant. Weights of red and blue in Y: ITU-R BT.601 (cameras, as a rule) or BT.709.
+// Encoding of YUYV. Weights of red and blue in Y: ITU-R BT.601 (cameras, as a rule) or BT.709.
 // Limited range: Y from 16 to 235, the differences from 16 to 240; else all from 0 to 255.
 struct YuvMeaning {
   bool bt709 = false;
@@ -33,9 +33,9 @@ struct RawLayout {
   YuvMeaning yuv;
 };
 
-// Fills `image`. Grey comes as RGB of equal parts, values as they are. MJPEG need not hold its
-// Huffman tables: most cameras omit them, the standard's are used then. An error contains in a few
-// words what is wrong with the bytes: too few, damaged, of another size.
+// Converts to RGB. Grey becomes R = G = B. MJPEG may be without Huffman tables, which most cameras omit:
+// then the tables of the JPEG standard (annex K.3) are used. Errors: too few
+// bytes, damaged bytes, another size.
 Result<void> convert_picture(std::span<const std::uint8_t> bytes, const RawLayout& layout,
                              vision::Image& image);
 

@@ -1,4 +1,4 @@
-// Two queues by time.
+// Pairs the pictures of two queues by time.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/camera/stereo_pairing.h"
 

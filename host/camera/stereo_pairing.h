@@ -14,7 +14,7 @@ namespace kaz::host {
 
 enum class EyeSide : std::uint8_t { left, right };
 
-// A picture as the camera gave it.
+// A picture in the camera's format.
 struct RawFrame {
   Time exposure{};  // middle of it, host clock
   std::vector<std::uint8_t> bytes;
@@ -22,23 +22,23 @@ struct RawFrame {
 
 struct RawPair {
   RawFrame left, right;
-  // Of the pair: half way between both.
+  // Exposure of the pair: the mean of both.
   Time exposure() const { return left.exposure + (right.exposure - left.exposure) / 2; }
   Time gap() const;  // between both, never negative
 };
 
 class StereoPairing {
  public:
-  // Pictures of one side that wait for the other's at most; older ones are dropped.
+  // Size of the queue of each side; the oldest are dropped.
   static constexpr std::size_t kMostWaiting = 8;
 
-  // Pictures further apart than `tolerance` are no pair. Up to half the time between two pictures
-  // the first partner within it is also the nearest, and nothing has to wait for the next picture.
+  // `tolerance`: maximum difference of the exposures of a pair. Up to half the period of the cameras the
+  // first partner within it is also the nearest, so that pairing need not wait for the next picture.
   explicit StereoPairing(Time tolerance) : tolerance_(tolerance) {}
 
-  // A picture that is not newer than the last one of its side is left out and counted.
+  // A picture that is not newer than the last one of its side is skipped and counted.
   void add(EyeSide side, RawFrame frame);
-  // The next pair, oldest first. Drops on the way what can have no partner any more.
+  // The next pair, oldest first. Drops pictures that can have no partner any more.
   std::optional<RawPair> next();
 
   Time tolerance() const { return tolerance_; }

@@ -1,4 +1,4 @@
-// One thread waits for both devices.
+// V4L2 stereo camera: one thread polls both devices.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/camera/v4l2_camera.h"
 
@@ -173,8 +173,8 @@ bool V4l2Camera::still_alive() {
   return false;
 }
 
-// Everything that waits at one device. False: it has stopped. `must_have_some`: it signalled an error,
-// which only reading can show.
+// Reads all available pictures of one device. False: it has stopped. `must_have_some`: poll() signalled an
+// error, whose cause only a read returns.
 bool V4l2Camera::take_all(EyeSide side, bool must_have_some) {
   V4l2Device& device = *devices_[index(side)];
   while (true) {
@@ -201,7 +201,8 @@ bool V4l2Camera::take_all(EyeSide side, bool must_have_some) {
 void V4l2Camera::count() {
   statistics_.without_partner =
       pairing_.without_partner(EyeSide::left) + pairing_.without_partner(EyeSide::right);
-  statistics_.out_of_order = pairing_.out_of_order(EyeSide::left) + pairing_.out_of_order(EyeSide::right);
+  statistics_.out_of_order =
+      pairing_.out_of_order(EyeSide::left) + pairing_.out_of_order(EyeSide::right);
   statistics_.lost = devices_[0]->lost() + devices_[1]->lost();
   statistics_.ahead = devices_[0]->ahead() + devices_[1]->ahead();
   statistics_.stamps = {devices_[0]->stamp(), devices_[1]->stamp()};

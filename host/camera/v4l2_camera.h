@@ -1,9 +1,9 @@
 // Two cameras at this machine as one stereo camera, over Linux's video interface (V4L2).
 // SPDX-License-Identifier: Apache-2.0
 //
-// A thread of its own takes the pictures of both devices, pairs them by time, converts and rectifies
-// them. The cameras need not be synchronized; what moves is then seen by both eyes at moments up to the
-// tolerance apart, which shows as wrong depth.
+// A thread reads the pictures of both devices, pairs them by time, converts and rectifies them. The cameras
+// need not be synchronised; the two pictures of a moving object are then exposed at times up to the
+// tolerance apart, which causes errors of its depth.
 #pragma once
 
 #include <array>
@@ -36,18 +36,18 @@ Result<V4l2Source> parse_v4l2_source(const std::string& text);
 struct V4l2Options {
   // Between the two pictures of a pair; 0: half the time between two pictures of the slower camera.
   Time tolerance{};
-  // A device that is silent for so long has stopped; so have both when for so long no two pictures
-  // were a pair. Long exposures in the dark stay far below it.
+  // Time-out: a device without pictures for this long has stopped; so have both if there was no pair for
+  // this long. Far longer than exposures in the dark.
   Time silence = std::chrono::seconds(2);
 };
 
 struct V4l2Statistics {
-  std::uint64_t pairs = 0;            // given, or waiting to be taken
-  std::uint64_t not_taken = 0;        // pairs dropped because poll() was called too seldom
+  std::uint64_t pairs = 0;            // returned by poll(), or queued
+  std::uint64_t not_taken = 0;        // pairs dropped because poll() was called too rarely
   std::uint64_t without_partner = 0;  // pictures of either side
   std::uint64_t damaged = 0;          // pictures marked so by the driver, cut off, not decodable
   std::uint64_t out_of_order = 0;     // pictures whose time was not after the one before
-  std::uint64_t lost = 0;             // by the driver: nobody had a buffer for them
+  std::uint64_t lost = 0;             // by the driver, for lack of a buffer
   std::uint64_t ahead = 0;            // pictures stamped with a time after their arrival
   Time largest_gap{};                 // between the pictures of a pair
   Time tolerance{};
@@ -56,7 +56,7 @@ struct V4l2Statistics {
 
 class V4l2Camera final : public vision::Camera {
  public:
-  // Pairs that wait here at most; older ones are dropped when the user of the camera is slow.
+  // Size of the queue of pairs; if poll() is called too rarely, the oldest are dropped.
   static constexpr std::size_t kMostWaiting = 4;
 
   // Opens both at the calibration's size and starts them. Errors: V4l2Device::open(), start().
@@ -68,11 +68,11 @@ class V4l2Camera final : public vision::Camera {
   V4l2Camera& operator=(const V4l2Camera&) = delete;
 
   const vision::CameraModel& model() const override { return model_; }
-  // Rectified pairs; their pixels are there. Once a device has stopped and what came before has been
-  // taken: "camera PATH stopped: ...".
+  // Rectified pairs with their pixels. The error "camera PATH stopped: ..." once a device has stopped and
+  // all earlier pairs were returned.
   Result<std::optional<vision::StereoPair>> poll() override;
   V4l2Statistics statistics() const;
-  // For people: "412 pairs, 3 pictures without partner, ...".
+  // Text for users: "412 pairs, 3 pictures without partner, ...".
   std::string summary() const;
   // Of the left and right device: "640 x 480 yuyv, 30 Hz".
   std::string mode(EyeSide side) const;

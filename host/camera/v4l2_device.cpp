@@ -1,4 +1,4 @@
-// ioctl() on a video device.
+// V4L2 video device: modes, buffers, time stamps.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/camera/v4l2_device.h"
 
@@ -73,13 +73,14 @@ Stamp stamp_kind(std::uint32_t flags) {
              : Stamp::end_of_frame;
 }
 
-// The first of a long list.
+// Pixel formats of the device for an error message, at most kMaxListed.
 std::string list_of(const std::vector<std::uint32_t>& codes) {
-  constexpr std::size_t kMost = 8;
+  constexpr std::size_t kMaxListed = 8;
   std::string list;
-  for (std::size_t i = 0; i < std::min(kMost, codes.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMaxListed, codes.size()); ++i)
     list += (i == 0 ? "" : ", ") + code_text(codes[i]);
-  if (codes.size() > kMost) list += " and " + std::to_string(codes.size() - kMost) + " more";
+  if (codes.size() > kMaxListed)
+    list += " and " + std::to_string(codes.size() - kMaxListed) + " more";
   return codes.empty() ? "no format" : list;
 }
 
@@ -223,7 +224,7 @@ Result<void> V4l2Device::agree(const V4l2Wanted& wanted) {
                                              static_cast<std::uint32_t>(wanted.height)) +
                                    ", the calibration's size; it offers " +
                                    sizes(code_of(known.front())) + ": calibrate at one of these"));
-  // A camera may reach its rate only when it packs the pictures.
+  // Some cameras reach the rate only with compressed pictures.
   PixelFormat best = fitting.front();
   double best_hz = -1;
   for (const PixelFormat format : fitting) {
@@ -287,7 +288,7 @@ Time V4l2Device::read_exposure_time() const {
   v4l2_control exposure{V4L2_CID_EXPOSURE_ABSOLUTE, 0};
   if (control(VIDIOC_G_CTRL, &exposure) != 0 || exposure.value <= 0) return {};
   const Time time = std::chrono::microseconds(100) * exposure.value;
-  // Longer than a frame it cannot be: such a value is of a control without effect.
+  // An exposure cannot be longer than a frame: such a value is of a control without effect.
   return rate_hz_ > 0 && seconds(time) > 1 / rate_hz_ ? Time{} : time;
 }
 

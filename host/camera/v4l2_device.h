@@ -7,8 +7,8 @@
 // A stamp is either of the start of exposure or of the end of the frame, as the buffer's flag indicates;
 // half of the exposure time, where the camera reports it (V4L2_CID_EXPOSURE_ABSOLUTE, read once at the
 // start), is added or taken off to get the middle. A picture cannot be exposed after it arrived: where a
-// driver reports so, it gets the time of arrival, and is counted. The time a rolling shutter takes is in no
-// interface and left out.
+// driver reports so, it gets the time of arrival, and is counted. The readout time of a rolling shutter is
+// not available from any interface and is ignored.
 #pragma once
 
 #include <cstddef>
@@ -24,24 +24,24 @@ namespace kaz::host {
 
 struct V4l2Wanted {
   int width = 0, height = 0;          // px, exactly these
-  double rate_hz = 30;                // pictures a second; the camera's nearest is taken
-  std::optional<PixelFormat> format;  // empty: the best of those that reach the rate
+  double rate_hz = 30;                // pictures a second; the nearest rate of the camera is used
+  std::optional<PixelFormat> format;  // empty: the best format that reaches the rate
 };
 
-// One sentence of what went wrong while `doing` (as in "asking for its format") at `path`: no such
+// Error message, one sentence, for a failure of `doing` (as in "asking for its format") at `path`: no such
 // device, no permission, busy, unplugged, no bandwidth left.
 Error v4l2_error(const std::string& path, const std::string& doing, int error_number);
 
-// What a driver's time stamps mean. `arrival`: they are not of CLOCK_MONOTONIC, and the time at which
-// the picture was taken from the driver stands in.
+// Meaning of a driver's time stamps. `arrival`: they are not of CLOCK_MONOTONIC; the time at which the
+// picture was read from the driver is used instead.
 enum class Stamp : std::uint8_t { start_of_exposure, end_of_frame, arrival };
 // Middle of an exposure that took `exposure_time`, zero if that is unknown.
 Time middle_of_exposure(Time stamp, Stamp kind, Time exposure_time);
 
 class V4l2Device {
  public:
-  // Opens and agrees on a mode. Errors, a sentence each: those of v4l2_error(); no video device; a
-  // node that gives no pictures; planes in several buffers only; no format of ours; not that size.
+  // Opens the device and negotiates a mode. Errors, a sentence each: those of v4l2_error(); no video device;
+  // a node without pictures; planes in several buffers only; no supported format; not that size.
   static Result<std::unique_ptr<V4l2Device>> open(const std::string& path,
                                                   const V4l2Wanted& wanted);
   ~V4l2Device();
@@ -52,14 +52,14 @@ class V4l2Device {
   Result<void> start();
 
   enum class Taken { picture, damaged, nothing };
-  // Never waits. `damaged`: the driver marked what came as broken, or it is empty. An error means that
-  // no more will come (unplugged, fatal error of the driver).
+  // Never blocks. `damaged`: the driver flagged the buffer as corrupt, or it is empty. An error means that
+  // no more pictures will come (unplugged, fatal error of the driver).
   Result<Taken> take(RawFrame& frame);
 
   const std::string& path() const { return path_; }
   int descriptor() const { return descriptor_; }  // readable when take() has something
   const RawLayout& layout() const { return layout_; }
-  double rate_hz() const { return rate_hz_; }  // as agreed; 0 if the driver does not say
+  double rate_hz() const { return rate_hz_; }  // as negotiated; 0 if the driver does not report it
   // Pictures that the driver lost, by the gaps in its sequence numbers.
   std::uint64_t lost() const { return lost_; }
   Stamp stamp() const { return stamp_; }  // of the last picture

@@ -1,4 +1,4 @@
-// Resets by modem lines, by the simulator's control socket, by hand.
+// Resets by modem lines, by the simulator's control socket, or manually.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/flash/board_reset.h"
 
@@ -11,7 +11,7 @@ Result<void> ModemLineReset::reset(bool boot) {
   const auto wait = [this] { return clock_.sleep_until(clock_.now() + kStep); };
   if (auto set = port_.set_dtr_rts(true, boot); !set) return set;
   if (auto waited = wait(); !waited) return waited;
-  // The mode pins are looked at as RES goes up.
+  // The chip samples the mode pins at the rising edge of RES.
   if (auto set = port_.set_dtr_rts(false, boot); !set) return set;
   return wait();
 }

@@ -15,14 +15,14 @@ namespace kaz::host {
 class BoardReset {
  public:
   virtual ~BoardReset() = default;
-  // Resets the board, into boot mode or into what stands in its flash.
+  // Resets the board, into boot mode or into the program in its flash.
   virtual Result<void> reset(bool boot) = 0;
   virtual std::string name() const = 0;
 };
 
 // DTR is wired to RES (active: in reset), RTS to the mode pins (active: boot mode). Resets last 25 ms:
-// RES wants 20 states while the oscillator runs. Opening a port makes both active: until the first
-// reset the board stands still.
+// RES needs 20 states while the oscillator runs. Opening a port makes both active: until the first reset()
+// the board is held in reset.
 class ModemLineReset final : public BoardReset {
  public:
   ModemLineReset(ModemLines& port, Clock& clock) : port_(port), clock_(clock) {}

@@ -1,4 +1,4 @@
-// What goes over modem lines, control socket and prompt, and when.
+// Board resets: levels, commands and prompts, and their times.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/flash/board_reset.h"
 
@@ -11,7 +11,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Takes down what is set, with the time.
+// Records the levels that are set, with their times.
 class Bench final : public ModemLines, public Clock {
  public:
   struct Step {

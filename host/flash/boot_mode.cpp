@@ -15,10 +15,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// The chip echoes each byte, and has room for two: so many may be on their way, which hides the
-// adapter's delay, and now and then all are waited for, because the two clocks differ.
+// The chip echoes each byte, and has room for two. Up to kUnderWay bytes are sent ahead of their echoes,
+// which hides the adapter's latency; every kBreath bytes all echoes are awaited, because a chip whose baud
+// clock is slower than the host's falls behind.
 constexpr std::size_t kUnderWay = 32, kBreath = 256;
-// 64 KB looked at, ten blocks erased with their verification: less than a second of a valid part.
+// Blank check of 64 KB, and ten blocks erased and verified: less than a second of a healthy part.
 constexpr Time kEraseTime = std::chrono::seconds(10);
 
 class Boot {
@@ -69,7 +70,7 @@ Result<int> Boot::get(Time patience) {
   return byte;
 }
 
-// H'00 until H'00 comes back: the chip measures its start bit and eight zeros.
+// Sends H'00 until the chip replies with H'00: it measures start bit and eight zeros to set its baud rate.
 Result<void> Boot::greet() {
   int answer = -1;
   for (int k = 0; k < options_.tries && answer != 0; ++k) {
@@ -159,7 +160,7 @@ Result<void> Boot::load(std::span<const std::uint8_t> program) {
 Result<void> load_through_boot(Link& link, Clock& clock, std::span<const std::uint8_t> program,
                                const BootOptions& options) {
   if (auto set = link.set_baud(options.baud); !set) return set;
-  // What a program still sends that ran a moment ago.
+  // Discards what the program that ran until the reset may still have sent.
   std::array<std::uint8_t, 256> old{};
   for (int k = 0; k < 20; ++k) {
     const auto count = link.read(old, clock.now() + milliseconds(5));

@@ -1,8 +1,8 @@
 // Loads a program into a board's RAM through the boot mode of the H8S/2128.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Steps and bytes: hardware manuals of the siblings H8S/2138A and H8S/2148, boot mode. What they leave
-// open is taken as it comes: H'AA behind H'55 or not, one H'AA at the end or two.
+// Steps and bytes: hardware manuals of the related H8S/2138A and H8S/2148, boot mode. Where they are
+// ambiguous, all variants are accepted: H'AA after H'55 or not, one H'AA at the end or two.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace kaz::host {
 
 struct BootOptions {
   int baud = 9600;  // 9600 or 4800; parts with A mask take 19200 too
-  int tries = 60;   // H'00 sent before nothing is thought to be there
+  int tries = 60;   // H'00 sent before giving up
 };
 
 // The board has been reset into boot mode. Returns once the program runs; the link is left at `baud`.

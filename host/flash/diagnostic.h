@@ -12,7 +12,7 @@ namespace kaz::host {
 struct Diagnostic {
   std::string what;                 // "the board did not answer in boot mode"
   std::string expected;             // "H'00 in answer to H'00 at 9600 baud"
-  std::string came;                 // "nothing in 2.0 s"
+  std::string came;                 // what came instead: "nothing in 2.0 s"
   std::vector<std::string> causes;  // most likely first
   std::string next;                 // a command, or what to do
 };

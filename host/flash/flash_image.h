@@ -15,16 +15,16 @@
 namespace kaz::host {
 
 inline constexpr std::uint32_t kFlashBytes = 0x20000;
-inline constexpr std::uint32_t kFlashLine = 32;  // what is programmed at once
-inline constexpr int kFlashBlocks = 10;          // what is erased at once
+inline constexpr std::uint32_t kFlashLine = 32;  // bytes programmed at once
+inline constexpr int kFlashBlocks = 10;          // blocks that are erased one by one
 // First addresses of EB0..EB9, and the end.
 inline constexpr std::uint32_t kBlockStart[kFlashBlocks + 1] = {
     0x0000, 0x0400, 0x0800, 0x0c00, 0x1000, 0x8000, 0xc000, 0xe000, 0x10000, 0x18000, 0x20000};
-// Of a board that a resident loader updates: what it keeps (firmware/kaz.ld).
+// Areas that an update through the resident loader keeps (firmware/kaz.ld).
 inline constexpr int kVectorBlock = 0, kLoaderBlock = 6;
 
 struct FlashRange {
-  std::uint32_t from = 0, to = 0;  // behind the last byte
+  std::uint32_t from = 0, to = 0;  // one past the last byte
   std::uint32_t size() const { return to - from; }
 };
 
@@ -38,33 +38,32 @@ struct ImageIdentity {
 class FlashImage {
  public:
   FlashImage();
-  // S-record, Intel HEX, COFF, ELF, told by their contents; raw with an address. Errors (usage): a
+  // S-record, Intel HEX, COFF, ELF, recognised by their contents; raw with an address. Errors (usage): a
   // damaged file, bytes outside the flash.
   static Result<FlashImage> load(const std::string& path, const h8s::LoadOptions& options = {});
 
-  // Takes bytes over; the lines that they touch are part of the image.
+  // Copies bytes into the image; the lines that they touch become part of it.
   void put(std::uint32_t address, std::span<const std::uint8_t> bytes);
   std::span<const std::uint8_t> bytes(FlashRange range) const {
     return std::span(bytes_).subspan(range.from, range.size());
   }
-  // Lines of the image that are not blank anyway, one behind the other as one range; at most
-  // `longest` bytes each.
+  // Non-blank lines of the image; consecutive lines are joined to ranges of at most `longest` bytes.
   std::vector<FlashRange> ranges(std::uint32_t longest = kFlashBytes) const;
   // Whether any line of the block is part of the image.
   bool touches(int block) const;
   std::uint32_t size() const;  // bytes of all ranges
 
-  // A Kaz application, whole or not; nothing if it is something else.
+  // Header of a Kaz application, valid or not; nullopt for other images.
   std::optional<ImageIdentity> identity() const;
-  // What is wrong with the application, against its header; empty: it is whole.
+  // Error of the application, checked against its header; empty: valid.
   std::string damage() const;
-  // Whether vectors or loader are part of the image, which a board in the field keeps.
+  // Whether vectors or loader are part of the image; updates through the loader keep those of the board.
   bool has_loader() const { return touches(kVectorBlock) || touches(kLoaderBlock); }
-  // What is wrong with vectors and loader, against the loader's mark; empty: they are whole.
+  // Error of vectors and loader, checked against the loader's mark; empty: valid.
   std::string loader_damage() const;
 
  private:
-  // Goes on from the CRC `from`.
+  // CRC-16 continued from `from`.
   std::uint16_t crc(FlashRange range, std::uint16_t from) const;
 
   std::vector<std::uint8_t> bytes_;

@@ -1,4 +1,4 @@
-// The order of things: find the board, check, erase, write, verify, the header last.
+// The sequence: find the board, check, erase, write, verify, the header last.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/flash/flasher.h"
 
@@ -17,7 +17,7 @@ constexpr double kByteAt9600 = 10.0 / 9600, kByteAt115200 = 10.0 / 115200;
 constexpr std::uint8_t kBrr115200 = 4;  // 18.432 MHz / (32 * 115200) - 1
 constexpr std::uint32_t kRam = 0xffe080;
 constexpr int kBootTries = 3;
-// An erased block: one pulse and its verification of up to 32 KB, at most 230 pulses of a worn one.
+// Time to erase a block: one pulse and verification of up to 32 KB; up to 230 pulses if it is worn.
 constexpr Time kErasePatience = milliseconds(1500);
 
 WriterRequest write_request(std::uint32_t address, std::span<const std::uint8_t> bytes) {
@@ -27,7 +27,7 @@ WriterRequest write_request(std::uint32_t address, std::span<const std::uint8_t>
   return request;
 }
 
-// Ranges that follow each other as one, up to 8 KB.
+// Joins adjacent ranges, up to 8 KB.
 std::vector<FlashRange> joined(const std::vector<FlashRange>& ranges) {
   std::vector<FlashRange> result;
   for (const FlashRange& range : ranges) {
@@ -131,7 +131,7 @@ Result<bool> Flasher::enter_loader() {
     if (info->board_id) board_id_ = info->board_id;
     return true;
   };
-  // A writer may be there already: of a loader without an application, or of an earlier try.
+  // The writer may be running already: started by a loader without an application, or by an earlier try.
   if (auto there = listening(milliseconds(60), 2); !there || *there) return there;
   Requester requester(link_, clock_, {});
   requester.limit_tries(3);
@@ -155,7 +155,7 @@ Result<bool> Flasher::enter_loader() {
                                           "stop the motors (`kaz status --port " + link_.name() +
                                               "`), try again"});
   }
-  // The reply may be lost though the board has gone. It takes the watchdog 7 ms and the loader 1.
+  // The reply may be lost although the board resets. The watchdog takes 7 ms, the loader 1 ms.
   for (int k = 0; k < 10; ++k) {
     if (auto there = listening(milliseconds(60), 1); !there || *there) return there;
   }
@@ -315,7 +315,7 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
   FlashReport report;
   report.bytes = image.size();
   const bool application = image.identity().has_value();
-  // Everything but what the loader keeps, and but the header.
+  // Everything except the areas that the loader keeps, and the header.
   std::vector<FlashRange> all;
   bool header = false;
   std::vector<bool> wanted(kFlashBlocks, false);
@@ -344,7 +344,7 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
   report.unchanged = skipped;
   if (!blank_) {
     const auto blocks = static_cast<std::uint32_t>(std::ranges::count(wanted, true));
-    // EB4 first: with its header the application is none any more, whatever happens now.
+    // EB4, with the header, first: the application is then invalid, whenever the update is interrupted.
     for (const int block : {4, 0, 1, 2, 3, 5, 6, 7, 8, 9}) {
       if (!wanted[static_cast<std::size_t>(block)]) continue;
       report_progress("erase", static_cast<std::uint32_t>(report.erased), blocks);
@@ -359,7 +359,7 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
   for (const FlashRange& range : image.ranges(KZ_WRITER_DATA_MAX)) {
     int block = 0;
     while (range.from >= kBlockStart[block + 1]) ++block;
-    // A range may go on into the next block, which is wanted or not by itself.
+    // A range may extend into the next block, which is decided separately.
     for (std::uint32_t at = range.from; at < range.to;) {
       const std::uint32_t bound = std::min(range.to, kBlockStart[block + 1]);
       std::vector<FlashRange> pieces{{at, bound}};
@@ -401,7 +401,7 @@ Result<FlashReport> Flasher::verify(const FlashImage& image) {
   for (const FlashRange& range : image.ranges(4096))
     (kept(range.from) ? loaders : written).push_back(range);
   if (auto right = compare(written, image); !right) return tl::unexpected(right.error());
-  // An update through the loader leaves them as they were: not the same is not damaged.
+  // An update through the loader keeps them, so a difference is no damage.
   if (auto same = compare(loaders, image); !same) {
     if (same.error().fault != Fault::failed) return tl::unexpected(same.error());
     return kaz::fail(Fault::failed,

@@ -1,9 +1,9 @@
 // Flashes an H8S/2128: boot mode or resident loader, then erase, write, verify, read, run.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Stands on Link and Clock, so that it runs against a port and in simulated time alike. Everything that
-// can go wrong is an Error with a text of several lines (diagnostic.h). Nothing is a success that was not
-// read back: the flash's sums, by three independent rules, against those of the image.
+// Uses Link and Clock, so that it runs against a port and in simulated time. All errors have a text of
+// several lines (diagnostic.h). Success is reported only after verification: three independent checksums of
+// the flash are compared with those of the image.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ namespace kaz::host {
 struct FlashProgress {
   std::string phase;                  // "boot", "erase", "write", "verify"
   std::uint32_t done = 0, total = 0;  // bytes; blocks while erasing
-  double bytes_per_s = 0;             // over the last moments
+  double bytes_per_s = 0;             // recent rate
 };
 
 struct FlasherOptions {
@@ -49,7 +49,7 @@ struct FlashReport {
   int repeated = 0;               // requests
   bool verified = false;
   double seconds = 0;      // from the first byte to the board until everything is verified
-  double min_seconds = 0;  // what the wire and the cells take: docs/howto/flash.md
+  double min_seconds = 0;  // lower bound by wire and flash cells: docs/howto/flash.md
   double efficiency() const { return seconds > 0 ? min_seconds / seconds : 0; }
 };
 
@@ -58,23 +58,23 @@ class Flasher {
   // `program` is the flash writer (firmware's writer.bin). All must outlive it.
   Flasher(Link& link, Clock& clock, std::span<const std::uint8_t> program, FlasherOptions options);
 
-  // Whether `image` may go to the board that was found: whole, and for this board. Through boot mode it
+  // Checks that `image` is valid and for the board that was found. Through boot mode it
   // needs vectors and loader too, which are erased there. Errors: Fault::usage for an image that is
   // damaged, not enough or foreign, Fault::failed for another board.
   Result<void> check(const FlashImage& image, bool through_boot) const;
 
-  // A board whose firmware or loader answers at 115,200 baud goes into its loader; `found` then knows
-  // its id. False: nobody answers, which an erased board does not.
+  // Starts the loader of a board whose firmware or loader answers at 115,200 baud; `found` then contains
+  // its id. False: no answer, as from an erased board.
   Result<bool> enter_loader();
-  // Through boot mode: erases the whole flash. Tries again where the line has damaged something. If a
-  // board id is known, from enter_loader(), it stays known.
+  // Through boot mode: erases the whole flash. Retries after line errors. A board id known from
+  // enter_loader() is kept.
   Result<void> enter_boot(BoardReset& reset);
 
   const std::optional<WriterInfo>& found() const { return info_; }
   std::optional<std::uint16_t> board_id() const { return board_id_; }
 
-  // Erases what differs, writes everything but the application's header, verifies it, writes the header,
-  // and verifies that. Through the loader the blocks of vectors and loader stay as they are.
+  // Erases the blocks that differ, writes everything except the application's header, verifies it, then
+  // writes and verifies the header. Through the loader the blocks of vectors and loader are unchanged.
   Result<FlashReport> write(const FlashImage& image);
   // Errors (failed): which block differs.
   Result<FlashReport> verify(const FlashImage& image);
@@ -83,7 +83,7 @@ class Flasher {
   // Leaves the writer through the reset vector, or by a reset.
   Result<void> run(BoardReset* reset);
 
-  // What a failure has left on the board, and what to do about it; empty while nothing was changed.
+  // State of the board after a failure, and the remedy; empty while nothing was changed.
   std::string left_behind() const;
 
  private:

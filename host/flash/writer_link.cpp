@@ -13,7 +13,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Longer than the writer waits for a frame to go on.
+// Longer than the writer's time-out within a frame.
 constexpr Time kQuiet = milliseconds(30);
 
 std::uint16_t crc_of(std::span<const std::uint8_t> bytes) {
@@ -84,7 +84,7 @@ Result<void> WriterLink::send(const WriterRequest& request, std::uint8_t number)
   return link_.write(frame);
 }
 
-// Takes a frame from the front of what came; what cannot be one is thrown away.
+// Takes a frame from the front of the received bytes; bytes that are no frame are discarded.
 bool WriterLink::parse(WriterReply& reply) {
   while (!buffer_.empty()) {
     const auto start = std::find(buffer_.begin(), buffer_.end(), KZ_WRITER_SYNC);
@@ -130,7 +130,7 @@ Result<std::optional<WriterReply>> WriterLink::receive(Time deadline) {
 
 Result<void> WriterLink::settle() {
   std::array<std::uint8_t, 1024> bytes{};
-  // A line that is never quiet is talked over.
+  // If the line never becomes quiet, sends anyway.
   const Time end = clock_.now() + milliseconds(300);
   while (clock_.now() < end) {
     const auto count = link_.read(bytes, clock_.now() + kQuiet);
@@ -183,7 +183,8 @@ Result<void> WriterLink::ask_all(
   constexpr int kTries = 8;
   std::deque<UnderWay> under_way;
   bool more = true;
-  // A slow board or adapter (an emulated one on a busy machine) is not asked again and again.
+  // The time-out adapts, so that a slow board or adapter (an emulated one on a busy machine) does not
+  // cause repetition after repetition.
   const auto patient = [&] { return std::clamp(2 * took_, patience, 4 * patience); };
   Time since = clock_.now(), deadline = since + patient();
   const auto answers_first = [&](const WriterReply& reply) {
@@ -218,7 +219,7 @@ Result<void> WriterLink::ask_all(
     });
     const bool damaged = *reply && (*reply)->status == KZ_WRITER_DAMAGED;
     if (*reply && !later && !damaged) continue;  // late: of an earlier try
-    // What is not answered goes again, in order; the writer finds done what is done.
+    // Unanswered requests are repeated, in order; the writer recognises those already executed.
     if (auto quiet = settle(); !quiet) return quiet;
     WriterReply late;
     while (parse(late)) {
@@ -254,7 +255,7 @@ Result<WriterInfo> WriterLink::info(Time patience, int tries) {
   return info;
 }
 
-// The writer changes once its reply has left, or the reply was lost: both rates are tried.
+// The writer changes its rate after its reply. If the reply is lost, the rate is unknown: both are tried.
 Result<void> WriterLink::set_rate(int baud, std::uint8_t brr) {
   const WriterRequest request{KZ_WRITER_RATE, {brr}};
   for (int k = 0; k < 6; ++k) {

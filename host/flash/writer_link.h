@@ -22,7 +22,7 @@ struct WriterRequest {
 
 struct WriterReply {
   std::uint8_t type = 0, number = 0, status = 0;
-  std::vector<std::uint8_t> data;  // behind the status
+  std::vector<std::uint8_t> data;  // after the status
 };
 
 struct WriterInfo {
@@ -49,8 +49,9 @@ class WriterLink {
 
   // One request, repeated until a reply comes. Errors: none came, the link's. A status is no error.
   Result<WriterReply> exchange(const WriterRequest& request, Time patience, int tries = 6);
-  // Requests in order, up to WINDOW of them on their way; each is repeated as need be. `answered`
-  // gets each reply in order, and ends everything by an error. Requests are made when there is room.
+  // Sends requests in order, up to WINDOW of them outstanding, repeating each as needed. `answered`
+  // is called with each reply in order; an error from it ends the exchange. `next` is called when there is
+  // room for another request.
   Result<void> ask_all(
       const std::function<std::optional<WriterRequest>()>& next, Time patience,
       const std::function<Result<void>(const WriterRequest&, const WriterReply&)>& answered);
@@ -59,7 +60,7 @@ class WriterLink {
   Result<void> set_rate(int baud, std::uint8_t brr);
   Result<WriterSums> sums(std::uint32_t address, std::uint32_t length);
 
-  // The rate of the link now; set_rate() goes back to it where the writer does not follow.
+  // Present rate of the link; set_rate() returns to it if the writer does not follow.
   void rate_is(int baud) { rate_ = baud; }
   int repeated() const { return repeated_; }
 
@@ -68,7 +69,7 @@ class WriterLink {
   // A valid frame, or nothing until `deadline`.
   Result<std::optional<WriterReply>> receive(Time deadline);
   bool parse(WriterReply& reply);
-  // Until the line is quiet. What comes meanwhile counts: a board may be slow, and no reply lost.
+  // Waits until the line is quiet. Replies received meanwhile count: the board may only be slow.
   Result<void> settle();
 
   Link& link_;
@@ -76,7 +77,7 @@ class WriterLink {
   std::uint8_t number_ = 0;
   std::vector<std::uint8_t> buffer_;
   int repeated_ = 0;
-  Time took_{};  // replies lately, from when they were waited for
+  Time took_{};  // recent response time
   int rate_ = 115200;
   bool silent_ = false;  // the last exchange() failed because no reply came
 };

@@ -56,8 +56,9 @@ Time TestBoard::start_of_tick(std::uint32_t tick) const {
          from_seconds(tick * kTickSeconds * (1 + options_.crystal_ppm * 1e-6));
 }
 
-Time TestBoard::random_delay(Time most) {
-  return most == Time::zero() ? most : from_seconds(seconds(most) * next_random(random_));
+Time TestBoard::random_delay(Time max_delay) {
+  return max_delay == Time::zero() ? max_delay
+                                   : from_seconds(seconds(max_delay) * next_random(random_));
 }
 
 Result<void> TestBoard::sleep_until(Time t) {

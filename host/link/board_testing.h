@@ -75,7 +75,7 @@ class TestBoard final : public Clock, public Link {
   void transmit(Time start);
   void move_joints();
   std::uint16_t pot_code(std::size_t joint) const;
-  Time random_delay(Time most);
+  Time random_delay(Time max_delay);
 
   Options options_;
   Time now_{};

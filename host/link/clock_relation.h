@@ -8,10 +8,9 @@
 //   sent + request_bytes * byte_time  <=  s  <=  received - 1 ms - reply_bytes * byte_time
 //
 // so offset = s - tick * 1 ms lies in an interval [lo, hi]. Intervals of successive exchanges
-// intersect (K. Marzullo, "Maintaining the time in a distributed system", 1983): the exchanges that
-// waited least set the bounds. Between exchanges the interval grows on both sides by kDriftBound
-// times the time that passed, for the crystals of board and host differ. With q = (hi - lo) / 2 the
-// answer is
+// intersect (K. Marzullo, "Maintaining the time in a distributed system", 1983): the exchanges with the
+// shortest waits set the bounds. Between exchanges the interval grows on both sides by kDriftBound times
+// the elapsed time, because the crystals of board and host differ. With q = (hi - lo) / 2 the result is
 //
 //   host time of tick = (lo + hi) / 2 + tick * 1 ms, wrong by at most q + kDriftBound * |distance|
 //

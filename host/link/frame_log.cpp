@@ -14,14 +14,14 @@ const char* message_name(std::uint8_t type) {
   return info ? info->name : "unknown";
 }
 
-std::string hex(std::span<const std::uint8_t> bytes, std::size_t most) {
+std::string hex(std::span<const std::uint8_t> bytes, std::size_t max_bytes) {
   std::string text;
-  for (std::size_t i = 0; i < std::min(bytes.size(), most); ++i) {
+  for (std::size_t i = 0; i < std::min(bytes.size(), max_bytes); ++i) {
     char digits[4];
     std::snprintf(digits, sizeof digits, "%s%02x", i ? " " : "", bytes[i]);
     text += digits;
   }
-  return bytes.size() > most ? text + " ..." : text;
+  return bytes.size() > max_bytes ? text + " ..." : text;
 }
 
 namespace {

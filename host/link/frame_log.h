@@ -44,7 +44,7 @@ std::string describe_fields(std::span<const std::uint8_t> body);
 // "state_reply"; "unknown" for a code that is not in the message table.
 const char* message_name(std::uint8_t type);
 
-// "4f 4b 0d", at most `most` bytes and then "...".
-std::string hex(std::span<const std::uint8_t> bytes, std::size_t most = KZ_BODY_MAX);
+// "4f 4b 0d", at most `max_bytes` bytes and then "...".
+std::string hex(std::span<const std::uint8_t> bytes, std::size_t max_bytes = KZ_BODY_MAX);
 
 }  // namespace kaz::host

@@ -33,7 +33,7 @@ TEST(FrameLog, EveryMessageOfItsLongestFormIsRead) {
   for (int code = 0; code < 256; ++code) {
     if (std::string(message_name(static_cast<std::uint8_t>(code))) == "unknown") continue;
     Bytes body{1, static_cast<std::uint8_t>(code), 0};
-    // A mask of all ones in each place where there can be one asks for the most that may come.
+    // Masks of all ones, wherever a mask can be, stand for the longest replies.
     for (int length = 0; length <= KZ_PAYLOAD_MAX; ++length) {
       body.resize(static_cast<std::size_t>(KZ_HEADER_SIZE + length), 0xff);
       (void)describe_fields(body);  // reads nothing beyond the body: the sanitizers look

@@ -11,7 +11,7 @@ namespace kaz::host {
 
 // Given at construction to the links and clocks of real time. Once requested, Clock::sleep_until
 // and Link::read fail with `error()` at once and for good; Link::write still works, so that a
-// program on its way out can switch the motors off.
+// program that is exiting can switch the motors off.
 class Interrupt {
  public:
   Interrupt();  // throws std::system_error if the process has no file descriptor left

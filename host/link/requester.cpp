@@ -201,7 +201,7 @@ void Requester::append(Waiting& waiting, std::vector<std::uint8_t>& wire) {
 
   std::array<std::uint8_t, KZ_FRAME_MAX> frame;
   std::uint8_t length = kz_frame_encode(body.data(), body_length, frame.data());
-  // Another number where one damaged byte could leave a sound frame (frame.h); a repetition keeps it.
+  // Takes another number where one damaged byte could leave a valid frame (frame.h); a repetition keeps it.
   for (int i = 0; i < 8 && waiting.tries == 0 && kz_frame_splits(frame.data(), length); ++i) {
     body[2] = waiting.sequence = next_sequence_++;
     length = kz_frame_encode(body.data(), body_length, frame.data());
@@ -345,8 +345,8 @@ void Requester::finish(Waiting& waiting, std::span<const std::uint8_t> fields, b
   }
 }
 
-// A query behind a command that is not answered: whatever became of the command, this answer may be
-// from before it. The query is asked again behind it.
+// True if an earlier command is still without reply: it may have been lost, so that the reply to this query
+// may predate its effect. The query is then repeated after the command.
 bool Requester::answered_too_early(Waiting& query, Time now) {
   for (const Waiting& w : queue_) {
     if (!w.under_way() || w.ticket >= query.ticket || kz_is_query(w.request.type)) continue;

@@ -65,7 +65,7 @@ class Requester {
   Requester(Link& link, Clock& clock, const RequesterOptions& options);
   ~Requester();
 
-  // Posts all requests and waits for all replies, which stand in the order of the requests. Fails
+  // Posts all requests and waits for all replies, which are in the order of the requests. Fails
   // when one has no reply after all its tries, and when the link fails or is interrupted; then
   // nothing is under way any more.
   Result<std::vector<Reply>> exchange(std::span<const Request> requests);
@@ -77,7 +77,7 @@ class Requester {
   // its reply once.
   Result<std::optional<Reply>> collect(Ticket ticket, Time deadline);
 
-  // Ahead of everything that waits, whatever is under way: for `stop`.
+  // Sends ahead of all waiting and outstanding requests: for `stop`.
   Result<Reply> exchange_at_once(const Request& request);
 
   // Writes a request without waiting for a reply.

@@ -112,8 +112,8 @@ TEST_F(Requesting, RepeatedCommandNeverOvertakesANewerOne) {
   EXPECT_EQ(counts.refusals, 0);
 }
 
-// A query sent behind a lost command is answered: that tells of the loss long before its time-out.
-TEST_F(Requesting, LossIsSeenInTheReplyToWhatWasSentBehind) {
+// The reply to a query sent after a lost command reveals the loss long before the command's time-out.
+TEST_F(Requesting, LossIsDetectedByTheReplyToALaterQuery) {
   const Request warm[] = {request_of(KZ_TYPE_state)};
   for (int i = 0; i < 20; ++i) ASSERT_TRUE(requester.exchange(warm));
   bool first = true;

@@ -1,4 +1,4 @@
-// termios, exclusive use and low latency, with a sentence for each way it fails.
+// termios, exclusive use and low latency, with an error message for each cause of failure.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/link/serial_port.h"
 
@@ -114,7 +114,8 @@ int configure(int fd, speed_t rate) {
   settings.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS | PARENB);
   settings.c_cflag |= CLOCAL | CREAD | CS8;
   settings.c_iflag |= IGNBRK;
-  settings.c_cc[VMIN] = 1;  // so that nothing there (EAGAIN) differs from hung up (0)
+  settings.c_cc[VMIN] =
+      1;  // so that read() without data (EAGAIN) differs from a disconnected port (0)
   settings.c_cc[VTIME] = 0;
   cfsetispeed(&settings, rate);
   cfsetospeed(&settings, rate);
@@ -123,8 +124,8 @@ int configure(int fd, speed_t rate) {
   return 0;
 }
 
-// FTDI adapters hold received bytes back for 16 ms unless told not to; this tells their driver. Not
-// every driver takes it, and some take it without saying so afterwards.
+// FTDI adapters hold received bytes back for 16 ms by default; this sets the driver's low-latency flag. Not
+// every driver supports it, and some set it without reporting it afterwards.
 LowLatency ask_for_low_latency(int fd) {
   serial_struct serial{};
   if (ioctl(fd, TIOCGSERIAL, &serial) != 0) return LowLatency::refused;

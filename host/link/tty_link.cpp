@@ -19,7 +19,7 @@ namespace kaz::host {
 
 namespace {
 
-constexpr std::size_t kMostPending = 65536;
+constexpr std::size_t kMaxPending = 65536;
 
 }  // namespace
 
@@ -82,7 +82,7 @@ Error TtyLink::closed() const {
 }
 
 Result<void> TtyLink::write(std::span<const std::uint8_t> bytes) {
-  if (pending_.size() + bytes.size() > kMostPending) {
+  if (pending_.size() + bytes.size() > kMaxPending) {
     return fail(Fault::environment, "port " + path_ + " takes no bytes: check the adapter");
   }
   if (fd_ < 0) return tl::unexpected(closed());

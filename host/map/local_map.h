@@ -1,25 +1,25 @@
-// The local map: where there is floor and where there are obstacles around the robot.
+// The local map: an occupancy grid of floor and obstacles around the robot.
 // SPDX-License-Identifier: Apache-2.0
 //
 // After the paper, section 4.1 "Conversion of Coordinates to Generate Local Map" and "Map Merging":
-// what each picture shows of the floor is put where the eyes were when it was taken, and pictures
+// the detections of each picture are transformed to the map by the camera pose at its exposure, and pictures
 // are merged cell by cell, with a confidence.
 //
-// Frame of the map: x forward, y left, z up, as the foot frame (vision/image/frame.h) of the moment the
+// Frame of the map: x forward, y left, z up, as the foot frame (vision/image/frame.h) at the time the
 // map was begun; the floor is z = 0. Units m, px.
 //
-// One picture, one vote a cell:
-// - Floor. The middle of each cell in view is projected into the picture. Where a pixel of the
-//   floor segment is, the cell is seen as floor. Asked from the map's side there are no holes far
-//   away, where a pixel is larger than a cell, and nothing behind an obstacle is cleared.
-// - Obstacle. Each other pixel with a depth is placed as a point. One above the floor by more than
-//   `obstacle_m` and by more than three times what its height may err, and lower than the robot,
-//   votes for its cell. A whole vote is a quarter of a cell's width and height full of pixels, less
-//   where a cell beside it has more. A point in a cell that the same picture shows as floor is put
-//   farther along its ray, by twice its error at most, into one that is not: stereo errs along the
-//   ray, and a face does not stand before its own foot.
-// A vote weighs cell_m / dz, 1 at most, with dz = z^2 / (fx baseline) disparity_error_px what depth
-// errs at z. Votes add up as log-odds, so their order does not count until a cell is full.
+// Each picture gives a cell at most one vote:
+// - Floor. The middle of each cell in view is projected into the picture; the cell is floor if the pixel
+//   belongs to the floor segment. Projecting cells to pixels, not pixels to cells, leaves no holes far
+//   away, where a pixel is larger than a cell, and clears nothing behind an obstacle.
+// - Obstacle. Each other pixel with a depth is a point. It votes for its cell if it is lower than the
+//   robot and above the floor by more than `obstacle_m` and by more than three sigma of its height. The
+//   vote is 1 if the points fill a quarter of a cell's width and height, and less if a neighbouring cell
+//   has more points. A point in a cell that is floor in the same picture is moved along its ray, by up to
+//   two sigma of its depth, to a cell that is not: stereo errors are along the ray, and an obstacle's face
+//   is not in front of its foot.
+// A vote's weight is min(1, cell_m / dz), with dz = z^2 / (fx baseline) disparity_error_px, one sigma of
+// the depth z. Votes add up as log-odds, so their order is irrelevant until a cell saturates.
 #pragma once
 
 #include <cstddef>
@@ -40,9 +40,9 @@ enum class CellState { unknown, floor, obstacle };
 struct LocalMapOptions {
   double cell_m = 0.01;
   double size_m = 4.0;              // side; the origin is in the middle. 2..2000 cells
-  double farthest_m = 1.5;          // from the eye over the floor: beyond it nothing is entered
-  double obstacle_m = 0.015;        // lower things are none
-  double robot_m = 0.36;            // higher things pass above the robot
+  double farthest_m = 1.5;          // maximum distance from the eye along the floor
+  double obstacle_m = 0.015;        // objects below this height are no obstacles
+  double robot_m = 0.36;            // what is higher than this passes above the robot
   double own_m = 0.13;              // points nearer to the foot's middle are the robot's own body
   double disparity_error_px = 0.2;  // one sigma
 };
@@ -52,7 +52,7 @@ struct Cell {
   double confidence = 0;  // 0..1: |2p - 1|, p the probability of an obstacle
 };
 
-// What stands under a rectangle: free only if all of it is known to be floor.
+// State of a rectangle: free only if all of its cells are floor.
 enum class Footprint { free, blocked, unknown };
 
 struct MapCounts {
@@ -66,10 +66,10 @@ class LocalMap {
   // Errors: options out of range.
   static Result<LocalMap> make(const LocalMapOptions& options = {});
 
-  // Enters one pair's floor and depth, seen with `info` (as a rule planes.info), the foot of that
-  // moment standing at `map_from_foot` with its sole on z = 0. After an error nothing is changed
-  // but counts(). Errors: the posture at the exposure is not known; the exposure is not later than
-  // that of the last update; planes and depth of different moments or sizes, no camera model,
+  // Enters one pair's floor and depth. `info` (as a rule planes.info) holds camera and posture;
+  // `map_from_foot` is the pose of the foot at the exposure, its sole on z = 0. After an error only
+  // counts() is changed. Errors: the posture at the exposure is not known; the exposure is not later than
+  // that of the last update; planes and depth of different exposures or sizes, no camera model,
   // numbers that are not finite.
   Result<void> update(const vision::PlaneSegments& planes, const vision::DepthImage& depth,
                       const vision::FrameInfo& info,
@@ -86,11 +86,11 @@ class LocalMap {
   // Log-odds of an obstacle; 0 where unknown.
   double log_odds(int x, int y) const;
 
-  // A rectangle of `length_m` along its own forward axis and `width_m`, any cell of which it covers
-  // the middle counting; `pose` is that of its middle in the map.
+  // State of the rectangle of `length_m` along its forward axis and `width_m`, with its centre at `pose`
+  // in the map. Cells count whose middle is inside.
   Footprint footprint(const Eigen::Isometry2d& pose, double length_m, double width_m) const;
 
-  // Floor green, obstacle red, unknown grey; paler where less sure. Forward is up, one pixel a
+  // Floor green, obstacle red, unknown grey; paler where the confidence is lower. Forward is up, one pixel a
   // cell.
   vision::Image picture() const;
   const MapCounts& counts() const { return counts_; }
@@ -114,7 +114,7 @@ class LocalMap {
   Time last_{};
   MapCounts counts_;
   std::vector<std::int16_t> odds_;  // in steps of kStep
-  // Of the picture that is being entered.
+  // Of the current update().
   std::vector<std::uint32_t> seen_;  // number of the update that last showed floor here
   std::vector<float> hits_;          // obstacles' votes
   std::vector<std::uint32_t> touched_;

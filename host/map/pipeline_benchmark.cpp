@@ -1,4 +1,4 @@
-// What a pair of pictures costs on its whole way through vision into the map, on one core.
+// Benchmark: one stereo pair through the whole vision pipeline into the map, on one core.
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 

@@ -1,4 +1,4 @@
-// Which way the robot faces, from the yaw gyro, zeroed whenever it stands still.
+// The robot's heading by integration of the yaw gyro, whose zero is measured whenever it stands still.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The gyro turns with the trunk: it measures the rate about the trunk's z, which leans by pitch and

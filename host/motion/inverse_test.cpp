@@ -27,7 +27,7 @@ TEST(Inverse, LegsComeBack) {
       const LegAngles leg = leg_of(angles, side);
       const Eigen::Vector3d ankle =
           forward(angles)[static_cast<std::size_t>(first + 3)].translation();
-      // One way of the knee, and the foot below the hip.
+      // Only postures with the knee bent forward and the foot below the hip.
       if (leg.knee < 0.05 || ankle.z() > -0.01) continue;
       const auto found = leg_to(side, ankle, leg.hip_pitch + leg.knee + leg.ankle_pitch);
       ASSERT_TRUE(found) << n;

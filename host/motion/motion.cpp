@@ -1,4 +1,4 @@
-// The order of things: sense, decide at each half cycle, go on in phase.
+// One cycle: estimate the state, decide at each half gait cycle, advance the phase.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/motion/motion.h"
 
@@ -19,23 +19,22 @@ constexpr double kSettle_s = 0.6;  // after the feet stand, until the gyro's zer
 constexpr double kDownStrides = 0.75, kHalfStrides = 0.60;
 
 // Heading while walking: unequal strides, once a cycle.
-constexpr double kStridePerRad = 0.06, kMostDifference = 0.015;
+constexpr double kStridePerRad = 0.06, kMaxDifference = 0.015;
 constexpr double kTurnedByDifference = 4.0;  // rad a cycle and metre, without a gyro: reckoned
 
 // One double support at full reach: first guess; learnt while turning where there is a gyro.
 constexpr double kTurnedASupport = 12.5 * kDegree;
 constexpr double kTurnedEnough = 2 * kDegree;
 constexpr double kLearnt = 0.5;  // of what the last support turned
-constexpr int kMostHalves = 24;  // of turning per 45 degrees
+constexpr int kMaxHalves = 24;   // of turning per 45 degrees
 
 constexpr double kTipped = 0.75;  // g across the trunk's axis: it lies, or nearly (49 degrees)
 constexpr double kTippedFor_s = 0.3, kForceSmoothing_s = 0.15;
 constexpr double kGravity = 9.81;
 
-// By so much the weight is later on a foot than planned: servos lag, and a swinging foot that is still
-// on its way would be counted as half a support. By walks in simulation (docs/explanation/motion.md):
-// without it
-// odometry counted 1.4 % too little.
+// Delay of the weight transfer against the plan, s: servos lag, and without the delay a foot that still
+// swings would count as half a support. Fitted to walks in simulation (docs/explanation/motion.md), where
+// odometry was 1.4 % short without it.
 constexpr double kFootLags_s = 0.055;
 // What the gyro's own sigma leaves out: a trunk that shakes and leans while it walks, per root metre.
 constexpr double kShaking = 1.5 * kDegree;
@@ -167,24 +166,24 @@ void Motion::half_cycle() {
   }
 }
 
-// At full amplitude what is left is walked by strides such that the ramp down ends at the goal.
+// Chooses strides at full amplitude such that the ramp down ends at the goal.
 void Motion::choose_strides() {
   double stride = stride_;
   if (!endless_) {
     const double left = goal_walked_ - walked();
-    const double way = std::copysign(1.0, stride_) * left;
-    const double most = std::abs(stride_);
-    if (way <= kDownStrides * most) {
+    const double remaining = std::copysign(1.0, stride_) * left;
+    const double full = std::abs(stride_);
+    if (remaining <= kDownStrides * full) {
       ending_ = true;
-      stride = std::copysign(std::clamp(way / kDownStrides, 0.0, most), stride_);
-    } else if (way < (kDownStrides + kHalfStrides) * most) {
-      stride = std::copysign(way / (kDownStrides + kHalfStrides), stride_);
+      stride = std::copysign(std::clamp(remaining / kDownStrides, 0.0, full), stride_);
+    } else if (remaining < (kDownStrides + kHalfStrides) * full) {
+      stride = std::copysign(remaining / (kDownStrides + kHalfStrides), stride_);
     }
   }
   double difference = 0;
   if (settings_.hold_heading) {
     difference =
-        std::clamp(kStridePerRad * (goal_heading_ - heading()), -kMostDifference, kMostDifference);
+        std::clamp(kStridePerRad * (goal_heading_ - heading()), -kMaxDifference, kMaxDifference);
   }
   steps_.left = stride - difference;
   steps_.right = stride + difference;
@@ -192,7 +191,7 @@ void Motion::choose_strides() {
 
 void Motion::choose_reach() {
   const double left = goal_heading_ - heading();
-  if (turned_enough_ || std::abs(left) < kTurnedEnough || ++halves_ > kMostHalves) {
+  if (turned_enough_ || std::abs(left) < kTurnedEnough || ++halves_ > kMaxHalves) {
     turned_enough_ = true;
     ending_ = true;
     steps_.reach = 0;

@@ -27,7 +27,7 @@ struct Settings {
   // Turning slips both soles: slowly, and with the lean that holds on every floor
   // (docs/explanation/motion.md).
   Shape turn{.period = 2.2};
-  double stride = 0.040;     // m, of each foot against the hips; most that is used
+  double stride = 0.040;     // m, of each foot relative to the hips; the maximum used
   double reach = 0.012;      // m, of turning
   bool use_gyro = true;      // false: as if the board had none
   bool hold_heading = true;  // while walking
@@ -46,8 +46,8 @@ class Motion {
 
   explicit Motion(const Settings& settings = {});
 
-  // Straight ahead for so far (negative: back), holding the heading that is `turned` further than now;
-  // what it turns on the way it turns by unequal strides, at most 2 degrees a cycle.
+  // Walks `distance` m ahead (negative: back), and holds the present heading plus `turned` rad. Heading
+  // errors are corrected by unequal strides, at most 2 degrees a cycle.
   void walk(double distance, double turned = 0);
   // Until stop(): with that stride (at most Settings::stride, negative: back), holding a heading.
   void walk_on(double stride, double heading);

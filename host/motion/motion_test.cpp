@@ -1,4 +1,4 @@
-// Motion on a body that does exactly what it is told: commands, their order, their ends.
+// Motion with an ideal body that follows its targets exactly: commands, their order, their ends.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/motion/motion.h"
 
@@ -17,7 +17,7 @@ class Body {
     posture_.angle = home();
   }
 
-  void beat() {
+  void cycle() {
     time_ += 0.012;
     posture_.time = from_seconds(time_);
     const JointAngles before = posture_.angle;
@@ -41,11 +41,11 @@ class Body {
     turned += rate * 0.012;
   }
   void stand(double seconds) {
-    for (double t = 0; t < seconds; t += 0.012) beat();
+    for (double t = 0; t < seconds; t += 0.012) cycle();
   }
   double until_idle() {
     const double start = time_;
-    while (!motion.idle() && motion.state() != State::fallen && time_ - start < 120) beat();
+    while (!motion.idle() && motion.state() != State::fallen && time_ - start < 120) cycle();
     return time_ - start;
   }
 
@@ -93,8 +93,8 @@ TEST(Motion, ReckonsWithoutAGyro) {
   body.motion.turn(-45 * kDegree);
   EXPECT_LT(body.until_idle(), 60);
   EXPECT_NEAR(body.motion.heading() / kDegree, -45, 3);
-  EXPECT_LT(body.turned, -0.2) << "it did turn that way";
-  EXPECT_GT(body.motion.place().sigma_heading, 5 * kDegree) << "and knows that it is rough";
+  EXPECT_LT(body.turned, -0.2) << "it turned to the right";
+  EXPECT_GT(body.motion.place().sigma_heading, 5 * kDegree) << "and reports the large uncertainty";
 }
 
 TEST(Motion, StopsWithinTwoCycles) {
@@ -107,7 +107,7 @@ TEST(Motion, StopsWithinTwoCycles) {
   EXPECT_EQ(body.motion.amplitude(), 0);
   const double walked = body.motion.walked();
   body.stand(2);
-  EXPECT_NEAR(body.motion.walked(), walked, 1e-4) << "what the last beat still moved";
+  EXPECT_NEAR(body.motion.walked(), walked, 1e-4) << "within the movement of the last cycle";
 }
 
 TEST(Motion, GoesFromWalkingToTurningThroughStanding) {
@@ -118,7 +118,7 @@ TEST(Motion, GoesFromWalkingToTurningThroughStanding) {
   body.motion.turn(30 * kDegree);
   bool stood = false;
   while (body.motion.state() != State::turning) {
-    body.beat();
+    body.cycle();
     stood = stood || body.motion.amplitude() == 0;
   }
   EXPECT_TRUE(stood);

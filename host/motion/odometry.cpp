@@ -8,8 +8,8 @@ namespace kaz::motion {
 
 namespace {
 
-constexpr double kSlip = 0.015;      // of the way, one sigma
-constexpr double kStanding = 0.001;  // m, what sagging and play leave of a robot that stands
+constexpr double kSlip = 0.015;      // share of the path length, one sigma
+constexpr double kStanding = 0.001;  // m, one sigma of a standing robot: sagging and gear play
 
 }  // namespace
 
@@ -35,7 +35,8 @@ void Odometry::add(const JointAngles& measured, double left_share, double headin
   place_.heading = heading;
   place_.sigma_heading = sigma_heading;
   place_.sigma_along = std::hypot(kStanding, kSlip * way_);
-  // An error of the heading that grows evenly moves the end by half of it times the way.
+  // A heading error that grows linearly along the path displaces the end by half of it times the path
+  // length.
   place_.sigma_across = std::hypot(kStanding, kSlip * way_, sigma_heading / 2 * way_);
 }
 

@@ -15,9 +15,8 @@ namespace kaz::motion {
 
 struct Place {
   double x = 0, y = 0, heading = 0;
-  // One sigma. Of the way: 1.5 % of what was walked (slip, and play in the gears;
-  // docs/explanation/motion.md), and
-  // what the heading's error makes of it across.
+  // One sigma. Along the path: 1.5 % of its length (slip and gear play; docs/explanation/motion.md); across
+  // it also the effect of the heading's error.
   double sigma_along = 0, sigma_across = 0, sigma_heading = 0;
 };
 
@@ -27,7 +26,7 @@ class Odometry {
   void add(const JointAngles& measured, double left_share, double heading, double sigma_heading);
   const Place& place() const { return place_; }
   double walked() const { return walked_; }  // m, ahead positive
-  double way() const { return way_; }        // m, to and fro
+  double way() const { return way_; }        // m, path length: steps ahead and back both add
 
  private:
   Place place_;

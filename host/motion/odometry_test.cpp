@@ -82,7 +82,7 @@ Off walk_with_a_wandering_zero(std::uint64_t seed) {
 
 // 400 seeds know a sigma to 3.5 %; three of that. By hand: before the second stand the zero is known to
 // 0.13 / sqrt(8), makes 0.92 in 20 s; wandering 0.022 sqrt(20^3 / 3) = 1.14, the noise 0.41: 1.5 degrees.
-// The end of the walk tells half of it.
+// The heading at the end of the walk has half of that error.
 TEST(Heading, KnowsHowSureItIsAndLearnsWhenItStandsAgain) {
   constexpr int kSeeds = 400;
   double before = 0, after = 0, before_deg = 0, after_deg = 0;

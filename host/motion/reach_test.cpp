@@ -77,8 +77,8 @@ TEST(Pickup, SidesAreAlike) {
   EXPECT_GT(right->closed(), right->stopped() + 8 * kDegree);
 }
 
-// No leap at any place it may be given up from: a beat of 20 ms moves no joint more than 6 degrees.
-TEST(Pickup, GoesBackWithoutALeap) {
+// The return is smooth from wherever the pickup is aborted: at most 6 degrees a joint in a cycle of 20 ms.
+TEST(Pickup, GoesBackSmoothly) {
   const auto plan = Pickup::plan(Side::right, {0.11, -0.06}, 0.020);
   ASSERT_TRUE(plan);
   for (const double from : {plan->bent_s(), plan->down_s(), plan->lifted_s(), plan->end_s()}) {

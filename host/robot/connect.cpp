@@ -32,7 +32,7 @@ Error no_board(const Requester& requester, const LinkStatistics& before, const s
   }
   if (statistics.ignored > before.ignored) {
     return {Fault::environment,
-            "a Kaz board is on " + port + ", but none answers to the address asked for"};
+            "a Kaz board is on " + port + ", but none has the requested address"};
   }
   return {Fault::environment,
           "what answers on " + port + " is no Kaz board, or its baud rate is another: " +

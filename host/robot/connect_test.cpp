@@ -1,4 +1,4 @@
-// Robot::connect: the error of each way not to find a board.
+// Robot::connect: the error for each cause of not finding a board.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 

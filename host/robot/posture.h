@@ -1,4 +1,4 @@
-// Joints by number, and where all of them were at one moment.
+// Joints by number, and the angles of all of them at one time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

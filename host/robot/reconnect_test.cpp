@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 struct Reconnect : ::testing::Test {
   void wait(Time time) { ASSERT_TRUE(board.sleep_until(board.now() + time)); }
 
-  // neck_pan under way to 1 rad, stopped somewhere on the way.
+  // neck_pan moves to 1 rad and is stopped in between.
   void begin_moving() {
     ASSERT_TRUE(robot.enable(kAllJoints));
     const JointTarget target{neck_pan, 1.0};
@@ -51,7 +51,7 @@ struct Reconnect : ::testing::Test {
 
 TEST_F(Reconnect, BoardHoldsWithin100msAndGoesOnHolding) {
   begin_moving();
-  wait(100ms);  // nobody asks
+  wait(100ms);  // no requests
   const JointAngles held = board.angles_at(board.now());
   EXPECT_TRUE(board.motors_on());
   EXPECT_GT(held[neck_pan], 0.1);

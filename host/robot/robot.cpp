@@ -80,7 +80,8 @@ Clock& Robot::clock() {
 }
 
 Result<void> Robot::enable(std::uint32_t mask) {
-  // While this is under way, what is on is not known: after a loss it is asked for again here.
+  // Which motors are on is unknown until the reply; if the link is lost meanwhile, the request below is
+  // repeated, not restore()'s.
   parts_->on = 0;
   if (mask != 0) {
     if (auto cleared = clear(); !cleared) return cleared;
@@ -92,7 +93,7 @@ Result<void> Robot::enable(std::uint32_t mask) {
   if (!reply) return tl::unexpected(parts_->with_joints(reply.error(), replies->front()));
   if (reply->mask != mask) {
     const auto faults = fault_sentence(reply->status);
-    return fail(Fault::environment, "the board did not switch the motors as it was asked to" +
+    return fail(Fault::environment, "the board did not switch the motors as requested" +
                                         (faults ? ": " + *faults : std::string()));
   }
   parts_->on = mask;

@@ -70,7 +70,7 @@ Result<void> Robot::Parts::resume(const Error* error) {
   return {};
 }
 
-// Asks the requester directly: a loss on the way is a further attempt of the caller's.
+// Uses the requester directly: if the link is lost again meanwhile, the caller makes a further attempt.
 Result<void> Robot::Parts::restore() {
   requester.limit_tries(kTriesEach);
   auto found = identify_board(requester);

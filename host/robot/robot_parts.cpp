@@ -61,7 +61,7 @@ Result<std::vector<Reply>> Robot::Parts::exchange(std::span<const Request> reque
 }
 
 void Robot::Parts::observe(std::uint8_t request, const Reply& reply) {
-  // Tick first; status behind it, but for the reply that tells the protocol version in between.
+  // Replies begin with tick and status; identify's has the protocol version in between.
   const std::size_t status_at = !reply.refused && request == KZ_TYPE_identify ? 6 : 4;
   if (reply.fields.length < status_at + 2) return;
   const std::uint32_t tick = big_endian({reply.fields.bytes.data(), 4});

@@ -101,8 +101,8 @@ TEST(Robot, AsksAgainWhenFramesAreLostOrDamaged) {
     return bytes;
   };
   for (int i = 0; i < 50; ++i) ASSERT_TRUE(robot.state());
-  // Of each five transmissions one is lost, one damaged on the way there, one on the way back: 125
-  // for 50.
+  // Of each five transmissions one is lost, one damaged on the way to the board, one on the way back:
+  // 125 for 50.
   const LinkStatistics& statistics = robot.statistics();
   EXPECT_EQ(count, 125);
   EXPECT_EQ(statistics.retries, 75u);

@@ -27,7 +27,7 @@ bool wanted(const Kind& kind, const RandomOptions& options) {
   }
 }
 
-// Chances and the like spread over their decades, so that small values are as likely as large ones.
+// Probabilities and similar parameters are log-uniform, so that small values are as likely as large ones.
 double random_value(const Kind& kind, Random& random) {
   if (kind.parameter.empty()) return 0;
   if (random.chance(0.3)) return kind.initial;
@@ -67,7 +67,7 @@ Schedule random_schedule(std::uint64_t seed, const RandomOptions& options) {
   }
   if (from.empty() || options.per_second <= 0) return schedule;
   Random random(mix64(seed));
-  // Times are whole milliseconds, values have six digits: so the text says all.
+  // Whole milliseconds and values of six digits, so that the text is exact.
   constexpr Time ms = std::chrono::milliseconds(1);
   const double mean_ms = 1000.0 / options.per_second;
   double at_ms = 0;

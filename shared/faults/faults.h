@@ -8,7 +8,7 @@
 //   at 2 s for 500 ms link_drop 0.05 to board   # 5 % of the bytes from the host
 //   at 4 s power_reset
 //
-// Times count from the start of what the schedule is given to.
+// Times count from the start of the simulation or of the port that the schedule is passed to.
 #pragma once
 
 #include <chrono>
@@ -31,13 +31,13 @@ enum class Name {
 
 enum class Target { line, joint, board };
 enum class Where { simulation, everywhere };
-enum class Way { both, to_board, to_host };
+enum class Way { both, to_board, to_host };  // direction of a link fault
 
 struct Kind {
   Name id;
   std::string_view name;
   Target target;
-  std::string_view parameter, unit;  // parameter "": it has none
+  std::string_view parameter, unit;  // parameter "": none
   double low, high, initial;
   Where where;
   std::string_view text;
@@ -64,10 +64,10 @@ struct Fault {
   }
 };
 
-// One line of a schedule without its comment. `at` may be missing: then it begins at `now`. Errors
-// say what was expected, with what stands there instead.
+// Parses one line of a schedule without its comment. Without `at` the fault begins at `now`. Errors name
+// what was expected and what was found instead.
 Result<Fault> parse(std::string_view line, Time now = Time::zero());
-// The line that parse() turns into this fault again.
+// Inverse of parse().
 std::string text_of(const Fault& fault);
 
 class Schedule {
@@ -86,7 +86,7 @@ class Schedule {
   // The name of the first fault that only the simulator can do; nothing if there is none.
   std::optional<std::string_view> only_simulated() const;
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.h).
   template <class A>
   void transfer(A& a) {
     a(faults_);
@@ -98,7 +98,7 @@ class Schedule {
 
 struct RandomOptions {
   Time length = std::chrono::seconds(10);  // faults begin within it
-  double per_second = 1;                   // how many begin, on average
+  double per_second = 1;                   // mean rate of faults
   Time longest = std::chrono::milliseconds(500);
   bool line = true, joints = true, power = true;
 };

@@ -1,4 +1,4 @@
-// The vocabulary, its text, and what faulty lines do.
+// Faults as text, and their effects on a line.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/faults/faults.h"
 
@@ -109,7 +109,7 @@ TEST(Faults, WhatOnlyTheSimulatorDoesIsNamed) {
   EXPECT_EQ(Schedule({fault_of("link_cut"), fault_of("power_sag")}).only_simulated(), "power_sag");
 }
 
-// How many bytes of 1000 come through, are changed, doubled.
+// Of 1000 bytes: how many arrive, are changed, duplicated.
 struct Passed {
   int bytes = 0, changed = 0, framing = 0;
 };

@@ -1,4 +1,4 @@
-// Drop, flip, duplicate, insert, delay, baud error.
+// Line faults on bytes: drop, flip, duplicate, insert, delay, baud error.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/faults/link_faults.h"
 

@@ -1,4 +1,4 @@
-// What faulty lines do to bytes, one way.
+// Effects of faulty lines on bytes, in one direction.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,7 +16,7 @@ struct LineByte {
   bool framing_error = false;
 };
 
-// What becomes of one byte: at most noise, the byte and its double.
+// What arrives for one byte sent: up to three bytes, namely noise, the byte and its duplicate.
 struct LineBytes {
   std::array<LineByte, 3> bytes{};
   std::size_t count = 0;
@@ -36,7 +36,7 @@ class LinkFaults {
   // The byte that would arrive at `t`, on the schedule's scale.
   LineBytes pass(const Schedule& schedule, Time t, LineByte byte);
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.h).
   template <class A>
   void transfer(A& a) {
     a(random_);

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <iterator>
 
-#include "shared/board/board.h"
 #include "shared/base/files.hpp"
+#include "shared/board/board.h"
 #include "shared/faults/faults.h"
 
 namespace kaz::faults {
@@ -163,7 +163,7 @@ Result<Fault> parse(std::string_view line, Time now) {
     if (!number) return tl::unexpected(number.error());
     fault.joint = *number;
   }
-  // Way and value may stand in either order.
+  // Direction and value may be in either order.
   for (int i = 0; i < 2; ++i) {
     if (entry.target == Target::line) {
       if (auto done = way(words, fault); !done) return tl::unexpected(done.error());

@@ -20,7 +20,7 @@
 #define KZ_WRITER_DATA_MAX 512  // of one WRITE or READ
 #define KZ_WRITER_PAYLOAD_MAX (KZ_WRITER_DATA_MAX + 4)
 #define KZ_WRITER_FRAME_MAX (KZ_WRITER_PAYLOAD_MAX + KZ_WRITER_OVERHEAD)
-// Requests that may be on their way at once: it receives one while it works on another.
+// Maximum number of outstanding requests: the writer receives one while it works on another.
 #define KZ_WRITER_WINDOW 2
 
 // Requests: payload -> what follows the status in the reply

@@ -51,8 +51,8 @@ class Reader final : public ObjectFile {
   };
 
   // Eight bytes of name, or zero and an offset into the string table.
-  std::string name_at(std::size_t at, std::size_t most) const {
-    if (u32(at) != 0) return text(at, most);
+  std::string name_at(std::size_t at, std::size_t max_length) const {
+    if (u32(at) != 0) return text(at, max_length);
     return text(strings_at_ + u32(at + 4), kLongestName);
   }
 

@@ -8,7 +8,7 @@ namespace kaz::h8s {
 namespace {
 
 // Against files made to exhaust memory.
-constexpr std::uint64_t kMostContents = 0x2000000;
+constexpr std::uint64_t kMaxContents = 0x2000000;
 
 }  // namespace
 
@@ -18,9 +18,9 @@ tl::unexpected<Error> ObjectFile::error(std::size_t at, const std::string& what)
   return fail(name_ + ": at offset " + offset + ": " + what);
 }
 
-std::string ObjectFile::text(std::size_t at, std::size_t most) const {
+std::string ObjectFile::text(std::size_t at, std::size_t max_length) const {
   std::string s;
-  for (std::size_t k = at; k < bytes_.size() && k < at + most && bytes_[k] != 0; ++k)
+  for (std::size_t k = at; k < bytes_.size() && k < at + max_length && bytes_[k] != 0; ++k)
     s += bytes_[k] < 0x20 || bytes_[k] == 0x7f ? '?' : static_cast<char>(bytes_[k]);
   return s;
 }
@@ -29,7 +29,7 @@ Result<void> ObjectFile::add(std::size_t at, const std::string& what, Segment se
                              std::size_t offset, std::size_t size) {
   if (!fits(offset, size)) return error(at, "the contents of " + what + " lie outside the file");
   contents_ += size;
-  if (contents_ > kMostContents)
+  if (contents_ > kMaxContents)
     return error(at, what + " brings the contents to more than 32 MB; the chip addresses 16");
   const auto contents = bytes_.subspan(offset, size);
   segment.bytes.assign(contents.begin(), contents.end());

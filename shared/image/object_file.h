@@ -33,7 +33,7 @@ class ObjectFile {
   }
   tl::unexpected<Error> error(std::size_t at, const std::string& what) const;
   // Names go into messages: one that holds anything but printable characters shows them as '?'.
-  std::string text(std::size_t at, std::size_t most) const;
+  std::string text(std::size_t at, std::size_t max_length) const;
   // A segment of the image, described at `at`; `what` names it in messages.
   Result<void> add(std::size_t at, const std::string& what, Segment segment, std::size_t offset,
                    std::size_t size);

@@ -87,8 +87,8 @@ static inline u8 kz_receiver_silent(kz_receiver* receiver) {
 // KZ_FRAME_MAX. Returns the number of bytes written.
 u8 kz_frame_encode(const u8* body, u8 body_length, u8* wire);
 
-// 1 if the CRC of a whole frame comes back to its start on the way, as it does in one of 1500 or so:
-// one damaged byte that became a zero would then leave a rest whose check is right. A sender that
+// 1 if the CRC returns to its start value within the frame, as it does in about one of 1500 frames:
+// one damaged byte that became a zero would then leave a remainder whose check is right. A sender that
 // takes another sequence number in this case makes frames of which no damage to one byte is accepted.
 u8 kz_frame_splits(const u8* wire, u8 length);
 

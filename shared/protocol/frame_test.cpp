@@ -23,7 +23,7 @@ Bytes encode(const Bytes& body) {
 
 struct Receiver {
   Receiver() { kz_receiver_init(&state); }
-  // Results other than KZ_RECEIVE_MORE, in order; sound bodies are kept.
+  // Results other than KZ_RECEIVE_MORE, in order; bodies of valid frames are kept.
   void feed(const Bytes& wire) {
     for (const u8 byte : wire) feed_byte(byte, 0);
   }
@@ -147,11 +147,11 @@ TEST(Frame, AnyDamagedByteInsideIsDetected) {
                                      Bytes(KZ_BODY_MAX, 0),
                                      Bytes(KZ_BODY_MAX, 1)};
   for (const Bytes& body : bodies) {
-    const Bytes sound = encode(body);
-    for (std::size_t place = 1; place + 1 < sound.size(); ++place) {
+    const Bytes valid = encode(body);
+    for (std::size_t place = 1; place + 1 < valid.size(); ++place) {
       for (unsigned value = 0; value < 256; ++value) {
-        if (value == sound[place]) continue;
-        Bytes damaged = sound;
+        if (value == valid[place]) continue;
+        Bytes damaged = valid;
         damaged[place] = static_cast<u8>(value);
         ASSERT_TRUE(received(damaged).empty()) << "byte " << place << " as " << value;
       }
@@ -336,10 +336,10 @@ TEST(Frame, ManyBytesAtOnceAreAsOneByOne) {
       if (random() % 64 == 0) error = static_cast<u8>(KZ_RX_LOST << random() % 4);
     for (std::size_t i = 0; i < bytes.size(); ++i) one_by_one.feed_byte(bytes[i], errors[i]);
     for (std::size_t at = 0; at < bytes.size();) {
-      const std::size_t most = std::min<std::size_t>(bytes.size() - at, 1 + random() % 16);
-      const u16 some = kz_receive_some(&many, &bytes[at], &errors[at], static_cast<u8>(most));
+      const std::size_t size = std::min<std::size_t>(bytes.size() - at, 1 + random() % 16);
+      const u16 some = kz_receive_some(&many, &bytes[at], &errors[at], static_cast<u8>(size));
       ASSERT_GE(some & 0xFF, 1);
-      ASSERT_LE(some & 0xFF, static_cast<int>(most));
+      ASSERT_LE(some & 0xFF, static_cast<int>(size));
       at += some & 0xFF;
       if (some >> 8 == KZ_RECEIVE_MORE) continue;
       results.push_back(some >> 8);

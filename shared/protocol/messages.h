@@ -158,7 +158,7 @@ enum kz_size {
 
 // kz_pack_<name> writes the bytes behind the header and returns how many (at most KZ_SIZE_<name>).
 // kz_unpack_<name> returns 1 if the length is right for the message, else 0. Bits of a mask above
-// the highest joint, or beyond the most that the message takes, have no number; numbers of joints
+// the highest joint, or beyond the maximum that the message takes, have no number; numbers of joints
 // outside the mask become 0.
 // kz_check_<name> returns the number of the first field that is out of its bounds, or KZ_IN_BOUNDS.
 #define KZ_IN_BOUNDS 255

@@ -158,11 +158,11 @@ TEST(Recovery, NoFrameWithOneDamagedByteIsAcceptedAtAnyPlaceWithAnyValue) {
   int frames = 0;
   long long cases = 0;
   while (frames < 200) {
-    const Bytes sound = frame_of(random_body(random));
-    if (kz_frame_splits(sound.data(), static_cast<u8>(sound.size()))) continue;
+    const Bytes valid = frame_of(random_body(random));
+    if (kz_frame_splits(valid.data(), static_cast<u8>(valid.size()))) continue;
     ++frames;
-    Bytes wire = joined({before, sound, after});
-    for (std::size_t place = before.size(); place < before.size() + sound.size(); ++place) {
+    Bytes wire = joined({before, valid, after});
+    for (std::size_t place = before.size(); place < before.size() + valid.size(); ++place) {
       const u8 right = wire[place];
       for (int value = 0; value < 256; ++value) {
         if (value == right) continue;

@@ -234,7 +234,7 @@ class TestBoard {
   kz_tick_input input = {};
   kz_tick_output output;
   std::vector<Reply> replies;
-  std::vector<u8> actions;  // that the ticks asked for
+  std::vector<u8> actions;  // requested by the ticks
   u8 action_result = KZ_RESULT_DONE;
   u8 sequence = 0;
   u8 detail = 0;

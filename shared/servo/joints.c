@@ -110,7 +110,8 @@ u8 kz_joint_load(const kz_joint* joint) {
   return joint->load;
 }
 
-// Straight way to the joint's target in target_ms, or more slowly if the joint's ramp demands that.
+// Starts a linear ramp to the joint's target in target_ms, or a slower one if the joint's maximum rate
+// demands it.
 static inline void start_ramp(kz_joint* joint) {
   u16 duration_ms = joint->target_ms;
   const s16 target = joint->target;

@@ -20,7 +20,7 @@ constexpr u32 only_knee = 1u << knee;
 
 class Protection : public testing::Test {
  protected:
-  // The knee is on and asks for `share` of full duty; 256 /rad units.
+  // Enables the knee with a target that demands `share` of full duty; gain in units of 1/256 per rad.
   void push(double share) {
     ASSERT_EQ(board.heartbeat(100), 0);
     ASSERT_EQ(board.enable(only_knee), 0);
@@ -28,14 +28,14 @@ class Protection : public testing::Test {
     kz_joint& joint = board.servo.joint[knee];
     joint.command = joint.target = static_cast<s16>(joint.angle + std::lround(share * 1000));
   }
-  // Milliseconds until the motors go off, at most `most`; the host says now and then that it is there.
-  int until_off(int most) {
-    for (int ms = 0; ms < most; ++ms) {
+  // Milliseconds until the motors go off, at most `max_ms`; the host says now and then that it is there.
+  int until_off(int max_ms) {
+    for (int ms = 0; ms < max_ms; ++ms) {
       if (ms % 500 == 0) board.send(KZ_TYPE_heartbeat, ++board.sequence, {0, 0});
       if (!board.drivers_on()) return ms;
       board.tick();
     }
-    return most;
+    return max_ms;
   }
   kz_joint& joint() { return board.servo.joint[knee]; }
 

@@ -54,7 +54,7 @@ TEST(Requests, StatisticsTellOfTicksAndDamagedFrames) {
   board.input.missed = 3;
   board.tick();
   board.input.missed = 0;
-  board.put_on_wire({0, 1, 2, 3, 4, 5, 6, 7, 8, 0});  // no sound frame
+  board.put_on_wire({0, 1, 2, 3, 4, 5, 6, 7, 8, 0});  // no valid frame
   const auto reply = board.exchange(KZ_TYPE_statistics, {});
   ASSERT_TRUE(reply);
   const auto health = fields_of<kz_statistics_reply, kz_unpack_statistics_reply>(*reply);
@@ -157,7 +157,7 @@ TEST(Requests, RefusesToEnableWhileAFaultIsPresent) {
   board.set_pot(7, 0);
   EXPECT_EQ(board.enable(all_joints), KZ_REFUSED_FAULT);
   EXPECT_EQ(board.detail, KZ_SHUTDOWN_POT);
-  EXPECT_EQ(board.enable(0b1), 0);  // the other joints are sound
+  EXPECT_EQ(board.enable(0b1), 0);  // the other joints have no fault
   board.enable(0);
   board.input.analog[KZ_ANALOG_SUPPLY] = 100;  // 1.5 V
   board.ticks(4);

@@ -94,7 +94,7 @@ Result<void> H8Mcu::run_until(States until) {
                                  std::to_string(now()) + ": " + stop.report);
 }
 
-// Chip time has stopped while it hung.
+// The chip's time did not advance while it was suspended.
 void H8Mcu::wake() {
   if (hung_) base_ = hung_at_ - chip_.now();
   hung_ = false;

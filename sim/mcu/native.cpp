@@ -45,7 +45,7 @@ constexpr States stored_line_states = 681;
 constexpr States calibrated_states = 1600;
 
 constexpr std::size_t transmit_ring = 63;  // capacity, bytes
-constexpr std::size_t receive_most =
+constexpr std::size_t receive_max =
     48;  // bytes waiting beyond it: the oldest may be lost (firmware/serial.c)
 constexpr int scan_settings = 7;  // a supply's input, then 0..5
 constexpr States never = std::numeric_limits<States>::max() / 2;
@@ -133,7 +133,7 @@ class NativeMcu final : public Mcu {
   }
 
   // State between two ticks.
-  enum class Phase : std::uint8_t { asked, restarting, writing, reading_back };
+  enum class Phase : std::uint8_t { requested, restarting, writing, reading_back };
 
   // Reset or power-on; the start begins after `wait`.
   void start(u8 cause, States wait) {
@@ -194,7 +194,7 @@ class NativeMcu final : public Mcu {
   // A tick's requested action is done when its outputs are at the pins and its bytes have been sent.
   void prepare_action(States start) {
     action_ = std::exchange(output_.action, u8{KZ_ACTION_NONE});
-    phase_ = Phase::asked;
+    phase_ = Phase::requested;
     asked_at_ = start;
     show(levels_of(output_));
     transmit(start + act_after);
@@ -206,7 +206,7 @@ class NativeMcu final : public Mcu {
   void act() {
     act_at_ = never;
     switch (phase_) {
-      case Phase::asked:
+      case Phase::requested:
         return begin_action();
       case Phase::restarting:
         return restart(action_ == KZ_ACTION_LOADER ? KZ_LOADER_S * KZ_CLOCK_HZ : 0);
@@ -297,7 +297,7 @@ class NativeMcu final : public Mcu {
   // inputs that are converted all the time.
   void gather(States start) {
     arrive(start + tick_after);
-    if (ring_.size() > receive_most) {
+    if (ring_.size() > receive_max) {
       ring_.erase(ring_.begin(), ring_.end() - KZ_RX_PER_TICK);
       ring_.front().second |= KZ_RX_LOST;
     }
@@ -395,7 +395,7 @@ class NativeMcu final : public Mcu {
   States tick_at_ = 0;     // when the next one becomes due
   States act_at_ = never;  // when the next step of `action_` is due
   u8 action_ = KZ_ACTION_NONE;
-  Phase phase_ = Phase::asked;
+  Phase phase_ = Phase::requested;
   bool released_ = false;    // the bytes of `output_` are on the wire already
   States asked_at_ = 0;      // when the requesting tick became due
   States deaf_from_ = 0;     // writing flash: received bytes are lost from here

@@ -26,7 +26,7 @@ constexpr States prepare_calibration = 732, prepare_address = 280, copy_routine 
                  clear_routine = 1957;
 constexpr States read_calibration = 27950, read_address = 14730, read_line = 681;
 // Pulse lengths: the one that changes every cell, and the longest that changes none.
-constexpr double erase_least = 5000.0 / 5200.0, program_least = 150.0 / 180.0;
+constexpr double erase_min = 5000.0 / 5200.0, program_min = 150.0 / 180.0;
 constexpr double nothing_below = 0.125;
 
 }  // namespace
@@ -125,7 +125,7 @@ void NativeMemory::store_address(const kz_servo& servo, States from) {
 
 void NativeMemory::apply(const Pulse& pulse, double share) {
   ++pulses_done_;
-  share /= pulse.line < 0 ? erase_least : program_least;
+  share /= pulse.line < 0 ? erase_min : program_min;
   if (share < nothing_below) return;
   const bool erases = pulse.line < 0;
   const int first = pulse.block * KZ_STORE_BLOCK + (erases ? 0 : pulse.line * KZ_STORE_LINE);

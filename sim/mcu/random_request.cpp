@@ -134,8 +134,9 @@ long long RandomRequest::angle(int joint, bool legal) {
 long long RandomRequest::element(const kz_field_info& field, int joint, bool legal) {
   const kz_board_joint& board = kz_board_joints[joint];
   const std::string_view name = field.name;
-  const auto around = [this](int middle, int most) {
-    return middle - most + static_cast<int>(random_.below(static_cast<std::uint32_t>(2 * most)));
+  const auto around = [this](int middle, int max_offset) {
+    return middle - max_offset +
+           static_cast<int>(random_.below(static_cast<std::uint32_t>(2 * max_offset)));
   };
   if (!legal && random_.chance(0.1)) return static_cast<std::int16_t>(random_.next());
   if (name == "centre") return std::clamp(around(board.pot_centre, 300), -32768, 32767);

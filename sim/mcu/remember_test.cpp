@@ -182,12 +182,12 @@ TEST_P(Remember, BytesThatCameMeanwhileAreLostAndTheNextFrameIsHeard) {
   const auto got = answer(3000 * ms);
   ASSERT_TRUE(got);
   EXPECT_EQ(got->type, KZ_TYPE_store_calibration_reply);
-  const auto asked = ask(KZ_TYPE_statistics, {});
-  ASSERT_TRUE(asked);
-  ASSERT_EQ(asked->type, KZ_TYPE_statistics_reply);
+  const auto statistics_reply = ask(KZ_TYPE_statistics, {});
+  ASSERT_TRUE(statistics_reply);
+  ASSERT_EQ(statistics_reply->type, KZ_TYPE_statistics_reply);
   kz_statistics_reply statistics{};
-  ASSERT_TRUE(kz_unpack_statistics_reply(&statistics, asked->fields.data(),
-                                         static_cast<u8>(asked->fields.size())));
+  ASSERT_TRUE(kz_unpack_statistics_reply(&statistics, statistics_reply->fields.data(),
+                                         static_cast<u8>(statistics_reply->fields.size())));
   EXPECT_EQ(statistics.missed_ticks, 0);
   EXPECT_EQ(statistics.overruns, 1);
 }

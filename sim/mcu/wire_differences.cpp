@@ -46,7 +46,7 @@ constexpr WireException exceptions[] = {
      "it has no CPU that takes time; where the replies are a tick apart for it the comparison ends "
      "the "
      "conversation, and counts it"},
-    {"begin of a store or a reset that a request asked for", "when its tick has been computed",
+    {"begin of a requested store or reset", "when its tick has been computed",
      "5,900 states after the tick became due",
      "it has no CPU that takes time; the comparison sends nothing meanwhile, and counts time anew "
      "from "

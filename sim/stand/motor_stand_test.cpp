@@ -57,10 +57,10 @@ TEST(MotorStand, ClampAndScaleReadTheTorqueAtStandstill) {
     EXPECT_EQ(angle(stand), before);
     const double torque =
         std::copysign(motor.stall_slope_nm_per_v * 10 * std::abs(duty) - motor.friction_nm, duty);
-    const double told = stand.scale_nm(kJoint);
-    EXPECT_NEAR(told, torque, 0.01 + 0.004 * std::abs(torque)) << "noise of 2 mNm; first heat";
+    const double reading = stand.scale_nm(kJoint);
+    EXPECT_NEAR(reading, torque, 0.01 + 0.004 * std::abs(torque)) << "noise of 2 mNm; first heat";
     run(stand, 500);
-    EXPECT_EQ(stand.scale_nm(kJoint), told) << "the scale holds it";
+    EXPECT_EQ(stand.scale_nm(kJoint), reading) << "the scale holds it";
     stand.clamp(kJoint, true);
     EXPECT_EQ(stand.scale_nm(kJoint), 0);
   }

@@ -21,7 +21,7 @@ Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
 // Null: it is a robot's.
 MotorStand* stand_of(Simulation& simulation);
 
-// What `line` asks of the simulation's motor stand, which there must be. Errors (usage): an unknown
+// Executes the command `line` on the simulation's motor stand, which must exist. Errors (usage): an unknown
 // command, joint or value.
 Result<nlohmann::ordered_json> answer_stand(Simulation& simulation, const std::string& line);
 

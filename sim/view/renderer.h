@@ -50,11 +50,11 @@ class Renderer {
   virtual Result<void> render(const ScenePose& pose, const View& view, Picture& picture) = 0;
 };
 
-// Off-screen Mesa (llvmpipe), rasterising in the calling thread. `way`: "osmesa", "egl" (without a surface),
-// or empty for the first of these that starts. Sets Mesa's environment variables for the process, so that
-// pictures do not depend on the user's: call it before starting threads that read the environment. Whether
-// OpenGL is available shows with the first picture.
-Result<std::unique_ptr<Renderer>> make_renderer(const std::string& way);
+// Off-screen Mesa (llvmpipe), rasterising in the calling thread. `backend`: "osmesa", "egl" (without a
+// surface), or empty for the first of these that starts. Sets Mesa's environment variables for the process,
+// so that pictures do not depend on the user's: call it before starting threads that read the environment.
+// Whether OpenGL is available is known only after the first picture.
+Result<std::unique_ptr<Renderer>> make_renderer(const std::string& backend);
 // The renderer that the environment variable KAZ_OPENGL names.
 Result<std::unique_ptr<Renderer>> make_default_renderer();
 

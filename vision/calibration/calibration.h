@@ -22,7 +22,7 @@ struct Lens {
 
   Eigen::Vector2d distort(const Eigen::Vector2d& direction) const;
   Eigen::Vector2d pixel(const Eigen::Vector2d& direction) const;
-  // Inverse of pixel(), by Newton's method to 1e-12. Sound as far out as the distortion grows with
+  // Inverse of pixel(), by Newton's method to 1e-12. Valid as far out as the distortion grows with
   // the angle, which the lenses of this project do over their whole picture.
   Eigen::Vector2d direction(const Eigen::Vector2d& pixel) const;
 };

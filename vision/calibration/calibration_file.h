@@ -31,7 +31,7 @@ Result<CalibrationFormat> calibration_format(const std::string& path);
 std::string calibration_text(const StereoCalibration& calibration, CalibrationFormat format,
                              const std::vector<std::pair<std::string, double>>& notes = {});
 
-// Fills in rectified_from_camera and `rectified` from the lenses and the way from the left camera to
+// Fills in rectified_from_camera and `rectified` from the lenses and the transform from the left camera to
 // the right one, x_right = R x_left + T (m). Errors for eyes above each other or exchanged.
 Result<void> rectify_pair(StereoCalibration& calibration, const Eigen::Matrix3d& right_from_left,
                           const Eigen::Vector3d& left_origin_in_right);

@@ -42,15 +42,17 @@ std::vector<cv::Point3f> board_points(const Board& board) {
 // edge of the board is drawn to it by px.
 int window(const Points& corners, const Board& board) {
   const int columns = board.columns;
-  double least = 1e9;
+  double min_distance = 1e9;
   for (int i = 0; i < columns * board.rows; ++i) {
     const cv::Point2f& here = corners[static_cast<std::size_t>(i)];
     if (i % columns != columns - 1)
-      least = std::min(least, cv::norm(corners[static_cast<std::size_t>(i + 1)] - here));
+      min_distance =
+          std::min(min_distance, cv::norm(corners[static_cast<std::size_t>(i + 1)] - here));
     if (i + columns < columns * board.rows)
-      least = std::min(least, cv::norm(corners[static_cast<std::size_t>(i + columns)] - here));
+      min_distance =
+          std::min(min_distance, cv::norm(corners[static_cast<std::size_t>(i + columns)] - here));
   }
-  return std::clamp(static_cast<int>(least * 0.25), 2, 11);
+  return std::clamp(static_cast<int>(min_distance * 0.25), 2, 11);
 }
 
 struct OneEye {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Zhang's method (2000) as OpenCV has it: corners to a fraction of a pixel, each lens by itself from
-// all pictures where its eye sees the whole board, then both lenses and the way from one to the other
+// all pictures where its eye sees the whole board, then both lenses and the transform between them
 // together, least squares of the reprojection error. Pixel centres at integers.
 #pragma once
 

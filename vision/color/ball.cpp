@@ -13,10 +13,12 @@ namespace kaz::vision {
 
 namespace {
 
+// Unit vector in the optical frame through pixel (u, v).
 Eigen::Vector3d ray(const CameraModel& camera, double u, double v) {
   return Eigen::Vector3d((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1).normalized();
 }
 
+// Mean focal length, px: the geometric mean keeps areas.
 double focal(const CameraModel& camera) {
   return std::sqrt(camera.fx * camera.fy);
 }
@@ -29,8 +31,10 @@ std::vector<Eigen::Vector3d> rays_of(const CameraModel& camera,
   return rays;
 }
 
-// A line parallel to the outline hardly constrains its position: rows serve at the left and
-// right, columns at the top and bottom. `center` is the middle of the first fit.
+// Selects crossings whose scan line is within acos(0.45) = 63 degrees of the outline's normal, taken as the
+// direction from `center` (px, of the first fit), and refines them to subpixel positions. A scan line
+// parallel to the outline hardly constrains its position: rows serve at the left and right of the ball,
+// columns at the top and bottom.
 std::vector<OutlinePoint> well_crossed(const Image& image, const std::vector<OutlinePoint>& points,
                                        const Eigen::Vector2d& center) {
   std::vector<OutlinePoint> chosen;
@@ -42,7 +46,7 @@ std::vector<OutlinePoint> well_crossed(const Image& image, const std::vector<Out
   return chosen;
 }
 
-// Share of the outline on the cone, and the directions around the axis that it covers.
+// Share of the outline points on the cone, and the sectors around its axis that they cover.
 struct Support {
   double share = 0;
   EdgeSectors sectors;
@@ -62,13 +66,13 @@ Support support_of(const Cone& cone, const std::vector<Eigen::Vector3d>& rays,
   return {static_cast<double>(on) / static_cast<double>(rays.size()), sectors};
 }
 
-// Pixels of the picture that lie within the cone. Of large balls every n-th in both directions
-// counts.
+// Number of pixels within the cone: those whose ray r satisfies n . r >= cos(alpha) |r|. Large balls are
+// sampled at every `step`-th pixel in both directions.
 double pixels_within(const Cone& cone, const EllipseAxes& axes, const CameraModel& camera) {
   const double u = camera.fx * cone.axis.x() / cone.axis.z() + camera.cx;
   const double v = camera.fy * cone.axis.y() / cone.axis.z() + camera.cy;
-  // The cone's axis is not the middle of the ellipse, but within it: twice its longer half axis
-  // suffices.
+  // Bounding square around the projected axis. The axis is inside the ellipse but not its middle, so half
+  // the side is twice the longer half axis.
   const double reach = 2 * focal(camera) * std::max(axes.across, axes.along) + 1;
   const int step = std::max(1, static_cast<int>(reach / 80));
   const auto bounds = [reach](double center, int size) {
@@ -86,17 +90,17 @@ double pixels_within(const Cone& cone, const EllipseAxes& axes, const CameraMode
     const double row_along = ray_y * cone.axis.y() + cone.axis.z() - across * camera.cx;
     for (int x = left; x <= right; x += step) {
       const double ray_x = (x - camera.cx) * step_x, along = row_along + across * x;
-      // along / length >= cosine, both positive: cones here are of less than a right angle.
+      // n . r >= cos(alpha) |r| squared; both sides are positive, as alpha < 90 degrees.
       if (along > 0 && along * along >= cosine * cosine * (ray_x * ray_x + row_length2)) ++count;
     }
   }
   return static_cast<double>(count) * step * step;
 }
 
-// 1 where the distance is observable. What the blur has beyond the camera's own is a smear; a smear in
-// one direction makes the ball seem nearer or further by up to 0.6 of its share of the radius (8 px
-// of it before the simulated eyes): at a sixth of the radius by a tenth. From there on it falls
-// steeply.
+// Confidence factor for blur, 1 where the distance is observable. The blur beyond the camera's own
+// (sigma 0.7 px) is motion smear: smear^2 = sigma^2 - 0.7^2. Smear in one direction changes the measured
+// distance by up to 0.6 smear / radius (simulated with 8 px), so by a tenth at a sixth of the radius; above
+// that the factor falls with (radius / (6 smear))^4.
 double sharpness(double radius_px, double sigma_px) {
   constexpr double kOwn_px = 0.7;
   const double smear = std::sqrt(std::max(0.0, sigma_px * sigma_px - kOwn_px * kOwn_px));
@@ -104,6 +108,8 @@ double sharpness(double radius_px, double sigma_px) {
   return observable * observable * observable * observable;
 }
 
+// Fits a ball to a region in three stages: cone through the pixel crossings of the outline (cone.h), cone
+// through subpixel crossings, fit of radius and blur on the mixed colours along the edge (ball_edge.h).
 std::optional<BallObservation> measure(const Image& image, const CameraModel& camera,
                                        const Region& region, const BallOptions& options) {
   const double pixel = 1 / focal(camera);
@@ -121,18 +127,19 @@ std::optional<BallObservation> measure(const Image& image, const CameraModel& ca
   if (const std::optional<Cone> better = fit_cone(fine_rays, 0.2 * pixel)) cone = *better;
   std::optional<EllipseAxes> axes = ellipse_axes(cone);
   if (!axes) return std::nullopt;
-  // What a raster of pixels explains, or for large balls a twentieth of the radius.
+  // Tolerance: 0.6 px for the pixel raster, or for large balls a twentieth of the radius.
   const Support support = support_of(cone, rays, std::max(0.6 * pixel, 0.05 * cone.half_angle));
   const double within = pixels_within(cone, *axes, camera);
-  // Small balls have few pixels of outline: a sector without one is seen if its neighbours are.
+  // Small balls have few outline pixels: a sector without one counts as seen if both neighbours have one.
   const EdgeSectors& on = support.sectors;
   const EdgeSectors seen =
       on | (((on << 1) | (on >> (kEdgeSectors - 1))) & ((on >> 1) | (on << (kEdgeSectors - 1))));
-  // No fit: no contrast, or another outline. Of a thousand real balls, one.
+  // Without a fit (no contrast, or another outline; one of a thousand real balls) `explained` is 0.25.
   double explained = 0.25, sharp = 1;
   if (const std::optional<EdgeFit> better = fit_edge(image, camera, cone, seen)) {
     if (const std::optional<EllipseAxes> its = ellipse_axes(better->cone)) {
-      // Of little more than half an edge, blur and radius cannot be separated as well as by crossings.
+      // If two thirds of the edge or less are visible, blur and radius are correlated: the crossings' cone is
+      // more accurate.
       if (3 * seen.count() > 2 * kEdgeSectors) {
         cone = better->cone;
         axes = its;
@@ -142,6 +149,8 @@ std::optional<BallObservation> measure(const Image& image, const CameraModel& ca
     }
   }
 
+  // Distance = R / sin(alpha). Confidence: geometric mean of the share of the outline on the cone, the
+  // ratio of the areas of region and cone, and the explained edge; times sharpness and visible circumference.
   BallObservation ball;
   const Eigen::Vector2d center = center_of(cone);
   ball.center_u = center.x();
@@ -192,7 +201,7 @@ BallObservation BallDetector::detect(const Image& image, const FrameInfo& info) 
     return best;
   }
   extractor_.extract(image, mask_);
-  // Something else of that colour may be larger than the ball, but is hardly as round.
+  // Other objects of that colour may be larger than the ball but are less round: the highest confidence wins.
   constexpr std::size_t kCandidates = 4;
   const std::span<const Region> regions = regions_.find(mask_, options_.min_area);
   for (const Region& region : regions.first(std::min(regions.size(), kCandidates))) {

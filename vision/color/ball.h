@@ -1,4 +1,4 @@
-// Finds a ball of known radius and colour in one picture: where it points and how far it is.
+// Finds a ball of known radius and colour in one picture: direction and distance.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The outline of a sphere is a circle on the sphere of directions (a cone of rays), though an
@@ -23,13 +23,13 @@ struct BallOptions {
   int min_area = 12;  // pixels; smaller regions are noise
   // Less is not reported as found. Highest threshold at which the shares of missed, wrong and false
   // finds, of whole, cut, half hidden balls and of red and orange clutter, sum up to within a standard
-  // error of the least (docs/explanation/vision.md).
+  // error of the minimum (docs/explanation/vision.md).
   double min_confidence = 0.68;
 };
 
 struct BallObservation {
-  FrameInfo info;      // of the picture it was seen in
-  bool found = false;  // the rest means nothing where false
+  FrameInfo info;      // of the picture in which it was detected
+  bool found = false;  // if false, the other members are undefined
   // px, projection of the ball's centre, which is not the middle of the ellipse.
   double center_u = 0, center_v = 0;
   double radius_px = 0;  // px, geometric mean of the outline's half axes

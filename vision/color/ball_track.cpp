@@ -1,4 +1,4 @@
-// Prediction with flight, bounces and rolling; correction, gate and order of observations.
+// Kalman filter of the ball: prediction with flight, bounces and rolling; correction, gate, late data.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/color/ball_track.h"
 
@@ -16,10 +16,10 @@ using Eigen::Vector3d;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kGravity = 9.81;
-constexpr std::size_t kRemembered = 40;    // more than a second at 30 Hz
-constexpr double kFastest_m_s = 8;         // of two outliers that may be one ball
-constexpr double kLeastHeight_m = 0.01;    // that counts as above the floor
-constexpr double kLeastBounce_m_s = 0.15;  // slower, it stays on the floor
+constexpr std::size_t kRemembered = 40;  // more than a second at 30 Hz
+constexpr double kFastest_m_s = 8;       // maximum speed between two outliers of one ball
+constexpr double kMinHeight_m = 0.01;    // in flight above this height over the floor
+constexpr double kMinBounce_m_s = 0.15;  // a slower rebound ends the bouncing
 
 }  // namespace
 
@@ -79,7 +79,8 @@ void BallTrack::start(const Entry& seen) {
   history_.push_back(first);
 }
 
-// One outlier is something else; a second one where the first would have gone is the ball.
+// Restarts the track if two consecutive outliers can be one ball: their distance is within
+// kFastest_m_s dt + 3 sigma. A single outlier is taken for another object.
 bool BallTrack::restart(const Entry& seen) {
   const std::optional<Entry> first = outlier_;
   outlier_ = seen;
@@ -98,6 +99,8 @@ bool BallTrack::restart(const Entry& seen) {
   return true;
 }
 
+// Inserts an observation by exposure. The filter is causal, so all later observations are processed again
+// from the new state.
 BallTrack::Taken BallTrack::insert(const Entry& seen) {
   const auto place = std::find_if(history_.begin(), history_.end(),
                                   [&](const Entry& e) { return e.time >= seen.time; });
@@ -122,7 +125,8 @@ BallTrack::Taken BallTrack::insert(const Entry& seen) {
   return newest ? Taken::used : Taken::late;
 }
 
-// False, and nothing done, for an outlier.
+// Kalman update with the observed position z, covariance R: innovation y = z - H x with H = (I 0),
+// S = H P H^T + R, gain K = P H^T S^-1. Gate: y^T S^-1 y <= gate^2; false, and no change, for an outlier.
 bool BallTrack::correct(BallState& state, const Entry& seen) const {
   const Vector3d surprise = seen.position - state.position;
   const Eigen::LDLT<Matrix3d> spread(state.position_covariance() + seen.covariance);
@@ -131,7 +135,7 @@ bool BallTrack::correct(BallState& state, const Entry& seen) const {
   const Eigen::Matrix<double, 6, 3> gain = spread.solve(cross.transpose()).transpose();
   state.position += gain.topRows<3>() * surprise;
   state.velocity += gain.bottomRows<3>() * surprise;
-  // Joseph's form: stays symmetric and positive.
+  // Joseph's form, P = (I - K H) P (I - K H)^T + K R K^T: stays symmetric and positive definite.
   Matrix6 keep = Matrix6::Identity();
   keep.leftCols<3>() -= gain;
   state.covariance =
@@ -139,20 +143,25 @@ bool BallTrack::correct(BallState& state, const Entry& seen) const {
   return true;
 }
 
+// In flight if the height over the rolling height, or the upward velocity, exceeds its minimum by more than
+// two standard deviations.
 BallTrack::Ground BallTrack::ground(const BallState& state) const {
   if (!options_.floor_m) return Ground::unknown;
   const double height = state.position.z() - *options_.floor_m - options_.radius_m;
-  const double high = kLeastHeight_m + 2 * std::sqrt(state.covariance(2, 2));
-  const double fast = kLeastBounce_m_s + 2 * std::sqrt(state.covariance(5, 5));
+  const double high = kMinHeight_m + 2 * std::sqrt(state.covariance(2, 2));
+  const double fast = kMinBounce_m_s + 2 * std::sqrt(state.covariance(5, 5));
   return height > high || state.velocity.z() > fast ? Ground::flight : Ground::floor;
 }
 
+// Prediction over dt with constant acceleration: x = F x + (dt^2 / 2, dt) a, P = F P F^T + Q,
+// F = (I dt I; 0 I). Q of white acceleration noise of power density q, per axis:
+// q (dt^3 / 3, dt^2 / 2; dt^2 / 2, dt) (Bar-Shalom et al. 2001, section 6.2.2).
 void BallTrack::drift(BallState& state, double dt, const Vector3d& acceleration) const {
   state.position += dt * state.velocity + 0.5 * dt * dt * acceleration;
   state.velocity += dt * acceleration;
-  Matrix6 way = Matrix6::Identity();
-  way.topRightCorner<3, 3>() = dt * Matrix3d::Identity();
-  state.covariance = way * state.covariance * way.transpose();
+  Matrix6 transition = Matrix6::Identity();
+  transition.topRightCorner<3, 3>() = dt * Matrix3d::Identity();
+  state.covariance = transition * state.covariance * transition.transpose();
   const double q = options_.acceleration_psd;
   for (int i = 0; i < 3; ++i) {
     state.covariance(i, i) += q * dt * dt * dt / 3;
@@ -162,12 +171,16 @@ void BallTrack::drift(BallState& state, double dt, const Vector3d& acceleration)
   }
 }
 
+// Prediction over dt with gravity and contact. Time to land from height h with upward speed v:
+// (v + sqrt(v^2 + 2 g h)) / g. At the bounce v_z' = -e v_z, and P = X P X^T with the saltation matrix X
+// (N. Kong et al. 2023), which maps deviations in height and vertical velocity across it:
+// X_zz = X_vv = -e, X_vz = -(1 + e) g / v_z. Rolling: constant deceleration until the ball rests.
 void BallTrack::advance(BallState& state, double dt) const {
   const Ground now = ground(state);
   if (now == Ground::unknown) return drift(state, dt, Vector3d::Zero());
   const double rest = *options_.floor_m + options_.radius_m;
   bool rolls = now == Ground::floor;
-  // A ball that bounces ever lower does so endlessly often; eight times are enough for any dt here.
+  // Ever lower bounces would be infinitely many; eight suffice for any dt here.
   for (int bounce = 0; !rolls && bounce < 8; ++bounce) {
     const double height = std::max(0.0, state.position.z() - rest), up = state.velocity.z();
     const double lands = (up + std::sqrt(up * up + 2 * kGravity * height)) / kGravity;
@@ -178,7 +191,7 @@ void BallTrack::advance(BallState& state, double dt) const {
     const double down = state.velocity.z(), e = options_.restitution;
     state.position.z() = rest;
     state.velocity.z() = -e * down;
-    rolls = -e * down < kLeastBounce_m_s;
+    rolls = -e * down < kMinBounce_m_s;
     if (down < 0) {
       Matrix6 through = Matrix6::Identity();
       through(2, 2) = through(5, 5) = -e;

@@ -107,7 +107,7 @@ TEST(BallTrack, ErrorsOfAnObservationAreThoseOfItsPixels) {
 TEST(BallTrack, ARollingBallIsPredicted) {
   BallTrack track(on_floor());
   const auto e = errors(track, rolling, 45, 10, 150ms);
-  // One observation is wrong by 17 mm along the ray; the floor and time take most of that away.
+  // One observation is wrong by 17 mm along the ray; the floor and later observations remove most of that.
   EXPECT_LT(e[e.size() / 2], 0.02);
   EXPECT_LT(e.back(), 0.05);
   EXPECT_FALSE(track.in_flight(frame(44)));

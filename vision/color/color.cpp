@@ -20,16 +20,16 @@ Row combine(double y, double i, double q) {
   return row;
 }
 
-// weights . (R, G, B) >= least, scaled so that neither the positive nor the negative weights add up
+// weights . (R, G, B) >= threshold, scaled so that neither the positive nor the negative weights add up
 // to more than 128: with components of at most 255 the sum then fits 16 bits.
-ColorExtractor::HalfSpace quantised(const Row& weights, double least) {
+ColorExtractor::HalfSpace quantised(const Row& weights, double threshold) {
   double positive = 0, negative = 0;
   for (const double w : weights) (w > 0 ? positive : negative) += std::abs(w);
   const double scale = 126.5 / std::max(positive, negative);
   const auto round = [&](double v) {
     return static_cast<std::int16_t>(std::lround(std::clamp(v * scale, -32767.0, 32767.0)));
   };
-  return {round(weights[0]), round(weights[1]), round(weights[2]), round(least)};
+  return {round(weights[0]), round(weights[1]), round(weights[2]), round(threshold)};
 }
 
 #if defined(__x86_64__) && defined(__GNUC__)
@@ -129,10 +129,10 @@ ColorRange ColorRange::red_ball() {
 
 ColorExtractor::ColorExtractor(const ColorRange& range) {
   const ColorRange all;
-  const auto add = [this](const Row& weights, double least) {
-    half_spaces_[count_++] = quantised(weights, least);
+  const auto add = [this](const Row& weights, double threshold) {
+    half_spaces_[count_++] = quantised(weights, threshold);
   };
-  // A bound that every colour meets is left out; the first one stays, for there must be one.
+  // Bounds that every colour meets are omitted, except the first, as there must be one.
   add(combine(1, 0, 0), std::max(range.y_min, 0.0));
   if (range.y_max < all.y_max) add(combine(-1, 0, 0), -range.y_max);
   if (range.i_min > all.i_min) add(combine(0, 1, 0), range.i_min);

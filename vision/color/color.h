@@ -42,7 +42,7 @@ struct ColorRange {
 };
 
 // A ColorRange as up to ten half-spaces of RGB in integers: a pixel belongs if r R + g G + b B >=
-// least for each. Coefficients are rounded to 1/128, the threshold to an integer, so that 16-bit
+// threshold for each. Coefficients are rounded to 1/128, the threshold to an integer, so that 16-bit
 // arithmetic never overflows and every machine extracts the same mask.
 class ColorExtractor {
  public:

@@ -10,7 +10,7 @@ namespace kaz::vision {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kLeastPixels = 25;
+constexpr int kMinPixels = 25;
 constexpr double kOneHue_rad = 0.6, kNoise_rad = 0.06;
 constexpr double kGrey = 0.15;  // of chroma over lightness; pure red has 2.1
 constexpr double kDark = 8;     // of 255: the hue of darker pixels is noise
@@ -69,10 +69,9 @@ Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region
     return fail(Fault::usage, "the region " + text(region) + " is not within the picture of " +
                                   std::to_string(image.width) + " x " +
                                   std::to_string(image.height) + " pixels");
-  if (static_cast<long>(region.width) * region.height < kLeastPixels)
+  if (static_cast<long>(region.width) * region.height < kMinPixels)
     return fail(Fault::usage, "the region " + text(region) + " has fewer than " +
-                                  std::to_string(kLeastPixels) +
-                                  " pixels: mark more of the object");
+                                  std::to_string(kMinPixels) + " pixels: mark more of the object");
   const std::vector<Yiq> pixels = pixels_of(image, region);
   double i = 0, q = 0, chroma = 0, lightness = 0;
   for (const Yiq& p : pixels) {

@@ -19,7 +19,7 @@ struct LearnedColor {
 
 // The region should lie within the object, or hold little else: at least half of its pixels must be of
 // one hue (within 0.6 rad of the chroma's mean direction). Of those, hue spans 98 % and 0.06 rad more
-// on each side for the noise of other pictures, least saturation is 0.8 and least lightness 0.5 of
+// on each side for the noise of other pictures, minimum saturation is 0.8 and minimum lightness 0.5 of
 // what 98 % have, for the shaded side. Grey objects have no hue: an error.
 Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region);
 

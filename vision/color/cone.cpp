@@ -41,8 +41,8 @@ std::optional<Cone> through(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
   return cone;
 }
 
-// Of some cones through three rays each, the one with the least median distance (Rousseeuw 1984):
-// up to half of the rays may be wrong. The choice of rays is always the same.
+// Least median of squares (Rousseeuw 1984): of several cones through three rays each, the one with the
+// smallest median distance, so that up to half of the rays may be outliers. The choice of rays is fixed.
 std::optional<Cone> min_median(std::span<const Eigen::Vector3d> rays) {
   constexpr int kTrials = 48;
   constexpr std::size_t kJudges = 64;

@@ -57,8 +57,8 @@ OutlinePoint refined(const Image& image, const OutlinePoint& point) {
   // 0.
   const Eigen::Vector3d outer = color(2), inner = 2 * color(-1) - color(-2);
   const Eigen::Vector3d contrast = inner - outer;
-  constexpr double kLeastContrast = 24;  // of 255 in each component: below that noise decides
-  if (contrast.squaredNorm() < kLeastContrast * kLeastContrast) return point;
+  constexpr double kMinContrast = 24;  // of 255 in each component: below that noise decides
+  if (contrast.squaredNorm() < kMinContrast * kMinContrast) return point;
   const auto share = [&](int along) {
     return std::clamp((color(along) - outer).dot(contrast) / contrast.squaredNorm(), 0.0, 1.0);
   };

@@ -1,4 +1,4 @@
-// Depth from a rectified stereo pair: checks around the matching of blocks.
+// Depth from a rectified stereo pair: validation of the input, block matching, point clouds.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/depth/depth.h"
 
@@ -24,7 +24,7 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-// A picture as it was given: so many channels of 8 bits, rows from the top.
+// The caller's picture: `channels` x 8 bits a pixel (1: grey, 3: RGB), rows from the top, no padding.
 struct GreySource {
   int width, height, channels;
   std::span<const std::uint8_t> bytes;
@@ -79,7 +79,7 @@ Result<void> check_options(const DepthOptions& o) {
   return {};
 }
 
-// The picture's own bytes where they are grey, else made in `grey`.
+// The picture's own bytes if it is grey, else their luma (OpenCV's RGB2GRAY) in `grey`.
 const std::uint8_t* grey_of(const GreySource& picture, std::vector<std::uint8_t>& grey) {
   if (picture.channels == 1) return picture.bytes.data();
   grey.resize(picture.bytes.size() / 3);
@@ -97,12 +97,13 @@ struct DepthFinder::State {
   StereoMatcher matcher;
   std::vector<std::uint8_t> left, right;  // grey
 
+  // Number of disparities: d_max = fx baseline / z_min, rounded up to a multiple of 16, the SIMD width.
   Result<int> disparities(int width, const CameraModel& camera) const {
-    const double most = std::ceil(camera.fx * camera.baseline_m / options.nearest_m);
-    if (!(most < width))
+    const double max_disparity = std::ceil(camera.fx * camera.baseline_m / options.nearest_m);
+    if (!(max_disparity < width))
       return fail(Fault::usage,
                   "depth: at nearest_m the eyes' pictures have nothing in common: raise it");
-    return std::max(16, (static_cast<int>(most) + 15) / 16 * 16);
+    return std::max(16, (static_cast<int>(max_disparity) + 15) / 16 * 16);
   }
 
   Result<void> find(const GreySource& l, const GreySource& r, const FrameInfo& info,
@@ -162,6 +163,7 @@ Result<void> DepthFinder::find(const GreyPicture& l, const GreyPicture& r, const
   return state_->find(source_of(l), source_of(r), info, depth);
 }
 
+// Pinhole back-projection, optical frame, m: z = fx b / d, x = (u - cx) z / fx, y = (v - cy) z / fy.
 void point_cloud(const DepthImage& depth, PointCloud& cloud) {
   const CameraModel& c = depth.info.camera;
   const auto f = static_cast<float>(c.fx * c.baseline_m);
@@ -184,7 +186,7 @@ void point_cloud(const DepthImage& depth, PointCloud& cloud) {
 Result<void> point_cloud_before_foot(const DepthImage& depth, PointCloud& cloud) {
   if (!depth.info.posture_known)
     return fail(Fault::failed,
-                "depth: the posture at the moment of the picture is not known, so nothing can be "
+                "depth: the posture at the exposure of the picture is not known, so nothing can be "
                 "placed before the foot: wait for the board's state");
   point_cloud(depth, cloud);
   const Eigen::Isometry3f foot_from_eye = depth.info.foot_from_eye.cast<float>();

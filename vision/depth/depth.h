@@ -1,18 +1,18 @@
-// Depth from a rectified stereo pair: disparity, depth, points before the eye and before the foot.
+// Depth from a rectified stereo pair: disparity, depth, points in the optical and in the foot frame.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Block matching on pictures filtered by a horizontal derivative (K. Konolige, "Small vision
-// systems", ISRR 1997), so that exposure and shading cancel out. A match counts only where it
-// - has texture to hold on to,
-// - is better than any other disparity by some per cent,
-// - is found again when the right picture is matched against the left one (left-right check),
-// and is then placed between pixels by the costs of its neighbours. All else is marked as having no
-// depth.
-// Departures: a block of a slanted surface, such as the floor, holds several disparities, and gets
-// that of its strongest edges, wherever in the block they are. So the largest slanted planes among
-// the disparities found are looked for (depth_slants.h), the right picture is moved by each, after
-// which the plane faces the eyes, and what is found within 1 px of it, at a cost not worse, counts.
-// Nothing of the posture is needed for that.
+// systems", ISRR 1997), so that exposure and shading cancel out. A match is accepted only if
+// - the block has enough texture (`min_texture`),
+// - its cost is lower than that of any other disparity by `uniqueness_percent`,
+// - matching the right picture against the left one finds it again (left-right check);
+// subpixel interpolation uses the costs of the neighbouring disparities. Other pixels have no depth.
+//
+// Extension for slanted surfaces: a block of a slanted surface, such as the floor, holds several
+// disparities, and matching returns that of its strongest edges, wherever in the block they are. So the
+// largest slanted planes are fitted to the disparities (depth_slants.h), the right picture is warped by
+// each, which makes the plane fronto-parallel, and is matched again. Matches within 1 px of the plane
+// replace the first ones if their cost is not higher. The posture is not needed for that.
 //
 // A point at depth z shows d = fx baseline / z pixels further left in the right picture. Frames:
 // optical (x right, y down, z forward, origin at the left lens) and foot, as in frame.h. m, px.
@@ -32,19 +32,19 @@
 namespace kaz::vision {
 
 struct DepthOptions {
-  // Nearer things have no depth. The work grows with fx baseline / nearest_m, which is rounded up
-  // to a multiple of 16 px.
+  // Minimum measurable depth, m. The range of disparities, and with it the computing time, is
+  // fx baseline / nearest_m, rounded up to a multiple of 16 px.
   double nearest_m = 0.14;
-  int block_px = 15;  // side of the squares that are compared; odd, 5..21
-  // Least sum of the filtered picture's codes over a block of 15 x 15; grows with the block's area.
-  // Noise of 1.6 codes alone gives 1000: below that a match is chance as likely as not.
+  int block_px = 15;  // side of the compared blocks; odd, 5..21
+  // Minimum sum of absolute codes of the filtered picture over a block of 15 x 15; scaled with the
+  // block's area. Noise of 1.6 codes alone sums up to 1000: below that a match is as likely by chance.
   int min_texture = 1000;
-  int uniqueness_percent = 10;  // how much worse all other disparities must be
-  int left_right_px = 1;        // how far the way back may miss; negative: no check
-  // Planes in the picture, such as the floor, that blocks are slanted like in a second comparison:
-  // blocks facing the eyes see a slant where its edges are, not where their middle is. 0: none.
+  int uniqueness_percent = 10;  // by which the costs of all other disparities must be higher
+  int left_right_px = 1;        // tolerance of the left-right check; negative: no check
+  // Maximum number of slanted planes, such as the floor, for which matching is repeated with a warped
+  // picture (see above); 0: none.
   int slants = 2;
-  bool vectors = true;  // the processor's, where it has them; results are the same without
+  bool vectors = true;  // use SIMD where the processor has it; results are the same without
 };
 
 // One disparity a pixel of the left picture; rows from the top, no padding.
@@ -71,7 +71,7 @@ struct GreyPicture {
   std::span<const std::uint8_t> pixels;
 };
 
-// Same pair, same result, with the processor's vectors or without. In the caller's thread.
+// Deterministic: the same pair gives the same result, with SIMD or without. Runs in the caller's thread.
 class DepthFinder {
  public:
   explicit DepthFinder(const DepthOptions& options = {});
@@ -79,7 +79,7 @@ class DepthFinder {
   DepthFinder(DepthFinder&&) noexcept;
   DepthFinder& operator=(DepthFinder&&) noexcept;
 
-  // Reuses the memory of `depth`, whose contents mean nothing after an error. Errors: pictures that
+  // Reuses the memory of `depth`, whose contents are undefined after an error. Errors: pictures that
   // are empty, cut short, of different size or not of the camera model's, smaller than a block or
   // larger than 8192; one colour from edge to edge (a covered lens, no light); a camera model
   // without focal length or baseline; options out of range.
@@ -100,7 +100,7 @@ struct PointCloud {
 
 // In the optical frame of the left eye.
 void point_cloud(const DepthImage& depth, PointCloud& cloud);
-// In the foot frame of the moment of the exposure. An error where the posture then is not known.
+// In the foot frame at the exposure. Error: the posture at the exposure is not known.
 Result<void> point_cloud_before_foot(const DepthImage& depth, PointCloud& cloud);
 
 }  // namespace kaz::vision

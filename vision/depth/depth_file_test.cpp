@@ -1,4 +1,4 @@
-// Depth in files reads back as what it was; eyes the wrong way round are noticed.
+// Depth files: round trip; swapped eyes are detected.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/depth/depth_file.h"
 

@@ -1,4 +1,4 @@
-// Whole numbers only, but for where a match lies between pixels: rounded alike with any vectors.
+// Integer arithmetic except for the subpixel disparity, one division, which SIMD rounds in the same way.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/depth/depth_rows.h"
 
@@ -9,6 +9,8 @@
 namespace kaz::vision {
 namespace {
 
+// Column sums per disparity: S(u, d) += |L(u) - R(u - d)| of the entering row - the same of the leaving row.
+// The right picture is mirrored, so R(u - d) is at index width - 1 - u + d.
 void move_column(const BlockRow& r, int u) {
   const int n = r.disparities;
   const auto at = static_cast<std::ptrdiff_t>(r.width - 1 - u);
@@ -19,15 +21,17 @@ void move_column(const BlockRow& r, int u) {
     column[d] = static_cast<std::int16_t>(column[d] + std::abs(a - in[d]) - std::abs(b - out[d]));
 }
 
+// Disparity of minimum cost for column u, the smallest one if several are equal.
 void winners(const BlockRow& r, int u) {
   const std::int16_t *begin = r.window, *end = begin + r.disparities;
   const auto best = std::min_element(begin, end);
-  const int d = static_cast<int>(best - begin), least = *best;
-  const int limit = doubt(least, r.doubt_share);
+  const int d = static_cast<int>(best - begin), min_cost = *best;
+  const int limit = doubt(min_cost, r.doubt_share);
   const auto near = std::count_if(begin, end, [limit](std::int16_t c) { return c <= limit; });
-  put_winner(r, u, d, least, static_cast<int>(near));
+  put_winner(r, u, d, min_cost, static_cast<int>(near));
 }
 
+// Block cost C(u, d) as a running sum of 2 half + 1 column sums, and its winners; see match_row().
 void plain_row(const BlockRow& r) {
   const int n = r.disparities, block = 2 * r.half + 1;
   std::fill(r.window, r.window + n, std::int16_t{0});
@@ -58,14 +62,14 @@ void plain_row(const BlockRow& r) {
 }
 
 [[gnu::always_inline]] inline void judge(
-    const std::int16_t* __restrict winner, const std::int16_t* __restrict least,
+    const std::int16_t* __restrict winner, const std::int16_t* __restrict min_cost,
     const std::int16_t* __restrict before, const std::int16_t* __restrict after,
     const std::int16_t* __restrict in_doubt, const std::uint8_t* __restrict wanted, int count,
     int disparities, int share, float* __restrict disparity, std::int16_t* __restrict cost,
     std::uint8_t* __restrict good) {
   const int last = disparities - 1;
   for (int u = 0; u < count; ++u) {
-    const int d = winner[u], c = least[u], p = before[u], q = after[u];
+    const int d = winner[u], c = min_cost[u], p = before[u], q = after[u];
     const int limit = doubt(c, share);
     const int own = 1 + (p <= limit ? 1 : 0) + (q <= limit ? 1 : 0);
     const int inner = (d > 0 ? 1 : 0) & (d < last ? 1 : 0);

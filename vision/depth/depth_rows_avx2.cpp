@@ -1,4 +1,4 @@
-// Sixteen disparities at a time.
+// Block matching of a row with AVX2: 16 disparities of 16 bits at a time.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/depth/depth_rows.h"
 
@@ -27,43 +27,43 @@ KAZ_AVX2_INLINE void store(std::int16_t* to, __m256i x) {
 KAZ_AVX2_INLINE __m256i wide(const std::uint8_t* from) {
   return _mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from)));
 }
-// The least of the sixteen, none of which is negative, in the lowest of eight lanes.
+// Minimum of sixteen non-negative values, in the lowest of eight lanes.
 KAZ_AVX2_INLINE __m128i min_of(__m256i x) {
   const __m128i half = _mm_min_epu16(_mm256_castsi256_si128(x), _mm256_extracti128_si256(x, 1));
   return _mm_minpos_epu16(half);
 }
-// depth_rows.h's doubt(), sixteen times.
-KAZ_AVX2_INLINE __m256i doubt_of(__m256i least, int share) {
+// doubt() of depth_rows.h for sixteen costs.
+KAZ_AVX2_INLINE __m256i doubt_of(__m256i min_cost, int share) {
   const __m256i more =
-      _mm256_mulhi_epu16(least, _mm256_set1_epi16(static_cast<std::int16_t>(share)));
-  return _mm256_min_epi16(_mm256_adds_epi16(least, more), _mm256_set1_epi16(INT16_MAX - 1));
+      _mm256_mulhi_epu16(min_cost, _mm256_set1_epi16(static_cast<std::int16_t>(share)));
+  return _mm256_min_epi16(_mm256_adds_epi16(min_cost, more), _mm256_set1_epi16(INT16_MAX - 1));
 }
 
-// How many of the costs are at most `limit`.
+// Number of costs up to `limit`.
 template <int B>
 KAZ_AVX2_INLINE int in_doubt(const std::int16_t* window, int blocks, __m256i limit) {
   const int count = B > 0 ? B : blocks;
-  int most = 0;
+  int found = 0;
 #pragma GCC unroll 4
   for (int b = 0; b < count; b += 2) {
     const __m256i one = _mm256_cmpgt_epi16(load(window + b * kLanes), limit);
     const __m256i two = b + 1 < count ? _mm256_cmpgt_epi16(load(window + (b + 1) * kLanes), limit)
                                       : _mm256_set1_epi16(-1);
     const auto mask = static_cast<unsigned>(_mm256_movemask_epi8(_mm256_packs_epi16(one, two)));
-    most += 32 - std::popcount(mask);
+    found += 32 - std::popcount(mask);
   }
-  return most;
+  return found;
 }
 
-// Per lane the least cost and its disparity.
-struct Least {
+// Per lane the minimum cost and its disparity.
+struct Minimum {
   __m256i cost, disparity;
 };
 
-// Column u with one more row, and, where `full`, the window with one more column: `leaves` where
-// another leaves it.
+// Updates the sums of column u by the entering and the leaving row. If `full`, adds the column to the window
+// and updates the minima; if `leaves`, also subtracts the column that leaves the window.
 template <int B, bool full, bool leaves>
-KAZ_AVX2_INLINE void move(const BlockRow& r, int u, int blocks, Least& best) {
+KAZ_AVX2_INLINE void move(const BlockRow& r, int u, int blocks, Minimum& best) {
   const int count = B > 0 ? B : blocks, n = count * kLanes;
   const auto at = static_cast<std::ptrdiff_t>(r.width - 1 - u);
   const std::uint8_t *in = r.right + at, *gone = r.right_gone + at;
@@ -90,13 +90,14 @@ KAZ_AVX2_INLINE void move(const BlockRow& r, int u, int blocks, Least& best) {
   }
 }
 
+// Minimum over the lanes; of equal costs the smallest disparity, as std::min_element in depth_rows.cpp.
 template <int B>
-KAZ_AVX2_INLINE void decide(const BlockRow& r, int u, int blocks, const Least& best) {
-  const __m128i least = min_of(best.cost);
-  const __m256i all = _mm256_broadcastw_epi16(least);
+KAZ_AVX2_INLINE void decide(const BlockRow& r, int u, int blocks, const Minimum& best) {
+  const __m128i min_cost = min_of(best.cost);
+  const __m256i all = _mm256_broadcastw_epi16(min_cost);
   const __m256i loses = _mm256_cmpgt_epi16(best.cost, all);
   const __m128i d = min_of(_mm256_or_si256(best.disparity, loses));
-  put_winner(r, u, _mm_extract_epi16(d, 0), _mm_extract_epi16(least, 0),
+  put_winner(r, u, _mm_extract_epi16(d, 0), _mm_extract_epi16(min_cost, 0),
              in_doubt<B>(r.window, blocks, doubt_of(all, r.doubt_share)));
 }
 
@@ -104,7 +105,7 @@ template <int B>  // blocks of sixteen disparities, so that the compiler unrolls
 KAZ_AVX2_INLINE void match(const BlockRow& row) {
   const BlockRow r = row;
   const int blocks = r.disparities / kLanes, block = 2 * r.half + 1;
-  Least best{_mm256_setzero_si256(), _mm256_setzero_si256()};
+  Minimum best{_mm256_setzero_si256(), _mm256_setzero_si256()};
   if (r.winners == nullptr) {
     for (int u = 0; u < r.width; ++u) move<B, false, false>(r, u, blocks, best);
     return;

@@ -1,4 +1,4 @@
-// Whether the pictures of a pair are those of the other eye: cameras plugged in the wrong way round.
+// Detects swapped pictures of a pair: left and right camera plugged in the wrong way round.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,7 +7,7 @@
 namespace kaz::vision {
 
 // True where the pair gives hardly any depth, and would give a scene's worth with left and right
-// exchanged: things then lie further right in the right picture, where no depth is looked for. Pairs
+// exchanged: objects are then further right in the right picture, where no depth is looked for. Pairs
 // that cannot be compared at all (DepthFinder's errors) say nothing: false. Twice the work of one
 // depth image.
 bool cameras_look_swapped(const StereoImages& pair, const FrameInfo& info,

@@ -18,9 +18,10 @@
 namespace kaz::vision {
 namespace {
 
-constexpr int kSmall = 4;        // the inverse search's finest pictures are that much smaller
-constexpr int kPatch = 7;        // odd, of small pixels; the inverse search's are 8
-constexpr float kNoise2 = 0.5F;  // codes^2 by which small pictures differ, from 2 codes a pixel
+constexpr int kSmall = 4;  // factor by which the inverse search's finest pictures are smaller
+constexpr int kPatch = 7;  // odd, of small pixels; the inverse search's are 8
+constexpr float kNoise2 =
+    0.5F;  // codes^2, variance of the difference of two small pictures; 2 codes a pixel
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 Result<void> check_options(const FlowOptions& o) {
@@ -66,7 +67,7 @@ struct FlowFinder::State {
       search = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST);
       searched = before.size();
     }
-    flow.release();  // one that is there would be taken as a first guess
+    flow.release();  // otherwise it would be the initial estimate
     search->calc(before, after, flow);
     const cv::Size size(before.cols / kSmall, before.rows / kSmall);
     const cv::Mat* const full[] = {&before, &after};
@@ -119,8 +120,8 @@ struct FlowFinder::State {
     }
   }
 
-  // Over the patch around each small pixel, zeros beyond the edge: they weigh nothing. No running
-  // sum, so no error that grows.
+  // Sums over the patch around each small pixel, separably; pixels beyond the edge have weight 0. No
+  // running sums, whose rounding errors would accumulate.
   void sum_patches(cv::Size size) {
     const auto across = static_cast<std::size_t>(size.width + kPatch);
     for (const std::size_t step : {across, std::size_t{1}}) {
@@ -134,13 +135,21 @@ struct FlowFinder::State {
     }
   }
 
+  // Validates each cell by the weighted means over its patch, all of the small pictures (units: small px):
+  //   structure tensor G = (xx xy; xy yy), smaller eigenvalue
+  //   `lesser` = (xx + yy) / 2 - sqrt(((xx - yy) / 2)^2 + xy^2);
+  //   residual variance s^2 (`unlike`) = <d d> - <d>^2, brightness variance (`varies`) = <q q> - <q>^2;
+  //   similarity: s^2 <= max_unlike varies + noise;
+  //   standard error: s^2 / (n lesser) <= max_error^2, n = kPatch^2;
+  //   further Lucas-Kanade step: G^-1 b with b = <g d> - <g> <d>, no longer than max_step.
+  // Certainty: n G / s^2, in 1/px^2 of the full picture.
   void judge(FlowImage& image) {
     const cv::Size cells = small[0].size();
     image.cells_across = cells.width;
     image.cells_down = cells.height;
     image.certainty.assign(static_cast<std::size_t>(cells.area()), {});
     auto* to = image.certainty.data();
-    constexpr float kLeastShare = 0.5F;  // of the patch that was compared
+    constexpr float kMinShare = 0.5F;  // of the patch that was compared
     const float error2 =
         static_cast<float>(options.max_error_px * options.max_error_px) / (kSmall * kSmall);
     const float step2 =
@@ -152,7 +161,7 @@ struct FlowFinder::State {
       for (int x = 0; x < cells.width; ++x, ++to, ++sum, ++was_compared) {
         const float *h = sum->data(), *m = h + 4, *n = h + 8;
         const float w = m[3];
-        if (*was_compared == 0 || w < kLeastShare * kPatch * kPatch) continue;
+        if (*was_compared == 0 || w < kMinShare * kPatch * kPatch) continue;
         const float xx = h[0] / w, xy = h[1] / w, yy = h[2] / w;
         const float lesser = (xx + yy) / 2 - std::sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
         if (!(lesser > 0)) continue;
@@ -170,6 +179,7 @@ struct FlowFinder::State {
     }
   }
 
+  // Copies the flow and sets it to NaN in the cells that are not valid.
   void mark(FlowImage& image) const {
     const auto width = static_cast<std::size_t>(image.width);
     for (int v = 0; v < image.height; ++v) {

@@ -1,18 +1,18 @@
-// Optical flow between two pictures of one eye: which way, and how far, each pixel went.
+// Dense optical flow between two pictures of one eye: the displacement of each pixel, px.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Dense inverse search (T. Kroeger, R. Timofte, D. Dai, L. Van Gool, "Fast Optical Flow using Dense
-// Inverse Search", ECCV 2016) as OpenCV has it, at its fastest setting: patches of 8 x 8 pixels of
-// pictures a quarter as wide and high. Its result is then validated on those small pictures, patch
-// by patch, at a small share of its cost. A pixel has a flow only where the patch around it
-// - is found where the flow leads, up to a change of brightness,
-// - has texture in two directions that, for how well it is found, leaves but a little open (else
-//   it may slide along an edge), and
-// - rests there: one more step of Lucas and Kanade from the other picture's side stays short, which
-//   is what flow back and forth is asked for, without a second flow.
-// All else is marked. Flow is in px from the earlier picture to the later, by pixel of the earlier
-// one: what is at (u, v) before is at (u, v) + flow after. No state but memory: the same two
-// pictures give the same flow.
+// Inverse Search", ECCV 2016) as implemented by OpenCV, with its ultrafast preset: patches of 8 x 8
+// pixels of pictures a quarter as wide and high. Its result is validated on those small pictures, patch by
+// patch, at a fraction of its cost. The flow of a pixel is valid only if the patch around it
+// - matches at the displaced position, up to a change of brightness (`max_unlike`),
+// - has enough texture in two directions for the expected standard error (`max_error_px`; else the patch
+//   may slide along an edge: aperture problem), and
+// - has converged: a further Lucas-Kanade step stays short (`max_step_px`). This replaces a
+//   forward-backward check, without computing the backward flow.
+// Other pixels are NaN. Flow is in px from the earlier picture to the later, by pixel of the earlier
+// one: what is at (u, v) before is at (u, v) + flow after. Without state except reused
+// memory: the same two pictures give the same flow.
 #pragma once
 
 #include <cmath>
@@ -30,20 +30,20 @@ namespace kaz::vision {
 
 // Of the small pictures' patches; codes are those of the grey picture.
 struct FlowOptions {
-  // Standard error to be expected, px: that of least squares, from the mean square difference after
-  // the flow (noise at least) and the smaller eigenvalue of the mean of gradient times gradient.
+  // Maximum expected standard error, px: sqrt(s^2 / (n lambda)), with the mean square residual s^2 (not
+  // below the noise), n pixels and the smaller eigenvalue lambda of the mean structure tensor.
   double max_error_px = 0.6;
-  // Mean square difference after the flow, without that of the mean, over the patch's variance.
+  // Maximum ratio of the residual's variance after the flow to the patch's variance of brightness.
   double max_unlike = 0.35;
-  double max_step_px = 1.0;  // the further step, px of the full picture
+  double max_step_px = 1.0;  // length of the further Lucas-Kanade step, px of the full picture
 };
 
-// Inverse of the covariance that least squares would give a patch's flow, 1/px^2: of two errors
-// along an edge and across it, the first is the larger one. All 0 where the flow is unknown.
+// Information matrix of a patch's flow, 1/px^2: the inverse of the least-squares covariance
+// s^2 (sum g g^T)^-1, which is large along an edge and small across it. All 0 where the flow is unknown.
 struct FlowCertainty {
   float xx = 0, xy = 0, yy = 0;
 
-  // Square of how many standard deviations `off` is.
+  // Squared Mahalanobis distance of the deviation `off`, px.
   float surprise(const Eigen::Vector2f& off) const {
     return xx * off.x() * off.x() + 2 * xy * off.x() * off.y() + yy * off.y() * off.y();
   }
@@ -55,8 +55,8 @@ struct FlowImage {
   FrameInfo before, after;
   int width = 0, height = 0;
   std::vector<Eigen::Vector2f> flow_px;  // (right, down); NaN in both where unknown
-  // By cell, rows from the top; what is left of the picture at its right and lower edge belongs to
-  // the last ones. All pixels of a cell are known, or none.
+  // By cell, rows from the top; the remainder of the picture at its right and lower edge belongs to
+  // the last cells. All pixels of a cell are known, or none.
   int cells_across = 0, cells_down = 0;
   std::vector<FlowCertainty> certainty;
 
@@ -76,7 +76,7 @@ class FlowFinder {
   FlowFinder(FlowFinder&&) noexcept;
   FlowFinder& operator=(FlowFinder&&) noexcept;
 
-  // Reuses the memory of `flow`, whose contents mean nothing after an error. Errors: pictures that
+  // Reuses the memory of `flow`, whose contents are undefined after an error. Errors: pictures that
   // are empty, cut short, under 64 or over 8192 pixels a side, of different size or not of the
   // camera model's; a camera model without focal length or that differs between the two; an
   // exposure that is not after the one before (the clock jumped back, or a picture twice).

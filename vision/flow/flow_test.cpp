@@ -1,4 +1,4 @@
-// Flow of pictures shifted by a known way, and of what is no pair of pictures.
+// Flow of pictures shifted by a known displacement, and errors of invalid pairs.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/flow/flow.h"
 

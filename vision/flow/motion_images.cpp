@@ -1,4 +1,4 @@
-// Sums over pixels for two flows, and Gauss-Newton on one.
+// Photometric comparison of two flows, and refinement of a region's flow by Gauss-Newton.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/flow/motion_images.h"
 
@@ -36,6 +36,10 @@ double misfit(const GreyReader& before, const GreyReader& after, int u, int v, i
   return sum / ((right - left + 1) * (bottom - top + 1));
 }
 
+// One displacement f for all cells, by Gauss-Newton with iterative reweighting: minimises the sum over the
+// pixels p of rho(d), d = after(p + f) - before(p), with Geman and McClure's M-estimator, whose weights are
+// w = (c^2 / (c^2 + d^2))^2, c = 12 codes. Step: f -= H^-1 b, H = sum w g g^T, b = sum w d g, with the
+// gradient g of `after` at p + f by central differences.
 bool refine_flow(const GreyReader& before, const GreyReader& after,
                  std::span<const Eigen::Vector2i> corners, int side, Eigen::Vector2d& flow_px) {
   constexpr int kSteps = 12;
@@ -60,26 +64,31 @@ bool refine_flow(const GreyReader& before, const GreyReader& after,
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(h);
     if (!(eigen.eigenvalues().x() > 100)) return false;  // 0.2 px from noise of 2 codes
-    const Eigen::Vector2d way = -h.inverse() * b;
-    f += way;
+    const Eigen::Vector2d update = -h.inverse() * b;
+    f += update;
     if (!((f - flow_px).norm() < kFurthest_px)) return false;
-    if (way.norm() < kEnd_px) break;
+    if (update.norm() < kEnd_px) break;
   }
   flow_px = f;
   return true;
 }
 
+// Weighted centroid, px of the earlier picture, of the pixels that move with the flow f and not with the
+// static scene's flow r. Two hypotheses for pixel p: moving, d = after(p + f) - before(p); static, the larger
+// of after(p + r) - before(p) and, for the pixel that p would cover, after(p + f) - before(p + f - r).
+// Weight: min(static^2 - moving^2, 30^2) - 8^2, if positive.
 bool moved_middle(const GreyReader& before, const GreyReader& after, int left, int top, int right,
                   int bottom, const Eigen::Vector2d& flow_px, const Eigen::Vector2d& rest_px,
                   Eigen::Vector2d& middle) {
-  constexpr double kLeast = 8 * 8, kMost = 30 * 30;  // codes^2; no highlight shall decide alone
+  constexpr double kMin = 8 * 8,
+                   kMax = 30 * 30;  // codes^2; the maximum limits the weight of a highlight
   const auto square = [](double d) { return d * d; };
   Eigen::Vector2d sum(0, 0);
   double weight = 0;
   for (int v = std::max(top, 0); v <= std::min(bottom, before.height - 1); ++v) {
     for (int u = std::max(left, 0); u <= std::min(right, before.width - 1); ++u) {
       const Eigen::Vector2d p(u, v), stays = p + rest_px, goes = p + flow_px;
-      const Eigen::Vector2d under = goes - rest_px;  // what was where it goes
+      const Eigen::Vector2d under = goes - rest_px;  // static point that it would cover
       if (!after.holds(stays.x(), stays.y()) || !after.holds(goes.x(), goes.y()) ||
           !before.holds(under.x(), under.y()))
         continue;
@@ -87,7 +96,7 @@ bool moved_middle(const GreyReader& before, const GreyReader& after, int left, i
       const double there = after.between(goes.x(), goes.y());
       const double rests = std::max(square(after.between(stays.x(), stays.y()) - here),
                                     square(there - before.between(under.x(), under.y())));
-      const double w = std::min(rests - square(there - here), kMost) - kLeast;
+      const double w = std::min(rests - square(there - here), kMax) - kMin;
       if (w <= 0) continue;
       sum += w * p;
       weight += w;

@@ -1,9 +1,9 @@
-// Flow of single points: corners, followed from one picture to the next and back.
+// Sparse optical flow: corners tracked from one picture to the next and back.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Corners: J. Shi, C. Tomasi, "Good Features to Track", CVPR 1994. Followed by Lucas and Kanade's
-// method in pyramids of pictures (J.-Y. Bouguet, 2000), both OpenCV's. Finer than dense flow, for
-// fewer points: 0.1 px where there is a corner. px, pixel centres at integers.
+// Corners: J. Shi, C. Tomasi, "Good Features to Track", CVPR 1994. Tracked by the
+// pyramidal Lucas-Kanade method (J.-Y. Bouguet, 2000); both are OpenCV's. More accurate than dense flow,
+// for fewer points: 0.1 px at corners. px, pixel centres at integers.
 #pragma once
 
 #include <memory>
@@ -21,20 +21,20 @@ struct SparseFlowOptions {
   int max_points = 200;
   double min_quality = 0.01;     // of a corner, share of the best one's
   double min_separation_px = 8;  // from corner to corner
-  int window_px = 15;            // side of what is compared; odd, 5..51
-  int levels = 3;                // halved pictures beside the full one, 0..8
-  double max_return_px = 0.5;    // how far the way back may end from where it began
+  int window_px = 15;            // side of the compared window; odd, 5..51
+  int levels = 3;                // pyramid levels above the full picture, 0..8
+  double max_return_px = 0.5;    // maximum forward-backward error
 };
 
 struct FlowPoint {
   enum class Status {
     followed,
-    lost,          // left the picture, or nothing like it is there
-    inconsistent,  // the way back ends elsewhere
+    lost,          // left the picture, or no match
+    inconsistent,  // the forward-backward error is too large
   };
-  Eigen::Vector2f before, after;  // px; `after` means nothing where lost
+  Eigen::Vector2f before, after;  // px; `after` is undefined if lost
   Status status = Status::lost;
-  float return_px = 0;  // how far from `before` the way back ended; 0 where lost
+  float return_px = 0;  // forward-backward error; 0 if lost
 
   bool followed() const { return status == Status::followed; }
 };

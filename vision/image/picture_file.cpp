@@ -19,8 +19,7 @@
 namespace kaz::vision {
 namespace {
 
-constexpr std::uint64_t kMostPixels = std::uint64_t{1}
-                                      << 26;  // 200 MB: a short file may claim more
+constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 26;  // 200 MB: a short file may claim more
 constexpr std::size_t kLargestFile = std::size_t{256} << 20;
 
 using Bytes = std::span<const std::uint8_t>;
@@ -31,7 +30,7 @@ bool begins_with(Bytes bytes, std::initializer_list<std::uint8_t> magic) {
 
 bool valid_size(std::uint64_t width, std::uint64_t height) {
   return width >= 1 && height >= 1 && width <= kLargestPictureSide &&
-         height <= kLargestPictureSide && width * height <= kMostPixels;
+         height <= kLargestPictureSide && width * height <= kMaxPixels;
 }
 
 tl::unexpected<Error> bad(const std::string& name, const std::string& what) {

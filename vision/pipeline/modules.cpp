@@ -132,13 +132,13 @@ class IndependentMotionModule final : public Module {
       found = finder_.find(flow, before->images->left, images->left, &frame.of<DepthImage>("depth"),
                            moving);
     kept_.push_back({frame.info().sequence, images});
-    if (kept_.size() > kMostKept) kept_.erase(kept_.begin());
+    if (kept_.size() > kMaxKept) kept_.erase(kept_.begin());
     if (!found) return tl::unexpected(found.error());
     return std::any(std::move(moving));
   }
 
  private:
-  static constexpr std::size_t kMostKept = 6;
+  static constexpr std::size_t kMaxKept = 6;
   struct Kept {
     std::uint64_t sequence;
     std::shared_ptr<const StereoImages> images;

@@ -15,28 +15,28 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using FramePointer = std::shared_ptr<Frame>;
 
-// The last of many times.
+// The latest kMaxSamples durations, s.
 class Times {
  public:
   void add(double s) {
-    if (s_.size() < kMost) {
+    if (s_.size() < kMaxSamples) {
       s_.push_back(s);
     } else {
       s_[next_] = s;
     }
-    next_ = (next_ + 1) % kMost;
+    next_ = (next_ + 1) % kMaxSamples;
   }
-  void summary(double& median, double& p95, double& most) const {
+  void summary(double& median, double& p95, double& max) const {
     if (s_.empty()) return;
     std::vector<double> sorted = s_;
     std::sort(sorted.begin(), sorted.end());
     median = sorted[sorted.size() / 2];
     p95 = sorted[(sorted.size() * 95 + 99) / 100 - 1];
-    most = sorted.back();
+    max = sorted.back();
   }
 
  private:
-  static constexpr std::size_t kMost = 1000;
+  static constexpr std::size_t kMaxSamples = 1000;
   std::vector<double> s_;
   std::size_t next_ = 0;
 };

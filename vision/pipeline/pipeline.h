@@ -67,17 +67,17 @@ class Pipeline {
   template <class T>
   Result<void> subscribe(const std::string& module,
                          std::function<void(const Frame&, const T*, const Error*)> use);
-  // Hears of each delivery.
+  // Calls `use` for each delivery.
   void log(std::function<void(const Delivery&)> use);
 
-  // Never waits, though the pair's pixels may still be on their way.
+  // Never blocks, even if the pair's pixels are not available yet.
   void submit(StereoPair pair);
-  // Calls subscribers with what has become ready, and returns how much that was. In lockstep waits
-  // for what is due and not computed yet.
+  // Delivers all results that are ready to their subscribers and returns their number. In lockstep waits
+  // for results that are due and not computed yet.
   std::size_t poll(Time now);
 
-  // For the end of a stream, and for files: waits until nothing is under way and delivers all of it,
-  // whenever it was due. Pixels that never come would be waited for.
+  // For the end of a stream, and for files: waits until all frames are computed and delivers all results,
+  // whenever they were due. Blocks forever if a pair's pixels never arrive.
   std::size_t finish();
 
   // In the order they were added.

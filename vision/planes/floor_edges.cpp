@@ -20,7 +20,7 @@ struct FloorEdges::State {
 
 namespace {
 
-constexpr int kSpeck_px = 2;  // holes and specks up to twice that, and one, are nobody's border
+constexpr int kSpeck_px = 2;  // holes and specks up to 2 kSpeck_px + 1 wide are removed
 
 }  // namespace
 
@@ -42,6 +42,8 @@ Result<void> FloorEdges::sharpen(const Image& left, PlaneSegments& planes) {
       planes.height != left.height || planes.label.size() != pixels)
     return fail(Fault::usage, "floor edges: picture and planes are not of the same size");
 
+  // Labels that count as floor: floor segments whose middle is within step_m of the plane n . p + d = 0 of
+  // the largest one (optical frame, m). Label 0 is no segment; segment k has label k + 1.
   std::array<bool, 256> floor{};
   int largest = 0;
   for (std::size_t k = 0; k < planes.segments.size() && k < 255; ++k) {
@@ -58,7 +60,7 @@ Result<void> FloorEdges::sharpen(const Image& left, PlaneSegments& planes) {
     if (std::abs(above) > state_->options.step_m) floor[k + 1] = false;
   }
 
-  // Rows without floor near them stay out of it.
+  // Binary floor mask. Only rows within 2 reach of the floor are processed below.
   State& s = *state_;
   s.mask.create(left.height, left.width, CV_8U);
   const auto columns = static_cast<std::size_t>(left.width);
@@ -82,6 +84,8 @@ Result<void> FloorEdges::sharpen(const Image& left, PlaneSegments& planes) {
   const auto square = [](int reach_px) -> cv::Mat {
     return cv::Mat::ones(2 * reach_px + 1, 2 * reach_px + 1, CV_8U);
   };
+  // Markers: closing and opening remove holes and specks; pixels that survive erosion by `reach` are floor,
+  // those outside of the dilation by `reach` are not, and the band between is 0, undecided.
   cv::morphologyEx(mask, s.closed, cv::MORPH_CLOSE, square(kSpeck_px));
   cv::morphologyEx(s.closed, s.closed, cv::MORPH_OPEN, square(kSpeck_px));
   cv::erode(s.closed, s.inner, square(reach));
@@ -99,8 +103,8 @@ Result<void> FloorEdges::sharpen(const Image& left, PlaneSegments& planes) {
     std::uint8_t& label = planes.label[first + i];
     if (markers[i] == kFloor && !floor[label]) label = static_cast<std::uint8_t>(largest);
     if (markers[i] == kOther && floor[label]) label = 0;
-    // What lies between, one pixel wide, stays what it was; so does the picture's frame, which
-    // the watershed leaves out.
+    // The watershed line (-1), one pixel wide, and the picture's frame, which cv::watershed skips, keep
+    // their labels.
   }
   return {};
 }

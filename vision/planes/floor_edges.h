@@ -1,15 +1,15 @@
-// The floor's edges at the precision of a pixel: where the picture has them, near where depth does.
+// Refines the edges of the floor's segments to pixel precision on the picture.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Block matching shifts an edge between near and far by up to half a block, and where a box stands
-// on the floor depth has a bend that it sees only some pixels further up. What lies as far as that
-// from the border of the floor's segments is taken as undecided, and decided anew by the picture:
-// floor and all else grow into it from both sides, first where the picture changes least, and meet
-// where it changes most (F. Meyer, "Color image segmentation", IPA 1992; cv::watershed). Holes in
-// the depth of a floor, narrower than twice that, are closed.
+// on the floor depth has a bend that it detects only some pixels further up. Pixels within `reach_px` of
+// the border of the floor's segments are therefore undecided, and a marker-controlled watershed labels
+// them: floor and non-floor grow into the band from both sides, first where the colour gradient is small,
+// and meet where it is largest (F. Meyer, "Color image segmentation", IPA 1992; cv::watershed). Holes in
+// the floor narrower than 2 reach_px are closed.
 //
-// Where the floor and what stands on it look alike, and at a shadow's edge that near, the border
-// goes wrong by `reach_px` at most. What has depth on fewer than twice that across is lost.
+// Limitations: where the floor and an object on it have the same colour, or a shadow's edge is near, the
+// border is wrong by up to `reach_px`. Objects less than 2 reach_px wide are lost.
 #pragma once
 
 #include <memory>
@@ -22,7 +22,8 @@ namespace kaz::vision {
 
 struct FloorEdgeOptions {
   int reach_px = 8;  // half a block of depth, and one; 1..64
-  // Segments whose middle is farther from the plane of the largest are no floor here: a low step.
+  // m. Segments whose middle is farther than this from the plane of the largest floor segment are not
+  // treated as floor: a low step.
   double step_m = 0.01;
 };
 
@@ -33,10 +34,10 @@ class FloorEdges {
   FloorEdges(FloorEdges&&) noexcept;
   FloorEdges& operator=(FloorEdges&&) noexcept;
 
-  // `left`: the rectified picture that planes were found in. Changes `planes.label`, not what is
-  // known of the segments: pixels that become floor belong to the largest segment of it. Without
-  // floor nothing happens. Errors, after which nothing is changed: a picture of another size or cut
-  // short; options out of range.
+  // `left`: the rectified picture in which the planes were found. Changes `planes.label`, not the
+  // segments: pixels that become floor get the label of the largest floor segment. Does nothing
+  // without floor. Errors, after which nothing is changed: a picture of another size or cut short;
+  // options out of range.
   Result<void> sharpen(const Image& left, PlaneSegments& planes);
 
  private:

@@ -10,7 +10,7 @@
 // 2. Where votes crowd there is a plane. It is fitted to the points that lie on it.
 // 3. What lies on it and hangs together is a segment. The rest is voted on again, for more planes.
 // 4. The floor is what agrees with the plane under the sole of the supporting foot, from the
-//    posture at the moment of the picture.
+//    posture at the exposure of the picture.
 // Departures: points are means over squares of some 1/80 of the picture's width; planes are fitted,
 // and distances from them judged, in disparity, where the noise of stereo is the same near and far
 // (a plane in space is d = a u + b v + c there); each plane is voted on anew, so that a small one
@@ -51,7 +51,7 @@ struct PlaneSegment {
   double error_m = 0;     // the same across the plane
   int pixels = 0;
   int left = 0, top = 0, right = 0, bottom = 0;  // box in the picture, all four inside, px
-  // On the plane: middle of the points, directions of largest and least spread (unit), and how far
+  // On the plane: middle of the points, directions of largest and smallest spread (unit), and how far
   // the segment reaches along them, from middle to middle of its outermost squares: up to one and a
   // half of them a side less than it is.
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();

@@ -19,8 +19,8 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 
 bool long_run() {
-  const char* asked = std::getenv("KAZ_LONG");
-  return asked != nullptr && std::string(asked) == "1";
+  const char* value = std::getenv("KAZ_LONG");
+  return value != nullptr && std::string(value) == "1";
 }
 
 struct Room {
@@ -45,7 +45,7 @@ void add_box(Room& room, const Eigen::Isometry3d& eye_from_foot, double x, doubl
 
 // A robot that looks somewhere in a room: lens 0.22 to 0.32 m up, tilted 15 to 55 degrees down,
 // rolled up to 6. Its posture errs by half a degree and 3 mm (sigma), as servos and springs allow.
-// Without floor: what it stands on is out of sight, behind a step down or up, a ramp or a wall.
+// Scenes without visible floor under the feet: a step down or up, a ramp, a wall.
 Room make_room(std::uint64_t seed, bool with_floor, int width = 320) {
   Random random(seed * 2654435761U + (with_floor ? 1 : 2));
   const auto between = [&](double a, double b) { return a + (b - a) * random.uniform(); };

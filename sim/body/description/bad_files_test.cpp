@@ -9,10 +9,10 @@
 namespace kaz::sim {
 namespace {
 
-// A sound world with one of everything.
+// A valid world with one of each element.
 const char* const kValidWorld = R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf">
-  <world name="sound">
+  <world name="valid">
     <kaz:robot pose="0 0 0 0 0 0"/>
     <gravity>0 0 -9.81</gravity>
     <model name="floor">
@@ -54,7 +54,7 @@ const char* const kValidWorld = R"(<?xml version="1.0"?>
 
 struct Case {
   const char* name;
-  const char* find;  // in the sound file, once or first
+  const char* find;  // in the valid file, once or first
   const char* replace;
   int lines_down;       // the error is that many lines below the change
   const char* message;  // part of the sentence
@@ -68,7 +68,7 @@ void PrintTo(const Case& c, std::ostream* out) {
 std::pair<std::string, int> changed(std::string text, const Case& c) {
   const std::size_t at = text.find(c.find);
   if (at == std::string::npos) {
-    ADD_FAILURE() << "the sound file has no " << c.find;
+    ADD_FAILURE() << "the valid file has no " << c.find;
     return {text, 0};
   }
   text.replace(at, std::string(c.find).size(), c.replace);
@@ -117,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"far_away", "<origin xyz=\"-0.004 0 0.021\"/>", "<origin xyz=\"-4000 0 21\"/>", 0,
              "<origin> lies -4000 m away"},
         Case{"grams", "<mass value=\"0.550\"/>", "<mass value=\"550\"/>", 0,
-             "a mass of 550 kg; 100 kg is the most"},
+             "a mass of 550 kg; the maximum is 100 kg"},
         Case{"no_mesh", "<box size=\"0.05 0.084 0.02\"/>", "<mesh filename=\"pelvis.stl\"/>", 0,
              "mesh `pelvis.stl` cannot be read; check the path"},
         Case{"mesh_of_another_kind", "<box size=\"0.05 0.084 0.02\"/>",

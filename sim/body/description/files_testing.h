@@ -1,4 +1,4 @@
-// For tests: robot and world files, whole or with one thing changed.
+// For tests: robot and world files, unchanged or with one change.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -54,7 +54,7 @@ class Folder {
   std::filesystem::path path_;
 };
 
-// A world of a floor (mu 0.5) and whatever `models` says, the robot out of the way.
+// A world of a floor (mu 0.5) and the SDF text `models`, with the robot far from them.
 inline std::string world_text(const std::string& gravity, const std::string& models) {
   return R"(<?xml version="1.0"?>
 <sdf version="1.9" xmlns:kaz="urn:kaz:sdf"><world name="test">

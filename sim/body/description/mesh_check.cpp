@@ -1,7 +1,7 @@
-// Whether a mesh that a robot file names can be read at all.
+// Checks that a mesh file named in a robot file is readable.
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/base/files.hpp"
 #include "sim/body/description/mesh_check.h"
+#include "shared/base/files.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -1,4 +1,4 @@
-// Whether a mesh that a robot file names can be read at all.
+// Checks that a mesh file named in a robot file is readable.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace kaz::sim {
 
-// What is wrong with it, as the end of a sentence; nothing if it looks sound. It is read in full
+// The error of a mesh file, as the end of a sentence; nullopt if its header is valid. It is read in full
 // only where pictures are drawn (sim/view/model/mesh.h).
 std::optional<std::string> mesh_error(const std::string& path);
 

@@ -1,4 +1,4 @@
-// The motor file: figures of the gear motor that drives each joint.
+// The motor file: parameters of the gear motor that drives each joint.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/motor_file.h"
 
@@ -26,7 +26,7 @@ struct Param {
 };
 
 constexpr double kColdest = -273.15;
-// Far beyond any motor, and near enough that ratios of them stay numbers: resistance_ohm().
+// Bounds of parameters: far beyond any motor's, and such that ratios of them are finite (resistance_ohm()).
 constexpr double kSmallest = 1e-12, kLargest = 1e9;
 constexpr std::array<Param, 13> kParams{{
     {"stall_slope", &MotorParams::stall_slope_nm_per_v, 0, false},
@@ -157,7 +157,7 @@ Result<MotorParams> load_motor_file(const std::string& path, const std::string& 
 std::string motor_file_text(const MotorParams& motor, const std::string& about) {
   std::string comment = about;
   for (auto at = comment.find("--"); at != std::string::npos; at = comment.find("--", at))
-    comment[at + 1] = ' ';  // XML's comments must not have it
+    comment[at + 1] = ' ';  // "--" is not allowed in XML comments
   const std::string name = xml_text(motor.name);
   std::string text = "<?xml version=\"1.0\"?>\n<!-- " + comment + " -->\n<motors default=\"" +
                      name + "\">\n  <motor name=\"" + name + "\">\n";

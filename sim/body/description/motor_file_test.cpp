@@ -1,4 +1,4 @@
-// The motor file: its figures give what the paper measured; errors name file and line.
+// The motor file: its parameters reproduce the paper's measurements; errors name file and line.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/motor_file.h"
 
@@ -91,7 +91,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"typing_error",
              "<motors default='a'>\n<motor name='a'>\n<fricton value='1'/>\n"
              "</motor></motors>",
-             ":3: unknown element <fricton> in <motor>; see docs/reference/robot.md for those it takes"},
+             ":3: unknown element <fricton> in <motor>; see docs/reference/robot.md for those it "
+             "takes"},
         Case{"no_number",
              "<motors default='a'>\n<motor name='a'>\n<friction value='0,1'/>\n"
              "</motor></motors>",

@@ -1,5 +1,4 @@
-// One rigid part as the files describe it: what it weighs, what it touches with, what it looks
-// like.
+// A rigid part as the files describe it: mass properties, collision shapes, visual shapes.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/rigid_link.h"
 
@@ -68,7 +67,7 @@ bool physical(double mass, const Eigen::Matrix3d& inertia) {
   if (!(mass > 0)) return false;
   const Eigen::Vector3d moments =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
-  // Files round their figures: allow the triangle inequality that much.
+  // Numbers in files are rounded: the triangle inequality may be violated by 1 %.
   return moments[0] > 0 && moments[2] <= 1.01 * (moments[0] + moments[1]);
 }
 

@@ -1,5 +1,4 @@
-// One rigid part as the files describe it: what it weighs, what it touches with, what it looks
-// like.
+// A rigid part as the files describe it: mass properties, collision shapes, visual shapes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,8 +11,8 @@
 
 namespace kaz::sim {
 
-// How a shape touches. Of a pair: the smaller mu, the sum of the softnesses, the larger restitution
-// with its threshold, the larger rolling resistance.
+// Contact parameters of a shape. A pair has the smaller mu, the sum of the softnesses, the larger restitution
+// with its threshold, and the larger rolling resistance.
 struct Surface {
   double mu = 1.0;                // Coulomb friction
   double softness = 0;            // m/s per N: ODE's soft contact CFM
@@ -37,14 +36,14 @@ struct RigidLink {
   std::vector<Visual> visuals;  // in_frame: in the link's frame; frame is not set yet
 };
 
-// Adds a part fixed to `link` at `in_link`: mass, inertia, shapes and looks.
+// Adds a part fixed to `link` at `in_link`: mass, inertia, collision and visual shapes.
 void weld(RigidLink& link, const RigidLink& part, const Eigen::Isometry3d& in_link);
 
-// Box that holds the shape, in the frame that `pose` maps to. Planes have no extent.
+// Axis-aligned bounding box of the shape, in the frame that `pose` maps to. Planes have none.
 Eigen::AlignedBox3d extent(const Shape& shape, const Eigen::Isometry3d& pose);
 
-// Whether a body can have this mass and inertia: positive, and no principal moment above the sum of
-// the other two.
+// Whether mass and inertia are physically valid: mass and principal moments positive, and no principal moment
+// above the sum of the other two.
 bool physical(double mass, const Eigen::Matrix3d& inertia);
 
 }  // namespace kaz::sim

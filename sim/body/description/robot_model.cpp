@@ -1,4 +1,4 @@
-// The robot as its URDF describes it, in the terms that the dynamics needs.
+// The robot as its URDF describes it, in the form that the dynamics needs.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/robot_model.h"
 
@@ -14,11 +14,11 @@
 namespace kaz::sim {
 namespace {
 
-// The softness with which the gait was found repeatable (a static sinkage of 0.25 mm). Where the
-// file gives no friction, it is above that of any floor, so that the floor's decides.
+// Default softness, with which the gait was repeatable (static sinkage of 0.25 mm). Default friction: above
+// that of any floor, so that the floor's counts (the smaller mu of a pair).
 constexpr Surface kRobotSurface{.mu = 1.0, .softness = 5e-3};
 
-// The check lets a joint of Kaz's table stand beside its seventeen others only.
+// check_urdf() accepts a joint of Kaz's table only together with the seventeen others.
 bool is_kaz(const std::vector<std::string>& joints) {
   return std::find(joints.begin(), joints.end(), joint_names().front()) != joints.end();
 }
@@ -93,8 +93,7 @@ class Reader {
     return add_children(link, index, Eigen::Isometry3d::Identity());
   }
 
-  // `in_carrier` is the pose of `link` in links[carrier], which is another one if `link` is welded
-  // to it.
+  // `in_carrier`: pose of `link` in links[carrier]; that is another link if `link` is welded to it.
   Result<void> add_children(const urdf::Link& link, int carrier,
                             const Eigen::Isometry3d& in_carrier) {
     for (const auto& joint : link.child_joints) {
@@ -165,7 +164,8 @@ class Reader {
   }
 
   const urdf::ModelInterface& model_;
-  std::vector<std::string> joints_;         // revolute ones, in the order they get
+  std::vector<std::string>
+      joints_;  // names of the revolute joints, in the order of RobotModel::joints
   std::map<std::string, double> friction_;  // by link
   std::string path_;
   std::filesystem::path folder_;
@@ -214,11 +214,11 @@ Eigen::AlignedBox3d RobotModel::extent() const {
 Result<RobotModel> load_robot(const std::string& urdf_path) {
   auto facts = check_urdf(urdf_path);
   if (!facts) return tl::unexpected(facts.error());
-  // The very bytes that were checked.
+  // The bytes that were checked, in case the file changes meanwhile.
   urdf::ModelInterfaceSharedPtr model;
   try {
     model = urdf::parseURDF(facts->text);
-  } catch (const std::exception&) {  // as if it had refused
+  } catch (const std::exception&) {  // treated as a parse error
   }
   if (!model) {
     return fail(Fault::usage,

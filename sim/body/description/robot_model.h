@@ -1,8 +1,8 @@
-// The robot as its URDF describes it, in the terms that the dynamics needs.
+// The robot as its URDF describes it, in the form that the dynamics needs.
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a robot file must have: docs/reference/robot.md. Links that hang on fixed joints are welded to the
-// link that carries them; their frames stay known by name.
+// What a robot file must have: docs/reference/robot.md. Links at fixed joints are merged with the link
+// that carries them; their frames remain known by name.
 #pragma once
 
 #include <array>
@@ -50,7 +50,7 @@ struct RobotModel {
   std::vector<std::string> joint_order() const;
   // Link that carries both eyes; -1 if there is none.
   int eyes_link() const;
-  // Of the collision shapes at the zero posture, in the root link's frame.
+  // Bounding box of the collision shapes at the zero posture, in the root link's frame.
   Eigen::AlignedBox3d extent() const;
 };
 

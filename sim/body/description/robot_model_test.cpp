@@ -37,7 +37,7 @@ TEST_F(Kaz, StandsThirtyFourCentimetresTall) {
 }
 
 TEST_F(Kaz, HasItsCentreOfMassBetweenHips) {
-  // kaz-model: straight, 0.1705 above the sole, which the figures of the link table give.
+  // kaz-model: straight, 0.1705 above the sole, computed from the link table.
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const RobotLink& link : robot_.links)
     sum += link.rigid.mass * (link.at_zero * link.rigid.com);

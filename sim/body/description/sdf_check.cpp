@@ -1,4 +1,4 @@
-// Finds what is wrong with a world file before the parser sees it, so that its line can be named.
+// Validates a world file before the parser reads it, so that errors have a line number.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/sdf_check.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 using Element = tinyxml2::XMLElement;
 
-// What may stand in what. Some names stand in several places, so keys are the ends of paths.
+// Allowed child elements. Some names occur in several places, so keys are the ends of paths.
 const std::map<std::string, std::set<std::string>> kChildren{
     {"sdf", {"world"}},
     {"world", {"gravity", "model", "kaz:light", "kaz:robot"}},
@@ -41,7 +41,7 @@ const std::map<std::string, std::set<std::string>> kChildren{
     {"contact/ode", {"soft_cfm"}},
 };
 
-// What SDF would quietly fill in: a sphere of 1 m, a nameless part.
+// Required children, for which SDF would silently use defaults: a sphere of 1 m, a nameless part.
 const std::map<std::string, std::set<std::string>> kNeeded{
     {"box", {"size"}},
     {"capsule", {"radius", "length"}},
@@ -52,7 +52,7 @@ const std::map<std::string, std::set<std::string>> kNeeded{
 };
 const std::set<std::string> kNamed{"world", "model", "link", "visual", "collision"};
 
-// Beyond it no number is accepted, so that no product of a few of them overflows.
+// Maximum of all numbers, so that products of a few of them do not overflow.
 constexpr double kLargest = 1e300;
 
 // Elements whose text is numbers: how many, and their bounds.
@@ -85,7 +85,7 @@ const std::map<std::string, Numbers> kNumbers{
     {"threshold", {1, 0}},
 };
 
-// Our own elements: attributes that hold numbers.
+// Our own elements: numeric attributes.
 struct OwnAttribute {
   const char* element;
   const char* attribute;
@@ -101,12 +101,12 @@ const OwnAttribute kOwn[] = {
     {"kaz:rolling_resistance", "metres", {1, 0}},
 };
 
-// The parser's time grows with their square.
+// The parser's time grows with the square of their number.
 constexpr std::size_t kMaxModels = 500;
 
 const std::set<std::string> kTextures{"checker", "wood", "carpet"};
 
-// How <ode> in <contact> is called in the tables: contact/ode.
+// Name of an element in the tables: of <ode> in <contact> contact/ode.
 template <class Table>
 auto look_up(const Table& table, const Element& element) {
   const std::string name = element.Name();
@@ -226,7 +226,8 @@ class Check {
         return error(element, "<" + name + "> must hold one <geometry> with one shape");
       }
     }
-    if (name == "kaz:light") {  // the renderer's limit: shadows of a lower lamp are endless
+    if (name ==
+        "kaz:light") {  // the renderer's limit: shadows of a lower lamp are too long for its map
       const auto to = parse_numbers(element.Attribute("to_lamp"), 3).value();
       if (!(to[2] > 0.05 * std::hypot(to[0], to[1], to[2])))
         return error(element, "<kaz:light> needs a lamp 3 degrees or more above the floor");
@@ -263,7 +264,7 @@ class Check {
     return {};
   }
 
-  // SDF gives a link without <inertial> a mass of 1 kg: no ball is meant to weigh that.
+  // SDF's default for a link without <inertial> is 1 kg, which is wrong for any ball: it must be explicit.
   Result<void> check_inertial(const Element& link) {
     const Element* inertial = link.FirstChildElement("inertial");
     if (inertial == nullptr) {
@@ -277,7 +278,7 @@ class Check {
       const Element* e = inertia->FirstChildElement(moment);
       return e ? e->DoubleText() : otherwise;
     };
-    Eigen::Matrix3d tensor;                              // as SDF fills it up
+    Eigen::Matrix3d tensor;                              // with the defaults of SDF
     tensor << of("ixx", 1), of("ixy", 0), of("ixz", 0),  //
         of("ixy", 0), of("iyy", 1), of("iyz", 0),        //
         of("ixz", 0), of("iyz", 0), of("izz", 1);

@@ -1,5 +1,4 @@
-// Finds elements of a world file that this simulator does not take, so that none is
-// ignored in silence.
+// Validates a world file: unsupported elements are errors, none is silently ignored.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,8 +8,8 @@
 
 namespace kaz::sim {
 
-// Elements, numbers, names and masses, against the subset of docs/reference/worlds.md: an element that is not
-// taken is an error, so that none is ignored in silence.
+// Checks elements, numbers, names and masses against the subset of SDF in docs/reference/worlds.md. Errors
+// name file and line.
 Result<void> check_sdf(const std::string& path);
 
 }  // namespace kaz::sim

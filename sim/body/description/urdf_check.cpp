@@ -1,4 +1,4 @@
-// Finds what is wrong with a URDF before the parser sees it: that one reports no lines.
+// Validates a URDF before the parser reads it, which reports no line numbers.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/urdf_check.h"
 
@@ -19,8 +19,8 @@ namespace {
 
 using Element = tinyxml2::XMLElement;
 
-// Elements a robot file may hold, by parent. Those with an empty entry are leaves or are not looked
-// into.
+// Allowed elements of a robot file, by parent. Those with an empty entry are leaves, or their children are
+// not checked.
 const std::map<std::string, std::set<std::string>> kChildren{
     {"robot", {"link", "joint", "material", "transmission", "gazebo"}},
     {"link", {"inertial", "visual", "collision"}},
@@ -53,10 +53,10 @@ constexpr NumberAttribute kNumbers[] = {
     {"limit", "effort"},    {"limit", "velocity"},
 };
 
-// Sizes that no robot on a desk has are slips of the pen: millimetres for metres.
+// Bounds against wrong units, such as millimetres for metres.
 constexpr double kLargest = 10;    // m
 constexpr double kHeaviest = 100;  // kg
-// The tree is walked recursively here, by the parser, and by the dynamics.
+// Maximum depth: the tree is traversed recursively here, in the parser and in the dynamics.
 constexpr std::size_t kMaxLinks = 500;
 
 class Check {
@@ -141,12 +141,12 @@ class Check {
       const std::vector<double> places = *parse_numbers(e.Attribute("xyz"), 3);
       for (const double place : places) {
         if (std::abs(place) > kLargest)
-          return file_.error(e, "<origin> lies " + format(place) + " m away; 10 m is the most");
+          return file_.error(e, "<origin> lies " + format(place) + " m away; the maximum is 10 m");
       }
     }
     if (name == "mass" && e.DoubleAttribute("value") > kHeaviest) {
       return file_.error(
-          e, "a mass of " + format(e.DoubleAttribute("value")) + " kg; 100 kg is the most");
+          e, "a mass of " + format(e.DoubleAttribute("value")) + " kg; the maximum is 100 kg");
     }
     return name == "mesh" ? mesh(e) : Result<void>();
   }
@@ -155,8 +155,8 @@ class Check {
     const auto name = file_.attribute(e, "filename");
     if (!name) return tl::unexpected(name.error());
     const auto path = std::filesystem::path(file_.path()).parent_path() / *name;
-    if (const auto trouble = mesh_error(path.string()))
-      return file_.error(e, "mesh `" + *name + "` " + *trouble);
+    if (const auto error = mesh_error(path.string()))
+      return file_.error(e, "mesh `" + *name + "` " + *error);
     return {};
   }
 
@@ -166,7 +166,7 @@ class Check {
     return text;
   }
 
-  // <gazebo reference="link"><mu1> is how Gazebo is told, too. One friction for all directions.
+  // Friction of a link: <gazebo reference="link"><mu1>, as Gazebo reads it; the same in all directions.
   Result<void> surfaces() {
     for (auto* e = file_.root().FirstChildElement("gazebo"); e;
          e = e->NextSiblingElement("gazebo")) {
@@ -287,7 +287,7 @@ class Check {
       std::string at = name;
       for (std::size_t steps = 0; parent_of_.count(at); ++steps) {
         if (steps > links_.size()) {
-          // `at` is on the loop: named is the joint of it that comes first in the file.
+          // `at` is on the loop. The error names the loop's first joint in the file.
           const Element* first = joint_to_.at(at);
           for (std::size_t i = 0; i < steps; ++i, at = parent_of_.at(at)) {
             if (joint_to_.at(at)->GetLineNum() < first->GetLineNum()) first = joint_to_.at(at);
@@ -332,7 +332,7 @@ class Check {
     return {};
   }
 
-  // A robot with one joint of Kaz is a Kaz, and needs them all and no others.
+  // A robot with any joint of Kaz's table is a Kaz: it must have all of them and no others.
   Result<void> check_table() {
     const std::set<std::string> table(joint_names().begin(), joint_names().end());
     const auto of_kaz = [&](const Element* joint) {

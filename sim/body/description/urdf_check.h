@@ -1,4 +1,4 @@
-// Finds what is wrong with a URDF before the parser sees it: that one reports no lines.
+// Validates a URDF before the parser reads it, which reports no line numbers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,10 +10,10 @@
 
 namespace kaz::sim {
 
-// A root link of this name never moves: the robot is fixed where the world puts it.
+// A root link of this name is fixed at the robot's pose in the world.
 inline constexpr const char* kFixedRoot = "world";
 
-// What the file says and the parser does not tell.
+// Contents of the file that the parser does not return.
 struct UrdfFacts {
   std::vector<std::string> revolute;       // names of joints, in the order of the file
   std::map<std::string, double> friction;  // by link: mu of its surfaces

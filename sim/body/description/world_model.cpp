@@ -1,4 +1,4 @@
-// What stands around the robot, as the SDF world describes it.
+// The robot's environment as the SDF world describes it.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/world_model.h"
 
@@ -35,7 +35,7 @@ double value_at(sdf::ElementPtr element, std::initializer_list<const char*> path
   return element->Get<double>();
 }
 
-// Attributes of our own elements. The parser keeps them as text; check_sdf has found them sound.
+// Attributes of our own elements. The parser keeps them as text; check_sdf() has validated them.
 std::vector<double> numbers(const sdf::ElementPtr& element, const char* attribute,
                             std::size_t count) {
   return parse_numbers(element->GetAttribute(attribute)->GetAsString(), count).value();
@@ -157,12 +157,12 @@ void add(const sdf::Model& model, WorldModel& out) {
   }
 }
 
-// Of a message of several lines the first.
+// First line of a message.
 std::string line_of(const std::string& message) {
   return message.substr(0, message.find('\n'));
 }
 
-// One sentence of the parser's list: the first that knows its line, since that is a precise one.
+// One of the parser's errors: the first with a line number, as that is the most precise.
 tl::unexpected<Error> first_of(const sdf::Errors& errors, const std::string& path) {
   for (const sdf::Error& e : errors) {
     if (e.LineNumber()) {
@@ -181,9 +181,9 @@ Result<WorldModel> load_world(const std::string& sdf_path) {
   config.SetUnrecognizedElementsPolicy(sdf::EnforcementPolicy::ERR);
   config.SetWarningsPolicy(sdf::EnforcementPolicy::ERR);
   config.SetDeprecatedElementsPolicy(sdf::EnforcementPolicy::ERR);
-  // Nothing is looked for outside the file: no model paths, no downloads.
+  // No external resources: no model paths, no downloads.
   config.SetFindCallback([](const std::string&) { return std::string(); });
-  // It prints what it also returns.
+  // The parser also prints its errors: silence it.
   sdf::Console::Instance()->SetQuiet(true);
   sdf::Root root;
   try {

@@ -1,5 +1,4 @@
-// What stands around the robot, as the SDF world describes it. The subset that is taken:
-// docs/reference/worlds.md.
+// The robot's environment as the SDF world describes it. Supported subset: docs/reference/worlds.md.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,7 +12,7 @@
 
 namespace kaz::sim {
 
-// A flick: at that time the velocity is added to what the object has.
+// At `time` the velocity is added to that of the object.
 struct Kick {
   double time_s = 0;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, world axes

@@ -49,13 +49,13 @@ TEST_P(OurWorld, PassesTheChecksOfTheFormat) {
 TEST(Props, ComeToRestAndStay) {
   const auto world = test::load_or_fail("sim/worlds/props.sdf", {});
   ASSERT_TRUE(world);
-  const char* const things[] = {"block_1", "block_4", "block_7", "block_8", "can_1", "can_2"};
+  const char* const objects[] = {"block_1", "block_4", "block_7", "block_8", "can_1", "can_2"};
   test::run(*world, 0.5);
   std::vector<Eigen::Vector3d> before;
-  for (const char* thing : things) before.push_back(world->object_position(thing).value());
+  for (const char* object : objects) before.push_back(world->object_position(object).value());
   test::run(*world, 0.4);  // the ball is flicked after that
   for (std::size_t i = 0; i < before.size(); ++i) {
-    EXPECT_EQ(world->object_position(things[i]).value(), before[i]) << things[i];
+    EXPECT_EQ(world->object_position(objects[i]).value(), before[i]) << objects[i];
   }
 }
 

@@ -1,4 +1,4 @@
-// Reads an XML file so that whatever is wrong with it can be said with file and line.
+// Reads an XML file; errors name file and line.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/xml_file.h"
 
@@ -34,7 +34,7 @@ Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_n
     return file.error(file.document_->ErrorLineNum(),
                       "is not well-formed XML (" + what + "); check tags and quotes there");
   }
-  // urdfdom and sdformat do not read what comes behind one.
+  // urdfdom and sdformat ignore everything after it.
   for (const tinyxml2::XMLNode* node = file.document_->FirstChild(); node != nullptr;
        node = node->NextSibling()) {
     if (node->ToUnknown() != nullptr)

@@ -1,4 +1,4 @@
-// Reads an XML file so that whatever is wrong with it can be said with file and line.
+// Reads an XML file; errors name file and line.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -23,15 +23,15 @@ class XmlFile {
   const std::string& path() const { return path_; }
   const tinyxml2::XMLElement& root() const { return *document_->RootElement(); }
 
-  // "path:line: message", an unusable input file.
+  // Error "path:line: message" of an invalid input file.
   tl::unexpected<Error> error(int line, const std::string& message) const;
   tl::unexpected<Error> error(const tinyxml2::XMLElement& at, const std::string& message) const {
     return error(at.GetLineNum(), message);
   }
 
-  // Attribute that must be there.
+  // Value of a required attribute.
   Result<std::string> attribute(const tinyxml2::XMLElement& element, const char* name) const;
-  // Attribute that must be there and hold one finite number.
+  // Value of a required attribute, one finite number.
   Result<double> number(const tinyxml2::XMLElement& element, const char* name) const;
 
   // The bytes that were parsed.
@@ -45,7 +45,7 @@ class XmlFile {
   std::unique_ptr<tinyxml2::XMLDocument> document_;
 };
 
-// Exactly `count` finite numbers separated by blanks, or nothing. Independent of the locale.
+// Parses exactly `count` finite numbers separated by blanks; nullopt otherwise. Independent of the locale.
 std::optional<std::vector<double>> parse_numbers(const std::string& text, std::size_t count);
 
 }  // namespace kaz::sim

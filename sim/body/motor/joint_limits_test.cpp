@@ -139,9 +139,9 @@ TEST(SoftLimits, RawDriveDoesNotDriveAJointPastThem) {
           }
           EXPECT_LT(limb.overshoot(), margin(volts))
               << "joint " << joint << ", " << inertia << " kg m2, " << volts << " V, duty " << duty;
-          const double way = duty > 0 ? limb.state().upper * unit - limb.angle()
-                                      : limb.angle() - limb.state().lower * unit;
-          EXPECT_LT(way, 0.1) << "it does not get there";
+          const double remaining = duty > 0 ? limb.state().upper * unit - limb.angle()
+                                            : limb.angle() - limb.state().lower * unit;
+          EXPECT_LT(remaining, 0.1) << "it does not get there";
           worst = std::max(worst, limb.overshoot());
           fastest = std::max(fastest, limb.fastest());
         }

@@ -1,4 +1,4 @@
-// World on ODE: forces on links and in joints, from the feedback that ODE gives.
+// World on ODE: forces on links and in joints, from ODE's joint feedback.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
@@ -18,7 +18,8 @@ void OdeWorld::keep_frames() {
   for (std::size_t i = 0; i < robot_links_; ++i) frames_before_[i] = body_pose(static_cast<int>(i));
 }
 
-// Feedback is a force at the centre of mass and a moment about it, of the body named.
+// Sums contact forces per link of the robot. ODE's feedback of body 1 and 2 is the force and the moment about
+// that body's centre of mass c, world frame; at the contact point p the moment is M_p = M_c - (p - c) x F.
 void OdeWorld::measure_forces() {
   std::ranges::fill(link_forces_, LinkForce{});
   for (const Watched& row : watched_) {
@@ -29,7 +30,7 @@ void OdeWorld::measure_forces() {
     const bool a = of_robot(touch.body_a), b = of_robot(touch.body_b);
     if (a == b) continue;
     const auto link = static_cast<std::size_t>(a ? touch.body_a : touch.body_b);
-    // The first body is b where a does not move.
+    // If a is static, ODE's first body is b.
     const bool first = a || touch.body_a < 0;
     const Vector3d force = to_eigen(first ? row.feedback.f1 : row.feedback.f2);
     const Vector3d about_com = to_eigen(first ? row.feedback.t1 : row.feedback.t2);
@@ -42,6 +43,8 @@ void OdeWorld::measure_forces() {
   measure_loads();
 }
 
+// Force and moment that each joint transmits to its child, in the child's frame, about the link's origin:
+// hinge and motor together, M_o = M_c + c x F with the centre of mass c.
 void OdeWorld::measure_loads() {
   joint_loads_.resize(watch_loads_ ? ode_joints_.size() : 0);
   for (std::size_t i = 0; i < joint_loads_.size(); ++i) {

@@ -16,9 +16,9 @@ constexpr double kErp = 0.2;
 constexpr double kCfm = 1e-8;
 constexpr double kQuickStepOverRelaxation = 1.3;
 constexpr double kMotionToAlign = 1e-4;  // m/s
-// Where bodies lie or fall together, rows of contacts are satisfied without a force, to the last bit:
-// the exact solver finds no next step among them ("LCP internal error, s <= 0") and leaves out all
-// forces. Each point wants to part at a speed of its own, too small to matter.
+// Where bodies rest or fall together, contact rows are satisfied exactly without force. The exact LCP solver
+// is then degenerate, fails ("LCP internal error, s <= 0") and applies no forces. Target separation
+// velocities that differ from contact to contact, negligibly small, break the tie.
 constexpr double kTieBreak = 1e-11;  // m/s
 
 std::mutex& ode_mutex() {
@@ -42,7 +42,7 @@ OdeWorldHandle make_world(const Eigen::Vector3d& gravity, int iterations) {
   return world;
 }
 
-// What ODE is told of a point of contact. `motion`: of a against b, m/s.
+// ODE's parameters of a contact point. `motion`: velocity of a relative to b, m/s, world frame.
 dContact contact_of(const Touch& touch, const Eigen::Vector3d& motion, double min_softness,
                     double step_s) {
   dContact contact{};
@@ -67,7 +67,8 @@ dContact contact_of(const Touch& touch, const Eigen::Vector3d& motion, double mi
   contact.surface.rho = surface.rolling_resistance;
   contact.surface.rho2 = surface.rolling_resistance;
   contact.surface.rhoN = surface.rolling_resistance;
-  // ODE bounds each axis of the contact by itself: along the motion, or the path would bend.
+  // ODE bounds the friction along each axis separately. The first axis is aligned with the motion, else a
+  // rolling body would follow a curve.
   if (motion.norm() > kMotionToAlign) {
     contact.surface.mode |= dContactFDir1;
     Eigen::Vector3d along = motion - touch.normal * touch.normal.dot(motion);
@@ -78,7 +79,9 @@ dContact contact_of(const Touch& touch, const Eigen::Vector3d& motion, double mi
   return contact;
 }
 
-// `shear`: of a against b. Where a does not move, ODE takes b for the first body and turns the normal.
+// Tangential contact compliance: a spring for the shear s (m, of a relative to b, world frame) as a target
+// velocity -ERP s / step along two tangents, with the softness as slip. If a is static, ODE takes b as the
+// first body and inverts the normal, so the signs change.
 void add_shear(dContact& contact, const Touch& touch, const Eigen::Vector3d& shear, double step_s) {
   const double side = touch.body_a < 0 ? -1 : 1;
   const Eigen::Vector3d along = touch.normal.unitOrthogonal();
@@ -103,7 +106,7 @@ OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const Motor
                    const WorldOptions& options, int iterations)
     : StagedWorld(world, robot, motor, options),
       iterations_(iterations),
-      // ODE's generator has 32 bits.
+      // The seed folded to the 32 bits of ODE's generator.
       random_state_((options.seed ^ (options.seed >> 32)) & 0xffffffffu),
       ode_(make_world(world.gravity, iterations)),
       contact_rows_(dJointGroupCreate(0)),
@@ -141,7 +144,7 @@ void OdeWorld::make_bodies() {
   }
 }
 
-// Bodies are in the order of the links, the root's first.
+// Fixes the root link to the world. Bodies are in the order of the links, the root's first.
 void OdeWorld::hang() {
   const dJointID hook = dJointCreateFixed(ode_.get(), nullptr);
   dJointAttach(hook, ode_bodies_.front(), nullptr);
@@ -171,8 +174,8 @@ void OdeWorld::build_joint(const RobotModel& robot, std::size_t number) {
   dJointSetHingeParam(out.hinge, dParamStopERP, erp_for(step_s_, kStopErp));
   dJointSetHingeParam(out.hinge, dParamStopCFM, softness_for(step_s_, kStopErp, kStopSoftness));
 
-  // The motor is a row of its own: ODE would replace a hinge's motor by its stop, and push without
-  // limit.
+  // The motor is a separate constraint: at a stop ODE replaces a hinge's own motor by the stop's row,
+  // which is without force limit.
   out.motor = dJointCreateAMotor(ode_.get(), nullptr);
   dJointAttach(out.motor, out.child, parent);
   dJointSetAMotorMode(out.motor, dAMotorUser);
@@ -198,7 +201,7 @@ int OdeWorld::find_contacts() {
   return static_cast<int>(contacts_.touches().size());
 }
 
-// Replaces the rows of the last step.
+// Replaces the contact rows of the previous step.
 void OdeWorld::make_contact_rows() {
   dJointGroupEmpty(contact_rows_.get());
   watched_.clear();
@@ -243,15 +246,16 @@ std::vector<ContactPoint> OdeWorld::contacts() const {
   points.reserve(watched_.size());
   for (const Watched& row : watched_) {
     const Eigen::Vector3d force = to_eigen(row.feedback.f1);
-    // The feedback is b's where a does not move.
+    // If a is static, the feedback is that of b.
     points.push_back({contacts_.name(row.touch.shape_a), contacts_.name(row.touch.shape_b),
                       row.touch.at, row.touch.body_a < 0 ? Eigen::Vector3d(-force) : force});
   }
   return points;
 }
 
-// A motor that presses its joint against a stop is a torque instead of a row: two rows about one axis, one
-// of them rigid, are what iterations settle slowest, and the joint trembles by several rad/s between them.
+// A motor that presses its joint against a stop is applied as a torque, Nm, instead of a row: the iterative
+// solver converges slowly for two rows about one axis of which one is rigid, and the joint would jitter by
+// several rad/s.
 void OdeWorld::drive(std::size_t number) {
   Joint& joint = ode_joints_[number];
   const JointMotor::Row& row = rows_[number];
@@ -267,8 +271,8 @@ void OdeWorld::drive(std::size_t number) {
   set_row(joint.motor, row);
 }
 
-// ODE's motors push and pull alike; what only pushes is a stop. A stop's goal is ERP * way / step, and
-// its ERP may be negative.
+// Writes a row to an ODE motor. ODE's motors act in both directions, so a one-sided row becomes a stop.
+// A stop's target velocity is ERP * violation / step, and its ERP may be negative.
 void OdeWorld::set_row(dJointID motor, const JointMotor::Row& row) const {
   const bool low = row.min == 0 && row.max > 0, high = row.max == 0 && row.min < 0;
   dJointSetAMotorParam(motor, dParamLoStop, low ? 0 : -dInfinity);
@@ -286,6 +290,7 @@ void OdeWorld::set_row(dJointID motor, const JointMotor::Row& row) const {
   dJointSetAMotorParam(motor, dParamStopCFM, row.softness);
 }
 
+// One step by the exact solver, or by QuickStep with this world's state of ODE's global generator.
 void OdeWorld::solve() {
   if (iterations_ == 0) {
     dWorldStep(ode_.get(), step_s_);
@@ -299,7 +304,8 @@ void OdeWorld::solve() {
   dRandSetSeed(others);
 }
 
-// Of the step that is over: ODE moves bodies in the call that finds their velocities.
+// Checks the velocities of the step just done: ODE integrates positions in the same call, so they cannot be
+// checked before.
 void OdeWorld::check_solver() {
   for (std::size_t i = 0; i < joint_states_.size(); ++i) {
     if (!joint_can_turn(i, joint_states_[i].velocity)) return;
@@ -354,7 +360,7 @@ void OdeWorld::read_joints() {
   }
 }
 
-// Of the sensor's place, world axes.
+// Velocity of the IMU's origin, m/s, world frame: v = v_com + w x (p - p_com).
 Eigen::Vector3d OdeWorld::imu_velocity() const {
   const dBodyID id = body(imu_frame_.link);
   if (id == nullptr) return Eigen::Vector3d::Zero();
@@ -364,6 +370,8 @@ Eigen::Vector3d OdeWorld::imu_velocity() const {
   return to_eigen(dBodyGetLinearVel(id)) + to_eigen(dBodyGetAngularVel(id)).cross(arm);
 }
 
+// Ideal IMU in its own frame: angular velocity, rad/s, and specific force f = (v - v_before) / step - g,
+// m/s^2.
 void OdeWorld::read_imu(const Eigen::Vector3d& velocity_before) {
   const dBodyID id = body(imu_frame_.link);
   const Eigen::Matrix3d to_sensor =

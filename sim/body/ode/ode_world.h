@@ -1,9 +1,9 @@
 // World on the Open Dynamics Engine, double precision. Settings: docs/reference/robot.md, "Dynamics".
 // SPDX-License-Identifier: Apache-2.0
 //
-// QuickStep shuffles its rows with ODE's one global random generator: each world keeps its own
-// state of it and puts it in place for its step, under a lock. Worlds may therefore step in
-// different threads, one step at a time.
+// QuickStep shuffles its rows with ODE's global random generator. Each world keeps its own state of the
+// generator and sets it for its step, under a lock. Worlds may therefore step in different threads, one
+// step at a time.
 #pragma once
 
 #include <deque>
@@ -42,7 +42,7 @@ class OdeWorld final : public StagedWorld {
     dBodyID child = nullptr;
     int link = 0;                    // of the child
     double lower = 0, upper = 0;     // mechanical stops, rad
-    std::optional<double> pressing;  // Nm on a stop, in the step under way
+    std::optional<double> pressing;  // Nm against a stop, in the current step
   };
   struct Watched {
     Touch touch;

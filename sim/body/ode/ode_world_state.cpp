@@ -1,4 +1,4 @@
-// The world's state to bytes and back.
+// Saving and restoring the world's state.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
@@ -7,9 +7,9 @@
 namespace kaz::sim {
 namespace {
 
-// dBodySetQuaternion() normalizes once more, which may change the last bit, and so might the
-// rotation that follows from it: both are put where ODE keeps them, after it has been told that the
-// body moved.
+// dBodySetQuaternion() normalises again, which may change the last bit of the quaternion and of the
+// rotation matrix computed from it. It is called so that ODE notes that the body moved; then both are
+// overwritten with the saved bits.
 void place(dBodyID body, const std::array<double, 4>& q, const std::array<double, 12>& r) {
   dBodySetQuaternion(body, q.data());
   std::ranges::copy(q, const_cast<dReal*>(dBodyGetQuaternion(body)));

@@ -1,4 +1,4 @@
-// Input that nobody means: what must not explode does not, and what has no answer is told.
+// Degenerate input: the solver stays finite, and steps without a solution are reported.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdio>
@@ -147,8 +147,8 @@ TEST_F(Degenerate, WithoutFrictionWhatSlidesGoesOn) {
 }
 
 // Legs and arms of a milligram a link under a trunk of half a kilogram that falls on them: the rotors are
-// what moves. Friction then feeds the normal forces that feed it, and some steps find no end: these are
-// told, and harm nothing.
+// what moves. Friction then increases the normal forces that increase it, and some steps do not converge:
+// these are counted, and all states stay finite.
 TEST_F(Degenerate, LinksNextToMasslessMove) {
   auto robot = load_robot(test::kRobot);
   const auto motor = load_motor_file("shared/robot/kaz/motor.xml", "");
@@ -217,8 +217,8 @@ TEST_F(Degenerate, WhatTurnsTooFastForAStepIsTold) {
   EXPECT_TRUE(world->link_pose("trunk").matrix().allFinite());
 }
 
-// What cannot be reckoned is told, with the joint's name.
-TEST_F(Degenerate, ASupplyThatIsNoNumberIsTold) {
+// An error that names the joint.
+TEST_F(Degenerate, SupplyThatIsNotANumberIsReported) {
   const auto around = load_world(test::kEmpty);
   ASSERT_TRUE(around);
   const auto world = kaz_in(*around);

@@ -202,9 +202,9 @@ void VelocitySolver::accelerate() {
   });
   const double theta = square > 0 ? std::clamp(product / square, -kMaxExtrapolation, 0.5) : 0;
   for_each_coordinate([&](std::size_t k) {
-    const double asked = change_[k];
-    change_[k] -= theta * (gone_before_[k] + asked - asked_before_[k]);
-    asked_before_[k] = asked;
+    const double requested = change_[k];
+    change_[k] -= theta * (gone_before_[k] + requested - asked_before_[k]);
+    asked_before_[k] = requested;
     gone_before_[k] = change_[k];
   });
 }

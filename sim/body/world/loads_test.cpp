@@ -149,7 +149,7 @@ TEST_P(Loads, JointsOfTheHungRobotBearWhatHangsOnThem) {
               part * (arm.cross(up).norm() + weight.mass * kGravity * 0.05))
         << child.rigid.name;
   }
-  // In figures: a head of 80 g on the neck; the left shoulder holds 145 g at 68 mm, by hand.
+  // Numbers: a head of 80 g on the neck; the left shoulder holds 145 g at 68 mm, by hand.
   const auto& neck = mean[joint_number("neck_pan")];
   EXPECT_NEAR(neck.force.z(), 0.080 * kGravity, 0.02);
   const double by_hand =
@@ -229,8 +229,9 @@ TEST_P(Loads, WatchingChangesNothingAndStateHoldsTheForces) {
   EXPECT_TRUE(later->joint_loads().empty());
 }
 
-// Arms and neck of the hung robot swing, the standing one sways: in root mean square, because both are of
-// first order and a joint that friction lets go one step sooner here than there has another load in it.
+// Arms and neck of the suspended robot swing, the standing one sways. Compared by root mean square: both
+// integrators are of first order, and a joint that breaks away one step earlier in one of them has another
+// load in that step.
 TEST(LoadsOfBoth, ReducedAndExactAgreeOnARobotThatMoves) {
   for (const bool hung : {true, false}) {
     WorldOptions options;

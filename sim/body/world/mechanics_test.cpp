@@ -163,19 +163,19 @@ TEST_P(Robot, TouchesItselfInNoOrdinaryPosture) {
       {0, 0, 10, 12, -40, 0, 10, -12, -40, 0, 0, -30.8, 55.6, -27.8, 0, -30.8, 55.6, -27.8},
       {0, 0, 40, 12, 0, 0, -58.4, 13.3, -13.5, 0, 0, -115.1, 101, -35.9, 0, -115.1, 101, -35.9}};
   for (const auto& posture : postures) {
-    const auto hung = world(space, true);
+    const auto suspended = world(space, true);
     std::array<MotorDrive, KZ_JOINTS> drives{};
     // Arms turn inwards last, when they are clear of the legs.
-    while (hung->time_s() < 2.5) {
-      const double time = hung->time_s();
+    while (suspended->time_s() < 2.5) {
+      const double time = suspended->time_s();
       for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
-        const JointState& joint = hung->joints()[j];
+        const JointState& joint = suspended->joints()[j];
         const bool roll = j == 3 || j == 7;
         const double target = std::clamp(roll ? time - 1 : time, 0.0, 1.0) * posture[j] * kDegree;
         drives[j] = {20 * (target - joint.angle) - 0.15 * joint.velocity, true};
       }
-      hung->step(drives, 10.0);
-      ASSERT_EQ(hung->find_contacts(), 0) << time << " s, posture " << (&posture - postures);
+      suspended->step(drives, 10.0);
+      ASSERT_EQ(suspended->find_contacts(), 0) << time << " s, posture " << (&posture - postures);
     }
   }
 }

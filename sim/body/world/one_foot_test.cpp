@@ -71,14 +71,14 @@ class OneFoot : public testing::TestWithParam<const char*> {
   double lean() const {
     return std::acos(std::min(1.0, world_->link_pose("trunk").linear()(2, 2)));
   }
-  // How far the line of gravity through the centre of mass is inside an edge of the sole, as the robot
-  // stands now.
-  double inside(const Eigen::Vector2d& way, double reach) const {
+  // Distance in m by which the line of gravity through the centre of mass is inside the edge of the sole
+  // in `direction` (unit vector on the sole, `reach` from its middle), in the current posture.
+  double inside(const Eigen::Vector2d& direction, double reach) const {
     const Eigen::Isometry3d foot = world_->link_pose("l_ankle_pitch");
     const Eigen::Vector3d at = foot.inverse() * centre_of_mass(*world_);
     const Eigen::Vector3d down = foot.linear().transpose() * around_.gravity;
     const Eigen::Vector3d on_sole = at + down * ((kSole - at.z()) / down.z());
-    return reach - way.dot(on_sole.head<2>() - kMiddle);
+    return reach - direction.dot(on_sole.head<2>() - kMiddle);
   }
   test::Folder folder_;
   RobotModel robot_;
@@ -102,19 +102,19 @@ TEST_P(OneFoot, FallsBeyondTheEdgeOfTheSoleAndNotBefore) {
   const double edge = std::string(GetParam()) == "quick50" ? 0.003 : 0.002;
   const std::pair<Eigen::Vector2d, double> edges[] = {
       {{1, 0}, 0.050}, {{-1, 0}, 0.050}, {{0, 1}, 0.030}, {{0, -1}, 0.030}};
-  for (const auto& [way, reach] : edges) {
+  for (const auto& [direction, reach] : edges) {
     world_.reset();
     for (const double margin : {0.020, 0.012, 0.008, 0.006, 0.004, edge}) {
-      lean_on(kMiddle + way * (reach - margin));
+      lean_on(kMiddle + direction * (reach - margin));
       stand(margin > edge ? 0.2 : 1.0);
     }
     std::printf("%s: of %.0f mm it has %.2f left, leans by %.2f degrees\n", GetParam(), 1e3 * edge,
-                1e3 * inside(way, reach), lean() / kDegree);
-    EXPECT_LT(lean(), 1.2 * kDegree) << way.transpose();
-    EXPECT_GT(inside(way, reach), 0) << way.transpose();
-    lean_on(kMiddle + way * (reach + edge));
+                1e3 * inside(direction, reach), lean() / kDegree);
+    EXPECT_LT(lean(), 1.2 * kDegree) << direction.transpose();
+    EXPECT_GT(inside(direction, reach), 0) << direction.transpose();
+    lean_on(kMiddle + direction * (reach + edge));
     stand(1.0);
-    EXPECT_GT(lean(), 30 * kDegree) << way.transpose();
+    EXPECT_GT(lean(), 30 * kDegree) << direction.transpose();
   }
 }
 

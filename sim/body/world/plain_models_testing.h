@@ -1,4 +1,4 @@
-// For tests: robots and things of few parts, made without files.
+// For tests: robots and objects of few parts, built without files.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -103,7 +103,7 @@ inline RigidLink ball(const std::string& name, double mass, double radius, const
   return link;
 }
 
-// One free link: a thing that never sleeps.
+// A robot of one free link. Unlike objects of the world it is never put to sleep.
 inline RobotModel lone(const RigidLink& link) {
   RobotModel robot;
   robot.name = link.name;

@@ -1,4 +1,4 @@
-// The robot as a whole: it stands, moves by its motors alone, and does the same thing twice.
+// The whole robot: it stands, moves by its motors alone, and two runs are equal.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstring>
@@ -187,7 +187,7 @@ TEST_P(Standing, PanReachesTheNoLoadSpeedOfTheMotor) {
 }
 
 TEST_P(Standing, LimpArmFallsAndRestsAtItsFriction) {
-  // Raised forward by 60 degrees and let go: gravity on the arm (at most 0.11 Nm) is less than the
+  // Raised forward by 60 degrees and released: gravity on the arm (at most 0.11 Nm) is less than the
   // breakaway torque of 0.166 Nm, so the geared joint stays where it is.
   const auto world = load();
   ASSERT_TRUE(world);
@@ -220,26 +220,26 @@ TEST(Motors, TellTemperatureAndCurrent) {
 // Full drive against a stop, and off it again. 2.4 Nm would give the neck (3e-5 kg m2) 80 rad/s in a step:
 // fifty iterations leave less than a hundredth of them.
 TEST_P(Standing, LiesStillAgainstAStop) {
-  for (const double way : {-1.0, 1.0}) {
+  for (const double sign : {-1.0, 1.0}) {
     const auto world = load();
     ASSERT_TRUE(world);
     Drives drives{};
-    drives[0] = {way, true};
+    drives[0] = {sign, true};
     run(*world, 0.4, drives);
     double fastest = 0, furthest = 0, min = 9;
     for (int i = 0; i < 400; ++i) {
       world->step(drives, 10);
       const JointState& neck = world->joints()[0];
       fastest = std::max(fastest, std::abs(neck.velocity));
-      furthest = std::max(furthest, way * neck.angle);
-      min = std::min(min, way * neck.torque);
+      furthest = std::max(furthest, sign * neck.angle);
+      min = std::min(min, sign * neck.torque);
     }
     EXPECT_LT(fastest, 0.8);
     EXPECT_NEAR(furthest, 91 * kDegree, 0.002) << "the stop gives by 1 mrad";
     EXPECT_GT(min, 1.9) << "2.29 Nm less friction and what 5 K of heat take";
-    drives[0] = {-way, true};
+    drives[0] = {-sign, true};
     run(*world, 0.1, drives);
-    EXPECT_LT(way * world->joints()[0].velocity, -11) << "nothing holds it there";
+    EXPECT_LT(sign * world->joints()[0].velocity, -11) << "nothing holds it there";
   }
 }
 

@@ -175,14 +175,14 @@ void FlashControl::end_pulse(Machine& m, States at) {
   ++pulses_;
   const bool writes = (flmcr1_ & kProgram) != 0;
   const double length = microseconds(m, at - pulse_start_);
-  const double least = writes ? times::program_least : times::erase_least;
-  const double most = writes ? times::program_most : times::erase_most;
+  const double min_us = writes ? times::program_least : times::erase_least;
+  const double max_us = writes ? times::program_most : times::erase_most;
   double share = 1;
   if (m.options.flash_timing) {
-    share = length / least;
+    share = length / min_us;
     if (share < 1) m.misuse(0xff80, "flash pulse shorter than the manual's; cells are left weak");
     // Tolerance of 10% for a polling loop.
-    if (length > 1.1 * most) m.misuse(0xff80, "flash pulse longer than the manual allows");
+    if (length > 1.1 * max_us) m.misuse(0xff80, "flash pulse longer than the manual allows");
   }
   if (writes)
     program(m, share);

@@ -84,17 +84,17 @@ void History::snapshot() {
   snapshots_.push_back({chip_.now(), inputs_.size(), chip_.save()});
   if (snapshots_.size() <= std::max<std::size_t>(options_.snapshots, 3)) return;
   // Drops the snapshot whose removal widens a gap least, relative to its age.
-  std::size_t least = 1;
+  std::size_t drop = 1;
   double best = 0;
   for (std::size_t k = 1; k + 1 < snapshots_.size(); ++k) {
     const auto gap = static_cast<double>(snapshots_[k + 1].at - snapshots_[k - 1].at);
     const double weight = gap / static_cast<double>(1 + chip_.now() - snapshots_[k].at);
     if (k == 1 || weight < best) {
       best = weight;
-      least = k;
+      drop = k;
     }
   }
-  snapshots_.erase(snapshots_.begin() + static_cast<std::ptrdiff_t>(least));
+  snapshots_.erase(snapshots_.begin() + static_cast<std::ptrdiff_t>(drop));
 }
 
 const History::Snapshot* History::last_before(States at) const {

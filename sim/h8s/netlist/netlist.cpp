@@ -80,7 +80,7 @@ void Netlist::wire(Net a, Net b) {
   to.pins.insert(to.pins.end(), from.pins.begin(), from.pins.end());
   to.outputs.insert(to.outputs.end(), from.outputs.begin(), from.outputs.end());
   to.listeners.insert(to.listeners.end(), from.listeners.begin(), from.listeners.end());
-  to.last = std::numeric_limits<double>::infinity();  // no voltage: listeners of both are told
+  to.last = std::numeric_limits<double>::infinity();  // no voltage: notifies the listeners of both
   mark(a);
   settle(now());
 }

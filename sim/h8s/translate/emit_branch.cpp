@@ -147,7 +147,7 @@ void Emitter::emit_step(std::size_t k) {
       return emit_jump(k);
     case Op::rts:
       return emit_return(k);
-    case Op::cmp:  // compared where somebody asks
+    case Op::cmp:  // the flags are computed where they are read
     case Op::nop:
     case Op::none:
       break;

@@ -47,7 +47,7 @@ class GatedRenderer final : public Renderer {
   Gate& gate_;
 };
 
-// Keeps what light it was asked for.
+// Records the key light of each request.
 class LightRenderer final : public Renderer {
  public:
   explicit LightRenderer(std::vector<double>& keys) : keys_(keys) {}

@@ -110,7 +110,8 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
   if (options.keep_hung) p->keep_hung();
   simulation.board().mcu().on_watchdog_reset([p](States) {
     p->watch.board_restarted(
-        "through its watchdog, asked for by the host or because its program hung (`identify` tells "
+        "through its watchdog, requested by the host or because its program hung (`identify` "
+        "reports "
         "which)");
   });
   return std::unique_ptr<RealTimeServer>(new RealTimeServer(std::move(parts)));

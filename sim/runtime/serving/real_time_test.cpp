@@ -68,7 +68,7 @@ void write_all(int fd, const std::vector<std::uint8_t>& bytes) {
   ASSERT_EQ(::write(fd, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
 }
 
-// The next sound frame's body.
+// The next valid frame's body.
 std::vector<std::uint8_t> read_frame(int fd) {
   kz_receiver receiver;
   kz_receiver_init(&receiver);

@@ -360,7 +360,7 @@ TEST(Recorder, PicturesAreThoseOfTheHost) {
     EXPECT_EQ(reader.number(4), arrived[k].sequence);
     EXPECT_EQ(reader.number(4) * 1'000'000'000 + reader.number(4),
               static_cast<std::uint64_t>(arrived[k].exposure.count()));
-    // The host asked at the end of the step in which the pair arrived.
+    // The host queries at the end of the step in which the pair arrived.
     const auto late = arrived[k].at.count() - static_cast<std::int64_t>(message.time_ns);
     EXPECT_GE(late, 0);
     EXPECT_LT(late, 1'000'000);

@@ -90,7 +90,7 @@ TEST(Time, StatesAndNanoseconds) {
   EXPECT_EQ(time_of(KZ_STATES_PER_TICK), std::chrono::milliseconds(1));
   EXPECT_EQ(time_of(KZ_CLOCK_HZ), std::chrono::seconds(1));
   EXPECT_EQ(states_of(std::chrono::milliseconds(1)), KZ_STATES_PER_TICK);
-  EXPECT_EQ(states_of(Time(1)), 1);  // 54 ns a state: never before the time asked for
+  EXPECT_EQ(states_of(Time(1)), 1);  // 54 ns a state: never before the given time
   EXPECT_EQ(states_of(Time(54)), 1);
   EXPECT_EQ(states_of(Time(55)), 2);
 }

@@ -48,13 +48,15 @@ Result<void> check_limits(const std::string& robot_path) {
   for (std::size_t j = 0; j < count; ++j) {
     const RobotJoint& joint = robot->joints[j];
     if (std::ranges::find(board, joint.name) != board.end()) continue;
-    const double least = 1e-4 * kz_board_joints[j].lower, most = 1e-4 * kz_board_joints[j].upper;
-    if (joint.lower >= least - kLimitRounding && joint.upper <= most + kLimitRounding) continue;
+    const double min_rad = 1e-4 * kz_board_joints[j].lower,
+                 max_rad = 1e-4 * kz_board_joints[j].upper;
+    if (joint.lower >= min_rad - kLimitRounding && joint.upper <= max_rad + kLimitRounding)
+      continue;
     char text[160];
     std::snprintf(text, sizeof text,
                   "limits of %.3f to %.3f rad are beyond %.3f to %.3f, which channel %zu of the "
                   "servo board (Kaz's %s) has; make them narrower, or put another joint there",
-                  joint.lower, joint.upper, least, most, j, board[j].c_str());
+                  joint.lower, joint.upper, min_rad, max_rad, j, board[j].c_str());
     return fail(Fault::usage, robot_path + ": joint `" + joint.name + "`: " + text);
   }
   return {};

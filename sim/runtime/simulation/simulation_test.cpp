@@ -44,12 +44,12 @@ TEST(Simulation, TargetMovesTheJointThroughMotorAndPotentiometer) {
 TEST(Simulation, AnswersArriveWhenTheWireHasCarriedThem) {
   auto simulation = test_simulation();
   run_ms(*simulation, 50);
-  const States asked = simulation->now();
+  const States sent = simulation->now();
   simulation->write(frame_of(KZ_TYPE_state, 9, {}));
   std::vector<SerialByte> answer;
   std::array<std::uint8_t, 64> buffer{};
   States first = 0;
-  while (answer.size() < 53 && simulation->now() < asked + 50 * KZ_STATES_PER_TICK) {
+  while (answer.size() < 53 && simulation->now() < sent + 50 * KZ_STATES_PER_TICK) {
     run_ms(*simulation, 1);
     const std::size_t count = simulation->read(buffer);
     if (count > 0 && first == 0) first = simulation->now();
@@ -60,8 +60,8 @@ TEST(Simulation, AnswersArriveWhenTheWireHasCarriedThem) {
   ASSERT_EQ(bodies_of(answer).size(), 1u);
   EXPECT_EQ(bodies_of(answer)[0][1], KZ_TYPE_state_reply);
   // The request takes 9 bytes of 87 us; the tick after that computes, the next one sends.
-  EXPECT_GE(first - asked, 2 * KZ_STATES_PER_TICK);
-  EXPECT_LE(first - asked, 5 * KZ_STATES_PER_TICK);
+  EXPECT_GE(first - sent, 2 * KZ_STATES_PER_TICK);
+  EXPECT_LE(first - sent, 5 * KZ_STATES_PER_TICK);
 }
 
 TEST(Simulation, DrawsForNobodyUntilEyesAreOpened) {

@@ -32,9 +32,9 @@ std::vector<std::uint8_t> Snapshot::pack(const Facts& facts, std::span<const std
   StateWriter to;
   for (const char c : magic) to.number(static_cast<std::uint8_t>(c));
   std::uint32_t number = version;
-  Facts told = facts;
+  Facts stored = facts;
   auto size = static_cast<std::uint64_t>(state.size());
-  to(number, told, size);
+  to(number, stored, size);
   std::vector<std::uint8_t> blob = std::move(to.bytes());
   blob.insert(blob.end(), state.begin(), state.end());
   const std::string digest = sha256_hex(blob);
@@ -60,14 +60,14 @@ Result<std::span<const std::uint8_t>> Snapshot::unpack(std::span<const std::uint
   if (!std::equal(digest.begin(), digest.end(), reported_digest.begin()))
     return unusable("its checksum is wrong; the file is damaged");
   StateReader from(body.subspan(magic.size() + 4));
-  Facts told;
+  Facts stored;
   std::uint64_t size = 0;
-  from(told, size);
+  from(stored, size);
   if (!from.good() || size != from.left())
     return unusable("its parts do not fit together; the file is damaged");
   for (const auto& [name, value] : facts) {
-    const auto other = std::ranges::find(told, name, &Facts::value_type::first);
-    const std::string was = other == told.end() ? "" : other->second;
+    const auto other = std::ranges::find(stored, name, &Facts::value_type::first);
+    const std::string was = other == stored.end() ? "" : other->second;
     if (was != value)
       return unusable("it was saved with " + name + " " + shown(was) + ", this simulation has " +
                       shown(value) + "; use the same options");

@@ -1,4 +1,4 @@
-// Which way to OpenGL: the one place that knows all of them.
+// Selects the OpenGL backend. Only this file knows all of them.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdlib>
 #include <mutex>
@@ -34,18 +34,18 @@ void fix_mesa_environment() {
   });
 }
 
-Result<std::unique_ptr<Renderer>> make_renderer(const std::string& way) {
+Result<std::unique_ptr<Renderer>> make_renderer(const std::string& backend) {
   fix_mesa_environment();
-  if (way.empty()) return make_gl_renderer(first_that_starts);
-  if (way == "osmesa") return make_gl_renderer(make_osmesa_context);
-  if (way == "egl") return make_gl_renderer(make_egl_context);
-  return fail(Fault::usage, "there is no way to OpenGL named \"" + way +
+  if (backend.empty()) return make_gl_renderer(first_that_starts);
+  if (backend == "osmesa") return make_gl_renderer(make_osmesa_context);
+  if (backend == "egl") return make_gl_renderer(make_egl_context);
+  return fail(Fault::usage, "there is no OpenGL backend named \"" + backend +
                                 "\": set KAZ_OPENGL to osmesa or egl, or leave it out");
 }
 
 Result<std::unique_ptr<Renderer>> make_default_renderer() {
-  const char* way = std::getenv("KAZ_OPENGL");
-  return make_renderer(way == nullptr ? "" : way);
+  const char* backend = std::getenv("KAZ_OPENGL");
+  return make_renderer(backend == nullptr ? "" : backend);
 }
 
 }  // namespace kaz::sim

@@ -11,9 +11,9 @@
 namespace kaz::sim {
 namespace {
 
-Result<Picture> draw(const std::string& way) {
+Result<Picture> draw(const std::string& backend) {
   const TestScene s = table_scene();
-  auto renderer = make_renderer(way);
+  auto renderer = make_renderer(backend);
   if (!renderer) return tl::unexpected(renderer.error());
   if (auto set = (*renderer)->set_scene(s.scene); !set) return tl::unexpected(set.error());
   Picture picture;

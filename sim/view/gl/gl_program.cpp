@@ -19,7 +19,7 @@ Result<GlProgram> GlProgram::build(const Gl& gl, const std::string& vertex,
     gl.ShaderSource(shader, 1, &text, nullptr);
     gl.CompileShader(shader);
     gl.AttachShader(program.id_, shader);
-    gl.DeleteShader(shader);  // lives on in the program
+    gl.DeleteShader(shader);  // the program keeps it
   }
   gl.LinkProgram(program.id_);
   GLint linked = GL_FALSE;

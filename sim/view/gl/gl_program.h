@@ -16,7 +16,7 @@ class GlProgram {
                                  const std::string& fragment);
 
   void use() const { gl_->UseProgram(id_); }
-  // All of these need use() first. A name that the program does not have is passed over.
+  // All of these need use() first. Names that the program does not have are ignored.
   void set(const char* name, const Eigen::Matrix4d& value) const;
   void set(const char* name, const Eigen::Vector3d& value) const;
   void set(const char* name, double value) const;

@@ -1,4 +1,4 @@
-// Renderer: starts OpenGL late, keeps a framebuffer for each size of picture, reads pixels back.
+// Renderer: creates the context at the first use, a framebuffer for each picture size, reads pixels back.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/gl/gl_renderer.h"
 
@@ -83,7 +83,7 @@ class GlRenderer final : public Renderer {
       return fail(Fault::usage, "a camera needs positive focal lengths and a finite centre");
     }
     const Light& light = view.light;
-    // A lower lamp's shadows reach beyond every map.
+    // Shadows of a lower lamp would extend beyond the shadow map.
     if (!light.to_key.allFinite() || !(light.to_key.z() > 0.05 * light.to_key.norm()) ||
         !(light.key >= 0 && light.shaded >= 0 && std::isfinite(light.key + light.shaded))) {
       return fail(Fault::usage,
@@ -147,7 +147,7 @@ class GlRenderer final : public Renderer {
 
   ContextMaker make_context_;
   std::unique_ptr<SceneModel> model_;
-  // Destroyed from the last to the first: what OpenGL holds goes with the context.
+  // Members are destroyed in reverse order; OpenGL objects are freed with the context.
   std::unique_ptr<GlContext> context_;
   std::unique_ptr<Gl> gl_;
   std::optional<GlScene> scene_;

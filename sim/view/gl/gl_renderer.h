@@ -12,7 +12,7 @@ namespace kaz::sim {
 
 using ContextMaker = std::function<Result<std::unique_ptr<GlContext>>()>;
 
-// Fixes, for this process, what of Mesa's drawing the environment could change.
+// Sets the environment variables that influence Mesa's drawing, for this process.
 void fix_mesa_environment();
 
 // The context is made in the first call to render().

@@ -1,4 +1,4 @@
-// Scene drawing: shadow map once a pose, then near to far, the background last.
+// Scene drawing: shadow map once per pose, then pieces from near to far, the background last.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/gl/gl_scene.h"
 
@@ -13,10 +13,10 @@ namespace kaz::sim {
 
 namespace {
 
-// For the eyes, 4 ms a pair allow no more. Both sizes include the free ring.
+// Sides of the shadow maps in texels, with the free ring. That of the eyes is limited by 4 ms a pair.
 constexpr int kEyeShadowTexels = 512, kPictureShadowTexels = 2048;
 
-constexpr double kSmall = 14;  // samples, radius of a piece that is drawn coarsely
+constexpr double kSmall = 14;  // samples; pieces of a smaller radius use the coarse mesh
 
 const void* offset(std::size_t bytes) {
   return reinterpret_cast<const void*>(bytes);
@@ -141,7 +141,7 @@ void GlScene::draw_shadow_map(const ScenePose& pose, const Eigen::Vector3d& to_k
   };
   if (map.to_key == to_key &&
       std::equal(pose.frames.begin(), pose.frames.end(), map.pose.begin(), map.pose.end(), same)) {
-    return;  // the other eye of a pair
+    return;  // drawn already for the other eye of the pair
   }
   map.pose = pose.frames;
   map.to_key = to_key;
@@ -150,7 +150,7 @@ void GlScene::draw_shadow_map(const ScenePose& pose, const Eigen::Vector3d& to_k
   gl_->Viewport(0, 0, map.texels, map.texels);
   gl_->Clear(GL_DEPTH_BUFFER_BIT);
   gl_->Viewport(1, 1, map.texels - 2, map.texels - 2);
-  // Far sides only: a lit surface is then never behind itself, whatever the rounding.
+  // Only back faces cast shadows, so that rounding cannot make a lit surface shade itself.
   gl_->FrontFace(GL_CCW);
   gl_->CullFace(GL_FRONT);
   gl_->BindVertexArray(vertex_array_);
@@ -166,7 +166,7 @@ void GlScene::draw_shadow_map(const ScenePose& pose, const Eigen::Vector3d& to_k
   gl_->CullFace(GL_BACK);
 }
 
-// Before a piece: program, texture, and where the piece is.
+// Sets program, texture and pose for a piece.
 void GlScene::use(const Surface& surface, const Piece& piece, Frame& frame) {
   const GlProgram& program = surface.program;
   if (frame.in_use != &surface) {
@@ -182,7 +182,7 @@ void GlScene::use(const Surface& surface, const Piece& piece, Frame& frame) {
   if (piece.texture >= 0) {
     const auto texture = static_cast<std::size_t>(piece.texture);
     gl_->BindTexture(GL_TEXTURE_2D, textures_[texture]);
-    // Blending two mip levels costs an eighth of an eye's picture.
+    // Trilinear filtering would take an eighth of an eye's drawing time.
     gl_->TexParameteri(
         GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER,
         frame.view.samples_per_axis > 1 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR_MIPMAP_NEAREST);
@@ -192,14 +192,14 @@ void GlScene::use(const Surface& surface, const Piece& piece, Frame& frame) {
               frame.pose.frames[static_cast<std::size_t>(piece.frame)].matrix());
 }
 
-// The shadow map is looked up only where shadows may fall.
+// Samples the shadow map only where shadows may fall.
 void GlScene::draw_ground(const Piece& piece, Frame& frame) {
   const Eigen::Isometry3d& pose = frame.pose.frames[static_cast<std::size_t>(piece.frame)];
   GroundPlane plane;
   plane.normal = pose.linear() * piece.normal;
   plane.distance = piece.distance + plane.normal.dot(pose.translation());
-  // A texel of the map is as far from the next as the linear filter reaches; as much again for how
-  // casters' edges fall on texels.
+  // Width of the shadow's edge, 3 texels: covers the linear filter (one) and the rasterisation of the
+  // casters' edges (one).
   const double texel_m =
       2 / (frame.map.view.clip_from_world.block<1, 3>(0, 0).norm() * frame.map.texels);
   const GroundParts parts =
@@ -235,7 +235,7 @@ void GlScene::draw_surfaces(Frame& frame) {
     if (!may_be_seen(view.camera, center, piece.radius)) continue;
     visible.push_back({center.norm() - piece.radius, center.z(), &piece});
   }
-  // Near to far, so that hidden pixels are not shaded; grounds last, they are behind everything.
+  // Front to back, so that hidden pixels are not shaded; grounds last, as everything is in front of them.
   std::stable_sort(visible.begin(), visible.end(), [](const Visible& a, const Visible& b) {
     const bool a_textured = a.piece->texture >= 0, b_textured = b.piece->texture >= 0;
     if (a.piece->ground != b.piece->ground) return b.piece->ground;
@@ -254,8 +254,7 @@ void GlScene::draw_surfaces(Frame& frame) {
       continue;
     }
     use(surface(piece, shadow), piece, frame);
-    // Samples that the piece's radius covers: a bevel or a facet of a small one is less than a
-    // pixel.
+    // Radius of the piece in samples: bevels and facets of small pieces are below a pixel.
     const double samples = view.samples_per_axis * view.camera.fx * piece.radius / v.depth;
     if (v.depth > piece.radius && samples < kSmall) {
       draw_triangles(piece.coarse_first, piece.coarse_count);
@@ -272,7 +271,7 @@ void GlScene::draw(const ScenePose& pose, const View& view, GLuint framebuffer) 
   gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   gl_->Viewport(0, 0, view.camera.width * n, view.camera.height * n);
   gl_->Clear(GL_DEPTH_BUFFER_BIT);
-  // y points down in clip space, which mirrors the sense of rotation.
+  // y points down in clip space, which inverts the winding order.
   gl_->FrontFace(GL_CW);
   const Eigen::Matrix4d projection = clip_from_optical(view.camera);
   const Eigen::Matrix4d clip_from_world = projection * view.world_from_optical.inverse().matrix();

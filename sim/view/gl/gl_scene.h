@@ -12,13 +12,13 @@
 
 namespace kaz::sim {
 
-// The context must be current in every call. What it makes lives as long as the context.
+// The context must be current in every call. Its OpenGL objects are freed with the context.
 class GlScene {
  public:
   // `gl` and `model` must outlive this.
   static Result<GlScene> create(const Gl& gl, const SceneModel& model);
 
-  // Into `framebuffer`, whose size is that of the picture times `samples_per_axis`.
+  // Draws into `framebuffer`, whose size is that of the picture times `samples_per_axis`.
   void draw(const ScenePose& pose, const View& view, GLuint framebuffer);
 
  private:
@@ -37,7 +37,7 @@ class GlScene {
     Eigen::Vector3d to_key = Eigen::Vector3d::Zero();
   };
 
-  // What is being drawn.
+  // The current draw().
   struct Frame {
     const ScenePose& pose;
     const View& view;

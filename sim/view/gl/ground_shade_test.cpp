@@ -79,8 +79,8 @@ TEST(GroundShade, EveryShadowIsInTheShadedPartsAndAllIsCoveredOnce) {
       }
     }
   }
-  EXPECT_GT(dark, samples / 50);       // the question was asked
-  EXPECT_LT(shaded, samples * 2 / 3);  // and not answered by taking all
+  EXPECT_GT(dark, samples / 50);       // there are shaded places in the reference
+  EXPECT_LT(shaded, samples * 2 / 3);  // and not everything is shaded
 }
 
 TEST(GroundShade, TheTablesPictureIsTheSameWithTheMapLookedUpEverywhere) {

@@ -1,4 +1,4 @@
-// Drops alpha, averages n x n samples in linear light.
+// Averages n x n samples in linear light and drops alpha.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/gl/resample.h"
 

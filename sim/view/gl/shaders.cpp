@@ -1,4 +1,4 @@
-// GLSL sources.
+// GLSL sources of the shading programs; lighting model in shaders.h.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/gl/shaders.h"
 
@@ -24,14 +24,14 @@ const vec3 key_light = vec3(0.76, 0.73, 0.67);
 const vec3 sky_light = vec3(0.36, 0.38, 0.41);
 const vec3 ground_light = vec3(0.16, 0.145, 0.13);
 const vec3 to_fill = vec3(0.38, 0.76, 0.53);
-// What reaches a surface where the key light does not.
+// Ambient and fill light.
 vec3 shaded_light(vec3 n) {
   return mix(ground_light, sky_light, 0.5 * n.z + 0.5) + 0.10 * max(dot(n, to_fill), 0.0);
 }
 )";
 
-// Textured surfaces are flat and matt: their light is computed at the corners. It is the ground
-// that fills the pictures.
+// Textured surfaces, mainly the ground, are flat and matt: lighting per vertex is exact enough and faster,
+// as they fill most of the pictures.
 constexpr const char* kSurfaceVertex = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;

@@ -1,10 +1,9 @@
 // The shading programs, in GLSL 3.30.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Colours in a scene and in pictures are codes c of which the light is c^2 (close to sRGB, and
-// cheap). Light adds up as light: a key light from the upper right front with a shadow, a
-// hemisphere of ambient light, a weak fill light from the left, a small highlight. Distance fades
-// to the horizon's colour.
+// Transfer function: a colour code c, 0..1, stands for the light c^2 (close to sRGB, and cheap). Lights are
+// summed linearly: a key light from the upper right front with a shadow, hemispheric ambient light, a weak
+// fill light from the left, a small specular highlight. Distant surfaces fade to the horizon's colour.
 #pragma once
 
 #include <string>
@@ -12,7 +11,7 @@
 namespace kaz::sim {
 
 enum class Shadow {
-  none,  // where none can fall: the same colours as `hard` gives there
+  none,  // for parts without shadow; same colours as `hard` there
   hard,  // one tap, for the eyes
   soft,  // twelve taps, for pictures
 };

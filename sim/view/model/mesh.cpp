@@ -1,4 +1,4 @@
-// Meshes: assembling, and the choice by shape.
+// Meshes of a shape: dispatch by kind.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/model/mesh.h"
 

@@ -17,7 +17,7 @@ namespace kaz::sim {
 struct Vertex {
   std::array<float, 3> position;  // m
   std::array<float, 3> normal;    // unit
-  std::array<float, 2> uv;        // m along the surface; the texture says how long a repeat is
+  std::array<float, 2> uv;        // m along the surface; the texture defines the period
 };
 
 // Counter-clockwise triangles seen from outside.
@@ -39,8 +39,7 @@ enum class Detail { fine, coarse };
 Mesh box_mesh(const Eigen::Vector3d& lengths, Detail detail = Detail::fine);
 Mesh cylinder_mesh(double radius, double length, Detail detail = Detail::fine);
 Mesh capsule_mesh(double radius, double length, Detail detail = Detail::fine);
-// Subdivided icosahedron with the sphere's volume, so that its outline has the sphere's size on
-// average.
+// Subdivided icosahedron with the sphere's volume, so that the mean size of its outline is the sphere's.
 Mesh sphere_mesh(double radius, Detail detail = Detail::fine);
 // Normal +z, centre at the origin.
 Mesh plane_mesh(double length_x, double length_y);

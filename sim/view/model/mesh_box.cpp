@@ -37,7 +37,7 @@ BoxVertices add_box_vertices(Mesh& mesh, const Eigen::Vector3d& half, double bev
   return vertices;
 }
 
-// Adds a, b, c, d turned so that the outside is where `outward` points.
+// Adds the quad a, b, c, d with the winding order for the outward direction `outward`.
 void quad_facing(Mesh& mesh, std::array<std::uint32_t, 4> q, const Eigen::Vector3d& outward) {
   const auto at = [&](std::uint32_t i) {
     const auto& p = mesh.vertices[i].position;

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // STL: https://www.fabbers.com/tech/STL_Format; a binary file has 80 bytes of header, a count, and
-// 50 bytes a triangle, and is known by that its size fits its count. OBJ: v, vn and f lines; others
-// are passed over.
+// 50 bytes a triangle, and is recognised by a size that matches its count. OBJ: v, vn and f lines; others
+// are ignored.
 #include <bit>
 #include <cstring>
 #include <fstream>
@@ -29,7 +29,7 @@ Eigen::Vector3d scaled_normal(const Eigen::Vector3d& normal, const Eigen::Vector
   return normal.cwiseQuotient(scale).normalized();
 }
 
-// A model's size in its own unit: far above any, and what a float holds when it is squared.
+// Maximum of coordinates, in the model's unit: far above any model's, and its square is a finite float.
 constexpr double kFarthest = 1e9;
 
 // Neither NaN nor beyond kFarthest.
@@ -43,7 +43,7 @@ tl::unexpected<Error> far_vertex(const std::string& path) {
       path + ": a vertex lies nowhere or beyond 1e9: check its unit, export the mesh again");
 }
 
-// A triangle without area has no normal and nothing to show.
+// Degenerate triangles have no normal and are skipped.
 void add_flat(Mesh& mesh, const Points& p) {
   const Eigen::Vector3d cross = (p[1] - p[0]).cross(p[2] - p[0]);
   if (!(cross.norm() > 0)) return;

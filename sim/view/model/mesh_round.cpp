@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// A point of the outline that is turned about z, with the normal there.
+// A point of the profile of a solid of revolution about z, with its normal.
 struct ProfilePoint {
   double radius, z;
   double normal_radius, normal_z;
@@ -51,7 +51,7 @@ Mesh turned(const std::vector<ProfilePoint>& profile, int segments) {
   return mesh;
 }
 
-// Small parts need fewer segments: none is ever seen large.
+// Small parts need fewer segments, as they are never large in a picture.
 int segments_for(double radius, Detail detail) {
   return detail == Detail::fine ? std::clamp(static_cast<int>(14 + radius * 600), 16, 40) : 12;
 }

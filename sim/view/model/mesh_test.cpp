@@ -1,4 +1,4 @@
-// Meshes: closed, right way round, right size; files; textures.
+// Meshes: closed, outward normals, right size; files; textures.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/model/mesh.h"
 

@@ -129,7 +129,7 @@ std::vector<Group> grouped(std::vector<Prepared>& all) {
   return groups;
 }
 
-// Whether all vertices lie in one plane, within what float numbers tell.
+// Whether all vertices are in one plane, within the resolution of float.
 void find_plane(const SceneModel& model, Piece& piece) {
   const auto at = [&](std::uint32_t index) -> const Vertex& {
     return model.vertices[model.indices[piece.fine_first + index]].vertex;

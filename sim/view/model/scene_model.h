@@ -1,4 +1,4 @@
-// A scene as the graphics card wants it: one vertex buffer, and pieces drawn with one call each.
+// A scene prepared for OpenGL: one vertex buffer, and pieces that are drawn with one call each.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -25,8 +25,8 @@ struct Piece {
   int frame = 0;
   int texture = -1;     // index into SceneModel::textures, -1 none
   bool ground = false;  // planes: drawn last, cast no shadow
-  // Ranges of SceneModel::indices. The coarse meshes are for pieces that look small, and the first
-  // `caster_count` of them, those of visuals large enough to matter, for the shadow map.
+  // Ranges of SceneModel::indices. The coarse meshes are for pieces that are small in the picture; the
+  // first `caster_count` of them, those of large visuals, are also drawn into the shadow map.
   std::uint32_t fine_first = 0, fine_count = 0;
   std::uint32_t coarse_first = 0, coarse_count = 0, caster_count = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of a sphere around it, in the frame

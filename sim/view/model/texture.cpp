@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kSize = 512;
 
-// Well mixed 32 bits of three integers (the finaliser of MurmurHash3).
+// Hash of three integers to 32 bits (finaliser of MurmurHash3).
 std::uint32_t hash(std::uint32_t x, std::uint32_t y, std::uint32_t seed) {
   std::uint32_t h = x * 0x9E3779B1U ^ y * 0x85EBCA77U ^ seed * 0xC2B2AE3DU;
   h = (h ^ (h >> 16)) * 0x85EBCA6BU;
@@ -82,7 +82,7 @@ Tone carpet(int x, int y) {
   return grey(0.72 + 0.30 * (loops - 0.5) + 0.16 * (fibres - 0.5) + 0.06 * (wear - 0.5));
 }
 
-// Averages light, not codes: the shaders take a code's square for its light.
+// Next mip level: averages light, i.e. squared codes (shaders.h).
 std::vector<std::uint8_t> half_size(const std::vector<std::uint8_t>& fine, int fine_size) {
   const int size = fine_size / 2;
   std::vector<std::uint8_t> coarse(static_cast<std::size_t>(size) * static_cast<std::size_t>(size) *

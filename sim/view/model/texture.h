@@ -11,7 +11,7 @@
 namespace kaz::sim {
 
 // Square RGBA pictures, each half as wide as the one before, the last 1 x 1. Periodic in both
-// directions. They modulate the base colour of a visual: white leaves it as it is.
+// directions. They multiply the base colour of a visual; white leaves it unchanged.
 struct Texture {
   int size = 0;         // px of level 0, a power of two
   double repeat_m = 1;  // length of one period on the surface

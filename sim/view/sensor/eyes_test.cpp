@@ -24,7 +24,7 @@ class Grounds : public testing::TestWithParam<const char*> {
     scene_.add(Shape::Kind::cylinder, {0.045, 0.11, 0}, {0.60, 0.42, 0.055}, {0.35F, 0.62F, 0.40F});
     scene_.add_ball({0.5, -0.2, 0.02}, {0.95F, 0.55F, 0.10F});  // orange
     scene_.add_ball({0.4, 0.25, 0.02}, {0.75F, 0.20F, 0.75F});  // magenta
-    ball_ = scene_.add_ball({0, 0, -1});                        // out of sight
+    ball_ = scene_.add_ball({0, 0, -1});                        // outside the view
     renderer_ = std::move(*make_default_renderer());
     EXPECT_TRUE(renderer_->set_scene(scene_.scene));
   }

@@ -1,4 +1,4 @@
-// Depth from both eyes with lens, noise and rectification, against where things are.
+// Depth from both eyes with lens, noise and rectification, compared with the objects' true positions.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 

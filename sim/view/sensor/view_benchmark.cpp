@@ -51,7 +51,7 @@ void sensor(benchmark::State& state, int width) {
   }
 }
 
-// The whole way of a pair with the sensor model: wider pictures, lens, noise, rectification.
+// Complete processing of a pair with the sensor model: wider pictures, lens, noise, rectification.
 void real_pair(benchmark::State& state, int width) {
   EyeModel model;
   model.width = width;
