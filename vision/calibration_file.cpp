@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 
 #include <Eigen/LU>
@@ -12,6 +11,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/core/eigen.hpp>
 
+#include "shared/base/files.hpp"
 #include "vision/calibration_text.h"
 #include "vision/opencv_quiet.h"
 #include "vision/picture_file.h"
@@ -233,13 +233,9 @@ Result<StereoCalibration> parse_calibration(const std::string& content, const st
 }
 
 Result<StereoCalibration> read_calibration(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(Fault::usage, path + ": cannot be opened; is it a calibration file?");
-  std::string content(kLargestFile + 1, '\0');
-  file.read(content.data(), static_cast<std::streamsize>(content.size()));
-  if (file.bad()) return fail(Fault::usage, path + ": cannot be read; is it a file?");
-  content.resize(static_cast<std::size_t>(file.gcount()));
-  return parse_calibration(content, path);
+  const auto content = read_whole_file(path, kLargestFile, "is it a calibration file?");
+  if (!content) return tl::unexpected(content.error());
+  return parse_calibration(*content, path);
 }
 
 Result<CalibrationFormat> calibration_format(const std::string& path) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/picture_file.h"
 
+#include "shared/base/files.hpp"
+
 #include <png.h>
 
 #include <algorithm>
@@ -200,16 +202,10 @@ Result<Image> decode_picture(Bytes bytes, const std::string& name) {
 }
 
 Result<Image> read_picture(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return bad(path, "cannot be opened");
-  std::vector<std::uint8_t> bytes;
-  char block[1 << 16];
-  while (file.read(block, sizeof block) || file.gcount() > 0) {
-    bytes.insert(bytes.end(), block, block + file.gcount());
-    if (bytes.size() > kLargestFile) return bad(path, "is larger than 256 MB");
-  }
-  if (file.bad()) return bad(path, "cannot be read");
-  return decode_picture(bytes, path);
+  const auto bytes = read_whole_file(path, kLargestFile, "give a picture: PNG, JPEG, PGM or PPM");
+  if (!bytes) return tl::unexpected(bytes.error());
+  return decode_picture({reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size()},
+                        path);
 }
 
 bool looks_like_picture(const std::string& path) {

@@ -1,6 +1,7 @@
 // Mutation, novelty, shortening.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/fuzz/search.h"
+#include "shared/base/files.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -95,10 +96,10 @@ Genome shortened(const Genome& genome, const CaseRunner& run, int most) {
 }
 
 Result<Genome> load_genome(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(Fault::usage, "cannot read the case " + path + ": no such file");
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-  return Genome(bytes.begin(), bytes.end());
+  constexpr std::size_t max_bytes = 1 << 20;
+  const auto bytes = read_whole_file(path, max_bytes, "give a case that kaz fuzz has written");
+  if (!bytes) return tl::unexpected(bytes.error());
+  return Genome(bytes->begin(), bytes->end());
 }
 
 Result<void> save_genome(const std::string& path, const Genome& genome) {

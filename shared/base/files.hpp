@@ -1,13 +1,14 @@
-// Files that appear whole or not at all, and folders for temporary ones.
+// Files that are read whole, that are written whole or not at all, and folders for temporary ones.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Both are made under a name that nobody had before (O_EXCL, mkdtemp): in a folder that others can write
+// Files and folders are made under a name that nobody had before (O_EXCL, mkdtemp): in a folder that others can write
 // to, such as /tmp, a link that somebody has put there under an expected name is not followed.
 #ifndef KAZ_SHARED_BASE_FILES_HPP
 #define KAZ_SHARED_BASE_FILES_HPP
 
 #include <fcntl.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -16,6 +17,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "shared/base/result.hpp"
 
@@ -33,6 +35,37 @@ inline Result<std::string> make_temporary_folder(const std::string& prefix) {
                                         (error ? error.message() : std::strerror(errno)) +
                                         "; is TMPDIR a folder that can be written?");
   return name;
+}
+
+// All bytes of the file at `path`, `max_bytes` of them at most: a file, a pipe (its writer is waited for), or
+// a device, of which /dev/zero has no end. `hint` ends the sentence of an error: which file is expected.
+// Errors (usage): not there, not readable, a folder, more bytes than that.
+inline Result<std::string> read_whole_file(const std::string& path, std::size_t max_bytes,
+                                           const std::string& hint = "check the path") {
+  const auto cannot = [&](const std::string& what) {
+    return fail(Fault::usage, path + ": " + what + "; " + hint);
+  };
+  const int fd = open(path.c_str(), O_RDONLY | O_NOCTTY | O_CLOEXEC);
+  if (fd < 0) return cannot(std::string("cannot be read (") + std::strerror(errno) + ")");
+  struct Close {
+    int fd;
+    ~Close() { close(fd); }
+  } const closed{fd};
+  struct stat about = {};
+  if (fstat(fd, &about) == 0 && S_ISDIR(about.st_mode)) return cannot("is a folder, not a file");
+  const std::string too_large = max_bytes >= (1u << 20) ? std::to_string(max_bytes >> 20) + " MB"
+                                                        : std::to_string(max_bytes >> 10) + " KB";
+  std::string bytes;
+  std::vector<char> block(1 << 16);
+  for (;;) {
+    const ssize_t n = ::read(fd, block.data(), block.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return cannot(std::string("cannot be read (") + std::strerror(errno) + ")");
+    if (n == 0) return bytes;
+    bytes.append(block.data(), static_cast<std::size_t>(n));
+    if (bytes.size() > max_bytes)
+      return cannot("has more than " + too_large + ", which no such file needs");
+  }
 }
 
 // Puts `bytes` at `path`. A file that was there stays until all of it is written; a symbolic link stays,

@@ -74,6 +74,31 @@ TEST_F(Files, SayWhereTheyCannotBe) {
   EXPECT_FALSE(write_whole_file(folder_, "bytes"));
 }
 
+TEST_F(Files, AreReadWhole) {
+  const std::string bytes(200'000, '\0');
+  ASSERT_TRUE(write_whole_file(*this / "zeros", bytes));
+  const auto read = read_whole_file(*this / "zeros", bytes.size());
+  ASSERT_TRUE(read);
+  EXPECT_EQ(*read, bytes);
+}
+
+TEST_F(Files, ThatAreNoneOrTooLargeAreRefused) {
+  ASSERT_TRUE(write_whole_file(*this / "large", std::string(2049, 'x')));
+  const std::pair<std::string, std::string> refused[] = {
+      {*this / "large", "has more than 2 KB"},
+      {folder_, "is a folder, not a file"},
+      {*this / "none", "cannot be read (No such file or directory)"},
+      {"/dev/zero", "has more than 2 KB"},
+  };
+  for (const auto& [path, reason] : refused) {
+    const auto read = read_whole_file(path, 2048, "give a file of numbers");
+    ASSERT_FALSE(read) << path;
+    EXPECT_EQ(read.error().fault, Fault::usage);
+    EXPECT_EQ(read.error().message.rfind(path + ": " + reason, 0), 0u) << read.error().message;
+    EXPECT_NE(read.error().message.find("; give a file of numbers"), std::string::npos);
+  }
+}
+
 TEST_F(Files, TemporaryFoldersAreNewAndOnesOwn) {
   const auto one = make_temporary_folder("kaz-files-test-");
   ASSERT_TRUE(one);

@@ -3,10 +3,10 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <iterator>
 
 #include "shared/board/board.h"
+#include "shared/base/files.hpp"
 #include "shared/faults/faults.h"
 
 namespace kaz::faults {
@@ -208,12 +208,10 @@ Result<Schedule> Schedule::parse(std::string_view text, const std::string& name)
 }
 
 Result<Schedule> Schedule::load(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    return fail(kaz::Fault::usage, "cannot read the schedule of faults " + path +
-                                       ": give a text file with one fault a line");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  return parse(text, path);
+  constexpr std::size_t max_bytes = 4 << 20;
+  const auto text = read_whole_file(path, max_bytes, "give a text file with one fault a line");
+  if (!text) return tl::unexpected(text.error());
+  return parse(*text, path);
 }
 
 }  // namespace kaz::faults

@@ -1,13 +1,13 @@
 // Whether a mesh that a robot file names can be read at all.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/mesh_check.h"
+#include "shared/base/files.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 
 namespace kaz::sim {
@@ -33,14 +33,16 @@ std::optional<std::string> stl_trouble(const std::string& bytes) {
 
 }  // namespace
 
+constexpr std::size_t kMaxMeshBytes = 256 << 20;
+
 std::optional<std::string> mesh_trouble(const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (ending != ".obj" && ending != ".stl") return "is neither .obj nor .stl";
-  std::ifstream in(path, std::ios::binary);
-  if (!in || std::filesystem::is_directory(path)) return "cannot be read; check the path";
-  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const auto read = read_whole_file(path, kMaxMeshBytes);
+  if (!read) return read.error().message.substr(path.size() + 2);
+  const std::string& bytes = *read;
   if (ending == ".stl") return stl_trouble(bytes);
   if (!starts_with_word(bytes, "v ") && bytes.find("\nv ") == std::string::npos)
     return "has no vertices";

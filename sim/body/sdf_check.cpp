@@ -3,6 +3,7 @@
 #include "sim/body/sdf_check.h"
 
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <set>
 #include <vector>
@@ -51,11 +52,14 @@ const std::map<std::string, std::set<std::string>> kNeeded{
 };
 const std::set<std::string> kNamed{"world", "model", "link", "visual", "collision"};
 
-// Elements whose text is numbers: how many, and how small they may be.
+// Beyond it no number is accepted, so that no product of a few of them overflows.
+constexpr double kLargest = 1e300;
+
+// Elements whose text is numbers: how many, and their bounds.
 struct Numbers {
   std::size_t count;
-  double least = -1e300;
-  double most = 1e300;
+  double least = -kLargest;
+  double most = kLargest;
 };
 const std::map<std::string, Numbers> kNumbers{
     {"gravity", {3}},
@@ -123,9 +127,9 @@ std::string describe(const Numbers& wanted) {
   std::string text = std::to_string(wanted.count);
   text += wanted.count == 1 ? " number" : " numbers";
   if (wanted.most == 1) return text + " from 0 to 1";
-  const std::string most = wanted.most < 1e300
-                               ? " and at most " + std::to_string(static_cast<int>(wanted.most))
-                               : std::string();
+  char most[40] = "";
+  if (wanted.most < kLargest || wanted.least >= 0)
+    std::snprintf(most, sizeof most, " and at most %g", wanted.most);
   if (wanted.least == 0) return text + " not below 0" + most;
   if (wanted.least > 0) return text + " above 0" + most;
   return text;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/xml_file.h"
 
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -22,10 +23,22 @@ Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_n
     file.text_.append(block, static_cast<std::size_t>(in.gcount()));
   if (auto checked = file.check_text(); !checked) return tl::unexpected(checked.error());
   const tinyxml2::XMLError status = file.document_->Parse(file.text_.data(), file.text_.size());
+  if (status == tinyxml2::XML_ERROR_EMPTY_DOCUMENT)
+    return file.error(1, "is empty; it needs an element <" + root_name + ">");
   if (status != tinyxml2::XML_SUCCESS) {
-    const std::string what = file.document_->ErrorName();
+    // "XML_ERROR_MISMATCHED_ELEMENT" in words.
+    std::string what = file.document_->ErrorName();
+    if (const std::string prefix = "XML_ERROR_"; what.rfind(prefix, 0) == 0)
+      what.erase(0, prefix.size());
+    for (char& c : what) c = c == '_' ? ' ' : static_cast<char>(std::tolower(c));
     return file.error(file.document_->ErrorLineNum(),
                       "is not well-formed XML (" + what + "); check tags and quotes there");
+  }
+  // urdfdom and sdformat do not read what comes behind one.
+  for (const tinyxml2::XMLNode* node = file.document_->FirstChild(); node != nullptr;
+       node = node->NextSibling()) {
+    if (node->ToUnknown() != nullptr)
+      return file.error(node->GetLineNum(), "has a document type (<!...>); remove that line");
   }
   const tinyxml2::XMLElement* root = file.document_->RootElement();
   if (root == nullptr) return file.error(1, "has no element <" + root_name + ">");

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "shared/base/files.hpp"
 #include "shared/base/json_depth.hpp"
 #include "sim/runtime/eyes.h"
 
@@ -59,11 +59,12 @@ bool grows(const EyeModel& eye) {
 }  // namespace
 
 Result<CameraFile> CameraFile::load(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(Fault::usage, "cannot read the camera file " + path + "; check the path");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  constexpr std::size_t max_bytes = 1 << 20;
+  const auto text =
+      read_whole_file(path, max_bytes, "give a camera file such as shared/robot/kaz/camera.json");
+  if (!text) return tl::unexpected(text.error());
   const auto json =
-      json_too_deep(text) ? nlohmann::json() : nlohmann::json::parse(text, nullptr, false);
+      json_too_deep(*text) ? nlohmann::json() : nlohmann::json::parse(*text, nullptr, false);
   if (!json.is_object())
     return fail(Fault::usage, path + ": is no JSON object; see shared/robot/kaz/camera.json");
   CameraFile camera;

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "shared/base/files.hpp"
 #include "sim/mcu/archive.h"
 #include "sim/runtime/sha256.h"
 
@@ -85,11 +86,10 @@ Result<void> Snapshot::write(const std::string& path, std::span<const std::uint8
 }
 
 Result<std::vector<std::uint8_t>> Snapshot::read(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    return fail(Fault::usage, "cannot read the saved state " + path + ": " + std::strerror(errno) +
-                                  "; check the path");
-  return std::vector<std::uint8_t>(std::istreambuf_iterator<char>(file), {});
+  constexpr std::size_t max_bytes = 256 << 20;
+  const auto bytes = read_whole_file(path, max_bytes, "give a saved state");
+  if (!bytes) return tl::unexpected(bytes.error());
+  return std::vector<std::uint8_t>(bytes->begin(), bytes->end());
 }
 
 }  // namespace kaz::sim

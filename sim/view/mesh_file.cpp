@@ -13,6 +13,7 @@
 
 #include <Eigen/Geometry>
 
+#include "shared/base/files.hpp"
 #include "sim/view/mesh.h"
 
 namespace kaz::sim {
@@ -168,9 +169,10 @@ Result<Mesh> load_mesh(const std::string& path, const Eigen::Vector3d& scale) {
   if (!(scale.minCoeff() > 0)) {
     return fail(Fault::usage, path + ": the mesh's scale must be positive in all three axes");
   }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(Fault::usage, path + ": cannot read this mesh file: check that it exists");
-  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  constexpr std::size_t max_bytes = 256 << 20;
+  const auto read = read_whole_file(path, max_bytes, "give a mesh, .obj or .stl");
+  if (!read) return tl::unexpected(read.error());
+  const std::string& bytes = *read;
   std::uint32_t count = 0;
   if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, sizeof count);
   Result<Mesh> mesh;

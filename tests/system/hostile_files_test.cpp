@@ -260,6 +260,27 @@ TEST(HostileFiles, CalibrationsAndColoursAreRefused) {
 }
 
 // Paths at which `kaz sim` would put something: what belongs to others stays.
+// In the place of every file that a verb reads: a folder, and a device without end.
+TEST(HostileFiles, WhatIsNoFileIsRefused) {
+  const TemporaryFolder folder;
+  const string out = folder / "out";
+  for (const string& file : {string(folder / "."), string("/dev/zero")}) {
+    const std::vector<std::vector<string>> verbs = {
+        {"run", "stand", "--mcu", "native", "--faults", file, "--out", out},
+        {"run", "search-ball", "--mcu", "native", "--color", file, "--out", out},
+        {"run", "stand", "--mcu", "native", "--motor-file", file, "--out", out},
+        {"run", "stand", "--mcu", "native", "--world", file, "--out", out},
+        {"run", "stand", "--mcu", "native", "--sensors", file, "--out", out},
+        {"fuzz", "--replay", file},
+        {"bench", "motor", "--limits", file, "--out", out},
+        {"bench", "fit", file, "--out", out},
+        {"replay", file},
+        {"mcu", "run", file},
+    };
+    for (const auto& verb : verbs) expect_sentence(run(kaz(verb), kAtMost), 2, file);
+  }
+}
+
 TEST(HostileFiles, WhatStandsInTheWayOfASimulatorStays) {
   const TemporaryFolder folder;
   const string path = folder / "board", mine = folder / "notes.txt";

@@ -3,9 +3,9 @@
 #include "tools/kaz/color_file.h"
 
 #include <cmath>
-#include <fstream>
 #include <iterator>
 
+#include "shared/base/files.hpp"
 #include "shared/base/json_depth.hpp"
 
 namespace kaz::tools {
@@ -34,11 +34,10 @@ nlohmann::ordered_json color_json(const vision::ColorRange& range) {
 }
 
 Result<vision::ColorRange> read_color(const std::string& path) {
-  std::ifstream file(path);
-  if (!file)
-    return fail(Fault::usage,
-                path + ": cannot be opened; kaz vision learn-color writes such a file");
-  return parse_color({std::istreambuf_iterator<char>(file), {}}, path);
+  constexpr std::size_t max_bytes = 64 << 10;
+  const auto text = read_whole_file(path, max_bytes, "kaz vision learn-color writes such a file");
+  if (!text) return tl::unexpected(text.error());
+  return parse_color(*text, path);
 }
 
 Result<vision::ColorRange> parse_color(const std::string& content, const std::string& name) {

@@ -66,7 +66,7 @@ Result<SessionOptions> session_of(const sim::McapRecording& recording,
   session.quiet = true;
   session.vision = options.vision;
   session.watcher = options.watcher;
-  session.label = "kaz replay";
+  session.label = options.label;
   session.json = options.json;
   return session;
 }

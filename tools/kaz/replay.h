@@ -25,6 +25,7 @@ struct ReplayOptions {
   std::map<std::string, std::string> settings;  // instead of the recording's
   bool json = false;
   bool quiet = false;  // prints no result
+  std::string label = "kaz replay";  // in front of its progress
   VisionOptions vision;
   VisionWatcher* watcher = nullptr;
 };

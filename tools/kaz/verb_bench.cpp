@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -15,6 +14,7 @@
 #include "hil/bench/report/numbers.h"
 #include "hil/bench/tick_bench.h"
 #include "host/robot/connect.h"
+#include "shared/base/files.hpp"
 #include "sim/board/sensor_file.h"
 #include "tools/figure/figure.h"
 #include "tools/kaz/bench/bench_target.h"
@@ -44,11 +44,8 @@ struct FitArguments {
 };
 
 Result<std::string> read_file(const std::string& path) {
-  std::error_code none;
-  std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path, none))
-    return fail(Fault::usage, path + ": cannot read it: is there such a file, and no folder?");
-  return std::string{std::istreambuf_iterator<char>(file), {}};
+  constexpr std::size_t max_bytes = 64 << 20;
+  return read_whole_file(path, max_bytes, "is there such a file?");
 }
 
 Result<void> write(const OutputFolder& folder, const std::string& name, const std::string& text) {

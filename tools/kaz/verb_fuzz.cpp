@@ -79,6 +79,11 @@ class Fuzzing {
   explicit Fuzzing(const FuzzArguments& arguments) : arguments_(arguments) {}
 
   Result<bool> run() {
+    // Not only when there is something to keep.
+    const auto folder = std::filesystem::absolute(arguments_.out).parent_path();
+    if (!std::filesystem::is_directory(folder))
+      return fail(Fault::usage, "cannot write a failing case to '" + arguments_.out +
+                                    "': there is no folder " + folder.string());
     const InterruptSignals signals(interrupt_);
     if (auto ready = prepare(); !ready) return tl::unexpected(ready.error());
     if (!arguments_.replay.empty()) return replay();

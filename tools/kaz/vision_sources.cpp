@@ -296,6 +296,7 @@ Result<Outcome> run_on_recording(const RecordedOptions& options) {
   if (!folder) return tl::unexpected(folder.error());
   RecordingWatcher watcher(*vision, *folder, options.frames);
   ReplayOptions replayed;
+  replayed.label = "kaz vision run";
   replayed.file = options.in;
   replayed.mode = ReplayMode::host;
   replayed.quiet = true;

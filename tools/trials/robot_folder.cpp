@@ -13,13 +13,9 @@ namespace {
 namespace fs = std::filesystem;
 
 Result<std::string> read(const fs::path& path) {
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in)
-    return fail(Fault::usage,
-                path.string() + ": cannot be read; give the folder of kaz.urdf and its companions");
-  return text.str();
+  constexpr std::size_t max_bytes = 16 << 20;
+  return read_whole_file(path.string(), max_bytes,
+                         "give the folder of kaz.urdf and its companions");
 }
 
 Result<void> write(const fs::path& path, const std::string& text) {

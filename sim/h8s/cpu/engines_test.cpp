@@ -365,9 +365,17 @@ void run_hooked_seed(unsigned seed, bool in_ram, std::int64_t& translated) {
   translated += hooked[2].translated_instructions();
 }
 
+// More by hand: KAZ_ENGINE_SEEDS=first,count.
+void seeds_of_environment(unsigned& first, unsigned& count) {
+  if (const char* text = std::getenv("KAZ_ENGINE_SEEDS"))
+    std::sscanf(text, "%u,%u", &first, &count);
+}
+
 void run_hooked_seeds(unsigned first, bool in_ram) {
   std::int64_t translated = 0;
-  for (unsigned seed = first; seed < first + 60; ++seed) {
+  unsigned count = 60;
+  seeds_of_environment(first, count);
+  for (unsigned seed = first; seed < first + count; ++seed) {
     run_hooked_seed(seed, in_ram, translated);
     if (::testing::Test::HasFatalFailure()) return;
   }
@@ -376,10 +384,8 @@ void run_hooked_seeds(unsigned first, bool in_ram) {
   }
 }
 
-// More by hand: KAZ_ENGINE_SEEDS=first,count.
 void run_seeds(unsigned first, unsigned count, bool in_ram) {
-  if (const char* text = std::getenv("KAZ_ENGINE_SEEDS"))
-    std::sscanf(text, "%u,%u", &first, &count);
+  seeds_of_environment(first, count);
   for (unsigned seed = first; seed < first + count; ++seed) {
     run_seed(seed, in_ram, 40);
     if (::testing::Test::HasFatalFailure()) return;

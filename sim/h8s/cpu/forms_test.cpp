@@ -286,10 +286,10 @@ class RowBench {
 
 constexpr int kTrials = 1000;  // of one set of encodings
 
-// Sets of encodings a row: KAZ_FORM_TRIALS, which is a number of trials.
+// Sets of encodings a row, for at least KAZ_FORM_TRIALS trials.
 u32 rounds() {
   const char* text = std::getenv("KAZ_FORM_TRIALS");
-  return text ? static_cast<u32>(std::max(1, std::atoi(text) / kTrials)) : 1;
+  return text ? static_cast<u32>(std::max(1, (std::atoi(text) + kTrials - 1) / kTrials)) : 1;
 }
 
 // The translator leaves these to the interpreter, the code around them not.

@@ -11,9 +11,9 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 
+#include "shared/base/files.hpp"
 #include "tools/figure/figure.h"
 #include "tools/kaz/evaluate/episode.h"
 #include "tools/kaz/evaluate/episode_file.h"
@@ -35,8 +35,10 @@ std::string episode_file(std::uint64_t number) {
 using Parse = Result<Json> (*)(const std::string& text, const std::string& name);
 
 Result<Json> read_json(const std::string& path, Parse parse) {
-  std::ifstream in(path, std::ios::binary);
-  return parse({std::istreambuf_iterator<char>(in), {}}, path);
+  constexpr std::size_t max_bytes = 64 << 20;
+  const auto text = read_whole_file(path, max_bytes, "kaz evaluate writes such files");
+  if (!text) return tl::unexpected(text.error());
+  return parse(*text, path);
 }
 
 Result<void> write_json(const std::string& path, const Json& json) {

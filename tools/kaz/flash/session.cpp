@@ -7,12 +7,12 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <fstream>
 #include <iterator>
 
 #include "host/flash/trouble.h"
 #include "host/robot/connect.h"
 #include "host/robot/requester.h"
+#include "shared/base/files.hpp"
 #include "tools/kaz/paths.h"
 #include "tools/kaz/port_argument.h"
 
@@ -71,9 +71,12 @@ Result<void> FlashSession::read_writer() {
   const auto path = arguments_.writer.empty() ? data_file("firmware/writer.bin")
                                               : Result<std::string>(arguments_.writer);
   if (!path) return tl::unexpected(path.error());
-  std::ifstream file(*path, std::ios::binary);
-  program_.assign(std::istreambuf_iterator<char>(file), {});
-  if (program_.empty()) return fail(Fault::usage, *path + ": cannot read the flash writer");
+  constexpr std::size_t max_bytes = 64 << 10;
+  const auto bytes =
+      read_whole_file(*path, max_bytes, "give the flash writer, firmware/writer.bin");
+  if (!bytes) return tl::unexpected(bytes.error());
+  program_.assign(bytes->begin(), bytes->end());
+  if (program_.empty()) return fail(Fault::usage, *path + ": is empty; give the flash writer");
   return {};
 }
 
