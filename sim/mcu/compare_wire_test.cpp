@@ -102,8 +102,8 @@ TEST(CompareWire, FindsNoDifference) {
   EXPECT_GT(report->by_type.size(), 20u) << report->text();
 }
 
-// Each of them differed once: a masked frame that ended just before a reset, a store in flash right behind the
-// bytes that had waited for the board's start, and a store that was repeated without a pause.
+// Each of them differed once: a masked frame that ended just before a reset, a store in flash
+// right behind the bytes that had waited for the board's start, and a store that was repeated
 TEST(CompareWire, ConversationsThatDifferedOnce) {
   for (const std::int64_t number : {1742, 2130, 2557, 2804, 3105, 3240, 3627, 7195}) {
     WireOptions one = options(1);

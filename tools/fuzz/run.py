@@ -133,7 +133,8 @@ def coverage(options, name, target):
     corpus = options.out / name
     folders = [target["seeds"], *([corpus] if corpus.is_dir() else [])]
     done = subprocess.run([options.build / "bin" / target["program"], *target["arguments"], "-runs=0",
-                           "-print_coverage=1", "-timeout=60", *folders],
+                           "-print_coverage=1", "-timeout=300",
+                           f"-artifact_prefix={options.out}/{name}-coverage-", *folders],
                           stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace")
     if done.returncode != 0:
         sys.exit(f"target {name} ended with {done.returncode} on its own corpus: run ./tools/dev fuzz first")
