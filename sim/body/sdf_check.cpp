@@ -52,7 +52,7 @@ const std::map<std::string, std::set<std::string>> kNeeded{
 };
 const std::set<std::string> kNamed{"world", "model", "link", "visual", "collision"};
 
-// Beyond it no number is accepted, so that no product of a few of them overflows.
+// Larger numbers are refused; the file names no bound of its own for most of them.
 constexpr double kLargest = 1e300;
 
 // Elements whose text is numbers: how many, and their bounds.

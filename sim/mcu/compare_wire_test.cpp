@@ -114,6 +114,16 @@ TEST(CompareWire, ConversationsThatDifferedOnce) {
   }
 }
 
+TEST(CompareWire, MoreThanAFewThatEndEarlyAreADifference) {
+  WireReport report;
+  report.conversations = 60;
+  report.ended_early = 1;
+  EXPECT_TRUE(report.equal());
+  report.ended_early = 2;
+  EXPECT_FALSE(report.equal());
+  EXPECT_NE(report.text().find("more than the 1 that may be"), std::string::npos) << report.text();
+}
+
 TEST(CompareWire, ConversationIsTheSameAlone) {
   const auto many = compare_wire(options(4));
   WireOptions last = options(1);
