@@ -1,9 +1,8 @@
 // Files that are read whole, that are written whole or not at all, and folders for temporary ones.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Files and folders are made under a name that nobody had before (O_EXCL, mkdtemp): in a folder that
-// others can write
-// to, such as /tmp, a link that somebody has put there under an expected name is not followed.
+// Files and folders are made under a name that nobody had before (O_EXCL, mkdtemp): in a folder that others
+// can write to, such as /tmp, a link that somebody has put there under an expected name is not followed.
 #ifndef KAZ_SHARED_BASE_FILES_HPP
 #define KAZ_SHARED_BASE_FILES_HPP
 

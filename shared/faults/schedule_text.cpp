@@ -7,6 +7,7 @@
 
 #include "shared/base/files.hpp"
 #include "shared/board/board.h"
+#include "shared/base/files.hpp"
 #include "shared/faults/faults.h"
 
 namespace kaz::faults {

@@ -531,6 +531,8 @@ std::string WireReport::text() const {
     text += std::to_string(ended_early);
     text +=
         " ended early: a request waited for room in the transmit ring a tick longer on one board";
+    if (ended_early > max_ended_early())
+      text += ", more than the " + std::to_string(max_ended_early()) + " that may be";
   }
   for (const WireDifference& difference : differences) {
     std::snprintf(line, sizeof line,

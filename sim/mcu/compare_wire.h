@@ -45,7 +45,7 @@ struct WireReport {
   std::uint64_t seed = 0;
   std::int64_t conversations = 0;
   std::int64_t different = 0;               // conversations
-  std::int64_t ended_early = 0;             // conversations: a request waited for the transmit ring
+  std::int64_t ended_early = 0;             // conversations: replies one tick apart (wire_differences.h)
   std::vector<WireDifference> differences;  // the first one of each of the first few conversations
   std::int64_t requests = 0, fewest_requests = 0;
   std::int64_t replies = 0, bytes = 0,
@@ -59,7 +59,9 @@ struct WireReport {
   std::map<std::uint8_t, std::int64_t> by_type;  // replies
   double chip_s = 0;
 
-  bool equal() const { return different == 0; }
+  // Replies one tick apart are rare (2 in 10,000 conversations); more of them are a difference.
+  std::int64_t max_ended_early() const { return 1 + conversations / 1000; }
+  bool equal() const { return different == 0 && ended_early <= max_ended_early(); }
   std::string text() const;
 };
 

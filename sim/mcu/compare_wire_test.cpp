@@ -102,9 +102,9 @@ TEST(CompareWire, FindsNoDifference) {
   EXPECT_GT(report->by_type.size(), 20u) << report->text();
 }
 
-// Each of them differed once: a masked frame that ended just before a reset, a store in flash right behind
-// the
-// bytes that had waited for the board's start, and a store that was repeated without a pause.
+// Each of them differed once: a masked frame that ended just before a reset, a store in flash
+// right behind the bytes that had waited for the board's start, and a store that was repeated
+// without a pause.
 TEST(CompareWire, ConversationsThatDifferedOnce) {
   for (const std::int64_t number : {1742, 2130, 2557, 2804, 3105, 3240, 3627, 7195}) {
     WireOptions one = options(1);
@@ -113,6 +113,16 @@ TEST(CompareWire, ConversationsThatDifferedOnce) {
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->equal()) << report->text();
   }
+}
+
+TEST(CompareWire, MoreThanAFewThatEndEarlyAreADifference) {
+  WireReport report;
+  report.conversations = 60;
+  report.ended_early = 1;
+  EXPECT_TRUE(report.equal());
+  report.ended_early = 2;
+  EXPECT_FALSE(report.equal());
+  EXPECT_NE(report.text().find("more than the 1 that may be"), std::string::npos) << report.text();
 }
 
 TEST(CompareWire, ConversationIsTheSameAlone) {

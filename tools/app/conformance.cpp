@@ -3,7 +3,6 @@
 #include "tools/app/conformance.h"
 
 #include <cstdio>
-#include <filesystem>
 
 #include "hil/conformance/report.h"
 #include "host/link/interrupt.h"
@@ -49,10 +48,7 @@ Result<void> check_reports(const ConformanceOptions& arguments) {
   for (const std::string& path : {arguments.junit, arguments.json, arguments.html}) {
     if (path == "-") ++on_output;
     if (path.empty() || path == "-") continue;
-    const auto folder = std::filesystem::absolute(path).parent_path();
-    if (!std::filesystem::is_directory(folder))
-      return fail(Fault::usage,
-                  "cannot write the report '" + path + "': there is no folder " + folder.string());
+    if (auto there = check_folder_of(path, "the report"); !there) return there;
   }
   if (on_output > 1)
     return fail(Fault::usage, "only one of --junit, --json and --html can go to standard output");

@@ -112,6 +112,13 @@ class PrivateFolder {
 
 }  // namespace
 
+Result<void> check_folder_of(const std::string& path, const std::string& what) {
+  const auto folder = fs::absolute(path).parent_path();
+  if (fs::is_directory(folder)) return {};
+  return fail(Fault::usage,
+              "cannot write " + what + " '" + path + "': there is no folder " + folder.string());
+}
+
 std::string temporary_file(const std::string& name) {
   static const PrivateFolder folder;
   return folder.path() + "/" + name;

@@ -57,6 +57,9 @@ class Progress {
 // replaced: JSON has none.
 void print_json(const nlohmann::ordered_json& value);
 
+// For a file that is written at the end: whether its folder is there. `what` names it: "the report".
+Result<void> check_folder_of(const std::string& path, const std::string& what);
+
 // The path of a file of that name in a folder that only this process uses.
 std::string temporary_file(const std::string& name);
 

@@ -72,10 +72,8 @@ class Fuzzing {
 
   Result<bool> run() {
     // Not only when there is something to keep.
-    const auto folder = std::filesystem::absolute(arguments_.out).parent_path();
-    if (!std::filesystem::is_directory(folder))
-      return fail(Fault::usage, "cannot write a failing case to '" + arguments_.out +
-                                    "': there is no folder " + folder.string());
+    if (auto there = check_folder_of(arguments_.out, "a failing case"); !there)
+      return tl::unexpected(there.error());
     const InterruptSignals signals(interrupt_);
     if (auto ready = prepare(); !ready) return tl::unexpected(ready.error());
     if (!arguments_.replay.empty()) return replay();

@@ -16,6 +16,7 @@ import json
 import os
 import pathlib
 import re
+import resource
 import signal
 import subprocess
 import sys
@@ -119,8 +120,11 @@ def fuzz(options, targets):
             finish(run)
     found = [result["target"] for result in results if result["found"]]
     total = sum(result["executions"] for result in results)
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    # Beside other programs a target gets less of a core than its time of the wall clock.
     print(f"{total:,} runs of {len(results)} targets, "
-          f"{sum(result['seconds'] for result in results) / 3600:.2f} hours in all")
+          f"{sum(result['seconds'] for result in results) / 3600:.2f} hours in all, "
+          f"{(used.ru_utime + used.ru_stime) / 3600:.2f} of CPU time")
     if found:
         print(f"found something: {', '.join(found)}; the inputs are {options.out}/NAME-*, logs beside "
               "them: keep each in the seeds of its target, with the correction")

@@ -3,6 +3,8 @@
 #include "vision/image/picture_file.h"
 #include "shared/base/files.hpp"
 
+#include "shared/base/files.hpp"
+
 #include <png.h>
 
 #include <algorithm>

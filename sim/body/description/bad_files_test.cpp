@@ -119,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"grams", "<mass value=\"0.550\"/>", "<mass value=\"550\"/>", 0,
              "a mass of 550 kg; the maximum is 100 kg"},
         Case{"no_mesh", "<box size=\"0.05 0.084 0.02\"/>", "<mesh filename=\"pelvis.stl\"/>", 0,
-             "mesh `pelvis.stl` cannot be read; check the path"},
+             "mesh `pelvis.stl` cannot be read (No such file or directory); check the path"},
         Case{"mesh_of_another_kind", "<box size=\"0.05 0.084 0.02\"/>",
              "<mesh filename=\"pelvis.dae\"/>", 0, "mesh `pelvis.dae` is neither .obj nor .stl"},
         Case{"mesh_that_is_none", "<box size=\"0.05 0.084 0.02\"/>",

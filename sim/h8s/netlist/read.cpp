@@ -244,11 +244,16 @@ Result<void> read_netlist(Netlist& netlist, std::string_view text, const std::st
 }
 
 Result<void> load_netlist(Netlist& netlist, const std::string& path) {
+  constexpr std::size_t max_bytes = 1 << 20;  // devices have no end
   std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf()))
+  std::string text(max_bytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.empty())
     return fail("cannot read the netlist " + path + ": is it there, and has it a line?");
-  return read_netlist(netlist, text.str(), path);
+  if (text.size() > max_bytes)
+    return fail(path + ": has more than 1 MB, which no netlist needs; check the path");
+  return read_netlist(netlist, text, path);
 }
 
 }  // namespace kaz::h8s

@@ -118,11 +118,13 @@ TEST(BenchVerb, ErrorsSayWhatToDo) {
   } cases[] = {
       {{"motor", "--joint", "l_foot"}, 2, "there is no joint `l_foot`"},
       {{"motor", "--stand", "manual"}, 2, "--stand goes with --port"},
-      {{"motor", "--limits", folder / "none.json"}, 2, "cannot read it"},
+      {{"motor", "--limits", folder / "none.json"},
+       2,
+       "cannot be read (No such file or directory)"},
       {{"motor", "--filter", "wings", "--mcu", "native"}, 2, "takes no measurement of a motor"},
       {{"motor", "--port", folder / "none", "--allow-motion"}, 3, "none"},
       {{"motor", "--motor", "v8", "--mcu", "native"}, 2, "v8"},
-      {{"fit", folder / "none"}, 2, "cannot read it"},
+      {{"fit", folder / "none"}, 2, "cannot be read (No such file or directory)"},
       {{"link", "--mcu", "native", "--port", "x"}, 2, "excludes"},
   };
   for (const auto& one : cases) {

@@ -281,6 +281,27 @@ TEST(HostileFiles, WhatIsNoFileIsRefused) {
   }
 }
 
+// One of the readers of XML prints a second line of its own where it meets them.
+TEST(HostileFiles, XmlThatIsEmptyOrHasADocumentTypeIsRefused) {
+  const TemporaryFolder folder;
+  const string file = folder / "planted.xml", out = folder / "out";
+  for (const char* content : {"", "\n", "<!DOCTYPE motors><motors/>"}) {
+    SCOPED_TRACE(content);
+    write_file(file, content);
+    for (const char* option : {"--motor-file", "--world"})
+      expect_sentence(
+          run(kaz({"run", "stand", "--mcu", "native", option, file, "--out", out}), kAtMost), 2,
+          file);
+  }
+}
+
+// A failing case is written at the end: whether it can be is known before.
+TEST(HostileFiles, ACaseIntoNoFolderIsRefusedBeforeTheFirstOne) {
+  const TemporaryFolder folder;
+  const string out = folder / "none/case";
+  expect_sentence(run(kaz({"fuzz", "--cases", "1000000", "--out", out}), kAtMost), 2, out);
+}
+
 TEST(HostileFiles, WhatStandsInTheWayOfASimulatorStays) {
   const TemporaryFolder folder;
   const string path = folder / "board", mine = folder / "notes.txt";

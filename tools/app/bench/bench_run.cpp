@@ -32,7 +32,7 @@ namespace {
 
 Result<std::string> read_file(const std::string& path) {
   constexpr std::size_t max_bytes = 64 << 20;
-  return read_whole_file(path, max_bytes, "is there such a file?");
+  return read_whole_file(path, max_bytes);
 }
 
 Result<void> write(const OutputFolder& folder, const std::string& name, const std::string& text) {
