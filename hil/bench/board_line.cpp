@@ -91,10 +91,9 @@ Result<kz_state_reply> BoardLine::state() {
 Result<std::uint32_t> BoardLine::stream(int period_ms, std::uint8_t selection) {
   const kz_telemetry message{static_cast<u16>(period_ms), selection};
   const auto reply =
-      query(KZ_TYPE_telemetry, message, kz_pack_telemetry, kz_unpack_telemetry_reply);
-  if (!reply) return tl::unexpected(reply.error());
+      KAZ_TRY(query(KZ_TYPE_telemetry, message, kz_pack_telemetry, kz_unpack_telemetry_reply));
   streaming_ = period_ms != 0;
-  return reply->tick;
+  return reply.tick;
 }
 
 Result<void> BoardLine::listen_until(Time t) {
@@ -165,21 +164,18 @@ CycleLoad::CycleLoad(BoardLine& line, const kz_state_reply& state) : line_(line)
 }
 
 Result<void> CycleLoad::send() {
-  const auto targets = line_.requester().post(targets_);
-  if (!targets) return tl::unexpected(targets.error());
-  const auto state = line_.requester().post(state_);
-  if (!state) return tl::unexpected(state.error());
-  under_way_.push_back({*targets, *state});
+  const auto targets = KAZ_TRY(line_.requester().post(targets_));
+  const auto state = KAZ_TRY(line_.requester().post(state_));
+  under_way_.push_back({targets, state});
   return {};
 }
 
 // A cycle's targets are answered before its state: the board answers in order.
 Result<bool> CycleLoad::receive(Time deadline) {
   const Cycle oldest = under_way_.front();
-  const auto state = line_.requester().collect(oldest.state, deadline);
-  if (!state) return tl::unexpected(state.error());
-  if (!*state) return false;
-  line_.observe(**state);
+  const auto state = KAZ_TRY(line_.requester().collect(oldest.state, deadline));
+  if (!state) return false;
+  line_.observe(*state);
   const auto targets = line_.requester().collect(oldest.targets, Time::max());
   if (!targets) return tl::unexpected(targets.error());
   under_way_.erase(under_way_.begin());
@@ -193,7 +189,7 @@ Result<void> CycleLoad::run(double rate_hz, Time end) {
     return ran;
   }
   while (!under_way_.empty()) {
-    if (auto came = receive(Time::max()); !came) return tl::unexpected(came.error());
+    KAZ_TRY(receive(Time::max()));
   }
   seconds_ = seconds(line_.clock().now() - start);
   return {};
@@ -204,7 +200,7 @@ Result<void> CycleLoad::run_fast(Time end) {
     while (under_way_.size() < kCyclesAhead) {
       if (auto sent = send(); !sent) return sent;
     }
-    if (auto came = receive(Time::max()); !came) return tl::unexpected(came.error());
+    KAZ_TRY(receive(Time::max()));
   }
   return {};
 }
@@ -217,7 +213,7 @@ Result<void> CycleLoad::run_paced(Time period, Time end) {
       if (auto sent = send(); !sent) return sent;
     }
     while (clock.now() < next && !under_way_.empty()) {
-      if (auto came = receive(next); !came) return tl::unexpected(came.error());
+      KAZ_TRY(receive(next));
     }
     if (auto slept = clock.sleep_until(next); !slept) return slept;
   }

@@ -52,15 +52,13 @@ class LinkBench {
 
  private:
   Result<void> measure() {
-    const auto board_before = line_.statistics();
-    if (!board_before) return tl::unexpected(board_before.error());
+    const auto board_before = KAZ_TRY(line_.statistics());
     const host::LinkStatistics before = line_.counts();
     if (auto ran = measure_round_trips(); !ran) return ran;
     if (auto ran = measure_cycles(); !ran) return ran;
     const host::LinkStatistics after = line_.counts();
-    const auto board_after = line_.statistics();
-    if (!board_after) return tl::unexpected(board_after.error());
-    enter_errors(count_frames(before, after, *board_before, *board_after));
+    const auto board_after = KAZ_TRY(line_.statistics());
+    enter_errors(count_frames(before, after, board_before, board_after));
     return measure_stream();
   }
 
@@ -78,7 +76,7 @@ class LinkBench {
       const auto pause = static_cast<std::int64_t>(random() % kLongestPause.count());
       if (auto slept = clock_.sleep_until(clock_.now() + Time(pause)); !slept) return slept;
       const Time sent = clock_.now();
-      if (auto state = line_.state(); !state) return tl::unexpected(state.error());
+      KAZ_TRY(line_.state());
       trips_ms.push_back(1e3 * seconds(clock_.now() - sent));
       course.points.emplace_back(seconds(sent - start), trips_ms.back());
       if (i % 32 == 0) progress(kTripsShare * i / options_.round_trips, "round trips");
@@ -123,13 +121,12 @@ class LinkBench {
   }
 
   Result<void> measure_cycles() {
-    const auto state = line_.state();
-    if (!state) return tl::unexpected(state.error());
+    const auto state = KAZ_TRY(line_.state());
     if (options_.allow_motion) {
       if (auto on = line_.enable(true); !on) return on;
     }
     progress(kTripsShare, "control cycles");
-    CycleLoad load(line_, *state);
+    CycleLoad load(line_, state);
     if (auto ran = load.run(0, clock_.now() + options_.cycle_time); !ran) return ran;
     if (options_.allow_motion) {
       if (auto off = line_.enable(false); !off) return off;
@@ -170,8 +167,7 @@ class LinkBench {
       return {};
     }
     (void)line_.take_arrivals();
-    const auto first = line_.stream(kStreamPeriodMs, KZ_TELEMETRY_STATE);
-    if (!first) return tl::unexpected(first.error());
+    const auto first = KAZ_TRY(line_.stream(kStreamPeriodMs, KZ_TELEMETRY_STATE));
     const Time start = clock_.now();
     for (int part = 1; part <= 10; ++part) {
       progress(kCyclesShare + (1 - kCyclesShare) * part / 10, "telemetry");
@@ -179,9 +175,8 @@ class LinkBench {
         return heard;
       }
     }
-    const auto last = line_.stream(0, 0);
-    if (!last) return tl::unexpected(last.error());
-    enter_stream(*first, *last);
+    const auto last = KAZ_TRY(line_.stream(0, 0));
+    enter_stream(first, last);
     return {};
   }
 

@@ -37,15 +37,13 @@ class TickBench {
 
  private:
   Result<void> measure() {
-    const auto before = line_.statistics();
-    if (!before) return tl::unexpected(before.error());
-    first_tick_ = before->tick;
+    const auto before = KAZ_TRY(line_.statistics());
+    first_tick_ = before.tick;
     if (auto ran = keep_quiet(0, "without load"); !ran) return ran;
     if (auto ran = put_load(); !ran) return ran;
     if (auto ran = keep_quiet(0.7, "without load again"); !ran) return ran;
-    const auto after = line_.statistics();
-    if (!after) return tl::unexpected(after.error());
-    enter_lengths(*before, *after);
+    const auto after = KAZ_TRY(line_.statistics());
+    enter_lengths(before, after);
     enter_moments();
     return {};
   }
@@ -76,15 +74,14 @@ class TickBench {
   }
 
   Result<void> put_load() {
-    const auto state = line_.state();
-    if (!state) return tl::unexpected(state.error());
+    const auto state = KAZ_TRY(line_.state());
     if (options_.allow_motion) {
       if (auto on = line_.enable(true); !on) return on;
     }
     if (auto streamed = stream(kLoadPeriodMs); !streamed) return streamed;
     (void)line_.take_arrivals();
     progress(0.3, "under load");
-    CycleLoad load(line_, *state);
+    CycleLoad load(line_, state);
     if (auto ran = load.run(kLoadHz, clock_.now() + options_.load_time); !ran) return ran;
     load_hz_ = load.rate_hz();
     loaded_ = line_.take_arrivals();

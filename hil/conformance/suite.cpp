@@ -121,17 +121,16 @@ Result<std::vector<const Case*>> chosen(const std::string& filter) {
 
 Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, Time slack,
                             const RunOptions& options) {
-  const auto taken = chosen(options.filter);
-  if (!taken) return tl::unexpected(taken.error());
+  const auto taken = KAZ_TRY(chosen(options.filter));
   RunReport report;
   Board board(link, clock, bench, slack, options.seed);
   try {
     board.begin(0);
     report.board = describe(board);
-    for (const Case* one : *taken) {
+    for (const Case* one : taken) {
       report.results.push_back(run_one(*one, board, options.allowed));
       if (options.progress) {
-        options.progress(report.results.back(), report.results.size(), taken->size());
+        options.progress(report.results.back(), report.results.size(), taken.size());
       }
     }
   } catch (const Lost& lost) {

@@ -19,13 +19,13 @@ class Run {
 
   Result<Verdict> go(std::span<const Event> events) {
     const Time began = clock_.now();
-    if (auto awake = wake(); !awake) return tl::unexpected(awake.error());
+    KAZ_TRY(wake());
     for (const Event& event : events) {
-      if (auto done = act(event); !done) return tl::unexpected(done.error());
+      KAZ_TRY(act(event));
       if (violation()) break;
     }
     if (!violation()) {
-      if (auto done = end(); !done) return tl::unexpected(done.error());
+      KAZ_TRY(end());
     }
     Verdict verdict{violation(), conversation_.features(), conversation_.counts(),
                     seconds(clock_.now() - began)};
@@ -49,9 +49,8 @@ class Run {
   Result<void> listen(Time until, int type = -1, std::uint8_t sequence = 0) {
     std::array<std::uint8_t, 256> bytes{};
     while (clock_.now() < until) {
-      const auto got = link_.read(bytes, until);
-      if (!got) return tl::unexpected(got.error());
-      conversation_.received(std::span(bytes).first(*got));
+      const auto got = KAZ_TRY(link_.read(bytes, until));
+      conversation_.received(std::span(bytes).first(got));
       if (type >= 0 && conversation_.replies_to(static_cast<std::uint8_t>(type), sequence) > 0)
         return {};
     }
@@ -60,9 +59,8 @@ class Run {
 
   // True once the board has answered.
   Result<bool> ask(u8 type, std::uint8_t sequence, const std::vector<std::uint8_t>& wire) {
-    if (auto done = send(wire); !done) return tl::unexpected(done.error());
-    if (auto done = listen(clock_.now() + options_.patience, type, sequence); !done)
-      return tl::unexpected(done.error());
+    KAZ_TRY(send(wire));
+    KAZ_TRY(listen(clock_.now() + options_.patience, type, sequence));
     return conversation_.replies_to(type, sequence) > 0;
   }
 
@@ -82,9 +80,8 @@ class Run {
   }
 
   Result<void> wake() {
-    const auto awake = alive(options_.longest_start);
-    if (!awake) return tl::unexpected(awake.error());
-    if (!*awake && !violation())
+    const auto awake = KAZ_TRY(alive(options_.longest_start));
+    if (!awake && !violation())
       return fail(Fault::environment,
                   "no board answers on " + link_.name() +
                       ": is it connected, powered, and free of other programs?");
@@ -125,9 +122,8 @@ class Run {
     if (auto done = listen(clock_.now() + milliseconds(60)); !done) return done;
     const std::uint8_t type = type_of(event.bytes), sequence = sequence_of(event.bytes);
     const bool due = !faulty_ && clock_.now() >= deaf_until_;
-    const auto answered = ask(type, sequence, event.bytes);
-    if (!answered) return tl::unexpected(answered.error());
-    if (due && !*answered && clock_.now() >= deaf_until_ && !violation())
+    const auto answered = KAZ_TRY(ask(type, sequence, event.bytes));
+    if (due && !answered && clock_.now() >= deaf_until_ && !violation())
       violation_ = std::string("no reply came to a lonely request: ").append(event.text);
     return {};
   }
@@ -150,16 +146,14 @@ class Run {
   // goes on to the next case, whose judge knows nothing of telemetry subscribed in this one.
   Result<void> end() {
     if (auto done = listen(clock_.now() + milliseconds(60)); !done) return done;
-    const auto back =
-        alive(std::max(deaf_until_ - clock_.now(), Time::zero()) + std::chrono::seconds(1));
-    if (!back) return tl::unexpected(back.error());
+    const auto back = KAZ_TRY(
+        alive(std::max(deaf_until_ - clock_.now(), Time::zero()) + std::chrono::seconds(1)));
     // With a new address it would be silent, and on a faulty line nothing is certain.
-    if (!*back && !faulty_ && deaf_until_ == Time{} && !violation())
+    if (!back && !faulty_ && deaf_until_ == Time{} && !violation())
       violation_ = "the board does not answer any more";
-    if (*back && !violation()) {
-      const auto stopped = known(KZ_TYPE_stop);
-      if (!stopped) return tl::unexpected(stopped.error());
-      if (!*stopped && !faulty_ && !violation()) violation_ = "`stop` is not answered";
+    if (back && !violation()) {
+      const auto stopped = KAZ_TRY(known(KZ_TYPE_stop));
+      if (!stopped && !faulty_ && !violation()) violation_ = "`stop` is not answered";
       if (auto quiet = known(KZ_TYPE_telemetry, {0, 0, 0}); !quiet)
         return tl::unexpected(quiet.error());
     }

@@ -97,9 +97,9 @@ Genome shortened(const Genome& genome, const CaseRunner& run, int max_runs) {
 
 Result<Genome> load_genome(const std::string& path) {
   constexpr std::size_t max_bytes = 1 << 20;
-  const auto bytes = read_whole_file(path, max_bytes, "give a case that kaz fuzz has written");
-  if (!bytes) return tl::unexpected(bytes.error());
-  return Genome(bytes->begin(), bytes->end());
+  const auto bytes =
+      KAZ_TRY(read_whole_file(path, max_bytes, "give a case that kaz fuzz has written"));
+  return Genome(bytes.begin(), bytes.end());
 }
 
 Result<void> save_genome(const std::string& path, const Genome& genome) {
@@ -122,9 +122,8 @@ Result<std::vector<Genome>> load_corpus(const std::string& folder) {
   std::sort(paths.begin(), paths.end());
   std::vector<Genome> corpus;
   for (const std::string& path : paths) {
-    auto genome = load_genome(path);
-    if (!genome) return tl::unexpected(genome.error());
-    corpus.push_back(std::move(*genome));
+    auto genome = KAZ_TRY(load_genome(path));
+    corpus.push_back(std::move(genome));
   }
   return corpus;
 }

@@ -56,7 +56,7 @@ Result<std::optional<Observation>> observe(BodyControl& body) {
   const Time start = body.now();
   body.track_ball();
   while (!body.fallen()) {
-    if (auto done = body.step(); !done) return tl::unexpected(done.error());
+    KAZ_TRY(body.step());
     for (const auto& seen : body.observations()) {
       if (seen.info.exposure < start) continue;
       const auto point = on_floor(seen, body.context().ball_radius_m);
@@ -176,7 +176,7 @@ Result<bool> scan_for_ball(BodyControl& body, int turns, bool left_first) {
       body.set_gaze({0, 35 * kDegree});
       motion.turn((left_first ? 90 : -90) * kDegree);
       while (!motion.idle() && !body.fallen()) {
-        if (auto done = body.step(); !done) return tl::unexpected(done.error());
+        KAZ_TRY(body.step());
         if (found()) motion.stop();
       }
     }
@@ -185,7 +185,7 @@ Result<bool> scan_for_ball(BodyControl& body, int turns, bool left_first) {
     const Time start = body.now();
     while (seconds(body.now() - start) < pattern.once() && !found() && !body.fallen()) {
       body.set_gaze(pattern.at(seconds(body.now() - start)));
-      if (auto done = body.step(); !done) return tl::unexpected(done.error());
+      KAZ_TRY(body.step());
     }
     if (found()) {
       body.track_ball();
@@ -201,10 +201,9 @@ Result<Approached> approach(BodyControl& body) {
   bool turned_blindly = false;
   for (int i = 0; i < kMaxMoves && body.now() < end; ++i) {
     body.phase("look");
-    const auto seen = observe(body);
-    if (!seen) return tl::unexpected(seen.error());
+    const auto seen = KAZ_TRY(observe(body));
     if (body.fallen()) break;
-    if (!*seen) {
+    if (!seen) {
       // Far to the side a shoulder occludes it: turn to its last position, once.
       const bool aside = body.ball().known() &&
                          body.now() - body.ball().last_seen() < kRemembered &&
@@ -214,18 +213,17 @@ Result<Approached> approach(BodyControl& body) {
         return result;
       }
       turned_blindly = true;
-      if (auto done = turn(body, turn_for(body.ball_now())); !done)
-        return tl::unexpected(done.error());
+      KAZ_TRY(turn(body, turn_for(body.ball_now())));
       continue;
     }
     turned_blindly = false;
-    result.ball = (*seen)->ball;
+    result.ball = seen->ball;
     const auto hand = hand_for(result.ball);
-    if (hand && (*seen)->speed <= kRolling) {
+    if (hand && seen->speed <= kRolling) {
       result.hand = *hand;
       return result;
     }
-    if (auto done = move(body, **seen); !done) return tl::unexpected(done.error());
+    KAZ_TRY(move(body, *seen));
   }
   result.cause = body.fallen() ? "fell" : "not reached";
   return result;
@@ -236,31 +234,27 @@ namespace {
 constexpr Option kOptions[] = {{"turns", "3", "", 0, 3, "quarter turns of the body in the search"}};
 
 Result<Outcome> run(Context& context) {
-  auto body = BodyControl::begin(context, kApproachBall.name);
-  if (!body) return tl::unexpected(body.error());
-  const Time start = body->now();
-  const auto found =
-      scan_for_ball(*body, static_cast<int>(context.options.number("turns")), context.seed & 1);
-  if (!found) return tl::unexpected(found.error());
-  if (!*found)
-    return Outcome{
-        false, "no ball was found all around", {}, body->fallen() ? "fell" : "not found"};
-  const auto end = approach(*body);
-  if (!end) return tl::unexpected(end.error());
+  auto body = KAZ_TRY(BodyControl::begin(context, kApproachBall.name));
+  const Time start = body.now();
+  const auto found = KAZ_TRY(
+      scan_for_ball(body, static_cast<int>(context.options.number("turns")), context.seed & 1));
+  if (!found)
+    return Outcome{false, "no ball was found all around", {}, body.fallen() ? "fell" : "not found"};
+  const auto end = KAZ_TRY(approach(body));
 
   Outcome outcome;
-  outcome.success = end->cause.empty();
-  outcome.cause = end->cause;
-  const double took = seconds(body->now() - start);
+  outcome.success = end.cause.empty();
+  outcome.cause = end.cause;
+  const double took = seconds(body.now() - start);
   char text[160];
   std::snprintf(text, sizeof text, "the ball is %s, %.0f mm ahead and %.0f mm to the left",
-                outcome.success ? "before a hand" : end->cause.c_str(), 1e3 * end->ball.x(),
-                1e3 * end->ball.y());
+                outcome.success ? "before a hand" : end.cause.c_str(), 1e3 * end.ball.x(),
+                1e3 * end.ball.y());
   outcome.sentence = text;
   outcome.measurements = {{"approach_s", took},
-                          {"ball_ahead_m", end->ball.x()},
-                          {"ball_left_m", end->ball.y()},
-                          {"walked_m", body->motion().walked()}};
+                          {"ball_ahead_m", end.ball.x()},
+                          {"ball_left_m", end.ball.y()},
+                          {"walked_m", body.motion().walked()}};
   return outcome;
 }
 

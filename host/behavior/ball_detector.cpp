@@ -24,10 +24,9 @@ PipelineBallDetector::PipelineBallDetector(vision::Camera& camera, vision::Pipel
 
 Result<std::vector<vision::BallObservation>> PipelineBallDetector::poll(Time now) {
   while (true) {
-    auto pair = camera_.poll();
-    if (!pair) return tl::unexpected(pair.error());
-    if (!*pair) break;
-    pipeline_.submit(std::move(**pair));
+    auto pair = KAZ_TRY(camera_.poll());
+    if (!pair) break;
+    pipeline_.submit(std::move(*pair));
   }
   pipeline_.poll(now);
   if (error_) return tl::unexpected(*error_);

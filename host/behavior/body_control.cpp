@@ -46,10 +46,9 @@ BodyControl::BodyControl(Context& context, std::string_view behavior, const moti
 Result<BodyControl> BodyControl::begin(Context& context, std::string_view behavior) {
   if (!context.detector)
     return fail(Fault::usage, std::string(behavior) + " needs a camera: give one with --camera");
-  auto walker = Walker::begin(context, behavior);
-  if (!walker) return tl::unexpected(walker.error());
-  BodyControl body(context, behavior, walker->motion());
-  body.input_ = walker->input();
+  auto walker = KAZ_TRY(Walker::begin(context, behavior));
+  BodyControl body(context, behavior, walker.motion());
+  body.input_ = walker.input();
   body.gaze_ = host::gaze_of(body.measured());
   body.newest_exposure_ = body.now();
   return body;
@@ -113,9 +112,8 @@ Result<void> BodyControl::run_cycle(std::vector<host::JointTarget> targets) {
   const Time before = now();
   const Time ramp =
       std::clamp(from_seconds(kRampFactor * seconds(cycle_time_)), kMinRamp, kMaxRamp);
-  auto input = cycle_.next(targets, ramp);
-  if (!input) return tl::unexpected(input.error());
-  input_ = std::move(*input);
+  auto input = KAZ_TRY(cycle_.next(targets, ramp));
+  input_ = std::move(input);
   cycle_time_ = now() - before;
   process_observations();
   return {};

@@ -41,23 +41,21 @@ class Catch {
         !body_.fallen())
       return Outcome{true, "the ball is in view", {}};
     const Time start = body_.now();
-    const auto found = scan_for_ball(body_, turns, left_first);
-    if (!found) return tl::unexpected(found.error());
+    const auto found = KAZ_TRY(scan_for_ball(body_, turns, left_first));
     if (body_.fallen()) return fell();
-    if (!*found) return Outcome{false, "no ball was found all around", {}, "not found"};
+    if (!found) return Outcome{false, "no ball was found all around", {}, "not found"};
     return Outcome{true, "found", {{"found_s", seconds(body_.now() - start)}}};
   }
 
   Result<Outcome> approach() {
-    const auto end = behavior::approach(body_);
-    if (!end) return tl::unexpected(end.error());
-    if (end->cause == "fell") return fell();
-    if (end->cause == "lost") return Outcome{false, "the ball was lost on the way", {}, "lost"};
-    if (!end->cause.empty())
-      return Outcome{false, "the ball was not brought before a hand", {}, end->cause};
-    plan_ = Pickup::plan(end->hand, end->ball, body_.context().ball_radius_m);
+    const auto end = KAZ_TRY(behavior::approach(body_));
+    if (end.cause == "fell") return fell();
+    if (end.cause == "lost") return Outcome{false, "the ball was lost on the way", {}, "lost"};
+    if (!end.cause.empty())
+      return Outcome{false, "the ball was not brought before a hand", {}, end.cause};
+    plan_ = Pickup::plan(end.hand, end.ball, body_.context().ball_radius_m);
     if (!plan_) return Outcome{false, "the ball lies out of the hand's reach", {}, "not reached"};
-    ball_ = end->ball;
+    ball_ = end.ball;
     return Outcome{true,
                    "the ball lies before a hand",
                    {{"ball_ahead_m", ball_.x()}, {"ball_left_m", ball_.y()}}};
@@ -65,16 +63,16 @@ class Catch {
 
   Result<Outcome> pick_up() {
     time_ = 0;
-    if (auto done = play(plan_->bent_s()); !done) return tl::unexpected(done.error());
-    if (auto done = aim_again(); !done) return tl::unexpected(done.error());
+    KAZ_TRY(play(plan_->bent_s()));
+    KAZ_TRY(aim_again());
     body_.phase("reach");
-    if (auto done = play(plan_->down_s()); !done) return tl::unexpected(done.error());
+    KAZ_TRY(play(plan_->down_s()));
     body_.phase("close");
-    if (auto done = play(plan_->closed_s() + 0.4); !done) return tl::unexpected(done.error());
+    KAZ_TRY(play(plan_->closed_s() + 0.4));
     if (body_.fallen()) return fell();
     if (gap() < kStopped) return give_up("the hand closed on nothing", "not grasped");
     body_.phase("lift");
-    if (auto done = play(plan_->end_s()); !done) return tl::unexpected(done.error());
+    KAZ_TRY(play(plan_->end_s()));
     if (body_.fallen()) return fell();
     if (gap() < kStopped) return give_up("the ball was dropped on the way up", "dropped");
     return Outcome{true, "the ball is lifted", {}};
@@ -94,8 +92,7 @@ class Catch {
       const Vector3d grasp = motion::trunk_from_grasp(angles, plan_->hand()).translation();
       body_.set_gaze(first_half ? host::gaze_at(grasp)
                                 : gaze_at_floor(angles, {ball_.x() + 0.05, ball_.y(), 0.02}));
-      if (auto done = body_.step(plan_->at(plan_->end_s())); !done)
-        return tl::unexpected(done.error());
+      KAZ_TRY(body_.step(plan_->at(plan_->end_s())));
       for (const auto& seen : body_.observations()) {
         if (sees_in_hand(seen))
           ++in_hand;
@@ -177,9 +174,9 @@ class Catch {
     body_.phase("stand up");
     const Time start = body_.now();
     for (double t = 0; t < Pickup::kGiveUp_s && !body_.fallen(); t = seconds(body_.now() - start))
-      if (auto done = body_.step(plan_->back(time_, t)); !done) return tl::unexpected(done.error());
+      KAZ_TRY(body_.step(plan_->back(time_, t)));
     body_.track_ball();
-    if (auto done = body_.restart(); !done) return tl::unexpected(done.error());
+    KAZ_TRY(body_.restart());
     if (body_.fallen()) return fell();
     return Outcome{false, sentence, {}, cause};
   }
@@ -191,10 +188,9 @@ class Catch {
 };
 
 Result<Outcome> catch_it(Context& context) {
-  auto body = BodyControl::begin(context, kCatchBall.name);
-  if (!body) return tl::unexpected(body.error());
-  const Time start = body->now();
-  Catch parts(*body);
+  auto body = KAZ_TRY(BodyControl::begin(context, kCatchBall.name));
+  const Time start = body.now();
+  Catch parts(body);
   const int turns = static_cast<int>(context.options.number("turns"));
   const double hold_s = context.options.number("hold");
   const bool left_first = context.seed & 1;
@@ -208,7 +204,7 @@ Result<Outcome> catch_it(Context& context) {
   };
   auto outcome = retry(static_cast<int>(context.options.number("tries")), once, retriable)(context);
   if (!outcome) return outcome;
-  const double took = seconds(body->now() - start);
+  const double took = seconds(body.now() - start);
   outcome->measurements.emplace_back("catch_s", took);
   char text[120];
   std::snprintf(text, sizeof text, " for %g s, %.0f s after the search began", hold_s, took);

@@ -84,9 +84,7 @@ TEST_F(Composition, AnErrorEndsAllAtOnce) {
 TEST_F(Composition, TimeIsLimitedWhereverATaskWaits) {
   const Time start = board.now();
   Task waits = [](Context& c) -> Result<Outcome> {
-    for (;;)
-      if (auto slept = c.clock.sleep_until(c.clock.now() + 300ms); !slept)
-        return tl::unexpected(slept.error());
+    for (;;) KAZ_TRY(c.clock.sleep_until(c.clock.now() + 300ms));
   };
   const auto outcome = retry(3, within(1s, waits), [](const Outcome&) { return false; })(context);
   ASSERT_TRUE(outcome);

@@ -12,24 +12,21 @@ ControlCycle::ControlCycle(Context& context)
 Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget> targets,
                                                Time ramp) {
   Input input;
-  const auto posture = context_.robot.exchange(targets, ramp);
-  if (!posture) return tl::unexpected(posture.error());
+  const auto posture = KAZ_TRY(context_.robot.exchange(targets, ramp));
   input.resumed = context_.robot.take_resumption();
-  if (posture->status & host::kMotorsOffFaults) {
-    return fail(Fault::environment, context_.robot.describe_fault(posture->status));
+  if (posture.status & host::kMotorsOffFaults) {
+    return fail(Fault::environment, context_.robot.describe_fault(posture.status));
   }
-  input.posture = *posture;
+  input.posture = posture;
 
   // A late cycle is not caught up.
   cycle_start_ = std::max(cycle_start_ + kPeriod, context_.clock.now());
-  if (auto slept = context_.clock.sleep_until(cycle_start_); !slept)
-    return tl::unexpected(slept.error());
+  KAZ_TRY(context_.clock.sleep_until(cycle_start_));
   input.now = context_.clock.now();
   if (!context_.detector) return input;
 
-  auto observations = context_.detector->poll(input.now);
-  if (!observations) return tl::unexpected(observations.error());
-  input.observations = std::move(*observations);
+  auto observations = KAZ_TRY(context_.detector->poll(input.now));
+  input.observations = std::move(observations);
   if (!input.observations.empty()) last_image_ = input.now;
   if (input.now - last_image_ > kBlind) {
     return fail(Fault::environment, "no image came for 2 s: check the camera");

@@ -176,9 +176,8 @@ const char* name_of(Lying lies) {
 Result<Outcome> run(Context& context) {
   if (!context.other_joints.empty())
     return fail(Fault::usage, "get-up is for Kaz's arms and legs, and this robot has none");
-  const auto inertial = context.robot.sense_inertial();
-  if (!inertial) return tl::unexpected(inertial.error());
-  if (!*inertial)
+  const auto inertial = KAZ_TRY(context.robot.sense_inertial());
+  if (!inertial)
     return fail(Fault::usage,
                 "get-up must know how the robot lies, and the board has no accelerometer: fit the "
                 "option (kaz run --imu)");
@@ -191,16 +190,14 @@ Result<Outcome> run(Context& context) {
   Lying first = Lying::upright, lies = Lying::upright;
   for (bool stands = false; !stands && attempts < max_attempts; ++attempts) {
     // Also enables motors that the board disabled after a stall.
-    if (auto held = hold_still(context.robot); !held) return tl::unexpected(held.error());
-    const auto before = getting_up.observe();
-    if (!before) return tl::unexpected(before.error());
-    lies = *before;
+    KAZ_TRY(hold_still(context.robot));
+    const auto before = KAZ_TRY(getting_up.observe());
+    lies = before;
     if (attempts == 0) first = lies;
     context.sink.phase(context.clock.now(), kGetUp.name, name_of(lies));
-    if (auto risen = getting_up.rise(lies); !risen) return tl::unexpected(risen.error());
-    const auto after = getting_up.observe();
-    if (!after) return tl::unexpected(after.error());
-    lies = *after;
+    KAZ_TRY(getting_up.rise(lies));
+    const auto after = KAZ_TRY(getting_up.observe());
+    lies = after;
     stands = lies == Lying::upright;
   }
 

@@ -18,26 +18,25 @@ constexpr double kNear = 0.03;  // m, tolerance of the distance by odometry
 Result<Outcome> run(Context& context) {
   motion::Settings settings;
   settings.use_gyro = context.options.choice("gyro") == "use";
-  auto walker = Walker::begin(context, kGoForward.name, settings);
-  if (!walker) return tl::unexpected(walker.error());
+  auto walker = KAZ_TRY(Walker::begin(context, kGoForward.name, settings));
   const double distance = context.options.number("distance");
-  const motion::Motion& motion = walker->motion();
+  const motion::Motion& motion = walker.motion();
   const double start = motion.walked(), heading = motion.heading();
-  const Time began = walker->input().now;
-  if (!walker->fallen()) {
-    walker->phase("walk");
-    walker->motion().walk(distance);
-    if (auto done = walker->finish(); !done) return tl::unexpected(done.error());
+  const Time began = walker.input().now;
+  if (!walker.fallen()) {
+    walker.phase("walk");
+    walker.motion().walk(distance);
+    KAZ_TRY(walker.finish());
   }
   const double walked = motion.walked() - start;
   const double turned = (motion.heading() - heading) / motion::kDegree;
   const motion::Place place = motion.place();
 
   Outcome outcome;
-  outcome.success = !walker->fallen() && std::abs(walked - distance) < kNear;
+  outcome.success = !walker.fallen() && std::abs(walked - distance) < kNear;
   char text[160];
   std::snprintf(text, sizeof text, "the robot %s %.2f m, %.1f degrees off its heading%s",
-                walker->fallen() ? "fell after" : "walked", walked, turned,
+                walker.fallen() ? "fell after" : "walked", walked, turned,
                 motion.has_gyro() ? "" : " by its strides (no gyro)");
   outcome.sentence = text;
   outcome.measurements = {{"walked_m", walked},
@@ -47,7 +46,7 @@ Result<Outcome> run(Context& context) {
                           {"sigma_along_m", place.sigma_along},
                           {"sigma_across_m", place.sigma_across},
                           {"sigma_heading_deg", place.sigma_heading / motion::kDegree},
-                          {"walking_s", seconds(walker->input().now - began)}};
+                          {"walking_s", seconds(walker.input().now - began)}};
   return outcome;
 }
 

@@ -14,7 +14,7 @@ Result<HeadControl> HeadControl::begin(Context& context, std::string_view behavi
   if (!context.detector) {
     return fail(Fault::usage, std::string(behavior) + " needs a camera: give one with --camera");
   }
-  if (auto held = hold_still(context.robot); !held) return tl::unexpected(held.error());
+  KAZ_TRY(hold_still(context.robot));
   HeadControl head(context, behavior);
   auto input = head.cycle_.next({});
   if (!input) return tl::unexpected(input.error());
@@ -41,9 +41,8 @@ Result<void> HeadControl::step(const host::Gaze& target) {
 
   const host::JointTarget targets[] = {{host::neck_pan, reachable.pan_rad},
                                        {host::neck_tilt, reachable.tilt_rad}};
-  auto input = cycle_.next(targets);
-  if (!input) return tl::unexpected(input.error());
-  input_ = std::move(*input);
+  auto input = KAZ_TRY(cycle_.next(targets));
+  input_ = std::move(input);
   process(input_.observations);
   return {};
 }

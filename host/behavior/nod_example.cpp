@@ -13,7 +13,7 @@ namespace {
 constexpr Option kOptions[] = {{"times", "2", "", 1, 10, "number of nods"}};
 
 Result<Outcome> run(Context& context) {
-  if (auto held = hold_still(context.robot); !held) return tl::unexpected(held.error());
+  KAZ_TRY(hold_still(context.robot));
   context.sink.phase(context.clock.now(), kNod.name, "nod");
 
   ControlCycle cycle(context);
@@ -23,9 +23,8 @@ Result<Outcome> run(Context& context) {
     const host::JointTarget tilt[] = {{host::neck_tilt, half % 2 == 0 ? 0.3 : 0.0}};
     const Time end = context.clock.now() + from_seconds(0.4);
     while (context.clock.now() < end) {
-      const auto input = cycle.next(tilt);  // sends the target, waits for the next control cycle
-      if (!input) return tl::unexpected(input.error());
-      deepest = std::max(deepest, input->posture.angle[host::neck_tilt]);
+      const auto input = KAZ_TRY(cycle.next(tilt));
+      deepest = std::max(deepest, input.posture.angle[host::neck_tilt]);
     }
   }
   return Outcome{deepest > 0.25, "the robot has nodded", {{"deepest_rad", deepest}}};

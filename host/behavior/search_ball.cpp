@@ -30,17 +30,15 @@ Outcome not_found(const char* text) {
 
 // With turns of the body, after a scan by the head alone found nothing; from the walking crouch.
 Result<Outcome> run_turning(Context& context) {
-  auto body = BodyControl::begin(context, kSearchBall.name);
-  if (!body) return tl::unexpected(body.error());
-  const Time start = body->now();
-  const auto found =
-      scan_for_ball(*body, static_cast<int>(context.options.number("turns")), context.seed & 1);
-  if (!found) return tl::unexpected(found.error());
-  if (body->fallen()) return Outcome{false, "the robot fell", {}, "fell"};
-  if (!*found) return not_found("no ball was found");
-  const Eigen::Vector2d ball = body->ball_now();
+  auto body = KAZ_TRY(BodyControl::begin(context, kSearchBall.name));
+  const Time start = body.now();
+  const auto found = KAZ_TRY(
+      scan_for_ball(body, static_cast<int>(context.options.number("turns")), context.seed & 1));
+  if (body.fallen()) return Outcome{false, "the robot fell", {}, "fell"};
+  if (!found) return not_found("no ball was found");
+  const Eigen::Vector2d ball = body.ball_now();
   char text[120];
-  const double after = seconds(body->now() - start);
+  const double after = seconds(body.now() - start);
   std::snprintf(text, sizeof text, "the ball was found after %.1f s, %.2f m away", after,
                 ball.norm());
   return Outcome{true,
@@ -48,20 +46,18 @@ Result<Outcome> run_turning(Context& context) {
                  {{"found_s", after},
                   {"ball_bearing_deg", std::atan2(ball.y(), ball.x()) / kDegree},
                   {"ball_distance_m", ball.norm()},
-                  {"turned_deg", body->motion().heading() / kDegree}}};
+                  {"turned_deg", body.motion().heading() / kDegree}}};
 }
 
 Result<Outcome> run(Context& context) {
-  auto head = HeadControl::begin(context, kSearchBall.name);
-  if (!head) return tl::unexpected(head.error());
-  const Time start = head->now();
+  auto head = KAZ_TRY(HeadControl::begin(context, kSearchBall.name));
+  const Time start = head.now();
   const double limit = context.options.number("seconds");
   const bool turns = context.options.number("turns") >= 1 && context.other_joints.empty();
-  const SearchPattern once(head->measured(), kSpeed, context.seed & 1);
+  const SearchPattern once(head.measured(), kSpeed, context.seed & 1);
   const double alone = turns ? std::min(limit, once.once()) : limit;
-  const auto found = search(*head, from_seconds(alone), context.seed & 1);
-  if (!found) return tl::unexpected(found.error());
-  if (!*found && alone < limit) {
+  const auto found = KAZ_TRY(search(head, from_seconds(alone), context.seed & 1));
+  if (!found && alone < limit) {
     auto outcome = within(from_seconds(limit - alone), run_turning)(context);
     if (outcome && outcome->cause == "time") {
       char text[80];
@@ -72,17 +68,17 @@ Result<Outcome> run(Context& context) {
   }
 
   Outcome outcome;
-  outcome.success = *found;
+  outcome.success = found;
   char text[120];
-  if (*found) {
-    const double after = seconds(head->now() - start);
-    const host::Gaze ball = head->tracker().at(head->now());
+  if (found) {
+    const double after = seconds(head.now() - start);
+    const host::Gaze ball = head.tracker().at(head.now());
     std::snprintf(text, sizeof text, "the ball was found after %.1f s, %.2f m away", after,
-                  head->ball()->distance_m);
+                  head.ball()->distance_m);
     outcome.measurements = {{"found_s", after},
                             {"ball_pan_deg", ball.pan_rad / kDegree},
                             {"ball_tilt_deg", ball.tilt_rad / kDegree},
-                            {"ball_distance_m", head->ball()->distance_m}};
+                            {"ball_distance_m", head.ball()->distance_m}};
   } else {
     std::snprintf(text, sizeof text, "no ball was found in %g s", limit);
     outcome.cause = "not found";
@@ -103,9 +99,7 @@ Result<bool> search(HeadControl& head, Time limit, bool left_first) {
   const SearchPattern pattern(head.measured(), kSpeed, left_first);
   while (head.now() - start < limit) {
     if (head.consecutive() >= kConsecutive && head.tracker().known()) return true;
-    if (auto stepped = head.step(pattern.at(seconds(head.now() - start))); !stepped) {
-      return tl::unexpected(stepped.error());
-    }
+    KAZ_TRY(head.step(pattern.at(seconds(head.now() - start))));
   }
   return false;
 }

@@ -50,16 +50,15 @@ Result<Outcome> run(Context& context) {
                                   "` is Kaz's, and this robot has the joints " + names +
                                   "; use posture=keep");
   }
-  if (auto held = hold_still(context.robot); !held) return tl::unexpected(held.error());
-  const auto start = context.robot.state();
-  if (!start) return tl::unexpected(start.error());
+  KAZ_TRY(hold_still(context.robot));
+  const auto start = KAZ_TRY(context.robot.state());
   const std::string& posture = context.options.choice("posture");
   context.sink.phase(context.clock.now(), kStand.name, "move");
 
-  JointAngles goal = start->angle;
+  JointAngles goal = start.angle;
   if (posture != "keep") goal = posture == "home" ? motion::home() : JointAngles{};
   ControlCycle cycle(context);
-  host::Posture last = *start;
+  host::Posture last = start;
   bool begin = true;  // also after a lost link, which ends all ramps
   Time end{};
   while (begin || context.clock.now() < end) {
@@ -67,10 +66,9 @@ Result<Outcome> run(Context& context) {
     std::vector<host::JointTarget> targets;
     if (begin && posture != "keep") targets = all_to(goal);
     if (begin) end = context.clock.now() + (targets.empty() ? Time::zero() : duration) + kSettle;
-    const auto input = cycle.next(targets, duration);
-    if (!input) return tl::unexpected(input.error());
-    begin = input->resumed.has_value();
-    last = input->posture;
+    const auto input = KAZ_TRY(cycle.next(targets, duration));
+    begin = input.resumed.has_value();
+    last = input.posture;
   }
 
   const Worst worst =

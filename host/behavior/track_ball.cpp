@@ -30,13 +30,12 @@ Result<int> follow(HeadControl& head, Time end, bool left_first) {
   while (head.now() < end) {
     if (lost(head)) {
       ++losses;
-      const auto again = search(head, end - head.now(), left_first);
-      if (!again) return tl::unexpected(again.error());
-      if (!*again) break;
+      const auto again = KAZ_TRY(search(head, end - head.now(), left_first));
+      if (!again) break;
       head.phase("track");
     }
     const host::Gaze ahead = head.tracker().at(head.now() + HeadControl::kLead);
-    if (auto stepped = head.step(ahead); !stepped) return tl::unexpected(stepped.error());
+    KAZ_TRY(head.step(ahead));
   }
   return losses;
 }
@@ -82,23 +81,20 @@ Outcome score(const std::vector<PictureRow>& pictures, Time found_at, double fou
 }
 
 Result<Outcome> run(Context& context) {
-  auto head = HeadControl::begin(context, kTrackBall.name);
-  if (!head) return tl::unexpected(head.error());
-  const Time start = head->now();
+  auto head = KAZ_TRY(HeadControl::begin(context, kTrackBall.name));
+  const Time start = head.now();
   const bool left_first = context.seed & 1;
   const double patience = context.options.number("search-seconds");
-  const auto found = search(*head, from_seconds(patience), left_first);
-  if (!found) return tl::unexpected(found.error());
-  if (!*found) {
+  const auto found = KAZ_TRY(search(head, from_seconds(patience), left_first));
+  if (!found) {
     char text[80];
     std::snprintf(text, sizeof text, "no ball was found in %g s", patience);
     return Outcome{false, text, {}};
   }
-  const Time found_at = head->now();
+  const Time found_at = head.now();
   const Time end = found_at + from_seconds(context.options.number("seconds"));
-  const auto losses = follow(*head, end, left_first);
-  if (!losses) return tl::unexpected(losses.error());
-  return score(head->pictures(), found_at, seconds(found_at - start), *losses);
+  const auto losses = KAZ_TRY(follow(head, end, left_first));
+  return score(head.pictures(), found_at, seconds(found_at - start), losses);
 }
 
 }  // namespace

@@ -18,29 +18,28 @@ constexpr double kNear_deg = 4;  // tolerance of the measured angle
 Result<Outcome> turn(Context& context, const Behavior& behavior, double sign) {
   motion::Settings settings;
   settings.use_gyro = context.options.choice("gyro") == "use";
-  auto walker = Walker::begin(context, behavior.name, settings);
-  if (!walker) return tl::unexpected(walker.error());
+  auto walker = KAZ_TRY(Walker::begin(context, behavior.name, settings));
   const double angle_deg = context.options.number("angle");
-  const motion::Motion& motion = walker->motion();
+  const motion::Motion& motion = walker.motion();
   const double start = motion.heading();
-  const Time began = walker->input().now;
-  if (!walker->fallen()) {
-    walker->phase("turn");
-    walker->motion().turn(sign * angle_deg * motion::kDegree);
-    if (auto done = walker->finish(); !done) return tl::unexpected(done.error());
+  const Time began = walker.input().now;
+  if (!walker.fallen()) {
+    walker.phase("turn");
+    walker.motion().turn(sign * angle_deg * motion::kDegree);
+    KAZ_TRY(walker.finish());
   }
   const double turned_deg = sign * (motion.heading() - start) / motion::kDegree;
 
   Outcome outcome;
-  outcome.success = !walker->fallen() && std::abs(turned_deg - angle_deg) < kNear_deg;
+  outcome.success = !walker.fallen() && std::abs(turned_deg - angle_deg) < kNear_deg;
   char text[160];
   std::snprintf(text, sizeof text, "the robot %s %.1f degrees%s",
-                walker->fallen() ? "fell after" : "turned by", turned_deg,
+                walker.fallen() ? "fell after" : "turned by", turned_deg,
                 motion.has_gyro() ? "" : " by its strides (no gyro)");
   outcome.sentence = text;
   outcome.measurements = {{"turned_deg", turned_deg},
                           {"sigma_heading_deg", motion.place().sigma_heading / motion::kDegree},
-                          {"turning_s", seconds(walker->input().now - began)}};
+                          {"turning_s", seconds(walker.input().now - began)}};
   return outcome;
 }
 

@@ -29,26 +29,23 @@ Result<Walker> Walker::begin(Context& context, std::string_view behavior,
   if (!context.other_joints.empty())
     return fail(Fault::usage,
                 std::string(behavior) + " is for Kaz's legs, and this robot has none");
-  if (auto held = hold_still(context.robot); !held) return tl::unexpected(held.error());
+  KAZ_TRY(hold_still(context.robot));
   if (auto set = context.robot.set_limits(host::kAllJoints, {.ramp_rad_per_s = kRamp}); !set)
     return tl::unexpected(set.error());
-  const auto inertial = context.robot.sense_inertial();
-  if (!inertial) return tl::unexpected(inertial.error());
+  const auto inertial = KAZ_TRY(context.robot.sense_inertial());
   Walker walker(context, behavior, settings);
   walker.input_.now = context.clock.now();
   walker.phase("crouch");
-  if (auto done = walker.crouch(); !done) return tl::unexpected(done.error());
+  KAZ_TRY(walker.crouch());
   walker.phase("stand");
   // Motion starts averaging 0.6 s after it stands.
-  const bool zero = *inertial && settings.use_gyro;
-  if (auto done = walker.stay(kSettle + from_seconds(zero ? 0.6 + kZeroed_s : 0)); !done)
-    return tl::unexpected(done.error());
+  const bool zero = inertial && settings.use_gyro;
+  KAZ_TRY(walker.stay(kSettle + from_seconds(zero ? 0.6 + kZeroed_s : 0)));
   return walker;
 }
 
 Result<void> Walker::crouch() {
-  const auto start = context_->robot.state();
-  if (!start) return tl::unexpected(start.error());
+  const auto start = KAZ_TRY(context_->robot.state());
   const host::JointAngles goal = motion::home();
   std::vector<host::JointTarget> targets;
   double farthest = 0;
@@ -56,7 +53,7 @@ Result<void> Walker::crouch() {
     if (j == host::neck_pan || j == host::neck_tilt) continue;  // the caller's
     const auto joint = static_cast<std::size_t>(j);
     targets.push_back({j, goal[joint]});
-    farthest = std::max(farthest, std::abs(goal[joint] - start->angle[joint]));
+    farthest = std::max(farthest, std::abs(goal[joint] - start.angle[joint]));
   }
   const Time duration = from_seconds(farthest / kSpeed);
   Time end{};
@@ -88,9 +85,8 @@ Result<void> Walker::step(std::span<const host::JointTarget> others) {
   const Time before = input_.now;
   const Time ramp =
       std::clamp(from_seconds(kRampFactor * seconds(cycle_time_)), kMinRamp, kMaxRamp);
-  auto input = cycle_.next(targets, ramp);
-  if (!input) return tl::unexpected(input.error());
-  input_ = std::move(*input);
+  auto input = KAZ_TRY(cycle_.next(targets, ramp));
+  input_ = std::move(input);
   cycle_time_ = input_.now - before;
   return {};
 }

@@ -114,14 +114,11 @@ Result<CameraStreamHeader> read_header(const std::string& path, int socket, Time
 
 Result<std::unique_ptr<PublishedCamera>> PublishedCamera::connect(const std::string& path,
                                                                   Time patience) {
-  const auto fd = connect_socket(path);
-  if (!fd) return tl::unexpected(fd.error());
-  Socket socket(*fd);
-  const auto header = read_header(path, socket.get(), patience);
-  if (!header) return tl::unexpected(header.error());
-  const auto stream = parse(*header, path);
-  if (!stream) return tl::unexpected(stream.error());
-  return std::unique_ptr<PublishedCamera>(new PublishedCamera(path, socket.release(), *stream));
+  const auto fd = KAZ_TRY(connect_socket(path));
+  Socket socket(fd);
+  const auto header = KAZ_TRY(read_header(path, socket.get(), patience));
+  const auto stream = KAZ_TRY(parse(header, path));
+  return std::unique_ptr<PublishedCamera>(new PublishedCamera(path, socket.release(), stream));
 }
 
 PublishedCamera::PublishedCamera(std::string path, int socket, const CameraStream& stream)

@@ -69,13 +69,12 @@ std::size_t bytes_of_row(const RawLayout& layout) {
 
 Result<void> convert_jpeg(std::span<const std::uint8_t> bytes, const RawLayout& layout,
                           vision::Image& image) {
-  auto decoded = vision::decode_picture(bytes, "the picture");
-  if (!decoded) return tl::unexpected(decoded.error());
-  if (decoded->width != layout.width || decoded->height != layout.height)
+  auto decoded = KAZ_TRY(vision::decode_picture(bytes, "the picture"));
+  if (decoded.width != layout.width || decoded.height != layout.height)
     return fail(Fault::environment,
-                "the picture is of another size than agreed: " + std::to_string(decoded->width) +
-                    " x " + std::to_string(decoded->height));
-  image = std::move(*decoded);
+                "the picture is of another size than agreed: " + std::to_string(decoded.width) +
+                    " x " + std::to_string(decoded.height));
+  image = std::move(decoded);
   return {};
 }
 

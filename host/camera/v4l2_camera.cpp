@@ -76,12 +76,11 @@ Result<std::unique_ptr<V4l2Camera>> V4l2Camera::open(const V4l2Source& source,
   Devices devices;
   const V4l2Wanted wanted{calibration.width, calibration.height, source.rate_hz, source.format};
   for (const EyeSide side : kSides) {
-    auto opened = V4l2Device::open(side == EyeSide::left ? source.left : source.right, wanted);
-    if (!opened) return tl::unexpected(opened.error());
-    devices[index(side)] = std::move(*opened);
+    auto opened =
+        KAZ_TRY(V4l2Device::open(side == EyeSide::left ? source.left : source.right, wanted));
+    devices[index(side)] = std::move(opened);
   }
-  for (const auto& device : devices)
-    if (auto started = device->start(); !started) return tl::unexpected(started.error());
+  for (const auto& device : devices) KAZ_TRY(device->start());
   const int wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   if (wake < 0)
     return fail(Fault::environment, std::string("no eventfd for the cameras: ") +

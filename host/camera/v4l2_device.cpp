@@ -133,8 +133,8 @@ Result<std::unique_ptr<V4l2Device>> V4l2Device::open(const std::string& path,
   const int descriptor = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return tl::unexpected(v4l2_error(path, "opening it", errno));
   std::unique_ptr<V4l2Device> device(new V4l2Device(path, descriptor));
-  if (auto valid = device->check_kind(); !valid) return tl::unexpected(valid.error());
-  if (auto agreed = device->agree(wanted); !agreed) return tl::unexpected(agreed.error());
+  KAZ_TRY(device->check_kind());
+  KAZ_TRY(device->agree(wanted));
   return device;
 }
 

@@ -60,9 +60,8 @@ tl::unexpected<Error> Boot::failure(const std::string& step, const std::string& 
 Result<int> Boot::get(Time patience) {
   if (came_.empty()) {
     std::array<std::uint8_t, 256> bytes{};
-    const auto count = link_.read(bytes, clock_.now() + patience);
-    if (!count) return tl::unexpected(count.error());
-    for (std::size_t k = 0; k < *count; ++k) came_.push_back(bytes[k]);
+    const auto count = KAZ_TRY(link_.read(bytes, clock_.now() + patience));
+    for (std::size_t k = 0; k < count; ++k) came_.push_back(bytes[k]);
   }
   if (came_.empty()) return -1;
   const int byte = came_.front();
@@ -75,10 +74,9 @@ Result<void> Boot::greet() {
   int answer = -1;
   for (int k = 0; k < options_.tries && answer != 0; ++k) {
     if (auto sent = put(0x00); !sent) return sent;
-    const auto byte = get(milliseconds(30));
-    if (!byte) return tl::unexpected(byte.error());
-    if (*byte > 0) came_.clear();  // of a program that still ran, or noise
-    answer = *byte;
+    const auto byte = KAZ_TRY(get(milliseconds(30)));
+    if (byte > 0) came_.clear();  // of a program that still ran, or noise
+    answer = byte;
   }
   if (answer != 0) {
     return failure(
@@ -89,22 +87,20 @@ Result<void> Boot::greet() {
   }
   if (auto sent = put(0x55); !sent) return sent;
   // Parts without A mask may not answer.
-  const auto byte = get(milliseconds(100));
-  if (!byte) return tl::unexpected(byte.error());
-  if (*byte >= 0 && *byte != 0xaa && *byte != 0x00) {
-    return failure("H'55", "H'AA or nothing", *byte,
+  const auto byte = KAZ_TRY(get(milliseconds(100)));
+  if (byte >= 0 && byte != 0xaa && byte != 0x00) {
+    return failure("H'55", "H'AA or nothing", byte,
                    {"the line is noisy", "the bit rates do not match; try --boot-baud 4800"});
   }
   return {};
 }
 
 Result<void> Boot::echoed(std::uint8_t byte, const std::string& what) {
-  const auto echo = get(milliseconds(500));
-  if (!echo) return tl::unexpected(echo.error());
-  if (*echo == byte) return {};
+  const auto echo = KAZ_TRY(get(milliseconds(500)));
+  if (echo == byte) return {};
   char text[48];
   std::snprintf(text, sizeof text, "its echo %02x", byte);
-  return failure(what, text, *echo,
+  return failure(what, text, echo,
                  {"the line lost or damaged a byte", "power or reset of the board was cut",
                   "the program is longer than this part takes"});
 }
@@ -128,10 +124,9 @@ Result<void> Boot::send_program(std::span<const std::uint8_t> program) {
 }
 
 Result<void> Boot::finish() {
-  const auto byte = get(kEraseTime);
-  if (!byte) return tl::unexpected(byte.error());
-  if (*byte == 0xaa) return {};
-  if (*byte == 0xff) {
+  const auto byte = KAZ_TRY(get(kEraseTime));
+  if (byte == 0xaa) return {};
+  if (byte == 0xff) {
     return fail(Fault::failed, Diagnostic{"the chip cannot erase its flash",
                                           "H'AA",
                                           "ff: the erase error",
@@ -139,7 +134,7 @@ Result<void> Boot::finish() {
                                            "its supply is too low while it erases"},
                                           "measure the supply, try again; else change the part"});
   }
-  return failure("the erase check", "H'AA", *byte,
+  return failure("the erase check", "H'AA", byte,
                  {"power or reset of the board was cut", "the line damaged a byte"});
 }
 
@@ -163,9 +158,8 @@ Result<void> load_through_boot(Link& link, Clock& clock, std::span<const std::ui
   // Discards what the program that ran until the reset may still have sent.
   std::array<std::uint8_t, 256> old{};
   for (int k = 0; k < 20; ++k) {
-    const auto count = link.read(old, clock.now() + milliseconds(5));
-    if (!count) return tl::unexpected(count.error());
-    if (*count == 0) break;
+    const auto count = KAZ_TRY(link.read(old, clock.now() + milliseconds(5)));
+    if (count == 0) break;
   }
   return Boot(link, clock, options).load(program);
 }

@@ -122,7 +122,7 @@ Result<void> Flasher::check(const FlashImage& image, bool through_boot) const {
 }
 
 Result<bool> Flasher::enter_loader() {
-  if (auto set = link_.set_baud(115200); !set) return tl::unexpected(set.error());
+  KAZ_TRY(link_.set_baud(115200));
   writer_.rate_is(115200);
   const auto listening = [&](Time patience, int tries) -> Result<bool> {
     const auto info = writer_.info(patience, tries);
@@ -139,8 +139,7 @@ Result<bool> Flasher::enter_loader() {
   if (!board) {
     // The port itself may be gone.
     std::uint8_t byte = 0;
-    if (auto alive = link_.read(std::span(&byte, 1), clock_.now()); !alive)
-      return tl::unexpected(alive.error());
+    KAZ_TRY(link_.read(std::span(&byte, 1), clock_.now()));
     return false;
   }
   Request leave{KZ_TYPE_loader, {}};
@@ -216,8 +215,7 @@ Result<void> Flasher::enter_boot(BoardReset& reset) {
     }
     if (entered) break;
     std::uint8_t byte = 0;
-    if (auto alive = link_.read(std::span(&byte, 1), clock_.now()); !alive)
-      return tl::unexpected(alive.error());
+    KAZ_TRY(link_.read(std::span(&byte, 1), clock_.now()));
   }
   if (!entered) return entered;
   blank_ = true;
@@ -237,9 +235,8 @@ bool Flasher::kept(std::uint32_t address) const {
 Result<bool> Flasher::same(FlashRange range, const FlashImage& image) {
   WriterSums wanted;
   for (const std::uint8_t byte : image.bytes(range)) wanted.add(byte);
-  const auto is = writer_.sums(range.from, range.size());
-  if (!is) return tl::unexpected(is.error());
-  return *is == wanted;
+  const auto is = KAZ_TRY(writer_.sums(range.from, range.size()));
+  return is == wanted;
 }
 
 Result<void> Flasher::erase_block(int block) {
@@ -293,9 +290,8 @@ Result<void> Flasher::compare(const std::vector<FlashRange>& ranges, const Flash
   std::uint32_t done = 0, total = 0;
   for (const FlashRange& range : ranges) total += range.size();
   for (const FlashRange& range : ranges) {
-    const auto equal = same(range, image);
-    if (!equal) return tl::unexpected(equal.error());
-    if (!*equal) {
+    const auto equal = KAZ_TRY(same(range, image));
+    if (!equal) {
       return fail(Fault::failed, Diagnostic{"the flash does not hold the image",
                                             "the image's bytes from " + hex_address(range.from) +
                                                 " to " + hex_address(range.to - 1),
@@ -310,8 +306,7 @@ Result<void> Flasher::compare(const std::vector<FlashRange>& ranges, const Flash
 }
 
 Result<FlashReport> Flasher::write(const FlashImage& image) {
-  if (auto allowed = check(image, info_ && !info_->by_loader); !allowed)
-    return tl::unexpected(allowed.error());
+  KAZ_TRY(check(image, info_ && !info_->by_loader));
   FlashReport report;
   report.bytes = image.size();
   const bool application = image.identity().has_value();
@@ -323,18 +318,16 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
   for (int block = 0; block < kFlashBlocks; ++block) {
     if (!image.touches(block)) continue;
     if (kept(kBlockStart[block])) {
-      const auto equal = same(block_range(block), image);
-      if (!equal) return tl::unexpected(equal.error());
-      if (!*equal)
+      const auto equal = KAZ_TRY(same(block_range(block), image));
+      if (!equal)
         report_line("EB" + std::to_string(block) +
                     " stays as it is: the loader keeps it; boot mode changes it");
       ++skipped;
       continue;
     }
     if (!blank_) {
-      const auto equal = same(block_range(block), image);
-      if (!equal) return tl::unexpected(equal.error());
-      if (*equal) {
+      const auto equal = KAZ_TRY(same(block_range(block), image));
+      if (equal) {
         ++skipped;
         continue;
       }
@@ -348,7 +341,7 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
     for (const int block : {4, 0, 1, 2, 3, 5, 6, 7, 8, 9}) {
       if (!wanted[static_cast<std::size_t>(block)]) continue;
       report_progress("erase", static_cast<std::uint32_t>(report.erased), blocks);
-      if (auto erased = erase_block(block); !erased) return tl::unexpected(erased.error());
+      KAZ_TRY(erase_block(block));
       min_seconds_ += FlashTimes::erase_pulse_s + FlashTimes::erase_setup_s;
       ++report.erased;
     }
@@ -377,9 +370,8 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
   }
   if (header) total += kFlashLine;
   std::uint32_t done = 0;
-  if (auto written = write_ranges(all, image, done, total); !written)
-    return tl::unexpected(written.error());
-  if (auto right = compare(joined(all), image); !right) return tl::unexpected(right.error());
+  KAZ_TRY(write_ranges(all, image, done, total));
+  KAZ_TRY(compare(joined(all), image));
   if (header) {
     if (auto written = write_ranges({header_line}, image, done, total); !written)
       return tl::unexpected(written.error());
@@ -400,7 +392,7 @@ Result<FlashReport> Flasher::verify(const FlashImage& image) {
   std::vector<FlashRange> written, loaders;
   for (const FlashRange& range : image.ranges(4096))
     (kept(range.from) ? loaders : written).push_back(range);
-  if (auto right = compare(written, image); !right) return tl::unexpected(right.error());
+  KAZ_TRY(compare(written, image));
   // An update through the loader keeps them, so a difference is no damage.
   if (auto same = compare(loaders, image); !same) {
     if (same.error().fault != Fault::failed) return tl::unexpected(same.error());

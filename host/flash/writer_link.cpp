@@ -119,11 +119,10 @@ Result<std::optional<WriterReply>> WriterLink::receive(Time deadline) {
   WriterReply reply;
   while (!parse(reply)) {
     std::array<std::uint8_t, 1024> bytes{};
-    const auto count = link_.read(bytes, deadline);
-    if (!count) return tl::unexpected(count.error());
-    if (*count == 0) return std::optional<WriterReply>();
+    const auto count = KAZ_TRY(link_.read(bytes, deadline));
+    if (count == 0) return std::optional<WriterReply>();
     buffer_.insert(buffer_.end(), bytes.begin(),
-                   bytes.begin() + static_cast<std::ptrdiff_t>(*count));
+                   bytes.begin() + static_cast<std::ptrdiff_t>(count));
   }
   return std::optional(std::move(reply));
 }
@@ -133,11 +132,10 @@ Result<void> WriterLink::settle() {
   // If the line never becomes quiet, sends anyway.
   const Time end = clock_.now() + milliseconds(300);
   while (clock_.now() < end) {
-    const auto count = link_.read(bytes, clock_.now() + kQuiet);
-    if (!count) return tl::unexpected(count.error());
-    if (*count == 0) break;
+    const auto count = KAZ_TRY(link_.read(bytes, clock_.now() + kQuiet));
+    if (count == 0) break;
     buffer_.insert(buffer_.end(), bytes.begin(),
-                   bytes.begin() + static_cast<std::ptrdiff_t>(*count));
+                   bytes.begin() + static_cast<std::ptrdiff_t>(count));
   }
   return {};
 }
@@ -151,7 +149,7 @@ Result<WriterReply> WriterLink::exchange(const WriterRequest& request, Time pati
   };
   for (int k = 0; k < tries; ++k) {
     if (k > 0) {
-      if (auto quiet = settle(); !quiet) return tl::unexpected(quiet.error());
+      KAZ_TRY(settle());
       WriterReply late;
       while (parse(late)) {
         if (is_mine(late)) return late;
@@ -159,13 +157,12 @@ Result<WriterReply> WriterLink::exchange(const WriterRequest& request, Time pati
       buffer_.clear();
       ++repeated_;
     }
-    if (auto sent = send(request, number); !sent) return tl::unexpected(sent.error());
+    KAZ_TRY(send(request, number));
     const Time deadline = clock_.now() + patience * (k < 3 ? 1 : 2);
     while (true) {
-      auto reply = receive(deadline);
-      if (!reply) return tl::unexpected(reply.error());
-      if (!*reply || (*reply)->status == KZ_WRITER_DAMAGED) break;  // again
-      if (is_mine(**reply)) return std::move(**reply);
+      auto reply = KAZ_TRY(receive(deadline));
+      if (!reply || reply->status == KZ_WRITER_DAMAGED) break;  // again
+      if (is_mine(*reply)) return std::move(*reply);
     }
   }
   silent_ = true;
@@ -208,17 +205,15 @@ Result<void> WriterLink::ask_all(
       if (auto sent = send(under_way.back().request, number_); !sent) return sent;
     }
     if (under_way.empty()) return {};
-    auto reply = receive(deadline);
-    if (!reply) return tl::unexpected(reply.error());
-    if (*reply && answers_first(**reply)) {
-      if (auto taken = take(**reply); !taken) return taken;
+    auto reply = KAZ_TRY(receive(deadline));
+    if (reply && answers_first(*reply)) {
+      if (auto taken = take(*reply); !taken) return taken;
       continue;
     }
-    const bool later = *reply && std::any_of(under_way.begin(), under_way.end(), [&](auto& one) {
-      return one.number == (*reply)->number;
-    });
-    const bool damaged = *reply && (*reply)->status == KZ_WRITER_DAMAGED;
-    if (*reply && !later && !damaged) continue;  // late: of an earlier try
+    const bool later = reply && std::any_of(under_way.begin(), under_way.end(),
+                                            [&](auto& one) { return one.number == reply->number; });
+    const bool damaged = reply && reply->status == KZ_WRITER_DAMAGED;
+    if (reply && !later && !damaged) continue;  // late: of an earlier try
     // Unanswered requests are repeated, in order; the writer recognises those already executed.
     if (auto quiet = settle(); !quiet) return quiet;
     WriterReply late;
@@ -278,14 +273,14 @@ Result<WriterSums> WriterLink::sums(std::uint32_t address, std::uint32_t length)
   WriterRequest request{KZ_WRITER_SUM, {}};
   append(request.payload, address, 4);
   append(request.payload, length, 4);
-  const auto reply = exchange(request, milliseconds(300) + length * std::chrono::microseconds(15));
-  if (!reply) return tl::unexpected(reply.error());
-  if (reply->status != KZ_WRITER_OK || reply->data.size() < 6)
+  const auto reply =
+      KAZ_TRY(exchange(request, milliseconds(300) + length * std::chrono::microseconds(15)));
+  if (reply.status != KZ_WRITER_OK || reply.data.size() < 6)
     return kaz::fail(Fault::failed, "the board cannot sum " + std::to_string(length) +
                                         " bytes at " + hex_address(address) + ": " +
-                                        status_text(reply->status));
+                                        status_text(reply.status));
   const auto word = [&](std::size_t k) {
-    return static_cast<std::uint16_t>(reply->data[2 * k] << 8 | reply->data[2 * k + 1]);
+    return static_cast<std::uint16_t>(reply.data[2 * k] << 8 | reply.data[2 * k + 1]);
   };
   return WriterSums{word(0), word(1), word(2)};
 }

@@ -50,7 +50,7 @@ std::size_t FaultyLink::take(std::span<std::uint8_t> bytes) {
 Result<std::size_t> FaultyLink::read(std::span<std::uint8_t> bytes, Time deadline) {
   std::array<std::uint8_t, 256> buffer{};
   while (true) {
-    if (auto sent = flush(); !sent) return tl::unexpected(sent.error());
+    KAZ_TRY(flush());
     if (const std::size_t count = take(bytes); count > 0) return count;
     Time until = deadline;
     if (!for_board_.empty()) until = std::min(until, for_board_.front().due);
@@ -59,7 +59,7 @@ Result<std::size_t> FaultyLink::read(std::span<std::uint8_t> bytes, Time deadlin
     if (!got) return got;
     for (std::size_t i = 0; i < *got; ++i) pass(to_host_, buffer[i], for_host_);
     if (*got == 0 && clock_.now() >= deadline) {
-      if (auto sent = flush(); !sent) return tl::unexpected(sent.error());
+      KAZ_TRY(flush());
       return take(bytes);
     }
   }

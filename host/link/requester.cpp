@@ -57,28 +57,26 @@ Requester::~Requester() = default;
 Result<std::vector<Reply>> Requester::exchange(std::span<const Request> requests) {
   std::vector<Ticket> tickets;
   for (const Request& request : requests) tickets.push_back(enqueue(request, false));
-  if (auto sent = send_waiting(); !sent) return tl::unexpected(sent.error());
+  KAZ_TRY(send_waiting());
   std::vector<Reply> replies;
   for (const Ticket ticket : tickets) {
-    auto reply = collect(ticket, Time::max());
-    if (!reply) return tl::unexpected(reply.error());
-    replies.push_back(std::move(**reply));
+    auto reply = KAZ_TRY(collect(ticket, Time::max()));
+    replies.push_back(std::move(*reply));
   }
   return replies;
 }
 
 Result<Requester::Ticket> Requester::post(const Request& request) {
   const Ticket ticket = enqueue(request, false);
-  if (auto sent = send_waiting(); !sent) return tl::unexpected(sent.error());
+  KAZ_TRY(send_waiting());
   return ticket;
 }
 
 Result<Reply> Requester::exchange_at_once(const Request& request) {
   const Ticket ticket = enqueue(request, true);
-  if (auto sent = send_waiting(); !sent) return tl::unexpected(sent.error());
-  auto reply = collect(ticket, Time::max());
-  if (!reply) return tl::unexpected(reply.error());
-  return std::move(**reply);
+  KAZ_TRY(send_waiting());
+  auto reply = KAZ_TRY(collect(ticket, Time::max()));
+  return std::move(*reply);
 }
 
 Result<std::optional<Reply>> Requester::collect(Ticket ticket, Time deadline) {
@@ -97,7 +95,7 @@ Result<std::optional<Reply>> Requester::collect(Ticket ticket, Time deadline) {
       return reply;
     }
     if (late) return std::nullopt;
-    if (auto pumped = pump(deadline); !pumped) return tl::unexpected(pumped.error());
+    KAZ_TRY(pump(deadline));
     late = clock_.now() >= deadline;
   }
 }
@@ -105,7 +103,7 @@ Result<std::optional<Reply>> Requester::collect(Ticket ticket, Time deadline) {
 Result<bool> Requester::listen(Time deadline) {
   const std::uint64_t before = statistics_.telemetry;
   do {
-    if (auto pumped = pump(deadline); !pumped) return tl::unexpected(pumped.error());
+    KAZ_TRY(pump(deadline));
   } while (statistics_.telemetry == before && clock_.now() < deadline);
   return statistics_.telemetry != before;
 }

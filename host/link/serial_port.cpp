@@ -165,12 +165,11 @@ std::string permission_sentence(const std::string& path, const std::string& vend
 }
 
 Result<void> set_serial_rate(int descriptor, const std::string& path, int baud) {
-  const auto rate = rate_of(baud);
-  if (!rate) return tl::unexpected(rate.error());
+  const auto rate = KAZ_TRY(rate_of(baud));
   termios settings{};
   bool done = tcgetattr(descriptor, &settings) == 0;
-  cfsetispeed(&settings, *rate);
-  cfsetospeed(&settings, *rate);
+  cfsetispeed(&settings, rate);
+  cfsetospeed(&settings, rate);
   done = done && tcsetattr(descriptor, TCSANOW, &settings) == 0;
   if (done) return {};
   return fail(Fault::environment, "cannot set " + path + " to " + std::to_string(baud) +
@@ -178,8 +177,7 @@ Result<void> set_serial_rate(int descriptor, const std::string& path, int baud) 
 }
 
 Result<OpenPort> open_serial_port(const std::string& path, int baud) {
-  const auto rate = rate_of(baud);
-  if (!rate) return tl::unexpected(rate.error());
+  const auto rate = KAZ_TRY(rate_of(baud));
 
   const int fd = open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0) return open_failure(path, errno);
@@ -197,7 +195,7 @@ Result<OpenPort> open_serial_port(const std::string& path, int baud) {
     ioctl(fd, TIOCEXCL);
     low_latency = ask_for_low_latency(fd);
   }
-  if (const int error = configure(fd, *rate)) {
+  if (const int error = configure(fd, rate)) {
     close(fd);
     return fail(Fault::environment, "cannot set " + path + " to " + std::to_string(baud) +
                                         " baud 8N1: " + std::strerror(error));

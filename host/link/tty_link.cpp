@@ -25,9 +25,8 @@ constexpr std::size_t kMaxPending = 65536;
 
 Result<std::unique_ptr<TtyLink>> TtyLink::open(const std::string& path, int baud,
                                                const Interrupt* interrupt) {
-  const auto port = open_serial_port(path, baud);
-  if (!port) return tl::unexpected(port.error());
-  return std::unique_ptr<TtyLink>(new TtyLink(path, baud, *port, interrupt));
+  const auto port = KAZ_TRY(open_serial_port(path, baud));
+  return std::unique_ptr<TtyLink>(new TtyLink(path, baud, port, interrupt));
 }
 
 TtyLink::TtyLink(std::string path, int baud, const OpenPort& port, const Interrupt* interrupt)
@@ -45,10 +44,9 @@ Result<void> TtyLink::reopen() {
   if (interrupt_ && interrupt_->requested()) return tl::unexpected(Interrupt::error());
   if (fd_ >= 0) close(std::exchange(fd_, -1));
   pending_.clear();
-  const auto port = open_serial_port(path_, baud_);
-  if (!port) return tl::unexpected(port.error());
-  fd_ = port->descriptor;
-  low_latency_ = port->low_latency;
+  const auto port = KAZ_TRY(open_serial_port(path_, baud_));
+  fd_ = port.descriptor;
+  low_latency_ = port.low_latency;
   return {};
 }
 
@@ -124,7 +122,7 @@ Result<std::size_t> TtyLink::read(std::span<std::uint8_t> bytes, Time deadline) 
     if (ready < 0) continue;
 
     if (watched[0].revents & POLLOUT) {
-      if (auto flushed = flush(); !flushed) return tl::unexpected(flushed.error());
+      KAZ_TRY(flush());
     }
     if (watched[0].revents & (POLLIN | POLLHUP | POLLERR | POLLNVAL)) {
       const ssize_t n = ::read(fd_, bytes.data(), bytes.size());

@@ -50,7 +50,7 @@ RoundTripCheck judge_round_trip(const std::string& port, double round_trip_s, Ti
 Result<RoundTripCheck> measure_round_trip(Robot& robot, const TtyLink& port) {
   std::vector<double> trips;
   for (int i = 0; i < kHeartbeats; ++i) {
-    if (auto heard = robot.heartbeat(); !heard) return tl::unexpected(heard.error());
+    KAZ_TRY(robot.heartbeat());
     trips.push_back(robot.statistics().round_trip.last_s);
   }
   std::nth_element(trips.begin(), trips.begin() + kHeartbeats / 2, trips.end());

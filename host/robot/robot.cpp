@@ -17,7 +17,7 @@ Result<Request> targets_request(std::span<const JointTarget> targets, Time durat
   if (!duration_ms) return fail(Fault::usage, "a target's duration must be 0 to 65 s");
   message.duration_ms = *duration_ms;
   for (const JointTarget& target : targets) {
-    if (auto exists = check_joint(target.joint); !exists) return tl::unexpected(exists.error());
+    KAZ_TRY(check_joint(target.joint));
     const auto angle = to_wire<s16>(target.angle_rad * KZ_ANGLE_PER_RAD);
     if (!angle) {
       kz_refused limit{};
@@ -65,9 +65,7 @@ Result<Robot> Robot::connect(Link& link, Clock& clock, const ConnectOptions& opt
   parts->identity = *identity;
   Robot robot(std::move(parts));
   if (*watchdog_10ms != 0) {
-    if (auto set = robot.heartbeat(options.watchdog, options.reaction); !set) {
-      return tl::unexpected(set.error());
-    }
+    KAZ_TRY(robot.heartbeat(options.watchdog, options.reaction));
   }
   return robot;
 }
@@ -101,9 +99,8 @@ Result<void> Robot::enable(std::uint32_t mask) {
 }
 
 Result<void> Robot::set_targets(std::span<const JointTarget> targets, Time duration) {
-  const auto request = targets_request(targets, duration);
-  if (!request) return tl::unexpected(request.error());
-  const auto replies = parts_->exchange({&*request, 1}, AfterLoss::report);
+  const auto request = KAZ_TRY(targets_request(targets, duration));
+  const auto replies = parts_->exchange({&request, 1}, AfterLoss::report);
   if (!replies) return tl::unexpected(replies.error());
   const auto reply = read_reply(replies->front(), kz_unpack_targets_reply, targets);
   if (!reply) return tl::unexpected(reply.error());
@@ -123,31 +120,28 @@ Result<bool> Robot::sense_inertial() {
   if (!replies) return tl::unexpected(replies.error());
   parts_->inertial = false;
   if (replies->front().refused) return false;  // firmware of before there was such a request
-  const auto codes = read_reply(replies->front(), kz_unpack_inertial_reply);
-  if (!codes) return tl::unexpected(codes.error());
-  parts_->inertial = std::max({codes->yaw_rate, codes->forward, codes->left}) >= kNotFitted;
+  const auto codes = KAZ_TRY(read_reply(replies->front(), kz_unpack_inertial_reply));
+  parts_->inertial = std::max({codes.yaw_rate, codes.forward, codes.left}) >= kNotFitted;
   return parts_->inertial;
 }
 
 Result<Posture> Robot::Parts::take_sensed(const Reply& state, const Reply* motion) {
   auto posture = take_state(state);
   if (!posture || !motion) return posture;
-  const auto codes = read_reply(*motion, kz_unpack_inertial_reply);
-  if (!codes) return tl::unexpected(codes.error());
+  const auto codes = KAZ_TRY(read_reply(*motion, kz_unpack_inertial_reply));
   // A code stands for the middle of what the converter rounds down to it.
   const auto from_middle = [](unsigned code) { return code + 0.5 - KZ_POT_CODES / 2; };
-  posture->inertial = {.time = relation.host_time(codes->tick),
-                       .yaw_rate_rad_per_s = from_middle(codes->yaw_rate) * kYawRatePerCode,
-                       .forward_m_per_s2 = from_middle(codes->forward) * kForcePerCode,
-                       .left_m_per_s2 = from_middle(codes->left) * kForcePerCode};
+  posture->inertial = {.time = relation.host_time(codes.tick),
+                       .yaw_rate_rad_per_s = from_middle(codes.yaw_rate) * kYawRatePerCode,
+                       .forward_m_per_s2 = from_middle(codes.forward) * kForcePerCode,
+                       .left_m_per_s2 = from_middle(codes.left) * kForcePerCode};
   return posture;
 }
 
 Result<Posture> Robot::exchange(std::span<const JointTarget> targets, Time duration) {
   if (targets.empty()) return state();
-  const auto move = targets_request(targets, duration);
-  if (!move) return tl::unexpected(move.error());
-  const Request requests[] = {*move, state_request(), inertial_request()};
+  const auto move = KAZ_TRY(targets_request(targets, duration));
+  const Request requests[] = {move, state_request(), inertial_request()};
   const bool inertial = parts_->inertial;
   const auto replies = parts_->exchange({requests, inertial ? 3u : 2u}, AfterLoss::report);
   if (!replies) {
@@ -177,9 +171,8 @@ Result<void> Robot::send_cycle(std::span<const JointTarget> targets, Time durati
   Parts::Cycle cycle;
   std::vector<Request> requests;
   if (!targets.empty()) {
-    const auto move = targets_request(targets, duration);
-    if (!move) return tl::unexpected(move.error());
-    requests.push_back(*move);
+    const auto move = KAZ_TRY(targets_request(targets, duration));
+    requests.push_back(move);
   }
   requests.push_back(state_request());
   for (const Request& request : requests) {
@@ -206,9 +199,8 @@ Result<std::optional<Posture>> Robot::receive_cycle(Time deadline) {
   const auto collect = [&](std::optional<Requester::Ticket> ticket, std::optional<Reply>& reply,
                            std::uint8_t type) -> Result<void> {
     if (!ticket || reply) return {};
-    auto collected = parts_->requester.collect(*ticket, deadline);
-    if (!collected) return tl::unexpected(collected.error());
-    reply = std::move(*collected);
+    auto collected = KAZ_TRY(parts_->requester.collect(*ticket, deadline));
+    reply = std::move(collected);
     if (reply) parts_->observe(type, *reply);
     return {};
   };

@@ -108,10 +108,9 @@ Result<void> Robot::Parts::set_up() {
       requests.push_back(make_request(KZ_TYPE_limits, *limits[j], kz_pack_limits));
     }
   }
-  const auto replies = requester.exchange(requests);
-  if (!replies) return tl::unexpected(replies.error());
+  const auto replies = KAZ_TRY(requester.exchange(requests));
   for (std::size_t i = 0; i < requests.size(); ++i) {
-    const Reply& reply = (*replies)[i];
+    const Reply& reply = replies[i];
     if (reply.refused) return tl::unexpected(read_reply(reply, kz_unpack_refused).error());
     last_tick = std::nullopt;
     observe(requests[i].type, reply);

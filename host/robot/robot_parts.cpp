@@ -53,9 +53,7 @@ Result<std::vector<Reply>> Robot::Parts::exchange(std::span<const Request> reque
       if (!link_fault || options.reconnect == Time::zero()) return replies;
     }
     const bool before = resumed;
-    if (auto found = resume(replies ? nullptr : &replies.error()); !found) {
-      return tl::unexpected(found.error());
-    }
+    KAZ_TRY(resume(replies ? nullptr : &replies.error()));
     if (before || after_loss == AfterLoss::report) return tl::unexpected(not_done(requests));
   }
 }
@@ -84,15 +82,14 @@ void Robot::Parts::observe(std::uint8_t request, const Reply& reply) {
 }
 
 Result<Posture> Robot::Parts::take_state(const Reply& reply) {
-  const auto state = read_reply(reply, kz_unpack_state_reply);
-  if (!state) return tl::unexpected(state.error());
+  const auto state = KAZ_TRY(read_reply(reply, kz_unpack_state_reply));
   Posture posture;
-  posture.time = relation.host_time(state->tick);
-  posture.tick = state->tick;
-  posture.status = state->status;
-  posture.supply_volts = state->supply_mv * 1e-3;
+  posture.time = relation.host_time(state.tick);
+  posture.tick = state.tick;
+  posture.status = state.status;
+  posture.supply_volts = state.supply_mv * 1e-3;
   for (std::size_t j = 0; j < posture.angle.size(); ++j)
-    posture.angle[j] = angle_of(state->angle[j]);
+    posture.angle[j] = angle_of(state.angle[j]);
   history.add(posture);
   return posture;
 }

@@ -179,12 +179,11 @@ Result<std::optional<TelemetryFrame>> Robot::next_telemetry(Time deadline) {
   while (parts.telemetry.empty() && parts.clock.now() < deadline) {
     const Time due = period > Time::zero() ? parts.requester.last_sent() + period : Time::max();
     if (parts.clock.now() >= due) {
-      if (auto heard = heartbeat(); !heard) return tl::unexpected(heard.error());
+      KAZ_TRY(heartbeat());
       continue;
     }
     if (auto listened = parts.requester.listen(std::min(deadline, due)); !listened) {
-      if (auto found = parts.resume(&listened.error()); !found)
-        return tl::unexpected(found.error());
+      KAZ_TRY(parts.resume(&listened.error()));
     }
   }
   if (parts.telemetry.empty()) return std::nullopt;
@@ -298,7 +297,7 @@ Result<void> Robot::unlock(int for_seconds) {
 }
 
 Result<std::uint32_t> Robot::raw_drive(int joint, double duty, Time duration) {
-  if (auto exists = check_joint(joint); !exists) return tl::unexpected(exists.error());
+  KAZ_TRY(check_joint(joint));
   const auto share = to_wire<s16>(duty / kShare);
   const auto duration_ms = to_wire<u16>(seconds(duration) * 1e3);
   if (!share || std::abs(duty) > 1 || !duration_ms || *duration_ms < 1 || *duration_ms > 2000) {

@@ -76,7 +76,7 @@ Result<void> Robot::set_limits(std::uint32_t mask, const Limits& limits) {
 }
 
 Result<JointSettings> Robot::settings(int joint) {
-  if (auto exists = check_joint(joint); !exists) return tl::unexpected(exists.error());
+  KAZ_TRY(check_joint(joint));
   const auto reply = parts_->query(KZ_TYPE_settings, kz_settings{static_cast<u8>(joint)},
                                    kz_pack_settings, kz_unpack_settings_reply);
   if (!reply) return tl::unexpected(reply.error());
@@ -89,7 +89,7 @@ Result<JointSettings> Robot::settings(int joint) {
 }
 
 Result<JointAngles> Robot::read_targets(std::uint32_t mask) {
-  if (auto valid = check_mask(mask); !valid) return tl::unexpected(valid.error());
+  KAZ_TRY(check_mask(mask));
   const auto reply = parts_->query(KZ_TYPE_read_targets, kz_read_targets{mask},
                                    kz_pack_read_targets, kz_unpack_read_targets_reply);
   if (!reply) return tl::unexpected(reply.error());
@@ -99,7 +99,7 @@ Result<JointAngles> Robot::read_targets(std::uint32_t mask) {
 }
 
 Result<std::vector<JointDetail>> Robot::joints(std::uint32_t mask) {
-  if (auto valid = check_mask(mask); !valid) return tl::unexpected(valid.error());
+  KAZ_TRY(check_mask(mask));
   std::vector<JointDetail> details;
   while (mask != 0) {
     const u32 now = lowest_bits(mask, kJointsAtOnce);

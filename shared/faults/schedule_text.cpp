@@ -7,7 +7,6 @@
 
 #include "shared/base/files.hpp"
 #include "shared/board/board.h"
-#include "shared/base/files.hpp"
 #include "shared/faults/faults.h"
 
 namespace kaz::faults {
@@ -145,31 +144,27 @@ Result<Fault> parse(std::string_view line, Time now) {
   Fault fault;
   fault.at = now;
   if (words.take_if("at")) {
-    const auto at = time(words, "at");
-    if (!at) return tl::unexpected(at.error());
-    fault.at = *at;
+    const auto at = KAZ_TRY(time(words, "at"));
+    fault.at = at;
   }
   if (words.take_if("for")) {
-    const auto length = time(words, "for");
-    if (!length) return tl::unexpected(length.error());
-    fault.length = *length;
+    const auto length = KAZ_TRY(time(words, "for"));
+    fault.length = length;
   }
-  const auto found = kind(words);
-  if (!found) return tl::unexpected(found.error());
-  const Kind& entry = **found;
+  const auto found = KAZ_TRY(kind(words));
+  const Kind& entry = *found;
   fault.name = entry.id;
   fault.value = entry.initial;
   if (entry.target == Target::joint) {
-    const auto number = joint(words, entry);
-    if (!number) return tl::unexpected(number.error());
-    fault.joint = *number;
+    const auto number = KAZ_TRY(joint(words, entry));
+    fault.joint = number;
   }
   // Direction and value may be in either order.
   for (int i = 0; i < 2; ++i) {
     if (entry.target == Target::line) {
-      if (auto done = way(words, fault); !done) return tl::unexpected(done.error());
+      KAZ_TRY(way(words, fault));
     }
-    if (auto done = value(words, entry, fault); !done) return tl::unexpected(done.error());
+    KAZ_TRY(value(words, entry, fault));
   }
   if (!words.peek().empty())
     return expected("nothing more after `" + text_of(fault) + "`", words.peek());
@@ -210,9 +205,9 @@ Result<Schedule> Schedule::parse(std::string_view text, const std::string& name)
 
 Result<Schedule> Schedule::load(const std::string& path) {
   constexpr std::size_t max_bytes = 4 << 20;
-  const auto text = read_whole_file(path, max_bytes, "give a text file with one fault a line");
-  if (!text) return tl::unexpected(text.error());
-  return parse(*text, path);
+  const auto text =
+      KAZ_TRY(read_whole_file(path, max_bytes, "give a text file with one fault a line"));
+  return parse(text, path);
 }
 
 }  // namespace kaz::faults

@@ -32,11 +32,11 @@ class Reader final : public ObjectFile {
     if (symbol_count_ != 0) strings_at_ = symbols_at_ + symbol_count_ * kSymbol;
     if (optional >= kEntryAt + 4 && fits(kFileHeader, optional))
       image_.entry = u32(kFileHeader + kEntryAt);
-    if (auto ok = read_symbols(); !ok) return tl::unexpected(ok.error());
+    KAZ_TRY(read_symbols());
     for (std::size_t k = 0; k < sections; ++k) {
       const std::size_t at = kFileHeader + optional + k * kSectionHeader;
       if (!fits(at, kSectionHeader)) return error(at, "the file ends inside a section header");
-      if (auto ok = read_section(at); !ok) return tl::unexpected(ok.error());
+      KAZ_TRY(read_section(at));
     }
     if (image_.segments.empty()) return error(0, "no section with contents");
     image_.symbols = SymbolTable(std::move(symbols_), std::move(lines_));

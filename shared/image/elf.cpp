@@ -35,13 +35,13 @@ class Reader final : public ObjectFile {
     image_.entry = u32(24);
     const std::uint32_t member = u32(36) & kMemberMask;
     image_.normal_mode = member == kH8300 || member == kH8300hn || member == kH8300sn;
-    if (auto ok = read_headers(); !ok) return tl::unexpected(ok.error());
+    KAZ_TRY(read_headers());
     for (const Section& s : sections_) {
-      if (auto ok = read_section(s); !ok) return tl::unexpected(ok.error());
+      KAZ_TRY(read_section(s));
     }
     if (image_.segments.empty()) {
       for (const Program& p : programs_) {
-        if (auto ok = read_program(p); !ok) return tl::unexpected(ok.error());
+        KAZ_TRY(read_program(p));
       }
     }
     if (image_.segments.empty()) return error(0, "no section or segment with contents");

@@ -20,14 +20,13 @@ class Reader final : public HexRecords {
  private:
   Result<void> record(std::string_view line) override {
     if (line[0] != ':') return error("not an Intel HEX record: it does not start with a colon");
-    const auto bytes = digits(line, 1);
-    if (!bytes) return tl::unexpected(bytes.error());
-    if (bytes->size() < 5) return error("the record is too short: at least 5 bytes expected");
-    if (bytes->front() + std::size_t{5} != bytes->size())
-      return error("length byte says " + std::to_string(bytes->front()) + ", the line has " +
-                   std::to_string(bytes->size() - 5) + " bytes of data");
-    if (sum_of(*bytes) != 0) return error("wrong checksum");
-    return take(*bytes);
+    const auto bytes = KAZ_TRY(digits(line, 1));
+    if (bytes.size() < 5) return error("the record is too short: at least 5 bytes expected");
+    if (bytes.front() + std::size_t{5} != bytes.size())
+      return error("length byte says " + std::to_string(bytes.front()) + ", the line has " +
+                   std::to_string(bytes.size() - 5) + " bytes of data");
+    if (sum_of(bytes) != 0) return error("wrong checksum");
+    return take(bytes);
   }
 
   Result<void> take(std::span<const std::uint8_t> bytes) {

@@ -36,16 +36,15 @@ class Reader final : public HexRecords {
     const char type = line[1];
     const std::size_t width = address_bytes(type);
     if (width == 0) return error(std::string("unknown record type S") + type);
-    const auto bytes = digits(line, 2);
-    if (!bytes) return tl::unexpected(bytes.error());
-    if (bytes->front() + std::size_t{1} != bytes->size())
-      return error("length byte says " + std::to_string(bytes->front()) + ", the line has " +
-                   std::to_string(bytes->size() - 1) + " bytes");
-    if (bytes->front() < width + 1) return error("record too short for its address");
+    const auto bytes = KAZ_TRY(digits(line, 2));
+    if (bytes.front() + std::size_t{1} != bytes.size())
+      return error("length byte says " + std::to_string(bytes.front()) + ", the line has " +
+                   std::to_string(bytes.size() - 1) + " bytes");
+    if (bytes.front() < width + 1) return error("record too short for its address");
     unsigned sum = 0;
-    for (const std::uint8_t b : *bytes) sum += b;
+    for (const std::uint8_t b : bytes) sum += b;
     if ((sum & 0xff) != 0xff) return error("wrong checksum");
-    const auto all = std::span(*bytes);
+    const auto all = std::span(bytes);
     return take(type, big(all.subspan(1, width)), all.subspan(1 + width, all.size() - width - 2));
   }
 

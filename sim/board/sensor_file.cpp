@@ -134,8 +134,7 @@ Result<SensorParams> load_sensor_file(const std::string& path) {
     if (!has_section(section->Name()))
       return file->error(*section, std::string("unknown sensor <") + section->Name() + ">");
     for (auto* e = section->FirstChildElement(); e; e = e->NextSiblingElement()) {
-      if (auto read = read_param(*file, *section, *e, seen, params); !read)
-        return tl::unexpected(read.error());
+      KAZ_TRY(read_param(*file, *section, *e, seen, params));
     }
   }
   for (std::size_t i = 0; i < seen.size(); ++i) {

@@ -60,8 +60,7 @@ Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const R
 Result<std::unique_ptr<World>> World::load(const std::string& world_path,
                                            const std::string& robot_path,
                                            const WorldOptions& options) {
-  if (const auto known = iterations_of(options.dynamics); !known)
-    return tl::unexpected(known.error());
+  KAZ_TRY(iterations_of(options.dynamics));
   const Result<RobotModel> robot = load_robot(robot_path);
   if (!robot) return tl::unexpected(robot.error());
   const std::string motor_path = std::filesystem::path(robot_path).replace_filename("motor.xml");

@@ -81,8 +81,7 @@ class Comparison {
         for (const SerialByte& byte : host_.millisecond(start)) h8_.receive(byte);
       }
       analog_.millisecond();
-      if (auto ran = h8_.run_until(start + KZ_STATES_PER_TICK); !ran)
-        return tl::unexpected(ran.error());
+      KAZ_TRY(h8_.run_until(start + KZ_STATES_PER_TICK));
       report_.bytes_sent += static_cast<std::int64_t>(h8_.take_transmitted().size());
       compare_line();
       if (report_.ticks != before) {
@@ -325,16 +324,15 @@ Result<CompareReport> compare_engines(const CompareOptions& options) {
     return fail(Fault::usage, "the comparison takes at least one tick");
   h8s::Options chip;
   chip.engine = options.engine;
-  auto h8 = H8Mcu::load(options.image_path, chip);
-  if (!h8) return tl::unexpected(h8.error());
-  if (!(*h8)->has_tick_symbols() || (*h8)->global("kz_servo_state", 1).empty() ||
-      (*h8)->global("kz_startup_found", 1).empty())
+  auto h8 = KAZ_TRY(H8Mcu::load(options.image_path, chip));
+  if (!h8->has_tick_symbols() || h8->global("kz_servo_state", 1).empty() ||
+      h8->global("kz_startup_found", 1).empty())
     return fail(Fault::usage,
                 options.image_path +
                     " has no symbols of the servo's tick; put the .coff of the same " +
                     "build beside it");
-  if (options.prepare_h8) options.prepare_h8(**h8);
-  return Comparison(options, **h8).run();
+  if (options.prepare_h8) options.prepare_h8(*h8);
+  return Comparison(options, *h8).run();
 }
 
 }  // namespace kaz::sim

@@ -132,7 +132,7 @@ class Boards {
     selected_at_ = 0;
     grid_.reset();
     while (!grid_ && h8_.now() - from < 2000 * tick) {
-      if (auto ran = h8_.run_until(h8_.now() + tick); !ran) return tl::unexpected(ran.error());
+      KAZ_TRY(h8_.run_until(h8_.now() + tick));
     }
     if (!grid_)
       return fail(Fault::failed, options_.image_path + " does no tick: is it the servo firmware?");
@@ -576,26 +576,23 @@ std::string WireReport::text() const {
 Result<WireReport> compare_wire(const WireOptions& options) {
   if (options.conversations < 1)
     return fail(Fault::usage, "the comparison takes at least one conversation");
-  auto h8 = H8Mcu::load(options.image_path);
-  if (!h8) return tl::unexpected(h8.error());
-  if (options.prepare_h8) options.prepare_h8(**h8);
+  auto h8 = KAZ_TRY(H8Mcu::load(options.image_path));
+  if (options.prepare_h8) options.prepare_h8(*h8);
   WireReport report;
   report.seed = options.seed;
-  report.emulator_engine = (*h8)->emulator_engine();
-  Boards boards(options, **h8, report);
-  const auto start = boards.start_time();
-  if (!start) return tl::unexpected(start.error());
-  report.h8_start = *start;
-  if (std::abs(*start - NativeOptions::default_start_states) > tick) {
+  report.emulator_engine = h8->emulator_engine();
+  Boards boards(options, *h8, report);
+  const auto start = KAZ_TRY(boards.start_time());
+  report.h8_start = start;
+  if (std::abs(start - NativeOptions::default_start_states) > tick) {
     ++report.different;
     report.differences.push_back(
         {0, 0, "the start takes another time on the native board (NativeOptions)",
-         std::to_string(*start), std::to_string(NativeOptions::default_start_states), ""});
+         std::to_string(start), std::to_string(NativeOptions::default_start_states), ""});
     return report;
   }
   for (std::int64_t i = 0; i < options.conversations; ++i) {
-    if (auto ran = boards.run(options.first + i, {*start}); !ran)
-      return tl::unexpected(ran.error());
+    if (auto ran = boards.run(options.first + i, {start}); !ran) return tl::unexpected(ran.error());
     if (options.progress) options.progress(i + 1, options.conversations);
   }
   return report;

@@ -264,9 +264,8 @@ void H8Mcu::read_timer(int timer) {
 }
 
 Result<std::unique_ptr<Mcu>> make_h8(const std::string& image_path) {
-  auto mcu = H8Mcu::load(image_path);
-  if (!mcu) return tl::unexpected(mcu.error());
-  return std::unique_ptr<Mcu>(std::move(*mcu));
+  auto mcu = KAZ_TRY(H8Mcu::load(image_path));
+  return std::unique_ptr<Mcu>(std::move(mcu));
 }
 
 std::unique_ptr<Mcu> make_erased_h8() {

@@ -37,7 +37,8 @@ Result<std::size_t> joint_of(const std::string& word) {
   const auto& names = joint_names();
   const auto found = std::ranges::find(names, word);
   if (found == names.end())
-    return fail(Fault::usage, "there is no joint `" + word + "`; they are those of docs/reference/robot.md");
+    return fail(Fault::usage,
+                "there is no joint `" + word + "`; they are those of docs/reference/robot.md");
   return static_cast<std::size_t>(found - names.begin());
 }
 
@@ -81,14 +82,12 @@ Result<Json> answer_joint(MotorStand& stand, const Words& words, std::size_t joi
     return Json::object();
   }
   if (command == "press") {
-    const auto torque = number(word, "a weight's torque in Nm", -kMaxPress, kMaxPress);
-    if (!torque) return tl::unexpected(torque.error());
-    stand.press(joint, *torque);
+    const auto torque = KAZ_TRY(number(word, "a weight's torque in Nm", -kMaxPress, kMaxPress));
+    stand.press(joint, torque);
     return Json::object();
   }
-  const auto angle = number(word, "an angle in rad", -kMaxTurn, kMaxTurn);
-  if (!angle) return tl::unexpected(angle.error());
-  stand.turn(joint, *angle);
+  const auto angle = KAZ_TRY(number(word, "an angle in rad", -kMaxTurn, kMaxTurn));
+  stand.turn(joint, angle);
   return Json::object();
 }
 
@@ -108,9 +107,8 @@ Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
   // A laboratory supply with short thick wires, where the robot has a battery and a switch.
   SimulationOptions wired = options;
   wired.supply_ohms = 0.02;
-  auto mcu = make_mcu(options);
-  if (!mcu) return tl::unexpected(mcu.error());
-  return Simulation::assemble(wired, std::move(*mcu), std::make_unique<MotorStand>(stand), {});
+  auto mcu = KAZ_TRY(make_mcu(options));
+  return Simulation::assemble(wired, std::move(mcu), std::make_unique<MotorStand>(stand), {});
 }
 
 MotorStand* stand_of(Simulation& simulation) {
@@ -130,14 +128,12 @@ Result<Json> answer_stand(Simulation& simulation, const std::string& line) {
   if (words.command == "help") return Json{{"commands", kHelp}};
   if (words.command == "disc") return Json{{"disc_kgm2", stand.disc_kgm2()}};
   if (words.command == "supply") {
-    const auto volts = number(words.arguments[0], "the supply in V", 0, kMaxVolts);
-    if (!volts) return tl::unexpected(volts.error());
-    simulation.board().set_supply(*volts);
+    const auto volts = KAZ_TRY(number(words.arguments[0], "the supply in V", 0, kMaxVolts));
+    simulation.board().set_supply(volts);
     return Json::object();
   }
-  const auto joint = joint_of(words.arguments[0]);
-  if (!joint) return tl::unexpected(joint.error());
-  return answer_joint(stand, words, *joint);
+  const auto joint = KAZ_TRY(joint_of(words.arguments[0]));
+  return answer_joint(stand, words, joint);
 }
 
 }  // namespace kaz::sim

@@ -88,30 +88,25 @@ void print(const Json& now, const std::string& fault) {
 }  // namespace
 
 Result<bool> print_status(const StatusOptions& arguments) {
-  const auto port = parse_port(arguments.port);
-  if (!port) return tl::unexpected(port.error());
+  const auto port = KAZ_TRY(parse_port(arguments.port));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  auto link = host::TtyLink::open(port->first, port->second, &interrupt);
-  if (!link) return tl::unexpected(link.error());
+  auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
   host::WallClock clock(&interrupt);
   // The link watchdog stays as it is, with its reaction.
   auto robot =
-      host::Robot::connect(**link, clock, {.watchdog = Time::zero(), .reconnect = Time::zero()});
+      host::Robot::connect(*link, clock, {.watchdog = Time::zero(), .reconnect = Time::zero()});
   if (!robot) return tl::unexpected(robot.error());
-  const auto health = robot->health();
-  if (!health) return tl::unexpected(health.error());
-  const auto test = robot->self_test();
-  if (!test) return tl::unexpected(test.error());
-  const auto counts = robot->board_statistics();
-  if (!counts) return tl::unexpected(counts.error());
-  const Json now = as_json(robot->identity(), *health, *test, *counts);
+  const auto health = KAZ_TRY(robot->health());
+  const auto test = KAZ_TRY(robot->self_test());
+  const auto counts = KAZ_TRY(robot->board_statistics());
+  const Json now = as_json(robot->identity(), health, test, counts);
   if (arguments.json) {
     std::printf("%s\n", now.dump(2).c_str());
   } else {
-    print(now, health->shutdown.empty() ? "" : robot->describe_fault(health->status));
+    print(now, health.shutdown.empty() ? "" : robot->describe_fault(health.status));
   }
-  return health->shutdown.empty();
+  return health.shutdown.empty();
 }
 
 }  // namespace kaz::tools

@@ -71,11 +71,9 @@ void say(const hil::CaseResult& one) {
 Result<hil::RunReport> run_virtual(ConformanceOptions& arguments, hil::ReportFacts& facts) {
   std::unique_ptr<sim::Mcu> mcu;
   if (arguments.mcu == "h8") {
-    const auto image = firmware_image(arguments.image);
-    if (!image) return tl::unexpected(image.error());
-    auto made = sim::make_h8(*image);
-    if (!made) return tl::unexpected(made.error());
-    mcu = std::move(*made);
+    const auto image = KAZ_TRY(firmware_image(arguments.image));
+    auto made = KAZ_TRY(sim::make_h8(image));
+    mcu = std::move(made);
   } else {
     mcu = sim::make_native();
   }
@@ -86,26 +84,23 @@ Result<hil::RunReport> run_virtual(ConformanceOptions& arguments, hil::ReportFac
 }
 
 Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts& facts) {
-  const auto port = parse_port(arguments.port);
-  if (!port) return tl::unexpected(port.error());
+  const auto port = KAZ_TRY(parse_port(arguments.port));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  auto link = host::TtyLink::open(port->first, port->second, &interrupt);
-  if (!link) return tl::unexpected(link.error());
+  auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
   host::WallClock clock(&interrupt);
-  facts.port = port->first;
+  facts.port = port.first;
   if (arguments.allow_motion) arguments.run.allowed |= hil::kMotion;
   if (arguments.allow_flash) arguments.run.allowed |= hil::kFlash;
-  return hil::run_suite(**link, clock, nullptr, kPortSlack, arguments.run);
+  return hil::run_suite(*link, clock, nullptr, kPortSlack, arguments.run);
 }
 
 }  // namespace
 
 Result<bool> run_conformance(ConformanceOptions arguments) {
-  const auto taken = hil::chosen(arguments.run.filter);
-  if (!taken) return tl::unexpected(taken.error());
+  const auto taken = KAZ_TRY(hil::chosen(arguments.run.filter));
   if (arguments.list) {
-    list_cases(*taken);
+    list_cases(taken);
     return true;
   }
   if (arguments.port.empty() == arguments.mcu.empty()) {
@@ -113,7 +108,7 @@ Result<bool> run_conformance(ConformanceOptions arguments) {
   }
   if (!arguments.image.empty() && arguments.mcu != "h8")
     return fail(Fault::usage, "--image is for --virtual h8 alone");
-  if (auto usable = check_reports(arguments); !usable) return tl::unexpected(usable.error());
+  KAZ_TRY(check_reports(arguments));
   const bool quiet = arguments.json == "-" || arguments.junit == "-" || arguments.html == "-";
   hil::ReportFacts facts;
   facts.program = std::string("kaz ") + kVersion;
@@ -133,7 +128,7 @@ Result<bool> run_conformance(ConformanceOptions arguments) {
   for (const auto& [path, text] : {std::pair(arguments.junit, hil::junit_text(*report, facts)),
                                    std::pair(arguments.json, hil::json_text(*report, facts)),
                                    std::pair(arguments.html, hil::html_text(*report, facts))}) {
-    if (auto written = write_report(path, text); !written) return tl::unexpected(written.error());
+    KAZ_TRY(write_report(path, text));
   }
   const int failed = report->count(hil::Verdict::failed);
   if (!quiet) {

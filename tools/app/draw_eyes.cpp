@@ -22,9 +22,8 @@ Result<vision::Image> outside(sim::Simulation& simulation) {
   view.camera = sim::Pinhole::from_horizontal_view(960, 720, 0.6);
   view.world_from_optical = sim::look_at({0.85, -0.75, 0.5}, {0.16, 0, 0.13});
   view.samples_per_axis = 2;
-  auto picture = simulation.picture(view, simulation.world().pose());
-  if (!picture) return tl::unexpected(picture.error());
-  return image_of(std::move(*picture));
+  auto picture = KAZ_TRY(simulation.picture(view, simulation.world().pose()));
+  return image_of(std::move(picture));
 }
 
 // One eye: what a pinhole at its place would give, and what its lens and sensor make of it.
@@ -39,61 +38,52 @@ Result<EyePictures> look(sim::Simulation& simulation, const sim::CameraFile& cam
   view.world_from_optical =
       simulation.world().link_pose(eye == sim::Sensor::Eye::left ? "left_eye" : "right_eye");
   view.camera = camera.pinhole();
-  auto ideal = simulation.picture(view, pose);
-  if (!ideal) return tl::unexpected(ideal.error());
+  auto ideal = KAZ_TRY(simulation.picture(view, pose));
   view.world_from_optical = view.world_from_optical * sensor.mounting_from_optical();
   view.camera = sensor.ideal();
-  const auto wide = simulation.picture(view, pose);
-  if (!wide) return tl::unexpected(wide.error());
+  const auto wide = KAZ_TRY(simulation.picture(view, pose));
   sim::Picture raw;
-  sensor.expose(*wide, 0, raw);
-  return EyePictures{image_of(std::move(*ideal)), image_of(std::move(raw))};
+  sensor.expose(wide, 0, raw);
+  return EyePictures{image_of(std::move(ideal)), image_of(std::move(raw))};
 }
 
 }  // namespace
 
 Result<bool> draw_eyes(EyesOptions arguments) {
-  const auto folder = OutputFolder::open(arguments.out);
-  if (!folder) return tl::unexpected(folder.error());
-  auto simulation = make_simulation(arguments.backend, sim::FramePolicy::wait);
-  if (!simulation) return tl::unexpected(simulation.error());
-  if (!(*simulation)->has_eyes()) return tl::unexpected(sim::Simulation::no_eyes());
-  sim::CameraFile camera = (*simulation)->camera();
+  const auto folder = KAZ_TRY(OutputFolder::open(arguments.out));
+  auto simulation = KAZ_TRY(make_simulation(arguments.backend, sim::FramePolicy::wait));
+  if (!simulation->has_eyes()) return tl::unexpected(sim::Simulation::no_eyes());
+  sim::CameraFile camera = simulation->camera();
   camera.ideal = false;
-  auto left = look(**simulation, camera, sim::Sensor::Eye::left, arguments.backend.seed);
-  if (!left) return tl::unexpected(left.error());
-  auto right = look(**simulation, camera, sim::Sensor::Eye::right, arguments.backend.seed);
-  if (!right) return tl::unexpected(right.error());
-  const auto onlooker = outside(**simulation);
-  if (!onlooker) return tl::unexpected(onlooker.error());
+  auto left = KAZ_TRY(look(*simulation, camera, sim::Sensor::Eye::left, arguments.backend.seed));
+  auto right = KAZ_TRY(look(*simulation, camera, sim::Sensor::Eye::right, arguments.backend.seed));
+  const auto onlooker = KAZ_TRY(outside(*simulation));
   vision::StereoImages rectified;
-  vision::Rectifier(camera.calibration()).rectify({left->raw, right->raw}, rectified);
+  vision::Rectifier(camera.calibration()).rectify({left.raw, right.raw}, rectified);
 
   const figure::Panel panels[] = {
-      {*onlooker, "from outside"},
-      {left->raw, "left eye: lens and noise"},
-      {right->raw, "right eye: lens and noise"},
-      {left->ideal, "left eye, ideal"},
+      {onlooker, "from outside"},
+      {left.raw, "left eye: lens and noise"},
+      {right.raw, "right eye: lens and noise"},
+      {left.ideal, "left eye, ideal"},
       {rectified.left, "left eye, rectified"},
       {rectified.right, "right eye, rectified"},
   };
   const struct {
     const char* name;
     const vision::Image& image;
-  } files[] = {{"outside.png", *onlooker},
-               {"left_ideal.png", left->ideal},
-               {"right_ideal.png", right->ideal},
-               {"left_raw.png", left->raw},
-               {"right_raw.png", right->raw},
+  } files[] = {{"outside.png", onlooker},
+               {"left_ideal.png", left.ideal},
+               {"right_ideal.png", right.ideal},
+               {"left_raw.png", left.raw},
+               {"right_raw.png", right.raw},
                {"left_rectified.png", rectified.left},
                {"right_rectified.png", rectified.right}};
   for (const auto& file : files) {
-    if (auto written = figure::write_png(folder->path(file.name), file.image); !written)
-      return tl::unexpected(written.error());
+    KAZ_TRY(figure::write_png(folder.path(file.name), file.image));
   }
-  const auto written = figure::write_png(folder->path("eyes.png"), figure::compose(panels, 3, 300));
-  if (!written) return tl::unexpected(written.error());
-  std::printf("pictures in %s: eyes.png shows them together\n", folder->folder().c_str());
+  KAZ_TRY(figure::write_png(folder.path("eyes.png"), figure::compose(panels, 3, 300)));
+  std::printf("pictures in %s: eyes.png shows them together\n", folder.folder().c_str());
   return true;
 }
 

@@ -45,13 +45,12 @@ Result<bool> serve(ServeOptions arguments) {
     return fail(Fault::usage, "--erased and --boot are for --mcu h8: native has no flash");
   if (arguments.backend.erased && !arguments.backend.image.empty())
     return fail(Fault::usage, "--erased and --image exclude each other");
-  auto simulation = make_simulation(arguments.backend, sim::FramePolicy::drop);
-  if (!simulation) return tl::unexpected(simulation.error());
-  if (!arguments.real_time.cameras_path.empty() && !(*simulation)->has_eyes())
+  auto simulation = KAZ_TRY(make_simulation(arguments.backend, sim::FramePolicy::drop));
+  if (!arguments.real_time.cameras_path.empty() && !simulation->has_eyes())
     return tl::unexpected(sim::Simulation::no_eyes());
   if (!arguments.calibration.empty()) {
-    if (!(*simulation)->has_eyes()) return tl::unexpected(sim::Simulation::no_eyes());
-    const std::string text = (*simulation)->camera().calibration().yaml();
+    if (!simulation->has_eyes()) return tl::unexpected(sim::Simulation::no_eyes());
+    const std::string text = simulation->camera().calibration().yaml();
     const auto written = figure::write_file(
         arguments.calibration, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
     if (!written) return tl::unexpected(written.error());
@@ -59,18 +58,17 @@ Result<bool> serve(ServeOptions arguments) {
   }
   if (arguments.real_time.serial_path.empty())
     return fail(Fault::usage, "--serial is missing: where to put the link to the board's port");
-  sim::Mcu& mcu = (*simulation)->board().mcu();
+  sim::Mcu& mcu = simulation->board().mcu();
   if (!arguments.memory.empty()) {
-    if (auto loaded = sim::load_memory(mcu, arguments.memory); !loaded)
-      return tl::unexpected(loaded.error());
+    KAZ_TRY(sim::load_memory(mcu, arguments.memory));
     mcu.reset();
   }
   if (arguments.boot) {
-    if (auto set = mcu.set_boot_pins(true); !set) return tl::unexpected(set.error());
+    KAZ_TRY(mcu.set_boot_pins(true));
     mcu.reset();
   }
   if (arguments.backend.stand) {
-    arguments.real_time.stand = [&s = **simulation](const std::string& line) {
+    arguments.real_time.stand = [&s = *simulation](const std::string& line) {
       return sim::answer_stand(s, line);
     };
   }
@@ -79,8 +77,7 @@ Result<bool> serve(ServeOptions arguments) {
     std::printf("%s\n", line.c_str());
     std::fflush(stdout);
   };
-  auto server = sim::RealTimeServer::open(**simulation, arguments.real_time);
-  if (!server) return tl::unexpected(server.error());
+  auto server = KAZ_TRY(sim::RealTimeServer::open(*simulation, arguments.real_time));
   std::printf("ready: servo board (%s) on %s, control on %s.ctl%s%s; Ctrl-C ends\n",
               arguments.backend.mcu.c_str(), arguments.real_time.serial_path.c_str(),
               arguments.real_time.serial_path.c_str(),
@@ -90,19 +87,18 @@ Result<bool> serve(ServeOptions arguments) {
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   const StopFlag stop(interrupt);
-  const auto statistics = (*server)->run(stop.flag());
-  const auto recorded = (*simulation)->finish_recording();
+  const auto statistics = server->run(stop.flag());
+  const auto recorded = simulation->finish_recording();
   if (!statistics) return tl::unexpected(statistics.error());
   if (!recorded) return tl::unexpected(recorded.error());
   if (!arguments.memory.empty()) {
-    if (auto saved = sim::save_memory(mcu, arguments.memory); !saved)
-      return tl::unexpected(saved.error());
+    KAZ_TRY(sim::save_memory(mcu, arguments.memory));
   }
   std::printf("ended after %.1f s; overruns %llu, worst %.1f ms late, pairs dropped %llu\n",
               statistics->simulated_s, static_cast<unsigned long long>(statistics->overruns),
               1e3 * statistics->worst_late_s,
               static_cast<unsigned long long>(statistics->pairs_dropped));
-  if (const auto warning = (*simulation)->world().diagnostics().summary(); !warning.empty())
+  if (const auto warning = simulation->world().diagnostics().summary(); !warning.empty())
     std::printf("warning: %s\n", warning.c_str());
   if (!recorded->empty())
     std::printf("recording %s  sha256 %s\n", arguments.backend.recording.c_str(),

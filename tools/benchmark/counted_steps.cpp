@@ -40,9 +40,8 @@ Result<void> count(const Settings& settings, Results& results) {
   const fs::path program =
       fs::read_symlink("/proc/self/exe", error).parent_path() / "body_benchmark";
   if (!fs::exists(program)) return {};  // said where its times are taken
-  const auto made = make_temporary_folder("kaz-bench-count-");
-  if (!made) return tl::unexpected(made.error());
-  const fs::path folder = *made;
+  const auto made = KAZ_TRY(make_temporary_folder("kaz-bench-count-"));
+  const fs::path folder = made;
   const std::string command =
       "valgrind --tool=callgrind --instr-atstart=no --callgrind-out-file='" +
       (folder / "dump").string() + "' '" + program.string() + "' --count >/dev/null 2>&1";

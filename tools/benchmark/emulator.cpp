@@ -52,17 +52,15 @@ Result<Run> run_rounds(h8s::Chip& chip, int rounds) {
 
 Result<void> measure(const Guest& guest, const Settings& settings, const std::string& engine,
                      Results& results) {
-  auto chip = guest_chip(guest.name, engine);
-  if (!chip) return tl::unexpected(chip.error());
-  chip->power_on(0);
+  auto chip = KAZ_TRY(guest_chip(guest.name, engine));
+  chip.power_on(0);
   const int rounds = settings.quick ? guest.rounds / 20 : guest.rounds;
   std::vector<double> mips, mstates;
   for (int k = -1; k < settings.repeats; ++k) {
-    const auto run = run_rounds(*chip, rounds);
-    if (!run) return tl::unexpected(run.error());
+    const auto run = KAZ_TRY(run_rounds(chip, rounds));
     if (k < 0) continue;  // what is done once
-    mips.push_back(run->instructions / run->seconds / 1e6);
-    mstates.push_back(run->states / run->seconds / 1e6);
+    mips.push_back(run.instructions / run.seconds / 1e6);
+    mstates.push_back(run.states / run.seconds / 1e6);
   }
   const std::string name = guest.name;
   results.put(named("mcu.mips." + name, engine), median(mips));
@@ -73,15 +71,13 @@ Result<void> measure(const Guest& guest, const Settings& settings, const std::st
 Result<void> host_per_guest(const Guest& guest, const Settings& settings, const std::string& engine,
                             Results& results) {
   if (settings.quick) return {};
-  auto chip = guest_chip(guest.name, engine);
-  if (!chip) return tl::unexpected(chip.error());
-  chip->power_on(0);
+  auto chip = KAZ_TRY(guest_chip(guest.name, engine));
+  chip.power_on(0);
   const int few = guest.rounds / 100, many = 2 * few;
   std::array<double, 2> instructions{};
   for (std::size_t k = 0; k < 2; ++k) {
-    const auto run = run_rounds(*chip, k == 0 ? few : many);
-    if (!run) return tl::unexpected(run.error());
-    instructions[k] = run->instructions;
+    const auto run = KAZ_TRY(run_rounds(chip, k == 0 ? few : many));
+    instructions[k] = run.instructions;
   }
   const std::string name = guest.name;
   const auto host = host_instructions("mcu.mips." + name, engine, few, many, results);
@@ -94,10 +90,9 @@ Result<void> host_per_guest(const Guest& guest, const Settings& settings, const 
 }  // namespace
 
 Result<void> run_guest(const std::string& guest, const std::string& engine, int rounds) {
-  auto chip = guest_chip(guest, engine);
-  if (!chip) return tl::unexpected(chip.error());
-  chip->power_on(0);
-  const auto run = run_rounds(*chip, rounds);
+  auto chip = KAZ_TRY(guest_chip(guest, engine));
+  chip.power_on(0);
+  const auto run = run_rounds(chip, rounds);
   if (!run) return tl::unexpected(run.error());
   return {};
 }

@@ -22,19 +22,18 @@ Result<void> walk(sim::WalkingLoad& load, int milliseconds) {
 }
 
 Result<void> speed(const Settings& settings, const std::string& engine, Results& results) {
-  auto mcu = board_chip(engine);
-  if (!mcu) return tl::unexpected(mcu.error());
-  sim::WalkingLoad load(**mcu);
+  auto mcu = KAZ_TRY(board_chip(engine));
+  sim::WalkingLoad load(*mcu);
   if (auto started = load.start(); !started) return started;
   const int milliseconds = settings.quick ? 200 : 4000;
   std::vector<double> times, mips, mstates;
   for (int k = 0; k < settings.repeats; ++k) {
-    const auto instructions = (*mcu)->chip().instructions();
+    const auto instructions = mcu->chip().instructions();
     const double from = cpu_seconds();
     if (auto done = walk(load, milliseconds); !done) return done;
     const double seconds = cpu_seconds() - from;
     times.push_back(milliseconds / 1e3 / seconds);
-    const auto executed = (*mcu)->chip().instructions() - instructions;
+    const auto executed = mcu->chip().instructions() - instructions;
     mips.push_back(static_cast<double>(executed) / seconds / 1e6);
     mstates.push_back(static_cast<double>(milliseconds) * KZ_STATES_PER_TICK / seconds / 1e6);
   }
@@ -47,14 +46,13 @@ Result<void> speed(const Settings& settings, const std::string& engine, Results&
 Result<void> host_per_guest(const Settings& settings, const std::string& engine, Results& results) {
   if (settings.quick) return {};
   constexpr int few = 50, many = 250;
-  auto mcu = board_chip(engine);
-  if (!mcu) return tl::unexpected(mcu.error());
-  sim::WalkingLoad load(**mcu);
+  auto mcu = KAZ_TRY(board_chip(engine));
+  sim::WalkingLoad load(*mcu);
   if (auto started = load.start(); !started) return started;
   if (auto done = walk(load, few); !done) return done;
-  const auto before = (*mcu)->chip().instructions();
+  const auto before = mcu->chip().instructions();
   if (auto done = walk(load, many - few); !done) return done;
-  const auto guest = static_cast<double>((*mcu)->chip().instructions() - before);
+  const auto guest = static_cast<double>(mcu->chip().instructions() - before);
   const auto host = host_instructions("mcu.firmware_x", engine, few, many, results);
   if (host) results.put(named("mcu.host_per_guest.firmware", engine), *host / guest);
   return {};
@@ -62,15 +60,14 @@ Result<void> host_per_guest(const Settings& settings, const std::string& engine,
 
 // The firmware's own count of the states that its ticks take; the same on every machine.
 Result<void> tick(const Settings& settings, Results& results) {
-  auto mcu = board_chip(settings.engines.front());
-  if (!mcu) return tl::unexpected(mcu.error());
-  sim::WalkingLoad load(**mcu);
+  auto mcu = KAZ_TRY(board_chip(settings.engines.front()));
+  sim::WalkingLoad load(*mcu);
   if (auto started = load.start(); !started) return started;
   std::vector<double> busy;
-  (*mcu)->on_tick(
+  mcu->on_tick(
       [&](const sim::TickRecord& record) { busy.push_back(record.input.busy_8states * 8.0); });
   if (auto done = walk(load, settings.quick ? 500 : 3000); !done) return done;
-  (*mcu)->on_tick(nullptr);
+  mcu->on_tick(nullptr);
   if (busy.empty()) return fail(Fault::failed, "the firmware does no tick");
   results.put("mcu.tick_worst",
               100 * *std::max_element(busy.begin(), busy.end()) / KZ_STATES_PER_TICK);
@@ -81,9 +78,8 @@ Result<void> tick(const Settings& settings, Results& results) {
 }  // namespace
 
 Result<void> run_firmware(const std::string& engine, int milliseconds) {
-  auto mcu = board_chip(engine);
-  if (!mcu) return tl::unexpected(mcu.error());
-  sim::WalkingLoad load(**mcu);
+  auto mcu = KAZ_TRY(board_chip(engine));
+  sim::WalkingLoad load(*mcu);
   if (auto started = load.start(); !started) return started;
   return walk(load, milliseconds);
 }

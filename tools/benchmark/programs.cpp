@@ -115,12 +115,11 @@ Result<void> measure(const Program& program, const Settings& settings, Results& 
   command += " --benchmark_format=json --benchmark_filter=" + quoted("^(" + filter + ")$");
   command += " --benchmark_repetitions=" + std::to_string(settings.repeats);
   if (settings.quick) command += " --benchmark_min_time=0.01";
-  const auto report = json_of(command + " 2>/dev/null");
-  if (!report) return tl::unexpected(report.error());
+  const auto report = KAZ_TRY(json_of(command + " 2>/dev/null"));
   const auto take = [&](const std::string& name, const std::string& from,
                         const char* what) -> Result<void> {
     std::vector<double> values;
-    for (const auto& run : report->value("benchmarks", nlohmann::json::array())) {
+    for (const auto& run : report.value("benchmarks", nlohmann::json::array())) {
       if (run.value("run_name", "") == from && run.value("run_type", "") == "iteration" &&
           !run.value("error_occurred", false))
         values.push_back(run.value(what, 0.0));
@@ -146,10 +145,9 @@ Result<void> wire(const Settings&, Results& results) {
     results.remark("wire_benchmark is not built: wire.* is left out");
     return {};
   }
-  const auto report = json_of(quoted(program.string()));
-  if (!report) return tl::unexpected(report.error());
+  const auto report = KAZ_TRY(json_of(quoted(program.string())));
   const auto number = [&](const char* load, const char* name) {
-    return report->value(load, nlohmann::json::object()).value(name, 0.0);
+    return report.value(load, nlohmann::json::object()).value(name, 0.0);
   };
   results.put("wire.rate_hz", number("fastest", "rate_hz"));
   results.put("wire.share",
@@ -164,9 +162,8 @@ Result<void> flashing(const Settings&, Results& results) {
     results.remark("flash_efficiency is not built: flash.efficiency is left out");
     return {};
   }
-  const auto report = json_of(quoted(program.string()));
-  if (!report) return tl::unexpected(report.error());
-  results.put("flash.efficiency", 100 * report->value("efficiency", 0.0));
+  const auto report = KAZ_TRY(json_of(quoted(program.string())));
+  results.put("flash.efficiency", 100 * report.value("efficiency", 0.0));
   return {};
 }
 
@@ -177,9 +174,8 @@ Result<void> loop(const Settings& settings, Results& results) {
     results.remark("kaz is not built: loop.rtf is left out");
     return {};
   }
-  const auto made = make_temporary_folder("kaz-bench-loop-");
-  if (!made) return tl::unexpected(made.error());
-  const fs::path out = *made;
+  const auto made = KAZ_TRY(make_temporary_folder("kaz-bench-loop-"));
+  const fs::path out = made;
   const std::string command =
       quoted(kaz.string()) + " demo --json --out " + quoted(out.string()) + " 2>/dev/null";
   std::vector<double> speeds;

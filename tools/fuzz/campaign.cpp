@@ -42,9 +42,8 @@ class PortTarget {
  public:
   static Result<std::unique_ptr<PortTarget>> open(const std::string& path, std::uint64_t seed,
                                                   const host::Interrupt& interrupt) {
-    auto link = host::TtyLink::open(path, 115200, &interrupt);
-    if (!link) return tl::unexpected(link.error());
-    return std::unique_ptr<PortTarget>(new PortTarget(std::move(*link), seed, interrupt));
+    auto link = KAZ_TRY(host::TtyLink::open(path, 115200, &interrupt));
+    return std::unique_ptr<PortTarget>(new PortTarget(std::move(link), seed, interrupt));
   }
   Result<Verdict> run(const Genome& genome, const hil::fuzz::GrammarOptions& grammar) {
     host::FaultyLink faulty(*link_, clock_, {}, seed_);
@@ -72,10 +71,9 @@ class Fuzzing {
 
   Result<bool> run() {
     // Not only when there is something to keep.
-    if (auto there = check_folder_of(arguments_.out, "a failing case"); !there)
-      return tl::unexpected(there.error());
+    KAZ_TRY(check_folder_of(arguments_.out, "a failing case"));
     const InterruptSignals signals(interrupt_);
-    if (auto ready = prepare(); !ready) return tl::unexpected(ready.error());
+    KAZ_TRY(prepare());
     if (!arguments_.replay.empty()) return replay();
     hil::fuzz::Search search(arguments_.seed);
     if (auto loaded = load(search); !loaded) return loaded;
@@ -89,17 +87,15 @@ class Fuzzing {
                                 : elapsed() < arguments_.seconds) {
       if (interrupt_.requested()) break;
       const Genome genome = search.next();
-      const auto verdict = one(genome);
-      if (!verdict) return tl::unexpected(verdict.error());
-      if (verdict->violation) {
+      const auto verdict = KAZ_TRY(one(genome));
+      if (verdict.violation) {
         progress.done();
         return report_failure(genome, search);
       }
-      if (search.learn(genome, *verdict) && !arguments_.corpus.empty()) {
+      if (search.learn(genome, verdict) && !arguments_.corpus.empty()) {
         const std::string name = arguments_.corpus + "/" + std::to_string(arguments_.seed) + "-" +
                                  std::to_string(totals_.cases);
-        if (auto saved = hil::fuzz::save_genome(name, genome); !saved)
-          return tl::unexpected(saved.error());
+        KAZ_TRY(hil::fuzz::save_genome(name, genome));
       }
       const double share = arguments_.cases > 0 ? static_cast<double>(totals_.cases) /
                                                       static_cast<double>(arguments_.cases)
@@ -119,25 +115,21 @@ class Fuzzing {
         return fail(Fault::usage, "--body needs the simulator: use it with --target native or h8");
       grammar_.faults = false;
       grammar_.flash = arguments_.wear_flash;
-      auto port = PortTarget::open(arguments_.target, arguments_.seed, interrupt_);
-      if (!port) return tl::unexpected(port.error());
-      port_ = std::move(*port);
+      auto port = KAZ_TRY(PortTarget::open(arguments_.target, arguments_.seed, interrupt_));
+      port_ = std::move(port);
       return {};
     }
     engine_.mcu = arguments_.target;
     engine_.seed = arguments_.seed;
     if (engine_.mcu == "h8") {
-      auto image = firmware_image(arguments_.image);
-      if (!image) return tl::unexpected(image.error());
-      engine_.image = *image;
+      auto image = KAZ_TRY(firmware_image(arguments_.image));
+      engine_.image = image;
     }
     if (arguments_.body) {
-      auto world = world_file("empty");
-      if (!world) return tl::unexpected(world.error());
-      auto robot = data_file("robot/kaz/kaz.urdf");
-      if (!robot) return tl::unexpected(robot.error());
-      engine_.world_path = *world;
-      engine_.robot_path = *robot;
+      auto world = KAZ_TRY(world_file("empty"));
+      auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
+      engine_.world_path = world;
+      engine_.robot_path = robot;
       grammar_.faults = false;
     }
     return {};
@@ -147,16 +139,14 @@ class Fuzzing {
     if (arguments_.corpus.empty()) return true;
     std::error_code error;
     std::filesystem::create_directories(arguments_.corpus, error);
-    auto corpus = hil::fuzz::load_corpus(arguments_.corpus);
-    if (!corpus) return tl::unexpected(corpus.error());
-    for (const Genome& genome : *corpus) {
-      const auto verdict = one(genome);
-      if (!verdict) return tl::unexpected(verdict.error());
-      if (verdict->violation) {
+    auto corpus = KAZ_TRY(hil::fuzz::load_corpus(arguments_.corpus));
+    for (const Genome& genome : corpus) {
+      const auto verdict = KAZ_TRY(one(genome));
+      if (verdict.violation) {
         failing_ = genome;
         return true;
       }
-      search.learn(genome, *verdict);
+      search.learn(genome, verdict);
     }
     return true;
   }
@@ -169,17 +159,16 @@ class Fuzzing {
       return verdict;
     }
     engine_.grammar = grammar_;
-    const auto verdict = kaz::fuzz::run_engine_case(genome, engine_);
-    if (!verdict) return tl::unexpected(verdict.error());
-    count(*verdict);
-    totals_.ticks += verdict->ticks;
-    totals_.emulator_engine = verdict->emulator_engine;
-    totals_.instructions += verdict->instructions;
-    totals_.translated_instructions += verdict->translated_instructions;
-    totals_.worst_busy_8states = std::max(totals_.worst_busy_8states, verdict->worst_busy_8states);
+    const auto verdict = KAZ_TRY(kaz::fuzz::run_engine_case(genome, engine_));
+    count(verdict);
+    totals_.ticks += verdict.ticks;
+    totals_.emulator_engine = verdict.emulator_engine;
+    totals_.instructions += verdict.instructions;
+    totals_.translated_instructions += verdict.translated_instructions;
+    totals_.worst_busy_8states = std::max(totals_.worst_busy_8states, verdict.worst_busy_8states);
     totals_.worst_overshoot_rad =
-        std::max(totals_.worst_overshoot_rad, verdict->worst_overshoot_rad);
-    return *verdict;
+        std::max(totals_.worst_overshoot_rad, verdict.worst_overshoot_rad);
+    return verdict;
   }
 
   void count(const Verdict& verdict) {
@@ -193,25 +182,21 @@ class Fuzzing {
   Result<bool> report_failure(const Genome& genome, const hil::fuzz::Search& search) {
     const auto runner = [this](const Genome& candidate) { return one(candidate); };
     const Genome shorter = hil::fuzz::shortened(genome, runner, port_ ? 20 : 400);
-    const auto verdict = one(shorter);
-    if (!verdict) return tl::unexpected(verdict.error());
+    const auto verdict = KAZ_TRY(one(shorter));
     // A board at a port need not fail twice.
-    const Genome& kept = verdict->violation ? shorter : genome;
-    if (auto saved = hil::fuzz::save_genome(arguments_.out, kept); !saved)
-      return tl::unexpected(saved.error());
-    report(search, verdict->violation.value_or("not seen again in the shortened case"),
+    const Genome& kept = verdict.violation ? shorter : genome;
+    KAZ_TRY(hil::fuzz::save_genome(arguments_.out, kept));
+    report(search, verdict.violation.value_or("not seen again in the shortened case"),
            hil::fuzz::text_of(hil::fuzz::events_of(kept, grammar_)));
     return false;
   }
 
   Result<bool> replay() {
-    const auto genome = hil::fuzz::load_genome(arguments_.replay);
-    if (!genome) return tl::unexpected(genome.error());
-    const auto verdict = one(*genome);
-    if (!verdict) return tl::unexpected(verdict.error());
-    report(hil::fuzz::Search(1), verdict->violation,
-           hil::fuzz::text_of(hil::fuzz::events_of(*genome, grammar_)));
-    return !verdict->violation;
+    const auto genome = KAZ_TRY(hil::fuzz::load_genome(arguments_.replay));
+    const auto verdict = KAZ_TRY(one(genome));
+    report(hil::fuzz::Search(1), verdict.violation,
+           hil::fuzz::text_of(hil::fuzz::events_of(genome, grammar_)));
+    return !verdict.violation;
   }
 
   void report(const hil::fuzz::Search& search, const std::optional<std::string>& violation,

@@ -109,14 +109,13 @@ struct Engine {
 
 Result<Engine> make_engine(const EngineOptions& options) {
   if (options.mcu != "h8") return Engine{sim::make_native(), nullptr};
-  auto h8 = sim::H8Mcu::load(options.image);
-  if (!h8) return tl::unexpected(h8.error());
-  if (!(*h8)->has_tick_symbols())
+  auto h8 = KAZ_TRY(sim::H8Mcu::load(options.image));
+  if (!h8->has_tick_symbols())
     return fail(Fault::usage, options.image +
                                   " has no symbols of the servo's tick; put the .coff " +
                                   "of the same build beside it");
-  const sim::H8Mcu* known = h8->get();
-  return Engine{std::move(*h8), known};
+  const sim::H8Mcu* known = h8.get();
+  return Engine{std::move(h8), known};
 }
 
 Result<std::unique_ptr<sim::World>> make_world(const EngineOptions& options) {
@@ -131,17 +130,15 @@ Result<std::unique_ptr<sim::World>> make_world(const EngineOptions& options) {
 
 Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,
                                       const EngineOptions& options) {
-  auto engine = make_engine(options);
-  if (!engine) return tl::unexpected(engine.error());
-  auto world = make_world(options);
-  if (!world) return tl::unexpected(world.error());
+  auto engine = KAZ_TRY(make_engine(options));
+  auto world = KAZ_TRY(make_world(options));
 
   EngineVerdict verdict;
   BodyJudge body(!options.grammar.faults);
   hil::fuzz::TickJudge ticks;
   std::optional<Shadow> shadow;
-  if (engine->h8 != nullptr) shadow.emplace(*engine->h8);
-  sim::Mcu& mcu = *engine->mcu;
+  if (engine.h8 != nullptr) shadow.emplace(*engine.h8);
+  sim::Mcu& mcu = *engine.mcu;
   std::optional<std::uint32_t> last_tick;
   mcu.on_tick([&](const sim::TickRecord& record) {
     const bool first = !last_tick || record.input.tick <= *last_tick;
@@ -161,8 +158,8 @@ Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,
   simulated.mcu = options.mcu;
   simulated.seed = options.seed;
   auto simulation = sim::Simulation::assemble(
-      simulated, std::move(engine->mcu),
-      watched(std::move(*world), [&body](auto drives, auto joints) { body.step(drives, joints); }),
+      simulated, std::move(engine.mcu),
+      watched(std::move(world), [&body](auto drives, auto joints) { body.step(drives, joints); }),
       sim::CameraFile{});
   if (!simulation) return tl::unexpected(simulation.error());
 
@@ -176,15 +173,14 @@ Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,
     return body.violation();
   };
   const auto events = hil::fuzz::events_of(genome, options.grammar);
-  const auto run = hil::fuzz::run_case(link, clock, events, runner);
-  if (!run) return tl::unexpected(run.error());
-  static_cast<hil::fuzz::Verdict&>(verdict) = *run;
+  const auto run = KAZ_TRY(hil::fuzz::run_case(link, clock, events, runner));
+  static_cast<hil::fuzz::Verdict&>(verdict) = run;
   verdict.features.insert(ticks.features().begin(), ticks.features().end());
   verdict.ticks = ticks.ticks();
-  if (engine->h8 != nullptr) {
-    verdict.emulator_engine = engine->h8->emulator_engine();
-    verdict.instructions = engine->h8->chip().instructions();
-    verdict.translated_instructions = engine->h8->chip().translated_instructions();
+  if (engine.h8 != nullptr) {
+    verdict.emulator_engine = engine.h8->emulator_engine();
+    verdict.instructions = engine.h8->chip().instructions();
+    verdict.translated_instructions = engine.h8->chip().translated_instructions();
   }
   verdict.worst_overshoot_rad = body.worst_overshoot();
   return verdict;

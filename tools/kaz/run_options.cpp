@@ -23,8 +23,8 @@ Result<void> check_duration(const behavior::Behavior& behavior, const std::strin
                                   " ends by itself; leave the option out");
   if (behavior::OptionValues::parse(std::span(&*option, 1), {{"seconds", text}})) return {};
   char range[80];
-  std::snprintf(range, sizeof range, "from %g to %g, as in --duration %s", option->min,
-                option->max, std::string(option->initial).c_str());
+  std::snprintf(range, sizeof range, "from %g to %g, as in --duration %s", option->min, option->max,
+                std::string(option->initial).c_str());
   return fail(Fault::usage, "--duration " + text + ": give a number of seconds " + range);
 }
 
@@ -59,20 +59,16 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
 }
 
 Result<bool> run_behavior(RunArguments arguments) {
-  const auto settings = parse_settings(arguments.settings);
-  if (!settings) return tl::unexpected(settings.error());
-  arguments.session.settings = *settings;
+  const auto settings = KAZ_TRY(parse_settings(arguments.settings));
+  arguments.session.settings = settings;
   if (!arguments.duration.empty()) {
-    const auto behavior = behavior::find_behavior(arguments.session.behavior);
-    if (!behavior) return tl::unexpected(behavior.error());
-    if (auto valid = check_duration(*behavior, arguments.duration); !valid)
-      return tl::unexpected(valid.error());
+    const auto behavior = KAZ_TRY(behavior::find_behavior(arguments.session.behavior));
+    KAZ_TRY(check_duration(behavior, arguments.duration));
     arguments.session.settings["seconds"] = arguments.duration;
   }
   if (!arguments.color.empty()) {
-    const auto color = read_color(arguments.color);
-    if (!color) return tl::unexpected(color.error());
-    arguments.session.vision.ball.color = *color;
+    const auto color = KAZ_TRY(read_color(arguments.color));
+    arguments.session.vision.ball.color = color;
   }
   return run_session(arguments.session);
 }

@@ -18,13 +18,11 @@ struct Arguments {
 
 Result<Outcome> start(Arguments a) {
   CampaignOptions& c = a.campaign;
-  const auto settings = parse_settings(a.settings);
-  if (!settings) return tl::unexpected(settings.error());
-  c.settings = *settings;
-  const auto shard = parse_shard(a.shard);
-  if (!shard) return tl::unexpected(shard.error());
-  c.shard = shard->part;
-  c.shards = shard->parts;
+  const auto settings = KAZ_TRY(parse_settings(a.settings));
+  c.settings = settings;
+  const auto shard = KAZ_TRY(parse_shard(a.shard));
+  c.shard = shard.part;
+  c.shards = shard.parts;
   const struct {
     const char* option;
     const std::vector<double>& given;
@@ -35,17 +33,15 @@ Result<Outcome> start(Arguments a) {
                    {"--lamp", a.lamp, c.variation.lamp},
                    {"--shade", a.shade, c.variation.shade}};
   for (const auto& [option, given, to] : intervals) {
-    const auto interval = parse_interval(option, given, to);
-    if (!interval) return tl::unexpected(interval.error());
-    to = *interval;
+    const auto interval = KAZ_TRY(parse_interval(option, given, to));
+    to = interval;
   }
   for (const std::string& color : c.variation.colors) {
-    if (auto known = ball_color(color); !known) return tl::unexpected(known.error());
+    KAZ_TRY(ball_color(color));
   }
   c.backend.imu = !a.blind_to_turns;
-  const auto succeeded = run_campaign(c);
-  if (!succeeded) return tl::unexpected(succeeded.error());
-  return Outcome(*succeeded);
+  const auto succeeded = KAZ_TRY(run_campaign(c));
+  return Outcome(succeeded);
 }
 
 void add_merge(CLI::App& evaluate, Action& action) {
@@ -67,9 +63,9 @@ void add_merge(CLI::App& evaluate, Action& action) {
       "  kaz evaluate merge one two --out all");
   verb->callback([&action, arguments] {
     action = [arguments]() -> Result<Outcome> {
-      const auto succeeded = merge_campaigns(arguments->folders, arguments->out, arguments->json);
-      if (!succeeded) return tl::unexpected(succeeded.error());
-      return Outcome(*succeeded);
+      const auto succeeded =
+          KAZ_TRY(merge_campaigns(arguments->folders, arguments->out, arguments->json));
+      return Outcome(succeeded);
     };
   });
 }

@@ -50,9 +50,8 @@ void add_replay(CLI::App& program, Action& action) {
       }
       if (arguments->host) arguments->replay.mode = ReplayMode::host;
       if (arguments->whole) arguments->replay.mode = ReplayMode::whole;
-      const auto identical = replay(arguments->replay);
-      if (!identical) return tl::unexpected(identical.error());
-      return Outcome(*identical);
+      const auto identical = KAZ_TRY(replay(arguments->replay));
+      return Outcome(identical);
     };
   });
 }

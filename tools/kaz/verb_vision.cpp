@@ -33,11 +33,9 @@ Result<vision::PictureRegion> parse_region(const std::string& text) {
 }
 
 Result<Outcome> learn(const LearnArguments& arguments) {
-  const auto region = parse_region(arguments.region);
-  if (!region) return tl::unexpected(region.error());
-  const auto image = vision::read_picture(arguments.in);
-  if (!image) return tl::unexpected(image.error());
-  const auto learned = vision::learn_color(*image, *region);
+  const auto region = KAZ_TRY(parse_region(arguments.region));
+  const auto image = KAZ_TRY(vision::read_picture(arguments.in));
+  const auto learned = vision::learn_color(image, region);
   if (!learned) return fail(learned.error().fault, arguments.in + ": " + learned.error().message);
   nlohmann::ordered_json json = color_json(learned->range);
   json["share_of_region"] = learned->inside;

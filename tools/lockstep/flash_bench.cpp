@@ -99,7 +99,7 @@ Result<std::size_t> FlashBench::read(std::span<std::uint8_t> bytes, Time deadlin
     if (unplug_at_ && now() >= *unplug_at_) return tl::unexpected(unplugged());
     const std::size_t count = line_.read(bytes, now_ - latency_);
     if (count > 0 || now() >= deadline) return count;
-    if (auto stepped = step(); !stepped) return tl::unexpected(stepped.error());
+    KAZ_TRY(step());
   }
 }
 

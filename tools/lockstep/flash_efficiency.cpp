@@ -17,13 +17,12 @@ using namespace kaz;
 Result<host::FlashReport> measure() {
   std::ifstream file(KAZ_WRITER, std::ios::binary);
   const std::vector<std::uint8_t> writer{std::istreambuf_iterator<char>(file), {}};
-  const auto image = host::FlashImage::load(KAZ_FIRMWARE_IMAGE);
-  if (!image) return tl::unexpected(image.error());
+  const auto image = KAZ_TRY(host::FlashImage::load(KAZ_FIRMWARE_IMAGE));
   lockstep::FlashBench bench;
   bench.set_latency(std::chrono::milliseconds(1));
   host::Flasher flasher(bench, bench, writer, {});
-  if (auto entered = flasher.enter_boot(bench); !entered) return tl::unexpected(entered.error());
-  return flasher.write(*image);
+  KAZ_TRY(flasher.enter_boot(bench));
+  return flasher.write(image);
 }
 
 }  // namespace

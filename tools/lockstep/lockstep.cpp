@@ -26,7 +26,7 @@ Result<std::size_t> LockstepLink::read(std::span<std::uint8_t> bytes, Time deadl
     if (const auto& error = simulation_.error()) return tl::unexpected(*error);
     const std::size_t count = simulation_.read(bytes);
     if (count > 0 || simulation_.time() >= deadline) return count;
-    if (auto stepped = simulation_.step(); !stepped) return tl::unexpected(stepped.error());
+    KAZ_TRY(simulation_.step());
   }
 }
 

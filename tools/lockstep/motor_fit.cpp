@@ -125,7 +125,7 @@ Result<hil::BenchReport> simulate(const Bench& bench, const MotorParams& motor,
   hil::MotorBenchOptions options;
   options.joint = bench.joint;
   options.supply_volts = bench.supply_volts;
-  if (auto ran = backend.run(options, judge); !ran) return tl::unexpected(ran.error());
+  KAZ_TRY(backend.run(options, judge));
   return report;
 }
 
@@ -304,13 +304,11 @@ Result<Bench> bench_of(const hil::BenchReport& report, const std::string& joint,
 }  // namespace
 
 Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptions& options) {
-  const auto joint = joint_of(measured, options.joint);
-  if (!joint) return tl::unexpected(joint.error());
-  auto bench = bench_of(measured, *joint, options.board);
-  if (!bench) return tl::unexpected(bench.error());
-  Values values = values_of(measured, *joint);
-  bench->running = values.contains("friction.running");
-  if (!bench->running) take_sliding(values);
+  const auto joint = KAZ_TRY(joint_of(measured, options.joint));
+  auto bench = KAZ_TRY(bench_of(measured, joint, options.board));
+  Values values = values_of(measured, joint);
+  bench.running = values.contains("friction.running");
+  if (!bench.running) take_sliding(values);
   MotorFit fit;
   fit.motor = options.start;
   bool any = false;
@@ -318,7 +316,7 @@ Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptio
   if (!any)
     return fail(
         Fault::usage,
-        "the report of " + *joint +
+        "the report of " + joint +
             " determines no parameter of the motor: its measurements were skipped or failed");
   const auto report_progress = [&](int done) {
     if (options.progress)
@@ -326,20 +324,18 @@ Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptio
                        "the bench on the model, round " + std::to_string(done + 1));
   };
   report_progress(0);
-  const auto before = run_model(*bench, fit.motor);
-  if (!before) return tl::unexpected(before.error());
-  Model model = *before;
+  const auto before = KAZ_TRY(run_model(bench, fit.motor));
+  Model model = before;
   MotorParams last = fit.motor;
   while (fit.rounds < options.max_rounds) {
-    fit.last_change = correct(fit.motor, values, model.values, bench->disc_kgm2);
+    fit.last_change = correct(fit.motor, values, model.values, bench.disc_kgm2);
     // Late rounds differ by the model's own noise: their middle is better than either.
     const MotorParams corrected = fit.motor;
     if (fit.rounds >= kRough) halve_the_way(fit.motor, last);
     last = corrected;
     report_progress(++fit.rounds);
-    auto next = run_model(*bench, fit.motor);
-    if (!next) return tl::unexpected(next.error());
-    model = std::move(*next);
+    auto next = KAZ_TRY(run_model(bench, fit.motor));
+    model = std::move(next);
     if (fit.last_change < kSettled) break;
   }
   for (const Estimator& estimator : estimators()) {
@@ -347,7 +343,7 @@ Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptio
                           fit.motor.*estimator.param, has_all(estimator, values)});
   }
   fit.motor.name = options.start.name + "-fitted";
-  compare(fit, measured, *joint, *before, model);
+  compare(fit, measured, joint, before, model);
   return fit;
 }
 

@@ -215,7 +215,7 @@ Result<std::size_t> ReplayLink::read(std::span<std::uint8_t> bytes, Time deadlin
     if (const auto& error = board_.error()) return tl::unexpected(*error);
     const std::size_t count = board_.read(bytes);
     if (count > 0 || board_.time() >= deadline) return count;
-    if (auto stepped = board_.step(); !stepped) return tl::unexpected(stepped.error());
+    KAZ_TRY(board_.step());
   }
 }
 

@@ -19,20 +19,18 @@ struct Behavior {
   unsigned pairs = 0, first_byte = 0;
 
   Result<void> run(host::Link& link, host::Clock& clock, vision::Camera& camera) {
-    auto robot = host::Robot::connect(link, clock);
-    if (!robot) return tl::unexpected(robot.error());
-    if (auto on = robot->enable(1u << host::neck_pan); !on) return on;
+    auto robot = KAZ_TRY(host::Robot::connect(link, clock));
+    if (auto on = robot.enable(1u << host::neck_pan); !on) return on;
     for (int i = 0; i < 20; ++i) {
       const host::JointTarget to{host::neck_pan, i < 10 ? 0.1 : target};
-      if (auto set = robot->set_targets(std::span(&to, 1), milliseconds(50)); !set) return set;
+      if (auto set = robot.set_targets(std::span(&to, 1), milliseconds(50)); !set) return set;
       if (auto slept = clock.sleep_until(clock.now() + milliseconds(20)); !slept) return slept;
-      if (auto state = robot->state(); !state) return tl::unexpected(state.error());
+      KAZ_TRY(robot.state());
       while (true) {
-        const auto pair = camera.poll();
-        if (!pair) return tl::unexpected(pair.error());
-        if (!*pair) break;
+        const auto pair = KAZ_TRY(camera.poll());
+        if (!pair) break;
         ++pairs;
-        first_byte += (*pair)->images.get()->left.rgb[0];
+        first_byte += pair->images.get()->left.rgb[0];
       }
     }
     return {};

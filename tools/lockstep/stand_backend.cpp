@@ -15,9 +15,8 @@ StandBackend::StandBackend(std::unique_ptr<sim::Simulation> simulation, double p
           pressing_s) {}
 
 Result<void> StandBackend::run(const hil::MotorBenchOptions& options, hil::BenchJudge& judge) {
-  auto robot = host::Robot::connect(link_, clock_, hil::bench_connection());
-  if (!robot) return tl::unexpected(robot.error());
-  return hil::bench_motor(*robot, &stand_, options, judge);
+  auto robot = KAZ_TRY(host::Robot::connect(link_, clock_, hil::bench_connection()));
+  return hil::bench_motor(robot, &stand_, options, judge);
 }
 
 }  // namespace kaz::lockstep

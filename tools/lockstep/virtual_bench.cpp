@@ -130,7 +130,7 @@ Result<std::size_t> VirtualBench::read(std::span<std::uint8_t> bytes, Time deadl
   while (true) {
     const std::size_t count = line_.read(bytes, now_);
     if (count > 0 || now() >= deadline) return count;
-    if (auto stepped = step(); !stepped) return tl::unexpected(stepped.error());
+    KAZ_TRY(step());
   }
 }
 

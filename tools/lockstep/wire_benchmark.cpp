@@ -15,18 +15,15 @@ namespace {
 using namespace kaz;
 
 Result<lockstep::WireLoad> measure(double rate_hz) {
-  auto chip = sim::H8Mcu::load(KAZ_FIRMWARE_IMAGE);
-  if (!chip) return tl::unexpected(chip.error());
+  auto chip = KAZ_TRY(sim::H8Mcu::load(KAZ_FIRMWARE_IMAGE));
   sim::SimulationOptions options;
   options.renderer = sim::make_test_renderer;
-  auto simulation = sim::Simulation::assemble(
-      options, std::move(*chip), std::make_unique<sim::TestWorld>(), sim::small_camera());
-  if (!simulation) return tl::unexpected(simulation.error());
-  lockstep::LockstepClock clock(**simulation);
-  lockstep::LockstepLink link(**simulation);
-  auto robot = host::Robot::connect(link, clock);
-  if (!robot) return tl::unexpected(robot.error());
-  return lockstep::run_wire_load(*robot, link.byte_time(), rate_hz, std::chrono::seconds(5));
+  auto simulation = KAZ_TRY(sim::Simulation::assemble(
+      options, std::move(chip), std::make_unique<sim::TestWorld>(), sim::small_camera()));
+  lockstep::LockstepClock clock(*simulation);
+  lockstep::LockstepLink link(*simulation);
+  auto robot = KAZ_TRY(host::Robot::connect(link, clock));
+  return lockstep::run_wire_load(robot, link.byte_time(), rate_hz, std::chrono::seconds(5));
 }
 
 nlohmann::ordered_json json_of(const lockstep::WireLoad& load) {

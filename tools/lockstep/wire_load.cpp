@@ -19,9 +19,8 @@ constexpr Time kRamp = std::chrono::milliseconds(12);
 
 Result<WireLoad> run_wire_load(host::Robot& robot, Time byte_time, double rate_hz, Time duration) {
   host::Clock& clock = robot.clock();
-  if (auto on = robot.enable(host::kAllJoints); !on) return tl::unexpected(on.error());
-  const auto start_posture = robot.state();
-  if (!start_posture) return tl::unexpected(start_posture.error());
+  KAZ_TRY(robot.enable(host::kAllJoints));
+  const auto start_posture = KAZ_TRY(robot.state());
 
   const Time start = clock.now();
   const host::LinkStatistics before = robot.statistics();
@@ -29,9 +28,8 @@ Result<WireLoad> run_wire_load(host::Robot& robot, Time byte_time, double rate_h
   std::uint64_t received = 0;
   WireLoad load;
   const auto receive = [&](Time deadline) -> Result<bool> {
-    auto posture = robot.receive_cycle(deadline);
-    if (!posture) return tl::unexpected(posture.error());
-    if (!*posture) return false;
+    auto posture = KAZ_TRY(robot.receive_cycle(deadline));
+    if (!posture) return false;
     ++received;
     load.oldest_s = std::max(load.oldest_s, seconds(clock.now() - sent.front()));
     sent.pop_front();
@@ -43,23 +41,23 @@ Result<WireLoad> run_wire_load(host::Robot& robot, Time byte_time, double rate_h
     std::array<host::JointTarget, KZ_JOINTS> targets;
     for (int j = 0; j < KZ_JOINTS; ++j) {
       const auto index = static_cast<std::size_t>(j);
-      targets[index] = {j, start_posture->angle[index] + kSwing * std::sin(phase)};
+      targets[index] = {j, start_posture.angle[index] + kSwing * std::sin(phase)};
     }
     sent.push_back(clock.now());
-    if (auto done = robot.send_cycle(targets, kRamp); !done) return tl::unexpected(done.error());
+    KAZ_TRY(robot.send_cycle(targets, kRamp));
     if (rate_hz > 0) {
       const Time next = start + from_seconds(static_cast<double>(cycle + 1) / rate_hz);
       while (clock.now() < next) {
         if (sent.empty()) {
-          if (auto slept = clock.sleep_until(next); !slept) return tl::unexpected(slept.error());
+          KAZ_TRY(clock.sleep_until(next));
           continue;
         }
-        if (auto one = receive(next); !one) return tl::unexpected(one.error());
+        KAZ_TRY(receive(next));
       }
       if (sent.size() > kAhead) ++load.late;
     }
     while (sent.size() > kAhead || (rate_hz == 0 && sent.size() == kAhead)) {
-      if (auto one = receive(Time::max()); !one) return tl::unexpected(one.error());
+      KAZ_TRY(receive(Time::max()));
     }
   }
   const double elapsed = seconds(clock.now() - start);
@@ -71,7 +69,7 @@ Result<WireLoad> run_wire_load(host::Robot& robot, Time byte_time, double rate_h
       static_cast<double>(after.bytes_in - before.bytes_in) * seconds(byte_time) / elapsed;
   load.retries = after.retries - before.retries;
   while (!sent.empty()) {
-    if (auto one = receive(Time::max()); !one) return tl::unexpected(one.error());
+    KAZ_TRY(receive(Time::max()));
   }
   return load;
 }

@@ -73,19 +73,17 @@ std::string with_masses(const std::string& urdf,
 Result<RobotFolder> RobotFolder::make(const std::string& robot,
                                       const std::map<std::string, Change>& changes,
                                       const std::string& world) {
-  const auto made = make_temporary_folder("kaz-robot-");
-  if (!made) return tl::unexpected(made.error());
-  const fs::path folder = *made;
+  const auto made = KAZ_TRY(make_temporary_folder("kaz-robot-"));
+  const fs::path folder = made;
   RobotFolder files(folder);
   for (const char* name : {"kaz.urdf", "motor.xml", "camera.json", "sensors.xml"}) {
     auto text = read(fs::path(robot) / name);
     if (!text) return tl::unexpected(text.error());
     if (const auto change = changes.find(name); change != changes.end())
       *text = change->second(*text);
-    if (auto written = write(folder / name, *text); !written)
-      return tl::unexpected(written.error());
+    KAZ_TRY(write(folder / name, *text));
   }
-  if (auto written = write(files.world(), world); !written) return tl::unexpected(written.error());
+  KAZ_TRY(write(files.world(), world));
   return files;
 }
 

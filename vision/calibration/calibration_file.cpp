@@ -159,28 +159,27 @@ Result<StereoCalibration> take(const Reader& file) {
   if (!height) return tl::unexpected(height.error());
   c.width = *width;
   c.height = *height;
-  const auto left = file.lens("camera_matrix_left", "M1", "distortion_coefficients_left", "D1");
-  if (!left) return tl::unexpected(left.error());
-  const auto right = file.lens("camera_matrix_right", "M2", "distortion_coefficients_right", "D2");
-  if (!right) return tl::unexpected(right.error());
-  c.left.lens = *left;
-  c.right.lens = *right;
+  const auto left =
+      KAZ_TRY(file.lens("camera_matrix_left", "M1", "distortion_coefficients_left", "D1"));
+  const auto right =
+      KAZ_TRY(file.lens("camera_matrix_right", "M2", "distortion_coefficients_right", "D2"));
+  c.left.lens = left;
+  c.right.lens = right;
   const bool rectified = file.has("R1") || file.has("R2") || file.has("P1") || file.has("P2");
   if (rectified) {
-    if (auto taken = take_rectification(file, c); !taken) return tl::unexpected(taken.error());
+    KAZ_TRY(take_rectification(file, c));
     if (!file.has("R") && !file.has("T")) return c;
   }
-  const auto r = file.turn("R");
-  if (!r) return tl::unexpected(r.error());
+  const auto r = KAZ_TRY(file.turn("R"));
   const auto t = file.numbers("T", {3});
   if (!t) return tl::unexpected(t.error());
   const Eigen::Vector3d to(t->data());
   if (!rectified) {
-    if (auto done = rectify_pair(c, *r, to); !done) return file.bad(done.error().message);
+    if (auto done = rectify_pair(c, r, to); !done) return file.bad(done.error().message);
     return c;
   }
   // 0.1 degree and a hundredth of the baseline: more is not the rounding of a short file.
-  if ((c.right_from_left() - *r).cwiseAbs().maxCoeff() > 2e-3 ||
+  if ((c.right_from_left() - r).cwiseAbs().maxCoeff() > 2e-3 ||
       (c.left_origin_in_right() - to).norm() > 0.01 * c.rectified.baseline_m)
     return file.bad("R and T do not fit R1, R2 and P2: they are of different calibrations");
   return c;
@@ -233,9 +232,8 @@ Result<StereoCalibration> parse_calibration(const std::string& content, const st
 }
 
 Result<StereoCalibration> read_calibration(const std::string& path) {
-  const auto content = read_whole_file(path, kLargestFile, "is it a calibration file?");
-  if (!content) return tl::unexpected(content.error());
-  return parse_calibration(*content, path);
+  const auto content = KAZ_TRY(read_whole_file(path, kLargestFile, "is it a calibration file?"));
+  return parse_calibration(content, path);
 }
 
 Result<CalibrationFormat> calibration_format(const std::string& path) {

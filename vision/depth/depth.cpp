@@ -118,8 +118,7 @@ struct DepthFinder::State {
                                     " pixels, the right one " + size_text(r.width, r.height) +
                                     ": both must be rectified to one size");
     if (auto ok = check_camera(info.camera, l.width, l.height); !ok) return ok;
-    const auto count = disparities(l.width, info.camera);
-    if (!count) return tl::unexpected(count.error());
+    const auto count = KAZ_TRY(disparities(l.width, info.camera));
     const std::uint8_t *left_grey = grey_of(l, left), *right_grey = grey_of(r, right);
     const std::size_t pixels =
         static_cast<std::size_t>(l.width) * static_cast<std::size_t>(l.height);
@@ -132,7 +131,7 @@ struct DepthFinder::State {
     depth.width = l.width;
     depth.height = l.height;
     matcher.match(
-        {left_grey, right_grey, l.width, l.height}, *count,
+        {left_grey, right_grey, l.width, l.height}, count,
         {{options.block_px, options.uniqueness_percent, options.left_right_px, options.vectors},
          options.min_texture,
          options.slants},

@@ -202,10 +202,9 @@ Result<Image> decode_picture(Bytes bytes, const std::string& name) {
 }
 
 Result<Image> read_picture(const std::string& path) {
-  const auto bytes = read_whole_file(path, kLargestFile, "give a picture: PNG, JPEG, PGM or PPM");
-  if (!bytes) return tl::unexpected(bytes.error());
-  return decode_picture({reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size()},
-                        path);
+  const auto bytes =
+      KAZ_TRY(read_whole_file(path, kLargestFile, "give a picture: PNG, JPEG, PGM or PPM"));
+  return decode_picture({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, path);
 }
 
 bool looks_like_picture(const std::string& path) {

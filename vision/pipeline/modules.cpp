@@ -33,8 +33,7 @@ class DepthModule final : public Module {
   Time latency() const override { return latency_; }
   Result<std::any> look(const Frame& frame) override {
     DepthImage depth;
-    if (auto found = finder_.find(frame.images(), frame.info(), depth); !found)
-      return tl::unexpected(found.error());
+    KAZ_TRY(finder_.find(frame.images(), frame.info(), depth));
     return std::any(std::move(depth));
   }
 
@@ -62,9 +61,7 @@ class FlowModule final : public Module {
       flow.before = flow.after;
       return std::any(std::move(flow));
     }
-    if (auto found = finder_.find(before->left, info, frame.images().left, frame.info(), flow);
-        !found)
-      return tl::unexpected(found.error());
+    KAZ_TRY(finder_.find(before->left, info, frame.images().left, frame.info(), flow));
     return std::any(std::move(flow));
   }
 
@@ -83,8 +80,7 @@ class PlanesModule final : public Module {
   Time latency() const override { return latency_; }
   Result<std::any> look(const Frame& frame) override {
     PlaneSegments planes;
-    if (auto found = finder_.find(frame.of<DepthImage>("depth"), planes); !found)
-      return tl::unexpected(found.error());
+    KAZ_TRY(finder_.find(frame.of<DepthImage>("depth"), planes));
     return std::any(std::move(planes));
   }
 
@@ -101,8 +97,7 @@ class FloorModule final : public Module {
   Time latency() const override { return latency_; }
   Result<std::any> look(const Frame& frame) override {
     PlaneSegments planes = frame.of<PlaneSegments>("planes");
-    if (auto done = edges_.sharpen(frame.images().left, planes); !done)
-      return tl::unexpected(done.error());
+    KAZ_TRY(edges_.sharpen(frame.images().left, planes));
     return std::any(std::move(planes));
   }
 

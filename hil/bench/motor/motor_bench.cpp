@@ -142,8 +142,7 @@ Result<void> check_motor_filter(const std::string& filter) {
 Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptions& options,
                          BenchJudge& judge) {
   std::optional<double> slope;
-  const auto parts = chosen_parts(parts_of(options.supply_volts, slope), options.filter);
-  if (!parts) return tl::unexpected(parts.error());
+  const auto parts = KAZ_TRY(chosen_parts(parts_of(options.supply_volts, slope), options.filter));
   if (options.joint < 0 || options.joint >= KZ_JOINTS)
     return fail(Fault::usage,
                 "joints have the numbers 0 to 17, not " + std::to_string(options.joint));
@@ -156,11 +155,11 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
                                    {"supply_volts", options.supply_volts},
                                    {"pressing_s", stand->pressing_s()}};
     }
-    for (std::size_t i = 0; i < parts->size(); ++i) {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
       if (options.progress)
-        options.progress(static_cast<double>(i) / static_cast<double>(parts->size()),
-                         motor.name() + ": " + (*parts)[i].what);
-      run_part((*parts)[i], motor, judge, options.supply_volts);
+        options.progress(static_cast<double>(i) / static_cast<double>(parts.size()),
+                         motor.name() + ": " + parts[i].what);
+      run_part(parts[i], motor, judge, options.supply_volts);
     }
   } catch (const Lost& lost) {
     return tl::unexpected(lost.error);

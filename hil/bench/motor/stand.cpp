@@ -39,10 +39,9 @@ Result<void> CommandStand::send(const std::string& line) {
 }
 
 Result<double> CommandStand::number(const std::string& line, const char* key) {
-  const auto reply = ask_(line);
-  if (!reply) return tl::unexpected(reply.error());
-  const auto found = reply->find(key);
-  if (found == reply->end() || !found->is_number())
+  const auto reply = KAZ_TRY(ask_(line));
+  const auto found = reply.find(key);
+  if (found == reply.end() || !found->is_number())
     return fail(Fault::environment,
                 "stand " + name_ + ": its reply to `" + line + "` has no number `" + key + "`");
   const double value = found->get<double>();
@@ -80,11 +79,9 @@ Result<double> CommandStand::turn(int joint, double angle_rad) {
   const std::string protractor = "protractor " + joint_name(joint);
   const auto before = number(protractor, "angle_rad");
   if (!before) return before;
-  if (auto sent = send("turn " + joint_name(joint) + " " + with_digits(angle_rad, 4)); !sent)
-    return tl::unexpected(sent.error());
+  KAZ_TRY(send("turn " + joint_name(joint) + " " + with_digits(angle_rad, 4)));
   const double takes = std::abs(angle_rad - *before) / kHandSpeed + settling_s();
-  if (auto waited = clock_.sleep_until(clock_.now() + from_seconds(takes)); !waited)
-    return tl::unexpected(waited.error());
+  KAZ_TRY(clock_.sleep_until(clock_.now() + from_seconds(takes)));
   return number(protractor, "angle_rad");
 }
 
@@ -101,14 +98,13 @@ Result<void> ManualStand::done(const std::string& prompt) {
 Result<double> ManualStand::read(const std::string& prompt) {
   std::string again;
   while (true) {
-    const auto typed = ask_(again + prompt);
-    if (!typed) return tl::unexpected(typed.error());
-    const auto first = typed->find_first_not_of(" \t\r\n");
-    const auto last = typed->find_last_not_of(" \t\r\n");
+    const auto typed = KAZ_TRY(ask_(again + prompt));
+    const auto first = typed.find_first_not_of(" \t\r\n");
+    const auto last = typed.find_last_not_of(" \t\r\n");
     double value = 0;
     if (first != std::string::npos) {
-      const char* end = typed->data() + last + 1;
-      const auto [stop, error] = std::from_chars(typed->data() + first, end, value);
+      const char* end = typed.data() + last + 1;
+      const auto [stop, error] = std::from_chars(typed.data() + first, end, value);
       if (error == std::errc() && stop == end && std::isfinite(value)) return value;
     }
     again = "That is no number; give one like -0.95. ";

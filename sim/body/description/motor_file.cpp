@@ -144,9 +144,7 @@ Result<MotorParams> load_motor_file(const std::string& path, const std::string& 
       motor = *known;
     }
     motor.params.name = *its_name;
-    if (auto done = read_motor(*file, *element, motor); !done) {
-      return tl::unexpected(done.error());
-    }
+    KAZ_TRY(read_motor(*file, *element, motor));
     motors.push_back(motor);
   }
   const Motor* found = find(motors, wanted);

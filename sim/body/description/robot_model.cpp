@@ -76,9 +76,7 @@ class Reader {
     robot_.name = model_.getName();
     robot_.fixed_base = model_.getRoot()->name == kFixedRoot;
     robot_.joints.resize(joints_.size());
-    if (auto ok = add(*model_.getRoot(), -1, -1, Eigen::Isometry3d::Identity()); !ok) {
-      return tl::unexpected(ok.error());
-    }
+    KAZ_TRY(add(*model_.getRoot(), -1, -1, Eigen::Isometry3d::Identity()));
     return std::move(robot_);
   }
 
@@ -86,9 +84,8 @@ class Reader {
   // `at` is the link's pose in the root's frame at the zero posture.
   Result<void> add(const urdf::Link& link, int parent, int joint, const Eigen::Isometry3d& at) {
     const int index = static_cast<int>(robot_.links.size());
-    auto rigid = rigid_of(link);
-    if (!rigid) return tl::unexpected(rigid.error());
-    robot_.links.push_back({*rigid, parent, joint, at});
+    auto rigid = KAZ_TRY(rigid_of(link));
+    robot_.links.push_back({rigid, parent, joint, at});
     robot_.frames[link.name] = {index, Eigen::Isometry3d::Identity()};
     return add_children(link, index, Eigen::Isometry3d::Identity());
   }
@@ -101,9 +98,8 @@ class Reader {
           in_carrier * pose_of(joint->parent_to_joint_origin_transform);
       const urdf::Link& child = *model_.getLink(joint->child_link_name);
       if (joint->type == urdf::Joint::FIXED) {
-        auto part = rigid_of(child);
-        if (!part) return tl::unexpected(part.error());
-        weld(robot_.links[static_cast<std::size_t>(carrier)].rigid, *part, in_link);
+        auto part = KAZ_TRY(rigid_of(child));
+        weld(robot_.links[static_cast<std::size_t>(carrier)].rigid, part, in_link);
         robot_.frames[child.name] = {carrier, in_link};
         if (auto ok = add_children(child, carrier, in_link); !ok) return ok;
         continue;
@@ -212,12 +208,11 @@ Eigen::AlignedBox3d RobotModel::extent() const {
 }
 
 Result<RobotModel> load_robot(const std::string& urdf_path) {
-  auto facts = check_urdf(urdf_path);
-  if (!facts) return tl::unexpected(facts.error());
+  auto facts = KAZ_TRY(check_urdf(urdf_path));
   // The bytes that were checked, in case the file changes meanwhile.
   urdf::ModelInterfaceSharedPtr model;
   try {
-    model = urdf::parseURDF(facts->text);
+    model = urdf::parseURDF(facts.text);
   } catch (const std::exception&) {  // treated as a parse error
   }
   if (!model) {
@@ -225,8 +220,8 @@ Result<RobotModel> load_robot(const std::string& urdf_path) {
                 urdf_path + ": the URDF parser refuses it, for the reason it printed");
   }
   const auto& kaz = joint_names();
-  if (is_kaz(facts->revolute)) facts->revolute.assign(kaz.begin(), kaz.end());
-  return Reader(*model, std::move(*facts), urdf_path).read();
+  if (is_kaz(facts.revolute)) facts.revolute.assign(kaz.begin(), kaz.end());
+  return Reader(*model, std::move(facts), urdf_path).read();
 }
 
 }  // namespace kaz::sim

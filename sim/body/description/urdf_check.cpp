@@ -118,9 +118,7 @@ class Check {
     }
     for (const NumberAttribute& n : kNumbers) {
       if (name != n.element) continue;
-      if (const auto value = file_.number(e, n.attribute); !value) {
-        return tl::unexpected(value.error());
-      }
+      KAZ_TRY(file_.number(e, n.attribute));
     }
     return {};
   }
@@ -152,11 +150,10 @@ class Check {
   }
 
   Result<void> mesh(const Element& e) {
-    const auto name = file_.attribute(e, "filename");
-    if (!name) return tl::unexpected(name.error());
-    const auto path = std::filesystem::path(file_.path()).parent_path() / *name;
+    const auto name = KAZ_TRY(file_.attribute(e, "filename"));
+    const auto path = std::filesystem::path(file_.path()).parent_path() / name;
     if (const auto error = mesh_error(path.string()))
-      return file_.error(e, "mesh `" + *name + "` " + *error);
+      return file_.error(e, "mesh `" + name + "` " + *error);
     return {};
   }
 
@@ -172,10 +169,9 @@ class Check {
          e = e->NextSiblingElement("gazebo")) {
       const Element *mu1 = e->FirstChildElement("mu1"), *mu2 = e->FirstChildElement("mu2");
       if (mu1 == nullptr && mu2 == nullptr) continue;
-      const auto link = file_.attribute(*e, "reference");
-      if (!link) return tl::unexpected(link.error());
-      if (!links_.count(*link))
-        return file_.error(*e, "<gazebo> is about the link `" + *link + "`, which does not exist");
+      const auto link = KAZ_TRY(file_.attribute(*e, "reference"));
+      if (!links_.count(link))
+        return file_.error(*e, "<gazebo> is about the link `" + link + "`, which does not exist");
       double mu = -1;
       for (const Element* element : {mu1, mu2}) {
         if (element == nullptr) continue;
@@ -186,36 +182,34 @@ class Check {
                                            "same");
         mu = value->front();
       }
-      friction_[*link] = mu;
+      friction_[link] = mu;
     }
     return {};
   }
 
   Result<void> mimic(const Element& e) {
-    const auto target = file_.attribute(e, "joint");
-    if (!target) return tl::unexpected(target.error());
+    const auto target = KAZ_TRY(file_.attribute(e, "joint"));
     for (auto* j = file_.root().FirstChildElement("joint"); j; j = j->NextSiblingElement("joint")) {
       const char* name = j->Attribute("name");
-      if (name != nullptr && *target == name) {
+      if (name != nullptr && target == name) {
         return file_.error(e, "<mimic> is not taken: every joint has a motor of its own");
       }
     }
-    return file_.error(e, "<mimic> names the joint `" + *target + "`, which does not exist");
+    return file_.error(e, "<mimic> names the joint `" + target + "`, which does not exist");
   }
 
   Result<void> collect() {
     for (auto* e = file_.root().FirstChildElement(); e; e = e->NextSiblingElement()) {
       const std::string kind = e->Name();
       if (kind != "link" && kind != "joint") continue;
-      const auto name = file_.attribute(*e, "name");
-      if (!name) return tl::unexpected(name.error());
+      const auto name = KAZ_TRY(file_.attribute(*e, "name"));
       if (kind == "joint") {
-        if (!joint_by_name_.emplace(*name, e).second) {
-          return file_.error(*e, "there is another joint `" + *name + "` above");
+        if (!joint_by_name_.emplace(name, e).second) {
+          return file_.error(*e, "there is another joint `" + name + "` above");
         }
         joints_.push_back(e);
-      } else if (!links_.emplace(*name, e).second) {
-        return file_.error(*e, "there is another link `" + *name + "` above");
+      } else if (!links_.emplace(name, e).second) {
+        return file_.error(*e, "there is another link `" + name + "` above");
       }
     }
     if (links_.empty()) return file_.error(file_.root(), "<robot> has no <link>");
@@ -239,22 +233,19 @@ class Check {
 
   Result<void> check_joint(const Element& joint) {
     const std::string name = joint.Attribute("name");
-    const auto type = file_.attribute(joint, "type");
-    if (!type) return tl::unexpected(type.error());
-    if (*type != "revolute" && *type != "fixed") {
-      return file_.error(joint, "joint `" + name + "` has type \"" + *type +
+    const auto type = KAZ_TRY(file_.attribute(joint, "type"));
+    if (type != "revolute" && type != "fixed") {
+      return file_.error(joint, "joint `" + name + "` has type \"" + type +
                                     "\"; only revolute and fixed joints are taken");
     }
-    const auto parent = end_of(joint, "parent");
-    if (!parent) return tl::unexpected(parent.error());
-    const auto child = end_of(joint, "child");
-    if (!child) return tl::unexpected(child.error());
-    if (const auto [it, fresh] = joint_to_.emplace(*child, &joint); !fresh) {
-      return file_.error(joint, "link `" + *child + "` already hangs on joint `" +
+    const auto parent = KAZ_TRY(end_of(joint, "parent"));
+    const auto child = KAZ_TRY(end_of(joint, "child"));
+    if (const auto [it, fresh] = joint_to_.emplace(child, &joint); !fresh) {
+      return file_.error(joint, "link `" + child + "` already hangs on joint `" +
                                     it->second->Attribute("name") + "`");
     }
-    parent_of_[*child] = *parent;
-    if (*type == "fixed") return {};
+    parent_of_[child] = parent;
+    if (type == "fixed") return {};
 
     const Element* limit = joint.FirstChildElement("limit");
     if (limit == nullptr) return file_.error(joint, "joint `" + name + "` lacks <limit>");
@@ -385,7 +376,7 @@ Result<UrdfFacts> check_urdf(const std::string& path) {
   const Result<XmlFile> file = XmlFile::load(path, "robot");
   if (!file) return tl::unexpected(file.error());
   Check check(*file);
-  if (const auto ok = check.run(); !ok) return tl::unexpected(ok.error());
+  KAZ_TRY(check.run());
   return check.facts();
 }
 

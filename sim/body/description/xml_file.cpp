@@ -21,7 +21,7 @@ Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_n
   char block[16384];
   while (file.text_.size() <= kBytesMax && (in.read(block, sizeof block) || in.gcount() > 0))
     file.text_.append(block, static_cast<std::size_t>(in.gcount()));
-  if (auto checked = file.check_text(); !checked) return tl::unexpected(checked.error());
+  KAZ_TRY(file.check_text());
   const tinyxml2::XMLError status = file.document_->Parse(file.text_.data(), file.text_.size());
   if (status == tinyxml2::XML_ERROR_EMPTY_DOCUMENT)
     return file.error(1, "is empty; it needs an element <" + root_name + ">");

@@ -119,9 +119,8 @@ Result<std::vector<Signal>> find_signals(const Chip& chip, const std::vector<std
       s.variable = {std::string(r->unit), std::string(r->name), 8 * r->size};
       signals.push_back(s);
     } else {
-      auto s = memory_signal(chip, name);
-      if (!s) return tl::unexpected(s.error());
-      signals.push_back(*s);
+      auto s = KAZ_TRY(memory_signal(chip, name));
+      signals.push_back(s);
     }
   }
   if (signals.empty()) return fail("a recording needs at least one signal, such as P50 or pc");
@@ -277,10 +276,9 @@ Result<std::unique_ptr<VcdRecorder>> VcdRecorder::open(Chip& chip,
                                                        const std::vector<std::string>& names,
                                                        const std::string& path,
                                                        std::int64_t hertz) {
-  auto signals = find_signals(chip, names);
-  if (!signals) return tl::unexpected(signals.error());
-  auto impl = std::make_unique<Impl>(chip, std::move(*signals), hertz);
-  if (auto ok = impl->open_file(path); !ok) return tl::unexpected(ok.error());
+  auto signals = KAZ_TRY(find_signals(chip, names));
+  auto impl = std::make_unique<Impl>(chip, std::move(signals), hertz);
+  KAZ_TRY(impl->open_file(path));
   impl->start(impl->file());
   return std::unique_ptr<VcdRecorder>(new VcdRecorder(std::move(impl)));
 }
@@ -288,9 +286,8 @@ Result<std::unique_ptr<VcdRecorder>> VcdRecorder::open(Chip& chip,
 Result<std::unique_ptr<VcdRecorder>> VcdRecorder::open(Chip& chip,
                                                        const std::vector<std::string>& names,
                                                        std::ostream& to, std::int64_t hertz) {
-  auto signals = find_signals(chip, names);
-  if (!signals) return tl::unexpected(signals.error());
-  auto impl = std::make_unique<Impl>(chip, std::move(*signals), hertz);
+  auto signals = KAZ_TRY(find_signals(chip, names));
+  auto impl = std::make_unique<Impl>(chip, std::move(signals), hertz);
   impl->start(to);
   return std::unique_ptr<VcdRecorder>(new VcdRecorder(std::move(impl)));
 }

@@ -99,46 +99,40 @@ class Line {
   }
 
   Result<void> pull(bool up) {
-    const auto at = net();
-    if (!at) return tl::unexpected(at.error());
-    const auto ohms = amount("ohms such as 10k");
-    if (!ohms) return tl::unexpected(ohms.error());
+    const auto at = KAZ_TRY(net());
+    const auto ohms = KAZ_TRY(amount("ohms such as 10k"));
     if (auto ok = done(); !ok) return ok;
-    netlist_.source(*at, up ? 1 : 0, *ohms, where_ + (up ? " pull-up" : " pull-down"));
+    netlist_.source(at, up ? 1 : 0, ohms, where_ + (up ? " pull-up" : " pull-down"));
     return {};
   }
 
   Result<void> wire() {
     std::vector<Net> nets;
     do {
-      const auto n = net();
-      if (!n) return tl::unexpected(n.error());
-      nets.push_back(*n);
+      const auto n = KAZ_TRY(net());
+      nets.push_back(n);
     } while (more() || nets.size() < 2);
     for (std::size_t k = 1; k < nets.size(); ++k) netlist_.wire(nets[0], nets[k]);
     return {};
   }
 
   Result<void> analog() {
-    const auto at = net();
-    if (!at) return tl::unexpected(at.error());
+    const auto at = KAZ_TRY(net());
     const double share = more() ? number(tokens_[next_].text, "") : -1;
     if (share < 0 || share > 1) return wrong("a share of AVCC from 0 to 1");
     ++next_;
     double ohms = 0;
     if (more()) {
-      const auto given = amount("ohms such as 10k, or nothing");
-      if (!given) return tl::unexpected(given.error());
-      ohms = *given;
+      const auto given = KAZ_TRY(amount("ohms such as 10k, or nothing"));
+      ohms = given;
     }
     if (auto ok = done(); !ok) return ok;
-    netlist_.source(*at, share, ohms, where_ + " analog");
+    netlist_.source(at, share, ohms, where_ + " analog");
     return {};
   }
 
   Result<void> make_switch() {
-    const auto at = net();
-    if (!at) return tl::unexpected(at.error());
+    const auto at = KAZ_TRY(net());
     if (!more() || (tokens_[next_].text != "vcc" && tokens_[next_].text != "gnd"))
       return wrong("vcc or gnd");
     const bool to_supply = tokens_[next_++].text == "vcc";
@@ -157,17 +151,15 @@ class Line {
       last = to;
       ++next_;
     }
-    Switch& part = netlist_.add(std::make_unique<Switch>(*at, to_supply));
+    Switch& part = netlist_.add(std::make_unique<Switch>(at, to_supply));
     part.set(netlist_, closed);
     for (const auto& [when, level] : schedule) part.set_at(netlist_, when, level);
     return {};
   }
 
   Result<void> inverter() {
-    const auto in = net();
-    if (!in) return tl::unexpected(in.error());
-    const auto out = net();
-    if (!out) return tl::unexpected(out.error());
+    const auto in = KAZ_TRY(net());
+    const auto out = KAZ_TRY(net());
     States delay = 0;
     if (more()) {
       delay = time(tokens_[next_].text);
@@ -175,39 +167,33 @@ class Line {
       ++next_;
     }
     if (auto ok = done(); !ok) return ok;
-    netlist_.add(std::make_unique<Inverter>(*in, *out, delay));
+    netlist_.add(std::make_unique<Inverter>(in, out, delay));
     return {};
   }
 
   Result<void> simple(const std::string& what) {
-    const auto first = net();
-    if (!first) return tl::unexpected(first.error());
+    const auto first = KAZ_TRY(net());
     if (what == "probe") {
       if (auto ok = done(); !ok) return ok;
-      netlist_.add(std::make_unique<Probe>(*first, tokens_[1].text));
+      netlist_.add(std::make_unique<Probe>(first, tokens_[1].text));
       return {};
     }
-    const auto out = net();
-    if (!out) return tl::unexpected(out.error());
+    const auto out = KAZ_TRY(net());
     if (auto ok = done(); !ok) return ok;
-    netlist_.add(std::make_unique<OpenDrain>(*first, *out));
+    netlist_.add(std::make_unique<OpenDrain>(first, out));
     return {};
   }
 
   Result<void> network(bool rc) {
-    const auto in = net();
-    if (!in) return tl::unexpected(in.error());
-    const auto out = net();
-    if (!out) return tl::unexpected(out.error());
-    const auto first = amount("ohms such as 10k");
-    if (!first) return tl::unexpected(first.error());
-    const auto second = amount(rc ? "farads such as 100n" : "ohms such as 10k");
-    if (!second) return tl::unexpected(second.error());
+    const auto in = KAZ_TRY(net());
+    const auto out = KAZ_TRY(net());
+    const auto first = KAZ_TRY(amount("ohms such as 10k"));
+    const auto second = KAZ_TRY(amount(rc ? "farads such as 100n" : "ohms such as 10k"));
     if (auto ok = done(); !ok) return ok;
     if (rc)
-      netlist_.add(std::make_unique<Rc>(*in, *out, *first, *second));
+      netlist_.add(std::make_unique<Rc>(in, out, first, second));
     else
-      netlist_.add(std::make_unique<Divider>(*in, *out, *first, *second));
+      netlist_.add(std::make_unique<Divider>(in, out, first, second));
     return {};
   }
 

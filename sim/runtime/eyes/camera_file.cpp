@@ -60,11 +60,10 @@ bool grows(const EyeModel& eye) {
 
 Result<CameraFile> CameraFile::load(const std::string& path) {
   constexpr std::size_t max_bytes = 1 << 20;
-  const auto text =
-      read_whole_file(path, max_bytes, "give a camera file such as shared/robot/kaz/camera.json");
-  if (!text) return tl::unexpected(text.error());
+  const auto text = KAZ_TRY(
+      read_whole_file(path, max_bytes, "give a camera file such as shared/robot/kaz/camera.json"));
   const auto json =
-      json_too_deep(*text) ? nlohmann::json() : nlohmann::json::parse(*text, nullptr, false);
+      json_too_deep(text) ? nlohmann::json() : nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object())
     return fail(Fault::usage, path + ": is no JSON object; see shared/robot/kaz/camera.json");
   CameraFile camera;
@@ -90,7 +89,7 @@ Result<CameraFile> CameraFile::load(const std::string& path) {
       {"read_noise_e", 0, 1000, false, &eye.noise.read_noise_e},
   };
   for (const Entry& entry : entries) {
-    if (auto done = read(json, path, entry); !done) return tl::unexpected(done.error());
+    KAZ_TRY(read(json, path, entry));
   }
   eye.width = static_cast<int>(width);
   eye.height = static_cast<int>(height);

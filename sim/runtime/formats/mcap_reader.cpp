@@ -264,7 +264,7 @@ Result<McapRecording> McapRecording::parse(Bytes bytes, const std::string& name)
   if (bytes.size() > max_bytes) return too_large(name);
   if (!has_magic(bytes)) return no_mcap(name);
   McapRecording recording;
-  if (auto done = Loader(recording, bytes, name).load(); !done) return tl::unexpected(done.error());
+  KAZ_TRY(Loader(recording, bytes, name).load());
   return recording;
 }
 

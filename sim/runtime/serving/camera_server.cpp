@@ -29,9 +29,8 @@ Result<std::unique_ptr<CameraServer>> CameraServer::open(const std::string& path
                                                          const vision::CameraModel& model,
                                                          Time latency) {
   std::unique_ptr<CameraServer> server(new CameraServer);
-  auto listener = UnixListener::open(path);
-  if (!listener) return tl::unexpected(listener.error());
-  server->listener_ = std::move(*listener);
+  auto listener = KAZ_TRY(UnixListener::open(path));
+  server->listener_ = std::move(listener);
   server->wake_ = Descriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!server->wake_)
     return fail(Fault::environment, std::string("eventfd failed: ") + std::strerror(errno));

@@ -121,10 +121,9 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
 
 Result<std::unique_ptr<ControlServer>> ControlServer::open(const std::string& path,
                                                            ControlCommands commands) {
-  auto listener = UnixListener::open(path);
-  if (!listener) return tl::unexpected(listener.error());
+  auto listener = KAZ_TRY(UnixListener::open(path));
   return std::unique_ptr<ControlServer>(
-      new ControlServer(std::move(*listener), std::move(commands)));
+      new ControlServer(std::move(listener), std::move(commands)));
 }
 
 void ControlServer::poll() {

@@ -82,8 +82,7 @@ Result<std::unique_ptr<Pty>> Pty::open(const std::string& link_path, bool maker_
   cfsetspeed(&settings, B115200);
   if (tcsetattr(slave.get(), TCSANOW, &settings) != 0) return no_pty(name);
 
-  if (auto linked = make_link(pty->port_, link_path, maker_is_dead); !linked)
-    return tl::unexpected(linked.error());
+  KAZ_TRY(make_link(pty->port_, link_path, maker_is_dead));
   pty->link_ = link_path;
   return pty;
 }

@@ -95,17 +95,14 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
   const std::string control_path = options.serial_path + ".ctl";
   const bool left_over =
       std::filesystem::is_socket(std::filesystem::symlink_status(control_path, none));
-  auto control = ControlServer::open(control_path, std::move(commands));
-  if (!control) return tl::unexpected(control.error());
-  parts->control = std::move(*control);
-  auto pty = Pty::open(options.serial_path, left_over);
-  if (!pty) return tl::unexpected(pty.error());
-  parts->pty = std::move(*pty);
+  auto control = KAZ_TRY(ControlServer::open(control_path, std::move(commands)));
+  parts->control = std::move(control);
+  auto pty = KAZ_TRY(Pty::open(options.serial_path, left_over));
+  parts->pty = std::move(pty);
   if (!options.cameras_path.empty()) {
-    auto cameras = CameraServer::open(options.cameras_path, simulation.camera().model(),
-                                      from_seconds(simulation.camera().latency_s));
-    if (!cameras) return tl::unexpected(cameras.error());
-    parts->cameras = std::move(*cameras);
+    auto cameras = KAZ_TRY(CameraServer::open(options.cameras_path, simulation.camera().model(),
+                                              from_seconds(simulation.camera().latency_s)));
+    parts->cameras = std::move(cameras);
   }
   if (options.keep_hung) p->keep_hung();
   simulation.board().mcu().on_watchdog_reset([p](States) {
@@ -132,7 +129,7 @@ Result<RealTimeStatistics> RealTimeServer::run(const std::atomic<bool>& stop) {
   while (!stop) {
     p.control->poll();
     p.host_to_board();
-    if (auto stepped = p.simulation.step(); !stepped) return tl::unexpected(stepped.error());
+    KAZ_TRY(p.simulation.step());
     p.board_to_host();
     p.pictures();
     if (p.options.fast) {
@@ -204,9 +201,8 @@ Result<void> RealTimeServer::Parts::plug(bool in) {
     return {};
   }
   if (pty) return {};
-  auto opened = Pty::open(options.serial_path);
-  if (!opened) return tl::unexpected(opened.error());
-  pty = std::move(*opened);
+  auto opened = KAZ_TRY(Pty::open(options.serial_path));
+  pty = std::move(opened);
   if (options.report) options.report(options.serial_path + " is plugged in");
   return {};
 }

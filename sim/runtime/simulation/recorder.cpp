@@ -76,10 +76,9 @@ constexpr char behavior_schema[] = R"({"type": "object"})";
 
 Result<std::unique_ptr<Recorder>> Recorder::create(const std::string& path,
                                                    const McapWriter::Metadata& facts) {
-  auto file = McapWriter::create(path, "kaz");
-  if (!file) return tl::unexpected(file.error());
-  (*file)->add_metadata("kaz", facts);
-  return std::unique_ptr<Recorder>(new Recorder(std::move(*file)));
+  auto file = KAZ_TRY(McapWriter::create(path, "kaz"));
+  file->add_metadata("kaz", facts);
+  return std::unique_ptr<Recorder>(new Recorder(std::move(file)));
 }
 
 Recorder::Recorder(std::unique_ptr<McapWriter> file) : file_(std::move(file)) {

@@ -41,12 +41,11 @@ constexpr double kLimitRounding = 2e-4;  // rad; the table's unit is 100 microra
 
 // The firmware enforces the limits of its channels: another robot's joints must not exceed them.
 Result<void> check_limits(const std::string& robot_path) {
-  const auto robot = load_robot(robot_path);
-  if (!robot) return tl::unexpected(robot.error());
+  const auto robot = KAZ_TRY(load_robot(robot_path));
   const auto& board = joint_names();
-  const std::size_t count = std::min<std::size_t>(KZ_JOINTS, robot->joints.size());
+  const std::size_t count = std::min<std::size_t>(KZ_JOINTS, robot.joints.size());
   for (std::size_t j = 0; j < count; ++j) {
-    const RobotJoint& joint = robot->joints[j];
+    const RobotJoint& joint = robot.joints[j];
     if (std::ranges::find(board, joint.name) != board.end()) continue;
     const double min_rad = 1e-4 * kz_board_joints[j].lower,
                  max_rad = 1e-4 * kz_board_joints[j].upper;
@@ -78,31 +77,27 @@ Result<std::unique_ptr<Mcu>> make_mcu(const SimulationOptions& options) {
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& options) {
-  if (const auto fits = step_ratio(options.physics_step_ms); !fits)
-    return tl::unexpected(fits.error());
-  auto mcu = make_mcu(options);
-  if (!mcu) return tl::unexpected(mcu.error());
+  KAZ_TRY(step_ratio(options.physics_step_ms));
+  auto mcu = KAZ_TRY(make_mcu(options));
   WorldOptions world_options;
   world_options.seed = options.seed;
   world_options.dynamics = options.dynamics;
   world_options.step_s = options.physics_step_ms / 1000;
-  auto world = World::load(options.world_path, options.robot_path, world_options);
-  if (!world) return tl::unexpected(world.error());
-  if (auto fits = check_limits(options.robot_path); !fits) return tl::unexpected(fits.error());
+  auto world = KAZ_TRY(World::load(options.world_path, options.robot_path, world_options));
+  KAZ_TRY(check_limits(options.robot_path));
   Result<CameraFile> camera;
-  if ((*world)->head_frame() >= 0) camera = CameraFile::load(options.camera_path);
+  if (world->head_frame() >= 0) camera = CameraFile::load(options.camera_path);
   if (!camera) return tl::unexpected(camera.error());
   camera->ideal = options.ideal_eyes;
   if (options.eye_width > 0) {
     camera->eye.width = options.eye_width;
     camera->eye.height = options.eye_width * 3 / 4;
   }
-  const auto params =
-      load_sensor_file(std::filesystem::path(options.robot_path).replace_filename("sensors.xml"));
-  if (!params) return tl::unexpected(params.error());
+  const auto params = KAZ_TRY(
+      load_sensor_file(std::filesystem::path(options.robot_path).replace_filename("sensors.xml")));
   SimulationOptions with_params = options;
-  with_params.sensor_params = *params;
-  return assemble(with_params, std::move(*mcu), std::move(*world), *camera);
+  with_params.sensor_params = params;
+  return assemble(with_params, std::move(mcu), std::move(world), *camera);
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::assemble(const SimulationOptions& options,
@@ -115,13 +110,11 @@ Result<std::unique_ptr<Simulation>> Simulation::assemble(const SimulationOptions
                                   " joints; the servo board has channels for " +
                                   std::to_string(KZ_JOINTS));
   }
-  const auto ratio = step_ratio(1000 * world->step_s());
-  if (!ratio) return tl::unexpected(ratio.error());
+  const auto ratio = KAZ_TRY(step_ratio(1000 * world->step_s()));
   std::unique_ptr<Simulation> simulation(
-      new Simulation(options, std::move(mcu), std::move(world), camera, *ratio));
+      new Simulation(options, std::move(mcu), std::move(world), camera, ratio));
   if (!options.recording_path.empty()) {
-    if (auto started = simulation->start_recording(options.recording_path); !started)
-      return tl::unexpected(started.error());
+    KAZ_TRY(simulation->start_recording(options.recording_path));
   }
   return simulation;
 }
@@ -320,9 +313,8 @@ Result<void> Simulation::start_recording(const std::string& path) {
       facts.push_back(std::move(fact));
   }
   if (options_.record_pictures && has_eyes()) facts.push_back({"camera", text_of(camera_)});
-  auto recorder = Recorder::create(path, facts);
-  if (!recorder) return tl::unexpected(recorder.error());
-  recorder_ = std::move(*recorder);
+  auto recorder = KAZ_TRY(Recorder::create(path, facts));
+  recorder_ = std::move(recorder);
   world_->watch_contacts(true);
   if (eyes_) eyes_->keep(kept_of_pairs());
   board_.mcu().on_tick([this](const TickRecord& tick) {

@@ -125,9 +125,8 @@ Result<std::vector<std::uint8_t>> Simulation::save() {
 }
 
 Result<void> Simulation::restore(std::span<const std::uint8_t> blob) {
-  const auto state = Snapshot::unpack(blob, facts_of(options_, *world_));
-  if (!state) return tl::unexpected(state.error());
-  StateReader from(*state);
+  const auto state = KAZ_TRY(Snapshot::unpack(blob, facts_of(options_, *world_)));
+  StateReader from(state);
   world_->restore(from);
   board_.restore(from);
   transfer(from);
@@ -142,14 +141,13 @@ Result<void> Simulation::restore(std::span<const std::uint8_t> blob) {
 }
 
 Result<void> Simulation::detour(int steps) {
-  const auto blob = save();
-  if (!blob) return tl::unexpected(blob.error());
+  const auto blob = KAZ_TRY(save());
   auto recorder = std::exchange(recorder_, nullptr);
   Result<void> went;
   for (int k = 0; k < steps && went; ++k) went = advance();
   recorder_ = std::move(recorder);
   if (!went) return went;
-  return restore(*blob);
+  return restore(blob);
 }
 
 }  // namespace kaz::sim

@@ -87,9 +87,8 @@ Result<void> Snapshot::write(const std::string& path, std::span<const std::uint8
 
 Result<std::vector<std::uint8_t>> Snapshot::read(const std::string& path) {
   constexpr std::size_t max_bytes = 256 << 20;
-  const auto bytes = read_whole_file(path, max_bytes, "give a saved state");
-  if (!bytes) return tl::unexpected(bytes.error());
-  return std::vector<std::uint8_t>(bytes->begin(), bytes->end());
+  const auto bytes = KAZ_TRY(read_whole_file(path, max_bytes, "give a saved state"));
+  return std::vector<std::uint8_t>(bytes.begin(), bytes.end());
 }
 
 }  // namespace kaz::sim

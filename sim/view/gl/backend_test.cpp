@@ -13,12 +13,10 @@ namespace {
 
 Result<Picture> draw(const std::string& backend) {
   const TestScene s = table_scene();
-  auto renderer = make_renderer(backend);
-  if (!renderer) return tl::unexpected(renderer.error());
-  if (auto set = (*renderer)->set_scene(s.scene); !set) return tl::unexpected(set.error());
+  auto renderer = KAZ_TRY(make_renderer(backend));
+  KAZ_TRY(renderer->set_scene(s.scene));
   Picture picture;
-  if (auto drawn = (*renderer)->render(s.pose, eye_view(), picture); !drawn)
-    return tl::unexpected(drawn.error());
+  KAZ_TRY(renderer->render(s.pose, eye_view(), picture));
   return picture;
 }
 

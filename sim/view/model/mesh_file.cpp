@@ -170,9 +170,8 @@ Result<Mesh> load_mesh(const std::string& path, const Eigen::Vector3d& scale) {
     return fail(Fault::usage, path + ": the mesh's scale must be positive in all three axes");
   }
   constexpr std::size_t max_bytes = 256 << 20;
-  const auto read = read_whole_file(path, max_bytes, "give a mesh, .obj or .stl");
-  if (!read) return tl::unexpected(read.error());
-  const std::string& bytes = *read;
+  const auto read = KAZ_TRY(read_whole_file(path, max_bytes, "give a mesh, .obj or .stl"));
+  const std::string& bytes = read;
   std::uint32_t count = 0;
   if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, sizeof count);
   Result<Mesh> mesh;

@@ -177,11 +177,11 @@ Result<std::vector<std::size_t>> matching(const std::vector<std::string>& names,
 }
 
 Result<EpisodeFile> run_study(const EpisodeStudy& study, const EpisodeOptions& options) {
-  if (auto made = make_folder(options.out); !made) return tl::unexpected(made.error());
+  KAZ_TRY(make_folder(options.out));
   auto file = EpisodeFile::open(
       options.episodes.empty() ? options.out + "/episodes.jsonl" : options.episodes, study.motors);
   if (!file || options.only_report) return file;
-  if (auto done = run_missing(study, options, *file); !done) return tl::unexpected(done.error());
+  KAZ_TRY(run_missing(study, options, *file));
   return file;
 }
 

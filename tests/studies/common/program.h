@@ -57,10 +57,9 @@ template <class Row>
 Result<std::vector<Row>> matching_rows(const std::vector<Row>& all, const std::string& expression) {
   std::vector<std::string> names;
   for (const Row& row : all) names.push_back(row.name);
-  const auto indices = matching(names, expression);
-  if (!indices) return tl::unexpected(indices.error());
+  const auto indices = KAZ_TRY(matching(names, expression));
   std::vector<Row> rows;
-  for (const std::size_t i : *indices) rows.push_back(all[i]);
+  for (const std::size_t i : indices) rows.push_back(all[i]);
   return rows;
 }
 

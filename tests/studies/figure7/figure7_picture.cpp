@@ -21,14 +21,13 @@ int main(int argc, char** argv) {
   app.add_option("world", options.world, "SDF file of boxes on a floor");
   studies::add_markdown_option(app, markdown);
   return studies::run_program(app, "figure7_picture", argc, argv, [&]() -> Result<void> {
-    const auto run = figure7::sweep(options);
-    if (!run) return tl::unexpected(run.error());
-    if (auto done = figure::write_png(picture, figure7::panels(*run)); !done) return done;
+    const auto run = KAZ_TRY(figure7::sweep(options));
+    if (auto done = figure::write_png(picture, figure7::panels(run)); !done) return done;
     studies::MarkdownTable table({"frame information", "pictures", "places on edges",
                                   "error mean, mm", "median", "95 %", "max"});
-    for (const auto* map : {&run->with, &run->without}) {
-      const auto s = figure7::score(figure7::edge_errors(*map, run->edges, 0.2, 0.8));
-      table.add({map == &run->with ? "with" : "without", std::to_string(run->pictures),
+    for (const auto* map : {&run.with, &run.without}) {
+      const auto s = figure7::score(figure7::edge_errors(*map, run.edges, 0.2, 0.8));
+      table.add({map == &run.with ? "with" : "without", std::to_string(run.pictures),
                  std::to_string(s.points), text("%+.1f", 1e3 * s.mean_m),
                  text("%.1f", 1e3 * s.median_m), text("%.1f", 1e3 * s.p95_m),
                  text("%.1f", 1e3 * s.max_m)});

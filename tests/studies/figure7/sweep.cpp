@@ -39,11 +39,10 @@ class Run {
 
  private:
   Result<void> start() {
-    auto boxes = boxes_of(options_.world);
-    if (!boxes) return tl::unexpected(boxes.error());
+    auto boxes = KAZ_TRY(boxes_of(options_.world));
     auto with = map::LocalMap::make(options_.map), without = map::LocalMap::make(options_.map);
     if (!with) return tl::unexpected(with.error());
-    out_.emplace(Sweep{std::move(*with), std::move(*without), {}, std::move(*boxes), 0, 0, 0, {}});
+    out_.emplace(Sweep{std::move(*with), std::move(*without), {}, std::move(boxes), 0, 0, 0, {}});
     sim::SimulationOptions sim;
     sim.mcu = "h8";
     sim.image_path = options_.image_path;
@@ -53,14 +52,12 @@ class Run {
     sim.ideal_eyes = false;
     sim.eye_width = options_.eye_width;
     sim.seed = options_.seed;
-    auto made = sim::Simulation::create(sim);
-    if (!made) return tl::unexpected(made.error());
-    simulation_ = std::move(*made);
+    auto made = KAZ_TRY(sim::Simulation::create(sim));
+    simulation_ = std::move(made);
     clock_.emplace(*simulation_);
     link_.emplace(*simulation_);
-    auto robot = host::Robot::connect(*link_, *clock_);
-    if (!robot) return tl::unexpected(robot.error());
-    robot_.emplace(std::move(*robot));
+    auto robot = KAZ_TRY(host::Robot::connect(*link_, *clock_));
+    robot_.emplace(std::move(robot));
     // With the board's own gain the light head hunts across the gear's gap, by a degree.
     auto done = robot_->set_gains(1U << host::neck_pan | 1U << host::neck_tilt, {.kp_per_rad = 12});
     if (done) done = robot_->enable(host::kAllJoints);
@@ -127,14 +124,12 @@ class Run {
     while (next_cycle < end) {
       next_cycle += kControlCycle;
       if (auto slept = robot_->clock().sleep_until(next_cycle); !slept) return slept;
-      const auto state = robot_->state();
-      if (!state) return tl::unexpected(state.error());
-      newest_ = state->angle;
+      const auto state = KAZ_TRY(robot_->state());
+      newest_ = state.angle;
       while (true) {
-        auto next = capture_->poll();
-        if (!next) return tl::unexpected(next.error());
-        if (!*next) break;
-        pipeline_->submit(std::move(**next));
+        auto next = KAZ_TRY(capture_->poll());
+        if (!next) break;
+        pipeline_->submit(std::move(*next));
       }
       pipeline_->poll(robot_->clock().now());
       if (failed_) return tl::unexpected(*failed_);

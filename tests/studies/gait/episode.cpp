@@ -75,24 +75,21 @@ class Episode {
       around.ball = kBallAt + task_.off[seed_ % task_.off.size()] +
                     0.003 * Vector2d(noise(seed_, Noise::ball, 0), noise(seed_, Noise::ball, 1));
     }
-    const auto files = studies::disturbed_files(setting_.robot_folder, around, seed_);
-    if (!files) return tl::unexpected(files.error());
+    const auto files = KAZ_TRY(studies::disturbed_files(setting_.robot_folder, around, seed_));
     sim::SimulationOptions options;
     options.mcu = setting_.engine;
     options.image_path = setting_.image_path;
     options.dynamics = setting_.stepper;
     options.seed = seed_;
-    options.world_path = files->world();
-    options.robot_path = files->robot();
-    options.camera_path = files->camera();
-    auto made = sim::Simulation::create(options);
-    if (!made) return tl::unexpected(made.error());
-    simulation_ = std::move(*made);
+    options.world_path = files.world();
+    options.robot_path = files.robot();
+    options.camera_path = files.camera();
+    auto made = KAZ_TRY(sim::Simulation::create(options));
+    simulation_ = std::move(made);
     clock_.emplace(*simulation_);
     link_.emplace(*simulation_);
-    auto robot = host::Robot::connect(*link_, *clock_);
-    if (!robot) return tl::unexpected(robot.error());
-    robot_.emplace(std::move(*robot));
+    auto robot = KAZ_TRY(host::Robot::connect(*link_, *clock_));
+    robot_.emplace(std::move(robot));
     if (auto set = set_gains(); !set) return set;
     if (auto on = robot_->enable(host::kAllJoints); !on) return on;
     // Into the crouch, each joint off by 0.5 degrees (sigma).
@@ -258,10 +255,9 @@ class Episode {
       if (auto done = step(plan->at(time_ + kControlCycle_s)); !done) return done;
     out_.seconds = time_;
     if (auto done = stay(plan->at(plan->end_s()), 1.0); !done) return done;
-    const auto ball = world().object_position("ball");
-    if (!ball) return tl::unexpected(ball.error());
-    out_.grasp_mm = 1e3 * (*ball - world().link_pose("r_elbow") * motion::kGrasp).norm();
-    out_.caught = !out_.fell && out_.grasp_mm < 30 && ball->z() > 0.05;
+    const auto ball = KAZ_TRY(world().object_position("ball"));
+    out_.grasp_mm = 1e3 * (ball - world().link_pose("r_elbow") * motion::kGrasp).norm();
+    out_.caught = !out_.fell && out_.grasp_mm < 30 && ball.z() > 0.05;
     return {};
   }
 

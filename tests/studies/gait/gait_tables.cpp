@@ -20,11 +20,10 @@ const std::map<std::string, Motors> kMotors{
     {"product", Motors::product}, {"ideal", Motors::ideal}, {"reference", Motors::reference}};
 
 Result<void> run(const Arguments& arguments, const std::string& command) {
-  const auto chosen = studies::matching_rows(tasks(), arguments.episodes.rows);
-  if (!chosen) return tl::unexpected(chosen.error());
+  const auto chosen = KAZ_TRY(studies::matching_rows(tasks(), arguments.episodes.rows));
   studies::EpisodeStudy study{.name = "gait", .motors = arguments.motors};
   study.variants = arguments.dynamics;
-  for (const Task& task : *chosen) study.rows.push_back(task.name);
+  for (const Task& task : chosen) study.rows.push_back(task.name);
   if (arguments.episodes.list) {
     for (const std::string& row : study.rows) std::printf("%s\n", row.c_str());
     return {};
@@ -36,24 +35,23 @@ Result<void> run(const Arguments& arguments, const std::string& command) {
     setting.image_path = KAZ_FIRMWARE_IMAGE;
     setting.robot_folder = KAZ_ROBOT;
     setting.motors = kMotors.at(arguments.motors);
-    return run_episode((*chosen)[row], setting, key.seed);
+    return run_episode(chosen[row], setting, key.seed);
   };
   study.describe = [](std::size_t, const Outcome& outcome) -> std::string {
     return outcome.fell ? "fell" : outcome.caught ? "caught" : "done";
   };
-  const auto file = studies::run_study(study, arguments.episodes);
-  if (!file) return tl::unexpected(file.error());
+  const auto file = KAZ_TRY(studies::run_study(study, arguments.episodes));
 
-  const std::string markdown = tables(*file, *chosen, arguments.dynamics);
+  const std::string markdown = tables(file, chosen, arguments.dynamics);
   std::printf("%s", markdown.c_str());
   const std::string& out = arguments.episodes.out;
   auto done = studies::write_tables(out, "tables", markdown,
-                                    summary_json(*file, *chosen, arguments.dynamics));
+                                    summary_json(file, chosen, arguments.dynamics));
   if (done) {
     done = studies::write_markdown(arguments.episodes.markdown, command,
-                                   std::to_string(file->seeds()) + " seeds", markdown);
+                                   std::to_string(file.seeds()) + " seeds", markdown);
   }
-  return done ? write_plots(*file, *chosen, arguments.dynamics, out) : done;
+  return done ? write_plots(file, chosen, arguments.dynamics, out) : done;
 }
 
 }  // namespace

@@ -84,9 +84,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   studies::add_markdown_option(app, markdown);
   return studies::run_program(app, "step_length", argc, argv, [&]() -> Result<void> {
-    const auto tables = step_length::measure_all(dynamics);
-    if (!tables) return tl::unexpected(tables.error());
+    const auto tables = KAZ_TRY(step_length::measure_all(dynamics));
     return studies::write_markdown(markdown, studies::command_line(argc, argv),
-                                   "deterministic: 1 seed", *tables);
+                                   "deterministic: 1 seed", tables);
   });
 }

@@ -84,9 +84,8 @@ Result<std::unique_ptr<sim::Simulation>> make(const Setting& setting) {
 
 Result<Course> with_weight() {
   Course run;
-  const auto model = sim::load_robot(kRobot);
-  if (!model) return tl::unexpected(model.error());
-  run.weight = 9.81 * model->mass();
+  const auto model = KAZ_TRY(sim::load_robot(kRobot));
+  run.weight = 9.81 * model.mass();
   return run;
 }
 
@@ -107,8 +106,7 @@ Result<Course> run_smooth(const Setting& setting) {
   const auto loaded = sim::World::load(path, kRobot, options);
   std::filesystem::remove(path);
   if (!loaded) return tl::unexpected(loaded.error());
-  const auto ratio = sim::step_ratio(setting.step_ms);
-  if (!ratio) return tl::unexpected(ratio.error());
+  const auto ratio = KAZ_TRY(sim::step_ratio(setting.step_ms));
   sim::World& world = **loaded;
   auto run = with_weight();
   if (!run) return run;
@@ -116,17 +114,17 @@ Result<Course> run_smooth(const Setting& setting) {
   const auto started = std::chrono::steady_clock::now();
   for (int ms = 0; ms < static_cast<int>(1000 * setting.seconds); ++ms) {
     const auto angles = targets_at(setting.load, 1e-3 * ms);
-    const int late = ms % ratio->ticks_a_step;
+    const int late = ms % ratio.ticks_a_step;
     for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
       const sim::JointState& joint = world.joints()[j];
       const double angle = joint.angle + 1e-3 * late * joint.velocity;
       const double duty = std::clamp(
           setting.gain * (angles[j] - angle) - setting.damping * joint.velocity, -1.0, 1.0);
       drives[j].powered = true;
-      drives[j].duty = (late == 0 ? 0 : drives[j].duty) + duty / ratio->ticks_a_step;
+      drives[j].duty = (late == 0 ? 0 : drives[j].duty) + duty / ratio.ticks_a_step;
     }
-    if (late + 1 < ratio->ticks_a_step) continue;
-    for (int k = 0; k < ratio->steps_a_tick; ++k) world.step(drives, 10);
+    if (late + 1 < ratio.ticks_a_step) continue;
+    for (int k = 0; k < ratio.steps_a_tick; ++k) world.step(drives, 10);
     add(*run, ms + 1, sample_of(world, targets_at(setting.load, 1e-3 * (ms + 1))));
   }
   run->physics_s =
@@ -135,23 +133,20 @@ Result<Course> run_smooth(const Setting& setting) {
 }
 
 Result<Course> run(const Setting& setting) {
-  auto simulation = make(setting);
-  if (!simulation) return tl::unexpected(simulation.error());
-  sim::Simulation& sim = **simulation;
+  auto simulation = KAZ_TRY(make(setting));
+  sim::Simulation& sim = *simulation;
   lockstep::LockstepClock clock(sim);
   lockstep::LockstepLink link(sim);
-  auto robot = host::Robot::connect(link, clock);
-  if (!robot) return tl::unexpected(robot.error());
+  auto robot = KAZ_TRY(host::Robot::connect(link, clock));
   host::Gains gains;
   gains.kp_per_rad = setting.gain;
   gains.kd_s_per_rad = setting.damping;
-  if (auto set = robot->set_gains(host::kAllJoints, gains); !set)
-    return tl::unexpected(set.error());
-  if (auto on = robot->enable(host::kAllJoints); !on) return tl::unexpected(on.error());
+  KAZ_TRY(robot.set_gains(host::kAllJoints, gains));
+  KAZ_TRY(robot.enable(host::kAllJoints));
   const Time lead = from_seconds(1e-3 * setting.lead_ms);
   // The same time in each run: a multiple of all step lengths.
   const Time begin = from_seconds(0.2) + lead;
-  if (auto slept = robot->clock().sleep_until(begin); !slept) return tl::unexpected(slept.error());
+  KAZ_TRY(robot.clock().sleep_until(begin));
 
   auto run = with_weight();
   if (!run) return run;
@@ -162,14 +157,12 @@ Result<Course> run(const Setting& setting) {
     const auto angles = targets_at(setting.load, 1e-3 * kControlMs * (cycle + 1));
     std::vector<host::JointTarget> targets;
     for (int j = 0; j < KZ_JOINTS; ++j) targets.push_back({j, angles[static_cast<std::size_t>(j)]});
-    const auto sent = robot->set_targets(targets, std::chrono::milliseconds(kControlMs));
-    if (!sent) return tl::unexpected(sent.error());
+    KAZ_TRY(robot.set_targets(targets, std::chrono::milliseconds(kControlMs)));
     for (int ms = 1; ms <= kControlMs; ++ms) {
       const int at = cycle * kControlMs + ms;
       const Time until = begin + std::chrono::milliseconds(at);
       if (until <= sim.time()) continue;
-      if (auto slept = robot->clock().sleep_until(until); !slept)
-        return tl::unexpected(slept.error());
+      KAZ_TRY(robot.clock().sleep_until(until));
       add(*run, at, sample_of(sim.world(), targets_at(setting.load, 1e-3 * at)));
     }
   }

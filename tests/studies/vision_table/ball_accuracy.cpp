@@ -9,8 +9,7 @@ namespace kaz::vision_table {
 Result<void> measure_accuracy(int width, Visibility visibility, int pictures, Table& table) {
   World world("wood", sim::kRedBall, false, false);
   const Eyes eyes(width, {});
-  auto renderer = renderer_of(world);
-  if (!renderer) return tl::unexpected(renderer.error());
+  auto renderer = KAZ_TRY(renderer_of(world));
   vision::BallDetector detector({});
   std::uint64_t number = 0;
   for (const double distance_m : kDistances_m) {
@@ -22,9 +21,8 @@ Result<void> measure_accuracy(int width, Visibility visibility, int pictures, Ta
     Random random(100 * static_cast<std::uint64_t>(width) + static_cast<std::uint64_t>(visibility));
     for (int i = 0; i < pictures; ++i) {
       const Placement place = place_ball(random, eyes.camera(), distance_m, visibility, world);
-      auto left = eyes.take_left(**renderer, world.scene.pose, place.eye, ++number);
-      if (!left) return tl::unexpected(left.error());
-      const auto ball = detector.detect(*left, eyes.info(place.eye));
+      auto left = KAZ_TRY(eyes.take_left(*renderer, world.scene.pose, place.eye, ++number));
+      const auto ball = detector.detect(left, eyes.info(place.eye));
       if (!ball.found) continue;
       if (!at_the_ball(place, eyes.camera(), ball)) {
         ++row.wrong;

@@ -16,20 +16,17 @@ Result<void> measure_boards(const std::string& folder, Table& table) {
     if (i == 10) continue;  // there is none
     char name[32];
     std::snprintf(name, sizeof name, "%02d.jpg", i);
-    const auto left = vision::read_picture(folder + "/left" + name);
-    if (!left) return tl::unexpected(left.error());
-    const auto right = vision::read_picture(folder + "/right" + name);
-    if (!right) return tl::unexpected(right.error());
-    pairs.push_back({vision::find_board(*left, board), vision::find_board(*right, board)});
-    width = left->width;
-    height = left->height;
+    const auto left = KAZ_TRY(vision::read_picture(folder + "/left" + name));
+    const auto right = KAZ_TRY(vision::read_picture(folder + "/right" + name));
+    pairs.push_back({vision::find_board(left, board), vision::find_board(right, board)});
+    width = left.width;
+    height = left.height;
   }
-  const auto result = vision::calibrate_stereo(pairs, board, width, height);
-  if (!result) return tl::unexpected(result.error());
-  table.boards = {{"reprojection, left lens only", result->left.rms_px},
-                  {"reprojection, right lens only", result->right.rms_px},
-                  {"reprojection, both with the transform between them", result->rms_px},
-                  {"row difference of a corner in the rectified pictures", result->row_rms_px}};
+  const auto result = KAZ_TRY(vision::calibrate_stereo(pairs, board, width, height));
+  table.boards = {{"reprojection, left lens only", result.left.rms_px},
+                  {"reprojection, right lens only", result.right.rms_px},
+                  {"reprojection, both with the transform between them", result.rms_px},
+                  {"row difference of a corner in the rectified pictures", result.row_rms_px}};
   return {};
 }
 

@@ -59,7 +59,7 @@ Result<vision::Image> Eyes::raw(sim::Renderer& renderer, const sim::ScenePose& p
     view.light = conditions_.light;
     view.world_from_optical = turned(eye, angle) * Eigen::Translation3d(baseline_m, 0, 0) *
                               sensor.mounting_from_optical();
-    if (auto done = renderer.render(pose, view, ideal); !done) return tl::unexpected(done.error());
+    KAZ_TRY(renderer.render(pose, view, ideal));
     light.resize(ideal.rgb.size());
     for (std::size_t k = 0; k < light.size(); ++k) light[k] += 1.0 * ideal.rgb[k] * ideal.rgb[k];
   }
@@ -76,12 +76,10 @@ Result<vision::Image> Eyes::raw(sim::Renderer& renderer, const sim::ScenePose& p
 
 Result<vision::StereoImages> Eyes::take(sim::Renderer& renderer, const sim::ScenePose& pose,
                                         const Eigen::Isometry3d& eye, std::uint64_t number) const {
-  auto left = raw(renderer, pose, left_, eye, 0, number);
-  if (!left) return tl::unexpected(left.error());
-  auto right = raw(renderer, pose, right_, eye, kBaseline_m, number);
-  if (!right) return tl::unexpected(right.error());
+  auto left = KAZ_TRY(raw(renderer, pose, left_, eye, 0, number));
+  auto right = KAZ_TRY(raw(renderer, pose, right_, eye, kBaseline_m, number));
   vision::StereoImages rectified;
-  rectifier_.rectify({std::move(*left), std::move(*right)}, rectified);
+  rectifier_.rectify({std::move(left), std::move(right)}, rectified);
   return rectified;
 }
 
@@ -103,15 +101,14 @@ Result<vision::Image> Eyes::ideal(sim::Renderer& renderer, const sim::ScenePose&
                  camera().fy,    camera().cx,     camera().cy};
   view.world_from_optical = eye;
   sim::Picture picture;
-  if (auto done = renderer.render(pose, view, picture); !done) return tl::unexpected(done.error());
+  KAZ_TRY(renderer.render(pose, view, picture));
   return vision::Image{picture.width, picture.height, std::move(picture.rgb)};
 }
 
 Result<std::unique_ptr<sim::Renderer>> renderer_of(const World& world) {
   auto renderer = sim::make_default_renderer();
   if (!renderer) return renderer;
-  if (auto done = (*renderer)->set_scene(world.scene.scene); !done)
-    return tl::unexpected(done.error());
+  KAZ_TRY((*renderer)->set_scene(world.scene.scene));
   return renderer;
 }
 

@@ -76,16 +76,14 @@ Result<figure::Panel> hard(const std::string& name, const std::string& caption) 
   if (row == cases.end()) return fail(Fault::usage, "no row of the name " + name);
   World world(row->floor, row->ball, true, row->clutter);
   const Eyes eyes(320, row->conditions);
-  const auto renderer = renderer_of(world);
-  if (!renderer) return tl::unexpected(renderer.error());
+  const auto renderer = KAZ_TRY(renderer_of(world));
   Random random(5);
   const Placement place = place_ball(random, eyes.camera(), 0.5, Visibility::whole, world);
-  const auto picture = eyes.take_left(**renderer, world.scene.pose, place.eye, 1);
-  if (!picture) return tl::unexpected(picture.error());
-  const auto ball = vision::BallDetector({}).detect(*picture, eyes.info(place.eye));
-  const int left = std::clamp(static_cast<int>(place.u) - kWidth / 2, 0, picture->width - kWidth);
-  const int top = std::clamp(static_cast<int>(place.v) - kHeight / 2, 0, picture->height - kHeight);
-  figure::Panel panel{figure::enlarge(cut_out(*picture, left, top, kWidth, kHeight), kScale),
+  const auto picture = KAZ_TRY(eyes.take_left(*renderer, world.scene.pose, place.eye, 1));
+  const auto ball = vision::BallDetector({}).detect(picture, eyes.info(place.eye));
+  const int left = std::clamp(static_cast<int>(place.u) - kWidth / 2, 0, picture.width - kWidth);
+  const int top = std::clamp(static_cast<int>(place.v) - kHeight / 2, 0, picture.height - kHeight);
+  figure::Panel panel{figure::enlarge(cut_out(picture, left, top, kWidth, kHeight), kScale),
                       caption + ": not found"};
   if (!ball.found) return panel;
   const auto at = [](double center, int from) { return (center - from + 0.5) * kScale - 0.5; };
@@ -102,8 +100,7 @@ Result<figure::Panel> hard(const std::string& name, const std::string& caption) 
 Result<void> write_plot(const std::string& path, const Table& table) {
   // Plots are drawn into files only.
   if (auto done = figure::write_plot_png(path, plot(table)); !done) return done;
-  const auto upper = vision::read_picture(path);
-  if (!upper) return tl::unexpected(upper.error());
+  const auto upper = KAZ_TRY(vision::read_picture(path));
   const struct {
     const char *name, *caption;
   } rows[] = {{"strong, from the side, 20° high, hard shadows", "strong light"},
@@ -114,11 +111,10 @@ Result<void> write_plot(const std::string& path, const Table& table) {
               {"120°/s, 20 ms", "blur 8 px"}};
   std::vector<figure::Panel> panels;
   for (const auto& row : rows) {
-    auto panel = hard(row.name, row.caption);
-    if (!panel) return tl::unexpected(panel.error());
-    panels.push_back(std::move(*panel));
+    auto panel = KAZ_TRY(hard(row.name, row.caption));
+    panels.push_back(std::move(panel));
   }
-  return figure::write_png(path, stacked(*upper, figure::compose(panels, 6, 120)));
+  return figure::write_png(path, stacked(upper, figure::compose(panels, 6, 120)));
 }
 
 }  // namespace kaz::vision_table

@@ -17,12 +17,11 @@ Result<vision::ColorRange> learned(const RobustCase& row, const Eyes& eyes, sim:
                                    World& world) {
   const Eigen::Isometry3d eye = sim::look_at({0, 0, 0.3}, {0.8, 0, -0.1});
   world.put_ball(eye * Eigen::Vector3d(0, 0, 0.25));
-  const auto picture = eyes.take_left(renderer, world.scene.pose, eye, 1'000'000);
-  if (!picture) return tl::unexpected(picture.error());
+  const auto picture = KAZ_TRY(eyes.take_left(renderer, world.scene.pose, eye, 1'000'000));
   const vision::CameraModel& c = eyes.camera();
   const int radius = static_cast<int>(0.65 * c.fx * World::kBallRadius_m / 0.25);
   const auto color = vision::learn_color(
-      *picture,
+      picture,
       {static_cast<int>(c.cx) - radius, static_cast<int>(c.cy) - radius, 2 * radius, 2 * radius});
   if (!color) return fail(color.error().fault, row.name + ": " + color.error().message);
   return color->range;
@@ -32,9 +31,8 @@ Result<void> balls(const RobustCase& row, int pictures, const Eyes& eyes, sim::R
                    World& world, RobustRow& result) {
   vision::BallOptions options;
   if (row.learn) {
-    const auto range = learned(row, eyes, renderer, world);
-    if (!range) return tl::unexpected(range.error());
-    options.color = *range;
+    const auto range = KAZ_TRY(learned(row, eyes, renderer, world));
+    options.color = range;
   }
   vision::BallDetector detector(options);
   Random random(11);
@@ -43,10 +41,9 @@ Result<void> balls(const RobustCase& row, int pictures, const Eyes& eyes, sim::R
     const Placement place = place_ball(random, eyes.camera(), distance_m, Visibility::whole, world);
     const bool there = i % 3 != 2;  // every third picture is without a ball
     if (!there) world.remove_ball();
-    const auto left =
-        eyes.take_left(renderer, world.scene.pose, place.eye, static_cast<std::uint64_t>(i));
-    if (!left) return tl::unexpected(left.error());
-    const auto ball = detector.detect(*left, eyes.info(place.eye));
+    const auto left = KAZ_TRY(
+        eyes.take_left(renderer, world.scene.pose, place.eye, static_cast<std::uint64_t>(i)));
+    const auto ball = detector.detect(left, eyes.info(place.eye));
     if (!there) {
       ++result.without;
       result.false_finds += ball.found ? 1 : 0;
@@ -115,14 +112,13 @@ Result<void> depths(const Eyes& eyes, int pictures, sim::Renderer& renderer, Wor
     const Eigen::Isometry3d eye =
         sim::look_at({0, 0, height}, {std::cos(tilt) * std::cos(turn),
                                       std::cos(tilt) * std::sin(turn), height - std::sin(tilt)});
-    const auto pair = eyes.take(renderer, world.scene.pose, eye, static_cast<std::uint64_t>(i));
-    if (!pair) return tl::unexpected(pair.error());
-    const auto ideal = eyes.ideal(renderer, world.scene.pose, eye);
-    if (!ideal) return tl::unexpected(ideal.error());
+    const auto pair =
+        KAZ_TRY(eyes.take(renderer, world.scene.pose, eye, static_cast<std::uint64_t>(i)));
+    const auto ideal = KAZ_TRY(eyes.ideal(renderer, world.scene.pose, eye));
     ++result.floors;
     // Pictures of one colour are an error, as they should be: no floor then.
-    if (!finder.find(*pair, eyes.info(eye), depth)) continue;
-    score(world, eyes, eye, *ideal, depth, result);
+    if (!finder.find(pair, eyes.info(eye), depth)) continue;
+    score(world, eyes, eye, ideal, depth, result);
     if (!plane_finder.find(depth, planes)) continue;
     const vision::PlaneSegment* floor = nullptr;
     for (const vision::PlaneSegment& s : planes.segments) {
@@ -148,13 +144,12 @@ Result<void> measure_robustness(int width, int pictures, const std::string& only
     result.name = row.name;
     World world(row.floor, row.ball, true, row.clutter);
     const Eyes eyes(width, row.conditions);
-    auto renderer = renderer_of(world);
-    if (!renderer) return tl::unexpected(renderer.error());
-    if (auto done = balls(row, pictures, eyes, **renderer, world, result); !done) return done;
+    auto renderer = KAZ_TRY(renderer_of(world));
+    if (auto done = balls(row, pictures, eyes, *renderer, world, result); !done) return done;
     const bool looks_at_depth = row.group.rfind("ball", 0) != 0 && !row.learn;
     if (looks_at_depth) {
       const int pairs = std::max(2, pictures / 11);
-      if (auto done = depths(eyes, pairs, **renderer, world, result); !done) return done;
+      if (auto done = depths(eyes, pairs, *renderer, world, result); !done) return done;
     }
     table.robust.push_back(std::move(result));
   }

@@ -143,7 +143,7 @@ Result<void> knock_down(host::Robot& robot, sim::Simulation& simulation, double 
     const Time end = robot.clock().now() + from_seconds(time_s);
     while (robot.clock().now() < end) {
       if (auto slept = robot.clock().sleep_until(robot.clock().now() + kPoll); !slept) return slept;
-      if (auto state = robot.state(); !state) return tl::unexpected(state.error());
+      KAZ_TRY(robot.state());
     }
     return {};
   };
@@ -186,23 +186,18 @@ Result<Outcome> run_trial(const Trial& trial, const Setting& setting, std::uint6
   studies::Surroundings around;
   around.mu = trial.mu;
   around.mu_spread = trial.mu_spread;
-  const auto files = studies::disturbed_files(setting.robot_folder, around, seed);
-  if (!files) return tl::unexpected(files.error());
-  const auto simulation = make(trial, setting, *files, seed);
-  if (!simulation) return tl::unexpected(simulation.error());
-  Observer observer(**simulation, trial, seed, setting.trace);
-  ObservedClock clock(**simulation, observer);
-  lockstep::LockstepLink link(**simulation);
-  auto robot = host::Robot::connect(link, clock);
-  if (!robot) return tl::unexpected(robot.error());
+  const auto files = KAZ_TRY(studies::disturbed_files(setting.robot_folder, around, seed));
+  const auto simulation = KAZ_TRY(make(trial, setting, files, seed));
+  Observer observer(*simulation, trial, seed, setting.trace);
+  ObservedClock clock(*simulation, observer);
+  lockstep::LockstepLink link(*simulation);
+  auto robot = KAZ_TRY(host::Robot::connect(link, clock));
   const auto behavior = behavior::find_behavior(trial.behavior);
   if (!behavior) return tl::unexpected(behavior.error());
-  auto options = behavior::OptionValues::parse(behavior->options, trial.options);
-  if (!options) return tl::unexpected(options.error());
-  behavior::Context context{*robot, clock, nullptr, observer, *options, seed};
+  auto options = KAZ_TRY(behavior::OptionValues::parse(behavior->options, trial.options));
+  behavior::Context context{robot, clock, nullptr, observer, options, seed};
   if (trial.knocked_to_deg) {
-    if (auto down = knock_down(*robot, **simulation, *trial.knocked_to_deg, seed); !down)
-      return tl::unexpected(down.error());
+    KAZ_TRY(knock_down(robot, *simulation, *trial.knocked_to_deg, seed));
   }
   observer.begin();
   const auto done = behavior->run(context);
@@ -213,14 +208,14 @@ Result<Outcome> run_trial(const Trial& trial, const Setting& setting, std::uint6
     observer.phase(clock.now(), trial.name, "hold");
     const Time end = clock.now() + from_seconds(10.5 * trial.push_every_s);
     while (clock.now() < end && !observer.fell())
-      if (auto slept = robot->clock().sleep_until(clock.now() + std::chrono::milliseconds(10));
+      if (auto slept = robot.clock().sleep_until(clock.now() + std::chrono::milliseconds(10));
           !slept && !observer.fell())
         return tl::unexpected(slept.error());
   }
   Outcome out = observer.outcome();
   if (trial.to_the_end && done) {
     out.reported["fall_detected"] = done->sentence.find("fell") != std::string::npos;
-    for (const sim::JointState& joint : (*simulation)->world().joints())
+    for (const sim::JointState& joint : simulation->world().joints())
       out.reported["current_a"] += std::abs(joint.current);
   }
   if (done) {

@@ -26,10 +26,9 @@ std::string description(const Trial& trial, const Outcome& outcome) {
 }
 
 Result<void> run(const Arguments& arguments, const std::string& command) {
-  const auto chosen = studies::matching_rows(walking::trials(), arguments.episodes.rows);
-  if (!chosen) return tl::unexpected(chosen.error());
+  const auto chosen = KAZ_TRY(studies::matching_rows(walking::trials(), arguments.episodes.rows));
   studies::EpisodeStudy study{.name = "walking", .variants = {arguments.mcu}};
-  for (const Trial& trial : *chosen) study.rows.push_back(trial.name);
+  for (const Trial& trial : chosen) study.rows.push_back(trial.name);
   if (arguments.episodes.list) {
     for (const std::string& row : study.rows) std::printf("%s\n", row.c_str());
     return {};
@@ -40,26 +39,25 @@ Result<void> run(const Arguments& arguments, const std::string& command) {
     setting.image_path = KAZ_FIRMWARE_IMAGE;
     setting.robot_folder = KAZ_ROBOT;
     setting.trace = arguments.trace;
-    return run_trial((*chosen)[row], setting, key.seed);
+    return run_trial(chosen[row], setting, key.seed);
   };
   study.describe = [&](std::size_t row, const Outcome& outcome) {
-    return description((*chosen)[row], outcome);
+    return description(chosen[row], outcome);
   };
-  const auto file = studies::run_study(study, arguments.episodes);
-  if (!file) return tl::unexpected(file.error());
+  const auto file = KAZ_TRY(studies::run_study(study, arguments.episodes));
 
-  std::string markdown = table(*file, *chosen, arguments.mcu);
-  if (const std::string odometry = odometry_table(*file, *chosen, arguments.mcu); !odometry.empty())
+  std::string markdown = table(file, chosen, arguments.mcu);
+  if (const std::string odometry = odometry_table(file, chosen, arguments.mcu); !odometry.empty())
     markdown += "\n" + odometry;
   std::printf("%s", markdown.c_str());
   const std::string& out = arguments.episodes.out;
   auto done =
-      studies::write_tables(out, "table", markdown, summary_json(*file, *chosen, arguments.mcu));
+      studies::write_tables(out, "table", markdown, summary_json(file, chosen, arguments.mcu));
   if (done) {
     done = studies::write_markdown(arguments.episodes.markdown, command,
-                                   std::to_string(file->seeds()) + " seeds", markdown);
+                                   std::to_string(file.seeds()) + " seeds", markdown);
   }
-  return done ? write_plots(*file, arguments.mcu, out) : done;
+  return done ? write_plots(file, arguments.mcu, out) : done;
 }
 
 }  // namespace

@@ -108,9 +108,9 @@ class Campaign {
   Result<Report> run() {
     for (int round = 0; round < options_.rounds; ++round) {
       if (round % rounds_a_world == 0) {
-        if (auto made = new_world(round); !made) return tl::unexpected(made.error());
+        KAZ_TRY(new_world(round));
       }
-      if (auto done = one(round); !done) return tl::unexpected(done.error());
+      KAZ_TRY(one(round));
       if (options_.progress) options_.progress(round + 1, options_.rounds);
     }
     return std::move(report_);
@@ -127,9 +127,8 @@ class Campaign {
     options.seed = mix64(options_.seed) + static_cast<std::uint64_t>(round);
     robot_.reset();
     line_.reset();
-    auto simulation = sim::Simulation::create(options);
-    if (!simulation) return tl::unexpected(simulation.error());
-    simulation_ = std::move(*simulation);
+    auto simulation = KAZ_TRY(sim::Simulation::create(options));
+    simulation_ = std::move(simulation);
     line_.emplace(*simulation_);
     return line_->sleep_until(milliseconds(200));  // the board starts
   }
@@ -215,9 +214,8 @@ class Campaign {
   Result<void> connect(host::Reaction reaction) {
     host::ConnectOptions options;
     options.reaction = reaction;
-    auto robot = host::Robot::connect(*line_, *line_, options);
-    if (!robot) return tl::unexpected(robot.error());
-    robot_.emplace(std::move(*robot));
+    auto robot = KAZ_TRY(host::Robot::connect(*line_, *line_, options));
+    robot_.emplace(std::move(robot));
     return robot_->enable(host::kAllJoints);
   }
 

@@ -41,13 +41,13 @@ Result<std::size_t> CuttableLine::read(std::span<std::uint8_t> bytes, Time deadl
   while (true) {
     if (line_ == Line::gone) {
       // Simulated time must advance even if the client polls in a loop.
-      if (auto stepped = step(); !stepped) return tl::unexpected(stepped.error());
+      KAZ_TRY(step());
       return tl::unexpected(gone());
     }
     if (line_ != Line::whole) simulation_.line().drop_unread();
     const std::size_t count = simulation_.read(bytes);
     if (count > 0 || simulation_.time() >= deadline) return count;
-    if (auto stepped = step(); !stepped) return tl::unexpected(stepped.error());
+    KAZ_TRY(step());
   }
 }
 

@@ -28,13 +28,12 @@ int main(int argc, char** argv) {
     if (done % 50 == 0) std::fprintf(stderr, "campaign: %d of %d rounds\n", done, total);
   };
   return studies::run_program(app, "kaz_campaign", argc, argv, [&]() -> Result<void> {
-    const auto report = campaign::run_campaign(options);
-    if (!report) return tl::unexpected(report.error());
-    std::printf("%s", report->text().c_str());
-    if (!report->passed())
-      return fail(Fault::failed, std::to_string(report->failures.size()) + " failures, see above");
+    const auto report = KAZ_TRY(campaign::run_campaign(options));
+    std::printf("%s", report.text().c_str());
+    if (!report.passed())
+      return fail(Fault::failed, std::to_string(report.failures.size()) + " failures, see above");
     return studies::write_markdown(markdown, studies::command_line(argc, argv),
                                    std::to_string(options.rounds) + " rounds of 1 seed",
-                                   report->table());
+                                   report.table());
   });
 }

@@ -153,41 +153,34 @@ Result<Ending> play(const Scene& scene) {
   options.camera_path = robot_folder + "/camera.json";
   options.imu = true;
   options.ideal_eyes = !scene.real_eyes;
-  auto simulation = sim::Simulation::create(options);
-  if (!simulation) return tl::unexpected(simulation.error());
+  auto simulation = KAZ_TRY(sim::Simulation::create(options));
   for (const std::string& line : scene.faults) {
-    const auto fault = faults::parse(line);
-    if (!fault) return tl::unexpected(fault.error());
-    (*simulation)->add_fault(*fault);
+    const auto fault = KAZ_TRY(faults::parse(line));
+    simulation->add_fault(fault);
   }
-  lockstep::LockstepClock clock(**simulation);
-  lockstep::LockstepLink link(**simulation);
-  auto robot = host::Robot::connect(link, clock);
-  if (!robot) return tl::unexpected(robot.error());
-  lockstep::LockstepCamera eyes(**simulation);
+  lockstep::LockstepClock clock(*simulation);
+  lockstep::LockstepLink link(*simulation);
+  auto robot = KAZ_TRY(host::Robot::connect(link, clock));
+  lockstep::LockstepCamera eyes(*simulation);
   FreezingCamera camera(eyes, scene);
-  host::Capture capture(camera, *robot);
-  vision::Pipeline pipeline(
-      {vision::Pace::lockstep, from_seconds((*simulation)->camera().latency_s)});
+  host::Capture capture(camera, robot);
+  vision::Pipeline pipeline({vision::Pace::lockstep, from_seconds(simulation->camera().latency_s)});
   vision::BallOptions ball;
   ball.radius_m = scene.radius;
-  if (auto added = pipeline.add(vision::make_color_module(ball)); !added)
-    return tl::unexpected(added.error());
+  KAZ_TRY(pipeline.add(vision::make_color_module(ball)));
   behavior::PipelineBallDetector detector(capture, pipeline);
 
   Ending ending;
-  Onlooker onlooker(**simulation, scene, ending);
+  Onlooker onlooker(*simulation, scene, ending);
   const auto behavior = behavior::find_behavior(scene.behavior);
   if (!behavior) return tl::unexpected(behavior.error());
-  const auto values = behavior::OptionValues::parse(behavior->options, scene.options);
-  if (!values) return tl::unexpected(values.error());
-  behavior::Context context{*robot, robot->clock(), &detector, onlooker, *values, scene.seed};
+  const auto values = KAZ_TRY(behavior::OptionValues::parse(behavior->options, scene.options));
+  behavior::Context context{robot, robot.clock(), &detector, onlooker, values, scene.seed};
   context.ball_radius_m = scene.radius;
-  auto outcome = behavior->run(context);
-  if (!outcome) return tl::unexpected(outcome.error());
-  ending.outcome = std::move(*outcome);
-  ending.seconds = seconds((*simulation)->time());
-  if (scene.has_ball) ending.ball = (*simulation)->world().object_position("ball").value();
+  auto outcome = KAZ_TRY(behavior->run(context));
+  ending.outcome = std::move(outcome);
+  ending.seconds = seconds(simulation->time());
+  if (scene.has_ball) ending.ball = simulation->world().object_position("ball").value();
   return ending;
 }
 

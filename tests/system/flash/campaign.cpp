@@ -79,9 +79,8 @@ Result<void> flash(FlashBench& bench, Way way, const FlashImage& image,
   if (way != Way::loader) {
     if (auto entered = flasher.enter_boot(bench); !entered) return entered;
   }
-  const auto report = flasher.write(image);
-  if (!report) return tl::unexpected(report.error());
-  if (!report->verified) return fail(Fault::failed, "not verified");
+  const auto report = KAZ_TRY(flasher.write(image));
+  if (!report.verified) return fail(Fault::failed, "not verified");
   return flasher.run(way == Way::loader ? nullptr : &bench);
 }
 

@@ -49,9 +49,8 @@ std::string all_joint_names() {
 
 Result<hil::Limits> limits_of(const std::string& path) {
   if (path.empty()) return hil::Limits{};
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return hil::parse_limits(*text, path);
+  const auto text = KAZ_TRY(read_file(path));
+  return hil::parse_limits(text, path);
 }
 
 void say(const hil::Measurement& one) {
@@ -67,8 +66,8 @@ void say(const hil::Measurement& one) {
 Result<void> measure_motors(const BenchOptions& arguments, const std::vector<int>& joints,
                             BenchTarget& target, hil::BenchJudge& judge,
                             const hil::BenchProgress& progress) {
-  auto robot = host::Robot::connect(target.link(), target.clock(), hil::bench_connection());
-  if (!robot) return tl::unexpected(robot.error());
+  auto robot =
+      KAZ_TRY(host::Robot::connect(target.link(), target.clock(), hil::bench_connection()));
   for (std::size_t i = 0; i < joints.size(); ++i) {
     hil::MotorBenchOptions options;
     options.joint = joints[i];
@@ -77,7 +76,7 @@ Result<void> measure_motors(const BenchOptions& arguments, const std::vector<int
     options.progress = [&](double share, const std::string& what) {
       progress((static_cast<double>(i) + share) / static_cast<double>(joints.size()), what);
     };
-    if (auto done = hil::bench_motor(*robot, target.stand(), options, judge); !done) return done;
+    if (auto done = hil::bench_motor(robot, target.stand(), options, judge); !done) return done;
   }
   return {};
 }
@@ -114,10 +113,9 @@ Result<void> measure(const BenchOptions& arguments, const std::vector<int>& join
 
 // For pages and papers: each plot of the report as a file of its own.
 Result<void> leave_plots(const OutputFolder& folder, const std::vector<hil::Plot>& plots) {
-  const auto into = OutputFolder::open(folder.path("plots"));
-  if (!into) return tl::unexpected(into.error());
+  const auto into = KAZ_TRY(OutputFolder::open(folder.path("plots")));
   for (const hil::Plot& plot : plots) {
-    if (auto written = write(*into, plot.subject + "-" + plot.id + ".svg", hil::plot_svg(plot));
+    if (auto written = write(into, plot.subject + "-" + plot.id + ".svg", hil::plot_svg(plot));
         !written)
       return written;
   }
@@ -139,9 +137,8 @@ Result<void> leave_reports(const OutputFolder& folder, const hil::BenchReport& r
 
 Result<std::string> describe(BenchTarget& target) {
   host::Requester requester(target.link(), target.clock(), {});
-  const auto who = host::identify_board(requester);
-  if (!who) return tl::unexpected(who.error());
-  return host::board_text(*who);
+  const auto who = KAZ_TRY(host::identify_board(requester));
+  return host::board_text(who);
 }
 
 // A motor is driven at full speed through nearly all of its joint's range.
@@ -158,22 +155,18 @@ Result<void> check_motion(const BenchOptions& arguments) {
 Result<lockstep::MotorFitOptions> fit_options(const BenchFitOptions& arguments) {
   lockstep::MotorFitOptions options;
   options.joint = arguments.joint;
-  const auto standard = data_file("robot/kaz/motor.xml");
-  if (!standard) return tl::unexpected(standard.error());
-  const auto start = sim::load_motor_file(
-      arguments.model.motor_file.empty() ? *standard : arguments.model.motor_file,
-      arguments.model.motor);
-  if (!start) return tl::unexpected(start.error());
-  options.start = *start;
-  const auto sensors =
-      sim::load_sensor_file(std::filesystem::path(*standard).replace_filename("sensors.xml"));
-  if (!sensors) return tl::unexpected(sensors.error());
-  options.board.sensor_params = *sensors;
+  const auto standard = KAZ_TRY(data_file("robot/kaz/motor.xml"));
+  const auto start = KAZ_TRY(sim::load_motor_file(
+      arguments.model.motor_file.empty() ? standard : arguments.model.motor_file,
+      arguments.model.motor));
+  options.start = start;
+  const auto sensors = KAZ_TRY(
+      sim::load_sensor_file(std::filesystem::path(standard).replace_filename("sensors.xml")));
+  options.board.sensor_params = sensors;
   options.board.mcu = arguments.model.mcu;
   if (options.board.mcu == "h8") {
-    const auto image = firmware_image(arguments.model.image);
-    if (!image) return tl::unexpected(image.error());
-    options.board.image_path = *image;
+    const auto image = KAZ_TRY(firmware_image(arguments.model.image));
+    options.board.image_path = image;
   }
   options.board.sensors = *sim::sensors_by_name("nominal");
   options.board.seed = arguments.model.seed;
@@ -210,53 +203,46 @@ Result<bool> run_bench(const BenchOptions& arguments) {
         Fault::usage,
         "--motor-file and --motor are of the emulated board; at a port the motor is the one "
         "that is there");
-  if (auto allowed = check_motion(arguments); !allowed) return tl::unexpected(allowed.error());
-  if (auto valid = hil::check_motor_filter(arguments.filter); !valid)
-    return tl::unexpected(valid.error());
-  const auto joints = joints_of(arguments.joints);
-  if (!joints) return tl::unexpected(joints.error());
-  const auto limits = limits_of(arguments.limits);
-  if (!limits) return tl::unexpected(limits.error());
-  if (auto usable = OutputFolder::check(arguments.out); !usable)
-    return tl::unexpected(usable.error());
+  KAZ_TRY(check_motion(arguments));
+  KAZ_TRY(hil::check_motor_filter(arguments.filter));
+  const auto joints = KAZ_TRY(joints_of(arguments.joints));
+  const auto limits = KAZ_TRY(limits_of(arguments.limits));
+  KAZ_TRY(OutputFolder::check(arguments.out));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  auto target = BenchTarget::open(arguments.target, interrupt);
-  if (!target) return tl::unexpected(target.error());
+  auto target = KAZ_TRY(BenchTarget::open(arguments.target, interrupt));
 
   hil::BenchReport report;
-  report.port = (*target)->name();
+  report.port = target->name();
   report.program = std::string("kaz ") + kVersion;
   report.seed = arguments.target.backend.seed;
-  const auto board = describe(**target);
-  if (!board) return tl::unexpected(board.error());
-  report.board = *board;
+  const auto board = KAZ_TRY(describe(*target));
+  report.board = board;
   Progress progress("kaz bench", arguments.json);
-  hil::BenchJudge judge(report, *limits, [&](const hil::Measurement& one) {
+  hil::BenchJudge judge(report, limits, [&](const hil::Measurement& one) {
     progress.done();
     if (!arguments.json) say(one);
   });
-  auto folder = OutputFolder::open(arguments.out);
-  if (!folder) return tl::unexpected(folder.error());
-  const Time begin = (*target)->clock().now();
+  auto folder = KAZ_TRY(OutputFolder::open(arguments.out));
+  const Time begin = target->clock().now();
   const auto ran =
-      measure(arguments, *joints, **target, judge,
+      measure(arguments, joints, *target, judge,
               [&](double share, const std::string& what) { progress.update(share, what); });
   progress.done();
-  report.seconds = seconds((*target)->clock().now() - begin);
+  report.seconds = seconds(target->clock().now() - begin);
   if (!ran) report.interrupted = ran.error().message;
-  if (auto left = leave_reports(*folder, report); !left) return tl::unexpected(left.error());
+  KAZ_TRY(leave_reports(folder, report));
   if (!ran)
     return tl::unexpected(Error{ran.error().fault, ran.error().message +
                                                        "; what was measured until then is in " +
-                                                       folder->path("report.html")});
+                                                       folder.path("report.html")});
   const int failed = report.count(hil::Verdict::failed);
   if (arguments.json) {
     std::fputs(hil::bench_json(report).c_str(), stdout);
   } else {
     std::printf("%s on %s: %d passed, %d failed, %d left out; the report is %s\n",
                 report.board.c_str(), report.port.c_str(), report.count(hil::Verdict::passed),
-                failed, report.count(hil::Verdict::left_out), folder->path("report.html").c_str());
+                failed, report.count(hil::Verdict::left_out), folder.path("report.html").c_str());
   }
   if (failed == 0 && report.count(hil::Verdict::passed) == 0)
     std::fprintf(stderr, "kaz bench: nothing was measured, so nothing has passed\n");
@@ -268,37 +254,30 @@ Result<bool> run_fit(const BenchFitOptions& arguments) {
   const std::string path = std::filesystem::is_directory(arguments.report, none)
                                ? arguments.report + "/result.json"
                                : arguments.report;
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  const auto report = hil::parse_bench_json(*text, path);
-  if (!report) return tl::unexpected(report.error());
-  if (auto usable = OutputFolder::check(arguments.out); !usable)
-    return tl::unexpected(usable.error());
-  auto options = fit_options(arguments);
-  if (!options) return tl::unexpected(options.error());
+  const auto text = KAZ_TRY(read_file(path));
+  const auto report = KAZ_TRY(hil::parse_bench_json(text, path));
+  KAZ_TRY(OutputFolder::check(arguments.out));
+  auto options = KAZ_TRY(fit_options(arguments));
   Progress progress("kaz bench fit", arguments.json);
-  options->progress = [&](double share, const std::string& what) { progress.update(share, what); };
-  auto folder = OutputFolder::open(arguments.out);
-  if (!folder) return tl::unexpected(folder.error());
-  const auto fitted = lockstep::fit_motor(*report, *options);
+  options.progress = [&](double share, const std::string& what) { progress.update(share, what); };
+  auto folder = KAZ_TRY(OutputFolder::open(arguments.out));
+  const auto fitted = lockstep::fit_motor(report, options);
   progress.done();
   if (!fitted) return tl::unexpected(fitted.error());
   const std::string about = "Fitted by kaz " + std::string(kVersion) + " to " + path + ", " +
-                            report->board + " on " + report->port + ".";
+                            report.board + " on " + report.port + ".";
   for (const auto& [name, content] : {std::pair<std::string, std::string>(
                                           "motor.xml", sim::motor_file_text(fitted->motor, about)),
                                       {"report.html", fit_html(*fitted, path)}}) {
-    if (auto written = write(*folder, name, content); !written)
-      return tl::unexpected(written.error());
+    KAZ_TRY(write(folder, name, content));
   }
-  if (auto left = leave_plots(*folder, fitted->plots); !left) return tl::unexpected(left.error());
-  if (auto written = folder->write_json("result.json", fit_json(*fitted)); !written)
-    return tl::unexpected(written.error());
+  KAZ_TRY(leave_plots(folder, fitted->plots));
+  KAZ_TRY(folder.write_json("result.json", fit_json(*fitted)));
   if (arguments.json) {
     std::printf("%s\n", fit_json(*fitted).dump(2).c_str());
   } else {
     std::printf("%s\nthe motor is %s, the curves are in %s\n", fit_text(*fitted).c_str(),
-                folder->path("motor.xml").c_str(), folder->path("report.html").c_str());
+                folder.path("motor.xml").c_str(), folder.path("report.html").c_str());
   }
   return true;
 }

@@ -66,12 +66,11 @@ Result<std::unique_ptr<hil::Stand>> make_stand(const BenchTargetOptions& options
   } else if (options.stand.starts_with("ctl:")) {
     const std::string path = options.stand.substr(4);
     const auto ask = [path](const std::string& line) -> Result<nlohmann::ordered_json> {
-      const auto reply = host::ask_control_socket(path, "stand " + line);
-      if (!reply) return tl::unexpected(reply.error());
-      return nlohmann::ordered_json::parse(*reply, nullptr, false);
+      const auto reply = KAZ_TRY(host::ask_control_socket(path, "stand " + line));
+      return nlohmann::ordered_json::parse(reply, nullptr, false);
     };
     // Whether it is a stand: said before anything moves.
-    if (const auto there = ask("disc"); !there) return tl::unexpected(there.error());
+    KAZ_TRY(ask("disc"));
     stand = std::make_unique<hil::CommandStand>(options.stand, ask, clock);
   } else if (!options.stand.empty()) {
     return fail(Fault::usage,
@@ -87,9 +86,8 @@ Result<std::unique_ptr<BenchTarget>> open_virtual(const BenchTargetOptions& opti
     return fail(Fault::usage, "--stand goes with --port; the virtual board has its own");
   BackendOptions backend = options.backend;
   backend.stand = true;
-  auto simulation = make_simulation(backend, sim::FramePolicy::wait);
-  if (!simulation) return tl::unexpected(simulation.error());
-  return std::make_unique<VirtualTarget>(std::move(*simulation), backend.mcu, interrupt);
+  auto simulation = KAZ_TRY(make_simulation(backend, sim::FramePolicy::wait));
+  return std::make_unique<VirtualTarget>(std::move(simulation), backend.mcu, interrupt);
 }
 
 }  // namespace
@@ -97,14 +95,11 @@ Result<std::unique_ptr<BenchTarget>> open_virtual(const BenchTargetOptions& opti
 Result<std::unique_ptr<BenchTarget>> BenchTarget::open(const BenchTargetOptions& options,
                                                        host::Interrupt& interrupt) {
   if (options.port.empty()) return open_virtual(options, interrupt);
-  const auto port = parse_port(options.port);
-  if (!port) return tl::unexpected(port.error());
-  auto link = host::TtyLink::open(port->first, port->second, &interrupt);
-  if (!link) return tl::unexpected(link.error());
-  auto target = std::make_unique<PortTarget>(std::move(*link), interrupt);
-  auto stand = make_stand(options, target->clock());
-  if (!stand) return tl::unexpected(stand.error());
-  target->put(std::move(*stand));
+  const auto port = KAZ_TRY(parse_port(options.port));
+  auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
+  auto target = std::make_unique<PortTarget>(std::move(link), interrupt);
+  auto stand = KAZ_TRY(make_stand(options, target->clock()));
+  target->put(std::move(stand));
   return target;
 }
 

@@ -36,9 +36,8 @@ using Parse = Result<Json> (*)(const std::string& text, const std::string& name)
 
 Result<Json> read_json(const std::string& path, Parse parse) {
   constexpr std::size_t max_bytes = 64 << 20;
-  const auto text = read_whole_file(path, max_bytes, "kaz evaluate writes such files");
-  if (!text) return tl::unexpected(text.error());
-  return parse(*text, path);
+  const auto text = KAZ_TRY(read_whole_file(path, max_bytes, "kaz evaluate writes such files"));
+  return parse(text, path);
 }
 
 Result<void> write_json(const std::string& path, const Json& json) {
@@ -54,10 +53,9 @@ Result<Episodes> read_episodes(const std::string& folder) {
   for (fs::directory_iterator at(folder + "/episodes", none), end; !none && at != end;
        at.increment(none)) {
     if (at->path().extension() != ".json") continue;
-    auto one = read_json(at->path().string(), parse_episode);
-    if (!one) return tl::unexpected(one.error());
-    const auto number = (*one)["episode"].get<std::uint64_t>();
-    all[number] = std::move(*one);
+    auto one = KAZ_TRY(read_json(at->path().string(), parse_episode));
+    const auto number = one["episode"].get<std::uint64_t>();
+    all[number] = std::move(one);
   }
   return all;
 }
@@ -131,9 +129,8 @@ class Runner {
         return fail(Fault::failed,
                     "interrupted; what has ended is kept, and the same command goes on");
       if (next != numbers.end() && children_.size() < static_cast<std::size_t>(options_.jobs)) {
-        auto child = begin(options_, folder_, *next++);
-        if (!child) return tl::unexpected(child.error());
-        children_.push_back(*child);
+        auto child = KAZ_TRY(begin(options_, folder_, *next++));
+        children_.push_back(child);
         continue;
       }
       if (auto taken = take_ended(); !taken) return taken;
@@ -168,9 +165,8 @@ class Runner {
       if (auto written = write_json(path, broken(options_, number, status)); !written)
         return written;
     }
-    auto episode = read_json(path, parse_episode);
-    if (!episode) return tl::unexpected(episode.error());
-    episodes_[number] = std::move(*episode);
+    auto episode = KAZ_TRY(read_json(path, parse_episode));
+    episodes_[number] = std::move(episode);
     std::uint64_t good = 0;
     for (const auto& [n, e] : episodes_) good += e["success"].get<bool>() ? 1 : 0;
     progress_.update(
@@ -201,14 +197,12 @@ Result<void> claim(const OutputFolder& folder, const Json& campaign) {
   }
   const std::string path = folder.path("campaign.json");
   if (!fs::exists(path)) return write_json(path, campaign);
-  const auto there = read_json(path, parse_campaign);
-  if (!there) return tl::unexpected(there.error());
-  if (*there == campaign) return {};
+  const auto there = KAZ_TRY(read_json(path, parse_campaign));
+  if (there == campaign) return {};
   for (const auto& [key, value] : campaign.items()) {
-    if (there->contains(key) && (*there)[key] == value) continue;
+    if (there.contains(key) && there[key] == value) continue;
     return fail(Fault::usage, "'" + folder.folder() + "' holds another campaign (its " + key +
-                                  " is " +
-                                  (there->contains(key) ? (*there)[key].dump() : "missing") +
+                                  " is " + (there.contains(key) ? there[key].dump() : "missing") +
                                   ", here " + value.dump() + "): choose another --out");
   }
   return fail(Fault::usage,
@@ -244,32 +238,28 @@ Json campaign_json(const CampaignOptions& o) {
 }
 
 Result<bool> run_campaign(const CampaignOptions& options) {
-  const auto known = behavior::find_behavior(options.behavior);
-  if (!known) return tl::unexpected(known.error());
-  const auto values = behavior::OptionValues::parse(known->options, options.settings);
+  const auto known = KAZ_TRY(behavior::find_behavior(options.behavior));
+  const auto values = behavior::OptionValues::parse(known.options, options.settings);
   if (!values) return tl::unexpected(values.error());
-  if (options.realtime && (known->name == "go-forward" || known->name.starts_with("turn-")))
+  if (options.realtime && (known.name == "go-forward" || known.name.starts_with("turn-")))
     return fail(Fault::usage, options.behavior +
                                   " is judged by where the robot truly is, which a robot in "
                                   "another process does not tell: leave --realtime out");
-  const auto folder = OutputFolder::open(options.out);
-  if (!folder) return tl::unexpected(folder.error());
+  const auto folder = KAZ_TRY(OutputFolder::open(options.out));
   const Json campaign = campaign_json(options);
-  if (auto claimed = claim(*folder, campaign); !claimed) return tl::unexpected(claimed.error());
-  auto episodes = read_episodes(folder->folder());
-  if (!episodes) return tl::unexpected(episodes.error());
+  KAZ_TRY(claim(folder, campaign));
+  auto episodes = KAZ_TRY(read_episodes(folder.folder()));
   std::vector<std::uint64_t> missing;
   for (std::uint64_t n = options.shard - 1; n < options.episodes; n += options.shards) {
-    if (!episodes->contains(n)) missing.push_back(n);
+    if (!episodes.contains(n)) missing.push_back(n);
   }
-  if (!episodes->empty() && !options.json)
+  if (!episodes.empty() && !options.json)
     std::fprintf(stderr, "kaz evaluate: %zu episodes are there already, %zu to go\n",
-                 episodes->size(), missing.size());
+                 episodes.size(), missing.size());
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  if (auto ran = Runner(options, *folder, *episodes).run(missing, interrupt); !ran)
-    return tl::unexpected(ran.error());
-  return summarize(campaign, *episodes, *folder, options.json);
+  KAZ_TRY(Runner(options, folder, episodes).run(missing, interrupt));
+  return summarize(campaign, episodes, folder, options.json);
 }
 
 Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std::string& out,
@@ -280,15 +270,13 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
     if (!fs::exists(folder + "/campaign.json"))
       return fail(Fault::usage,
                   "'" + folder + "' is no folder of kaz evaluate: it has no campaign.json");
-    const auto other = read_json(folder + "/campaign.json", parse_campaign);
-    if (!other) return tl::unexpected(other.error());
-    if (campaign.is_null()) campaign = *other;
-    if (campaign != *other)
+    const auto other = KAZ_TRY(read_json(folder + "/campaign.json", parse_campaign));
+    if (campaign.is_null()) campaign = other;
+    if (campaign != other)
       return fail(Fault::usage, "'" + folder + "' and '" + folders.front() +
                                     "' are of different campaigns: parts differ by --shard alone");
-    auto episodes = read_episodes(folder);
-    if (!episodes) return tl::unexpected(episodes.error());
-    for (auto& [number, episode] : *episodes) {
+    auto episodes = KAZ_TRY(read_episodes(folder));
+    for (auto& [number, episode] : episodes) {
       const auto [at, added] = all.emplace(number, episode);
       Json one = at->second, two = episode;
       one.erase("rtf");
@@ -300,20 +288,18 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
     }
   }
   if (all.empty()) return fail(Fault::usage, "the folders hold no episode");
-  const auto folder = OutputFolder::open(out);
-  if (!folder) return tl::unexpected(folder.error());
-  if (auto claimed = claim(*folder, campaign); !claimed) return tl::unexpected(claimed.error());
+  const auto folder = KAZ_TRY(OutputFolder::open(out));
+  KAZ_TRY(claim(folder, campaign));
   for (const auto& [number, episode] : all) {
-    if (auto written = write_json(folder->path(episode_file(number)), episode); !written)
-      return tl::unexpected(written.error());
+    KAZ_TRY(write_json(folder.path(episode_file(number)), episode));
   }
   for (const std::string& from : folders) {
     std::error_code ignored;
     if (fs::exists(from + "/failures"))
-      fs::copy(from + "/failures", folder->path("failures"),
+      fs::copy(from + "/failures", folder.path("failures"),
                fs::copy_options::recursive | fs::copy_options::update_existing, ignored);
   }
-  return summarize(campaign, all, *folder, json);
+  return summarize(campaign, all, folder, json);
 }
 
 }  // namespace kaz::tools

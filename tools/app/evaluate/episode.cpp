@@ -22,31 +22,26 @@ double rounded(double value) {
 
 Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
                          const std::string& failures) {
-  const auto known = behavior::find_behavior(options.behavior);
-  if (!known) return tl::unexpected(known.error());
-  const auto values = behavior::OptionValues::parse(known->options, options.settings);
-  if (!values) return tl::unexpected(values.error());
+  const auto known = KAZ_TRY(behavior::find_behavior(options.behavior));
+  const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, options.settings));
   const Scenario scenario = Scenario::draw(options.variation, options.seed, number);
-  const auto robot = data_file("robot/kaz/kaz.urdf");
-  if (!robot) return tl::unexpected(robot.error());
-  const auto files = scenario_files(scenario, fs::path(*robot).parent_path().string());
-  if (!files) return tl::unexpected(files.error());
-  const auto color = ball_color(scenario.ball_color);
-  if (!color) return tl::unexpected(color.error());
+  const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
+  const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
+  const auto color = KAZ_TRY(ball_color(scenario.ball_color));
 
   Judge judge(scenario.ball_radius_m);
   Result<behavior::Outcome> ended = fail(Fault::environment, "the episode did not begin");
   double run_s = 0, rtf = 0;
   SessionOptions session;
   session.backend = options.backend;
-  session.backend.world = files->world();
-  session.backend.robot_file = files->robot();
+  session.backend.world = files.world();
+  session.backend.robot_file = files.robot();
   session.backend.seed = scenario.seed;
   session.backend.supply_volts = scenario.supply_volts;
   session.behavior = options.behavior;
   session.settings = options.settings;
   session.vision.ball.radius_m = scenario.ball_radius_m;
-  session.vision.ball.color = color->range;
+  session.vision.ball.color = color.range;
   session.quiet = true;
   session.json = true;  // no progress
   session.onlooker = &judge;
@@ -65,7 +60,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   if (!ran && ended.has_value()) ended = tl::unexpected(ran.error());
   if (!ran && !ended) ended = tl::unexpected(ran.error());
 
-  const std::string cause = cause_of_failure(options.behavior, *values, ended, judge);
+  const std::string cause = cause_of_failure(options.behavior, values, ended, judge);
   if (cause.empty()) fs::remove_all(kept, ignored);
   Json results = Json::object();
   if (ended) {

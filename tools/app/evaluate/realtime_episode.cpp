@@ -112,10 +112,9 @@ struct Commands {
 };
 Result<Commands> commands(const CampaignOptions& options, const Scenario& scenario,
                           const trials::RobotFolder& files, const std::string& folder) {
-  const auto color = ball_color(scenario.ball_color);
-  if (!color) return tl::unexpected(color.error());
+  const auto color = KAZ_TRY(ball_color(scenario.ball_color));
   const std::string color_file = folder + "/color.json";
-  std::ofstream(color_file) << color_json(color->range).dump(1) << "\n";
+  std::ofstream(color_file) << color_json(color.range).dump(1) << "\n";
   const BackendOptions& backend = options.backend;
   // Short paths: a socket's has at most 107 characters.
   const std::string board = board_of(files), eyes = board + ".eyes";
@@ -163,10 +162,8 @@ Json result_of(const std::string& log) {
 Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t number,
                                   const std::string& failures) {
   const Scenario scenario = Scenario::draw(options.variation, options.seed, number);
-  const auto robot = data_file("robot/kaz/kaz.urdf");
-  if (!robot) return tl::unexpected(robot.error());
-  const auto files = scenario_files(scenario, fs::path(*robot).parent_path().string());
-  if (!files) return tl::unexpected(files.error());
+  const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
+  const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
   char name[32];
   std::snprintf(name, sizeof name, "%06llu", static_cast<unsigned long long>(number));
   const std::string kept = (fs::path(failures) / name).string();
@@ -174,37 +171,33 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   fs::remove_all(kept, wrong);
   if (!fs::create_directories(kept, wrong))
     return fail(Fault::environment, kept + ": cannot be made: " + wrong.message());
-  const auto both = commands(options, scenario, *files, kept);
-  if (!both) return tl::unexpected(both.error());
+  const auto both = KAZ_TRY(commands(options, scenario, files, kept));
 
   const std::string sim_log = kept + "/sim.txt", run_log = kept + "/run.txt";
-  auto simulator = Child::begin(both->simulator, sim_log);
-  if (!simulator) return tl::unexpected(simulator.error());
+  auto simulator = KAZ_TRY(Child::begin(both.simulator, sim_log));
   const auto begun = std::chrono::steady_clock::now();
-  while (!simulator->ended() && text_of(sim_log).find("ready") == std::string::npos) {
+  while (!simulator.ended() && text_of(sim_log).find("ready") == std::string::npos) {
     if (std::chrono::steady_clock::now() - begun > kReady) break;
     ::usleep(50'000);
   }
   if (text_of(sim_log).find("ready") == std::string::npos)
     return fail(Fault::environment, "kaz sim did not begin: " + last_line(text_of(sim_log)));
-  auto behaviour = Child::begin(both->behaviour, run_log);
-  if (!behaviour) return tl::unexpected(behaviour.error());
-  auto control = Control::open(board_of(*files) + ".ctl");
-  if (!control) return tl::unexpected(control.error());
+  auto behaviour = KAZ_TRY(Child::begin(both.behaviour, run_log));
+  auto control = KAZ_TRY(Control::open(board_of(files) + ".ctl"));
   Held held(scenario.ball_radius_m);
   Json last = Json::object();
   const auto run_begun = std::chrono::steady_clock::now();
-  while (!behaviour->ended() && std::chrono::steady_clock::now() - run_begun < kMost) {
-    if (const auto status = control->status()) held.see(last = *status);
+  while (!behaviour.ended() && std::chrono::steady_clock::now() - run_begun < kMost) {
+    if (const auto status = control.status()) held.see(last = *status);
     ::usleep(100'000);
   }
-  const auto status = behaviour->ended();
+  const auto status = behaviour.ended();
   if (!status) {
-    behaviour->signal(SIGINT);
-    behaviour->wait(kEnd);
+    behaviour.signal(SIGINT);
+    behaviour.wait(kEnd);
   }
-  simulator->signal(SIGINT);
-  if (!simulator->wait(kEnd))
+  simulator.signal(SIGINT);
+  if (!simulator.wait(kEnd))
     return fail(Fault::environment, "kaz sim did not end; its log is " + sim_log);
 
   const Json result = result_of(text_of(run_log));

@@ -60,8 +60,7 @@ vision::ColorRange range_around(const std::array<double, 3>& rgb) {
 
 // A floor and a ball of hard rubber.
 Result<std::string> world_of(const Scenario& scenario) {
-  const auto color = ball_color(scenario.ball_color);
-  if (!color) return tl::unexpected(color.error());
+  const auto color = KAZ_TRY(ball_color(scenario.ball_color));
   const Scenario& s = scenario;
   const double r = s.ball_radius_m;
   const double c = std::cos(s.start_yaw_rad), d = std::sin(s.start_yaw_rad);
@@ -94,8 +93,8 @@ Result<std::string> world_of(const Scenario& scenario) {
          R"(</radius></sphere></geometry><surface><friction><ode><mu>1.0</mu></ode></friction>
 <kaz:rolling_resistance metres="0.0005"/></surface></collision>
 <visual name="paint"><geometry><sphere><radius>)" +
-         digits(r) + "</radius></sphere></geometry><material><diffuse>" + digits(color->rgb[0]) +
-         " " + digits(color->rgb[1]) + " " + digits(color->rgb[2]) +
+         digits(r) + "</radius></sphere></geometry><material><diffuse>" + digits(color.rgb[0]) +
+         " " + digits(color.rgb[1]) + " " + digits(color.rgb[2]) +
          " 1</diffuse></material></visual></link></model>\n</world></sdf>\n";
 }
 
@@ -163,8 +162,7 @@ nlohmann::ordered_json scenario_json(const Scenario& s) {
 }
 
 Result<trials::RobotFolder> scenario_files(const Scenario& scenario, const std::string& robot) {
-  const auto world = world_of(scenario);
-  if (!world) return tl::unexpected(world.error());
+  const auto world = KAZ_TRY(world_of(scenario));
   const auto factor = [&](std::uint64_t number) {
     return 1 + scenario.mass_sigma *
                    keyed_normal(scenario.seed, number, static_cast<std::uint64_t>(Draw::mass));
@@ -172,7 +170,7 @@ Result<trials::RobotFolder> scenario_files(const Scenario& scenario, const std::
   return trials::RobotFolder::make(
       robot,
       {{"kaz.urdf", [&](const std::string& urdf) { return trials::with_masses(urdf, factor); }}},
-      *world);
+      world);
 }
 
 }  // namespace kaz::tools

@@ -104,8 +104,7 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Out
       figure::write_file(folder.path("episodes.csv"),
                          {reinterpret_cast<const std::uint8_t*>(lines.data()), lines.size()});
   if (!written) return tl::unexpected(written.error());
-  if (auto done = folder.write_json("result.json", result); !done)
-    return tl::unexpected(done.error());
+  KAZ_TRY(folder.write_json("result.json", result));
   if (json) {
     std::printf("%s\n", result.dump(2).c_str());
   } else {

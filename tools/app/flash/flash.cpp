@@ -157,9 +157,8 @@ Result<void> act(FlashSession& session, const FlashArguments& arguments, Answer&
 Result<void> flash(const FlashArguments& arguments, Answer& answer) {
   Image image;
   if (!arguments.image.empty()) {
-    auto loaded = host::FlashImage::load(arguments.image, arguments.load);
-    if (!loaded) return tl::unexpected(loaded.error());
-    image = std::move(*loaded);
+    auto loaded = KAZ_TRY(host::FlashImage::load(arguments.image, arguments.load));
+    image = std::move(loaded);
   }
   if (auto valid = check(arguments); !valid) return valid;
   if (arguments.port.empty()) {

@@ -74,20 +74,17 @@ Result<void> FlashSession::read_writer() {
   if (!path) return tl::unexpected(path.error());
   constexpr std::size_t max_bytes = 64 << 10;
   const auto bytes =
-      read_whole_file(*path, max_bytes, "give the flash writer, firmware/writer.bin");
-  if (!bytes) return tl::unexpected(bytes.error());
-  program_.assign(bytes->begin(), bytes->end());
+      KAZ_TRY(read_whole_file(*path, max_bytes, "give the flash writer, firmware/writer.bin"));
+  program_.assign(bytes.begin(), bytes.end());
   if (program_.empty()) return fail(Fault::usage, *path + ": is empty; give the flash writer");
   return {};
 }
 
 Result<void> FlashSession::open() {
   if (auto read = read_writer(); !read) return read;
-  const auto port = parse_port(arguments_.port);
-  if (!port) return tl::unexpected(port.error());
-  auto link = host::TtyLink::open(port->first, 115200, &interrupt_);
-  if (!link) return tl::unexpected(link.error());
-  link_ = std::move(*link);
+  const auto port = KAZ_TRY(parse_port(arguments_.port));
+  auto link = KAZ_TRY(host::TtyLink::open(port.first, 115200, &interrupt_));
+  link_ = std::move(link);
   if (auto made = make_reset(); !made) return made;
   host::FlasherOptions options;
   options.boot.baud = arguments_.boot_baud;

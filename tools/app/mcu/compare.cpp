@@ -89,9 +89,8 @@ nlohmann::ordered_json to_json(const sim::WireReport& report) {
 }  // namespace
 
 Result<bool> compare_ticks(sim::CompareOptions options, bool json) {
-  auto image = firmware_image(options.image_path);
-  if (!image) return tl::unexpected(image.error());
-  options.image_path = *image;
+  auto image = KAZ_TRY(firmware_image(options.image_path));
+  options.image_path = image;
   Progress progress("kaz mcu compare", json);
   options.progress = [&](std::int64_t done, std::int64_t total) {
     progress.update(static_cast<double>(done) / static_cast<double>(total),
@@ -109,9 +108,8 @@ Result<bool> compare_ticks(sim::CompareOptions options, bool json) {
 }
 
 Result<bool> compare_on_wire(sim::WireOptions options, bool json) {
-  auto image = firmware_image(options.image_path);
-  if (!image) return tl::unexpected(image.error());
-  options.image_path = *image;
+  auto image = KAZ_TRY(firmware_image(options.image_path));
+  options.image_path = image;
   Progress progress("kaz mcu compare --wire", json);
   options.progress = [&](std::int64_t done, std::int64_t total) {
     progress.update(static_cast<double>(done) / static_cast<double>(total),

@@ -82,11 +82,9 @@ Result<std::unique_ptr<McuDebug>> McuDebug::attach(h8s::Chip& chip, const h8s::S
       if (comma == std::string::npos)
         return fail(Fault::usage,
                     "--tick wants two labels, BEGIN,END; it is '" + options.tick + "'");
-      const auto begin = address_of(symbols, options.tick.substr(0, comma));
-      if (!begin) return tl::unexpected(begin.error());
-      const auto end = address_of(symbols, options.tick.substr(comma + 1));
-      if (!end) return tl::unexpected(end.error());
-      window = h8s::ProfileWindow{*begin, *end};
+      const auto begin = KAZ_TRY(address_of(symbols, options.tick.substr(0, comma)));
+      const auto end = KAZ_TRY(address_of(symbols, options.tick.substr(comma + 1)));
+      window = h8s::ProfileWindow{begin, end};
     }
     parts->profile.emplace(chip, window);
   }

@@ -128,17 +128,16 @@ Result<std::optional<std::uint32_t>> entry_of(const McuRunOptions& options,
 }
 
 Result<void> start(h8s::Chip& chip, const McuRunOptions& options, const h8s::Image& image) {
-  const auto entry = entry_of(options, image);
-  if (!entry) return tl::unexpected(entry.error());
+  const auto entry = KAZ_TRY(entry_of(options, image));
   const auto fill = static_cast<std::uint8_t>(options.ram_fill);
-  if (!*entry) {
+  if (!entry) {
     if (const auto loaded = chip.load(image); !loaded)
       return fail(Fault::usage, options.image + ": " + loaded.error().message);
     chip.power_on(fill);
     return {};
   }
   chip.power_on(fill);
-  if (const auto placed = chip.place(image, **entry); !placed)
+  if (const auto placed = chip.place(image, *entry); !placed)
     return fail(Fault::usage, options.image + ": " + placed.error().message);
   return {};
 }
@@ -149,19 +148,16 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
   auto image = h8s::load_image(options.image, options.load);
   if (!image) return fail(Fault::usage, image.error().message);
   if (options.flat) {
-    const auto entry = entry_of(options, *image);
-    if (!entry) return tl::unexpected(entry.error());
-    if (*entry) image->entry = *entry;
+    const auto entry = KAZ_TRY(entry_of(options, *image));
+    if (entry) image->entry = entry;
     return run_flat(options, *image);
   }
   h8s::Options chosen;
   chosen.engine = options.engine;
   chosen.mode = options.mode;
   h8s::Chip chip(chosen);
-  const auto debug = McuDebug::attach(chip, image->symbols, options.debug);
-  if (!debug) return tl::unexpected(debug.error());
-  if (const auto started = start(chip, options, *image); !started)
-    return tl::unexpected(started.error());
+  const auto debug = KAZ_TRY(McuDebug::attach(chip, image->symbols, options.debug));
+  KAZ_TRY(start(chip, options, *image));
   if (options.entry.empty() && chip.peek32(0).value_or(0) == 0xffffffff)
     return fail(Fault::usage,
                 options.image +
@@ -171,34 +167,28 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
     if (sci == 0) std::fputc(byte.value, stdout);
   });
   Feeder feeder;
-  if (const auto opened = feeder.open(options.input); !opened)
-    return tl::unexpected(opened.error());
+  KAZ_TRY(feeder.open(options.input));
 
   Attached attached;
-  if (const auto opened =
-          attached.open(chip, options.netlist, options.vcd, options.signals, options.crystal_hz);
-      !opened)
-    return tl::unexpected(opened.error());
+  KAZ_TRY(attached.open(chip, options.netlist, options.vcd, options.signals, options.crystal_hz));
 
   using Seconds = std::chrono::duration<double>;
   const auto begin = std::chrono::steady_clock::now();
   const h8s::States until =
       options.max_states.value_or(static_cast<h8s::States>(options.crystal_hz));
   if (!options.debug.gdb.empty()) {
-    if (const auto served = serve_gdb(chip, options.debug.gdb); !served)
-      return tl::unexpected(served.error());
-    if (const auto reported = (*debug)->report(); !reported)
-      return tl::unexpected(reported.error());
+    KAZ_TRY(serve_gdb(chip, options.debug.gdb));
+    KAZ_TRY(debug->report());
     return true;
   }
   const h8s::Stop stop = run_until(chip, until, options.json, feeder);
   const double wall_s = Seconds(std::chrono::steady_clock::now() - begin).count();
-  if (const auto closed = attached.close(); !closed) return tl::unexpected(closed.error());
+  KAZ_TRY(attached.close());
   if (std::fflush(stdout) != 0)
     return fail(Fault::environment,
                 std::string("cannot write standard output: ") + std::strerror(errno));
 
-  if (const auto reported = (*debug)->report(); !reported) return tl::unexpected(reported.error());
+  KAZ_TRY(debug->report());
 
   const double chip_s = static_cast<double>(chip.now()) / options.crystal_hz;
   if (options.json) {

@@ -36,16 +36,15 @@ class Monitor {
   // Errors: the board is not there at the start. Later ones are shown, and the board is sought.
   Result<void> run() {
     if (auto connected = connect(); !connected) return connected;
-    auto terminal = Terminal::open();
-    if (!terminal) return tl::unexpected(terminal.error());
+    auto terminal = KAZ_TRY(Terminal::open());
     while (!interrupt_.requested()) {
       const Time begin = clock_.now();
       ask();
-      for (Key key = terminal->key(); key != Key::none; key = terminal->key()) {
+      for (Key key = terminal.key(); key != Key::none; key = terminal.key()) {
         if (key == Key::quit) return leave();
         press(key);
       }
-      terminal->show(lines(view_, selected_, said_));
+      terminal.show(lines(view_, selected_, said_));
       // On the robot's clock: it sends heartbeats while motors are on.
       host::Clock& clock = robot_ ? robot_->clock() : static_cast<host::Clock&>(clock_);
       if (auto slept = clock.sleep_until(begin + kRound); !slept && !interrupt_.requested())
@@ -56,9 +55,8 @@ class Monitor {
 
  private:
   Result<void> connect() {
-    auto link = host::TtyLink::open(port_, baud_, &interrupt_);
-    if (!link) return tl::unexpected(link.error());
-    link_ = std::move(*link);
+    auto link = KAZ_TRY(host::TtyLink::open(port_, baud_, &interrupt_));
+    link_ = std::move(link);
     // Nothing of the board is changed by looking at it.
     auto robot =
         host::Robot::connect(*link_, clock_, {.watchdog = Time::zero(), .reconnect = Time::zero()});
@@ -92,19 +90,15 @@ class Monitor {
   }
 
   Result<void> read() {
-    auto joints = robot_->joints(host::kAllJoints);
-    if (!joints) return tl::unexpected(joints.error());
-    const auto targets = robot_->read_targets();
-    if (!targets) return tl::unexpected(targets.error());
+    auto joints = KAZ_TRY(robot_->joints(host::kAllJoints));
+    const auto targets = KAZ_TRY(robot_->read_targets());
     ++rounds_;
     if (round_++ % kSlow == 0) {
-      const auto health = robot_->health();
-      if (!health) return tl::unexpected(health.error());
-      const auto counts = robot_->board_statistics();
-      if (!counts) return tl::unexpected(counts.error());
-      view_.health = *health;
-      view_.counts = *counts;
-      view_.fault = health->shutdown.empty() ? "" : robot_->describe_fault(health->status);
+      const auto health = KAZ_TRY(robot_->health());
+      const auto counts = KAZ_TRY(robot_->board_statistics());
+      view_.health = health;
+      view_.counts = counts;
+      view_.fault = health.shutdown.empty() ? "" : robot_->describe_fault(health.status);
       // What line 1 says already would push what to do out of the line.
       if (const auto at = view_.fault.find("went off: "); at != std::string::npos)
         view_.fault.erase(0, at + std::string_view("went off: ").size());
@@ -115,8 +109,8 @@ class Monitor {
         rounds_ = 0;
       }
     }
-    view_.joints = std::move(*joints);
-    view_.targets = *targets;
+    view_.joints = std::move(joints);
+    view_.targets = targets;
     view_.link = robot_->statistics();
     view_.there = true;
     return {};
@@ -133,8 +127,7 @@ class Monitor {
   Result<void> enable(std::uint32_t mask) {
     // Motors go on only with a link watchdog that switches them off if this program stops.
     if (!watched_) {
-      if (auto set = robot_->heartbeat(kWatchdog, host::Reaction::limp); !set)
-        return tl::unexpected(set.error());
+      KAZ_TRY(robot_->heartbeat(kWatchdog, host::Reaction::limp));
       watched_ = true;
     }
     return robot_->enable(mask);
@@ -222,12 +215,10 @@ class Monitor {
 }  // namespace
 
 Result<bool> monitor(const std::string& argument) {
-  const auto port = parse_port(argument);
-  if (!port) return tl::unexpected(port.error());
+  const auto port = KAZ_TRY(parse_port(argument));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  if (auto ran = Monitor(port->first, port->second, interrupt).run(); !ran)
-    return tl::unexpected(ran.error());
+  KAZ_TRY(Monitor(port.first, port.second, interrupt).run());
   return true;
 }
 

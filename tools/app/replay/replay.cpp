@@ -45,23 +45,22 @@ std::string topic_of(const sim::McapRecording& recording, const Message& message
 
 Result<SessionOptions> session_of(const sim::McapRecording& recording,
                                   const ReplayOptions& options) {
-  auto recorded = recorded_backend(recording, options.file);
-  if (!recorded) return tl::unexpected(recorded.error());
+  auto recorded = KAZ_TRY(recorded_backend(recording, options.file));
   SessionOptions session;
-  session.behavior = recorded->behavior;
-  session.settings = std::move(recorded->settings);
-  session.backend.world = recorded->world;
-  session.backend.robot_file = recorded->robot_file;
-  session.backend.mcu = recorded->mcu;
-  session.backend.image = recorded->image;
-  session.backend.sensors = recorded->sensors;
-  session.backend.imu = recorded->imu;
-  session.backend.dynamics = recorded->dynamics;
-  session.backend.physics_step_ms = recorded->physics_step_ms;
-  session.backend.supply_volts = recorded->supply_volts;
-  session.backend.eyes = recorded->eyes;
-  session.backend.eye_width = recorded->eye_width;
-  session.backend.seed = options.seed.value_or(recorded->seed);
+  session.behavior = recorded.behavior;
+  session.settings = std::move(recorded.settings);
+  session.backend.world = recorded.world;
+  session.backend.robot_file = recorded.robot_file;
+  session.backend.mcu = recorded.mcu;
+  session.backend.image = recorded.image;
+  session.backend.sensors = recorded.sensors;
+  session.backend.imu = recorded.imu;
+  session.backend.dynamics = recorded.dynamics;
+  session.backend.physics_step_ms = recorded.physics_step_ms;
+  session.backend.supply_volts = recorded.supply_volts;
+  session.backend.eyes = recorded.eyes;
+  session.backend.eye_width = recorded.eye_width;
+  session.backend.seed = options.seed.value_or(recorded.seed);
   for (const auto& [name, value] : options.settings) session.settings[name] = value;
   session.quiet = true;
   session.vision = options.vision;
@@ -158,43 +157,39 @@ Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording
   session.backend.recording = again;
   session.backend.record_pictures = recorded.has_messages("/eyes/left");
   // Whether the behaviour succeeded does not matter, only whether it did the same.
-  if (auto ran = run_session(session); !ran) return tl::unexpected(ran.error());
-  const auto now = sim::McapRecording::load(again);
-  if (!now) return tl::unexpected(now.error());
+  KAZ_TRY(run_session(session));
+  const auto now = KAZ_TRY(sim::McapRecording::load(again));
 
-  const auto difference = first_difference(recorded, *now);
-  print(options, recorded, difference, changed_files(recorded, *now),
-        recorded.whole ? now->messages.size() : recorded.messages.size());
+  const auto difference = first_difference(recorded, now);
+  print(options, recorded, difference, changed_files(recorded, now),
+        recorded.whole ? now.messages.size() : recorded.messages.size());
   return !difference;
 }
 
 Result<bool> replay(const ReplayOptions& options) {
-  const auto recorded = sim::McapRecording::load(options.file);
-  if (!recorded) return tl::unexpected(recorded.error());
-  if (recorded->damaged_chunks > 0)
+  const auto recorded = KAZ_TRY(sim::McapRecording::load(options.file));
+  if (recorded.damaged_chunks > 0)
     return fail(Fault::usage, options.file + ": a chunk is damaged; record the run again");
-  if (!recorded->whole && recorded->messages.empty())
+  if (!recorded.whole && recorded.messages.empty())
     return fail(Fault::usage,
                 options.file +
                     ": was cut off before anything of the run was written; record the "
                     "run again");
-  auto session = session_of(*recorded, options);
-  if (!session) return tl::unexpected(session.error());
+  auto session = KAZ_TRY(session_of(recorded, options));
   if (options.mode == ReplayMode::host && options.seed)
     return fail(Fault::usage,
                 "--seed: the host alone has none; leave it out, or give --whole instead of --host");
   bool whole = options.mode == ReplayMode::whole || options.seed.has_value();
   if (!whole && options.mode == ReplayMode::by_itself) {
-    const auto alone = host_can_run_alone(*recorded, session->behavior);
-    if (!alone) return tl::unexpected(alone.error());
-    whole = !*alone;
+    const auto alone = KAZ_TRY(host_can_run_alone(recorded, session.behavior));
+    whole = !alone;
     if (whole)
       std::fprintf(stderr,
                    "kaz replay: this recording has no pictures, so the simulation runs again too; "
                    "record with\n--record-pictures and the host runs alone\n");
   }
-  return whole ? replay_whole(options, *recorded, std::move(*session))
-               : replay_host(options, *recorded, std::move(*session));
+  return whole ? replay_whole(options, recorded, std::move(session))
+               : replay_host(options, recorded, std::move(session));
 }
 
 }  // namespace kaz::tools

@@ -93,23 +93,20 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
 }  // namespace
 
 Result<bool> host_can_run_alone(const sim::McapRecording& recording, const std::string& behavior) {
-  const auto found = behavior::find_behavior(behavior);
-  if (!found) return tl::unexpected(found.error());
-  return !found->needs_camera || recording.has_messages("/eyes/left");
+  const auto found = KAZ_TRY(behavior::find_behavior(behavior));
+  return !found.needs_camera || recording.has_messages("/eyes/left");
 }
 
 Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording& recording,
                          SessionOptions session) {
-  const auto possible = host_can_run_alone(recording, session.behavior);
-  if (!possible) return tl::unexpected(possible.error());
-  if (!*possible)
+  const auto possible = KAZ_TRY(host_can_run_alone(recording, session.behavior));
+  if (!possible)
     return fail(Fault::usage,
                 options.file + ": it has no pictures, and " + session.behavior +
                     " needs them; record with --record-pictures, or give --whole to run the "
                     "simulation again too");
-  const auto run = RecordedRun::of(recording, options.file);
-  if (!run) return tl::unexpected(run.error());
-  ReplayedBoard board(*run);
+  const auto run = KAZ_TRY(RecordedRun::of(recording, options.file));
+  ReplayedBoard board(run);
   session.open_backend =
       [&board](host::Interrupt& interrupt) -> Result<std::unique_ptr<SessionBackend>> {
     return std::make_unique<ReplayBackend>(board, interrupt);
@@ -122,10 +119,10 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
   if (!ran && (!stopped || ran.error().message.find(stopped->message) == std::string::npos))
     return tl::unexpected(ran.error());
   board.finish();
-  if (!options.quiet) print(options, *run, board);
-  if (options.quiet && run->cut_off)
+  if (!options.quiet) print(options, run, board);
+  if (options.quiet && run.cut_off)
     std::fprintf(stderr, "%s: was cut off; run to its last whole step at %.6f s\n",
-                 options.file.c_str(), seconds(sim::time_of(run->end)));
+                 options.file.c_str(), seconds(sim::time_of(run.end)));
   return !board.difference() && !board.other_thought();
 }
 

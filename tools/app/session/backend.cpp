@@ -63,9 +63,8 @@ class RealBackend final : public SessionBackend {
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override {
     if (camera_path_ == "sim") return {};  // left out
-    auto camera = open_live_camera(camera_path_, calibration_);
-    if (!camera) return tl::unexpected(camera.error());
-    camera_ = std::move(*camera);
+    auto camera = KAZ_TRY(open_live_camera(camera_path_, calibration_));
+    camera_ = std::move(camera);
     return {};
   }
   bool sees() const override { return camera_.camera != nullptr; }
@@ -126,9 +125,7 @@ Result<faults::Schedule> line_faults(const BackendOptions& options) {
 Result<void> check(const BackendOptions& options) {
   const bool sim_robot = options.robot == "sim";
   if (!sim_robot) {
-    if (auto address = parse_robot(options.robot); !address) {
-      return tl::unexpected(address.error());
-    }
+    KAZ_TRY(parse_robot(options.robot));
   }
   const bool blind = !sim_robot && options.camera == "sim" && !options.needs_camera;
   if (!blind && sim_robot != (options.camera == "sim")) {
@@ -149,21 +146,18 @@ namespace {
 
 Result<std::unique_ptr<sim::Simulation>> make_stand(const BackendOptions& options,
                                                     sim::SimulationOptions sim) {
-  const auto robot = data_file("robot/kaz/kaz.urdf");
-  if (!robot) return tl::unexpected(robot.error());
-  const std::filesystem::path beside(*robot);
+  const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
+  const std::filesystem::path beside(robot);
   const auto sensors =
-      sim::load_sensor_file(std::filesystem::path(beside).replace_filename("sensors.xml"));
-  if (!sensors) return tl::unexpected(sensors.error());
-  sim.sensor_params = *sensors;
+      KAZ_TRY(sim::load_sensor_file(std::filesystem::path(beside).replace_filename("sensors.xml")));
+  sim.sensor_params = sensors;
   const std::string file =
       options.motor_file.empty()
           ? std::filesystem::path(beside).replace_filename("motor.xml").string()
           : options.motor_file;
-  const auto motor = sim::load_motor_file(file, options.motor);
-  if (!motor) return tl::unexpected(motor.error());
+  const auto motor = KAZ_TRY(sim::load_motor_file(file, options.motor));
   return sim::make_stand(sim,
-                         {.motor = *motor, .disc_kgm2 = options.disc_kgm2, .seed = options.seed});
+                         {.motor = motor, .disc_kgm2 = options.disc_kgm2, .seed = options.seed});
 }
 
 }  // namespace
@@ -188,9 +182,8 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
   sim.detour_every = std::chrono::milliseconds(std::llround(1000 * options.restore_every_s));
   sim.record_pictures = options.record_pictures;
   if (!options.faults.empty()) {
-    auto schedule = faults::Schedule::load(options.faults);
-    if (!schedule) return tl::unexpected(schedule.error());
-    sim.faults = std::move(*schedule);
+    auto schedule = KAZ_TRY(faults::Schedule::load(options.faults));
+    sim.faults = std::move(schedule);
   }
   sim.recording_facts = {{"kaz", kVersion},
                          {"mcu", options.mcu},
@@ -222,18 +215,15 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
 
 Result<std::unique_ptr<SessionBackend>> SessionBackend::open(const BackendOptions& options,
                                                              host::Interrupt& interrupt) {
-  if (auto valid = check(options); !valid) return tl::unexpected(valid.error());
+  KAZ_TRY(check(options));
   if (options.robot == "sim") {
-    auto simulation = make_simulation(options, sim::FramePolicy::wait);
-    if (!simulation) return tl::unexpected(simulation.error());
-    return std::make_unique<LockstepBackend>(std::move(*simulation), interrupt);
+    auto simulation = KAZ_TRY(make_simulation(options, sim::FramePolicy::wait));
+    return std::make_unique<LockstepBackend>(std::move(simulation), interrupt);
   }
-  auto faults = line_faults(options);
-  if (!faults) return tl::unexpected(faults.error());
+  auto faults = KAZ_TRY(line_faults(options));
   const auto address = parse_robot(options.robot);
-  auto link = host::TtyLink::open(address->path, address->baud, &interrupt);
-  if (!link) return tl::unexpected(link.error());
-  return std::make_unique<RealBackend>(std::move(*link), options, std::move(*faults), interrupt);
+  auto link = KAZ_TRY(host::TtyLink::open(address->path, address->baud, &interrupt));
+  return std::make_unique<RealBackend>(std::move(link), options, std::move(faults), interrupt);
 }
 
 }  // namespace kaz::tools

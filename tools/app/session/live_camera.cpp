@@ -25,8 +25,7 @@ Result<void> check_live_camera(const std::string& where, const std::string& cali
                       " is rectified already: leave it out");
     return {};
   }
-  if (const auto source = host::parse_v4l2_source(where); !source)
-    return tl::unexpected(source.error());
+  KAZ_TRY(host::parse_v4l2_source(where));
   if (calibration.empty())
     return fail(Fault::usage, where +
                                   " needs --calibration FILE (kaz calibrate stereo): pictures of "
@@ -35,20 +34,16 @@ Result<void> check_live_camera(const std::string& where, const std::string& cali
 }
 
 Result<LiveCamera> open_live_camera(const std::string& where, const std::string& calibration) {
-  if (auto valid = check_live_camera(where, calibration); !valid)
-    return tl::unexpected(valid.error());
+  KAZ_TRY(check_live_camera(where, calibration));
   if (!is_real_camera(where)) {
-    auto published = host::PublishedCamera::connect(where);
-    if (!published) return tl::unexpected(published.error());
-    const Time latency = (*published)->latency();
-    return LiveCamera{std::move(*published), latency};
+    auto published = KAZ_TRY(host::PublishedCamera::connect(where));
+    const Time latency = published->latency();
+    return LiveCamera{std::move(published), latency};
   }
-  const auto eyes = vision::read_calibration(calibration);
-  if (!eyes) return tl::unexpected(eyes.error());
+  const auto eyes = KAZ_TRY(vision::read_calibration(calibration));
   const auto source = host::parse_v4l2_source(where);
-  auto real = host::V4l2Camera::open(*source, *eyes);
-  if (!real) return tl::unexpected(real.error());
-  return LiveCamera{std::move(*real), Time::zero()};
+  auto real = KAZ_TRY(host::V4l2Camera::open(*source, eyes));
+  return LiveCamera{std::move(real), Time::zero()};
 }
 
 }  // namespace kaz::tools

@@ -129,9 +129,7 @@ Result<std::vector<std::string>> write_pictures(const RunReport& report, const S
   const figure::PlotPage page = tracking_page(report);
   for (const auto& [name, write] : {std::pair{"pan_tilt.png", &figure::write_plot_png},
                                     std::pair{"pan_tilt.svg", &figure::write_plot_svg}}) {
-    if (auto written = write(folder.path(name), page); !written) {
-      return tl::unexpected(written.error());
-    }
+    KAZ_TRY(write(folder.path(name), page));
     names->push_back(name);
   }
   return names;
@@ -169,9 +167,8 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     const sim::SolverDiagnostics& diagnostics = simulation->world().diagnostics();
     result["unconverged_steps"] = diagnostics.unconverged_steps;
     if (diagnostics.unconverged_steps > 0) result["warning"] = diagnostics.summary();
-    const auto sha256 = simulation->finish_recording();
-    if (!sha256) return tl::unexpected(sha256.error());
-    if (!sha256->empty()) result["recording_sha256"] = *sha256;
+    const auto sha256 = KAZ_TRY(simulation->finish_recording());
+    if (!sha256.empty()) result["recording_sha256"] = sha256;
   } else {
     result["robot"] = report.backend.robot;
   }
@@ -179,25 +176,20 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   result["link"] = link_json(report.link);
   result["vision"] = report.vision;
   if (!out.empty()) {
-    const auto folder = OutputFolder::open(out);
-    if (!folder) return tl::unexpected(folder.error());
+    const auto folder = KAZ_TRY(OutputFolder::open(out));
     if (simulation != nullptr) {
-      auto moved = move_file(partial_recording, folder->path("recording.mcap"));
-      if (!moved) return tl::unexpected(moved.error());
+      KAZ_TRY(move_file(partial_recording, folder.path("recording.mcap")));
       result["recording"] = "recording.mcap";
     }
-    const auto names = write_pictures(report, snapshots, *folder);
-    if (!names) return tl::unexpected(names.error());
-    result["pictures"] = *names;
+    const auto names = KAZ_TRY(write_pictures(report, snapshots, folder));
+    result["pictures"] = names;
     const auto table =
-        figure::write_file(folder->path("vision.csv"),
+        figure::write_file(folder.path("vision.csv"),
                            {reinterpret_cast<const std::uint8_t*>(report.vision_table.data()),
                             report.vision_table.size()});
     if (!table) return tl::unexpected(table.error());
     result["tracking_error"] = thinned_errors(report.score);
-    if (auto written = folder->write_json("result.json", result); !written) {
-      return tl::unexpected(written.error());
-    }
+    KAZ_TRY(folder.write_json("result.json", result));
   }
   return result;
 }

@@ -159,14 +159,11 @@ Error with_recording(Error error, sim::Simulation* simulation, const SessionOpti
 Result<bool> run_session(SessionOptions options) {
   const auto behavior = behavior::find_behavior(options.behavior);
   if (!behavior) return tl::unexpected(behavior.error());
-  const auto values = behavior::OptionValues::parse(behavior->options, options.settings);
-  if (!values) return tl::unexpected(values.error());
-  if (auto known = parse_modules(options.vision.modules); !known)
-    return tl::unexpected(known.error());
+  const auto values = KAZ_TRY(behavior::OptionValues::parse(behavior->options, options.settings));
+  KAZ_TRY(parse_modules(options.vision.modules));
   options.backend.needs_camera = behavior->needs_camera;
-  if (auto valid = check(options.backend); !valid) return tl::unexpected(valid.error());
-  if (auto usable = OutputFolder::check(options.out); !usable)
-    return tl::unexpected(usable.error());
+  KAZ_TRY(check(options.backend));
+  KAZ_TRY(OutputFolder::check(options.out));
 
   // The recording grows elsewhere and moves in with the results when the run has ended.
   const std::string partial = options.out.empty() ? "" : temporary_file("recording.mcap");
@@ -194,12 +191,11 @@ Result<bool> run_session(SessionOptions options) {
                             .frames_path = real ? temporary_file("frames.txt") : std::string()});
   if (!robot) return tl::unexpected(robot.error());
   if (real) {
-    const auto trip = host::measure_round_trip(*robot, *(*backend)->port());
-    if (!trip) return tl::unexpected(trip.error());
-    if (!options.json || trip->slow) std::fprintf(stderr, "kaz: %s\n", trip->sentence.c_str());
+    const auto trip = KAZ_TRY(host::measure_round_trip(*robot, *(*backend)->port()));
+    if (!options.json || trip.slow) std::fprintf(stderr, "kaz: %s\n", trip.sentence.c_str());
   }
 
-  if (auto seen = (*backend)->open_camera(); !seen) return tl::unexpected(seen.error());
+  KAZ_TRY((*backend)->open_camera());
   const bool sees = (*backend)->sees();
   if (behavior->needs_camera && !sees) return tl::unexpected(sim::Simulation::no_eyes());
   RememberingCamera camera((*backend)->camera());
@@ -207,7 +203,7 @@ Result<bool> run_session(SessionOptions options) {
   vision::Pipeline pipeline({(*backend)->pace(), (*backend)->camera_latency()});
   VisionOptions modules = options.vision;
   modules.modules = "color," + modules.modules;
-  if (auto added = add_modules(modules, pipeline); !added) return tl::unexpected(added.error());
+  KAZ_TRY(add_modules(modules, pipeline));
   DeliveryTable deliveries(pipeline);
   if (options.watcher != nullptr) options.watcher->begin(pipeline);
   behavior::PipelineBallDetector detector(capture, pipeline);
@@ -215,11 +211,11 @@ Result<bool> run_session(SessionOptions options) {
   Progress progress(options.label, options.json);
   const Time start = (*backend)->clock().now();
   Listener listener(**backend, snapshots, progress, start,
-                    expected_seconds(*values, behavior->options));
+                    expected_seconds(values, behavior->options));
 
   const auto wall_start = std::chrono::steady_clock::now();
   behavior::Context context{*robot,   robot->clock(), sees ? &detector : nullptr,
-                            listener, *values,        options.backend.seed};
+                            listener, values,         options.backend.seed};
   context.ball_radius_m = options.vision.ball.radius_m;
   if (const auto* simulation = (*backend)->simulation())
     context.other_joints = other_joints(simulation->world());
@@ -254,9 +250,9 @@ Result<bool> run_session(SessionOptions options) {
                    module_statistics_json(pipeline),
                    module_statistics_text(pipeline),
                    deliveries.text()};
-  auto written = write_report(report, (*backend)->simulation(), snapshots, options.out, partial);
-  if (!written) return tl::unexpected(written.error());
-  if (!options.quiet) print_report(*written, report, options.out, options.json);
+  auto written =
+      KAZ_TRY(write_report(report, (*backend)->simulation(), snapshots, options.out, partial));
+  if (!options.quiet) print_report(written, report, options.out, options.json);
   return outcome->success;
 }
 

@@ -79,9 +79,8 @@ Result<vision::Image> Snapshots::outside(const Snapshot& snapshot) const {
     view =
         onlooker(*snapshot.near + (0.55 + 1.1 * snapshot.extent_m) * (kEye - kTarget).normalized(),
                  *snapshot.near);
-  auto picture = simulation_->picture(view, snapshot.pose);
-  if (!picture) return tl::unexpected(picture.error());
-  return vision::Image{picture->width, picture->height, std::move(picture->rgb)};
+  auto picture = KAZ_TRY(simulation_->picture(view, snapshot.pose));
+  return vision::Image{picture.width, picture.height, std::move(picture.rgb)};
 }
 
 Result<std::vector<std::string>> Snapshots::write(const OutputFolder& folder) const {
@@ -102,14 +101,13 @@ Result<std::vector<std::string>> Snapshots::write(const OutputFolder& folder) co
                   snapshot.shown.empty() ? "" : ", ", seconds(snapshot.time));
     if (eye.found)
       std::snprintf(caption, sizeof caption, "left eye: %.2f m by the ball's size", eye.distance_m);
-    auto outside_view = outside(snapshot);
-    if (!outside_view) return tl::unexpected(outside_view.error());
-    if (outside_view->width > 0) panels.push_back({*outside_view, when});
+    auto outside_view = KAZ_TRY(outside(snapshot));
+    if (outside_view.width > 0) panels.push_back({outside_view, when});
     panels.push_back({eye.marked, caption});
     panels.push_back({eye.extraction, "colour extraction"});
     if (eye.found || !best) {
       best = std::move(eye);
-      best_outside = std::move(*outside_view);
+      best_outside = std::move(outside_view);
     }
   }
   if (!best) return names;

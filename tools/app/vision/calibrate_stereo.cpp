@@ -63,12 +63,10 @@ Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board
         static_cast<double>(all.pairs.size()) / static_cast<double>(pairs.size()),
         "looking for the board in " + std::filesystem::path(files.left).filename().string());
     Sighting sighting{files, {}, {}};
-    const auto left = look(files.left, board, all, sighting.left_error);
-    if (!left) return tl::unexpected(left.error());
-    const auto right = look(files.right, board, all, sighting.right_error);
-    if (!right) return tl::unexpected(right.error());
+    const auto left = KAZ_TRY(look(files.left, board, all, sighting.left_error));
+    const auto right = KAZ_TRY(look(files.right, board, all, sighting.right_error));
     all.pairs.push_back(sighting);
-    all.boards.push_back({*left, *right});
+    all.boards.push_back({left, right});
   }
   progress.update(1, "fitting lenses and the transform between the eyes");
   return all;
@@ -165,15 +163,14 @@ void print(const Sightings& seen, const StereoResult& result,
 
 Result<void> write(const StereoResult& result, const Board& board,
                    const StereoCalibrationOptions& arguments) {
-  const auto format = vision::calibration_format(arguments.out);
-  if (!format) return tl::unexpected(format.error());
+  const auto format = KAZ_TRY(vision::calibration_format(arguments.out));
   const auto& c = result.calibration;
   const figure::Panel panels[] = {
       {figure::coverage_picture(result.left, c.width, c.height), "left: corners, residuals x 40"},
       {figure::coverage_picture(result.right, c.width, c.height), "right"}};
   if (auto done = figure::write_png(arguments.coverage, figure::compose(panels, 2, 360)); !done)
     return done;
-  const std::string text = vision::calibration_text(c, *format,
+  const std::string text = vision::calibration_text(c, format,
                                                     {{"board_width", board.columns},
                                                      {"board_height", board.rows},
                                                      {"square_size", board.square_m},
@@ -219,24 +216,20 @@ Result<Board> parse_board(const std::string& text, double square_m) {
 }
 
 Result<bool> calibrate_stereo(StereoCalibrationOptions arguments) {
-  const auto board = parse_board(arguments.board, arguments.square_m);
-  if (!board) return tl::unexpected(board.error());
-  if (auto format = vision::calibration_format(arguments.out); !format)
-    return tl::unexpected(format.error());
+  const auto board = KAZ_TRY(parse_board(arguments.board, arguments.square_m));
+  KAZ_TRY(vision::calibration_format(arguments.out));
   const auto folder = std::filesystem::path(arguments.out).parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder))
     return fail(Fault::usage, "there is no folder '" + folder.string() + "' for --out");
   if (arguments.coverage.empty())
     arguments.coverage =
         std::filesystem::path(arguments.out).replace_extension(".coverage.png").string();
-  const auto pairs = find_pairs(arguments.left, arguments.right);
-  if (!pairs) return tl::unexpected(pairs.error());
-  const auto seen = look_at_all(*pairs, *board, arguments.json);
-  if (!seen) return tl::unexpected(seen.error());
-  const auto result = vision::calibrate_stereo(seen->boards, *board, seen->width, seen->height);
+  const auto pairs = KAZ_TRY(find_pairs(arguments.left, arguments.right));
+  const auto seen = KAZ_TRY(look_at_all(pairs, board, arguments.json));
+  const auto result = vision::calibrate_stereo(seen.boards, board, seen.width, seen.height);
   if (!result) {
     std::string why = result.error().message;
-    for (const Sighting& s : seen->pairs) {
+    for (const Sighting& s : seen.pairs) {
       if (s.left_error.empty() && s.right_error.empty()) continue;
       const bool left = !s.left_error.empty();
       why += "; first left out: '" + (left ? s.files.left : s.files.right) + "', " +
@@ -246,12 +239,12 @@ Result<bool> calibrate_stereo(StereoCalibrationOptions arguments) {
     }
     return fail(result.error().fault, why);
   }
-  if (result->rms_px > arguments.max_rms_px) return too_far_off(*seen, *result, arguments);
-  if (auto done = write(*result, *board, arguments); !done) return tl::unexpected(done.error());
+  if (result->rms_px > arguments.max_rms_px) return too_far_off(seen, *result, arguments);
+  KAZ_TRY(write(*result, board, arguments));
   if (arguments.json) {
-    std::printf("%s\n", as_json(*seen, *result, arguments).dump(2).c_str());
+    std::printf("%s\n", as_json(seen, *result, arguments).dump(2).c_str());
   } else {
-    print(*seen, *result, arguments);
+    print(seen, *result, arguments);
   }
   return true;
 }

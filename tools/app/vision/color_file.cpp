@@ -35,9 +35,9 @@ nlohmann::ordered_json color_json(const vision::ColorRange& range) {
 
 Result<vision::ColorRange> read_color(const std::string& path) {
   constexpr std::size_t max_bytes = 64 << 10;
-  const auto text = read_whole_file(path, max_bytes, "kaz vision learn-color writes such a file");
-  if (!text) return tl::unexpected(text.error());
-  return parse_color(*text, path);
+  const auto text =
+      KAZ_TRY(read_whole_file(path, max_bytes, "kaz vision learn-color writes such a file"));
+  return parse_color(text, path);
 }
 
 Result<vision::ColorRange> parse_color(const std::string& content, const std::string& name) {

@@ -59,10 +59,9 @@ Result<std::vector<std::string>> parse_modules(const std::string& list) {
 }
 
 Result<void> add_modules(const VisionOptions& options, vision::Pipeline& pipeline) {
-  const auto names = parse_modules(options.modules);
-  if (!names) return tl::unexpected(names.error());
+  const auto names = KAZ_TRY(parse_modules(options.modules));
   for (const Kind& kind : kKinds) {
-    if (std::find(names->begin(), names->end(), kind.name) == names->end()) continue;
+    if (std::find(names.begin(), names.end(), kind.name) == names.end()) continue;
     if (auto added = pipeline.add(kind.make(options)); !added) return added;
   }
   return {};

@@ -47,9 +47,8 @@ Result<std::vector<std::string>> matching(const std::string& word, const std::st
 Result<Numbered> numbered(const std::vector<std::string>& words, const std::string& option) {
   Numbered pictures;
   for (const auto& word : words) {
-    const auto paths = matching(word, option);
-    if (!paths) return tl::unexpected(paths.error());
-    for (const auto& path : *paths) {
+    const auto paths = KAZ_TRY(matching(word, option));
+    for (const auto& path : paths) {
       const auto [at, added] = pictures.emplace(number_of(path), path);
       if (!added && at->second != path)
         return fail(Fault::usage, "'" + at->second + "' and '" + path + "' of " + option +

@@ -53,10 +53,9 @@ class Lens {
     Lens lens;
     lens.view_deg_ = options.view_deg;
     if (options.calibration.empty()) return lens;
-    const auto calibration = vision::read_calibration(options.calibration);
-    if (!calibration) return tl::unexpected(calibration.error());
-    lens.calibration_ = *calibration;
-    lens.rectifier_.emplace(*calibration);
+    const auto calibration = KAZ_TRY(vision::read_calibration(options.calibration));
+    lens.calibration_ = calibration;
+    lens.rectifier_.emplace(calibration);
     return lens;
   }
   // Makes of a picture of the left eye what its model is of.
@@ -161,9 +160,8 @@ Result<Looked> look(const std::string& path, const Lens& lens, vision::BallDetec
     looked.error = looked.ball.error->message;
     return looked;
   }
-  const auto written = figure::write_png(folder.path(looked.picture + ".ball.png"),
-                                         overlay(*image, detector.mask(), looked.ball));
-  if (!written) return tl::unexpected(written.error());
+  KAZ_TRY(figure::write_png(folder.path(looked.picture + ".ball.png"),
+                            overlay(*image, detector.mask(), looked.ball)));
   return looked;
 }
 
@@ -191,8 +189,7 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
                     {"radius_m", options.radius_m},
                     {"latency_ms", {{"median", median}, {"max", ms.empty() ? 0 : ms.back()}}},
                     {"pictures", pictures}};
-  if (auto done = folder.write_json("result.json", result); !done)
-    return tl::unexpected(done.error());
+  KAZ_TRY(folder.write_json("result.json", result));
   if (ms.empty())
     return fail(Fault::failed, "none of the " + std::to_string(all.size()) + " pictures in '" +
                                    options.in + "' could be looked at; the first, '" +
@@ -218,9 +215,8 @@ Result<vision::BallOptions> ball_options(const RecordedOptions& options) {
   vision::BallOptions ball;
   ball.radius_m = options.radius_m;
   if (!options.color.empty()) {
-    const auto color = read_color(options.color);
-    if (!color) return tl::unexpected(color.error());
-    ball.color = *color;
+    const auto color = KAZ_TRY(read_color(options.color));
+    ball.color = color;
   }
   return ball;
 }
@@ -240,33 +236,28 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
     return fail(Fault::usage,
                 "distances need the lens: give either --calibration FILE or --view "
                 "DEGREES");
-  const auto paths = pictures_in(options.in);
-  if (!paths) return tl::unexpected(paths.error());
-  const auto lens = Lens::of(options);
-  if (!lens) return tl::unexpected(lens.error());
-  const auto ball = ball_options(options);
-  if (!ball) return tl::unexpected(ball.error());
+  const auto paths = KAZ_TRY(pictures_in(options.in));
+  const auto lens = KAZ_TRY(Lens::of(options));
+  const auto ball = KAZ_TRY(ball_options(options));
   std::error_code error;
   if (fs::equivalent(options.in, options.out, error))
     return fail(Fault::usage,
                 "--out is the folder of --in: choose another for what is made of the "
                 "pictures");
-  const auto folder = OutputFolder::open(options.out);
-  if (!folder) return tl::unexpected(folder.error());
-  vision::BallDetector detector(*ball);
+  const auto folder = KAZ_TRY(OutputFolder::open(options.out));
+  vision::BallDetector detector(ball);
   std::vector<Looked> all;
   {
     Progress progress("kaz vision", options.json);
-    for (const std::string& path : *paths) {
-      progress.update(static_cast<double>(all.size()) / static_cast<double>(paths->size()),
+    for (const std::string& path : paths) {
+      progress.update(static_cast<double>(all.size()) / static_cast<double>(paths.size()),
                       fs::path(path).filename().string());
-      auto looked = look(path, *lens, detector, *folder);
-      if (!looked) return tl::unexpected(looked.error());
-      all.push_back(std::move(*looked));
+      auto looked = KAZ_TRY(look(path, lens, detector, folder));
+      all.push_back(std::move(looked));
     }
     progress.update(1, "done");
   }
-  return report(all, options, ball->color, *folder);
+  return report(all, options, ball.color, folder);
 }
 
 }  // namespace kaz::tools

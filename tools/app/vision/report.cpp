@@ -275,18 +275,16 @@ void VisionReport::export_files(const vision::Frame& frame, const vision::DepthI
   if (folder_ == nullptr || full()) return;
   if (options_.export_depth)
     writer_.add([path = folder_->path(name + ".depth.png"), depth]() -> Result<void> {
-      const auto bytes = vision::depth_png(depth);
-      if (!bytes) return tl::unexpected(bytes.error());
-      return figure::write_file(path, *bytes);
+      const auto bytes = KAZ_TRY(vision::depth_png(depth));
+      return figure::write_file(path, bytes);
     });
   if (options_.export_points)
     writer_.add([path = folder_->path(name + ".points.ply"), depth,
                  images = frame.shared_images()]() -> Result<void> {
       vision::PointCloud cloud;
       vision::point_cloud(depth, cloud);
-      const auto bytes = vision::points_ply(cloud, images->left);
-      if (!bytes) return tl::unexpected(bytes.error());
-      return figure::write_file(path, *bytes);
+      const auto bytes = KAZ_TRY(vision::points_ply(cloud, images->left));
+      return figure::write_file(path, bytes);
     });
 }
 

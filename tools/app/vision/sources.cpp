@@ -28,9 +28,8 @@ Result<VisionOptions> vision_options(const RecordedOptions& options) {
   VisionOptions vision;
   vision.modules = options.modules;
   vision.depth.nearest_m = options.nearest_m;
-  const auto ball = ball_options(options);
-  if (!ball) return tl::unexpected(ball.error());
-  vision.ball = *ball;
+  const auto ball = KAZ_TRY(ball_options(options));
+  vision.ball = ball;
   if (!options.exported.empty()) {
     std::istringstream words(options.exported);
     for (std::string word; std::getline(words, word, ',');) {
@@ -40,7 +39,7 @@ Result<VisionOptions> vision_options(const RecordedOptions& options) {
     }
     vision.modules += vision.modules.empty() ? "depth" : ",depth";
   }
-  if (auto known = parse_modules(vision.modules); !known) return tl::unexpected(known.error());
+  KAZ_TRY(parse_modules(vision.modules));
   return vision;
 }
 
@@ -58,7 +57,7 @@ Result<void> refuse(const VisionOptions& vision, std::initializer_list<std::stri
 // The end of each kind: files and printed summary.
 Result<bool> finish(VisionReport& report, const Json& statistics, const std::string& text,
                     const RecordedOptions& options, const OutputFolder& folder) {
-  if (auto written = report.end(); !written) return tl::unexpected(written.error());
+  KAZ_TRY(report.end());
   const std::string table = report.table();
   const auto written =
       figure::write_file(folder.path("frames.csv"),
@@ -68,8 +67,7 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
                     {"frames_looked_at", report.looked_at()},
                     {"vision", statistics},
                     {"frames", report.frames()}};
-  if (auto done = folder.write_json("result.json", result); !done)
-    return tl::unexpected(done.error());
+  KAZ_TRY(folder.write_json("result.json", result));
   if (report.looked_at() == 0)
     return fail(Fault::failed,
                 report.frames().empty()
@@ -105,13 +103,12 @@ struct PairReader {
     vision::StereoImages raw, rectified;
     for (const auto& [path, image] :
          {std::pair(&files.left, &raw.left), std::pair(&files.right, &raw.right)}) {
-      auto read = vision::read_picture(*path);
-      if (!read) return tl::unexpected(read.error());
-      if (read->width != calibration.width || read->height != calibration.height)
+      auto read = KAZ_TRY(vision::read_picture(*path));
+      if (read.width != calibration.width || read.height != calibration.height)
         return fail(Fault::usage, *path + ": is of another size than the calibration's " +
                                       std::to_string(calibration.width) + " x " +
                                       std::to_string(calibration.height));
-      *image = std::move(*read);
+      *image = std::move(read);
     }
     rectifier.rectify(raw, rectified);
     return rectified;
@@ -155,9 +152,8 @@ struct LiveSource {
 
   Result<void> open(const RecordedOptions& options, host::Interrupt& interrupt) {
     if (options.robot.empty()) {
-      auto connected = open_live_camera(options.in, options.calibration);
-      if (!connected) return tl::unexpected(connected.error());
-      alone = std::move(*connected);
+      auto connected = KAZ_TRY(open_live_camera(options.in, options.calibration));
+      alone = std::move(connected);
       camera = alone.camera.get();
       return {};
     }
@@ -165,9 +161,8 @@ struct LiveSource {
     rig_options.robot = options.robot;
     rig_options.camera = options.in;
     rig_options.calibration = options.calibration;
-    auto opened = SessionBackend::open(rig_options, interrupt);
-    if (!opened) return tl::unexpected(opened.error());
-    backend = std::move(*opened);
+    auto opened = KAZ_TRY(SessionBackend::open(rig_options, interrupt));
+    backend = std::move(opened);
     auto connected = host::Robot::connect(backend->link(), backend->clock(), {});
     if (!connected) return tl::unexpected(connected.error());
     robot.emplace(std::move(*connected));
@@ -190,23 +185,20 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
     return tl::unexpected(fits.error());
   if (options.calibration.empty())
     return fail(Fault::usage, "stereo pairs need --calibration FILE (kaz calibrate stereo)");
-  const auto files = find_pairs(options.left, options.right);
-  if (!files) return tl::unexpected(files.error());
-  const auto calibration = vision::read_calibration(options.calibration);
-  if (!calibration) return tl::unexpected(calibration.error());
-  const auto folder = OutputFolder::open(options.out);
-  if (!folder) return tl::unexpected(folder.error());
-  const PairReader reader{*calibration, vision::Rectifier(*calibration)};
+  const auto files = KAZ_TRY(find_pairs(options.left, options.right));
+  const auto calibration = KAZ_TRY(vision::read_calibration(options.calibration));
+  const auto folder = KAZ_TRY(OutputFolder::open(options.out));
+  const PairReader reader{calibration, vision::Rectifier(calibration)};
 
   vision::Pipeline pipeline({vision::Pace::lockstep, Time(0)});
-  if (auto added = add_modules(*vision, pipeline); !added) return tl::unexpected(added.error());
-  VisionReport report(pipeline, *vision, &*folder);
+  KAZ_TRY(add_modules(*vision, pipeline));
+  VisionReport report(pipeline, *vision, &folder);
   Progress progress("kaz vision", options.json);
   const std::size_t count =
-      options.frames > 0 ? std::min<std::size_t>(options.frames, files->size()) : files->size();
+      options.frames > 0 ? std::min<std::size_t>(options.frames, files.size()) : files.size();
   // Nothing says when the pictures were taken: a second apart, so that each is a frame of its own.
   for (std::size_t i = 0; i < count; ++i) {
-    const PicturePair& pair = (*files)[i];
+    const PicturePair& pair = files[i];
     const std::string left = file_name(pair.left);
     progress.update(static_cast<double>(i) / static_cast<double>(count), left);
     const Json facts{{"left", left}, {"right", file_name(pair.right)}};
@@ -218,7 +210,7 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
     vision::FrameInfo info;
     info.sequence = i;
     info.exposure = std::chrono::seconds(i);
-    info.camera = calibration->rectified;
+    info.camera = calibration.rectified;
     report.begin(i, left, facts);
     pipeline.submit(vision::stereo_pair(std::move(info), std::move(*images)));
     pipeline.finish();
@@ -226,7 +218,7 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
   progress.update(1, "done");
   progress.done();
   return finish(report, module_statistics_json(pipeline), module_statistics_text(pipeline), options,
-                *folder);
+                folder);
 }
 
 Result<bool> run_on_camera(const RecordedOptions& options) {
@@ -242,13 +234,12 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
   const InterruptSignals signals(interrupt);
   host::WallClock clock(&interrupt);
   LiveSource source;
-  if (auto opened = source.open(options, interrupt); !opened) return tl::unexpected(opened.error());
-  const auto folder = OutputFolder::open(options.out);
-  if (!folder) return tl::unexpected(folder.error());
+  KAZ_TRY(source.open(options, interrupt));
+  const auto folder = KAZ_TRY(OutputFolder::open(options.out));
 
   vision::Pipeline pipeline({vision::Pace::realtime, Time(0)});
-  if (auto added = add_modules(*vision, pipeline); !added) return tl::unexpected(added.error());
-  VisionReport report(pipeline, *vision, &*folder, options.frames);
+  KAZ_TRY(add_modules(*vision, pipeline));
+  VisionReport report(pipeline, *vision, &folder, options.frames);
   Progress progress("kaz vision", options.json);
   std::uint64_t taken = 0;
   std::string end;
@@ -281,34 +272,31 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
   if (const std::string summary = source.alone.summary(); !summary.empty())
     std::fprintf(stderr, "kaz vision: cameras: %s\n", summary.c_str());
   return finish(report, module_statistics_json(pipeline), module_statistics_text(pipeline), options,
-                *folder);
+                folder);
 }
 
 Result<bool> run_on_recording(const RecordedOptions& options) {
-  const auto vision = vision_options(options);
-  if (!vision) return tl::unexpected(vision.error());
+  const auto vision = KAZ_TRY(vision_options(options));
   if (!options.calibration.empty() || options.view_deg != 0)
     return fail(Fault::usage, "a recording knows its eyes: leave --calibration and --view out");
-  const auto recorded = sim::McapRecording::load(options.in);
-  if (!recorded) return tl::unexpected(recorded.error());
-  if (!recorded->has_messages("/eyes/left"))
+  const auto recorded = KAZ_TRY(sim::McapRecording::load(options.in));
+  if (!recorded.has_messages("/eyes/left"))
     return fail(Fault::usage, options.in + ": it has no pictures; record with --record-pictures");
-  const auto folder = OutputFolder::open(options.out);
-  if (!folder) return tl::unexpected(folder.error());
-  RecordingWatcher watcher(*vision, *folder, options.frames);
+  const auto folder = KAZ_TRY(OutputFolder::open(options.out));
+  RecordingWatcher watcher(vision, folder, options.frames);
   ReplayOptions replayed;
   replayed.label = "kaz vision run";
   replayed.file = options.in;
   replayed.mode = ReplayMode::host;
   replayed.quiet = true;
   replayed.json = options.json;
-  replayed.vision = *vision;
+  replayed.vision = vision;
   replayed.watcher = &watcher;
   const auto ran = replay(replayed);
   if (!ran) return tl::unexpected(ran.error());
   if (watcher.report() == nullptr)
     return fail(Fault::usage, options.in + ": nothing looked at its pictures");
-  return finish(*watcher.report(), watcher.statistics, watcher.text, options, *folder);
+  return finish(*watcher.report(), watcher.statistics, watcher.text, options, folder);
 }
 
 Result<bool> run_on_source(const RecordedOptions& options) {

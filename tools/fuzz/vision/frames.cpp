@@ -90,10 +90,8 @@ class Watch final : public Module {
     MovingRegions moving;
     const auto& flow = frame.of<FlowImage>("flow");
     if (before == nullptr || flow.width == 0) return std::any(moving);
-    if (auto found = finder_.find(flow, before->left, frame.images().left,
-                                  &frame.of<DepthImage>("depth"), moving);
-        !found)
-      return tl::unexpected(found.error());
+    KAZ_TRY(finder_.find(flow, before->left, frame.images().left, &frame.of<DepthImage>("depth"),
+                         moving));
     return std::any(std::move(moving));
   }
 
