@@ -15,6 +15,7 @@
 #include "sim/body/description/robot_model.h"
 #include "tools/lockstep/lockstep.h"
 #include "vision/pipeline/modules.h"
+#include "vision/pipeline/pipeline.h"
 
 namespace kaz::catching {
 namespace {

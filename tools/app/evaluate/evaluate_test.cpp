@@ -67,7 +67,8 @@ TEST(EpisodeFile, IsReadBackAsItWasWritten) {
 }
 
 TEST(EpisodeFile, NamesFileAndFieldThatIsWrong) {
-  for (const auto& field : episode(1, true, 1).items()) {
+  const Json whole = episode(1, true, 1);
+  for (const auto& field : whole.items()) {
     for (const bool missing : {true, false}) {
       Json damaged = episode(1, true, 1);
       if (missing) {
