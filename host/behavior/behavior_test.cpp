@@ -147,7 +147,7 @@ TEST_F(Stand, GetsThereAlthoughTheBoardWasResetOnTheWay) {
   EXPECT_NEAR(board.angles_at(board.now())[host::l_knee] / kDegree, 55.6, 1);
 }
 
-TEST(ControlCycle, TellsThatTheLinkWasLost) {
+TEST(ControlCycle, ReportsThatTheLinkWasLost) {
   host::TestBoard board;
   host::Robot robot = host::connect_to(board);
   Recording recording;

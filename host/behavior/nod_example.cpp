@@ -23,6 +23,7 @@ Result<Outcome> run(Context& context) {
     const host::JointTarget tilt[] = {{host::neck_tilt, half % 2 == 0 ? 0.3 : 0.0}};
     const Time end = context.clock.now() + from_seconds(0.4);
     while (context.clock.now() < end) {
+      // Sends the target, waits for the next control cycle.
       const auto input = KAZ_TRY(cycle.next(tilt));
       deepest = std::max(deepest, input.posture.angle[host::neck_tilt]);
     }

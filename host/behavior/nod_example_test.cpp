@@ -1,4 +1,4 @@
-// The example behaviour works, and docs/reference/host.md prints it as it is compiled.
+// The example behaviour works, and docs/tutorial/own-behavior.md prints it as it is compiled.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
@@ -35,8 +35,8 @@ TEST(NodExample, Nods) {
 TEST(NodExample, IsTheOneInTheDocumentation) {
   const std::string code = contents("host/behavior/nod_example.cpp");
   ASSERT_FALSE(code.empty());
-  EXPECT_NE(contents("docs/reference/host.md").find("```cpp\n" + code + "```"), std::string::npos)
-      << "copy host/behavior/nod_example.cpp into docs/reference/host.md";
+  EXPECT_NE(contents("docs/tutorial/own-behavior.md").find("```cpp\n" + code + "```"), std::string::npos)
+      << "copy host/behavior/nod_example.cpp into docs/tutorial/own-behavior.md";
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ TEST(V4l2Camera, ErrorsSayWhatWhereAndWhatToDo) {
   }
 }
 
-TEST(V4l2Camera, WhatIsNoCameraIsTold) {
+TEST(V4l2Camera, FilesThatAreNoCameraAreReported) {
   const auto file = std::filesystem::temp_directory_path() / "kaz_v4l2_camera_test";
   std::ofstream(file) << "no camera";
   const std::pair<std::string, const char*> cases[] = {

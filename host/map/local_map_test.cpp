@@ -250,7 +250,7 @@ TEST(LocalMap, SurvivesDepthsOfAnySize) {
   EXPECT_EQ(known(map), 0);
 }
 
-TEST(LocalMap, TellsWhetherAFootprintIsFree) {
+TEST(LocalMap, ReportsWhetherAFootprintIsFree) {
   LocalMap map = make();
   for (std::uint64_t k = 1; k <= 3; ++k) enter(map, kBoxAhead.seen(test_eye(0, 0.5), 0, k));
   const auto at = [&](double x, double y, double turn, double length = 0.10) {

@@ -71,7 +71,7 @@ TEST(Gait, RollFollowsTheCriterion) {
   EXPECT_GT(roll_for({.period = 1.5}), roll) << "slower needs more lean: less is thrown";
 }
 
-TEST(Gait, FeetAreFlatAndWhereTheyAreAsked) {
+TEST(Gait, FeetAreFlatAndAtTheirTargets) {
   for (const double roll : {-20.0, 0.0, 13.0}) {
     const Stance stance{.x = -0.01, .z = 0.14, .pitch = 6 * kDegree, .roll = roll * kDegree};
     JointAngles angles = home();

@@ -41,7 +41,7 @@ TEST(Inverse, LegsComeBack) {
   EXPECT_GT(reached, 150);
 }
 
-TEST(Inverse, HandsComeWhereTheyAreAsked) {
+TEST(Inverse, HandsReachTheirTargets) {
   int reached = 0;
   for (int n = 1; n <= 200; ++n) {
     for (const Side side : {Side::left, Side::right}) {

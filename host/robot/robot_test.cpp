@@ -87,7 +87,7 @@ TEST(Robot, RefusalsNameJointAndReason) {
   EXPECT_NE(weak.error().message.find("supply"), std::string::npos) << weak.error().message;
 }
 
-TEST(Robot, AsksAgainWhenFramesAreLostOrDamaged) {
+TEST(Robot, RepeatsRequestsWhenFramesAreLostOrDamaged) {
   TestBoard board;
   Robot robot = connect_to(board);
   int count = 0;
@@ -238,7 +238,7 @@ TEST(Robot, PostureAtInterpolates) {
 
 // A code of the gyro is 0.977 degrees/s, one of the accelerometer 0.0157 g; each stands
 // for its middle.
-TEST(Robot, AsksGyroAndAccelerometerAlong) {
+TEST(Robot, ReadsGyroAndAccelerometerToo) {
   TestBoard board;
   Robot robot = connect_to(board);
   EXPECT_FALSE(robot.sense_inertial().value()) << "all three inputs grounded";

@@ -101,7 +101,7 @@ const kz_field_info& field_of(const char* message, const std::string& field) {
   return kz_messages[0].fields[0];
 }
 
-TEST(MessageInfo, TellsTheBounds) {
+TEST(MessageInfo, ReportsTheBounds) {
   EXPECT_EQ(field_of("raw_drive", "duty").low, -255);
   EXPECT_EQ(field_of("raw_drive", "duty").high, 255);
   EXPECT_EQ(field_of("raw_drive", "duty").bounded, 1);

@@ -256,7 +256,7 @@ TEST(Action, SetAddressIsAnsweredWhenItIsStored) {
   EXPECT_EQ(board.servo.address, KZ_ADDRESS_DEFAULT);  // until the next reset
 }
 
-TEST(Action, AFailedWriteIsTold) {
+TEST(Action, AFailedWriteIsReported) {
   TestBoard board;
   board.action_result = KZ_RESULT_FAILED;
   ASSERT_EQ(board.unlock(10), 0);

@@ -119,7 +119,7 @@ TEST(StoreCalibration, IsAnsweredWhenItIsStored) {
   EXPECT_EQ(board.actions.size(), 1u);
 }
 
-TEST(StoreCalibration, AFailedWriteIsTold) {
+TEST(StoreCalibration, AFailedWriteIsReported) {
   TestBoard board;
   board.action_result = KZ_RESULT_FAILED;
   EXPECT_EQ(board.outcome(KZ_TYPE_store_calibration, {}), KZ_REFUSED_STORE);

@@ -51,7 +51,7 @@ TEST_F(Protection, AStalledMotorIsSwitchedOffAfterASecond) {
   EXPECT_EQ(board.clear(), 0);  // it is not stalled any more: it is off
 }
 
-TEST_F(Protection, StallIsToldBeforeItSwitchesOff) {
+TEST_F(Protection, StallIsReportedBeforeItSwitchesOff) {
   push(1.0);
   board.ticks(500);
   EXPECT_TRUE(kz_joint_flags(&board.servo.joint[knee], 0) & KZ_JOINT_STALLED);

@@ -60,7 +60,7 @@ TEST(Queue, TheLastOfThoseTooManyIsRefusedWhenTheWireIsFree) {
   EXPECT_EQ(board.servo.enabled, 1u);
 }
 
-TEST(Queue, AReplyTellsOfTheMomentInWhichItIsMade) {
+TEST(Queue, AReplyDescribesTheTickInWhichItIsMade) {
   TestBoard board;
   board.send(KZ_TYPE_state, 1, {});
   board.send(KZ_TYPE_state, 2, {});

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int neck_pan = 0, r_sh_pitch = 6, l_hand = 5;
 
-TEST(Replies, HealthTellsWhatIsMeasured) {
+TEST(Replies, HealthReportsWhatIsMeasured) {
   TestBoard board;
   board.input.analog[KZ_ANALOG_SUPPLY] = 600;
   board.input.analog[KZ_ANALOG_TEMPERATURE] = 312;
@@ -27,7 +27,7 @@ TEST(Replies, HealthTellsWhatIsMeasured) {
   EXPECT_EQ(health.status, 0);
 }
 
-TEST(Replies, SelfTestTellsWhatTheStartFound) {
+TEST(Replies, SelfTestReportsWhatTheStartFound) {
   kz_startup startup = TestBoard::valid_startup();
   startup.tests_done = KZ_TEST_RAM | KZ_TEST_FLASH | KZ_TEST_CONVERTER;
   startup.start_8states = 12345;
@@ -39,7 +39,7 @@ TEST(Replies, SelfTestTellsWhatTheStartFound) {
   EXPECT_EQ(test.start_8states, 12345);
 }
 
-TEST(Replies, ReadTargetsTellsTargetsAndAnglesOfWhatIsOff) {
+TEST(Replies, ReadTargetsReportsTargetsAndAnglesOfWhatIsOff) {
   TestBoard board;
   board.set_pot(1, 555);
   ASSERT_EQ(board.enable(0b1), 0);
@@ -58,7 +58,7 @@ TEST(Replies, ReadTargetsOfAJointJustSwitchedOnIsItsAngle) {
   EXPECT_EQ(board.read_targets(1).angle[0], kz_pot_angle(&kz_board_joints[0], 600));
 }
 
-TEST(Replies, JointsTellsAngleSpeedAndDrive) {
+TEST(Replies, JointsReportsAngleSpeedAndDrive) {
   TestBoard board;
   const u32 mask = 1u << neck_pan | 1u << r_sh_pitch | 1u << 17;
   ASSERT_EQ(board.enable(mask), 0);
@@ -81,7 +81,7 @@ TEST(Replies, JointsTellsAngleSpeedAndDrive) {
   }
 }
 
-TEST(Replies, JointsTellsFlags) {
+TEST(Replies, JointsReportsFlags) {
   TestBoard board;
   ASSERT_EQ(board.enable(0b1), 0);
   ASSERT_EQ(board.target(neck_pan, 5000, 2000), 0);
@@ -103,7 +103,7 @@ TEST(Replies, JointsTakesNineAndNoMore) {
   EXPECT_EQ(board.outcome(KZ_TYPE_joints, {0, 4, 0, 0}), KZ_REFUSED_RANGE);
 }
 
-TEST(Replies, SettingsTellsWhatIsInForceAfterAReset) {
+TEST(Replies, SettingsReportsWhatIsInForceAfterAReset) {
   TestBoard board;
   const kz_settings_reply neck = board.settings(neck_pan), hand = board.settings(l_hand);
   EXPECT_EQ(neck.joint, neck_pan);
@@ -120,7 +120,7 @@ TEST(Replies, SettingsTellsWhatIsInForceAfterAReset) {
   EXPECT_EQ(board.detail, 0);
 }
 
-TEST(Replies, CalibrationTellsValuesSourceAndWear) {
+TEST(Replies, CalibrationReportsValuesSourceAndWear) {
   kz_startup startup = TestBoard::valid_startup();
   startup.calibration = KZ_CALIBRATION_B;
   startup.pot_centre[3] = 777;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr u32 all_joints = (1u << KZ_JOINTS) - 1;
 
-TEST(Requests, IdentifyTellsWhatTheBoardIs) {
+TEST(Requests, IdentifyReportsWhatTheBoardIs) {
   kz_startup startup;
   kz_startup_nominal(&startup);
   startup.image_crc = 0xABCD;
@@ -47,7 +47,7 @@ TEST(Requests, StateReplyHasTheAnglesAndTheTickOfTheirMeasurement) {
   EXPECT_EQ(state.supply_mv, 667 * 15);
 }
 
-TEST(Requests, StatisticsTellOfTicksAndDamagedFrames) {
+TEST(Requests, StatisticsCountTicksAndDamagedFrames) {
   TestBoard board;
   board.input.busy_8states = 800;
   board.input.worst_8states = 900;

@@ -171,7 +171,7 @@ TEST(Shutdown, InformationIsGivenWhateverIsLatched) {
   }
 }
 
-TEST(Shutdown, MissedTicksAreToldUntilClearButThoseOfFlashAreNot) {
+TEST(Shutdown, MissedTicksAreReportedUntilClearButThoseOfFlashAreNot) {
   TestBoard board;
   board.input.missed = 2500;
   board.input.result = KZ_RESULT_DONE;

@@ -48,7 +48,7 @@ TEST(Telemetry, ComesEveryPeriodBeginningOnePeriodAfterTheRequest) {
   EXPECT_EQ(board.status(), 0);
 }
 
-TEST(Telemetry, TellsAnglesCommandsDrivesAndHealth) {
+TEST(Telemetry, ReportsAnglesCommandsDrivesAndHealth) {
   TestBoard board;
   board.set_pot(1, 600);
   board.input.busy_8states = 1000;

@@ -206,7 +206,7 @@ TEST(Native, ListensShortlyBeforeTheFirstTick) {
   EXPECT_EQ(first, 0u);
 }
 
-TEST(Native, RestartThatWasAskedForIsReported) {
+TEST(Native, RequestedRestartIsReported) {
   auto mcu = started();
   std::vector<States> restarts;
   mcu->on_watchdog_reset([&restarts](States at) { restarts.push_back(at); });

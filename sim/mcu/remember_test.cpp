@@ -150,7 +150,7 @@ TEST_P(Remember, CalibrationOutlivesThePower) {
   EXPECT_EQ(offset_in_use(), 100);
 }
 
-TEST_P(Remember, WearIsTold) {
+TEST_P(Remember, WearIsReported) {
   for (int i = 1; i <= 22; ++i) {
     ASSERT_EQ(calibrate(i), 0);
     ASSERT_EQ(outcome(KZ_TYPE_store_calibration, {}, 3000 * ms), 0);
@@ -192,7 +192,7 @@ TEST_P(Remember, BytesThatCameMeanwhileAreLostAndTheNextFrameIsHeard) {
   EXPECT_EQ(statistics.overruns, 1);
 }
 
-TEST_P(Remember, ResetAnswersFirstAndIsToldAfterwards) {
+TEST_P(Remember, ResetAnswersFirstAndIsReportedAfterwards) {
   ASSERT_EQ(outcome(KZ_TYPE_reset, key()), 0);
   run(100 * ms);
   const kz_identify_reply reply = identity();

@@ -66,7 +66,7 @@ TEST(BenchJson, ComesBackAsItWas) {
   EXPECT_EQ(bench_json(*is), bench_json(was));
 }
 
-TEST(BenchJson, TellsWhatIsThere) {
+TEST(BenchJson, ReportsWhatIsThere) {
   const auto all = nlohmann::json::parse(bench_json(test_report()));
   EXPECT_EQ(all["passed"], 5);
   EXPECT_EQ(all["failed"], 3);

@@ -200,7 +200,7 @@ TEST_F(Degenerate, HugeTorquesStayWithinTheStops) {
 
 // Ten thousand times: joints would turn by many radians in a step. The world stops before, at numbers,
 // and says so.
-TEST_F(Degenerate, WhatTurnsTooFastForAStepIsTold) {
+TEST_F(Degenerate, RotationTooFastForAStepIsReported) {
   const auto world = strong_kaz(10'000);
   ASSERT_TRUE(world);
   for (int i = 0; i < 3000 && world->diagnostics().failure.empty(); ++i)

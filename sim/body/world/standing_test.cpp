@@ -199,7 +199,7 @@ TEST_P(Standing, LimpArmFallsAndRestsAtItsFriction) {
   EXPECT_NEAR(world->joints()[2].angle, raised, 0.3 * kDegree);
 }
 
-TEST(Motors, TellTemperatureAndCurrent) {
+TEST(Motors, ReportTemperatureAndCurrent) {
   for (const bool ideal : {false, true}) {
     WorldOptions options;
     options.hung = true;

@@ -116,7 +116,7 @@ TEST(Ports, ReadMixesLatchAndPins) {
   EXPECT_EQ(chip.output(Port::p3), (PortOutput{0xa0, 0xf0}));
 }
 
-TEST(Ports, ChangesAreToldWithTheirState) {
+TEST(Ports, ChangesAreReportedWithTheirState) {
   Program p;
   p.out8(0xffffb4, 0xff).out8(0xffffb6, 0x01).out8(0xffffb6, 0x01).out8(0xffffb6, 0x03).stay();
   Chip chip = make_chip(p);

@@ -156,7 +156,7 @@ TEST(Dtc, CountZeroIs65536) {
   EXPECT_EQ(chip.peek(kDtcera), 0x80);
 }
 
-TEST(Dtc, DiselTellsTheCpuEachTime) {
+TEST(Dtc, DiselReportsTheCpuEachTime) {
   Chip chip = irq_chip(true);
   put(chip, kBlock0, {kSourceUp | kTargetUp, kTell, kFrom, kTo, 9});
   request(chip);

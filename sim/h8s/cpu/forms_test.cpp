@@ -371,7 +371,7 @@ TEST_P(EveryRow, OfTheOpcodeTableDoesWhatTheManualSays) {
 }
 
 // The other setting of Options::predecrement_stores_decremented.
-TEST_P(EveryRow, ThatDecrementsStoresTheOldRegisterWhereItIsAsked) {
+TEST_P(EveryRow, ThatDecrementsStoresTheOldRegisterIfRequested) {
   Options other = options();
   other.predecrement_stores_decremented = false;
   int tried = 0;

@@ -170,7 +170,7 @@ class Loading : public ::testing::Test {
   std::string path_ = ::testing::TempDir() + "kaz_formats_test_image";
 };
 
-TEST_F(Loading, TellsTheFormatByTheContents) {
+TEST_F(Loading, ReportsTheFormatByTheContents) {
   EXPECT_EQ(load_image(file(small_elf()))->entry, 0x402u);
   const std::string hex = ":0100000055AA\n:00000001FF\n";
   EXPECT_EQ(load_image(file({hex.begin(), hex.end()}))->segments.size(), 1u);

@@ -171,7 +171,7 @@ TEST(Eyes, SkipExposuresWhileNobodyLooks) {
   EXPECT_FALSE(eyes.next_pair(std::chrono::seconds(2)));
 }
 
-TEST(Eyes, TellWhyThereAreNoPictures) {
+TEST(Eyes, ReportWhyThereAreNoPictures) {
   RenderThread draws({}, []() -> Result<std::unique_ptr<Renderer>> {
     return fail(Fault::environment, "no OpenGL here");
   });

@@ -16,7 +16,7 @@ struct Heard {
   HostWatch watch{"board", [this](const std::string& line) { lines.push_back(line); }};
 };
 
-TEST(HostWatch, TellsComingGoingAndMotors) {
+TEST(HostWatch, ReportsComingGoingAndMotors) {
   Heard heard;
   heard.watch.presence(milliseconds(10), true, 115200);
   heard.watch.presence(milliseconds(11), true, 115200);
@@ -30,7 +30,7 @@ TEST(HostWatch, TellsComingGoingAndMotors) {
                                       "motors off, 200 ms after the host's last byte"}));
 }
 
-TEST(HostWatch, TellsSilenceOnce) {
+TEST(HostWatch, ReportsSilenceOnce) {
   Heard heard;
   heard.watch.presence(milliseconds(0), true, 115200);
   heard.watch.check_silence(milliseconds(5000));  // it never spoke
@@ -44,7 +44,7 @@ TEST(HostWatch, TellsSilenceOnce) {
                                                    "host talks again"}));
 }
 
-TEST(HostWatch, TellsAWrongSpeed) {
+TEST(HostWatch, ReportsAWrongSpeed) {
   Heard heard;
   heard.watch.presence(milliseconds(0), true, 115200);
   heard.watch.presence(milliseconds(1), true, 9600);
@@ -54,7 +54,7 @@ TEST(HostWatch, TellsAWrongSpeed) {
   EXPECT_NE(heard.lines[1].find("115200"), std::string::npos);
 }
 
-TEST(HostWatch, TellsLostBytesOnce) {
+TEST(HostWatch, ReportsLostBytesOnce) {
   Heard heard;
   heard.watch.presence(milliseconds(0), true, 115200);
   heard.watch.bytes_lost(12);

@@ -66,6 +66,7 @@ class Mutants:
         self.compare_ticks = compare_ticks
         self.healthy_failures = {"native": set(), "h8": set()}
         self.image_steps = []
+        self.suite_libraries = []
 
     # What is built.
 
@@ -108,6 +109,15 @@ class Mutants:
             raise CannotBeMade("does not link: " + last_line(linked.stderr))
         return str(program)
 
+    def read_suite_libraries(self):
+        """What the build links the suite with: of a library that is compiled in groups of sources, all."""
+        listed = command([self.config["ninja"], "-C", str(self.build), "-t", "commands",
+                          os.path.relpath(self.config["whole"], self.build)])
+        last = listed.stdout.strip().splitlines()[-1]
+        arguments = last[last.index(" -o "):].split(" && ")[0].split()[2:]
+        self.suite_libraries = [word if word.startswith(("-l", "/")) else str(self.build / word)
+                                for word in arguments]
+
     def read_image_steps(self):
         """How the build makes the image, a command for each object and those for the whole."""
         listed = command([self.config["ninja"], "-C", str(self.build), "-t", "commands",
@@ -146,7 +156,7 @@ class Mutants:
             side, program = "h8", [self.config["image_suite"], f"{image}.mot"]
         elif mutation:
             side, program = "native", [self.link_native(mutation, folder, "suite", [self.config["runner"]],
-                                                        self.config["libraries"])]
+                                                        self.suite_libraries)]
         else:
             side, program = "native", [self.config["whole"]]
         ran = command(program)
@@ -273,6 +283,8 @@ def main():
         sys.exit(f"--only {options.only}: no such mutation")
     if any(one["file"].startswith("firmware/") for one in chosen):
         mutants.read_image_steps()
+    if any(one["file"].startswith("shared/") for one in chosen):
+        mutants.read_suite_libraries()
 
     counts = collections.Counter()
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
