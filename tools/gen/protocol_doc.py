@@ -37,17 +37,18 @@ def declaration(field):
 
 
 def field_table(fields, at):
-    """Rows of fields that begin at byte `at`, without the columns that would be empty. A single field is a
-    sentence."""
+    """Rows of fields that begin at byte `at`; without the column for range and unit where it would be
+    empty. A single field is a sentence."""
     rows = []
     for field in fields:
-        rows.append([str(at), declaration(field), field.unit, range_of(field), field.text])
+        values = ", ".join(part for part in (range_of(field), field.unit) if part)
+        rows.append([str(at), declaration(field), values, field.text])
         # How many numbers a mask leaves out is not known: what follows stands behind it.
         at = "then" if field.kind == "masked" or at == "then" else at + field.size_max()
     if len(rows) == 1:
         _, name, *facts = rows[0]
         return [f"{name}: {', '.join(fact for fact in facts if fact)}.", ""]
-    titles = ["at", "field", "unit", "range", "meaning"]
+    titles = ["at", "field", "range, unit", "meaning"]
     used = [i for i, _ in enumerate(titles) if any(row[i] for row in rows)]
     table = [[titles[i] for i in used]] + [[row[i] for i in used] for row in rows]
     lines = [f"| {' | '.join(row)} |" for row in table]
@@ -101,8 +102,8 @@ def constant_rows(constants, prefix):
             if name.startswith(prefix) and not name.endswith("_MS")]
 
 
-def constant_list(constants, prefix):
-    return [", ".join(f"{name[len(prefix):]} {value}" + (f" ({text})" if text else "")
+def constant_list(constants, prefix, with_text=True):
+    return [", ".join(f"{name[len(prefix):]} {value}" + (f" ({text})" if text and with_text else "")
                       for name, (value, text) in constants.items()
                       if name.startswith(prefix) and not name.endswith("_MS")) + "."]
 
@@ -127,7 +128,6 @@ def example(title, body, meaning):
     check = check_of(stuffed)
     return [f"{title}", "", "| part | bytes | |", "|---|---|---|",
             f"| body | `{hex_of(body)}` | {meaning} |",
-            f"| stuffed | `{hex_of(stuffed)}` | |",
             f"| check | `{hex_of(check)}` | CRC of the stuffed bytes: 0x{crc16(stuffed):04x} |",
             f"| on the wire | `{hex_of(bytes([0]) + stuffed + check + bytes([0]))}` | |", ""]
 
@@ -153,10 +153,11 @@ def document(root):
             "500 ms:",
             targets, "mask 00000003, 500 ms = 01f4, 1000 = 03e8, −2 = fffe"),
         "STATUS": constant_rows(constants, "KZ_STATUS_"),
-        "REFUSED": constant_rows(constants, "KZ_REFUSED_"),
+        "REFUSED": constant_list(constants, "KZ_REFUSED_", False),
+        "SHUTDOWN": constant_list(constants, "KZ_SHUTDOWN_", False),
+        "JOINT": constant_rows(constants, "KZ_JOINT_"),
         "RESET": constant_list(snapshot, "KZ_RESET_"),
         "JOINTS": joint_rows(root),
-        **{name: constant_rows(constants, f"KZ_{name}_") for name in ("SHUTDOWN", "JOINT")},
         **{name: constant_list(constants, f"KZ_{name}_")
            for name in ("REACTION", "CAPABILITY", "TELEMETRY", "TEST", "CALIBRATION")},
     }
