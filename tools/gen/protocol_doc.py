@@ -8,6 +8,7 @@ Writes ROOT/docs/reference/protocol.md; with --check only compares, and fails if
 import re
 import struct
 import sys
+import textwrap
 
 import generated_file
 import limits
@@ -33,26 +34,30 @@ def range_of(field):
 def declaration(field):
     """As in C: `u16 kp`, `s16 angle[18]`, `s16 angle[mask]`."""
     count = {"one": "", "array": f"[{field.most}]", "masked": f"[{field.mask}]"}[field.kind]
-    return f"`{field.type} {field.name}{count}`"
+    return f"{field.type} {field.name}{count}"
+
+
+def listing(rows):
+    """Rows of cells as lines with aligned columns; a last cell too long for its line is wrapped."""
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]) - 1)]
+    starts = "  ".join(f"{{:{width}}}" for width in widths if width)
+    lines = ["```"]
+    for row in rows:
+        start = starts.format(*(cell for cell, width in zip(row, widths) if width)) + "  "
+        lines += textwrap.wrap(row[-1].replace("`", ""), 110, initial_indent=start,
+                               subsequent_indent=" " * len(start)) or [start.rstrip()]
+    return [*lines, "```", ""]
 
 
 def field_table(fields, at):
-    """Rows of fields that begin at byte `at`; without the column for range and unit where it would be
-    empty. A single field is a sentence."""
+    """Offset, declaration, range, unit and meaning of fields that begin at byte `at`."""
     rows = []
     for field in fields:
-        values = ", ".join(part for part in (range_of(field), field.unit) if part)
-        rows.append([str(at), declaration(field), values, field.text])
+        unit = f"[{field.unit}] " if field.unit else ""
+        rows.append([f"{at:>4}", declaration(field), range_of(field), unit + field.text])
         # How many numbers a mask leaves out is not known: what follows stands behind it.
         at = "then" if field.kind == "masked" or at == "then" else at + field.size_max()
-    if len(rows) == 1:
-        _, name, *facts = rows[0]
-        return [f"{name}: {', '.join(fact for fact in facts if fact)}.", ""]
-    titles = ["at", "field", "range, unit", "meaning"]
-    used = [i for i, _ in enumerate(titles) if any(row[i] for row in rows)]
-    table = [[titles[i] for i in used]] + [[row[i] for i in used] for row in rows]
-    lines = [f"| {' | '.join(row)} |" for row in table]
-    return [lines[0], "|---" * len(used) + "|", *lines[1:], ""]
+    return listing(rows)
 
 
 def length_of(message):
@@ -97,9 +102,8 @@ def sections(names, messages, printed):
 
 
 def constant_rows(constants, prefix):
-    return [f"| {name[len(prefix):]} | {value} | {text} |"
-            for name, (value, text) in constants.items()
-            if name.startswith(prefix) and not name.endswith("_MS")]
+    return listing([[value, name[len(prefix):], text] for name, (value, text) in constants.items()
+                    if name.startswith(prefix) and not name.endswith("_MS")])
 
 
 def constant_list(constants, prefix, with_text=True):
@@ -116,11 +120,11 @@ def joint_rows(root):
     for i, joint in enumerate(limits.read_joints(f"{root}/shared/board/joints.def")):
         bounds = limits.limits_of(urdf, model, joint)
         rows.setdefault((joint[0].removeprefix("l_").removeprefix("r_"), bounds), []).append((i, joint[0]))
-    lines = ["| joint | name | lower | upper |", "|---|---|---|---|"]
+    table = []
     for (_, (lower, upper)), same in rows.items():
         numbers, names = (", ".join(str(joint[i]) for joint in same) for i in (0, 1))
-        lines.append(f"| {numbers} | {names} | {lower} | {upper} |")
-    return lines
+        table.append([numbers, names, f"{lower}..{upper}"])
+    return listing(table)
 
 
 def example(title, body, meaning):
