@@ -132,8 +132,8 @@ def example(title, body, meaning):
     check = check_of(stuffed)
     return [f"{title}", "", "| part | bytes | |", "|---|---|---|",
             f"| body | `{hex_of(body)}` | {meaning} |",
-            f"| check | `{hex_of(check)}` | CRC of the stuffed bytes: 0x{crc16(stuffed):04x} |",
-            f"| on the wire | `{hex_of(bytes([0]) + stuffed + check + bytes([0]))}` | |", ""]
+            f"| on the wire | `{hex_of(bytes([0]) + stuffed + check + bytes([0]))}` "
+            f"| CRC of the stuffed bytes: 0x{crc16(stuffed):04x} |", ""]
 
 
 def with_value(match, constants):
