@@ -8,6 +8,7 @@ Writes ROOT/docs/reference/protocol.md; with --check only compares, and fails if
 import re
 import struct
 import sys
+import textwrap
 
 import generated_file
 import limits
@@ -30,43 +31,100 @@ def range_of(field):
     return f"{field.low}..{field.high}"
 
 
-def field_row(field, at):
-    kind = {"one": field.type, "array": f"{field.type} × {field.most}",
-            "masked": f"{field.type} for each bit of `{field.mask}`"}[field.kind]
-    return f"| {at} | {kind} | `{field.name}` | {field.unit} | {range_of(field)} | {field.text} |"
+def declaration(field):
+    """As in C: `u16 kp`, `s16 angle[18]`, `s16 angle[mask]`."""
+    count = {"one": "", "array": f"[{field.most}]", "masked": f"[{field.mask}]"}[field.kind]
+    return f"{field.type} {field.name}{count}"
 
 
-def message_section(message):
-    low, high = message.size_min(), message.size_max()
-    if not message.fields:
-        return [f"### 0x{message.code:02x} {message.name}", "", message.text, "", "No fields.", ""]
-    length = f"{low}" if low == high else f"{low} to {high}"
-    lines = [f"### 0x{message.code:02x} {message.name}", "", message.text, "",
-             f"{length} byte{'s' if high > 1 else ''} of fields.", "",
-             "| at | type | field | unit | range | meaning |", "|---|---|---|---|---|---|"]
-    at = 0
-    for field in message.fields:
-        lines.append(field_row(field, at))
+def listing(rows):
+    """Rows of cells as lines with aligned columns; a last cell too long for its line is wrapped."""
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]) - 1)]
+    starts = "  ".join(f"{{:{width}}}" for width in widths if width)
+    lines = ["```"]
+    for row in rows:
+        start = starts.format(*(cell for cell, width in zip(row, widths) if width)) + "  "
+        lines += textwrap.wrap(row[-1].replace("`", ""), 110, initial_indent=start,
+                               subsequent_indent=" " * len(start)) or [start.rstrip()]
+    return [*lines, "```", ""]
+
+
+def field_table(fields, at):
+    """Offset, declaration, range, unit and meaning of fields that begin at byte `at`."""
+    rows = []
+    for field in fields:
+        unit = f"[{field.unit}] " if field.unit else ""
+        rows.append([f"{at:>4}", declaration(field), range_of(field), unit + field.text])
         # How many numbers a mask leaves out is not known: what follows stands behind it.
         at = "then" if field.kind == "masked" or at == "then" else at + field.size_max()
-    return lines + [""]
+    return listing(rows)
+
+
+def length_of(message):
+    low, high = message.size_min(), message.size_max()
+    return f"{low} bytes" if low == high else f"{low} to {high} bytes"
+
+
+def own_fields(message):
+    """The fields after `tick` and `status`, which all replies but that of `identify` begin with."""
+    plain = [field.name for field in message.fields[:2]] == ["tick", "status"]
+    return (message.fields[2:], 6) if plain else (message.fields, 0)
+
+
+def message_section(message, messages):
+    """A request with its reply, or a frame that the board sends without one."""
+    lines = [f"### 0x{message.code:02x} {message.name}", ""]
+    if not message.is_request():
+        same = [m for m in messages if m.kind.endswith("REPLY") and m.fields == message.fields]
+        return lines + [f"{message.text} {length_of(message)}.", "",
+                        *([] if same else field_table(*own_fields(message)))]
+    reply = next(m for m in messages if m.code == message.code | 0x80)
+    if message.fields:
+        lines += field_table(message.fields, 0)
+    if reply.kind != "ACKNOWLEDGEMENT":
+        lines += [f"Reply, {length_of(reply)}: {reply.text[0].lower()}{reply.text[1:]}", "",
+                  *field_table(*own_fields(reply))]
+    elif not message.fields:
+        lines += ["No fields.", ""]
+    return lines
+
+
+def sections(names, messages, printed):
+    """Of the messages of a chapter; adds their names to `printed`."""
+    lines = []
+    for name in names.split():
+        message = next((m for m in messages if m.name == name), None)
+        if message is None:
+            raise Refused(f"tools/gen/protocol.md.in: there is no message '{name}'")
+        printed.append(name)
+        lines += message_section(message, messages)
+    return "\n".join(lines).rstrip()
 
 
 def constant_rows(constants, prefix):
-    return [f"| {name[len(prefix):]} | {value} | {text} |"
-            for name, (value, text) in constants.items()
-            if name.startswith(prefix) and not name.endswith("_MS")]
+    return listing([[value, name[len(prefix):], text] for name, (value, text) in constants.items()
+                    if name.startswith(prefix) and not name.endswith("_MS")])
+
+
+def constant_list(constants, prefix, with_text=True):
+    return [", ".join(f"{name[len(prefix):]} {value}" + (f" ({text})" if text and with_text else "")
+                      for name, (value, text) in constants.items()
+                      if name.startswith(prefix) and not name.endswith("_MS")) + "."]
 
 
 def joint_rows(root):
-    """Number, name and mechanical limits of each joint."""
+    """Numbers, names and mechanical limits; left and right joints with the same limits share a row."""
     urdf = f"{root}/shared/robot/kaz/kaz.urdf"
     model = limits.parse_urdf(urdf)
-    rows = ["| joint | name | lower | upper |", "|---|---|---|---|"]
+    rows = {}
     for i, joint in enumerate(limits.read_joints(f"{root}/shared/board/joints.def")):
-        lower, upper = limits.limits_of(urdf, model, joint)
-        rows.append(f"| {i} | {joint[0]} | {lower} | {upper} |")
-    return rows
+        bounds = limits.limits_of(urdf, model, joint)
+        rows.setdefault((joint[0].removeprefix("l_").removeprefix("r_"), bounds), []).append((i, joint[0]))
+    table = []
+    for (_, (lower, upper)), same in rows.items():
+        numbers, names = (", ".join(str(joint[i]) for joint in same) for i in (0, 1))
+        table.append([numbers, names, f"{lower}..{upper}"])
+    return listing(table)
 
 
 def example(title, body, meaning):
@@ -74,9 +132,8 @@ def example(title, body, meaning):
     check = check_of(stuffed)
     return [f"{title}", "", "| part | bytes | |", "|---|---|---|",
             f"| body | `{hex_of(body)}` | {meaning} |",
-            f"| stuffed | `{hex_of(stuffed)}` | |",
-            f"| check | `{hex_of(check)}` | CRC of the stuffed bytes: 0x{crc16(stuffed):04x} |",
-            f"| on the wire | `{hex_of(bytes([0]) + stuffed + check + bytes([0]))}` | |", ""]
+            f"| on the wire | `{hex_of(bytes([0]) + stuffed + check + bytes([0]))}` "
+            f"| CRC of the stuffed bytes: 0x{crc16(stuffed):04x} |", ""]
 
 
 def with_value(match, constants):
@@ -92,8 +149,6 @@ def document(root):
     targets = struct.pack(">BBBIHhh", 1, 3, 7, 0b11, 500, 1000, -2)
     with open(f"{root}/tools/gen/protocol.md.in", encoding="utf-8") as source:
         text = source.read()
-    requests = [m for m in messages if m.is_request()]
-    replies = [m for m in messages if not m.is_request()]
     blocks = {
         "EXAMPLE_STATE": example("The request `state`, sequence number 5, to board 1:",
                                  bytes([1, 5, 5]), "address, type, sequence number"),
@@ -101,18 +156,23 @@ def document(root):
             "The request `targets`, sequence number 7: joints 0 and 1 to 0.1 and −0.0002 rad in "
             "500 ms:",
             targets, "mask 00000003, 500 ms = 01f4, 1000 = 03e8, −2 = fffe"),
-        "REQUESTS": [line for m in requests for line in message_section(m)],
-        "REPLIES": [line for m in replies for line in message_section(m)],
         "STATUS": constant_rows(constants, "KZ_STATUS_"),
-        "REFUSED": constant_rows(constants, "KZ_REFUSED_"),
-        "RESET": constant_rows(snapshot, "KZ_RESET_"),
+        "REFUSED": constant_list(constants, "KZ_REFUSED_", False),
+        "SHUTDOWN": constant_list(constants, "KZ_SHUTDOWN_", False),
+        "JOINT": constant_rows(constants, "KZ_JOINT_"),
+        "RESET": constant_list(snapshot, "KZ_RESET_"),
         "JOINTS": joint_rows(root),
-        **{name: constant_rows(constants, f"KZ_{name}_")
-           for name in ("SHUTDOWN", "REACTION", "JOINT", "CAPABILITY", "TELEMETRY",
-                        "TEST", "CALIBRATION")},
+        **{name: constant_list(constants, f"KZ_{name}_")
+           for name in ("REACTION", "CAPABILITY", "TELEMETRY", "TEST", "CALIBRATION")},
     }
     for key, lines in blocks.items():
         text = text.replace(f"@{key}@", "\n".join(lines).rstrip())
+    printed = []
+    text = re.sub(r"@MESSAGES ([\w ]+)@", lambda match: sections(match.group(1), messages, printed), text)
+    wanted = [m.name for m in messages if m.is_request() or m.kind in ("TELEMETRY", "REFUSAL")]
+    if sorted(printed) != sorted(wanted):
+        raise Refused(f"tools/gen/protocol.md.in: messages missing or twice: "
+                      f"{', '.join(sorted(set(printed) ^ set(wanted))) or printed}")
     # A constant that the table's texts name is printed with its value.
     text = re.sub(r"(?<![@\w])(KZ_\w*[A-Z0-9])(?![\w*@])", lambda match: with_value(match, everything),
                   text)
