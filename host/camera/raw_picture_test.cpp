@@ -6,11 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <vector>
 
-#include <jpeglib.h>
+#include "shared/picture/jpeg.h"
 
 namespace kaz::host {
 namespace {
@@ -75,28 +73,12 @@ TEST(RawPicture, TooFewBytesAreAnError) {
 
 // A JPEG of one colour as cameras send it: without Huffman tables (marker C4).
 Bytes motion_jpeg(int side, const Bytes& color) {
-  jpeg_compress_struct jpeg{};
-  jpeg_error_mgr errors{};
-  jpeg.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&jpeg);
-  unsigned char* memory = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&jpeg, &memory, &size);
-  jpeg.image_width = jpeg.image_height = static_cast<unsigned>(side);
-  jpeg.input_components = 3;
-  jpeg.in_color_space = JCS_RGB;
-  jpeg_set_defaults(&jpeg);
-  jpeg_start_compress(&jpeg, TRUE);
-  Bytes row;
-  for (int x = 0; x < side; ++x) row.insert(row.end(), color.begin(), color.end());
-  for (int y = 0; y < side; ++y) {
-    JSAMPROW line = row.data();
-    jpeg_write_scanlines(&jpeg, &line, 1);
-  }
-  jpeg_finish_compress(&jpeg);
-  Bytes whole(memory, memory + size), bare(whole.begin(), whole.begin() + 2);
-  jpeg_destroy_compress(&jpeg);
-  std::free(memory);
+  Bytes samples;
+  for (int i = 0; i < side * side; ++i) samples.insert(samples.end(), color.begin(), color.end());
+  const Bytes whole =
+      picture::encode_jpeg({side, side, 3, 8, samples}, {.quality = 75, .optimized_tables = false})
+          .value();
+  Bytes bare(whole.begin(), whole.begin() + 2);
   std::size_t at = 2;
   for (;;) {
     const bool scan = whole[at + 1] == 0xDA, huffman = whole[at + 1] == 0xC4;

@@ -16,7 +16,8 @@ READS = re.compile(
     r"\bifstream\b|\bf(?:open|read|getc|gets)\(|\brecv(?:from|msg)?\(|(?<!\w)::p?read\(|\bmmap\("
     r"|\bstd::cin\b|\bgetline\(|\b[jJ]son::parse\(|\btinyxml2\b|\bFileStorage\b|\bfrom_chars\("
     r"|\bstrto[a-z]+\(|\bsto[dfil]+\(|\bsscanf\(|\bsdf::Root\b|\bparseURDF|\bjpeg_read_header\b"
-    r"|\bpng_create_read_struct\b|\bStateReader from\b|\bLittleEndianFields\b|\blink_?\.read\("
+    r"|\bpng_create_read_struct\b|\bpng_image_begin_read"
+    r"|\bStateReader from\b|\bLittleEndianFields\b|\blink_?\.read\("
     r"|\bkz_receive(?:_some)?\(")
 TESTS = re.compile(r"_test\.(?:c|cpp|h)$|_testing\.|_example\.cpp$|/testdata/|/oracle"
                    r"|^tools/(?:benchmark|fuzz)/|^sim/h8s/(?:fuzz|example)/")

@@ -154,6 +154,24 @@ def check_folders():
                     fault(name, f"must not include {include}: {folder} is not a layer above {other}")
 
 
+# Foreign libraries that only one folder of ours calls: it bounds what hostile files may do and turns their
+# errors into ours. Tests call that folder too.
+OWNERS = [(re.compile(pattern, re.M), owner, library) for pattern, owner, library in (
+    (r'^\s*#\s*include\s*[<"](libpng\d*/)?png(lib)?(conf)?\.h[>"]', "shared/picture", "libpng"),
+    (r'^\s*#\s*include\s*[<"](jpeglib|jerror|turbojpeg)\.h[>"]', "shared/picture", "libjpeg"),
+    (r"\bcairo_surface_write_to_png(?:_stream)?\b", "shared/picture", "Cairo's PNG writer"),
+)]
+
+
+def check_owners():
+    for path in files("*.c", "*.h", "*.cpp", "*.hpp"):
+        name = path.relative_to(ROOT).as_posix()
+        text = path.read_text()
+        for pattern, owner, library in OWNERS:
+            if not name.startswith(owner + "/") and pattern.search(text):
+                fault(name, f"uses {library}; call the functions of {owner}")
+
+
 def check_links():
     for path in files("*.md"):
         for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", path.read_text()):
@@ -209,6 +227,7 @@ check_sources()
 check_directions()
 check_layers()
 check_folders()
+check_owners()
 check_links()
 check_temporary_names()
 check_words()

@@ -4,7 +4,7 @@
 # those that its manual asks for with precompiled headers; no source here uses __TIME__ or __DATE__.
 find_program(KAZ_CCACHE ccache)
 if(KAZ_CCACHE)
-  set(launcher ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${KAZ_CCACHE})
+  set(launcher ${CMAKE_COMMAND} -E env CCACHE_DEPEND=1 CCACHE_SLOPPINESS=pch_defines,time_macros ${KAZ_CCACHE})
   set(CMAKE_C_COMPILER_LAUNCHER ${launcher})
   set(CMAKE_CXX_COMPILER_LAUNCHER ${launcher})
 endif()

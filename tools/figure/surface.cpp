@@ -1,8 +1,10 @@
-// Pixels to Cairo and back, PNG encoding.
+// Pixels to Cairo and back, PNG files.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/figure/surface.h"
 
 #include <algorithm>
+
+#include "shared/picture/png.h"
 
 // Leaks of libraries, not ours, that the leak checker would report: Mesa keeps 160 bytes of each
 // context, fontconfig its patterns. Weak, for another library of ours may bring the same list.
@@ -69,24 +71,31 @@ void set_font(cairo_t* c, double size_px, bool bold) {
   cairo_set_font_size(c, size_px);
 }
 
+namespace {
+
+tl::unexpected<Error> cannot_encode(const std::string& path, const std::string& why) {
+  return fail(Fault::environment,
+              path + ": cannot encode the picture (" + why + "): check the memory left");
+}
+
+Result<void> write_encoded_png(const std::string& path, const Image& image) {
+  const auto bytes =
+      picture::encode_png({.width = image.width, .height = image.height, .samples = image.rgb});
+  if (!bytes) return cannot_encode(path, bytes.error().message);
+  return write_file(path, *bytes);
+}
+
+}  // namespace
+
+// Cairo's own writer would be a second way to make a PNG.
 Result<void> write_surface_png(const std::string& path, cairo_surface_t* surface) {
-  std::vector<std::uint8_t> bytes;
-  const auto append = [](void* to, const unsigned char* data, unsigned length) {
-    auto* out = static_cast<std::vector<std::uint8_t>*>(to);
-    out->insert(out->end(), data, data + length);
-    return CAIRO_STATUS_SUCCESS;
-  };
-  const cairo_status_t status = cairo_surface_write_to_png_stream(surface, append, &bytes);
-  if (status != CAIRO_STATUS_SUCCESS) {
-    return fail(Fault::environment, path + ": cannot encode the picture (" +
-                                        cairo_status_to_string(status) +
-                                        "): check the memory left");
-  }
-  return write_file(path, bytes);
+  const cairo_status_t status = cairo_surface_status(surface);
+  if (status != CAIRO_STATUS_SUCCESS) return cannot_encode(path, cairo_status_to_string(status));
+  return write_encoded_png(path, image_from(surface));
 }
 
 Result<void> write_png(const std::string& path, const Image& image) {
-  constexpr int kLargestSide = 32767;  // Cairo's
+  constexpr int kLargestSide = 32767;  // of a Cairo surface, on which pictures are drawn
   const auto pixels = static_cast<std::size_t>(std::max(image.width, 0)) *
                       static_cast<std::size_t>(std::max(image.height, 0));
   if (pixels == 0 || image.rgb.size() != 3 * pixels ||
@@ -96,8 +105,7 @@ Result<void> write_png(const std::string& path, const Image& image) {
                                   std::to_string(image.rgb.size()) +
                                   " bytes cannot be written: 3 bytes a pixel, sides 1..32767");
   }
-  const Surface surface = surface_from(image);
-  return write_surface_png(path, surface.get());
+  return write_encoded_png(path, image);
 }
 
 }  // namespace kaz::figure

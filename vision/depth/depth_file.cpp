@@ -1,20 +1,18 @@
-// Depth as PNG by libpng, points as PLY.
+// Depth as PNG, points as PLY.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/depth/depth_file.h"
-
-#include <png.h>
 
 #include <cmath>
 #include <cstring>
 #include <string>
+
+#include "shared/picture/png.h"
 
 namespace kaz::vision {
 
 Result<std::vector<std::uint8_t>> depth_png(const DepthImage& depth) {
   if (depth.width < 1 || depth.height < 1)
     return fail(Fault::usage, "an empty depth image is no PNG");
-  // libpng's simplified interface takes 16 bits as linear light and would write a gamma chunk for
-  // it; these numbers are no light.
   std::vector<std::uint8_t> rows;
   rows.reserve(2 * depth.disparity_px.size());
   for (int v = 0; v < depth.height; ++v) {
@@ -25,30 +23,8 @@ Result<std::vector<std::uint8_t>> depth_png(const DepthImage& depth) {
       rows.push_back(static_cast<std::uint8_t>(code & 0xff));
     }
   }
-  struct Writer {
-    png_structp png = png_create_write_struct(
-        PNG_LIBPNG_VER_STRING, nullptr, [](png_structp p, png_const_charp) { png_longjmp(p, 1); },
-        [](png_structp, png_const_charp) {});
-    png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
-    ~Writer() { png_destroy_write_struct(&png, &info); }
-  } writer;
-  std::vector<std::uint8_t> bytes;
-  if (writer.info == nullptr || setjmp(png_jmpbuf(writer.png)) != 0)
-    return fail(Fault::failed, "the depth image could not be made a PNG: out of memory?");
-  png_set_write_fn(
-      writer.png, &bytes,
-      [](png_structp p, png_bytep data, png_size_t size) {
-        auto& all = *static_cast<std::vector<std::uint8_t>*>(png_get_io_ptr(p));
-        all.insert(all.end(), data, data + size);
-      },
-      [](png_structp) {});
-  png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(depth.width),
-               static_cast<png_uint_32>(depth.height), 16, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_write_info(writer.png, writer.info);
-  for (int v = 0; v < depth.height; ++v)
-    png_write_row(writer.png, rows.data() + static_cast<std::ptrdiff_t>(2) * v * depth.width);
-  png_write_end(writer.png, nullptr);
+  auto bytes = picture::encode_png({depth.width, depth.height, 1, 16, rows});
+  if (!bytes) return fail(Fault::failed, "the depth image could not be made a PNG: out of memory?");
   return bytes;
 }
 

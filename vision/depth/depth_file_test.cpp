@@ -3,13 +3,13 @@
 #include "vision/depth/depth_file.h"
 
 #include <gtest/gtest.h>
-#include <png.h>
 
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
 
+#include "shared/picture/png_testing.h"
 #include "vision/depth/stereo_testing.h"
 #include "vision/depth/swapped_cameras.h"
 
@@ -28,32 +28,16 @@ DepthImage small_depth() {
 TEST(DepthFile, PngHoldsMillimetres) {
   const auto bytes = depth_png(small_depth());
   ASSERT_TRUE(bytes);
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  ASSERT_TRUE(png_image_begin_read_from_memory(&png, bytes->data(), bytes->size()));
-  EXPECT_EQ(png.width, 3u);
-  EXPECT_EQ(png.height, 2u);
-  EXPECT_EQ(png.format, static_cast<png_uint_32>(PNG_FORMAT_LINEAR_Y));  // 16 bits, grey
-  png_image_free(&png);
-  // The codes themselves, not what the simplified interface makes of their gamma.
-  png_structp reader = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-  png_infop info = png_create_info_struct(reader);
-  struct Rest {
-    const std::vector<std::uint8_t>& bytes;
-    std::size_t at = 0;
-  } rest{*bytes};
-  png_set_read_fn(reader, &rest, [](png_structp p, png_bytep to, png_size_t size) {
-    auto& from = *static_cast<Rest*>(png_get_io_ptr(p));
-    std::memcpy(to, from.bytes.data() + from.at, size);
-    from.at += size;
-  });
-  png_read_png(reader, info, PNG_TRANSFORM_IDENTITY, nullptr);
-  png_bytepp rows = png_get_rows(reader, info);
+  const auto png = picture::stored_png(*bytes);
+  ASSERT_TRUE(png);
+  EXPECT_EQ(png->width, 3);
+  EXPECT_EQ(png->height, 2);
+  EXPECT_EQ(png->bits, 16);
+  EXPECT_EQ(png->channels, 1);
+  EXPECT_FALSE(png->gamma);  // millimetres are no light
   std::vector<int> codes;
-  for (int v = 0; v < 2; ++v) {
-    for (int u = 0; u < 3; ++u) codes.push_back(rows[v][2 * u] << 8 | rows[v][2 * u + 1]);
-  }
-  png_destroy_read_struct(&reader, &info, nullptr);
+  for (std::size_t i = 0; i + 1 < png->samples.size(); i += 2)
+    codes.push_back(png->samples[i] << 8 | png->samples[i + 1]);
   EXPECT_EQ(codes, (std::vector<int>{1000, 0, 0, 1205, 100, 20000}));  // 100 m does not fit
   EXPECT_FALSE(depth_png(DepthImage{}));
 }

@@ -9,11 +9,12 @@
 #include <span>
 #include <string>
 
+#include "shared/picture/picture.h"
 #include "vision/image/frame.h"
 
 namespace kaz::vision {
 
-inline constexpr int kLargestPictureSide = 16384;  // px
+inline constexpr int kLargestPictureSide = picture::kMaxSide;  // px
 
 // Grey pictures come as RGB of equal parts, transparency is left out, 16 bits become 8.
 // Errors name the file and what is wrong with it.

@@ -1,4 +1,4 @@
-// Encodes and decodes PNG pictures.
+// Encodes and decodes the PNG pictures of recordings.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,7 +15,7 @@ namespace kaz::sim {
 // or its number of pixels does not match its size.
 Result<std::vector<std::uint8_t>> encode_png(const vision::Image& image);
 
-// The encoded pixels. Error: not a PNG, or a damaged one.
+// The encoded pixels. Error: not a PNG, a damaged one, or a side above 8192 px.
 Result<vision::Image> decode_png(std::span<const std::uint8_t> bytes);
 
 }  // namespace kaz::sim
