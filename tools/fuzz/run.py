@@ -157,7 +157,7 @@ def coverage(options, name, target):
 def shown(file, best):
     """Of the target that reaches most."""
     if best[1]:
-        return f"{best[0]} of {best[1]} functions, {100 * best[2] / best[3]:.0f} % of edges"
+        return f"{best[0]}/{best[1]}, {100 * best[2] / best[3]:.0f} %"
     return "emulated" if file.startswith("firmware/") else "inlined"
 
 
@@ -171,7 +171,7 @@ def write_table(options, targets, reads):
     for number, (name, target) in enumerate(targets.items(), 1):
         print(f"[{number:2}/{len(targets)}] {name}", flush=True)
         reached[name] = coverage(options, name, target)
-    lines = ["| parser | targets | executions | coverage |", "|---|---|---|---|"]
+    lines = ["| parser | targets | executions | functions, edges |", "|---|---|---|---|"]
     for file, used in reads.items():
         best = max((reached[name].get(file, (0, 0, 0, 0)) for name in used), key=lambda sums: sums[2])
         total = sum(executions.get(name, 0) for name in used)
