@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: architecture_table.py [--check | --write]
 
-Prints a row for each top-level folder: its libraries (with their folder in it, if that has another name), what
-each is (the first sentence of the comment right above its kaz_library, or of the file), and the Kaz libraries
-that it links. --check compares with docs/architecture.md; --write rewrites
+Prints a row for each top-level folder: its libraries (with their folder in it, if that has another name),
+what each is (the first sentence of the comment right above its kaz_library, or of the file), and the Kaz
+libraries that it links. --check compares with docs/architecture.md; --write rewrites
 the part between the markers there."""
 
 import pathlib
@@ -31,12 +31,12 @@ def comment_of(lines):
 
 
 def description(text, at, alone, where):
-    """First sentence of the comment right above `at`; of a library alone in its file, also of the first one."""
+    """First sentence of the comment right above `at`; for a file's only library, else of the file's first."""
     above = comment_of(reversed(text[:at].splitlines()))[::-1]
     comment = [line for line in above or (comment_of(text.splitlines()) if alone else [])
                if not line.startswith("SPDX")]
     if not comment:
-        sys.exit(f"{where}: kaz_library has no comment right above it: write what the library is, in a sentence")
+        sys.exit(f"{where}: kaz_library has no comment right above it: describe the library there")
     sentence = re.split(r"\.(?:\s|$)", re.sub(r"^kaz::\w+: ", "", " ".join(comment)))[0]
     # Inside a row a sentence begins small, unless with a name (H8S, JUnit).
     return sentence[0].lower() + sentence[1:] if re.match(r"[A-Z][a-z']*\b", sentence) else sentence
