@@ -171,12 +171,14 @@ def write_table(options, targets, reads):
     for number, (name, target) in enumerate(targets.items(), 1):
         print(f"[{number:2}/{len(targets)}] {name}", flush=True)
         reached[name] = coverage(options, name, target)
-    lines = ["| parser | targets | executions | functions, edges |", "|---|---|---|---|"]
+    lines = ["| targets | executions | parsers: functions, edges |", "|---|---|---|"]
+    rows = {}
     for file, used in reads.items():
         best = max((reached[name].get(file, (0, 0, 0, 0)) for name in used), key=lambda sums: sums[2])
+        rows.setdefault(tuple(used), []).append(f"`{file}` {shown(file, best)}")
+    for used, parsers in rows.items():
         total = sum(executions.get(name, 0) for name in used)
-        lines.append(f"| `{file}` | {', '.join(f'`{name}`' for name in used)} | {total:,} "
-                     f"| {shown(file, best)} |")
+        lines.append(f"| {', '.join(f'`{name}`' for name in used)} | {total:,} | {'; '.join(parsers)} |")
     page = PAGE.read_text()
     before, rest = page.split(BEGIN)
     PAGE.write_text(before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + rest.split(END)[1])
