@@ -110,16 +110,21 @@ Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& section
 
 }  // namespace
 
-std::optional<SensorSwitches> sensors_by_name(const std::string& name) {
-  if (name == "nominal") return SensorSwitches{};
-  if (name == "ideal") return SensorSwitches::ideal();
-  if (name == "as-built") return SensorSwitches::as_built();
-  return std::nullopt;
+SensorSwitches sensor_switches(SensorSet set) {
+  switch (set) {
+    case SensorSet::ideal:
+      return SensorSwitches::ideal();
+    case SensorSet::as_built:
+      return SensorSwitches::as_built();
+    case SensorSet::nominal:
+      break;
+  }
+  return {};
 }
 
 std::string name_of(const SensorSwitches& sensors) {
-  for (const char* name : {"nominal", "ideal", "as-built"}) {
-    if (sensors_by_name(name) == sensors) return name;
+  for (const SensorSet set : kSensorSets) {
+    if (sensor_switches(set) == sensors) return to_string(set);
   }
   return "mixed";
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
+#include <array>
 #include <string>
 
 #include "shared/base/result.hpp"
@@ -64,9 +64,16 @@ struct SensorSwitches {
   static SensorSwitches as_built() { return {true, true, true, true, true, true, true}; }
 };
 
-// "nominal", "ideal" or "as-built".
-std::optional<SensorSwitches> sensors_by_name(const std::string& name);
-// The name of these switches, or "mixed".
+// Switches with a name, for options and recordings.
+enum class SensorSet { nominal, ideal, as_built };
+inline constexpr std::array kSensorSets{SensorSet::nominal, SensorSet::ideal, SensorSet::as_built};
+
+constexpr const char* to_string(SensorSet set) {
+  return set == SensorSet::nominal ? "nominal" : set == SensorSet::ideal ? "ideal" : "as-built";
+}
+
+SensorSwitches sensor_switches(SensorSet set);
+// The name of the set with these switches, or "mixed".
 std::string name_of(const SensorSwitches& sensors);
 
 // Errors name file and line.

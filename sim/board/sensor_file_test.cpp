@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "shared/base/enum_names.hpp"
 #include "sim/body/description/files_testing.h"
 
 namespace kaz::sim {
@@ -78,9 +79,13 @@ TEST(SensorFile, SaysWhatIsMissing) {
 }
 
 TEST(Switches, HaveNames) {
-  EXPECT_EQ(sensors_by_name("ideal"), SensorSwitches::ideal());
-  EXPECT_EQ(sensors_by_name("nominal"), SensorSwitches{});
-  EXPECT_FALSE(sensors_by_name("perfect"));
+  EXPECT_EQ(sensor_switches(SensorSet::ideal), SensorSwitches::ideal());
+  EXPECT_EQ(sensor_switches(SensorSet::nominal), SensorSwitches{});
+  for (const SensorSet set : kSensorSets) {
+    EXPECT_EQ(name_of(sensor_switches(set)), to_string(set));
+    EXPECT_EQ(parse_enum(kSensorSets, to_string(set)), set);
+  }
+  EXPECT_FALSE(parse_enum(kSensorSets, "perfect"));
   EXPECT_EQ(name_of(SensorSwitches::as_built()), "as-built");
   SensorSwitches mixed;
   mixed.gyro = false;

@@ -24,7 +24,7 @@ class H8Mcu final : public Mcu {
 
   static std::unique_ptr<H8Mcu> erased(const h8s::Options& options = {});
 
-  std::string name() const override { return "h8"; }
+  std::string name() const override { return to_string(McuKind::h8); }
   std::string emulator_engine() const override { return h8s::name_of(chip_.engine()); }
   States now() const override { return hung_ ? hung_at_ : base_ + chip_.now(); }
   Result<void> run_until(States until) override;

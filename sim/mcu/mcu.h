@@ -17,6 +17,7 @@
 #include "shared/base/result.hpp"
 #include "shared/board/board.h"
 #include "shared/servo/tick.h"
+#include "sim/mcu/mcu_kind.h"
 
 namespace kaz::sim {
 
@@ -57,7 +58,7 @@ class Mcu {
  public:
   virtual ~Mcu() = default;
 
-  // "h8" or "native".
+  // That of its McuKind; test doubles have others.
   virtual std::string name() const = 0;
   // h8: the engine that the emulator executes with, "translator" by default; native: empty.
   virtual std::string emulator_engine() const { return {}; }

@@ -54,7 +54,7 @@ class NativeMcu final : public Mcu {
  public:
   explicit NativeMcu(const NativeOptions& options) : options_(options) { power_cycle(); }
 
-  std::string name() const override { return "native"; }
+  std::string name() const override { return to_string(McuKind::native); }
   States now() const override { return now_; }
 
   Result<void> run_until(States until) override {

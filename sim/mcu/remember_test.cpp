@@ -22,10 +22,10 @@ struct Answer {
   States first = 0;  // when its first byte had come
 };
 
-class Remember : public testing::TestWithParam<const char*> {
+class Remember : public testing::TestWithParam<McuKind> {
  protected:
   void SetUp() override {
-    if (std::string(GetParam()) == "native") {
+    if (GetParam() == McuKind::native) {
       mcu = make_native();
     } else {
       auto made = make_h8(KAZ_FIRMWARE_IMAGE);
@@ -131,7 +131,7 @@ TEST_P(Remember, CalibrationOutlivesThePower) {
   const auto got = answer(3000 * ms);
   ASSERT_TRUE(got);
   ASSERT_EQ(got->type, KZ_TYPE_store_calibration_reply);
-  std::printf("%s: answer to store_calibration %.1f ms after the request\n", GetParam(),
+  std::printf("%s: answer to store_calibration %.1f ms after the request\n", to_string(GetParam()),
               static_cast<double>(got->first - sent) / static_cast<double>(ms));
   EXPECT_LT(got->first - sent, 3000 * ms);
   kz_store_calibration_reply reply{};
@@ -244,7 +244,8 @@ TEST_P(Remember, PowerLostWhileStoringLeavesTheOldOrTheNewCopy) {
   EXPECT_GT(lost, 5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Engines, Remember, testing::Values("h8", "native"));
+INSTANTIATE_TEST_SUITE_P(Engines, Remember, testing::ValuesIn(kMcuKinds),
+                         [](const auto& mcu) { return to_string(mcu.param); });
 
 }  // namespace
 }  // namespace kaz::sim

@@ -70,7 +70,7 @@ void say(const hil::CaseResult& one) {
 
 Result<hil::RunReport> run_virtual(ConformanceOptions& arguments, hil::ReportFacts& facts) {
   std::unique_ptr<sim::Mcu> mcu;
-  if (arguments.mcu == "h8") {
+  if (arguments.mcu == sim::McuKind::h8) {
     const auto image = KAZ_TRY(firmware_image(arguments.image));
     auto made = KAZ_TRY(sim::make_h8(image));
     mcu = std::move(made);
@@ -103,10 +103,10 @@ Result<bool> run_conformance(ConformanceOptions arguments) {
     list_cases(taken);
     return true;
   }
-  if (arguments.port.empty() == arguments.mcu.empty()) {
+  if (arguments.port.empty() != arguments.mcu.has_value()) {
     return fail(Fault::usage, "say which board: either --port PATH or --virtual h8|native");
   }
-  if (!arguments.image.empty() && arguments.mcu != "h8")
+  if (!arguments.image.empty() && arguments.mcu != sim::McuKind::h8)
     return fail(Fault::usage, "--image is for --virtual h8 alone");
   KAZ_TRY(check_reports(arguments));
   const bool quiet = arguments.json == "-" || arguments.junit == "-" || arguments.html == "-";

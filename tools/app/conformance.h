@@ -2,16 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "hil/conformance/report.h"
 #include "shared/base/result.hpp"
+#include "sim/mcu/mcu_kind.h"
 
 namespace kaz::tools {
 
 struct ConformanceOptions {
-  std::string port, mcu, image;   // a board at a port, or a virtual one: "h8" or "native"
-  std::string junit, json, html;  // files of reports; "-": standard output, empty: none
+  std::string port;                 // of a board; empty: a virtual one
+  std::optional<sim::McuKind> mcu;  // of the virtual board; nullopt: a board at a port
+  std::string image;                // firmware image for h8; the built one if empty
+  std::string junit, json, html;    // files of reports; "-": standard output, empty: none
   bool list = false, allow_motion = false, allow_flash = false;
   hil::RunOptions run;
 };

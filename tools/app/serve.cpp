@@ -41,7 +41,7 @@ class StopFlag {
 }  // namespace
 
 Result<bool> serve(ServeOptions arguments) {
-  if ((arguments.backend.erased || arguments.boot) && arguments.backend.mcu != "h8")
+  if ((arguments.backend.erased || arguments.boot) && arguments.backend.mcu != sim::McuKind::h8)
     return fail(Fault::usage, "--erased and --boot are for --mcu h8: native has no flash");
   if (arguments.backend.erased && !arguments.backend.image.empty())
     return fail(Fault::usage, "--erased and --image exclude each other");
@@ -79,7 +79,7 @@ Result<bool> serve(ServeOptions arguments) {
   };
   auto server = KAZ_TRY(sim::RealTimeServer::open(*simulation, arguments.real_time));
   std::printf("ready: servo board (%s) on %s, control on %s.ctl%s%s; Ctrl-C ends\n",
-              arguments.backend.mcu.c_str(), arguments.real_time.serial_path.c_str(),
+              to_string(arguments.backend.mcu), arguments.real_time.serial_path.c_str(),
               arguments.real_time.serial_path.c_str(),
               arguments.real_time.cameras_path.empty() ? "" : ", cameras on ",
               arguments.real_time.cameras_path.c_str());

@@ -13,6 +13,7 @@
 #include "host/link/faulty_link.h"
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
+#include "shared/base/enum_names.hpp"
 #include "tools/app/output.h"
 #include "tools/app/paths.h"
 #include "tools/app/session/interrupt_signals.h"
@@ -32,10 +33,6 @@ struct Totals {
   std::string emulator_engine;
   long long instructions = 0, translated_instructions = 0;
 };
-
-bool in_process(const FuzzOptions& arguments) {
-  return arguments.target == "native" || arguments.target == "h8";
-}
 
 // A board at a port: cases one after the other, each begins with the motors off.
 class PortTarget {
@@ -110,7 +107,8 @@ class Fuzzing {
 
  private:
   Result<void> prepare() {
-    if (!in_process(arguments_)) {
+    const auto mcu = parse_enum(sim::kMcuKinds, arguments_.target);
+    if (!mcu) {  // a port
       if (arguments_.body)
         return fail(Fault::usage, "--body needs the simulator: use it with --target native or h8");
       grammar_.faults = false;
@@ -119,9 +117,9 @@ class Fuzzing {
       port_ = std::move(port);
       return {};
     }
-    engine_.mcu = arguments_.target;
+    engine_.mcu = *mcu;
     engine_.seed = arguments_.seed;
-    if (engine_.mcu == "h8") {
+    if (engine_.mcu == sim::McuKind::h8) {
       auto image = KAZ_TRY(firmware_image(arguments_.image));
       engine_.image = image;
     }
@@ -208,7 +206,7 @@ class Fuzzing {
           {"replies", totals_.replies},       {"refusals", totals_.refusals},
           {"corpus", search.corpus().size()}, {"features", search.features()}};
       if (!port_) json["ticks"] = totals_.ticks;
-      if (engine_.mcu == "h8") {
+      if (engine_.mcu == sim::McuKind::h8) {
         json["worst_tick_8states"] = totals_.worst_busy_8states;
         json["emulator_engine"] = totals_.emulator_engine;
         json["instructions"] = totals_.instructions;
@@ -227,7 +225,7 @@ class Fuzzing {
     std::printf("%lld cases, %.1f s of the board, %lld requests, %lld replies, %lld refusals\n",
                 totals_.cases, totals_.board_s, totals_.requests, totals_.replies,
                 totals_.refusals);
-    if (arguments_.target == "h8")
+    if (engine_.mcu == sim::McuKind::h8)
       std::printf(
           "longest tick: %d of 18432 states; emulator's engine: %s, %.0f %% of instructions as "
           "translated code\n",

@@ -108,7 +108,7 @@ struct Engine {
 };
 
 Result<Engine> make_engine(const EngineOptions& options) {
-  if (options.mcu != "h8") return Engine{sim::make_native(), nullptr};
+  if (options.mcu == sim::McuKind::native) return Engine{sim::make_native(), nullptr};
   auto h8 = KAZ_TRY(sim::H8Mcu::load(options.image));
   if (!h8->has_tick_symbols())
     return fail(Fault::usage, options.image +

@@ -8,12 +8,13 @@
 #include "hil/fuzz/grammar.h"
 #include "hil/fuzz/runner.h"
 #include "shared/base/result.hpp"
+#include "sim/mcu/mcu_kind.h"
 
 namespace kaz::fuzz {
 
 struct EngineOptions {
-  std::string mcu = "native";  // "h8": native computes each of its ticks again
-  std::string image;           // firmware, for "h8"
+  sim::McuKind mcu = sim::McuKind::native;  // h8: native computes each of its ticks again
+  std::string image;                        // firmware, for h8
   std::uint64_t seed = 1;
   // The robot and its world, suspended by its trunk; motors without a body if empty.
   std::string world_path, robot_path;

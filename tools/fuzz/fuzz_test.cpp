@@ -84,7 +84,7 @@ TEST(Fuzz, ACaseIsTheSameEachTime) {
 #ifdef KAZ_FIRMWARE_IMAGE
 TEST(Fuzz, RandomCasesOnTheFirmware) {
   EngineOptions options;
-  options.mcu = "h8";
+  options.mcu = sim::McuKind::h8;
   options.image = KAZ_FIRMWARE_IMAGE;
   const Sum sum = random_cases(options, 3, 8);
   EXPECT_GT(sum.ticks, 2000);

@@ -20,39 +20,33 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
   verb.add_option("--robot-file", options.robot_file,
                   "URDF of another robot, its motor.xml and sensors.xml beside it; without it Kaz")
       ->type_name("FILE");
-  verb.add_option(
-          "--mcu", options.mcu,
-          "microcontroller of the servo board: h8 executes the firmware image, native runs the "
-          "same C compiled for this machine")
-      ->check(CLI::IsMember({"h8", "native"}))
-      ->capture_default_str();
+  add_choice(verb, "--mcu", sim::kMcuKinds, options.mcu,
+             "microcontroller of the servo board: h8 executes the firmware image, native runs the "
+             "same C compiled for this machine");
   verb.add_option("--image", options.image, "firmware image for h8: S-record or COFF");
   verb.add_option("--faults", options.faults, "schedule of faults: docs/reference/faults.md")
       ->type_name("FILE");
-  verb.add_option("--sensors", options.sensors,
-                  "nominal: with noise; ideal: without; as-built: besides, each potentiometer "
-                  "with its own curve and offset, to be calibrated")
-      ->check(CLI::IsMember({"nominal", "ideal", "as-built"}))
-      ->capture_default_str();
+  add_choice(verb, "--sensors", sim::kSensorSets, options.sensors,
+             "nominal: with noise; ideal: without; as-built: besides, each potentiometer "
+             "with its own curve and offset, to be calibrated");
   verb.add_flag("--imu", options.imu, "a board with gyro and accelerometer on AN3..AN5");
-  verb.add_option(
-          "--dynamics", options.dynamics,
-          "reduced: docs/explanation/dynamics.md; Open Dynamics Engine instead: exact, or quickN with N "
-          "iterations, 1 to 1000")
+  verb.add_option("--dynamics", options.dynamics,
+                  "reduced: docs/explanation/dynamics.md; Open Dynamics Engine instead: exact, or "
+                  "quickN with N "
+                  "iterations, 1 to 1000")
       ->capture_default_str();
   verb.add_option(
           "--physics-step", options.physics_step_ms,
           "length of a step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's "
-          "tick stays at 1 ms. Balls thrown want 1 or less, servos 2 or less (docs/explanation/dynamics.md)")
+          "tick stays at 1 ms. Balls thrown want 1 or less, servos 2 or less "
+          "(docs/explanation/dynamics.md)")
       ->type_name("MS")
       ->capture_default_str();
   verb.add_option("--supply", options.supply_volts, "of the board, V")
       ->check(CLI::Range(1.0, 20.0))
       ->capture_default_str();
-  verb.add_option("--eyes", options.eyes,
-                  "ideal: pinholes without noise; real: with lens, exposure and noise, rectified")
-      ->check(CLI::IsMember({"ideal", "real"}))
-      ->capture_default_str();
+  add_choice(verb, "--eyes", sim::kEyeKinds, options.eyes,
+             "ideal: pinholes without noise; real: with lens, exposure and noise, rectified");
   verb.add_option("--eye-width", options.eye_width,
                   "width of the eyes' pictures: 320 or 640; that of camera.json if not given")
       ->check(CLI::IsMember({320, 640}));

@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
+#include <type_traits>
 
 #include <CLI/CLI.hpp>
 
+#include "shared/base/enum_names.hpp"
 #include "shared/image/image.h"
 #include "tools/app/session/backend.h"
 
@@ -31,6 +34,19 @@ CLI::Validator one_of(const std::map<std::string, T>& values) {
         return "'" + text + "' is none of " + names;
       },
       "");
+}
+
+// An option whose values are the names of an enum. `to` is a T, which is the default, or a
+// std::optional<T> without one; it must outlive `verb`.
+template <class T, std::size_t N, class To>
+CLI::Option* add_choice(CLI::App& verb, const std::string& name, const std::array<T, N>& values,
+                        To& to, const std::string& description) {
+  auto* option = verb.add_option_function<std::string>(
+      name, [&to, values](const std::string& text) { to = parse_enum(values, text).value(); },
+      description);
+  option->check(CLI::IsMember(enum_names(values)));
+  if constexpr (std::is_same_v<T, To>) option->default_str(to_string(to));
+  return option;
 }
 
 // --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --dynamics,

@@ -15,19 +15,15 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
                                "serial port or pty of a board; without it an emulated one on a "
                                "virtual motor stand, in simulated time")
                    ->type_name("PATH[@BAUD]");
-  verb.add_option("--mcu", arguments.target.backend.mcu,
-                  "of the emulated board: h8 executes the firmware image, native runs the same C "
-                  "compiled for this machine")
-      ->check(CLI::IsMember({"h8", "native"}))
-      ->capture_default_str()
+  add_choice(verb, "--mcu", sim::kMcuKinds, arguments.target.backend.mcu,
+             "of the emulated board: h8 executes the firmware image, native runs the same C "
+             "compiled for this machine")
       ->excludes(port);
   verb.add_option("--image", arguments.target.backend.image,
                   "firmware image for h8: S-record or COFF")
       ->excludes(port);
-  verb.add_option("--sensors", arguments.target.backend.sensors,
-                  "of the emulated board: nominal, ideal or as-built (kaz sim --help)")
-      ->check(CLI::IsMember({"nominal", "ideal", "as-built"}))
-      ->capture_default_str()
+  add_choice(verb, "--sensors", sim::kSensorSets, arguments.target.backend.sensors,
+             "of the emulated board: nominal, ideal or as-built (kaz sim --help)")
       ->excludes(port);
   verb.add_option("--seed", arguments.target.backend.seed, "of the emulated board's noise")
       ->capture_default_str()
@@ -102,12 +98,9 @@ void add_fit(CLI::App& bench_verb, Action& action) {
   verb->add_option("--motor", arguments->model.motor,
                    "the motor of that file; without it the file's default")
       ->type_name("NAME");
-  verb->add_option(
-          "--mcu", arguments->model.mcu,
-          "of the model's board: h8 executes the firmware image, native is five times as fast "
-          "and 0.1 ms off in a start")
-      ->check(CLI::IsMember({"h8", "native"}))
-      ->capture_default_str();
+  add_choice(*verb, "--mcu", sim::kMcuKinds, arguments->model.mcu,
+             "of the model's board: h8 executes the firmware image, native is five times as fast "
+             "and 0.1 ms off in a start");
   verb->add_option("--image", arguments->model.image, "firmware image for h8: S-record or COFF");
   verb->add_option("--seed", arguments->model.seed, "of the noise on the model's bench")
       ->capture_default_str();

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tools/app/conformance.h"
+#include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
@@ -14,10 +15,9 @@ void add_conformance(CLI::App& program, Action& action) {
   auto arguments = std::make_shared<ConformanceOptions>();
   auto* port = verb->add_option("--port", arguments->port, "serial port or pty of a board")
                    ->type_name("PATH[@BAUD]");
-  verb->add_option("--virtual", arguments->mcu,
-                   "a virtual board on a bench, in simulated time: h8 executes the firmware image, "
-                   "native runs the same C compiled for this machine")
-      ->check(CLI::IsMember({"h8", "native"}))
+  add_choice(*verb, "--virtual", sim::kMcuKinds, arguments->mcu,
+             "a virtual board on a bench, in simulated time: h8 executes the firmware image, "
+             "native runs the same C compiled for this machine")
       ->excludes(port);
   verb->add_option("--image", arguments->image, "firmware image for h8: S-record or COFF");
   verb->add_flag(

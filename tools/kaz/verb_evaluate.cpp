@@ -78,7 +78,7 @@ void add_evaluate(CLI::App& program, Action& action) {
       "many episodes of a behaviour on robots and worlds that differ; how many succeed");
   auto arguments = std::make_shared<Arguments>();
   CampaignOptions& c = arguments->campaign;
-  c.backend.eyes = "real";
+  c.backend.eyes = sim::EyeKind::real;
   verb->add_option("BEHAVIOUR", c.behavior, "as of kaz run")->type_name("");
   verb->add_option("--episodes", c.episodes, "how many")
       ->check(CLI::Range(1, 1000000))
@@ -130,15 +130,10 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->add_option("--mass-sigma", c.variation.mass_sigma, "of each link's mass, as a share of it")
       ->check(CLI::Range(0.0, 0.3))
       ->capture_default_str();
-  verb->add_option("--mcu", c.backend.mcu, "microcontroller of the servo board: h8 or native")
-      ->check(CLI::IsMember({"h8", "native"}))
-      ->capture_default_str();
-  verb->add_option("--eyes", c.backend.eyes, "ideal or real")
-      ->check(CLI::IsMember({"ideal", "real"}))
-      ->capture_default_str();
-  verb->add_option("--sensors", c.backend.sensors, "nominal, ideal or as-built")
-      ->check(CLI::IsMember({"nominal", "ideal", "as-built"}))
-      ->capture_default_str();
+  add_choice(*verb, "--mcu", sim::kMcuKinds, c.backend.mcu,
+             "microcontroller of the servo board: h8 or native");
+  add_choice(*verb, "--eyes", sim::kEyeKinds, c.backend.eyes, "ideal or real");
+  add_choice(*verb, "--sensors", sim::kSensorSets, c.backend.sensors, "nominal, ideal or as-built");
   verb->add_flag("--realtime", c.realtime,
                  "in real time, kaz sim and kaz run as processes of their own with a pty between "
                  "them; wants two processors for each job");

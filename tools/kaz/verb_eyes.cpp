@@ -17,7 +17,7 @@ void add_eyes(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "eyes", "pictures of the virtual robot's start: from outside and through both eyes");
   auto arguments = std::make_shared<EyesOptions>();
-  arguments->backend.mcu = "native";
+  arguments->backend.mcu = sim::McuKind::native;
   verb->add_option("--out", arguments->out, "folder for the pictures")->capture_default_str();
   add_sim_options(*verb, arguments->backend);
   // All kinds of eyes are drawn, and nothing moves.

@@ -12,11 +12,11 @@
 namespace kaz::lockstep {
 namespace {
 
-class Wire : public ::testing::TestWithParam<const char*> {
+class Wire : public ::testing::TestWithParam<sim::McuKind> {
  protected:
   void SetUp() override {
     std::unique_ptr<sim::Mcu> mcu = sim::make_native();
-    if (GetParam() == std::string("h8")) {
+    if (GetParam() == sim::McuKind::h8) {
       auto chip = sim::H8Mcu::load(KAZ_FIRMWARE_IMAGE);
       ASSERT_TRUE(chip) << chip.error().message;
       mcu = std::move(*chip);
@@ -64,7 +64,8 @@ TEST_P(Wire, AsOftenAsTheWireAllows) {
   EXPECT_EQ(load->retries, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Engines, Wire, ::testing::Values("native", "h8"));
+INSTANTIATE_TEST_SUITE_P(Engines, Wire, ::testing::ValuesIn(sim::kMcuKinds),
+                         [](const auto& mcu) { return to_string(mcu.param); });
 
 }  // namespace
 }  // namespace kaz::lockstep

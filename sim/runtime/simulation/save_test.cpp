@@ -20,10 +20,10 @@ Bytes contents(const std::string& path) {
 }
 
 // The robot of the tree with the ball that rolls, and pictures without OpenGL.
-SimulationOptions real_options(const std::string& mcu) {
+SimulationOptions real_options(McuKind mcu) {
   SimulationOptions options;
   options.mcu = mcu;
-  options.image_path = mcu == "h8" ? KAZ_FIRMWARE_IMAGE : "";
+  options.image_path = mcu == McuKind::h8 ? KAZ_FIRMWARE_IMAGE : "";
   options.world_path = KAZ_TREE "/sim/worlds/ball.sdf";
   options.robot_path = KAZ_TREE "/shared/robot/kaz/kaz.urdf";
   options.camera_path = KAZ_TREE "/shared/robot/kaz/camera.json";
@@ -59,7 +59,7 @@ std::unique_ptr<Simulation> make(const SimulationOptions& options) {
   return simulation ? std::move(*simulation) : nullptr;
 }
 
-class Restored : public testing::TestWithParam<std::string> {};
+class Restored : public testing::TestWithParam<McuKind> {};
 
 TEST_P(Restored, RecordsTheSameBytesFromThere) {
   const TestFolder folder;
@@ -108,8 +108,8 @@ TEST_P(Restored, DetoursChangeNothing) {
   EXPECT_TRUE(contents(folder.file("a.mcap")) == contents(folder.file("b.mcap")));
 }
 
-INSTANTIATE_TEST_SUITE_P(Engines, Restored, testing::Values("h8", "native"),
-                         [](const auto& mcu) { return mcu.param; });
+INSTANTIATE_TEST_SUITE_P(Engines, Restored, testing::ValuesIn(kMcuKinds),
+                         [](const auto& mcu) { return to_string(mcu.param); });
 
 std::string refusal(Simulation& simulation, const Bytes& blob) {
   const auto restored = simulation.restore(blob);
@@ -118,7 +118,7 @@ std::string refusal(Simulation& simulation, const Bytes& blob) {
 }
 
 TEST(Snapshot, SaysWhyItDoesNotFit) {
-  auto options = real_options("native");
+  auto options = real_options(McuKind::native);
   auto simulation = make(options);
   ASSERT_NE(simulation, nullptr);
   const Bytes blob = *simulation->save();
@@ -140,19 +140,19 @@ TEST(Snapshot, SaysWhyItDoesNotFit) {
 
 // Each option that decides about the run, changed alone.
 TEST(Snapshot, RefusesEachOtherOption) {
-  const auto options = real_options("native");
+  const auto options = real_options(McuKind::native);
   const auto simulation = make(options);
   ASSERT_NE(simulation, nullptr);
   const Bytes blob = *simulation->save();
   const std::pair<const char*, std::function<void(SimulationOptions&)>> changes[] = {
-      {"mcu", [](auto& o) { o.mcu = "h8", o.image_path = KAZ_FIRMWARE_IMAGE; }},
+      {"mcu", [](auto& o) { o.mcu = McuKind::h8, o.image_path = KAZ_FIRMWARE_IMAGE; }},
       {"world", [](auto& o) { o.world_path = KAZ_TREE "/sim/worlds/empty.sdf"; }},
       {"seed", [](auto& o) { o.seed = 6; }},
       {"dynamics", [](auto& o) { o.dynamics = "quick20"; }},
       {"physics_step_ms", [](auto& o) { o.physics_step_ms = 0.5; }},
       {"sensors", [](auto& o) { o.sensors.gyro = false; }},
       {"imu", [](auto& o) { o.imu = true; }},
-      {"eyes", [](auto& o) { o.ideal_eyes = false; }},
+      {"eyes", [](auto& o) { o.eyes = EyeKind::real; }},
       {"eye_width", [](auto& o) { o.eye_width = 640; }},
       {"frames", [](auto& o) { o.frames = FramePolicy::drop; }},
       {"renderer", [](auto& o) { o.renderer = make_default_renderer; }},

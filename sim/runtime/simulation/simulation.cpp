@@ -69,11 +69,8 @@ constexpr int detour_steps = 100;
 }  // namespace
 
 Result<std::unique_ptr<Mcu>> make_mcu(const SimulationOptions& options) {
-  if (options.mcu == "h8")
-    return options.image_path.empty() ? make_erased_h8() : make_h8(options.image_path);
-  if (options.mcu == "native") return make_native();
-  return fail(Fault::usage,
-              "unknown mcu \"" + options.mcu + "\" (--mcu); use \"h8\" or \"native\"");
+  if (options.mcu == McuKind::native) return make_native();
+  return options.image_path.empty() ? make_erased_h8() : make_h8(options.image_path);
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& options) {
@@ -88,7 +85,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& 
   Result<CameraFile> camera;
   if (world->head_frame() >= 0) camera = CameraFile::load(options.camera_path);
   if (!camera) return tl::unexpected(camera.error());
-  camera->ideal = options.ideal_eyes;
+  camera->ideal = options.eyes == EyeKind::ideal;
   if (options.eye_width > 0) {
     camera->eye.width = options.eye_width;
     camera->eye.height = options.eye_width * 3 / 4;

@@ -22,6 +22,7 @@
 #include "sim/board/servo_board.h"
 #include "sim/body/world/world.h"
 #include "sim/mcu/mcu.h"
+#include "sim/runtime/eyes/eye_kind.h"
 #include "sim/runtime/eyes/eyes.h"
 #include "sim/runtime/eyes/render_thread.h"
 #include "sim/runtime/formats/mcap_writer.h"
@@ -37,19 +38,18 @@ namespace kaz::sim {
 class Recorder;
 
 struct SimulationOptions {
-  std::string mcu = "native";  // "h8" or "native"
-  std::string image_path;      // firmware, for "h8"; empty: its flash is erased
-  std::string world_path;      // SDF
-  std::string robot_path;      // URDF
-  std::string camera_path;     // camera.json beside the URDF; not read for a robot without eyes
+  McuKind mcu = McuKind::native;
+  std::string image_path;   // firmware, for h8; empty: its flash is erased
+  std::string world_path;   // SDF
+  std::string robot_path;   // URDF
+  std::string camera_path;  // camera.json beside the URDF; not read for a robot without eyes
   std::uint64_t seed = 1;
   std::string dynamics = "reduced";  // sim/body/world/world.h
   double physics_step_ms = 1;        // of the world: 0.125, 0.25, 0.5, 1, 2 or 4
   SensorSwitches sensors = {};
   SensorParams sensor_params = {};  // create() reads them from sensors.xml beside the URDF
   bool imu = false;                 // the board has gyro and accelerometer
-  bool ideal_eyes =
-      true;           // pinholes without noise; else lenses and sensors as the camera file says
+  EyeKind eyes = EyeKind::ideal;
   int eye_width = 0;  // px of 4:3 pictures; 0: as the camera file says
   double supply_volts = 10.0;
   double supply_ohms = 0.15;  // battery, switch and wires
@@ -67,12 +67,12 @@ struct SimulationOptions {
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world);
 
-// The microcontroller that the options name. Errors: unknown name, invalid firmware image.
+// The microcontroller that the options name. Errors: invalid firmware image.
 Result<std::unique_ptr<Mcu>> make_mcu(const SimulationOptions& options);
 
 class Simulation {
  public:
-  // Errors: missing or invalid files, unknown mcu, more joints than the servo board has channels, invalid
+  // Errors: missing or invalid files, more joints than the servo board has channels, invalid
   // physics step.
   static Result<std::unique_ptr<Simulation>> create(const SimulationOptions& options);
   // With the given microcontroller and world: for tests and other boards.

@@ -135,14 +135,5 @@ TEST(Simulation, ErrorOfTheChipComesOutOfEveryFurtherStep) {
   EXPECT_EQ((*simulation)->time(), std::chrono::milliseconds(3));
 }
 
-TEST(Simulation, UnknownEngineIsAUsageError) {
-  SimulationOptions options;
-  options.mcu = "avr";
-  const auto simulation = Simulation::create(options);
-  ASSERT_FALSE(simulation);
-  EXPECT_EQ(simulation.error().fault, Fault::usage);
-  EXPECT_NE(simulation.error().message.find("avr"), std::string::npos);
-}
-
 }  // namespace
 }  // namespace kaz::sim

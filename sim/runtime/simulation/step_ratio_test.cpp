@@ -91,7 +91,7 @@ TEST(StepRatio, AssembleRefusesAWorldThatDoesNotFit) {
 TEST(StepRatio, AShortOrLongStepCanBeSaved) {
   for (const double step_ms : {0.25, 4.0}) {
     SimulationOptions options;
-    options.mcu = "native";
+    options.mcu = McuKind::native;
     options.world_path = "sim/worlds/ball.sdf";
     options.robot_path = "shared/robot/kaz/kaz.urdf";
     options.camera_path = "shared/robot/kaz/camera.json";

@@ -11,9 +11,9 @@
 namespace kaz::hil {
 namespace {
 
-std::unique_ptr<sim::Mcu> make_engine(const std::string& engine) {
+std::unique_ptr<sim::Mcu> make_engine([[maybe_unused]] sim::McuKind mcu) {
 #ifdef KAZ_FIRMWARE_IMAGE
-  if (engine == "h8") {
+  if (mcu == sim::McuKind::h8) {
     auto h8 = sim::make_h8(KAZ_FIRMWARE_IMAGE);
     EXPECT_TRUE(h8) << h8.error().message;
     return h8 ? std::move(*h8) : nullptr;
@@ -22,9 +22,8 @@ std::unique_ptr<sim::Mcu> make_engine(const std::string& engine) {
   return sim::make_native();
 }
 
-class HealthyBoard : public ::testing::TestWithParam<const char*> {
+class HealthyBoard : public ::testing::TestWithParam<sim::McuKind> {
  protected:
-  std::string engine() const { return GetParam(); }
   lockstep::VirtualBench board_{make_engine(GetParam())};
 };
 
@@ -42,14 +41,14 @@ TEST_P(HealthyBoard, PassesAllOfTheTick) {
   const BenchReport report = measure_tick(board_, board_);
   // The engine native has no timer that measures its ticks.
   Names due = names_of(BenchGroup::tick);
-  if (engine() == "native") {
+  if (GetParam() == sim::McuKind::native) {
     due.erase("tick.median");
     due.erase("tick.worst");
   }
   EXPECT_EQ(names_with(report, Verdict::passed), due) << all_values(report);
   EXPECT_EQ(failed(report), Names{});
   EXPECT_NEAR(value(report, "tick.clock_error"), 0, 1);
-  EXPECT_EQ(report.plots.size(), engine() == "native" ? 1u : 2u);
+  EXPECT_EQ(report.plots.size(), GetParam() == sim::McuKind::native ? 1u : 2u);
 }
 
 TEST_P(HealthyBoard, PassesWithItsJointsOnAndHoldsThem) {
@@ -67,15 +66,15 @@ TEST_P(HealthyBoard, PassesWithItsJointsOnAndHoldsThem) {
   }
 }
 
-std::vector<const char*> engines() {
+std::vector<sim::McuKind> engines() {
 #ifdef KAZ_FIRMWARE_IMAGE
-  return {"native", "h8"};
+  return {sim::McuKind::native, sim::McuKind::h8};
 #else
-  return {"native"};
+  return {sim::McuKind::native};
 #endif
 }
 INSTANTIATE_TEST_SUITE_P(Engines, HealthyBoard, ::testing::ValuesIn(engines()),
-                         [](const auto& tested) { return std::string(tested.param); });
+                         [](const auto& tested) { return to_string(tested.param); });
 
 // Every reply of the board carries its status.
 TEST(BoardLine, NoMotorIsEverOnUnlessThatIsAllowed) {

@@ -42,7 +42,7 @@ const std::vector<Breaker>& breakers() {
        [](MotorTest& t) { t.board.sensor_params.potentiometer.noise_codes = 2; }},
       {"pot.linearity", true,
        [](MotorTest& t) {
-         t.board.sensors = *sim::sensors_by_name("as-built");
+         t.board.sensors = sim::SensorSwitches::as_built();
          t.board.sensor_params.potentiometer.linearity = 0.05;
        }},
       {"pot.scale", true, [](MotorTest& t) { miscalibrate(t, 0, 1.04); }},

@@ -44,12 +44,12 @@ class Run {
     if (!with) return tl::unexpected(with.error());
     out_.emplace(Sweep{std::move(*with), std::move(*without), {}, std::move(boxes), 0, 0, 0, {}});
     sim::SimulationOptions sim;
-    sim.mcu = "h8";
+    sim.mcu = sim::McuKind::h8;
     sim.image_path = options_.image_path;
     sim.world_path = options_.world;
     sim.robot_path = options_.robot_folder + "/kaz.urdf";
     sim.camera_path = options_.robot_folder + "/camera.json";
-    sim.ideal_eyes = false;
+    sim.eyes = sim::EyeKind::real;
     sim.eye_width = options_.eye_width;
     sim.seed = options_.seed;
     auto made = KAZ_TRY(sim::Simulation::create(sim));

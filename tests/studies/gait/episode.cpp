@@ -77,7 +77,7 @@ class Episode {
     }
     const auto files = KAZ_TRY(studies::disturbed_files(setting_.robot_folder, around, seed_));
     sim::SimulationOptions options;
-    options.mcu = setting_.engine;
+    options.mcu = setting_.mcu;
     options.image_path = setting_.image_path;
     options.dynamics = setting_.stepper;
     options.seed = seed_;

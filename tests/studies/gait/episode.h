@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "sim/mcu/mcu_kind.h"
 #include "tests/studies/common/disturbed_robot.h"
 #include "tests/studies/common/episode_file.h"
 #include "tests/studies/gait/gait.h"
@@ -45,9 +46,9 @@ struct Task {
 
 struct Setting {
   std::string stepper = "reduced";
-  std::string engine = "h8";  // or "native"
-  std::string image_path;     // firmware, for "h8"
-  std::string robot_folder;   // of kaz.urdf
+  sim::McuKind mcu = sim::McuKind::h8;
+  std::string image_path;    // firmware, for h8
+  std::string robot_folder;  // of kaz.urdf
   Motors motors = Motors::product;
 };
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 
+#include "shared/base/enum_names.hpp"
 #include "tests/studies/common/program.h"
 #include "tests/studies/gait/report.h"
 
@@ -31,7 +32,7 @@ Result<void> run(const Arguments& arguments, const std::string& command) {
   study.run = [&](std::size_t row, const studies::EpisodeKey& key) {
     Setting setting;
     setting.stepper = key.variant;
-    setting.engine = arguments.mcu;
+    setting.mcu = parse_enum(sim::kMcuKinds, arguments.mcu).value();
     setting.image_path = KAZ_FIRMWARE_IMAGE;
     setting.robot_folder = KAZ_ROBOT;
     setting.motors = kMotors.at(arguments.motors);
@@ -71,7 +72,7 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember(kMotors))
       ->capture_default_str();
   app.add_option("--mcu", arguments.mcu, "h8: emulated firmware; native: the same C, compiled")
-      ->check(CLI::IsMember({"h8", "native"}))
+      ->check(CLI::IsMember(enum_names(sim::kMcuKinds)))
       ->capture_default_str();
   app.footer(
       "gait_tables --seeds 5 --rows '^turn' --dynamics reduced\n"

@@ -11,7 +11,6 @@
 #include "host/behavior/behavior.h"
 #include "host/motion/gait.h"
 #include "host/robot/robot.h"
-#include "sim/board/sensor_file.h"
 #include "tests/studies/common/disturbed_robot.h"
 #include "tools/lockstep/lockstep.h"
 
@@ -166,7 +165,7 @@ Result<std::unique_ptr<sim::Simulation>> make(const Trial& trial, const Setting&
                                               const trials::RobotFolder& files,
                                               std::uint64_t seed) {
   sim::SimulationOptions options;
-  options.mcu = setting.engine;
+  options.mcu = setting.mcu;
   options.image_path = setting.image_path;
   options.seed = seed;
   options.world_path = files.world();
@@ -174,9 +173,7 @@ Result<std::unique_ptr<sim::Simulation>> make(const Trial& trial, const Setting&
   options.camera_path = files.camera();
   options.supply_volts = trial.supply_volts;
   options.imu = trial.imu;
-  const auto sensors = sim::sensors_by_name(trial.sensors);
-  if (!sensors) return fail(Fault::usage, "there are no sensors `" + trial.sensors + "`");
-  options.sensors = *sensors;
+  options.sensors = sim::sensor_switches(trial.sensors);
   return sim::Simulation::create(options);
 }
 

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "sim/board/sensor_file.h"
+#include "sim/mcu/mcu_kind.h"
 #include "tests/studies/common/episode_file.h"
 
 namespace kaz::walking {
@@ -30,7 +32,7 @@ struct Trial {
   double mu_spread = 0.15;  // standard deviation relative to `mu`
   double supply_volts = 10;
   bool imu = true;  // the board has the option
-  std::string sensors = "nominal";
+  sim::SensorSet sensors = sim::SensorSet::nominal;
   double push_ns = 0;  // on the trunk, every push_every_s
   // Direction of the pushes, 0 is ahead, > 0 to the left; none: random by seed.
   std::optional<double> push_to_deg = {};
@@ -43,7 +45,7 @@ struct Trial {
 };
 
 struct Setting {
-  std::string engine = "h8";  // or "native"
+  sim::McuKind mcu = sim::McuKind::h8;
   std::string image_path, robot_folder;
   bool trace = false;  // a line for each 0.1 s on standard error
 };

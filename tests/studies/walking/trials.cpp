@@ -36,7 +36,7 @@ std::vector<Trial> make() {
   all.back().imu = false;
   for (const double mu : {0.6, 0.7, 0.8}) all.push_back(turn(mu, mu != 0.7, false));
   all.push_back(walk("walk 1 m, as built"));
-  all.back().sensors = "as-built";
+  all.back().sensors = sim::SensorSet::as_built;
   for (const double mu : {0.4, 0.5, 0.6, 0.8, 0.9, 1.0}) {
     all.push_back(walk("walk 1 m, mu " + number(mu)));
     all.back().mu = mu;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 
+#include "shared/base/enum_names.hpp"
 #include "tests/studies/common/program.h"
 #include "tests/studies/common/table.h"
 #include "tests/studies/walking/score.h"
@@ -35,7 +36,7 @@ Result<void> run(const Arguments& arguments, const std::string& command) {
   }
   study.run = [&](std::size_t row, const studies::EpisodeKey& key) {
     Setting setting;
-    setting.engine = key.variant;
+    setting.mcu = parse_enum(sim::kMcuKinds, key.variant).value();
     setting.image_path = KAZ_FIRMWARE_IMAGE;
     setting.robot_folder = KAZ_ROBOT;
     setting.trace = arguments.trace;
@@ -69,7 +70,7 @@ int main(int argc, char** argv) {
       "with and without gyro. Finished episodes are kept and not run again.");
   studies::add_episode_options(app, arguments.episodes);
   app.add_option("--mcu", arguments.mcu, "h8: emulated firmware; native: the same C, compiled")
-      ->check(CLI::IsMember({"h8", "native"}))
+      ->check(CLI::IsMember(enum_names(sim::kMcuKinds)))
       ->capture_default_str();
   app.add_flag("--trace", arguments.trace, "print the robot's pose every 0.4 s, on standard error");
   app.footer("walking_table --seeds 5 --rows '^walk 1 m$'");

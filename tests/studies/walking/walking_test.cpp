@@ -19,7 +19,8 @@ Trial trial(const std::string& name) {
 
 Outcome run(const Trial& variant, std::uint64_t seed) {
   const auto outcome = run_trial(
-      variant, {.engine = "h8", .image_path = KAZ_FIRMWARE_IMAGE, .robot_folder = KAZ_ROBOT}, seed);
+      variant,
+      {.mcu = sim::McuKind::h8, .image_path = KAZ_FIRMWARE_IMAGE, .robot_folder = KAZ_ROBOT}, seed);
   EXPECT_TRUE(outcome) << outcome.error().message;
   const Outcome out = outcome.value_or(Outcome{});
   std::printf("%s, seed %d: %.3f m, aside %.3f m, heading %.2f deg, %.1f s\n", variant.name.c_str(),

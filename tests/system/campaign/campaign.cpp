@@ -119,7 +119,7 @@ class Campaign {
  private:
   Result<void> new_world(int round) {
     sim::SimulationOptions options;
-    options.mcu = "h8";
+    options.mcu = sim::McuKind::h8;
     options.image_path = options_.image_path;
     options.world_path = options_.world_path;
     options.robot_path = options_.robot_path;

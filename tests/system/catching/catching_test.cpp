@@ -20,8 +20,8 @@ std::string description(const Ending& ending) {
 
 TEST(CatchBall, LiftsAndHoldsASmallBallFromTheSide) {
   Scene scene;
-  scene.engine = "h8";
-  scene.real_eyes = true;
+  scene.mcu = sim::McuKind::h8;
+  scene.eyes = sim::EyeKind::real;
   scene.ball = {0.22, 0.24};
   scene.radius = 0.018;
   const auto ending = play(scene);

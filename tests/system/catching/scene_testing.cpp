@@ -146,14 +146,14 @@ Result<Ending> play(const Scene& scene) {
   const WorldFile world(world_of(scene));
   const std::string robot_folder = KAZ_ROBOT;
   sim::SimulationOptions options;
-  options.mcu = scene.engine;
+  options.mcu = scene.mcu;
   options.image_path = KAZ_FIRMWARE_IMAGE;
   options.seed = scene.seed;
   options.world_path = world.path();
   options.robot_path = robot_folder + "/kaz.urdf";
   options.camera_path = robot_folder + "/camera.json";
   options.imu = true;
-  options.ideal_eyes = !scene.real_eyes;
+  options.eyes = scene.eyes;
   auto simulation = KAZ_TRY(sim::Simulation::create(options));
   for (const std::string& line : scene.faults) {
     const auto fault = KAZ_TRY(faults::parse(line));

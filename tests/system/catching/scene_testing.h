@@ -14,6 +14,8 @@
 #include <Eigen/Core>
 
 #include "host/behavior/behavior.h"
+#include "sim/mcu/mcu_kind.h"
+#include "sim/runtime/eyes/eye_kind.h"
 
 namespace kaz::catching {
 
@@ -25,8 +27,8 @@ struct Kick {  // velocity that is added
 struct Scene {
   std::string behavior = "catch-ball";
   std::map<std::string, std::string> options = {};
-  std::string engine = "native";  // or "h8"
-  bool real_eyes = false;
+  sim::McuKind mcu = sim::McuKind::native;
+  sim::EyeKind eyes = sim::EyeKind::ideal;
   bool has_ball = true;
   Eigen::Vector2d ball{0.3, 0.1};  // red
   double radius = 0.020;

@@ -64,7 +64,7 @@ class RobotFixture {
                       ("kaz_" + std::string(info->name()) + std::to_string(getpid()) + ".sdf");
     std::ofstream(path) << world;
     sim::SimulationOptions options;
-    options.mcu = "native";
+    options.mcu = sim::McuKind::native;
     if (const char* dynamics = std::getenv("KAZ_DYNAMICS")) options.dynamics = dynamics;
     if (const char* step = std::getenv("KAZ_PHYSICS_STEP"))
       options.physics_step_ms = std::atof(step);

@@ -164,11 +164,11 @@ Result<lockstep::MotorFitOptions> fit_options(const BenchFitOptions& arguments) 
       sim::load_sensor_file(std::filesystem::path(standard).replace_filename("sensors.xml")));
   options.board.sensor_params = sensors;
   options.board.mcu = arguments.model.mcu;
-  if (options.board.mcu == "h8") {
+  if (options.board.mcu == sim::McuKind::h8) {
     const auto image = KAZ_TRY(firmware_image(arguments.model.image));
     options.board.image_path = image;
   }
-  options.board.sensors = *sim::sensors_by_name("nominal");
+  options.board.sensors = sim::sensor_switches(sim::SensorSet::nominal);
   options.board.seed = arguments.model.seed;
   return options;
 }

@@ -18,9 +18,9 @@ namespace {
 
 class VirtualTarget final : public BenchTarget {
  public:
-  VirtualTarget(std::unique_ptr<sim::Simulation> simulation, const std::string& mcu,
+  VirtualTarget(std::unique_ptr<sim::Simulation> simulation, sim::McuKind mcu,
                 const host::Interrupt& interrupt)
-      : name_("virtual board (" + mcu + ")"),
+      : name_(std::string("virtual board (") + to_string(mcu) + ")"),
         backend_(std::move(simulation)),
         clock_(backend_.clock(), interrupt) {}
   std::string name() const override { return name_; }

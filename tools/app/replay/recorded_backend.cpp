@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/enum_names.hpp"
 #include "shared/base/json_depth.hpp"
 
 namespace kaz::tools {
@@ -15,6 +16,18 @@ using Json = nlohmann::json;
 Json object_of(const std::string& text) {
   if (json_too_deep(text)) return {};
   return Json::parse(text, nullptr, false);
+}
+
+// The error is the rest of a sentence.
+template <class T, std::size_t N>
+Result<void> choose(const std::string& name, const std::array<T, N>& values, T& to) {
+  if (const auto value = parse_enum(values, name)) {
+    to = *value;
+    return {};
+  }
+  std::string names;
+  for (const std::string& valid : enum_names(values)) names += (names.empty() ? "" : ", ") + valid;
+  return fail(Fault::usage, "is `" + name + "`, none of " + names);
 }
 
 }  // namespace
@@ -55,22 +68,37 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
   const auto text = [](const Json& value) { return value.is_string(); };
   const auto number = [](const Json& value) { return value.is_number(); };
   // "engine": the key of `mcu` in older recordings.
+  const char* const mcu_key =
+      backend.contains("engine") && !backend.contains("mcu") ? "engine" : "mcu";
+  BackendOptions& options = result.backend;
+  std::string mcu, sensors, eyes;
   for (const auto& [key, to] :
-       {std::pair{"world", &result.world}, std::pair{"robot_file", &result.robot_file},
-        std::pair{"engine", &result.mcu}, std::pair{"mcu", &result.mcu},
-        std::pair{"image", &result.image}, std::pair{"sensors", &result.sensors},
-        std::pair{"eyes", &result.eyes}, std::pair{"dynamics", &result.dynamics}})
+       {std::pair{"world", &options.world}, std::pair{"robot_file", &options.robot_file},
+        std::pair{mcu_key, &mcu}, std::pair{"image", &options.image},
+        std::pair{"sensors", &sensors}, std::pair{"eyes", &eyes},
+        std::pair{"dynamics", &options.dynamics}})
     take(key, *to, is(key, text));
-  take("imu", result.imu, is("imu", [](const Json& value) { return value.is_boolean(); }));
-  take("physics_step_ms", result.physics_step_ms, is("physics_step_ms", number));
-  take("supply_volts", result.supply_volts, is("supply_volts", number));
-  take("eye_width", result.eye_width, is("eye_width", [](const Json& value) {
+  take("imu", options.imu, is("imu", [](const Json& value) { return value.is_boolean(); }));
+  take("physics_step_ms", options.physics_step_ms, is("physics_step_ms", number));
+  take("supply_volts", options.supply_volts, is("supply_volts", number));
+  take("eye_width", options.eye_width, is("eye_width", [](const Json& value) {
          return value.is_number_unsigned() && value.get<std::uint64_t>() <= 4096;
        }));
-  take("seed", result.seed,
+  take("seed", options.seed,
        is("seed", [](const Json& value) { return value.is_number_unsigned(); }));
   if (!misfit.empty())
     return wrong("`" + misfit + "` of its backend is not of the kind that it is");
+  // Without these another robot would run than the recorded one.
+  for (const char* key : {"world", mcu_key, "sensors", "eyes"}) {
+    if (!backend.contains(key))
+      return wrong(std::string("its backend does not state its `") + key + "`");
+  }
+  if (auto set = choose(mcu, sim::kMcuKinds, options.mcu); !set)
+    return wrong(std::string("`") + mcu_key + "` of its backend " + set.error().message);
+  if (auto set = choose(sensors, sim::kSensorSets, options.sensors); !set)
+    return wrong("`sensors` of its backend " + set.error().message);
+  if (auto set = choose(eyes, sim::kEyeKinds, options.eyes); !set)
+    return wrong("`eyes` of its backend " + set.error().message);
   return result;
 }
 

@@ -2,25 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <map>
 #include <string>
 
 #include "shared/base/result.hpp"
 #include "sim/runtime/formats/mcap_reader.h"
+#include "tools/app/session/backend_options.h"
 
 namespace kaz::tools {
 
 struct RecordedBackend {
   std::string behavior;
   std::map<std::string, std::string> settings;  // of the behaviour
-  // As BackendOptions has them.
-  std::string world, robot_file, mcu, image, sensors, eyes;
-  std::string dynamics = "reduced";
-  bool imu = false;
-  double physics_step_ms = 1, supply_volts = 10;
-  int eye_width = 0;
-  std::uint64_t seed = 1;
+  BackendOptions backend;                       // the simulated robot's
 };
 
 // `name`: of the recording, for the errors (usage): it does not state its backend, or not as kaz does.

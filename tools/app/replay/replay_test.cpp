@@ -6,6 +6,8 @@
 
 #include <bit>
 
+#include <nlohmann/json.hpp>
+
 #include "tools/app/replay/message_fields.h"
 #include "tools/app/replay/recorded_backend.h"
 
@@ -28,24 +30,26 @@ TEST(RecordedBackend, ReadsEachKey) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->behavior, "track-ball");
   EXPECT_EQ(read->settings.at("seconds"), "5");
-  EXPECT_EQ(read->world, "catch");
-  EXPECT_EQ(read->robot_file, "r.urdf");
-  EXPECT_EQ(read->mcu, "native");
-  EXPECT_EQ(read->image, "kaz.mot");
-  EXPECT_EQ(read->sensors, "ideal");
-  EXPECT_TRUE(read->imu);
-  EXPECT_EQ(read->dynamics, "exact");
-  EXPECT_EQ(read->physics_step_ms, 0.5);
-  EXPECT_EQ(read->eyes, "real");
-  EXPECT_EQ(read->eye_width, 640);
-  EXPECT_EQ(read->supply_volts, 9.5);
-  EXPECT_EQ(read->seed, 7u);
+  EXPECT_EQ(read->backend.world, "catch");
+  EXPECT_EQ(read->backend.robot_file, "r.urdf");
+  EXPECT_EQ(read->backend.mcu, sim::McuKind::native);
+  EXPECT_EQ(read->backend.image, "kaz.mot");
+  EXPECT_EQ(read->backend.sensors, sim::SensorSet::ideal);
+  EXPECT_TRUE(read->backend.imu);
+  EXPECT_EQ(read->backend.dynamics, "exact");
+  EXPECT_EQ(read->backend.physics_step_ms, 0.5);
+  EXPECT_EQ(read->backend.eyes, sim::EyeKind::real);
+  EXPECT_EQ(read->backend.eye_width, 640);
+  EXPECT_EQ(read->backend.supply_volts, 9.5);
+  EXPECT_EQ(read->backend.seed, 7u);
 }
 
 TEST(RecordedBackend, ReadsTheMcuOfOlderRecordings) {
-  const auto read = recorded_backend(with_backend(R"({"engine":"native"})"), "old.mcap");
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->mcu, "native");
+  const auto read = recorded_backend(
+      with_backend(R"({"world":"ball","engine":"native","sensors":"nominal","eyes":"ideal"})"),
+      "old.mcap");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->backend.mcu, sim::McuKind::native);
 }
 
 TEST(RecordedBackend, NamesTheKeyOfAnotherKind) {
@@ -59,6 +63,40 @@ TEST(RecordedBackend, NamesTheKeyOfAnotherKind) {
     const std::string key = text.substr(2, text.find('"', 2) - 2);
     EXPECT_NE(read.error().message.find("`" + key + "`"), std::string::npos)
         << read.error().message;
+  }
+}
+
+TEST(RecordedBackend, NamesTheKeyThatIsMissing) {
+  const nlohmann::json whole{
+      {"world", "ball"}, {"mcu", "h8"}, {"sensors", "nominal"}, {"eyes", "ideal"}};
+  ASSERT_TRUE(recorded_backend(with_backend(whole.dump()), "run.mcap"));
+  for (const auto& [key, value] : whole.items()) {
+    nlohmann::json without = whole;
+    without.erase(key);
+    const auto read = recorded_backend(with_backend(without.dump()), "run.mcap");
+    ASSERT_FALSE(read) << key;
+    EXPECT_EQ(read.error().fault, Fault::usage);
+    EXPECT_NE(read.error().message.find("`" + key + "`"), std::string::npos)
+        << read.error().message;
+  }
+}
+
+TEST(RecordedBackend, NamesTheKeyTheValueAndTheValidOnes) {
+  const struct {
+    const char *key, *value, *valid;
+  } cases[] = {{"mcu", "z80", "none of h8, native"},
+               {"sensors", "perfect", "none of nominal, ideal, as-built"},
+               {"eyes", "Real", "none of ideal, real"}};
+  for (const auto& [key, value, valid] : cases) {
+    nlohmann::json backend{
+        {"world", "ball"}, {"mcu", "h8"}, {"sensors", "nominal"}, {"eyes", "ideal"}};
+    backend[key] = value;
+    const auto read = recorded_backend(with_backend(backend.dump()), "run.mcap");
+    ASSERT_FALSE(read) << key;
+    EXPECT_EQ(read.error().fault, Fault::usage);
+    for (const std::string& part : {"`" + std::string(key) + "`", "`" + std::string(value) + "`",
+                                    std::string(valid), std::string("run.mcap")})
+      EXPECT_NE(read.error().message.find(part), std::string::npos) << read.error().message;
   }
 }
 

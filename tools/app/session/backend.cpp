@@ -167,15 +167,12 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
   sim::SimulationOptions sim;
   sim.mcu = options.mcu;
   sim.seed = options.seed;
-  sim.ideal_eyes = options.eyes == "ideal";
+  sim.eyes = options.eyes;
   sim.eye_width = options.eye_width;
   sim.dynamics = options.dynamics;
   sim.physics_step_ms = options.physics_step_ms;
   sim.frames = frames;
-  const auto sensors = sim::sensors_by_name(options.sensors);
-  if (!sensors)
-    return fail(Fault::usage, "--sensors " + options.sensors + ": give nominal, ideal or as-built");
-  sim.sensors = *sensors;
+  sim.sensors = sim::sensor_switches(options.sensors);
   sim.imu = options.imu;
   sim.supply_volts = options.supply_volts;
   sim.recording_path = options.recording;
@@ -186,7 +183,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
     sim.faults = std::move(schedule);
   }
   sim.recording_facts = {{"kaz", kVersion},
-                         {"mcu", options.mcu},
+                         {"mcu", to_string(options.mcu)},
                          {"world", options.world},
                          {"seed", std::to_string(options.seed)}};
   for (const auto& fact : options.facts) sim.recording_facts.push_back(fact);
@@ -207,7 +204,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
           std::filesystem::path(options.robot_file).replace_filename("camera.json").string();
     }
   }
-  if (found && options.mcu == "h8" && !options.erased)
+  if (found && options.mcu == sim::McuKind::h8 && !options.erased)
     found = find(firmware_image(options.image), sim.image_path);
   if (!found) return tl::unexpected(found.error());
   return options.stand ? make_stand(options, sim) : sim::Simulation::create(sim);

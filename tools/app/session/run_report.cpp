@@ -106,7 +106,7 @@ figure::PlotPage tracking_page(const RunReport& report) {
   error.y_min = 0;
   error.y_max = 12;
   figure::PlotPage page;
-  page.title = report.behavior + " through the " + report.backend.mcu + " mcu";
+  page.title = report.behavior + " through the " + to_string(report.backend.mcu) + " mcu";
   if (report.probe == nullptr) page.title = report.behavior + " over " + report.backend.robot;
   page.x_label = "time, s";
   page.plots = {joint_plot(report, "Neck pan (positive: left)", &behavior::CycleRow::pan_target,
@@ -157,7 +157,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     if (!result.contains(name) || result[name].is_null()) result[name] = rounded(value, 1e-6);
   }
   if (simulation != nullptr) {
-    result["mcu"] = report.backend.mcu;
+    result["mcu"] = to_string(report.backend.mcu);
     if (const std::string emulator = simulation->board().mcu().emulator_engine(); !emulator.empty())
       result["emulator_engine"] = emulator;
     result["world"] = report.backend.world;

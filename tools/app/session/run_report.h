@@ -15,21 +15,21 @@
 namespace kaz::tools {
 
 struct RunReport {
-  std::string behavior;
-  BackendOptions backend;
-  behavior::Outcome outcome;
+  std::string behavior = {};
+  BackendOptions backend = {};
+  behavior::Outcome outcome = {};
   double run_s = 0;  // time of the robot
   double rtf = 0;    // run_s over wall time
-  Score score;
+  Score score = {};
   kz_identify_reply identity{};
   kz_statistics_reply health{};
-  host::LinkStatistics link;
+  host::LinkStatistics link = {};
   Time start{};
   const behavior::Recording& recording;
   const TruthProbe* probe = nullptr;
-  nlohmann::ordered_json vision;  // by module: frames, times
-  std::string vision_text;        // the same for people
-  std::string vision_table;       // CSV, a line for each result
+  nlohmann::ordered_json vision = {};  // by module: frames, times
+  std::string vision_text = {};        // the same for people
+  std::string vision_table = {};       // CSV, a line for each result
 };
 
 // Ends the recording and, where `out` is not empty, makes the folder and fills it, result.json

@@ -125,13 +125,13 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& 
   const BackendOptions& backend = options.backend;
   const nlohmann::ordered_json robot{{"world", backend.world},
                                      {"robot_file", backend.robot_file},
-                                     {"mcu", backend.mcu},
+                                     {"mcu", to_string(backend.mcu)},
                                      {"image", backend.image},
-                                     {"sensors", backend.sensors},
+                                     {"sensors", to_string(backend.sensors)},
                                      {"imu", backend.imu},
                                      {"dynamics", backend.dynamics},
                                      {"physics_step_ms", backend.physics_step_ms},
-                                     {"eyes", backend.eyes},
+                                     {"eyes", to_string(backend.eyes)},
                                      {"eye_width", backend.eye_width},
                                      {"supply_volts", backend.supply_volts},
                                      {"seed", backend.seed}};

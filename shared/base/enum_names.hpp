@@ -1,0 +1,35 @@
+// Enums with names, as options, files and messages spell them.
+// SPDX-License-Identifier: Apache-2.0
+//
+// An enum T has constexpr const char* to_string(T) in its namespace, and an array of all its values.
+#ifndef KAZ_SHARED_BASE_ENUM_NAMES_HPP
+#define KAZ_SHARED_BASE_ENUM_NAMES_HPP
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace kaz {
+
+// The value with exactly this name; nullopt if there is none.
+template <class T, std::size_t N>
+constexpr std::optional<T> parse_enum(const std::array<T, N>& values, std::string_view name) {
+  for (const T value : values) {
+    if (to_string(value) == name) return value;
+  }
+  return std::nullopt;
+}
+
+// In the order of `values`.
+template <class T, std::size_t N>
+std::vector<std::string> enum_names(const std::array<T, N>& values) {
+  std::vector<std::string> names;
+  for (const T value : values) names.emplace_back(to_string(value));
+  return names;
+}
+
+}  // namespace kaz
+
+#endif

@@ -1,0 +1,45 @@
+// What a behaviour runs on, as the command line or a recording states it.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/board/sensor_file.h"
+#include "sim/mcu/mcu_kind.h"
+#include "sim/runtime/eyes/eye_kind.h"
+
+namespace kaz::tools {
+
+struct BackendOptions {
+  std::string robot = "sim";   // "sim" or "serial:PATH[@BAUD]"
+  std::string camera = "sim";  // "sim", or as open_live_camera() has it
+  std::string calibration;     // file; of real cameras
+  bool needs_camera = true;    // false: at a port the camera may be left out
+  std::string world = "ball";  // the rest for "sim" only
+  std::string robot_file;      // URDF of the simulated robot; Kaz if empty
+  sim::McuKind mcu = sim::McuKind::h8;
+  std::string image;              // firmware image for h8; the built one if empty
+  bool stand = false;             // a motor stand instead of robot and world
+  std::string motor_file, motor;  // of the stand; Kaz's motor.xml and its default if empty
+  double disc_kgm2 = 4e-4;        // on each shaft of the stand
+  bool erased = false;            // no image: the flash is blank
+  sim::SensorSet sensors = sim::SensorSet::nominal;
+  bool imu = false;  // the board's option
+  sim::EyeKind eyes = sim::EyeKind::ideal;
+  std::string dynamics = "reduced";  // WorldOptions::dynamics
+  double physics_step_ms = 1;        // SimulationOptions
+  double supply_volts = 10;
+  int eye_width = 0;  // 320 or 640; 0: as in camera.json
+  std::uint64_t seed = 1;
+  std::string faults;          // file with a schedule of faults; none if empty
+  std::string recording;       // path of the recording; none if empty
+  double restore_every_s = 0;  // detours of the simulation; 0: none
+  bool record_pictures = false;
+  // Of what runs on it, for the recording: name and value.
+  std::vector<std::pair<std::string, std::string>> facts;
+};
+
+}  // namespace kaz::tools

@@ -1,0 +1,191 @@
+// result.json of a run: what is in it, and where it cannot be written.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/session/run_report.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include "shared/base/files.hpp"
+#include "shared/board/board.h"
+#include "tools/app/session/live_camera.h"
+
+namespace kaz::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+// Of a run at a port: no simulation, no pictures of moments.
+class Report : public testing::Test {
+ protected:
+  Report() : folder_(make_temporary_folder("kaz-report-").value()) {
+    report_.behavior = "track-ball";
+    report_.backend.robot = "serial:/dev/ttyUSB0";
+    report_.backend.seed = 7;
+    report_.outcome.success = true;
+    report_.outcome.sentence = "the ball was tracked";
+    report_.run_s = 5.00049;
+    report_.rtf = 1.0004;
+    report_.score.measured_by = "pictures";
+  }
+  ~Report() override {
+    std::error_code error;
+    fs::remove_all(folder_, error);
+  }
+  std::string at(const std::string& name) const { return folder_ + "/" + name; }
+  std::string read(const std::string& name) const {
+    std::ifstream file(at(name));
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  Result<ordered_json> written(const std::string& out) {
+    return write_report(report_, nullptr, snapshots_, out, "");
+  }
+  // Without files.
+  ordered_json result() {
+    const auto made = written("");
+    EXPECT_TRUE(made) << made.error().message;
+    return made.value_or(ordered_json());
+  }
+
+  std::string folder_;
+  behavior::Recording recording_;
+  RunReport report_{.recording = recording_};
+  NoCamera no_camera_;
+  RememberingCamera camera_{no_camera_};
+  Snapshots snapshots_{camera_, nullptr, vision::BallOptions{}};
+};
+
+TEST_F(Report, HasOutcomeAndRobot) {
+  const ordered_json json = result();
+  EXPECT_EQ(json["outcome"], "done");
+  EXPECT_EQ(json["sentence"], "the ball was tracked");
+  EXPECT_EQ(json["behavior"], "track-ball");
+  EXPECT_EQ(json["robot"], "serial:/dev/ttyUSB0");
+  EXPECT_TRUE(json["mcu"].is_null()) << "not known of a board at a port";
+  EXPECT_EQ(json["seed"], 7);
+  EXPECT_NEAR(json["duration_s"].get<double>(), 5.0, 1e-9);
+  EXPECT_NEAR(json["rtf"].get<double>(), 1.0, 1e-9);
+  EXPECT_TRUE(json["found_s"].is_null());
+  EXPECT_FALSE(json.contains("cause"));
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(Report, HasTheCauseOfAFailure) {
+  report_.outcome.success = false;
+  report_.outcome.cause = "not found";
+  const ordered_json json = result();
+  EXPECT_EQ(json["outcome"], "failed");
+  EXPECT_EQ(json["cause"], "not found");
+}
+
+TEST_F(Report, HasTheScore) {
+  report_.score.found_s = 1.23456;
+  report_.score.within_3deg = 0.98765;
+  report_.score.rms_deg = 1.00004;
+  const ordered_json json = result();
+  EXPECT_NEAR(json["found_s"].get<double>(), 1.235, 1e-9);
+  EXPECT_NEAR(json["tracking_within_3deg"].get<double>(), 0.9877, 1e-9);
+  EXPECT_NEAR(json["tracking_rms_deg"].get<double>(), 1.0, 1e-9);
+  EXPECT_EQ(json["tracking_measured_by"], "pictures");
+}
+
+// Those of the report itself are not overwritten by the behaviour's of the same name, unless null.
+TEST_F(Report, HasTheBehavioursMeasurements) {
+  report_.outcome.measurements = {{"turned_deg", 1.2345678}, {"seed", 99}, {"found_s", 2.5}};
+  const ordered_json json = result();
+  EXPECT_NEAR(json["turned_deg"].get<double>(), 1.234568, 1e-9);
+  EXPECT_EQ(json["seed"], 7);
+  EXPECT_NEAR(json["found_s"].get<double>(), 2.5, 1e-9);
+}
+
+TEST_F(Report, HasBoardAndLink) {
+  report_.identity.firmware_version = 0x0102;
+  report_.identity.build_id = 12345;
+  report_.health.worst_8states = KZ_STATES_PER_TICK / 8 / 2;
+  report_.health.missed_ticks = 3;
+  report_.health.bad_check = 1;
+  report_.health.bad_stuffing = 2;
+  report_.health.too_short = 4;
+  report_.health.too_long = 8;
+  report_.health.line_errors = 16;
+  report_.link.requests = 100;
+  report_.link.timeouts = 5;
+  report_.link.round_trip.max_s = 0.0123456;
+  const ordered_json json = result();
+  EXPECT_EQ(json["board"]["firmware_version"], "1.2");
+  EXPECT_EQ(json["board"]["build_id"], 12345);
+  EXPECT_NEAR(json["board"]["worst_tick_share"].get<double>(), 0.5, 1e-9);
+  EXPECT_EQ(json["board"]["missed_ticks"], 3);
+  EXPECT_EQ(json["board"]["bad_frames"], 31);
+  EXPECT_EQ(json["link"]["requests"], 100);
+  EXPECT_EQ(json["link"]["timeouts"], 5);
+  EXPECT_NEAR(json["link"]["round_trip_max_s"].get<double>(), 0.012346, 1e-9);
+}
+
+TEST_F(Report, FillsItsFolder) {
+  report_.vision_table = "frame,found\n0,1\n";
+  const auto json = written(at("out"));
+  ASSERT_TRUE(json) << json.error().message;
+  EXPECT_EQ(ordered_json::parse(read("out/result.json")), *json);
+  EXPECT_EQ(read("out/vision.csv"), report_.vision_table);
+  EXPECT_EQ((*json)["pictures"], ordered_json::array());
+  EXPECT_FALSE(json->contains("recording"));
+}
+
+TEST_F(Report, PlotsARunWithCycles) {
+  for (int i = 0; i < 3; ++i) {
+    behavior::CycleRow row;
+    row.time = std::chrono::milliseconds(10 * i);
+    row.pan_target = 0.1 * i;
+    recording_.cycle(row);
+  }
+  report_.score.time_s = {0, 0.01, 0.02};
+  report_.score.error_deg = {1, 2, 3};
+  const auto json = written(at("out"));
+  ASSERT_TRUE(json) << json.error().message;
+  EXPECT_EQ((*json)["pictures"], (ordered_json{"pan_tilt.png", "pan_tilt.svg"}));
+  EXPECT_NE(read("out/pan_tilt.svg").find("track-ball over serial:/dev/ttyUSB0"),
+            std::string::npos);
+  EXPECT_GT(fs::file_size(at("out/pan_tilt.png")), 1000u);
+}
+
+TEST_F(Report, ThinsTheTrackingErrorToTenSamplesASecond) {
+  report_.score.time_s = {0, 0.05, 0.1, 0.15, 0.2};
+  report_.score.error_deg = {1, 2, 3, 4, std::numeric_limits<double>::quiet_NaN()};
+  const auto json = written(at("out"));
+  ASSERT_TRUE(json) << json.error().message;
+  const ordered_json& rows = (*json)["tracking_error"];
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_NEAR(rows[0]["deg"].get<double>(), 1, 1e-9);
+  EXPECT_NEAR(rows[1]["t_s"].get<double>(), 0.1, 1e-9);
+  EXPECT_NEAR(rows[1]["deg"].get<double>(), 3, 1e-9);
+  EXPECT_TRUE(rows[2]["deg"].is_null()) << "the ball was not in the picture";
+}
+
+TEST_F(Report, NamesTheFolderThatCannotBeMade) {
+  std::ofstream(at("file")) << "x";
+  for (const char* out : {"file", "file/below"}) {
+    const auto json = written(at(out));
+    ASSERT_FALSE(json) << out;
+    EXPECT_EQ(json.error().fault, Fault::usage);
+    EXPECT_NE(json.error().message.find(at(out)), std::string::npos) << json.error().message;
+    EXPECT_NE(json.error().message.find("--out"), std::string::npos) << json.error().message;
+  }
+  EXPECT_EQ(read("file"), "x");
+}
+
+// A folder in the place of a file that belongs into the results.
+TEST_F(Report, LeavesNoResultWhereAFileCannotBeWritten) {
+  fs::create_directories(at("out/vision.csv/in the way"));
+  const auto json = written(at("out"));
+  ASSERT_FALSE(json);
+  EXPECT_NE(json.error().message.find("vision.csv"), std::string::npos) << json.error().message;
+  EXPECT_FALSE(fs::exists(at("out/result.json")));
+}
+
+}  // namespace
+}  // namespace kaz::tools
