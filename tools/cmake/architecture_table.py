@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: architecture_table.py [--check | --write]
 
-Prints a row for each library: its folder (and its name, where that is another), what it is (the first sentence
-of the comment right above its kaz_library, or of the file), and the Kaz libraries that it links, without those
-that these link in public. --check compares with docs/architecture.md; --write rewrites
-the part between the markers there."""
+Prints a row for each library: its folder (and its name, where that is another), what it is (the first
+sentence of the comment right above its kaz_library, or of the file), and the Kaz libraries that it links,
+without those that these link in public. --check compares with docs/architecture.md; --write rewrites the
+part between the markers there."""
 
 import pathlib
 import re
