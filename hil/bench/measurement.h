@@ -11,6 +11,7 @@
 
 #include "hil/report/verdict.h"
 #include "shared/base/result.hpp"
+#include "shared/plot/plot.h"
 
 namespace kaz::hil {
 
@@ -43,7 +44,8 @@ struct Measurement {
 // A curve or a cloud of points.
 struct Series {
   std::string name;
-  enum class Style { line, points, dashed } style = Style::line;
+  using Style = plot::Series::Style;
+  Style style = Style::line;
   std::vector<std::pair<double, double>> points;
 };
 

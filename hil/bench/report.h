@@ -5,6 +5,7 @@
 #include <string>
 
 #include "hil/bench/measurement.h"
+#include "shared/plot/plot.h"
 
 namespace kaz::hil {
 
@@ -18,7 +19,7 @@ std::string bench_curves_csv(const BenchReport& report);
 std::string bench_junit(const BenchReport& report);
 // Self-contained: no script, nothing fetched.
 std::string bench_html(const BenchReport& report);
-// One plot by itself, as a file of its own.
-std::string plot_svg(const Plot& plot);
+// One plot as a page, to be drawn by plot::plot_svg().
+plot::PlotPage plot_page(const Plot& plot);
 
 }  // namespace kaz::hil

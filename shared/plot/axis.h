@@ -1,4 +1,4 @@
-// Round numbers for an axis.
+// An axis of a plot, linear or logarithmic: where a value lies along it, its ticks and their labels.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,16 +7,43 @@
 
 namespace kaz::plot {
 
-struct Axis {
-  double low = 0, high = 1;
-  double step = 0.2;  // 1, 2 or 5 times a power of ten
+class Axis {
+ public:
+  struct Tick {
+    double at = 0;      // 0..1 along the axis
+    std::string label;  // empty: a grid line only
+  };
+  // Where an end of a linear axis lies.
+  enum class End {
+    exact,      // at the given value
+    margin,     // 2 % outside of it, so that data at the end keep clear of the frame
+    whole_step  // at the next multiple of the tick step
+  };
 
-  std::vector<double> ticks() const;
-  std::string label(double value) const;  // as many decimals as the step needs
+  // About `count` ticks, 1, 2 or 5 times a power of ten apart. The ends may be any numbers: equal, in the
+  // wrong order or not finite (no data), they are replaced by a range that can be drawn.
+  static Axis linear(double low, double high, int count, End low_end, End high_end);
+  // For positive values, with a margin of 2 %. Ends that are not positive, or in the wrong order, are
+  // replaced by 1 and 10.
+  static Axis logarithmic(double low, double high);
+
+  // False for values that have no place on the axis: not finite, or not positive on a logarithmic one.
+  bool shows(double value) const;
+  double at(double value) const;  // 0..1 between the ends
+  const std::vector<Tick>& ticks() const { return ticks_; }
+  // By what the labels are multiplied: "10⁶"; empty: by nothing.
+  const std::string& factor() const { return factor_; }
+
+ private:
+  double scaled(double value) const;
+  void add_decades();
+  void add_linear_ticks(int count);
+
+  bool logarithmic_ = false;
+  double unit_ = 1;            // of the labels
+  double low_ = 0, high_ = 1;  // ends, scaled
+  std::vector<Tick> ticks_;
+  std::string factor_;
 };
-
-// About `count` ticks. With `widen`, the ends move out to whole steps; otherwise they stay. Ends
-// that are equal, in the wrong order or not finite give a range that can be drawn nevertheless.
-Axis make_axis(double low, double high, int count, bool widen);
 
 }  // namespace kaz::plot

@@ -3,12 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "shared/plot/plot.h"
 #include "vision/color/color.h"
 #include "vision/image/frame.h"
 
@@ -16,12 +16,8 @@ namespace kaz::figure {
 
 using vision::Image;
 
-struct Color {
-  double r = 0, g = 0, b = 0;  // 0..1
-};
-inline constexpr Color kBlue{0.12, 0.42, 0.75}, kRed{0.84, 0.19, 0.15}, kGreen{0.13, 0.55, 0.30},
-    kOrange{0.93, 0.53, 0.11}, kPurple{0.48, 0.32, 0.66}, kGrey{0.45, 0.47, 0.50},
-    kYellow{0.98, 0.85, 0.20}, kWhite{1, 1, 1}, kBlack{0, 0, 0};
+using plot::Color, plot::kBlue, plot::kRed, plot::kGreen, plot::kOrange, plot::kPurple, plot::kGrey,
+    plot::kYellow, plot::kWhite, plot::kBlack;
 
 // --- files
 // ------------------------------------------------------------------------------------------- Every
@@ -62,44 +58,10 @@ Image compose(std::span<const Panel> panels, int columns, int height_px);
 // --- plots
 // -------------------------------------------------------------------------------------------
 
-struct Series {
-  std::string label;
-  Color color;
-  std::vector<double> x, y;  // equal lengths; a y that is not finite interrupts the line
-  double width_px = 1.8;
-  bool dashed = false;
-};
+using plot::HorizontalLine, plot::LinePlot, plot::PlotPage, plot::Series, plot::Span;
 
-struct Span {
-  double from = 0, to = 0;  // on the x axis
-  Color color = kGreen;
-  std::string label;  // in the legend, if not empty
-};
-
-struct HorizontalLine {
-  double y = 0;
-  Color color = kGrey;
-  std::string label;
-};
-
-struct LinePlot {
-  std::string title, y_label;
-  std::vector<Series> series;
-  std::vector<Span> spans;
-  std::vector<HorizontalLine> lines;
-  std::optional<double> y_min, y_max;  // otherwise from the data
-};
-
-// One above the other on a common x axis.
-struct PlotPage {
-  std::string title, x_label;
-  std::vector<LinePlot> plots;
-  int width_px = 960;
-  int plot_height_px = 260;
-};
-
+// Two pixels for each px of the page.
 Result<void> write_plot_png(const std::string& path, const PlotPage& page);
-// Text stays text: it can be searched, and drawn in the reader's font.
 Result<void> write_plot_svg(const std::string& path, const PlotPage& page);
 
 }  // namespace kaz::figure

@@ -124,7 +124,7 @@ PlotPage page() {
     pot.x.push_back(0.1 * i);
     pot.y.push_back(i == 50 ? std::nan("") : 30 * std::sin(0.1 * i));
   }
-  plot.series = {pot, {"target <desired>", kOrange, {0, 10}, {-20, 20}, 1.5, true}};
+  plot.series = {pot, {"target <desired>", kOrange, {0, 10}, {-20, 20}, 1.5, Series::Style::dashed}};
   plot.spans = {{0, 2, kGrey, "searching"}, {5, 6, kGrey, "searching"}};
   plot.lines = {{3, kGreen, "limit"}};
   page.plots = {plot, plot};

@@ -7,6 +7,7 @@
 #include "hil/bench/report/numbers.h"
 #include "hil/report/page.h"
 #include "shared/base/xml_text.hpp"
+#include "shared/plot/svg.h"
 
 namespace kaz::hil {
 namespace {
@@ -143,7 +144,7 @@ std::string subject_part(const BenchReport& report, const std::string& subject,
   }
   if (!rows.empty()) text += table(rows, false);
   for (const Plot& plot : report.plots) {
-    if (plot.subject == subject) figures += "<figure>\n" + plot_svg(plot) + "</figure>\n";
+    if (plot.subject == subject) figures += "<figure>\n" + plot::plot_svg(plot_page(plot)) + "</figure>\n";
   }
   if (!figures.empty()) text += "<div class=\"plots\">\n" + figures + "</div>\n";
   return text;

@@ -9,6 +9,7 @@
 
 #include "hil/bench/report/numbers.h"
 #include "hil/bench/report/report_testing.h"
+#include "shared/base/xml_testing.hpp"
 
 namespace kaz::hil {
 namespace {

@@ -1,11 +1,9 @@
-// A report made up, and XML taken apart.
+// A report made up.
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/bench/report/report_testing.h"
 
 #include <cmath>
 #include <limits>
-
-#include <gtest/gtest.h>
 
 namespace kaz::hil {
 
@@ -45,20 +43,6 @@ BenchReport test_report() {
              {{"", Series::Style::line, {{0.1, 0}, {1, -10}, {20, -170}}}},
              ""});
   return report;
-}
-
-void parse_xml(const std::string& xml, tinyxml2::XMLDocument& to) {
-  EXPECT_EQ(to.Parse(xml.data(), xml.size()), tinyxml2::XML_SUCCESS) << to.ErrorStr();
-}
-
-std::vector<const tinyxml2::XMLElement*> elements(const tinyxml2::XMLNode& below,
-                                                  const std::string& name) {
-  std::vector<const tinyxml2::XMLElement*> all;
-  for (auto* child = below.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    if (child->Name() == name) all.push_back(child);
-    for (const auto* deeper : elements(*child, name)) all.push_back(deeper);
-  }
-  return all;
 }
 
 }  // namespace kaz::hil

@@ -15,6 +15,7 @@ using namespace kaz;
 using namespace kaz::dynamics_table;
 
 figure::PlotPage page_of(const Table& table) {
+  using Style = figure::Series::Style;
   figure::PlotPage page;
   page.title = "Energy of pendulums, max error in 10 s";
   page.x_label = "log10 of the step in ms";
@@ -31,13 +32,14 @@ figure::PlotPage page_of(const Table& table) {
     for (const char* stepper : kSteppers) {
       std::vector<double> y;
       for (const double error : steppers.at(stepper)) y.push_back(std::log10(error));
-      plot.series.push_back({stepper, colors[number], x, y, 2.0, number == 2});
+      plot.series.push_back(
+          {stepper, colors[number], x, y, 2.0, number == 2 ? Style::dashed : Style::line});
       ++number;
     }
     // A line of slope 1 through the required 1e-3 at 1 ms.
     std::vector<double> line;
     for (const double v : x) line.push_back(v - 3);
-    plot.series.push_back({"proportional to the step", figure::kGrey, x, line, 1.4, true});
+    plot.series.push_back({"proportional to the step", figure::kGrey, x, line, 1.4, Style::dashed});
     page.plots.push_back(plot);
   }
   return page;

@@ -49,7 +49,7 @@ figure::PlotPage plot(const Table& table) {
   for (const int width : {320, 640}) {
     const figure::Color color = width == 320 ? figure::kOrange : figure::kBlue;
     figure::Series measured{std::to_string(width) + " px wide", color, {}, {}};
-    figure::Series limit{"limit", color, {}, {}, 1, true};
+    figure::Series limit{"limit", color, {}, {}, 1, figure::Series::Style::dashed};
     for (const AccuracyRow& r : table.accuracy) {
       if (r.width != width || r.visibility != Visibility::whole) continue;
       measured.x.push_back(r.distance_m);

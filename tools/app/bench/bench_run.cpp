@@ -18,6 +18,7 @@
 #include "hil/bench/tick_bench.h"
 #include "host/robot/connect.h"
 #include "shared/base/files.hpp"
+#include "shared/plot/svg.h"
 #include "sim/board/sensor_file.h"
 #include "tools/app/bench/bench_target.h"
 #include "tools/app/bench/fit_report.h"
@@ -115,7 +116,8 @@ Result<void> measure(const BenchOptions& arguments, const std::vector<int>& join
 Result<void> leave_plots(const OutputFolder& folder, const std::vector<hil::Plot>& plots) {
   const auto into = KAZ_TRY(OutputFolder::open(folder.path("plots")));
   for (const hil::Plot& plot : plots) {
-    if (auto written = write(into, plot.subject + "-" + plot.id + ".svg", hil::plot_svg(plot));
+    if (auto written = write(into, plot.subject + "-" + plot.id + ".svg",
+                             plot::plot_svg(hil::plot_page(plot)));
         !written)
       return written;
   }

@@ -9,6 +9,7 @@
 #include "hil/bench/report.h"
 #include "hil/report/page.h"
 #include "shared/base/xml_text.hpp"
+#include "shared/plot/svg.h"
 
 namespace kaz::tools {
 namespace {
@@ -112,7 +113,7 @@ std::string fit_html(const MotorFit& fit, const std::string& from) {
   }
   text += "</table>\n<div class=\"plots\">\n";
   for (const hil::Plot& plot : fit.plots)
-    text += "<figure>\n" + hil::plot_svg(plot) + "</figure>\n";
+    text += "<figure>\n" + plot::plot_svg(hil::plot_page(plot)) + "</figure>\n";
   return text + "</div>\n" + hil::kPageEnd;
 }
 

@@ -91,7 +91,7 @@ figure::LinePlot joint_plot(const RunReport& report, const std::string& title,
       true_curve.x.push_back(seconds(sample.time - report.start));
       true_curve.y.push_back(sample.*truth * kDegrees);
     }
-    true_curve.dashed = true;
+    true_curve.style = figure::Series::Style::dashed;
     plot.series.push_back(true_curve);
   }
   return plot;

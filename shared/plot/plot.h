@@ -1,0 +1,62 @@
+// What a page of line plots shows. Drawn by svg.h, and as PNG by tools/figure.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace kaz::plot {
+
+struct Color {
+  double r = 0, g = 0, b = 0;  // 0..1, sRGB
+};
+inline constexpr Color kBlue{0.12, 0.42, 0.75}, kRed{0.84, 0.19, 0.15}, kGreen{0.13, 0.55, 0.30},
+    kOrange{0.93, 0.53, 0.11}, kPurple{0.48, 0.32, 0.66}, kGrey{0.45, 0.47, 0.50},
+    kYellow{0.98, 0.85, 0.20}, kWhite{1, 1, 1}, kBlack{0, 0, 0};
+
+struct Series {
+  enum class Style { line, dashed, points };
+  std::string label;  // in the legend, if not empty
+  Color color;
+  // Equal lengths. A point that is not finite, or not positive on a logarithmic axis, is not drawn; it
+  // interrupts the line.
+  std::vector<double> x, y;
+  double width_px = 1.8;  // of lines
+  Style style = Style::line;
+};
+
+// A range of x with a tinted background.
+struct Span {
+  double from = 0, to = 0;
+  Color color = kGreen;
+  std::string label;  // in the legend, if not empty; once for spans of the same label
+};
+
+// Dashed, over the whole width.
+struct HorizontalLine {
+  double y = 0;
+  Color color = kGrey;
+  std::string label;  // in the legend, if not empty
+};
+
+struct LinePlot {
+  std::string title, y_label;  // labels with their unit: "torque, Nm"
+  std::vector<Series> series;
+  std::vector<Span> spans;
+  std::vector<HorizontalLine> lines;
+  std::optional<double> y_min, y_max;  // otherwise from the data
+  std::string caption;                 // beneath the plot, wrapped
+};
+
+// One above the other on a common x axis.
+struct PlotPage {
+  std::string title, x_label;
+  std::vector<LinePlot> plots;
+  int width_px = 960;
+  // Of each plot with its title and the labels of its ticks; a long legend and a caption come on top.
+  int plot_height_px = 260;
+  bool x_logarithmic = false;
+};
+
+}  // namespace kaz::plot
