@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,22 @@ struct Series {
   double width_px = 1.8;  // of lines
   Style style = Style::line;
 };
+
+inline constexpr std::array kStyles{Series::Style::line, Series::Style::dashed,
+                                    Series::Style::points};
+
+// As files name them.
+constexpr const char* to_string(Series::Style style) {
+  switch (style) {
+    case Series::Style::line:
+      return "line";
+    case Series::Style::dashed:
+      return "dashed";
+    case Series::Style::points:
+      break;
+  }
+  return "points";
+}
 
 // A range of x with a tinted background.
 struct Span {

@@ -68,7 +68,8 @@ class SvgPainter final : public Painter {
             " points=\"";
     const char* between = "";
     for (const Point& p : points) {
-      svg_ += between + number(p.x) + "," + number(p.y);
+      svg_ += between;
+      svg_ += number(p.x) + "," + number(p.y);
       between = " ";
     }
     svg_ += "\"/>\n";
@@ -80,7 +81,10 @@ class SvgPainter final : public Painter {
     svg_ += "<path fill=\"none\"" + attribute("stroke", color_text(color)) +
             attribute("stroke-width", diameter_px) + " stroke-linecap=\"round\"" +
             opacity("stroke-opacity", alpha) + " d=\"";
-    for (const Point& p : centers) svg_ += "M" + number(p.x) + "," + number(p.y) + "h0";
+    for (const Point& p : centers) {
+      svg_ += 'M';
+      svg_ += number(p.x) + "," + number(p.y) + "h0";
+    }
     svg_ += "\"/>\n";
   }
 

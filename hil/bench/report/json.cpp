@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/bench/report.h"
+#include "shared/base/enum_names.hpp"
 #include "shared/base/json_depth.hpp"
 
 namespace kaz::hil {
@@ -19,8 +20,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr const char* kStyles[] = {"line", "points", "dashed"};
-
 // What is wrong with a file, for the sentence.
 struct Wrong : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -93,9 +92,8 @@ Json to_json(const Plot& plot) {
   for (const Series& series : plot.series) {
     Json points = Json::array();
     for (const auto& [x, y] : series.points) points.push_back({number(x), number(y)});
-    json["series"].push_back({{"name", series.name},
-                              {"style", kStyles[static_cast<int>(series.style)]},
-                              {"points", std::move(points)}});
+    json["series"].push_back(
+        {{"name", series.name}, {"style", to_string(series.style)}, {"points", std::move(points)}});
   }
   return json;
 }
@@ -103,11 +101,10 @@ Json to_json(const Plot& plot) {
 Series to_series(const Json& json) {
   Series series;
   series.name = json.at("name");
-  const std::string style = json.at("style");
-  int number = 0;
-  while (number < 3 && style != kStyles[number]) ++number;
-  if (number == 3) throw Wrong("there is no style '" + style + "'");
-  series.style = static_cast<Series::Style>(number);
+  const std::string name = json.at("style");
+  const auto style = parse_enum(plot::kStyles, name);
+  if (!style) throw Wrong("there is no style '" + name + "'");
+  series.style = *style;
   for (const Json& point : json.at("points")) {
     series.points.emplace_back(to_number(point.at(0)), to_number(point.at(1)));
   }
