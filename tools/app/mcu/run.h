@@ -10,9 +10,8 @@
 #include "shared/base/result.hpp"
 #include "shared/image/image.h"
 #include "sim/h8s/chip/options.h"
+#include "tools/app/base/outcome.h"
 #include "tools/app/mcu/debug.h"
-#include "tools/app/outcome.h"
-#include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
 
