@@ -204,11 +204,45 @@ def check_owners():
                 fault(name, f"uses {library}; call the functions of {owner}")
 
 
+def headings(text):
+    """The anchors of a page, as GitHub makes them: lower case, without punctuation, numbered if repeated."""
+    anchors = set(re.findall(r'<a (?:id|name)="([^"]+)"', text))
+    counts = {}
+    prose = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
+    for title in re.findall(r"^#{1,6} +(.+?)[ #]*$", prose, re.M):
+        title = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", title)
+        anchor = re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
+        number = counts.get(anchor, 0)
+        counts[anchor] = number + 1
+        anchors.add(f"{anchor}-{number}" if number else anchor)
+    return anchors
+
+
 def check_links():
-    for path in files("*.md"):
-        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", path.read_text()):
-            if not (path.parent / target).exists():
-                fault(path.relative_to(ROOT), f"links to '{target}', which is not there")
+    """Each link leads to a file that is there and a heading in it; each page is reached by a link.
+    Each path that a source names is there."""
+    texts = {path.resolve(): path.read_text() for path in files("*.md")}
+    linked = set()
+    for path, text in texts.items():
+        name = path.relative_to(ROOT.resolve())
+        for target, anchor in re.findall(r"\]\(([^)#:\s]*)(?:#([^)\s]*))?\)", text):
+            other = (path.parent / target).resolve() if target else path
+            if not other.exists():
+                fault(name, f"links to '{target}', which is not there")
+            elif anchor and other in texts and anchor not in headings(texts[other]):
+                fault(name, f"links to '{target}#{anchor}', but there is no such heading")
+            if other != path:
+                linked.add(other)
+    roots = "|".join(["docs", "examples", *LAYERS[""]])
+    named = re.compile(rf"(?<![\w/.$}}-])((?:{roots})/[\w./-]+\.(?:md|h|hpp|c|cpp|py))\b(?!\.\w)")
+    for path in files("*.c", "*.h", "*.cpp", "*.hpp", "*.def", "*.S", "*.py"):
+        for target in named.findall(path.read_text()):
+            if not (ROOT / target).exists():
+                fault(path.relative_to(ROOT), f"names '{target}', which is not there")
+    for path in texts:
+        name = path.relative_to(ROOT.resolve())
+        if name.as_posix().startswith("docs/") and path not in linked:
+            fault(name, "no page links to it; begin at docs/README.md")
 
 
 def check_temporary_names():
