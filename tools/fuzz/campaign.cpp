@@ -14,9 +14,9 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "shared/base/enum_names.hpp"
-#include "tools/app/output.h"
-#include "tools/app/paths.h"
-#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
+#include "tools/app/base/paths.h"
 #include "tools/fuzz/engine_case.h"
 
 namespace kaz::tools {

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tools/app/version.h"
+#include "tools/app/base/version.h"
 #include "tools/kaz/verbs.h"
 
 namespace {

@@ -20,12 +20,12 @@
 #include "shared/base/files.hpp"
 #include "shared/plot/svg.h"
 #include "sim/board/sensor_file.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
+#include "tools/app/base/paths.h"
+#include "tools/app/base/version.h"
 #include "tools/app/bench/bench_target.h"
 #include "tools/app/bench/fit_report.h"
-#include "tools/app/output.h"
-#include "tools/app/paths.h"
-#include "tools/app/session/interrupt_signals.h"
-#include "tools/app/version.h"
 #include "tools/figure/figure.h"
 
 namespace kaz::tools {

@@ -9,8 +9,8 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/control_socket.h"
-#include "tools/app/arguments.h"
-#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/base/arguments.h"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/lockstep/stand_backend.h"
 
 namespace kaz::tools {

@@ -14,10 +14,10 @@
 #include <iterator>
 
 #include "shared/base/files.hpp"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/episode_file.h"
 #include "tools/app/evaluate/summary.h"
-#include "tools/app/session/interrupt_signals.h"
 #include "tools/figure/figure.h"
 
 namespace kaz::tools {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "tools/app/base/paths.h"
 #include "tools/app/evaluate/judge.h"
-#include "tools/app/paths.h"
 
 namespace kaz::tools {
 namespace {

@@ -12,10 +12,10 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "tools/app/base/paths.h"
 #include "tools/app/evaluate/child.h"
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/judge.h"
-#include "tools/app/paths.h"
 #include "tools/app/vision/color_file.h"
 
 namespace kaz::tools {

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/app/output.h"
+#include "tools/app/base/output.h"
 
 namespace kaz::tools {
 

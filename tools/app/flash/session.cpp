@@ -13,9 +13,9 @@
 #include "host/link/requester.h"
 #include "host/robot/connect.h"
 #include "shared/base/files.hpp"
-#include "tools/app/arguments.h"
+#include "tools/app/base/arguments.h"
+#include "tools/app/base/paths.h"
 #include "tools/app/monitor/monitor.h"
-#include "tools/app/paths.h"
 
 namespace kaz::tools {
 namespace {

@@ -10,8 +10,8 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "shared/protocol/messages.h"
+#include "tools/app/base/output.h"
 #include "tools/app/flash/arguments.h"
-#include "tools/app/output.h"
 
 namespace kaz::tools {
 

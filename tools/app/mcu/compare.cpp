@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/protocol/message_info.h"
-#include "tools/app/output.h"
-#include "tools/app/paths.h"
+#include "tools/app/base/output.h"
+#include "tools/app/base/paths.h"
 
 namespace kaz::tools {
 namespace {

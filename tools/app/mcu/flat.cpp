@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/h8s/flat/flat.h"
+#include "tools/app/base/output.h"
 #include "tools/app/mcu/run.h"
-#include "tools/app/output.h"
 
 namespace kaz::tools {
 namespace {

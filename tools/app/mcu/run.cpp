@@ -14,8 +14,8 @@
 
 #include "shared/image/image.h"
 #include "sim/h8s/chip/chip.h"
+#include "tools/app/base/output.h"
 #include "tools/app/mcu/attached.h"
-#include "tools/app/output.h"
 
 namespace kaz::tools {
 namespace {

@@ -11,10 +11,10 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
-#include "tools/app/arguments.h"
+#include "tools/app/base/arguments.h"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/monitor/board_view.h"
 #include "tools/app/monitor/terminal.h"
-#include "tools/app/session/interrupt_signals.h"
 
 namespace kaz::tools {
 namespace {

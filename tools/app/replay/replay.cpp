@@ -8,7 +8,7 @@
 #include <fstream>
 #include <span>
 
-#include "tools/app/output.h"
+#include "tools/app/base/output.h"
 #include "tools/app/replay/message_fields.h"
 #include "tools/app/replay/recorded_backend.h"
 #include "tools/app/replay/replay_host.h"

@@ -8,8 +8,8 @@
 
 #include "host/behavior/behavior.h"
 #include "sim/runtime/time.h"
-#include "tools/app/output.h"
-#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
 #include "tools/app/session/live_camera.h"
 #include "tools/lockstep/replayed_board.h"
 

@@ -11,10 +11,10 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "sim/stand/stand_commands.h"
-#include "tools/app/paths.h"
-#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/paths.h"
+#include "tools/app/base/version.h"
 #include "tools/app/session/live_camera.h"
-#include "tools/app/version.h"
 #include "tools/lockstep/lockstep.h"
 
 namespace kaz::tools {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "shared/board/board.h"
-#include "tools/app/output.h"
+#include "tools/app/base/output.h"
 #include "tools/figure/figure.h"
 
 namespace kaz::tools {

@@ -1,6 +1,6 @@
 // `kaz sim`: a virtual robot for other processes.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/serve.h"
+#include "tools/app/sim/serve.h"
 
 #include <atomic>
 #include <cstdio>
@@ -11,7 +11,7 @@
 #include "sim/mcu/memory_file.h"
 #include "sim/runtime/serving/real_time.h"
 #include "sim/stand/stand_commands.h"
-#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/figure/figure.h"
 
 namespace kaz::tools {

@@ -1,6 +1,6 @@
 // `kaz conformance`: the protocol certificate of a board, case by case.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/conformance.h"
+#include "tools/app/board/conformance.h"
 
 #include <cstdio>
 
@@ -10,11 +10,11 @@
 #include "host/link/wall_clock.h"
 #include "shared/base/files.hpp"
 #include "sim/mcu/mcu.h"
-#include "tools/app/arguments.h"
-#include "tools/app/output.h"
-#include "tools/app/paths.h"
-#include "tools/app/session/interrupt_signals.h"
-#include "tools/app/version.h"
+#include "tools/app/base/arguments.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
+#include "tools/app/base/paths.h"
+#include "tools/app/base/version.h"
 #include "tools/lockstep/virtual_bench.h"
 
 namespace kaz::tools {

@@ -1,6 +1,6 @@
 // Ctrl-C and termination end a program in order.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/base/interrupt_signals.h"
 
 #include <signal.h>
 

@@ -1,6 +1,6 @@
 // `kaz vision run`: the modules of vision on pictures in a folder.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/vision/recorded_pictures.h"
+#include "tools/app/vision_run/recorded_pictures.h"
 
 #include <algorithm>
 #include <chrono>
@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "tools/app/output.h"
+#include "tools/app/base/output.h"
 #include "tools/app/vision/color_file.h"
 #include "tools/app/vision/report.h"
 #include "tools/figure/figure.h"
