@@ -237,7 +237,7 @@ def check_links():
     named = re.compile(rf"(?<![\w/.$}}-])((?:{roots})/[\w./-]+\.(?:md|h|hpp|c|cpp|py))\b(?!\.\w)")
     for path in files("*.c", "*.h", "*.cpp", "*.hpp", "*.def", "*.S", "*.py"):
         for target in named.findall(path.read_text()):
-            if not (ROOT / target).exists():
+            if not (ROOT / target).exists() and not (ROOT / f"{target}.in").exists():
                 fault(path.relative_to(ROOT), f"names '{target}', which is not there")
     for path in texts:
         name = path.relative_to(ROOT.resolve())
