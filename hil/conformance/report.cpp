@@ -60,6 +60,12 @@ std::string statement_rows(const RunReport& report) {
   return rows;
 }
 
+// "SIGINT, after 12 of 160 cases"
+std::string interruption(const RunReport& report, const ReportFacts& facts) {
+  return facts.signal + ", after " + std::to_string(report.results.size()) + " of " +
+         std::to_string(report.chosen) + " cases";
+}
+
 }  // namespace
 
 std::string junit_text(const RunReport& report, const ReportFacts& facts) {
@@ -71,6 +77,7 @@ std::string junit_text(const RunReport& report, const ReportFacts& facts) {
   suite.property("port", facts.port);
   suite.property("program", facts.program);
   suite.property("seed", std::to_string(facts.seed));
+  if (report.interrupted) suite.property("interrupted", interruption(report, facts));
   for (const CaseResult& one : report.results) {
     suite.add({one.of->id.substr(0, one.of->id.find('.')),
                one.of->id,
@@ -90,6 +97,11 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
   all["port"] = facts.port;
   all["program"] = facts.program;
   all["seed"] = facts.seed;
+  if (report.interrupted) {
+    all["interrupted"] = true;
+    all["signal"] = facts.signal;
+    all["cases_chosen"] = report.chosen;
+  }
   all["cases"] = report.results.size();
   all["passed"] = report.count(Verdict::passed);
   all["failed"] = report.count(Verdict::failed);
@@ -113,9 +125,13 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
 std::string html_text(const RunReport& report, const ReportFacts& facts) {
   const int failed = report.count(Verdict::failed);
   std::string text = page_head("Kaz conformance: " + facts.port);
-  text += "<h1>Protocol conformance: <span class=\"" +
-          std::string(failed ? "failed\">does not conform" : "passed\">conforms") +
-          "</span></h1>\n";
+  const char* const verdict = failed               ? "failed\">does not conform"
+                              : report.interrupted ? "out\">incomplete"
+                                                   : "passed\">conforms";
+  text += "<h1>Protocol conformance: <span class=\"" + std::string(verdict) + "</span></h1>\n";
+  if (report.interrupted)
+    text +=
+        "<p class=\"failed\">Interrupted by " + xml_text(interruption(report, facts)) + ".</p>\n";
   text += "<p>" + std::to_string(report.count(Verdict::passed)) + " of " +
           std::to_string(report.results.size()) + " cases passed, " + std::to_string(failed) +
           " failed, " + std::to_string(report.count(Verdict::left_out)) + " left out.</p>\n";

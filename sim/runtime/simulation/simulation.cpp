@@ -320,9 +320,12 @@ Result<void> Simulation::start_recording(const std::string& path) {
   return {};
 }
 
-Result<std::string> Simulation::finish_recording() {
+Result<std::string> Simulation::finish_recording(const std::string& interrupted_by) {
   if (!recorder_) return std::string();
-  if (eyes_) {
+  if (!interrupted_by.empty()) {
+    // What is there is the beginning of the run, message by message: pairs under way would come later.
+    recorder_->interrupted(interrupted_by);
+  } else if (eyes_) {
     for (const auto& digest : eyes_->take_digests(true)) recorder_->eyes(digest);
   }
   board_.mcu().on_tick(nullptr);

@@ -232,8 +232,11 @@ Result<bool> run_bench(const BenchOptions& arguments) {
               [&](double share, const std::string& what) { progress.update(share, what); });
   progress.done();
   report.seconds = seconds(target->clock().now() - begin);
+  const bool interrupted = !ran && ran.error().fault == Fault::interrupted;
   if (!ran) report.interrupted = ran.error().message;
+  if (interrupted) report.signal = received_signal_name();
   KAZ_TRY(leave_reports(folder, report));
+  if (interrupted && arguments.json) std::fputs(hil::bench_json(report).c_str(), stdout);
   if (!ran)
     return tl::unexpected(Error{ran.error().fault, ran.error().message +
                                                        "; what was measured until then is in " +

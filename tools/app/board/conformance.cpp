@@ -68,7 +68,8 @@ void say(const hil::CaseResult& one) {
   }
 }
 
-Result<hil::RunReport> run_virtual(ConformanceOptions& arguments, hil::ReportFacts& facts) {
+Result<hil::RunReport> run_virtual(ConformanceOptions& arguments, hil::ReportFacts& facts,
+                                   host::Interrupt& interrupt) {
   std::unique_ptr<sim::Mcu> mcu;
   if (arguments.mcu == sim::McuKind::h8) {
     const auto image = KAZ_TRY(firmware_image(arguments.image));
@@ -80,13 +81,14 @@ Result<hil::RunReport> run_virtual(ConformanceOptions& arguments, hil::ReportFac
   lockstep::VirtualBench board(std::move(mcu));
   facts.port = board.name();
   arguments.run.allowed = hil::kMotion | hil::kFlash | hil::kBench | hil::kExact;
-  return hil::run_suite(board, board, &board, Time::zero(), arguments.run);
+  InterruptibleClock clock(board, interrupt);
+  InterruptibleLink link(board, board, interrupt);
+  return hil::run_suite(link, clock, &board, Time::zero(), arguments.run);
 }
 
-Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts& facts) {
+Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts& facts,
+                                host::Interrupt& interrupt) {
   const auto port = KAZ_TRY(parse_port(arguments.port));
-  host::Interrupt interrupt;
-  const InterruptSignals signals(interrupt);
   auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
   host::WallClock clock(&interrupt);
   facts.port = port.first;
@@ -121,10 +123,13 @@ Result<bool> run_conformance(ConformanceOptions arguments) {
     }
     progress.update(static_cast<double>(number) / static_cast<double>(of), one.of->id);
   };
-  const auto report =
-      arguments.port.empty() ? run_virtual(arguments, facts) : run_port(arguments, facts);
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  const auto report = arguments.port.empty() ? run_virtual(arguments, facts, interrupt)
+                                             : run_port(arguments, facts, interrupt);
   progress.done();
   if (!report) return tl::unexpected(report.error());
+  if (report->interrupted) facts.signal = received_signal_name();
   for (const auto& [path, text] : {std::pair(arguments.junit, hil::junit_text(*report, facts)),
                                    std::pair(arguments.json, hil::json_text(*report, facts)),
                                    std::pair(arguments.html, hil::html_text(*report, facts))}) {
@@ -136,6 +141,10 @@ Result<bool> run_conformance(ConformanceOptions arguments) {
                 facts.port.c_str(), report->results.size(), report->count(hil::Verdict::passed),
                 failed, report->count(hil::Verdict::left_out));
   }
+  if (report->interrupted)
+    return fail(Fault::interrupted, "interrupted after " + std::to_string(report->results.size()) +
+                                        " of " + std::to_string(report->chosen) +
+                                        " cases; the reports are of these");
   return failed == 0;
 }
 

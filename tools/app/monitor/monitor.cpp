@@ -35,7 +35,8 @@ class Monitor {
 
   // Errors: the board is not there at the start. Later ones are shown, and the board is sought.
   Result<void> run() {
-    if (auto connected = connect(); !connected) return connected;
+    if (auto connected = connect(); !connected)
+      return interrupt_.requested() ? Result<void>() : connected;
     auto terminal = KAZ_TRY(Terminal::open());
     while (!interrupt_.requested()) {
       const Time begin = clock_.now();

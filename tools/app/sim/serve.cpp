@@ -45,6 +45,8 @@ Result<bool> serve(ServeOptions arguments) {
     return fail(Fault::usage, "--erased and --boot are for --mcu h8: native has no flash");
   if (arguments.backend.erased && !arguments.backend.image.empty())
     return fail(Fault::usage, "--erased and --image exclude each other");
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
   auto simulation = KAZ_TRY(make_simulation(arguments.backend, sim::FramePolicy::drop));
   if (!arguments.real_time.cameras_path.empty() && !simulation->has_eyes())
     return tl::unexpected(sim::Simulation::no_eyes());
@@ -84,8 +86,6 @@ Result<bool> serve(ServeOptions arguments) {
               arguments.real_time.cameras_path.empty() ? "" : ", cameras on ",
               arguments.real_time.cameras_path.c_str());
   std::fflush(stdout);
-  host::Interrupt interrupt;
-  const InterruptSignals signals(interrupt);
   const StopFlag stop(interrupt);
   const auto statistics = server->run(stop.flag());
   const auto recorded = simulation->finish_recording();
