@@ -155,7 +155,8 @@ def vectors(root):
     parts = {"messages": [vector for message in read_messages(root)
                           for vector in message_vectors(message, random.Random(message.name))],
              "bodies": body_vectors(random.Random("bodies")),
-             "streams": streams(random.Random("streams"), value_of("KZ_IDLE_MS", all_constants(root), "frame.h"))}
+             "streams": streams(random.Random("streams"),
+                                value_of("KZ_IDLE_MS", all_constants(root), "frame.h"))}
     blocks = [f' "{name}": [\n' + ",\n".join("  " + json.dumps(row) for row in rows) + "]"
               for name, rows in parts.items()]
     return ('{"about": "Golden vectors of Kaz\'s protocol, made and explained by '

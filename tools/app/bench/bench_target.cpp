@@ -50,7 +50,7 @@ class PortTarget final : public BenchTarget {
   std::unique_ptr<hil::Stand> stand_;
 };
 
-Result<std::string> ask_user(const std::string& prompt) {
+Result<std::string> prompt_user(const std::string& prompt) {
   std::fprintf(stderr, "\n%s: ", prompt.c_str());
   std::string line;
   if (!std::getline(std::cin, line))
@@ -62,16 +62,16 @@ Result<std::unique_ptr<hil::Stand>> make_stand(const BenchTargetOptions& options
                                                host::Clock& clock) {
   std::unique_ptr<hil::Stand> stand;
   if (options.stand == "manual") {
-    stand = std::make_unique<hil::ManualStand>(ask_user, options.backend.disc_kgm2);
+    stand = std::make_unique<hil::ManualStand>(prompt_user, options.backend.disc_kgm2);
   } else if (options.stand.starts_with("ctl:")) {
     const std::string path = options.stand.substr(4);
-    const auto ask = [path](const std::string& line) -> Result<nlohmann::ordered_json> {
-      const auto reply = KAZ_TRY(host::ask_control_socket(path, "stand " + line));
+    const auto query = [path](const std::string& line) -> Result<nlohmann::ordered_json> {
+      const auto reply = KAZ_TRY(host::query_control_socket(path, "stand " + line));
       return nlohmann::ordered_json::parse(reply, nullptr, false);
     };
     // Whether it is a stand: said before anything moves.
-    KAZ_TRY(ask("disc"));
-    stand = std::make_unique<hil::CommandStand>(options.stand, ask, clock);
+    KAZ_TRY(query("disc"));
+    stand = std::make_unique<hil::CommandStand>(options.stand, query, clock);
   } else if (!options.stand.empty()) {
     return fail(Fault::usage,
                 "--stand " + options.stand +
