@@ -257,7 +257,7 @@ def check_temporary_names():
 
 
 # Words that code and docs do not use, each with the term to use instead (docs/glossary.md). Only those that
-# are wrong everywhere: "ask", "sound" or "figure" have proper uses in prose, where they are left to the reviewer.
+# are wrong everywhere: "ask", "sound" or "figure" have proper uses in prose, so there the reviewer judges.
 WORDS = [(re.compile(pattern), term) for pattern, term in (
     (r"\b_?[Tt]old(?![a-z])|(?<=[a-z])Told(?![a-z])", "reported, returned"),
     (r"\b\w*[Uu]nsound\b", "invalid or faulty"),
