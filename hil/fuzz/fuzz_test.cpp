@@ -122,7 +122,7 @@ TEST(Conversation, WhatTheBoardMustNotSend) {
        reply(KZ_TYPE_stop_reply, 7, KZ_SHUTDOWN_STOP << 8 | KZ_STATUS_ENABLED)},
       {"on in spite of a shutdown", frame(1, KZ_TYPE_state, 7),
        reply(KZ_TYPE_state_reply, 7, KZ_SHUTDOWN_POT << 8 | KZ_STATUS_ENABLED)},
-      {"telemetry unasked", {}, reply(KZ_TYPE_telemetry_state, 0, 0)},
+      {"telemetry without a request", {}, reply(KZ_TYPE_telemetry_state, 0, 0)},
       {"a request", {}, reply(KZ_TYPE_state, 7, 0)},
   };
   for (const WrongReply& one : wrong) {

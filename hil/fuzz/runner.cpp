@@ -63,7 +63,7 @@ class Run {
   }
 
   // True once the board has answered.
-  Result<bool> ask(u8 type, std::uint8_t sequence, const std::vector<std::uint8_t>& wire) {
+  Result<bool> query(u8 type, std::uint8_t sequence, const std::vector<std::uint8_t>& wire) {
     KAZ_TRY(send(wire));
     KAZ_TRY(listen(clock_.now() + options_.patience, type, sequence));
     return conversation_.replies_to(type, sequence) > 0;
@@ -71,7 +71,7 @@ class Run {
 
   Result<bool> known(u8 type, const std::vector<std::uint8_t>& fields = {}) {
     --own_sequence_;
-    return ask(type, own_sequence_, framed(KZ_ADDRESS_DEFAULT, type, own_sequence_, fields));
+    return query(type, own_sequence_, framed(KZ_ADDRESS_DEFAULT, type, own_sequence_, fields));
   }
 
   // `identify` until it is answered.
@@ -101,7 +101,7 @@ class Run {
         return listen(clock_.now() + milliseconds(event.ms));
       case Event::Kind::fault:
         return begin_fault(event.fault);
-      case Event::Kind::ask:
+      case Event::Kind::query:
         return lonely(event);
     }
     return {};
@@ -129,7 +129,7 @@ class Run {
     if (auto done = listen(quiet()); !done) return done;
     const std::uint8_t type = type_of(event.bytes), sequence = sequence_of(event.bytes);
     const bool due = !faulty_ && clock_.now() >= deaf_until_;
-    const auto answered = KAZ_TRY(ask(type, sequence, event.bytes));
+    const auto answered = KAZ_TRY(query(type, sequence, event.bytes));
     if (due && !answered && clock_.now() >= deaf_until_ && !violation())
       violation_ = std::string("no reply came to a lonely request: ").append(event.text);
     return {};

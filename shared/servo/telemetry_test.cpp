@@ -127,11 +127,12 @@ TEST(Telemetry, ASharedLineKnowsNone) {
   startup.shared_line = 1;
   TestBoard board(startup);
   EXPECT_EQ(board.telemetry(20, 1), KZ_REFUSED_SHARED_LINE);
-  const auto identity = board.ask<kz_identify_reply, kz_unpack_identify_reply>(KZ_TYPE_identify);
+  const auto identity = board.query<kz_identify_reply, kz_unpack_identify_reply>(KZ_TYPE_identify);
   EXPECT_EQ(identity.capabilities & KZ_CAPABILITY_TELEMETRY, 0);
   TestBoard alone;
-  EXPECT_EQ((alone.ask<kz_identify_reply, kz_unpack_identify_reply>(KZ_TYPE_identify)).capabilities,
-            15);
+  EXPECT_EQ(
+      (alone.query<kz_identify_reply, kz_unpack_identify_reply>(KZ_TYPE_identify)).capabilities,
+      15);
 }
 
 TEST(Telemetry, EndsWhenTheHostIsSilentAlsoWithMotorsOff) {

@@ -257,7 +257,7 @@ def check_temporary_names():
 
 
 # Words that code and docs do not use, each with the term to use instead (docs/glossary.md). Only those that
-# are wrong everywhere: "ask", "sound" or "figure" have proper uses, so they are left to the reviewer.
+# are wrong everywhere: "ask", "sound" or "figure" have proper uses in prose, so there the reviewer judges.
 WORDS = [(re.compile(pattern), term) for pattern, term in (
     (r"\b_?[Tt]old(?![a-z])|(?<=[a-z])Told(?![a-z])", "reported, returned"),
     (r"\b\w*[Uu]nsound\b", "invalid or faulty"),
@@ -276,6 +276,14 @@ WORDS = [(re.compile(pattern), term) for pattern, term in (
 )]
 
 
+# Parts of identifiers (snake_case, CamelCase) that are the dialect's wherever code, not prose, has them.
+PARTS = {"ask": "query, request", "asks": "queries", "asked": "requested", "asking": "querying",
+         "tell": "report", "tells": "reports", "told": "reported", "telling": "reporting"}
+PART = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
+PROSE = {".py": r'"""(?:.|\n)*?"""|#[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'',
+         "": r'//[^\n]*|/\*(?:.|\n)*?\*/|R"\((?:.|\n)*?\)"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\''}
+
+
 def check_words():
     for path in files("*.h", "*.hpp", "*.c", "*.cpp", "*.S", "*.py", "*.md"):
         name = path.relative_to(ROOT)
@@ -287,6 +295,15 @@ def check_words():
                     fault(f"{name}:{number}", f"'{found[0]}' is not a term of ours: {term}")
 
 
+def check_identifiers():
+    for path in files("*.h", "*.hpp", "*.c", "*.cpp", "*.def", "*.py"):
+        code = re.sub(PROSE.get(path.suffix, PROSE[""]), " ", path.read_text())
+        for identifier in sorted(set(re.findall(r"[A-Za-z_]\w*", code))):
+            for part in PART.findall(identifier):
+                if part.lower() in PARTS:
+                    fault(path.relative_to(ROOT), f"'{identifier}': not '{part}' but {PARTS[part.lower()]}")
+
+
 check_packages()
 check_printed()
 check_sources()
@@ -295,5 +312,6 @@ check_owners()
 check_links()
 check_temporary_names()
 check_words()
+check_identifiers()
 print("\n".join(faults) if faults else "the tree keeps its rules")
 sys.exit(1 if faults else 0)

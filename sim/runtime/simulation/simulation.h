@@ -147,8 +147,8 @@ class Simulation {
              std::unique_ptr<World> world, const CameraFile& camera, StepRatio ratio);
   Result<void> advance();
   void move_world();
-  void tell_sensors(double since_s);
-  void tell_motion(const Eigen::Vector3d& specific_force);
+  void set_sensors(double since_s);
+  void set_motion(const Eigen::Vector3d& specific_force);
   Eyes::Keep kept_of_pairs() const;
   void make_eyes();
   template <class A>

@@ -37,8 +37,8 @@ class FlashVerb : public ::testing::Test {
     return kaz(all);
   }
   std::string control() const { return "ctl:" + (folder_ / "board.ctl"); }
-  void ask(const std::string& request) const {
-    EXPECT_NE(ask_control(folder_ / "board.ctl", request).find("\"ok\":true"), std::string::npos);
+  void control(const std::string& request) const {
+    EXPECT_NE(query_control(folder_ / "board.ctl", request).find("\"ok\":true"), std::string::npos);
   }
   Finished verb(const std::string& name, std::vector<std::string> more = {}) const {
     std::vector<std::string> all{"flash", name, "--port", folder_ / "board"};
@@ -91,12 +91,12 @@ TEST_F(FlashVerb, KilledInTheMiddleAndTakenUpAgain) {
 TEST_F(FlashVerb, ManualResetByHand) {
   Process program(write({"--reset", "manual"}), true);
   ASSERT_TRUE(program.wait_for_output("to boot mode", seconds(30)));
-  ask("mode boot");
-  ask("reset");
+  control("mode boot");
+  control("reset");
   program.type("\n");
   ASSERT_TRUE(program.wait_for_output("back to run", seconds(60))) << program.wait(seconds(0)).err;
-  ask("mode run");
-  ask("reset");
+  control("mode run");
+  control("reset");
   program.type("\n");
   const Finished done = program.wait(seconds(30));
   EXPECT_EQ(done.exit_code, 0) << done.err;

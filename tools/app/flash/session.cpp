@@ -28,7 +28,7 @@ constexpr Time kStart = milliseconds(300);
 }  // namespace
 
 // Not by std::cin: Ctrl-C has to end the wait.
-Result<void> FlashSession::ask_user(const std::string& prompt) {
+Result<void> FlashSession::prompt_user(const std::string& prompt) {
   progress_.done();
   std::fprintf(stderr, "%s, then press Enter: ", prompt.c_str());
   char letter = 0;
@@ -48,7 +48,7 @@ Result<void> FlashSession::make_reset() {
   if (how.empty()) return {};
   if (how == "manual") {
     reset_ = std::make_unique<host::ManualReset>(
-        [this](const std::string& prompt) { return ask_user(prompt); });
+        [this](const std::string& prompt) { return prompt_user(prompt); });
   } else if (how.starts_with("ctl:")) {
     reset_ = std::make_unique<host::ControlSocketReset>(how.substr(4));
   } else if (how == "dtr-rts") {

@@ -40,7 +40,7 @@ class FlashSession {
   Error with_advice(const Error& error) const;
 
  private:
-  Result<void> ask_user(const std::string& prompt);
+  Result<void> prompt_user(const std::string& prompt);
   Result<void> make_reset();
   Result<void> read_writer();
   tl::unexpected<Error> nobody() const;

@@ -40,7 +40,7 @@ class Monitor {
     auto terminal = KAZ_TRY(Terminal::open());
     while (!interrupt_.requested()) {
       const Time begin = clock_.now();
-      ask();
+      query();
       for (Key key = terminal.key(); key != Key::none; key = terminal.key()) {
         if (key == Key::quit) return leave();
         press(key);
@@ -81,7 +81,7 @@ class Monitor {
     next_try_ = clock_.now() + std::chrono::seconds(1);
   }
 
-  void ask() {
+  void query() {
     if (!robot_) {
       if (clock_.now() < next_try_) return;
       if (auto again = connect(); !again) return lost(again.error());

@@ -179,7 +179,7 @@ Result<bool> run_session(SessionOptions options) {
   if (!backend) return tl::unexpected(backend.error());
   const bool real = (*backend)->port() != nullptr;
   const Time connecting = (*backend)->clock().now();
-  const auto tell_resumption = [&](const host::Resumption& resumption) {
+  const auto report_resumption = [&](const host::Resumption& resumption) {
     std::fprintf(stderr, "\n%s: after %.1f s %s; after %.2f s more it answered again\n",
                  options.label.c_str(), seconds(resumption.lost - connecting),
                  text(resumption.cause), seconds(resumption.resumed - resumption.lost));
@@ -187,7 +187,7 @@ Result<bool> run_session(SessionOptions options) {
   WatchedClock clock((*backend)->clock(), (*backend)->simulation(), options.onlooker);
   auto robot =
       host::Robot::connect((*backend)->link(), clock,
-                           {.on_resumed = tell_resumption,
+                           {.on_resumed = report_resumption,
                             .frames_path = real ? temporary_file("frames.txt") : std::string()});
   if (!robot) return tl::unexpected(robot.error());
   if (real) {
