@@ -111,7 +111,7 @@ TEST_F(FlashVerb, ManualResetEndsWithNobodyThereAndWithCtrlC) {
   ASSERT_TRUE(stopped.wait_for_output("press Enter", seconds(30)));
   stopped.signal(SIGINT);
   const Finished end = stopped.wait(seconds(10));
-  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_EQ(end.exit_code, 130);
   EXPECT_NE(end.err.find("interrupted"), std::string::npos) << end.err;
 }
 
@@ -159,7 +159,7 @@ TEST_F(FlashVerb, InterruptedInTheMiddleSaysWhatToDo) {
   ASSERT_TRUE(stopped.wait_for_output("20 %  write", seconds(60)));
   stopped.signal(SIGINT);
   const Finished end = stopped.wait(seconds(10));
-  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_EQ(end.exit_code, 130);
   for (const char* part : {"interrupted", "still in boot mode", "same command again"})
     EXPECT_NE(end.err.find(part), std::string::npos) << end.err;
 }
