@@ -125,10 +125,10 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
 std::string html_text(const RunReport& report, const ReportFacts& facts) {
   const int failed = report.count(Verdict::failed);
   std::string text = page_head("Kaz conformance: " + facts.port);
-  const char* const verdict = failed               ? "failed\">does not conform"
+  const char* const heading = failed               ? "failed\">does not conform"
                               : report.interrupted ? "out\">incomplete"
                                                    : "passed\">conforms";
-  text += "<h1>Protocol conformance: <span class=\"" + std::string(verdict) + "</span></h1>\n";
+  text += "<h1>Protocol conformance: <span class=\"" + std::string(heading) + "</span></h1>\n";
   if (report.interrupted)
     text +=
         "<p class=\"failed\">Interrupted by " + xml_text(interruption(report, facts)) + ".</p>\n";

@@ -51,12 +51,8 @@ class PortTarget final : public BenchTarget {
   std::unique_ptr<hil::Stand> stand_;
 };
 
-<<<<<<< HEAD
 // Not by std::cin: Ctrl-C has to end the wait.
-Result<std::string> ask_user(const std::string& prompt, const host::Interrupt& interrupt) {
-=======
-Result<std::string> prompt_user(const std::string& prompt) {
->>>>>>> lane-house
+Result<std::string> prompt_user(const std::string& prompt, const host::Interrupt& interrupt) {
   std::fprintf(stderr, "\n%s: ", prompt.c_str());
   std::string line;
   for (char letter = 0; letter != '\n';) {
@@ -76,13 +72,9 @@ Result<std::unique_ptr<hil::Stand>> make_stand(const BenchTargetOptions& options
                                                const host::Interrupt& interrupt) {
   std::unique_ptr<hil::Stand> stand;
   if (options.stand == "manual") {
-<<<<<<< HEAD
     stand = std::make_unique<hil::ManualStand>(
-        [&interrupt](const std::string& prompt) { return ask_user(prompt, interrupt); },
+        [&interrupt](const std::string& prompt) { return prompt_user(prompt, interrupt); },
         options.backend.disc_kgm2);
-=======
-    stand = std::make_unique<hil::ManualStand>(prompt_user, options.backend.disc_kgm2);
->>>>>>> lane-house
   } else if (options.stand.starts_with("ctl:")) {
     const std::string path = options.stand.substr(4);
     const auto query = [path](const std::string& line) -> Result<nlohmann::ordered_json> {
