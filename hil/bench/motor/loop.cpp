@@ -38,8 +38,11 @@ std::string gains_text(const host::Gains& gains) {
   return text;
 }
 
-// Time, s, at which the response first passes `share` of the step; linear between readings.
+// Time, s, at which the response first passes `share` of the step; linear between readings. A joint that
+// hunts across a worn gear may be past a small share as the step begins.
 double passes(const Trace& trace, double from, double distance, double share) {
+  if (!trace.empty() && (trace.front().angle_rad - from) / distance >= share)
+    return trace.front().t_s;
   for (std::size_t i = 1; i < trace.size(); ++i) {
     const double before = (trace[i - 1].angle_rad - from) / distance;
     const double here = (trace[i].angle_rad - from) / distance;
