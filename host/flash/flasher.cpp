@@ -158,6 +158,8 @@ Result<bool> Flasher::enter_loader() {
   for (int k = 0; k < 10; ++k) {
     if (auto there = listening(milliseconds(60), 1); !there || *there) return there;
   }
+  std::uint8_t byte = 0;
+  KAZ_TRY(link_.read(std::span(&byte, 1), clock_.now()));  // interrupted, or the port is gone
   return fail(
       Fault::environment,
       Diagnostic{"the resident loader does not answer",

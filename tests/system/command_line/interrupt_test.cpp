@@ -250,8 +250,9 @@ TEST_P(Interrupted, EndsWithinASecondAndKeepsWhatThereIs) {
   // On a loaded machine a program may wait for its turn, but does not work for long.
   const double worked_s = row.has_children ? 0 : end.cpu_s - cpu_before;
   EXPECT_TRUE(wall_s < 1 || (wall_s < 6 && worked_s < 1)) << wall_s << " s, worked " << worked_s;
-  if (row.status.value_or(1) != 0)
+  if (row.status.value_or(1) != 0) {
     EXPECT_NE(end.err.find("interrupted"), std::string::npos) << end.err;
+  }
   EXPECT_TRUE(end.err.empty() || end.err.back() == '\n') << end.err;
   if (!row.result.empty()) {
     const std::string text = row.result == "-" ? end.out : read_file(folder / row.result);
@@ -265,8 +266,8 @@ TEST_P(Interrupted, EndsWithinASecondAndKeepsWhatThereIs) {
   EXPECT_EQ(left_over(folder), std::vector<std::string>());
 }
 
-INSTANTIATE_TEST_SUITE_P(Verbs, Interrupted, ::testing::ValuesIn(rows()), [](const auto& info) {
-  std::string name = info.param.name;
+INSTANTIATE_TEST_SUITE_P(Verbs, Interrupted, ::testing::ValuesIn(rows()), [](const auto& row) {
+  std::string name = row.param.name;
   std::ranges::replace(name, ' ', '_');
   return name;
 });
@@ -311,10 +312,11 @@ TEST(Interrupts, ASecondOneEndsAtOnceAndLeavesOnlyWholeFiles) {
     if (!fs::exists(folder / "out")) continue;
     for (const auto& file : fs::directory_iterator(folder / "out")) {
       const std::string name = file.path().filename();
-      if (name == "result.json")
+      if (name == "result.json") {
         EXPECT_TRUE(json::accept(read_file(file.path()))) << pause_ms;
-      else if (name == "recording.mcap")
+      } else if (name == "recording.mcap") {
         EXPECT_TRUE(read_file(file.path()).ends_with("MCAP0\r\n")) << pause_ms;
+      }
     }
   }
 }

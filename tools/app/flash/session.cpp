@@ -116,7 +116,8 @@ tl::unexpected<Error> FlashSession::nobody() const {
 
 Result<void> FlashSession::enter(const host::FlashImage* image) {
   const auto there = flasher_->enter_loader();
-  if (!there && (!reset_ || there.error().fault == Fault::failed))
+  if (!there && (!reset_ || there.error().fault == Fault::failed ||
+                 there.error().fault == Fault::interrupted))
     return tl::unexpected(there.error());
   if (image != nullptr) {
     if (auto allowed = flasher_->check(*image, through_boot()); !allowed) return allowed;
