@@ -242,10 +242,10 @@ TEST_P(Interrupted, EndsWithinASecondAndKeepsWhatThereIs) {
   ASSERT_TRUE(at_work) << program.wait(seconds(0)).err;
 
   const double cpu_before = program.cpu_s();
-  const auto asked = Steady::now();
+  const auto signalled = Steady::now();
   program.signal(row.signal);
   const Finished end = program.wait(seconds(10));
-  const double wall_s = std::chrono::duration<double>(Steady::now() - asked).count();
+  const double wall_s = std::chrono::duration<double>(Steady::now() - signalled).count();
   EXPECT_EQ(end.exit_code, row.status.value_or(128 + row.signal)) << end.out << end.err;
   // On a loaded machine a program may wait for its turn, but does not work for long.
   const double worked_s = row.has_children ? 0 : end.cpu_s - cpu_before;
