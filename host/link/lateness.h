@@ -63,4 +63,14 @@ class LatenessMeter final : public Link, public Clock {
   Time began_, left_, longest_{}, total_{};
 };
 
+// Calls `ask` up to kRepetitions times more while its result is an error and the machine was late. `meter` may be null.
+template <class Ask>
+auto ask_again_if_late(LatenessMeter* meter, Ask ask) {
+  for (int again = LatenessMeter::kRepetitions;; --again) {
+    if (meter) meter->begin();
+    auto result = ask();
+    if (result || again == 0 || !meter || meter->excuse().empty()) return result;
+  }
+}
+
 }  // namespace kaz::host
