@@ -98,7 +98,7 @@ TEST(LinkLimits, ALateProgramIsNoFaultOfTheLink) {
   lockstep::VirtualBench board(sim::make_native());
   host::StallingLine late(board, board);
   host::LatenessMeter meter(late, late);
-  late.pause = milliseconds(400);
+  late.pause = milliseconds(100);
   late.length = milliseconds(80);
   late.stalls = 1000;
   LinkBenchOptions options;
