@@ -94,8 +94,9 @@ class BenchJudge {
   void enter(const std::string& subject, const std::string& name, double value, double error = 0,
              const std::string& note = {});
   void leave_out(const std::string& subject, const std::string& name, const std::string& why);
-  // Runs a part that measures times with this machine's clock. If one of them fails and the machine was late, all
-  // that was entered is dropped and the part repeated; if it was late each time, they are undecided.
+  // Runs a part that measures times with this machine's clock. If one of them fails and the machine
+  // was late, all that was entered is dropped and the part repeated; if it was late each time, they
+  // are undecided.
   Result<void> timed(const std::function<Result<void>()>& part);
   // Those that enter() applies.
   std::pair<double, double> limits(const std::string& name) const;

@@ -51,8 +51,8 @@ struct RunOptions {
   std::string filter;  // regular expression, found anywhere in id or statement; empty: all
   std::uint64_t seed = 1;
   unsigned allowed = 0;  // Need, those that are to be had
-  // The link and the clock of the run, where they are real: a case that fails while this machine is late is
-  // repeated, and undecided if it was late each time.
+  // The link and the clock of the run, where they are real: a case that fails while this machine is
+  // late is repeated, and undecided if it was late each time.
   host::LatenessMeter* lateness = nullptr;
   std::function<void(const CaseResult&, std::size_t number, std::size_t of)> progress;
 };

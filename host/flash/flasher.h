@@ -31,7 +31,8 @@ struct FlasherOptions {
   BootOptions boot;
   int baud = 115200;   // of the writer
   bool force = false;  // the image may be for another board, or no Kaz application
-  // Link and clock of the flasher where they are real: what fails while this machine is late is repeated. May be null.
+  // Link and clock of the flasher where they are real: what fails while this machine is late is
+  // repeated. May be null.
   LatenessMeter* lateness = nullptr;
   std::function<void(const FlashProgress&)> progress;
   std::function<void(const std::string&)> note;  // one line for the user

@@ -45,8 +45,9 @@ std::string status_text(int status);
 
 class WriterLink {
  public:
-  // All must outlive it. `lateness`: the same link and clock where they are real; tries during which this machine was
-  // late then do not count, up to LatenessMeter::kRepetitions of an exchange. May be null.
+  // All must outlive it. `lateness`: the same link and clock where they are real; tries during
+  // which this machine was late then do not count, up to LatenessMeter::kRepetitions of an
+  // exchange. May be null.
   WriterLink(Link& link, Clock& clock, LatenessMeter* lateness = nullptr)
       : link_(link), clock_(clock), lateness_(lateness) {}
 

@@ -1,10 +1,10 @@
-// Measures how late this program was at a link, so that a failure by its own lateness is not blamed on a board.
+// Measures how late this program was at a link, lest its own lateness be blamed on a board.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A busy machine lets a program wait for the processor. Its requests then leave late and replies are read late;
-// a board's watchdog may have reacted meanwhile, or a time-out ended. LatenessMeter passes all calls on, and
-// compares when each wait had to end with when it did. Waits for bytes are cut into slices, because otherwise a
-// late return with bytes would look like bytes that came late.
+// A busy machine lets a program wait for the processor. Its requests then leave late and replies
+// are read late; a board's watchdog may have reacted meanwhile, or a time-out ended. LatenessMeter
+// passes all calls on, and compares when each wait had to end with when it did. Waits for bytes are
+// cut into slices, because otherwise a late return with bytes would look like bytes that came late.
 #pragma once
 
 #include <functional>
@@ -20,7 +20,8 @@ class LatenessMeter final : public Link, public Clock {
   static constexpr Time kSlice = std::chrono::milliseconds(2);
   // Shorter ones are ordinary: a timer's slack, a context switch.
   static constexpr Time kNoticed = std::chrono::milliseconds(1);
-  // What excuses a failure: one so long; or all together so long and above this share of the time since begin().
+  // What excuses a failure: one so long; or all together so long and above this share of the time
+  // since begin().
   static constexpr Time kExcusing = std::chrono::milliseconds(5);
   static constexpr double kExcusingShare = 0.02;
   // How often something that failed late is tried anew before it is given up as undecided.
@@ -36,8 +37,8 @@ class LatenessMeter final : public Link, public Clock {
   // Lateness since begin(): the longest, and the sum of those above kNoticed.
   Time longest() const { return longest_; }
   Time total() const { return total_; }
-  // Why a failure since begin() proves nothing, as "this program was kept waiting for up to 34 ms, ..."; empty if
-  // it was punctual: then the failure is the board's.
+  // Why a failure since begin() proves nothing, as "this program was kept waiting for up to 34 ms,
+  // ..."; empty if it was punctual: then the failure is the board's.
   std::string excuse() const;
 
   // Link and Clock
@@ -63,7 +64,8 @@ class LatenessMeter final : public Link, public Clock {
   Time began_, left_, longest_{}, total_{};
 };
 
-// Calls `ask` up to kRepetitions times more while its result is an error and the machine was late. `meter` may be null.
+// Calls `ask` up to kRepetitions times more while its result is an error and the machine was late.
+// `meter` may be null.
 template <class Ask>
 auto ask_again_if_late(LatenessMeter* meter, Ask ask) {
   for (int again = LatenessMeter::kRepetitions;; --again) {

@@ -6,8 +6,8 @@
 
 namespace kaz::host {
 
-// Passes all calls on. While `stalls` is above 0, the first wait that ends `pause` after the stall before lasts
-// `length` longer.
+// Passes all calls on. While `stalls` is above 0, the first wait that ends `pause` after the stall
+// before lasts `length` longer.
 class StallingLine final : public Link, public Clock {
  public:
   StallingLine(Link& link, Clock& clock) : link_(link), clock_(clock) {}

@@ -21,8 +21,8 @@ struct ConformanceOptions {
   hil::RunOptions run;
 };
 
-// Runs the cases and writes the reports, or lists the cases. Status 1: a case failed; 3: none did, but this machine
-// was too late to judge some.
+// Runs the cases and writes the reports, or lists the cases. Status 1: a case failed; 3: none did,
+// but this machine was too late to judge some.
 Result<Outcome> run_conformance(ConformanceOptions arguments);
 
 }  // namespace kaz::tools

@@ -30,8 +30,8 @@ struct BenchFitOptions {
 // Numbers of the joints in a list of names; each once.
 Result<std::vector<int>> joints_of(const std::string& text);
 
-// Writes the reports to `out`, prints each measurement. Status 1: one failed, or nothing was measured; 3: none failed,
-// but this machine was too late to judge some.
+// Writes the reports to `out`, prints each measurement. Status 1: one failed, or nothing was
+// measured; 3: none failed, but this machine was too late to judge some.
 Result<Outcome> run_bench(const BenchOptions& arguments);
 // Fits the motor model to a report of run_bench().
 Result<bool> run_fit(const BenchFitOptions& arguments);

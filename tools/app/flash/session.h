@@ -25,15 +25,16 @@ class FlashSession {
         progress_("kaz flash", arguments.json) {}
 
   Result<void> open();
-  // Through boot mode where the reset line can be driven; a running firmware reports its board's id first.
-  // Nothing is changed before the image has been checked against that.
+  // Through boot mode where the reset line can be driven; a running firmware reports its board's id
+  // first. Nothing is changed before the image has been checked against that.
   Result<void> enter(const host::FlashImage* image);
   // Leaves boot mode or loader, and gives the firmware time to start.
   Result<void> start();
   // Identity of the running firmware; asked again while this machine is late.
   Result<kz_identify_reply> identify();
 
-  // Why the last of these may have failed although the board is healthy; empty: this machine was punctual.
+  // Why the last of these may have failed although the board is healthy; empty: this machine was
+  // punctual.
   std::string excuse() const { return meter_->excuse(); }
 
   host::Flasher& flasher() { return *flasher_; }
