@@ -116,8 +116,8 @@ class TestChip : public testing::Test {
     }
   }
 
-  // Stops at the end of a tick and makes it ask for an action.
-  void ask(u8 action) {
+  // Stops at the end of a tick and makes it request an action.
+  void request_action(u8 action) {
     ASSERT_GE(run_to("kz_tick_end"), 0) << chip().report();
     ASSERT_TRUE(chip().poke(address_of("kz_output") + offsetof(kz_tick_output, action), action));
   }
@@ -128,7 +128,7 @@ class TestChip : public testing::Test {
     States deaf = 0;
   };
   Outcome done(u8 action) {
-    ask(action);
+    request_action(action);
     Outcome outcome;
     outcome.deaf = run_to("kz_tick_begin", 4000 * ms);
     EXPECT_GE(outcome.deaf, 0) << chip().report();

@@ -146,8 +146,8 @@ TEST_F(Firmware, DrivesTheMotorsOfMovedJoints) {
     const int error = target - kz_pot_angle(&kz_board_joints[joint], 512);
     return std::min(255.0, std::abs(error) * kp_per_rad * 255 / KZ_ANGLE_PER_RAD);
   };
-  EXPECT_NEAR(pins.pw[0], duty(0, 20), 1.0);
-  EXPECT_NEAR(pins.pw[1], duty(1, 20), 1.0);
+  EXPECT_NEAR(pins.pw[0], duty(0, 16), 1.0);
+  EXPECT_NEAR(pins.pw[1], duty(1, 16), 1.0);
   EXPECT_NEAR(pins.tmo[0], duty(5, 0.8), 1.0);
 }
 

@@ -267,7 +267,7 @@ TEST_F(Flash, PowerLostAgainAndAgainNeverCostsTheLastCopy) {
     const Calibration next = Calibration::number(i);
     ASSERT_GE(run_to("kz_tick_end"), 0) << chip().report();
     set_calibration(next);
-    ask(KZ_ACTION_STORE_CALIBRATION);
+    request_action(KZ_ACTION_STORE_CALIBRATION);
     const auto before = blocks_of(chip());
     chip().run_until(chip().now() + static_cast<States>(random() % (12 * ms)));
     mcu->power_cycle();

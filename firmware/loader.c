@@ -16,7 +16,7 @@
 __asm__("\t.global _kz_loader_board_id\n_kz_loader_board_id = 0x2128");
 typedef char board_id_is_that_above[KZ_BOARD_ID == 0x2128 ? 1 : -1];
 
-static u8 is_asked(void) {
+static u8 is_requested(void) {
   if (!kz_reset_by_watchdog() || KZ_RESTART_MARK != KZ_RESTART_LOADER) return 0;
   KZ_RESTART_MARK = KZ_RESTART_COMMAND;
   return 1;
@@ -33,7 +33,7 @@ static u16 crc_of(u16 crc, u32 from, u32 to) {
 u32 kz_loader_check(void) {
   const kz_image_header* header = (const kz_image_header*)KZ_APPLICATION_HEADER;
   u16 crc;
-  if (is_asked()) return WAIT(KZ_LOADER_S);
+  if (is_requested()) return WAIT(KZ_LOADER_S);
   if (header->image_id != KZ_IMAGE_ID || header->board_id != KZ_BOARD_ID) return WAIT(0);
   if (header->length > KZ_APPLICATION_MAX ||
       header->length < KZ_APPLICATION_CODE - KZ_APPLICATION) {

@@ -92,7 +92,7 @@ static u16 act(void) {
   } else if (kz_output.action == KZ_ACTION_LOADER) {
     restart(KZ_RESTART_LOADER);
   }
-  kz_memory_tell(&kz_input);
+  kz_memory_report(&kz_input);
   kz_output.action = KZ_ACTION_NONE;
   kz_input.result = done ? KZ_RESULT_DONE : KZ_RESULT_FAILED;
   kz_watchdog_feed();
@@ -116,7 +116,7 @@ static void find_out(u16 image_crc, u16 ram_wrong) {
   if (image_crc != ((const kz_image_header*)KZ_APPLICATION_HEADER)->crc)
     found->tests_failed |= KZ_TEST_FLASH;
   kz_memory_load(found);
-  kz_memory_tell(&kz_input);
+  kz_memory_report(&kz_input);
 }
 
 void kz_main(u16 image_crc, u16 ram_wrong) {

@@ -31,7 +31,7 @@ void kz_memory_load(kz_startup* startup) {
   kz_store_load_address(&address, address_image, startup);
 }
 
-void kz_memory_tell(kz_tick_input* input) {
+void kz_memory_report(kz_tick_input* input) {
   input->calibration_sequence = calibration.sequence;
   input->erases_a = calibration.erases[0];
   input->erases_b = calibration.erases[1];

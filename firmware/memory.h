@@ -8,7 +8,7 @@
 // Reads both logs into `startup`; what is not there stays as it is.
 void kz_memory_load(kz_startup* startup);
 // Number of the stored calibration and wear, for the snapshot.
-void kz_memory_tell(kz_tick_input* input);
+void kz_memory_report(kz_tick_input* input);
 
 // Store and read back; 1 if that went well. For up to 3 s no interrupt is served: to `*ticks` the ticks
 // that became due are added.

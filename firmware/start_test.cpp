@@ -101,7 +101,7 @@ TEST_F(Start, ConverterThatReadsItsReferenceWrongIsFound) {
 TEST_F(Start, CauseOfAReset) {
   run(100 * ms);
   EXPECT_EQ(cause(), KZ_RESET_POWER);
-  ask(KZ_ACTION_RESET);
+  request_action(KZ_ACTION_RESET);
   run(5 * ms);
   EXPECT_EQ(chip().reset_cause(), h8s::ResetCause::watchdog);
   run(100 * ms);
@@ -128,7 +128,7 @@ TEST_F(Start, CauseOfAReset) {
 TEST_F(Start, LoaderWaitsWithTheMotorsOffAndStartsTheApplication) {
   run(100 * ms);
   bool enabled = false, driven = false;
-  ask(KZ_ACTION_LOADER);
+  request_action(KZ_ACTION_LOADER);
   run(5 * ms);
   ASSERT_EQ(chip().reset_cause(), h8s::ResetCause::watchdog);
   mcu->on_pins([&](States, const PinLevels& pins) { enabled |= (pins.p4 & KZ_P4_ENABLE) != 0; });
@@ -141,7 +141,7 @@ TEST_F(Start, LoaderWaitsWithTheMotorsOffAndStartsTheApplication) {
   EXPECT_EQ(cause(), KZ_RESET_COMMAND);
 
   // Power lost in the loader: an ordinary start.
-  ask(KZ_ACTION_LOADER);
+  request_action(KZ_ACTION_LOADER);
   run(1000 * ms);
   mcu->power_cycle();
   ASSERT_GE(run_to("kz_tick_begin", 100 * ms), 0);
@@ -197,7 +197,7 @@ class SharedLine : public Start {
     run(100 * ms);
   }
   h8s::Driver txd() { return chip().state(h8s::Pin::p50).driver; }
-  void ask_state(u8 sequence) {
+  void request_state(u8 sequence) {
     std::vector<u8> body{address, KZ_TYPE_state, sequence};
     std::vector<u8> wire(KZ_FRAME_MAX);
     wire.resize(kz_frame_encode(body.data(), static_cast<u8>(body.size()), wire.data()));
@@ -214,7 +214,7 @@ TEST_F(SharedLine, TxdFloatsWhileTheBoardIsSilent) {
       h8s::Pin::p50, [&edges](const h8s::PinEdge& edge) { edges.push_back(edge); }, true);
   for (u8 i = 1; i <= 3; ++i) {
     edges.clear();
-    ask_state(i);
+    request_state(i);
     run(10 * ms);
     const auto bytes = mcu->take_transmitted();
     const auto bodies = bodies_of(bytes);

@@ -192,8 +192,8 @@ def move(board, joint, angle, seconds):
         print(f"the board had shut down: {SHUTDOWNS.get(reason, reason)}")
     board.request(CLEAR)
     if joint < 2:
-        # The neck carries nothing: with the board's 20 per rad it would hunt in the play of its
-        # gears. 12 in 1/256, 0.15 s/rad in 1/4096, no dead band, no friction.
+        # The neck carries nothing: softer than after a reset (16 /rad, 0.09 s/rad), as behaviours
+        # have it. 12 in 1/256, 0.15 s/rad in 1/4096, no dead band, no friction.
         board.request(GAINS, struct.pack(">IHHHB", 1 << joint, 12 * 256, 614, 0, 0))
     board.request(ENABLE, struct.pack(">I", 1 << joint))
     _, angles = board.state()

@@ -76,6 +76,7 @@ struct BenchReport {
   std::vector<Plot> plots;
   double seconds = 0;       // on the board's clock
   std::string interrupted;  // why it ended before its time; empty: it did not
+  std::string signal;       // if a signal ended it: "SIGINT"
 
   int count(Verdict verdict) const;
 };

@@ -195,7 +195,7 @@ Frame Board::expect_frame(std::uint8_t type, std::uint8_t sequence, int at_most_
   }
 }
 
-Frame Board::raw_ask(std::uint8_t type, const Bytes& fields) {
+Frame Board::raw_request(std::uint8_t type, const Bytes& fields) {
   const std::uint8_t sequence = new_sequence();
   write(frame_of(address, type, sequence, fields));
   const Time deadline = clock_.now() + milliseconds(patience(0));

@@ -55,8 +55,8 @@ class Board {
   Bytes request_bytes(std::string_view name, const Bytes& fields, std::uint8_t sequence) const;
   // The next frame that is no telemetry; its type, number and address must be these.
   Frame expect_frame(std::uint8_t type, std::uint8_t sequence, int at_most_ms = 0);
-  Frame raw_ask(std::uint8_t type, const Bytes& fields);  // reply or refusal, with a new number
-  bool answers();                                         // to identify, in 50 ms
+  Frame raw_request(std::uint8_t type, const Bytes& fields);  // reply or refusal, with a new number
+  bool answers();                                             // to identify, in 50 ms
 
   // ---- Requests by name
   Reply done(std::string_view name, const Bytes& fields = {}, int at_most_ms = 0);

@@ -33,8 +33,8 @@ void near(const std::string& what, long got, long wanted, long tolerance) {
   within(what, got, wanted - tolerance, wanted + tolerance);
 }
 
-// With its gains after a reset a joint that bears nothing may hunt in the play of its gear. In simulated
-// time it has none.
+// At its gains after a reset a joint that bears nothing may move within the play of its gear; at these it
+// rests. In simulated time it has no play.
 void soften(Board& b, std::uint32_t mask) {
   if (!b.exact()) b.done("gains", Put().u32(mask).u16(12 * 256).u16(614).u16(0).u8(0));
 }

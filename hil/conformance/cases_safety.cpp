@@ -70,7 +70,7 @@ void add_latch(Cases& to) {
         b.done("stop");
         b.expect_off();
         b.refused("enable", Put().u32(1), KZ_REFUSED_FAULT, KZ_SHUTDOWN_STOP);
-        const Frame frame = b.raw_ask(KZ_TYPE_targets, Put().u32(1).u16(100).s16(0));
+        const Frame frame = b.raw_request(KZ_TYPE_targets, Put().u32(1).u16(100).s16(0));
         equal("type of the answer to `targets`", frame.type, KZ_TYPE_refused);
         b.stay_alive(200);
         b.expect_off();

@@ -100,7 +100,7 @@ void add_bounds(Cases& to, const Message& request, int index) {
        moves ? kMotion : kNothing,
        [&request, index, low = field.low, high](Board& b) {
          for (const long value : {low, high}) {
-           const Frame frame = b.raw_ask(request.code, legal_fields(request, index, value));
+           const Frame frame = b.raw_request(request.code, legal_fields(request, index, value));
            if (frame.type != KZ_TYPE_refused) continue;
            const Reply refusal(message("refused"), frame);
            check(refusal["reason"] != KZ_REFUSED_RANGE && refusal["reason"] != KZ_REFUSED_LENGTH,

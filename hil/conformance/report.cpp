@@ -62,6 +62,12 @@ std::string statement_rows(const RunReport& report) {
   return rows;
 }
 
+// "SIGINT, after 12 of 160 cases"
+std::string interruption(const RunReport& report, const ReportFacts& facts) {
+  return facts.signal + ", after " + std::to_string(report.results.size()) + " of " +
+         std::to_string(report.chosen) + " cases";
+}
+
 }  // namespace
 
 std::string junit_text(const RunReport& report, const ReportFacts& facts) {
@@ -73,6 +79,7 @@ std::string junit_text(const RunReport& report, const ReportFacts& facts) {
   suite.property("port", facts.port);
   suite.property("program", facts.program);
   suite.property("seed", std::to_string(facts.seed));
+  if (report.interrupted) suite.property("interrupted", interruption(report, facts));
   for (const CaseResult& one : report.results) {
     suite.add({one.of->id.substr(0, one.of->id.find('.')),
                one.of->id,
@@ -92,6 +99,11 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
   all["port"] = facts.port;
   all["program"] = facts.program;
   all["seed"] = facts.seed;
+  if (report.interrupted) {
+    all["interrupted"] = true;
+    all["signal"] = facts.signal;
+    all["cases_chosen"] = report.chosen;
+  }
   all["cases"] = report.results.size();
   all["passed"] = report.count(Verdict::passed);
   all["failed"] = report.count(Verdict::failed);
@@ -116,11 +128,14 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
 
 std::string html_text(const RunReport& report, const ReportFacts& facts) {
   const int failed = report.count(Verdict::failed), undecided = report.count(Verdict::undecided);
-  const char* const judged = failed      ? "failed\">does not conform"
-                             : undecided ? "out\">undecided"
-                                         : "passed\">conforms";
   std::string text = page_head("Kaz conformance: " + facts.port);
-  text += "<h1>Protocol conformance: <span class=\"" + std::string(judged) + "</span></h1>\n";
+  const char* const heading = failed               ? "failed\">does not conform"
+                              : report.interrupted ? "out\">incomplete"
+                                                   : "passed\">conforms";
+  text += "<h1>Protocol conformance: <span class=\"" + std::string(heading) + "</span></h1>\n";
+  if (report.interrupted)
+    text +=
+        "<p class=\"failed\">Interrupted by " + xml_text(interruption(report, facts)) + ".</p>\n";
   text += "<p>" + std::to_string(report.count(Verdict::passed)) + " of " +
           std::to_string(report.results.size()) + " cases passed, " + std::to_string(failed) +
           " failed, " + std::to_string(report.count(Verdict::left_out)) + " left out, " +

@@ -12,6 +12,7 @@ struct ReportFacts {
   std::string port;     // "/dev/ttyUSB0", "virtual board (h8)"
   std::string program;  // "kaz 0.1.0"
   std::uint64_t seed = 1;
+  std::string signal;  // that interrupted the run: "SIGINT"; empty: none
 };
 
 std::string junit_text(const RunReport& report, const ReportFacts& facts);

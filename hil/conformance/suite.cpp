@@ -139,6 +139,7 @@ Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, 
                             const RunOptions& options) {
   const auto taken = KAZ_TRY(chosen(options.filter));
   RunReport report;
+  report.chosen = taken.size();
   Board board(link, clock, bench, slack, options.seed);
   try {
     board.begin(0);
@@ -150,7 +151,8 @@ Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, 
       }
     }
   } catch (const Lost& lost) {
-    return tl::unexpected(lost.error);
+    if (lost.error.fault != Fault::interrupted) return tl::unexpected(lost.error);
+    report.interrupted = true;
   } catch (const Failed& failed) {
     return fail(Fault::environment,
                 "no Kaz board answers on " + link.name() + ": " + failed.message);

@@ -60,13 +60,16 @@ struct RunOptions {
 struct RunReport {
   std::string board;  // "Kaz servo board, protocol 2, firmware 0.2, build 1a2b3c4d"
   std::vector<CaseResult> results;
+  std::size_t chosen = 0;    // cases that the filter took: more than results if it was interrupted
+  bool interrupted = false;  // the results are of the cases before
   int count(Verdict verdict) const;
 };
 
 // The cases that the filter takes. Error: usage, if it is no regular expression or takes none.
 Result<std::vector<const Case*>> chosen(const std::string& filter);
 
-// Runs them one after the other. Errors: the link is gone or nothing answers (environment).
+// Runs them one after the other. Errors: the link is gone or nothing answers (environment). An
+// interrupted link or clock ends it with the report until then.
 Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, Time slack,
                             const RunOptions& options);
 

@@ -46,7 +46,7 @@ void Conversation::request(std::span<const std::uint8_t> body) {
   if (type == KZ_TYPE_telemetry) telemetry_ = true;
   if (type == KZ_TYPE_set_address) address_known_ = false;
   if (address == KZ_ADDRESS_ALL || (type & KZ_REPLY) != 0) return;
-  Asked& request_sent = asked_[key(address, type, body[2])];
+  SentRequest& request_sent = sent_[key(address, type, body[2])];
   ++request_sent.sent;
   request_sent.answered = 0;
 }
@@ -58,8 +58,8 @@ bool Conversation::take_deafening() {
 }
 
 int Conversation::replies_to(std::uint8_t type, std::uint8_t sequence) const {
-  const auto request_sent = asked_.find(key(KZ_ADDRESS_DEFAULT, type, sequence));
-  return request_sent == asked_.end() ? 0 : request_sent->second.answered;
+  const auto request_sent = sent_.find(key(KZ_ADDRESS_DEFAULT, type, sequence));
+  return request_sent == sent_.end() ? 0 : request_sent->second.answered;
 }
 
 void Conversation::received(std::span<const std::uint8_t> bytes) {
@@ -112,12 +112,12 @@ void Conversation::frame(std::span<const std::uint8_t> body) {
 
 void Conversation::reply(std::uint8_t address, std::uint8_t request, std::uint8_t sequence,
                          const std::string& what) {
-  const auto request_sent = asked_.find(key(address, request, sequence));
+  const auto request_sent = sent_.find(key(address, request, sequence));
   const std::string number = " with number " + std::to_string(sequence);
-  if (request_sent == asked_.end() || request_sent->second.sent == 0) {
+  if (request_sent == sent_.end() || request_sent->second.sent == 0) {
     if (!faulty_)
       wrong(what + number + " came " +
-            (request_sent == asked_.end() ? "to no request" : "once more than it was requested"));
+            (request_sent == sent_.end() ? "to no request" : "once more than it was requested"));
     return;
   }
   --request_sent->second.sent;

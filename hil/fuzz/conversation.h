@@ -46,7 +46,7 @@ class Conversation {
   const std::set<std::uint32_t>& features() const { return features_; }
 
  private:
-  struct Asked {
+  struct SentRequest {
     int sent = 0, answered = 0;
   };
 
@@ -58,7 +58,7 @@ class Conversation {
   void wrong(const std::string& what);
 
   kz_receiver to_board_{}, to_host_{};
-  std::map<std::uint32_t, Asked> asked_;  // by address, type, number
+  std::map<std::uint32_t, SentRequest> sent_;  // by address, type, number
   bool telemetry_ = false, address_known_ = true, faulty_ = false, deafening_ = false;
   int restarts_ = 0;
   ConversationCounts counts_;

@@ -7,8 +7,10 @@
 
 #include "hil/fuzz/conversation.h"
 #include "hil/fuzz/requests.h"
+#include "hil/fuzz/runner.h"
 #include "hil/fuzz/search.h"
 #include "hil/fuzz/tick_judge.h"
+#include "host/link/board_testing.h"
 #include "shared/base/random.hpp"
 #include "shared/board/table.h"
 
@@ -120,7 +122,7 @@ TEST(Conversation, WhatTheBoardMustNotSend) {
        reply(KZ_TYPE_stop_reply, 7, KZ_SHUTDOWN_STOP << 8 | KZ_STATUS_ENABLED)},
       {"on in spite of a shutdown", frame(1, KZ_TYPE_state, 7),
        reply(KZ_TYPE_state_reply, 7, KZ_SHUTDOWN_POT << 8 | KZ_STATUS_ENABLED)},
-      {"telemetry unasked", {}, reply(KZ_TYPE_telemetry_state, 0, 0)},
+      {"telemetry without a request", {}, reply(KZ_TYPE_telemetry_state, 0, 0)},
       {"a request", {}, reply(KZ_TYPE_state, 7, 0)},
   };
   for (const WrongReply& one : wrong) {
@@ -235,6 +237,21 @@ TEST(Search, OnlyNewFeaturesJoinTheCorpus) {
   verdict.features.insert(3);
   EXPECT_TRUE(search.learn({3}, verdict));
   EXPECT_EQ(search.corpus().size(), 2u);
+}
+
+// Half a second of bytes is still on the line when the request is written.
+TEST(Runner, WaitsForABusyLineBeforeALonelyRequest) {
+  host::TestBoard board;
+  Event noise, request;
+  noise.kind = Event::Kind::send;
+  noise.bytes.assign(6000, 0x55);
+  request.kind = Event::Kind::ask;
+  request.bytes = frame(KZ_ADDRESS_DEFAULT, KZ_TYPE_identify, 7);
+  request.text = "identify";
+  const Event events[] = {noise, request};
+  const auto verdict = run_case(board, board, events, {});
+  ASSERT_TRUE(verdict) << verdict.error().message;
+  EXPECT_FALSE(verdict->violation) << *verdict->violation;
 }
 
 }  // namespace

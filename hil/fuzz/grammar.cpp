@@ -63,7 +63,7 @@ class Maker {
         return arm();
       case 14:
       case 15:
-        return ask();
+        return query();
       case 16:
       case 17:
         return exercise();
@@ -172,14 +172,14 @@ class Maker {
     wait(12);
   }
 
-  void ask() {
+  void query() {
     const auto made = make_request(type(), choices_, true, KZ_ADDRESS_DEFAULT, ++sequence_);
     ms_ += 100;
-    events_.push_back({Event::Kind::ask,
+    events_.push_back({Event::Kind::query,
                        framed(made.body),
                        0,
                        {},
-                       "ask " + made.text + ": " + hex(framed(made.body))});
+                       "query " + made.text + ": " + hex(framed(made.body))});
     last_.clear();
   }
 

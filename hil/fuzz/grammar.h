@@ -22,9 +22,9 @@ namespace kaz::hil::fuzz {
 using Genome = std::vector<std::uint8_t>;
 
 struct Event {
-  enum class Kind { send, wait, ask, fault };
+  enum class Kind { send, wait, query, fault };
   Kind kind = Kind::wait;
-  std::vector<std::uint8_t> bytes;  // of send and ask, as they go to the wire
+  std::vector<std::uint8_t> bytes;  // of send and query, as they go to the wire
   int ms = 0;                       // of wait
   faults::Fault fault;              // its time counts from the event
   std::string text;                 // one line for people
@@ -37,7 +37,7 @@ struct GrammarOptions {
   int longest_ms = 2000;  // of the case
 };
 
-// `ask`: one legal request with silence before and after, to which exactly one reply must come.
+// `query`: one legal request with silence before and after, to which exactly one reply must come.
 std::vector<Event> events_of(std::span<const std::uint8_t> genome, const GrammarOptions& options);
 
 // The whole case for people, one line an event.

@@ -6,11 +6,14 @@
 #include <array>
 
 #include "hil/fuzz/requests.h"
+#include "shared/board/board.h"
 
 namespace kaz::hil::fuzz {
 namespace {
 
 using std::chrono::milliseconds;
+
+constexpr Time kByte = std::chrono::nanoseconds(10'000'000'000 / KZ_BAUD);  // 8N1
 
 class Run {
  public:
@@ -41,7 +44,9 @@ class Run {
 
   Result<void> send(std::span<const std::uint8_t> bytes) {
     conversation_.sent(bytes);
-    if (conversation_.take_deafening()) deaf_until_ = clock_.now() + std::chrono::seconds(4);
+    const Time length = kByte * static_cast<Time::rep>(bytes.size());
+    line_busy_until_ = std::max(line_busy_until_, clock_.now()) + length;
+    if (conversation_.take_deafening()) deaf_until_ = line_busy_until_ + std::chrono::seconds(4);
     return link_.write(bytes);
   }
 
@@ -58,7 +63,7 @@ class Run {
   }
 
   // True once the board has answered.
-  Result<bool> ask(u8 type, std::uint8_t sequence, const std::vector<std::uint8_t>& wire) {
+  Result<bool> query(u8 type, std::uint8_t sequence, const std::vector<std::uint8_t>& wire) {
     KAZ_TRY(send(wire));
     KAZ_TRY(listen(clock_.now() + options_.patience, type, sequence));
     return conversation_.replies_to(type, sequence) > 0;
@@ -66,7 +71,7 @@ class Run {
 
   Result<bool> known(u8 type, const std::vector<std::uint8_t>& fields = {}) {
     --own_sequence_;
-    return ask(type, own_sequence_, framed(KZ_ADDRESS_DEFAULT, type, own_sequence_, fields));
+    return query(type, own_sequence_, framed(KZ_ADDRESS_DEFAULT, type, own_sequence_, fields));
   }
 
   // `identify` until it is answered.
@@ -96,7 +101,7 @@ class Run {
         return listen(clock_.now() + milliseconds(event.ms));
       case Event::Kind::fault:
         return begin_fault(event.fault);
-      case Event::Kind::ask:
+      case Event::Kind::query:
         return lonely(event);
     }
     return {};
@@ -117,12 +122,14 @@ class Run {
     return {};
   }
 
+  // When earlier requests have arrived and been answered: two replies of 10 ms, and telemetry between.
+  Time quiet() const { return std::max(line_busy_until_, clock_.now()) + milliseconds(60); }
+
   Result<void> lonely(const Event& event) {
-    // Earlier requests have been answered by then: two replies of 10 ms, and telemetry between.
-    if (auto done = listen(clock_.now() + milliseconds(60)); !done) return done;
+    if (auto done = listen(quiet()); !done) return done;
     const std::uint8_t type = type_of(event.bytes), sequence = sequence_of(event.bytes);
     const bool due = !faulty_ && clock_.now() >= deaf_until_;
-    const auto answered = KAZ_TRY(ask(type, sequence, event.bytes));
+    const auto answered = KAZ_TRY(query(type, sequence, event.bytes));
     if (due && !answered && clock_.now() >= deaf_until_ && !violation())
       violation_ = std::string("no reply came to a lonely request: ").append(event.text);
     return {};
@@ -145,7 +152,7 @@ class Run {
   // Whatever happened, the board answers again, and `stop` switches its motors off. A board at a port
   // goes on to the next case, whose judge knows nothing of telemetry subscribed in this one.
   Result<void> end() {
-    if (auto done = listen(clock_.now() + milliseconds(60)); !done) return done;
+    if (auto done = listen(quiet()); !done) return done;
     const auto back = KAZ_TRY(
         alive(std::max(deaf_until_ - clock_.now(), Time::zero()) + std::chrono::seconds(1)));
     // With a new address it would be silent, and on a faulty line nothing is certain.
@@ -166,6 +173,7 @@ class Run {
   Conversation conversation_;
   std::optional<std::string> violation_;
   Time deaf_until_{};
+  Time line_busy_until_{};  // bytes written before have passed the line by then
   bool faulty_ = false;
   std::uint8_t own_sequence_ = 0;  // counts down, the grammar's up
 };

@@ -37,8 +37,11 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
 Result<void> hold_still(host::Robot& robot) {
   constexpr std::uint32_t kHands = 1u << host::l_hand | 1u << host::r_hand;
   constexpr std::uint32_t kNeck = 1u << host::neck_pan | 1u << host::neck_tilt;
-  // The neck carries no load: with a higher gain it would hunt in the backlash of its gears.
-  constexpr host::Gains kBody, kJaws{.kp_per_rad = 0.8}, kHead{.kp_per_rad = 12};
+  // Gait and catch are tuned with these, stiffer and more damped than the board's after a reset. The neck
+  // carries no load: with a higher gain it would hunt in the backlash of its gears.
+  constexpr host::Gains kBody{.kp_per_rad = 20, .kd_s_per_rad = 0.15};
+  constexpr host::Gains kJaws{.kp_per_rad = 0.8, .kd_s_per_rad = 0.15};
+  constexpr host::Gains kHead{.kp_per_rad = 12, .kd_s_per_rad = 0.15};
   if (auto set = robot.set_gains(host::kAllJoints & ~kHands & ~kNeck, kBody); !set) return set;
   if (auto set = robot.set_gains(kHands, kJaws); !set) return set;
   if (auto set = robot.set_gains(kNeck, kHead); !set) return set;

@@ -18,7 +18,7 @@ Result<void> ModemLineReset::reset(bool boot) {
 
 Result<void> ControlSocketReset::reset(bool boot) {
   for (const char* line : {boot ? "mode boot" : "mode run", "reset"}) {
-    KAZ_TRY(ask_control_socket(path_, line));
+    KAZ_TRY(query_control_socket(path_, line));
   }
   return {};
 }

@@ -155,7 +155,7 @@ Result<bool> Flasher::enter_loader() {
   Requester requester(link_, clock_, {});
   requester.limit_tries(3);
   const auto board =
-      ask_again_if_late(options_.lateness, [&] { return identify_board(requester); });
+      repeat_if_late(options_.lateness, [&] { return identify_board(requester); });
   if (!board) {
     // The port itself may be gone.
     std::uint8_t byte = 0;
@@ -192,7 +192,7 @@ Result<bool> Flasher::enter_loader() {
 Result<void> Flasher::load_writer_rest() {
   const auto boot_size = static_cast<std::uint32_t>(program_[2] << 8 | program_[3]);
   std::uint32_t at = boot_size;
-  return writer_.ask_all(
+  return writer_.exchange_all(
       [&]() -> std::optional<WriterRequest> {
         if (at >= program_.size()) return std::nullopt;
         const auto size = std::min<std::size_t>(KZ_WRITER_DATA_MAX, program_.size() - at);
@@ -282,7 +282,7 @@ Result<void> Flasher::erase_block(int block) {
 Result<void> Flasher::write_ranges(const std::vector<FlashRange>& ranges, const FlashImage& image,
                                    std::uint32_t& done, std::uint32_t total) {
   std::size_t next = 0;
-  return writer_.ask_all(
+  return writer_.exchange_all(
       [&]() -> std::optional<WriterRequest> {
         if (next == ranges.size()) return std::nullopt;
         const FlashRange range = ranges[next++];
@@ -457,7 +457,7 @@ Result<std::vector<std::uint8_t>> Flasher::read(FlashRange range) {
     at += size;
     return request;
   };
-  const auto taken = writer_.ask_all(
+  const auto taken = writer_.exchange_all(
       next, milliseconds(400),
       [&](const WriterRequest& request, const WriterReply& reply) -> Result<void> {
         const auto size = static_cast<std::size_t>(request.payload[4] << 8 | request.payload[5]);

@@ -185,7 +185,7 @@ Result<WriterReply> WriterLink::exchange(const WriterRequest& request, Time pati
   return no_answer(tries);
 }
 
-Result<void> WriterLink::ask_all(
+Result<void> WriterLink::exchange_all(
     const std::function<std::optional<WriterRequest>()>& next, Time patience,
     const std::function<Result<void>(const WriterRequest&, const WriterReply&)>& answered) {
   struct UnderWay {

@@ -56,7 +56,7 @@ class WriterLink {
   // Sends requests in order, up to WINDOW of them outstanding, repeating each as needed. `answered`
   // is called with each reply in order; an error from it ends the exchange. `next` is called when there is
   // room for another request.
-  Result<void> ask_all(
+  Result<void> exchange_all(
       const std::function<std::optional<WriterRequest>()>& next, Time patience,
       const std::function<Result<void>(const WriterRequest&, const WriterReply&)>& answered);
 

@@ -3,15 +3,17 @@
 #pragma once
 
 #include <atomic>
-#include <string>
+#include <chrono>
+#include <cstdint>
 
 #include "shared/base/result.hpp"
+#include "vision/image/frame.h"  // Time
 
 namespace kaz::host {
 
-// Given at construction to the links and clocks of real time. Once requested, Clock::sleep_until
-// and Link::read fail with `error()` at once and for good; Link::write still works, so that a
-// program that is exiting can switch the motors off.
+// Given at construction to the links and clocks of real time, and to those of interruptible.h. Once
+// requested, Clock::sleep_until and Link::read fail with `error()` at once and, but for a CleanUp, for
+// good; Link::write still works, so that a program that is exiting can switch the motors off.
 class Interrupt {
  public:
   Interrupt();  // throws std::system_error if the process has no file descriptor left
@@ -23,16 +25,39 @@ class Interrupt {
   void request() noexcept;
   bool requested() const noexcept { return requested_.load(std::memory_order_acquire); }
 
-  // Becomes readable on request, and stays so: for poll().
-  int descriptor() const noexcept { return descriptor_; }
+  // Whether waiting ends: requested, and no clean-up is under way.
+  bool ends_waiting() const noexcept;
 
-  // What an interrupted call returns: Fault::failed, "interrupted ...".
+  // Becomes readable on request, and stays so: for poll(). -1, which poll() ignores, during a clean-up.
+  int descriptor() const noexcept;
+  // How long poll() may wait at most of `left`: during a clean-up not beyond its end.
+  Time max_wait(Time left) const noexcept;
+
+  // What an interrupted call returns: Fault::interrupted, "interrupted".
   static Error error();
 
  private:
+  friend class CleanUp;
+  bool cleaning() const noexcept;
+
   std::atomic<bool> requested_{false};
+  std::atomic<std::int64_t> clean_until_ns_{0};  // of the steady clock
   int descriptor_;
   static_assert(std::atomic<bool>::is_always_lock_free);
+};
+
+// While it lives, and no longer than `longest`, waiting and reading work although the interrupt was
+// requested: a board is put back as it was found, its replies included. One at a time.
+class CleanUp {
+ public:
+  explicit CleanUp(Interrupt& interrupt,
+                   std::chrono::milliseconds longest = std::chrono::milliseconds(700));
+  ~CleanUp();
+  CleanUp(const CleanUp&) = delete;
+  CleanUp& operator=(const CleanUp&) = delete;
+
+ private:
+  Interrupt& interrupt_;
 };
 
 }  // namespace kaz::host

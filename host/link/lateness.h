@@ -64,14 +64,16 @@ class LatenessMeter final : public Link, public Clock {
   Time began_, left_, longest_{}, total_{};
 };
 
-// Calls `ask` up to kRepetitions times more while its result is an error and the machine was late.
+// Calls `attempt` up to kRepetitions times more while its result is an error and the machine was late.
 // `meter` may be null.
-template <class Ask>
-auto ask_again_if_late(LatenessMeter* meter, Ask ask) {
+template <class Attempt>
+auto repeat_if_late(LatenessMeter* meter, Attempt attempt) {
   for (int again = LatenessMeter::kRepetitions;; --again) {
     if (meter) meter->begin();
-    auto result = ask();
-    if (result || again == 0 || !meter || meter->excuse().empty()) return result;
+    auto result = attempt();
+    if (result || result.error().fault == Fault::interrupted || again == 0 || !meter ||
+        meter->excuse().empty())
+      return result;
   }
 }
 

@@ -126,7 +126,7 @@ int configure(int fd, speed_t rate) {
 
 // FTDI adapters hold received bytes back for 16 ms by default; this sets the driver's low-latency flag. Not
 // every driver supports it, and some set it without reporting it afterwards.
-LowLatency ask_for_low_latency(int fd) {
+LowLatency request_low_latency(int fd) {
   serial_struct serial{};
   if (ioctl(fd, TIOCGSERIAL, &serial) != 0) return LowLatency::refused;
   serial.flags |= ASYNC_LOW_LATENCY;
@@ -193,7 +193,7 @@ Result<OpenPort> open_serial_port(const std::string& path, int baud) {
   LowLatency low_latency = LowLatency::pseudo_terminal;
   if (!is_pseudo_terminal(fd)) {
     ioctl(fd, TIOCEXCL);
-    low_latency = ask_for_low_latency(fd);
+    low_latency = request_low_latency(fd);
   }
   if (const int error = configure(fd, rate)) {
     close(fd);

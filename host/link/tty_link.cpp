@@ -41,7 +41,7 @@ TtyLink::~TtyLink() {
 }
 
 Result<void> TtyLink::reopen() {
-  if (interrupt_ && interrupt_->requested()) return tl::unexpected(Interrupt::error());
+  if (interrupt_ && interrupt_->ends_waiting()) return tl::unexpected(Interrupt::error());
   if (fd_ >= 0) close(std::exchange(fd_, -1));
   pending_.clear();
   const auto port = KAZ_TRY(open_serial_port(path_, baud_));
@@ -108,18 +108,19 @@ Result<std::size_t> TtyLink::read(std::span<std::uint8_t> bytes, Time deadline) 
   const WallClock clock;
   if (fd_ < 0) return tl::unexpected(closed());
   while (true) {
-    if (interrupt_ && interrupt_->requested()) return tl::unexpected(Interrupt::error());
+    if (interrupt_ && interrupt_->ends_waiting()) return tl::unexpected(Interrupt::error());
     const Time left = std::max(deadline - clock.now(), Time::zero());
-    const timespec wait{static_cast<time_t>(left.count() / 1'000'000'000),
-                        static_cast<long>(left.count() % 1'000'000'000)};
+    const Time now_left = interrupt_ ? interrupt_->max_wait(left) : left;
+    const timespec wait{static_cast<time_t>(now_left.count() / 1'000'000'000),
+                        static_cast<long>(now_left.count() % 1'000'000'000)};
     pollfd watched[2] = {{fd_, static_cast<short>(pending_.empty() ? POLLIN : POLLIN | POLLOUT), 0},
                          {interrupt_ ? interrupt_->descriptor() : -1, POLLIN, 0}};
     const int ready = ppoll(watched, 2, &wait, nullptr);
     if (ready < 0 && errno != EINTR) {
       return fail(Fault::environment, "cannot wait for " + path_ + ": " + std::strerror(errno));
     }
-    if (ready == 0) return 0;
-    if (ready < 0) continue;
+    if (ready == 0 && now_left == left) return 0;
+    if (ready <= 0) continue;
 
     if (watched[0].revents & POLLOUT) {
       KAZ_TRY(flush());

@@ -186,7 +186,7 @@ TEST(TtyLink, IsInterruptedFromAnotherThread) {
   const auto count = (*link)->read(buffer, before + 10s);
   signal.join();
   ASSERT_FALSE(count);
-  EXPECT_EQ(count.error().fault, Fault::failed);
+  EXPECT_EQ(count.error().fault, Fault::interrupted);
   EXPECT_NE(count.error().message.find("interrupted"), std::string::npos);
   EXPECT_FALSE(clock.sleep_until(clock.now() + 10s));
   EXPECT_LT(clock.now() - before, 5s);
@@ -194,6 +194,31 @@ TEST(TtyLink, IsInterruptedFromAnotherThread) {
   // Motors can still be switched off.
   ASSERT_TRUE((*link)->write(all_bytes()));
   EXPECT_EQ(board.receive(256).size(), 256u);
+}
+
+TEST(TtyLink, LetsACleanUpTalkAfterAnInterrupt) {
+  FarEnd board;
+  Interrupt interrupt;
+  auto link = TtyLink::open(board.path(), 115200, &interrupt);
+  ASSERT_TRUE(link);
+  WallClock clock(&interrupt);
+  interrupt.request();
+  std::uint8_t buffer[8];
+  const auto read = [&](Time at_most) { return (*link)->read(buffer, clock.now() + at_most); };
+  ASSERT_FALSE(read(1s));
+  {
+    const CleanUp clean_up(interrupt, 300ms);
+    EXPECT_TRUE(clock.sleep_until(clock.now() + 1ms));
+    EXPECT_EQ(read(1ms).value_or(1), 0u) << "nothing came";
+    board.send(std::vector<std::uint8_t>{7});
+    EXPECT_EQ(read(200ms).value_or(0), 1u);
+    // Not longer than it may take.
+    const Time before = clock.now();
+    EXPECT_FALSE(read(60s));
+    EXPECT_LT(clock.now() - before, 5s);
+  }
+  EXPECT_FALSE(read(1s));
+  EXPECT_FALSE(clock.sleep_until(clock.now() + 1s));
 }
 
 TEST(TtyLink, OpensThroughASymbolicLinkAndOnlyOnce) {

@@ -27,10 +27,10 @@ Time WallClock::now() const {
 
 Result<void> WallClock::sleep_until(Time t) {
   while (true) {
-    if (interrupt_ && interrupt_->requested()) return tl::unexpected(Interrupt::error());
+    if (interrupt_ && interrupt_->ends_waiting()) return tl::unexpected(Interrupt::error());
     const Time left = t - now();
     if (left <= Time::zero()) return {};
-    const timespec wait = to_timespec(left);
+    const timespec wait = to_timespec(interrupt_ ? interrupt_->max_wait(left) : left);
     pollfd watched{interrupt_ ? interrupt_->descriptor() : -1, POLLIN, 0};
     if (ppoll(&watched, 1, &wait, nullptr) < 0 && errno != EINTR) {
       return fail(Fault::environment,

@@ -10,7 +10,7 @@ namespace kaz::motion {
 namespace {
 
 constexpr double kMaxControlCycle_s = 0.040;  // a later one is not made up for: joints would leap
-// Ramps of the amplitude in cycles: as the known gait of kaz-model.md.
+// Ramps of the amplitude in cycles: as the known gait.
 constexpr double kWalkUp = 1.5, kWalkDown = 1.0, kTurnUp = 0.7, kTurnDown = 0.5;
 constexpr double kSettle_s = 0.6;  // after the feet stand, until the gyro's zero is taken again
 

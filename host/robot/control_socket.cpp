@@ -18,7 +18,7 @@ constexpr std::size_t kLongestReply = 65536;
 
 }  // namespace
 
-Result<std::string> ask_control_socket(const std::string& path, const std::string& line) {
+Result<std::string> query_control_socket(const std::string& path, const std::string& line) {
   const auto failure = [&](const std::string& why) {
     return fail(Fault::environment, "control socket " + path + ": " + why +
                                         "; is `kaz sim --serial …` running, and is this its .ctl?");

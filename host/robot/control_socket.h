@@ -11,6 +11,6 @@ namespace kaz::host {
 // Sends one request (docs/reference/simulator.md) to the socket `path` and returns its reply, one JSON
 // object.
 // Errors (environment): nobody there, no reply within 5 s, or the request was refused.
-Result<std::string> ask_control_socket(const std::string& path, const std::string& line);
+Result<std::string> query_control_socket(const std::string& path, const std::string& line);
 
 }  // namespace kaz::host

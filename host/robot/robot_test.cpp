@@ -41,7 +41,7 @@ TEST(Robot, MovesAJointAndSeesItThere) {
   }
   const auto posture = robot.state();
   ASSERT_TRUE(posture);
-  // A position loop of kp 20 on a motor without load stops within a code of the potentiometer (0.19
+  // A position loop of kp 16 on a motor without load stops within a code of the potentiometer (0.19
   // degrees) and the duty step that still turns it.
   EXPECT_NEAR(posture->angle[neck_pan], 0.5, 0.006);
   EXPECT_NEAR(board.angles_at(board.now())[neck_pan], 0.5, 0.006);

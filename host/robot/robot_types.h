@@ -18,11 +18,12 @@ struct JointTarget {
 };
 
 // duty = kp * error - kd * speed + friction * sign(error), nil within the dead band.
+// Begins with what the board has after a reset: 16 /rad (hands 0.8) and 0.09 s/rad.
 struct Gains {
-  double kp_per_rad = 20;      // duty per rad, 0..80
-  double kd_s_per_rad = 0.15;  // duty per rad/s, 0..1
-  double dead_band_rad = 0;    // 0..0.1
-  double friction = 0;         // duty, 0..0.25
+  double kp_per_rad = KZ_KP_DEFAULT / 256.0;     // duty per rad, 0..80
+  double kd_s_per_rad = KZ_KD_DEFAULT / 4096.0;  // duty per rad/s, 0..1
+  double dead_band_rad = 0;                      // 0..0.1
+  double friction = 0;                           // duty, 0..0.25
 };
 
 // The board clips limits to those of the joint's mechanics.

@@ -11,11 +11,12 @@
 
 namespace kaz {
 
-// The command line turns a fault into its exit code (the value here).
+// The command line turns a fault into its exit code (the value here; docs/reference/exit-status.md).
 enum class Fault {
-  failed = 1,       // the task itself did not succeed: ball not caught, verify mismatch
-  usage = 2,        // wrong options, unusable input file
-  environment = 3,  // no such port, port lost, no answer, no display
+  failed = 1,         // the task itself did not succeed: ball not caught, verify mismatch
+  usage = 2,          // wrong options, unusable input file
+  environment = 3,    // no such port, port lost, no answer, no display
+  interrupted = 128,  // by a signal, whose number is added: 130 after Ctrl-C
 };
 
 // One sentence: what went wrong, where (file, line, port), and what to do about it. No trailing newline.

@@ -92,6 +92,12 @@ extern "C" {
 #define KZ_RAMP_MAX 120           // 12 rad/s, near the motors' no-load speed
 #define KZ_CENTRE_TOLERANCE 5000  // 0.5 rad
 
+// Gains after a reset. They do not hunt across the play of the gear, whatever the joint bears
+// (docs/howto/bench.md, step.hunting); behaviours set their own.
+#define KZ_KP_DEFAULT 4096  // 1/256 /rad: 16 /rad
+#define KZ_KP_HAND 205      // 0.8 /rad: a jaw gives way
+#define KZ_KD_DEFAULT 369   // 1/4096 s/rad: 0.09 s/rad
+
 #define KZ_JOINTS_PER_REPLY 9  // joints that a `joints_reply` has room for
 
 // In a detail: no joint and no field.

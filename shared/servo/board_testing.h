@@ -153,35 +153,35 @@ class TestBoard {
   }
   // The fields of the reply to a request; all zeros, and a failed test, if it was refused.
   template <class Message, u8 (*unpack)(Message*, const u8*, u8)>
-  Message ask(u8 type, const Bytes& fields = {}) {
+  Message query(u8 type, const Bytes& fields = {}) {
     const auto reply = exchange(type, fields);
     EXPECT_TRUE(reply && reply->type == (type | KZ_REPLY)) << "type " << int(type);
     if (!reply || reply->type != (type | KZ_REPLY)) return {};
     return fields_of<Message, unpack>(*reply);
   }
-#define KZ_TEST_ASK(name) ask<kz_##name##_reply, kz_unpack_##name##_reply>
+#define KZ_TEST_QUERY(name) query<kz_##name##_reply, kz_unpack_##name##_reply>
   kz_health_reply health() {
-    return KZ_TEST_ASK(health)(KZ_TYPE_health);
+    return KZ_TEST_QUERY(health)(KZ_TYPE_health);
   }
   kz_statistics_reply statistics() {
-    return KZ_TEST_ASK(statistics)(KZ_TYPE_statistics);
+    return KZ_TEST_QUERY(statistics)(KZ_TYPE_statistics);
   }
   kz_joints_reply joints(u32 mask) {
-    return KZ_TEST_ASK(joints)(KZ_TYPE_joints, bytes_of(mask));
+    return KZ_TEST_QUERY(joints)(KZ_TYPE_joints, bytes_of(mask));
   }
   kz_read_targets_reply read_targets(u32 mask) {
-    return KZ_TEST_ASK(read_targets)(KZ_TYPE_read_targets, bytes_of(mask));
+    return KZ_TEST_QUERY(read_targets)(KZ_TYPE_read_targets, bytes_of(mask));
   }
   kz_settings_reply settings(u8 joint) {
-    return KZ_TEST_ASK(settings)(KZ_TYPE_settings, {joint});
+    return KZ_TEST_QUERY(settings)(KZ_TYPE_settings, {joint});
   }
   kz_calibration_reply calibration() {
-    return KZ_TEST_ASK(calibration)(KZ_TYPE_calibration);
+    return KZ_TEST_QUERY(calibration)(KZ_TYPE_calibration);
   }
   kz_self_test_reply self_test() {
-    return KZ_TEST_ASK(self_test)(KZ_TYPE_self_test);
+    return KZ_TEST_QUERY(self_test)(KZ_TYPE_self_test);
   }
-#undef KZ_TEST_ASK
+#undef KZ_TEST_QUERY
   static Bytes bytes_of(u32 number) {
     return {static_cast<u8>(number >> 24), static_cast<u8>(number >> 16),
             static_cast<u8>(number >> 8), static_cast<u8>(number)};

@@ -112,14 +112,14 @@ TEST(PositionLoop, DutyIsGainTimesError) {
   TestBoard board;
   ASSERT_EQ(board.enable(1), 0);
   const s16 here = board.servo.joint[neck_pan].angle;
-  // 0.01 rad at 20 /rad: 0.2 of 255.
+  // 0.01 rad at 16 /rad: 0.16 of 255, 40.8.
   ASSERT_EQ(board.target(neck_pan, static_cast<s16>(here + 100), 0), 0);
   board.ticks(20);
-  EXPECT_EQ(board.output.pw[0], 51);
+  EXPECT_EQ(board.output.pw[0], 41);
   EXPECT_EQ(board.output.p3 & 1, 1);
   ASSERT_EQ(board.target(neck_pan, static_cast<s16>(here - 100), 0), 0);
   board.ticks(20);
-  EXPECT_EQ(board.output.pw[0], 51);
+  EXPECT_EQ(board.output.pw[0], 41);
   EXPECT_EQ(board.output.p3 & 1, 0);
 }
 
@@ -130,7 +130,7 @@ TEST(PositionLoop, AMirroredServoTurnsTheOtherWay) {
   EXPECT_EQ(board.servo.joint[r_sh_pitch].angle, here);
   ASSERT_EQ(board.target(r_sh_pitch, static_cast<s16>(here + 100), 0), 0);
   board.ticks(20);
-  EXPECT_EQ(board.output.pw[5], 51);
+  EXPECT_EQ(board.output.pw[5], 41);
   EXPECT_EQ(board.output.p3 >> 6 & 1, 0);  // backward shaft, forward joint
 }
 

@@ -14,10 +14,7 @@ extern "C" {
 
 #define KZ_FIRMWARE_VERSION 0x0002  // major * 256 + minor
 
-// Values after reset.
-#define KZ_KP_DEFAULT 5120  // 1/256 /rad: 20 /rad (kaz-model: stands and walks)
-#define KZ_KP_HAND 205      // 0.8 /rad: a jaw gives way
-#define KZ_KD_DEFAULT 614   // 1/4096 s/rad: 0.15 s/rad
+// Values after reset; gains are in protocol/messages.h.
 #define KZ_RAMP_DEFAULT 60  // 100 urad/ms: 6 rad/s
 #define KZ_WATCHDOG_DEFAULT_MS 90
 

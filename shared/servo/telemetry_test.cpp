@@ -71,8 +71,8 @@ TEST(Telemetry, ReportsAnglesCommandsDrivesAndHealth) {
   EXPECT_EQ(commands.angle[1], state.angle[1]);
   const auto drives = fields_of<kz_telemetry_drives, kz_unpack_telemetry_drives>(board.replies[2]);
   EXPECT_EQ(board.replies[2].type, KZ_TYPE_telemetry_drives);
-  // 0.0100 rad less the 0.0016 that code 512 stands for, at 20 /rad: 0.168 of 255.
-  EXPECT_EQ(drives.duty[0], 43);
+  // 0.0100 rad less the 0.0016 that code 512 stands for, at 16 /rad: 0.134 of 255.
+  EXPECT_EQ(drives.duty[0], 34);
   EXPECT_EQ(drives.duty[1], 0);
   const auto health = fields_of<kz_telemetry_health, kz_unpack_telemetry_health>(board.replies[3]);
   EXPECT_EQ(board.replies[3].type, KZ_TYPE_telemetry_health);
@@ -127,11 +127,12 @@ TEST(Telemetry, ASharedLineKnowsNone) {
   startup.shared_line = 1;
   TestBoard board(startup);
   EXPECT_EQ(board.telemetry(20, 1), KZ_REFUSED_SHARED_LINE);
-  const auto identity = board.ask<kz_identify_reply, kz_unpack_identify_reply>(KZ_TYPE_identify);
+  const auto identity = board.query<kz_identify_reply, kz_unpack_identify_reply>(KZ_TYPE_identify);
   EXPECT_EQ(identity.capabilities & KZ_CAPABILITY_TELEMETRY, 0);
   TestBoard alone;
-  EXPECT_EQ((alone.ask<kz_identify_reply, kz_unpack_identify_reply>(KZ_TYPE_identify)).capabilities,
-            15);
+  EXPECT_EQ(
+      (alone.query<kz_identify_reply, kz_unpack_identify_reply>(KZ_TYPE_identify)).capabilities,
+      15);
 }
 
 TEST(Telemetry, EndsWhenTheHostIsSilentAlsoWithMotorsOff) {

@@ -75,6 +75,10 @@ class Comparison {
   Result<CompareReport> run() {
     int without_tick_ms = -longest_start_ms;
     while (report_.ticks < options_.ticks && report_.equal()) {
+      if (options_.stop && options_.stop()) {
+        report_.stopped = true;
+        break;
+      }
       const States start = h8_.now();
       const auto before = report_.ticks;
       if (before > 0) {

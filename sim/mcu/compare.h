@@ -28,6 +28,8 @@ struct CompareOptions {
   std::int64_t state_every = 1;  // compare the whole servo state every so many ticks
   h8s::Engine engine = h8s::Engine::translator;  // the emulator's; the default is what users get
   std::function<void(std::int64_t done, std::int64_t total)> progress;
+  std::function<bool()>
+      stop;  // looked at often; true ends the comparison with the report until then
   std::function<void(H8Mcu&)> prepare_h8;  // for tests: plants a fault in the chip
 };
 
@@ -46,6 +48,7 @@ struct CompareCoverage {
 
 struct CompareReport {
   std::int64_t ticks = 0;  // compared
+  bool stopped = false;    // by CompareOptions::stop
   std::string engine;      // of the emulator, as executed: "translator"
   // Executed by the emulated chip, and how many of them as translated host code.
   std::int64_t instructions = 0, translated_instructions = 0;

@@ -592,6 +592,10 @@ Result<WireReport> compare_wire(const WireOptions& options) {
     return report;
   }
   for (std::int64_t i = 0; i < options.conversations; ++i) {
+    if (options.stop && options.stop()) {
+      report.stopped = true;
+      break;
+    }
     if (auto ran = boards.run(options.first + i, {start}); !ran) return tl::unexpected(ran.error());
     if (options.progress) options.progress(i + 1, options.conversations);
   }

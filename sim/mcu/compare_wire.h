@@ -26,6 +26,8 @@ struct WireOptions {
   std::uint64_t seed = 1;
   std::int64_t first = 0;  // conversations before it are skipped
   std::function<void(std::int64_t done, std::int64_t total)> progress;
+  std::function<bool()>
+      stop;  // looked at often; true ends the comparison with the report until then
   // For tests: the other board, and a fault planted in the chip.
   std::function<std::unique_ptr<Mcu>(const NativeOptions&)> make_other =
       [](const NativeOptions& o) { return make_native(o); };
@@ -44,8 +46,9 @@ struct WireReport {
   std::string emulator_engine;  // as executed: "translator"
   std::uint64_t seed = 0;
   std::int64_t conversations = 0;
-  std::int64_t different = 0;               // conversations
-  std::int64_t ended_early = 0;             // conversations: replies one tick apart (wire_differences.h)
+  bool stopped = false;          // by WireOptions::stop
+  std::int64_t different = 0;    // conversations
+  std::int64_t ended_early = 0;  // conversations: replies one tick apart (wire_differences.h)
   std::vector<WireDifference> differences;  // the first one of each of the first few conversations
   std::int64_t requests = 0, fewest_requests = 0;
   std::int64_t replies = 0, bytes = 0,

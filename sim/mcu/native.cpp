@@ -123,9 +123,9 @@ class NativeMcu final : public Mcu {
  private:
   template <class A>
   void transfer(A& a) {
-    a(memory_, started_, now_, tick_at_, act_at_, action_, phase_, released_, asked_at_, deaf_from_,
-      listens_from_, scan_at_, scans_left_, setting_, supply_input_, pins_, received_, ring_, wire_,
-      wire_free_);
+    a(memory_, started_, now_, tick_at_, act_at_, action_, phase_, released_, requested_at_,
+      deaf_from_, listens_from_, scan_at_, scans_left_, setting_, supply_input_, pins_, received_,
+      ring_, wire_, wire_free_);
     a.plain(startup_);
     a.plain(servo_);
     a.plain(input_);
@@ -149,7 +149,7 @@ class NativeMcu final : public Mcu {
     servo_ = {};
     output_ = {};
     input_ = {};
-    memory_.tell(input_);
+    memory_.report(input_);
     released_ = false;
     act_at_ = never;
     action_ = KZ_ACTION_NONE;
@@ -195,7 +195,7 @@ class NativeMcu final : public Mcu {
   void prepare_action(States start) {
     action_ = std::exchange(output_.action, u8{KZ_ACTION_NONE});
     phase_ = Phase::requested;
-    asked_at_ = start;
+    requested_at_ = start;
     show(levels_of(output_));
     transmit(start + act_after);
     released_ = true;
@@ -263,11 +263,11 @@ class NativeMcu final : public Mcu {
 
   // Ticks begin again, in step with those before, when every input has been converted.
   void go_on(bool done) {
-    memory_.tell(input_);
+    memory_.report(input_);
     input_.result = done ? KZ_RESULT_DONE : KZ_RESULT_FAILED;
     begin_scans(now_, 2);
-    const States ticks = (now_ + 2 * scan_states - asked_at_) / KZ_STATES_PER_TICK + 1;
-    tick_at_ = asked_at_ + ticks * KZ_STATES_PER_TICK;
+    const States ticks = (now_ + 2 * scan_states - requested_at_) / KZ_STATES_PER_TICK + 1;
+    tick_at_ = requested_at_ + ticks * KZ_STATES_PER_TICK;
     input_.missed = static_cast<u16>(ticks - 1);
     input_.tick += input_.missed;
   }
@@ -397,7 +397,7 @@ class NativeMcu final : public Mcu {
   u8 action_ = KZ_ACTION_NONE;
   Phase phase_ = Phase::requested;
   bool released_ = false;    // the bytes of `output_` are on the wire already
-  States asked_at_ = 0;      // when the requesting tick became due
+  States requested_at_ = 0;  // when the requesting tick became due
   States deaf_from_ = 0;     // writing flash: received bytes are lost from here
   States listens_from_ = 0;  // earlier bytes were lost
   States scan_at_ = 0;       // first sample of the current scan

@@ -67,7 +67,7 @@ void NativeMemory::load(kz_startup& startup) {
   kz_store_load_address(&address_, address_image().data(), &startup);
 }
 
-void NativeMemory::tell(kz_tick_input& input) const {
+void NativeMemory::report(kz_tick_input& input) const {
   input.calibration_sequence = calibration_.sequence;
   input.erases_a = calibration_.erases[0];
   input.erases_b = calibration_.erases[1];

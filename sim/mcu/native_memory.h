@@ -23,7 +23,7 @@ class NativeMemory {
 
   // Copies the contents of the logs to `startup`; values that are not in them are unchanged.
   void load(kz_startup& startup);
-  void tell(kz_tick_input& input) const;
+  void report(kz_tick_input& input) const;
 
   // Plans a store that begins at `from`. Motors are off.
   void store_calibration(const kz_servo& servo, States from);

@@ -60,7 +60,7 @@ TEST(NativeMemory, StoresReadsBackAndCountsWear) {
   NativeMemory memory = with_copies(35);
   EXPECT_EQ(found_in(memory), values_of(35));
   kz_tick_input input{};
-  memory.tell(input);
+  memory.report(input);
   EXPECT_EQ(input.calibration_sequence, 35);
   EXPECT_EQ(input.erases_a, 1);
   EXPECT_EQ(input.erases_b, 2);

@@ -39,7 +39,7 @@ TEST(Native, EnablesAndDrivesTowardsATarget) {
   EXPECT_TRUE(motors_on(*mcu));
   EXPECT_LE(mcu->pins().pw[0], 3);  // it holds its position
 
-  // 0.2 rad ahead at kp 20/rad is four times full duty; the ramp of 6 rad/s gets there in 34 ms.
+  // 0.2 rad ahead at kp 16/rad is three times full duty; the ramp of 6 rad/s gets there in 34 ms.
   const States targeted = send(*mcu, target_frame(2, 0, 2000));
   ASSERT_TRUE(mcu->run_until(targeted + 50 * ms));
   EXPECT_EQ(mcu->pins().pw[0], 255);

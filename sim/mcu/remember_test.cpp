@@ -60,15 +60,15 @@ class Remember : public testing::TestWithParam<McuKind> {
     }
     return std::nullopt;
   }
-  std::optional<Answer> ask(std::uint8_t type, const std::vector<std::uint8_t>& fields,
-                            States longest = 50 * ms) {
+  std::optional<Answer> query(std::uint8_t type, const std::vector<std::uint8_t>& fields,
+                              States longest = 50 * ms) {
     put(type, fields);
     return answer(longest);
   }
   // The reason of a refusal, 0 if it was done, -1 without a reply.
   int outcome(std::uint8_t type, const std::vector<std::uint8_t>& fields,
               States longest = 50 * ms) {
-    const auto got = ask(type, fields, longest);
+    const auto got = query(type, fields, longest);
     if (!got) return -1;
     if (got->type == (type | KZ_REPLY)) return 0;
     kz_refused refused{};
@@ -90,7 +90,7 @@ class Remember : public testing::TestWithParam<McuKind> {
   }
   kz_calibration_reply calibration() {
     kz_calibration_reply reply{};
-    const auto got = ask(KZ_TYPE_calibration, {});
+    const auto got = query(KZ_TYPE_calibration, {});
     EXPECT_TRUE(got);
     if (!got) return reply;
     EXPECT_TRUE(kz_unpack_calibration_reply(&reply, got->fields.data(),
@@ -111,7 +111,7 @@ class Remember : public testing::TestWithParam<McuKind> {
   }
   kz_identify_reply identity() {
     kz_identify_reply reply{};
-    const auto got = ask(KZ_TYPE_identify, {});
+    const auto got = query(KZ_TYPE_identify, {});
     EXPECT_TRUE(got);
     if (!got) return reply;
     EXPECT_TRUE(
@@ -182,7 +182,7 @@ TEST_P(Remember, BytesThatCameMeanwhileAreLostAndTheNextFrameIsHeard) {
   const auto got = answer(3000 * ms);
   ASSERT_TRUE(got);
   EXPECT_EQ(got->type, KZ_TYPE_store_calibration_reply);
-  const auto statistics_reply = ask(KZ_TYPE_statistics, {});
+  const auto statistics_reply = query(KZ_TYPE_statistics, {});
   ASSERT_TRUE(statistics_reply);
   ASSERT_EQ(statistics_reply->type, KZ_TYPE_statistics_reply);
   kz_statistics_reply statistics{};
@@ -206,7 +206,7 @@ TEST_P(Remember, ResetAnswersFirstAndIsReportedAfterwards) {
 TEST_P(Remember, LoaderGoesAndComesBack) {
   ASSERT_EQ(outcome(KZ_TYPE_loader, key()), 0);
   run((KZ_LOADER_S * 1000 - 100) * ms);
-  EXPECT_FALSE(ask(KZ_TYPE_identify, {}));
+  EXPECT_FALSE(query(KZ_TYPE_identify, {}));
   run(250 * ms);
   EXPECT_EQ(identity().reset_cause, KZ_RESET_COMMAND);
 }

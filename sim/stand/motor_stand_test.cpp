@@ -170,22 +170,22 @@ TEST(StandCommands, DoWhatTheySay) {
   const auto made = make_stand({}, {.motor = test::motor_params()});
   ASSERT_TRUE(made) << made.error().message;
   Simulation& simulation = **made;
-  const auto ask = [&](const std::string& line) {
+  const auto query = [&](const std::string& line) {
     const auto answer = answer_stand(simulation, line);
     EXPECT_TRUE(answer) << answer.error().message;
     return answer.value_or(nlohmann::ordered_json());
   };
-  EXPECT_EQ(ask("disc")["disc_kgm2"], 4e-4);
-  EXPECT_EQ(ask("help")["commands"].size(), 8u);
-  ask("supply 6.5");
+  EXPECT_EQ(query("disc")["disc_kgm2"], 4e-4);
+  EXPECT_EQ(query("help")["commands"].size(), 8u);
+  query("supply 6.5");
   EXPECT_NEAR(simulation.board().supply_volts(), 6.5, 1e-9);
-  ask("turn l_elbow -0.5");
+  query("turn l_elbow -0.5");
   for (int i = 0; i < 1000; ++i) ASSERT_TRUE(simulation.step());
-  EXPECT_NEAR(ask("protractor l_elbow")["angle_rad"], -0.5, 3.5e-3);
-  ask("let l_elbow");
-  ask("press l_elbow 0.03");
-  ask("clamp l_elbow on");
-  EXPECT_EQ(ask("scale l_elbow")["torque_nm"], 0);
+  EXPECT_NEAR(query("protractor l_elbow")["angle_rad"], -0.5, 3.5e-3);
+  query("let l_elbow");
+  query("press l_elbow 0.03");
+  query("clamp l_elbow on");
+  EXPECT_EQ(query("scale l_elbow")["torque_nm"], 0);
 }
 
 }  // namespace

@@ -60,98 +60,130 @@ def check_sources():
                 fault(f"{name}:{number}", f"{len(line)} columns")
 
 
-def check_directions():
-    """vision and host never include the simulator; shared includes nothing of ours but shared, the
-    emulator nothing but the readers of images, errors and saved states."""
-    forbidden = {"vision": ("sim/", "host/", "tools/"), "host": ("sim/", "hil/", "tools/"),
-                 "hil": ("sim/", "tools/"),
-                 "shared": ("sim/", "host/", "vision/", "tools/"),
-                 "sim/h8s": ("shared/base/files", "shared/base/types", "shared/base/time", "shared/board/",
-                             "shared/faults/", "shared/flash/", "shared/protocol/", "shared/servo/",
-                             "host/", "vision/", "tools/", "sim/mcu"),
-                 "sim": ("tools/",)}
-    for path in files("*.c", "*.h", "*.cpp", "*.hpp"):
-        name = path.relative_to(ROOT).as_posix()
-        for folder, others in forbidden.items():
-            if not name.startswith(folder + "/"):
-                continue
-            for include in re.findall(r'^#include "([^"]+)"', path.read_text(), re.M):
-                if include.startswith(others):
-                    fault(name, f"must not include {include}")
-
-
-# Folder -> its sub-folders and the sub-folders that each may include besides itself: a lower one knows
-# nothing of those above it. `tests` are the files named *_test.cpp and *_testing.*, wherever they are, and
-# oracle*, which only they use: a test runs its subject in the assembled whole, and nothing else may
-# include what is made for tests.
+# Who may include whom: folder -> its parts, lowest first, each with those of them that it may include besides
+# itself. "" is the root; "." are the files directly in the folder. A part allows only parts listed before it,
+# so there are no circles. Where "tests" is a part, it is the tests, their helpers and benchmarks (TEST_FILE),
+# wherever they are in the folder: a test runs its subject in the assembled whole. Elsewhere tests obey the
+# rule of their folder.
 LAYERS = {
+    "": {
+        "shared": (), "vision": ("shared",), "sim": ("shared", "vision"), "host": ("shared", "vision"),
+        "hil": ("shared", "vision", "host"), "firmware": ("shared", "sim"),
+        "tools": ("shared", "vision", "sim", "host", "hil"),
+        "tests": ("shared", "vision", "sim", "host", "hil", "tools"),
+    },
+    "shared": {
+        "base": (), "board": ("base",), "faults": ("base", "board"), "flash": ("base",), "image": ("base",),
+        "picture": ("base",), "plot": ("base",), "protocol": ("base", "board"),
+        "servo": ("base", "board", "protocol"),
+    },
+    "vision": {
+        "image": (), "calibration": ("image",), "color": ("image", "calibration"),
+        "depth": ("image", "calibration"), "flow": ("image", "calibration", "depth"),
+        "planes": ("image", "calibration", "depth"),
+        "pipeline": ("image", "calibration", "color", "depth", "flow", "planes"),
+        "benchmark": ("image", "calibration", "color", "depth", "flow", "planes"),
+    },
+    "sim": {
+        "h8s": (), "mcu": ("h8s",), "body": (), "view": ("body",), "board": ("mcu", "body"),
+        "runtime": ("h8s", "mcu", "body", "view", "board"), "stand": ("body", "runtime"),
+    },
     "sim/h8s": {
-        "cpu": (), "translate": ("cpu",),
-        "chip": ("cpu", "translate"), "flat": ("cpu", "translate"),
+        "cpu": (), "translate": ("cpu",), "chip": ("cpu", "translate"), "flat": ("cpu", "translate"),
         "netlist": ("cpu", "chip"), "debug": ("cpu", "chip"),
         "fuzz": ("cpu", "chip", "flat", "netlist", "debug"), "example": ("chip",), "testdata": (),
         "tests": ("cpu", "translate", "chip", "flat", "netlist", "debug", "fuzz", "testdata"),
     },
+    "sim/h8s/testdata": {"flat": (), ".": ()},
+    "sim/body": {
+        "description": (), "motor": ("description",), "contact": ("description",),
+        "world": ("description", "motor", "contact"), "ode": ("description", "motor", "contact", "world"),
+        "reduced": ("description", "motor", "contact", "world"), ".": ("world", "ode", "reduced"),
+        "tests": (".", "description", "motor", "contact", "world", "ode", "reduced"),
+    },
+    "sim/view": {
+        ".": (), "model": (".",), "gl": (".", "model"), "sensor": (".",),
+        "tests": (".", "model", "gl", "sensor"),
+    },
+    "sim/runtime": {
+        ".": (), "formats": (".",), "eyes": (".", "formats"), "simulation": (".", "formats", "eyes"),
+        "serving": (".", "formats", "eyes", "simulation"),
+        "tests": (".", "formats", "eyes", "simulation", "serving"),
+    },
+    "host": {
+        "link": (), "robot": ("link",), "camera": ("link", "robot"), "flash": ("link", "robot"),
+        "motion": ("link", "robot"), "map": (), "behavior": ("link", "robot", "camera", "motion"),
+    },
+    "hil": {"report": (), "bench": ("report",), "conformance": ("report",), "fuzz": ("report",)},
+    "hil/bench": {".": (), "motor": (".",), "report": (".",), "tests": (".", "motor", "report")},
+    "tools": {
+        "cmake": (), "trials": (), "figure": (), "lockstep": (), "app": ("trials", "figure", "lockstep"),
+        "fuzz": ("lockstep", "app"), "kaz": ("figure", "app", "fuzz"), "benchmark": ("lockstep",),
+    },
+    "tools/app": {
+        "base": (), "vision": ("base",), "session": ("base", "vision"), "board": ("base",),
+        "monitor": ("base",), "flash": ("base", "monitor"), "mcu": ("base",), "sim": ("base", "session"),
+        "bench": ("base", "session"), "replay": ("base", "vision", "session"),
+        "evaluate": ("base", "vision", "session"),
+        "vision_run": ("base", "vision", "session", "replay"),
+    },
+    "tools/fuzz": {".": (), "flash_writer": (".",), "inputs": (".",), "vision": (".",)},
+    "tools/benchmark": {"bullet": (), "body": ("bullet",), ".": ("body",)},
+    "tests": {"integration": (), "studies": (), "system": ("studies",), "repository": ()},
+    "tests/integration": {name: () for name in (
+        ".", "bench", "conformance", "damage", "random_programs", "vision", "vision_flow")},
+    "tests/studies": {"common": ()} | {name: ("common",) for name in (
+        "dynamics_table", "figure7", "gait", "step_length", "vision_table", "walking")},
+    "tests/system": {
+        "campaign": (), "catching": (), "planted": (), "v4l2": (), "virtual_robot": (), "flash": (),
+        "command_line": ("flash",), "recording_reader": ("command_line",),
+    },
 }
-TEST_FILE = re.compile(r"(_test\.cpp|_testing\.\w+|/oracle\w*\.(cpp|h))$")
+# The emulator can be used alone: of other parts it includes only these.
+ALONE = {"sim/h8s": ("shared/base/archive.hpp", "shared/base/result.hpp", "shared/image/image.h")}
+TEST_FILE = re.compile(r"(_test\.cpp|_testing\.\w+|_benchmark\.cpp|/oracle\w*\.(cpp|h))$")
 
 
-def layer_of(folder, name):
-    inside = name.removeprefix(folder + "/")
-    return "tests" if TEST_FILE.search(name) else inside.split("/")[0] if "/" in inside else ""
+def part_of(folder, name):
+    if TEST_FILE.search(name) and "tests" in LAYERS.get(folder, ()) and folder:
+        return "tests"
+    inside = name[len(folder) + 1:] if folder else name
+    return inside.split("/")[0] if "/" in inside else "."
 
 
 def check_layers():
-    for path in files("*.c", "*.h", "*.cpp", "*.hpp"):
+    for folder, parts in LAYERS.items():
+        seen = set()
+        for part, allowed in parts.items():
+            for other in set(allowed) - seen:
+                fault(f"LAYERS, '{folder}'", f"{part} allows {other}, which is not listed before it")
+            seen.add(part)
+    unlisted = {}  # folder without an entry -> its parts
+    for path in files("*.c", "*.h", "*.cpp", "*.hpp", "*.def", "*.S"):
         name = path.relative_to(ROOT).as_posix()
-        for folder, allowed in LAYERS.items():
-            if not name.startswith(folder + "/"):
+        includes = re.findall(r'^\s*#\s*include "([^"]+)"', path.read_text(), re.M)
+        steps = name.split("/")
+        for folder in ("/".join(steps[:depth]) for depth in range(len(steps))):
+            part = part_of(folder, name)
+            if folder not in LAYERS:
+                unlisted.setdefault(folder, set()).add(part)
                 continue
-            layer = layer_of(folder, name)
-            if layer not in allowed:
-                fault(name, f"is in no sub-folder of {folder} that rules.py knows")
+            if part not in LAYERS[folder]:
+                fault(name, f"'{part}' is no part of '{folder}' in LAYERS of tests/repository/rules.py")
                 continue
-            for include in re.findall(r'^#include "([^"]+)"', path.read_text(), re.M):
-                if include.startswith(folder + "/") and \
-                        layer_of(folder, include) not in (layer, *allowed[layer]):
-                    fault(name, f"must not include {include}")
-
-
-# Inside a part: which folders (with what is in them) the sources of a folder may include, besides their own.
-FOLDERS = {
-    "vision/image": (),
-    "vision/calibration": ("vision/image",),
-    "vision/color": ("vision/image", "vision/calibration"),
-    "vision/depth": ("vision/image", "vision/calibration"),
-    "vision/flow": ("vision/image", "vision/calibration", "vision/depth"),
-    "vision/planes": ("vision/image", "vision/calibration", "vision/depth"),
-    "vision/pipeline": ("vision/image", "vision/calibration", "vision/color", "vision/depth",
-                        "vision/flow", "vision/planes"),
-    "host/link": (),
-    "host/robot": ("host/link",),
-    "host/camera": ("host/link", "host/robot"),
-    "host/flash": ("host/link", "host/robot"),
-    "host/motion": ("host/link", "host/robot"),
-    "host/map": (),
-    "host/behavior": ("host/link", "host/robot", "host/camera", "host/motion"),
-    "hil/report": (),
-    "hil/bench": ("hil/report",),
-    "hil/conformance": ("hil/report",),
-    "hil/fuzz": ("hil/report",),
-}
-
-
-def check_folders():
-    """The folders of a part are layers: no include outside of FOLDERS, tests included."""
-    for path in files("*.c", "*.h", "*.cpp", "*.hpp", "*.def"):
-        name = path.relative_to(ROOT).as_posix()
-        for folder, allowed in FOLDERS.items():
-            if not name.startswith(folder + "/"):
-                continue
-            for include in re.findall(r'^#include "([^"]+)"', path.read_text(), re.M):
-                other = "/".join(include.split("/")[:2])
-                if other != folder and other not in allowed and other.split("/")[0] == name.split("/")[0]:
-                    fault(name, f"must not include {include}: {folder} is not a layer above {other}")
+            for include in includes:
+                inside = include.startswith(folder + "/") if folder else include.split("/")[0] in LAYERS[""]
+                other = part_of(folder, include)
+                if inside and other not in (part, *LAYERS[folder][part]):
+                    fault(name, f"must not include {include}: in '{folder}', {part} is not above {other}")
+        for folder, others in ALONE.items():
+            for include in includes if name.startswith(folder + "/") else ():
+                if "/" in include and not include.startswith((folder + "/", *others)):
+                    fault(name, f"must not include {include}: {folder} is usable alone")
+    for folder, parts in unlisted.items():
+        if len(parts) > 1:
+            fault(folder, f"has the parts {', '.join(sorted(parts))}, but no entry in LAYERS of "
+                          "tests/repository/rules.py")
 
 
 # Foreign libraries that only one folder of ours calls: it bounds what hostile files may do and turns their
@@ -172,11 +204,45 @@ def check_owners():
                 fault(name, f"uses {library}; call the functions of {owner}")
 
 
+def headings(text):
+    """The anchors of a page, as GitHub makes them: lower case, without punctuation, numbered if repeated."""
+    anchors = set(re.findall(r'<a (?:id|name)="([^"]+)"', text))
+    counts = {}
+    prose = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
+    for title in re.findall(r"^#{1,6} +(.+?)[ #]*$", prose, re.M):
+        title = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", title)
+        anchor = re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
+        number = counts.get(anchor, 0)
+        counts[anchor] = number + 1
+        anchors.add(f"{anchor}-{number}" if number else anchor)
+    return anchors
+
+
 def check_links():
-    for path in files("*.md"):
-        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", path.read_text()):
-            if not (path.parent / target).exists():
-                fault(path.relative_to(ROOT), f"links to '{target}', which is not there")
+    """Each link leads to a file that is there and a heading in it; each page is reached by a link.
+    Each path that a source names is there."""
+    texts = {path.resolve(): path.read_text() for path in files("*.md")}
+    linked = set()
+    for path, text in texts.items():
+        name = path.relative_to(ROOT.resolve())
+        for target, anchor in re.findall(r"\]\(([^)#:\s]*)(?:#([^)\s]*))?\)", text):
+            other = (path.parent / target).resolve() if target else path
+            if not other.exists():
+                fault(name, f"links to '{target}', which is not there")
+            elif anchor and other in texts and anchor not in headings(texts[other]):
+                fault(name, f"links to '{target}#{anchor}', but there is no such heading")
+            if other != path:
+                linked.add(other)
+    roots = "|".join(["docs", "examples", *LAYERS[""]])
+    named = re.compile(rf"(?<![\w/.$}}-])((?:{roots})/[\w./-]+\.(?:md|h|hpp|c|cpp|py))\b(?!\.\w)")
+    for path in files("*.c", "*.h", "*.cpp", "*.hpp", "*.def", "*.S", "*.py"):
+        for target in named.findall(path.read_text()):
+            if not (ROOT / target).exists() and not (ROOT / f"{target}.in").exists():
+                fault(path.relative_to(ROOT), f"names '{target}', which is not there")
+    for path in texts:
+        name = path.relative_to(ROOT.resolve())
+        if name.as_posix().startswith("docs/") and path not in linked:
+            fault(name, "no page links to it; begin at docs/README.md")
 
 
 def check_temporary_names():
@@ -191,7 +257,7 @@ def check_temporary_names():
 
 
 # Words that code and docs do not use, each with the term to use instead (docs/glossary.md). Only those that
-# are wrong everywhere: "ask", "sound" or "figure" have proper uses, so they are left to the reviewer.
+# are wrong everywhere: "ask", "sound" or "figure" have proper uses in prose, so there the reviewer judges.
 WORDS = [(re.compile(pattern), term) for pattern, term in (
     (r"\b_?[Tt]old(?![a-z])|(?<=[a-z])Told(?![a-z])", "reported, returned"),
     (r"\b\w*[Uu]nsound\b", "invalid or faulty"),
@@ -210,6 +276,14 @@ WORDS = [(re.compile(pattern), term) for pattern, term in (
 )]
 
 
+# Parts of identifiers (snake_case, CamelCase) that are the dialect's wherever code, not prose, has them.
+PARTS = {"ask": "query, request", "asks": "queries", "asked": "requested", "asking": "querying",
+         "tell": "report", "tells": "reports", "told": "reported", "telling": "reporting"}
+PART = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
+PROSE = {".py": r'"""(?:.|\n)*?"""|#[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'',
+         "": r'//[^\n]*|/\*(?:.|\n)*?\*/|R"\((?:.|\n)*?\)"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\''}
+
+
 def check_words():
     for path in files("*.h", "*.hpp", "*.c", "*.cpp", "*.S", "*.py", "*.md"):
         name = path.relative_to(ROOT)
@@ -221,15 +295,23 @@ def check_words():
                     fault(f"{name}:{number}", f"'{found[0]}' is not a term of ours: {term}")
 
 
+def check_identifiers():
+    for path in files("*.h", "*.hpp", "*.c", "*.cpp", "*.def", "*.py"):
+        code = re.sub(PROSE.get(path.suffix, PROSE[""]), " ", path.read_text())
+        for identifier in sorted(set(re.findall(r"[A-Za-z_]\w*", code))):
+            for part in PART.findall(identifier):
+                if part.lower() in PARTS:
+                    fault(path.relative_to(ROOT), f"'{identifier}': not '{part}' but {PARTS[part.lower()]}")
+
+
 check_packages()
 check_printed()
 check_sources()
-check_directions()
 check_layers()
-check_folders()
 check_owners()
 check_links()
 check_temporary_names()
 check_words()
+check_identifiers()
 print("\n".join(faults) if faults else "the tree keeps its rules")
 sys.exit(1 if faults else 0)

@@ -14,9 +14,9 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "shared/base/enum_names.hpp"
-#include "tools/app/output.h"
-#include "tools/app/paths.h"
-#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
+#include "tools/app/base/paths.h"
 #include "tools/fuzz/engine_case.h"
 
 namespace kaz::tools {
@@ -73,7 +73,7 @@ class Fuzzing {
     KAZ_TRY(prepare());
     if (!arguments_.replay.empty()) return replay();
     hil::fuzz::Search search(arguments_.seed);
-    if (auto loaded = load(search); !loaded) return loaded;
+    if (auto loaded = load(search); !loaded) return ended(loaded.error(), search);
     if (failing_) return report_failure(*failing_, search);
     Progress progress("kaz fuzz", arguments_.json);
     const auto began = WallTime::now();
@@ -82,9 +82,13 @@ class Fuzzing {
     };
     while (arguments_.cases > 0 ? totals_.cases < arguments_.cases
                                 : elapsed() < arguments_.seconds) {
-      if (interrupt_.requested()) break;
       const Genome genome = search.next();
-      const auto verdict = KAZ_TRY(one(genome));
+      const auto ran = one(genome);
+      if (!ran) {
+        progress.done();
+        return ended(ran.error(), search);
+      }
+      const Verdict& verdict = *ran;
       if (verdict.violation) {
         progress.done();
         return report_failure(genome, search);
@@ -154,14 +158,29 @@ class Fuzzing {
     return true;
   }
 
+  // An error that ends the run; an interrupted run has a result.
+  Result<bool> ended(const Error& error, const hil::fuzz::Search& search) {
+    if (error.fault != Fault::interrupted) return tl::unexpected(error);
+    report(search, std::nullopt, "");
+    return fail(Fault::interrupted, "interrupted after " + std::to_string(totals_.cases) +
+                                        " cases, none of them failed");
+  }
+
   Result<Verdict> one(const Genome& genome) {
-    ++totals_.cases;
+    if (interrupt_.requested()) return tl::unexpected(host::Interrupt::error());
+    const auto verdict = one_to_its_end(genome);
+    if (verdict) ++totals_.cases;
+    return verdict;
+  }
+
+  Result<Verdict> one_to_its_end(const Genome& genome) {
     if (port_) {
       auto verdict = port_->run(genome, grammar_);
       if (verdict) count(*verdict);
       return verdict;
     }
     engine_.grammar = grammar_;
+    engine_.interrupt = &interrupt_;
     const auto verdict = KAZ_TRY(kaz::fuzz::run_engine_case(genome, engine_));
     count(verdict);
     totals_.ticks += verdict.ticks;
@@ -185,12 +204,21 @@ class Fuzzing {
   Result<bool> report_failure(const Genome& genome, const hil::fuzz::Search& search) {
     const auto runner = [this](const Genome& candidate) { return one(candidate); };
     const Genome shorter = hil::fuzz::shortened(genome, runner, port_ ? 20 : 400);
-    const auto verdict = KAZ_TRY(one(shorter));
+    const auto verdict = one(shorter);
+    const bool interrupted = !verdict && verdict.error().fault == Fault::interrupted;
+    if (!verdict && !interrupted) return tl::unexpected(verdict.error());
     // A board at a port need not fail twice.
-    const Genome& kept = verdict.violation ? shorter : genome;
+    const Genome& kept = interrupted || verdict->violation ? shorter : genome;
     KAZ_TRY(hil::fuzz::save_genome(arguments_.out, kept));
-    report(search, verdict.violation.value_or("not seen again in the shortened case"),
+    const auto violation = verdict ? verdict->violation : std::optional<std::string>();
+    report(search,
+           violation.value_or(interrupted ? "the case was still being shortened"
+                                          : "not seen again in the shortened case"),
            hil::fuzz::text_of(hil::fuzz::events_of(kept, grammar_)));
+    if (interrupted)
+      return fail(
+          Fault::interrupted,
+          "interrupted while a failing case was shortened; it is kept in " + arguments_.out);
     return false;
   }
 
@@ -210,6 +238,7 @@ class Fuzzing {
           {"board_s", totals_.board_s},       {"requests", totals_.requests},
           {"replies", totals_.replies},       {"refusals", totals_.refusals},
           {"corpus", search.corpus().size()}, {"features", search.features()}};
+      if (interrupt_.requested()) mark_interrupted(json);
       if (!port_) json["ticks"] = totals_.ticks;
       if (engine_.mcu == sim::McuKind::h8) {
         json["worst_tick_8states"] = totals_.worst_busy_8states;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "hil/fuzz/tick_judge.h"
+#include "host/link/interruptible.h"
 #include "shared/board/table.h"
 #include "sim/runtime/simulation/simulation.h"
 #include "tools/fuzz/plant.h"
@@ -163,8 +164,10 @@ Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,
       sim::CameraFile{});
   if (!simulation) return tl::unexpected(simulation.error());
 
-  lockstep::LockstepLink link(**simulation);
-  lockstep::LockstepClock clock(**simulation);
+  lockstep::LockstepLink raw_link(**simulation);
+  lockstep::LockstepClock raw_clock(**simulation);
+  host::InterruptibleLink link(raw_link, raw_clock, options.interrupt);
+  host::InterruptibleClock clock(raw_clock, options.interrupt);
   hil::fuzz::RunnerOptions runner;
   runner.fault = [&](const faults::Fault& fault) { (*simulation)->add_fault(fault); };
   runner.judge = [&]() -> std::optional<std::string> {

@@ -7,6 +7,7 @@
 
 #include "hil/fuzz/grammar.h"
 #include "hil/fuzz/runner.h"
+#include "host/link/interrupt.h"
 #include "shared/base/result.hpp"
 #include "sim/mcu/mcu_kind.h"
 
@@ -19,6 +20,7 @@ struct EngineOptions {
   // The robot and its world, suspended by its trunk; motors without a body if empty.
   std::string world_path, robot_path;
   hil::fuzz::GrammarOptions grammar;
+  const host::Interrupt* interrupt = nullptr;  // ends a case with its error
 };
 
 struct EngineVerdict : hil::fuzz::Verdict {

@@ -12,7 +12,7 @@ import textwrap
 
 import generated_file
 import limits
-from protocol_table import (all_constants, check_of, crc16, read_constants, read_messages,
+from protocol_table import (Refused, all_constants, check_of, crc16, read_constants, read_messages,
                             stuff)
 
 
@@ -101,6 +101,21 @@ def sections(names, messages, printed):
     return "\n".join(lines).rstrip()
 
 
+def with_unlisted(text, messages):
+    """The template, with each message that no @MESSAGES@ line names after the one before it in the table."""
+    chapters = re.findall(r"@MESSAGES ([\w ]+)@", text)
+    lists = [chapter.split() for chapter in chapters]
+    before = None
+    for message in messages:
+        if not any(message.name in names for names in lists):
+            names = next((names for names in lists if before in names), lists[-1])
+            names.insert(names.index(before) + 1 if before in names else len(names), message.name)
+        before = message.name
+    for chapter, names in zip(chapters, lists):
+        text = text.replace(f"@MESSAGES {chapter}@", f"@MESSAGES {' '.join(names)}@")
+    return text
+
+
 def constant_rows(constants, prefix):
     return listing([[value, name[len(prefix):], text] for name, (value, text) in constants.items()
                     if name.startswith(prefix) and not name.endswith("_MS")])
@@ -168,11 +183,12 @@ def document(root):
     for key, lines in blocks.items():
         text = text.replace(f"@{key}@", "\n".join(lines).rstrip())
     printed = []
+    wanted = [m for m in messages if m.is_request() or m.kind in ("TELEMETRY", "REFUSAL")]
+    text = with_unlisted(text, wanted)
     text = re.sub(r"@MESSAGES ([\w ]+)@", lambda match: sections(match.group(1), messages, printed), text)
-    wanted = [m.name for m in messages if m.is_request() or m.kind in ("TELEMETRY", "REFUSAL")]
-    if sorted(printed) != sorted(wanted):
-        raise Refused(f"tools/gen/protocol.md.in: messages missing or twice: "
-                      f"{', '.join(sorted(set(printed) ^ set(wanted))) or printed}")
+    if len(printed) != len(wanted):
+        raise Refused("tools/gen/protocol.md.in: messages listed twice: "
+                      f"{', '.join(sorted(name for name in set(printed) if printed.count(name) > 1))}")
     # A constant that the table's texts name is printed with its value.
     text = re.sub(r"(?<![@\w])(KZ_\w*[A-Z0-9])(?![\w*@])", lambda match: with_value(match, everything),
                   text)

@@ -151,11 +151,12 @@ def streams(rng, idle_ms):
 
 
 def vectors(root):
-    rng = random.Random(1)
+    # Numbers of its own for each message: a new one leaves the vectors of the others alone.
     parts = {"messages": [vector for message in read_messages(root)
-                          for vector in message_vectors(message, rng)],
-             "bodies": body_vectors(rng),
-             "streams": streams(rng, value_of("KZ_IDLE_MS", all_constants(root), "frame.h"))}
+                          for vector in message_vectors(message, random.Random(message.name))],
+             "bodies": body_vectors(random.Random("bodies")),
+             "streams": streams(random.Random("streams"),
+                                value_of("KZ_IDLE_MS", all_constants(root), "frame.h"))}
     blocks = [f' "{name}": [\n' + ",\n".join("  " + json.dumps(row) for row in rows) + "]"
               for name, rows in parts.items()]
     return ('{"about": "Golden vectors of Kaz\'s protocol, made and explained by '

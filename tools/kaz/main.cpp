@@ -6,7 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tools/app/version.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/version.h"
 #include "tools/kaz/verbs.h"
 
 namespace {
@@ -40,7 +41,7 @@ std::string unknown_verb(const CLI::App& program, int argc, char** argv) {
 
 int report(const std::string& name, const kaz::Error& error) {
   std::fprintf(stderr, "%s: %s\n", name.c_str(), error.message.c_str());
-  return static_cast<int>(error.fault);
+  return kaz::tools::exit_status(error);
 }
 
 int parse_and_run(int argc, char** argv) {
@@ -60,7 +61,9 @@ int parse_and_run(int argc, char** argv) {
       "Recordings are MCAP files: Foxglove (foxglove.dev), PlotJuggler and the mcap command line "
       "open "
       "them.\n"
-      "Exit status: 0 done, 1 the task failed, 2 wrong usage, 3 the environment failed.\n"
+      "Exit status: 0 done, 1 the task failed, 2 wrong usage, 3 the environment failed, 130 ended "
+      "by "
+      "Ctrl-C,\n143 by SIGTERM; what there was by then is kept (docs/reference/exit-status.md).\n"
       "`kaz VERB --help` says more about a verb.");
   kaz::tools::Action action;
 #define KAZ_VERB(name) kaz::tools::add_##name(program, action);
@@ -85,6 +88,7 @@ int parse_and_run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  kaz::tools::catch_signals();
   try {
     return parse_and_run(argc, argv);
   } catch (const std::exception& error) {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "host/behavior/behavior.h"
-#include "tools/app/arguments.h"
+#include "tools/app/base/arguments.h"
 #include "tools/app/vision/color_file.h"
 #include "tools/kaz/options.h"
 

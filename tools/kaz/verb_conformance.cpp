@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "tools/app/conformance.h"
+#include "tools/app/board/conformance.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 

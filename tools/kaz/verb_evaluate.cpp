@@ -1,6 +1,6 @@
 // `kaz evaluate`: many episodes of a behaviour, and how many succeed.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/arguments.h"
+#include "tools/app/base/arguments.h"
 #include "tools/app/evaluate/campaign.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"

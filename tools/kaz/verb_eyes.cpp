@@ -5,8 +5,8 @@
 
 #include "sim/view/camera.h"
 #include "sim/view/sensor/sensor.h"
-#include "tools/app/draw_eyes.h"
-#include "tools/app/output.h"
+#include "tools/app/base/output.h"
+#include "tools/app/sim/draw_eyes.h"
 #include "tools/figure/figure.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/app/output.h"
-#include "tools/app/version.h"
+#include "tools/app/base/output.h"
+#include "tools/app/base/version.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "tools/app/serve.h"
+#include "tools/app/sim/serve.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "tools/app/board_status.h"
+#include "tools/app/board/board_status.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {

@@ -6,7 +6,7 @@
 #include "tools/app/session/live_camera.h"
 #include "tools/app/vision/color_file.h"
 #include "tools/app/vision/modules.h"
-#include "tools/app/vision/recorded_pictures.h"
+#include "tools/app/vision_run/recorded_pictures.h"
 #include "tools/figure/figure.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tools/app/outcome.h"
+#include "tools/app/base/outcome.h"
 
 namespace kaz::tools {
 

@@ -101,7 +101,8 @@ Result<RecordedRun> RecordedRun::of(const sim::McapRecording& recording, const s
   };
   if (recording.damaged_chunks > 0) return unusable("a chunk is damaged");
   RecordedRun run;
-  run.cut_off = !recording.whole;
+  run.cut_off = recording.ends_early();
+  run.interrupted_by = recording.interrupted_by();
   const auto fact = [&](const std::string& key) {
     const auto found = recording.facts.find(key);
     return found == recording.facts.end() ? std::string() : found->second;

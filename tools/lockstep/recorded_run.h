@@ -31,9 +31,10 @@ struct RecordedRun {
   std::vector<sim::SerialByte> to_host;   // as they left the board
   std::vector<Pair> pairs;                // in order of exposure
   std::vector<Thought> thoughts;
-  sim::States end = 0;     // of the last step; of a recording that was cut off, the last whole one
-  bool cut_off = false;    // the run went on after `end`
-  std::uint64_t seed = 1;  // of the line's faults
+  sim::States end = 0;   // of the last step; of a recording that was cut off, the last whole one
+  bool cut_off = false;  // the run went on after `end`
+  std::string interrupted_by;  // if that was a signal: "SIGINT"
+  std::uint64_t seed = 1;      // of the line's faults
   faults::Schedule faults;
   bool has_pictures = false;
   vision::CameraModel camera;  // where there are pictures

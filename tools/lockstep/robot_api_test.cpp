@@ -41,7 +41,8 @@ TEST_F(Api, GainsAndLimitsAreReadBack) {
   EXPECT_NEAR(settings->limits.upper_rad, 1.5, 1e-4);
   const auto other = robot.settings(host::r_knee);
   ASSERT_TRUE(other);
-  EXPECT_NEAR(other->gains.kp_per_rad, 20, 0.1);
+  EXPECT_NEAR(other->gains.kp_per_rad, host::Gains().kp_per_rad, 0.01) << "as after a reset";
+  EXPECT_NEAR(other->gains.kd_s_per_rad, host::Gains().kd_s_per_rad, 1e-3);
 
   for (const host::Gains& wrong : {host::Gains{.kp_per_rad = 81}, host::Gains{.kd_s_per_rad = 1.1},
                                    host::Gains{.dead_band_rad = 0.2}, host::Gains{.friction = 0.5},
@@ -165,7 +166,7 @@ TEST_F(Api, CalibrationIsStoredAndThereAfterAReset) {
   EXPECT_EQ(calibration->sequence, stored->sequence);
   EXPECT_NEAR(calibration->joints[host::l_elbow].centre_rad, joints[host::l_elbow].centre_rad,
               1e-9);
-  EXPECT_NEAR(robot.settings(0)->gains.kp_per_rad, 20, 0.1);
+  EXPECT_NEAR(robot.settings(0)->gains.kp_per_rad, 16, 0.01);
 
   joints[host::r_knee].centre_rad += 1;
   const auto far = robot.set_calibration(1u << host::r_knee, joints);

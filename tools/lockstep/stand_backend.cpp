@@ -7,8 +7,11 @@
 
 namespace kaz::lockstep {
 
-StandBackend::StandBackend(std::unique_ptr<sim::Simulation> simulation, double pressing_s)
+StandBackend::StandBackend(std::unique_ptr<sim::Simulation> simulation, double pressing_s,
+                           const host::Interrupt* interrupt)
     : simulation_(std::move(simulation)),
+      clock_(raw_clock_, interrupt),
+      link_(raw_link_, raw_clock_, interrupt),
       stand_(
           "virtual",
           [this](const std::string& line) { return sim::answer_stand(*simulation_, line); }, clock_,

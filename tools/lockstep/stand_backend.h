@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "hil/bench/motor/motor_bench.h"
+#include "host/link/interruptible.h"
 #include "sim/stand/stand_commands.h"
 #include "tools/lockstep/lockstep.h"
 
@@ -13,8 +14,9 @@ namespace kaz::lockstep {
 class StandBackend {
  public:
   // A simulation that make_stand() has made.
-  // pressing_s: how long the bench presses against the scale.
-  explicit StandBackend(std::unique_ptr<sim::Simulation> simulation, double pressing_s = 0.1);
+  // pressing_s: how long the bench presses against the scale. `interrupt` ends its waiting; may be null.
+  explicit StandBackend(std::unique_ptr<sim::Simulation> simulation, double pressing_s = 0.1,
+                        const host::Interrupt* interrupt = nullptr);
 
   sim::Simulation& simulation() { return *simulation_; }
   host::Link& link() { return link_; }
@@ -26,8 +28,10 @@ class StandBackend {
 
  private:
   std::unique_ptr<sim::Simulation> simulation_;
-  LockstepClock clock_{*simulation_};
-  LockstepLink link_{*simulation_};
+  LockstepClock raw_clock_{*simulation_};
+  LockstepLink raw_link_{*simulation_};
+  host::InterruptibleClock clock_;
+  host::InterruptibleLink link_;
   hil::CommandStand stand_;
 };
 

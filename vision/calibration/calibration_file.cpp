@@ -20,6 +20,7 @@ namespace kaz::vision {
 namespace {
 
 constexpr std::size_t kLargestFile = 1 << 16;  // bytes; ours are of 3000
+constexpr double kLargest = 1e6;               // px, and m; their products are still written and read
 
 cv::Mat camera_matrix(const Lens& lens) {
   return (cv::Mat_<double>(3, 3) << lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1);
@@ -129,6 +130,13 @@ class Reader {
   const std::string& name_;
 };
 
+// Whether a rectified pair has numbers with which one can compute.
+bool usable(const CameraModel& m) {
+  const auto within = [](double value) { return std::abs(value) <= kLargest; };  // not NaN
+  return m.fx > 0 && within(m.fx) && m.fy > 0 && within(m.fy) && within(m.cx) && within(m.cy) &&
+         m.baseline_m > 0 && within(m.baseline_m);
+}
+
 // R1, R2, P1, P2 of the file.
 Result<void> take_rectification(const Reader& file, StereoCalibration& c) {
   const auto r1 = file.turn("R1"), r2 = file.turn("R2");
@@ -149,6 +157,7 @@ Result<void> take_rectification(const Reader& file, StereoCalibration& c) {
   c.rectified = {c.width, c.height, fx, fy, (*p1)[2], (*p1)[6], -(*p2)[3] / fx};
   if (!(c.rectified.baseline_m > 0))
     return file.bad("P2 puts the right eye to the left of the left one: are they exchanged?");
+  if (!usable(c.rectified)) return file.bad("P1 or P2 holds numbers above a million");
   return {};
 }
 
@@ -216,9 +225,7 @@ Result<void> rectify_pair(StereoCalibration& c, const Eigen::Matrix3d& right_fro
   } catch (const cv::Exception& error) {
     return fail(Fault::usage, "these lenses cannot be rectified (" + error.err + ")");
   }
-  const CameraModel& m = c.rectified;
-  if (!(m.fx > 0) || !std::isfinite(m.fx) || !std::isfinite(m.cx) || !std::isfinite(m.cy) ||
-      !(m.baseline_m > 0))
+  if (!usable(c.rectified))
     return fail(Fault::usage,
                 "these lenses cannot be rectified: no part of the pictures is common");
   return {};

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdio>
 #include <numbers>
+#include <string>
 
 #include "hil/bench/motor/motor_bench.h"
 #include "hil/bench/samples.h"
@@ -13,8 +15,11 @@ namespace {
 
 constexpr double kStepWay = 0.3;  // rad
 constexpr double kStepSeconds = 0.6;
-constexpr double kStepEnd = 0.45;    // s from which on it has come to rest
-constexpr double kSettled = 0.05;    // of the step
+constexpr double kStepEnd = 0.3;  // s from which on it has come to rest
+// Of the step: 15 mrad to either side, more than half of what `step.hunting` may be. So a joint that moves
+// within its gear's play, and the potentiometer's noise on it, have settled; the time to get there does not
+// depend on when in the tail the outermost reading happens to be.
+constexpr double kSettled = 0.05;
 constexpr int kStepRounds = 3;       // per direction
 constexpr double kAmplitude = 0.05;  // rad
 constexpr double kHertz[] = {0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20};
@@ -23,10 +28,21 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 struct StepResponse {
   double rise_ms = 0, overshoot = 0, settling_ms = 0, error_mrad = 0;  // overshoot in percent
+  double hunting_mrad = 0;                                             // peak to peak
 };
 
-// Time, s, at which the response first passes `share` of the step; linear between readings.
+std::string gains_text(const host::Gains& gains) {
+  char text[60];
+  std::snprintf(text, sizeof text, "%.3g /rad and %.2g s/rad", gains.kp_per_rad,
+                gains.kd_s_per_rad);
+  return text;
+}
+
+// Time, s, at which the response first passes `share` of the step; linear between readings. A joint that
+// hunts across a worn gear may be past a small share as the step begins.
 double passes(const Trace& trace, double from, double distance, double share) {
+  if (!trace.empty() && (trace.front().angle_rad - from) / distance >= share)
+    return trace.front().t_s;
   for (std::size_t i = 1; i < trace.size(); ++i) {
     const double before = (trace[i - 1].angle_rad - from) / distance;
     const double here = (trace[i].angle_rad - from) / distance;
@@ -46,10 +62,12 @@ StepResponse step_response(const Trace& trace, double from, double to) {
   }
   check(!rest.empty(), "no readings came");
   const double end = mean_of(rest).value;
+  const auto [min, max] = std::ranges::minmax(rest);
   StepResponse response;
   response.rise_ms =
       1e3 * (passes(trace, from, distance, 0.9) - passes(trace, from, distance, 0.1));
   response.error_mrad = 1e3 * (end - to);
+  response.hunting_mrad = 1e3 * (max - min);
   double max_overshoot = 0;
   for (const Sample& sample : trace) {
     max_overshoot = std::max(max_overshoot, (sample.angle_rad - end) / distance);
@@ -96,7 +114,7 @@ double crossing(const Points& gain_db, double level) {
 }  // namespace
 
 void measure_step(MotorOnBench& motor, BenchJudge& judge) {
-  std::vector<double> rise, overshoot, settling, error;
+  std::vector<double> rise, overshoot, settling, error, hunting;
   Series up{"up", Series::Style::line, {}}, down{"down, turned over", Series::Style::line, {}};
   motor.go_to(motor.middle_rad() - 0.5 * kStepWay);
   for (int round = 0; round < kStepRounds; ++round) {
@@ -110,6 +128,7 @@ void measure_step(MotorOnBench& motor, BenchJudge& judge) {
       overshoot.push_back(response.overshoot);
       settling.push_back(response.settling_ms);
       error.push_back(std::abs(response.error_mrad));
+      hunting.push_back(response.hunting_mrad);
       if (round > 0) continue;
       for (const Sample& sample : trace)
         (sign > 0 ? up : down)
@@ -124,14 +143,16 @@ void measure_step(MotorOnBench& motor, BenchJudge& judge) {
   enter("step.overshoot", overshoot);
   enter("step.settling_time", settling);
   enter("step.error", error);
-  judge.add({"step",
-             motor.name(),
-             "Step of the target",
-             "time, ms",
-             "displacement, rad",
-             false,
-             {up, down, {"target", Series::Style::dashed, {{0, kStepWay}, {600, kStepWay}}}},
-             "0.3 rad at once, with 20 /rad, 0.15 s/rad and the board's ramp of 6 rad/s."});
+  enter("step.hunting", hunting);
+  judge.add(
+      {"step",
+       motor.name(),
+       "Step of the target",
+       "time, ms",
+       "displacement, rad",
+       false,
+       {up, down, {"target", Series::Style::dashed, {{0, kStepWay}, {600, kStepWay}}}},
+       "0.3 rad at once, with " + gains_text(motor.gains()) + " and the board's ramp of 6 rad/s."});
 }
 
 void measure_frequency(MotorOnBench& motor, BenchJudge& judge) {
@@ -165,7 +186,7 @@ void measure_frequency(MotorOnBench& motor, BenchJudge& judge) {
        true,
        {{"answer over target", Series::Style::line, gain},
         {"-3 dB", Series::Style::dashed, {{kHertz[0], -3}, {kHertz[std::size(kHertz) - 1], -3}}}},
-       "Sines of 0.05 rad, targets every 10 ms, with 20 /rad and 0.15 s/rad."});
+       "Sines of 0.05 rad, targets every 10 ms, with " + gains_text(motor.gains()) + "."});
   judge.add({"phase",
              motor.name(),
              "Frequency response: phase",

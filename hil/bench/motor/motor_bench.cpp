@@ -44,7 +44,7 @@ std::vector<Part> parts_of(double supply_volts, std::optional<double>& slope) {
        false,
        [&slope](MotorOnBench& motor, BenchJudge& judge) { measure_speed(motor, judge, slope); }},
       {"step",
-       {"step.rise_time", "step.overshoot", "step.settling_time", "step.error"},
+       {"step.rise_time", "step.overshoot", "step.settling_time", "step.error", "step.hunting"},
        false,
        measure_step},
       {"frequency response",

@@ -17,7 +17,7 @@ namespace kaz::hil {
 struct MotorBenchOptions {
   int joint = 2;
   std::string filter;        // regular expression, found in a measurement's name; empty: all
-  host::Gains gains;         // of the joint's loop, for all joints alike
+  host::Gains gains;         // of the joint's loop, for all joints alike: the board's, not a hand's
   double supply_volts = 10;  // the stand's, where a measurement does not set its own
   // share: 0..1 done.
   std::function<void(double share, const std::string& what)> progress;

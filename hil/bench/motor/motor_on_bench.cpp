@@ -25,7 +25,7 @@ std::uint32_t bit(int joint) {
 }  // namespace
 
 MotorOnBench::MotorOnBench(host::Robot& robot, Stand* stand, int joint, const host::Gains& gains)
-    : robot_(robot), stand_(stand), joint_(joint) {
+    : robot_(robot), stand_(stand), joint_(joint), gains_(gains) {
   const host::JointSettings settings = sure(robot_.settings(joint));
   lower_ = settings.limits.lower_rad;
   upper_ = settings.limits.upper_rad;

@@ -38,6 +38,7 @@ class MotorOnBench {
   Stand& stand() { return *stand_; }
   int joint() const { return joint_; }
   std::string name() const;
+  const host::Gains& gains() const { return gains_; }
   double lower_rad() const { return lower_; }  // soft limits
   double upper_rad() const { return upper_; }
   double middle_rad() const { return 0.5 * (lower_ + upper_); }
@@ -81,7 +82,7 @@ class MotorOnBench {
   host::Robot& robot_;
   Stand* stand_;
   int joint_;
-  host::Gains own_gains_;
+  host::Gains gains_, own_gains_;
   double lower_ = 0, upper_ = 0;
   bool listening_ = false;
   Time unlocked_until_{};

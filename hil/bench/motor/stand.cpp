@@ -33,13 +33,13 @@ double degrees(double rad) {
 }  // namespace
 
 Result<void> CommandStand::send(const std::string& line) {
-  const auto reply = ask_(line);
+  const auto reply = query_(line);
   if (!reply) return tl::unexpected(reply.error());
   return {};
 }
 
 Result<double> CommandStand::number(const std::string& line, const char* key) {
-  const auto reply = KAZ_TRY(ask_(line));
+  const auto reply = KAZ_TRY(query_(line));
   const auto found = reply.find(key);
   if (found == reply.end() || !found->is_number())
     return fail(Fault::environment,
@@ -90,7 +90,7 @@ Result<void> CommandStand::let_go(int joint) {
 }
 
 Result<void> ManualStand::done(const std::string& prompt) {
-  const auto typed = ask_(prompt + ", then press Enter");
+  const auto typed = prompt_(prompt + ", then press Enter");
   if (!typed) return tl::unexpected(typed.error());
   return {};
 }
@@ -98,7 +98,7 @@ Result<void> ManualStand::done(const std::string& prompt) {
 Result<double> ManualStand::read(const std::string& prompt) {
   std::string again;
   while (true) {
-    const auto typed = KAZ_TRY(ask_(again + prompt));
+    const auto typed = KAZ_TRY(prompt_(again + prompt));
     const auto first = typed.find_first_not_of(" \t\r\n");
     const auto last = typed.find_last_not_of(" \t\r\n");
     double value = 0;

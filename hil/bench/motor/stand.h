@@ -43,10 +43,10 @@ class Stand {
 // Whoever understands the words of docs/howto/bench.md: the simulator, in process or by its control socket.
 class CommandStand final : public Stand {
  public:
-  using Ask = std::function<Result<nlohmann::ordered_json>(const std::string& line)>;
+  using Query = std::function<Result<nlohmann::ordered_json>(const std::string& line)>;
   // pressing_s: how long a press is to last; the virtual scale wants 0.05 s.
-  CommandStand(std::string name, Ask ask, host::Clock& clock, double pressing_s = 0.1)
-      : name_(std::move(name)), ask_(std::move(ask)), clock_(clock), pressing_s_(pressing_s) {}
+  CommandStand(std::string name, Query query, host::Clock& clock, double pressing_s = 0.1)
+      : name_(std::move(name)), query_(std::move(query)), clock_(clock), pressing_s_(pressing_s) {}
 
   std::string name() const override { return name_; }
   Result<double> disc_kgm2() override;
@@ -64,17 +64,17 @@ class CommandStand final : public Stand {
   Result<void> send(const std::string& line);
   Result<double> number(const std::string& line, const char* key);
   std::string name_;
-  Ask ask_;
+  Query query_;
   host::Clock& clock_;
   double pressing_s_;
 };
 
-// A person at the bench: `ask` receives the instruction or question and returns the typed reply.
+// A person at the bench: `prompt` receives the instruction or question and returns the typed reply.
 class ManualStand final : public Stand {
  public:
-  using Ask = std::function<Result<std::string>(const std::string& prompt)>;
+  using Prompt = std::function<Result<std::string>(const std::string& text)>;
   // disc_kgm2: what they have put on the shaft.
-  ManualStand(Ask ask, double disc_kgm2) : ask_(std::move(ask)), disc_(disc_kgm2) {}
+  ManualStand(Prompt prompt, double disc_kgm2) : prompt_(std::move(prompt)), disc_(disc_kgm2) {}
 
   std::string name() const override { return "manual"; }
   Result<double> disc_kgm2() override { return disc_; }
@@ -92,7 +92,7 @@ class ManualStand final : public Stand {
  private:
   Result<void> done(const std::string& prompt);
   Result<double> read(const std::string& prompt);
-  Ask ask_;
+  Prompt prompt_;
   double disc_;
 };
 

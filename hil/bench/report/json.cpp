@@ -146,7 +146,11 @@ BenchReport to_report(const Json& all) {
   report.program = all.at("program");
   report.seed = all.at("seed");
   report.seconds = to_number(all.at("seconds"));
-  report.interrupted = all.value("interrupted", "");
+  // Older reports have the reason as `interrupted`.
+  const char* const reason =
+      all.contains("interrupted") && all["interrupted"].is_string() ? "interrupted" : "ended_early";
+  report.interrupted = all.value(reason, "");
+  report.signal = all.value("signal", "");
   for (const Json& one : all.at("conditions")) {
     report.conditions.emplace_back(one.at("name"), to_number(one.at("value")));
   }
@@ -169,7 +173,11 @@ std::string bench_json(const BenchReport& report) {
   entry("program", report.program);
   entry("seed", report.seed);
   entry("seconds", number(report.seconds));
-  if (!report.interrupted.empty()) entry("interrupted", report.interrupted);
+  if (!report.signal.empty()) {
+    entry("interrupted", true);
+    entry("signal", report.signal);
+  }
+  if (!report.interrupted.empty()) entry("ended_early", report.interrupted);
   entry("passed", report.count(Verdict::passed));
   entry("failed", report.count(Verdict::failed));
   entry("left_out", report.count(Verdict::left_out));

@@ -153,16 +153,20 @@ TEST(SoftLimits, RawDriveDoesNotDriveAJointPastThem) {
 }
 
 // The head on its pan joint: light, bearing nothing, free in the gap. At the gains of the behaviours (12 of
-// full drive per rad, 0.15 s/rad) the gear comes to rest: what moves is within the gap and one step of the
-// potentiometer.
+// full drive per rad, 0.15 s/rad) and at those after a reset the gear comes to rest: what moves is within the
+// gap and one step of the potentiometer.
 TEST(Neck, RestsInTheBacklashOfItsGear) {
   constexpr double gap = 0.4, step = 190.0 / 1024;  // degrees
-  for (const double kp : {8.0, 12.0}) {
+  struct Gains {
+    u16 kp, kd;
+  };
+  for (const auto& [kp, kd] :
+       {Gains{8 * 256, 614}, Gains{12 * 256, 614}, Gains{KZ_KP_DEFAULT, KZ_KD_DEFAULT}}) {
     for (const double inertia : {3e-5, 1e-4}) {
       TestBoard board;
       Limb limb(board, neck_pan, inertia, 10);
       board.ticks(10);
-      ASSERT_EQ(board.gains(1u << neck_pan, static_cast<u16>(kp * 256), 614), 0);
+      ASSERT_EQ(board.gains(1u << neck_pan, kp, kd), 0);
       ASSERT_EQ(board.enable(1u << neck_pan), 0);
       double worst = 0;
       for (int i = 0; i < 20; ++i) {
@@ -176,8 +180,9 @@ TEST(Neck, RestsInTheBacklashOfItsGear) {
         }
         worst = std::max(worst, max - min);
       }
-      std::printf("kp %.0f, %g kg m2: moves by %.2f degrees at rest\n", kp, inertia, worst * 57.3);
-      EXPECT_LT(worst * 57.3, gap + step) << kp << ", " << inertia << " kg m2";
+      std::printf("kp %.0f, %g kg m2: moves by %.2f degrees at rest\n", kp / 256.0, inertia,
+                  worst * 57.3);
+      EXPECT_LT(worst * 57.3, gap + step) << kp / 256.0 << ", " << inertia << " kg m2";
     }
   }
 }

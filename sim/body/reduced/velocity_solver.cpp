@@ -36,7 +36,7 @@ double worse(double a, double b) {
 void VelocitySolver::begin(int coordinates) {
   if (coordinates != matrix_.size()) {
     for (auto* v :
-         {&gradient_, &change_, &inertia_v_, &inertia_change_, &asked_before_, &gone_before_})
+         {&gradient_, &change_, &inertia_v_, &inertia_change_, &requested_before_, &gone_before_})
       v->assign(at(coordinates), 0);
   }
   matrix_.begin(coordinates);
@@ -196,15 +196,15 @@ double VelocitySolver::step_length(std::span<const double> momentum, std::span<c
 void VelocitySolver::accelerate() {
   double product = 0, square = 0;
   for_each_coordinate([&](std::size_t k) {
-    const double less = change_[k] - asked_before_[k];
+    const double less = change_[k] - requested_before_[k];
     product += change_[k] * less;
     square += less * less;
   });
   const double theta = square > 0 ? std::clamp(product / square, -kMaxExtrapolation, 0.5) : 0;
   for_each_coordinate([&](std::size_t k) {
     const double requested = change_[k];
-    change_[k] -= theta * (gone_before_[k] + requested - asked_before_[k]);
-    asked_before_[k] = requested;
+    change_[k] -= theta * (gone_before_[k] + requested - requested_before_[k]);
+    requested_before_[k] = requested;
     gone_before_[k] = change_[k];
   });
 }
@@ -233,7 +233,8 @@ int VelocitySolver::solve_island(std::span<const double> momentum, std::span<dou
     if (near) {
       accelerate();
     } else {
-      for_each_coordinate([&](std::size_t k) { asked_before_[k] = gone_before_[k] = change_[k]; });
+      for_each_coordinate(
+          [&](std::size_t k) { requested_before_[k] = gone_before_[k] = change_[k]; });
     }
     matrix_.multiply(island, change_.data(), inertia_change_.data());
     const double length = near || left <= tolerance ? 1 : step_length(momentum, v);

@@ -171,7 +171,7 @@ class VelocitySolver {
   std::vector<Bounded> bounded_;
   std::vector<double> bounded_impulse_;
   std::vector<double> gradient_, change_, inertia_v_, inertia_change_;
-  std::vector<double> asked_before_,
+  std::vector<double> requested_before_,
       gone_before_;  // change_ of the last iteration, before and after accelerate()
   std::vector<double> scratch_;
   // Members, grouped by island.

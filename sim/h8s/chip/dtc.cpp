@@ -63,7 +63,7 @@ struct Dtc::Block {
   std::uint32_t source_step() const { return step(mra >> 6 & 3u); }
   std::uint32_t target_step() const { return step(mra >> 4 & 3u); }
   bool chained() const { return (mrb & 0x80) != 0; }
-  bool always_tells() const { return (mrb & 0x40) != 0; }
+  bool always_interrupts() const { return (mrb & 0x40) != 0; }
   // At the end of `count` units the repeat or block area returns to its beginning.
   void rewind(std::uint32_t count) {
     if (source_repeats())
@@ -182,7 +182,7 @@ Dtc::Outcome Dtc::serve(Machine& m, unsigned vector) {
     for (std::uint32_t k = 0; k < 12; k += 2) note_ram_write(c, (at + k) & 0x1fff);
     c.now += m.options.dtc_register_accesses - m.options.dtc_register_accesses / 2;
     if (!b.chained()) {
-      outcome = {end || b.always_tells(), true};
+      outcome = {end || b.always_interrupts(), true};
       break;
     }
     at += 12;

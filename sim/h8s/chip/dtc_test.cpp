@@ -15,7 +15,7 @@ constexpr std::uint32_t kBlock0 = 0xffec00, kFrom = 0xffe200, kTo = 0xffe400;
 constexpr std::uint8_t kSourceUp = 0x80, kSourceDown = 0xc0, kTargetUp = 0x20, kTargetDown = 0x30,
                        kRepeat = 0x04, kBlockMode = 0x08, kAreaIsSource = 0x02, kWord = 0x01;
 // MRB.
-constexpr std::uint8_t kChain = 0x80, kTell = 0x40;
+constexpr std::uint8_t kChain = 0x80, kAlwaysInterrupt = 0x40;
 
 struct Info {
   std::uint8_t mra, mrb;
@@ -158,7 +158,7 @@ TEST(Dtc, CountZeroIs65536) {
 
 TEST(Dtc, DiselReportsTheCpuEachTime) {
   Chip chip = irq_chip(true);
-  put(chip, kBlock0, {kSourceUp | kTargetUp, kTell, kFrom, kTo, 9});
+  put(chip, kBlock0, {kSourceUp | kTargetUp, kAlwaysInterrupt, kFrom, kTo, 9});
   request(chip);
   ASSERT_TRUE(run_to(chip, handler(16)));
   EXPECT_EQ(chip.peek(kDtcera), 0x00);
@@ -195,7 +195,8 @@ TEST(Dtc, BlockMode) {
 // Information, data and nothing else again for each transfer of a chain.
 TEST(Dtc, ChainedTransfers) {
   Chip chip = irq_chip();
-  put(chip, kBlock0, {kSourceUp | kTargetUp, kChain, kFrom, kTo, 1});  // its end requests no interrupt
+  put(chip, kBlock0,
+      {kSourceUp | kTargetUp, kChain, kFrom, kTo, 1});  // its end requests no interrupt
   put(chip, kBlock0 + 12, {kSourceUp | kTargetUp | kWord, 0, kFrom + 4, kTo + 4, 5});
   EXPECT_EQ(activate(chip), 1 + 2 * (6 + 2) + 3);
   EXPECT_EQ(chip.peek(kTo), 0x40);
@@ -220,14 +221,14 @@ TEST(Dtc, RegistersTakeTheirStates) {
 }
 
 TEST(Dtc, SoftwareActivationAndItsInterrupt) {
-  for (const std::uint8_t mrb : {std::uint8_t{0}, kTell}) {
+  for (const std::uint8_t mrb : {std::uint8_t{0}, kAlwaysInterrupt}) {
     Program p;
     p.modules_on().enable_interrupts().out8(kDtvecr, 0x80 | 0x60).nops(200).stay();
     Chip chip = make_chip(p);
     set_vector(chip, 0x60, kBlock0 + 24);
     ASSERT_TRUE(chip.poke(kFrom, 0x77));
     put(chip, kBlock0 + 24, {0, mrb, kFrom, kTo, 5});
-const bool interrupted = run_to(chip, mrb ? handler(24) : end_of(p) - 2);
+    const bool interrupted = run_to(chip, mrb ? handler(24) : end_of(p) - 2);
     EXPECT_TRUE(interrupted);
     EXPECT_EQ(chip.peek(kTo), 0x77);
     EXPECT_EQ(chip.peek(kDtvecr), mrb ? 0xe0 : 0x60);

@@ -36,13 +36,14 @@ bool write_all(int fd, const std::string& text) {
   return true;
 }
 
-// Until the server has finished or the peer closes.
-Result<void> converse(GdbServer& server, int in, int out, States slice) {
+// Until the server has finished, the peer closes or `stop` is readable.
+Result<void> converse(GdbServer& server, int in, int out, States slice, int stop) {
   std::array<std::uint8_t, 4096> buffer{};
   while (!server.finished()) {
-    pollfd waiting{in, POLLIN, 0};
-    const int ready = ::poll(&waiting, 1, server.running() ? 0 : -1);
+    pollfd waiting[2] = {{in, POLLIN, 0}, {stop, POLLIN, 0}};
+    const int ready = ::poll(waiting, 2, server.running() ? 0 : -1);
     if (ready < 0 && errno != EINTR) return fail("GDB's connection: " + reason());
+    if (ready > 0 && waiting[1].revents != 0) return {};
     if (ready > 0) {
       const ssize_t n = ::read(in, buffer.data(), buffer.size());
       if (n < 0 && errno == EINTR) continue;
@@ -121,16 +122,19 @@ std::string GdbPort::hint() const {
   return "target remote " + (path_.empty() ? "localhost:" + std::to_string(port_) : path_);
 }
 
-Result<void> GdbPort::serve(GdbServer& server, States slice) {
-  if (standard_) return converse(server, STDIN_FILENO, STDOUT_FILENO, slice);
+Result<void> GdbPort::serve(GdbServer& server, States slice, int stop) {
+  if (standard_) return converse(server, STDIN_FILENO, STDOUT_FILENO, slice, stop);
   int connection = -1;
   do {
+    pollfd waiting[2] = {{listener_, POLLIN, 0}, {stop, POLLIN, 0}};
+    if (::poll(waiting, 2, -1) < 0 && errno == EINTR) continue;
+    if (waiting[1].revents != 0) return {};
     connection = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
   } while (connection < 0 && errno == EINTR);
   if (connection < 0) return fail("waiting for GDB: " + reason());
   const int on = 1;
   ::setsockopt(connection, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-  auto result = converse(server, connection, connection, slice);
+  auto result = converse(server, connection, connection, slice, stop);
   ::close(connection);
   return result;
 }

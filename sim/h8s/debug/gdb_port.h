@@ -25,8 +25,9 @@ class GdbPort {
   std::string hint() const;
 
   // Waits for one GDB and serves it until it kills, detaches or closes the connection. Runs the
-  // chip in slices of `slice` states and checks for Ctrl-C between them. Errors: the connection fails.
-  Result<void> serve(GdbServer& server, States slice = 1'000'000);
+  // chip in slices of `slice` states and checks for Ctrl-C between them. Returns too when the descriptor
+  // `stop` becomes readable (-1: none). Errors: the connection fails.
+  Result<void> serve(GdbServer& server, States slice = 1'000'000, int stop = -1);
 
  private:
   GdbPort() = default;

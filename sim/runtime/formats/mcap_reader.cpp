@@ -254,6 +254,11 @@ bool McapRecording::has_messages(const std::string& topic) const {
   });
 }
 
+std::string McapRecording::interrupted_by() const {
+  const auto found = facts.find(kInterrupted);
+  return found == facts.end() ? std::string() : found->second;
+}
+
 std::uint64_t McapRecording::end_ns() const {
   std::uint64_t end = 0;
   for (const Message& message : messages) end = std::max(end, message.time_ns);

@@ -22,6 +22,8 @@ struct McapRecording {
   // limits.
   static constexpr std::uint64_t max_bytes = std::uint64_t{2} << 30;
   static constexpr std::size_t max_facts = 10'000;
+  // The fact of a recording whose run was interrupted: the signal's name.
+  static constexpr const char* kInterrupted = "interrupted";
   // A year: far above any run, and low enough that it can be counted in crystal periods (time.h).
   static constexpr std::uint64_t max_time_ns = 366ull * 24 * 3600 * 1'000'000'000;
 
@@ -38,6 +40,10 @@ struct McapRecording {
   bool whole = false;              // false: the file is truncated
 
   bool has_messages(const std::string& topic) const;
+  // The signal that interrupted the run, "SIGINT"; empty: none.
+  std::string interrupted_by() const;
+  // Whether the run went on after what is recorded: the file is truncated, or the run was interrupted.
+  bool ends_early() const { return !whole || !interrupted_by().empty(); }
   // The latest time of a message; 0 if there is none.
   std::uint64_t end_ns() const;
 

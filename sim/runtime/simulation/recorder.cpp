@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sim/runtime/formats/little_endian.h"
+#include "sim/runtime/formats/mcap_reader.h"
 #include "sim/runtime/time.h"
 
 namespace kaz::sim {
@@ -238,6 +239,10 @@ void Recorder::fault(States at, std::string_view line) {
   data_.clear();
   LittleEndian(data_).text(std::string(line));
   put(faults_, time_of(at));
+}
+
+void Recorder::interrupted(const std::string& by) {
+  file_->add_metadata("end", {{McapRecording::kInterrupted, by}});
 }
 
 }  // namespace kaz::sim

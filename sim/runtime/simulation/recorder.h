@@ -45,6 +45,8 @@ class Recorder {
   // Start of a fault, as a line of docs/reference/faults.md.
   void fault(States at, std::string_view line);
 
+  // States in the file that the run went on: "SIGINT".
+  void interrupted(const std::string& by);
   // SHA-256 of the file.
   Result<std::string> finish() { return file_->finish(); }
 

@@ -138,15 +138,15 @@ Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mc
     camera_.baseline_m = (eyes.left.translation() - eyes.right.translation()).norm();
   }
   line_.set_faults(&faults_.schedule());
-  tell_sensors(0);
-  tell_motion(world_->imu().specific_force);
+  set_sensors(0);
+  set_motion(world_->imu().specific_force);
 }
 
 Simulation::~Simulation() = default;
 
 // Potentiometers of channels without a joint read zero. `since_s`: time since the end of the world's last
 // step; joint angles are extrapolated linearly over it.
-void Simulation::tell_sensors(double since_s) {
+void Simulation::set_sensors(double since_s) {
   std::array<double, KZ_JOINTS> angles{};
   double motor_current = 0;
   const auto joints = world_->joints();
@@ -159,7 +159,7 @@ void Simulation::tell_sensors(double since_s) {
   board_.set_motor_current(motor_current);
 }
 
-void Simulation::tell_motion(const Eigen::Vector3d& specific_force) {
+void Simulation::set_motion(const Eigen::Vector3d& specific_force) {
   board_.set_motion({world_->imu().angular_velocity.z(), specific_force.x(), specific_force.y()});
 }
 
@@ -196,10 +196,10 @@ Result<void> Simulation::advance() {
     if (late == 0) move_world();
     if (const std::string& broken = world_->diagnostics().failure; !broken.empty())
       return fail(Fault::failed, broken);
-    tell_sensors(1e-3 * static_cast<double>(late));
+    set_sensors(1e-3 * static_cast<double>(late));
     felt += world_->imu().specific_force / ratio_.steps_a_tick;
   }
-  tell_motion(felt);
+  set_motion(felt);
   const auto from_board = board_.take_transmitted();
   line_.from_board(from_board);
   now_ = end;
@@ -320,9 +320,12 @@ Result<void> Simulation::start_recording(const std::string& path) {
   return {};
 }
 
-Result<std::string> Simulation::finish_recording() {
+Result<std::string> Simulation::finish_recording(const std::string& interrupted_by) {
   if (!recorder_) return std::string();
-  if (eyes_) {
+  if (!interrupted_by.empty()) {
+    // What is there is the beginning of the run, message by message: pairs under way would come later.
+    recorder_->interrupted(interrupted_by);
+  } else if (eyes_) {
     for (const auto& digest : eyes_->take_digests(true)) recorder_->eyes(digest);
   }
   board_.mcu().on_tick(nullptr);

@@ -127,8 +127,9 @@ class Simulation {
   // Starts recording, as `recording_path` does from the start. Errors: the file cannot be written; a
   // recording is in progress.
   Result<void> start_recording(const std::string& path);
-  // Finishes the recording and returns its SHA-256; empty if there is none.
-  Result<std::string> finish_recording();
+  // Finishes the recording and returns its SHA-256; empty if there is none. `interrupted_by`: the signal
+  // before which the run would have gone on, empty if it has ended; the recording states it.
+  Result<std::string> finish_recording(const std::string& interrupted_by = "");
 
   // Saves the whole state: bodies, motors, chip, board, line, faults, eyes with pairs in flight, all random
   // generators, time; not the recording, which continues. Waits for pictures being rendered. Errors: the
@@ -146,8 +147,8 @@ class Simulation {
              std::unique_ptr<World> world, const CameraFile& camera, StepRatio ratio);
   Result<void> advance();
   void move_world();
-  void tell_sensors(double since_s);
-  void tell_motion(const Eigen::Vector3d& specific_force);
+  void set_sensors(double since_s);
+  void set_motion(const Eigen::Vector3d& specific_force);
   Eyes::Keep kept_of_pairs() const;
   void make_eyes();
   template <class A>

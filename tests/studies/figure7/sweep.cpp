@@ -58,8 +58,14 @@ class Run {
     link_.emplace(*simulation_);
     auto robot = KAZ_TRY(host::Robot::connect(*link_, *clock_));
     robot_.emplace(std::move(robot));
-    // With the board's own gain the light head hunts across the gear's gap, by a degree.
-    auto done = robot_->set_gains(1U << host::neck_pan | 1U << host::neck_tilt, {.kp_per_rad = 12});
+    // Those of the behaviours. With the body's gain the light head hunts across the gear's gap, by a degree.
+    constexpr auto kNeck = 1U << host::neck_pan | 1U << host::neck_tilt;
+    constexpr auto kHands = 1U << host::l_hand | 1U << host::r_hand;
+    auto done = robot_->set_gains(kNeck, {.kp_per_rad = 12, .kd_s_per_rad = 0.15});
+    if (done) {
+      done = robot_->set_gains(host::kAllJoints & ~kNeck & ~kHands,
+                               {.kp_per_rad = 20, .kd_s_per_rad = 0.15});
+    }
     if (done) done = robot_->enable(host::kAllJoints);
     goal_ = motion::home();
     goal_[host::neck_pan] = options_.pan_deg * kDegree;

@@ -107,7 +107,7 @@ class Episode {
   // Gains vary by 5 % (sigma). The neck's is lower: with its low inertia it would hunt within the backlash.
   Result<void> set_gains() {
     for (int joint = 0; joint < KZ_JOINTS; ++joint) {
-      host::Gains gains;
+      host::Gains gains{.kd_s_per_rad = 0.15};
       const bool hand = joint == host::l_hand || joint == host::r_hand;
       const bool neck = joint == host::neck_pan || joint == host::neck_tilt;
       gains.kp_per_rad = (hand   ? 0.7

@@ -11,7 +11,7 @@
 
 namespace kaz::test {
 
-std::string ask_control(const std::string& path, const std::string& request) {
+std::string query_control(const std::string& path, const std::string& request) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.size() >= sizeof address.sun_path) throw std::runtime_error(path + " is too long");

@@ -8,6 +8,6 @@ namespace kaz::test {
 
 // Sends one request to the socket at `path` and returns the reply, a line of JSON. Throws where nobody
 // answers.
-std::string ask_control(const std::string& path, const std::string& request);
+std::string query_control(const std::string& path, const std::string& request);
 
 }  // namespace kaz::test

@@ -96,7 +96,7 @@ TEST(Evaluate, GoesOnAfterAnInterruption) {
   ASSERT_TRUE(first.wait_for_output("succeeded", std::chrono::seconds(30)));
   first.signal(SIGINT);
   const Finished stopped = first.wait(std::chrono::seconds(10));
-  EXPECT_EQ(stopped.exit_code, 1) << stopped.err;
+  EXPECT_EQ(stopped.exit_code, 130) << stopped.err;
   EXPECT_NE(stopped.err.find("goes on"), std::string::npos) << stopped.err;
   const auto kept = without_speed(folder / "out", 9);
   ASSERT_GE(kept.size(), 1u);

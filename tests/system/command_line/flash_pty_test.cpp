@@ -49,7 +49,7 @@ class FlashPty : public ::testing::Test {
     write_file(folder_ / name, {bytes.begin(), bytes.end()});
   }
   json control(const std::string& request) const {
-    return json::parse(ask_control(folder_ / "board.ctl", request));
+    return json::parse(query_control(folder_ / "board.ctl", request));
   }
   std::vector<std::string> flash(const std::string& verb, const std::string& image,
                                  std::vector<std::string> more = {}) const {

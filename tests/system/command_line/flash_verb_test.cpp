@@ -37,8 +37,8 @@ class FlashVerb : public ::testing::Test {
     return kaz(all);
   }
   std::string control() const { return "ctl:" + (folder_ / "board.ctl"); }
-  void ask(const std::string& request) const {
-    EXPECT_NE(ask_control(folder_ / "board.ctl", request).find("\"ok\":true"), std::string::npos);
+  void control(const std::string& request) const {
+    EXPECT_NE(query_control(folder_ / "board.ctl", request).find("\"ok\":true"), std::string::npos);
   }
   Finished verb(const std::string& name, std::vector<std::string> more = {}) const {
     std::vector<std::string> all{"flash", name, "--port", folder_ / "board"};
@@ -107,12 +107,12 @@ TEST_F(FlashVerb, KilledInTheMiddleAndTakenUpAgain) {
 TEST_F(FlashVerb, ManualResetByHand) {
   Process program(write({"--reset", "manual"}), true);
   ASSERT_TRUE(program.wait_for_output("to boot mode", seconds(30)));
-  ask("mode boot");
-  ask("reset");
+  control("mode boot");
+  control("reset");
   program.type("\n");
   ASSERT_TRUE(program.wait_for_output("back to run", seconds(60))) << program.wait(seconds(0)).err;
-  ask("mode run");
-  ask("reset");
+  control("mode run");
+  control("reset");
   program.type("\n");
   const Finished done = program.wait(seconds(30));
   EXPECT_EQ(done.exit_code, 0) << done.err;
@@ -127,7 +127,7 @@ TEST_F(FlashVerb, ManualResetEndsWithNobodyThereAndWithCtrlC) {
   ASSERT_TRUE(stopped.wait_for_output("press Enter", seconds(30)));
   stopped.signal(SIGINT);
   const Finished end = stopped.wait(seconds(10));
-  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_EQ(end.exit_code, 130);
   EXPECT_NE(end.err.find("interrupted"), std::string::npos) << end.err;
 }
 
@@ -175,7 +175,7 @@ TEST_F(FlashVerb, InterruptedInTheMiddleSaysWhatToDo) {
   ASSERT_TRUE(stopped.wait_for_output("20 %  write", seconds(60)));
   stopped.signal(SIGINT);
   const Finished end = stopped.wait(seconds(10));
-  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_EQ(end.exit_code, 130);
   for (const char* part : {"interrupted", "still in boot mode", "same command again"})
     EXPECT_NE(end.err.find(part), std::string::npos) << end.err;
 }

@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -66,6 +67,17 @@ void Process::signal(int number) {
   if (!ended_) kill(pid_, number);
 }
 
+double Process::cpu_s() const {
+  // proc(5): fields 14 and 15, behind the name in parentheses.
+  const std::string stat = read_file("/proc/" + std::to_string(pid_) + "/stat");
+  std::istringstream fields(stat.substr(std::min(stat.rfind(')'), stat.size() - 1) + 1));
+  std::string skipped;
+  for (int i = 3; i < 14; ++i) fields >> skipped;
+  double user = 0, system = 0;
+  fields >> user >> system;
+  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
 void Process::drain(int milliseconds) {
   std::array<pollfd, 2> fds{pollfd{out_, POLLIN, 0}, pollfd{err_, POLLIN, 0}};
   poll(fds.data(), fds.size(), milliseconds);
@@ -78,8 +90,11 @@ void Process::drain(int milliseconds) {
     result_.err.append(buffer.data(), static_cast<std::size_t>(count));
   }
   int status = 0;
-  if (!ended_ && waitpid(pid_, &status, WNOHANG) == pid_) {
+  rusage used{};
+  if (!ended_ && wait4(pid_, &status, WNOHANG, &used) == pid_) {
     ended_ = true;
+    for (const timeval& part : {used.ru_utime, used.ru_stime})
+      result_.cpu_s += static_cast<double>(part.tv_sec) + 1e-6 * static_cast<double>(part.tv_usec);
     result_.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   }
 }

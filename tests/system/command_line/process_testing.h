@@ -12,6 +12,7 @@ namespace kaz::test {
 
 struct Finished {
   int exit_code = -1;  // 128 + signal if it was killed
+  double cpu_s = 0;    // its processor time, and that of its children whose end it has waited for
   std::string out, err;
 };
 
@@ -25,6 +26,8 @@ class Process {
   Process& operator=(const Process&) = delete;
 
   void signal(int number);
+  // Processor time of all its threads so far.
+  double cpu_s() const;
   // To its standard input, which is a pipe that stays open as long as the object does.
   void type(const std::string& text);
   // Waits until standard output or standard error holds `text`; false if it ended or took too long.

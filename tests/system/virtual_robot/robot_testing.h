@@ -85,7 +85,13 @@ class RobotFixture {
       return nullptr;
     }
     fixture->robot_ = std::make_unique<host::Robot>(std::move(*robot));
-    if (auto on = fixture->robot_->enable(host::kAllJoints); !on) {
+    // The measured drifts and forces are with the body's gains of the behaviours.
+    constexpr auto kHands = 1u << host::l_hand | 1u << host::r_hand;
+    auto on = fixture->robot_->set_gains(host::kAllJoints & ~kHands,
+                                         {.kp_per_rad = 20, .kd_s_per_rad = 0.15});
+    if (on) on = fixture->robot_->set_gains(kHands, {.kp_per_rad = 0.8, .kd_s_per_rad = 0.15});
+    if (on) on = fixture->robot_->enable(host::kAllJoints);
+    if (!on) {
       ADD_FAILURE() << on.error().message;
       return nullptr;
     }

@@ -20,12 +20,12 @@
 #include "shared/base/files.hpp"
 #include "shared/plot/svg.h"
 #include "sim/board/sensor_file.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
+#include "tools/app/base/paths.h"
+#include "tools/app/base/version.h"
 #include "tools/app/bench/bench_target.h"
 #include "tools/app/bench/fit_report.h"
-#include "tools/app/output.h"
-#include "tools/app/paths.h"
-#include "tools/app/session/interrupt_signals.h"
-#include "tools/app/version.h"
 #include "tools/figure/figure.h"
 
 namespace kaz::tools {
@@ -233,8 +233,11 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
               [&](double share, const std::string& what) { progress.update(share, what); });
   progress.done();
   report.seconds = seconds(target->clock().now() - begin);
+  const bool interrupted = !ran && ran.error().fault == Fault::interrupted;
   if (!ran) report.interrupted = ran.error().message;
+  if (interrupted) report.signal = received_signal_name();
   KAZ_TRY(leave_reports(folder, report));
+  if (interrupted && arguments.json) std::fputs(hil::bench_json(report).c_str(), stdout);
   if (!ran)
     return tl::unexpected(Error{ran.error().fault, ran.error().message +
                                                        "; what was measured until then is in " +

@@ -7,7 +7,7 @@
 
 #include "shared/base/result.hpp"
 #include "tools/app/bench/bench_target.h"
-#include "tools/app/outcome.h"
+#include "tools/app/base/outcome.h"
 #include "tools/app/session/backend.h"
 
 namespace kaz::tools {

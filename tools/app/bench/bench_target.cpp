@@ -2,16 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/bench/bench_target.h"
 
+#include <poll.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstdio>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/control_socket.h"
-#include "tools/app/arguments.h"
-#include "tools/app/session/interrupt_signals.h"
-#include "tools/app/time_lost.h"
+#include "tools/app/base/arguments.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/time_lost.h"
 #include "tools/lockstep/stand_backend.h"
 
 namespace kaz::tools {
@@ -22,18 +25,16 @@ class VirtualTarget final : public BenchTarget {
   VirtualTarget(std::unique_ptr<sim::Simulation> simulation, sim::McuKind mcu,
                 const host::Interrupt& interrupt)
       : name_(std::string("virtual board (") + to_string(mcu) + ")"),
-        backend_(std::move(simulation)),
-        clock_(backend_.clock(), interrupt) {}
+        backend_(std::move(simulation), 0.1, &interrupt) {}
   std::string name() const override { return name_; }
   host::Link& link() override { return backend_.link(); }
-  host::Clock& clock() override { return clock_; }
+  host::Clock& clock() override { return backend_.clock(); }
   hil::Stand* stand() override { return &backend_.stand(); }
   host::LatenessMeter* lateness() override { return nullptr; }
 
  private:
   std::string name_;
   lockstep::StandBackend backend_;
-  InterruptibleClock clock_;
 };
 
 class PortTarget final : public BenchTarget {
@@ -56,28 +57,39 @@ class PortTarget final : public BenchTarget {
   std::unique_ptr<hil::Stand> stand_;
 };
 
-Result<std::string> ask_user(const std::string& prompt) {
+// Not by std::cin: Ctrl-C has to end the wait.
+Result<std::string> prompt_user(const std::string& prompt, const host::Interrupt& interrupt) {
   std::fprintf(stderr, "\n%s: ", prompt.c_str());
   std::string line;
-  if (!std::getline(std::cin, line))
-    return fail(Fault::usage, "--stand manual needs somebody at the keyboard");
+  for (char letter = 0; letter != '\n';) {
+    pollfd watched[2] = {{STDIN_FILENO, POLLIN, 0}, {interrupt.descriptor(), POLLIN, 0}};
+    const int ready = poll(watched, 2, -1);
+    if (interrupt.requested()) return tl::unexpected(host::Interrupt::error());
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready < 0 || ::read(STDIN_FILENO, &letter, 1) != 1)
+      return fail(Fault::usage, "--stand manual needs somebody at the keyboard");
+    if (letter != '\n') line += letter;
+  }
   return line;
 }
 
 Result<std::unique_ptr<hil::Stand>> make_stand(const BenchTargetOptions& options,
-                                               host::Clock& clock) {
+                                               host::Clock& clock,
+                                               const host::Interrupt& interrupt) {
   std::unique_ptr<hil::Stand> stand;
   if (options.stand == "manual") {
-    stand = std::make_unique<hil::ManualStand>(ask_user, options.backend.disc_kgm2);
+    stand = std::make_unique<hil::ManualStand>(
+        [&interrupt](const std::string& prompt) { return prompt_user(prompt, interrupt); },
+        options.backend.disc_kgm2);
   } else if (options.stand.starts_with("ctl:")) {
     const std::string path = options.stand.substr(4);
-    const auto ask = [path](const std::string& line) -> Result<nlohmann::ordered_json> {
-      const auto reply = KAZ_TRY(host::ask_control_socket(path, "stand " + line));
+    const auto query = [path](const std::string& line) -> Result<nlohmann::ordered_json> {
+      const auto reply = KAZ_TRY(host::query_control_socket(path, "stand " + line));
       return nlohmann::ordered_json::parse(reply, nullptr, false);
     };
     // Whether it is a stand: said before anything moves.
-    KAZ_TRY(ask("disc"));
-    stand = std::make_unique<hil::CommandStand>(options.stand, ask, clock);
+    KAZ_TRY(query("disc"));
+    stand = std::make_unique<hil::CommandStand>(options.stand, query, clock);
   } else if (!options.stand.empty()) {
     return fail(Fault::usage,
                 "--stand " + options.stand +
@@ -104,7 +116,7 @@ Result<std::unique_ptr<BenchTarget>> BenchTarget::open(const BenchTargetOptions&
   const auto port = KAZ_TRY(parse_port(options.port));
   auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
   auto target = std::make_unique<PortTarget>(std::move(link), interrupt);
-  auto stand = KAZ_TRY(make_stand(options, target->clock()));
+  auto stand = KAZ_TRY(make_stand(options, target->clock(), interrupt));
   target->put(std::move(stand));
   return target;
 }

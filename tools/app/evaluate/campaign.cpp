@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,10 +15,10 @@
 #include <iterator>
 
 #include "shared/base/files.hpp"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/episode_file.h"
 #include "tools/app/evaluate/summary.h"
-#include "tools/app/session/interrupt_signals.h"
 #include "tools/figure/figure.h"
 
 namespace kaz::tools {
@@ -70,18 +71,23 @@ struct Job {
 Result<Job> begin(const CampaignOptions& options, const OutputFolder& folder,
                   std::uint64_t number) {
   std::fflush(nullptr);
+  const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
   if (pid < 0)
     return fail(Fault::environment, std::string("no process for an episode: ") +
                                         std::strerror(errno) + "; give fewer --jobs");
   if (pid > 0) return Job{pid, number};
-  // Ctrl-C is the parent's: it ends its children itself.
-  ::signal(SIGINT, SIG_IGN);
-  ::signal(SIGTERM, SIG_DFL);
+  // Ctrl-C is the parent's: it ends its children itself, by SIGTERM. They end with it, however it ends.
+  ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::_exit(127);
+  InterruptSignals::forget_parent();
   const auto episode = (options.realtime ? run_realtime_episode : run_episode)(
       options, number, folder.path("failures"));
   int status = 0;
-  if (!episode) {
+  if (!episode && episode.error().fault == Fault::interrupted) {
+    status = exit_status(episode.error());  // an episode that has not ended is none
+  } else if (!episode) {
     std::fprintf(stderr, "kaz evaluate: episode %llu: %s\n",
                  static_cast<unsigned long long>(number), episode.error().message.c_str());
     status = static_cast<int>(episode.error().fault);
@@ -117,7 +123,14 @@ class Runner {
         episodes_(episodes),
         progress_("kaz evaluate", options.json) {}
 
+  // Children may remove their files, and then have to go.
   ~Runner() {
+    for (const Job& child : children_) ::kill(child.pid, SIGTERM);
+    for (int i = 0; i < 25 && !children_.empty(); ++i) {
+      std::erase_if(children_,
+                    [](const Job& child) { return ::waitpid(child.pid, nullptr, WNOHANG) != 0; });
+      if (!children_.empty()) ::usleep(20'000);
+    }
     for (const Job& child : children_) ::kill(child.pid, SIGKILL);
     for (const Job& child : children_) ::waitpid(child.pid, nullptr, 0);
   }
@@ -126,8 +139,8 @@ class Runner {
     total_ = episodes_.size() + numbers.size();
     for (auto next = numbers.begin(); next != numbers.end() || !children_.empty();) {
       if (interrupt.requested())
-        return fail(Fault::failed,
-                    "interrupted; what has ended is kept, and the same command goes on");
+        return fail(Fault::interrupted, "interrupted; what has ended is kept in " +
+                                            folder_.folder() + ", and the same command goes on");
       if (next != numbers.end() && children_.size() < static_cast<std::size_t>(options_.jobs)) {
         auto child = KAZ_TRY(begin(options_, folder_, *next++));
         children_.push_back(child);
@@ -157,11 +170,12 @@ class Runner {
 
   Result<void> keep(std::uint64_t number, int status) {
     const std::string path = folder_.path(episode_file(number));
-    // 2 and 3: it was never begun, and no other will be.
-    if (WIFEXITED(status) && WEXITSTATUS(status) != 0)
+    // 2 and 3: it was never begun, and no other will be. Above 128: a signal that was not from here.
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
+    if (code != 0 && code < static_cast<int>(Fault::interrupted))
       return fail(static_cast<Fault>(WEXITSTATUS(status)),
                   "episode " + std::to_string(number) + " could not be run (above)");
-    if (!WIFEXITED(status)) {
+    if (!WIFEXITED(status) || code != 0) {
       if (auto written = write_json(path, broken(options_, number, status)); !written)
         return written;
     }
@@ -263,7 +277,11 @@ Result<bool> run_campaign(const CampaignOptions& options) {
                  episodes.size(), missing.size());
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  KAZ_TRY(Runner(options, folder, episodes).run(missing, interrupt));
+  if (auto ran = Runner(options, folder, episodes).run(missing, interrupt); !ran) {
+    const bool interrupted = ran.error().fault == Fault::interrupted;
+    if (interrupted) KAZ_TRY(summarize(campaign, episodes, folder, options.json, true));
+    return tl::unexpected(ran.error());
+  }
   return summarize(campaign, episodes, folder, options.json);
 }
 

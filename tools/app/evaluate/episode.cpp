@@ -5,8 +5,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "tools/app/base/paths.h"
 #include "tools/app/evaluate/judge.h"
-#include "tools/app/paths.h"
 
 namespace kaz::tools {
 namespace {
@@ -44,6 +44,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   session.vision.ball.color = color.range;
   session.quiet = true;
   session.json = true;  // no progress
+  session.keep_interrupted = false;
   session.onlooker = &judge;
   session.on_end = [&](const Result<behavior::Outcome>& outcome, double seconds, double speed) {
     ended = outcome;
@@ -57,6 +58,10 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   fs::remove_all(kept, ignored);
   session.out = kept;
   const auto ran = run_session(session);
+  if (!ran && ran.error().fault == Fault::interrupted) {
+    fs::remove_all(kept, ignored);
+    return tl::unexpected(ran.error());
+  }
   if (!ran && ended.has_value()) ended = tl::unexpected(ran.error());
   if (!ran && !ended) ended = tl::unexpected(ran.error());
 

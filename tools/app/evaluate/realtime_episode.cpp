@@ -12,10 +12,11 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "tools/app/base/paths.h"
 #include "tools/app/evaluate/child.h"
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/judge.h"
-#include "tools/app/paths.h"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/vision/color_file.h"
 
 namespace kaz::tools {
@@ -172,12 +173,20 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   if (!fs::create_directories(kept, wrong))
     return fail(Fault::environment, kept + ": cannot be made: " + wrong.message());
   const auto both = KAZ_TRY(commands(options, scenario, files, kept));
+  // Both programs end with this process's objects.
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  const auto interrupted = [&] {
+    fs::remove_all(kept, wrong);
+    return tl::unexpected(host::Interrupt::error());
+  };
 
   const std::string sim_log = kept + "/sim.txt", run_log = kept + "/run.txt";
   auto simulator = KAZ_TRY(Child::begin(both.simulator, sim_log));
   const auto begun = std::chrono::steady_clock::now();
   while (!simulator.ended() && text_of(sim_log).find("ready") == std::string::npos) {
     if (std::chrono::steady_clock::now() - begun > kReady) break;
+    if (interrupt.requested()) return interrupted();
     ::usleep(50'000);
   }
   if (text_of(sim_log).find("ready") == std::string::npos)
@@ -188,6 +197,7 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   Json last = Json::object();
   const auto run_begun = std::chrono::steady_clock::now();
   while (!behaviour.ended() && std::chrono::steady_clock::now() - run_begun < kMost) {
+    if (interrupt.requested()) return interrupted();
     if (const auto status = control.status()) held.see(last = *status);
     ::usleep(100'000);
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/app/evaluate/campaign.h"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/figure/figure.h"
 #include "tools/trials/statistics.h"
 
@@ -70,7 +71,7 @@ void print(const Json& result, const OutputFolder& folder) {
 }  // namespace
 
 Result<bool> summarize(const Json& campaign, const Episodes& episodes, const OutputFolder& folder,
-                       bool json) {
+                       bool json, bool interrupted) {
   std::uint64_t successes = 0, falls = 0;
   std::vector<double> times, speeds;
   Json failures = Json::object();
@@ -88,7 +89,7 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Out
   }
   const auto n = static_cast<std::uint64_t>(episodes.size());
   const Interval interval = trials::wilson(successes, n);
-  const Json result{
+  Json result{
       {"success_rate", n == 0 ? 0 : static_cast<double>(successes) / static_cast<double>(n)},
       {"episodes", n},
       {"interval", {interval.min, interval.max}},
@@ -99,6 +100,7 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Out
       {"failures", failures},
       {"figures", figures_json(episodes)},
       {"campaign", campaign}};
+  if (interrupted) mark_interrupted(result);
   const std::string lines = table(episodes);
   const auto written =
       figure::write_file(folder.path("episodes.csv"),

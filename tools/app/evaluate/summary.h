@@ -7,15 +7,15 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/app/output.h"
+#include "tools/app/base/output.h"
 
 namespace kaz::tools {
 
 using Episodes = std::map<std::uint64_t, nlohmann::ordered_json>;  // by number
 
 // result.json and episodes.csv into the folder, and a table on standard output (or result.json).
-// False where no episode succeeded.
+// False where no episode succeeded. `interrupted`: by a signal, before all had ended.
 Result<bool> summarize(const nlohmann::ordered_json& campaign, const Episodes& episodes,
-                       const OutputFolder& folder, bool json);
+                       const OutputFolder& folder, bool json, bool interrupted = false);
 
 }  // namespace kaz::tools

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "host/flash/diagnostic.h"
+#include "tools/app/base/interrupt_signals.h"
 
 namespace kaz::tools {
 namespace {
@@ -94,7 +95,8 @@ void Answer::finish(const std::string& verb, const Result<void>& done) {
   nlohmann::ordered_json all{{"ok", done.has_value()}, {"verb", verb}};
   if (!done) {
     all["error"] = done.error().message;
-    all["exit_code"] = static_cast<int>(done.error().fault);
+    all["exit_code"] = exit_status(done.error());
+    if (done.error().fault == Fault::interrupted) mark_interrupted(all);
   }
   all.update(object_);
   // File names may hold bytes that are no UTF-8.

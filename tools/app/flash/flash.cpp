@@ -5,10 +5,10 @@
 #include <fstream>
 
 #include "host/flash/diagnostic.h"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/flash/answer.h"
 #include "tools/app/flash/arguments.h"
 #include "tools/app/flash/session.h"
-#include "tools/app/session/interrupt_signals.h"
 
 namespace kaz::tools {
 namespace {

@@ -13,10 +13,10 @@
 #include "host/link/requester.h"
 #include "host/robot/connect.h"
 #include "shared/base/files.hpp"
-#include "tools/app/arguments.h"
+#include "tools/app/base/arguments.h"
+#include "tools/app/base/paths.h"
+#include "tools/app/base/time_lost.h"
 #include "tools/app/monitor/monitor.h"
-#include "tools/app/paths.h"
-#include "tools/app/time_lost.h"
 
 namespace kaz::tools {
 namespace {
@@ -29,7 +29,7 @@ constexpr Time kStart = milliseconds(300);
 }  // namespace
 
 // Not by std::cin: Ctrl-C has to end the wait.
-Result<void> FlashSession::ask_user(const std::string& prompt) {
+Result<void> FlashSession::prompt_user(const std::string& prompt) {
   progress_.done();
   std::fprintf(stderr, "%s, then press Enter: ", prompt.c_str());
   char letter = 0;
@@ -49,7 +49,7 @@ Result<void> FlashSession::make_reset() {
   if (how.empty()) return {};
   if (how == "manual") {
     reset_ = std::make_unique<host::ManualReset>(
-        [this](const std::string& prompt) { return ask_user(prompt); });
+        [this](const std::string& prompt) { return prompt_user(prompt); });
   } else if (how.starts_with("ctl:")) {
     reset_ = std::make_unique<host::ControlSocketReset>(how.substr(4));
   } else if (how == "dtr-rts") {
@@ -141,7 +141,7 @@ Result<void> FlashSession::start() {
 
 Result<kz_identify_reply> FlashSession::identify() {
   host::Requester requester(*meter_, *meter_, {});
-  return host::ask_again_if_late(meter_.get(), [&] { return host::identify_board(requester); });
+  return host::repeat_if_late(meter_.get(), [&] { return host::identify_board(requester); });
 }
 
 Error FlashSession::with_advice(const Error& error) const {

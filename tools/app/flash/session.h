@@ -11,8 +11,8 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "shared/protocol/messages.h"
+#include "tools/app/base/output.h"
 #include "tools/app/flash/arguments.h"
-#include "tools/app/output.h"
 
 namespace kaz::tools {
 
@@ -45,7 +45,7 @@ class FlashSession {
   Error with_advice(const Error& error) const;
 
  private:
-  Result<void> ask_user(const std::string& prompt);
+  Result<void> prompt_user(const std::string& prompt);
   Result<void> make_reset();
   Result<void> read_writer();
   tl::unexpected<Error> nobody() const;

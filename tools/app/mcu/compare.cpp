@@ -9,8 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/protocol/message_info.h"
-#include "tools/app/output.h"
-#include "tools/app/paths.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
+#include "tools/app/base/paths.h"
 
 namespace kaz::tools {
 namespace {
@@ -86,6 +87,20 @@ nlohmann::ordered_json to_json(const sim::WireReport& report) {
   return result;
 }
 
+template <class Report>
+void print(const Report& report, bool json) {
+  if (!json) return void(std::printf("%s\n", report.text().c_str()));
+  nlohmann::ordered_json result = to_json(report);
+  if (report.stopped) mark_interrupted(result);
+  std::printf("%s\n", result.dump(2).c_str());
+}
+
+template <class Report>
+Result<bool> ended(const Report& report, const std::string& after) {
+  if (!report.stopped) return report.equal();
+  return fail(Fault::interrupted, "interrupted after " + after + ", of which the report is");
+}
+
 }  // namespace
 
 Result<bool> compare_ticks(sim::CompareOptions options, bool json) {
@@ -96,15 +111,14 @@ Result<bool> compare_ticks(sim::CompareOptions options, bool json) {
     progress.update(static_cast<double>(done) / static_cast<double>(total),
                     std::to_string(done) + " ticks");
   };
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  options.stop = [&interrupt] { return interrupt.requested(); };
   const auto report = sim::compare_engines(options);
   progress.done();
   if (!report) return tl::unexpected(report.error());
-  if (json) {
-    std::printf("%s\n", to_json(*report).dump(2).c_str());
-  } else {
-    std::printf("%s\n", report->text().c_str());
-  }
-  return report->equal();
+  print(*report, json);
+  return ended(*report, std::to_string(report->ticks) + " ticks");
 }
 
 Result<bool> compare_on_wire(sim::WireOptions options, bool json) {
@@ -115,11 +129,14 @@ Result<bool> compare_on_wire(sim::WireOptions options, bool json) {
     progress.update(static_cast<double>(done) / static_cast<double>(total),
                     std::to_string(done) + " conversations");
   };
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  options.stop = [&interrupt] { return interrupt.requested(); };
   const auto report = sim::compare_wire(options);
   progress.done();
   if (!report) return tl::unexpected(report.error());
-  std::printf("%s\n", json ? to_json(*report).dump(2).c_str() : report->text().c_str());
-  return report->equal();
+  print(*report, json);
+  return ended(*report, std::to_string(report->conversations) + " conversations");
 }
 
 }  // namespace kaz::tools

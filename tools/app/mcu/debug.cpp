@@ -118,12 +118,12 @@ Result<void> McuDebug::report() {
   return {};
 }
 
-Result<bool> serve_gdb(h8s::Chip& chip, const std::string& where) {
+Result<bool> serve_gdb(h8s::Chip& chip, const std::string& where, int stop) {
   auto port = h8s::GdbPort::open(where);
   if (!port) return fail(Fault::usage, "--gdb: " + port.error().message);
   std::fprintf(stderr, "waiting for GDB: %s\n", port->hint().c_str());
   h8s::GdbServer server(chip);
-  const auto served = port->serve(server);
+  const auto served = port->serve(server, 1'000'000, stop);
   if (!served) return fail(Fault::environment, served.error().message);
   return true;
 }

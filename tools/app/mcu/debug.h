@@ -41,7 +41,7 @@ class McuDebug {
   std::unique_ptr<Parts> parts_;
 };
 
-// Serves one GDB; what it does to the chip is all that happens.
-Result<bool> serve_gdb(h8s::Chip& chip, const std::string& where);
+// Serves one GDB; what it does to the chip is all that happens. Returns too when `stop` is readable.
+Result<bool> serve_gdb(h8s::Chip& chip, const std::string& where, int stop);
 
 }  // namespace kaz::tools

@@ -11,8 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/h8s/flat/flat.h"
+#include "tools/app/base/output.h"
 #include "tools/app/mcu/run.h"
-#include "tools/app/output.h"
+#include "tools/app/base/interrupt_signals.h"
 
 namespace kaz::tools {
 namespace {
@@ -50,6 +51,7 @@ class FlatRun {
   Result<Outcome> run(const h8s::Image& image) {
     if (const auto loaded = flat_.load(image); !loaded)
       return fail(Fault::usage, options_.image + ": " + loaded.error().message);
+    const InterruptSignals signals(interrupt_);
     std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error of writing
     flat_.on_output([this](int stream, std::span<const std::uint8_t> bytes) {
       return write(stream == 2 ? stderr : stdout, bytes);
@@ -61,7 +63,11 @@ class FlatRun {
       stop.text = "cannot write standard output: " + write_error_ +
                   stop.text.substr(std::min(stop.text.find(": PC"), stop.text.size()));
     }
-    return options_.semihost ? end_of_program(stop) : end_of_run(stop);
+    const bool interrupted = interrupt_.requested() && stop.reason == Reason::reached;
+    auto ended =
+        options_.semihost && !interrupted ? end_of_program(stop) : end_of_run(stop, interrupted);
+    if (!interrupted) return ended;
+    return fail(Fault::interrupted, "interrupted; its output is of the run until then");
   }
 
  private:
@@ -78,7 +84,7 @@ class FlatRun {
 
   // In pieces, so that what was written is seen soon and a long run shows that it is alive.
   h8s::FlatStop run_pieces() {
-    constexpr h8s::States kPiece = 100'000'000;
+    constexpr h8s::States kPiece = 5'000'000;
     Progress progress("kaz mcu run", options_.semihost || options_.json || !isatty(STDERR_FILENO));
     const h8s::States until = options_.max_states.value_or(h8s::Flat::kNoLimit);
     const std::int64_t count = options_.max_insns.value_or(h8s::Flat::kNoLimit);
@@ -87,9 +93,9 @@ class FlatRun {
       const h8s::FlatStop stop = flat_.run(left > kPiece ? flat_.now() + kPiece : until, count);
       flush();
       if (!write_error_.empty() || stop.reason != Reason::reached || flat_.now() >= until ||
-          flat_.instructions() >= count)
+          flat_.instructions() >= count || interrupt_.requested())
         return stop;
-      if (options_.max_states && until > 20 * kPiece)
+      if (options_.max_states && until > 400 * kPiece)
         progress.update(static_cast<double>(flat_.now()) / static_cast<double>(until), "");
     }
   }
@@ -106,15 +112,16 @@ class FlatRun {
     return Outcome::with_status(stop.reason == Reason::exited ? stop.status : kNotTheProgram);
   }
 
-  Result<Outcome> end_of_run(const h8s::FlatStop& stop) {
+  Result<Outcome> end_of_run(const h8s::FlatStop& stop, bool interrupted) {
     if (options_.json) {
-      const nlohmann::ordered_json result{{"stop", name_of(stop.reason)},
-                                          {"states", flat_.now()},
-                                          {"insns", flat_.instructions()},
-                                          {"pc", stop.pc},
-                                          {"report", stop.text}};
+      nlohmann::ordered_json result{{"stop", interrupted ? "interrupted" : name_of(stop.reason)},
+                                    {"states", flat_.now()},
+                                    {"insns", flat_.instructions()},
+                                    {"pc", stop.pc},
+                                    {"report", stop.text}};
+      if (interrupted) mark_interrupted(result);
       std::printf("%s\n", result.dump(2).c_str());
-    } else {
+    } else if (!interrupted || !stop.text.empty()) {
       std::fprintf(stderr, "kaz mcu run: %s\n", stop.text.c_str());
     }
     print_counts();
@@ -122,6 +129,7 @@ class FlatRun {
   }
 
   const McuRunOptions& options_;
+  host::Interrupt interrupt_;
   h8s::Flat flat_;
   std::string write_error_;
 };

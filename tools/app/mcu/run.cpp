@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -14,8 +15,9 @@
 
 #include "shared/image/image.h"
 #include "sim/h8s/chip/chip.h"
+#include "tools/app/base/output.h"
 #include "tools/app/mcu/attached.h"
-#include "tools/app/output.h"
+#include "tools/app/base/interrupt_signals.h"
 
 namespace kaz::tools {
 namespace {
@@ -96,14 +98,17 @@ class Feeder {
 };
 
 // In pieces, so that a long run shows that it is alive.
-h8s::Stop run_until(h8s::Chip& chip, h8s::States until, bool quiet, Feeder& feeder) {
-  constexpr h8s::States kPiece = 20'000'000;
+h8s::Stop run_until(h8s::Chip& chip, h8s::States until, bool quiet, Feeder& feeder,
+                    const host::Interrupt& interrupt) {
+  // With a trace on a slow disc some tenths of a second.
+  constexpr h8s::States kPiece = 1'000'000;
   Progress progress("kaz mcu run", quiet);
   h8s::Stop stop;
   h8s::States shown = 0;
-  while (chip.now() < until && stop.reason == h8s::Stop::Reason::reached) {
+  while (chip.now() < until && stop.reason == h8s::Stop::Reason::reached &&
+         !interrupt.requested()) {
     stop = chip.run_until(std::min(until, feeder.feed(chip, chip.now() + kPiece)));
-    if (until > 50 * kPiece && chip.now() - shown >= kPiece) {
+    if (until > 1000 * kPiece && chip.now() - shown >= 20 * kPiece) {
       shown = chip.now();
       progress.update(static_cast<double>(shown) / static_cast<double>(until), "");
     }
@@ -166,6 +171,9 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
   chip.on_transmit([](int sci, const h8s::TransmittedByte& byte) {
     if (sci == 0) std::fputc(byte.value, stdout);
   });
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  std::signal(SIGPIPE, SIG_DFL);  // as before: standard output may be a pipe that is closed
   Feeder feeder;
   KAZ_TRY(feeder.open(options.input));
 
@@ -177,11 +185,15 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
   const h8s::States until =
       options.max_states.value_or(static_cast<h8s::States>(options.crystal_hz));
   if (!options.debug.gdb.empty()) {
-    KAZ_TRY(serve_gdb(chip, options.debug.gdb));
+    KAZ_TRY(serve_gdb(chip, options.debug.gdb, interrupt.descriptor()));
+    KAZ_TRY(attached.close());
     KAZ_TRY(debug->report());
+    if (interrupt.requested()) return tl::unexpected(host::Interrupt::error());
     return true;
   }
-  const h8s::Stop stop = run_until(chip, until, options.json, feeder);
+  const h8s::Stop stop = run_until(chip, until, options.json, feeder, interrupt);
+  const bool interrupted =
+      interrupt.requested() && stop.reason == h8s::Stop::Reason::reached && chip.now() < until;
   const double wall_s = Seconds(std::chrono::steady_clock::now() - begin).count();
   KAZ_TRY(attached.close());
   if (std::fflush(stdout) != 0)
@@ -192,13 +204,14 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
 
   const double chip_s = static_cast<double>(chip.now()) / options.crystal_hz;
   if (options.json) {
-    nlohmann::ordered_json result{{"stop", name_of(stop.reason)},
+    nlohmann::ordered_json result{{"stop", interrupted ? "interrupted" : name_of(stop.reason)},
                                   {"states", chip.now()},
                                   {"insns", chip.instructions()},
                                   {"chip_s", chip_s},
                                   {"wall_s", wall_s},
                                   {"misuse", chip.misuse().size()},
                                   {"report", stop.report}};
+    if (interrupted) mark_interrupted(result);
     std::printf("%s\n", result.dump(2).c_str());
   } else {
     print_misuse(chip);
@@ -208,12 +221,15 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
     else if (!stop.report.empty())
       std::fprintf(stderr, "%s\n", stop.report.c_str());
     std::fprintf(stderr, "%s after %lld states: %.3f s of the chip in %.3f s, %.0f times real\n",
-                 name_of(stop.reason), static_cast<long long>(chip.now()), chip_s, wall_s,
+                 interrupted ? "interrupted" : name_of(stop.reason),
+                 static_cast<long long>(chip.now()), chip_s, wall_s,
                  wall_s > 0 ? chip_s / wall_s : 0);
   }
   if (options.count)
     std::fprintf(stderr, "insns=%lld\nstates=%lld\n", static_cast<long long>(chip.instructions()),
                  static_cast<long long>(chip.now()));
+  if (interrupted)
+    return fail(Fault::interrupted, "interrupted; its outputs and files are of the run until then");
   return healthy(stop.reason);
 }
 

@@ -10,9 +10,8 @@
 #include "shared/base/result.hpp"
 #include "shared/image/image.h"
 #include "sim/h8s/chip/options.h"
+#include "tools/app/base/outcome.h"
 #include "tools/app/mcu/debug.h"
-#include "tools/app/outcome.h"
-#include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
 
@@ -40,7 +39,7 @@ struct McuRunOptions {
 // What the program sends on SCI0 goes to standard output, the summary to standard error. Not done
 // where the chip stopped on an error. Every input pin is low but RxD0, which idles.
 Result<Outcome> run_mcu(const McuRunOptions& options);
-// The same on the flat machine (mcu_flat.cpp). With semihosting the outcome is the program's status,
+// The same on the flat machine (flat.cpp). With semihosting the outcome is the program's status,
 // 125 where it has none; one line on standard error then says why.
 Result<Outcome> run_flat(const McuRunOptions& options, const h8s::Image& image);
 

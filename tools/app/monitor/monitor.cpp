@@ -11,10 +11,10 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
-#include "tools/app/arguments.h"
+#include "tools/app/base/arguments.h"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/monitor/board_view.h"
 #include "tools/app/monitor/terminal.h"
-#include "tools/app/session/interrupt_signals.h"
 
 namespace kaz::tools {
 namespace {
@@ -35,11 +35,12 @@ class Monitor {
 
   // Errors: the board is not there at the start. Later ones are shown, and the board is sought.
   Result<void> run() {
-    if (auto connected = connect(); !connected) return connected;
+    if (auto connected = connect(); !connected)
+      return interrupt_.requested() ? Result<void>() : connected;
     auto terminal = KAZ_TRY(Terminal::open());
     while (!interrupt_.requested()) {
       const Time begin = clock_.now();
-      ask();
+      query();
       for (Key key = terminal.key(); key != Key::none; key = terminal.key()) {
         if (key == Key::quit) return leave();
         press(key);
@@ -80,7 +81,7 @@ class Monitor {
     next_try_ = clock_.now() + std::chrono::seconds(1);
   }
 
-  void ask() {
+  void query() {
     if (!robot_) {
       if (clock_.now() < next_try_) return;
       if (auto again = connect(); !again) return lost(again.error());

@@ -8,10 +8,11 @@
 #include <fstream>
 #include <span>
 
-#include "tools/app/output.h"
+#include "tools/app/base/output.h"
 #include "tools/app/replay/message_fields.h"
 #include "tools/app/replay/recorded_backend.h"
 #include "tools/app/replay/replay_host.h"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/session/session.h"
 
 namespace kaz::tools {
@@ -82,7 +83,9 @@ void print(const ReplayOptions& options, const sim::McapRecording& recorded,
                                   {"identical", !difference},
                                   {"messages", messages},
                                   {"changed_files", changed}};
-    if (!recorded.whole) result["cut_off_s"] = end_s;
+    if (recorded.ends_early()) result["cut_off_s"] = end_s;
+    if (const auto by = recorded.interrupted_by(); !by.empty())
+      result["recording_interrupted_by"] = by;
     if (difference) {
       result["time_s"] = difference->time_s;
       result["topic"] = difference->topic;
@@ -93,7 +96,10 @@ void print(const ReplayOptions& options, const sim::McapRecording& recorded,
     return;
   }
   std::printf("host and simulation run again from the seed, everything compared\n");
-  if (!recorded.whole)
+  if (const auto by = recorded.interrupted_by(); !by.empty())
+    std::printf("the recording ends here, its run was interrupted by %s: compared up to %.6f s\n",
+                by.c_str(), end_s);
+  else if (!recorded.whole)
     std::printf("the recording was cut off: compared up to its end at %.6f s\n", end_s);
   if (!changed.empty()) std::printf("files that have changed since: %s\n", changed.c_str());
   if (!difference) {
@@ -113,7 +119,7 @@ std::optional<Difference> first_difference(const sim::McapRecording& recorded,
   const auto& b = now.messages;
   const auto [at, other] = std::ranges::mismatch(a, b);
   // Of a recording that was cut off every message that is there must come again.
-  if (at == a.end() && (other == b.end() || !recorded.whole)) return std::nullopt;
+  if (at == a.end() && (other == b.end() || recorded.ends_early())) return std::nullopt;
   // Different messages at one place: the earlier one is what the other run lacks.
   const bool only_there = other == b.end() || (at != a.end() && at->time_ns < other->time_ns);
   const bool only_now = at == a.end() || (other != b.end() && other->time_ns < at->time_ns);
@@ -132,6 +138,13 @@ std::optional<Difference> first_difference(const sim::McapRecording& recorded,
   return difference;
 }
 
+void print_interrupted(const Error& error, const ReplayOptions& options, const std::string& mode) {
+  if (error.fault != Fault::interrupted || !options.json || options.quiet) return;
+  nlohmann::ordered_json result{{"recording", options.file}, {"mode", mode}};
+  mark_interrupted(result);
+  print_json(result);
+}
+
 // Host and simulation from the seed, every message compared.
 Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording& recorded,
                           SessionOptions session) {
@@ -147,12 +160,15 @@ Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording
   session.backend.recording = again;
   session.backend.record_pictures = recorded.has_messages("/eyes/left");
   // Whether the behaviour succeeded does not matter, only whether it did the same.
-  KAZ_TRY(run_session(session));
+  if (auto ran = run_session(session); !ran) {
+    print_interrupted(ran.error(), options, "simulation");
+    return ran;
+  }
   const auto now = KAZ_TRY(sim::McapRecording::load(again));
 
   const auto difference = first_difference(recorded, now);
   print(options, recorded, difference, changed_files(recorded, now),
-        recorded.whole ? now.messages.size() : recorded.messages.size());
+        recorded.ends_early() ? recorded.messages.size() : now.messages.size());
   return !difference;
 }
 
@@ -160,7 +176,7 @@ Result<bool> replay(const ReplayOptions& options) {
   const auto recorded = KAZ_TRY(sim::McapRecording::load(options.file));
   if (recorded.damaged_chunks > 0)
     return fail(Fault::usage, options.file + ": a chunk is damaged; record the run again");
-  if (!recorded.whole && recorded.messages.empty())
+  if (recorded.ends_early() && recorded.messages.empty())
     return fail(Fault::usage,
                 options.file +
                     ": was cut off before anything of the run was written; record the "

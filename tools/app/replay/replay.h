@@ -24,7 +24,7 @@ struct ReplayOptions {
   std::optional<std::uint64_t> seed;            // another one than the recording's; whole only
   std::map<std::string, std::string> settings;  // instead of the recording's
   bool json = false;
-  bool quiet = false;  // prints no result
+  bool quiet = false;                // prints no result
   std::string label = "kaz replay";  // in front of its progress
   VisionOptions vision;
   VisionWatcher* watcher = nullptr;
@@ -40,6 +40,9 @@ struct Difference {
 };
 std::optional<Difference> first_difference(const sim::McapRecording& recorded,
                                            const sim::McapRecording& now);
+
+// With --json: that the replay was interrupted. Nothing for other errors.
+void print_interrupted(const Error& error, const ReplayOptions& options, const std::string& mode);
 
 // False: they differ. Errors: no recording of `kaz run` or `kaz demo`, a damaged one, files that
 // have changed since.

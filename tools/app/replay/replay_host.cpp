@@ -8,8 +8,8 @@
 
 #include "host/behavior/behavior.h"
 #include "sim/runtime/time.h"
-#include "tools/app/output.h"
-#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
 #include "tools/app/session/live_camera.h"
 #include "tools/lockstep/replayed_board.h"
 
@@ -24,7 +24,7 @@ using lockstep::ReplayedBoard;
 class ReplayBackend final : public SessionBackend {
  public:
   ReplayBackend(ReplayedBoard& board, const host::Interrupt& interrupt)
-      : board_(board), clock_(raw_clock_, interrupt) {}
+      : board_(board), clock_(raw_clock_, interrupt), link_(raw_link_, raw_clock_, interrupt) {}
   host::Link& link() override { return link_; }
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override { return {}; }
@@ -41,10 +41,17 @@ class ReplayBackend final : public SessionBackend {
   ReplayedBoard& board_;
   lockstep::ReplayClock raw_clock_{board_};
   InterruptibleClock clock_;
-  lockstep::ReplayLink link_{board_};
+  lockstep::ReplayLink raw_link_{board_};
+  InterruptibleLink link_;
   lockstep::ReplayCamera camera_{board_};
   NoCamera no_camera_;
 };
+
+std::string early_end(const RecordedRun& run) {
+  return run.interrupted_by.empty()
+             ? "the recording was cut off"
+             : "the recording ends here, its run was interrupted by " + run.interrupted_by;
+}
 
 nlohmann::ordered_json json_of(const HostDifference& difference) {
   return {{"time_s", seconds(difference.time)},
@@ -69,6 +76,7 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
                                   {"pairs", run.pairs.size()},
                                   {"behavior_records", run.thoughts.size()}};
     if (run.cut_off) result["cut_off_s"] = seconds(sim::time_of(run.end));
+    if (!run.interrupted_by.empty()) result["recording_interrupted_by"] = run.interrupted_by;
     if (board.difference()) result["difference"] = json_of(*board.difference());
     if (board.other_thought()) result["behavior_difference"] = json_of(*board.other_thought());
     print_json(result);
@@ -76,7 +84,7 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
   }
   std::printf("the host alone runs again: bytes of the board and pictures are those recorded\n");
   if (run.cut_off)
-    std::printf("the recording was cut off: compared up to its last whole step at %.6f s\n",
+    std::printf("%s: compared up to its last whole step at %.6f s\n", early_end(run).c_str(),
                 seconds(sim::time_of(run.end)));
   if (identical) {
     std::printf(
@@ -120,13 +128,14 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
   const auto& stopped = board.error();
   if (stopped && stopped->fault == Fault::usage)
     return fail(Fault::usage, options.file + ": " + stopped->message + "; record the run again");
+  if (!ran) print_interrupted(ran.error(), options, "host");
   if (!ran && (!stopped || ran.error().message.find(stopped->message) == std::string::npos))
     return tl::unexpected(ran.error());
   board.finish();
   if (!options.quiet) print(options, run, board);
   if (options.quiet && run.cut_off)
-    std::fprintf(stderr, "%s: was cut off; run to its last whole step at %.6f s\n",
-                 options.file.c_str(), seconds(sim::time_of(run.end)));
+    std::fprintf(stderr, "%s: %s; run to its last whole step at %.6f s\n", options.file.c_str(),
+                 early_end(run).c_str(), seconds(sim::time_of(run.end)));
   return !board.difference() && !board.other_thought();
 }
 

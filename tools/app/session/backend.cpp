@@ -11,10 +11,10 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "sim/stand/stand_commands.h"
-#include "tools/app/paths.h"
-#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/paths.h"
+#include "tools/app/base/version.h"
 #include "tools/app/session/live_camera.h"
-#include "tools/app/version.h"
 #include "tools/lockstep/lockstep.h"
 
 namespace kaz::tools {
@@ -25,7 +25,9 @@ constexpr std::string_view kSerial = "serial:";
 class LockstepBackend final : public SessionBackend {
  public:
   LockstepBackend(std::unique_ptr<sim::Simulation> simulation, const host::Interrupt& interrupt)
-      : simulation_(std::move(simulation)), clock_(raw_clock_, interrupt) {}
+      : simulation_(std::move(simulation)),
+        clock_(raw_clock_, interrupt),
+        link_(raw_link_, raw_clock_, interrupt) {}
   host::Link& link() override { return link_; }
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override { return {}; }
@@ -40,7 +42,8 @@ class LockstepBackend final : public SessionBackend {
   std::unique_ptr<sim::Simulation> simulation_;
   lockstep::LockstepClock raw_clock_{*simulation_};
   InterruptibleClock clock_;
-  lockstep::LockstepLink link_{*simulation_};
+  lockstep::LockstepLink raw_link_{*simulation_};
+  InterruptibleLink link_;
   lockstep::LockstepCamera camera_{*simulation_};
 };
 

@@ -7,7 +7,8 @@
 #include <numbers>
 
 #include "shared/board/board.h"
-#include "tools/app/output.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
 #include "tools/figure/figure.h"
 
 namespace kaz::tools {
@@ -135,12 +136,17 @@ Result<std::vector<std::string>> write_pictures(const RunReport& report, const S
   return names;
 }
 
+const char* word_of(const RunReport& report) {
+  if (report.interrupted) return "interrupted";
+  return report.outcome.success ? "done" : "failed";
+}
+
 }  // namespace
 
 Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
                                   const Snapshots& snapshots, const std::string& out,
                                   const std::string& partial_recording) {
-  ordered_json result{{"outcome", report.outcome.success ? "done" : "failed"},
+  ordered_json result{{"outcome", word_of(report)},
                       {"sentence", report.outcome.sentence},
                       {"behavior", report.behavior},
                       {"mcu", nullptr},
@@ -152,7 +158,11 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
                       {"tracking_rms_deg", rounded(report.score.rms_deg, 1e-4)},
                       {"tracking_measured_by", report.score.measured_by}};
   if (report.score.found_s) result["found_s"] = rounded(*report.score.found_s, 1e-3);
-  if (!report.outcome.success) result["cause"] = report.outcome.cause;
+  if (report.interrupted) {
+    mark_interrupted(result);
+  } else if (!report.outcome.success) {
+    result["cause"] = report.outcome.cause;
+  }
   for (const auto& [name, value] : report.outcome.measurements) {
     if (!result.contains(name) || result[name].is_null()) result[name] = rounded(value, 1e-6);
   }
@@ -167,7 +177,8 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     const sim::SolverDiagnostics& diagnostics = simulation->world().diagnostics();
     result["unconverged_steps"] = diagnostics.unconverged_steps;
     if (diagnostics.unconverged_steps > 0) result["warning"] = diagnostics.summary();
-    const auto sha256 = KAZ_TRY(simulation->finish_recording());
+    const auto sha256 =
+        report.interrupted ? report.recording_sha256 : KAZ_TRY(simulation->finish_recording());
     if (!sha256.empty()) result["recording_sha256"] = sha256;
   } else {
     result["robot"] = report.backend.robot;
@@ -181,8 +192,11 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
       KAZ_TRY(move_file(partial_recording, folder.path("recording.mcap")));
       result["recording"] = "recording.mcap";
     }
-    const auto names = KAZ_TRY(write_pictures(report, snapshots, folder));
-    result["pictures"] = names;
+    // Drawing them takes seconds, which an interrupted run has not.
+    if (!report.interrupted) {
+      const auto names = KAZ_TRY(write_pictures(report, snapshots, folder));
+      result["pictures"] = names;
+    }
     const auto table =
         figure::write_file(folder.path("vision.csv"),
                            {reinterpret_cast<const std::uint8_t*>(report.vision_table.data()),
@@ -200,8 +214,7 @@ void print_report(const ordered_json& result, const RunReport& report, const std
     std::printf("%s\n", result.dump(2).c_str());
     return;
   }
-  std::printf("%s: %s\n", report.outcome.success ? "done" : "failed",
-              report.outcome.sentence.c_str());
+  std::printf("%s: %s\n", word_of(report), report.outcome.sentence.c_str());
   if (report.score.found_s) {
     std::printf(
         "within 3 degrees of the picture's centre %.1f %% of the time after the ball was "
@@ -221,7 +234,8 @@ void print_report(const ordered_json& result, const RunReport& report, const std
   if (result.contains("recording_sha256")) {
     std::printf("recording %s\n", result["recording_sha256"].get<std::string>().c_str());
   }
-  if (!out.empty()) std::printf("pictures and result.json are in %s\n", out.c_str());
+  if (!out.empty() && !report.interrupted)
+    std::printf("pictures and result.json are in %s\n", out.c_str());
 }
 
 }  // namespace kaz::tools

@@ -30,6 +30,8 @@ struct RunReport {
   nlohmann::ordered_json vision = {};  // by module: frames, times
   std::string vision_text = {};        // the same for people
   std::string vision_table = {};       // CSV, a line for each result
+  bool interrupted = false;            // it is of the part before a signal
+  std::string recording_sha256 = {};   // of an interrupted run, whose recording is finished already
 };
 
 // Ends the recording and, where `out` is not empty, makes the folder and fills it, result.json

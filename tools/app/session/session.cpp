@@ -13,8 +13,8 @@
 #include "host/camera/capture.h"
 #include "host/robot/measure_link.h"
 #include "host/robot/robot.h"
-#include "tools/app/output.h"
-#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
 #include "tools/app/session/moments.h"
 #include "tools/app/session/run_report.h"
 #include "tools/app/session/score.h"
@@ -179,7 +179,7 @@ Result<bool> run_session(SessionOptions options) {
   if (!backend) return tl::unexpected(backend.error());
   const bool real = (*backend)->port() != nullptr;
   const Time connecting = (*backend)->clock().now();
-  const auto tell_resumption = [&](const host::Resumption& resumption) {
+  const auto report_resumption = [&](const host::Resumption& resumption) {
     std::fprintf(stderr, "\n%s: after %.1f s %s; after %.2f s more it answered again\n",
                  options.label.c_str(), seconds(resumption.lost - connecting),
                  text(resumption.cause), seconds(resumption.resumed - resumption.lost));
@@ -187,7 +187,7 @@ Result<bool> run_session(SessionOptions options) {
   WatchedClock clock((*backend)->clock(), (*backend)->simulation(), options.onlooker);
   auto robot =
       host::Robot::connect((*backend)->link(), clock,
-                           {.on_resumed = tell_resumption,
+                           {.on_resumed = report_resumption,
                             .frames_path = real ? temporary_file("frames.txt") : std::string()});
   if (!robot) return tl::unexpected(robot.error());
   if (real) {
@@ -213,6 +213,7 @@ Result<bool> run_session(SessionOptions options) {
   Listener listener(**backend, snapshots, progress, start,
                     expected_seconds(values, behavior->options));
 
+  Result<std::string> sha256;
   const auto wall_start = std::chrono::steady_clock::now();
   behavior::Context context{*robot,   robot->clock(), sees ? &detector : nullptr,
                             listener, values,         options.backend.seed};
@@ -224,36 +225,58 @@ Result<bool> run_session(SessionOptions options) {
       std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
   const double run_s = seconds((*backend)->clock().now() - start);
   if (options.on_end) options.on_end(outcome, run_s, run_s / wall_s);
-  const auto health = outcome ? robot->board_statistics() : Result<kz_statistics_reply>{};
+  const bool interrupted = !outcome && outcome.error().fault == Fault::interrupted;
+  std::optional<host::CleanUp> clean_up;
+  if (interrupted) {
+    // What follows is no part of the run, and not recorded.
+    if ((*backend)->simulation() != nullptr)
+      sha256 = (*backend)->simulation()->finish_recording(received_signal_name());
+    clean_up.emplace(interrupt);
+  }
+  const auto health =
+      outcome || interrupted ? robot->board_statistics() : Result<kz_statistics_reply>{};
   robot->disable_all();
+  clean_up.reset();
   progress.done();
   pipeline.finish();
   if (options.watcher != nullptr) options.watcher->end(pipeline);
-  if (!outcome) {
+  if (!sha256) return tl::unexpected(sha256.error());
+  if (interrupted && !options.keep_interrupted) return tl::unexpected(outcome.error());
+  if (!outcome && !interrupted) {
     return tl::unexpected(
         with_recording(outcome.error(), (*backend)->simulation(), options, partial));
   }
-  if (!health) return tl::unexpected(health.error());
+  if (!health && !interrupted) return tl::unexpected(health.error());
 
+  const behavior::Outcome cut_short{
+      false, "interrupted by " + std::string(received_signal_name()), {}, {}};
   RunReport report{options.behavior,
                    options.backend,
-                   *outcome,
+                   interrupted ? cut_short : *outcome,
                    run_s,
                    run_s / wall_s,
                    score(listener.recording(), listener.probe(), start),
                    robot->identity(),
-                   *health,
+                   health.value_or(kz_statistics_reply{}),
                    robot->statistics(),
                    start,
                    listener.recording(),
                    listener.probe(),
                    module_statistics_json(pipeline),
                    module_statistics_text(pipeline),
-                   deliveries.text()};
+                   deliveries.text(),
+                   interrupted,
+                   *sha256};
   auto written =
       KAZ_TRY(write_report(report, (*backend)->simulation(), snapshots, options.out, partial));
   if (!options.quiet) print_report(written, report, options.out, options.json);
-  return outcome->success;
+  if (!interrupted) return outcome->success;
+  char until[48];
+  std::snprintf(until, sizeof until, "interrupted at %.2f s", run_s);
+  return fail(
+      Fault::interrupted,
+      until + (options.out.empty() ? std::string("; nothing was to be kept of it")
+                                   : "; what there is of the run is kept in " + options.out));
 }
 
 }  // namespace kaz::tools

@@ -31,6 +31,7 @@ struct SessionOptions {
   std::string label = "kaz run";                // begins progress lines
   VisionOptions vision;                         // always with the module color
   VisionWatcher* watcher = nullptr;             // must outlive the session
+  bool keep_interrupted = true;                 // writes what there is of an interrupted run
   Onlooker* onlooker = nullptr;                 // of a simulated robot; must outlive the session
   // How the behaviour ended, how long it took (s of the robot), and that over wall time.
   std::function<void(const Result<behavior::Outcome>&, double, double)> on_end;
@@ -39,7 +40,8 @@ struct SessionOptions {
 };
 
 // False where the behaviour did not succeed. Motors are off afterwards, whatever happened. Nothing
-// is left in the folder unless the run came to its end.
+// is left in the folder unless the run came to its end or was interrupted (Fault::interrupted): then its
+// result.json and recording are of the part until then, and say so.
 Result<bool> run_session(SessionOptions options);
 
 }  // namespace kaz::tools

@@ -8,7 +8,7 @@
 
 #include "host/behavior/sink.h"
 #include "sim/runtime/simulation/simulation.h"
-#include "tools/app/output.h"
+#include "tools/app/base/output.h"
 #include "vision/color/ball.h"
 #include "vision/image/frame.h"
 

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/app/output.h"
+#include "tools/app/base/output.h"
 #include "tools/app/vision/picture_pairs.h"
 #include "tools/figure/coverage.h"
 #include "vision/calibration/calibration_file.h"

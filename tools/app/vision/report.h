@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/app/output.h"
+#include "tools/app/base/output.h"
 #include "tools/app/vision/modules.h"
 #include "tools/app/vision/picture_writer.h"
 #include "tools/figure/figure.h"

@@ -19,8 +19,8 @@ void BulletJointRow::finalizeMultiDof() {
   m_numDofsFinalized = m_jacSizeBoth;
 }
 
-void BulletJointRow::ask(double velocity, double softness, double min, double max) {
-  asked_ = true;
+void BulletJointRow::set(double velocity, double softness, double min, double max) {
+  active_ = true;
   velocity_ = velocity;
   softness_ = softness;
   min_ = min;
@@ -28,7 +28,7 @@ void BulletJointRow::ask(double velocity, double softness, double min, double ma
 }
 
 double BulletJointRow::torque(double step_s) {
-  return asked_ ? sign_ * getAppliedImpulse(0) / step_s : 0;
+  return active_ ? sign_ * getAppliedImpulse(0) / step_s : 0;
 }
 
 // A link without a shape has no collider and is in the island of the base.
@@ -42,7 +42,7 @@ int BulletJointRow::island(int link) const {
 void BulletJointRow::createConstraintRows(btMultiBodyConstraintArray& rows,
                                           btMultiBodyJacobianData& data,
                                           const btContactSolverInfo& info) {
-  if (!asked_) return;
+  if (!active_) return;
   const double h = info.m_timeStep;
   btMultiBodySolverConstraint& row = rows.expandNonInitializing();
   const btVector3 none(0, 0, 0);

@@ -18,9 +18,9 @@ class BulletJointRow final : public btMultiBodyConstraint {
   BulletJointRow(btMultiBody* body, int link, double sign);
 
   // For the coming step: rad/s, rad/s per Nm, Nm.
-  void ask(double velocity, double softness, double min, double max);
+  void set(double velocity, double softness, double min, double max);
   // No row in the coming step.
-  void rest() { asked_ = false; }
+  void rest() { active_ = false; }
   double torque(double step_s);  // Nm, in the last step, in the joint's own direction
 
   void finalizeMultiDof() override;
@@ -33,7 +33,7 @@ class BulletJointRow final : public btMultiBodyConstraint {
  private:
   int island(int link) const;
   double sign_;
-  bool asked_ = false;
+  bool active_ = false;
   double velocity_ = 0, softness_ = 0, min_ = 0, max_ = 0;
 };
 

@@ -229,15 +229,15 @@ void BulletWorld::kick(int body, const Eigen::Vector3d& velocity) {
   moving.activate(true);
 }
 
-void BulletWorld::ask_joints() {
+void BulletWorld::set_joint_rows() {
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     Joint& joint = joints_[i];
     const JointMotor::Row& row = rows_[i];
-    joint.motor->ask(row.velocity, row.softness, row.min, row.max);
+    joint.motor->set(row.velocity, row.softness, row.min, row.max);
     const double watch = kStopWatch + step_s_ * std::abs(joint_states_[i].velocity);
     const auto stop = [&](BulletJointRow& out, double gap) {  // rad, to the stop
       if (gap > watch) return out.rest();
-      out.ask(gap > 0 ? -gap / step_s_ : -kStopErp * gap / step_s_, kStopSoftness, 0,
+      out.set(gap > 0 ? -gap / step_s_ : -kStopErp * gap / step_s_, kStopSoftness, 0,
               std::numeric_limits<double>::max());
     };
     stop(*joint.lower_stop, joint_states_[i].angle - joint.lower);
@@ -268,7 +268,7 @@ void BulletWorld::read_imu() {
 void BulletWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   kick_due();
   prepare_motors(drives, supply_volts);
-  ask_joints();
+  set_joint_rows();
   for (const HandPush& push : hand_pushes_) {
     const btVector3 force = to_bullet(Eigen::Vector3d(push.impulse / step_s_));
     if (push.link == 0)

@@ -58,7 +58,7 @@ class BulletWorld final : public StagedWorld {
   void add_joints(const RobotModel& robot);
   void add_bodies(const WorldModel& world);
   void add_moving_body(const WorldBody& world_body, int body);
-  void ask_joints();
+  void set_joint_rows();
   void read_joints();
   void read_imu();
 

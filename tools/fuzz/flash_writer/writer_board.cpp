@@ -137,7 +137,7 @@ WriterBoard::WriterBoard(WriterStart start) {
     chip_ = start == WriterStart::loader ? loaded() : booted();
     chip_.on_transmit([this](int, const h8s::TransmittedByte& byte) { came_.push_back(byte); });
     if (start != WriterStart::loader) {
-      const auto set = ask(KZ_WRITER_RATE, std::array{kBrr115200});
+      const auto set = request(KZ_WRITER_RATE, std::array{kBrr115200});
       if (!set || set->status() != KZ_WRITER_OK) give_up("the writer takes no rate");
       run(kMillisecond);
     }
@@ -148,7 +148,7 @@ WriterBoard::WriterBoard(WriterStart start) {
       put_number(payload, at, 4);
       const auto from = writer_program().begin() + (at - kWriterRam);
       payload.insert(payload.end(), from, from + size);
-      const auto put = ask(KZ_WRITER_WRITE, payload);
+      const auto put = request(KZ_WRITER_WRITE, payload);
       if (!put || put->status() != KZ_WRITER_OK) give_up("the writer takes no second stage");
       at += size;
     }
@@ -228,9 +228,9 @@ void WriterBoard::parse() {
   }
 }
 
-std::optional<WriterAnswer> WriterBoard::ask(std::uint8_t type,
-                                             std::span<const std::uint8_t> payload,
-                                             States patience) {
+std::optional<WriterAnswer> WriterBoard::request(std::uint8_t type,
+                                                 std::span<const std::uint8_t> payload,
+                                                 States patience) {
   const std::uint8_t number = ++number_;
   pause(25 * kMillisecond);
   const States sent = send(writer_frame(type, number, payload));

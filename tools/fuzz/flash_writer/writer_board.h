@@ -62,8 +62,8 @@ class WriterBoard {
   // a failure().
   std::optional<WriterAnswer> take_answer();
   // A request by itself, with silence before it, and its answer.
-  std::optional<WriterAnswer> ask(std::uint8_t type, std::span<const std::uint8_t> payload,
-                                  h8s::States patience = 1500 * kMillisecond);
+  std::optional<WriterAnswer> request(std::uint8_t type, std::span<const std::uint8_t> payload,
+                                      h8s::States patience = 1500 * kMillisecond);
 
   h8s::Chip& chip() { return chip_; }
   h8s::States now() const { return chip_.now(); }

@@ -22,7 +22,7 @@ struct Flasher {
   explicit Flasher(WriterStart start) : board(start) {}
 
   int status(std::uint8_t type, const Bytes& payload) {
-    answer = board.ask(type, payload);
+    answer = board.request(type, payload);
     EXPECT_EQ(board.failure(), "");
     return answer ? answer->status() : -1;
   }

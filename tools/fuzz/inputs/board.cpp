@@ -14,7 +14,7 @@
 #include "sim/runtime/formats/sha256.h"
 #include "sim/runtime/simulation/snapshot.h"
 #include "sim/stand/stand_commands.h"
-#include "tools/app/arguments.h"
+#include "tools/app/base/arguments.h"
 #include "tools/app/vision/modules.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"

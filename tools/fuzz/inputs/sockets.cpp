@@ -221,7 +221,7 @@ Complaint try_control_reply(Bytes bytes) {
   std::string text;
   {
     const Sender sender(path, bytes);
-    const auto reply = host::ask_control_socket(path, "stand disc");
+    const auto reply = host::query_control_socket(path, "stand disc");
     if (!reply) return judge_error(reply.error(), path, Fault::environment);
     text = *reply;
   }

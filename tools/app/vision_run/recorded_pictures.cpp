@@ -1,6 +1,6 @@
 // `kaz vision run`: the modules of vision on pictures in a folder.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/vision/recorded_pictures.h"
+#include "tools/app/vision_run/recorded_pictures.h"
 
 #include <algorithm>
 #include <chrono>
@@ -9,7 +9,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "tools/app/output.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
 #include "tools/app/vision/color_file.h"
 #include "tools/app/vision/report.h"
 #include "tools/figure/figure.h"
@@ -166,7 +167,7 @@ Result<Looked> look(const std::string& path, const Lens& lens, vision::BallDetec
 }
 
 Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& options,
-                    const vision::ColorRange& color, const OutputFolder& folder) {
+                    const vision::ColorRange& color, const OutputFolder& folder, bool interrupted) {
   const std::string table = csv(all);
   const auto written = figure::write_file(
       folder.path("ball.csv"), {reinterpret_cast<const std::uint8_t*>(table.data()), table.size()});
@@ -181,16 +182,17 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
   }
   std::sort(ms.begin(), ms.end());
   const double median = ms.empty() ? 0 : ms[ms.size() / 2];
-  const Json result{{"modules", {"color"}},
-                    {"pictures_in", options.in},
-                    {"pictures_looked_at", ms.size()},
-                    {"balls", found},
-                    {"color", color_json(color)},
-                    {"radius_m", options.radius_m},
-                    {"latency_ms", {{"median", median}, {"max", ms.empty() ? 0 : ms.back()}}},
-                    {"pictures", pictures}};
+  Json result{{"modules", {"color"}},
+              {"pictures_in", options.in},
+              {"pictures_looked_at", ms.size()},
+              {"balls", found},
+              {"color", color_json(color)},
+              {"radius_m", options.radius_m},
+              {"latency_ms", {{"median", median}, {"max", ms.empty() ? 0 : ms.back()}}},
+              {"pictures", pictures}};
+  if (interrupted) mark_interrupted(result);
   KAZ_TRY(folder.write_json("result.json", result));
-  if (ms.empty())
+  if (ms.empty() && !interrupted)
     return fail(Fault::failed, "none of the " + std::to_string(all.size()) + " pictures in '" +
                                    options.in + "' could be looked at; the first, '" +
                                    all.front().picture + "', " + all.front().error);
@@ -206,6 +208,9 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
         "and result.json in %s\n",
         found, ms.size(), all.size(), median, options.out.c_str());
   }
+  if (interrupted)
+    return fail(Fault::interrupted,
+                "interrupted; what was looked at until then is kept in " + options.out);
   return true;
 }
 
@@ -247,9 +252,12 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
   const auto folder = KAZ_TRY(OutputFolder::open(options.out));
   vision::BallDetector detector(ball);
   std::vector<Looked> all;
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
   {
     Progress progress("kaz vision", options.json);
     for (const std::string& path : paths) {
+      if (interrupt.requested()) break;
       progress.update(static_cast<double>(all.size()) / static_cast<double>(paths.size()),
                       fs::path(path).filename().string());
       auto looked = KAZ_TRY(look(path, lens, detector, folder));
@@ -257,7 +265,8 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
     }
     progress.update(1, "done");
   }
-  return report(all, options, ball.color, folder);
+  const bool interrupted = all.size() < paths.size();
+  return report(all, options, ball.color, folder, interrupted);
 }
 
 }  // namespace kaz::tools

@@ -1,6 +1,6 @@
 // Values of options: what is taken, and what the errors name.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/arguments.h"
+#include "tools/app/base/arguments.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Reads `lost_s` of the simulator's status.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/time_lost.h"
+#include "tools/app/base/time_lost.h"
 
 #include <filesystem>
 
@@ -18,7 +18,7 @@ host::LatenessMeter::TimeLost time_lost_behind(const std::string& port) {
   // A simulator that does not answer once is not asked again: it would hold up each measurement.
   return [path, answers = true]() mutable -> std::optional<Time> {
     if (!answers) return std::nullopt;
-    const auto reply = host::ask_control_socket(path, "status");
+    const auto reply = host::query_control_socket(path, "status");
     const auto status = nlohmann::json::parse(reply.value_or(""), nullptr, false);
     answers = status.is_object() && status.contains("lost_s") && status["lost_s"].is_number();
     if (!answers) return std::nullopt;

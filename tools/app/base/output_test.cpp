@@ -1,6 +1,6 @@
 // Folders of results: each file is whole or not there, and an old result does not outlive a new run.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/output.h"
+#include "tools/app/base/output.h"
 
 #include <gtest/gtest.h>
 

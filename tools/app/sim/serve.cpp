@@ -1,6 +1,6 @@
 // `kaz sim`: a virtual robot for other processes.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/serve.h"
+#include "tools/app/sim/serve.h"
 
 #include <atomic>
 #include <cstdio>
@@ -11,7 +11,7 @@
 #include "sim/mcu/memory_file.h"
 #include "sim/runtime/serving/real_time.h"
 #include "sim/stand/stand_commands.h"
-#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/figure/figure.h"
 
 namespace kaz::tools {
@@ -45,6 +45,8 @@ Result<bool> serve(ServeOptions arguments) {
     return fail(Fault::usage, "--erased and --boot are for --mcu h8: native has no flash");
   if (arguments.backend.erased && !arguments.backend.image.empty())
     return fail(Fault::usage, "--erased and --image exclude each other");
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
   auto simulation = KAZ_TRY(make_simulation(arguments.backend, sim::FramePolicy::drop));
   if (!arguments.real_time.cameras_path.empty() && !simulation->has_eyes())
     return tl::unexpected(sim::Simulation::no_eyes());
@@ -84,8 +86,6 @@ Result<bool> serve(ServeOptions arguments) {
               arguments.real_time.cameras_path.empty() ? "" : ", cameras on ",
               arguments.real_time.cameras_path.c_str());
   std::fflush(stdout);
-  host::Interrupt interrupt;
-  const InterruptSignals signals(interrupt);
   const StopFlag stop(interrupt);
   const auto statistics = server->run(stop.flag());
   const auto recorded = simulation->finish_recording();

@@ -1,6 +1,6 @@
 // `kaz conformance`: the protocol certificate of a board, case by case.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/conformance.h"
+#include "tools/app/board/conformance.h"
 
 #include <cstdio>
 
@@ -10,12 +10,12 @@
 #include "host/link/wall_clock.h"
 #include "shared/base/files.hpp"
 #include "sim/mcu/mcu.h"
-#include "tools/app/arguments.h"
-#include "tools/app/output.h"
-#include "tools/app/paths.h"
-#include "tools/app/session/interrupt_signals.h"
-#include "tools/app/time_lost.h"
-#include "tools/app/version.h"
+#include "tools/app/base/arguments.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
+#include "tools/app/base/paths.h"
+#include "tools/app/base/time_lost.h"
+#include "tools/app/base/version.h"
 #include "tools/lockstep/virtual_bench.h"
 
 namespace kaz::tools {
@@ -71,7 +71,8 @@ void say(const hil::CaseResult& one) {
   }
 }
 
-Result<hil::RunReport> run_virtual(ConformanceOptions& arguments, hil::ReportFacts& facts) {
+Result<hil::RunReport> run_virtual(ConformanceOptions& arguments, hil::ReportFacts& facts,
+                                   host::Interrupt& interrupt) {
   std::unique_ptr<sim::Mcu> mcu;
   if (arguments.mcu == sim::McuKind::h8) {
     const auto image = KAZ_TRY(firmware_image(arguments.image));
@@ -82,13 +83,14 @@ Result<hil::RunReport> run_virtual(ConformanceOptions& arguments, hil::ReportFac
   }
   lockstep::VirtualBench board(std::move(mcu));
   facts.port = board.name();
-  return hil::run_suite(board, board, &board, Time::zero(), arguments.run);
+  InterruptibleClock clock(board, interrupt);
+  InterruptibleLink link(board, board, interrupt);
+  return hil::run_suite(link, clock, &board, Time::zero(), arguments.run);
 }
 
-Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts& facts) {
+Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts& facts,
+                                host::Interrupt& interrupt) {
   const auto port = KAZ_TRY(parse_port(arguments.port));
-  host::Interrupt interrupt;
-  const InterruptSignals signals(interrupt);
   auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
   host::WallClock clock(&interrupt);
   facts.port = port.first;
@@ -153,10 +155,13 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
     }
     progress.update(static_cast<double>(number) / static_cast<double>(of), one.of->id);
   };
-  const auto report =
-      arguments.port.empty() ? run_virtual(arguments, facts) : run_port(arguments, facts);
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  const auto report = arguments.port.empty() ? run_virtual(arguments, facts, interrupt)
+                                             : run_port(arguments, facts, interrupt);
   progress.done();
   if (!report) return tl::unexpected(report.error());
+  if (report->interrupted) facts.signal = received_signal_name();
   for (const auto& [path, text] : {std::pair(arguments.junit, hil::junit_text(*report, facts)),
                                    std::pair(arguments.json, hil::json_text(*report, facts)),
                                    std::pair(arguments.html, hil::html_text(*report, facts))}) {
@@ -168,6 +173,10 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
                 report->count(hil::Verdict::passed), report->count(hil::Verdict::failed),
                 report->count(hil::Verdict::left_out), report->count(hil::Verdict::undecided));
   }
+  if (report->interrupted)
+    return fail(Fault::interrupted, "interrupted after " + std::to_string(report->results.size()) +
+                                        " of " + std::to_string(report->chosen) +
+                                        " cases; the reports are of these");
   return outcome_of(*report);
 }
 

@@ -8,7 +8,7 @@
 #include "hil/conformance/report.h"
 #include "shared/base/result.hpp"
 #include "sim/mcu/mcu_kind.h"
-#include "tools/app/outcome.h"
+#include "tools/app/base/outcome.h"
 
 namespace kaz::tools {
 

@@ -1,6 +1,6 @@
 // Where the program's own files are: robot, worlds, firmware.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/paths.h"
+#include "tools/app/base/paths.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // Values of options as the user types them: ports, settings, intervals, shards.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/arguments.h"
+#include "tools/app/base/arguments.h"
 
 #include <charconv>
 #include <cstdio>

@@ -1,6 +1,6 @@
 // Output of a verb: a folder of results, JSON on standard output, progress on standard error.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/output.h"
+#include "tools/app/base/output.h"
 
 #include <unistd.h>
 

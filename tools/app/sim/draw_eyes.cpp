@@ -1,12 +1,12 @@
 // `kaz eyes`: what both eyes and an onlooker see, as pictures.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/draw_eyes.h"
+#include "tools/app/sim/draw_eyes.h"
 
 #include <cstdio>
 
 #include "sim/view/camera.h"
 #include "sim/view/sensor/sensor.h"
-#include "tools/app/output.h"
+#include "tools/app/base/output.h"
 #include "tools/figure/figure.h"
 #include "vision/calibration/rectify.h"
 

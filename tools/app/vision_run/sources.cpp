@@ -8,13 +8,13 @@
 #include "host/camera/capture.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/replay/replay.h"
 #include "tools/app/session/backend.h"
-#include "tools/app/session/interrupt_signals.h"
 #include "tools/app/session/live_camera.h"
 #include "tools/app/vision/picture_pairs.h"
-#include "tools/app/vision/recorded_pictures.h"
 #include "tools/app/vision/report.h"
+#include "tools/app/vision_run/recorded_pictures.h"
 #include "vision/calibration/calibration_file.h"
 #include "vision/calibration/rectify.h"
 #include "vision/image/picture_file.h"
@@ -56,28 +56,34 @@ Result<void> refuse(const VisionOptions& vision, std::initializer_list<std::stri
 
 // The end of each kind: files and printed summary.
 Result<bool> finish(VisionReport& report, const Json& statistics, const std::string& text,
-                    const RecordedOptions& options, const OutputFolder& folder) {
+                    const RecordedOptions& options, const OutputFolder& folder, bool interrupted) {
   KAZ_TRY(report.end());
   const std::string table = report.table();
   const auto written =
       figure::write_file(folder.path("frames.csv"),
                          {reinterpret_cast<const std::uint8_t*>(table.data()), table.size()});
   if (!written) return tl::unexpected(written.error());
-  const Json result{{"modules", options.modules},
-                    {"frames_looked_at", report.looked_at()},
-                    {"vision", statistics},
-                    {"frames", report.frames()}};
+  Json result{{"modules", options.modules},
+              {"frames_looked_at", report.looked_at()},
+              {"vision", statistics},
+              {"frames", report.frames()}};
+  if (interrupted) mark_interrupted(result);
   KAZ_TRY(folder.write_json("result.json", result));
-  if (report.looked_at() == 0)
+  if (report.looked_at() == 0 && !interrupted)
     return fail(Fault::failed,
                 report.frames().empty()
                     ? "no pair of pictures came"
                     : "none of the " + std::to_string(report.frames().size()) +
                           " pairs could be looked at; the first: " +
                           report.frames().front().value("error", std::string("nothing seen")));
+  const auto ended = [&]() -> Result<bool> {
+    if (!interrupted) return true;
+    return fail(Fault::interrupted,
+                "interrupted; what was looked at until then is kept in " + options.out);
+  };
   if (options.json) {
     std::printf("%s\n", result.dump(2).c_str());
-    return true;
+    return ended();
   }
   constexpr int kMaxReported = 10;
   int reported = 0;
@@ -91,7 +97,7 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   std::printf("%zu of %zu pairs looked at; computing a pair: %s\n", report.looked_at(),
               report.frames().size(), text.c_str());
   std::printf("overlays, frames.csv and result.json are in %s\n", options.out.c_str());
-  return true;
+  return ended();
 }
 
 // Reads and rectifies pairs of files.
@@ -196,8 +202,12 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
   Progress progress("kaz vision", options.json);
   const std::size_t count =
       options.frames > 0 ? std::min<std::size_t>(options.frames, files.size()) : files.size();
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  bool interrupted = false;
   // Nothing says when the pictures were taken: a second apart, so that each is a frame of its own.
   for (std::size_t i = 0; i < count; ++i) {
+    if ((interrupted = interrupt.requested())) break;
     const PicturePair& pair = files[i];
     const std::string left = file_name(pair.left);
     progress.update(static_cast<double>(i) / static_cast<double>(count), left);
@@ -215,10 +225,10 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
     pipeline.submit(vision::stereo_pair(std::move(info), std::move(*images)));
     pipeline.finish();
   }
-  progress.update(1, "done");
+  if (!interrupted) progress.update(1, "done");
   progress.done();
   return finish(report, module_statistics_json(pipeline), module_statistics_text(pipeline), options,
-                folder);
+                folder, interrupted);
 }
 
 Result<bool> run_on_camera(const RecordedOptions& options) {
@@ -268,11 +278,11 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
   }
   pipeline.finish();
   progress.done();
-  if (!end.empty()) std::fprintf(stderr, "kaz vision: %s\n", end.c_str());
+  if (!end.empty() && !interrupt.requested()) std::fprintf(stderr, "kaz vision: %s\n", end.c_str());
   if (const std::string summary = source.alone.summary(); !summary.empty())
     std::fprintf(stderr, "kaz vision: cameras: %s\n", summary.c_str());
   return finish(report, module_statistics_json(pipeline), module_statistics_text(pipeline), options,
-                folder);
+                folder, interrupt.requested() && !report.full());
 }
 
 Result<bool> run_on_recording(const RecordedOptions& options) {
@@ -293,10 +303,11 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   replayed.vision = vision;
   replayed.watcher = &watcher;
   const auto ran = replay(replayed);
-  if (!ran) return tl::unexpected(ran.error());
+  const bool interrupted = !ran && ran.error().fault == Fault::interrupted;
+  if (!ran && (!interrupted || watcher.report() == nullptr)) return tl::unexpected(ran.error());
   if (watcher.report() == nullptr)
     return fail(Fault::usage, options.in + ": nothing looked at its pictures");
-  return finish(*watcher.report(), watcher.statistics, watcher.text, options, folder);
+  return finish(*watcher.report(), watcher.statistics, watcher.text, options, folder, interrupted);
 }
 
 Result<bool> run_on_source(const RecordedOptions& options) {

@@ -17,7 +17,7 @@ struct ServeOptions {
   std::string calibration;  // file to write the cameras' calibration to; none if empty
 };
 
-// Runs until SIGINT or SIGTERM.
+// Runs until SIGINT, SIGTERM or SIGHUP, which are its normal end.
 Result<bool> serve(ServeOptions arguments);
 
 }  // namespace kaz::tools

@@ -1,6 +1,6 @@
 // `kaz status`: reads the state of a board; moves and changes nothing.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/board_status.h"
+#include "tools/app/board/board_status.h"
 
 #include <cstdio>
 
@@ -10,8 +10,8 @@
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
 #include "shared/servo/tick.h"
-#include "tools/app/arguments.h"
-#include "tools/app/session/interrupt_signals.h"
+#include "tools/app/base/arguments.h"
+#include "tools/app/base/interrupt_signals.h"
 
 namespace kaz::tools {
 namespace {

@@ -1,0 +1,72 @@
+// A link and a clock of simulated time that an interrupt ends, as it ends those of real time.
+// SPDX-License-Identifier: Apache-2.0
+//
+// In simulated time waiting is computing. It is done in slices, so that a long wait ends soon too; what
+// happens in it does not depend on them.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <string>
+
+#include "host/link/interrupt.h"
+#include "host/link/link.h"
+
+namespace kaz::host {
+
+// Of simulated time: some 10 ms of this machine where an emulated board and its world are slow.
+inline constexpr Time kInterruptSlice = std::chrono::milliseconds(10);
+
+class InterruptibleClock final : public Clock {
+ public:
+  InterruptibleClock(Clock& clock, const Interrupt& interrupt)
+      : InterruptibleClock(clock, &interrupt) {}
+  // `interrupt` may be null: nothing ends it then.
+  InterruptibleClock(Clock& clock, const Interrupt* interrupt)
+      : clock_(clock), interrupt_(interrupt) {}
+  Time now() const override { return clock_.now(); }
+  Result<void> sleep_until(Time t) override {
+    while (true) {
+      if (interrupt_ && interrupt_->ends_waiting()) return tl::unexpected(Interrupt::error());
+      const Time next = std::min(t, clock_.now() + kInterruptSlice);
+      KAZ_TRY(clock_.sleep_until(next));
+      if (next == t) return {};
+    }
+  }
+
+ private:
+  Clock& clock_;
+  const Interrupt* interrupt_;
+};
+
+class InterruptibleLink final : public Link {
+ public:
+  // `clock`: the one that the link's deadlines are of.
+  InterruptibleLink(Link& link, const Clock& clock, const Interrupt& interrupt)
+      : InterruptibleLink(link, clock, &interrupt) {}
+  InterruptibleLink(Link& link, const Clock& clock, const Interrupt* interrupt)
+      : link_(link), clock_(clock), interrupt_(interrupt) {}
+  std::string name() const override { return link_.name(); }
+  Time byte_time() const override { return link_.byte_time(); }
+  Result<void> set_baud(int baud) override { return link_.set_baud(baud); }
+  Result<void> write(std::span<const std::uint8_t> bytes) override { return link_.write(bytes); }
+  Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override {
+    while (true) {
+      if (interrupt_ && interrupt_->ends_waiting()) return tl::unexpected(Interrupt::error());
+      const Time next = std::min(deadline, clock_.now() + kInterruptSlice);
+      const std::size_t count = KAZ_TRY(link_.read(bytes, next));
+      if (count > 0 || next == deadline) return count;
+    }
+  }
+  Result<void> reopen() override {
+    if (interrupt_ && interrupt_->ends_waiting()) return tl::unexpected(Interrupt::error());
+    return link_.reopen();
+  }
+
+ private:
+  Link& link_;
+  const Clock& clock_;
+  const Interrupt* interrupt_;
+};
+
+}  // namespace kaz::host

@@ -1,0 +1,47 @@
+// Ctrl-C and termination end a program in order: motors off, files closed, links removed.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "host/link/interrupt.h"
+#include "host/link/interruptible.h"
+#include "shared/base/result.hpp"
+
+namespace kaz::tools {
+
+using host::InterruptibleClock;
+using host::InterruptibleLink;
+
+// From now on the first SIGINT, SIGTERM or SIGHUP requests the interrupt of the newest InterruptSignals;
+// where there is none the program ends at once. A second signal always does. The exit status is
+// 128 + signal. SIGHUP stays ignored where it was (nohup).
+void catch_signals();
+
+// The signal that came, 0 if none: SIGINT and "SIGINT".
+int received_signal() noexcept;
+const char* received_signal_name() noexcept;
+
+// What the program's status is for an error: its fault, and for an interrupted one 128 + signal.
+int exit_status(const Error& error);
+
+// Marks a result that an interrupt has cut short: "interrupted": true, "signal": "SIGINT".
+void mark_interrupted(nlohmann::ordered_json& result);
+
+// While it lives signals request `interrupt`; a signal that came before it does so at once. The newest in a
+// process counts.
+class InterruptSignals {
+ public:
+  explicit InterruptSignals(host::Interrupt& interrupt);
+  ~InterruptSignals();
+  InterruptSignals(const InterruptSignals&) = delete;
+  InterruptSignals& operator=(const InterruptSignals&) = delete;
+
+  // In a child after fork(): no interrupt of the parent's is requested from here.
+  static void forget_parent();
+
+ private:
+  host::Interrupt* outer_;
+};
+
+}  // namespace kaz::tools
