@@ -131,6 +131,7 @@ std::string html_text(const RunReport& report, const ReportFacts& facts) {
   std::string text = page_head("Kaz conformance: " + facts.port);
   const char* const heading = failed               ? "failed\">does not conform"
                               : report.interrupted ? "out\">incomplete"
+                              : undecided          ? "out\">undecided"
                                                    : "passed\">conforms";
   text += "<h1>Protocol conformance: <span class=\"" + std::string(heading) + "</span></h1>\n";
   if (report.interrupted)

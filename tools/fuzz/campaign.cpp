@@ -107,7 +107,7 @@ class Fuzzing {
     progress.done();
     if (totals_.cases == 0)
       return interrupt_.requested()
-                 ? fail(Fault::failed, "interrupted before the first case")
+                 ? fail(Fault::interrupted, "interrupted before the first case")
                  : fail(Fault::usage,
                         "--seconds is too short for a single case; give more, or --cases");
     report(search, std::nullopt, "");
