@@ -52,14 +52,19 @@ class LinkBench {
 
  private:
   Result<void> measure() {
+    KAZ_TRY(judge_.timed([this] { return measure_line(); }));
+    return judge_.timed([this] { return measure_stream(); });
+  }
+
+  Result<void> measure_line() {
     const auto board_before = KAZ_TRY(line_.statistics());
     const host::LinkStatistics before = line_.counts();
-    if (auto ran = measure_round_trips(); !ran) return ran;
-    if (auto ran = measure_cycles(); !ran) return ran;
+    KAZ_TRY(measure_round_trips());
+    KAZ_TRY(measure_cycles());
     const host::LinkStatistics after = line_.counts();
     const auto board_after = KAZ_TRY(line_.statistics());
     enter_errors(count_frames(before, after, board_before, board_after));
-    return measure_stream();
+    return {};
   }
 
   void progress(double share, const char* what) const {

@@ -40,6 +40,12 @@ std::string with_unit(double value, const std::string& unit) {
   return text + (unit.empty() ? "" : " " + unit);
 }
 
+// The others are measured by the board's own clock, or are no times.
+bool depends_on_lateness(const MeasurementInfo& info) {
+  return info.group == BenchGroup::link || info.name == "tick.jitter" ||
+         info.name == "tick.clock_error";
+}
+
 // The judgement in words; empty: the value is as it should be.
 std::string what_is_wrong(const Measurement& one) {
   const std::string& unit = one.of->unit;
@@ -158,7 +164,39 @@ std::pair<double, double> BenchJudge::limits(const std::string& name) const {
 
 void BenchJudge::finish(Measurement measurement) {
   report_.measurements.push_back(std::move(measurement));
-  if (listener_) listener_(report_.measurements.back());
+  if (listener_ && !in_part_) listener_(report_.measurements.back());
+}
+
+Result<void> BenchJudge::timed(const std::function<Result<void>()>& part) {
+  const auto first = static_cast<std::ptrdiff_t>(report_.measurements.size());
+  const auto plots = static_cast<std::ptrdiff_t>(report_.plots.size());
+  std::vector<Measurement>& all = report_.measurements;
+  in_part_ = true;
+  Result<void> ran;
+  for (int run = 1;; ++run) {
+    if (lateness_) lateness_->begin();
+    ran = part();
+    const std::string excuse = ran && lateness_ ? lateness_->excuse() : "";
+    const auto in_doubt = [](const Measurement& one) {
+      return one.verdict == Verdict::failed && depends_on_lateness(*one.of);
+    };
+    if (excuse.empty() || std::none_of(all.begin() + first, all.end(), in_doubt)) break;
+    if (run <= host::LatenessMeter::kRepetitions) {
+      all.erase(all.begin() + first, all.end());
+      report_.plots.erase(report_.plots.begin() + plots, report_.plots.end());
+      continue;
+    }
+    for (auto one = all.begin() + first; one != all.end(); ++one) {
+      if (!in_doubt(*one)) continue;
+      one->verdict = Verdict::undecided;
+      one->message +=
+          "; but " + excuse + ", and it was late in all of " + std::to_string(run) + " runs";
+    }
+    break;
+  }
+  in_part_ = false;
+  if (listener_) std::for_each(all.begin() + first, all.end(), listener_);
+  return ran;
 }
 
 void BenchJudge::enter(const std::string& subject, const std::string& name, double value,

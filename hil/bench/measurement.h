@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/report/verdict.h"
+#include "host/link/lateness.h"
 #include "shared/base/result.hpp"
 #include "shared/plot/plot.h"
 
@@ -38,7 +39,7 @@ struct Measurement {
   double value = 0;          // in of->unit; NaN where nothing could be measured
   double error = 0;          // standard error of the value, 0: not known
   double low = 0, high = 0;  // the limits that were applied
-  std::string message;       // why it failed or was skipped
+  std::string message;       // why it failed, was skipped, or could not be judged
 };
 
 // A curve or a cloud of points.
@@ -83,15 +84,21 @@ struct BenchReport {
 // Collects what is measured and judges it: a value inside its limits passes, NaN fails.
 class BenchJudge {
  public:
-  // Called for each measurement as it is entered.
+  // Called for each measurement as it is entered, those of timed() at its end.
   using Listener = std::function<void(const Measurement&)>;
-  BenchJudge(BenchReport& report, const Limits& limits, Listener listener = nullptr)
-      : report_(report), limits_(limits), listener_(std::move(listener)) {}
+  // `lateness`: the link and the clock of the measurements, where they are real; may be null.
+  BenchJudge(BenchReport& report, const Limits& limits, Listener listener = nullptr,
+             host::LatenessMeter* lateness = nullptr)
+      : report_(report), limits_(limits), listener_(std::move(listener)), lateness_(lateness) {}
 
   // `name` of measurements.def; `note`: special conditions of it.
   void enter(const std::string& subject, const std::string& name, double value, double error = 0,
              const std::string& note = {});
   void leave_out(const std::string& subject, const std::string& name, const std::string& why);
+  // Runs a part that measures times with this machine's clock. If one of them fails and the machine
+  // was late, all that was entered is dropped and the part repeated; if it was late each time, they
+  // are undecided.
+  Result<void> timed(const std::function<Result<void>()>& part);
   // Those that enter() applies.
   std::pair<double, double> limits(const std::string& name) const;
   void add(Plot plot) { report_.plots.push_back(std::move(plot)); }
@@ -104,6 +111,8 @@ class BenchJudge {
   BenchReport& report_;
   const Limits& limits_;
   Listener listener_;
+  host::LatenessMeter* lateness_;
+  bool in_part_ = false;
 };
 
 }  // namespace kaz::hil

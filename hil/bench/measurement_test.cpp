@@ -108,6 +108,73 @@ TEST(BenchJudge, EntersMeasurementsAndCallsTheListener) {
   EXPECT_THROW(judge.enter("board", "no.such", 0), std::logic_error);
 }
 
+// The clock of the test, on which only lateness passes.
+struct LateClock final : host::Link, host::Clock {
+  std::string name() const override { return "late"; }
+  Result<void> write(std::span<const std::uint8_t>) override { return {}; }
+  Result<std::size_t> read(std::span<std::uint8_t>, Time) override { return 0; }
+  Time now() const override { return time; }
+  Result<void> sleep_until(Time t) override {
+    time = t + late;
+    return {};
+  }
+  Time time{}, late{};
+};
+
+class JudgeOfTimes : public ::testing::Test {
+ protected:
+  // A part that waits for a second, and enters a round trip and the board's own missed ticks.
+  Result<void> measure(double round_trip_ms, double missed = 0, int late_runs = 100) {
+    return judge_.timed([=, this]() -> Result<void> {
+      clock_.late = std::chrono::milliseconds(runs_++ < late_runs ? 40 : 0);
+      KAZ_TRY(meter_.sleep_until(meter_.now() + std::chrono::seconds(1)));
+      judge_.enter("link", "link.round_trip_worst", round_trip_ms);
+      judge_.enter("board", "tick.missed", missed);
+      judge_.add({"trips", "link", "Trips", "x", "y", false, {}, ""});
+      return {};
+    });
+  }
+  LateClock clock_;
+  host::LatenessMeter meter_{clock_, clock_};
+  BenchReport report_;
+  const Limits limits_;
+  int runs_ = 0, listened_ = 0;
+  BenchJudge judge_{report_, limits_, [this](const Measurement&) { ++listened_; }, &meter_};
+};
+
+TEST_F(JudgeOfTimes, AFailureWhileThisMachineIsLateIsUndecided) {
+  ASSERT_TRUE(measure(90, 2));
+  EXPECT_EQ(runs_, 1 + host::LatenessMeter::kRepetitions);
+  ASSERT_EQ(report_.measurements.size(), 2u);
+  EXPECT_EQ(report_.plots.size(), 1u);
+  EXPECT_EQ(listened_, 2);
+  EXPECT_EQ(report_.measurements[0].verdict, Verdict::undecided);
+  EXPECT_NE(
+      report_.measurements[0].message.find("; but this program was kept waiting for up to 40 ms"),
+      std::string::npos)
+      << report_.measurements[0].message;
+  EXPECT_EQ(report_.measurements[1].verdict, Verdict::failed)
+      << "the board counts its missed ticks itself";
+}
+
+TEST_F(JudgeOfTimes, ItIsRepeatedUntilThisMachineIsPunctual) {
+  ASSERT_TRUE(measure(90, 0, 2));
+  EXPECT_EQ(runs_, 3);
+  EXPECT_EQ(report_.measurements.size(), 2u);
+  EXPECT_EQ(report_.measurements[0].verdict, Verdict::failed)
+      << "punctual, and as slow: it is the board";
+}
+
+TEST_F(JudgeOfTimes, AnythingElseIsJudgedAtOnce) {
+  ASSERT_TRUE(measure(90, 0, 0));
+  EXPECT_EQ(report_.measurements[0].verdict, Verdict::failed) << "this machine was punctual";
+  ASSERT_TRUE(measure(10));
+  EXPECT_EQ(report_.measurements[2].verdict, Verdict::passed) << "late, and good enough";
+  ASSERT_TRUE(measure(10, 1));
+  EXPECT_EQ(report_.measurements[5].verdict, Verdict::failed);
+  EXPECT_EQ(runs_, 3);
+}
+
 TEST(LimitFile, ReplacesLimits) {
   const auto limits = parse_limits(
       R"({"backlash": {"low": 1, "high": 2}, "stall.slope": {"low": null, "high": 0.1},

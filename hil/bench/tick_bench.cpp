@@ -32,13 +32,15 @@ class TickBench {
       : line_(link, clock, options.address), clock_(clock), options_(options), judge_(judge) {}
 
   Result<void> run() {
-    return line_.measure("its ticks were", [this] { return measure(); });
+    return line_.measure("its ticks were",
+                         [this] { return judge_.timed([this] { return measure(); }); });
   }
 
  private:
   Result<void> measure() {
     const auto before = KAZ_TRY(line_.statistics());
     first_tick_ = before.tick;
+    quiet_.clear();
     if (auto ran = keep_quiet(0, "without load"); !ran) return ran;
     if (auto ran = put_load(); !ran) return ran;
     if (auto ran = keep_quiet(0.7, "without load again"); !ran) return ran;

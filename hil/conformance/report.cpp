@@ -22,13 +22,14 @@ double total_seconds(const RunReport& report) {
 
 std::string case_row(const CaseResult& one) {
   const bool failed = one.verdict == Verdict::failed;
+  const bool bytes = failed || one.verdict == Verdict::undecided;
   std::string row = row_begin(one.verdict);
   row += "<td><code>" + xml_text(one.of->id) + "</code></td><td>" + xml_text(one.of->sentence);
   if (!one.message.empty()) {
     row += "<br><span class=\"" + std::string(failed ? "failed" : "out") + "\">" +
            xml_text(one.message) + "</span>";
   }
-  if (failed) {
+  if (bytes) {
     row += "<details><summary>bytes exchanged (&gt; to the board, &lt; from it)</summary><pre>" +
            xml_text(joined(one.transcript, "\n")) + "</pre></details>";
   }
@@ -39,7 +40,7 @@ std::string case_row(const CaseResult& one) {
 
 // What each statement of the page came to by its cases.
 std::string statement_rows(const RunReport& report) {
-  std::map<std::string, std::array<int, 3>> counts;
+  std::map<std::string, std::array<int, 4>> counts;
   for (const CaseResult& one : report.results) {
     for (const std::string& id : one.of->statements) {
       ++counts[id][static_cast<std::size_t>(one.verdict)];
@@ -49,13 +50,14 @@ std::string statement_rows(const RunReport& report) {
   for (const Statement& statement : statements()) {
     const auto found = counts.find(statement.id);
     if (found == counts.end()) continue;
-    const auto [passed, failed, out] = found->second;
+    const auto [passed, failed, out, undecided] = found->second;
     rows += "<tr><td>" + statement.id + "</td><td>" + xml_text(statement.text) + "</td>";
-    rows += failed   ? "<td class=\"failed\">failed</td>"
-            : passed ? "<td class=\"passed\">passed</td>"
-                     : "<td class=\"out\">left out</td>";
+    rows += failed      ? "<td class=\"failed\">failed</td>"
+            : undecided ? "<td class=\"out\">undecided</td>"
+            : passed    ? "<td class=\"passed\">passed</td>"
+                        : "<td class=\"out\">left out</td>";
     rows += "<td class=\"number\">" + std::to_string(passed) + " of " +
-            std::to_string(passed + failed + out) + "</td></tr>\n";
+            std::to_string(passed + failed + out + undecided) + "</td></tr>\n";
   }
   return rows;
 }
@@ -71,7 +73,7 @@ std::string interruption(const RunReport& report, const ReportFacts& facts) {
 std::string junit_text(const RunReport& report, const ReportFacts& facts) {
   JunitSuite suite("kaz conformance",
                    {report.count(Verdict::passed), report.count(Verdict::failed),
-                    report.count(Verdict::left_out)},
+                    report.count(Verdict::left_out), report.count(Verdict::undecided)},
                    total_seconds(report));
   suite.property("board", report.board);
   suite.property("port", facts.port);
@@ -106,6 +108,7 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
   all["passed"] = report.count(Verdict::passed);
   all["failed"] = report.count(Verdict::failed);
   all["left_out"] = report.count(Verdict::left_out);
+  all["undecided"] = report.count(Verdict::undecided);
   all["seconds"] = total_seconds(report);
   all["results"] = nlohmann::ordered_json::array();
   for (const CaseResult& one : report.results) {
@@ -115,6 +118,7 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
     result["statements"] = one.of->statements;
     result["verdict"] = verdict_text(one.verdict);
     if (!one.message.empty()) result["message"] = one.message;
+    if (one.runs > 1) result["runs"] = one.runs;
     result["seconds"] = one.seconds;
     if (!one.transcript.empty()) result["bytes"] = one.transcript;
     all["results"].push_back(std::move(result));
@@ -123,10 +127,11 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
 }
 
 std::string html_text(const RunReport& report, const ReportFacts& facts) {
-  const int failed = report.count(Verdict::failed);
+  const int failed = report.count(Verdict::failed), undecided = report.count(Verdict::undecided);
   std::string text = page_head("Kaz conformance: " + facts.port);
   const char* const heading = failed               ? "failed\">does not conform"
                               : report.interrupted ? "out\">incomplete"
+                              : undecided          ? "out\">undecided"
                                                    : "passed\">conforms";
   text += "<h1>Protocol conformance: <span class=\"" + std::string(heading) + "</span></h1>\n";
   if (report.interrupted)
@@ -134,7 +139,8 @@ std::string html_text(const RunReport& report, const ReportFacts& facts) {
         "<p class=\"failed\">Interrupted by " + xml_text(interruption(report, facts)) + ".</p>\n";
   text += "<p>" + std::to_string(report.count(Verdict::passed)) + " of " +
           std::to_string(report.results.size()) + " cases passed, " + std::to_string(failed) +
-          " failed, " + std::to_string(report.count(Verdict::left_out)) + " left out.</p>\n";
+          " failed, " + std::to_string(report.count(Verdict::left_out)) + " left out, " +
+          std::to_string(undecided) + " undecided.</p>\n";
   text += "<p class=\"facts\">" + xml_text(report.board) + "<br>on " + xml_text(facts.port) +
           "<br>examined by " + xml_text(facts.program) + ", seed " + std::to_string(facts.seed) +
           ", in " + fixed(total_seconds(report), 1) + " s of the board's time</p>\n";
@@ -150,6 +156,7 @@ std::string html_text(const RunReport& report, const ReportFacts& facts) {
             rows + "</table>\n";
   };
   table(Verdict::failed, "Cases that failed");
+  table(Verdict::undecided, "Cases that are undecided: this machine was late");
   text +=
       "<h2>Statements of "
       "docs/reference/protocol.md</h2>\n<table><tr><th>statement</th><th>text</th>"

@@ -44,7 +44,7 @@ std::uint64_t seed_of(const std::string& id) {
   return seed;
 }
 
-CaseResult run_one(const Case& one, Board& board, unsigned allowed) {
+CaseResult run_once(const Case& one, Board& board, unsigned allowed) {
   CaseResult result;
   result.of = &one;
   if (const unsigned missing = one.needs & ~allowed; missing != 0) {
@@ -64,6 +64,22 @@ CaseResult run_one(const Case& one, Board& board, unsigned allowed) {
   result.seconds = seconds(board.now() - started);
   board.end();
   return result;
+}
+
+CaseResult run_one(const Case& one, Board& board, const RunOptions& options) {
+  for (int run = 1;; ++run) {
+    if (options.lateness) options.lateness->begin();
+    CaseResult result = run_once(one, board, options.allowed);
+    result.runs = run;
+    if (result.verdict != Verdict::failed || !options.lateness) return result;
+    const std::string excuse = options.lateness->excuse();
+    if (excuse.empty()) return result;
+    if (run <= host::LatenessMeter::kRepetitions) continue;
+    result.verdict = Verdict::undecided;
+    result.message +=
+        "; but " + excuse + ", and it was late in all of " + std::to_string(run) + " runs";
+    return result;
+  }
 }
 
 }  // namespace
@@ -129,7 +145,7 @@ Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, 
     board.begin(0);
     report.board = describe(board);
     for (const Case* one : taken) {
-      report.results.push_back(run_one(*one, board, options.allowed));
+      report.results.push_back(run_one(*one, board, options));
       if (options.progress) {
         options.progress(report.results.back(), report.results.size(), taken.size());
       }

@@ -8,6 +8,7 @@
 
 #include "hil/conformance/board.h"
 #include "hil/report/verdict.h"
+#include "host/link/lateness.h"
 
 namespace kaz::hil {
 
@@ -40,15 +41,19 @@ const std::vector<Statement>& statements();
 struct CaseResult {
   const Case* of = nullptr;
   Verdict verdict = Verdict::passed;
-  std::string message;                  // why it failed or was skipped
+  std::string message;                  // why it failed, was skipped, or could not be judged
   double seconds = 0;                   // on the board's clock
-  std::vector<std::string> transcript;  // of a failed one
+  std::vector<std::string> transcript;  // of a failed or undecided one
+  int runs = 1;                         // more: the earlier ones failed while this machine was late
 };
 
 struct RunOptions {
   std::string filter;  // regular expression, found anywhere in id or statement; empty: all
   std::uint64_t seed = 1;
   unsigned allowed = 0;  // Need, those that are to be had
+  // The link and the clock of the run, where they are real: a case that fails while this machine is
+  // late is repeated, and undecided if it was late each time.
+  host::LatenessMeter* lateness = nullptr;
   std::function<void(const CaseResult&, std::size_t number, std::size_t of)> progress;
 };
 

@@ -9,9 +9,10 @@ namespace kaz::hil {
 
 JunitSuite::JunitSuite(const std::string& name, const Counts& counts, double seconds) {
   text_ = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"" + xml_text(name) +
-          "\" tests=\"" + std::to_string(counts.passed + counts.failed + counts.left_out) +
+          "\" tests=\"" +
+          std::to_string(counts.passed + counts.failed + counts.left_out + counts.undecided) +
           "\" failures=\"" + std::to_string(counts.failed) + "\" errors=\"0\" skipped=\"" +
-          std::to_string(counts.left_out) + "\" time=\"" + fixed(seconds, 3) +
+          std::to_string(counts.left_out + counts.undecided) + "\" time=\"" + fixed(seconds, 3) +
           "\">\n  <properties>\n";
 }
 
@@ -23,8 +24,9 @@ void JunitSuite::add(const JunitCase& one) {
   if (in_properties_) text_ += "  </properties>\n";
   in_properties_ = false;
   std::string inside;
-  if (one.verdict == Verdict::left_out) {
-    inside = "<skipped message=\"" + xml_text(one.message) + "\"/>";
+  if (one.verdict == Verdict::left_out || one.verdict == Verdict::undecided) {
+    const std::string why = one.verdict == Verdict::undecided ? "undecided: " : "";
+    inside = "<skipped message=\"" + xml_text(why + one.message) + "\"/>";
   } else if (one.verdict == Verdict::failed) {
     inside =
         "<failure message=\"" + xml_text(one.message) + "\">" + xml_text(one.detail) + "</failure>";

@@ -22,7 +22,7 @@ struct JunitCase {
 class JunitSuite {
  public:
   struct Counts {
-    int passed = 0, failed = 0, left_out = 0;
+    int passed = 0, failed = 0, left_out = 0, undecided = 0;
   };
   JunitSuite(const std::string& name, const Counts& counts, double seconds);
   void property(const std::string& name, const std::string& value);

@@ -10,6 +10,8 @@ const char* verdict_text(Verdict verdict) {
       return "passed";
     case Verdict::failed:
       return "failed";
+    case Verdict::undecided:
+      return "undecided";
     default:
       return "left out";
   }

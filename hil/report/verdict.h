@@ -4,9 +4,10 @@
 
 namespace kaz::hil {
 
-enum class Verdict { passed, failed, left_out };
+// undecided: it failed while this machine was late (host/link/lateness.h), also when repeated.
+enum class Verdict { passed, failed, left_out, undecided };
 
-// "passed", "failed", "left out"
+// "passed", "failed", "left out", "undecided"
 const char* verdict_text(Verdict verdict);
 
 }  // namespace kaz::hil

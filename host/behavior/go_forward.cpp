@@ -9,13 +9,18 @@ namespace kaz::behavior {
 namespace {
 
 constexpr Option kOptions[] = {
-    {"distance", "0.5", "", -2, 5, "metres ahead; negative: back"},
+    {"distance", "0.5", "", -2, 5, "metres ahead, 0.05 at least; negative: back"},
     {"gyro", "use", "use|ignore", 0, 0, "ignore: walk as if the board had none"},
 };
 
-constexpr double kNear = 0.03;  // m, tolerance of the distance by odometry
+constexpr double kNear = 0.03;         // m, tolerance of the distance by odometry
+constexpr double kMinDistance = 0.05;  // m; within the tolerance standing still would succeed
 
 Result<Outcome> run(Context& context) {
+  if (std::abs(context.options.number("distance")) < kMinDistance - 1e-9)
+    return fail(
+        Fault::usage,
+        "go-forward: distance is too short to walk; give at least 0.05 m, or -0.05 m for back");
   motion::Settings settings;
   settings.use_gyro = context.options.choice("gyro") == "use";
   auto walker = KAZ_TRY(Walker::begin(context, kGoForward.name, settings));

@@ -47,7 +47,7 @@ Flasher::Flasher(Link& link, Clock& clock, std::span<const std::uint8_t> program
       clock_(clock),
       program_(program),
       options_(std::move(options)),
-      writer_(link, clock),
+      writer_(link, clock, options_.lateness),
       started_(clock.now()) {}
 
 void Flasher::report_line(const std::string& line) const {
@@ -87,10 +87,29 @@ Result<void> Flasher::check_loader(const FlashImage& image, bool through_boot) c
                          "build it again; --force does not write a damaged image"});
 }
 
+// Of a program that is none of Kaz: whether anything of it can be written.
+Result<void> Flasher::check_foreign(const FlashImage& image, bool through_boot) const {
+  std::string kept_blocks;
+  for (int block = 0; block < kFlashBlocks; ++block) {
+    if (!image.touches(block)) continue;
+    if (through_boot || (block != kVectorBlock && block != kLoaderBlock)) return {};
+    kept_blocks += (kept_blocks.empty() ? "EB" : ", EB") + std::to_string(block);
+  }
+  return fail(
+      Fault::usage,
+      Diagnostic{
+          "nothing of the image can be written through the resident loader",
+          "bytes outside EB0 (vectors) and EB6 (the loader), which the loader keeps",
+          kept_blocks.empty() ? "no byte at all" : "bytes in " + kept_blocks + " alone",
+          {"it is the loader or its vectors alone", "it was built for another address"},
+          "name an image with an application; or add --reset HOW: boot mode erases the whole flash "
+          "and writes all of the image"});
+}
+
 Result<void> Flasher::check(const FlashImage& image, bool through_boot) const {
   const auto identity = image.identity();
   if (!identity) {
-    if (options_.force) return {};
+    if (options_.force) return check_foreign(image, through_boot);
     return fail(
         Fault::usage,
         Diagnostic{"the image is no application of a Kaz board",
@@ -135,7 +154,8 @@ Result<bool> Flasher::enter_loader() {
   if (auto there = listening(milliseconds(60), 2); !there || *there) return there;
   Requester requester(link_, clock_, {});
   requester.limit_tries(3);
-  const auto board = identify_board(requester);
+  const auto board =
+      repeat_if_late(options_.lateness, [&] { return identify_board(requester); });
   if (!board) {
     // The port itself may be gone.
     std::uint8_t byte = 0;
@@ -198,7 +218,8 @@ Result<void> Flasher::enter_boot(BoardReset& reset) {
   if (boot_size > program_.size() || boot_size > 2048)
     return kaz::fail(Fault::usage, "the flash writer's file is no writer.bin");
   Result<void> entered;
-  for (int k = 0; k < kBootTries; ++k) {
+  int excuses = options_.lateness ? LatenessMeter::kRepetitions : 0;
+  for (int k = 0, tries = kBootTries; k < tries; ++k) {
     if (k > 0)
       report_line("boot mode once more: " +
                   entered.error().message.substr(0, entered.error().message.find('\n')));
@@ -206,6 +227,7 @@ Result<void> Flasher::enter_boot(BoardReset& reset) {
     if (entered = reset.reset(true); !entered) return entered;
     state_ = State::boot_mode;
     if (k == 0) started_ = clock_.now();
+    if (options_.lateness) options_.lateness->begin();
     entered = load_through_boot(link_, clock_, program_.first(boot_size), options_.boot);
     writer_.rate_is(options_.boot.baud);
     if (entered) entered = writer_.set_rate(options_.baud, kBrr115200);
@@ -216,6 +238,10 @@ Result<void> Flasher::enter_boot(BoardReset& reset) {
       if (!info) entered = tl::unexpected(info.error());
     }
     if (entered) break;
+    if (excuses > 0 && !options_.lateness->excuse().empty()) {
+      --excuses;
+      ++tries;
+    }
     std::uint8_t byte = 0;
     KAZ_TRY(link_.read(std::span(&byte, 1), clock_.now()));
   }

@@ -31,6 +31,9 @@ struct FlasherOptions {
   BootOptions boot;
   int baud = 115200;   // of the writer
   bool force = false;  // the image may be for another board, or no Kaz application
+  // Link and clock of the flasher where they are real: what fails while this machine is late is
+  // repeated. May be null.
+  LatenessMeter* lateness = nullptr;
   std::function<void(const FlashProgress&)> progress;
   std::function<void(const std::string&)> note;  // one line for the user
 };
@@ -90,6 +93,7 @@ class Flasher {
   enum class State { untouched, boot_mode, loader_erased };
 
   Result<void> check_loader(const FlashImage& image, bool through_boot) const;
+  Result<void> check_foreign(const FlashImage& image, bool through_boot) const;
   Result<void> load_writer_rest();
   Result<void> write_ranges(const std::vector<FlashRange>& ranges, const FlashImage& image,
                             std::uint32_t& done, std::uint32_t total);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "host/flash/diagnostic.h"
 #include "shared/protocol/crc16.h"
@@ -22,18 +23,30 @@ std::uint16_t crc_of(std::span<const std::uint8_t> bytes) {
   return crc;
 }
 
-tl::unexpected<Error> no_answer(const std::string& port, int tries) {
+}  // namespace
+
+void WriterLink::begin_try() {
+  if (lateness_) lateness_->begin();
+}
+
+bool WriterLink::excused(int& left) const {
+  if (!lateness_ || left == 0 || lateness_->excuse().empty()) return false;
+  --left;
+  return true;
+}
+
+tl::unexpected<Error> WriterLink::no_answer(int tries) const {
+  std::vector<std::string> causes{"power or reset of the board was cut while it was being written",
+                                  "the line is damaged: cable, ground, another program on the port",
+                                  "the adapter does not keep up with 115200 baud"};
+  const std::string excuse = lateness_ ? lateness_->excuse() : "";
+  if (!excuse.empty()) causes.insert(causes.begin(), "this machine is too busy: " + excuse);
   return fail(Fault::environment,
               Diagnostic{"the flash writer in the board's RAM does not answer any more",
                          "a reply to a request that was sent " + std::to_string(tries) + " times",
-                         "nothing valid on " + port,
-                         {"power or reset of the board was cut while it was being written",
-                          "the line is damaged: cable, ground, another program on the port",
-                          "the adapter does not keep up with 115200 baud"},
+                         "nothing valid on " + link_.name(), causes,
                          "the same command again; in boot mode the board can always be flashed"});
 }
-
-}  // namespace
 
 void append(std::vector<std::uint8_t>& to, std::uint32_t value, int bytes) {
   for (int k = bytes - 1; k >= 0; --k) to.push_back(static_cast<std::uint8_t>(value >> (8 * k)));
@@ -147,8 +160,10 @@ Result<WriterReply> WriterLink::exchange(const WriterRequest& request, Time pati
     return reply.number == number && reply.type == request.type &&
            reply.status != KZ_WRITER_DAMAGED;
   };
-  for (int k = 0; k < tries; ++k) {
-    if (k > 0) {
+  int excuses = LatenessMeter::kRepetitions;
+  bool repeats = false;
+  for (int k = 0; k < tries; k += excused(excuses) ? 0 : 1) {
+    if (std::exchange(repeats, true)) {
       KAZ_TRY(settle());
       WriterReply late;
       while (parse(late)) {
@@ -157,6 +172,7 @@ Result<WriterReply> WriterLink::exchange(const WriterRequest& request, Time pati
       buffer_.clear();
       ++repeated_;
     }
+    begin_try();
     KAZ_TRY(send(request, number));
     const Time deadline = clock_.now() + patience * (k < 3 ? 1 : 2);
     while (true) {
@@ -166,7 +182,7 @@ Result<WriterReply> WriterLink::exchange(const WriterRequest& request, Time pati
     }
   }
   silent_ = true;
-  return no_answer(link_.name(), tries);
+  return no_answer(tries);
 }
 
 Result<void> WriterLink::exchange_all(
@@ -179,7 +195,9 @@ Result<void> WriterLink::exchange_all(
   };
   constexpr int kTries = 8;
   std::deque<UnderWay> under_way;
+  int excuses = LatenessMeter::kRepetitions;
   bool more = true;
+  begin_try();
   // The time-out adapts, so that a slow board or adapter (an emulated one on a busy machine) does not
   // cause repetition after repetition.
   const auto patient = [&] { return std::clamp(2 * took_, patience, 4 * patience); };
@@ -223,8 +241,10 @@ Result<void> WriterLink::exchange_all(
     }
     buffer_.clear();
     if (under_way.empty()) continue;
+    const bool counts = !excused(excuses);
+    begin_try();
     for (UnderWay& one : under_way) {
-      if (++one.tries > kTries) return no_answer(link_.name(), kTries);
+      if (counts && ++one.tries > kTries) return no_answer(kTries);
       ++repeated_;
       if (auto sent = send(one.request, one.number); !sent) return sent;
     }
@@ -266,7 +286,7 @@ Result<void> WriterLink::set_rate(int baud, std::uint8_t brr) {
     if (auto set = link_.set_baud(before); !set) return set;
     if (auto quiet = settle(); !quiet) return quiet;
   }
-  return no_answer(link_.name(), 6);
+  return no_answer(6);
 }
 
 Result<WriterSums> WriterLink::sums(std::uint32_t address, std::uint32_t length) {

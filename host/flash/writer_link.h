@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "host/link/lateness.h"
 #include "host/link/link.h"
 #include "shared/flash/protocol.h"
 
@@ -44,8 +45,11 @@ std::string status_text(int status);
 
 class WriterLink {
  public:
-  // Both must outlive it.
-  WriterLink(Link& link, Clock& clock) : link_(link), clock_(clock) {}
+  // All must outlive it. `lateness`: the same link and clock where they are real; tries during
+  // which this machine was late then do not count, up to LatenessMeter::kRepetitions of an
+  // exchange. May be null.
+  WriterLink(Link& link, Clock& clock, LatenessMeter* lateness = nullptr)
+      : link_(link), clock_(clock), lateness_(lateness) {}
 
   // One request, repeated until a reply comes. Errors: none came, the link's. A status is no error.
   Result<WriterReply> exchange(const WriterRequest& request, Time patience, int tries = 6);
@@ -71,9 +75,14 @@ class WriterLink {
   bool parse(WriterReply& reply);
   // Waits until the line is quiet. Replies received meanwhile count: the board may only be slow.
   Result<void> settle();
+  void begin_try();
+  // Whether the try since begin_try() is to be repeated without counting; uses up one of `left`.
+  bool excused(int& left) const;
+  tl::unexpected<Error> no_answer(int tries) const;
 
   Link& link_;
   Clock& clock_;
+  LatenessMeter* lateness_;
   std::uint8_t number_ = 0;
   std::vector<std::uint8_t> buffer_;
   int repeated_ = 0;

@@ -105,6 +105,11 @@ class Fuzzing {
                                                 std::to_string(search.features()) + " features");
     }
     progress.done();
+    if (totals_.cases == 0)
+      return interrupt_.requested()
+                 ? fail(Fault::interrupted, "interrupted before the first case")
+                 : fail(Fault::usage,
+                        "--seconds is too short for a single case; give more, or --cases");
     report(search, std::nullopt, "");
     return true;
   }

@@ -77,7 +77,7 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
             "board refuses targets that are as long");
   verb->footer(
       std::string("Exit status: 0 all within its limits, 1 a limit failed, 2 wrong usage, 3 "
-                  "port error.\nExamples:\n") +
+                  "port error,\nor this machine was too late to judge.\nExamples:\n") +
       footer);
   verb->callback([&action, arguments] { action = [arguments] { return run_bench(*arguments); }; });
   return verb;

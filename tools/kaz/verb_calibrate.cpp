@@ -28,7 +28,7 @@ void add_calibrate(CLI::App& program, Action& action) {
                    "9x6")
       ->required()
       ->type_name("COLUMNSxROWS");
-  stereo->add_option("--square", arguments->square_m, "side of a square, m")
+  stereo->add_option("--square", arguments->square_m, "side of a square, m: 25 mm are 0.025")
       ->required()
       ->check(positive())
       ->type_name("M");
@@ -43,7 +43,7 @@ void add_calibrate(CLI::App& program, Action& action) {
   stereo
       ->add_option("--max-rms", arguments->max_rms_px,
                    "reprojection error in px above which nothing is written")
-      ->check(positive())
+      ->check(CLI::Range(0.01, 5.0))
       ->capture_default_str();
   stereo->add_flag("--json", arguments->json, "print the report as JSON, no progress");
   stereo->footer(

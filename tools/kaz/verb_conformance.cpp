@@ -41,7 +41,10 @@ void add_conformance(CLI::App& program, Action& action) {
       ->type_name("FILE");
   verb->footer(
       "A virtual board passes all cases; on a port those that need a bench are left out.\n"
-      "Exit status: 0 all that ran passed, 1 a case failed, 2 wrong usage, 3 port error.\n"
+      "A case that fails while this machine is late runs up to three times more, and is undecided "
+      "then.\n"
+      "Exit status: 0 all that ran passed, 1 a case failed, 2 wrong usage, 3 port error or "
+      "undecided.\n"
       "Examples:\n"
       "  kaz conformance --virtual h8 --html report.html\n"
       "  kaz conformance --port /dev/ttyUSB0 --junit conformance.xml\n"

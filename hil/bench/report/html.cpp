@@ -144,7 +144,8 @@ std::string subject_part(const BenchReport& report, const std::string& subject,
   }
   if (!rows.empty()) text += table(rows, false);
   for (const Plot& plot : report.plots) {
-    if (plot.subject == subject) figures += "<figure>\n" + plot::plot_svg(plot_page(plot)) + "</figure>\n";
+    if (plot.subject == subject)
+      figures += "<figure>\n" + plot::plot_svg(plot_page(plot)) + "</figure>\n";
   }
   if (!figures.empty()) text += "<div class=\"plots\">\n" + figures + "</div>\n";
   return text;
@@ -170,6 +171,9 @@ std::string verdict_heading(const BenchReport& report) {
   if (report.count(Verdict::failed) > 0) {
     return "<h1>Bench: <span class=\"failed\">outside its limits</span></h1>\n";
   }
+  if (report.count(Verdict::undecided) > 0) {
+    return "<h1>Bench: <span class=\"out\">undecided: this machine was late</span></h1>\n";
+  }
   if (report.count(Verdict::passed) == 0) {
     return "<h1>Bench: <span class=\"out\">nothing was measured</span></h1>\n";
   }
@@ -184,7 +188,8 @@ std::string bench_html(const BenchReport& report) {
   text += "<p>" + std::to_string(report.count(Verdict::passed)) + " of " +
           std::to_string(report.measurements.size()) + " measurements passed, " +
           std::to_string(report.count(Verdict::failed)) + " failed, " +
-          std::to_string(report.count(Verdict::left_out)) + " left out.</p>\n";
+          std::to_string(report.count(Verdict::left_out)) + " left out, " +
+          std::to_string(report.count(Verdict::undecided)) + " undecided.</p>\n";
   text += facts(report);
   const std::vector<std::string> all = subjects(report);
   if (all.size() > 1) {

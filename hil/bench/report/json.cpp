@@ -57,7 +57,8 @@ Json to_json(const Measurement& one) {
 }
 
 Verdict to_verdict(const std::string& text) {
-  for (const Verdict verdict : {Verdict::passed, Verdict::failed, Verdict::left_out}) {
+  for (const Verdict verdict :
+       {Verdict::passed, Verdict::failed, Verdict::left_out, Verdict::undecided}) {
     if (text == verdict_text(verdict)) return verdict;
   }
   throw Wrong("there is no verdict '" + text + "'");
@@ -180,6 +181,7 @@ std::string bench_json(const BenchReport& report) {
   entry("passed", report.count(Verdict::passed));
   entry("failed", report.count(Verdict::failed));
   entry("left_out", report.count(Verdict::left_out));
+  entry("undecided", report.count(Verdict::undecided));
   text += list_text("conditions", report.conditions, [](const auto& condition) {
     return Json{{"name", condition.first}, {"value", number(condition.second)}};
   });

@@ -10,7 +10,7 @@ std::string bench_junit(const BenchReport& report) {
   const int broken_off = report.interrupted.empty() ? 0 : 1;
   JunitSuite suite("kaz bench",
                    {report.count(Verdict::passed), report.count(Verdict::failed) + broken_off,
-                    report.count(Verdict::left_out)},
+                    report.count(Verdict::left_out), report.count(Verdict::undecided)},
                    report.seconds);
   suite.property("board", report.board);
   suite.property("port", report.port);

@@ -2,6 +2,7 @@
 // fault alone.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/link/faulty_link.h"
+#include "host/link/stalling_testing.h"
 #include "tests/integration/bench/measured_testing.h"
 #include "tests/integration/bench/rewriting_link_testing.h"
 
@@ -90,6 +91,29 @@ TEST(LinkLimits, TheErrorRateIsThatOfTheLine) {
   const BenchReport report = measure_with("at 1 s for 20 s link_flip 0.0005");
   EXPECT_GT(value(report, "link.error_rate"), 8);
   EXPECT_LT(value(report, "link.error_rate"), 30);
+}
+
+// The board and the line are healthy; the program is kept waiting for 80 ms now and then.
+TEST(LinkLimits, ALateProgramIsNoFaultOfTheLink) {
+  lockstep::VirtualBench board(sim::make_native());
+  host::StallingLine late(board, board);
+  host::LatenessMeter meter(late, late);
+  late.pause = milliseconds(100);
+  late.length = milliseconds(80);
+  late.stalls = 1000;
+  LinkBenchOptions options;
+  options.round_trips = 100;
+  options.cycle_time = options.stream_time = seconds(1);
+  EXPECT_TRUE(failed(measure_link(meter, meter, options)).count("link.round_trip_worst"))
+      << "nobody measures lateness";
+  BenchReport report;
+  const Limits none;
+  BenchJudge judge(report, none, nullptr, &meter);
+  ASSERT_TRUE(bench_link(meter, meter, options, judge));
+  EXPECT_EQ(failed(report), Names{}) << all_values(report);
+  EXPECT_TRUE(names_with(report, Verdict::undecided).count("link.round_trip_worst"))
+      << all_values(report);
+  EXPECT_EQ(report.measurements.size(), names_of(BenchGroup::link).size());
 }
 
 TEST(LinkLimits, ACableThatIsPulledForGoodIsAnError) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "hil/conformance/report.h"
+#include "host/link/stalling_testing.h"
 #include "tools/lockstep/virtual_bench.h"
 
 namespace kaz::hil {
@@ -98,6 +99,58 @@ TEST(Suite, AFilterThatTakesNothingOrIsNoneIsWrongUsage) {
     EXPECT_EQ(taken.error().fault, Fault::usage);
   }
   EXPECT_GT(chosen("^SAFE-5$")->size(), 3u);
+}
+
+// As at a port, where a busy machine delays what the suite reads: 70 ms late every 60 ms.
+struct LateSuite {
+  lockstep::VirtualBench board{sim::make_native()};
+  host::StallingLine line{board, board};
+  host::LatenessMeter meter{line, line};
+
+  CaseResult run(const std::string& filter, int stalls, bool measured = true) {
+    line.pause = std::chrono::milliseconds(60);
+    line.length = std::chrono::milliseconds(70);
+    line.stalls = stalls;
+    RunOptions options;
+    options.filter = filter;
+    options.allowed = kMotion;
+    if (measured) options.lateness = &meter;
+    const auto report = run_suite(meter, meter, nullptr, std::chrono::milliseconds(20), options);
+    EXPECT_TRUE(report) << report.error().message;
+    EXPECT_EQ(report->results.size(), 1u);
+    return report->results.at(0);
+  }
+};
+
+constexpr const char* kCoarse = "^timing.reply-coarse$";  // a reply within 60 ms at a port
+
+TEST(LateSuite, ACaseThatFailsByTheProgramsLatenessIsUndecided) {
+  constexpr int kForever = 1000;
+  EXPECT_EQ(LateSuite().run(kCoarse, kForever, false).verdict, Verdict::failed)
+      << "nobody measures";
+  const CaseResult late = LateSuite().run(kCoarse, kForever);
+  EXPECT_EQ(late.verdict, Verdict::undecided);
+  EXPECT_EQ(late.runs, 1 + host::LatenessMeter::kRepetitions);
+  EXPECT_NE(late.message.find("it took "), std::string::npos) << late.message;
+  EXPECT_NE(late.message.find("kept waiting for up to 70 ms"), std::string::npos) << late.message;
+}
+
+TEST(LateSuite, ItIsRepeatedAndPassesOnceTheProgramIsPunctual) {
+  const CaseResult late = LateSuite().run(kCoarse, 4);
+  EXPECT_EQ(late.verdict, Verdict::passed) << late.message;
+  EXPECT_GT(late.runs, 1);
+  const CaseResult punctual = LateSuite().run(kCoarse, 0);
+  EXPECT_EQ(punctual.verdict, Verdict::passed) << punctual.message;
+  EXPECT_EQ(punctual.runs, 1);
+}
+
+TEST(LateSuite, AFaultyBoardFailsAtOnceWhereTheProgramIsPunctual) {
+  LateSuite suite;
+  suite.board.set_analog(KZ_ANALOG_SUPPLY, 100);  // far too low: it will not enable
+  const CaseResult faulty = suite.run("^motion.target-reached$", 0);
+  EXPECT_EQ(faulty.verdict, Verdict::failed);
+  EXPECT_EQ(faulty.runs, 1);
+  EXPECT_EQ(faulty.message.find("late"), std::string::npos) << faulty.message;
 }
 
 #ifdef KAZ_FIRMWARE_IMAGE

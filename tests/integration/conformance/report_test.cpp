@@ -75,6 +75,30 @@ TEST(ConformanceReport, Json) {
   EXPECT_EQ(all["results"][2]["message"], "needs --allow-motion");
 }
 
+// Neither passed nor failed: counted by itself, skipped for build servers.
+TEST(ConformanceReport, UndecidedCases) {
+  RunReport late = report();
+  late.results[1].verdict = Verdict::undecided;
+  late.results[1].message = "no answer; but this program was kept waiting";
+  late.results[1].runs = 4;
+  const auto all = nlohmann::json::parse(json_text(late, kFacts));
+  EXPECT_EQ(all["failed"], 0);
+  EXPECT_EQ(all["left_out"], 1);
+  EXPECT_EQ(all["undecided"], 1);
+  EXPECT_EQ(all["results"][1]["verdict"], "undecided");
+  EXPECT_EQ(all["results"][1]["runs"], 4);
+  EXPECT_EQ(all["results"][1]["bytes"].size(), 2u);
+  const std::string xml = junit_text(late, kFacts);
+  expect_balanced(xml);
+  EXPECT_NE(xml.find("tests=\"3\" failures=\"0\" errors=\"0\" skipped=\"2\""), std::string::npos)
+      << xml;
+  EXPECT_EQ(count(xml, "<skipped message=\"undecided: no answer; but "), 1) << xml;
+  const std::string page = html_text(late, kFacts);
+  expect_balanced(page);
+  EXPECT_EQ(count(page, "conform</span>") + count(page, "conforms</span>"), 0) << page;
+  EXPECT_NE(page.find("1 undecided"), std::string::npos);
+}
+
 TEST(ConformanceReport, HtmlIsOnePageThatFetchesNothing) {
   const std::string text = html_text(report(), kFacts);
   expect_balanced(text);

@@ -235,6 +235,41 @@ TEST(Calibrate, RefusesPairsThatDoNotBelongTogether) {
   expect_refusal(exchanged, 1, out, {"exchanged"});
 }
 
+TEST(Calibrate, RefusesTheSamePicturesForBothEyes) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "stereo.yml";
+  const auto with_right = [&](const std::string& right) {
+    return run(kaz({"calibrate", "stereo", "--left", kPictures + "/left0[1-7].jpg", "--right",
+                    right, "--board", "9x6", "--square", "0.025", "--out", out}));
+  };
+  expect_refusal(with_right(kPictures + "/left0[1-7].jpg"), 2, out,
+                 {"left01.jpg", "the same picture", "two eyes"});
+  // Another file, and a pixel of its own: nearly the same, and of one eye all the same.
+  for (const std::string number : {"01", "02", "03", "04", "05", "06", "07"}) {
+    auto picture = vision::read_picture(kPictures + "/left" + number + ".jpg");
+    ASSERT_TRUE(picture) << picture.error().message;
+    picture->rgb[0] ^= 1;
+    write_file(folder / ("copy" + number + ".ppm"),
+               "P6\n640 480\n255\n" + std::string(picture->rgb.begin(), picture->rgb.end()));
+  }
+  expect_refusal(with_right(folder / "copy*.ppm"), 1, out, {});
+}
+
+TEST(Calibrate, RefusesImplausibleSizes) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "stereo.yml";
+  const auto with_square = [&](const std::string& square_m) {
+    return run(kaz({"calibrate", "stereo", "--left", kPictures + "/left0[1-8].jpg", "--right",
+                    kPictures + "/right0[1-8].jpg", "--board", "9x6", "--square", square_m, "--out",
+                    out}));
+  };
+  for (const std::string square_m : {"25", "0.51", "0.0009"})
+    expect_refusal(with_square(square_m), 2, out, {"--square " + square_m, "in metres", "0.025"});
+  expect_refusal(with_square("0.5"), 1, out, {"the eyes 1.6", "--square is in metres"});
+  expect_refusal(with_square("0.001"), 1, out, {"the eyes 0.003", "--square is in metres"});
+  expect_refusal(calibrate(kPictures, out, {"--max-rms", "100"}), 2, out, {"--max-rms"});
+}
+
 TEST(Calibrate, WrongWordsGetOneSentence) {
   const TemporaryFolder folder;
   expect_refusal(calibrate(kPictures, folder / "a.yml", {}, "9by6"), 2, folder / "a.yml",

@@ -90,6 +90,19 @@ TEST(Cli, WrongOption) {
       one_sentence(run(kaz({"run", "track-ball", "--robot", "usb:1"})), 2, {"usb:1", "serial:"}));
 }
 
+// Nothing to do is no success.
+TEST(Cli, EmptyJobsAreWrongUsage) {
+  const TemporaryFolder folder;
+  EXPECT_TRUE(one_sentence(run(kaz({"mcu", "compare", "--ticks", "0"})), 2, {"--ticks"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"fuzz", "--cases", "0"})), 2, {"--cases"}));
+  for (const char* metres : {"0", "0.02", "-0.04"}) {
+    const Finished still = run(kaz({"run", "go-forward", "--mcu", "native", "--world", "empty",
+                                    "--set", std::string("distance=") + metres}));
+    EXPECT_EQ(still.exit_code, 2) << metres << still.out;
+    EXPECT_NE(still.err.find("at least 0.05 m"), std::string::npos) << still.err;
+  }
+}
+
 TEST(Cli, MissingPort) {
   const TemporaryFolder folder;
   const Finished finished = run(kaz({"run", "track-ball", "--robot", "serial:" + (folder / "none"),

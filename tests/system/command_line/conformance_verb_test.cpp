@@ -56,6 +56,12 @@ TEST(ConformanceVerb, WrongUsageIsTwoAndNoPortIsThree) {
   EXPECT_EQ(run(kaz({"conformance", "--virtual", "native", "--filter", "("})).exit_code, 2);
   EXPECT_EQ(run(kaz({"conformance", "--virtual", "native", "--port", "/dev/null"})).exit_code, 2);
   EXPECT_EQ(run(kaz({"conformance", "--port", "/no/such/port"})).exit_code, 3);
+  // No case taken, and none of those taken can run: nothing would be examined.
+  for (const char* filter : {"no such case", "^timing.after-power-on$"}) {
+    const Finished none = run(kaz({"conformance", "--port", "/no/such/port", "--filter", filter}));
+    EXPECT_EQ(none.exit_code, 2) << none.err;
+    EXPECT_NE(none.err.find("takes no case"), std::string::npos) << none.err;
+  }
 }
 
 TEST(ConformanceVerb, VirtualBoardsReportJsonOnStandardOutput) {

@@ -137,6 +137,9 @@ TEST(Evaluate, RefusesInOneSentence) {
   refused({"dance", "--out", folder / "a"}, "search-ball");
   refused({"search-ball", "--set", "second=3", "--out", folder / "a"}, "seconds");
   refused({"search-ball", "--shard", "3/2", "--out", folder / "a"}, "1/4");
+  refused({"search-ball", "--shard", "3/3", "--episodes", "2", "--out", folder / "a"},
+          "none of the 2");
+  refused({"search-ball", "--episodes", "0", "--out", folder / "a"}, "--episodes");
   refused({"search-ball", "--supply", "11", "9", "--out", folder / "a"}, "smaller");
   refused({"search-ball", "--lamp", "2", "1", "--out", folder / "a"}, "smaller");
   refused({"go-forward", "--realtime", "--out", folder / "a"}, "--realtime");

@@ -63,6 +63,22 @@ TEST_F(FlashVerb, ErasedBoardThenTheLoader) {
   const Finished again = run(write({"--json"}), seconds(60));
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(json::parse(again.out)["written"], 0);
+  // A file of the loader's block alone: forced, but nothing of it can be written.
+  write_file(folder_ / "loader.bin", std::string(64, 'x'));
+  const Finished kept = run(kaz({"flash", "write", folder_ / "loader.bin", "--format", "raw",
+                                 "--address", "0xc100", "--force", "--port", folder_ / "board"}),
+                            seconds(60));
+  EXPECT_EQ(kept.exit_code, 2) << kept.out;
+  EXPECT_NE(kept.err.find("nothing of the image can be written"), std::string::npos) << kept.err;
+  // One that is all ff has nothing to compare.
+  write_file(folder_ / "blank.bin", std::string(64, '\xff'));
+  for (const char* name : {"verify", "write"}) {
+    const Finished blank = run(kaz({"flash", name, folder_ / "blank.bin", "--format", "raw",
+                                    "--address", "0x8000", "--port", folder_ / "board"}),
+                               seconds(60));
+    EXPECT_EQ(blank.exit_code, 2) << blank.out;
+    EXPECT_NE(blank.err.find("nothing to write or to compare"), std::string::npos) << blank.err;
+  }
   // A file that was cut off goes nowhere.
   std::string text = read_file(image());
   write_file(folder_ / "cut.mot", text.substr(0, text.size() / 2));

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "host/flash/flasher.h"
+#include "host/link/stalling_testing.h"
 #include "tests/system/flash/variant_testing.h"
 #include "tools/lockstep/flash_bench.h"
 
@@ -348,6 +349,63 @@ TEST(Flash, SlowRepliesAreWaitedFor) {
   EXPECT_GT(report->repeated, 0);
   EXPECT_LT(report->repeated, 20);
   EXPECT_TRUE(holds(bench, firmware()));
+}
+
+// The loader keeps its own blocks: an update of nothing would pass for one.
+TEST(Flash, AFileOfTheLoadersBlockAloneIsRefusedThroughTheLoader) {
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  FlasherOptions force;
+  force.force = true;
+  Flasher flasher(bench, bench, writer(), force);
+  ASSERT_TRUE(flasher.enter_loader());
+  FlashImage loader;
+  loader.put(0xc100, std::array<std::uint8_t, 4>{1, 2, 3, 4});
+  loader.put(0x20, std::array<std::uint8_t, 4>{1, 2, 3, 4});
+  const auto report = flasher.write(loader);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().fault, Fault::usage);
+  for (const char* part : {"nothing of the image can be written", "EB0, EB6 alone", "--reset"})
+    EXPECT_NE(report.error().message.find(part), std::string::npos) << report.error().message;
+  EXPECT_TRUE(flasher.check(loader, true)) << "boot mode writes all of it";
+  loader.put(0x8000, std::array<std::uint8_t, 4>{1, 2, 3, 4});
+  EXPECT_TRUE(flasher.check(loader, false)) << "EB5 can be written";
+}
+
+// Three replies are there in time, but the program is kept waiting until its time-out has passed.
+TEST(Flash, ALateProgramDoesNotGiveUpAHealthyBoard) {
+  constexpr Time kPatience = milliseconds(60);
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  ASSERT_TRUE(bench.sleep_until(milliseconds(200)));
+  ASSERT_TRUE(Flasher(bench, bench, writer(), {}).enter_loader());
+  host::StallingLine late(bench, bench);
+  late.length = milliseconds(100);
+  late.pause = milliseconds(50);
+  host::LatenessMeter meter(late, late);
+  late.stalls = 1;
+  EXPECT_FALSE(host::WriterLink(meter, meter).info(kPatience, 1)) << "nobody measures lateness";
+  late.stalls = 3;
+  const auto info = host::WriterLink(meter, meter, &meter).info(kPatience, 1);
+  EXPECT_TRUE(info) << info.error().message;
+  // Late for ever: the first likely cause.
+  late.stalls = 1000;
+  late.pause = Time::zero();
+  const auto never = host::WriterLink(meter, meter, &meter).info(kPatience, 1);
+  ASSERT_FALSE(never);
+  EXPECT_EQ(never.error().fault, Fault::environment);
+  EXPECT_NE(never.error().message.find("1. this machine is too busy"), std::string::npos)
+      << never.error().message;
+}
+
+TEST(Flash, ADeadBoardIsGivenUpWithoutMoreTries) {
+  FlashBench bench(KAZ_FIRMWARE_IMAGE);
+  bench.cut_power_at(Time::zero(), std::chrono::hours(1));
+  host::LatenessMeter meter(bench, bench);
+  host::WriterLink link(meter, meter, &meter);
+  const auto dead = link.info(milliseconds(60), 4);
+  ASSERT_FALSE(dead);
+  EXPECT_EQ(link.repeated(), 3);
+  EXPECT_EQ(dead.error().message.find("too busy"), std::string::npos) << dead.error().message;
 }
 
 TEST(Flash, NoiseIsRepeatedAway) {

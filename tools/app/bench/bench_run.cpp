@@ -198,7 +198,7 @@ Result<std::vector<int>> joints_of(const std::string& text) {
   return joints;
 }
 
-Result<bool> run_bench(const BenchOptions& arguments) {
+Result<Outcome> run_bench(const BenchOptions& arguments) {
   const BackendOptions& backend = arguments.target.backend;
   if (!arguments.target.port.empty() && !(backend.motor_file.empty() && backend.motor.empty()))
     return fail(
@@ -221,10 +221,11 @@ Result<bool> run_bench(const BenchOptions& arguments) {
   const auto board = KAZ_TRY(describe(*target));
   report.board = board;
   Progress progress("kaz bench", arguments.json);
-  hil::BenchJudge judge(report, limits, [&](const hil::Measurement& one) {
+  const auto listener = [&](const hil::Measurement& one) {
     progress.done();
     if (!arguments.json) say(one);
-  });
+  };
+  hil::BenchJudge judge(report, limits, listener, target->lateness());
   auto folder = KAZ_TRY(OutputFolder::open(arguments.out));
   const Time begin = target->clock().now();
   const auto ran =
@@ -242,16 +243,25 @@ Result<bool> run_bench(const BenchOptions& arguments) {
                                                        "; what was measured until then is in " +
                                                        folder.path("report.html")});
   const int failed = report.count(hil::Verdict::failed);
+  const int undecided = report.count(hil::Verdict::undecided);
   if (arguments.json) {
     std::fputs(hil::bench_json(report).c_str(), stdout);
   } else {
-    std::printf("%s on %s: %d passed, %d failed, %d left out; the report is %s\n",
+    std::printf("%s on %s: %d passed, %d failed, %d left out, %d undecided; the report is %s\n",
                 report.board.c_str(), report.port.c_str(), report.count(hil::Verdict::passed),
-                failed, report.count(hil::Verdict::left_out), folder.path("report.html").c_str());
+                failed, report.count(hil::Verdict::left_out), undecided,
+                folder.path("report.html").c_str());
+  }
+  if (failed == 0 && undecided > 0) {
+    std::fprintf(stderr,
+                 "kaz bench: this machine was too late to judge all measurements; end other "
+                 "programs and run "
+                 "it again\n");
+    return Outcome::with_status(static_cast<int>(Fault::environment));
   }
   if (failed == 0 && report.count(hil::Verdict::passed) == 0)
     std::fprintf(stderr, "kaz bench: nothing was measured, so nothing has passed\n");
-  return failed == 0 && report.count(hil::Verdict::passed) > 0;
+  return Outcome(failed == 0 && report.count(hil::Verdict::passed) > 0);
 }
 
 Result<bool> run_fit(const BenchFitOptions& arguments) {

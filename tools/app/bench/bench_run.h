@@ -7,6 +7,7 @@
 
 #include "shared/base/result.hpp"
 #include "tools/app/bench/bench_target.h"
+#include "tools/app/base/outcome.h"
 #include "tools/app/session/backend.h"
 
 namespace kaz::tools {
@@ -29,8 +30,9 @@ struct BenchFitOptions {
 // Numbers of the joints in a list of names; each once.
 Result<std::vector<int>> joints_of(const std::string& text);
 
-// Writes the reports to `out`, prints each measurement. False: one failed, or nothing was measured.
-Result<bool> run_bench(const BenchOptions& arguments);
+// Writes the reports to `out`, prints each measurement. Status 1: one failed, or nothing was
+// measured; 3: none failed, but this machine was too late to judge some.
+Result<Outcome> run_bench(const BenchOptions& arguments);
 // Fits the motor model to a report of run_bench().
 Result<bool> run_fit(const BenchFitOptions& arguments);
 void print_measurements(bool json);

@@ -14,6 +14,7 @@
 #include "host/robot/control_socket.h"
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/time_lost.h"
 #include "tools/lockstep/stand_backend.h"
 
 namespace kaz::tools {
@@ -29,6 +30,7 @@ class VirtualTarget final : public BenchTarget {
   host::Link& link() override { return backend_.link(); }
   host::Clock& clock() override { return backend_.clock(); }
   hil::Stand* stand() override { return &backend_.stand(); }
+  host::LatenessMeter* lateness() override { return nullptr; }
 
  private:
   std::string name_;
@@ -38,16 +40,20 @@ class VirtualTarget final : public BenchTarget {
 class PortTarget final : public BenchTarget {
  public:
   PortTarget(std::unique_ptr<host::TtyLink> link, const host::Interrupt& interrupt)
-      : link_(std::move(link)), clock_(&interrupt) {}
+      : link_(std::move(link)),
+        clock_(&interrupt),
+        meter_(*link_, clock_, time_lost_behind(link_->name())) {}
   std::string name() const override { return link_->name(); }
-  host::Link& link() override { return *link_; }
-  host::Clock& clock() override { return clock_; }
+  host::Link& link() override { return meter_; }
+  host::Clock& clock() override { return meter_; }
   hil::Stand* stand() override { return stand_.get(); }
+  host::LatenessMeter* lateness() override { return &meter_; }
   void put(std::unique_ptr<hil::Stand> stand) { stand_ = std::move(stand); }
 
  private:
   std::unique_ptr<host::TtyLink> link_;
   host::WallClock clock_;
+  host::LatenessMeter meter_;
   std::unique_ptr<hil::Stand> stand_;
 };
 

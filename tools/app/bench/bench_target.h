@@ -9,6 +9,7 @@
 
 #include "hil/bench/motor/stand.h"
 #include "host/link/interrupt.h"
+#include "host/link/lateness.h"
 #include "host/link/link.h"
 #include "shared/base/result.hpp"
 #include "tools/app/session/backend.h"
@@ -32,6 +33,8 @@ class BenchTarget {
   virtual host::Link& link() = 0;
   virtual host::Clock& clock() = 0;
   virtual hil::Stand* stand() = 0;  // null: none
+  // Of link() and clock(), at a port; null in simulated time.
+  virtual host::LatenessMeter* lateness() = 0;
 };
 
 }  // namespace kaz::tools

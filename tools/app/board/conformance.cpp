@@ -14,6 +14,7 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/paths.h"
+#include "tools/app/base/time_lost.h"
 #include "tools/app/base/version.h"
 #include "tools/lockstep/virtual_bench.h"
 
@@ -58,6 +59,8 @@ Result<void> check_reports(const ConformanceOptions& arguments) {
 void say(const hil::CaseResult& one) {
   std::printf("%-9s %-36s %s\n", verdict_text(one.verdict), one.of->id.c_str(),
               one.verdict == hil::Verdict::passed ? one.of->sentence.c_str() : one.message.c_str());
+  if (one.runs > 1 && one.verdict != hil::Verdict::undecided)
+    std::printf("          run %d times: this machine was late before\n", one.runs);
   if (one.verdict == hil::Verdict::failed) {
     for (const std::string& id : one.of->statements) {
       for (const hil::Statement& statement : hil::statements()) {
@@ -80,7 +83,6 @@ Result<hil::RunReport> run_virtual(ConformanceOptions& arguments, hil::ReportFac
   }
   lockstep::VirtualBench board(std::move(mcu));
   facts.port = board.name();
-  arguments.run.allowed = hil::kMotion | hil::kFlash | hil::kBench | hil::kExact;
   InterruptibleClock clock(board, interrupt);
   InterruptibleLink link(board, board, interrupt);
   return hil::run_suite(link, clock, &board, Time::zero(), arguments.run);
@@ -92,18 +94,44 @@ Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts&
   auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
   host::WallClock clock(&interrupt);
   facts.port = port.first;
-  if (arguments.allow_motion) arguments.run.allowed |= hil::kMotion;
-  if (arguments.allow_flash) arguments.run.allowed |= hil::kFlash;
-  return hil::run_suite(*link, clock, nullptr, kPortSlack, arguments.run);
+  host::LatenessMeter meter(*link, clock, time_lost_behind(port.first));
+  arguments.run.lateness = &meter;
+  return hil::run_suite(meter, meter, nullptr, kPortSlack, arguments.run);
+}
+
+// Of the cases that a filter takes none may be left: that nothing failed would then be no result.
+Result<void> check_needs(const std::vector<const hil::Case*>& taken, unsigned allowed,
+                         const std::string& filter) {
+  unsigned missing = 0;
+  for (const hil::Case* one : taken) {
+    if ((one->needs & ~allowed) == 0) return {};
+    missing |= one->needs & ~allowed;
+  }
+  return fail(Fault::usage, "--filter " + filter + " takes no case that can run here: each " +
+                                hil::missing_text(missing) +
+                                "; `kaz conformance --list` names others");
+}
+
+// 3 where cases are undecided: neither the board nor its protocol is to blame.
+Outcome outcome_of(const hil::RunReport& report) {
+  if (report.count(hil::Verdict::failed) > 0) return false;
+  const int undecided = report.count(hil::Verdict::undecided);
+  if (undecided == 0) return true;
+  std::fprintf(
+      stderr,
+      "kaz conformance: this machine was too late to judge %d case%s; end other programs and run "
+      "%s again\n",
+      undecided, undecided == 1 ? "" : "s", undecided == 1 ? "it" : "them");
+  return Outcome::with_status(static_cast<int>(Fault::environment));
 }
 
 }  // namespace
 
-Result<bool> run_conformance(ConformanceOptions arguments) {
+Result<Outcome> run_conformance(ConformanceOptions arguments) {
   const auto taken = KAZ_TRY(hil::chosen(arguments.run.filter));
   if (arguments.list) {
     list_cases(taken);
-    return true;
+    return Outcome(true);
   }
   if (arguments.port.empty() != arguments.mcu.has_value()) {
     return fail(Fault::usage, "say which board: either --port PATH or --virtual h8|native");
@@ -111,6 +139,10 @@ Result<bool> run_conformance(ConformanceOptions arguments) {
   if (!arguments.image.empty() && arguments.mcu != sim::McuKind::h8)
     return fail(Fault::usage, "--image is for --virtual h8 alone");
   KAZ_TRY(check_reports(arguments));
+  if (arguments.allow_motion) arguments.run.allowed |= hil::kMotion;
+  if (arguments.allow_flash) arguments.run.allowed |= hil::kFlash;
+  if (arguments.mcu) arguments.run.allowed = hil::kMotion | hil::kFlash | hil::kBench | hil::kExact;
+  KAZ_TRY(check_needs(taken, arguments.run.allowed, arguments.run.filter));
   const bool quiet = arguments.json == "-" || arguments.junit == "-" || arguments.html == "-";
   hil::ReportFacts facts;
   facts.program = std::string("kaz ") + kVersion;
@@ -135,17 +167,17 @@ Result<bool> run_conformance(ConformanceOptions arguments) {
                                    std::pair(arguments.html, hil::html_text(*report, facts))}) {
     KAZ_TRY(write_report(path, text));
   }
-  const int failed = report->count(hil::Verdict::failed);
   if (!quiet) {
-    std::printf("%s on %s: %zu cases, %d passed, %d failed, %d left out\n", report->board.c_str(),
-                facts.port.c_str(), report->results.size(), report->count(hil::Verdict::passed),
-                failed, report->count(hil::Verdict::left_out));
+    std::printf("%s on %s: %zu cases, %d passed, %d failed, %d left out, %d undecided\n",
+                report->board.c_str(), facts.port.c_str(), report->results.size(),
+                report->count(hil::Verdict::passed), report->count(hil::Verdict::failed),
+                report->count(hil::Verdict::left_out), report->count(hil::Verdict::undecided));
   }
   if (report->interrupted)
     return fail(Fault::interrupted, "interrupted after " + std::to_string(report->results.size()) +
                                         " of " + std::to_string(report->chosen) +
                                         " cases; the reports are of these");
-  return failed == 0;
+  return outcome_of(*report);
 }
 
 }  // namespace kaz::tools

@@ -8,6 +8,7 @@
 #include "hil/conformance/report.h"
 #include "shared/base/result.hpp"
 #include "sim/mcu/mcu_kind.h"
+#include "tools/app/base/outcome.h"
 
 namespace kaz::tools {
 
@@ -20,7 +21,8 @@ struct ConformanceOptions {
   hil::RunOptions run;
 };
 
-// Runs the cases and writes the reports, or lists the cases. False: a case failed.
-Result<bool> run_conformance(ConformanceOptions arguments);
+// Runs the cases and writes the reports, or lists the cases. Status 1: a case failed; 3: none did,
+// but this machine was too late to judge some.
+Result<Outcome> run_conformance(ConformanceOptions arguments);
 
 }  // namespace kaz::tools

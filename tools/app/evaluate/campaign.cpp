@@ -259,6 +259,11 @@ Result<bool> run_campaign(const CampaignOptions& options) {
     return fail(Fault::usage, options.behavior +
                                   " is judged by where the robot truly is, which a robot in "
                                   "another process does not tell: leave --realtime out");
+  if (options.shard > options.episodes)
+    return fail(Fault::usage, "--shard " + std::to_string(options.shard) + "/" +
+                                  std::to_string(options.shards) + " has none of the " +
+                                  std::to_string(options.episodes) +
+                                  " episodes; give more --episodes or fewer parts");
   const auto folder = KAZ_TRY(OutputFolder::open(options.out));
   const Json campaign = campaign_json(options);
   KAZ_TRY(claim(folder, campaign));

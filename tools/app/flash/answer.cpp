@@ -64,10 +64,12 @@ void Answer::written(const host::FlashReport& report) {
   put("seconds", report.seconds);
   put("min_seconds", report.min_seconds);
   put("efficiency", report.efficiency());
+  if (report.written == 0)
+    return say("nothing to write: the flash holds these " + std::to_string(report.bytes) +
+               " bytes already, " + std::to_string(report.unchanged) + " blocks compared");
   say("written and verified: " + std::to_string(report.written) + " bytes, " +
       std::to_string(report.erased) + " blocks erased, " + std::to_string(report.unchanged) +
       " unchanged, " + std::to_string(report.repeated) + " requests repeated");
-  if (report.written == 0) return;
   char times[96];
   std::snprintf(times, sizeof times,
                 "%.2f s, of which line and cells take %.2f: efficiency %.1f %%", report.seconds,

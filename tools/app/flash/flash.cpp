@@ -19,6 +19,11 @@ using Image = std::optional<host::FlashImage>;
 Result<void> check_running(FlashSession& session, Answer& answer,
                            const host::ImageIdentity& identity) {
   const auto board = session.identify();
+  if (const std::string excuse = session.excuse(); !board && !excuse.empty())
+    return fail(Fault::environment,
+                "the firmware was written and verified; whether it runs is undecided, because " +
+                    excuse + ": end other programs, then `kaz status --port " + session.port() +
+                    "`");
   if (board && board->image_crc == identity.crc) {
     answer.runs(*board);
     return {};
@@ -159,6 +164,12 @@ Result<void> flash(const FlashArguments& arguments, Answer& answer) {
   if (!arguments.image.empty()) {
     auto loaded = KAZ_TRY(host::FlashImage::load(arguments.image, arguments.load));
     image = std::move(loaded);
+    if (image->size() == 0)
+      return fail(
+          Fault::usage,
+          arguments.image +
+              ": every byte of it is ff, as of erased flash: there is nothing to write or to "
+              "compare; `kaz flash erase` erases");
   }
   if (auto valid = check(arguments); !valid) return valid;
   if (arguments.port.empty()) {

@@ -15,6 +15,7 @@
 #include "shared/base/files.hpp"
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/paths.h"
+#include "tools/app/base/time_lost.h"
 #include "tools/app/monitor/monitor.h"
 
 namespace kaz::tools {
@@ -85,10 +86,12 @@ Result<void> FlashSession::open() {
   const auto port = KAZ_TRY(parse_port(arguments_.port));
   auto link = KAZ_TRY(host::TtyLink::open(port.first, 115200, &interrupt_));
   link_ = std::move(link);
+  meter_ = std::make_unique<host::LatenessMeter>(*link_, clock_, time_lost_behind(port.first));
   if (auto made = make_reset(); !made) return made;
   host::FlasherOptions options;
   options.boot.baud = arguments_.boot_baud;
   options.force = arguments_.force;
+  options.lateness = meter_.get();
   options.note = [this](const std::string& line) {
     progress_.done();
     std::fprintf(stderr, "kaz flash: %s\n", line.c_str());
@@ -99,7 +102,7 @@ Result<void> FlashSession::open() {
                   p.phase == "erase" ? " blocks" : " bytes", p.bytes_per_s / 1000);
     progress_.update(p.total > 0 ? static_cast<double>(p.done) / p.total : 0, rate);
   };
-  flasher_ = std::make_unique<host::Flasher>(*link_, clock_, program_, options);
+  flasher_ = std::make_unique<host::Flasher>(*meter_, *meter_, program_, options);
   return {};
 }
 
@@ -138,8 +141,8 @@ Result<void> FlashSession::start() {
 }
 
 Result<kz_identify_reply> FlashSession::identify() {
-  host::Requester requester(*link_, clock_, {});
-  return host::identify_board(requester);
+  host::Requester requester(*meter_, *meter_, {});
+  return host::repeat_if_late(meter_.get(), [&] { return host::identify_board(requester); });
 }
 
 Error FlashSession::with_advice(const Error& error) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/flash/flasher.h"
+#include "host/link/lateness.h"
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "shared/protocol/messages.h"
@@ -24,13 +25,17 @@ class FlashSession {
         progress_("kaz flash", arguments.json) {}
 
   Result<void> open();
-  // Through boot mode where the reset line can be driven; a running firmware reports its board's id first.
-  // Nothing is changed before the image has been checked against that.
+  // Through boot mode where the reset line can be driven; a running firmware reports its board's id
+  // first. Nothing is changed before the image has been checked against that.
   Result<void> enter(const host::FlashImage* image);
   // Leaves boot mode or loader, and gives the firmware time to start.
   Result<void> start();
-  // Identity of the running firmware.
+  // Identity of the running firmware; asked again while this machine is late.
   Result<kz_identify_reply> identify();
+
+  // Why the last of these may have failed although the board is healthy; empty: this machine was
+  // punctual.
+  std::string excuse() const { return meter_->excuse(); }
 
   host::Flasher& flasher() { return *flasher_; }
   bool through_boot() const { return reset_ != nullptr; }
@@ -50,6 +55,7 @@ class FlashSession {
   host::Interrupt& interrupt_;
   Progress progress_;
   std::unique_ptr<host::TtyLink> link_;
+  std::unique_ptr<host::LatenessMeter> meter_;
   std::unique_ptr<host::BoardReset> reset_;
   std::vector<std::uint8_t> program_;
   std::unique_ptr<host::Flasher> flasher_;

@@ -181,6 +181,10 @@ Result<bool> replay(const ReplayOptions& options) {
                 options.file +
                     ": was cut off before anything of the run was written; record the "
                     "run again");
+  if (recorded.messages.empty())
+    return fail(Fault::usage, options.file +
+                                  ": holds no message of a run, so there is nothing to compare; "
+                                  "record the run again");
   auto session = KAZ_TRY(session_of(recorded, options));
   if (options.mode == ReplayMode::host && options.seed)
     return fail(Fault::usage,

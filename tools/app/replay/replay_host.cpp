@@ -114,6 +114,10 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
                     " needs them; record with --record-pictures, or give --whole to run the "
                     "simulation again too");
   const auto run = KAZ_TRY(RecordedRun::of(recording, options.file));
+  if (run.to_board.empty() && run.thoughts.empty())
+    return fail(Fault::usage, options.file +
+                                  ": the host sent nothing in it, so there is nothing to compare; "
+                                  "record the run again");
   ReplayedBoard board(run);
   session.open_backend =
       [&board](host::Interrupt& interrupt) -> Result<std::unique_ptr<SessionBackend>> {

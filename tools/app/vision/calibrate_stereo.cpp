@@ -21,6 +21,12 @@ using Json = nlohmann::ordered_json;
 using vision::Board;
 using vision::StereoResult;
 
+// Beyond these something was given wrongly, and the file would be a calibration of nothing.
+constexpr double kMinSquare_m = 0.001, kMaxSquare_m = 0.5;
+constexpr double kMinBaseline_m = 0.005, kMaxBaseline_m = 1;
+constexpr double kMinFocal = 0.2,
+                 kMaxFocal = 10;  // of the picture's width: views of 136 to 6 degrees
+
 // What was seen of the board, picture by picture.
 struct Sighting {
   PicturePair files;
@@ -32,13 +38,18 @@ struct Sightings {
   int width = 0, height = 0;
 };
 
+// One picture of a pair.
+struct Look {
+  vision::Image image;
+  vision::Corners corners;
+};
+
 // Empty corners: no board, `error` says why. An error: the pictures cannot be of one pair of cameras.
-Result<vision::Corners> look(const std::string& path, const Board& board, Sightings& all,
-                             std::string& error) {
-  const auto image = vision::read_picture(path);
+Result<Look> look(const std::string& path, const Board& board, Sightings& all, std::string& error) {
+  auto image = vision::read_picture(path);
   if (!image) {
     error = image.error().message.substr(path.size() + 2);
-    return vision::Corners{};
+    return Look{};
   }
   if (all.width == 0) {
     all.width = image->width;
@@ -51,7 +62,7 @@ Result<vision::Corners> look(const std::string& path, const Board& board, Sighti
                                   ": calibrate with pictures of one size");
   vision::Corners corners = vision::find_board(*image, board);
   if (corners.empty()) error = "the whole board is not in sight";
-  return corners;
+  return Look{std::move(*image), std::move(corners)};
 }
 
 Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board& board,
@@ -65,8 +76,12 @@ Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board
     Sighting sighting{files, {}, {}};
     const auto left = KAZ_TRY(look(files.left, board, all, sighting.left_error));
     const auto right = KAZ_TRY(look(files.right, board, all, sighting.right_error));
+    if (!left.corners.empty() && left.image.rgb == right.image.rgb)
+      return fail(Fault::usage,
+                  "'" + files.left + "' and '" + files.right +
+                      "' are the same picture: give --left and --right pictures of two eyes");
     all.pairs.push_back(sighting);
-    all.boards.push_back({left, right});
+    all.boards.push_back({left.corners, right.corners});
   }
   progress.update(1, "fitting lenses and the transform between the eyes");
   return all;
@@ -202,6 +217,33 @@ tl::unexpected<Error> too_far_off(const Sightings& seen, const StereoResult& res
                   "': were its pictures taken at the same time, of this board, and sharp?");
 }
 
+// A fit that settles can still be of no two eyes.
+Result<void> check_plausible(const StereoResult& result,
+                             const StereoCalibrationOptions& arguments) {
+  char text[200];
+  const auto& c = result.calibration;
+  for (const auto& [side, lens] :
+       {std::pair("left", c.left.lens), std::pair("right", c.right.lens)}) {
+    for (const double focal_px : {lens.fx, lens.fy}) {
+      if (focal_px >= kMinFocal * c.width && focal_px <= kMaxFocal * c.width) continue;
+      std::snprintf(text, sizeof text,
+                    "the fit gives the %s eye a focal length of %.0f px in pictures %d px wide, as "
+                    "no lens has; "
+                    "take pictures with the board tilted in different ways",
+                    side, focal_px, c.width);
+      return fail(Fault::failed, text);
+    }
+  }
+  const double baseline_m = c.rectified.baseline_m;
+  if (baseline_m >= kMinBaseline_m && baseline_m <= kMaxBaseline_m) return {};
+  std::snprintf(text, sizeof text,
+                "the fit places the eyes %.4f m apart, outside %.3f to %.0f m: are --left and "
+                "--right pictures of "
+                "two eyes, and is a square %g m long (--square is in metres)?",
+                baseline_m, kMinBaseline_m, kMaxBaseline_m, arguments.square_m);
+  return fail(Fault::failed, text);
+}
+
 }  // namespace
 
 Result<Board> parse_board(const std::string& text, double square_m) {
@@ -212,6 +254,13 @@ Result<Board> parse_board(const std::string& text, double square_m) {
     return fail(Fault::usage, "--board '" + text +
                                   "' is not like 9x6: inner corners along both sides, 3 to 100 (a "
                                   "board of 10 x 7 squares has 9x6)");
+  if (square_m < kMinSquare_m || square_m > kMaxSquare_m) {
+    char wrong[120];
+    std::snprintf(wrong, sizeof wrong,
+                  "--square %g is not from 0.001 to 0.5 m; it is in metres: 25 mm are 0.025",
+                  square_m);
+    return fail(Fault::usage, wrong);
+  }
   return Board{columns, rows, square_m};
 }
 
@@ -240,6 +289,7 @@ Result<bool> calibrate_stereo(StereoCalibrationOptions arguments) {
     return fail(result.error().fault, why);
   }
   if (result->rms_px > arguments.max_rms_px) return too_far_off(seen, *result, arguments);
+  KAZ_TRY(check_plausible(*result, arguments));
   KAZ_TRY(write(*result, board, arguments));
   if (arguments.json) {
     std::printf("%s\n", as_json(seen, *result, arguments).dump(2).c_str());

@@ -20,7 +20,7 @@ struct StereoCalibrationOptions {
   bool json = false;
 };
 
-// Inner corners as COLUMNSxROWS, 3 to 100 along each side.
+// Inner corners as COLUMNSxROWS, 3 to 100 along each side; squares of 0.001 to 0.5 m.
 Result<vision::Board> parse_board(const std::string& text, double square_m);
 // Writes calibration and coverage picture, prints the report. Errors: usage, or failed where the pictures
 // are no basis for a calibration.

@@ -1,0 +1,47 @@
+// For tests: a program that is kept waiting for the processor, in simulated time.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "host/link/link.h"
+
+namespace kaz::host {
+
+// Passes all calls on. While `stalls` is above 0, the first wait that ends `pause` after the stall
+// before lasts `length` longer.
+class StallingLine final : public Link, public Clock {
+ public:
+  StallingLine(Link& link, Clock& clock) : link_(link), clock_(clock) {}
+
+  Time pause{}, length{};
+  int stalls = 0;
+
+  std::string name() const override { return link_.name(); }
+  Time byte_time() const override { return link_.byte_time(); }
+  Result<void> set_baud(int baud) override { return link_.set_baud(baud); }
+  Result<void> write(std::span<const std::uint8_t> bytes) override { return link_.write(bytes); }
+  Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override {
+    auto count = link_.read(bytes, deadline);
+    if (count) KAZ_TRY(stall());
+    return count;
+  }
+  Time now() const override { return clock_.now(); }
+  Result<void> sleep_until(Time t) override {
+    KAZ_TRY(clock_.sleep_until(t));
+    return stall();
+  }
+
+ private:
+  Result<void> stall() {
+    if (stalls == 0 || clock_.now() < ended_ + pause) return {};
+    --stalls;
+    KAZ_TRY(clock_.sleep_until(clock_.now() + length));
+    ended_ = clock_.now();
+    return {};
+  }
+
+  Link& link_;
+  Clock& clock_;
+  Time ended_{};
+};
+
+}  // namespace kaz::host
