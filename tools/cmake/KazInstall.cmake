@@ -16,7 +16,7 @@ if(TARGET kaz_interface_header)
   install(FILES ${KAZ_INTERFACE_HEADER} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kaz)
   set(config ${CMAKE_INSTALL_LIBDIR}/cmake/kazPlugin)
   file(RELATIVE_PATH headers /${config} /${CMAKE_INSTALL_INCLUDEDIR}/kaz)
-  set(KAZ_PLUGIN_INCLUDES "\${CMAKE_CURRENT_LIST_DIR}/${headers}")
+  set(KAZ_PLUGIN_INCLUDES "\"\${CMAKE_CURRENT_LIST_DIR}/${headers}\"")
   configure_file(${PROJECT_SOURCE_DIR}/tools/cmake/kazPluginConfig.cmake.in
                  ${PROJECT_BINARY_DIR}/installed/kazPluginConfig.cmake @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/installed/kazPluginConfig.cmake DESTINATION ${config})

@@ -17,6 +17,6 @@ add_custom_command(
 add_custom_target(kaz_interface_header DEPENDS ${KAZ_INTERFACE_HEADER})
 add_dependencies(kaz_interface_header kaz_generated_headers)
 
-set(KAZ_PLUGIN_INCLUDES "${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated")
+set(KAZ_PLUGIN_INCLUDES "\"${PROJECT_SOURCE_DIR}\" \"${PROJECT_BINARY_DIR}/generated\"")
 configure_file(${PROJECT_SOURCE_DIR}/tools/cmake/kazPluginConfig.cmake.in
                ${PROJECT_BINARY_DIR}/kazPluginConfig.cmake @ONLY)

@@ -61,6 +61,13 @@ TEST(OwnBehavior, IsEvaluated) {
             std::string::npos);
 }
 
+// The program has and exports what the headers declare, not only what it calls itself.
+TEST(OwnBehavior, MayCallEachLibrary) {
+  const Finished finished = run_plugin(kModules + "/all_libraries.so", {"--set", "posture=keep"});
+  EXPECT_EQ(finished.exit_code, 0) << finished.out << finished.err;
+  EXPECT_NE(finished.out.find("all of it is there"), std::string::npos) << finished.out;
+}
+
 // Each refusal is a usage error and one sentence: what, why, what to do.
 TEST(OwnBehavior, RefusesWhatIsNoPlugin) {
   const TemporaryFolder folder;
