@@ -120,7 +120,7 @@ TEST(PythonBall, TurnsTheHeadToTheBall) {
   ASSERT_EQ(std::sscanf(finished.out.c_str() + at + words.size(), "pan %lf, tilt %lf", &pan, &tilt),
             2);
 
-  const auto ball = nlohmann::json::parse(ask_control(folder / "board.ctl", "status"))["ball_m"]
+  const auto ball = nlohmann::json::parse(query_control(folder / "board.ctl", "status"))["ball_m"]
                         .get<std::vector<double>>();
   // The robot stands upright, the middle between its soles at the origin.
   const Eigen::Vector3d sole = host::trunk_from_sole({}, host::Side::left).translation();
