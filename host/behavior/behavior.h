@@ -6,7 +6,7 @@
 // It leaves the motors as they are: the caller of run() calls Robot::disable_all() at the end.
 //
 // A new behaviour is one source file, which defines its `const Behavior`, and one line in
-// behaviors.def. docs/reference/host.md shows an example.
+// behaviors.def; or a shared object (plugin.h). docs/reference/host.md shows an example.
 #pragma once
 
 #include <cstdint>

@@ -19,20 +19,17 @@
 #include <fstream>
 #include <utility>
 
+#include "shared/base/serial_rates.hpp"
+
 namespace kaz::host {
 
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::pair<int, speed_t> kRates[] = {
-    {1200, B1200},     {2400, B2400},     {4800, B4800},     {9600, B9600},      {19200, B19200},
-    {38400, B38400},   {57600, B57600},   {115200, B115200}, {230400, B230400},  {460800, B460800},
-    {500000, B500000}, {576000, B576000}, {921600, B921600}, {1000000, B1000000}};
-
 Result<speed_t> rate_of(int baud) {
   std::string known;
-  for (const auto& [number, rate] : kRates) {
+  for (const auto& [number, rate] : kSerialRates) {
     if (number == baud) return rate;
     known += (known.empty() ? "" : ", ") + std::to_string(number);
   }

@@ -6,7 +6,7 @@
 //   CameraStreamHeader, then for each pair: CameraStreamPair, left picture, right picture
 // with a picture being width * height * 3 bytes, RGB, rows from top to bottom, no padding. Readers
 // send nothing. Numbers are little-endian at the offsets below. The end of the stream is a closed
-// socket, and only a close between two pairs is an orderly one.
+// socket, also within a pair. Who writes a reader: docs/reference/camera-stream.md.
 //
 // The publisher sends a pair as soon as it is drawn and never waits for a slow reader: it leaves
 // out whole pairs for that reader (`sequence` shows the gap). A reader gives a pair to its user no

@@ -9,5 +9,12 @@ execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/tests/repository/consumer 
                 COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${BINARY}/consumer COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${BINARY}/consumer/consumer COMMAND_ERROR_IS_FATAL ANY)
+# A behaviour of somebody's own, with the installed headers.
+execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/examples/behavior -B ${BINARY}/behavior -G Ninja
+                        -DCMAKE_PREFIX_PATH=${prefix}
+                COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${BINARY}/behavior COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${prefix}/bin/kaz run ${BINARY}/behavior/wave.so --mcu native WORKING_DIRECTORY ${prefix}
+                COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${prefix}/bin/kaz run stand --mcu native WORKING_DIRECTORY ${prefix}
                 COMMAND_ERROR_IS_FATAL ANY)

@@ -69,7 +69,7 @@ LAYERS = {
     "": {
         "shared": (), "vision": ("shared",), "sim": ("shared", "vision"), "host": ("shared", "vision"),
         "hil": ("shared", "vision", "host"), "firmware": ("shared", "sim"),
-        "tools": ("shared", "vision", "sim", "host", "hil"),
+        "examples": ("shared", "vision", "host"), "tools": ("shared", "vision", "sim", "host", "hil"),
         "tests": ("shared", "vision", "sim", "host", "hil", "tools"),
     },
     "shared": {
@@ -138,6 +138,7 @@ LAYERS = {
         "campaign": (), "catching": (), "planted": (), "v4l2": (), "virtual_robot": (), "flash": (),
         "command_line": ("flash",), "recording_reader": ("command_line",),
     },
+    "tests/system/command_line": {".": (), "plugins": ()},
 }
 # The emulator can be used alone: of other parts it includes only these.
 ALONE = {"sim/h8s": ("shared/base/archive.hpp", "shared/base/result.hpp", "shared/image/image.h")}

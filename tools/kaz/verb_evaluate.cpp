@@ -79,7 +79,8 @@ void add_evaluate(CLI::App& program, Action& action) {
   auto arguments = std::make_shared<Arguments>();
   CampaignOptions& c = arguments->campaign;
   c.backend.eyes = sim::EyeKind::real;
-  verb->add_option("BEHAVIOUR", c.behavior, "as of kaz run")->type_name("");
+  verb->add_option("BEHAVIOUR", c.behavior, "as of kaz run: a name, or a plug-in (./NAME.so)")
+      ->type_name("");
   verb->add_option("--episodes", c.episodes, "how many")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
@@ -147,6 +148,7 @@ void add_evaluate(CLI::App& program, Action& action) {
       "Exit status: 0; 1 where no episode succeeded.\n"
       "Examples:\n"
       "  kaz evaluate search-ball --episodes 20 --jobs 2 --out searched\n"
+      "  kaz evaluate ./wave.so --episodes 4 --out waved\n"
       "  kaz evaluate catch-ball --realtime --episodes 10 --out live\n"
       "  kaz evaluate track-ball --set seconds=5 --episodes 10 --mcu native --out tracked --json");
   verb->callback([&action, arguments, verb] {

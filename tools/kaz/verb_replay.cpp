@@ -28,6 +28,9 @@ void add_replay(CLI::App& program, Action& action) {
                    "another seed than the recording's; implies --whole");
   verb->add_option("--set", arguments->settings, "another option of the behaviour: NAME=VALUE")
       ->type_name("NAME=VALUE");
+  verb->add_option("--plugin", arguments->replay.plugin,
+                   "the plug-in, if the run was of one: a recording loads no code by itself")
+      ->type_name("FILE");
   verb->add_flag("--json", arguments->replay.json, "print the result as JSON on standard output");
   verb->footer(
       "With --host (behaviour, vision, protocol) what the host sends is compared byte by byte; the "

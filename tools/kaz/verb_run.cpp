@@ -37,7 +37,8 @@ void add_run(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand("run", "one behaviour on a real or virtual robot");
   auto arguments = std::make_shared<RunArguments>();
   auto& session = arguments->session;
-  verb->add_option("BEHAVIOUR", session.behavior, "one of: " + behavior_names())
+  verb->add_option("BEHAVIOUR", session.behavior,
+                   "one of: " + behavior_names() + "; or a plug-in, ./NAME.so")
       ->required()
       ->type_name("");
   verb->add_option("--robot", session.backend.robot, "sim, or serial:PATH[@BAUD]")
@@ -51,16 +52,20 @@ void add_run(CLI::App& program, Action& action) {
   verb->add_option("--out", session.out, "folder for pictures and result.json; none if not given");
   add_run_options(*verb, *arguments);
   verb->get_option("--record-pictures")->needs("--out");  // else there is no recording
-  verb->footer(behavior_list() +
-               "Examples:\n"
-               "  kaz run search-ball\n"
-               "  kaz run track-ball --seed 3 --duration 12 --out three\n"
-               "  kaz run catch-ball --world catch --eyes real --imu --out caught\n"
-               "  kaz run track-ball --robot serial:/dev/ttyUSB0 --camera board.eyes\n"
-               "  kaz run track-ball --robot serial:/dev/ttyUSB0 \\\n"
-               "      --camera v4l2:/dev/video0,/dev/video2 --calibration stereo.yml\n"
-               "With a port nothing of the simulator is used; --world, --mcu, --image and --seed "
-               "are then\nwithout effect.");
+  verb->footer(
+      behavior_list() +
+      "A behaviour of your own, built outside of Kaz: docs/howto/own-behavior.md. It runs with "
+      "your rights.\n"
+      "Examples:\n"
+      "  kaz run search-ball\n"
+      "  kaz run track-ball --seed 3 --duration 12 --out three\n"
+      "  kaz run catch-ball --world catch --eyes real --imu --out caught\n"
+      "  kaz run track-ball --robot serial:/dev/ttyUSB0 --camera board.eyes\n"
+      "  kaz run ./wave.so --set times=2\n"
+      "  kaz run track-ball --robot serial:/dev/ttyUSB0 \\\n"
+      "      --camera v4l2:/dev/video0,/dev/video2 --calibration stereo.yml\n"
+      "With a port nothing of the simulator is used; --world, --mcu, --image and --seed "
+      "are then\nwithout effect.");
   verb->callback(
       [&action, arguments] { action = [arguments] { return run_behavior(*arguments); }; });
 }

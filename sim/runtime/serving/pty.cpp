@@ -14,6 +14,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "shared/base/serial_rates.hpp"
+
 namespace kaz::sim {
 namespace {
 
@@ -101,14 +103,8 @@ bool Pty::host_present() const {
 long Pty::baud() const {
   termios settings{};
   if (tcgetattr(master_.get(), &settings) != 0) return 0;  // the master shares the slave's settings
-  static constexpr struct {
-    speed_t code;
-    long baud;
-  } speeds[] = {{B1200, 1200},     {B2400, 2400},     {B4800, 4800},     {B9600, 9600},
-                {B19200, 19200},   {B38400, 38400},   {B57600, 57600},   {B115200, 115200},
-                {B230400, 230400}, {B460800, 460800}, {B921600, 921600}, {B1000000, 1000000}};
-  for (const auto& speed : speeds)
-    if (speed.code == cfgetospeed(&settings)) return speed.baud;
+  for (const auto& [baud, code] : kSerialRates)
+    if (code == cfgetospeed(&settings)) return baud;
   return 0;
 }
 

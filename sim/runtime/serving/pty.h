@@ -25,7 +25,7 @@ class Pty {
 
   // Whether some process has the port open.
   bool host_present() const;
-  // Speed set by the host, baud; 0 if not a standard one.
+  // Speed set by the host, baud; 0 if not one of kSerialRates (shared/base/serial_rates.hpp).
   long baud() const;
   std::size_t read(std::span<std::uint8_t> bytes);  // bytes of the host; returns their number
   std::size_t write(std::span<const std::uint8_t> bytes);  // returns the number accepted

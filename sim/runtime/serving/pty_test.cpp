@@ -13,6 +13,7 @@
 #include <csignal>
 #include <fstream>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "sim/runtime/simulation/world_testing.h"
@@ -83,6 +84,14 @@ TEST(Pty, SpeedIsTheHostsAndStartsRight) {
   cfsetspeed(&settings, B9600);
   ASSERT_EQ(tcsetattr(host.get(), TCSANOW, &settings), 0);
   EXPECT_EQ(pty->baud(), 9600);
+  for (const auto& [baud, code] : {std::pair{500000, B500000}, std::pair{576000, B576000}}) {
+    cfsetspeed(&settings, code);
+    ASSERT_EQ(tcsetattr(host.get(), TCSANOW, &settings), 0);
+    EXPECT_EQ(pty->baud(), baud);
+  }
+  cfsetspeed(&settings, B110);  // no rate of ours
+  ASSERT_EQ(tcsetattr(host.get(), TCSANOW, &settings), 0);
+  EXPECT_EQ(pty->baud(), 0);
 }
 
 TEST(Pty, BytesOfAHostThatIsGoneAreStillThere) {

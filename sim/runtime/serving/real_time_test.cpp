@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/wait.h>
+#include <termios.h>
 
 #include <csignal>
 #include <mutex>
@@ -101,6 +102,31 @@ TEST(RealTimeServer, HostTalksThroughThePty) {
   const auto reply = identify(host.get());
   ASSERT_GT(reply.size(), 3u);
   EXPECT_EQ(reply[1], KZ_TYPE_identify_reply);
+}
+
+// What docs/reference/protocol.md and simulator.md state: a pty's rate counts as that of a wire.
+TEST(RealTimeServer, ThePortsRateCountsAsOnAWire) {
+  const TestFolder folder;
+  Running server(folder);
+  const Descriptor host(::open(server.port.c_str(), O_RDWR | O_NOCTTY));
+  ASSERT_TRUE(host);
+  server.wait_for("host opened");
+  ASSERT_FALSE(identify(host.get()).empty());
+  const auto at = [&](speed_t rate) {
+    termios settings{};
+    ASSERT_EQ(tcgetattr(host.get(), &settings), 0);
+    cfsetspeed(&settings, rate);
+    ASSERT_EQ(tcsetattr(host.get(), TCSAFLUSH, &settings), 0);
+  };
+  at(B57600);
+  server.wait_for("to 57600 baud");
+  for (std::uint8_t n = 100; n < 105; ++n) {
+    write_all(host.get(), frame_of(KZ_TYPE_identify, n, {}));
+    pollfd readable{host.get(), POLLIN, 0};
+    EXPECT_EQ(::poll(&readable, 1, 50), 0) << "a damaged frame has no reply";
+  }
+  at(B115200);
+  EXPECT_FALSE(identify(host.get()).empty());
 }
 
 // As with an adapter that is pulled: who has the port open finds it gone, and the board goes on.

@@ -1,9 +1,19 @@
-// The example client in Python against the virtual robot, over a pty, as a user would run it.
+// The examples in Python with the virtual robot, over pty and socket, as a user would run them; and the lock
+// by which such a client and Kaz's programs exclude each other.
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <cinttypes>
 #include <csignal>
+#include <cstdio>
+#include <numbers>
+#include <sstream>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include "host/robot/kinematics.h"
+#include "tests/system/command_line/control_socket_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
 namespace kaz::test {
@@ -11,9 +21,18 @@ namespace {
 
 using std::chrono::seconds;
 
-std::vector<std::string> client(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), {KAZ_PYTHON, "examples/python/kaz_client.py"});
+std::vector<std::string> example(const std::string& name, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {KAZ_PYTHON, "-B", "examples/python/" + name});
   return arguments;
+}
+
+std::vector<std::string> client(std::vector<std::string> arguments) {
+  return example("kaz_client.py", std::move(arguments));
+}
+
+std::vector<std::string> simulator(const TemporaryFolder& folder, const std::string& world) {
+  return kaz({"sim", "--world", world, "--mcu", "native", "--serial", folder / "board", "--cameras",
+              folder / "eyes"});
 }
 
 class PythonClient : public ::testing::TestWithParam<const char*> {};
@@ -46,6 +65,115 @@ TEST(PythonClientAlone, SaysWhatIsWrong) {
   EXPECT_NE(no_port.err.find("/nowhere/board"), std::string::npos) << no_port.err;
   EXPECT_EQ(run(client({"/nowhere/board", "--joint", "18"})).exit_code, 2);
   EXPECT_EQ(run(client({"--help"})).exit_code, 0);
+}
+
+// A client of somebody's own that has read docs/reference/protocol.md: it takes the lock and nothing else.
+std::vector<std::string> foreign(const std::string& port) {
+  return {KAZ_PYTHON, "-c",
+          "import fcntl, os, sys, time\n"
+          "port = os.open(sys.argv[1], os.O_RDWR | os.O_NOCTTY)\n"
+          "fcntl.flock(port, fcntl.LOCK_EX | fcntl.LOCK_NB)\n"
+          "print('locked', flush=True)\n"
+          "time.sleep(60)\n",
+          port};
+}
+
+TEST(PortLock, AForeignClientAndKazExcludeEachOther) {
+  const TemporaryFolder folder;
+  Process sim(simulator(folder, "empty"));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30))) << sim.wait(seconds(0)).err;
+  const auto status = kaz({"status", "--port", folder / "board"});
+  const std::string sentence =
+      (folder / "board") + " is in use by another program: end that one first";
+  {
+    Process holder(foreign(folder / "board"));
+    ASSERT_TRUE(holder.wait_for_output("locked", seconds(10))) << holder.wait(seconds(0)).err;
+    const Finished refused = run(status);
+    EXPECT_EQ(refused.exit_code, 3) << refused.out << refused.err;
+    EXPECT_NE(refused.err.find(sentence), std::string::npos) << refused.err;
+    const Finished other = run(client({folder / "board"}));
+    EXPECT_EQ(other.exit_code, 3) << other.out;
+    EXPECT_NE(other.err.find("is in use by another program"), std::string::npos) << other.err;
+  }
+  EXPECT_EQ(run(status).exit_code, 0) << "the lock of a killed program is gone";
+
+  Process behaviour(kaz({"run", "track-ball", "--robot", "serial:" + (folder / "board"), "--camera",
+                         folder / "eyes", "--duration", "60"}));
+  ASSERT_TRUE(behaviour.wait_for_output("search", seconds(20))) << behaviour.wait(seconds(0)).err;
+  const Finished refused = run(foreign(folder / "board"));
+  EXPECT_EQ(refused.exit_code, 1) << refused.out;
+  EXPECT_NE(refused.err.find("BlockingIOError"), std::string::npos) << refused.err;
+  EXPECT_EQ(run(client({folder / "board"})).exit_code, 3);
+}
+
+// Where the head must point, from the ball's true place and the robot's geometry.
+TEST(PythonBall, TurnsTheHeadToTheBall) {
+  const TemporaryFolder folder;
+  Process sim(simulator(folder, "catch"));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30))) << sim.wait(seconds(0)).err;
+  const Finished finished = run(example("kaz_ball.py", {folder / "board", folder / "eyes"}));
+  EXPECT_EQ(finished.exit_code, 0) << finished.out << finished.err;
+  const std::string words = "the head points at the ball: ";
+  const auto at = finished.out.find(words);
+  ASSERT_NE(at, std::string::npos) << finished.out;
+  double pan = 0, tilt = 0;
+  ASSERT_EQ(std::sscanf(finished.out.c_str() + at + words.size(), "pan %lf, tilt %lf", &pan, &tilt),
+            2);
+
+  const auto ball = nlohmann::json::parse(query_control(folder / "board.ctl", "status"))["ball_m"]
+                        .get<std::vector<double>>();
+  // The robot stands upright, the middle between its soles at the origin.
+  const Eigen::Vector3d sole = host::trunk_from_sole({}, host::Side::left).translation();
+  const auto gaze = host::gaze_at({ball[0] + sole.x(), ball[1], ball[2] + sole.z()});
+  constexpr double kTolerance = 4 * std::numbers::pi / 180;
+  EXPECT_NEAR(pan, gaze.pan_rad, kTolerance);
+  EXPECT_NEAR(tilt, gaze.tilt_rad, kTolerance);
+}
+
+TEST(PythonBall, SaysWhatIsWrong) {
+  const Finished no_camera = run(example("kaz_ball.py", {"/nowhere/board", "/nowhere/eyes"}));
+  EXPECT_EQ(no_camera.exit_code, 3);
+  EXPECT_NE(no_camera.err.find("no camera at '/nowhere/eyes'"), std::string::npos) << no_camera.err;
+  EXPECT_EQ(run(example("kaz_ball.py", {"/nowhere/board"})).exit_code, 2);
+}
+
+// The reader that docs/reference/camera-stream.md prints, on a real stream.
+TEST(CameraStreamPage, ItsReaderReads) {
+  const std::string page = read_file("docs/reference/camera-stream.md"), begin = "```python\n";
+  const auto from = page.find(begin);
+  ASSERT_NE(from, std::string::npos);
+  const auto code = from + begin.size();
+  const TemporaryFolder folder;
+  Process sim(simulator(folder, "ball"));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30))) << sim.wait(seconds(0)).err;
+  std::string reader = page.substr(code, page.find("```", code) - code);
+  const std::string path = "board.eyes";
+  ASSERT_NE(reader.find(path), std::string::npos);
+  reader.replace(reader.find(path), path.size(), folder / "eyes");
+  Process reading({KAZ_PYTHON, "-u", "-c", reader});
+  ASSERT_TRUE(reading.wait_for_output("\n", seconds(20))) << reading.wait(seconds(0)).err;
+  ::usleep(500'000);
+  sim.signal(SIGINT);
+  EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
+  const Finished finished = reading.wait(seconds(10));
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  std::istringstream lines(finished.out);
+  std::uint64_t sequence = 0, last = 0;
+  std::int64_t exposure_ns = 0, before_ns = 0;
+  int pairs = 0;
+  for (std::string line; std::getline(lines, line);
+       ++pairs, last = sequence, before_ns = exposure_ns) {
+    ASSERT_EQ(std::sscanf(line.c_str(), "%" SCNu64 " %" SCNd64, &sequence, &exposure_ns), 2)
+        << line;
+    if (pairs == 0) continue;
+    ASSERT_GT(sequence, last);
+    // 30 exposures a second of the robot; where the machine is too slow, its time stands still meanwhile.
+    const double between = 1e-9 * static_cast<double>(exposure_ns - before_ns);
+    const double expected = static_cast<double>(sequence - last) / 30;
+    EXPECT_GT(between, expected - 0.02);
+    EXPECT_LT(between, expected + 2);
+  }
+  EXPECT_GE(pairs, 3) << finished.out;
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <iterator>
 
+#include "host/behavior/plugin.h"
 #include "shared/base/files.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/evaluate/episode.h"
@@ -252,7 +253,7 @@ Json campaign_json(const CampaignOptions& o) {
 }
 
 Result<bool> run_campaign(const CampaignOptions& options) {
-  const auto known = KAZ_TRY(behavior::find_behavior(options.behavior));
+  const auto known = KAZ_TRY(behavior::named_behavior(options.behavior));
   const auto values = behavior::OptionValues::parse(known.options, options.settings);
   if (!values) return tl::unexpected(values.error());
   if (options.realtime && (known.name == "go-forward" || known.name.starts_with("turn-")))

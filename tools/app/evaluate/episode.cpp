@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "host/behavior/plugin.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/evaluate/judge.h"
 
@@ -22,7 +23,7 @@ double rounded(double value) {
 
 Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
                          const std::string& failures) {
-  const auto known = KAZ_TRY(behavior::find_behavior(options.behavior));
+  const auto known = KAZ_TRY(behavior::named_behavior(options.behavior));
   const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, options.settings));
   const Scenario scenario = Scenario::draw(options.variation, options.seed, number);
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <span>
 
+#include "host/behavior/plugin.h"
 #include "tools/app/base/output.h"
 #include "tools/app/replay/message_fields.h"
 #include "tools/app/replay/recorded_backend.h"
@@ -49,6 +50,16 @@ Result<SessionOptions> session_of(const sim::McapRecording& recording,
   auto recorded = KAZ_TRY(recorded_backend(recording, options.file));
   SessionOptions session;
   session.behavior = recorded.behavior;
+  // Which code is loaded is the user's choice, never the recording's.
+  const bool of_plugin = behavior::names_plugin(recorded.behavior);
+  if (of_plugin && options.plugin.empty())
+    return fail(Fault::usage, options.file + ": the run was of the plug-in " + recorded.behavior +
+                                  ", and a recording loads no code by itself: run kaz replay with "
+                                  "--plugin and its path");
+  if (!of_plugin && !options.plugin.empty())
+    return fail(Fault::usage, options.file + ": the run was of " + recorded.behavior +
+                                  ", which is no plug-in's: leave --plugin out");
+  if (of_plugin) session.behavior = options.plugin;
   session.settings = std::move(recorded.settings);
   session.backend = std::move(recorded.backend);
   if (options.seed) session.backend.seed = *options.seed;

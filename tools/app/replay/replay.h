@@ -23,6 +23,7 @@ struct ReplayOptions {
   ReplayMode mode = ReplayMode::by_itself;
   std::optional<std::uint64_t> seed;            // another one than the recording's; whole only
   std::map<std::string, std::string> settings;  // instead of the recording's
+  std::string plugin;  // path to load where the recording is of a plug-in's behaviour
   bool json = false;
   bool quiet = false;                // prints no result
   std::string label = "kaz replay";  // in front of its progress

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/behavior/behavior.h"
+#include "host/behavior/plugin.h"
 #include "sim/runtime/time.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
@@ -101,7 +101,7 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
 }  // namespace
 
 Result<bool> host_can_run_alone(const sim::McapRecording& recording, const std::string& behavior) {
-  const auto found = KAZ_TRY(behavior::find_behavior(behavior));
+  const auto found = KAZ_TRY(behavior::named_behavior(behavior));
   return !found.needs_camera || recording.has_messages("/eyes/left");
 }
 

@@ -10,6 +10,7 @@
 
 #include "host/behavior/ball_detector.h"
 #include "host/behavior/behavior.h"
+#include "host/behavior/plugin.h"
 #include "host/camera/capture.h"
 #include "host/robot/measure_link.h"
 #include "host/robot/robot.h"
@@ -157,7 +158,7 @@ Error with_recording(Error error, sim::Simulation* simulation, const SessionOpti
 }  // namespace
 
 Result<bool> run_session(SessionOptions options) {
-  const auto behavior = behavior::find_behavior(options.behavior);
+  const auto behavior = behavior::named_behavior(options.behavior);
   if (!behavior) return tl::unexpected(behavior.error());
   const auto values = KAZ_TRY(behavior::OptionValues::parse(behavior->options, options.settings));
   KAZ_TRY(parse_modules(options.vision.modules));

@@ -23,7 +23,7 @@ class Onlooker {
 
 struct SessionOptions {
   BackendOptions backend;
-  std::string behavior = "track-ball";
+  std::string behavior = "track-ball";          // name, or path of a plug-in, which is loaded
   std::map<std::string, std::string> settings;  // the behaviour's options
   std::string out;                              // folder for results; none if empty
   bool quiet = false;                           // prints no result

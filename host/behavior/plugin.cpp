@@ -1,0 +1,90 @@
+// dlopen, with an error message for each cause of failure.
+// SPDX-License-Identifier: Apache-2.0
+#include "host/behavior/plugin.h"
+
+#include <cxxabi.h>
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+
+namespace kaz::behavior {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kHowto = "docs/howto/own-behavior.md";
+
+std::string demangled(const std::string& symbol) {
+  int status = 0;
+  const std::unique_ptr<char, void (*)(void*)> text(
+      abi::__cxa_demangle(symbol.c_str(), nullptr, nullptr, &status), std::free);
+  return status == 0 ? text.get() : symbol;
+}
+
+// `reason` is that of dlerror(), which begins with the path, or not.
+tl::unexpected<Error> not_loaded(const std::string& path, const std::string& reason) {
+  constexpr std::string_view kUndefined = "undefined symbol: ";
+  if (const auto at = reason.find(kUndefined); at != std::string::npos) {
+    const auto begin = at + kUndefined.size();
+    const std::string symbol = reason.substr(begin, reason.find_first_of(" \t,", begin) - begin);
+    return fail(Fault::usage,
+                path + " needs `" + demangled(symbol) +
+                    "`, which this program does not have: build it again against this "
+                    "Kaz, or define or link what is missing");
+  }
+  const auto colon = reason.find(": ");
+  return fail(Fault::usage, path + " is no shared object that can be loaded here (" +
+                                (colon == std::string::npos ? reason : reason.substr(colon + 2)) +
+                                "): build it as " + kHowto + " shows");
+}
+
+}  // namespace
+
+bool names_plugin(std::string_view name) {
+  return name.find('/') != std::string_view::npos || name.ends_with(".so");
+}
+
+Result<Behavior> load_behavior(const std::string& path) {
+  std::error_code error;
+  const auto status = fs::status(path, error);
+  if (!fs::exists(status))
+    return fail(Fault::usage, path + " is not there: build it as " + std::string(kHowto) +
+                                  " shows, or give the name of a behaviour");
+  if (!fs::is_regular_file(status))
+    return fail(Fault::usage, path + " is no file: give the plug-in's .so");
+
+  // A path without a slash would be looked for in the folders of the system's libraries.
+  const std::string full = fs::absolute(path, error).string();
+  void* const object = dlopen(full.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (object == nullptr) {
+    const char* const reason = dlerror();
+    return not_loaded(path, reason == nullptr ? "no reason given" : reason);
+  }
+  using Factory = const Plugin* (*)();
+  const auto factory = reinterpret_cast<Factory>(dlsym(object, kPluginSymbol));
+  if (factory == nullptr)
+    return fail(Fault::usage,
+                path + " exports no `" + std::string(kPluginSymbol) +
+                    "`: end its source with KAZ_BEHAVIOR_PLUGIN(behaviour), or build it "
+                    "again if it was made for another Kaz");
+  const Plugin* const plugin = factory();
+  if (plugin == nullptr || plugin->interface == nullptr)
+    return fail(Fault::usage, path + " returns no plug-in: use KAZ_BEHAVIOR_PLUGIN(behaviour)");
+  if (plugin->interface != std::string_view(KAZ_PLUGIN_INTERFACE))
+    return fail(Fault::usage, path + " was built against another Kaz, or with other options (" +
+                                  plugin->interface + "; this program: " + KAZ_PLUGIN_INTERFACE +
+                                  "): build it again");
+  const Behavior* const behavior = plugin->behavior;
+  if (behavior == nullptr || behavior->run == nullptr || behavior->name.empty())
+    return fail(Fault::usage, path + " has a behaviour without name or function: complete it");
+  return *behavior;
+}
+
+Result<Behavior> named_behavior(const std::string& name) {
+  return names_plugin(name) ? load_behavior(name) : find_behavior(name);
+}
+
+}  // namespace kaz::behavior
