@@ -245,7 +245,7 @@ TEST(Runner, WaitsForABusyLineBeforeALonelyRequest) {
   Event noise, request;
   noise.kind = Event::Kind::send;
   noise.bytes.assign(6000, 0x55);
-  request.kind = Event::Kind::ask;
+  request.kind = Event::Kind::query;
   request.bytes = frame(KZ_ADDRESS_DEFAULT, KZ_TYPE_identify, 7);
   request.text = "identify";
   const Event events[] = {noise, request};
