@@ -38,8 +38,15 @@ bool is_telemetry(const Frame& frame) {
   return frame.type >= 0xC0 && frame.type < 0xFF;
 }
 
-Board::Board(host::Link& link, host::Clock& clock, Bench* bench, Time slack, std::uint64_t seed)
-    : link_(link), clock_(clock), bench_(bench), slack_(slack), seed_(seed) {}
+Board::Board(host::Link& link, host::Clock& clock, Bench* bench, Time slack, std::uint64_t seed,
+             std::uint8_t home)
+    : address(home),
+      link_(link),
+      clock_(clock),
+      bench_(bench),
+      slack_(slack),
+      seed_(seed),
+      home_(home) {}
 
 void Board::note(char direction, const Bytes& bytes) {
   if (direction == last_direction_ && !transcript_.empty()) {
@@ -67,7 +74,7 @@ void Board::pump(Time deadline) {
 void Board::begin(std::uint64_t case_seed) {
   random_.seed(seed_ * 0x9E3779B97F4A7C15u + case_seed);
   sequence_ = static_cast<std::uint8_t>(random_());
-  address = KZ_ADDRESS_DEFAULT;
+  address = home_;
   transcript_.clear();
   last_direction_ = 0;
   started_ = clock_.now();

@@ -28,7 +28,8 @@ class Board {
  public:
   // `bench` may be null. `slack`: how late a byte may be read or written, for clocks that are not
   // the board's own; zero in lockstep.
-  Board(host::Link& link, host::Clock& clock, Bench* bench, Time slack, std::uint64_t seed);
+  Board(host::Link& link, host::Clock& clock, Bench* bench, Time slack, std::uint64_t seed,
+        std::uint8_t home = KZ_ADDRESS_DEFAULT);
 
   // Before a case: reset, nothing latched, no frame in flight. After it: motors off.
   void begin(std::uint64_t case_seed);
@@ -38,7 +39,12 @@ class Board {
   Time slack() const { return slack_; }
   bool exact() const { return slack_ == Time::zero(); }
   std::mt19937_64& random() { return random_; }
-  std::uint8_t address = KZ_ADDRESS_DEFAULT;
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;   // present
+  std::uint8_t home() const { return home_; }  // at the beginning of each case
+  // `wanted` as the address of somebody else: another one if the board is at home there.
+  std::uint8_t other_than_home(int wanted) const {
+    return static_cast<std::uint8_t>(wanted == home_ ? wanted - 1 : wanted);
+  }
 
   // ---- Bytes
   void write(const Bytes& bytes);
@@ -95,6 +101,7 @@ class Board {
   Bench* bench_;
   Time slack_;
   std::uint64_t seed_;
+  std::uint8_t home_;
   std::mt19937_64 random_;
   std::uint8_t sequence_ = 0;
   Deframer deframer_;

@@ -19,17 +19,17 @@ void move_to(Board& board, int address, int shared_line) {
   board.wait(120);
 }
 
-// At another address, and back at the default one whatever happens there.
+// At another address, and back at its own whatever happens there.
 template <class Then>
-void while_at(Board& board, int address, int shared_line, Then then) {
-  move_to(board, address, shared_line);
+void while_at(Board& board, int wanted, int shared_line, Then then) {
+  move_to(board, board.other_than_home(wanted), shared_line);
   try {
     then();
   } catch (...) {
-    move_to(board, KZ_ADDRESS_DEFAULT, 0);
+    move_to(board, board.home(), 0);
     throw;
   }
-  move_to(board, KZ_ADDRESS_DEFAULT, 0);
+  move_to(board, board.home(), 0);
 }
 
 void broadcast(Board& board, std::string_view name, const Bytes& fields) {
@@ -44,8 +44,9 @@ void broadcast(Board& board, std::string_view name, const Bytes& fields) {
 }  // namespace
 
 void add_address_cases(Cases& to) {
-  add(to, "default", "A board as it comes answers at address 1.", "ADDR-1",
-      [](Board& b) { equal("address", b.done("identify").frame().address, 1); });
+  add(
+      to, "default", "A board as it comes answers at address 1.", "ADDR-1",
+      [](Board& b) { equal("address", b.done("identify").frame().address, 1); }, kDefaultAddress);
   add(to, "own", "A request to the board's address is answered from that address.", "ADDR-2",
       [](Board& b) {
         for (const char* name : {"identify", "state", "clear", "self_test"}) {
@@ -76,7 +77,7 @@ void add_address_cases(Cases& to) {
         "A request to this address is neither answered nor done nor counted.", "ADDR-4",
         [other](Board& b) {
           const long before = b.statistics()["frames"];
-          b.write(frame_of(static_cast<std::uint8_t>(other), KZ_TYPE_stop, b.new_sequence(), {}));
+          b.write(frame_of(b.other_than_home(other), KZ_TYPE_stop, b.new_sequence(), {}));
           b.silence(15);
           equal("reason of a shutdown", b.state().reason(), KZ_SHUTDOWN_NONE);
           equal("valid frames", b.statistics()["frames"] - before, 2);
@@ -94,13 +95,14 @@ void add_address_cases(Cases& to) {
       to, "set", "`set_address` moves the board, from its next reset on.", "ADDR-6",
       [](Board& b) {
         b.done("unlock", Put().u16(KZ_KEY).u8(10));
-        b.done("set_address", Put().u8(9).u8(0), 3000);
+        const std::uint8_t other = b.other_than_home(9);
+        b.done("set_address", Put().u8(other).u8(0), 3000);
         b.expect_alive();  // still here
-        while_at(b, 9, 0, [&] {
+        while_at(b, other, 0, [&] {
           b.expect_alive();
-          b.address = KZ_ADDRESS_DEFAULT;
+          b.address = b.home();
           const bool old = b.answers();
-          b.address = 9;
+          b.address = other;
           check(!old, "the board still answers at its old address");
         });
         b.expect_alive();

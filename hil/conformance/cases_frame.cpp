@@ -221,7 +221,7 @@ void add_counts(Cases& to) {
       });
   add(to, "check-of-body", "A check over the body before stuffing is a wrong one.", "FRAME-6",
       [](Board& b) {
-        const Bytes body{KZ_ADDRESS_DEFAULT, KZ_TYPE_heartbeat, b.new_sequence(), 0, 0};
+        const Bytes body{b.home(), KZ_TYPE_heartbeat, b.new_sequence(), 0, 0};
         Bytes wire{0};
         append(wire, stuff(body));
         append(wire, check_of(crc_of(body)));
@@ -230,21 +230,21 @@ void add_counts(Cases& to) {
       });
   add(to, "bad-stuffing", "A block that reaches beyond the frame is dropped and counted.",
       "FRAME-7", [](Board& b) {
-        Bytes stuffed = stuff({KZ_ADDRESS_DEFAULT, KZ_TYPE_identify, b.new_sequence()});
+        Bytes stuffed = stuff({b.home(), KZ_TYPE_identify, b.new_sequence()});
         stuffed[0] = static_cast<std::uint8_t>(stuffed[0] + 1);
         dropped_as(b, frame_of_stuffed(stuffed), "bad_stuffing");
         stuffed[0] = 0xFF;
         dropped_as(b, frame_of_stuffed(stuffed), "bad_stuffing");
       });
   add(to, "bad-stuffing-last", "So is a last block that lacks one byte.", "FRAME-7", [](Board& b) {
-    Bytes stuffed = stuff({KZ_ADDRESS_DEFAULT, KZ_TYPE_heartbeat, 7, 0, 5});
+    Bytes stuffed = stuff({b.home(), KZ_TYPE_heartbeat, 7, 0, 5});
     stuffed.pop_back();
     dropped_as(b, frame_of_stuffed(stuffed), "bad_stuffing");
   });
   for (int length = 0; length < KZ_HEADER_SIZE; ++length) {
     add(to, ("too-short-" + std::to_string(length)).c_str(),
         "A body shorter than its header is dropped and counted.", "FRAME-8", [length](Board& b) {
-          Bytes body{KZ_ADDRESS_DEFAULT, KZ_TYPE_identify};
+          Bytes body{b.home(), KZ_TYPE_identify};
           body.resize(static_cast<std::size_t>(length));
           dropped_as(b, frame_of_stuffed(stuff(body)), "too_short");
         });
@@ -262,7 +262,7 @@ void add_counts(Cases& to) {
     b.refused_type(KZ_TYPE_identify, fields, KZ_REFUSED_LENGTH);
   });
   add(to, "too-long", "One byte more is dropped and counted.", "FRAME-9", [](Board& b) {
-    Bytes body{KZ_ADDRESS_DEFAULT, KZ_TYPE_identify, b.new_sequence()};
+    Bytes body{b.home(), KZ_TYPE_identify, b.new_sequence()};
     append(body, random_bytes(b, KZ_PAYLOAD_MAX + 1, 0));
     dropped_as(b, frame_of_stuffed(stuff(body)), "too_long");
   });

@@ -107,6 +107,7 @@ std::string missing_text(unsigned missing) {
   add(kFlash, "--allow-flash");
   add(kBench, "a bench that can disturb supply, sensors and line");
   add(kExact, "the board's own clock");
+  add(kDefaultAddress, "a board whose address was never set, which is 1");
   return text;
 }
 
@@ -140,12 +141,14 @@ Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, 
   const auto taken = KAZ_TRY(chosen(options.filter));
   RunReport report;
   report.chosen = taken.size();
-  Board board(link, clock, bench, slack, options.seed);
+  Board board(link, clock, bench, slack, options.seed, options.address);
+  RunOptions of_case = options;
+  if (options.address == KZ_ADDRESS_DEFAULT) of_case.allowed |= kDefaultAddress;
   try {
     board.begin(0);
     report.board = describe(board);
     for (const Case* one : taken) {
-      report.results.push_back(run_one(*one, board, options));
+      report.results.push_back(run_one(*one, board, of_case));
       if (options.progress) {
         options.progress(report.results.back(), report.results.size(), taken.size());
       }

@@ -15,10 +15,11 @@ namespace kaz::hil {
 // What a case needs besides a link.
 enum Need : unsigned {
   kNothing = 0,
-  kMotion = 1,  // joints or motors move
-  kFlash = 2,   // writes flash, whose life is finite
-  kBench = 4,   // Bench
-  kExact = 8,   // a clock without slack
+  kMotion = 1,           // joints or motors move
+  kFlash = 2,            // writes flash, whose life is finite
+  kBench = 4,            // Bench
+  kExact = 8,            // a clock without slack
+  kDefaultAddress = 16,  // a board at address 1; run_suite() knows
 };
 
 struct Case {
@@ -50,6 +51,7 @@ struct CaseResult {
 struct RunOptions {
   std::string filter;  // regular expression, found anywhere in id or statement; empty: all
   std::uint64_t seed = 1;
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;
   unsigned allowed = 0;  // Need, those that are to be had
   // The link and the clock of the run, where they are real: a case that fails while this machine is
   // late is repeated, and undecided if it was late each time.

@@ -20,7 +20,7 @@ std::uint32_t key(std::uint8_t address, std::uint8_t type, std::uint8_t sequence
 
 }  // namespace
 
-Conversation::Conversation() {
+Conversation::Conversation(std::uint8_t address) : address_(address) {
   kz_receiver_init(&to_board_);
   kz_receiver_init(&to_host_);
 }
@@ -58,7 +58,7 @@ bool Conversation::take_deafening() {
 }
 
 int Conversation::replies_to(std::uint8_t type, std::uint8_t sequence) const {
-  const auto request_sent = sent_.find(key(KZ_ADDRESS_DEFAULT, type, sequence));
+  const auto request_sent = sent_.find(key(address_, type, sequence));
   return request_sent == sent_.end() ? 0 : request_sent->second.answered;
 }
 
@@ -78,7 +78,7 @@ void Conversation::received(std::span<const std::uint8_t> bytes) {
 
 void Conversation::frame(std::span<const std::uint8_t> body) {
   const std::uint8_t address = body[0], type = body[1], sequence = body[2];
-  if (address != KZ_ADDRESS_DEFAULT && address_known_ && !faulty_)
+  if (address != address_ && address_known_ && !faulty_)
     return wrong("a frame came from address " + std::to_string(address) +
                  ", which is not the board's");
   const kz_message_info* message = kz_message_find(type);

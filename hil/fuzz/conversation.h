@@ -21,7 +21,8 @@ struct ConversationCounts {
 
 class Conversation {
  public:
-  Conversation();
+  // `address`: of the board.
+  explicit Conversation(std::uint8_t address = KZ_ADDRESS_DEFAULT);
 
   void sent(std::span<const std::uint8_t> bytes);
   void received(std::span<const std::uint8_t> bytes);
@@ -57,6 +58,7 @@ class Conversation {
   void judge_status(std::uint8_t type, std::uint16_t status);
   void wrong(const std::string& what);
 
+  std::uint8_t address_;
   kz_receiver to_board_{}, to_host_{};
   std::map<std::uint32_t, SentRequest> sent_;  // by address, type, number
   bool telemetry_ = false, address_known_ = true, faulty_ = false, deafening_ = false;

@@ -99,7 +99,7 @@ class Maker {
       case 1:
         return static_cast<std::uint8_t>(choices_.byte());
       default:
-        return KZ_ADDRESS_DEFAULT;
+        return options_.address;
     }
   }
 
@@ -115,12 +115,12 @@ class Maker {
   }
 
   void known(u8 code, const std::vector<std::uint8_t>& fields) {
-    send(framed(KZ_ADDRESS_DEFAULT, code, ++sequence_, fields), kz_message_find(code)->name);
+    send(framed(options_.address, code, ++sequence_, fields), kz_message_find(code)->name);
   }
 
   // Unknown type, or too many or too few bytes; the CRC is right.
   void odd_request() {
-    auto made = make_request(type(), choices_, true, KZ_ADDRESS_DEFAULT, sequence());
+    auto made = make_request(type(), choices_, true, options_.address, sequence());
     if (choices_.below(2) == 0) {
       made.body[1] = choices_.byte();
     } else {
@@ -131,7 +131,7 @@ class Maker {
 
   // One to four bytes of a valid frame inverted, lost or inserted.
   void damaged() {
-    const auto made = make_request(type(), choices_, true, KZ_ADDRESS_DEFAULT, sequence());
+    const auto made = make_request(type(), choices_, true, options_.address, sequence());
     auto wire = framed(made.body);
     for (unsigned left = 1 + choices_.below(4); left > 0; --left) {
       const auto at = static_cast<std::ptrdiff_t>(
@@ -173,7 +173,7 @@ class Maker {
   }
 
   void query() {
-    const auto made = make_request(type(), choices_, true, KZ_ADDRESS_DEFAULT, ++sequence_);
+    const auto made = make_request(type(), choices_, true, options_.address, ++sequence_);
     ms_ += 100;
     events_.push_back({Event::Kind::query,
                        framed(made.body),

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "shared/faults/faults.h"
+#include "shared/protocol/messages.h"
 
 namespace kaz::hil::fuzz {
 
@@ -33,8 +34,9 @@ struct Event {
 struct GrammarOptions {
   bool faults = true;  // of sensors, power and mechanics
   bool line_faults = true;
-  bool flash = true;      // requests that wear the board's flash
-  int longest_ms = 2000;  // of the case
+  bool flash = true;                          // requests that wear the board's flash
+  int longest_ms = 2000;                      // of the case
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // of the board
 };
 
 // `query`: one legal request with silence before and after, to which exactly one reply must come.

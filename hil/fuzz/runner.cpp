@@ -18,7 +18,7 @@ constexpr Time kByte = std::chrono::nanoseconds(10'000'000'000 / KZ_BAUD);  // 8
 class Run {
  public:
   Run(host::Link& link, host::Clock& clock, const RunnerOptions& options)
-      : link_(link), clock_(clock), options_(options) {}
+      : link_(link), clock_(clock), options_(options), conversation_(options.address) {}
 
   Result<Verdict> go(std::span<const Event> events) {
     const Time began = clock_.now();
@@ -71,7 +71,7 @@ class Run {
 
   Result<bool> known(u8 type, const std::vector<std::uint8_t>& fields = {}) {
     --own_sequence_;
-    return query(type, own_sequence_, framed(KZ_ADDRESS_DEFAULT, type, own_sequence_, fields));
+    return query(type, own_sequence_, framed(options_.address, type, own_sequence_, fields));
   }
 
   // `identify` until it is answered.

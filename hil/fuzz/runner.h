@@ -30,6 +30,7 @@ struct RunnerOptions {
   // How long a lonely request may take to be answered.
   Time patience = std::chrono::milliseconds(100);
   Time longest_start = std::chrono::seconds(3);
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // of the board
 };
 
 // Waits until the board answers, applies the events, and checks once more that it answers;

@@ -152,7 +152,7 @@ Result<bool> Flasher::enter_loader() {
   };
   // The writer may be running already: started by a loader without an application, or by an earlier try.
   if (auto there = listening(milliseconds(60), 2); !there || *there) return there;
-  Requester requester(link_, clock_, {});
+  Requester requester(link_, clock_, {.address = options_.address});
   requester.limit_tries(3);
   const auto board =
       repeat_if_late(options_.lateness, [&] { return identify_board(requester); });

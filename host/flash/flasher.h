@@ -18,6 +18,7 @@
 #include "host/flash/flash_image.h"
 #include "host/flash/writer_link.h"
 #include "host/link/link.h"
+#include "shared/protocol/messages.h"
 
 namespace kaz::host {
 
@@ -29,7 +30,8 @@ struct FlashProgress {
 
 struct FlasherOptions {
   BootOptions boot;
-  int baud = 115200;   // of the writer
+  int baud = 115200;                          // of the writer
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // of the board whose firmware is to start its loader
   bool force = false;  // the image may be for another board, or no Kaz application
   // Link and clock of the flasher where they are real: what fails while this machine is late is
   // repeated. May be null.

@@ -75,7 +75,8 @@ TEST(Connect, AnotherAddress) {
   TestBoard board;
   ConnectOptions options;
   options.address = 3;
-  EXPECT_NE(connect_error(board, options).find("nothing answers"), std::string::npos);
+  EXPECT_NE(connect_error(board, options).find("one does at address 1: give --address 1"),
+            std::string::npos);
 }
 
 TEST(Connect, AnotherProtocolVersion) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "host/robot/connect.h"
+#include "host/robot/find_boards.h"
 #include "host/robot/robot_parts.h"
 
 namespace kaz::host {
@@ -56,7 +57,10 @@ Result<Robot> Robot::connect(Link& link, Clock& clock, const ConnectOptions& opt
   if (auto found = identify_board(parts->requester); !found) {
     parts->frames_at_loss =
         parts->requester.statistics().bytes_in ? parts->requester.frames().text() : std::string();
-    return tl::unexpected(parts->for_good(found.error()));
+    Error error = parts->for_good(found.error());
+    if (parts->requester.timed_out())
+      error = explain_silence(link, clock, options.address, std::move(error));
+    return tl::unexpected(std::move(error));
   }
   // Once more: this answer also relates the clocks.
   const auto identity =

@@ -38,7 +38,8 @@ namespace kaz::host {
 class Robot {
  public:
   // Identifies the board; fails with one sentence if nothing, or something that is no Kaz board,
-  // answers, or if its protocol version is another. `link` and `clock` must outlive the robot.
+  // answers (boards at other addresses are named), or if its protocol version is another.
+  // `link` and `clock` must outlive the robot.
   static Result<Robot> connect(Link& link, Clock& clock, const ConnectOptions& options = {});
   Robot(Robot&&) noexcept;
   Robot& operator=(Robot&&) noexcept;

@@ -26,7 +26,7 @@ Format format_of(std::span<const std::uint8_t> bytes) {
 
 Result<Image> raw(std::vector<std::uint8_t> bytes, const std::string& path,
                   std::optional<std::uint32_t> address) {
-  if (!address) return fail(path + ": a raw image needs the address of its first byte (--address)");
+  if (!address) return fail(path + ": a raw image needs the address of its first byte (--at)");
   if (*address > 0xffffff || bytes.size() > 0x1000000 - *address)
     return fail(path + ": " + std::to_string(bytes.size()) +
                 " bytes from the given address on go beyond 0xffffff");
@@ -78,7 +78,7 @@ Result<Image> load_image(const std::string& path, const LoadOptions& options) {
   return fail(
       path +
       ": none of S-record (starts with S), Intel HEX (starts with a colon), H8 COFF (83 02) "
-      "and ELF (7f 45 4c 46); a raw image needs --format raw --address A");
+      "and ELF (7f 45 4c 46); a raw image needs --format raw --at A");
 }
 
 }  // namespace kaz::h8s

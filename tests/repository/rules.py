@@ -121,9 +121,10 @@ LAYERS = {
         "fuzz": ("lockstep", "app"), "kaz": ("figure", "app", "fuzz"), "benchmark": ("lockstep",),
     },
     "tools/app": {
-        "base": (), "vision": ("base",), "session": ("base", "vision"), "board": ("base",),
+        "base": (), "kept": ("base",), "vision": ("base",), "session": ("base", "kept", "vision"),
+        "board": ("base", "kept"),
         "monitor": ("base",), "flash": ("base", "monitor"), "mcu": ("base",), "sim": ("base", "session"),
-        "bench": ("base", "session"), "replay": ("base", "vision", "session"),
+        "bench": ("base", "kept", "session"), "replay": ("base", "vision", "session"),
         "evaluate": ("base", "vision", "session"),
         "vision_run": ("base", "vision", "session", "replay"),
     },

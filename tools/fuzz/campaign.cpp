@@ -13,10 +13,12 @@
 #include "host/link/faulty_link.h"
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
+#include "host/robot/connect.h"
 #include "shared/base/enum_names.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/paths.h"
+#include "tools/app/kept/kept_run.h"
 #include "tools/fuzz/engine_case.h"
 
 namespace kaz::tools {
@@ -37,15 +39,29 @@ struct Totals {
 // A board at a port: cases one after the other, each begins with the motors off.
 class PortTarget {
  public:
-  static Result<std::unique_ptr<PortTarget>> open(const std::string& path, std::uint64_t seed,
+  static Result<std::unique_ptr<PortTarget>> open(const FuzzOptions& options,
                                                   const host::Interrupt& interrupt) {
-    auto link = KAZ_TRY(host::TtyLink::open(path, 115200, &interrupt));
-    return std::unique_ptr<PortTarget>(new PortTarget(std::move(link), seed, interrupt));
+    auto link = KAZ_TRY(host::TtyLink::open(options.target, 115200, &interrupt));
+    std::unique_ptr<PortTarget> port(new PortTarget(std::move(link), options, interrupt));
+    auto kept = KAZ_TRY(KeptRun::begin(*port->link_, port->uninterrupted_,
+                                       {.verb = "kaz fuzz",
+                                        .port = options.target,
+                                        .address = options.address,
+                                        .flash = options.wear_flash,
+                                        .alone = true}));
+    port->kept_ = std::move(kept);
+    return port;
   }
+  // The board is afterwards as it was found.
+  Result<void> end() { return kept_->end(); }
   Result<Verdict> run(const Genome& genome, const hil::fuzz::GrammarOptions& grammar) {
+    if (options_.wear_flash) {
+      KAZ_TRY(bring_home());
+    }
     host::FaultyLink faulty(*link_, clock_, {}, seed_);
     hil::fuzz::RunnerOptions runner;
     runner.patience = std::chrono::milliseconds(200);
+    runner.address = options_.address;
     runner.fault = [&](faults::Fault fault) {
       fault.at = faulty.age();
       faulty.add(fault);
@@ -54,12 +70,28 @@ class PortTarget {
   }
 
  private:
-  PortTarget(std::unique_ptr<host::TtyLink> link, std::uint64_t seed,
+  PortTarget(std::unique_ptr<host::TtyLink> link, const FuzzOptions& options,
              const host::Interrupt& interrupt)
-      : link_(std::move(link)), clock_(&interrupt), seed_(seed) {}
+      : link_(std::move(link)), clock_(&interrupt), options_(options), seed_(options.seed) {}
+
+  // A case before may have moved the board to another address.
+  Result<void> bring_home() {
+    if (!ran_) {
+      ran_ = true;
+      return {};
+    }
+    host::Requester requester(*link_, clock_, {.address = options_.address});
+    if (host::identify_board(requester)) return {};
+    if (!requester.timed_out()) return {};  // the case reports that the port is gone
+    return kept_->put_back();
+  }
+
   std::unique_ptr<host::TtyLink> link_;
-  host::WallClock clock_;
+  host::WallClock clock_, uninterrupted_;
+  const FuzzOptions& options_;
   std::uint64_t seed_;
+  bool ran_ = false;
+  std::unique_ptr<KeptRun> kept_;  // goes before its link
 };
 
 class Fuzzing {
@@ -67,9 +99,15 @@ class Fuzzing {
   explicit Fuzzing(const FuzzOptions& arguments) : arguments_(arguments) {}
 
   Result<bool> run() {
+    const InterruptSignals signals(interrupt_);
+    auto ran = run_cases();
+    return port_ ? together(std::move(ran), port_->end()) : ran;
+  }
+
+ private:
+  Result<bool> run_cases() {
     // Not only when there is something to keep.
     KAZ_TRY(check_folder_of(arguments_.out, "a failing case"));
-    const InterruptSignals signals(interrupt_);
     KAZ_TRY(prepare());
     if (!arguments_.replay.empty()) return replay();
     hil::fuzz::Search search(arguments_.seed);
@@ -114,7 +152,6 @@ class Fuzzing {
     return true;
   }
 
- private:
   Result<void> prepare() {
     const auto mcu = parse_enum(sim::kMcuKinds, arguments_.target);
     if (!mcu) {  // a port
@@ -122,7 +159,8 @@ class Fuzzing {
         return fail(Fault::usage, "--body needs the simulator: use it with --target native or h8");
       grammar_.faults = false;
       grammar_.flash = arguments_.wear_flash;
-      auto port = KAZ_TRY(PortTarget::open(arguments_.target, arguments_.seed, interrupt_));
+      grammar_.address = arguments_.address;
+      auto port = KAZ_TRY(PortTarget::open(arguments_, interrupt_));
       port_ = std::move(port);
       return {};
     }

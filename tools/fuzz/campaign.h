@@ -6,6 +6,7 @@
 #include <string>
 
 #include "shared/base/result.hpp"
+#include "shared/protocol/messages.h"
 
 namespace kaz::tools {
 
@@ -17,6 +18,7 @@ struct FuzzOptions {
   double seconds = 10;
   long long cases = 0;  // above 0: so many instead of `seconds`
   std::uint64_t seed = 1;
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // of the board at a port
   bool body = false, json = false, wear_flash = false;
 };
 

@@ -74,6 +74,16 @@ void add_motor_options(CLI::App& verb, BackendOptions& options) {
       ->capture_default_str();
 }
 
+CLI::Option* add_address(CLI::App& verb, std::uint8_t& address) {
+  return verb
+      .add_option_function<int>(
+          "--address", [&address](int number) { address = static_cast<std::uint8_t>(number); },
+          "of the board on its line, 1 to 14; where none answers, those that do are named")
+      ->check(CLI::Range(1, KZ_ADDRESS_LAST))
+      ->type_name("N")
+      ->default_str(std::to_string(address));
+}
+
 void add_record_pictures(CLI::App& verb, BackendOptions& options) {
   verb.add_flag("--record-pictures", options.record_pictures,
                 "the eyes' pictures into the recording too, not only their SHA-256");
@@ -93,7 +103,7 @@ void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load
                   "coff, elf, srec, ihex or raw; by the contents if not given")
       ->transform(one_of(formats))
       ->type_name("");
-  verb.add_option("--address", load.address, "of a raw image's first byte, and its entry")
+  verb.add_option("--at", load.address, "of a raw image's first byte, and its entry")
       ->check(CLI::Range(std::uint32_t{0}, max_address))
       ->type_name("");
 }

@@ -12,6 +12,7 @@
 
 #include "shared/base/enum_names.hpp"
 #include "shared/image/image.h"
+#include "shared/protocol/messages.h"
 #include "tools/app/session/backend.h"
 
 namespace kaz::tools {
@@ -54,9 +55,11 @@ CLI::Option* add_choice(CLI::App& verb, const std::string& name, const std::arra
 void add_sim_options(CLI::App& verb, BackendOptions& options);
 // --motor-file, --motor, --disc: the motors on a virtual motor stand.
 void add_motor_options(CLI::App& verb, BackendOptions& options);
+// --address N, for every verb that opens a port.
+CLI::Option* add_address(CLI::App& verb, std::uint8_t& address);
 // --record-pictures, for verbs that record.
 void add_record_pictures(CLI::App& verb, BackendOptions& options);
-// IMAGE, --format and --address. `max_address`: of the first byte of a raw image.
+// IMAGE, --format and --at. `max_address`: of the first byte of a raw image.
 void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load,
                        std::uint32_t max_address);
 

@@ -15,6 +15,7 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
                                "serial port or pty of a board; without it an emulated one on a "
                                "virtual motor stand, in simulated time")
                    ->type_name("PATH[@BAUD]");
+  add_address(verb, arguments.target.address)->needs(port);
   add_choice(verb, "--mcu", sim::kMcuKinds, arguments.target.backend.mcu,
              "of the emulated board: h8 executes the firmware image, native runs the same C "
              "compiled for this machine")

@@ -15,6 +15,7 @@ void add_conformance(CLI::App& program, Action& action) {
   auto arguments = std::make_shared<ConformanceOptions>();
   auto* port = verb->add_option("--port", arguments->port, "serial port or pty of a board")
                    ->type_name("PATH[@BAUD]");
+  add_address(*verb, arguments->address)->needs(port);
   add_choice(*verb, "--virtual", sim::kMcuKinds, arguments->mcu,
              "a virtual board on a bench, in simulated time: h8 executes the firmware image, "
              "native runs the same C compiled for this machine")
@@ -41,6 +42,8 @@ void add_conformance(CLI::App& program, Action& action) {
       ->type_name("FILE");
   verb->footer(
       "A virtual board passes all cases; on a port those that need a bench are left out.\n"
+      "The board there is left as it was found, also by Ctrl-C; kaz recover brings back one whose\n"
+      "run was killed.\n"
       "A case that fails while this machine is late runs up to three times more, and is undecided "
       "then.\n"
       "Exit status: 0 all that ran passed, 1 a case failed, 2 wrong usage, 3 port error or "

@@ -12,6 +12,7 @@ namespace {
 
 void add_common(CLI::App& verb, FlashArguments& arguments) {
   verb.add_option("--port", arguments.port, "serial port or pty of the board")->type_name("PATH");
+  add_address(verb, arguments.address);
   verb.add_option(
           "--reset", arguments.reset,
           "boot mode, entered by dtr-rts (DTR at RES, RTS at the mode pins), ctl:PATH (control "

@@ -16,6 +16,7 @@ void add_fuzz(CLI::App& program, Action& action) {
   auto arguments = std::make_shared<FuzzOptions>();
   verb->add_option("--target", arguments->target, "native, h8, or the path of a port")
       ->capture_default_str();
+  add_address(*verb, arguments->address);
   verb->add_option("--seconds", arguments->seconds, "how long")
       ->check(positive())
       ->capture_default_str();
@@ -44,7 +45,9 @@ void add_fuzz(CLI::App& program, Action& action) {
       "it\n"
       "up, or take the motors' supply away. Exit status 1 and a file with the shortened case "
       "where\n"
-      "something is wrong. Cases choose their own faults of line, power and sensors "
+      "something is wrong. The board at a port is left as it was found, also by Ctrl-C (kaz "
+      "recover).\n"
+      "Cases choose their own faults of line, power and sensors "
       "(docs/reference/faults.md).\n"
       "docs/howto/fuzzing.md says what is judged.\n"
       "Examples:\n"

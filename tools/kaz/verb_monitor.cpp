@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tools/app/monitor/monitor.h"
+#include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
@@ -11,10 +12,11 @@ namespace kaz::tools {
 void add_monitor(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "monitor", "a board in the terminal: joints, supply, tick, link; keys to move and stop");
-  auto port = std::make_shared<std::string>();
-  verb->add_option("--port", *port, "serial port or pty of a board")
+  auto arguments = std::make_shared<MonitorOptions>();
+  verb->add_option("--port", arguments->port, "serial port or pty of a board")
       ->type_name("PATH[@BAUD]")
       ->required();
+  add_address(*verb, arguments->address);
   verb->footer(
       "80 columns and 24 lines are enough; works over ssh. It looks only, until a key says\n"
       "otherwise: e switches the selected joint on or off, E all on, left and right move it by a\n"
@@ -25,7 +27,7 @@ void add_monitor(CLI::App& program, Action& action) {
       "  kaz monitor --port /dev/ttyUSB0\n"
       "  kaz sim --mcu native --serial board &  kaz monitor --port board\n"
       "  ssh workbench -t kaz monitor --port /dev/ttyUSB0");
-  verb->callback([&action, port] { action = [port] { return monitor(*port); }; });
+  verb->callback([&action, arguments] { action = [arguments] { return monitor(*arguments); }; });
 }
 
 }  // namespace kaz::tools

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "host/behavior/behavior.h"
+#include "tools/kaz/options.h"
 #include "tools/kaz/run_options.h"
 #include "tools/kaz/verbs.h"
 
@@ -43,6 +44,7 @@ void add_run(CLI::App& program, Action& action) {
       ->type_name("");
   verb->add_option("--robot", session.backend.robot, "sim, or serial:PATH[@BAUD]")
       ->capture_default_str();
+  add_address(*verb, session.backend.address);
   verb->add_option("--camera", session.backend.camera,
                    "sim, the path of a camera socket, or v4l2:LEFT,RIGHT[,fps=N][,format=NAME]")
       ->capture_default_str();

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tools/app/board/board_status.h"
+#include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
@@ -15,6 +16,7 @@ void add_status(CLI::App& program, Action& action) {
   verb->add_option("--port", arguments->port, "serial port or pty of a board")
       ->type_name("PATH[@BAUD]")
       ->required();
+  add_address(*verb, arguments->address);
   verb->add_flag("--json", arguments->json, "print it as JSON");
   verb->footer(
       "Reads only: nothing moves, and nothing is cleared. docs/explanation/safety.md says what to "
@@ -23,7 +25,7 @@ void add_status(CLI::App& program, Action& action) {
       "error.\n"
       "Examples:\n"
       "  kaz status --port /dev/ttyUSB0\n"
-      "  kaz status --port /dev/ttyUSB0 --json");
+      "  kaz status --port /dev/ttyUSB0 --address 3 --json");
   verb->callback(
       [&action, arguments] { action = [arguments] { return print_status(*arguments); }; });
 }

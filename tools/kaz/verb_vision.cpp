@@ -126,6 +126,7 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
                    "of a live camera: the robot that has it (serial:PATH[@BAUD]), whose posture "
                    "determines which plane is the floor")
       ->type_name("ROBOT");
+  add_address(*verb, options->address)->needs("--robot");
   verb->add_flag("--json", options->json, "print result.json, no progress");
   verb->footer(
       "Exit status: 0 done, also without a ball; 1 no picture could be looked at; 2 wrong usage.\n"

@@ -182,7 +182,7 @@ TEST_F(Loading, ReportsTheFormatByTheContents) {
 TEST_F(Loading, RawNeedsAnAddressAndHasItAsEntry) {
   const auto none = load_image(file({1, 2, 3}), {Format::raw, std::nullopt});
   ASSERT_FALSE(none.has_value());
-  EXPECT_NE(none.error().message.find("--address"), std::string::npos);
+  EXPECT_NE(none.error().message.find("--at"), std::string::npos);
   const auto image = load_image(path_, {Format::raw, 0x400});
   ASSERT_TRUE(image.has_value());
   EXPECT_EQ(image->entry, 0x400u);

@@ -53,8 +53,8 @@ class FlashPty : public ::testing::Test {
   }
   std::vector<std::string> flash(const std::string& verb, const std::string& image,
                                  std::vector<std::string> more = {}) const {
-    std::vector<std::string> all{"flash",     verb, folder_ / image, "--format",       "raw",
-                                 "--address", "0",  "--port",        folder_ / "board"};
+    std::vector<std::string> all{"flash", verb, folder_ / image, "--format",       "raw",
+                                 "--at",  "0",  "--port",        folder_ / "board"};
     all.insert(all.end(), more.begin(), more.end());
     return kaz(all);
   }

@@ -18,8 +18,8 @@ class McuFlat : public ::testing::Test {
     for (std::size_t k = 0; k < hex.size(); k += 2)
       bytes += static_cast<char>(std::stoi(hex.substr(k, 2), nullptr, 16));
     std::ofstream(folder_ / "program.bin", std::ios::binary) << bytes;
-    std::vector<std::string> all{"mcu", "run",       "--flat", "--semihost",           "--format",
-                                 "raw", "--address", "0x400",  folder_ / "program.bin"};
+    std::vector<std::string> all{"mcu", "run",  "--flat", "--semihost",           "--format",
+                                 "raw", "--at", "0x400",  folder_ / "program.bin"};
     all.insert(all.end(), options.begin(), options.end());
     return run(kaz(all));
   }
@@ -66,8 +66,7 @@ TEST_F(McuFlat, WhatIsNotAnEndGivesOneLineAnd125) {
 
 TEST_F(McuFlat, AFullDiskIsReported) {
   program(kWrite + kExit7);
-  const std::string command = kaz({})[0] +
-                              " mcu run --flat --semihost --format raw --address 0x400 " +
+  const std::string command = kaz({})[0] + " mcu run --flat --semihost --format raw --at 0x400 " +
                               (folder_ / "program.bin") + " > /dev/full";
   const Finished finished = run({"/bin/sh", "-c", command});
   EXPECT_EQ(finished.exit_code, 125);

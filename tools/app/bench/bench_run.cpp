@@ -16,7 +16,9 @@
 #include "hil/bench/report.h"
 #include "hil/bench/report/numbers.h"
 #include "hil/bench/tick_bench.h"
+#include "host/link/wall_clock.h"
 #include "host/robot/connect.h"
+#include "host/robot/find_boards.h"
 #include "shared/base/files.hpp"
 #include "shared/plot/svg.h"
 #include "sim/board/sensor_file.h"
@@ -26,6 +28,7 @@
 #include "tools/app/base/version.h"
 #include "tools/app/bench/bench_target.h"
 #include "tools/app/bench/fit_report.h"
+#include "tools/app/kept/kept_run.h"
 #include "tools/figure/figure.h"
 
 namespace kaz::tools {
@@ -67,8 +70,9 @@ void say(const hil::Measurement& one) {
 Result<void> measure_motors(const BenchOptions& arguments, const std::vector<int>& joints,
                             BenchTarget& target, hil::BenchJudge& judge,
                             const hil::BenchProgress& progress) {
-  auto robot =
-      KAZ_TRY(host::Robot::connect(target.link(), target.clock(), hil::bench_connection()));
+  host::ConnectOptions connection = hil::bench_connection();
+  connection.address = arguments.target.address;
+  auto robot = KAZ_TRY(host::Robot::connect(target.link(), target.clock(), connection));
   for (std::size_t i = 0; i < joints.size(); ++i) {
     hil::MotorBenchOptions options;
     options.joint = joints[i];
@@ -96,6 +100,7 @@ Result<void> measure(const BenchOptions& arguments, const std::vector<int>& join
   };
   if (arguments.link) {
     hil::LinkBenchOptions options;
+    options.address = arguments.target.address;
     options.allow_motion = arguments.allow_motion;
     options.progress = part(link);
     if (auto ran = hil::bench_link(target.link(), target.clock(), options, judge); !ran) return ran;
@@ -103,6 +108,7 @@ Result<void> measure(const BenchOptions& arguments, const std::vector<int>& join
   }
   if (arguments.tick) {
     hil::TickBenchOptions options;
+    options.address = arguments.target.address;
     options.allow_motion = arguments.allow_motion;
     options.progress = part(tick);
     if (auto ran = hil::bench_tick(target.link(), target.clock(), options, judge); !ran) return ran;
@@ -137,10 +143,17 @@ Result<void> leave_reports(const OutputFolder& folder, const hil::BenchReport& r
   return leave_plots(folder, report.plots);
 }
 
-Result<std::string> describe(BenchTarget& target) {
-  host::Requester requester(target.link(), target.clock(), {});
-  const auto who = KAZ_TRY(host::identify_board(requester));
-  return host::board_text(who);
+// Its motors are off: putting it back afterwards would switch them off.
+Result<std::string> describe(BenchTarget& target, std::uint8_t address) {
+  host::Requester requester(target.link(), target.clock(), {.address = address});
+  const auto who = host::identify_board(requester);
+  if (who && (who->status & (KZ_STATUS_ENABLED | KZ_STATUS_HOLDING)) != 0)
+    return fail(Fault::environment, "motors of the board on " + target.link().name() +
+                                        " are on: switch them off before anything is measured");
+  if (who) return host::board_text(*who);
+  return tl::unexpected(requester.timed_out() ? host::explain_silence(target.link(), target.clock(),
+                                                                      address, who.error())
+                                              : who.error());
 }
 
 // A motor is driven at full speed through nearly all of its joint's range.
@@ -218,8 +231,16 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
   report.port = target->name();
   report.program = std::string("kaz ") + kVersion;
   report.seed = arguments.target.backend.seed;
-  const auto board = KAZ_TRY(describe(*target));
+  const auto board = KAZ_TRY(describe(*target, arguments.target.address));
   report.board = board;
+  host::WallClock uninterrupted;
+  std::unique_ptr<KeptRun> kept;
+  if (!arguments.target.port.empty()) {
+    auto begun = KAZ_TRY(KeptRun::begin(
+        target->link(), uninterrupted,
+        {.verb = "kaz bench", .port = target->name(), .address = arguments.target.address}));
+    kept = std::move(begun);
+  }
   Progress progress("kaz bench", arguments.json);
   const auto listener = [&](const hil::Measurement& one) {
     progress.done();
@@ -234,14 +255,17 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
   progress.done();
   report.seconds = seconds(target->clock().now() - begin);
   const bool interrupted = !ran && ran.error().fault == Fault::interrupted;
+  const Result<void> left = kept ? kept->end() : Result<void>();
   if (!ran) report.interrupted = ran.error().message;
   if (interrupted) report.signal = received_signal_name();
   KAZ_TRY(leave_reports(folder, report));
   if (interrupted && arguments.json) std::fputs(hil::bench_json(report).c_str(), stdout);
-  if (!ran)
-    return tl::unexpected(Error{ran.error().fault, ran.error().message +
-                                                       "; what was measured until then is in " +
-                                                       folder.path("report.html")});
+  if (!ran || !left) {
+    const Error error = together(ran, left).error();
+    return tl::unexpected(Error{
+        error.fault,
+        error.message + "; what was measured until then is in " + folder.path("report.html")});
+  }
   const int failed = report.count(hil::Verdict::failed);
   const int undecided = report.count(hil::Verdict::undecided);
   if (arguments.json) {

@@ -12,13 +12,15 @@
 #include "host/link/lateness.h"
 #include "host/link/link.h"
 #include "shared/base/result.hpp"
+#include "shared/protocol/messages.h"
 #include "tools/app/session/backend.h"
 
 namespace kaz::tools {
 
 struct BenchTargetOptions {
-  std::string port;        // PATH[@BAUD]; empty: the virtual stand
-  std::string stand;       // at a port: "", "manual" or "ctl:PATH"
+  std::string port;                           // PATH[@BAUD]; empty: the virtual stand
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // at a port
+  std::string stand;                          // at a port: "", "manual" or "ctl:PATH"
   BackendOptions backend;  // of the virtual stand: mcu, image, motor, disc, sensors, seed
 };
 

@@ -94,8 +94,9 @@ Result<bool> print_status(const StatusOptions& arguments) {
   auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
   host::WallClock clock(&interrupt);
   // The link watchdog stays as it is, with its reaction.
-  auto robot =
-      host::Robot::connect(*link, clock, {.watchdog = Time::zero(), .reconnect = Time::zero()});
+  auto robot = host::Robot::connect(
+      *link, clock,
+      {.address = arguments.address, .watchdog = Time::zero(), .reconnect = Time::zero()});
   if (!robot) return tl::unexpected(robot.error());
   const auto health = KAZ_TRY(robot->health());
   const auto test = KAZ_TRY(robot->self_test());

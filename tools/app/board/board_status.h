@@ -2,14 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "shared/base/result.hpp"
+#include "shared/protocol/messages.h"
 
 namespace kaz::tools {
 
 struct StatusOptions {
   std::string port;  // PATH[@BAUD]
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;
   bool json = false;
 };
 

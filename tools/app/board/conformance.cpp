@@ -16,6 +16,7 @@
 #include "tools/app/base/paths.h"
 #include "tools/app/base/time_lost.h"
 #include "tools/app/base/version.h"
+#include "tools/app/kept/kept_run.h"
 #include "tools/lockstep/virtual_bench.h"
 
 namespace kaz::tools {
@@ -96,7 +97,25 @@ Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts&
   facts.port = port.first;
   host::LatenessMeter meter(*link, clock, time_lost_behind(port.first));
   arguments.run.lateness = &meter;
-  return hil::run_suite(meter, meter, nullptr, kPortSlack, arguments.run);
+  arguments.run.address = arguments.address;
+  host::WallClock uninterrupted;
+  const auto kept = KAZ_TRY(KeptRun::begin(*link, uninterrupted,
+                                           {.verb = "kaz conformance",
+                                            .port = port.first,
+                                            .address = arguments.address,
+                                            .flash = arguments.allow_flash,
+                                            .alone = true}));
+  if (kept->before().shared_line)
+    return fail(
+        Fault::environment,
+        "the board on " + port.first +
+            " is set to share its line, where it refuses telemetry: the suite is for a board "
+            "alone on its line, which `kaz recover " +
+            port.first + " --address " + std::to_string(arguments.address) +
+            " --shared-line off` makes it");
+  auto report = hil::run_suite(meter, meter, nullptr, kPortSlack, arguments.run);
+  auto left = kept->end();
+  return together(std::move(report), left);
 }
 
 // Of the cases that a filter takes none may be left: that nothing failed would then be no result.
@@ -142,7 +161,8 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   if (arguments.allow_motion) arguments.run.allowed |= hil::kMotion;
   if (arguments.allow_flash) arguments.run.allowed |= hil::kFlash;
   if (arguments.mcu) arguments.run.allowed = hil::kMotion | hil::kFlash | hil::kBench | hil::kExact;
-  KAZ_TRY(check_needs(taken, arguments.run.allowed, arguments.run.filter));
+  const unsigned address = arguments.address == KZ_ADDRESS_DEFAULT ? hil::kDefaultAddress : 0U;
+  KAZ_TRY(check_needs(taken, arguments.run.allowed | address, arguments.run.filter));
   const bool quiet = arguments.json == "-" || arguments.junit == "-" || arguments.html == "-";
   hil::ReportFacts facts;
   facts.program = std::string("kaz ") + kVersion;

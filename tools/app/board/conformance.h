@@ -13,10 +13,11 @@
 namespace kaz::tools {
 
 struct ConformanceOptions {
-  std::string port;                 // of a board; empty: a virtual one
-  std::optional<sim::McuKind> mcu;  // of the virtual board; nullopt: a board at a port
-  std::string image;                // firmware image for h8; the built one if empty
-  std::string junit, json, html;    // files of reports; "-": standard output, empty: none
+  std::string port;                           // of a board; empty: a virtual one
+  std::optional<sim::McuKind> mcu;            // of the virtual board; nullopt: a board at a port
+  std::string image;                          // firmware image for h8; the built one if empty
+  std::string junit, json, html;              // files of reports; "-": standard output, empty: none
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // at the port
   bool list = false, allow_motion = false, allow_flash = false;
   hil::RunOptions run;
 };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/flash/flash_image.h"
+#include "shared/protocol/messages.h"
 
 namespace kaz::tools {
 
@@ -16,6 +17,7 @@ struct FlashArguments {
   std::uint32_t from = 0, length = host::kFlashBytes;
   std::vector<int> blocks;
   int boot_baud = 9600;
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;  // of the board on its line
   bool dry_run = false, force = false, start = true, json = false;
 };
 

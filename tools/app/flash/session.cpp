@@ -12,6 +12,7 @@
 #include "host/flash/diagnostic.h"
 #include "host/link/requester.h"
 #include "host/robot/connect.h"
+#include "host/robot/find_boards.h"
 #include "shared/base/files.hpp"
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/paths.h"
@@ -90,6 +91,7 @@ Result<void> FlashSession::open() {
   if (auto made = make_reset(); !made) return made;
   host::FlasherOptions options;
   options.boot.baud = arguments_.boot_baud;
+  options.address = arguments_.address;
   options.force = arguments_.force;
   options.lateness = meter_.get();
   options.note = [this](const std::string& line) {
@@ -127,7 +129,8 @@ Result<void> FlashSession::enter(const host::FlashImage* image) {
   }
   if (!reset_) {
     if (*there) return {};
-    return nobody();
+    return tl::unexpected(
+        host::explain_silence(*link_, clock_, arguments_.address, nobody().value()));
   }
   if (image != nullptr && !flasher_->board_id())
     std::fprintf(stderr,
@@ -141,8 +144,13 @@ Result<void> FlashSession::start() {
 }
 
 Result<kz_identify_reply> FlashSession::identify() {
-  host::Requester requester(*meter_, *meter_, {});
-  return host::repeat_if_late(meter_.get(), [&] { return host::identify_board(requester); });
+  host::Requester requester(*meter_, *meter_, {.address = arguments_.address});
+  auto board =
+      host::repeat_if_late(meter_.get(), [&] { return host::identify_board(requester); });
+  if (board || !through_boot()) return board;
+  // Boot mode has erased the board's address.
+  host::Requester at_default(*meter_, *meter_, {});
+  return host::repeat_if_late(meter_.get(), [&] { return host::identify_board(at_default); });
 }
 
 Error FlashSession::with_advice(const Error& error) const {

@@ -28,8 +28,12 @@ constexpr Time kWatchdog = std::chrono::seconds(1);
 
 class Monitor {
  public:
-  Monitor(std::string port, int baud, host::Interrupt& interrupt)
-      : port_(std::move(port)), baud_(baud), interrupt_(interrupt), clock_(&interrupt) {
+  Monitor(std::string port, int baud, std::uint8_t address, host::Interrupt& interrupt)
+      : port_(std::move(port)),
+        baud_(baud),
+        address_(address),
+        interrupt_(interrupt),
+        clock_(&interrupt) {
     view_.port = port_;
   }
 
@@ -59,8 +63,8 @@ class Monitor {
     auto link = KAZ_TRY(host::TtyLink::open(port_, baud_, &interrupt_));
     link_ = std::move(link);
     // Nothing of the board is changed by looking at it.
-    auto robot =
-        host::Robot::connect(*link_, clock_, {.watchdog = Time::zero(), .reconnect = Time::zero()});
+    auto robot = host::Robot::connect(
+        *link_, clock_, {.address = address_, .watchdog = Time::zero(), .reconnect = Time::zero()});
     if (!robot) {
       link_.reset();
       return tl::unexpected(robot.error());
@@ -195,13 +199,20 @@ class Monitor {
   }
 
   Result<void> leave() {
-    // What it switched on; a board that it only looked at is left as it was.
-    if (robot_ && watched_) robot_->disable_all();
+    // What it switched on, and the watchdog; a board that it only looked at is left as it was.
+    if (robot_ && watched_) {
+      link_->ignore_interrupt();
+      robot_->disable_all();
+      const kz_identify_reply& was = robot_->identity();
+      (void)robot_->heartbeat(std::chrono::milliseconds(10) * was.watchdog_10ms,
+                              static_cast<host::Reaction>(was.reaction));
+    }
     return {};
   }
 
   std::string port_;
   int baud_;
+  std::uint8_t address_;
   host::Interrupt& interrupt_;
   host::WallClock clock_;
   std::unique_ptr<host::TtyLink> link_;
@@ -215,11 +226,11 @@ class Monitor {
 
 }  // namespace
 
-Result<bool> monitor(const std::string& argument) {
-  const auto port = KAZ_TRY(parse_port(argument));
+Result<bool> monitor(const MonitorOptions& options) {
+  const auto port = KAZ_TRY(parse_port(options.port));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  KAZ_TRY(Monitor(port.first, port.second, interrupt).run());
+  KAZ_TRY(Monitor(port.first, port.second, options.address, interrupt).run());
   return true;
 }
 

@@ -2,13 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "shared/base/result.hpp"
+#include "shared/protocol/messages.h"
 
 namespace kaz::tools {
 
-// Runs until q or Ctrl-C, at PATH[@BAUD]. Errors: usage, no terminal, no board at the port.
-Result<bool> monitor(const std::string& port);
+struct MonitorOptions {
+  std::string port;  // PATH[@BAUD]
+  std::uint8_t address = KZ_ADDRESS_DEFAULT;
+};
+
+// Runs until q or Ctrl-C. A board whose motors were switched on here has its watchdog back afterwards.
+// Errors: usage, no terminal, no board at the port.
+Result<bool> monitor(const MonitorOptions& options);
 
 }  // namespace kaz::tools

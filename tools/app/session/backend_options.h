@@ -15,6 +15,7 @@ namespace kaz::tools {
 
 struct BackendOptions {
   std::string robot = "sim";   // "sim" or "serial:PATH[@BAUD]"
+  std::uint8_t address = 1;    // of the board at a port
   std::string camera = "sim";  // "sim", or as open_live_camera() has it
   std::string calibration;     // file; of real cameras
   bool needs_camera = true;    // false: at a port the camera may be left out

@@ -12,10 +12,12 @@
 #include "host/behavior/behavior.h"
 #include "host/behavior/plugin.h"
 #include "host/camera/capture.h"
+#include "host/link/wall_clock.h"
 #include "host/robot/measure_link.h"
 #include "host/robot/robot.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
+#include "tools/app/kept/kept_run.h"
 #include "tools/app/session/moments.h"
 #include "tools/app/session/run_report.h"
 #include "tools/app/session/score.h"
@@ -185,10 +187,22 @@ Result<bool> run_session(SessionOptions options) {
                  options.label.c_str(), seconds(resumption.lost - connecting),
                  text(resumption.cause), seconds(resumption.resumed - resumption.lost));
   };
+  host::WallClock uninterrupted;
+  std::unique_ptr<KeptRun> kept;
+  if (real) {
+    auto begun = KAZ_TRY(KeptRun::begin((*backend)->link(), uninterrupted,
+                                        {.verb = options.label,
+                                         .port = (*backend)->port()->name(),
+                                         .address = options.backend.address,
+                                         .motors_off = false,
+                                         .folder = ""}));
+    kept = std::move(begun);
+  }
   WatchedClock clock((*backend)->clock(), (*backend)->simulation(), options.onlooker);
   auto robot =
       host::Robot::connect((*backend)->link(), clock,
-                           {.on_resumed = report_resumption,
+                           {.address = options.backend.address,
+                            .on_resumed = report_resumption,
                             .frames_path = real ? temporary_file("frames.txt") : std::string()});
   if (!robot) return tl::unexpected(robot.error());
   if (real) {
@@ -239,15 +253,21 @@ Result<bool> run_session(SessionOptions options) {
   robot->disable_all();
   clean_up.reset();
   progress.done();
+  const Result<void> left = kept ? kept->end() : Result<void>();
   pipeline.finish();
   if (options.watcher != nullptr) options.watcher->end(pipeline);
   if (!sha256) return tl::unexpected(sha256.error());
+  if (interrupted && !left)
+    std::fprintf(stderr, "%s: %s\n", options.label.c_str(), left.error().message.c_str());
   if (interrupted && !options.keep_interrupted) return tl::unexpected(outcome.error());
   if (!outcome && !interrupted) {
     return tl::unexpected(
-        with_recording(outcome.error(), (*backend)->simulation(), options, partial));
+        with_recording(together(outcome, left).error(), (*backend)->simulation(), options, partial));
   }
   if (!health && !interrupted) return tl::unexpected(health.error());
+  if (!interrupted) {
+    KAZ_TRY(left);
+  }
 
   const behavior::Outcome cut_short{
       false, "interrupted by " + std::string(received_signal_name()), {}, {}};

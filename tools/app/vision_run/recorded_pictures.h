@@ -18,6 +18,7 @@ struct RecordedOptions {
   std::string in, out, modules = "color";
   std::string exported;            // of depth,points; empty: none
   std::string robot;               // serial:PATH[@BAUD]; of a live camera
+  std::uint8_t address = 1;        // of the robot's board
   std::uint64_t frames = 0;        // 0: all, or until interrupted
   std::string color, calibration;  // files; empty: the red ball, no calibration
   double view_deg = 0;             // horizontally, of a pinhole, where there is no calibration

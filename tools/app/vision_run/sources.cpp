@@ -169,7 +169,8 @@ struct LiveSource {
     rig_options.calibration = options.calibration;
     auto opened = KAZ_TRY(SessionBackend::open(rig_options, interrupt));
     backend = std::move(opened);
-    auto connected = host::Robot::connect(backend->link(), backend->clock(), {});
+    auto connected = host::Robot::connect(backend->link(), backend->clock(),
+                                          {.address = options.address, .watchdog = Time::zero()});
     if (!connected) return tl::unexpected(connected.error());
     robot.emplace(std::move(*connected));
     if (auto seen = backend->open_camera(); !seen) return seen;

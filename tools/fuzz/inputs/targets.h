@@ -20,10 +20,11 @@ Complaint try_state(Bytes bytes);        // a saved state: facts and parts
 Complaint try_flash_image(Bytes bytes);  // S-record, Intel HEX, COFF, ELF as kaz flash takes them
 Complaint try_arguments(Bytes bytes);    // addresses and lists on the command line
 
-// Results that are read back (reports.cpp, recording.cpp).
+// Results that are read back (reports.cpp, kept.cpp, recording.cpp).
 Complaint try_bench_report(Bytes bytes);  // result.json of kaz bench; written and read again
 Complaint try_bench_limits(Bytes bytes);
 Complaint try_episodes(Bytes bytes);   // an episode of kaz evaluate
+Complaint try_kept(Bytes bytes);       // notes of a run that alters a board; written and read again
 Complaint try_recording(Bytes bytes);  // MCAP, and what kaz replay takes out of it
 
 // Lines and sockets (wire.cpp, flash.cpp, sockets.cpp).
@@ -49,6 +50,7 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"bench_report", try_bench_report},
                                            {"bench_limits", try_bench_limits},
                                            {"episodes", try_episodes},
+                                           {"kept", try_kept},
                                            {"recording", try_recording},
                                            {"frames", try_frames},
                                            {"replies", try_replies},

@@ -1,0 +1,147 @@
+// Interrupted and killed runs over a real pty: the board is as before, or `kaz recover` brings it back.
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
+#include "host/robot/kept_board.h"
+#include "host/robot/robot.h"
+#include "tests/system/command_line/process_testing.h"
+
+namespace kaz::test {
+namespace {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+class RecoverVerb : public ::testing::Test {
+ protected:
+  RecoverVerb() : sim_(kaz({"sim", "--mcu", "native", "--world", "empty", "--serial", port()})) {
+    setenv("XDG_STATE_HOME", folder_.path().c_str(), 1);
+    EXPECT_TRUE(sim_.wait_for_output("ready", seconds(30))) << sim_.wait(seconds(0)).err;
+  }
+  std::string port() const { return folder_ / "board"; }
+  // Of the one board that answers at `address`; a default state if none does.
+  host::BoardState state(std::uint8_t address, bool flash = false) const {
+    const auto link = host::TtyLink::open(port());
+    EXPECT_TRUE(link) << link.error().message;
+    if (!link) return {};
+    host::WallClock clock;
+    auto read = host::read_board(**link, clock, address);
+    EXPECT_TRUE(read) << read.error().message;
+    if (!read) return {};
+    if (flash) {
+      EXPECT_TRUE(host::read_flash(**link, clock, *read));
+      read->stored_copy = 0;
+    }
+    return *read;
+  }
+  void move_to(int address) const {
+    const auto link = host::TtyLink::open(port());
+    ASSERT_TRUE(link) << link.error().message;
+    host::WallClock clock;
+    auto robot = host::Robot::connect(**link, clock, {.reconnect = Time::zero()});
+    ASSERT_TRUE(robot) << robot.error().message;
+    ASSERT_TRUE(robot->unlock(5));
+    ASSERT_TRUE(robot->set_address(address, false));
+    (void)robot->reset();  // it answers elsewhere
+  }
+  std::vector<std::string> notes() const {
+    std::vector<std::string> all;
+    if (!std::filesystem::exists(folder_ / "kaz")) return all;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_ / "kaz"))
+      all.push_back(entry.path().string());
+    return all;
+  }
+  std::vector<std::string> conformance(const std::string& filter) const {
+    return kaz({"conformance", "--port", port(), "--allow-flash", "--filter", filter});
+  }
+
+  TemporaryFolder folder_;
+  Process sim_;
+};
+
+TEST_F(RecoverVerb, ABoardAtAnotherAddressIsNamedReachedAndBroughtBack) {
+  move_to(3);
+  const Finished lost = run(kaz({"status", "--port", port()}));
+  EXPECT_EQ(lost.exit_code, 3) << lost.out << lost.err;
+  EXPECT_NE(lost.err.find("no board answers at address 1"), std::string::npos) << lost.err;
+  EXPECT_NE(lost.err.find("give --address 3, or move it with `kaz recover"), std::string::npos)
+      << lost.err;
+  const Finished reached = run(kaz({"status", "--port", port(), "--address", "3"}));
+  EXPECT_EQ(reached.exit_code, 0) << reached.out << reached.err;
+  for (const char* wrong : {"0", "15", "x"})
+    EXPECT_EQ(run(kaz({"status", "--port", port(), "--address", wrong})).exit_code, 2) << wrong;
+
+  const Finished recovered = run(kaz({"recover", port(), "--json"}));
+  EXPECT_EQ(recovered.exit_code, 0) << recovered.out << recovered.err;
+  const json result = json::parse(recovered.out, nullptr, false);
+  ASSERT_TRUE(result.is_object()) << recovered.out;
+  EXPECT_EQ(result["ok"], true);
+  EXPECT_EQ(result["found_at"], 3);
+  EXPECT_EQ(result["address"], 1);
+  EXPECT_EQ(run(kaz({"status", "--port", port()})).exit_code, 0);
+  EXPECT_EQ(run(kaz({"recover", folder_ / "none"})).exit_code, 3);
+  EXPECT_EQ(run(kaz({"recover", port(), "--from", folder_ / "none"})).exit_code, 2);
+}
+
+TEST_F(RecoverVerb, At20RandomTimesOfASuiteTheBoardIsAsBefore) {
+  const host::BoardState before = state(1, true);
+  std::mt19937 random(20260702);
+  int interrupted = 0;
+  for (int n = 0; n < 20; ++n) {
+    SCOPED_TRACE(n);
+    const char* cases[] = {"^address.set$", "^address.shared-line$", "^calibration.store$"};
+    Process suite(conformance(cases[random() % 3]));
+    // Until its start is behind it, so that the times are spread over the case.
+    std::this_thread::sleep_for(milliseconds(900 + random() % 1500));
+    const int how[] = {SIGINT, SIGTERM, SIGKILL};
+    const int number = how[n % 3];
+    suite.signal(number);
+    const Finished ended = suite.wait(seconds(20));
+    interrupted += static_cast<int>(ended.exit_code != 0);
+    if (number == SIGKILL) {
+      for (const std::string& path : notes()) {
+        const Finished recovered = run(kaz({"recover", port(), "--from", path}));
+        EXPECT_EQ(recovered.exit_code, 0) << recovered.out << recovered.err;
+      }
+    } else {
+      EXPECT_EQ(ended.err.find("kaz recover"), std::string::npos) << ended.err;
+    }
+    EXPECT_TRUE(notes().empty()) << notes().front();
+    const host::BoardState now = state(1);
+    EXPECT_EQ(now.address, 1);
+    EXPECT_EQ(now.shared_line, before.shared_line);
+    EXPECT_EQ(now.watchdog_10ms, before.watchdog_10ms);
+    for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+      EXPECT_EQ(now.joints[j].centre, before.joints[j].stored_centre) << j;
+      EXPECT_EQ(now.joints[j].kp, before.joints[j].kp) << j;
+    }
+  }
+  EXPECT_GE(interrupted, 5);
+  EXPECT_EQ(state(1, true), before);
+}
+
+TEST_F(RecoverVerb, APortThatDiesIsNamedWithTheCommand) {
+  Process suite(conformance("^address"));
+  ASSERT_TRUE(suite.wait_for_output("kaz conformance", seconds(20)));
+  sim_.signal(SIGKILL);
+  const Finished ended = suite.wait(seconds(30));
+  EXPECT_EQ(ended.exit_code, 3) << ended.err;
+  ASSERT_EQ(notes().size(), 1u) << ended.err;
+  EXPECT_NE(ended.err.find("kaz recover " + port() + " --from " + notes().front()),
+            std::string::npos)
+      << ended.err;
+}
+
+}  // namespace
+}  // namespace kaz::test

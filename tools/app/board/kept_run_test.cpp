@@ -1,0 +1,290 @@
+// Runs that alter a board, ended at any time: the board is as before, or the message names what is not.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/kept/kept_run.h"
+
+#include <csignal>
+#include <filesystem>
+#include <random>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "hil/conformance/suite.h"
+#include "host/robot/robot.h"
+#include "shared/base/files.hpp"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/board/recover.h"
+#include "tools/lockstep/virtual_bench.h"
+
+namespace kaz::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+enum class Stop { none, interrupt, terminate, unplug };
+
+// The port of a virtual board, on which something happens at a time.
+class StoppedPort final : public host::Link, public host::Clock {
+ public:
+  StoppedPort(lockstep::VirtualBench& board, Stop how, Time at, const host::Interrupt& interrupt)
+      : board_(board), how_(how), at_(at), interrupt_(interrupt) {}
+  std::string name() const override { return "test-port"; }
+  Time now() const override { return board_.now(); }
+  Result<void> sleep_until(Time t) override { return board_.sleep_until(t); }
+  Result<void> write(std::span<const std::uint8_t> bytes) override {
+    if (unplugged_) return gone();
+    return board_.write(bytes);
+  }
+  Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override {
+    const bool waiting = how_ != Stop::none;
+    const auto count = board_.read(bytes, waiting ? std::min(deadline, at_) : deadline);
+    if (waiting && now() >= at_) stop();
+    if (unplugged_) return gone();
+    if (interrupt_.requested() && !ignored_) return tl::unexpected(host::Interrupt::error());
+    if (count && *count == 0 && now() < deadline) return board_.read(bytes, deadline);
+    return count;
+  }
+  Result<void> reopen() override {
+    if (unplugged_) return gone();
+    return {};
+  }
+  void ignore_interrupt() override { ignored_ = true; }
+  void plug_in() { unplugged_ = false; }
+
+ private:
+  void stop() {
+    if (how_ == Stop::interrupt) std::raise(SIGINT);
+    if (how_ == Stop::terminate) std::raise(SIGTERM);
+    unplugged_ = how_ == Stop::unplug;
+    how_ = Stop::none;
+  }
+  static tl::unexpected<Error> gone() {
+    return fail(Fault::environment, "port test-port was closed");
+  }
+
+  lockstep::VirtualBench& board_;
+  Stop how_;
+  Time at_;
+  const host::Interrupt& interrupt_;
+  bool ignored_ = false, unplugged_ = false;
+};
+
+template <class T>
+T sure(Result<T> result) {
+  if (!result) throw std::runtime_error(result.error().message);
+  if constexpr (!std::is_void_v<T>) return *std::move(result);
+}
+
+class KeptRuns : public testing::Test {
+ protected:
+  KeptRuns() : folder_(make_temporary_folder("kaz-kept-").value()) {}
+  ~KeptRuns() override {
+    std::error_code error;
+    fs::remove_all(folder_, error);
+  }
+
+  // A board with a calibration and an address of its own, and settings until its next reset.
+  void prepare(lockstep::VirtualBench& board, int address) {
+    auto robot = sure(host::Robot::connect(board, board));
+    auto calibration = sure(robot.calibration()).joints;
+    calibration[2].centre_rad += 0.03;
+    sure(robot.set_calibration(1U << 2, calibration));
+    sure(robot.store_calibration());
+    sure(robot.unlock(5));
+    sure(robot.set_address(address, false));
+    (void)robot.reset();  // it answers elsewhere
+    auto moved =
+        sure(host::Robot::connect(board, board, {.address = static_cast<std::uint8_t>(address)}));
+    sure(moved.set_gains(0x30, {.kp_per_rad = 5}));
+    sure(moved.set_limits(0x1, {.ramp_rad_per_s = 3, .lower_rad = -0.2, .upper_rad = 0.3}));
+  }
+
+  KeptRunOptions options(int address) const {
+    return {.verb = "kaz conformance",
+            .port = "test-port",
+            .address = static_cast<std::uint8_t>(address),
+            .flash = true,
+            .alone = true,
+            .patience = std::chrono::seconds(2),  // no loader is entered
+            .folder = folder_};
+  }
+
+  // As `kaz conformance --allow-flash` runs it. The time that it took.
+  Result<void> run(StoppedPort& port, const host::Interrupt&, int address,
+                   const std::string& filter) {
+    const auto kept = KAZ_TRY(KeptRun::begin(port, port, options(address)));
+    hil::RunOptions suite;
+    suite.filter = filter;
+    suite.address = static_cast<std::uint8_t>(address);
+    suite.allowed = hil::kFlash;
+    const auto report = hil::run_suite(port, port, nullptr, Time::zero(), suite);
+    Result<void> ran;
+    if (!report) ran = tl::unexpected(report.error());
+    if (report && report->interrupted) ran = tl::unexpected(host::Interrupt::error());
+    if (report) {
+      EXPECT_EQ(report->count(hil::Verdict::failed), 0) << filter;
+    }
+    return together(std::move(ran), kept->end());
+  }
+
+  bool no_notes() const { return fs::is_empty(folder_); }
+  std::string notes() const { return fs::directory_iterator(folder_)->path().string(); }
+
+  std::string folder_;
+};
+
+// With the calibration in flash; only the number of its copy may have grown.
+host::BoardState whole_state(lockstep::VirtualBench& board, int address) {
+  auto state = sure(host::read_board(board, board, static_cast<std::uint8_t>(address)));
+  sure(host::read_flash(board, board, state));
+  state.stored_copy = 0;
+  return state;
+}
+
+constexpr const char* kFlashCases[] = {"^address.set$", "^address.set-last$",
+                                       "^address.shared-line$", "^calibration.store$",
+                                       "^calibration.store-answers$"};
+
+TEST_F(KeptRuns, At200RandomTimesTheBoardIsAsBeforeOrTheMessageNamesWhatIsNot) {
+  std::mt19937_64 random(20260701);
+  int put_back = 0, finished = 0;
+  for (int n = 0; n < 200; ++n) {
+    SCOPED_TRACE(n);
+    const Stop how = n % 3 == 0 ? Stop::interrupt : n % 3 == 1 ? Stop::terminate : Stop::unplug;
+    const int address = n % 2 == 0 ? 1 : 6;
+    lockstep::VirtualBench board(sim::make_native());
+    prepare(board, address);
+    // What the flash holds does not change by looking, what RAM holds does: read in this order.
+    const auto settings = sure(host::read_board(board, board, static_cast<std::uint8_t>(address)));
+    host::Interrupt interrupt;
+    const InterruptSignals signals(interrupt);
+    const Time at = board.now() + milliseconds(random() % 2000);
+    StoppedPort port(board, how, at, interrupt);
+    const auto ran = run(port, interrupt, address, kFlashCases[random() % std::size(kFlashCases)]);
+    if (how == Stop::unplug && !ran && !no_notes()) {
+      // It was altered, and cannot be put back: the message has the command.
+      EXPECT_NE(ran.error().message.find("kaz recover test-port --from " + notes()),
+                std::string::npos)
+          << ran.error().message;
+      const auto kept = sure(parse_kept(sure(read_whole_file(notes(), 1 << 20)), notes()));
+      fs::remove(notes());
+      port.plug_in();
+      const auto recovered = sure(recover_board(port, port, {}, kept));
+      EXPECT_TRUE(recovered.left.empty()) << recovered.left.front();
+      put_back += static_cast<int>(!recovered.done.empty());
+    } else if (how != Stop::unplug && !ran) {
+      EXPECT_NE(ran.error().message.find("interrupted"), std::string::npos) << ran.error().message;
+      EXPECT_EQ(ran.error().message.find("kaz recover"), std::string::npos) << ran.error().message;
+      ++put_back;
+    }
+    finished += static_cast<int>(ran.has_value());
+    EXPECT_TRUE(no_notes());
+    auto now = sure(host::read_board(board, board, static_cast<std::uint8_t>(address)));
+    EXPECT_EQ(now, settings);
+    auto before = settings;
+    const auto flash = whole_state(board, address);
+    // `prepare` has stored what is in use.
+    for (host::KeptJoint& joint : before.joints) {
+      joint.stored_centre = joint.centre;
+      joint.stored_scale = joint.scale;
+    }
+    for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+      EXPECT_EQ(flash.joints[j].stored_centre, before.joints[j].stored_centre) << j;
+      EXPECT_EQ(flash.joints[j].stored_scale, before.joints[j].stored_scale) << j;
+    }
+    EXPECT_EQ(flash.address, address);
+    EXPECT_FALSE(flash.shared_line);
+  }
+  EXPECT_GT(put_back, 60);
+  EXPECT_LT(finished, 140);
+}
+
+TEST_F(KeptRuns, AnExceptionPutsTheBoardBackToo) {
+  lockstep::VirtualBench board(sim::make_native());
+  prepare(board, 1);
+  const auto before = sure(host::read_board(board, board, 1));
+  const host::Interrupt interrupt;
+  StoppedPort port(board, Stop::none, Time::max(), interrupt);
+  try {
+    const auto kept = sure(KeptRun::begin(port, port, options(1)));
+    auto robot = sure(host::Robot::connect(port, port));
+    sure(robot.unlock(5));
+    sure(robot.set_address(9, true));
+    throw std::runtime_error("of a case");
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "of a case");
+  }
+  EXPECT_EQ(sure(host::read_board(board, board, 1)), before);
+  EXPECT_TRUE(no_notes());
+}
+
+TEST_F(KeptRuns, WithoutAStoredCalibrationBeforeThatIsANote) {
+  lockstep::VirtualBench board(sim::make_native());
+  const host::Interrupt interrupt;
+  StoppedPort port(board, Stop::none, Time::max(), interrupt);
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(run(port, interrupt, 1, "^calibration.store$"));
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("kaz flash erase --blocks 1,2"),
+            std::string::npos);
+}
+
+TEST_F(KeptRuns, NotesAreReadAsTheyWereWritten) {
+  lockstep::VirtualBench board(sim::make_native());
+  prepare(board, 6);
+  KeptFile kept{.verb = "kaz fuzz", .port = "/dev/ttyUSB0", .others = {2, 14}, .board = {}};
+  kept.board = sure(host::read_board(board, board, 6));
+  sure(host::read_flash(board, board, kept.board));
+  const std::string text = kept_text(kept);
+  const auto again = sure(parse_kept(text, "notes"));
+  EXPECT_EQ(again.board, kept.board);
+  EXPECT_EQ(again.others, kept.others);
+  EXPECT_EQ(kept_text(again), text);
+  std::string wrong = text;
+  wrong.replace(wrong.find("\"address\": 6"), 12, "\"address\": 15");
+  EXPECT_EQ(parse_kept(wrong, "notes").error().message,
+            "notes: its field address is missing or out of range; give the notes that an "
+            "interrupted run has left, or leave --from out");
+}
+
+TEST(Recover, BringsABoardFromAnyAddressAndClearsWhatIsLatched) {
+  lockstep::VirtualBench board(sim::make_native());
+  {
+    auto robot = sure(host::Robot::connect(board, board));
+    sure(robot.store_calibration());
+    sure(robot.unlock(5));
+    sure(robot.set_address(11, true));
+    (void)robot.reset();
+    auto moved = sure(host::Robot::connect(board, board, {.address = 11}));
+    sure(moved.stop());
+  }
+  auto recovered = sure(recover_board(board, board, {.shared_line = false}, std::nullopt));
+  EXPECT_EQ(recovered.found_at, 11);
+  EXPECT_EQ(recovered.address, 1);
+  EXPECT_EQ(recovered.status_before >> 8, KZ_SHUTDOWN_STOP);
+  EXPECT_EQ(recovered.status >> 8, KZ_SHUTDOWN_NONE);
+  EXPECT_EQ(recovered.done,
+            (std::vector<std::string>{"address 11 to 1", "its line is not shared any more"}));
+  auto robot = sure(host::Robot::connect(board, board));
+  EXPECT_EQ(sure(robot.calibration()).sequence, 1);
+  recovered = sure(recover_board(board, board, {.address = 4}, std::nullopt));
+  EXPECT_EQ(recovered.found_at, 1);
+  EXPECT_TRUE(host::read_board(board, board, 4));
+}
+
+TEST(Recover, WithoutABoardItsMessageCountsTheAddresses) {
+  lockstep::VirtualBench board(sim::make_native());
+  board.set_power(false);
+  const auto recovered = recover_board(board, board, {}, std::nullopt);
+  ASSERT_FALSE(recovered);
+  EXPECT_EQ(recovered.error().fault, Fault::environment);
+  EXPECT_NE(recovered.error().message.find("any of the 14 addresses"), std::string::npos);
+  board.set_power(true);
+  const auto absent = recover_board(board, board, {.found_at = 3}, std::nullopt);
+  ASSERT_FALSE(absent);
+  EXPECT_NE(absent.error().message.find("--found-at can be address 1"), std::string::npos)
+      << absent.error().message;
+}
+
+}  // namespace
+}  // namespace kaz::tools

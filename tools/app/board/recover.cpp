@@ -1,0 +1,160 @@
+// `kaz recover`: brings a board back, whatever address an interrupted run has left it at.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/board/recover.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
+#include "host/robot/connect.h"
+#include "host/robot/find_boards.h"
+#include "host/robot/robot.h"
+#include "shared/base/files.hpp"
+#include "shared/protocol/message_info.h"
+#include "tools/app/base/arguments.h"
+#include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
+#include "tools/app/kept/kept_run.h"
+
+namespace kaz::tools {
+namespace {
+
+constexpr std::size_t kMaxNotes = 1 << 20;
+
+Result<std::vector<std::uint8_t>> search(host::Link& link, host::Clock& clock, Time patience) {
+  const Time until = clock.now() + patience;
+  while (true) {
+    auto found = KAZ_TRY(host::find_boards(link, clock));
+    if (!found.empty() || clock.now() >= until) return found;
+    KAZ_TRY(clock.sleep_until(clock.now() + std::chrono::milliseconds(100)));
+  }
+}
+
+// Which of them: `others` are those of the notes.
+Result<std::uint8_t> choose(std::vector<std::uint8_t> found, const std::string& port,
+                            const RecoverOptions& options,
+                            const std::vector<std::uint8_t>& others) {
+  if (found.empty())
+    return fail(Fault::environment,
+                "nothing answers at any of the 14 addresses on " + port +
+                    ": check that the board is powered, the cable plugged in, and no other program "
+                    "has the port open; after an interrupted update the board waits in its loader, "
+                    "and `kaz flash info --port " +
+                    port + "` says so");
+  if (options.found_at) {
+    if (std::ranges::find(found, *options.found_at) != found.end()) return *options.found_at;
+    return fail(Fault::usage, "no board answers at address " + std::to_string(*options.found_at) +
+                                  " on " + port + "; --found-at can be " +
+                                  host::addresses_text(found));
+  }
+  if (found.size() > 1)
+    std::erase_if(found,
+                  [&](std::uint8_t a) { return std::ranges::find(others, a) != others.end(); });
+  if (found.size() == 1) return found.front();
+  return fail(Fault::usage, "boards answer at " + host::addresses_text(found) + " on " + port +
+                                ": choose one with --found-at");
+}
+
+std::string motors(std::uint16_t status) {
+  if (status & KZ_STATUS_HOLDING) return "held";
+  return (status & (KZ_STATUS_ENABLED | KZ_STATUS_RAW_DRIVE)) != 0 ? "on" : "off";
+}
+
+std::string shutdown(std::uint16_t status) {
+  const auto reason = static_cast<std::uint8_t>(status >> 8);
+  return reason == KZ_SHUTDOWN_NONE ? "" : kz_shutdown_text(reason);
+}
+
+void print(const Recovered& result, const std::string& port) {
+  std::printf("found at address %d on %s, motors %s%s%s\n", result.found_at, port.c_str(),
+              motors(result.status_before).c_str(),
+              shutdown(result.status_before).empty() ? "" : ", shut down: ",
+              shutdown(result.status_before).c_str());
+  for (const std::string& one : result.done) std::printf("put back: %s\n", one.c_str());
+  for (const std::string& one : result.notes) std::printf("note: %s\n", one.c_str());
+  for (const std::string& one : result.left) std::printf("not put back: %s\n", one.c_str());
+  if (result.left.empty())
+    std::printf("reset; now at address %d, motors off%s%s\n", result.address,
+                shutdown(result.status).empty() ? ", nothing is latched" : ", still shut down: ",
+                shutdown(result.status).c_str());
+  if (result.left.empty() && result.shared_line)
+    std::printf(
+        "its line is set to be shared, so that it refuses telemetry; where it is alone, "
+        "--shared-line off changes that\n");
+}
+
+nlohmann::ordered_json as_json(const Recovered& result, const std::string& port, bool ok) {
+  return {{"ok", ok},
+          {"port", port},
+          {"found_at", result.found_at},
+          {"motors_before", motors(result.status_before)},
+          {"shutdown_before", shutdown(result.status_before)},
+          {"address", result.address},
+          {"shared_line", result.shared_line},
+          {"shutdown", shutdown(result.status)},
+          {"put_back", result.done},
+          {"not_put_back", result.left},
+          {"notes", result.notes}};
+}
+
+Result<std::optional<KeptFile>> read_notes(const std::string& path) {
+  if (path.empty()) return std::nullopt;
+  const auto text =
+      KAZ_TRY(read_whole_file(path, kMaxNotes, "give the notes that an interrupted run has left"));
+  return KAZ_TRY(parse_kept(text, path));
+}
+
+}  // namespace
+
+Result<Recovered> recover_board(host::Link& link, host::Clock& clock, const RecoverOptions& options,
+                                const std::optional<KeptFile>& kept, Time patience) {
+  auto found = KAZ_TRY(search(link, clock, patience));
+  const auto at = KAZ_TRY(
+      choose(found, link.name(), options, kept ? kept->others : std::vector<std::uint8_t>()));
+  std::erase(found, at);
+
+  host::Requester requester(link, clock, {.address = at});
+  const auto identity = KAZ_TRY(host::identify_board(requester));
+  host::BoardState target;
+  target.shared_line = (identity.capabilities & KZ_CAPABILITY_TELEMETRY) == 0;
+  if (kept) target = kept->board;
+  if (options.address) target.address = *options.address;
+  if (options.shared_line) target.shared_line = *options.shared_line;
+  if (std::ranges::find(found, target.address) != found.end())
+    return fail(Fault::usage, "another board is at address " + std::to_string(target.address) +
+                                  " on " + link.name() + ": give another --address");
+  const auto back = host::put_back(link, clock, target,
+                                   {.flash = true, .settings = kept.has_value(), .others = found});
+  Recovered result{at,          target.address, target.shared_line, identity.status,
+                   back.status, back.done,      back.left,          back.notes};
+  return result;
+}
+
+Result<bool> recover(const RecoverOptions& options) {
+  const auto port = KAZ_TRY(parse_port(options.port));
+  const auto kept = KAZ_TRY(read_notes(options.from));
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
+  auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
+  host::WallClock clock(&interrupt);
+  const auto result = KAZ_TRY(recover_board(*link, clock, options, kept));
+  const bool ok = result.left.empty() && shutdown(result.status).empty();
+  if (options.json) {
+    print_json(as_json(result, port.first, ok));
+  } else {
+    print(result, port.first);
+  }
+  // They have served.
+  std::error_code error;
+  if (result.left.empty() && !options.from.empty() && !kept_folder().empty() &&
+      std::filesystem::equivalent(std::filesystem::absolute(options.from).parent_path(),
+                                  kept_folder(), error))
+    std::filesystem::remove(options.from, error);
+  return ok;
+}
+
+}  // namespace kaz::tools

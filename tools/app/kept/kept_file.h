@@ -1,0 +1,23 @@
+// The notes of a run that alters a board: what the board was like before.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/robot/kept_board.h"
+#include "shared/base/result.hpp"
+
+namespace kaz::tools {
+
+struct KeptFile {
+  std::string verb, port;            // "kaz conformance", "/dev/ttyUSB0"
+  std::vector<std::uint8_t> others;  // addresses of other boards on the line
+  host::BoardState board;
+};
+
+// As JSON, and back. Errors (usage) name the file.
+std::string kept_text(const KeptFile& kept);
+Result<KeptFile> parse_kept(const std::string& text, const std::string& name);
+
+}  // namespace kaz::tools

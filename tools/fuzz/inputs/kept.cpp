@@ -1,0 +1,34 @@
+// Notes of an interrupted run, for `kaz recover --from`.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/kept/kept_file.h"
+#include "tools/fuzz/inputs/input.h"
+#include "tools/fuzz/inputs/targets.h"
+
+namespace kaz::fuzz {
+
+// What `kaz recover --from` would send to a board.
+Complaint try_kept(Bytes bytes) {
+  const auto kept = tools::parse_kept(text_of(bytes), "case.json");
+  if (!kept) return judge_error(kept.error(), "case.json");
+  const host::BoardState& board = kept->board;
+  if (board.address < 1 || board.address > KZ_ADDRESS_LAST) return "an address that is none";
+  for (const std::uint8_t other : kept->others) {
+    if (other < 1 || other > KZ_ADDRESS_LAST) return "another board's address that is none";
+  }
+  const kz_heartbeat watchdog{board.watchdog_10ms, board.reaction};
+  if (kz_check_heartbeat(&watchdog) != KZ_IN_BOUNDS) return "a watchdog that the board refuses";
+  for (const host::KeptJoint& joint : board.joints) {
+    const kz_gains gains{1, joint.kp, joint.kd, joint.dead_band, joint.friction};
+    const kz_limits limits{1, joint.ramp, joint.lower, joint.upper};
+    if (kz_check_gains(&gains) != KZ_IN_BOUNDS || kz_check_limits(&limits) != KZ_IN_BOUNDS ||
+        joint.lower > joint.upper)
+      return "settings that the board refuses";
+  }
+  const auto again = tools::parse_kept(tools::kept_text(*kept), "again");
+  if (!again) return "what was read and written cannot be read: " + again.error().message;
+  if (again->board != board || again->others != kept->others)
+    return "what was read and written is another state";
+  return std::nullopt;
+}
+
+}  // namespace kaz::fuzz

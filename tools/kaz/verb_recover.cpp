@@ -1,0 +1,53 @@
+// `kaz recover`: brings a board back, whatever address an interrupted run has left it at.
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+#include <string>
+
+#include "tools/app/board/recover.h"
+#include "tools/kaz/options.h"
+#include "tools/kaz/verbs.h"
+
+namespace kaz::tools {
+
+void add_recover(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand(
+      "recover", "find a board at any address, and bring it back: address, faults, motors off");
+  auto arguments = std::make_shared<RecoverOptions>();
+  verb->add_option("--port,PORT", arguments->port, "serial port or pty of the board")
+      ->type_name("PATH[@BAUD]")
+      ->required();
+  const auto add_number = [&](const char* name, std::optional<std::uint8_t>& to, const char* text) {
+    verb->add_option_function<int>(
+            name, [&to](int number) { to = static_cast<std::uint8_t>(number); }, text)
+        ->check(CLI::Range(1, KZ_ADDRESS_LAST))
+        ->type_name("N");
+  };
+  add_number("--address", arguments->address,
+             "where it is to be, 1 to 14; that of --from if not given, else 1");
+  add_number("--found-at", arguments->found_at,
+             "which board, where several are on the line: its present address");
+  verb->add_option_function<std::string>(
+          "--shared-line",
+          [arguments](const std::string& text) { arguments->shared_line = text == "on"; },
+          "on: other boards are on its line; as it is if not given")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->type_name("on|off");
+  verb->add_option("--from", arguments->from,
+                   "notes of an interrupted run, whose message names them: also put back "
+                   "calibration, gains and limits")
+      ->type_name("FILE");
+  verb->add_flag("--json", arguments->json, "print what was found and done as JSON");
+  verb->footer(
+      "Searches all 14 addresses, switches the motors off, resets the board, which clears latched\n"
+      "faults, and gives it its address. The calibration in its flash stays, or becomes that of\n"
+      "--from.\n"
+      "Exit status: 0 recovered, 1 something or a fault remains, 2 wrong usage, 3 port error.\n"
+      "Examples:\n"
+      "  kaz recover /dev/ttyUSB0\n"
+      "  kaz recover /dev/ttyUSB0 --from ~/.local/state/kaz/board_dev_ttyUSB0-4711.json\n"
+      "  kaz recover /dev/ttyUSB0 --found-at 9 --address 2 --json\n"
+      "  kaz recover /dev/ttyUSB0 --address 3 --shared-line off");
+  verb->callback([&action, arguments] { action = [arguments] { return recover(*arguments); }; });
+}
+
+}  // namespace kaz::tools
