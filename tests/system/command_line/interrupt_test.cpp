@@ -109,7 +109,7 @@ const std::vector<Row>& rows() {
        true},
       {"sim", {"sim", "--mcu", "native", "--serial", "DIR/board"}, "ready", SIGINT, 0},
       {"sim terminated", {"sim", "--mcu", "native", "--serial", "DIR/board"}, "ready", SIGTERM, 0},
-      {"eyes", {"eyes", "--eye-width", "2048", "--out", "DIR/eyes"}, "/eyes"},
+      {"eyes", {"eyes", "--eye-width", "640", "--out", "DIR/eyes"}, "/eyes"},
       {"calibrate",
        {"calibrate", "stereo", "--left", "DIR/left*.ppm", "--right", "DIR/right*.ppm", "--board",
         "9x6", "--square", "0.025", "--out", "DIR/eyes.yml"},
@@ -198,8 +198,8 @@ void prepare(const Row& row, const TemporaryFolder& folder) {
   }
   if (uses("recorded/")) {
     const Finished recorded =
-        run(kaz({"run", "track-ball", "--mcu", "native", "--eyes", "ideal", "--eye-width", "160",
-                 "--duration", "6", "--record-pictures", "--out", folder / "recorded"}));
+        run(kaz({"run", "track-ball", "--mcu", "native", "--eyes", "ideal", "--duration", "6",
+                 "--record-pictures", "--out", folder / "recorded"}));
     ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
   }
 }
@@ -281,8 +281,8 @@ TEST(Interrupts, AreTriedOnEveryVerb) {
 
 TEST(Interrupts, ARecordingEndsThereAndReplays) {
   const TemporaryFolder folder;
-  Process program(kaz({"run", "track-ball", "--mcu", "native", "--eyes", "ideal", "--eye-width",
-                       "160", "--duration", "3", "--record-pictures", "--out", folder / "out"}));
+  Process program(kaz({"run", "track-ball", "--mcu", "native", "--eyes", "ideal", "--duration", "3",
+                       "--record-pictures", "--out", folder / "out"}));
   ASSERT_TRUE(program.wait_for_output("kaz run  30 %", seconds(60)));
   program.signal(SIGINT);
   const Finished end = program.wait(seconds(10));
