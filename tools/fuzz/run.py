@@ -4,12 +4,12 @@
 
 SECONDS of the wall clock are divided equally between the targets, N of which run at a time. The corpus of
 a target grows in OUT/NAME from run to run, also when the run is interrupted. What a target finds stays in
-OUT/NAME-crash-* and the like, and the others go on. --table runs no target: it measures how much of
-each parser the corpora and the seeds reach, and writes the table, with the executions of the runs that
-OUT/runs.jsonl lists.
+OUT/NAME-crash-* and the like, its log in OUT/NAME-found-*.log, and the others go on. An interrupted run
+reports what it found until then. --table runs no target: it measures how much of each parser the corpora
+and the seeds reach, and writes the table, with the executions of the runs that OUT/runs.jsonl lists.
 
-Exit status: 0 nothing found, 1 something found, 2 wrong arguments, 3 a program is missing, 130
-interrupted."""
+Exit status: 0 nothing found, 1 something found, also if interrupted, 2 wrong arguments, 3 a program is
+missing, 130 interrupted, nothing found."""
 
 import argparse
 import json
@@ -22,6 +22,8 @@ import subprocess
 import sys
 import time
 
+# libFuzzer's, after SIGINT without a finding.
+INTERRUPTED = 72
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MANIFEST = ROOT / "tools/fuzz/targets.txt"
 PAGE = ROOT / "docs/howto/fuzzing.md"
@@ -74,15 +76,22 @@ class Run:
         if not cases or not all(case.name.startswith(f"{self.name}-timeout-") for case in cases):
             return False
         for case in cases:
-            alone = subprocess.run([*self.program, "-timeout=60", case], stdin=subprocess.DEVNULL,
-                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            # Also its own group: an interruption must not look like a slow case.
+            alone = subprocess.run([*self.program, "-timeout=60", f"-artifact_prefix={self.out}/{self.name}-",
+                                    case], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.DEVNULL, start_new_session=True)
             if alone.returncode != 0:
                 return False
         for case in cases:
             case.unlink()
         return True
 
-    def result(self, interrupted=False):
+    def keep_log(self):
+        """The next run of the target writes its log anew."""
+        kept = self.out / f"{self.name}-found-{time.strftime('%Y%m%d-%H%M%S')}-{self.process.pid}.log"
+        kept.write_bytes(self.log_path.read_bytes())
+
+    def result(self):
         self.log.close()
         size = self.log_path.stat().st_size
         with self.log_path.open("rb") as log:
@@ -90,7 +99,7 @@ class Run:
             text = log.read().decode(errors="replace")
         executions = (last(r"stat::number_of_executed_units:\s*(\d+)", text) or
                       last(r"(?m)^#(\d+)\s", text))
-        found = not interrupted and self.process.returncode != 0
+        found = self.process.returncode not in (0, INTERRUPTED)
         return {"target": self.name, "seconds": round(time.monotonic() - self.began, 1),
                 "executions": executions, "edges": last(r" cov: (\d+)", text), "found": found}
 
@@ -101,17 +110,17 @@ def fuzz(options, targets):
     share = max(1, options.seconds * options.jobs // len(names))
     print(f"{len(names)} targets, {share} s each, {options.jobs} at a time; corpora and logs in "
           f"{options.out}", flush=True)
-    waiting, running, results, interrupted = names[:], [], [], False
+    waiting, running, results, interrupted = names[:], [], [], []
 
     def finish(run):
         running.remove(run)
-        result = run.result(interrupted)
+        result = run.result()
         left = share - int(result["seconds"])
-        if result["found"] and run.was_only_slow():
+        if result["found"] and not interrupted and run.was_only_slow():
             result["found"] = False
             print(f"{run.name}: a case took over 20 s beside other programs, alone it ends in time",
                   flush=True)
-            if left > 0:
+            if left > 0 and not interrupted:
                 running.append(Run(run.name, targets[run.name], options, left))
         results.append(result)
         with (options.out / "runs.jsonl").open("a") as runs:
@@ -120,27 +129,24 @@ def fuzz(options, targets):
         print(f"[{len(results):2}/{max(len(names), len(results))}] {run.name:14} {result['seconds']:6.0f} s "
               f"{result['executions']:>11,} runs {result['edges']:>6} edges  {outcome}", flush=True)
         if result["found"]:
+            run.keep_log()
             tail = run.log_path.read_text(errors="replace").splitlines()[-12:]
             print("\n".join("    " + line[:160] for line in tail), flush=True)
 
-    def end(*_):
-        raise KeyboardInterrupt
-
-    signal.signal(signal.SIGTERM, end)
-    try:
-        while waiting or running:
-            while waiting and len(running) < options.jobs:
-                name = waiting.pop(0)
-                running.append(Run(name, targets[name], options, share))
-            for run in running[:]:
-                if run.process.poll() is not None:
-                    finish(run)
-            time.sleep(0.2)
-    except KeyboardInterrupt:
-        interrupted = True
+    # No exception: it would lose a run that has just ended and is being judged.
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: interrupted.append(True))
+    while not interrupted and (waiting or running):
+        while not interrupted and waiting and len(running) < options.jobs:
+            name = waiting.pop(0)
+            running.append(Run(name, targets[name], options, share))
         for run in running[:]:
-            run.stop()
-            finish(run)
+            if run.process.poll() is not None:
+                finish(run)
+        time.sleep(0.2)
+    for run in running[:]:
+        run.stop()
+        finish(run)
     found = [result["target"] for result in results if result["found"]]
     total = sum(result["executions"] for result in results)
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
