@@ -3,7 +3,8 @@
 #include "host/behavior/options.h"
 
 #include <algorithm>
-#include <charconv>
+
+#include "shared/base/number_text.hpp"
 
 namespace kaz::behavior {
 
@@ -59,15 +60,13 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
       values.choices_[name] = text;
       continue;
     }
-    double number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || end != text.data() + text.size() || !(number >= option.min) ||
-        !(number <= option.max)) {
+    const auto number = parse_number<double>(text);
+    if (!number || *number < option.min || *number > option.max) {
       return fail(Fault::usage, "`" + text + "` is no value of the option `" + name +
                                     "`: it is a number from " + short_number(option.min) + " to " +
                                     short_number(option.max));
     }
-    values.numbers_[name] = number;
+    values.numbers_[name] = *number;
   }
   return values;
 }

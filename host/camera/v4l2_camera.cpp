@@ -8,12 +8,12 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <utility>
 
 #include "host/link/wall_clock.h"
+#include "shared/base/number_text.hpp"
 
 namespace kaz::host {
 namespace {
@@ -56,10 +56,10 @@ Result<V4l2Source> parse_v4l2_source(const std::string& text) {
   for (std::size_t i = 2; i < parts.size(); ++i) {
     const std::string& part = parts[i];
     if (part.starts_with("fps=")) {
-      const char* end = part.data() + part.size();
-      const auto [stop, error] = std::from_chars(part.data() + 4, end, source.rate_hz);
-      if (error != std::errc() || stop != end || !(source.rate_hz >= 1 && source.rate_hz <= 1000))
+      const auto rate = parse_number<double>(std::string_view(part).substr(4));
+      if (!rate || *rate < 1 || *rate > 1000)
         return wrong("'" + part + "' is no rate from 1 to 1000");
+      source.rate_hz = *rate;
     } else if (part.starts_with("format=")) {
       source.format = pixel_format_by_name(std::string_view(part).substr(7));
       if (!source.format) return wrong("'" + part + "' is no format that can be read");

@@ -1,11 +1,11 @@
 // Schedules of faults as text.
 // SPDX-License-Identifier: Apache-2.0
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <iterator>
 
 #include "shared/base/files.hpp"
+#include "shared/base/number_text.hpp"
 #include "shared/board/board.h"
 #include "shared/faults/faults.h"
 
@@ -55,14 +55,6 @@ class Words {
   std::string_view rest_;
 };
 
-std::optional<double> number(std::string_view word) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
-    return std::nullopt;
-  return value;
-}
-
 tl::unexpected<Error> expected(const std::string& what, std::string_view instead) {
   return fail(kaz::Fault::usage, "expected " + what + ", found " + quoted(instead));
 }
@@ -70,7 +62,7 @@ tl::unexpected<Error> expected(const std::string& what, std::string_view instead
 // "1.25 s", "200 ms".
 Result<Time> time(Words& words, const std::string& after) {
   const std::string_view digits = words.take();
-  const auto value = number(digits);
+  const auto value = parse_number<double>(digits);
   if (!value || *value < 0 || *value > 1e6)
     return expected("a time such as `1.25 s` or `200 ms` after `" + after + "`", digits);
   const std::string_view unit = words.take();
@@ -116,7 +108,7 @@ Result<void> way(Words& words, Fault& fault) {
 Result<void> value(Words& words, const Kind& kind, Fault& fault) {
   if (kind.parameter.empty()) return {};
   const bool named = words.take_if(kind.parameter);
-  const auto given = number(words.peek());
+  const auto given = parse_number<double>(words.peek());
   const std::string name(kind.parameter);
   if (!given) {
     if (named) return expected("a number after `" + name + "`", words.peek());

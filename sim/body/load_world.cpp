@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/world/world.h"
 
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 
+#include "shared/base/number_text.hpp"
 #include "sim/body/ode/ode_world.h"
 #include "sim/body/reduced/reduced_world.h"
 
@@ -29,13 +29,9 @@ Result<int> iterations_of(const std::string& dynamics) {
   if (dynamics == "reduced") return kReduced;
   if (dynamics == "exact") return 0;
   const std::string quick = "quick";
-  int iterations = 0;
   if (dynamics.compare(0, quick.size(), quick) == 0) {
-    const char* end = dynamics.data() + dynamics.size();
-    const auto [next, status] = std::from_chars(dynamics.data() + quick.size(), end, iterations);
-    if (status == std::errc() && next == end && iterations >= 1 && iterations <= 1000) {
-      return iterations;
-    }
+    const auto iterations = parse_number<int>(std::string_view(dynamics).substr(quick.size()));
+    if (iterations && *iterations >= 1 && *iterations <= 1000) return *iterations;
   }
   return fail(Fault::usage, "unknown dynamics \"" + dynamics +
                                 "\" (--dynamics); use \"reduced\", \"exact\", or \"quickN\" with N "

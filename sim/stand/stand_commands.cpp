@@ -3,13 +3,13 @@
 #include "sim/stand/stand_commands.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <vector>
 
+#include "shared/base/number_text.hpp"
 #include "sim/body/description/robot_model.h"
 
 namespace kaz::sim {
@@ -22,15 +22,13 @@ constexpr double kMaxPress = 1;   // Nm
 constexpr double kMaxTurn = 4;    // rad
 
 Result<double> number(const std::string& word, const std::string& what, double low, double high) {
-  double value = 0;
-  const auto end = word.data() + word.size();
-  const auto [stop, error] = std::from_chars(word.data(), end, value);
-  if (error != std::errc() || stop != end || !std::isfinite(value) || value < low || value > high) {
+  const auto value = parse_number<double>(word);
+  if (!value || *value < low || *value > high) {
     std::ostringstream bounds;
     bounds << what << " is a number from " << low << " to " << high;
     return fail(Fault::usage, bounds.str() + ", got `" + word + "`");
   }
-  return value;
+  return *value;
 }
 
 Result<std::size_t> joint_of(const std::string& word) {

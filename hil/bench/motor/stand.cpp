@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/bench/motor/stand.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "host/robot/posture.h"
+#include "shared/base/number_text.hpp"
 
 namespace kaz::hil {
 namespace {
@@ -101,12 +101,9 @@ Result<double> ManualStand::read(const std::string& prompt) {
     const auto typed = KAZ_TRY(prompt_(again + prompt));
     const auto first = typed.find_first_not_of(" \t\r\n");
     const auto last = typed.find_last_not_of(" \t\r\n");
-    double value = 0;
-    if (first != std::string::npos) {
-      const char* end = typed.data() + last + 1;
-      const auto [stop, error] = std::from_chars(typed.data() + first, end, value);
-      if (error == std::errc() && stop == end && std::isfinite(value)) return value;
-    }
+    if (first != std::string::npos)
+      if (const auto value = parse_number<double>(typed.substr(first, last + 1 - first)))
+        return *value;
     again = "That is no number; give one like -0.95. ";
   }
 }

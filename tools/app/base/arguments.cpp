@@ -2,21 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/base/arguments.h"
 
-#include <charconv>
 #include <cstdio>
+
+#include "shared/base/number_text.hpp"
 
 namespace kaz::tools {
 
 Result<std::pair<std::string, int>> parse_port(const std::string& text) {
   const auto at = text.rfind('@');
   if (at == std::string::npos) return std::pair(text, 115200);
-  int baud = 0;
-  const char* end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data() + at + 1, end, baud);
-  if (parsed.ec != std::errc() || parsed.ptr != end || baud <= 0 || at == 0) {
+  const auto baud = parse_number<int>(std::string_view(text).substr(at + 1));
+  if (!baud || *baud <= 0 || at == 0)
     return fail(Fault::usage, "--port " + text + ": give PATH or PATH@BAUD");
-  }
-  return std::pair(text.substr(0, at), baud);
+  return std::pair(text.substr(0, at), *baud);
 }
 
 Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/session/backend.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "sim/stand/stand_commands.h"
+#include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/base/version.h"
@@ -96,19 +96,10 @@ Result<SerialAddress> parse_robot(const std::string& text) {
                                   "; give sim, or serial:PATH[@BAUD] as in serial:/dev/ttyUSB0");
   };
   if (text.rfind(kSerial, 0) != 0) return wrong("no such kind of robot");
-  SerialAddress address;
-  address.path = text.substr(kSerial.size());
-  if (const auto at = address.path.rfind('@'); at != std::string::npos) {
-    const std::string baud = address.path.substr(at + 1);
-    const auto end = baud.data() + baud.size();
-    const auto [stop, error] = std::from_chars(baud.data(), end, address.baud);
-    if (error != std::errc() || stop != end || address.baud <= 0) {
-      return wrong("'" + baud + "' is no baud rate");
-    }
-    address.path.resize(at);
-  }
-  if (address.path.empty()) return wrong("the path of the port is missing");
-  return address;
+  const auto port = parse_port(text.substr(kSerial.size()));
+  if (!port) return wrong("its port is no PATH or PATH@BAUD");
+  if (port->first.empty()) return wrong("the path of the port is missing");
+  return SerialAddress{port->first, port->second};
 }
 
 // For a port: no other faults can be made there.
