@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/version.h"
+#include "tools/app/version.h"
+#include "tools/kaz/help.h"
 #include "tools/kaz/verbs.h"
 
 namespace {
@@ -51,7 +54,12 @@ int parse_and_run(int argc, char** argv) {
   program.name("kaz");
   program.set_version_flag("--version", std::string("kaz ") + kaz::tools::kVersion);
   program.require_subcommand(1);
-  program.get_formatter()->column_width(34);
+  program.formatter(std::make_shared<kaz::tools::HelpFormatter>());  // its verbs inherit it
+  kaz::tools::Action action;
+#define KAZ_VERB(name) kaz::tools::add_##name(program, action);
+#include "tools/kaz/verbs.def"
+#undef KAZ_VERB
+  // After the verbs, which would inherit it.
   program.footer(
       "Examples:\n"
       "  kaz demo                              search and track the ball, leave pictures\n"
@@ -65,10 +73,6 @@ int parse_and_run(int argc, char** argv) {
       "by "
       "Ctrl-C,\n143 by SIGTERM; what there was by then is kept (docs/reference/exit-status.md).\n"
       "`kaz VERB --help` says more about a verb.");
-  kaz::tools::Action action;
-#define KAZ_VERB(name) kaz::tools::add_##name(program, action);
-#include "tools/kaz/verbs.def"
-#undef KAZ_VERB
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version

@@ -147,6 +147,7 @@ void add_bench(CLI::App& program, Action& action) {
   auto* names = verb->add_subcommand("list", "the measurements with their limits, and runs none");
   auto as_json = std::make_shared<bool>(false);
   names->add_flag("--json", *as_json, "as JSON; a side without limit is null");
+  names->footer("Examples:\n  kaz bench list\n  kaz bench list --json > limits.json");
   names->callback([&action, as_json] {
     action = [as_json] {
       print_measurements(*as_json);

@@ -125,12 +125,12 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
   verb.add_flag("--trace{-}", debug.trace,
                 "each instruction with what it changes, on standard error or to --trace=FILE")
       ->excludes("--flat")
-      ->type_name("");
+      ->type_name("FILE");
   auto* profile =
       verb.add_flag("--profile{-}", debug.profile,
                     "states by function at the end, on standard error or to --profile=FILE")
           ->excludes("--flat")
-          ->type_name("");
+          ->type_name("FILE");
   verb.add_option("--profile-format", debug.profile_format,
                   "text, json or callgrind (for KCachegrind)")
       ->check(CLI::IsMember({"text", "json", "callgrind"}).description(""))
@@ -163,7 +163,7 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   add_machine_options(*verb, *options);
   verb->add_flag("--entry{image}", options->entry,
                  "start at the image's entry, or with --entry=ADDRESS there, not by reset")
-      ->type_name("");
+      ->type_name("ADDRESS");
   verb->add_option("--input", options->input, "bytes for RxD0 at line rate; - is standard input")
       ->excludes("--flat")
       ->type_name("");

@@ -8,6 +8,9 @@
 #include <array>
 #include <atomic>
 #include <filesystem>
+#include <iterator>
+#include <regex>
+#include <sstream>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -40,16 +43,52 @@ AssertionResult one_sentence(const Finished& finished, int exit_code,
   return AssertionSuccess();
 }
 
-TEST(Cli, HelpHasExamplesAndSucceeds) {
-  for (const auto& verb : std::vector<std::vector<std::string>>{
-           {}, {"demo"}, {"run"}, {"sim"}, {"mcu", "run"}, {"mcu", "compare"}}) {
+// Every verb and verb of a verb: {"mcu", "run"}. The completion script has a case for each.
+std::vector<std::vector<std::string>> all_verbs() {
+  const std::string script = run(kaz({"completion", "bash"})).out;
+  const std::regex one("'kaz([a-z -]*)'\\) words=");
+  std::vector<std::vector<std::string>> verbs;
+  for (std::sregex_iterator at(script.begin(), script.end(), one), end; at != end; ++at) {
+    std::istringstream words((*at)[1].str());
+    verbs.emplace_back(std::istream_iterator<std::string>(words),
+                       std::istream_iterator<std::string>());
+  }
+  return verbs;
+}
+
+TEST(Cli, EachHelpHasItsOwnExamplesWithin100Columns) {
+  const auto verbs = all_verbs();
+  ASSERT_GT(verbs.size(), 30u);
+  for (const auto& verb : verbs) {
     auto arguments = verb;
     arguments.push_back("--help");
     const Finished finished = run(kaz(arguments));
     EXPECT_EQ(finished.exit_code, 0);
-    EXPECT_NE(finished.out.find("Examples:"), std::string::npos) << finished.out;
     EXPECT_TRUE(finished.err.empty()) << finished.err;
+    std::string example = "kaz";
+    for (const auto& word : verb) example += " " + word;
+    const auto examples = finished.out.find("Examples:\n");
+    ASSERT_NE(examples, std::string::npos) << finished.out;
+    EXPECT_NE(finished.out.find(example, examples), std::string::npos) << finished.out;
+    // The notation of the options' library: --no-start{false}, INT in [0 - 255].
+    EXPECT_FALSE(std::regex_search(finished.out, std::regex("--[a-z-]+\\{|:\\{| in \\[")))
+        << finished.out;
+    std::istringstream lines(finished.out);
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_LE(line.size(), 100u) << example << ": " << line;
   }
+}
+
+TEST(Cli, HelpSaysHowAnOptionIsTyped) {
+  const auto help = [](std::vector<std::string> verb) {
+    verb.push_back("--help");
+    return run(kaz(verb)).out;
+  };
+  EXPECT_NE(help({"flash", "write"}).find("\n  --no-start  "), std::string::npos);
+  EXPECT_NE(help({"mcu", "run"}).find("\n  --trace[=FILE]  "), std::string::npos);
+  EXPECT_NE(help({"mcu", "run"}).find("(needs --flat)"), std::string::npos);
+  EXPECT_NE(help({"demo"}).find("\n  --mcu h8|native  "), std::string::npos);
+  EXPECT_NE(help({"run"}).find("(default: sim)"), std::string::npos);
 }
 
 TEST(Cli, BashCompletesVerbsAndOptions) {
