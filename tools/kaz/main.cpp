@@ -1,15 +1,18 @@
 // `kaz`: the command line.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 
+#include "shared/base/one_line.hpp"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/base/version.h"
-#include "tools/app/version.h"
 #include "tools/kaz/help.h"
 #include "tools/kaz/verbs.h"
 
@@ -42,12 +45,27 @@ std::string unknown_verb(const CLI::App& program, int argc, char** argv) {
   return "";
 }
 
+// One line, whatever names from files and ports the message contains. Diagnostics of flashing have indented
+// lines of their own (host/flash/diagnostic.h).
+std::string printed(const std::string& name, const std::string& message) {
+  std::string text;
+  for (std::size_t from = 0; from <= message.size();) {
+    std::size_t end = message.size();
+    if (name.starts_with("kaz flash")) end = std::min(message.find("\n  ", from), end);
+    text +=
+        (from == 0 ? "" : "\n") + kaz::one_line(std::string_view(message).substr(from, end - from));
+    from = end + 1;
+  }
+  return text;
+}
+
 int report(const std::string& name, const kaz::Error& error) {
-  std::fprintf(stderr, "%s: %s\n", name.c_str(), error.message.c_str());
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), printed(name, error.message).c_str());
   return kaz::tools::exit_status(error);
 }
 
 int parse_and_run(int argc, char** argv) {
+  kaz::tools::set_command_line(argc, argv);
   CLI::App program(
       "Kaz: a desktop humanoid with stereo eyes, real or virtual. What runs against the virtual "
       "robot runs on\nthe real one unchanged: both speak the same bytes on the same kind of line.");
@@ -81,7 +99,8 @@ int parse_and_run(int argc, char** argv) {
     const std::string name = spoken_name(program);
     const std::string verb = unknown_verb(program, argc, argv);
     const std::string what = verb.empty() ? wrong.what() : "there is no verb `" + verb + "`";
-    std::fprintf(stderr, "%s: %s; see `%s --help`\n", name.c_str(), what.c_str(), name.c_str());
+    std::fprintf(stderr, "%s: %s; see `%s --help`\n", name.c_str(), kaz::one_line(what).c_str(),
+                 name.c_str());
     return kUsage;
   }
   const kaz::Result<kaz::tools::Outcome> done = action();
@@ -96,7 +115,7 @@ int main(int argc, char** argv) {
   try {
     return parse_and_run(argc, argv);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "kaz: %s\n", error.what());
+    std::fprintf(stderr, "kaz: %s\n", kaz::one_line(error.what()).c_str());
     return static_cast<int>(kaz::Fault::environment);
   }
 }

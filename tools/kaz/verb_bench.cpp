@@ -26,6 +26,7 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
              "of the emulated board: nominal, ideal or as-built (kaz sim --help)")
       ->excludes(port);
   verb.add_option("--seed", arguments.target.backend.seed, "of the emulated board's noise")
+      ->check(whole_number())
       ->capture_default_str()
       ->excludes(port);
   verb.add_option("--limits", arguments.limits,
@@ -103,6 +104,7 @@ void add_fit(CLI::App& bench_verb, Action& action) {
              "and 0.1 ms off in a start");
   verb->add_option("--image", arguments->model.image, "firmware image for h8: S-record or COFF");
   verb->add_option("--seed", arguments->model.seed, "of the noise on the model's bench")
+      ->check(whole_number())
       ->capture_default_str();
   verb->add_option("--out", arguments->out,
                    "folder for motor.xml, report.html, result.json, plots/")

@@ -9,7 +9,6 @@
 
 #include "tools/app/base/output.h"
 #include "tools/app/base/version.h"
-#include "tools/app/version.h"
 #include "tools/kaz/help.h"
 #include "tools/kaz/verbs.h"
 

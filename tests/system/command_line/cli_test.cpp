@@ -142,6 +142,53 @@ TEST(Cli, EmptyJobsAreWrongUsage) {
   }
 }
 
+// More digits than the type has would be taken as its largest number.
+TEST(Cli, NumbersBeyondTheirTypeAreRefused) {
+  const std::string many = "99999999999999999999";
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {"mcu", "compare", "--ticks", many},
+           {"mcu", "compare", "--seed", many},
+           {"mcu", "compare", "--state-every", many},
+           {"mcu", "compare", "--wire", "--conversations", many},
+           {"mcu", "compare", "--wire", "--first", many},
+           {"mcu", "run", "image", "--max-states", many},
+           {"fuzz", "--cases", many},
+           {"fuzz", "--seed", many},
+           {"bench", "link", "--seed", many},
+           {"bench", "fit", "report", "--seed", many},
+           {"conformance", "--virtual", "native", "--seed", many},
+           {"replay", "file", "--seed", many},
+           {"evaluate", "stand", "--out", "out", "--episodes", many},
+           {"evaluate", "stand", "--out", "out", "--seed", many},
+           {"demo", "--seed", many}})
+    EXPECT_TRUE(one_sentence(run(kaz(arguments)), 2, {many})) << arguments.back();
+  EXPECT_TRUE(one_sentence(run(kaz({"mcu", "compare", "--ticks", "1e3"})), 2, {"'1e3'"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"fuzz", "--seconds", "inf"})), 2, {"inf"}));
+}
+
+// Whatever the name of a file holds.
+TEST(Cli, EachErrorIsOneLine) {
+  EXPECT_TRUE(one_sentence(run(kaz({"replay", "a\nb\x1b[2J"})), 2, {"a b\\x1b[2J"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"dan\nce"})), 2, {"dan ce"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"run", "a\nb"})), 2, {"a b"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"status", "--port", "no\nport"})), 3, {"no port"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"flash", "info", "--port", "no\nport"})), 3, {"no port"}));
+}
+
+TEST(Cli, FuzzSaysWhatItTriedAndThatNothingWasWrong) {
+  const TemporaryFolder folder;
+  const Finished said = run(kaz({"fuzz", "--cases", "3", "--out", folder / "failing"}));
+  EXPECT_EQ(said.exit_code, 0) << said.err;
+  EXPECT_TRUE(std::regex_search(
+      said.out, std::regex("tried: 3 cases in [0-9.]+ s, that is [0-9.]+ s of the board; [0-9]+ "
+                           "frames sent and [0-9]+ damaged ones, [0-9]+ replies")))
+      << said.out;
+  EXPECT_TRUE(said.out.ends_with("nothing was wrong\n")) << said.out;
+  const Finished json = run(kaz({"fuzz", "--cases", "3", "--out", folder / "failing", "--json"}));
+  EXPECT_NE(json.out.find("\"ok\": true"), std::string::npos) << json.out;
+  EXPECT_NE(json.out.find("\"command\": \"kaz fuzz --cases 3 "), std::string::npos) << json.out;
+}
+
 TEST(Cli, MissingPort) {
   const TemporaryFolder folder;
   const Finished finished = run(kaz({"run", "track-ball", "--robot", "serial:" + (folder / "none"),

@@ -14,6 +14,7 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/paths.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/base/time_lost.h"
 #include "tools/app/base/version.h"
 #include "tools/lockstep/virtual_bench.h"
@@ -147,6 +148,7 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   hil::ReportFacts facts;
   facts.program = std::string("kaz ") + kVersion;
   facts.seed = arguments.run.seed;
+  facts.from = provenance();
   Progress progress("kaz conformance", quiet);
   arguments.run.progress = [&](const hil::CaseResult& one, std::size_t number, std::size_t of) {
     if (!quiet) {
