@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/report/provenance.h"
 #include "hil/report/verdict.h"
 #include "host/link/lateness.h"
 #include "shared/base/result.hpp"
@@ -70,6 +71,7 @@ struct BenchReport {
   std::string port;     // "/dev/ttyUSB0", "virtual board (h8)"
   std::string program;  // "kaz 0.1.0"
   std::uint64_t seed = 1;
+  Provenance from = {};  // not read back from JSON
   // What the bench was: disc on the shaft, supplies. Name with unit, and value; for `bench fit`.
   std::vector<std::pair<std::string, double>> conditions;
   std::vector<Measurement> measurements;

@@ -80,10 +80,11 @@ std::string junit_text(const RunReport& report, const ReportFacts& facts) {
   suite.property("program", facts.program);
   suite.property("seed", std::to_string(facts.seed));
   if (report.interrupted) suite.property("interrupted", interruption(report, facts));
+  for (const auto& [name, value] : provenance_properties(facts.from)) suite.property(name, value);
   for (const CaseResult& one : report.results) {
     suite.add({one.of->id.substr(0, one.of->id.find('.')),
                one.of->id,
-               one.seconds,
+               one.verdict == Verdict::left_out ? std::nullopt : std::optional(one.seconds),
                one.verdict,
                one.message,
                joined(one.of->statements, ", ") + ": " + one.of->sentence + "\n" +
@@ -104,6 +105,7 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
     all["signal"] = facts.signal;
     all["cases_chosen"] = report.chosen;
   }
+  all["provenance"] = provenance_json(facts.from);
   all["cases"] = report.results.size();
   all["passed"] = report.count(Verdict::passed);
   all["failed"] = report.count(Verdict::failed);
@@ -119,7 +121,7 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
     result["verdict"] = verdict_text(one.verdict);
     if (!one.message.empty()) result["message"] = one.message;
     if (one.runs > 1) result["runs"] = one.runs;
-    result["seconds"] = one.seconds;
+    if (one.verdict != Verdict::left_out) result["seconds"] = one.seconds;
     if (!one.transcript.empty()) result["bytes"] = one.transcript;
     all["results"].push_back(std::move(result));
   }
@@ -143,7 +145,8 @@ std::string html_text(const RunReport& report, const ReportFacts& facts) {
           std::to_string(undecided) + " undecided.</p>\n";
   text += "<p class=\"facts\">" + xml_text(report.board) + "<br>on " + xml_text(facts.port) +
           "<br>examined by " + xml_text(facts.program) + ", seed " + std::to_string(facts.seed) +
-          ", in " + fixed(total_seconds(report), 1) + " s of the board's time</p>\n";
+          ", in " + fixed(total_seconds(report), 1) + " s of the board's time" +
+          provenance_html(facts.from) + "</p>\n";
   const auto table = [&](Verdict verdict, const char* title) {
     std::string rows;
     for (const CaseResult& one : report.results) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "hil/conformance/suite.h"
+#include "hil/report/provenance.h"
 
 namespace kaz::hil {
 
@@ -13,6 +14,7 @@ struct ReportFacts {
   std::string program;  // "kaz 0.1.0"
   std::uint64_t seed = 1;
   std::string signal;  // that interrupted the run: "SIGINT"; empty: none
+  Provenance from = {};
 };
 
 std::string junit_text(const RunReport& report, const ReportFacts& facts);

@@ -71,12 +71,14 @@ Outcome score(const std::vector<PictureRow>& pictures, Time found_at, double fou
       found_s, std::min(share * 100, 100.0), taken);
   outcome.sentence = text;
   outcome.measurements = {{"found_s", found_s},
-                          {"tracking_within_3deg", share},
-                          {"tracking_error_median_deg", quantile(errors, 0.5)},
-                          {"tracking_error_p95_deg", quantile(errors, 0.95)},
                           {"pictures", static_cast<double>(taken)},
                           {"pictures_with_ball", static_cast<double>(errors.size())},
                           {"losses", static_cast<double>(losses)}};
+  if (taken > 0) outcome.measurements.emplace_back("tracking_within_3deg", share);
+  if (!errors.empty()) {
+    outcome.measurements.emplace_back("tracking_error_median_deg", quantile(errors, 0.5));
+    outcome.measurements.emplace_back("tracking_error_p95_deg", quantile(errors, 0.95));
+  }
   return outcome;
 }
 

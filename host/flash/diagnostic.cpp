@@ -5,17 +5,19 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "shared/base/one_line.hpp"
+
 namespace kaz::host {
 
 std::string text_of(const Diagnostic& diagnostic) {
-  std::string text = diagnostic.what;
-  if (!diagnostic.expected.empty()) text += "\n  expected: " + diagnostic.expected;
-  if (!diagnostic.came.empty()) text += "\n  came:     " + diagnostic.came;
+  std::string text = one_line(diagnostic.what);
+  if (!diagnostic.expected.empty()) text += "\n  expected: " + one_line(diagnostic.expected);
+  if (!diagnostic.came.empty()) text += "\n  came:     " + one_line(diagnostic.came);
   if (!diagnostic.causes.empty()) text += "\n  likely causes, in this order:";
   int number = 0;
   for (const std::string& cause : diagnostic.causes)
-    text += "\n    " + std::to_string(++number) + ". " + cause;
-  if (!diagnostic.next.empty()) text += "\n  next: " + diagnostic.next;
+    text += "\n    " + std::to_string(++number) + ". " + one_line(cause);
+  if (!diagnostic.next.empty()) text += "\n  next: " + one_line(diagnostic.next);
   return text;
 }
 

@@ -17,7 +17,7 @@ struct Diagnostic {
   std::string next;                 // a command, or what to do
 };
 
-// Multi-line text without a final newline.
+// Several lines without a final newline; text from outside breaks none of them.
 std::string text_of(const Diagnostic& diagnostic);
 tl::unexpected<Error> fail(Fault fault, const Diagnostic& diagnostic);
 

@@ -5,11 +5,16 @@
 
 #include <string>
 
+#include "shared/base/one_line.hpp"
+
 namespace kaz {
 
+// Control characters that XML has no form for, and bytes that are no UTF-8, become \xNN.
 inline std::string xml_text(const std::string& text) {
   std::string out;
-  for (const char c : text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const char c = text[at];
+    const std::size_t length = utf8_length(text, at);
     switch (c) {
       case '&':
         out += "&amp;";
@@ -23,9 +28,20 @@ inline std::string xml_text(const std::string& text) {
       case '"':
         out += "&quot;";
         break;
-      default:
+      case '\'':
+        out += "&apos;";
+        break;
+      case '\n':
+      case '\r':
+      case '\t':
         out += c;
+        break;
+      default: {
+        const std::string_view one = std::string_view(text).substr(at, length == 0 ? 1 : length);
+        out += one_line(one);
+      }
     }
+    at += length == 0 ? 1 : length;
   }
   return out;
 }

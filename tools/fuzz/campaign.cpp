@@ -18,6 +18,7 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/paths.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/kept/kept_run.h"
 #include "tools/fuzz/engine_case.h"
 
@@ -109,14 +110,15 @@ class Fuzzing {
     // Not only when there is something to keep.
     KAZ_TRY(check_folder_of(arguments_.out, "a failing case"));
     KAZ_TRY(prepare());
+    began_ = WallTime::now();
     if (!arguments_.replay.empty()) return replay();
     hil::fuzz::Search search(arguments_.seed);
     if (auto loaded = load(search); !loaded) return ended(loaded.error(), search);
     if (failing_) return report_failure(*failing_, search);
     Progress progress("kaz fuzz", arguments_.json);
-    const auto began = WallTime::now();
+    const auto begun = WallTime::now();  // without the corpus
     const auto elapsed = [&] {
-      return std::chrono::duration<double>(WallTime::now() - began).count();
+      return std::chrono::duration<double>(WallTime::now() - begun).count();
     };
     while (arguments_.cases > 0 ? totals_.cases < arguments_.cases
                                 : elapsed() < arguments_.seconds) {
@@ -270,12 +272,19 @@ class Fuzzing {
 
   void report(const hil::fuzz::Search& search, const std::optional<std::string>& violation,
               const std::string& text) const {
+    const double seconds = std::chrono::duration<double>(WallTime::now() - began_).count();
     if (arguments_.json) {
-      nlohmann::ordered_json json{
-          {"target", arguments_.target},      {"cases", totals_.cases},
-          {"board_s", totals_.board_s},       {"requests", totals_.requests},
-          {"replies", totals_.replies},       {"refusals", totals_.refusals},
-          {"corpus", search.corpus().size()}, {"features", search.features()}};
+      nlohmann::ordered_json json{{"target", arguments_.target},
+                                  {"ok", !violation},
+                                  {"cases", totals_.cases},
+                                  {"seconds", seconds},
+                                  {"damaged_frames", totals_.damaged},
+                                  {"board_s", totals_.board_s},
+                                  {"requests", totals_.requests},
+                                  {"replies", totals_.replies},
+                                  {"refusals", totals_.refusals},
+                                  {"corpus", search.corpus().size()},
+                                  {"features", search.features()}};
       if (interrupt_.requested()) mark_interrupted(json);
       if (!port_) json["ticks"] = totals_.ticks;
       if (engine_.mcu == sim::McuKind::h8) {
@@ -290,13 +299,17 @@ class Fuzzing {
         json["case"] = text;
         if (arguments_.replay.empty()) json["reproducer"] = arguments_.out;
       }
-      std::printf("%s\n", json.dump(2).c_str());
+      json["provenance"] = provenance_json();
+      print_json(json);
       return;
     }
     if (!text.empty()) std::printf("%s", text.c_str());
-    std::printf("%lld cases, %.1f s of the board, %lld requests, %lld replies, %lld refusals\n",
-                totals_.cases, totals_.board_s, totals_.requests, totals_.replies,
-                totals_.refusals);
+    std::printf(
+        "tried: %lld cases in %.1f s, that is %.1f s of the board; %lld frames sent and %lld "
+        "damaged "
+        "ones, %lld replies, %lld of them refusals\n",
+        totals_.cases, seconds, totals_.board_s, totals_.requests, totals_.damaged, totals_.replies,
+        totals_.refusals);
     if (engine_.mcu == sim::McuKind::h8)
       std::printf(
           "longest tick: %d of 18432 states; emulator's engine: %s, %.0f %% of instructions as "
@@ -306,7 +319,10 @@ class Fuzzing {
               static_cast<double>(std::max(1LL, totals_.instructions)));
     if (arguments_.body)
       std::printf("furthest past a soft limit: %.4f rad\n", totals_.worst_overshoot_rad);
-    if (!violation) return;
+    if (!violation) {
+      std::printf("%s\n", totals_.cases > 0 ? "nothing was wrong" : "nothing was tried");
+      return;
+    }
     std::printf("wrong: %s\n", violation->c_str());
     if (arguments_.replay.empty())
       std::printf("The case is in %s; see it again with: kaz fuzz --target %s --replay %s\n",
@@ -320,6 +336,7 @@ class Fuzzing {
   std::unique_ptr<PortTarget> port_;
   std::optional<Genome> failing_;
   Totals totals_;
+  WallTime::time_point began_{};
 };
 
 }  // namespace

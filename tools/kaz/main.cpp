@@ -1,13 +1,19 @@
 // `kaz`: the command line.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 
+#include "shared/base/one_line.hpp"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/base/version.h"
+#include "tools/kaz/help.h"
 #include "tools/kaz/verbs.h"
 
 namespace {
@@ -39,19 +45,39 @@ std::string unknown_verb(const CLI::App& program, int argc, char** argv) {
   return "";
 }
 
+// One line, whatever names from files and ports the message contains. Diagnostics of flashing have indented
+// lines of their own (host/flash/diagnostic.h).
+std::string printed(const std::string& name, const std::string& message) {
+  std::string text;
+  for (std::size_t from = 0; from <= message.size();) {
+    std::size_t end = message.size();
+    if (name.starts_with("kaz flash")) end = std::min(message.find("\n  ", from), end);
+    text +=
+        (from == 0 ? "" : "\n") + kaz::one_line(std::string_view(message).substr(from, end - from));
+    from = end + 1;
+  }
+  return text;
+}
+
 int report(const std::string& name, const kaz::Error& error) {
-  std::fprintf(stderr, "%s: %s\n", name.c_str(), error.message.c_str());
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), printed(name, error.message).c_str());
   return kaz::tools::exit_status(error);
 }
 
 int parse_and_run(int argc, char** argv) {
+  kaz::tools::set_command_line(argc, argv);
   CLI::App program(
       "Kaz: a desktop humanoid with stereo eyes, real or virtual. What runs against the virtual "
       "robot runs on\nthe real one unchanged: both speak the same bytes on the same kind of line.");
   program.name("kaz");
   program.set_version_flag("--version", std::string("kaz ") + kaz::tools::kVersion);
   program.require_subcommand(1);
-  program.get_formatter()->column_width(34);
+  program.formatter(std::make_shared<kaz::tools::HelpFormatter>());  // its verbs inherit it
+  kaz::tools::Action action;
+#define KAZ_VERB(name) kaz::tools::add_##name(program, action);
+#include "tools/kaz/verbs.def"
+#undef KAZ_VERB
+  // After the verbs, which would inherit it.
   program.footer(
       "Examples:\n"
       "  kaz demo                              search and track the ball, leave pictures\n"
@@ -65,10 +91,6 @@ int parse_and_run(int argc, char** argv) {
       "by "
       "Ctrl-C,\n143 by SIGTERM; what there was by then is kept (docs/reference/exit-status.md).\n"
       "`kaz VERB --help` says more about a verb.");
-  kaz::tools::Action action;
-#define KAZ_VERB(name) kaz::tools::add_##name(program, action);
-#include "tools/kaz/verbs.def"
-#undef KAZ_VERB
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version
@@ -77,7 +99,8 @@ int parse_and_run(int argc, char** argv) {
     const std::string name = spoken_name(program);
     const std::string verb = unknown_verb(program, argc, argv);
     const std::string what = verb.empty() ? wrong.what() : "there is no verb `" + verb + "`";
-    std::fprintf(stderr, "%s: %s; see `%s --help`\n", name.c_str(), what.c_str(), name.c_str());
+    std::fprintf(stderr, "%s: %s; see `%s --help`\n", name.c_str(), kaz::one_line(what).c_str(),
+                 name.c_str());
     return kUsage;
   }
   const kaz::Result<kaz::tools::Outcome> done = action();
@@ -92,7 +115,7 @@ int main(int argc, char** argv) {
   try {
     return parse_and_run(argc, argv);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "kaz: %s\n", error.what());
+    std::fprintf(stderr, "kaz: %s\n", kaz::one_line(error.what()).c_str());
     return static_cast<int>(kaz::Fault::environment);
   }
 }

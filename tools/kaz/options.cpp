@@ -2,16 +2,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/kaz/options.h"
 
+#include <cmath>
+
 namespace kaz::tools {
 
 CLI::Validator positive() {
   return CLI::Validator(
       [](std::string& text) {
         double number = 0;
-        const bool valid = CLI::detail::lexical_cast(text, number) && number > 0;
+        const bool valid =
+            CLI::detail::lexical_cast(text, number) && number > 0 && std::isfinite(number);
         return valid ? std::string() : "`" + text + "` is not a number above 0";
       },
       "POSITIVE");
+}
+
+CLI::Validator whole_number() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const bool valid = !text.empty() && text.size() < 19 &&
+                           text.find_first_not_of("0123456789") == std::string::npos;
+        return valid ? std::string() : "'" + text + "' is not a whole number of at most 18 digits";
+      },
+      "");
+}
+
+CLI::Validator whole_number_above_zero() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const bool digits = !text.empty() && text.size() < 19 &&
+                            text.find_first_not_of("0123456789") == std::string::npos;
+        return digits && text.find_first_not_of('0') != std::string::npos
+                   ? std::string()
+                   : "'" + text +
+                         "' is not a whole number above 0 of at most 18 digits, such as 1000000";
+      },
+      "");
 }
 
 void add_sim_options(CLI::App& verb, BackendOptions& options) {

@@ -20,6 +20,10 @@ namespace kaz::tools {
 // A number above 0; the message of CLI11's own check would contain the largest double.
 CLI::Validator positive();
 
+// Digits alone: CLI11 would take 1e3 as 1 and 99999999999999999999 as the largest number of the type.
+CLI::Validator whole_number();
+CLI::Validator whole_number_above_zero();
+
 // Takes the names of `values`; CLI11's own transformer would print their numbers too.
 template <class T>
 CLI::Validator one_of(const std::map<std::string, T>& values) {

@@ -27,6 +27,7 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
              "of the emulated board: nominal, ideal or as-built (kaz sim --help)")
       ->excludes(port);
   verb.add_option("--seed", arguments.target.backend.seed, "of the emulated board's noise")
+      ->check(whole_number())
       ->capture_default_str()
       ->excludes(port);
   verb.add_option("--limits", arguments.limits,
@@ -104,6 +105,7 @@ void add_fit(CLI::App& bench_verb, Action& action) {
              "and 0.1 ms off in a start");
   verb->add_option("--image", arguments->model.image, "firmware image for h8: S-record or COFF");
   verb->add_option("--seed", arguments->model.seed, "of the noise on the model's bench")
+      ->check(whole_number())
       ->capture_default_str();
   verb->add_option("--out", arguments->out,
                    "folder for motor.xml, report.html, result.json, plots/")
@@ -148,6 +150,7 @@ void add_bench(CLI::App& program, Action& action) {
   auto* names = verb->add_subcommand("list", "the measurements with their limits, and runs none");
   auto as_json = std::make_shared<bool>(false);
   names->add_flag("--json", *as_json, "as JSON; a side without limit is null");
+  names->footer("Examples:\n  kaz bench list\n  kaz bench list --json > limits.json");
   names->callback([&action, as_json] {
     action = [as_json] {
       print_measurements(*as_json);

@@ -13,6 +13,10 @@ void add_calibrate(CLI::App& program, Action& action) {
   auto* verb =
       program.add_subcommand("calibrate", "finds out what a robot's parts really are like");
   verb->require_subcommand(1);
+  verb->footer(
+      "Examples:\n"
+      "  kaz calibrate stereo --left 'eyes/left*.png' --right 'eyes/right*.png' \\\n"
+      "      --board 9x6 --square 0.025 --out stereo.yml");
   auto* stereo = verb->add_subcommand(
       "stereo", "lenses of two eyes and how they stand, from pictures of a chessboard");
   auto arguments = std::make_shared<StereoCalibrationOptions>();

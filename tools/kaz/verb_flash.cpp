@@ -45,8 +45,11 @@ void add_flash(CLI::App& program, Action& action) {
       "  kaz flash write kaz.mot --port /dev/ttyUSB0 --reset manual\n"
       "  kaz flash info --port /dev/ttyUSB0\n"
       "Exit status: 0 done and verified, 1 it failed, 2 wrong usage or image, 3 port error.");
-  const auto add = [&](const char* name, const char* text) {
+  const auto add = [&](const char* name, const char* text, const char* examples) {
     auto* verb = all->add_subcommand(name, text);
+    verb->footer(std::string("Examples:\n") + examples +
+                 "Exit status: 0 done and verified, 1 it failed, 2 wrong usage or image, 3 port "
+                 "error.");
     auto arguments = std::make_shared<FlashArguments>();
     arguments->verb = name;
     add_common(*verb, *arguments);
@@ -54,23 +57,35 @@ void add_flash(CLI::App& program, Action& action) {
         [&action, arguments] { action = [arguments] { return run_flash(*arguments); }; });
     return std::pair(verb, arguments);
   };
-  add("info", "what the board says of itself");
-  add("run", "starts the firmware in the flash, and prints its identity");
+  add("info", "what the board says of itself",
+      "  kaz flash info --port /dev/ttyUSB0\n"
+      "  kaz flash info --port board --reset ctl:board.ctl --json     (boot mode)\n");
+  add("run", "starts the firmware in the flash, and prints its identity",
+      "  kaz flash run --port /dev/ttyUSB0     (after kaz flash write --no-start)\n");
   auto [write, to_write] =
-      add("write", "erases what differs, writes, verifies and starts an image");
+      add("write", "erases what differs, writes, verifies and starts an image",
+          "  kaz flash write build/release/firmware/kaz.mot --port /dev/ttyUSB0\n"
+          "  kaz flash write kaz.mot --port board --reset ctl:board.ctl     (kaz sim --erased)\n"
+          "  kaz flash write kaz.mot --port /dev/ttyUSB0 --reset manual\n");
   add_image(*write, *to_write);
   write->add_flag("--dry-run", to_write->dry_run, "look at the image and the port, send nothing");
   write->add_flag("--force", to_write->force,
                   "although the image is for another board or no Kaz's");
   write->add_flag("!--no-start", to_write->start, "do not start it");
-  auto [verify, to_verify] = add("verify", "compares the flash with an image");
+  auto [verify, to_verify] = add("verify", "compares the flash with an image",
+                                 "  kaz flash verify kaz.mot --port /dev/ttyUSB0\n");
   add_image(*verify, *to_verify);
-  auto [erase, to_erase] = add("erase", "erases blocks; with --reset the whole flash");
+  auto [erase, to_erase] = add("erase", "erases blocks; with --reset the whole flash",
+                               "  kaz flash erase --port /dev/ttyUSB0 --blocks 7,8\n"
+                               "  kaz flash erase --port /dev/ttyUSB0 --reset manual\n");
   erase->add_option("--blocks", to_erase->blocks, "1..5 and 7..9, through the resident loader")
       ->delimiter(',')
       ->check(CLI::Range(0, 9))
       ->type_name("N,N");
-  auto [read, to_read] = add("read", "reads flash into a raw file");
+  auto [read, to_read] = add("read", "reads flash into a raw file",
+                             "  kaz flash read --port /dev/ttyUSB0 --out flash.bin\n"
+                             "  kaz flash read --port board --from 0x1000 --length 4096 --out "
+                             "part.bin\n");
   read->add_option("--from", to_read->from, "first address")
       ->check(CLI::Range(0, 0x1ffff))
       ->capture_default_str();

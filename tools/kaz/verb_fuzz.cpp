@@ -21,8 +21,10 @@ void add_fuzz(CLI::App& program, Action& action) {
       ->check(positive())
       ->capture_default_str();
   verb->add_option("--cases", arguments->cases, "so many cases instead, for a result that repeats")
-      ->check(positive());
-  verb->add_option("--seed", arguments->seed, "of the cases")->capture_default_str();
+      ->check(whole_number_above_zero());
+  verb->add_option("--seed", arguments->seed, "of the cases")
+      ->check(whole_number())
+      ->capture_default_str();
   verb->add_option(
           "--corpus", arguments->corpus,
           "folder of cases to begin with; those that show something new are added; made if it "

@@ -12,17 +12,6 @@
 namespace kaz::tools {
 namespace {
 
-// CLI11's own checks answer with the limits of their types.
-const CLI::Validator kCountAboveZero(
-    [](std::string& text) {
-      const bool digits = !text.empty() && text.size() < 19 &&
-                          text.find_first_not_of("0123456789") == std::string::npos;
-      return digits && text.find_first_not_of('0') != std::string::npos
-                 ? std::string{}
-                 : "'" + text + "' is not a whole number above 0, such as 1000000";
-    },
-    "INT");
-
 const std::map<std::string, h8s::Engine> kEngines{{"reference", h8s::Engine::reference},
                                                   {"interpreter", h8s::Engine::interpreter},
                                                   {"translator", h8s::Engine::translator}};
@@ -38,11 +27,11 @@ void add_wire_options(CLI::App& verb, CompareArguments& arguments) {
   auto* wire =
       verb.add_flag("--wire", arguments.on_wire, "compare whole boards on the line instead");
   verb.add_option("--conversations", arguments.wire.conversations, "with --wire: of a second each")
-      ->check(positive())
+      ->check(whole_number_above_zero())
       ->capture_default_str()
       ->needs(wire);
   verb.add_option("--first", arguments.wire.first, "with --wire: number of the first one")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number())
       ->capture_default_str()
       ->needs(wire);
 }
@@ -52,13 +41,14 @@ void add_compare(CLI::App& mcu, Action& action) {
       "compare", "native against h8: equal inputs of the servo tick must give equal outputs");
   auto arguments = std::make_shared<CompareArguments>();
   verb->add_option("--ticks", arguments->options.ticks, "how many ticks of 1 ms")
-      ->check(positive())
+      ->check(whole_number_above_zero())
       ->capture_default_str();
   verb->add_option("--seed", arguments->options.seed, "of host traffic and potentiometers")
+      ->check(whole_number())
       ->capture_default_str();
   verb->add_option("--state-every", arguments->options.state_every,
                    "compare the whole state every so many ticks; outputs and pins in each")
-      ->check(positive())
+      ->check(whole_number_above_zero())
       ->capture_default_str();
   verb->add_option(
           "--engine", arguments->options.engine,
@@ -99,9 +89,9 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
                 "print insns=N and states=N at the end, on standard error");
   verb.add_option("--max-states", options.max_states,
                   "stop there; one second of the chip if not given, no limit with --flat")
-      ->check(kCountAboveZero);
+      ->check(whole_number_above_zero());
   verb.add_option("--max-insns", options.max_insns, "with --flat: stop there")
-      ->check(kCountAboveZero)
+      ->check(whole_number_above_zero())
       ->needs("--flat");
   verb.add_option("--engine", options.engine, "reference, interpreter or translator (the default)")
       ->transform(one_of(kEngines))
@@ -125,12 +115,12 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
   verb.add_flag("--trace{-}", debug.trace,
                 "each instruction with what it changes, on standard error or to --trace=FILE")
       ->excludes("--flat")
-      ->type_name("");
+      ->type_name("FILE");
   auto* profile =
       verb.add_flag("--profile{-}", debug.profile,
                     "states by function at the end, on standard error or to --profile=FILE")
           ->excludes("--flat")
-          ->type_name("");
+          ->type_name("FILE");
   verb.add_option("--profile-format", debug.profile_format,
                   "text, json or callgrind (for KCachegrind)")
       ->check(CLI::IsMember({"text", "json", "callgrind"}).description(""))
@@ -163,7 +153,7 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   add_machine_options(*verb, *options);
   verb->add_flag("--entry{image}", options->entry,
                  "start at the image's entry, or with --entry=ADDRESS there, not by reset")
-      ->type_name("");
+      ->type_name("ADDRESS");
   verb->add_option("--input", options->input, "bytes for RxD0 at line rate; - is standard input")
       ->excludes("--flat")
       ->type_name("");

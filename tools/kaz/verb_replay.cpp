@@ -1,6 +1,7 @@
 // `kaz replay`: runs a recording again and reports the first difference.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/replay/replay.h"
+#include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
@@ -25,7 +26,8 @@ void add_replay(CLI::App& program, Action& action) {
                  "has none")
       ->excludes(host);
   verb->add_option("--seed", arguments->replay.seed,
-                   "another seed than the recording's; implies --whole");
+                   "another seed than the recording's; implies --whole")
+      ->check(whole_number());
   verb->add_option("--set", arguments->settings, "another option of the behaviour: NAME=VALUE")
       ->type_name("NAME=VALUE");
   verb->add_option("--plugin", arguments->replay.plugin,

@@ -9,6 +9,7 @@
 
 #include "tools/app/base/output.h"
 #include "tools/app/base/version.h"
+#include "tools/kaz/help.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
@@ -92,11 +93,7 @@ std::string dashed(std::string name) {
 void add_options(const CLI::App& app, std::string& page) {
   page += ".SH OPTIONS\n";
   for (const CLI::Option* option : app.get_options()) {
-    const std::string value = option->get_positional() || option->get_type_size() == 0
-                                  ? ""
-                                  : " " + option->get_type_name();
-    page += ".TP\n.B " + escaped(option->get_name(true, true) + value) + "\n" +
-            escaped(option->get_description()) + "\n";
+    page += ".TP\n.B " + escaped(typed_form(*option)) + "\n" + escaped(option_text(*option)) + "\n";
   }
 }
 

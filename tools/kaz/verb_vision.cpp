@@ -160,6 +160,10 @@ void add_vision(CLI::App& program, Action& action) {
   auto* verb =
       program.add_subcommand("vision", "what is seen in pictures: files, recordings, live");
   verb->require_subcommand(1);
+  verb->footer(
+      "Examples:\n"
+      "  kaz vision learn-color --in left.png --region 150,110,12,12 --out ball.json\n"
+      "  kaz vision run --in pictures --view 60 --color ball.json --out found");
   add_run_on_pictures(*verb, action);
   add_learn(*verb, action);
 }

@@ -19,6 +19,7 @@
 namespace kaz::vision {
 namespace {
 
+constexpr int kLargestMatrixSide = 14;        // distortion in a row
 constexpr std::size_t kLargestFile = 1 << 16;  // bytes; ours are of 3000
 constexpr double kLargest = 1e6;               // px, and m; their products are still written and read
 
@@ -67,6 +68,18 @@ class Reader {
     return static_cast<int>(value);
   }
 
+  // Rows and columns, where the file states them; how many numbers a matrix has is checked by its list.
+  Result<void> check_shape(const char* key, const CalibrationEntry& entry) const {
+    for (const auto& [name, text] : {std::pair{"rows", entry.rows}, {"cols", entry.cols}}) {
+      double count = 0;
+      if (!text.empty() && (!calibration_number(text, count) || count != std::floor(count) ||
+                            count < 1 || count > kLargestMatrixSide))
+        return bad(std::string(key) + " has " + name + ": " + std::string(text) + "; a matrix has 1 to " +
+                   std::to_string(kLargestMatrixSide) + " rows and columns");
+    }
+    return {};
+  }
+
   // As many as one of `counts`.
   Result<std::vector<double>> numbers(const char* key,
                                       const std::vector<std::size_t>& counts) const {
@@ -80,6 +93,7 @@ class Reader {
     if (std::find(counts.begin(), counts.end(), entry.values.size()) == counts.end())
       return bad(std::string(key) + " has " + std::to_string(entry.values.size()) +
                  " numbers, not " + std::to_string(counts.front()));
+    KAZ_TRY(check_shape(key, entry));
     std::vector<double> values(entry.values.size());
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (!calibration_number(entry.values[i], values[i]))

@@ -132,6 +132,16 @@ TEST(CalibrationFile, NamesWhatIsWrong) {
   expect("R1", "1., 0., 0., 0., 1., 0., 0., 0., -1.", "no rotation");
   expect("P2", "9., 0., 5., 0., 0., 9., 5., 0., 0., 0., 1., 0.", "different pinholes");
   expect("T", "-0.05, 0., 0.", "do not fit");
+  for (const std::string shape : {"cols: -3", "cols: 0", "cols: 1e9", "cols: 2.5", "cols: x"}) {
+    std::string wrong = whole;
+    wrong.replace(wrong.find("cols: 3"), 7, shape);
+    EXPECT_NE(message(wrong).find(" has " + shape + "; a matrix has 1 to 14"), std::string::npos)
+        << message(wrong);
+  }
+  std::string rows = whole;
+  rows.replace(rows.find("rows: 3"), 7, "rows: -3");
+  EXPECT_NE(message(rows).find("camera_matrix_left has rows: -3"), std::string::npos)
+      << message(rows);
   std::string odd = whole;
   odd.replace(odd.find("image_width: 320"), 16, "image_width: -3 ");
   EXPECT_NE(message(odd).find("image_width is -3"), std::string::npos) << message(odd);

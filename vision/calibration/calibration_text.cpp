@@ -80,6 +80,10 @@ std::map<std::string, CalibrationEntry, std::less<>> scan_calibration(std::strin
       entry = &entries.try_emplace(std::string(word)).first->second;
       if (++entry->times > 1) continue;
     }
+    if (entry != nullptr && entry->times == 1 && (word == "rows" || word == "cols")) {
+      (word == "rows" ? entry->rows : entry->cols) = words.next();
+      continue;
+    }
     if (entry == nullptr || of_a_matrix(word)) continue;
     if (!words.before('[')) {
       if (word == "data" || words.before('{')) continue;

@@ -15,6 +15,7 @@ namespace kaz::vision {
 
 struct CalibrationEntry {
   std::vector<std::string_view> values;  // a scalar is one
+  std::string_view rows, cols;           // of a matrix, as they are written; empty: not stated
   bool list = false;                     // within brackets
   bool closed = true;                    // false: the file ends within it
   int times = 0;                         // how often the key stands in the file

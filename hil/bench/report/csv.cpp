@@ -38,9 +38,11 @@ std::string bench_csv(const BenchReport& report) {
   std::string text =
       row({"subject", "name", "value", "error", "unit", "low", "high", "verdict", "message"});
   for (const Measurement& one : report.measurements) {
-    text +=
-        row({one.subject, one.of->name, exact_text(one.value), exact_text(one.error), one.of->unit,
-             limit(one.low), limit(one.high), verdict_text(one.verdict), one.message});
+    // What was not measured has neither value nor error.
+    const bool measured = one.verdict != Verdict::left_out;
+    text += row({one.subject, one.of->name, measured ? exact_text(one.value) : "",
+                 measured && one.error != 0 ? exact_text(one.error) : "", one.of->unit,
+                 limit(one.low), limit(one.high), verdict_text(one.verdict), one.message});
   }
   return text;
 }

@@ -159,7 +159,7 @@ std::string facts(const BenchReport& report) {
   for (const auto& [name, value] : report.conditions) {
     text += "<br>" + xml_text(name) + ": " + xml_text(value_text(value));
   }
-  return text + "</p>\n";
+  return text + provenance_html(report.from) + "</p>\n";
 }
 
 std::string verdict_heading(const BenchReport& report) {

@@ -48,8 +48,10 @@ Json to_json(const Measurement& one) {
   json["name"] = one.of->name;
   json["unit"] = one.of->unit;
   json["verdict"] = verdict_text(one.verdict);
-  json["value"] = number(one.value);
-  json["error"] = number(one.error);
+  // What was not measured has neither.
+  const bool measured = one.verdict != Verdict::left_out;
+  json["value"] = measured ? number(one.value) : Json(nullptr);
+  json["error"] = measured && one.error != 0 ? number(one.error) : Json(nullptr);
   json["low"] = limit(one.low, -kInfinite);
   json["high"] = limit(one.high, kInfinite);
   json["message"] = one.message;
@@ -73,7 +75,7 @@ Measurement to_measurement(const Json& json) {
   one.subject = json.at("subject");
   one.verdict = to_verdict(json.at("verdict"));
   one.value = to_number(json.at("value"));
-  one.error = to_number(json.at("error"));
+  one.error = to_number(json.at("error"), 0);
   one.low = to_number(json.at("low"), -kInfinite);
   one.high = to_number(json.at("high"), kInfinite);
   one.message = json.at("message");
@@ -172,6 +174,7 @@ std::string bench_json(const BenchReport& report) {
   entry("port", report.port);
   entry("program", report.program);
   entry("seed", report.seed);
+  entry("provenance", provenance_json(report.from));
   entry("seconds", number(report.seconds));
   if (!report.signal.empty()) {
     entry("interrupted", true);

@@ -67,6 +67,33 @@ TEST(BenchJson, ComesBackAsItWas) {
   EXPECT_EQ(bench_json(*is), bench_json(was));
 }
 
+TEST(BenchReports, HaveNoValueOfWhatWasLeftOut) {
+  const BenchReport report = test_report();
+  const auto all = nlohmann::json::parse(bench_json(report));
+  int left_out = 0;
+  for (const auto& one : all["measurements"]) {
+    if (one["verdict"] != "left out") continue;
+    ++left_out;
+    EXPECT_TRUE(one["value"].is_null());
+    EXPECT_TRUE(one["error"].is_null());
+    const std::string row =
+        one["subject"].get<std::string>() + "," + one["name"].get<std::string>() + ",,,";
+    EXPECT_NE(bench_csv(report).find(row), std::string::npos) << bench_csv(report);
+  }
+  EXPECT_EQ(left_out, 1);
+}
+
+TEST(BenchReports, HaveTheirProvenance) {
+  BenchReport report = test_report();
+  report.from = {"2026-01-02T03:04:05Z", "0.1.0", "a <cpu>", "an OS", 2, "kaz bench 'all\n'"};
+  const auto from = nlohmann::json::parse(bench_json(report))["provenance"];
+  EXPECT_EQ(from["date"], "2026-01-02T03:04:05Z");
+  EXPECT_EQ(from["machine"]["cores"], 2);
+  EXPECT_EQ(from["command"], "kaz bench 'all '");
+  EXPECT_NE(bench_junit(report).find("name=\"cpu\" value=\"a &lt;cpu&gt;\""), std::string::npos);
+  EXPECT_NE(bench_html(report).find("2026-01-02T03:04:05Z"), std::string::npos);
+}
+
 TEST(BenchJson, ReportsWhatIsThere) {
   const auto all = nlohmann::json::parse(bench_json(test_report()));
   EXPECT_EQ(all["passed"], 5);
@@ -121,10 +148,10 @@ TEST(BenchCsv, HasALineForEachMeasurement) {
             "subject,name,value,error,unit,low,high,verdict,message");
   EXPECT_NE(text.find("neck_pan,stall.torque_4v8,0.97,0.004,Nm,0.9409,0.9991,passed,\n"),
             std::string::npos);
-  EXPECT_NE(text.find("neck_pan,pot.noise,1.7,0,codes,,1,failed,\"1.7 codes is above the limit of "
+  EXPECT_NE(text.find("neck_pan,pot.noise,1.7,,codes,,1,failed,\"1.7 codes is above the limit of "
                       "1 codes; less < more & \"\"quoted\"\", with a comma\"\n"),
             std::string::npos);
-  EXPECT_NE(text.find("neck_pan,backlash,,0,deg,0.05,0.6,failed,nothing could be measured\n"),
+  EXPECT_NE(text.find("neck_pan,backlash,,,deg,0.05,0.6,failed,nothing could be measured\n"),
             std::string::npos);
   EXPECT_NE(text.find("neck_pan,frequency.bandwidth,inf,"), std::string::npos);
 }

@@ -55,22 +55,31 @@ const std::set<std::string> kNamed{"world", "model", "link", "visual", "collisio
 // Maximum of all numbers, so that products of a few of them do not overflow.
 constexpr double kLargest = 1e300;
 
+// Bounds against wrong units, and against numbers with which a step of the dynamics makes no sense.
+constexpr double kMaxPose = 100;      // m, and rad
+constexpr double kMaxGravity = 50;    // m/s^2; Jupiter has 25
+constexpr double kMaxKick = 100;      // m/s
+constexpr double kMaxKickTime = 1e6;  // s
+constexpr double kMinMass = 1e-9;     // kg
+constexpr double kMaxMoment = 1e9;    // kg m^2
+
 // Elements whose text is numbers: how many, and their bounds.
 struct Numbers {
   std::size_t count;
   double min = -kLargest;
   double max = kLargest;
+  const char* unit = "";
 };
 const std::map<std::string, Numbers> kNumbers{
-    {"gravity", {3}},
-    {"pose", {6}},
+    {"gravity", {3, -kMaxGravity, kMaxGravity, " m/s2"}},
+    {"pose", {6, -kMaxPose, kMaxPose, " (m, rad)"}},
     {"mass", {1, 0, 1e4}},
-    {"ixx", {1}},
-    {"ixy", {1}},
-    {"ixz", {1}},
-    {"iyy", {1}},
-    {"iyz", {1}},
-    {"izz", {1}},
+    {"ixx", {1, -kMaxMoment, kMaxMoment, " kg m2"}},
+    {"ixy", {1, -kMaxMoment, kMaxMoment, " kg m2"}},
+    {"ixz", {1, -kMaxMoment, kMaxMoment, " kg m2"}},
+    {"iyy", {1, -kMaxMoment, kMaxMoment, " kg m2"}},
+    {"iyz", {1, -kMaxMoment, kMaxMoment, " kg m2"}},
+    {"izz", {1, -kMaxMoment, kMaxMoment, " kg m2"}},
     {"radius", {1, 1e-6, 1e3}},
     {"length", {1, 1e-6, 1e3}},
     {"box/size", {3, 1e-6, 1e3}},
@@ -92,12 +101,12 @@ struct OwnAttribute {
   Numbers numbers;
 };
 const OwnAttribute kOwn[] = {
-    {"kaz:robot", "pose", {6}},
+    {"kaz:robot", "pose", {6, -kMaxPose, kMaxPose, " (m, rad)"}},
     {"kaz:light", "to_lamp", {3}},
     {"kaz:light", "lamp", {1, 0, 10}},
     {"kaz:light", "shade", {1, 0, 10}},
-    {"kaz:kick", "time", {1, 0}},
-    {"kaz:kick", "velocity", {3}},
+    {"kaz:kick", "time", {1, 0, kMaxKickTime, " s"}},
+    {"kaz:kick", "velocity", {3, -kMaxKick, kMaxKick, " m/s"}},
     {"kaz:rolling_resistance", "metres", {1, 0}},
 };
 
@@ -127,11 +136,16 @@ std::string describe(const Numbers& wanted) {
   std::string text = std::to_string(wanted.count);
   text += wanted.count == 1 ? " number" : " numbers";
   if (wanted.max == 1) return text + " from 0 to 1";
+  if (wanted.min < 0 && wanted.max < kLargest) {
+    char range[80];
+    std::snprintf(range, sizeof range, " from %g to %g%s", wanted.min, wanted.max, wanted.unit);
+    return text + range;
+  }
   char max[40] = "";
   if (wanted.max < kLargest || wanted.min >= 0)
     std::snprintf(max, sizeof max, " and at most %g", wanted.max);
-  if (wanted.min == 0) return text + " not below 0" + max;
-  if (wanted.min > 0) return text + " above 0" + max;
+  if (wanted.min == 0) return text + " not below 0" + max + wanted.unit;
+  if (wanted.min > 0) return text + " above 0" + max + wanted.unit;
   return text;
 }
 
@@ -198,6 +212,7 @@ class Check {
                                   (text ? text : "") + "\"");
       }
     }
+    KAZ_TRY(file_.check_name(element));
     if (kNamed.count(name) && element.Attribute("name") == nullptr) {
       return error(element, "<" + name + "> lacks the attribute `name`");
     }
@@ -278,11 +293,15 @@ class Check {
       const Element* e = inertia->FirstChildElement(moment);
       return e ? e->DoubleText() : otherwise;
     };
+    const double kilograms = mass->DoubleText();
+    if (kilograms > 0 && kilograms < kMinMass)
+      return error(*mass, std::string("a mass of ") + mass->GetText() +
+                              " kg; a body that moves has 1e-9 to 10000 kg");
     Eigen::Matrix3d tensor;                              // with the defaults of SDF
     tensor << of("ixx", 1), of("ixy", 0), of("ixz", 0),  //
         of("ixy", 0), of("iyy", 1), of("iyz", 0),        //
         of("ixz", 0), of("iyz", 0), of("izz", 1);
-    if (!physical(mass->DoubleText(), tensor)) {
+    if (!physical(kilograms, tensor)) {
       return error(*inertia,
                    "no body can have this mass and inertia: the mass must be above 0, "
                    "moments positive and each at most the sum of the other two");

@@ -56,6 +56,9 @@ constexpr NumberAttribute kNumbers[] = {
 // Bounds against wrong units, such as millimetres for metres.
 constexpr double kLargest = 10;    // m
 constexpr double kHeaviest = 100;  // kg
+constexpr double kLightest = 1e-9;
+constexpr double kLargestTurn = 100;      // rad
+constexpr double kLargestMoment = 10000;  // kg m^2: the heaviest at the largest distance
 // Maximum depth: the tree is traversed recursively here, in the parser and in the dynamics.
 constexpr std::size_t kMaxLinks = 500;
 
@@ -90,6 +93,7 @@ class Check {
  private:
   Result<void> elements(const Element& parent) {
     const std::string name = parent.Name();
+    KAZ_TRY(file_.check_name(parent));
     if (auto ok = numbers(parent); !ok) return ok;
     if (auto ok = sizes(parent); !ok) return ok;
     const auto allowed = kChildren.find(name);
@@ -142,6 +146,25 @@ class Check {
           return file_.error(e, "<origin> lies " + format(place) + " m away; the maximum is 10 m");
       }
     }
+    if (name == "origin" && e.Attribute("rpy") != nullptr) {
+      const std::vector<double> angles = *parse_numbers(e.Attribute("rpy"), 3);
+      for (const double angle : angles) {
+        if (std::abs(angle) > kLargestTurn)
+          return file_.error(e, "<origin> is turned by " + format(angle) +
+                                    " rad; angles are from -100 to 100 rad");
+      }
+    }
+    if (name == "inertia") {
+      for (const char* moment : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) {
+        if (std::abs(e.DoubleAttribute(moment)) > kLargestMoment)
+          return file_.error(e, std::string("<inertia> has ") + moment + " of " +
+                                    format(e.DoubleAttribute(moment)) +
+                                    " kg m2; moments are from -10000 to 10000 kg m2");
+      }
+    }
+    if (const double value = name == "mass" ? e.DoubleAttribute("value") : 0;
+        value > 0 && value < kLightest)
+      return file_.error(e, "a mass of " + format(value) + " kg; masses are from 1e-9 to 100 kg");
     if (name == "mass" && e.DoubleAttribute("value") > kHeaviest) {
       return file_.error(
           e, "a mass of " + format(e.DoubleAttribute("value")) + " kg; the maximum is 100 kg");

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "shared/base/one_line.hpp"
+
 namespace kaz::sim {
 
 Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_name) {
@@ -102,6 +104,19 @@ Result<double> XmlFile::number(const tinyxml2::XMLElement& element, const char* 
                               "> is \"" + *text + "\", expected a number");
   }
   return numbers->front();
+}
+
+Result<void> XmlFile::check_name(const tinyxml2::XMLElement& element) const {
+  const char* value = element.Attribute("name");
+  if (value == nullptr) return {};
+  const std::string name = value;
+  if (name.size() > kNameMax)
+    return error(element, std::string("the name of <") + element.Name() + "> has " +
+                              std::to_string(name.size()) + " bytes; names have at most " +
+                              std::to_string(kNameMax));
+  if (name.find_first_of("&<>\"'") == std::string::npos && one_line(name) == name) return {};
+  return error(element, "the name `" + one_line(name) + "` of <" + element.Name() +
+                            "> holds one of & < > \" ' or a control character; leave it out");
 }
 
 std::optional<std::vector<double>> parse_numbers(const std::string& text, std::size_t count) {

@@ -34,11 +34,16 @@ class XmlFile {
   // Value of a required attribute, one finite number.
   Result<double> number(const tinyxml2::XMLElement& element, const char* name) const;
 
+  // Names go into messages of one line, JSON and XML: the attribute `name`, where there is one, is at most
+  // 200 bytes without & < > " ' and control characters.
+  Result<void> check_name(const tinyxml2::XMLElement& element) const;
+
   // The bytes that were parsed.
   const std::string& text() const { return text_; }
 
  private:
   static constexpr std::size_t kBytesMax = std::size_t{16} << 20;
+  static constexpr std::size_t kNameMax = 200;
   Result<void> check_text() const;
 
   std::string path_, text_;

@@ -173,7 +173,37 @@ TEST_F(Degenerate, LinksNextToMasslessMove) {
   }
   EXPECT_GT(furthest, 0.5);
   std::printf("next to massless: %s\n", world->diagnostics().summary().c_str());
-  EXPECT_LT(world->diagnostics().unconverged_steps, 200);
+  const SolverDiagnostics& found = world->diagnostics();
+  EXPECT_LT(found.unconverged_steps, 200);
+  if (found.unconverged_steps > 0) {
+    EXPECT_LE(found.first_s, found.last_s);
+    EXPECT_LE(found.last_s, world->time_s());
+    EXPECT_GT(found.drift, 0);
+    EXPECT_LE(found.drift,
+              static_cast<double>(found.unconverged_steps) * found.max_residual * world->step_s());
+  }
+}
+
+// A person can tell from the sentence whether the run is of use.
+TEST(SolverDiagnosticsText, SaysWhichStepsByHowMuchAndWhetherToTrustTheResult) {
+  SolverDiagnostics none;
+  EXPECT_EQ(none.summary(), "");
+  SolverDiagnostics few;
+  few.unconverged_steps = 3;
+  few.first_s = 1.25;
+  few.last_s = 2.5;
+  few.max_residual = 2e-5;
+  few.drift = 4e-8;
+  const std::string text = few.summary();
+  for (const char* part : {"3 steps", "from 1.250 s to 2.500 s", "2.0e-05 m/s", "4e-05 mm",
+                           "can be trusted"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << ": " << text;
+  SolverDiagnostics many = few;
+  many.drift = 0.02;
+  EXPECT_NE(many.summary().find("do not trust"), std::string::npos) << many.summary();
+  EXPECT_NE(many.summary().find("--physics-step"), std::string::npos) << many.summary();
+  many.drift = std::nan("");
+  EXPECT_NE(many.summary().find("do not trust"), std::string::npos) << "a velocity is no number";
 }
 
 // Five times the torque, thrown from stop to stop: the stops hold.

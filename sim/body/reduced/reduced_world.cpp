@@ -109,8 +109,10 @@ void ReducedWorld::solve() {
   solver_.solve(momentum_, velocity_, kExact, kMaxSteps);
   effort_ = {solver_.steps(), solver_.residual()};
   if (!(solver_.residual() <= kSettled)) {
-    ++diagnostics_.unconverged_steps;
+    if (diagnostics_.unconverged_steps++ == 0) diagnostics_.first_s = time_s();
+    diagnostics_.last_s = time_s();
     diagnostics_.max_residual = std::max(diagnostics_.max_residual, solver_.residual());
+    diagnostics_.drift += solver_.residual() * step_s_;
   }
 }
 

@@ -31,6 +31,7 @@ class ReducedWorld final : public StagedWorld {
   int find_contacts() override;
   double largest_joint_gap_m() const override { return 0; }  // there are none to open
   std::string dynamics() const override { return "reduced"; }
+  bool measures_convergence() const override { return true; }
   void watch_contacts(bool on) override { watch_ = on; }
   std::vector<ContactPoint> contacts() const override;
   void save(StateWriter& to) override;

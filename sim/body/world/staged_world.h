@@ -101,7 +101,8 @@ class StagedWorld : public World {
     }
     if (!a.good()) return;
     if constexpr (A::reading) kicks_.assign(all_kicks_.begin(), all_kicks_.begin() + kicks);
-    a(steps_, current_, hand_pushes_, diagnostics_.unconverged_steps, diagnostics_.max_residual);
+    a(steps_, current_, hand_pushes_, diagnostics_.unconverged_steps, diagnostics_.max_residual,
+      diagnostics_.first_s, diagnostics_.last_s, diagnostics_.drift);
     for (const HandPush& push : hand_pushes_) {
       if (push.link >= robot_links_) return a.refuse("it pushes what is not there");
     }

@@ -49,8 +49,13 @@ struct ContactPoint {
 struct SolverDiagnostics {
   std::string failure;  // why stepping stopped, one sentence; empty while the world runs
   std::int64_t unconverged_steps = 0;
-  double max_residual = 0;      // largest velocity change left in an unconverged step, m/s or rad/s
-  std::string summary() const;  // one sentence about the unconverged steps; empty if there are none
+  double max_residual = 0;  // largest velocity change left in an unconverged step, m/s or rad/s
+  double first_s = 0, last_s = 0;  // of the unconverged steps
+  double drift = 0;                // residual times step, summed over them: m or rad
+  // m or rad; up to this the unconverged steps are far below what the potentiometers resolve.
+  static constexpr double kNegligibleDrift = 1e-4;
+  // One sentence: which steps, by how much, and whether the result can be trusted; empty if there are none.
+  std::string summary() const;
 };
 
 struct WorldOptions {
@@ -98,6 +103,8 @@ class World {
   virtual Result<Eigen::Vector3d> object_position(const std::string& model) const = 0;
   virtual double largest_joint_gap_m() const = 0;  // constraint error of the joints since the start
   virtual std::string dynamics() const = 0;
+  // Whether diagnostics() counts unconverged steps.
+  virtual bool measures_convergence() const { return false; }
   // Since the start. ODE reports no residual: its worlds set `failure` only.
   virtual const SolverDiagnostics& diagnostics() const {
     static const SolverDiagnostics none;

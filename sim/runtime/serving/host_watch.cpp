@@ -58,16 +58,21 @@ void HostWatch::check_silence(Time now) {
   say("host silent for " + milliseconds(now - last_byte_));
 }
 
-void HostWatch::drivers(Time now, bool enabled) {
+void HostWatch::drivers(Time now, bool enabled, const std::string& why) {
   if (enabled == enabled_) return;
   enabled_ = enabled;
   if (enabled) {
     say("motors on");
-  } else if (heard_) {
-    say("motors off, " + milliseconds(now - last_byte_) + " after the host's last byte");
-  } else {
-    say("motors off");
+    return;
   }
+  std::string text = "motors off";
+  if (!why.empty()) {
+    char at[40];
+    std::snprintf(at, sizeof at, " at %.3f s: ", seconds(now));
+    text += at + why;
+  }
+  if (heard_) text += ", " + milliseconds(now - last_byte_) + " after the host's last byte";
+  say(text);
 }
 
 void HostWatch::board_restarted(const std::string& why) {

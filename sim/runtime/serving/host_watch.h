@@ -22,7 +22,8 @@ class HostWatch {
   void presence(Time now, bool present, long baud);
   void bytes_came(Time now);
   void bytes_lost(std::size_t count);  // the host did not read what the board sent
-  void drivers(Time now, bool enabled);
+  // `why`: why they are off, a few words; "" where it is not known.
+  void drivers(Time now, bool enabled, const std::string& why = "");
   void board_restarted(const std::string& why);
   void check_silence(Time now);
 

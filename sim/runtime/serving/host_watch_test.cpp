@@ -30,6 +30,16 @@ TEST(HostWatch, ReportsComingGoingAndMotors) {
                                       "motors off, 200 ms after the host's last byte"}));
 }
 
+TEST(HostWatch, ReportsWhyTheMotorsAreOff) {
+  Heard heard;
+  heard.watch.drivers(milliseconds(10), true, "not said");
+  heard.watch.drivers(milliseconds(1234), false, "shutdown, motor stalled (l_knee)");
+  heard.watch.drivers(milliseconds(1300), false, "not said");
+  EXPECT_EQ(heard.lines,
+            (std::vector<std::string>{
+                "motors on", "motors off at 1.234 s: shutdown, motor stalled (l_knee)"}));
+}
+
 TEST(HostWatch, ReportsSilenceOnce) {
   Heard heard;
   heard.watch.presence(milliseconds(0), true, 115200);

@@ -10,6 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "shared/protocol/message_info.h"
+#include "shared/servo/fields.h"
+#include "sim/body/description/robot_model.h"
+#include "sim/mcu/h8_layout.h"
+#include "sim/mcu/h8_mcu.h"
 #include "sim/runtime/serving/camera_server.h"
 #include "sim/runtime/serving/control_server.h"
 #include "sim/runtime/serving/host_watch.h"
@@ -38,6 +43,13 @@ void sleep_for(Time length) {
   clock_nanosleep(CLOCK_MONOTONIC, 0, &t, nullptr);
 }
 
+std::string shutdown_words(std::uint32_t reason, std::uint32_t joint) {
+  if (reason == KZ_SHUTDOWN_NONE) return "by a request of the host, or a reset";
+  std::string words = std::string("shutdown, ") + kz_shutdown_text(static_cast<u8>(reason));
+  if (joint < KZ_JOINTS) words += " (" + joint_names()[joint] + ")";
+  return words;
+}
+
 }  // namespace
 
 struct RealTimeServer::Parts {
@@ -51,6 +63,7 @@ struct RealTimeServer::Parts {
   void set_power(bool on);
   Result<void> plug(bool in);
   void report_overrun();
+  std::string why_off() const;
   nlohmann::ordered_json status() const;
 
   Simulation& simulation;
@@ -59,6 +72,7 @@ struct RealTimeServer::Parts {
   Pacer pacer{tolerance};
   Time overruns_reported_at{}, discard_until{};
   std::uint64_t overruns_reported = 0;
+  bool motors_on = false;
   // The control socket first: opening it fails if another simulator serves the same paths.
   std::unique_ptr<ControlServer> control;
   std::unique_ptr<Pty> pty;
@@ -184,7 +198,10 @@ void RealTimeServer::Parts::host_to_board() {
 }
 
 void RealTimeServer::Parts::board_to_host() {
-  watch.drivers(simulation.time(), simulation.board().drivers_enabled());
+  const bool enabled = simulation.board().drivers_enabled();
+  // Looked up only when they go off.
+  watch.drivers(simulation.time(), enabled, motors_on && !enabled ? why_off() : "");
+  motors_on = enabled;
   std::array<std::uint8_t, adapter_bytes> buffer{};
   const std::size_t count = simulation.read(buffer);
   // Without a host the board's bytes are lost; a later host must not receive them.
@@ -225,6 +242,26 @@ void RealTimeServer::Parts::set_power(bool on) {
   if (options.report) options.report(on ? "board's power is on" : "board's power is off");
 }
 
+// From the firmware's state: the reason of a latched shutdown, and its joint.
+std::string RealTimeServer::Parts::why_off() const {
+  if (!simulation.board().power()) return "the board has no power";
+  const Mcu& mcu = simulation.board().mcu();
+  if (const kz_servo* servo = mcu.servo())
+    return shutdown_words(servo->shutdown, servo->shutdown_detail);
+  const auto* h8 = dynamic_cast<const H8Mcu*>(&mcu);
+  const auto state = h8 == nullptr ? std::vector<std::uint8_t>()
+                                   : h8->global("kz_servo_state", kz_state_size_h8);
+  if (state.empty()) return "";  // an image without symbols
+  const auto field = [&](std::string_view name) {
+    for (std::size_t f = 0; f < kz_state_field_count; ++f) {
+      const kz_state_field& one = kz_state_fields[f];
+      if (name == one.name) return h8_layout::number(state, one.offset, one.size);
+    }
+    return std::uint32_t{0};
+  };
+  return shutdown_words(field("shutdown"), field("shutdown_detail"));
+}
+
 // At most once per second: on a slow machine every step is late.
 void RealTimeServer::Parts::report_overrun() {
   const Time now = simulation.time();
@@ -260,7 +297,7 @@ nlohmann::ordered_json ball(const World& world) {
 
 nlohmann::ordered_json RealTimeServer::Parts::status() const {
   const ServoBoard& board = simulation.board();
-  return {{"time_s", seconds(simulation.time())},
+  nlohmann::ordered_json json{{"time_s", seconds(simulation.time())},
           {"mcu", board.mcu().name()},
           {"power", board.power()},
           {"boot_rom", board.mcu().in_boot_rom()},
@@ -272,11 +309,14 @@ nlohmann::ordered_json RealTimeServer::Parts::status() const {
           {"ball_m", ball(simulation.world())},
           {"host", watch.present()},
           {"camera_readers", cameras ? cameras->readers() : 0},
-          {"unconverged_steps", simulation.world().diagnostics().unconverged_steps},
           {"pairs_dropped", simulation.pairs_dropped()},
           {"pairs_missed_by_readers", cameras ? cameras->missed() : 0},
           {"overruns", pacer.overruns()},
           {"lost_s", seconds(pacer.lost())}};
+  const World& world = simulation.world();
+  if (world.measures_convergence())
+    json["unconverged_steps"] = world.diagnostics().unconverged_steps;
+  return json;
 }
 
 }  // namespace kaz::sim

@@ -173,7 +173,7 @@ TEST(RealTimeServer, KilledHostLeavesMotorsOff) {
   ::kill(host, SIGKILL);
   ::waitpid(host, nullptr, 0);
   server.wait_for("host closed");
-  server.wait_for("motors off");
+  server.wait_for("s: shutdown, no request came for too long, ");
 }
 
 TEST(RealTimeServer, LeavesNothingBehind) {

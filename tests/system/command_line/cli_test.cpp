@@ -8,6 +8,9 @@
 #include <array>
 #include <atomic>
 #include <filesystem>
+#include <iterator>
+#include <regex>
+#include <sstream>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -40,16 +43,52 @@ AssertionResult one_sentence(const Finished& finished, int exit_code,
   return AssertionSuccess();
 }
 
-TEST(Cli, HelpHasExamplesAndSucceeds) {
-  for (const auto& verb : std::vector<std::vector<std::string>>{
-           {}, {"demo"}, {"run"}, {"sim"}, {"mcu", "run"}, {"mcu", "compare"}}) {
+// Every verb and verb of a verb: {"mcu", "run"}. The completion script has a case for each.
+std::vector<std::vector<std::string>> all_verbs() {
+  const std::string script = run(kaz({"completion", "bash"})).out;
+  const std::regex one("'kaz([a-z -]*)'\\) words=");
+  std::vector<std::vector<std::string>> verbs;
+  for (std::sregex_iterator at(script.begin(), script.end(), one), end; at != end; ++at) {
+    std::istringstream words((*at)[1].str());
+    verbs.emplace_back(std::istream_iterator<std::string>(words),
+                       std::istream_iterator<std::string>());
+  }
+  return verbs;
+}
+
+TEST(Cli, EachHelpHasItsOwnExamplesWithin100Columns) {
+  const auto verbs = all_verbs();
+  ASSERT_GT(verbs.size(), 30u);
+  for (const auto& verb : verbs) {
     auto arguments = verb;
     arguments.push_back("--help");
     const Finished finished = run(kaz(arguments));
     EXPECT_EQ(finished.exit_code, 0);
-    EXPECT_NE(finished.out.find("Examples:"), std::string::npos) << finished.out;
     EXPECT_TRUE(finished.err.empty()) << finished.err;
+    std::string example = "kaz";
+    for (const auto& word : verb) example += " " + word;
+    const auto examples = finished.out.find("Examples:\n");
+    ASSERT_NE(examples, std::string::npos) << finished.out;
+    EXPECT_NE(finished.out.find(example, examples), std::string::npos) << finished.out;
+    // The notation of the options' library: --no-start{false}, INT in [0 - 255].
+    EXPECT_FALSE(std::regex_search(finished.out, std::regex("--[a-z-]+\\{|:\\{| in \\[")))
+        << finished.out;
+    std::istringstream lines(finished.out);
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_LE(line.size(), 100u) << example << ": " << line;
   }
+}
+
+TEST(Cli, HelpSaysHowAnOptionIsTyped) {
+  const auto help = [](std::vector<std::string> verb) {
+    verb.push_back("--help");
+    return run(kaz(verb)).out;
+  };
+  EXPECT_NE(help({"flash", "write"}).find("\n  --no-start  "), std::string::npos);
+  EXPECT_NE(help({"mcu", "run"}).find("\n  --trace[=FILE]  "), std::string::npos);
+  EXPECT_NE(help({"mcu", "run"}).find("(needs --flat)"), std::string::npos);
+  EXPECT_NE(help({"demo"}).find("\n  --mcu h8|native  "), std::string::npos);
+  EXPECT_NE(help({"run"}).find("(default: sim)"), std::string::npos);
 }
 
 TEST(Cli, BashCompletesVerbsAndOptions) {
@@ -101,6 +140,53 @@ TEST(Cli, EmptyJobsAreWrongUsage) {
     EXPECT_EQ(still.exit_code, 2) << metres << still.out;
     EXPECT_NE(still.err.find("at least 0.05 m"), std::string::npos) << still.err;
   }
+}
+
+// More digits than the type has would be taken as its largest number.
+TEST(Cli, NumbersBeyondTheirTypeAreRefused) {
+  const std::string many = "99999999999999999999";
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {"mcu", "compare", "--ticks", many},
+           {"mcu", "compare", "--seed", many},
+           {"mcu", "compare", "--state-every", many},
+           {"mcu", "compare", "--wire", "--conversations", many},
+           {"mcu", "compare", "--wire", "--first", many},
+           {"mcu", "run", "image", "--max-states", many},
+           {"fuzz", "--cases", many},
+           {"fuzz", "--seed", many},
+           {"bench", "link", "--seed", many},
+           {"bench", "fit", "report", "--seed", many},
+           {"conformance", "--virtual", "native", "--seed", many},
+           {"replay", "file", "--seed", many},
+           {"evaluate", "stand", "--out", "out", "--episodes", many},
+           {"evaluate", "stand", "--out", "out", "--seed", many},
+           {"demo", "--seed", many}})
+    EXPECT_TRUE(one_sentence(run(kaz(arguments)), 2, {many})) << arguments.back();
+  EXPECT_TRUE(one_sentence(run(kaz({"mcu", "compare", "--ticks", "1e3"})), 2, {"'1e3'"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"fuzz", "--seconds", "inf"})), 2, {"inf"}));
+}
+
+// Whatever the name of a file holds.
+TEST(Cli, EachErrorIsOneLine) {
+  EXPECT_TRUE(one_sentence(run(kaz({"replay", "a\nb\x1b[2J"})), 2, {"a b\\x1b[2J"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"dan\nce"})), 2, {"dan ce"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"run", "a\nb"})), 2, {"a b"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"status", "--port", "no\nport"})), 3, {"no port"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"flash", "info", "--port", "no\nport"})), 3, {"no port"}));
+}
+
+TEST(Cli, FuzzSaysWhatItTriedAndThatNothingWasWrong) {
+  const TemporaryFolder folder;
+  const Finished said = run(kaz({"fuzz", "--cases", "3", "--out", folder / "failing"}));
+  EXPECT_EQ(said.exit_code, 0) << said.err;
+  EXPECT_TRUE(std::regex_search(
+      said.out, std::regex("tried: 3 cases in [0-9.]+ s, that is [0-9.]+ s of the board; [0-9]+ "
+                           "frames sent and [0-9]+ damaged ones, [0-9]+ replies")))
+      << said.out;
+  EXPECT_TRUE(said.out.ends_with("nothing was wrong\n")) << said.out;
+  const Finished json = run(kaz({"fuzz", "--cases", "3", "--out", folder / "failing", "--json"}));
+  EXPECT_NE(json.out.find("\"ok\": true"), std::string::npos) << json.out;
+  EXPECT_NE(json.out.find("\"command\": \"kaz fuzz --cases 3 "), std::string::npos) << json.out;
 }
 
 TEST(Cli, MissingPort) {

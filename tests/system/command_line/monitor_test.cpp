@@ -22,10 +22,11 @@ using std::chrono::seconds;
 // A terminal of 80 x 24 of its own, with the program in it.
 class Screen {
  public:
-  explicit Screen(const std::string& command)
+  explicit Screen(const std::string& command, int columns = 80, int rows = 24)
       : name_("kaz-monitor-test-" + std::to_string(getpid())) {
-    const Finished begun = tmux({"-f", "/dev/null", "new-session", "-d", "-x", "80", "-y", "24",
-                                 command + "; echo left with $?; sleep 60"});
+    const Finished begun =
+        tmux({"-f", "/dev/null", "new-session", "-d", "-x", std::to_string(columns), "-y",
+              std::to_string(rows), command + "; echo left with $?; sleep 60"});
     begun_ = begun.exit_code == 0;
     EXPECT_TRUE(begun_) << begun.err;
   }
@@ -106,6 +107,27 @@ TEST(Monitor, ShowsJointsMovesAndStopsThemAndFindsABoardAgain) {
   sim = std::make_unique<Process>(sim_command);
   screen.wait("the board answers again");
 
+  screen.press({"q"});
+  screen.wait("left with 0");
+}
+
+// Nothing wraps; the joint that the keys are about is always among those shown.
+TEST(Monitor, FitsIntoASmallWindow) {
+  const TemporaryFolder folder;
+  Process sim(kaz({"sim", "--mcu", "native", "--serial", folder / "board"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30)));
+  std::string command;
+  for (const std::string& word : kaz({"monitor", "--port", folder / "board"}))
+    command += word + " ";
+  Screen screen(command, 40, 10);
+  // Each thing by itself: what a screen holds before the board is read is not specified.
+  screen.wait("motors off");
+  screen.wait(" 0 neck_pan +-?[0-9]+\\.[0-9] off");
+  const std::string now = screen.wait("q quit  SPACE stop");
+  std::istringstream lines(now);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 40u) << line;
+  screen.press({"Up"});  // from the first joint to the last
+  screen.wait("17 [a-z_]+ +-?[0-9]+\\.[0-9] off");
   screen.press({"q"});
   screen.wait("left with 0");
 }

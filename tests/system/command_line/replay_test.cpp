@@ -1,5 +1,6 @@
 // `kaz replay`: an unchanged run is identical, a changed one reports where it begins to differ.
 // SPDX-License-Identifier: Apache-2.0
+#include <csignal>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -52,6 +53,20 @@ json replayed(const std::string& file, std::vector<std::string> more, int exit_c
   return result;
 }
 
+// Ctrl-C ends the recording, and the replay with it: of the 3000 s nothing is simulated past its end.
+TEST(Replay, TheWholeOfAnInterruptedRunEndsWithItsRecording) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out", file = out + "/recording.mcap";
+  Process interrupted(
+      kaz({"run", "track-ball", "--mcu", "native", "--duration", "3000", "--out", out}));
+  ASSERT_TRUE(interrupted.wait_for_output(": track", std::chrono::seconds(60)));
+  interrupted.signal(SIGINT);
+  EXPECT_NE(interrupted.wait(std::chrono::seconds(30)).exit_code, 0);
+  const json whole = replayed(file, {"--whole"}, 0);
+  EXPECT_EQ(whole["identical"], true) << whole;
+  EXPECT_GT(whole["cut_off_s"].get<double>(), 0.5) << whole;
+}
+
 TEST(Replay, TheHostAloneOnWhatItSaw) {
   const TemporaryFolder folder;
   const std::string out = folder / "out", file = out + "/recording.mcap";
@@ -93,7 +108,7 @@ TEST(Replay, TheHostAloneOnWhatItSaw) {
   const Finished seen =
       run(kaz({"vision", "run", "--in", cut, "--out", folder / "found"}), std::chrono::seconds(60));
   EXPECT_EQ(seen.exit_code, 0) << seen.err;
-  EXPECT_NE(seen.err.find(cut + ": was cut off; run to its last whole step at "), std::string::npos)
+  EXPECT_NE(seen.err.find("was cut off; run to its last whole step at "), std::string::npos)
       << seen.err;
   // At whatever byte it ends it is replayed, or there is nothing that could be.
   for (std::size_t part = 0; part < 8; ++part) {

@@ -98,7 +98,9 @@ TEST(TwoProcesses, BehaviourKilledLeavesTheRobotHoldingForTheNext) {
     EXPECT_TRUE(robot->set_targets({&target, 1}, Time(0)));
     robot->disable_all();
   }
-  EXPECT_TRUE(sim.wait_for_output("motors off", seconds(10))) << sim.wait(seconds(0)).err;
+  // Read from the emulated firmware's state.
+  EXPECT_TRUE(sim.wait_for_output("s: by a request of the host, or a reset", seconds(10)))
+      << sim.wait(seconds(0)).err;
   sim.signal(SIGINT);
   EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
 }

@@ -74,9 +74,24 @@ void Progress::update(double share, const std::string& note) {
   std::fprintf(stderr, "%s %3d %%  %s\n", label_.c_str(), decile * 10, note.c_str());
 }
 
+void Progress::show(double at_s, const std::string& phase) {
+  if (quiet_) return;
+  if (terminal_) {
+    const auto now = std::chrono::steady_clock::now();
+    if (line_open_ && now - last_draw_ < std::chrono::milliseconds(100)) return;
+    last_draw_ = now;
+    std::fprintf(stderr, "\r%s: %.1f s: %.36s\033[K", label_.c_str(), at_s, phase.c_str());
+    line_open_ = true;
+    return;
+  }
+  if (at_s < shown_s_ + 10) return;
+  announce(at_s, phase);
+}
+
 void Progress::announce(double at_s, const std::string& phase) {
   if (quiet_) return;
   done();
+  shown_s_ = at_s;
   std::fprintf(stderr, "%s: %.2f s: %s\n", label_.c_str(), at_s, phase.c_str());
 }
 

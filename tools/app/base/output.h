@@ -40,6 +40,8 @@ class Progress {
 
   // share: 0..1 done; note: a few words on what is going on.
   void update(double share, const std::string& note);
+  // For work whose end is not known: how long it runs and its phase. In a pipe a line every ten seconds.
+  void show(double at_s, const std::string& phase);
   // A new phase of the work: a line of its own.
   void announce(double at_s, const std::string& phase);
   void done();
@@ -49,6 +51,7 @@ class Progress {
   bool quiet_;
   bool terminal_;
   int last_decile_ = -1;
+  double shown_s_ = 0;  // last line of show() or announce()
   bool line_open_ = false;
   std::chrono::steady_clock::time_point last_draw_{};
 };

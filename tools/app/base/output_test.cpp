@@ -99,6 +99,23 @@ TEST_F(Output, MovesAFileOverAnother) {
   EXPECT_EQ(read("old"), "new");
 }
 
+// Standard error of a test is no terminal.
+TEST(ProgressOfABehavior, IsItsPhaseAndItsTimeAndNoShare) {
+  testing::internal::CaptureStderr();
+  {
+    Progress progress("kaz run", false);
+    progress.announce(0.5, "search");
+    for (const double at_s : {1.0, 5.0, 10.4, 10.6, 19.0, 20.7}) progress.show(at_s, "search");
+    progress.announce(21, "walk");
+    Progress quiet("kaz run", true);
+    quiet.announce(1, "search");
+    quiet.show(100, "search");
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "kaz run: 0.50 s: search\nkaz run: 10.60 s: search\nkaz run: 20.70 s: search\n"
+            "kaz run: 21.00 s: walk\n");
+}
+
 TEST_F(Output, RemoverRemovesItsFileAlone) {
   write("gone", "x");
   write("kept", "x");

@@ -25,6 +25,7 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/paths.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/base/version.h"
 #include "tools/app/bench/bench_target.h"
 #include "tools/app/bench/fit_report.h"
@@ -119,9 +120,20 @@ Result<void> measure(const BenchOptions& arguments, const std::vector<int>& join
 }
 
 // For pages and papers: each plot of the report as a file of its own.
+bool has_points(const hil::Plot& plot) {
+  return std::ranges::any_of(plot.series, [](const hil::Series& series) {
+    return std::ranges::any_of(series.points, [](const auto& point) {
+      return std::isfinite(point.first) && std::isfinite(point.second);
+    });
+  });
+}
+
+// Those without a point are not written, and neither is an empty folder.
 Result<void> leave_plots(const OutputFolder& folder, const std::vector<hil::Plot>& plots) {
+  if (std::ranges::none_of(plots, has_points)) return {};
   const auto into = KAZ_TRY(OutputFolder::open(folder.path("plots")));
   for (const hil::Plot& plot : plots) {
+    if (!has_points(plot)) continue;
     if (auto written = write(into, plot.subject + "-" + plot.id + ".svg",
                              plot::plot_svg(hil::plot_page(plot)));
         !written)
@@ -231,6 +243,7 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
   report.port = target->name();
   report.program = std::string("kaz ") + kVersion;
   report.seed = arguments.target.backend.seed;
+  report.from = provenance();
   const auto board = KAZ_TRY(describe(*target, arguments.target.address));
   report.board = board;
   host::WallClock uninterrupted;
@@ -283,6 +296,8 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
                  "it again\n");
     return Outcome::with_status(static_cast<int>(Fault::environment));
   }
+  if (!arguments.json && std::ranges::none_of(report.plots, has_points))
+    std::printf("no plots: nothing that was measured has a curve\n");
   if (failed == 0 && report.count(hil::Verdict::passed) == 0)
     std::fprintf(stderr, "kaz bench: nothing was measured, so nothing has passed\n");
   return Outcome(failed == 0 && report.count(hil::Verdict::passed) > 0);
@@ -311,9 +326,11 @@ Result<bool> run_fit(const BenchFitOptions& arguments) {
     KAZ_TRY(write(folder, name, content));
   }
   KAZ_TRY(leave_plots(folder, fitted->plots));
-  KAZ_TRY(folder.write_json("result.json", fit_json(*fitted)));
+  auto result = fit_json(*fitted);
+  result["provenance"] = provenance_json();
+  KAZ_TRY(folder.write_json("result.json", result));
   if (arguments.json) {
-    std::printf("%s\n", fit_json(*fitted).dump(2).c_str());
+    print_json(result);
   } else {
     std::printf("%s\nthe motor is %s, the curves are in %s\n", fit_text(*fitted).c_str(),
                 folder.path("motor.xml").c_str(), folder.path("report.html").c_str());
@@ -332,7 +349,7 @@ void print_measurements(bool json) {
       if (std::isfinite(info.high)) one["high"] = info.high;
       all.push_back(std::move(one));
     }
-    std::printf("%s\n", all.dump(2).c_str());
+    print_json(all);
     return;
   }
   for (const hil::MeasurementInfo& info : hil::measurement_infos()) {

@@ -12,6 +12,8 @@
 #include "shared/servo/tick.h"
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
+#include "tools/app/base/provenance.h"
 
 namespace kaz::tools {
 namespace {
@@ -38,7 +40,7 @@ Json as_json(const kz_identify_reply& board, const host::Health& health, const h
              const kz_statistics_reply& counts) {
   Json joint;
   if (health.joint) joint = host::joint_table()[static_cast<std::size_t>(*health.joint)].name;
-  return {
+  Json json{
       {"protocol", board.protocol_version},
       {"joints", board.joints},
       {"build", board.build_id},
@@ -48,7 +50,6 @@ Json as_json(const kz_identify_reply& board, const host::Health& health, const h
       {"motors", motors(health.status)},
       {"shutdown", health.shutdown},
       {"joint", joint},
-      {"shutdown_at_s", health.shutdown_tick * 1e-3},
       {"calibrated", (health.status & KZ_STATUS_UNCALIBRATED) == 0},
       {"supply_v", health.supply_volts},
       {"supply_lowest_v", health.supply_lowest_volts},
@@ -61,6 +62,8 @@ Json as_json(const kz_identify_reply& board, const host::Health& health, const h
       {"refusals", counts.refusals},
       {"damaged_frames", counts.bad_check + counts.bad_stuffing + counts.too_short +
                              counts.too_long + counts.line_errors + counts.overruns + counts.idle}};
+  if (!health.shutdown.empty()) json["shutdown_at_s"] = health.shutdown_tick * 1e-3;
+  return json;
 }
 
 void print(const Json& now, const std::string& fault) {
@@ -101,9 +104,10 @@ Result<bool> print_status(const StatusOptions& arguments) {
   const auto health = KAZ_TRY(robot->health());
   const auto test = KAZ_TRY(robot->self_test());
   const auto counts = KAZ_TRY(robot->board_statistics());
-  const Json now = as_json(robot->identity(), health, test, counts);
+  Json now = as_json(robot->identity(), health, test, counts);
   if (arguments.json) {
-    std::printf("%s\n", now.dump(2).c_str());
+    now["provenance"] = provenance_json();
+    print_json(now);
   } else {
     print(now, health.shutdown.empty() ? "" : robot->describe_fault(health.status));
   }

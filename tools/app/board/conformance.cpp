@@ -14,6 +14,7 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/paths.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/base/time_lost.h"
 #include "tools/app/base/version.h"
 #include "tools/app/kept/kept_run.h"
@@ -167,6 +168,7 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   hil::ReportFacts facts;
   facts.program = std::string("kaz ") + kVersion;
   facts.seed = arguments.run.seed;
+  facts.from = provenance();
   Progress progress("kaz conformance", quiet);
   arguments.run.progress = [&](const hil::CaseResult& one, std::size_t number, std::size_t of) {
     if (!quiet) {

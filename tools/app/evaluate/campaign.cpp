@@ -16,6 +16,7 @@
 
 #include "host/behavior/plugin.h"
 #include "shared/base/files.hpp"
+#include "shared/base/one_line.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/episode_file.h"
@@ -90,10 +91,11 @@ Result<Job> begin(const CampaignOptions& options, const OutputFolder& folder,
     status = exit_status(episode.error());  // an episode that has not ended is none
   } else if (!episode) {
     std::fprintf(stderr, "kaz evaluate: episode %llu: %s\n",
-                 static_cast<unsigned long long>(number), episode.error().message.c_str());
+                 static_cast<unsigned long long>(number),
+                 one_line(episode.error().message).c_str());
     status = static_cast<int>(episode.error().fault);
   } else if (auto written = write_json(folder.path(episode_file(number)), *episode); !written) {
-    std::fprintf(stderr, "kaz evaluate: %s\n", written.error().message.c_str());
+    std::fprintf(stderr, "kaz evaluate: %s\n", one_line(written.error().message).c_str());
     status = static_cast<int>(written.error().fault);
   }
   std::fflush(nullptr);
@@ -110,8 +112,6 @@ Json broken(const CampaignOptions& options, std::uint64_t number, int status) {
           {"success", false},
           {"cause", "crashed"},
           {"sentence", "its process " + how},
-          {"seconds", 0.0},
-          {"rtf", 0.0},
           {"figures", Json::object()},
           {"truth", Json::object()}};
 }

@@ -73,11 +73,15 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
     for (const auto& [key, value] : ended->measurements) results[key] = value;
   }
   const std::string end = ended ? ended->sentence : ended.error().message;
-  return Json{{"episode", number},        {"scenario", scenario_json(scenario)},
-              {"success", cause.empty()}, {"cause", cause},
-              {"sentence", end},          {"seconds", rounded(run_s)},
-              {"rtf", rounded(rtf)},      {"figures", results},
-              {"truth", judge.json()}};
+  Json episode{{"episode", number},        {"scenario", scenario_json(scenario)},
+               {"success", cause.empty()}, {"cause", cause},
+               {"sentence", end},          {"figures", results},
+               {"truth", judge.json()}};
+  if (run_s > 0) {  // else it did not begin
+    episode["seconds"] = rounded(run_s);
+    episode["rtf"] = rounded(rtf);
+  }
+  return episode;
 }
 
 }  // namespace kaz::tools

@@ -19,6 +19,7 @@ Result<Json> parse_object(const std::string& text, const std::string& name) {
 struct Field {
   const char* name;
   bool (*fits)(const Json&);
+  bool required = true;
 };
 
 bool is_text(const Json& value) {
@@ -42,8 +43,8 @@ constexpr Field kFields[] = {{"episode", [](const Json& v) { return v.is_number_
                              {"success", [](const Json& v) { return v.is_boolean(); }},
                              {"cause", is_text},
                              {"sentence", is_text},
-                             {"seconds", is_number},
-                             {"rtf", is_number},
+                             {"seconds", is_number, false},  // absent: not measured
+                             {"rtf", is_number, false},
                              {"figures", is_object},
                              {"truth", is_truth}};
 
@@ -62,6 +63,7 @@ Result<Json> parse_episode(const std::string& text, const std::string& name) {
   if (!json) return json;
   for (const Field& field : kFields) {
     const auto found = json->find(field.name);
+    if (found == json->end() && !field.required) continue;
     if (found == json->end() || !field.fits(*found))
       return fail(Fault::usage, name + ": is no episode, its `" + field.name +
                                     "` is missing or of another kind; remove it");

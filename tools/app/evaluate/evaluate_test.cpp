@@ -70,6 +70,8 @@ TEST(EpisodeFile, NamesFileAndFieldThatIsWrong) {
   const Json whole = episode(1, true, 1);
   for (const auto& field : whole.items()) {
     for (const bool missing : {true, false}) {
+      // An episode that did not begin has no times.
+      if (missing && (field.key() == "seconds" || field.key() == "rtf")) continue;
       Json damaged = episode(1, true, 1);
       if (missing) {
         damaged.erase(field.key());
@@ -122,6 +124,27 @@ TEST_F(Summary, CountsSuccessesFallsAndCauses) {
   EXPECT_GT(result["interval"][1], 0.5);
   // Measurements of the behaviour are those of successful episodes.
   EXPECT_EQ(result["figures"]["error_m"]["p95"], 0.01);
+}
+
+// A crashed episode has no times; a part without episodes has no rate.
+TEST_F(Summary, HasNothingThatWasNotMeasured) {
+  Json crashed = episode(6, false, 0, "crashed");
+  crashed.erase("seconds");
+  crashed.erase("rtf");
+  ASSERT_TRUE(parse_episode(crashed.dump(), "6.json"));
+  ASSERT_TRUE(summarize({{"behavior", "stand"}}, {{6, crashed}}, folder_, false));
+  const Json one = Json::parse(read("result.json"));
+  EXPECT_EQ(one["success_rate"], 0.0) << "measured: none of one";
+  EXPECT_FALSE(one.contains("seconds"));
+  EXPECT_FALSE(one.contains("rtf_median"));
+  EXPECT_TRUE(one["provenance"].contains("date"));
+  EXPECT_NE(read("episodes.csv").find("6,1006,0,crashed,,,"), std::string::npos)
+      << read("episodes.csv");
+  ASSERT_TRUE(summarize({{"behavior", "stand"}}, {}, folder_, false));
+  const Json none = Json::parse(read("result.json"));
+  EXPECT_FALSE(none.contains("success_rate"));
+  EXPECT_FALSE(none.contains("interval"));
+  EXPECT_EQ(none["episodes"], 0);
 }
 
 TEST_F(Summary, WritesARowForEachEpisode) {

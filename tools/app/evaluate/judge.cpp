@@ -50,6 +50,7 @@ double Judge::held_s() const {
 }
 
 nlohmann::ordered_json Judge::json() const {
+  if (!start_) return nlohmann::ordered_json::object();  // nothing was seen
   nlohmann::ordered_json json{{"fell", fell_},
                               {"forward_m", forward_m()},
                               {"aside_m", aside_m()},

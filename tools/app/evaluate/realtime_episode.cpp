@@ -223,16 +223,17 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   for (const char* key : {"overruns", "lost_s", "pairs_dropped", "unconverged_steps"})
     if (last.contains(key)) simulator_json[key] = last[key];
   if (cause.empty()) fs::remove_all(kept, wrong);
-  return Json{{"episode", number},
-              {"scenario", scenario_json(scenario)},
-              {"success", cause.empty()},
-              {"cause", cause},
-              {"sentence", result.value("sentence", log_line)},
-              {"seconds", result.value("duration_s", 0.0)},
-              {"rtf", result.value("rtf", 0.0)},
-              {"figures", results},
-              {"truth", {{"fell", cause == "fell"}, {"longest_held_s", held.longest()}}},
-              {"simulator", simulator_json}};
+  Json episode{{"episode", number},
+               {"scenario", scenario_json(scenario)},
+               {"success", cause.empty()},
+               {"cause", cause},
+               {"sentence", result.value("sentence", log_line)},
+               {"figures", results},
+               {"truth", {{"fell", cause == "fell"}, {"longest_held_s", held.longest()}}},
+               {"simulator", simulator_json}};
+  if (result.contains("duration_s")) episode["seconds"] = result["duration_s"];
+  if (result.contains("rtf")) episode["rtf"] = result["rtf"];
+  return episode;
 }
 
 }  // namespace kaz::tools

@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <vector>
 
+#include "shared/base/one_line.hpp"
 #include "tools/app/evaluate/campaign.h"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/provenance.h"
 #include "tools/figure/figure.h"
 #include "tools/trials/statistics.h"
 
@@ -37,26 +39,32 @@ Json figures_json(const Episodes& episodes) {
 std::string table(const Episodes& episodes) {
   std::string text = "episode,seed,success,cause,seconds,rtf,sentence\n";
   for (const auto& [number, e] : episodes) {
-    std::string sentence = e["sentence"].get<std::string>();
+    std::string sentence = one_line(e["sentence"].get<std::string>());
     std::replace(sentence.begin(), sentence.end(), '"', '\'');
     text += std::to_string(number) + "," + e["scenario"]["seed"].dump() + "," +
-            (e["success"].get<bool>() ? "1," : "0,") + e["cause"].get<std::string>() + "," +
-            e["seconds"].dump() + "," + e["rtf"].dump() + ",\"" + sentence + "\"\n";
+            (e["success"].get<bool>() ? "1," : "0,") + one_line(e["cause"].get<std::string>()) +
+            "," + (e.contains("seconds") ? e["seconds"].dump() : "") + "," +
+            (e.contains("rtf") ? e["rtf"].dump() : "") + ",\"" + sentence + "\"\n";
   }
   return text;
 }
 
 void print(const Json& result, const OutputFolder& folder) {
   const double n = result["episodes"].get<double>();
-  std::printf("%s: %.0f of %.0f succeeded, %.1f %% (95 %% interval %.1f to %.1f)\n",
+  std::printf("%s: %.0f of %.0f succeeded",
               result["campaign"]["behavior"].get<std::string>().c_str(),
-              result["successes"].get<double>(), n, 100 * result["success_rate"].get<double>(),
-              100 * result["interval"][0].get<double>(), 100 * result["interval"][1].get<double>());
-  std::printf(
-      "falls %llu; seconds of the robot, median %.1f, 95 %% of them under %.1f; %.1f x real "
-      "time\n",
-      result["falls"].get<unsigned long long>(), result["seconds"]["median"].get<double>(),
-      result["seconds"]["p95"].get<double>(), result["rtf_median"].get<double>());
+              result["successes"].get<double>(), n);
+  if (n > 0)
+    std::printf(
+        ", %.1f %% (95 %% interval %.1f to %.1f)", 100 * result["success_rate"].get<double>(),
+        100 * result["interval"][0].get<double>(), 100 * result["interval"][1].get<double>());
+  std::printf("\nfalls %llu", result["falls"].get<unsigned long long>());
+  if (result.contains("seconds"))
+    std::printf("; seconds of the robot, median %.1f, 95 %% of them under %.1f",
+                result["seconds"]["median"].get<double>(), result["seconds"]["p95"].get<double>());
+  if (result.contains("rtf_median"))
+    std::printf("; %.1f x real time", result["rtf_median"].get<double>());
+  std::printf("\n");
   for (const auto& [cause, numbers] : result["failures"].items()) {
     std::printf("  %-24s %3zu  episodes", cause.c_str(), numbers.size());
     for (std::size_t i = 0; i < std::min<std::size_t>(numbers.size(), 12); ++i)
@@ -84,22 +92,26 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Out
       failures[cause].push_back(number);
     }
     if (e["truth"].value("fell", false)) ++falls;
-    times.push_back(e["seconds"].get<double>());
-    speeds.push_back(e["rtf"].get<double>());
+    if (e.contains("seconds")) times.push_back(e["seconds"].get<double>());
+    if (e.contains("rtf")) speeds.push_back(e["rtf"].get<double>());
   }
   const auto n = static_cast<std::uint64_t>(episodes.size());
   const Interval interval = trials::wilson(successes, n);
-  Json result{
-      {"success_rate", n == 0 ? 0 : static_cast<double>(successes) / static_cast<double>(n)},
-      {"episodes", n},
-      {"interval", {interval.min, interval.max}},
-      {"successes", successes},
-      {"falls", falls},
-      {"seconds", {{"median", quantile(times, 0.5)}, {"p95", quantile(times, 0.95)}}},
-      {"rtf_median", quantile(speeds, 0.5)},
-      {"failures", failures},
-      {"figures", figures_json(episodes)},
-      {"campaign", campaign}};
+  Json result = Json::object();
+  if (n > 0) {
+    result["success_rate"] = static_cast<double>(successes) / static_cast<double>(n);
+    result["interval"] = {interval.min, interval.max};
+  }
+  result["episodes"] = n;
+  result["successes"] = successes;
+  result["falls"] = falls;
+  if (!times.empty())
+    result["seconds"] = {{"median", quantile(times, 0.5)}, {"p95", quantile(times, 0.95)}};
+  if (!speeds.empty()) result["rtf_median"] = quantile(speeds, 0.5);
+  result["failures"] = failures;
+  result["figures"] = figures_json(episodes);
+  result["campaign"] = campaign;
+  result["provenance"] = provenance_json();
   if (interrupted) mark_interrupted(result);
   const std::string lines = table(episodes);
   const auto written =
@@ -108,7 +120,7 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Out
   if (!written) return tl::unexpected(written.error());
   KAZ_TRY(folder.write_json("result.json", result));
   if (json) {
-    std::printf("%s\n", result.dump(2).c_str());
+    print_json(result);
   } else {
     print(result, folder);
   }

@@ -6,6 +6,8 @@
 
 #include "host/flash/diagnostic.h"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
+#include "tools/app/base/provenance.h"
 
 namespace kaz::tools {
 namespace {
@@ -63,7 +65,7 @@ void Answer::written(const host::FlashReport& report) {
   put("verified", report.verified);
   put("seconds", report.seconds);
   put("min_seconds", report.min_seconds);
-  put("efficiency", report.efficiency());
+  if (report.written > 0) put("efficiency", report.efficiency());
   if (report.written == 0)
     return say("nothing to write: the flash holds these " + std::to_string(report.bytes) +
                " bytes already, " + std::to_string(report.unchanged) + " blocks compared");
@@ -99,9 +101,8 @@ void Answer::finish(const std::string& verb, const Result<void>& done) {
     if (done.error().fault == Fault::interrupted) mark_interrupted(all);
   }
   all.update(object_);
-  // File names may hold bytes that are no UTF-8.
-  std::printf("%s\n",
-              all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+  all["provenance"] = provenance_json();
+  print_json(all);
 }
 
 }  // namespace kaz::tools

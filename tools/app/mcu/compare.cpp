@@ -12,6 +12,7 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/paths.h"
+#include "tools/app/base/provenance.h"
 
 namespace kaz::tools {
 namespace {
@@ -92,7 +93,8 @@ void print(const Report& report, bool json) {
   if (!json) return void(std::printf("%s\n", report.text().c_str()));
   nlohmann::ordered_json result = to_json(report);
   if (report.stopped) mark_interrupted(result);
-  std::printf("%s\n", result.dump(2).c_str());
+  result["provenance"] = provenance_json();
+  print_json(result);
 }
 
 template <class Report>

@@ -14,6 +14,7 @@
 #include "tools/app/base/output.h"
 #include "tools/app/mcu/run.h"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/provenance.h"
 
 namespace kaz::tools {
 namespace {
@@ -118,9 +119,10 @@ class FlatRun {
                                     {"states", flat_.now()},
                                     {"insns", flat_.instructions()},
                                     {"pc", stop.pc},
-                                    {"report", stop.text}};
+                                    {"report", stop.text},
+                                    {"provenance", provenance_json()}};
       if (interrupted) mark_interrupted(result);
-      std::printf("%s\n", result.dump(2).c_str());
+      print_json(result);
     } else if (!interrupted || !stop.text.empty()) {
       std::fprintf(stderr, "kaz mcu run: %s\n", stop.text.c_str());
     }

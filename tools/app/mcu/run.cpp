@@ -18,6 +18,7 @@
 #include "tools/app/base/output.h"
 #include "tools/app/mcu/attached.h"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/provenance.h"
 
 namespace kaz::tools {
 namespace {
@@ -210,9 +211,10 @@ Result<Outcome> run_mcu(const McuRunOptions& options) {
                                   {"chip_s", chip_s},
                                   {"wall_s", wall_s},
                                   {"misuse", chip.misuse().size()},
-                                  {"report", stop.report}};
+                                  {"report", stop.report},
+                                  {"provenance", provenance_json()}};
     if (interrupted) mark_interrupted(result);
-    std::printf("%s\n", result.dump(2).c_str());
+    print_json(result);
   } else {
     print_misuse(chip);
     // A program that has ended in SLEEP has not crashed: its first line says it all.

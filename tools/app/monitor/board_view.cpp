@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/monitor/board_view.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <numbers>
+
+#include "shared/base/one_line.hpp"
 
 namespace kaz::tools {
 namespace {
@@ -80,9 +83,60 @@ Line joint_line(const BoardView& view, int joint, bool selected) {
   return line;
 }
 
-}  // namespace
+// At most so many columns, a character each. Control characters, which a terminal would obey, are spelled
+// out.
+void cut(Line& line, int columns) {
+  auto left = static_cast<std::size_t>(std::max(columns, 0));
+  for (Span& span : line) {
+    const std::string clean = one_line(span.text);
+    std::size_t at = 0;
+    for (; at < clean.size() && left > 0; --left)
+      at += std::max<std::size_t>(1, utf8_length(clean, at));
+    span.text = clean.substr(0, at);
+  }
+}
 
-std::vector<Line> lines(const BoardView& view, int selected, const std::string& said) {
+// Angle and state of a joint alone.
+Line small_joint_line(const BoardView& view, int joint, bool selected) {
+  const auto at = static_cast<std::size_t>(joint);
+  Line line{{text("%2d %-13s", joint, host::joint_table()[at].name),
+             selected ? Ink::selected : Ink::plain}};
+  if (at >= view.joints.size()) return line;
+  const host::JointDetail& now = view.joints[at];
+  const bool on = (now.flags & KZ_JOINT_ON) != 0;
+  line.push_back({text("%8.1f ", tenth(now.angle_rad * kDegrees)), Ink::plain});
+  line.push_back(on ? Span{"on", Ink::good} : Span{"off", Ink::plain});
+  if (now.flags & KZ_JOINT_POT) line.push_back({" POT", Ink::bad});
+  if (now.flags & KZ_JOINT_STALLED) line.push_back({" STALLED", Ink::bad});
+  if (now.flags & KZ_JOINT_HOT) line.push_back({" HOT", Ink::warning});
+  return line;
+}
+
+// The motors' state first: it must not be cut off.
+std::vector<Line> small_lines(const BoardView& view, int selected, const std::string& said,
+                              int rows, int columns) {
+  if (rows < kMinLines || columns < kMinColumns)
+    return {{{"window too small:", Ink::bold}},
+            {{text("%d x %d, needs", columns, rows), Ink::plain}},
+            {{text("%d x %d", kMinColumns, kMinLines), Ink::plain}}};
+  std::vector<Line> all{motors(view)};
+  all.front().push_back({"  " + tail(view.port, 36), Ink::bold});
+  const bool board = rows >= 8;
+  if (board)
+    all.push_back(
+        {{text("supply %.2f V  %.0f degC  missed %u", view.health.supply_volts,
+               view.health.temperature_c, static_cast<unsigned>(view.counts.missed_ticks)),
+          Ink::plain}});
+  const int shown = std::min(KZ_JOINTS, rows - (board ? 4 : 3));
+  const int first = std::clamp(selected - shown / 2, 0, KZ_JOINTS - shown);
+  for (int joint = first; joint < first + shown; ++joint)
+    all.push_back(small_joint_line(view, joint, joint == selected));
+  all.push_back(view.fault.empty() ? Line{{said, Ink::plain}} : Line{{view.fault, Ink::bad}});
+  all.push_back({{"q quit  SPACE stop  c clear  e on/off", Ink::bold}});
+  return all;
+}
+
+std::vector<Line> large_lines(const BoardView& view, int selected, const std::string& said) {
   std::vector<Line> all;
   Line title{{text("kaz monitor  %s  ", tail(view.port, 36).c_str()), Ink::bold}};
   for (Span& span : motors(view)) title.push_back(std::move(span));
@@ -119,6 +173,19 @@ std::vector<Line> lines(const BoardView& view, int selected, const std::string& 
   all.push_back(
       {{"up/down  e on/off  E all on  <- -> 1 deg  [ ] 5 deg  SPACE stop  c clear  q quit",
         Ink::bold}});
+  return all;
+}
+
+}  // namespace
+
+std::vector<Line> lines(const BoardView& view, int selected, const std::string& said, int rows,
+                        int columns) {
+  std::vector<Line> all = rows < kLines || columns < kColumns
+                              ? small_lines(view, selected, said, rows, columns)
+                              : large_lines(view, selected, said);
+  if (all.size() > static_cast<std::size_t>(std::max(rows, 0)))
+    all.resize(static_cast<std::size_t>(std::max(rows, 0)));
+  for (Line& line : all) cut(line, columns);
   return all;
 }
 

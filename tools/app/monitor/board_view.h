@@ -31,9 +31,13 @@ struct Span {
 };
 using Line = std::vector<Span>;
 
-// 24 lines of at most 80 columns: title, board, link, head of the table, a line a joint, what was
-// said last, keys. Angles in degrees, as on a protractor beside the joint.
+// At most `rows` lines of at most `columns` columns. With 24 x 80: title, board, link, head of the table, a
+// line a joint, what was said last, keys. Angles in degrees, as on a protractor beside the joint. In a
+// smaller window: motors, joints around the selected one, what was said last, keys. Below kMinLines x
+// kMinColumns: that it is too small.
 inline constexpr int kLines = 24, kColumns = 80;
-std::vector<Line> lines(const BoardView& view, int selected, const std::string& said);
+inline constexpr int kMinLines = 5, kMinColumns = 28;
+std::vector<Line> lines(const BoardView& view, int selected, const std::string& said,
+                        int rows = kLines, int columns = kColumns);
 
 }  // namespace kaz::tools

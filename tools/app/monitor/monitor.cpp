@@ -49,7 +49,7 @@ class Monitor {
         if (key == Key::quit) return leave();
         press(key);
       }
-      terminal.show(lines(view_, selected_, said_));
+      terminal.show(lines(view_, selected_, said_, terminal.rows(), terminal.columns()));
       // On the robot's clock: it sends heartbeats while motors are on.
       host::Clock& clock = robot_ ? robot_->clock() : static_cast<host::Clock&>(clock_);
       if (auto slept = clock.sleep_until(begin + kRound); !slept && !interrupt_.requested())

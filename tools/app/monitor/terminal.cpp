@@ -71,17 +71,22 @@ void Terminal::show(const std::vector<Line>& lines) {
   int row = 0;
   for (const Line& line : lines) {
     if (row >= LINES) break;
-    int left = COLS;
     move(row, 0);
     for (const Span& span : line) {
       attrset(static_cast<int>(attribute(span.ink)));
-      addnstr(span.text.c_str(), left);
-      left -= std::min(left, static_cast<int>(span.text.size()));
+      addstr(span.text.c_str());
     }
     ++row;
   }
   attrset(A_NORMAL);
   refresh();
+}
+
+int Terminal::rows() const {
+  return LINES;
+}
+int Terminal::columns() const {
+  return COLS;
 }
 
 Key Terminal::key() {

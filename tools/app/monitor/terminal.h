@@ -33,7 +33,10 @@ class Terminal {
   Terminal& operator=(Terminal&&) = delete;
   ~Terminal();
 
+  // Lines of at most columns() columns.
   void show(const std::vector<Line>& lines);
+  int rows() const;  // of the window as it is now
+  int columns() const;
   // The next key that was pressed; never waits.
   Key key();
 

@@ -9,11 +9,12 @@
 #include <span>
 
 #include "host/behavior/plugin.h"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/replay/message_fields.h"
 #include "tools/app/replay/recorded_backend.h"
 #include "tools/app/replay/replay_host.h"
-#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/session/session.h"
 
 namespace kaz::tools {
@@ -103,6 +104,7 @@ void print(const ReplayOptions& options, const sim::McapRecording& recorded,
       result["recorded"] = difference->recorded;
       result["now"] = difference->now;
     }
+    result["provenance"] = provenance_json();
     print_json(result);
     return;
   }
@@ -111,7 +113,8 @@ void print(const ReplayOptions& options, const sim::McapRecording& recorded,
     std::printf("the recording ends here, its run was interrupted by %s: compared up to %.6f s\n",
                 by.c_str(), end_s);
   else if (!recorded.whole)
-    std::printf("the recording was cut off: compared up to its end at %.6f s\n", end_s);
+    std::printf("the recording ends here, it was cut off: compared up to its end at %.6f s\n",
+                end_s);
   if (!changed.empty()) std::printf("files that have changed since: %s\n", changed.c_str());
   if (!difference) {
     std::printf("identical: %zu messages\n", messages);
@@ -170,6 +173,10 @@ Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording
   const FileRemover remove_again(again);
   session.backend.recording = again;
   session.backend.record_pictures = recorded.has_messages("/eyes/left");
+  // Nothing is simulated past its end; two ticks more, in which its last messages are written.
+  if (recorded.ends_early())
+    session.until =
+        Time(static_cast<std::int64_t>(recorded.end_ns())) + std::chrono::milliseconds(2);
   // Whether the behaviour succeeded does not matter, only whether it did the same.
   if (auto ran = run_session(session); !ran) {
     print_interrupted(ran.error(), options, "simulation");

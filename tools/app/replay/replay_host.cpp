@@ -10,6 +10,7 @@
 #include "sim/runtime/time.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/session/live_camera.h"
 #include "tools/lockstep/replayed_board.h"
 
@@ -79,6 +80,7 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
     if (!run.interrupted_by.empty()) result["recording_interrupted_by"] = run.interrupted_by;
     if (board.difference()) result["difference"] = json_of(*board.difference());
     if (board.other_thought()) result["behavior_difference"] = json_of(*board.other_thought());
+    result["provenance"] = provenance_json();
     print_json(result);
     return;
   }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/session/run_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -9,6 +10,7 @@
 #include "shared/board/board.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
+#include "tools/app/base/provenance.h"
 #include "tools/figure/figure.h"
 
 namespace kaz::tools {
@@ -42,31 +44,32 @@ ordered_json thinned_errors(const Score& score) {
 
 ordered_json board_json(const RunReport& report) {
   const double tick_8states = KZ_STATES_PER_TICK / 8.0;
-  return {{"firmware_version", std::to_string(report.identity.firmware_version >> 8) + "." +
-                                   std::to_string(report.identity.firmware_version & 0xff)},
-          {"protocol_version", report.identity.protocol_version},
-          {"build_id", report.identity.build_id},
-          {"image_crc", report.identity.image_crc},
-          {"worst_tick_share", rounded(report.health.worst_8states / tick_8states, 1e-4)},
-          {"missed_ticks", report.health.missed_ticks},
-          {"bad_frames", report.health.bad_check + report.health.bad_stuffing +
-                             report.health.too_short + report.health.too_long +
-                             report.health.line_errors}};
+  ordered_json json{
+      {"firmware_version", std::to_string(report.identity.firmware_version >> 8) + "." +
+                               std::to_string(report.identity.firmware_version & 0xff)},
+      {"protocol_version", report.identity.protocol_version},
+      {"build_id", report.identity.build_id},
+      {"image_crc", report.identity.image_crc},
+      {"missed_ticks", report.health.missed_ticks},
+      {"bad_frames", report.health.bad_check + report.health.bad_stuffing +
+                         report.health.too_short + report.health.too_long +
+                         report.health.line_errors}};
+  if (report.health.worst_8states != 0)  // native counts no states
+    json["worst_tick_share"] = rounded(report.health.worst_8states / tick_8states, 1e-4);
+  return json;
 }
 
 ordered_json link_json(const host::LinkStatistics& link) {
-  return {{"requests", link.requests},
-          {"replies", link.replies},
-          {"timeouts", link.timeouts},
-          {"retries", link.retries},
-          {"refused", link.refused},
-          {"bad_frames", link.bad_frames},
-          {"bytes_out", link.bytes_out},
-          {"bytes_in", link.bytes_in},
-          {"round_trip_s", rounded(link.round_trip.smoothed_s, 1e-6)},
-          {"round_trip_min_s", rounded(link.round_trip.min_s, 1e-6)},
-          {"round_trip_mean_s", rounded(link.round_trip.mean_s, 1e-6)},
-          {"round_trip_max_s", rounded(link.round_trip.max_s, 1e-6)}};
+  ordered_json json{{"requests", link.requests},   {"replies", link.replies},
+                    {"timeouts", link.timeouts},   {"retries", link.retries},
+                    {"refused", link.refused},     {"bad_frames", link.bad_frames},
+                    {"bytes_out", link.bytes_out}, {"bytes_in", link.bytes_in}};
+  if (link.replies == 0) return json;
+  json["round_trip_s"] = rounded(link.round_trip.smoothed_s, 1e-6);
+  json["round_trip_min_s"] = rounded(link.round_trip.min_s, 1e-6);
+  json["round_trip_mean_s"] = rounded(link.round_trip.mean_s, 1e-6);
+  json["round_trip_max_s"] = rounded(link.round_trip.max_s, 1e-6);
+  return json;
 }
 
 figure::LinePlot joint_plot(const RunReport& report, const std::string& title,
@@ -98,6 +101,16 @@ figure::LinePlot joint_plot(const RunReport& report, const std::string& title,
   return plot;
 }
 
+bool has_points(const figure::LinePlot& plot) {
+  for (const figure::Series& series : plot.series) {
+    for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
+      if (std::isfinite(series.x[i]) && std::isfinite(series.y[i])) return true;
+    }
+  }
+  return false;
+}
+
+// Plots without a point are left out.
 figure::PlotPage tracking_page(const RunReport& report) {
   figure::LinePlot error;
   error.title = "Angle between the left eye's axis and the ball";
@@ -120,14 +133,16 @@ figure::PlotPage tracking_page(const RunReport& report) {
       plot.spans = {{*report.score.found_s, report.run_s, figure::kGreen, "tracking"}};
     }
   }
+  std::erase_if(page.plots, [](const figure::LinePlot& plot) { return !has_points(plot); });
   return page;
 }
 
 Result<std::vector<std::string>> write_pictures(const RunReport& report, const Snapshots& snapshots,
                                                 const OutputFolder& folder) {
   auto names = snapshots.write(folder);
-  if (!names || report.recording.cycles.empty()) return names;
+  if (!names) return names;
   const figure::PlotPage page = tracking_page(report);
+  if (page.plots.empty()) return names;
   for (const auto& [name, write] : {std::pair{"pan_tilt.png", &figure::write_plot_png},
                                     std::pair{"pan_tilt.svg", &figure::write_plot_svg}}) {
     KAZ_TRY(write(folder.path(name), page));
@@ -153,10 +168,13 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
                       {"seed", report.backend.seed},
                       {"duration_s", rounded(report.run_s, 1e-3)},
                       {"rtf", rounded(report.rtf, 1e-3)},
-                      {"found_s", nullptr},
-                      {"tracking_within_3deg", rounded(report.score.within_3deg, 1e-4)},
-                      {"tracking_rms_deg", rounded(report.score.rms_deg, 1e-4)},
-                      {"tracking_measured_by", report.score.measured_by}};
+                      {"found_s", nullptr}};
+  // What was not measured is absent.
+  if (report.score.within_3deg)
+    result["tracking_within_3deg"] = rounded(*report.score.within_3deg, 1e-4);
+  if (report.score.rms_deg) result["tracking_rms_deg"] = rounded(*report.score.rms_deg, 1e-4);
+  if (report.score.within_3deg || !report.score.time_s.empty())
+    result["tracking_measured_by"] = report.score.measured_by;
   if (report.score.found_s) result["found_s"] = rounded(*report.score.found_s, 1e-3);
   if (report.interrupted) {
     mark_interrupted(result);
@@ -173,9 +191,11 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     result["world"] = report.backend.world;
     result["dynamics"] = simulation->world().dynamics();
     result["physics_step_ms"] = report.backend.physics_step_ms;
-    result["joint_gap_m"] = rounded(simulation->world().largest_joint_gap_m(), 1e-7);
+    if (simulation->world().dynamics() != "reduced")  // which has no gaps
+      result["joint_gap_m"] = rounded(simulation->world().largest_joint_gap_m(), 1e-7);
     const sim::SolverDiagnostics& diagnostics = simulation->world().diagnostics();
-    result["unconverged_steps"] = diagnostics.unconverged_steps;
+    if (simulation->world().measures_convergence())
+      result["unconverged_steps"] = diagnostics.unconverged_steps;
     if (diagnostics.unconverged_steps > 0) result["warning"] = diagnostics.summary();
     const auto sha256 =
         report.interrupted ? report.recording_sha256 : KAZ_TRY(simulation->finish_recording());
@@ -183,6 +203,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   } else {
     result["robot"] = report.backend.robot;
   }
+  result["provenance"] = provenance_json();
   result["board"] = board_json(report);
   result["link"] = link_json(report.link);
   result["vision"] = report.vision;
@@ -196,6 +217,8 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     if (!report.interrupted) {
       const auto names = KAZ_TRY(write_pictures(report, snapshots, folder));
       result["pictures"] = names;
+      if (std::ranges::find(names, "pan_tilt.png") == names.end())
+        result["not_drawn"] = {{"pan_tilt.png", "nothing of head and ball was measured"}};
     }
     const auto table =
         figure::write_file(folder.path("vision.csv"),
@@ -211,15 +234,15 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
 void print_report(const ordered_json& result, const RunReport& report, const std::string& out,
                   bool json) {
   if (json) {
-    std::printf("%s\n", result.dump(2).c_str());
+    print_json(result);
     return;
   }
   std::printf("%s: %s\n", word_of(report), report.outcome.sentence.c_str());
-  if (report.score.found_s) {
+  if (report.score.found_s && report.score.within_3deg) {
     std::printf(
         "within 3 degrees of the picture's centre %.1f %% of the time after the ball was "
         "found (by %s)\n",
-        100 * report.score.within_3deg, report.score.measured_by.c_str());
+        100 * *report.score.within_3deg, report.score.measured_by.c_str());
   }
   std::printf("%.1f s of the robot, %.1f times as fast as real time", report.run_s, report.rtf);
   if (report.health.worst_8states != 0) {  // native counts no states
@@ -233,6 +256,10 @@ void print_report(const ordered_json& result, const RunReport& report, const std
     std::printf("warning: %s\n", result["warning"].get<std::string>().c_str());
   if (result.contains("recording_sha256")) {
     std::printf("recording %s\n", result["recording_sha256"].get<std::string>().c_str());
+  }
+  if (result.contains("not_drawn")) {
+    for (const auto& [name, why] : result["not_drawn"].items())
+      std::printf("no %s: %s\n", name.c_str(), why.get<std::string>().c_str());
   }
   if (!out.empty() && !report.interrupted)
     std::printf("pictures and result.json are in %s\n", out.c_str());

@@ -4,14 +4,18 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <regex>
 
 #include "shared/base/files.hpp"
 #include "shared/board/board.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/session/live_camera.h"
+#include "tools/app/base/version.h"
 
 namespace kaz::tools {
 namespace {
@@ -93,6 +97,28 @@ TEST_F(Report, HasTheScore) {
   EXPECT_EQ(json["tracking_measured_by"], "pictures");
 }
 
+TEST_F(Report, HasNothingThatWasNotMeasured) {
+  const ordered_json json = result();
+  for (const char* name : {"tracking_within_3deg", "tracking_rms_deg", "tracking_measured_by"})
+    EXPECT_FALSE(json.contains(name)) << name;
+  EXPECT_FALSE(json["board"].contains("worst_tick_share")) << "it counts no states";
+  EXPECT_FALSE(json["link"].contains("round_trip_s")) << "nothing has answered";
+  EXPECT_EQ(json["link"]["replies"], 0) << "a count is 0 where nothing happened";
+}
+
+TEST_F(Report, HasItsProvenance) {
+  const char* const words[] = {"kaz", "run", "stand", "--out", "my folder", "it's\n"};
+  set_command_line(6, words);
+  const ordered_json from = result()["provenance"];
+  EXPECT_EQ(from["command"], "kaz run stand --out 'my folder' 'it'\\''s '");
+  EXPECT_EQ(from["kaz"], kVersion);
+  EXPECT_TRUE(std::regex_match(from["date"].get<std::string>(),
+                               std::regex("20[0-9]{2}-[01][0-9]-[0-3][0-9]T[0-9:]{8}Z")));
+  EXPECT_FALSE(from["machine"]["cpu"].get<std::string>().empty());
+  EXPECT_GT(from["machine"]["cores"].get<int>(), 0);
+  EXPECT_EQ(from["machine"]["os"].get<std::string>().find('\n'), std::string::npos);
+}
+
 // Those of the report itself are not overwritten by the behaviour's of the same name, unless null.
 TEST_F(Report, HasTheBehavioursMeasurements) {
   report_.outcome.measurements = {{"turned_deg", 1.2345678}, {"seed", 99}, {"found_s", 2.5}};
@@ -113,6 +139,7 @@ TEST_F(Report, HasBoardAndLink) {
   report_.health.too_long = 8;
   report_.health.line_errors = 16;
   report_.link.requests = 100;
+  report_.link.replies = 95;
   report_.link.timeouts = 5;
   report_.link.round_trip.max_s = 0.0123456;
   const ordered_json json = result();
@@ -151,6 +178,20 @@ TEST_F(Report, PlotsARunWithCycles) {
   EXPECT_NE(read("out/pan_tilt.svg").find("track-ball over serial:/dev/ttyUSB0"),
             std::string::npos);
   EXPECT_GT(fs::file_size(at("out/pan_tilt.png")), 1000u);
+}
+
+TEST_F(Report, DrawsNothingWhereThereIsNothingToDraw) {
+  // A picture without the ball has an error that is no number.
+  report_.score.time_s = {0, 0.1};
+  report_.score.error_deg = {std::nan(""), std::nan("")};
+  const auto json = written(at("out"));
+  ASSERT_TRUE(json) << json.error().message;
+  EXPECT_EQ((*json)["pictures"], ordered_json::array());
+  EXPECT_TRUE((*json)["not_drawn"].contains("pan_tilt.png"));
+  EXPECT_FALSE(fs::exists(at("out/pan_tilt.png")));
+  testing::internal::CaptureStdout();
+  print_report(*json, report_, at("out"), false);
+  EXPECT_NE(testing::internal::GetCapturedStdout().find("no pan_tilt.png: "), std::string::npos);
 }
 
 TEST_F(Report, ThinsTheTrackingErrorToTenSamplesASecond) {

@@ -18,9 +18,9 @@ struct Score {
   std::optional<double> found_s;  // from the start of the run to when tracking began
   std::vector<double> time_s;     // from the start of the run
   std::vector<double>
-      error_deg;           // between the left eye's axis and the ball; NaN: not in the picture
-  double within_3deg = 0;  // share of the samples after found_s
-  double rms_deg = 0;      // of the samples that are not NaN
+      error_deg;  // between the left eye's axis and the ball; NaN: not in the picture
+  std::optional<double> within_3deg;  // share of the samples after found_s; nothing without samples
+  std::optional<double> rms_deg;      // of the samples that are not NaN
 };
 
 // Takes a sample of the truth at each control cycle. For scoring only: no behaviour sees it.

@@ -43,7 +43,7 @@ TEST(Score, CountsFromTheFirstTrackPhase) {
   EXPECT_NEAR(made.time_s[0], 0.5, 1e-9);
   EXPECT_NEAR(made.error_deg[2], 4, 1e-9);
   EXPECT_TRUE(std::isnan(made.error_deg[3]));
-  EXPECT_NEAR(made.rms_deg, std::sqrt((9.0 + 16.0) / 3), 1e-9);
+  EXPECT_NEAR(made.rms_deg.value(), std::sqrt((9.0 + 16.0) / 3), 1e-9);
 }
 
 TEST(Score, CountsAPictureWithoutTheBallAsAMiss) {
@@ -53,17 +53,17 @@ TEST(Score, CountsAPictureWithoutTheBallAsAMiss) {
   recording.picture(picture(200, true, 3.1));
   recording.picture(picture(300, false));
   recording.picture(picture(400, true, 1));
-  EXPECT_NEAR(score(recording, nullptr, kStart).within_3deg, 0.5, 1e-9);
+  EXPECT_NEAR(score(recording, nullptr, kStart).within_3deg.value(), 0.5, 1e-9);
 }
 
-TEST(Score, IsZeroWhereTheBallWasNeverTracked) {
+TEST(Score, IsAbsentWhereTheBallWasNeverTracked) {
   behavior::Recording recording;
   recording.phase(kStart, "track-ball", "search");
   recording.picture(picture(100, true, 1));
   const Score made = score(recording, nullptr, kStart);
   EXPECT_FALSE(made.found_s);
-  EXPECT_EQ(made.within_3deg, 0);
-  EXPECT_EQ(made.rms_deg, 0);
+  EXPECT_FALSE(made.within_3deg);
+  EXPECT_FALSE(made.rms_deg);
   EXPECT_EQ(made.time_s.size(), 1u);
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/session/session.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -37,7 +38,7 @@ class Listener final : public behavior::Sink {
         snapshots_(snapshots),
         progress_(progress),
         start_(start),
-        expected_s_(expected_s) {
+        moments_(expected_s) {
     if (backend.simulation() != nullptr) probe_.emplace(*backend.simulation());
   }
 
@@ -55,7 +56,8 @@ class Listener final : public behavior::Sink {
     if (probe_) probe_->sample();
     record({{"pan_target", row.pan_target}, {"tilt_target", row.tilt_target}});
     const double elapsed = seconds(row.time - start_);
-    progress_.update(elapsed / expected_s_, phase_);
+    // Not a share: `seconds` of most behaviours is when they give up, not how long they take.
+    progress_.show(elapsed, phase_);
     if (const auto shown = moments_.on_cycle(elapsed)) snapshots_.take(row.time, *shown);
   }
 
@@ -74,9 +76,8 @@ class Listener final : public behavior::Sink {
   Snapshots& snapshots_;
   Progress& progress_;
   Time start_;
-  double expected_s_;
   std::string phase_;
-  Moments moments_{expected_s_};
+  Moments moments_;
   std::optional<TruthProbe> probe_;
   behavior::Recording recording_;
 };
@@ -85,8 +86,13 @@ class Listener final : public behavior::Sink {
 // line busy does nothing else.
 class WatchedClock final : public host::Clock {
  public:
-  WatchedClock(host::Clock& clock, sim::Simulation* simulation, Onlooker* onlooker)
-      : clock_(clock), simulation_(simulation), onlooker_(onlooker) {}
+  WatchedClock(host::Clock& clock, sim::Simulation* simulation, Onlooker* onlooker,
+               std::optional<Time> until, host::Interrupt& interrupt)
+      : clock_(clock),
+        simulation_(simulation),
+        onlooker_(onlooker),
+        until_(simulation == nullptr ? std::nullopt : until),
+        interrupt_(interrupt) {}
   Time now() const override {
     const Time now = clock_.now();
     if (onlooker_ != nullptr && simulation_ != nullptr && now > looked_) {
@@ -96,16 +102,22 @@ class WatchedClock final : public host::Clock {
     return now;
   }
   Result<void> sleep_until(Time t) override {
-    auto slept = clock_.sleep_until(t);
+    auto slept = clock_.sleep_until(until_ ? std::min(t, *until_) : t);
     if (slept) now();
-    return slept;
+    if (!slept || !ended()) return slept;
+    interrupt_.request();
+    return tl::unexpected(host::Interrupt::error());
   }
+  // The time is up that was given to the run.
+  bool ended() const { return until_ && clock_.now() >= *until_; }
 
  private:
   mutable Time looked_{-1};
   host::Clock& clock_;
   sim::Simulation* simulation_;
   Onlooker* onlooker_;
+  std::optional<Time> until_;
+  host::Interrupt& interrupt_;
 };
 
 double expected_seconds(const behavior::OptionValues& values,
@@ -198,7 +210,8 @@ Result<bool> run_session(SessionOptions options) {
                                          .folder = ""}));
     kept = std::move(begun);
   }
-  WatchedClock clock((*backend)->clock(), (*backend)->simulation(), options.onlooker);
+  WatchedClock clock((*backend)->clock(), (*backend)->simulation(), options.onlooker, options.until,
+                     interrupt);
   auto robot =
       host::Robot::connect((*backend)->link(), clock,
                            {.address = options.backend.address,
@@ -240,6 +253,13 @@ Result<bool> run_session(SessionOptions options) {
       std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
   const double run_s = seconds((*backend)->clock().now() - start);
   if (options.on_end) options.on_end(outcome, run_s, run_s / wall_s);
+  if (!outcome && clock.ended()) {  // options.until
+    progress.done();
+    pipeline.finish();
+    if (options.watcher != nullptr) options.watcher->end(pipeline);
+    KAZ_TRY((*backend)->simulation()->finish_recording());
+    return false;
+  }
   const bool interrupted = !outcome && outcome.error().fault == Fault::interrupted;
   std::optional<host::CleanUp> clean_up;
   if (interrupted) {

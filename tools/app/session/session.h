@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "host/behavior/behavior.h"
@@ -33,6 +34,8 @@ struct SessionOptions {
   VisionWatcher* watcher = nullptr;             // must outlive the session
   bool keep_interrupted = true;                 // writes what there is of an interrupted run
   Onlooker* onlooker = nullptr;                 // of a simulated robot; must outlive the session
+  // Of a simulated robot: the run ends there as by Ctrl-C, which is no error; its result is false.
+  std::optional<Time> until;
   // How the behaviour ended, how long it took (s of the robot), and that over wall time.
   std::function<void(const Result<behavior::Outcome>&, double, double)> on_end;
   // In place of SessionBackend::open(); what it refers to must outlive the session.

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/app/base/output.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/vision/picture_pairs.h"
 #include "tools/figure/coverage.h"
 #include "vision/calibration/calibration_file.h"
@@ -132,7 +133,8 @@ Json as_json(const Sightings& seen, const StereoResult& result,
           {"right", eye_json(result.right, c.right.lens)},
           {"pictures", pictures},
           {"calibration", arguments.out},
-          {"coverage", arguments.coverage}};
+          {"coverage", arguments.coverage},
+          {"provenance", provenance_json()}};
 }
 
 void print_eye(const char* side, const vision::EyeQuality& eye, const vision::Lens& lens) {
@@ -292,7 +294,7 @@ Result<bool> calibrate_stereo(StereoCalibrationOptions arguments) {
   KAZ_TRY(check_plausible(*result, arguments));
   KAZ_TRY(write(*result, board, arguments));
   if (arguments.json) {
-    std::printf("%s\n", as_json(seen, *result, arguments).dump(2).c_str());
+    print_json(as_json(seen, *result, arguments));
   } else {
     print(seen, *result, arguments);
   }

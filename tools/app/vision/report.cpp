@@ -49,7 +49,11 @@ FlowSummary summarize(const vision::FlowImage& flow) {
 }
 
 Json flow_json(const FlowSummary& summary) {
-  return {{"known", summary.known}, {"median_px", summary.median_px}, {"p95_px", summary.p95_px}};
+  Json json{{"known", summary.known}};
+  if (summary.known == 0) return json;
+  json["median_px"] = summary.median_px;
+  json["p95_px"] = summary.p95_px;
+  return json;
 }
 
 Json moving_json(const vision::MovingRegions& moving) {
@@ -131,16 +135,14 @@ Json module_statistics_json(const vision::Pipeline& pipeline) {
   const auto ms = [](double s) { return static_cast<double>(std::llround(s * 1e6)) / 1e3; };
   Json all = Json::object();
   for (const vision::ModuleStatistics& m : pipeline.statistics()) {
-    all[m.name] = {
-        {"frames", m.delivered},
-        {"failed", m.failed},
-        {"dropped", m.dropped},
-        {"computing_ms",
-         {{"median", ms(m.computing_median_s)},
-          {"p95", ms(m.computing_p95_s)},
-          {"max", ms(m.computing_max_s)}}},
-        {"age_ms",
-         {{"median", ms(m.age_median_s)}, {"p95", ms(m.age_p95_s)}, {"max", ms(m.age_max_s)}}}};
+    Json& json = all[m.name];
+    json = {{"frames", m.delivered}, {"failed", m.failed}, {"dropped", m.dropped}};
+    if (m.delivered + m.failed == 0) continue;  // no times
+    json["computing_ms"] = {{"median", ms(m.computing_median_s)},
+                            {"p95", ms(m.computing_p95_s)},
+                            {"max", ms(m.computing_max_s)}};
+    json["age_ms"] = {
+        {"median", ms(m.age_median_s)}, {"p95", ms(m.age_p95_s)}, {"max", ms(m.age_max_s)}};
   }
   return all;
 }

@@ -11,6 +11,7 @@
 
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/vision/color_file.h"
 #include "tools/app/vision/report.h"
 #include "tools/figure/figure.h"
@@ -181,15 +182,12 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
     if (one.error.empty()) ms.push_back(one.ms);
   }
   std::sort(ms.begin(), ms.end());
-  const double median = ms.empty() ? 0 : ms[ms.size() / 2];
-  Json result{{"modules", {"color"}},
-              {"pictures_in", options.in},
-              {"pictures_looked_at", ms.size()},
-              {"balls", found},
-              {"color", color_json(color)},
-              {"radius_m", options.radius_m},
-              {"latency_ms", {{"median", median}, {"max", ms.empty() ? 0 : ms.back()}}},
-              {"pictures", pictures}};
+  Json result{
+      {"modules", {"color"}}, {"pictures_in", options.in},  {"pictures_looked_at", ms.size()},
+      {"balls", found},       {"color", color_json(color)}, {"radius_m", options.radius_m}};
+  if (!ms.empty()) result["latency_ms"] = {{"median", ms[ms.size() / 2]}, {"max", ms.back()}};
+  result["pictures"] = pictures;
+  result["provenance"] = provenance_json();
   if (interrupted) mark_interrupted(result);
   KAZ_TRY(folder.write_json("result.json", result));
   if (ms.empty() && !interrupted)
@@ -197,7 +195,7 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
                                    options.in + "' could be looked at; the first, '" +
                                    all.front().picture + "', " + all.front().error);
   if (options.json) {
-    std::printf("%s\n", result.dump(2).c_str());
+    print_json(result);
   } else {
     for (const Looked& one : all) {
       if (!one.error.empty())
@@ -206,7 +204,7 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
     std::printf(
         "%d balls in %zu of %zu pictures, %.2f ms a picture (median); overlays, ball.csv "
         "and result.json in %s\n",
-        found, ms.size(), all.size(), median, options.out.c_str());
+        found, ms.size(), all.size(), ms[ms.size() / 2], options.out.c_str());
   }
   if (interrupted)
     return fail(Fault::interrupted,

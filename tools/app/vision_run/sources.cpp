@@ -9,6 +9,8 @@
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/replay/replay.h"
 #include "tools/app/session/backend.h"
 #include "tools/app/session/live_camera.h"
@@ -66,7 +68,8 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   Json result{{"modules", options.modules},
               {"frames_looked_at", report.looked_at()},
               {"vision", statistics},
-              {"frames", report.frames()}};
+              {"frames", report.frames()},
+              {"provenance", provenance_json()}};
   if (interrupted) mark_interrupted(result);
   KAZ_TRY(folder.write_json("result.json", result));
   if (report.looked_at() == 0 && !interrupted)
@@ -82,7 +85,7 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
                 "interrupted; what was looked at until then is kept in " + options.out);
   };
   if (options.json) {
-    std::printf("%s\n", result.dump(2).c_str());
+    print_json(result);
     return ended();
   }
   constexpr int kMaxReported = 10;

@@ -1,0 +1,89 @@
+// Date, version, machine and command line of this run of the program, for its reports.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/app/base/provenance.h"
+
+#include <sys/utsname.h>
+
+#include <ctime>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/app/base/version.h"
+
+namespace kaz::tools {
+namespace {
+
+std::string& command_line() {
+  static std::string command = "kaz";
+  return command;
+}
+
+// As a shell reads it back.
+std::string shell_word(const std::string& word) {
+  constexpr std::string_view plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%^";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+// The text behind the first `key` and its separator; "" if there is none.
+std::string value_in(const char* path, const std::string& key, char separator) {
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with(key)) continue;
+    const auto at = line.find(separator);
+    if (at == std::string::npos) continue;
+    const auto first = line.find_first_not_of(" \t\"", at + 1);
+    if (first == std::string::npos) continue;
+    const auto last = line.find_last_not_of(" \t\"");
+    return line.substr(first, last - first + 1);
+  }
+  return "";
+}
+
+std::string cpu_model(const utsname& system) {
+  for (const char* key : {"model name", "Model", "Hardware"}) {  // the latter two on ARM
+    const std::string model = value_in("/proc/cpuinfo", key, ':');
+    if (!model.empty()) return model;
+  }
+  return system.machine;
+}
+
+}  // namespace
+
+void set_command_line(int argc, const char* const* argv) {
+  command_line() = "kaz";
+  for (int i = 1; i < argc; ++i) command_line() += " " + shell_word(argv[i]);
+}
+
+hil::Provenance provenance() {
+  hil::Provenance from;
+  char date[32];
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  from.date = date;
+  from.kaz = kVersion;
+  utsname system{};
+  uname(&system);
+  from.cpu = cpu_model(system);
+  from.cores = static_cast<int>(std::thread::hardware_concurrency());
+  from.os = std::string(system.sysname) + " " + system.release + " " + system.machine;
+  const std::string name = value_in("/etc/os-release", "PRETTY_NAME", '=');
+  if (!name.empty()) from.os = name + ", " + from.os;
+  from.command = command_line();
+  return from;
+}
+
+nlohmann::ordered_json provenance_json() {
+  return hil::provenance_json(provenance());
+}
+
+}  // namespace kaz::tools
