@@ -75,6 +75,10 @@ struct Row {
   bool has_children = false;  // whose processor time counts as its own
 };
 
+void PrintTo(const Row& row, std::ostream* out) {
+  *out << row.name;
+}
+
 std::string verb_of(const Row& row) {
   return row.name.substr(0, row.name.find(' '));
 }
@@ -116,14 +120,15 @@ const std::vector<Row>& rows() {
        "looking for the board"},
       {"replay", {"replay", "DIR/recorded/recording.mcap", "--whole"}, "kaz replay: "},
       {"mcu run",
-       {"mcu", "run", "DIR/loop.bin", "--format", "raw", "--max-states", "9000000000000", "--json",
-        "--vcd", "DIR/loop.vcd"},
-       "/loop.vcd",
+       {"mcu", "run", "DIR/loop.bin", "--format", "raw", "--address", "0", "--max-states",
+        "9000000000000", "--json", "--vcd", "DIR/loop.vcd"},
+       "",
        SIGINT,
        {},
        "-"},
       {"mcu run flat",
-       {"mcu", "run", "DIR/loop.bin", "--format", "raw", "--flat", "--entry=0x100", "--json"},
+       {"mcu", "run", "DIR/loop.bin", "--format", "raw", "--address", "0", "--flat",
+        "--entry=0x100", "--json"},
        "",
        SIGINT,
        {},
@@ -140,9 +145,16 @@ const std::vector<Row>& rows() {
        "report.json"},
       {"bench", {"bench", "motor", "--out", "DIR/out"}, "kaz bench", SIGINT, {}, "out/result.json"},
       {"flash", {"flash", "info", "--port", "PORT", "--json"}, "", SIGINT, {}, "-"},
-      {"fuzz", {"fuzz", "--target", "h8", "--seconds", "3000"}, "kaz fuzz", SIGINT},
-      {"fuzz body", {"fuzz", "--body", "--seconds", "3000"}, "kaz fuzz", SIGTERM},
+      {"fuzz",
+       {"fuzz", "--target", "h8", "--seconds", "3000", "--out", "DIR/case"},
+       "kaz fuzz",
+       SIGINT},
+      {"fuzz body",
+       {"fuzz", "--body", "--seconds", "3000", "--out", "DIR/case"},
+       "kaz fuzz",
+       SIGTERM},
       {"status", {"status", "--port", "PORT"}, "", SIGTERM},
+      {"recover", {"recover", "--port", "PORT"}, ""},
       {"monitor", {"monitor", "--port", "PORT"}, "", SIGINT, 0},
       {"vision",
        {"vision", "run", "--in", "DIR/pictures", "--view", "60", "--out", "DIR/seen"},
@@ -198,7 +210,7 @@ void prepare(const Row& row, const TemporaryFolder& folder) {
   }
   if (uses("recorded/")) {
     const Finished recorded =
-        run(kaz({"run", "track-ball", "--mcu", "native", "--eyes", "ideal", "--duration", "6",
+        run(kaz({"run", "track-ball", "--mcu", "native", "--eyes", "ideal", "--duration", "2",
                  "--record-pictures", "--out", folder / "recorded"}));
     ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
   }

@@ -290,7 +290,7 @@ Result<bool> run_session(SessionOptions options) {
   }
 
   const behavior::Outcome cut_short{
-      false, "interrupted by " + std::string(received_signal_name()), {}, {}};
+      false, "ended by " + std::string(received_signal_name()), {}, {}};
   RunReport report{options.behavior,
                    options.backend,
                    interrupted ? cut_short : *outcome,
