@@ -1,6 +1,7 @@
 // `kaz`: the command line.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -112,6 +113,7 @@ int parse_and_run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   kaz::tools::catch_signals();
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit of size is an error of write(), as a full disk is
   try {
     return parse_and_run(argc, argv);
   } catch (const std::exception& error) {

@@ -122,7 +122,7 @@ const std::vector<Row>& rows() {
       {"mcu run",
        {"mcu", "run", "DIR/loop.bin", "--format", "raw", "--address", "0", "--max-states",
         "9000000000000", "--json", "--vcd", "DIR/loop.vcd"},
-       "",
+       "/loop.vcd.part",
        SIGINT,
        {},
        "-"},
