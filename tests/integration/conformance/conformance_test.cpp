@@ -7,6 +7,7 @@
 
 #include "hil/conformance/report.h"
 #include "host/link/stalling_testing.h"
+#include "host/robot/robot.h"
 #include "tools/lockstep/virtual_bench.h"
 
 namespace kaz::hil {
@@ -66,6 +67,27 @@ TEST(Suite, WithoutMotionAndBenchTheRestRunsAndPasses) {
   for (const CaseResult& one : report.results) {
     if (one.verdict != Verdict::left_out) continue;
     EXPECT_NE(one.message.find("needs "), std::string::npos);
+  }
+}
+
+TEST(Suite, ABoardAtAnotherAddressConformsToo) {
+  for (const std::uint8_t address : {2, 9, 14}) {  // those that cases use themselves
+    lockstep::VirtualBench board(sim::make_native());
+    {
+      auto robot = host::Robot::connect(board, board);
+      ASSERT_TRUE(robot) << robot.error().message;
+      ASSERT_TRUE(robot->unlock(5));
+      ASSERT_TRUE(robot->set_address(address, false));
+    }
+    board.reset();
+    RunOptions options;
+    options.filter = "^(address|frame|watchdog)";
+    options.address = address;
+    options.allowed = kEverything;
+    const auto report = run_suite(board, board, &board, Time::zero(), options);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(report->count(Verdict::failed), 0) << failures(*report);
+    EXPECT_EQ(report->count(Verdict::left_out), 1);  // that a fresh board has address 1
   }
 }
 
