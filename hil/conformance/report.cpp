@@ -73,7 +73,8 @@ std::string interruption(const RunReport& report, const ReportFacts& facts) {
 std::string junit_text(const RunReport& report, const ReportFacts& facts) {
   JunitSuite suite("kaz conformance",
                    {report.count(Verdict::passed), report.count(Verdict::failed),
-                    report.count(Verdict::left_out), report.count(Verdict::undecided)},
+                    report.count(Verdict::left_out), report.count(Verdict::undecided),
+                    facts.broken_off.empty() ? 0 : 1},
                    total_seconds(report));
   suite.property("board", report.board);
   suite.property("port", facts.port);
@@ -90,6 +91,8 @@ std::string junit_text(const RunReport& report, const ReportFacts& facts) {
                    joined(one.transcript, "\n"),
                {}});
   }
+  if (!facts.broken_off.empty())
+    suite.add_error("conformance", "runs to its end", facts.broken_off);
   return suite.finish();
 }
 
@@ -110,6 +113,7 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
   all["left_out"] = report.count(Verdict::left_out);
   all["undecided"] = report.count(Verdict::undecided);
   all["seconds"] = total_seconds(report);
+  if (!facts.broken_off.empty()) all["error"] = facts.broken_off;
   all["results"] = nlohmann::ordered_json::array();
   for (const CaseResult& one : report.results) {
     nlohmann::ordered_json result;
@@ -129,10 +133,11 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
 std::string html_text(const RunReport& report, const ReportFacts& facts) {
   const int failed = report.count(Verdict::failed), undecided = report.count(Verdict::undecided);
   std::string text = page_head("Kaz conformance: " + facts.port);
-  const char* const heading = failed               ? "failed\">does not conform"
-                              : report.interrupted ? "out\">incomplete"
-                              : undecided          ? "out\">undecided"
-                                                   : "passed\">conforms";
+  const char* const heading = failed                      ? "failed\">does not conform"
+                              : report.interrupted        ? "out\">incomplete"
+                              : !facts.broken_off.empty() ? "out\">not decided"
+                              : undecided                 ? "out\">undecided"
+                                                          : "passed\">conforms";
   text += "<h1>Protocol conformance: <span class=\"" + std::string(heading) + "</span></h1>\n";
   if (report.interrupted)
     text +=
@@ -144,6 +149,8 @@ std::string html_text(const RunReport& report, const ReportFacts& facts) {
   text += "<p class=\"facts\">" + xml_text(report.board) + "<br>on " + xml_text(facts.port) +
           "<br>examined by " + xml_text(facts.program) + ", seed " + std::to_string(facts.seed) +
           ", in " + fixed(total_seconds(report), 1) + " s of the board's time</p>\n";
+  if (!facts.broken_off.empty())
+    text += "<p class=\"failed\">The run broke off: " + xml_text(facts.broken_off) + "</p>\n";
   const auto table = [&](Verdict verdict, const char* title) {
     std::string rows;
     for (const CaseResult& one : report.results) {

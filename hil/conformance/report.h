@@ -12,7 +12,8 @@ struct ReportFacts {
   std::string port;     // "/dev/ttyUSB0", "virtual board (h8)"
   std::string program;  // "kaz 0.1.0"
   std::uint64_t seed = 1;
-  std::string signal;  // that interrupted the run: "SIGINT"; empty: none
+  std::string signal = {};      // that interrupted the run: "SIGINT"; empty: none
+  std::string broken_off = {};  // why the machine did not let it come to its end; empty: it did
 };
 
 std::string junit_text(const RunReport& report, const ReportFacts& facts);

@@ -10,8 +10,10 @@ namespace kaz::hil {
 JunitSuite::JunitSuite(const std::string& name, const Counts& counts, double seconds) {
   text_ = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"" + xml_text(name) +
           "\" tests=\"" +
-          std::to_string(counts.passed + counts.failed + counts.left_out + counts.undecided) +
-          "\" failures=\"" + std::to_string(counts.failed) + "\" errors=\"0\" skipped=\"" +
+          std::to_string(counts.passed + counts.failed + counts.left_out + counts.undecided +
+                         counts.errors) +
+          "\" failures=\"" + std::to_string(counts.failed) + "\" errors=\"" +
+          std::to_string(counts.errors) + "\" skipped=\"" +
           std::to_string(counts.left_out + counts.undecided) + "\" time=\"" + fixed(seconds, 3) +
           "\">\n  <properties>\n";
 }
@@ -20,9 +22,20 @@ void JunitSuite::property(const std::string& name, const std::string& value) {
   text_ += "    <property name=\"" + xml_text(name) + "\" value=\"" + xml_text(value) + "\"/>\n";
 }
 
-void JunitSuite::add(const JunitCase& one) {
+void JunitSuite::end_properties() {
   if (in_properties_) text_ += "  </properties>\n";
   in_properties_ = false;
+}
+
+void JunitSuite::add_error(const std::string& group, const std::string& name,
+                           const std::string& message) {
+  end_properties();
+  text_ += "  <testcase classname=\"" + xml_text(group) + "\" name=\"" + xml_text(name) +
+           "\"><error message=\"" + xml_text(message) + "\"/></testcase>\n";
+}
+
+void JunitSuite::add(const JunitCase& one) {
+  end_properties();
   std::string inside;
   if (one.verdict == Verdict::left_out || one.verdict == Verdict::undecided) {
     const std::string why = one.verdict == Verdict::undecided ? "undecided: " : "";
@@ -38,8 +51,7 @@ void JunitSuite::add(const JunitCase& one) {
 }
 
 std::string JunitSuite::finish() {
-  if (in_properties_) text_ += "  </properties>\n";
-  in_properties_ = false;
+  end_properties();
   return text_ + "</testsuite>\n";
 }
 

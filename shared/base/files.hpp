@@ -23,6 +23,25 @@
 
 namespace kaz {
 
+// Whether a write that failed with this errno lacks space: on the disk, in a quota, under a limit of size.
+inline bool lacks_space(int error) {
+  return error == ENOSPC || error == EDQUOT || error == EFBIG;
+}
+
+// The error of a write to `path`. A full disk begins its sentence, which is_disk_full() recognizes.
+inline tl::unexpected<Error> write_failure(const std::string& path, const std::string& what,
+                                           int error) {
+  if (lacks_space(error))
+    return fail(Fault::environment,
+                "disk full while writing " + path + " (" + std::strerror(error) + ")");
+  return fail(Fault::environment,
+              path + ": cannot " + what + " (" + std::strerror(error) +
+                  "): check the folder's existence, permissions and free space");
+}
+inline bool is_disk_full(const Error& error) {
+  return error.message.starts_with("disk full while writing ");
+}
+
 // A new empty folder for this user alone, in TMPDIR or /tmp; `prefix` begins its name.
 inline Result<std::string> make_temporary_folder(const std::string& prefix) {
   std::error_code error;
@@ -71,11 +90,7 @@ inline Result<std::string> read_whole_file(const std::string& path, std::size_t 
 // Puts `bytes` at `path`. A file that was there stays until all of it is written; a symbolic link stays,
 // and the file that it points to is replaced.
 inline Result<void> write_whole_file(const std::string& path, std::string_view bytes) {
-  const auto cannot = [&](const char* what, int error) {
-    return fail(Fault::environment,
-                path + ": cannot " + what + " (" + std::strerror(error) +
-                    "): check the folder's existence, permissions and free space");
-  };
+  const auto cannot = [&](const char* what, int error) { return write_failure(path, what, error); };
   std::error_code no_link;
   std::string target = path;
   for (int depth = 0; depth < 40 && std::filesystem::is_symlink(target, no_link); ++depth) {

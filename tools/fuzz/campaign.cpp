@@ -17,6 +17,7 @@
 #include "shared/base/enum_names.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
+#include "tools/app/base/output_file.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/kept/kept_run.h"
 #include "tools/fuzz/engine_case.h"
@@ -107,7 +108,7 @@ class Fuzzing {
  private:
   Result<bool> run_cases() {
     // Not only when there is something to keep.
-    KAZ_TRY(check_folder_of(arguments_.out, "a failing case"));
+    if (arguments_.replay.empty()) out_ = KAZ_TRY(OutputFile::open(arguments_.out, "--out"));
     KAZ_TRY(prepare());
     if (!arguments_.replay.empty()) return replay();
     hil::fuzz::Search search(arguments_.seed);
@@ -247,7 +248,7 @@ class Fuzzing {
     if (!verdict && !interrupted) return tl::unexpected(verdict.error());
     // A board at a port need not fail twice.
     const Genome& kept = interrupted || verdict->violation ? shorter : genome;
-    KAZ_TRY(hil::fuzz::save_genome(arguments_.out, kept));
+    KAZ_TRY(out_->write({reinterpret_cast<const char*>(kept.data()), kept.size()}));
     const auto violation = verdict ? verdict->violation : std::optional<std::string>();
     report(search,
            violation.value_or(interrupted ? "the case was still being shortened"
@@ -319,6 +320,7 @@ class Fuzzing {
   hil::fuzz::GrammarOptions grammar_;
   std::unique_ptr<PortTarget> port_;
   std::optional<Genome> failing_;
+  std::optional<OutputFile> out_;  // of a failing case
   Totals totals_;
 };
 

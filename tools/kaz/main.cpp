@@ -1,5 +1,6 @@
 // `kaz`: the command line.
 // SPDX-License-Identifier: Apache-2.0
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -89,6 +90,7 @@ int parse_and_run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   kaz::tools::catch_signals();
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit of size is an error of write(), as a full disk is
   try {
     return parse_and_run(argc, argv);
   } catch (const std::exception& error) {

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "tools/app/base/output_file.h"
 #include "tools/app/session/live_camera.h"
 #include "tools/app/vision/color_file.h"
 #include "tools/app/vision/modules.h"
@@ -34,6 +35,7 @@ Result<vision::PictureRegion> parse_region(const std::string& text) {
 
 Result<Outcome> learn(const LearnArguments& arguments) {
   const auto region = KAZ_TRY(parse_region(arguments.region));
+  auto out = KAZ_TRY(OutputFile::open(arguments.out, "--out"));
   const auto image = KAZ_TRY(vision::read_picture(arguments.in));
   const auto learned = vision::learn_color(image, region);
   if (!learned) return fail(learned.error().fault, arguments.in + ": " + learned.error().message);
@@ -41,9 +43,7 @@ Result<Outcome> learn(const LearnArguments& arguments) {
   json["share_of_region"] = learned->inside;
   json["share_of_rest"] = learned->outside;
   const std::string text = json.dump(2) + "\n";
-  const auto written = figure::write_file(
-      arguments.out, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-  if (!written) return tl::unexpected(written.error());
+  KAZ_TRY(out.write(text));
   if (arguments.json) {
     std::printf("%s", text.c_str());
     return Outcome(true);

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/trials/robot_folder.h"
 
-#include <fstream>
 #include <sstream>
 
 #include "shared/base/files.hpp"
@@ -19,12 +18,7 @@ Result<std::string> read(const fs::path& path) {
 }
 
 Result<void> write(const fs::path& path, const std::string& text) {
-  std::ofstream out(path);
-  out << text;
-  out.close();
-  if (!out)
-    return fail(Fault::environment, path.string() + ": cannot be written; is the disk full?");
-  return {};
+  return write_whole_file(path.string(), text);
 }
 
 }  // namespace

@@ -164,6 +164,22 @@ TEST(BenchJunit, IsXmlWithACaseForEachMeasurement) {
   EXPECT_EQ(elements(*suite, "property").size(), 6u);
 }
 
+TEST(BenchJunit, ARunThatBrokeOffIsAnErrorNotAFailure) {
+  BenchReport report = test_report();
+  report.interrupted = "the port is gone";
+  tinyxml2::XMLDocument document;
+  parse_xml(bench_junit(report), document);
+  const auto* suite = document.FirstChildElement("testsuite");
+  ASSERT_TRUE(suite);
+  EXPECT_EQ(suite->IntAttribute("tests"), 10);
+  EXPECT_EQ(suite->IntAttribute("failures"), 3);
+  EXPECT_EQ(suite->IntAttribute("errors"), 1);
+  const auto cases = elements(*suite, "testcase");
+  ASSERT_EQ(cases.size(), 10u);
+  ASSERT_TRUE(cases.back()->FirstChildElement("error"));
+  EXPECT_STREQ(cases.back()->FirstChildElement("error")->Attribute("message"), "the port is gone");
+}
+
 // As XML: the page's elements without content are written without their end.
 void parse_page(std::string page, tinyxml2::XMLDocument& to) {
   for (const auto& [open, closed] :

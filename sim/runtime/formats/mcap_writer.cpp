@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "shared/base/files.hpp"
 #include "sim/runtime/formats/little_endian.h"
 #include "sim/runtime/formats/sha256.h"
 
@@ -82,8 +83,10 @@ McapWriter::~McapWriter() {
 }
 
 void McapWriter::put_bytes(std::span<const std::uint8_t> bytes) {
+  if (write_error_ == 0) errno = 0;
   file_.write(reinterpret_cast<const char*>(bytes.data()),
               static_cast<std::streamsize>(bytes.size()));
+  if (!file_ && write_error_ == 0) write_error_ = errno;
   EVP_DigestUpdate(digest_, bytes.data(), bytes.size());
   at_ += bytes.size();
   crc_ = crc_of(bytes, crc_);
@@ -252,10 +255,10 @@ Result<std::string> McapWriter::finish() {
   footer.number(crc_of(content_, crc_of(head, crc_)));
   put(op_footer, content_);
   put_bytes(magic);
+  if (write_error_ == 0) errno = 0;
   file_.close();
   if (!file_)
-    return fail(Fault::environment,
-                "cannot finish the recording " + path_ + "; check the space on its disk");
+    return write_failure(path_, "finish the recording", write_error_ ? write_error_ : errno);
   std::array<std::uint8_t, 32> digest{};
   EVP_DigestFinal_ex(digest_, digest.data(), nullptr);
   return hex(digest);

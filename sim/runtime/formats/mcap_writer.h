@@ -74,6 +74,7 @@ class McapWriter {
 
   std::string path_;
   std::ofstream file_;
+  int write_error_ = 0;    // errno of the first write that failed
   std::uint64_t at_ = 0;   // bytes written
   std::uint32_t crc_ = 0;  // of the bytes since the last time it was set to 0
   evp_md_ctx_st* digest_ = nullptr;

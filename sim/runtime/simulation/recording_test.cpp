@@ -7,6 +7,7 @@
 #include <map>
 #include <span>
 
+#include "shared/base/files.hpp"
 #include "sim/runtime/formats/mcap_reader.h"
 #include "sim/runtime/formats/mcap_writer.h"
 #include "sim/runtime/formats/png_picture.h"
@@ -224,6 +225,18 @@ TEST(McapWriter, SaysWhereItCannotWrite) {
   ASSERT_FALSE(writer);
   EXPECT_EQ(writer.error().fault, Fault::environment);
   EXPECT_NE(writer.error().message.find("/nonexistent/a.mcap"), std::string::npos);
+}
+
+TEST(McapWriter, NamesAFullDisk) {
+  auto writer = McapWriter::create("/dev/full", "kaz");
+  ASSERT_TRUE(writer);
+  const auto schema = (*writer)->add_schema("kaz/Bytes", "ros1msg", "uint8[] data");
+  const auto channel = (*writer)->add_channel(schema, "/a", "ros1");
+  (*writer)->add_message(channel, 1, std::vector<std::uint8_t>(McapWriter::chunk_bytes));
+  const auto finished = (*writer)->finish();
+  ASSERT_FALSE(finished);
+  EXPECT_TRUE(is_disk_full(finished.error())) << finished.error().message;
+  EXPECT_NE(finished.error().message.find("/dev/full"), std::string::npos);
 }
 
 TEST(Recorder, MessagesHaveTheSizeOfTheirSchema) {

@@ -62,6 +62,24 @@ TEST(ConformanceReport, Junit) {
   EXPECT_NE(text.find("/dev/tty&amp;0"), std::string::npos);
 }
 
+// A port that went is neither a case that passed nor one that failed.
+TEST(ConformanceReport, ARunThatBrokeOffHasAnError) {
+  ReportFacts facts = kFacts;
+  facts.broken_off = "the port <x> is gone";
+  RunReport passed = report();
+  passed.results.erase(passed.results.begin() + 1);
+  const std::string text = junit_text(passed, facts);
+  expect_balanced(text);
+  EXPECT_NE(text.find("tests=\"3\" failures=\"0\" errors=\"1\""), std::string::npos) << text;
+  EXPECT_NE(text.find("<error message=\"the port &lt;x&gt; is gone\"/>"), std::string::npos)
+      << text;
+  EXPECT_EQ(nlohmann::json::parse(json_text(passed, facts))["error"], facts.broken_off);
+  const std::string page = html_text(passed, facts);
+  expect_balanced(page);
+  EXPECT_NE(page.find("not decided"), std::string::npos);
+  EXPECT_EQ(page.find("\">conforms"), std::string::npos);
+}
+
 TEST(ConformanceReport, Json) {
   const auto all = nlohmann::json::parse(json_text(report(), kFacts));
   EXPECT_EQ(all["cases"], 3);

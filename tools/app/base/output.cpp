@@ -15,37 +15,6 @@ namespace kaz::tools {
 
 namespace fs = std::filesystem;
 
-Result<void> OutputFolder::check(const std::string& path) {
-  if (path.empty()) return {};
-  std::error_code error;
-  if (fs::exists(path, error)) {
-    if (fs::is_directory(path, error) && ::access(path.c_str(), W_OK) == 0) return {};
-    return fail(Fault::usage, "cannot put results into '" + path +
-                                  "': it is no folder that can be written to; choose another with "
-                                  "--out");
-  }
-  return {};
-}
-
-Result<OutputFolder> OutputFolder::open(const std::string& path) {
-  std::error_code error;
-  fs::create_directories(path, error);
-  if (error || !fs::is_directory(path)) {
-    return fail(Fault::usage, "cannot make the folder '" + path + "' for results: " +
-                                  (error ? error.message() : "a file of that name is in the way") +
-                                  "; choose another with --out");
-  }
-  OutputFolder folder(path);
-  fs::remove(folder.path("result.json"), error);
-  return folder;
-}
-
-Result<void> OutputFolder::write_json(const std::string& name,
-                                      const nlohmann::ordered_json& value) const {
-  const auto replace = nlohmann::ordered_json::error_handler_t::replace;
-  return write_whole_file(path(name), value.dump(2, ' ', false, replace) + "\n");
-}
-
 Progress::Progress(std::string label, bool quiet)
     : label_(std::move(label)), quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
 
@@ -111,13 +80,6 @@ class PrivateFolder {
 };
 
 }  // namespace
-
-Result<void> check_folder_of(const std::string& path, const std::string& what) {
-  const auto folder = fs::absolute(path).parent_path();
-  if (fs::is_directory(folder)) return {};
-  return fail(Fault::usage,
-              "cannot write " + what + " '" + path + "': there is no folder " + folder.string());
-}
 
 std::string temporary_file(const std::string& name) {
   static const PrivateFolder folder;

@@ -8,26 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/base/result.hpp"
+#include "tools/app/base/output_folder.h"
 
 namespace kaz::tools {
-
-// A folder for results. Each file appears whole or not at all.
-class OutputFolder {
- public:
-  // Makes the folder if need be. Files of an earlier run are replaced one by one, others left
-  // alone; an old result.json goes first, so that it never stands beside newer pictures.
-  static Result<OutputFolder> open(const std::string& path);
-  // Whether open() can succeed; creates nothing. An empty path is fine: no results wanted.
-  static Result<void> check(const std::string& path);
-
-  std::string path(const std::string& name) const { return folder_ + "/" + name; }
-  const std::string& folder() const { return folder_; }
-  Result<void> write_json(const std::string& name, const nlohmann::ordered_json& value) const;
-
- private:
-  explicit OutputFolder(std::string folder) : folder_(std::move(folder)) {}
-  std::string folder_;
-};
 
 // A bar on a terminal; in a pipe a plain line every ten per cent. Goes to standard error, so that
 // results on standard output stay clean. Prints nothing if `quiet`.
@@ -57,22 +40,20 @@ class Progress {
 // replaced: JSON has none.
 void print_json(const nlohmann::ordered_json& value);
 
-// For a file that is written at the end: whether its folder is there. `what` names it: "the report".
-Result<void> check_folder_of(const std::string& path, const std::string& what);
-
 // The path of a file of that name in a folder that only this process uses.
 std::string temporary_file(const std::string& name);
 
 // Moves a file, across file systems too.
 Result<void> move_file(const std::string& from, const std::string& to);
 
-// Removes a file, if it is there, when the object goes.
+// Removes a file, if it is there, when the object goes; unless keep() was called.
 class FileRemover {
  public:
   explicit FileRemover(std::string path) : path_(std::move(path)) {}
   ~FileRemover();
   FileRemover(const FileRemover&) = delete;
   FileRemover& operator=(const FileRemover&) = delete;
+  void keep() { path_.clear(); }
 
  private:
   std::string path_;

@@ -1,4 +1,4 @@
-// Folders of results: each file is whole or not there, and an old result does not outlive a new run.
+// Files that are moved and removed.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/base/output.h"
 
@@ -37,58 +37,6 @@ class Output : public testing::Test {
   std::string folder_;
 };
 
-TEST_F(Output, RemovesAnOldResultAndKeepsTheRest) {
-  write("result.json", "old");
-  write("notes.txt", "mine");
-  const auto folder = OutputFolder::open(folder_);
-  ASSERT_TRUE(folder);
-  EXPECT_FALSE(fs::exists(at("result.json")));
-  EXPECT_EQ(read("notes.txt"), "mine");
-}
-
-TEST_F(Output, MakesFoldersWithinFolders) {
-  ASSERT_TRUE(OutputFolder::open(at("a/b/c")));
-  EXPECT_TRUE(fs::is_directory(at("a/b/c")));
-}
-
-TEST_F(Output, IsRefusedWhereAFileIsInTheWay) {
-  write("file", "x");
-  EXPECT_FALSE(OutputFolder::check(at("file")));
-  const auto folder = OutputFolder::open(at("file"));
-  ASSERT_FALSE(folder);
-  EXPECT_EQ(folder.error().fault, Fault::usage);
-  EXPECT_EQ(read("file"), "x");
-}
-
-TEST_F(Output, CheckMakesNothing) {
-  EXPECT_TRUE(OutputFolder::check(at("later")));
-  EXPECT_TRUE(OutputFolder::check(""));
-  EXPECT_EQ(files(), 0u);
-}
-
-TEST_F(Output, LeavesOneWholeFileAndNoTemporaryOne) {
-  const auto folder = OutputFolder::open(folder_);
-  ASSERT_TRUE(folder);
-  ASSERT_TRUE(folder->write_json("result.json", {{"seed", 1}}));
-  ASSERT_TRUE(folder->write_json("result.json", {{"seed", 2}}));
-  EXPECT_EQ(nlohmann::json::parse(read("result.json"))["seed"], 2);
-  EXPECT_EQ(files(), 1u);
-}
-
-TEST_F(Output, KeepsTheOldFileWhereTheNewOneCannotBeWritten) {
-  const auto folder = OutputFolder::open(folder_);
-  ASSERT_TRUE(folder);
-  EXPECT_FALSE(folder->write_json("missing/result.json", {{"seed", 1}}));
-  EXPECT_EQ(files(), 0u);
-}
-
-TEST_F(Output, WritesJsonOfTextThatIsNoUtf8) {
-  const auto folder = OutputFolder::open(folder_);
-  ASSERT_TRUE(folder);
-  ASSERT_TRUE(folder->write_json("result.json", {{"text", "a\xff"}}));
-  EXPECT_EQ(nlohmann::json::parse(read("result.json"))["text"], "a\xef\xbf\xbd");
-}
-
 TEST_F(Output, MovesAFileOverAnother) {
   write("new", "new");
   write("old", "old");
@@ -104,6 +52,10 @@ TEST_F(Output, RemoverRemovesItsFileAlone) {
   write("kept", "x");
   { const FileRemover remover(at("gone")); }
   { const FileRemover remover(""); }
+  {
+    FileRemover remover(at("kept"));
+    remover.keep();
+  }
   EXPECT_FALSE(fs::exists(at("gone")));
   EXPECT_TRUE(fs::exists(at("kept")));
 }

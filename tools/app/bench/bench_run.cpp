@@ -39,10 +39,30 @@ Result<std::string> read_file(const std::string& path) {
   return read_whole_file(path, max_bytes);
 }
 
-Result<void> write(const OutputFolder& folder, const std::string& name, const std::string& text) {
-  return figure::write_file(folder.path(name),
-                            {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+const OutputKind& bench_output() {
+  static const OutputKind kind{
+      "bench", {"report.html", "measurements.csv", "curves.csv", "junit.xml", "result.json"}};
+  return kind;
 }
+const OutputKind& fit_output() {
+  static const OutputKind kind{"bench fit", {"motor.xml", "report.html", "result.json"}};
+  return kind;
+}
+
+// The folder of a bench, and that of its plots within.
+struct BenchFolder {
+  OutputFolder reports, plots;
+
+  static Result<BenchFolder> open(const std::string& path, const OutputKind& kind) {
+    auto reports = KAZ_TRY(OutputFolder::open(path, kind));
+    auto plots = KAZ_TRY(OutputFolder::open(reports.path("plots"), {kind.name, {"*.svg"}}));
+    return BenchFolder{std::move(reports), std::move(plots)};
+  }
+  Result<void> clear() const {
+    KAZ_TRY(reports.clear());
+    return plots.clear();
+  }
+};
 
 std::string all_joint_names() {
   std::string names;
@@ -119,18 +139,16 @@ Result<void> measure(const BenchOptions& arguments, const std::vector<int>& join
 }
 
 // For pages and papers: each plot of the report as a file of its own.
-Result<void> leave_plots(const OutputFolder& folder, const std::vector<hil::Plot>& plots) {
-  const auto into = KAZ_TRY(OutputFolder::open(folder.path("plots")));
+Result<void> leave_plots(const BenchFolder& folder, const std::vector<hil::Plot>& plots) {
   for (const hil::Plot& plot : plots) {
-    if (auto written = write(into, plot.subject + "-" + plot.id + ".svg",
-                             plot::plot_svg(hil::plot_page(plot)));
-        !written)
-      return written;
+    const std::string name = plot.subject + "-" + plot.id + ".svg";
+    KAZ_TRY(folder.plots.add(name));
+    KAZ_TRY(folder.plots.write(name, plot::plot_svg(hil::plot_page(plot))));
   }
   return {};
 }
 
-Result<void> leave_reports(const OutputFolder& folder, const hil::BenchReport& report) {
+Result<void> leave_reports(const BenchFolder& folder, const hil::BenchReport& report) {
   const std::pair<const char*, std::string> files[] = {
       {"report.html", hil::bench_html(report)},
       {"measurements.csv", hil::bench_csv(report)},
@@ -138,9 +156,17 @@ Result<void> leave_reports(const OutputFolder& folder, const hil::BenchReport& r
       {"junit.xml", hil::bench_junit(report)},
       {"result.json", hil::bench_json(report)}};
   for (const auto& [name, text] : files) {
-    if (auto written = write(folder, name, text); !written) return written;
+    KAZ_TRY(folder.reports.write(name, text));
   }
   return leave_plots(folder, report.plots);
+}
+
+Result<void> leave_fit(const BenchFolder& folder, const lockstep::MotorFit& fit,
+                       const std::string& from, const std::string& about) {
+  KAZ_TRY(folder.reports.write("motor.xml", sim::motor_file_text(fit.motor, about)));
+  KAZ_TRY(folder.reports.write("report.html", fit_html(fit, from)));
+  KAZ_TRY(leave_plots(folder, fit.plots));
+  return folder.reports.write_json("result.json", fit_json(fit));
 }
 
 // Its motors are off: putting it back afterwards would switch them off.
@@ -222,7 +248,7 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
   KAZ_TRY(hil::check_motor_filter(arguments.filter));
   const auto joints = KAZ_TRY(joints_of(arguments.joints));
   const auto limits = KAZ_TRY(limits_of(arguments.limits));
-  KAZ_TRY(OutputFolder::check(arguments.out));
+  const auto folder = KAZ_TRY(BenchFolder::open(arguments.out, bench_output()));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   auto target = KAZ_TRY(BenchTarget::open(arguments.target, interrupt));
@@ -247,7 +273,7 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
     if (!arguments.json) say(one);
   };
   hil::BenchJudge judge(report, limits, listener, target->lateness());
-  auto folder = KAZ_TRY(OutputFolder::open(arguments.out));
+  KAZ_TRY(folder.clear());
   const Time begin = target->clock().now();
   const auto ran =
       measure(arguments, joints, *target, judge,
@@ -258,13 +284,13 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
   const Result<void> left = kept ? kept->end() : Result<void>();
   if (!ran) report.interrupted = ran.error().message;
   if (interrupted) report.signal = received_signal_name();
-  KAZ_TRY(leave_reports(folder, report));
+  KAZ_TRY(folder.reports.explained(leave_reports(folder, report)));
   if (interrupted && arguments.json) std::fputs(hil::bench_json(report).c_str(), stdout);
   if (!ran || !left) {
     const Error error = together(ran, left).error();
-    return tl::unexpected(Error{
-        error.fault,
-        error.message + "; what was measured until then is in " + folder.path("report.html")});
+    return tl::unexpected(Error{error.fault, error.message +
+                                                 "; what was measured until then is in " +
+                                                 folder.reports.path("report.html")});
   }
   const int failed = report.count(hil::Verdict::failed);
   const int undecided = report.count(hil::Verdict::undecided);
@@ -274,7 +300,7 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
     std::printf("%s on %s: %d passed, %d failed, %d left out, %d undecided; the report is %s\n",
                 report.board.c_str(), report.port.c_str(), report.count(hil::Verdict::passed),
                 failed, report.count(hil::Verdict::left_out), undecided,
-                folder.path("report.html").c_str());
+                folder.reports.path("report.html").c_str());
   }
   if (failed == 0 && undecided > 0) {
     std::fprintf(stderr,
@@ -295,28 +321,23 @@ Result<bool> run_fit(const BenchFitOptions& arguments) {
                                : arguments.report;
   const auto text = KAZ_TRY(read_file(path));
   const auto report = KAZ_TRY(hil::parse_bench_json(text, path));
-  KAZ_TRY(OutputFolder::check(arguments.out));
   auto options = KAZ_TRY(fit_options(arguments));
   Progress progress("kaz bench fit", arguments.json);
   options.progress = [&](double share, const std::string& what) { progress.update(share, what); };
-  auto folder = KAZ_TRY(OutputFolder::open(arguments.out));
+  const auto folder = KAZ_TRY(BenchFolder::open(arguments.out, fit_output()));
   const auto fitted = lockstep::fit_motor(report, options);
   progress.done();
   if (!fitted) return tl::unexpected(fitted.error());
   const std::string about = "Fitted by kaz " + std::string(kVersion) + " to " + path + ", " +
                             report.board + " on " + report.port + ".";
-  for (const auto& [name, content] : {std::pair<std::string, std::string>(
-                                          "motor.xml", sim::motor_file_text(fitted->motor, about)),
-                                      {"report.html", fit_html(*fitted, path)}}) {
-    KAZ_TRY(write(folder, name, content));
-  }
-  KAZ_TRY(leave_plots(folder, fitted->plots));
-  KAZ_TRY(folder.write_json("result.json", fit_json(*fitted)));
+  KAZ_TRY(folder.clear());
+  KAZ_TRY(folder.reports.explained(leave_fit(folder, *fitted, path, about)));
   if (arguments.json) {
     std::printf("%s\n", fit_json(*fitted).dump(2).c_str());
   } else {
     std::printf("%s\nthe motor is %s, the curves are in %s\n", fit_text(*fitted).c_str(),
-                folder.path("motor.xml").c_str(), folder.path("report.html").c_str());
+                folder.reports.path("motor.xml").c_str(),
+                folder.reports.path("report.html").c_str());
   }
   return true;
 }

@@ -13,6 +13,7 @@
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
+#include "tools/app/base/output_file.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/base/time_lost.h"
 #include "tools/app/base/version.h"
@@ -34,28 +35,50 @@ int list_cases(const std::vector<const hil::Case*>& taken) {
   return static_cast<int>(taken.size());
 }
 
-Result<void> write_report(const std::string& path, const std::string& text) {
-  if (path.empty()) return {};
-  if (path == "-") {
-    std::fputs(text.c_str(), stdout);
+// The reports' files, opened before anything runs.
+class Reports {
+ public:
+  static Result<Reports> open(const ConformanceOptions& arguments) {
+    Reports reports;
+    int on_output = 0;
+    for (const auto& [option, path] :
+         {std::pair("--junit", &arguments.junit), std::pair("--json", &arguments.json),
+          std::pair("--html", &arguments.html)}) {
+      if (*path == "-") ++on_output;
+      std::optional<OutputFile> file;
+      if (!path->empty() && *path != "-") file = KAZ_TRY(OutputFile::open(*path, option));
+      reports.all_.push_back({*path == "-", std::move(file)});
+    }
+    if (on_output > 1)
+      return fail(Fault::usage, "only one of --junit, --json and --html can go to standard output");
+    return reports;
+  }
+
+  Result<void> write(const hil::RunReport& report, const hil::ReportFacts& facts) {
+    const std::string texts[] = {hil::junit_text(report, facts), hil::json_text(report, facts),
+                                 hil::html_text(report, facts)};
+    std::string saved;
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      if (all_[i].on_output) std::fputs(texts[i].c_str(), stdout);
+      if (!all_[i].file) continue;
+      if (auto written = all_[i].file->write(texts[i]); !written) {
+        Error error = written.error();
+        if (is_disk_full(error))
+          error.message += "; saved so far: " + (saved.empty() ? "nothing" : saved);
+        return tl::unexpected(error);
+      }
+      saved += (saved.empty() ? "" : ", ") + all_[i].file->path();
+    }
     return {};
   }
-  return write_whole_file(path, text);
-}
 
-// Before anything runs: two reports on standard output would be neither, and a folder that is not there
-// would be found out at the end.
-Result<void> check_reports(const ConformanceOptions& arguments) {
-  int on_output = 0;
-  for (const std::string& path : {arguments.junit, arguments.json, arguments.html}) {
-    if (path == "-") ++on_output;
-    if (path.empty() || path == "-") continue;
-    if (auto there = check_folder_of(path, "the report"); !there) return there;
-  }
-  if (on_output > 1)
-    return fail(Fault::usage, "only one of --junit, --json and --html can go to standard output");
-  return {};
-}
+ private:
+  struct One {
+    bool on_output;
+    std::optional<OutputFile> file;
+  };
+  std::vector<One> all_;
+};
 
 void say(const hil::CaseResult& one) {
   std::printf("%-9s %-36s %s\n", verdict_text(one.verdict), one.of->id.c_str(),
@@ -157,18 +180,20 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   }
   if (!arguments.image.empty() && arguments.mcu != sim::McuKind::h8)
     return fail(Fault::usage, "--image is for --virtual h8 alone");
-  KAZ_TRY(check_reports(arguments));
   if (arguments.allow_motion) arguments.run.allowed |= hil::kMotion;
   if (arguments.allow_flash) arguments.run.allowed |= hil::kFlash;
   if (arguments.mcu) arguments.run.allowed = hil::kMotion | hil::kFlash | hil::kBench | hil::kExact;
   const unsigned address = arguments.address == KZ_ADDRESS_DEFAULT ? hil::kDefaultAddress : 0U;
   KAZ_TRY(check_needs(taken, arguments.run.allowed | address, arguments.run.filter));
+  auto reports = KAZ_TRY(Reports::open(arguments));
   const bool quiet = arguments.json == "-" || arguments.junit == "-" || arguments.html == "-";
   hil::ReportFacts facts;
   facts.program = std::string("kaz ") + kVersion;
   facts.seed = arguments.run.seed;
   Progress progress("kaz conformance", quiet);
+  hil::RunReport until_lost;
   arguments.run.progress = [&](const hil::CaseResult& one, std::size_t number, std::size_t of) {
+    until_lost.results.push_back(one);
     if (!quiet) {
       progress.done();
       say(one);
@@ -180,13 +205,14 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   const auto report = arguments.port.empty() ? run_virtual(arguments, facts, interrupt)
                                              : run_port(arguments, facts, interrupt);
   progress.done();
-  if (!report) return tl::unexpected(report.error());
-  if (report->interrupted) facts.signal = received_signal_name();
-  for (const auto& [path, text] : {std::pair(arguments.junit, hil::junit_text(*report, facts)),
-                                   std::pair(arguments.json, hil::json_text(*report, facts)),
-                                   std::pair(arguments.html, hil::html_text(*report, facts))}) {
-    KAZ_TRY(write_report(path, text));
+  if (!report) {
+    facts.broken_off = report.error().message;
+    // The first error is the one to print, also if its reports cannot be written.
+    if (report.error().fault == Fault::environment) (void)reports.write(until_lost, facts);
+    return tl::unexpected(report.error());
   }
+  if (report->interrupted) facts.signal = received_signal_name();
+  KAZ_TRY(reports.write(*report, facts));
   if (!quiet) {
     std::printf("%s on %s: %zu cases, %d passed, %d failed, %d left out, %d undecided\n",
                 report->board.c_str(), facts.port.c_str(), report->results.size(),

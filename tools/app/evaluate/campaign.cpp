@@ -20,7 +20,6 @@
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/episode_file.h"
 #include "tools/app/evaluate/summary.h"
-#include "tools/figure/figure.h"
 
 namespace kaz::tools {
 namespace {
@@ -43,9 +42,13 @@ Result<Json> read_json(const std::string& path, Parse parse) {
 }
 
 Result<void> write_json(const std::string& path, const Json& json) {
-  const std::string text = json.dump(1) + "\n";
-  return figure::write_file(path,
-                            {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  return write_whole_file(path, json.dump(1) + "\n");
+}
+
+const OutputKind& campaign_output() {
+  static const OutputKind kind{
+      "evaluate", {"campaign.json", "result.json", "episodes.csv", "episodes", "failures"}};
+  return kind;
 }
 
 // The episodes that are in a folder already.
@@ -65,46 +68,62 @@ Result<Episodes> read_episodes(const std::string& folder) {
 struct Job {
   pid_t pid = -1;
   std::uint64_t number = 0;
+  int why = -1;  // pipe: the sentence of an error, empty without one
 };
+
+// Runs it in the process of its own. The exit status is that of an error, whose sentence goes to `why`.
+int run_job(const CampaignOptions& options, const OutputFolder& folder, std::uint64_t number,
+            int why) {
+  Result<void> done;
+  try {
+    const auto episode = (options.realtime ? run_realtime_episode : run_episode)(
+        options, number, folder.path("failures"));
+    done = episode ? write_json(folder.path(episode_file(number)), *episode)
+                   : Result<void>(tl::unexpected(episode.error()));
+  } catch (const std::exception& error) {  // std::bad_alloc, say
+    done = fail(Fault::environment, error.what());
+  }
+  if (done) return 0;
+  const std::string sentence = done.error().message.substr(0, 4000);  // a pipe holds that much
+  (void)!::write(why, sentence.data(), sentence.size());
+  return exit_status(done.error());
+}
+
+// Why a signal that ended an episode is the machine's; empty where it is a crash of behaviour or program.
+std::string machine_signal(int number) {
+  for (const int crash : {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGTRAP, SIGSYS})
+    if (number == crash) return {};
+  return "its process was ended by signal " + std::to_string(number);
+}
 
 // The episode in a process of its own: what breaks there breaks nothing else, and each has its own
 // world and renderer. It writes its file and ends.
 Result<Job> begin(const CampaignOptions& options, const OutputFolder& folder,
                   std::uint64_t number) {
   std::fflush(nullptr);
+  int why[2] = {-1, -1};
   const pid_t parent = ::getpid();
-  const pid_t pid = ::fork();
+  const pid_t pid = ::pipe2(why, O_CLOEXEC) == 0 ? ::fork() : -1;
   if (pid < 0)
     return fail(Fault::environment, std::string("no process for an episode: ") +
                                         std::strerror(errno) + "; give fewer --jobs");
-  if (pid > 0) return Job{pid, number};
+  if (pid > 0) {
+    ::close(why[1]);
+    return Job{pid, number, why[0]};
+  }
   // Ctrl-C is the parent's: it ends its children itself, by SIGTERM. They end with it, however it ends.
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(127);
   InterruptSignals::forget_parent();
-  const auto episode = (options.realtime ? run_realtime_episode : run_episode)(
-      options, number, folder.path("failures"));
-  int status = 0;
-  if (!episode && episode.error().fault == Fault::interrupted) {
-    status = exit_status(episode.error());  // an episode that has not ended is none
-  } else if (!episode) {
-    std::fprintf(stderr, "kaz evaluate: episode %llu: %s\n",
-                 static_cast<unsigned long long>(number), episode.error().message.c_str());
-    status = static_cast<int>(episode.error().fault);
-  } else if (auto written = write_json(folder.path(episode_file(number)), *episode); !written) {
-    std::fprintf(stderr, "kaz evaluate: %s\n", written.error().message.c_str());
-    status = static_cast<int>(written.error().fault);
-  }
+  const int status = run_job(options, folder, number, why[1]);
   std::fflush(nullptr);
   ::_exit(status);
 }
 
-// What there is of an episode whose process was lost.
+// What there is of an episode whose process has crashed.
 Json broken(const CampaignOptions& options, std::uint64_t number, int status) {
-  const std::string how = WIFSIGNALED(status)
-                              ? std::string("ended by signal ") + std::to_string(WTERMSIG(status))
-                              : "ended with " + std::to_string(WEXITSTATUS(status));
+  const std::string how = "ended by signal " + std::to_string(WTERMSIG(status));
   return {{"episode", number},
           {"scenario", scenario_json(Scenario::draw(options.variation, options.seed, number))},
           {"success", false},
@@ -134,15 +153,18 @@ class Runner {
     }
     for (const Job& child : children_) ::kill(child.pid, SIGKILL);
     for (const Job& child : children_) ::waitpid(child.pid, nullptr, 0);
+    for (const Job& child : children_) ::close(child.why);
   }
 
   Result<void> run(const std::vector<std::uint64_t>& numbers, const host::Interrupt& interrupt) {
     total_ = episodes_.size() + numbers.size();
-    for (auto next = numbers.begin(); next != numbers.end() || !children_.empty();) {
+    for (auto next = numbers.begin();
+         (next != numbers.end() && lost_in_a_row_ < kMaxLostInARow) || !children_.empty();) {
       if (interrupt.requested())
         return fail(Fault::interrupted, "interrupted; what has ended is kept in " +
                                             folder_.folder() + ", and the same command goes on");
-      if (next != numbers.end() && children_.size() < static_cast<std::size_t>(options_.jobs)) {
+      if (next != numbers.end() && lost_in_a_row_ < kMaxLostInARow &&
+          children_.size() < static_cast<std::size_t>(options_.jobs)) {
         auto child = KAZ_TRY(begin(options_, folder_, *next++));
         children_.push_back(child);
         continue;
@@ -154,7 +176,12 @@ class Runner {
     return {};
   }
 
+  const LostEpisodes& lost() const { return lost_; }
+
  private:
+  // Then the machine cannot run episodes: no more are begun.
+  static constexpr int kMaxLostInARow = 3;
+
   Result<void> take_ended() {
     for (std::size_t i = 0; i < children_.size();) {
       int status = 0;
@@ -162,26 +189,52 @@ class Runner {
         ++i;
         continue;
       }
-      const std::uint64_t number = children_[i].number;
+      const Job job = children_[i];
       children_.erase(children_.begin() + static_cast<std::ptrdiff_t>(i));
-      if (auto kept = keep(number, status); !kept) return kept;
+      std::string why(4000, '\0');
+      const ssize_t length = ::read(job.why, why.data(), why.size());
+      ::close(job.why);
+      why.resize(length > 0 ? static_cast<std::size_t>(length) : 0);
+      if (auto kept = keep(job.number, status, why); !kept) return kept;
     }
     return {};
   }
 
-  Result<void> keep(std::uint64_t number, int status) {
+  void lose(std::uint64_t number, const std::string& why) {
+    ++lost_in_a_row_;
+    lost_[number] = why;
+    progress_.done();
+    std::fprintf(stderr, "kaz evaluate: episode %llu is lost to the machine: %s\n",
+                 static_cast<unsigned long long>(number), why.c_str());
+  }
+
+  Result<void> keep(std::uint64_t number, int status, const std::string& why) {
     const std::string path = folder_.path(episode_file(number));
-    // 2 and 3: it was never begun, and no other will be. Above 128: a signal that was not from here.
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
-    if (code != 0 && code < static_cast<int>(Fault::interrupted))
-      return fail(static_cast<Fault>(WEXITSTATUS(status)),
-                  "episode " + std::to_string(number) + " could not be run (above)");
-    if (!WIFEXITED(status) || code != 0) {
+    if (code == static_cast<int>(Fault::environment)) {
+      lose(number, why);
+      return {};
+    }
+    // Above 128: a signal that was not from here.
+    if (code > static_cast<int>(Fault::interrupted)) {
+      lose(number, "its process was ended by signal " +
+                       std::to_string(code - static_cast<int>(Fault::interrupted)));
+      return {};
+    }
+    // It was never begun, and no other will be.
+    if (code != 0)
+      return fail(static_cast<Fault>(code), "episode " + std::to_string(number) + ": " + why);
+    if (WIFSIGNALED(status)) {
+      if (const std::string signal = machine_signal(WTERMSIG(status)); !signal.empty()) {
+        lose(number, signal);
+        return {};
+      }
       if (auto written = write_json(path, broken(options_, number, status)); !written)
         return written;
     }
     auto episode = KAZ_TRY(read_json(path, parse_episode));
     episodes_[number] = std::move(episode);
+    lost_in_a_row_ = 0;
     std::uint64_t good = 0;
     for (const auto& [n, e] : episodes_) good += e["success"].get<bool>() ? 1 : 0;
     progress_.update(
@@ -196,7 +249,24 @@ class Runner {
   Progress progress_;
   std::size_t total_ = 0;
   std::vector<Job> children_;
+  LostEpisodes lost_;
+  int lost_in_a_row_ = 0;
 };
+
+// Not an error of the evaluation: what is decided stays and counts.
+Error lost_error(const LostEpisodes& lost, std::size_t wanted) {
+  constexpr std::size_t kMaxNamed = 12;
+  std::string numbers;
+  std::size_t named = 0;
+  for (const auto& [number, why] : lost) {
+    if (++named <= kMaxNamed) numbers += (named > 1 ? ", " : "") + std::to_string(number);
+  }
+  if (named > kMaxNamed) numbers += ", ...";
+  return {Fault::environment, std::to_string(lost.size()) + " of " + std::to_string(wanted) +
+                                  " episodes were lost to the machine (" + numbers +
+                                  "; the first: " + lost.begin()->second +
+                                  "); they are in no rate, and the same command runs them again"};
+}
 
 Result<void> make_folder(const std::string& path) {
   std::error_code wrong;
@@ -205,7 +275,7 @@ Result<void> make_folder(const std::string& path) {
   return {};
 }
 
-// That the folder is empty or of this campaign.
+// That the folder is empty or of this campaign, whose summary will be a new one.
 Result<void> claim(const OutputFolder& folder, const Json& campaign) {
   for (const char* part : {"episodes", "failures"}) {
     if (auto made = make_folder(folder.path(part)); !made) return made;
@@ -213,7 +283,10 @@ Result<void> claim(const OutputFolder& folder, const Json& campaign) {
   const std::string path = folder.path("campaign.json");
   if (!fs::exists(path)) return write_json(path, campaign);
   const auto there = KAZ_TRY(read_json(path, parse_campaign));
-  if (there == campaign) return {};
+  if (there == campaign) {
+    KAZ_TRY(folder.remove("result.json"));
+    return folder.remove("episodes.csv");
+  }
   for (const auto& [key, value] : campaign.items()) {
     if (there.contains(key) && there[key] == value) continue;
     return fail(Fault::usage, "'" + folder.folder() + "' holds another campaign (its " + key +
@@ -265,9 +338,9 @@ Result<bool> run_campaign(const CampaignOptions& options) {
                                   std::to_string(options.shards) + " has none of the " +
                                   std::to_string(options.episodes) +
                                   " episodes; give more --episodes or fewer parts");
-  const auto folder = KAZ_TRY(OutputFolder::open(options.out));
+  const auto folder = KAZ_TRY(OutputFolder::open(options.out, campaign_output()));
   const Json campaign = campaign_json(options);
-  KAZ_TRY(claim(folder, campaign));
+  KAZ_TRY(folder.explained(claim(folder, campaign)));
   auto episodes = KAZ_TRY(read_episodes(folder.folder()));
   std::vector<std::uint64_t> missing;
   for (std::uint64_t n = options.shard - 1; n < options.episodes; n += options.shards) {
@@ -278,12 +351,18 @@ Result<bool> run_campaign(const CampaignOptions& options) {
                  episodes.size(), missing.size());
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  if (auto ran = Runner(options, folder, episodes).run(missing, interrupt); !ran) {
+  Runner runner(options, folder, episodes);
+  if (auto ran = runner.run(missing, interrupt); !ran) {
     const bool interrupted = ran.error().fault == Fault::interrupted;
-    if (interrupted) KAZ_TRY(summarize(campaign, episodes, folder, options.json, true));
+    if (interrupted)
+      KAZ_TRY(summarize(campaign, episodes, runner.lost(), folder, options.json, true));
     return tl::unexpected(ran.error());
   }
-  return summarize(campaign, episodes, folder, options.json);
+  if (runner.lost().empty())
+    return folder.explained(summarize(campaign, episodes, {}, folder, options.json));
+  // Of lost episodes alone there is nothing to summarize. What cannot be written then is the same trouble.
+  if (!episodes.empty()) (void)summarize(campaign, episodes, runner.lost(), folder, options.json);
+  return tl::unexpected(lost_error(runner.lost(), missing.size()));
 }
 
 Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std::string& out,
@@ -312,7 +391,7 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
     }
   }
   if (all.empty()) return fail(Fault::usage, "the folders hold no episode");
-  const auto folder = KAZ_TRY(OutputFolder::open(out));
+  const auto folder = KAZ_TRY(OutputFolder::open(out, campaign_output()));
   KAZ_TRY(claim(folder, campaign));
   for (const auto& [number, episode] : all) {
     KAZ_TRY(write_json(folder.path(episode_file(number)), episode));
@@ -323,7 +402,7 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
       fs::copy(from + "/failures", folder.path("failures"),
                fs::copy_options::recursive | fs::copy_options::update_existing, ignored);
   }
-  return summarize(campaign, all, folder, json);
+  return folder.explained(summarize(campaign, all, {}, folder, json));
 }
 
 }  // namespace kaz::tools

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "host/behavior/plugin.h"
 #include "tools/app/base/paths.h"
@@ -47,6 +48,8 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   session.json = true;  // no progress
   session.keep_interrupted = false;
   session.onlooker = &judge;
+  std::optional<Error> lost;
+  session.on_loss = [&](const Error& error) { lost = error; };
   session.on_end = [&](const Result<behavior::Outcome>& outcome, double seconds, double speed) {
     ended = outcome;
     run_s = seconds;
@@ -63,6 +66,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
     fs::remove_all(kept, ignored);
     return tl::unexpected(ran.error());
   }
+  if (lost) return tl::unexpected(*lost);
   if (!ran && ended.has_value()) ended = tl::unexpected(ran.error());
   if (!ran && !ended) ended = tl::unexpected(ran.error());
 

@@ -90,7 +90,8 @@ class Summary : public testing::Test {
  protected:
   Summary()
       : path_(make_temporary_folder("kaz-summary-").value()),
-        folder_(OutputFolder::open(path_).value()) {}
+        folder_(OutputFolder::begin(path_, {"evaluate", {"result.json", "episodes.csv"}}).value()) {
+  }
   ~Summary() override {
     std::error_code error;
     std::filesystem::remove_all(path_, error);
@@ -108,7 +109,7 @@ TEST_F(Summary, CountsSuccessesFallsAndCauses) {
                           {1, episode(1, true, 20)},
                           {2, episode(2, false, 30, "fell")},
                           {3, episode(3, false, 40, "missed")}};
-  const auto any = summarize({{"behavior", "track-ball"}}, episodes, folder_, true);
+  const auto any = summarize({{"behavior", "track-ball"}}, episodes, {}, folder_, true);
   ASSERT_TRUE(any);
   EXPECT_TRUE(*any);
   const Json result = Json::parse(read("result.json"));
@@ -124,9 +125,23 @@ TEST_F(Summary, CountsSuccessesFallsAndCauses) {
   EXPECT_EQ(result["figures"]["error_m"]["p95"], 0.01);
 }
 
+// What the machine did not let end is neither a success nor a failure.
+TEST_F(Summary, NamesLostEpisodesBesideTheRate) {
+  const Episodes episodes{{0, episode(0, true, 10)}, {2, episode(2, false, 30, "fell")}};
+  const LostEpisodes lost{{1, "its process was ended by signal 9"}, {3, "disk full"}};
+  ASSERT_TRUE(summarize({{"behavior", "track-ball"}}, episodes, lost, folder_, true));
+  const Json result = Json::parse(read("result.json"));
+  EXPECT_EQ(result["episodes"], 2);
+  EXPECT_EQ(result["success_rate"], 0.5);
+  ASSERT_EQ(result["environment"].size(), 2u);
+  EXPECT_EQ(result["environment"][0]["episode"], 1);
+  EXPECT_EQ(result["environment"][1]["sentence"], "disk full");
+  EXPECT_EQ(result["failures"].size(), 1u);
+}
+
 TEST_F(Summary, WritesARowForEachEpisode) {
   const Episodes episodes{{5, episode(5, false, 30, "missed")}};
-  const auto any = summarize({{"behavior", "track-ball"}}, episodes, folder_, true);
+  const auto any = summarize({{"behavior", "track-ball"}}, episodes, {}, folder_, true);
   ASSERT_TRUE(any);
   EXPECT_FALSE(*any);
   EXPECT_EQ(read("episodes.csv"),

@@ -12,11 +12,12 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "shared/base/files.hpp"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/evaluate/child.h"
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/judge.h"
-#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/vision/color_file.h"
 
 namespace kaz::tools {
@@ -115,7 +116,7 @@ Result<Commands> commands(const CampaignOptions& options, const Scenario& scenar
                           const trials::RobotFolder& files, const std::string& folder) {
   const auto color = KAZ_TRY(ball_color(scenario.ball_color));
   const std::string color_file = folder + "/color.json";
-  std::ofstream(color_file) << color_json(color.range).dump(1) << "\n";
+  KAZ_TRY(write_whole_file(color_file, color_json(color.range).dump(1) + "\n"));
   const BackendOptions& backend = options.backend;
   // Short paths: a socket's has at most 107 characters.
   const std::string board = board_of(files), eyes = board + ".eyes";
@@ -156,6 +157,23 @@ Json result_of(const std::string& log) {
   const auto at = begin != std::string::npos ? begin + 1 : log.starts_with("{\n") ? 0 : log.size();
   Json result = Json::parse(log.substr(at), nullptr, false);
   return result.is_object() ? result : Json::object();
+}
+
+// Why an episode does not count for or against the robot; empty where it does. `behaviour`: exit status
+// of `kaz run`, none if time ran out; `simulator`: that of `kaz sim`; `last`: its last reply.
+std::string machine_trouble(std::optional<int> behaviour, bool ended_early, int simulator,
+                            const Json& last) {
+  constexpr int kLost = static_cast<int>(Fault::environment);
+  constexpr double kMaxLag_s = 1;
+  if (ended_early) return "kaz sim ended with " + std::to_string(simulator) + " during the run";
+  if (simulator == kLost) return "kaz sim could not keep its recording";
+  if (behaviour == kLost) return "kaz run lost port, camera or files";
+  for (const int number : {SIGHUP, SIGINT, SIGKILL, SIGTERM, SIGBUS, SIGXCPU, SIGXFSZ})
+    if (behaviour == 128 + number) return "kaz run was ended by signal " + std::to_string(number);
+  const double lag_s = last.contains("lost_s") ? last["lost_s"].get<double>() : 0;
+  if (!behaviour && lag_s > kMaxLag_s)
+    return "the machine was too slow: kaz sim lagged " + std::to_string(lag_s) + " s behind";
+  return {};
 }
 
 }  // namespace
@@ -206,9 +224,13 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
     behaviour.signal(SIGINT);
     behaviour.wait(kEnd);
   }
+  const bool simulator_ended = simulator.ended().has_value();
   simulator.signal(SIGINT);
   if (!simulator.wait(kEnd))
     return fail(Fault::environment, "kaz sim did not end; its log is " + sim_log);
+  if (const std::string why = machine_trouble(status, simulator_ended, *simulator.ended(), last);
+      !why.empty())
+    return fail(Fault::environment, why + "; logs are in " + kept);
 
   const Json result = result_of(text_of(run_log));
   std::string cause = result.value("cause", std::string());

@@ -6,9 +6,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "tools/app/evaluate/campaign.h"
 #include "tools/app/base/interrupt_signals.h"
-#include "tools/figure/figure.h"
+#include "tools/app/evaluate/campaign.h"
 #include "tools/trials/statistics.h"
 
 namespace kaz::tools {
@@ -63,6 +62,10 @@ void print(const Json& result, const OutputFolder& folder) {
       std::printf(" %llu", numbers[i].get<unsigned long long>());
     std::printf("%s\n", numbers.size() > 12 ? " ..." : "");
   }
+  for (const Json& one : result["environment"])
+    std::printf("  not decided, lost to the machine: episode %llu: %s\n",
+                one["episode"].get<unsigned long long>(),
+                one["sentence"].get<std::string>().c_str());
   if (!result["failures"].empty())
     std::printf("recordings of the failures are in %s\n", folder.path("failures").c_str());
   std::printf("result.json and episodes.csv are in %s\n", folder.folder().c_str());
@@ -70,8 +73,8 @@ void print(const Json& result, const OutputFolder& folder) {
 
 }  // namespace
 
-Result<bool> summarize(const Json& campaign, const Episodes& episodes, const OutputFolder& folder,
-                       bool json, bool interrupted) {
+Result<bool> summarize(const Json& campaign, const Episodes& episodes, const LostEpisodes& lost,
+                       const OutputFolder& folder, bool json, bool interrupted) {
   std::uint64_t successes = 0, falls = 0;
   std::vector<double> times, speeds;
   Json failures = Json::object();
@@ -87,6 +90,9 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Out
     times.push_back(e["seconds"].get<double>());
     speeds.push_back(e["rtf"].get<double>());
   }
+  Json environment = Json::array();
+  for (const auto& [number, sentence] : lost)
+    environment.push_back({{"episode", number}, {"sentence", sentence}});
   const auto n = static_cast<std::uint64_t>(episodes.size());
   const Interval interval = trials::wilson(successes, n);
   Json result{
@@ -98,14 +104,11 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Out
       {"seconds", {{"median", quantile(times, 0.5)}, {"p95", quantile(times, 0.95)}}},
       {"rtf_median", quantile(speeds, 0.5)},
       {"failures", failures},
+      {"environment", environment},
       {"figures", figures_json(episodes)},
       {"campaign", campaign}};
   if (interrupted) mark_interrupted(result);
-  const std::string lines = table(episodes);
-  const auto written =
-      figure::write_file(folder.path("episodes.csv"),
-                         {reinterpret_cast<const std::uint8_t*>(lines.data()), lines.size()});
-  if (!written) return tl::unexpected(written.error());
+  KAZ_TRY(folder.write("episodes.csv", table(episodes)));
   KAZ_TRY(folder.write_json("result.json", result));
   if (json) {
     std::printf("%s\n", result.dump(2).c_str());

@@ -12,10 +12,13 @@
 namespace kaz::tools {
 
 using Episodes = std::map<std::uint64_t, nlohmann::ordered_json>;  // by number
+using LostEpisodes = std::map<std::uint64_t, std::string>;  // why the machine did not decide them
 
 // result.json and episodes.csv into the folder, and a table on standard output (or result.json).
-// False where no episode succeeded. `interrupted`: by a signal, before all had ended.
+// Rates are those of `episodes`, which are decided; the lost ones are counted and named. False where no
+// episode succeeded. `interrupted`: by a signal, before all had ended.
 Result<bool> summarize(const nlohmann::ordered_json& campaign, const Episodes& episodes,
-                       const OutputFolder& folder, bool json, bool interrupted = false);
+                       const LostEpisodes& lost, const OutputFolder& folder, bool json,
+                       bool interrupted = false);
 
 }  // namespace kaz::tools

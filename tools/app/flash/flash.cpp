@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/flash/flash.h"
 
-#include <fstream>
+#include <optional>
 
 #include "host/flash/diagnostic.h"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output_file.h"
 #include "tools/app/flash/answer.h"
 #include "tools/app/flash/arguments.h"
 #include "tools/app/flash/session.h"
@@ -60,15 +61,12 @@ Result<void> verify_image(FlashSession& session, Answer& answer, const host::Fla
   return {};
 }
 
-Result<void> read_flash(FlashSession& session, const FlashArguments& arguments, Answer& answer) {
+Result<void> read_flash(FlashSession& session, const FlashArguments& arguments, OutputFile& out,
+                        Answer& answer) {
   const auto bytes = session.flasher().read({arguments.from, arguments.from + arguments.length});
   session.end_progress();
   if (!bytes) return tl::unexpected(bytes.error());
-  std::ofstream file(arguments.out, std::ios::binary | std::ios::trunc);
-  file.write(reinterpret_cast<const char*>(bytes->data()),
-             static_cast<std::streamsize>(bytes->size()));
-  file.close();
-  if (!file) return fail(Fault::environment, "cannot write " + arguments.out);
+  KAZ_TRY(out.write({reinterpret_cast<const char*>(bytes->data()), bytes->size()}));
   answer.put("bytes", bytes->size());
   answer.put("from", arguments.from);
   answer.put("out", arguments.out);
@@ -139,6 +137,8 @@ Result<void> look(FlashSession& session, const FlashArguments& arguments, Answer
 
 Result<void> act(FlashSession& session, const FlashArguments& arguments, Answer& answer,
                  const Image& image) {
+  std::optional<OutputFile> out;
+  if (arguments.verb == "read") out = KAZ_TRY(OutputFile::open(arguments.out, "--out"));
   if (auto opened = session.open(); !opened) return opened;
   const bool writes = arguments.verb == "write";
   if (arguments.dry_run) return look(session, arguments, answer, *image);
@@ -151,7 +151,7 @@ Result<void> act(FlashSession& session, const FlashArguments& arguments, Answer&
   if (arguments.verb == "erase") return erase(session, arguments, answer);
   if (arguments.verb == "run") return run(session, answer);
   Result<void> done;
-  if (arguments.verb == "read") done = read_flash(session, arguments, answer);
+  if (arguments.verb == "read") done = read_flash(session, arguments, *out, answer);
   if (arguments.verb == "info") done = show_info(session, answer);
   if (arguments.verb == "verify") done = verify_image(session, answer, *image);
   if (!done) return done;

@@ -18,7 +18,9 @@ Result<void> Attached::open(h8s::Chip& chip, const std::string& netlist, const s
       return fail(Fault::usage, read.error().message);
   }
   if (!vcd.empty()) {
-    auto recorder = h8s::VcdRecorder::open(chip, signals, vcd, hertz);
+    vcd_ = KAZ_TRY(OutputFile::open(vcd, "--vcd"));
+    vcd_stream_.open(vcd_->part(), std::ios::binary | std::ios::trunc);
+    auto recorder = h8s::VcdRecorder::open(chip, signals, vcd_stream_, hertz);
     if (!recorder) return fail(Fault::usage, "--vcd: " + recorder.error().message);
     recorder_ = std::move(*recorder);
   }
@@ -31,9 +33,10 @@ Result<void> Attached::close() {
       std::fprintf(stderr, "%s\n", conflict.text().c_str());
   }
   if (!recorder_) return {};
-  if (const auto closed = recorder_->close(); !closed)
-    return fail(Fault::environment, closed.error().message);
-  return {};
+  const auto closed = recorder_->close();
+  vcd_stream_.close();
+  if (!closed || !vcd_stream_) return tl::unexpected(vcd_->failure());
+  return vcd_->commit();
 }
 
 }  // namespace kaz::tools

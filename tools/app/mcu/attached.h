@@ -3,13 +3,16 @@
 #pragma once
 
 #include <cstdint>
+#include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "shared/base/result.hpp"
 #include "sim/h8s/debug/vcd.h"
 #include "sim/h8s/netlist/netlist.h"
+#include "tools/app/base/output_file.h"
 
 namespace kaz::tools {
 
@@ -23,6 +26,8 @@ class Attached {
 
  private:
   std::unique_ptr<h8s::Netlist> netlist_;
+  std::optional<OutputFile> vcd_;
+  std::ofstream vcd_stream_;
   std::unique_ptr<h8s::VcdRecorder> recorder_;
 };
 

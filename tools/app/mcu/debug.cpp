@@ -12,6 +12,7 @@
 #include "sim/h8s/debug/memory_checks.h"
 #include "sim/h8s/debug/profile.h"
 #include "sim/h8s/debug/trace.h"
+#include "tools/app/base/output_file.h"
 
 namespace kaz::tools {
 namespace {
@@ -25,16 +26,17 @@ Result<std::uint32_t> address_of(const h8s::SymbolTable& symbols, const std::str
                                 "'; give a symbol of a COFF image or an address as 0x1234");
 }
 
-Result<void> write(const std::string& path, const std::string& text) {
-  if (path == "-") {
-    std::fputs(text.c_str(), stderr);
-    return {};
-  }
-  std::ofstream out(path);
-  out << text;
-  out.close();
-  if (!out) return fail(Fault::usage, "cannot write " + path);
+// To standard error without a file.
+Result<void> write(std::optional<OutputFile>& file, const std::string& text) {
+  if (file) return file->write(text);
+  std::fputs(text.c_str(), stderr);
   return {};
+}
+
+// None for standard error, or if not wanted.
+Result<std::optional<OutputFile>> open_file(const std::string& path, const std::string& option) {
+  if (path.empty() || path == "-") return std::nullopt;
+  return OutputFile::open(path, option);
 }
 
 }  // namespace
@@ -42,7 +44,8 @@ Result<void> write(const std::string& path, const std::string& text) {
 struct McuDebug::Parts {
   h8s::Chip& chip;
   McuDebugOptions options;
-  std::ofstream trace_file;
+  std::optional<OutputFile> trace_file, profile_file, coverage_file;
+  std::ofstream trace_stream;
   std::optional<h8s::Trace> trace;
   std::optional<h8s::Profile> profile;
   std::optional<h8s::Coverage> coverage;
@@ -67,13 +70,15 @@ McuDebug::~McuDebug() {
 
 Result<std::unique_ptr<McuDebug>> McuDebug::attach(h8s::Chip& chip, const h8s::SymbolTable& symbols,
                                                    const McuDebugOptions& options) {
-  auto parts = std::unique_ptr<Parts>(new Parts{chip, options, {}, {}, {}, {}, {}, {}});
+  auto parts = std::unique_ptr<Parts>(new Parts{chip, options, {}, {}, {}, {}, {}, {}, {}, {}, {}});
+  parts->trace_file = KAZ_TRY(open_file(options.trace, "--trace"));
+  parts->profile_file = KAZ_TRY(open_file(options.profile, "--profile"));
+  parts->coverage_file = KAZ_TRY(open_file(options.coverage, "--coverage"));
   if (options.trace == "-") {
     parts->trace.emplace(chip, std::cerr);
   } else if (!options.trace.empty()) {
-    parts->trace_file.open(options.trace);
-    if (!parts->trace_file) return fail(Fault::usage, "cannot write the trace to " + options.trace);
-    parts->trace.emplace(chip, parts->trace_file);
+    parts->trace_stream.open(parts->trace_file->part());
+    parts->trace.emplace(chip, parts->trace_stream);
   }
   if (!options.profile.empty()) {
     std::optional<h8s::ProfileWindow> window;
@@ -99,21 +104,22 @@ Result<void> McuDebug::report() {
   Parts& p = *parts_;
   if (p.profile) {
     const std::string& format = p.options.profile_format;
-    const auto written = write(p.options.profile, format == "json"        ? p.profile->json()
-                                                  : format == "callgrind" ? p.profile->callgrind()
-                                                                          : p.profile->text());
+    const auto written = write(p.profile_file, format == "json"        ? p.profile->json()
+                                               : format == "callgrind" ? p.profile->callgrind()
+                                                                       : p.profile->text());
     if (!written) return written;
   }
   if (p.coverage) {
-    const auto written = write(p.options.coverage, p.coverage->lcov());
+    const auto written = write(p.coverage_file, p.coverage->lcov());
     if (!written) return written;
     std::fputs(p.coverage->text().c_str(), stderr);
   }
   if (p.fresh) std::fputs(p.fresh->text().c_str(), stderr);
   if (p.stack) std::fputs(p.stack->text().c_str(), stderr);
-  if (p.trace_file.is_open()) {
-    p.trace_file.close();
-    if (!p.trace_file) return fail(Fault::usage, "cannot write the trace to " + p.options.trace);
+  if (p.trace_file) {
+    p.trace_stream.close();
+    if (!p.trace_stream) return tl::unexpected(p.trace_file->failure());
+    return p.trace_file->commit();
   }
   return {};
 }

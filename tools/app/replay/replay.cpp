@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
-#include <fstream>
 #include <span>
 
 #include "host/behavior/plugin.h"
+#include "shared/base/files.hpp"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/replay/message_fields.h"
 #include "tools/app/replay/recorded_backend.h"
 #include "tools/app/replay/replay_host.h"
-#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/session/session.h"
 
 namespace kaz::tools {
@@ -163,7 +163,7 @@ Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording
   const FileRemover remove_faults(faults);
   if (const auto text = recorded.facts.find("faults");
       text != recorded.facts.end() && !text->second.empty()) {
-    std::ofstream(faults) << text->second;
+    KAZ_TRY(write_whole_file(faults, text->second));
     session.backend.faults = faults;
   }
   const std::string again = temporary_file("replay.mcap");

@@ -143,9 +143,27 @@ const char* word_of(const RunReport& report) {
 
 }  // namespace
 
+const OutputKind& run_output() {
+  static const OutputKind kind{
+      "run",
+      {"recording.mcap", "left_eye.png", "color_extraction.png", "outside.png", "moments.png",
+       "moments.jpg", "pan_tilt.png", "pan_tilt.svg", "vision.csv", "result.json"}};
+  return kind;
+}
+
+std::string growing_recording(const OutputFolder& folder) {
+  return folder.path("recording.mcap.part");
+}
+
+Result<std::string> place_recording(const OutputFolder& folder) {
+  const std::string path = folder.path("recording.mcap");
+  KAZ_TRY(move_file(growing_recording(folder), path));
+  return path;
+}
+
 Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
-                                  const Snapshots& snapshots, const std::string& out,
-                                  const std::string& partial_recording) {
+                                  const Snapshots& snapshots, const OutputFolder* folder,
+                                  bool recorded) {
   ordered_json result{{"outcome", word_of(report)},
                       {"sentence", report.outcome.sentence},
                       {"behavior", report.behavior},
@@ -186,24 +204,19 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   result["board"] = board_json(report);
   result["link"] = link_json(report.link);
   result["vision"] = report.vision;
-  if (!out.empty()) {
-    const auto folder = KAZ_TRY(OutputFolder::open(out));
-    if (simulation != nullptr) {
-      KAZ_TRY(move_file(partial_recording, folder.path("recording.mcap")));
+  if (folder != nullptr) {
+    if (recorded) {
+      KAZ_TRY(place_recording(*folder));
       result["recording"] = "recording.mcap";
     }
     // Drawing them takes seconds, which an interrupted run has not.
     if (!report.interrupted) {
-      const auto names = KAZ_TRY(write_pictures(report, snapshots, folder));
+      const auto names = KAZ_TRY(write_pictures(report, snapshots, *folder));
       result["pictures"] = names;
     }
-    const auto table =
-        figure::write_file(folder.path("vision.csv"),
-                           {reinterpret_cast<const std::uint8_t*>(report.vision_table.data()),
-                            report.vision_table.size()});
-    if (!table) return tl::unexpected(table.error());
+    KAZ_TRY(folder->write("vision.csv", report.vision_table));
     result["tracking_error"] = thinned_errors(report.score);
-    KAZ_TRY(folder.write_json("result.json", result));
+    KAZ_TRY(folder->write_json("result.json", result));
   }
   return result;
 }

@@ -8,6 +8,7 @@
 
 #include "host/behavior/behavior.h"
 #include "host/link/link_statistics.h"
+#include "tools/app/base/output.h"
 #include "tools/app/session/backend.h"
 #include "tools/app/session/score.h"
 #include "tools/app/session/snapshots.h"
@@ -34,11 +35,17 @@ struct RunReport {
   std::string recording_sha256 = {};   // of an interrupted run, whose recording is finished already
 };
 
-// Ends the recording and, where `out` is not empty, makes the folder and fills it, result.json
-// last. `partial_recording` moves in as recording.mcap. Returns the content of result.json.
+// What a run writes into its folder, and the file as which its recording grows there.
+const OutputKind& run_output();
+std::string growing_recording(const OutputFolder& folder);
+// The recording, which has ended, as recording.mcap. Returns its path.
+Result<std::string> place_recording(const OutputFolder& folder);
+
+// Ends the recording and, where there is a folder, fills it, result.json last. `recorded`: the recording grew
+// there. Returns the content of result.json.
 Result<nlohmann::ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
-                                            const Snapshots& snapshots, const std::string& out,
-                                            const std::string& partial_recording);
+                                            const Snapshots& snapshots, const OutputFolder* folder,
+                                            bool recorded);
 
 // A few lines for people, or the whole result as JSON, on standard output.
 void print_report(const nlohmann::ordered_json& result, const RunReport& report,

@@ -42,7 +42,9 @@ class Report : public testing::Test {
     return {std::istreambuf_iterator<char>(file), {}};
   }
   Result<ordered_json> written(const std::string& out) {
-    return write_report(report_, nullptr, snapshots_, out, "");
+    if (out.empty()) return write_report(report_, nullptr, snapshots_, nullptr, false);
+    const auto folder = KAZ_TRY(OutputFolder::begin(out, run_output()));
+    return write_report(report_, nullptr, snapshots_, &folder, false);
   }
   // Without files.
   ordered_json result() {
@@ -180,8 +182,10 @@ TEST_F(Report, NamesTheFolderThatCannotBeMade) {
 
 // A folder in the place of a file that belongs into the results.
 TEST_F(Report, LeavesNoResultWhereAFileCannotBeWritten) {
+  const auto folder = OutputFolder::begin(at("out"), run_output());
+  ASSERT_TRUE(folder);
   fs::create_directories(at("out/vision.csv/in the way"));
-  const auto json = written(at("out"));
+  const auto json = write_report(report_, nullptr, snapshots_, &*folder, false);
   ASSERT_FALSE(json);
   EXPECT_NE(json.error().message.find("vision.csv"), std::string::npos) << json.error().message;
   EXPECT_FALSE(fs::exists(at("out/result.json")));

@@ -144,16 +144,27 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& 
 }
 
 // What there is of a run that broke off is its recording up to there: it moves in all the same.
-Error with_recording(Error error, sim::Simulation* simulation, const SessionOptions& options,
-                     const std::string& partial) {
-  if (simulation == nullptr || partial.empty() || options.backend.recording != partial)
-    return error;
+Error with_recording(Error error, sim::Simulation* simulation, const OutputFolder* folder,
+                     bool recorded) {
+  if (simulation == nullptr || folder == nullptr || !recorded) return error;
   const auto ended = simulation->finish_recording();
   if (!ended || ended->empty()) return error;
-  const auto folder = OutputFolder::open(options.out);
-  if (!folder) return error;
-  const std::string path = folder->path("recording.mcap");
-  if (move_file(partial, path)) error.message += "; the recording up to there is " + path;
+  if (const auto placed = place_recording(*folder))
+    error.message += "; the recording up to there is " + *placed;
+  return error;
+}
+
+// The machine's fault: with what is saved, reported to the caller, and kept as the run's outcome. On a
+// full disk that result may be missing.
+Error lost(Error error, const SessionOptions& options, const OutputFolder* folder) {
+  if (folder != nullptr) {
+    error = folder->explained(std::move(error));
+    (void)folder->write_json("result.json", {{"outcome", "environment"},
+                                             {"sentence", error.message},
+                                             {"behavior", options.behavior},
+                                             {"seed", options.backend.seed}});
+  }
+  if (options.on_loss) options.on_loss(error);
   return error;
 }
 
@@ -166,20 +177,31 @@ Result<bool> run_session(SessionOptions options) {
   KAZ_TRY(parse_modules(options.vision.modules));
   options.backend.needs_camera = behavior->needs_camera;
   KAZ_TRY(check(options.backend));
-  KAZ_TRY(OutputFolder::check(options.out));
 
-  // The recording grows elsewhere and moves in with the results when the run has ended.
-  const std::string partial = options.out.empty() ? "" : temporary_file("recording.mcap");
-  if (options.backend.robot == "sim" && options.backend.recording.empty())
-    options.backend.recording = partial;
+  std::optional<OutputFolder> results;
+  if (!options.out.empty()) {
+    auto opened = OutputFolder::open(options.out, run_output());
+    if (!opened && opened.error().fault == Fault::environment)
+      return tl::unexpected(lost(opened.error(), options, nullptr));
+    results = KAZ_TRY(std::move(opened));
+  }
+  const OutputFolder* folder = results ? &*results : nullptr;
+  const bool recorded = folder != nullptr && options.backend.robot == "sim" &&
+                        options.backend.recording.empty() && !options.open_backend;
+  if (recorded) options.backend.recording = growing_recording(*folder);
+  // Of a run that does not begin nothing is left.
+  FileRemover remove_recording(recorded ? options.backend.recording : "");
   options.backend.facts = facts_of(options);
-  const FileRemover remove_partial(partial);
 
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   auto backend = options.open_backend ? options.open_backend(interrupt)
                                       : SessionBackend::open(options.backend, interrupt);
-  if (!backend) return tl::unexpected(backend.error());
+  if (!backend) {
+    Error error = backend.error();
+    if (error.fault == Fault::environment && options.on_loss) options.on_loss(error);
+    return tl::unexpected(std::move(error));
+  }
   const bool real = (*backend)->port() != nullptr;
   const Time connecting = (*backend)->clock().now();
   const auto report_resumption = [&](const host::Resumption& resumption) {
@@ -223,6 +245,8 @@ Result<bool> run_session(SessionOptions options) {
   if (options.watcher != nullptr) options.watcher->begin(pipeline);
   behavior::PipelineBallDetector detector(capture, pipeline);
   Snapshots snapshots(camera, (*backend)->simulation(), options.vision.ball);
+  if (folder != nullptr) KAZ_TRY(folder->clear());
+  remove_recording.keep();
   Progress progress(options.label, options.json);
   const Time start = (*backend)->clock().now();
   Listener listener(**backend, snapshots, progress, start,
@@ -256,13 +280,16 @@ Result<bool> run_session(SessionOptions options) {
   const Result<void> left = kept ? kept->end() : Result<void>();
   pipeline.finish();
   if (options.watcher != nullptr) options.watcher->end(pipeline);
-  if (!sha256) return tl::unexpected(sha256.error());
+  if (!sha256) return tl::unexpected(lost(sha256.error(), options, folder));
   if (interrupted && !left)
     std::fprintf(stderr, "%s: %s\n", options.label.c_str(), left.error().message.c_str());
   if (interrupted && !options.keep_interrupted) return tl::unexpected(outcome.error());
   if (!outcome && !interrupted) {
-    return tl::unexpected(
-        with_recording(together(outcome, left).error(), (*backend)->simulation(), options, partial));
+    Error error =
+        with_recording(together(outcome, left).error(), (*backend)->simulation(), folder, recorded);
+    // In lockstep nothing but the robot can fail to answer; at a port it is the line, too.
+    if (real && error.fault == Fault::environment) error = lost(std::move(error), options, folder);
+    return tl::unexpected(std::move(error));
   }
   if (!health && !interrupted) return tl::unexpected(health.error());
   if (!interrupted) {
@@ -288,9 +315,9 @@ Result<bool> run_session(SessionOptions options) {
                    deliveries.text(),
                    interrupted,
                    *sha256};
-  auto written =
-      KAZ_TRY(write_report(report, (*backend)->simulation(), snapshots, options.out, partial));
-  if (!options.quiet) print_report(written, report, options.out, options.json);
+  const auto written = write_report(report, (*backend)->simulation(), snapshots, folder, recorded);
+  if (!written) return tl::unexpected(lost(written.error(), options, folder));
+  if (!options.quiet) print_report(*written, report, options.out, options.json);
   if (!interrupted) return outcome->success;
   char until[48];
   std::snprintf(until, sizeof until, "interrupted at %.2f s", run_s);

@@ -35,13 +35,16 @@ struct SessionOptions {
   Onlooker* onlooker = nullptr;                 // of a simulated robot; must outlive the session
   // How the behaviour ended, how long it took (s of the robot), and that over wall time.
   std::function<void(const Result<behavior::Outcome>&, double, double)> on_end;
+  // The machine, not the robot, ended the session: files, disk, display, port. Before on_end or after.
+  std::function<void(const Error&)> on_loss;
   // In place of SessionBackend::open(); what it refers to must outlive the session.
   std::function<Result<std::unique_ptr<SessionBackend>>(host::Interrupt&)> open_backend;
 };
 
-// False where the behaviour did not succeed. Motors are off afterwards, whatever happened. Nothing
-// is left in the folder unless the run came to its end or was interrupted (Fault::interrupted): then its
-// result.json and recording are of the part until then, and say so.
+// False where the behaviour did not succeed. Motors are off afterwards, whatever happened. The folder is
+// checked and locked before anything is opened (output_folder.h). Of an interrupted run (Fault::interrupted)
+// result.json and recording are of the part until then, and say so. Of a run that broke off there is the
+// recording and, where the machine was the cause, a result.json with the outcome `environment`.
 Result<bool> run_session(SessionOptions options);
 
 }  // namespace kaz::tools

@@ -50,9 +50,13 @@ Result<EyePictures> look(sim::Simulation& simulation, const sim::CameraFile& cam
 }  // namespace
 
 Result<bool> draw_eyes(EyesOptions arguments) {
-  const auto folder = KAZ_TRY(OutputFolder::open(arguments.out));
+  const auto folder = KAZ_TRY(OutputFolder::open(
+      arguments.out, {"eyes",
+                      {"outside.png", "left_ideal.png", "right_ideal.png", "left_raw.png",
+                       "right_raw.png", "left_rectified.png", "right_rectified.png", "eyes.png"}}));
   auto simulation = KAZ_TRY(make_simulation(arguments.backend, sim::FramePolicy::wait));
   if (!simulation->has_eyes()) return tl::unexpected(sim::Simulation::no_eyes());
+  KAZ_TRY(folder.clear());
   sim::CameraFile camera = simulation->camera();
   camera.ideal = false;
   auto left = KAZ_TRY(look(*simulation, camera, sim::Sensor::Eye::left, arguments.backend.seed));
@@ -80,9 +84,10 @@ Result<bool> draw_eyes(EyesOptions arguments) {
                {"left_rectified.png", rectified.left},
                {"right_rectified.png", rectified.right}};
   for (const auto& file : files) {
-    KAZ_TRY(figure::write_png(folder.path(file.name), file.image));
+    KAZ_TRY(folder.explained(figure::write_png(folder.path(file.name), file.image)));
   }
-  KAZ_TRY(figure::write_png(folder.path("eyes.png"), figure::compose(panels, 3, 300)));
+  KAZ_TRY(folder.explained(
+      figure::write_png(folder.path("eyes.png"), figure::compose(panels, 3, 300))));
   std::printf("pictures in %s: eyes.png shows them together\n", folder.folder().c_str());
   return true;
 }

@@ -4,15 +4,17 @@
 
 #include <atomic>
 #include <cstdio>
+#include <optional>
 #include <thread>
 
 #include <poll.h>
+#include <nlohmann/json.hpp>
 
 #include "sim/mcu/memory_file.h"
 #include "sim/runtime/serving/real_time.h"
 #include "sim/stand/stand_commands.h"
 #include "tools/app/base/interrupt_signals.h"
-#include "tools/figure/figure.h"
+#include "tools/app/base/output_file.h"
 
 namespace kaz::tools {
 namespace {
@@ -47,15 +49,19 @@ Result<bool> serve(ServeOptions arguments) {
     return fail(Fault::usage, "--erased and --image exclude each other");
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
+  std::optional<OutputFile> calibration, recording;
+  if (!arguments.calibration.empty())
+    calibration = KAZ_TRY(OutputFile::open(arguments.calibration, "--write-calibration"));
+  if (!arguments.backend.recording.empty()) {
+    recording = KAZ_TRY(OutputFile::open(arguments.backend.recording, "--record"));
+    arguments.backend.recording = recording->part();
+  }
   auto simulation = KAZ_TRY(make_simulation(arguments.backend, sim::FramePolicy::drop));
   if (!arguments.real_time.cameras_path.empty() && !simulation->has_eyes())
     return tl::unexpected(sim::Simulation::no_eyes());
-  if (!arguments.calibration.empty()) {
+  if (calibration) {
     if (!simulation->has_eyes()) return tl::unexpected(sim::Simulation::no_eyes());
-    const std::string text = simulation->camera().calibration().yaml();
-    const auto written = figure::write_file(
-        arguments.calibration, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-    if (!written) return tl::unexpected(written.error());
+    KAZ_TRY(calibration->write(simulation->camera().calibration().yaml()));
     if (arguments.real_time.serial_path.empty()) return true;
   }
   if (arguments.real_time.serial_path.empty())
@@ -89,8 +95,9 @@ Result<bool> serve(ServeOptions arguments) {
   const StopFlag stop(interrupt);
   const auto statistics = server->run(stop.flag());
   const auto recorded = simulation->finish_recording();
+  if (recorded && recording) KAZ_TRY(recording->commit());
   if (!statistics) return tl::unexpected(statistics.error());
-  if (!recorded) return tl::unexpected(recorded.error());
+  if (!recorded) return tl::unexpected(recording ? recording->failure() : recorded.error());
   if (!arguments.memory.empty()) {
     KAZ_TRY(sim::save_memory(mcu, arguments.memory));
   }
@@ -101,8 +108,7 @@ Result<bool> serve(ServeOptions arguments) {
   if (const auto warning = simulation->world().diagnostics().summary(); !warning.empty())
     std::printf("warning: %s\n", warning.c_str());
   if (!recorded->empty())
-    std::printf("recording %s  sha256 %s\n", arguments.backend.recording.c_str(),
-                recorded->c_str());
+    std::printf("recording %s  sha256 %s\n", recording->path().c_str(), recorded->c_str());
   return true;
 }
 

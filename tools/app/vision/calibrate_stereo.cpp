@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/app/base/output.h"
+#include "tools/app/base/output_file.h"
 #include "tools/app/vision/picture_pairs.h"
 #include "tools/figure/coverage.h"
 #include "vision/calibration/calibration_file.h"
@@ -176,15 +177,20 @@ void print(const Sightings& seen, const StereoResult& result,
   std::printf("written: %s, %s\n", arguments.out.c_str(), arguments.coverage.c_str());
 }
 
+// The files, opened before any picture is read.
+struct Outputs {
+  OutputFile calibration, coverage;
+};
+
 Result<void> write(const StereoResult& result, const Board& board,
-                   const StereoCalibrationOptions& arguments) {
+                   const StereoCalibrationOptions& arguments, Outputs& outputs) {
   const auto format = KAZ_TRY(vision::calibration_format(arguments.out));
   const auto& c = result.calibration;
   const figure::Panel panels[] = {
       {figure::coverage_picture(result.left, c.width, c.height), "left: corners, residuals x 40"},
       {figure::coverage_picture(result.right, c.width, c.height), "right"}};
-  if (auto done = figure::write_png(arguments.coverage, figure::compose(panels, 2, 360)); !done)
-    return done;
+  KAZ_TRY(figure::write_png(outputs.coverage.part(), figure::compose(panels, 2, 360)));
+  KAZ_TRY(outputs.coverage.commit());
   const std::string text = vision::calibration_text(c, format,
                                                     {{"board_width", board.columns},
                                                      {"board_height", board.rows},
@@ -194,8 +200,7 @@ Result<void> write(const StereoResult& result, const Board& board,
                                                      {"rms_right_px", result.right.rms_px},
                                                      {"rms_stereo_px", result.rms_px},
                                                      {"rms_rows_px", result.row_rms_px}});
-  return figure::write_file(arguments.out,
-                            {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  return outputs.calibration.write(text);
 }
 
 tl::unexpected<Error> too_far_off(const Sightings& seen, const StereoResult& result,
@@ -267,13 +272,13 @@ Result<Board> parse_board(const std::string& text, double square_m) {
 Result<bool> calibrate_stereo(StereoCalibrationOptions arguments) {
   const auto board = KAZ_TRY(parse_board(arguments.board, arguments.square_m));
   KAZ_TRY(vision::calibration_format(arguments.out));
-  const auto folder = std::filesystem::path(arguments.out).parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder))
-    return fail(Fault::usage, "there is no folder '" + folder.string() + "' for --out");
   if (arguments.coverage.empty())
     arguments.coverage =
         std::filesystem::path(arguments.out).replace_extension(".coverage.png").string();
   const auto pairs = KAZ_TRY(find_pairs(arguments.left, arguments.right));
+  auto calibration = KAZ_TRY(OutputFile::open(arguments.out, "--out"));
+  auto coverage = KAZ_TRY(OutputFile::open(arguments.coverage, "--coverage"));
+  Outputs outputs{std::move(calibration), std::move(coverage)};
   const auto seen = KAZ_TRY(look_at_all(pairs, board, arguments.json));
   const auto result = vision::calibrate_stereo(seen.boards, board, seen.width, seen.height);
   if (!result) {
@@ -290,7 +295,7 @@ Result<bool> calibrate_stereo(StereoCalibrationOptions arguments) {
   }
   if (result->rms_px > arguments.max_rms_px) return too_far_off(seen, *result, arguments);
   KAZ_TRY(check_plausible(*result, arguments));
-  KAZ_TRY(write(*result, board, arguments));
+  KAZ_TRY(write(*result, board, arguments, outputs));
   if (arguments.json) {
     std::printf("%s\n", as_json(seen, *result, arguments).dump(2).c_str());
   } else {

@@ -4,8 +4,10 @@
 
 namespace kaz::tools {
 
-void PictureWriter::add(std::string path, std::vector<figure::Panel> panels, int columns) {
-  add([path = std::move(path), panels = std::move(panels), columns] {
+void PictureWriter::add(const OutputFolder& folder, std::string name,
+                        std::vector<figure::Panel> panels, int columns) {
+  add([folder, name = std::move(name), panels = std::move(panels), columns]() -> Result<void> {
+    const auto path = KAZ_TRY(folder.add(name));
     return figure::write_png(path, figure::compose(panels, columns, panels.front().image.height));
   });
 }

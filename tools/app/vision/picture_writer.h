@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "tools/app/base/output.h"
 #include "tools/figure/figure.h"
 
 namespace kaz::tools {
@@ -21,8 +22,9 @@ class PictureWriter {
 
   // Something that makes and writes a file. Waits while kMostWaiting are not written yet.
   void add(std::function<Result<void>()> write);
-  // Panels as figure::compose() takes them.
-  void add(std::string path, std::vector<figure::Panel> panels, int columns);
+  // Panels as figure::compose() takes them, as a result of that name.
+  void add(const OutputFolder& folder, std::string name, std::vector<figure::Panel> panels,
+           int columns);
   // Until all are written; the first error, if there was one.
   Result<void> finish();
 

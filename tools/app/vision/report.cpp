@@ -274,13 +274,15 @@ void VisionReport::export_files(const vision::Frame& frame, const vision::DepthI
                                 const std::string& name) {
   if (folder_ == nullptr || full()) return;
   if (options_.export_depth)
-    writer_.add([path = folder_->path(name + ".depth.png"), depth]() -> Result<void> {
+    writer_.add([folder = *folder_, name = name + ".depth.png", depth]() -> Result<void> {
+      const auto path = KAZ_TRY(folder.add(name));
       const auto bytes = KAZ_TRY(vision::depth_png(depth));
       return figure::write_file(path, bytes);
     });
   if (options_.export_points)
-    writer_.add([path = folder_->path(name + ".points.ply"), depth,
+    writer_.add([folder = *folder_, name = name + ".points.ply", depth,
                  images = frame.shared_images()]() -> Result<void> {
+      const auto path = KAZ_TRY(folder.add(name));
       vision::PointCloud cloud;
       vision::point_cloud(depth, cloud);
       const auto bytes = KAZ_TRY(vision::points_ply(cloud, images->left));
@@ -322,7 +324,7 @@ void VisionReport::close(std::uint64_t sequence) {
     if (e.seen) ++looked_at_;
     if (folder_ != nullptr && !e.panels.empty()) {
       const int columns = e.panels.size() > 2 && e.panels.size() % 3 == 0 ? 3 : 2;
-      writer_.add(folder_->path(e.name + ".vision.png"), std::move(e.panels), columns);
+      writer_.add(*folder_, e.name + ".vision.png", std::move(e.panels), columns);
     }
     frames_.push_back(std::move(e.json));
     open_.erase(open_.begin());

@@ -161,17 +161,14 @@ Result<Looked> look(const std::string& path, const Lens& lens, vision::BallDetec
     looked.error = looked.ball.error->message;
     return looked;
   }
-  KAZ_TRY(figure::write_png(folder.path(looked.picture + ".ball.png"),
-                            overlay(*image, detector.mask(), looked.ball)));
+  const auto to = KAZ_TRY(folder.add(looked.picture + ".ball.png"));
+  KAZ_TRY(figure::write_png(to, overlay(*image, detector.mask(), looked.ball)));
   return looked;
 }
 
 Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& options,
                     const vision::ColorRange& color, const OutputFolder& folder, bool interrupted) {
-  const std::string table = csv(all);
-  const auto written = figure::write_file(
-      folder.path("ball.csv"), {reinterpret_cast<const std::uint8_t*>(table.data()), table.size()});
-  if (!written) return tl::unexpected(written.error());
+  KAZ_TRY(folder.write("ball.csv", csv(all)));
   std::vector<double> ms;
   Json pictures = Json::array();
   int found = 0;
@@ -216,6 +213,13 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
 
 }  // namespace
 
+const OutputKind& vision_output() {
+  static const OutputKind kind{"vision run",
+                               {"result.json", "frames.csv", "ball.csv", "*.vision.png",
+                                "*.ball.png", "*.depth.png", "*.points.ply"}};
+  return kind;
+}
+
 Result<vision::BallOptions> ball_options(const RecordedOptions& options) {
   vision::BallOptions ball;
   ball.radius_m = options.radius_m;
@@ -249,7 +253,7 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
     return fail(Fault::usage,
                 "--out is the folder of --in: choose another for what is made of the "
                 "pictures");
-  const auto folder = KAZ_TRY(OutputFolder::open(options.out));
+  const auto folder = KAZ_TRY(OutputFolder::begin(options.out, vision_output()));
   vision::BallDetector detector(ball);
   std::vector<Looked> all;
   host::Interrupt interrupt;
@@ -260,13 +264,13 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
       if (interrupt.requested()) break;
       progress.update(static_cast<double>(all.size()) / static_cast<double>(paths.size()),
                       fs::path(path).filename().string());
-      auto looked = KAZ_TRY(look(path, lens, detector, folder));
+      auto looked = KAZ_TRY(folder.explained(look(path, lens, detector, folder)));
       all.push_back(std::move(looked));
     }
     progress.update(1, "done");
   }
   const bool interrupted = all.size() < paths.size();
-  return report(all, options, ball.color, folder, interrupted);
+  return folder.explained(report(all, options, ball.color, folder, interrupted));
 }
 
 }  // namespace kaz::tools

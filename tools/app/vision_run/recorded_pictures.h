@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/base/result.hpp"
+#include "tools/app/base/output.h"
 #include "vision/color/ball.h"
 #include "vision/depth/depth.h"
 
@@ -40,6 +41,9 @@ Result<bool> run_on_camera(const RecordedOptions& options);
 Result<bool> run_on_recording(const RecordedOptions& options);
 // `options.in`: a folder, a recording, a picture, a camera socket or v4l2 cameras; chooses from the above.
 Result<bool> run_on_source(const RecordedOptions& options);
+
+// What all of them write into their folder.
+const OutputKind& vision_output();
 
 // The ball to look for: its radius, and its colour from the file if one is named.
 Result<vision::BallOptions> ball_options(const RecordedOptions& options);

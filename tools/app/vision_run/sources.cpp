@@ -58,11 +58,7 @@ Result<void> refuse(const VisionOptions& vision, std::initializer_list<std::stri
 Result<bool> finish(VisionReport& report, const Json& statistics, const std::string& text,
                     const RecordedOptions& options, const OutputFolder& folder, bool interrupted) {
   KAZ_TRY(report.end());
-  const std::string table = report.table();
-  const auto written =
-      figure::write_file(folder.path("frames.csv"),
-                         {reinterpret_cast<const std::uint8_t*>(table.data()), table.size()});
-  if (!written) return tl::unexpected(written.error());
+  KAZ_TRY(folder.write("frames.csv", report.table()));
   Json result{{"modules", options.modules},
               {"frames_looked_at", report.looked_at()},
               {"vision", statistics},
@@ -194,7 +190,7 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
     return fail(Fault::usage, "stereo pairs need --calibration FILE (kaz calibrate stereo)");
   const auto files = KAZ_TRY(find_pairs(options.left, options.right));
   const auto calibration = KAZ_TRY(vision::read_calibration(options.calibration));
-  const auto folder = KAZ_TRY(OutputFolder::open(options.out));
+  const auto folder = KAZ_TRY(OutputFolder::begin(options.out, vision_output()));
   const PairReader reader{calibration, vision::Rectifier(calibration)};
 
   vision::Pipeline pipeline({vision::Pace::lockstep, Time(0)});
@@ -228,8 +224,8 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
   }
   if (!interrupted) progress.update(1, "done");
   progress.done();
-  return finish(report, module_statistics_json(pipeline), module_statistics_text(pipeline), options,
-                folder, interrupted);
+  return folder.explained(finish(report, module_statistics_json(pipeline),
+                                 module_statistics_text(pipeline), options, folder, interrupted));
 }
 
 Result<bool> run_on_camera(const RecordedOptions& options) {
@@ -244,9 +240,10 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   host::WallClock clock(&interrupt);
+  const auto folder = KAZ_TRY(OutputFolder::open(options.out, vision_output()));
   LiveSource source;
   KAZ_TRY(source.open(options, interrupt));
-  const auto folder = KAZ_TRY(OutputFolder::open(options.out));
+  KAZ_TRY(folder.clear());
 
   vision::Pipeline pipeline({vision::Pace::realtime, Time(0)});
   KAZ_TRY(add_modules(*vision, pipeline));
@@ -282,8 +279,9 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
   if (!end.empty() && !interrupt.requested()) std::fprintf(stderr, "kaz vision: %s\n", end.c_str());
   if (const std::string summary = source.alone.summary(); !summary.empty())
     std::fprintf(stderr, "kaz vision: cameras: %s\n", summary.c_str());
-  return finish(report, module_statistics_json(pipeline), module_statistics_text(pipeline), options,
-                folder, interrupt.requested() && !report.full());
+  return folder.explained(finish(report, module_statistics_json(pipeline),
+                                 module_statistics_text(pipeline), options, folder,
+                                 interrupt.requested() && !report.full()));
 }
 
 Result<bool> run_on_recording(const RecordedOptions& options) {
@@ -293,7 +291,7 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   const auto recorded = KAZ_TRY(sim::McapRecording::load(options.in));
   if (!recorded.has_messages("/eyes/left"))
     return fail(Fault::usage, options.in + ": it has no pictures; record with --record-pictures");
-  const auto folder = KAZ_TRY(OutputFolder::open(options.out));
+  const auto folder = KAZ_TRY(OutputFolder::begin(options.out, vision_output()));
   RecordingWatcher watcher(vision, folder, options.frames);
   ReplayOptions replayed;
   replayed.label = "kaz vision run";
@@ -308,7 +306,8 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   if (!ran && (!interrupted || watcher.report() == nullptr)) return tl::unexpected(ran.error());
   if (watcher.report() == nullptr)
     return fail(Fault::usage, options.in + ": nothing looked at its pictures");
-  return finish(*watcher.report(), watcher.statistics, watcher.text, options, folder, interrupted);
+  return folder.explained(
+      finish(*watcher.report(), watcher.statistics, watcher.text, options, folder, interrupted));
 }
 
 Result<bool> run_on_source(const RecordedOptions& options) {

@@ -23,9 +23,10 @@ Complaint try_arguments(Bytes bytes);    // addresses and lists on the command l
 // Results that are read back (reports.cpp, kept.cpp, recording.cpp).
 Complaint try_bench_report(Bytes bytes);  // result.json of kaz bench; written and read again
 Complaint try_bench_limits(Bytes bytes);
-Complaint try_episodes(Bytes bytes);   // an episode of kaz evaluate
-Complaint try_kept(Bytes bytes);       // notes of a run that alters a board; written and read again
-Complaint try_recording(Bytes bytes);  // MCAP, and what kaz replay takes out of it
+Complaint try_episodes(Bytes bytes);  // an episode of kaz evaluate
+Complaint try_kept(Bytes bytes);      // notes of a run that alters a board; written and read again
+Complaint try_output_list(Bytes bytes);  // a folder's list of results; written and read again
+Complaint try_recording(Bytes bytes);    // MCAP, and what kaz replay takes out of it
 
 // Lines and sockets (wire.cpp, flash.cpp, sockets.cpp).
 Complaint try_frames(Bytes bytes);         // the receiver against the second one of conformance
@@ -51,6 +52,7 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"bench_limits", try_bench_limits},
                                            {"episodes", try_episodes},
                                            {"kept", try_kept},
+                                           {"output_list", try_output_list},
                                            {"recording", try_recording},
                                            {"frames", try_frames},
                                            {"replies", try_replies},

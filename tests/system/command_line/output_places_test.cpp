@@ -1,0 +1,254 @@
+// Where results go: full disks, places that cannot be written, two runs at once, results of earlier runs.
+// SPDX-License-Identifier: Apache-2.0
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/system/command_line/process_testing.h"
+
+namespace kaz::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using std::chrono::seconds;
+using Words = std::vector<std::string>;
+
+Words joined(Words all, const Words& more) {
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+const Words kShortRun{"run", "search-ball", "--mcu", "native", "--duration", "1"};
+const Words kBench{"bench", "motor", "--mcu", "native", "--filter", "pot.noise"};
+const Words kEvaluate{"evaluate", "search-ball", "--mcu",     "native", "--eyes",
+                      "ideal",    "--set",       "seconds=2", "--json"};
+
+// Pixels that no PNG makes smaller.
+void write_noise(const std::string& path) {
+  std::string pixels(std::size_t{3} * 200 * 150, '\0');
+  unsigned state = 1;
+  for (char& c : pixels) c = static_cast<char>((state = state * 1664525u + 1013904223u) >> 24);
+  write_file(path, "P6\n200 150\n255\n" + pixels);
+}
+
+// The program on a disk of `kilobytes`, mounted at `disk` for it alone; `ls` of it follows on
+// standard output. Where nothing can be mounted, a limit of the size of each file takes its place.
+Finished on_small_disk(const std::string& disk, int kilobytes, const Words& arguments,
+                       const std::string& variables = "") {
+  const std::string size = std::to_string(kilobytes);
+  std::string command = variables;
+  for (const std::string& word : kaz(arguments)) command += " '" + word + "'";
+  command += "; status=$?; ls -A '" + disk + "'; exit $status";
+  const std::string mount = "mount -t tmpfs -o size=" + size + "k tmpfs '" + disk + "' && ";
+  fs::create_directories(disk);
+  Words shell{"/usr/bin/unshare", "-m", "/bin/bash", "-c", mount + "true"};
+  if (run(shell).exit_code != 0) shell.insert(shell.begin() + 2, "-r");
+  if (run(shell).exit_code != 0)
+    return run({"/bin/bash", "-c", "ulimit -f " + size + "; " + command});
+  shell.back() = mount + command;
+  return run(shell);
+}
+
+void expect_full(const Finished& finished, const std::string& what) {
+  EXPECT_EQ(finished.exit_code, 3) << finished.out << finished.err;
+  EXPECT_NE(finished.err.find("disk full while writing "), std::string::npos) << finished.err;
+  EXPECT_NE(finished.err.find(what), std::string::npos) << finished.err;
+}
+
+TEST(OutputPlaces, AFullDiskIsNamedWithWhatIsSaved) {
+  const TemporaryFolder folder;
+  const std::string disk = folder / "disk";
+  for (const char* verb : {"run", "demo"}) {
+    Words words = kShortRun;
+    if (std::string(verb) == "demo") words = {"demo", "--mcu", "native", "--duration", "1"};
+    const Finished ran = on_small_disk(disk, 200, joined(words, {"--out", disk}));
+    expect_full(ran, "recording.mcap");
+    EXPECT_NE(ran.err.find("; saved so far in '" + disk + "': "), std::string::npos) << ran.err;
+    EXPECT_EQ(ran.out.find("recording.mcap\n"), std::string::npos) << "half of it: " << ran.out;
+  }
+  fs::create_directory(folder / "in");
+  write_noise(folder / "in/noise.ppm");
+  expect_full(
+      on_small_disk(disk, 60,
+                    {"vision", "run", "--in", folder / "in", "--view", "60", "--out", disk}),
+      "saved so far");
+  expect_full(on_small_disk(disk, 16, joined(kBench, {"--out", disk})), "saved so far");
+  expect_full(run(kaz({"conformance", "--virtual", "native", "--filter", "frame.", "--junit",
+                       "/dev/full"})),
+              "/dev/full");
+  expect_full(run(kaz({"conformance", "--virtual", "native", "--filter", "frame.", "--json",
+                       folder / "whole.json", "--html", "/dev/full"})),
+              "saved so far: " + (folder / "whole.json"));
+}
+
+// A replay has no folder of its own: its recording is a temporary file.
+TEST(OutputPlaces, AReplayOnAFullDiskIsNoDifference) {
+  const TemporaryFolder folder;
+  const std::string disk = folder / "disk";
+  const Finished ran = run(kaz(joined(kShortRun, {"--out", folder / "out"})));
+  ASSERT_LE(ran.exit_code, 1) << ran.err;
+  expect_full(
+      on_small_disk(disk, 100, {"replay", folder / "out/recording.mcap"}, "TMPDIR='" + disk + "'"),
+      "replay.mcap");
+}
+
+TEST(OutputPlaces, AreRefusedBeforeARunWhereNothingCanBeWritten) {
+  const TemporaryFolder folder;
+  write_noise(folder / "noise.ppm");
+  for (const Words& verb : {kShortRun, Words{"demo"}, kEvaluate, kBench, Words{"eyes"},
+                            Words{"vision", "run", "--in", folder / "noise.ppm", "--view", "60"}}) {
+    const Finished finished = run(kaz(joined(verb, {"--out", "/proc/x"})), seconds(5));
+    EXPECT_EQ(finished.exit_code, 2) << verb[0] << ": " << finished.err;
+    EXPECT_NE(finished.err.find("'/proc/x'"), std::string::npos) << finished.err;
+    EXPECT_EQ(finished.out, "") << "it ran";
+  }
+  for (const char* option : {"--junit", "--json", "--html"}) {
+    const Finished finished = run(kaz({"conformance", "--virtual", "h8", option, "/proc/x"}));
+    EXPECT_EQ(finished.exit_code, 2) << finished.err;
+    EXPECT_NE(finished.err.find(option), std::string::npos) << finished.err;
+  }
+  for (const Words& verb :
+       {Words{"sim", "--serial", folder / "board", "--record"}, Words{"sim", "--write-calibration"},
+        Words{"fuzz", "--cases", "1000000", "--out"},
+        Words{"vision", "learn-color", "--in", folder / "noise.ppm", "--region", "0,0,9,9",
+              "--out"}}) {
+    const Finished finished = run(kaz(joined(verb, {"/proc/x"})), seconds(5));
+    EXPECT_EQ(finished.exit_code, 2) << verb[0] << ": " << finished.err;
+    EXPECT_NE(finished.err.find("'/proc/x'"), std::string::npos) << finished.err;
+  }
+  const Finished twice = run(kaz({"conformance", "--virtual", "native", "--junit", folder / "same",
+                                  "--json", folder / "same"}));
+  EXPECT_EQ(twice.exit_code, 2) << twice.err;
+}
+
+TEST(OutputPlaces, OneRunAtATimeWritesIntoAFolder) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  {
+    Process first(kaz({"run", "track-ball", "--mcu", "native", "--duration", "600", "--out", out}));
+    ASSERT_TRUE(first.wait_for_output("search", seconds(30)));
+    EXPECT_TRUE(fs::exists(out + "/recording.mcap.part")) << "a recording grows in its folder";
+    for (const Words& verb : {kShortRun, Words{"demo"}, kEvaluate, kBench}) {
+      const Finished second = run(kaz(joined(verb, {"--out", out})), seconds(10));
+      EXPECT_EQ(second.exit_code, 3) << verb[0] << ": " << second.err;
+      EXPECT_NE(second.err.find("another run (process "), std::string::npos) << second.err;
+      EXPECT_NE(second.err.find(out), std::string::npos) << second.err;
+    }
+  }  // killed
+  EXPECT_TRUE(fs::exists(out + "/recording.mcap.part"));
+  EXPECT_FALSE(fs::exists(out + "/recording.mcap"));
+  const Finished next = run(kaz(joined(kShortRun, {"--out", out})));
+  EXPECT_LE(next.exit_code, 1) << next.err;
+  EXPECT_TRUE(fs::exists(out + "/recording.mcap"));
+  EXPECT_FALSE(fs::exists(out + "/recording.mcap.part"));
+}
+
+TEST(OutputPlaces, EarlierResultsGoAndOthersAreRefused) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  ASSERT_LE(run(kaz(joined(kShortRun, {"--out", out}))).exit_code, 1);
+  // As if the earlier run had left one picture more.
+  std::ofstream(out + "/.kaz-results", std::ios::app) << "file old.png\n";
+  write_file(out + "/old.png", "old");
+  write_file(out + "/notes.txt", "mine");
+  // What is wrong before a run begins costs nothing.
+  EXPECT_EQ(run(kaz({"run", "search-ball", "--world", "none", "--out", out})).exit_code, 2);
+  EXPECT_TRUE(fs::exists(out + "/old.png"));
+  ASSERT_LE(run(kaz(joined(kShortRun, {"--out", out}))).exit_code, 1);
+  EXPECT_FALSE(fs::exists(out + "/old.png"));
+  EXPECT_TRUE(fs::exists(out + "/notes.txt"));
+  const std::string result = read_file(out + "/result.json");
+
+  write_noise(folder / "noise.ppm");
+  const Words vision{"vision", "run", "--in", folder / "noise.ppm", "--view", "60"};
+  for (const Words& verb : {kEvaluate, kBench, Words{"eyes"}, vision}) {
+    const Finished other = run(kaz(joined(verb, {"--out", out})));
+    EXPECT_EQ(other.exit_code, 2) << verb[0];
+    EXPECT_NE(other.err.find("holds results of kaz run"), std::string::npos) << other.err;
+  }
+  EXPECT_EQ(read_file(out + "/result.json"), result);
+  // Without the list these are anybody's files.
+  fs::remove(out + "/.kaz-results");
+  for (const Words& verb : {kShortRun, Words{"demo"}, kEvaluate, kBench, vision}) {
+    const Finished other = run(kaz(joined(verb, {"--out", out})));
+    EXPECT_EQ(other.exit_code, 2) << verb[0];
+    EXPECT_NE(other.err.find("', which is not in its list of results"), std::string::npos)
+        << other.err;
+    EXPECT_NE(other.err.find("remove it"), std::string::npos) << other.err;
+  }
+  EXPECT_EQ(read_file(out + "/result.json"), result);
+}
+
+// The processes that `process` has begun.
+std::vector<pid_t> children_of(long process) {
+  const std::string name = std::to_string(process);
+  std::ifstream list("/proc/" + name + "/task/" + name + "/children");
+  std::vector<pid_t> children;
+  for (pid_t child = 0; list >> child;) children.push_back(child);
+  return children;
+}
+
+TEST(OutputPlaces, EpisodesLostToTheMachineAreInNoRate) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  const Words command = joined(kEvaluate, {"--episodes", "2", "--out", out});
+  Process first(kaz(command));
+  pid_t killed = 0;
+  for (int i = 0; i < 500 && killed == 0; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    if (!fs::exists(out + "/failures/000000")) continue;  // the episode's own folder
+    const std::string list = read_file(out + "/.kaz-results");
+    const auto at = list.find("process ");
+    ASSERT_NE(at, std::string::npos);
+    for (const pid_t child : children_of(std::stol(list.substr(at + 8))))
+      kill(killed = child, SIGKILL);
+  }
+  ASSERT_NE(killed, 0);
+  const Finished stopped = first.wait(seconds(60));
+  EXPECT_EQ(stopped.exit_code, 3) << stopped.err;
+  EXPECT_NE(stopped.err.find("1 of 2 episodes were lost to the machine (0; the first: its process "
+                             "was ended by signal 9)"),
+            std::string::npos)
+      << stopped.err;
+  const json result = json::parse(read_file(out + "/result.json"));
+  EXPECT_EQ(result["episodes"], 1) << result.dump(1);
+  ASSERT_EQ(result["environment"].size(), 1u);
+  EXPECT_EQ(result["environment"][0]["episode"], 0);
+  // The same command makes up for it.
+  EXPECT_LE(run(kaz(command)).exit_code, 1);
+  const json whole = json::parse(read_file(out + "/result.json"));
+  EXPECT_EQ(whole["episodes"], 2);
+  EXPECT_TRUE(whole["environment"].empty());
+}
+
+TEST(OutputPlaces, AFullDiskIsNoFailureOfTheRobot) {
+  const TemporaryFolder folder;
+  const Finished finished = on_small_disk(
+      folder / "disk", 300, joined(kEvaluate, {"--episodes", "9", "--out", folder / "disk"}));
+  expect_full(finished, "3 of 9 episodes were lost to the machine");
+}
+
+TEST(OutputPlaces, APortThatGoesIsAnErrorNotAFailure) {
+  const TemporaryFolder folder;
+  const std::string junit = folder / "junit.xml";
+  Process sim(kaz({"sim", "--mcu", "native", "--serial", folder / "board"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30)));
+  Process suite(kaz(
+      {"conformance", "--port", folder / "board", "--filter", "frame|watchdog", "--junit", junit}));
+  ASSERT_TRUE(suite.wait_for_output("passed", seconds(30)));
+  EXPECT_FALSE(fs::exists(junit));
+  sim.signal(SIGKILL);
+  const Finished finished = suite.wait(seconds(60));
+  EXPECT_EQ(finished.exit_code, 3) << finished.err;
+  const std::string text = read_file(junit);
+  EXPECT_NE(text.find("errors=\"1\""), std::string::npos) << text;
+  EXPECT_NE(text.find("<error message="), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace kaz::test
