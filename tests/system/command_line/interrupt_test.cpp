@@ -118,7 +118,7 @@ const std::vector<Row>& rows() {
       {"mcu run",
        {"mcu", "run", "DIR/loop.bin", "--format", "raw", "--max-states", "9000000000000", "--json",
         "--vcd", "DIR/loop.vcd"},
-       "/loop.vcd",
+       "/loop.vcd.part",
        SIGINT,
        {},
        "-"},
