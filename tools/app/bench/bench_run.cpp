@@ -172,14 +172,15 @@ Result<void> leave_reports(const BenchFolder& folder, const hil::BenchReport& re
   return leave_plots(folder, report.plots);
 }
 
-Result<void> leave_fit(const BenchFolder& folder, const lockstep::MotorFit& fit,
-                       const std::string& from, const std::string& about) {
+Result<nlohmann::ordered_json> leave_fit(const BenchFolder& folder, const lockstep::MotorFit& fit,
+                                         const std::string& from, const std::string& about) {
   KAZ_TRY(folder.reports.write("motor.xml", sim::motor_file_text(fit.motor, about)));
   KAZ_TRY(folder.reports.write("report.html", fit_html(fit, from)));
   KAZ_TRY(leave_plots(folder, fit.plots));
   auto result = fit_json(fit);
   result["provenance"] = provenance_json();
-  return folder.reports.write_json("result.json", result);
+  KAZ_TRY(folder.reports.write_json("result.json", result));
+  return result;
 }
 
 // Its motors are off: putting it back afterwards would switch them off.
@@ -347,7 +348,7 @@ Result<bool> run_fit(const BenchFitOptions& arguments) {
   const std::string about = "Fitted by kaz " + std::string(kVersion) + " to " + path + ", " +
                             report.board + " on " + report.port + ".";
   KAZ_TRY(folder.clear());
-  KAZ_TRY(folder.reports.explained(leave_fit(folder, *fitted, path, about)));
+  const auto result = KAZ_TRY(folder.reports.explained(leave_fit(folder, *fitted, path, about)));
   if (arguments.json) {
     print_json(result);
   } else {
