@@ -39,7 +39,7 @@ TEST(BenchVerb, MotorLeavesItsReportsAndFitReadsThem) {
       run(kaz({"bench", "fit", out, "--mcu", "native", "--out", fitted, "--json"}), seconds(120));
   ASSERT_EQ(fit.exit_code, 0) << fit.err;
   const Json result = Json::parse(fit.out);
-  for (const auto& [name, figure] : result["figures"].items()) {
+  for (const auto& [name, figure] : result["measurements"].items()) {
     EXPECT_TRUE(figure["measured"].get<bool>()) << name;
     EXPECT_NEAR(figure["after"].get<double>(), figure["before"].get<double>(),
                 0.1 * figure["before"].get<double>())

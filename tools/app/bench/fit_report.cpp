@@ -52,10 +52,10 @@ nlohmann::ordered_json fit_json(const MotorFit& fit) {
   all["rounds"] = fit.rounds;
   all["last_change"] = fit.last_change;
   for (const FittedParam& one : fit.params) {
-    all["figures"][one.name] = {{"unit", one.unit},
-                                {"measured", one.measured},
-                                {"before", one.before},
-                                {"after", one.after}};
+    all["measurements"][one.name] = {{"unit", one.unit},
+                                     {"measured", one.measured},
+                                     {"before", one.before},
+                                     {"after", one.after}};
   }
   for (const Gap& one : fit.gaps) {
     auto& gap = all["gaps"][one.name];

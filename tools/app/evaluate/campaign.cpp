@@ -130,7 +130,7 @@ Json broken(const CampaignOptions& options, std::uint64_t number, int status) {
           {"success", false},
           {"cause", "crashed"},
           {"sentence", "its process " + how},
-          {"figures", Json::object()},
+          {"measurements", Json::object()},
           {"truth", Json::object()}};
 }
 

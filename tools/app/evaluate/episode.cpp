@@ -79,7 +79,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   const std::string end = ended ? ended->sentence : ended.error().message;
   Json episode{{"episode", number},        {"scenario", scenario_json(scenario)},
                {"success", cause.empty()}, {"cause", cause},
-               {"sentence", end},          {"figures", results},
+               {"sentence", end},          {"measurements", results},
                {"truth", judge.json()}};
   if (run_s > 0) {  // else it did not begin
     episode["seconds"] = rounded(run_s);

@@ -45,7 +45,7 @@ constexpr Field kFields[] = {{"episode", [](const Json& v) { return v.is_number_
                              {"sentence", is_text},
                              {"seconds", is_number, false},  // absent: not measured
                              {"rtf", is_number, false},
-                             {"figures", is_object},
+                             {"measurements", is_object},
                              {"truth", is_truth}};
 
 }  // namespace

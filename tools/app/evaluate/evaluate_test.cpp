@@ -25,7 +25,7 @@ Json episode(std::uint64_t number, bool success, double seconds, const std::stri
           {"sentence", "it says \"so\""},
           {"seconds", seconds},
           {"rtf", 2.0},
-          {"figures", {{"error_m", 0.01 * static_cast<double>(number)}}},
+          {"measurements", {{"error_m", 0.01 * static_cast<double>(number)}}},
           {"truth", {{"fell", cause == "fell"}}}};
 }
 
@@ -124,7 +124,7 @@ TEST_F(Summary, CountsSuccessesFallsAndCauses) {
   EXPECT_LT(result["interval"][0], 0.5);
   EXPECT_GT(result["interval"][1], 0.5);
   // Measurements of the behaviour are those of successful episodes.
-  EXPECT_EQ(result["figures"]["error_m"]["p95"], 0.01);
+  EXPECT_EQ(result["measurements"]["error_m"]["p95"], 0.01);
 }
 
 // A crashed episode has no times; a part without episodes has no rate.

@@ -250,7 +250,7 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
                {"success", cause.empty()},
                {"cause", cause},
                {"sentence", result.value("sentence", log_line)},
-               {"figures", results},
+               {"measurements", results},
                {"truth", {{"fell", cause == "fell"}, {"longest_held_s", held.longest()}}},
                {"simulator", simulator_json}};
   if (result.contains("duration_s")) episode["seconds"] = result["duration_s"];

@@ -20,11 +20,11 @@ using Json = nlohmann::ordered_json;
 using trials::quantile;
 
 // Median and spread of every result that successful episodes reported.
-Json figures_json(const Episodes& episodes) {
+Json measurements_json(const Episodes& episodes) {
   std::map<std::string, std::vector<double>> all;
   for (const auto& [number, episode] : episodes) {
     if (!episode["success"].get<bool>()) continue;
-    for (const auto& [name, value] : episode["figures"].items())
+    for (const auto& [name, value] : episode["measurements"].items())
       if (value.is_number()) all[name].push_back(value.get<double>());
   }
   Json json = Json::object();
@@ -117,7 +117,7 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
   if (!speeds.empty()) result["rtf_median"] = quantile(speeds, 0.5);
   result["failures"] = failures;
   result["environment"] = environment;
-  result["figures"] = figures_json(episodes);
+  result["measurements"] = measurements_json(episodes);
   result["campaign"] = campaign;
   result["provenance"] = provenance_json();
   if (interrupted) mark_interrupted(result);

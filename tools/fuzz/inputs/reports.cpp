@@ -58,7 +58,7 @@ Complaint try_episodes(Bytes bytes) {
   (void)e["truth"].value("fell", false);
   if (e.contains("seconds") && !std::isfinite(e["seconds"].get<double>() * 0))
     return "an episode without a length";
-  for (const auto& [name, value] : e["figures"].items()) {
+  for (const auto& [name, value] : e["measurements"].items()) {
     if (value.is_number()) (void)value.get<double>();
   }
   const auto again = tools::parse_episode(e.dump(1), "again");
