@@ -161,7 +161,7 @@ TEST_F(FlashPty, TruncatedImage) {
   }
   EXPECT_EQ(run(flash("verify", "old.bin")).exit_code, 0)
       << "a refused image has changed the flash";
-  expect_judgements({2, "", ""}, boot());
+  expect_judgements({.exit_code = 2, .cpu_s = 0, .out = "", .err = ""}, boot());
 }
 
 }  // namespace
