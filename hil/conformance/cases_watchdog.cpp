@@ -113,7 +113,8 @@ void add_limits(Cases& to) {
     feeds(b, [&] { return wire; });
   });
   add(to, "others-starve", "Requests for other boards do not feed it.", "SAFE-8", [](Board& b) {
-    starves(b, [&] { return frame_of(2, KZ_TYPE_identify, b.new_sequence(), {}); });
+    const std::uint8_t other = b.other_than_home(2);
+    starves(b, [&] { return frame_of(other, KZ_TYPE_identify, b.new_sequence(), {}); });
   });
   add(to, "damaged-starve", "Damaged frames do not feed it.", "SAFE-8", [](Board& b) {
     starves(b, [&] {

@@ -164,7 +164,7 @@ class Return {
   }
 
   Result<void> attempt() {
-    step_ = result_.found_at == 0 ? "anything: the board was not found" : "the board's address";
+    step_ = result_.found_at == 0 ? "everything, as the board was not found" : "the board's address";
     auto at = KAZ_TRY(locate());
     if (result_.found_at == 0) result_.found_at = at;
     if (options_.flash) {

@@ -40,7 +40,11 @@ std::string unknown_verb(const CLI::App& program, int argc, char** argv) {
     for (const CLI::App* verb : app->get_subcommands(nullptr)) {
       if (verb->get_name() == argv[i]) next = verb;
     }
-    if (next == nullptr) return argv[i];
+    if (next == nullptr) {
+      const bool takes_words = std::ranges::any_of(
+          app->get_options(), [](const CLI::Option* option) { return option->get_positional(); });
+      return takes_words ? "" : argv[i];
+    }
     app = next;
   }
   return "";

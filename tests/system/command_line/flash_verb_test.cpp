@@ -66,7 +66,7 @@ TEST_F(FlashVerb, ErasedBoardThenTheLoader) {
   // A file of the loader's block alone: forced, but nothing of it can be written.
   write_file(folder_ / "loader.bin", std::string(64, 'x'));
   const Finished kept = run(kaz({"flash", "write", folder_ / "loader.bin", "--format", "raw",
-                                 "--address", "0xc100", "--force", "--port", folder_ / "board"}),
+                                 "--at", "0xc100", "--force", "--port", folder_ / "board"}),
                             seconds(60));
   EXPECT_EQ(kept.exit_code, 2) << kept.out;
   EXPECT_NE(kept.err.find("nothing of the image can be written"), std::string::npos) << kept.err;
@@ -74,7 +74,7 @@ TEST_F(FlashVerb, ErasedBoardThenTheLoader) {
   write_file(folder_ / "blank.bin", std::string(64, '\xff'));
   for (const char* name : {"verify", "write"}) {
     const Finished blank = run(kaz({"flash", name, folder_ / "blank.bin", "--format", "raw",
-                                    "--address", "0x8000", "--port", folder_ / "board"}),
+                                    "--at", "0x8000", "--port", folder_ / "board"}),
                                seconds(60));
     EXPECT_EQ(blank.exit_code, 2) << blank.out;
     EXPECT_NE(blank.err.find("nothing to write or to compare"), std::string::npos) << blank.err;

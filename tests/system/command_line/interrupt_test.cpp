@@ -293,9 +293,9 @@ TEST(Interrupts, AreTriedOnEveryVerb) {
 
 TEST(Interrupts, ARecordingEndsThereAndReplays) {
   const TemporaryFolder folder;
-  Process program(kaz({"run", "track-ball", "--mcu", "native", "--eyes", "ideal", "--duration", "3",
+  Process program(kaz({"run", "track-ball", "--mcu", "native", "--eyes", "ideal", "--duration", "30",
                        "--record-pictures", "--out", folder / "out"}));
-  ASSERT_TRUE(program.wait_for_output("kaz run  30 %", seconds(60)));
+  ASSERT_TRUE(program.wait_for_output(": track", seconds(60)));
   program.signal(SIGINT);
   const Finished end = program.wait(seconds(10));
   ASSERT_EQ(end.exit_code, 130) << end.err;

@@ -68,7 +68,7 @@ TEST(TwoProcesses, SimulatorKilledLeavesTheBehaviourWithAClearMessage) {
   const auto named = finished.err.find(words);
   ASSERT_NE(named, std::string::npos) << finished.err;
   const auto from = named + words.size();
-  const std::string path = finished.err.substr(from, finished.err.find('\n', from) - from);
+  const std::string path = finished.err.substr(from, finished.err.find("; ", from) - from);
   EXPECT_NE(read_file(path).find("state_reply"), std::string::npos) << path;
   std::filesystem::remove(path);
 }

@@ -115,7 +115,7 @@ Result<void> KeptRun::put_back() {
                                                   std::to_string(options_.address)
                                             : "kaz recover " + options_.port + " --from " + path_;
   return fail(Fault::environment, "the board on " + options_.port +
-                                      " is not as it was before, not put back is " +
+                                      " may not be as it was before; not put back: " +
                                       joined(back.left) + ": give `" + command + "`");
 }
 

@@ -99,13 +99,14 @@ class WatchedClock final : public host::Clock {
       onlooker_->look(*simulation_);
       looked_ = now;
     }
+    // Whatever waits without this clock, as for a reply or a picture, ends with the interrupt.
+    if (until_ && now >= *until_) interrupt_.request();
     return now;
   }
   Result<void> sleep_until(Time t) override {
     auto slept = clock_.sleep_until(until_ ? std::min(t, *until_) : t);
     if (slept) now();
     if (!slept || !ended()) return slept;
-    interrupt_.request();
     return tl::unexpected(host::Interrupt::error());
   }
   // The time is up that was given to the run.
