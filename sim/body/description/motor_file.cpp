@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "shared/base/one_line.hpp"
 #include "shared/base/xml_text.hpp"
 #include "sim/body/description/xml_file.h"
 
@@ -133,6 +134,10 @@ Result<MotorParams> load_motor_file(const std::string& path, const std::string& 
     }
     const Result<std::string> its_name = file->attribute(*element, "name");
     if (!its_name) return tl::unexpected(its_name.error());
+    // As xml_text() writes it; XML has no form for control characters.
+    if (one_line(*its_name) != *its_name)
+      return file->error(*element, "the name `" + one_line(*its_name) +
+                                       "` of <motor> holds a control character; leave it out");
     Motor motor;
     if (const char* base = element->Attribute("based_on")) {
       const Motor* known = find(motors, base);

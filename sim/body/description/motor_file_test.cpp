@@ -113,6 +113,8 @@ INSTANTIATE_TEST_SUITE_P(
              ":2: <motor> lacks <winding_to_case>"},
         Case{"based_on_nothing", "<motors default='a'>\n<motor name='a' based_on='b'/></motors>",
              ":2: is based on motor `b`, which does not stand above; those that do: none"},
+        Case{"control_character", "<motors default='a'>\n<motor name='a&#1;'/></motors>",
+             ":2: the name `a\\x01` of <motor> holds a control character; leave it out"},
         Case{"no_default", "\n<motors></motors>", ":2: <motors> lacks the attribute `default`"}),
     [](const auto& test) { return std::string(test.param.name); });
 
