@@ -135,12 +135,12 @@ TEST_F(Flash, ABlockThatCannotBeErasedIsGivenUpInTime) {
 TEST_F(Flash, ALineThatCannotBeProgrammedIsGivenUpInTime) {
   store(Calibration::number(1));
   const std::uint32_t serve = address_of("serve"), line = calibration_at + 3 * KZ_STORE_LINE;
-  chip().set_hook(serve, [line](h8s::Chip& here) {
+  chip().set_hook(serve, [](h8s::Chip& here) {
     here.poke(line + 1, 0xFF);
     return h8s::HookAction::go_on;
   });
   // `serve` runs before each pulse; the pulse itself is undone by a cell that lost it at once.
-  chip().set_hook(address_of("programmed"), [line](h8s::Chip& here) {
+  chip().set_hook(address_of("programmed"), [](h8s::Chip& here) {
     here.poke(line + 1, 0xFF);
     return h8s::HookAction::go_on;
   });

@@ -110,14 +110,15 @@ function(kaz_library name)
   install(TARGETS kaz_${name} EXPORT kaz)
 endfunction()
 
-# kaz_test(NAME SOURCES ... LIBS ... [SERIAL] [FAST] [NO_PCH] [TIMEOUT seconds])
+# kaz_test(NAME SOURCES ... LIBS ... [SERIAL | REALTIME] [FAST] [NO_PCH] [TIMEOUT seconds])
 # One GoogleTest program NAME_test; each of its cases is a test of CTest's, with NAME as its label. SERIAL:
-# nothing else runs beside it, for tests in real time. FAST: its own code is optimised as the product is.
+# nothing else runs beside it. REALTIME: no other such test runs beside it, since they mostly wait for a clock,
+# and they begin first, so that others compute meanwhile. FAST: its own code is optimised as the product is.
 function(kaz_test name)
   if(NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(ARG "SERIAL;FAST;NO_PCH" "TIMEOUT" "SOURCES;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL;REALTIME;FAST;NO_PCH" "TIMEOUT" "SOURCES;LIBS" ${ARGN})
   find_package(GTest REQUIRED)
   include(GoogleTest)
   add_executable(${name}_test ${ARG_SOURCES})
@@ -137,6 +138,8 @@ function(kaz_test name)
   set(properties TIMEOUT ${ARG_TIMEOUT} LABELS ${name})
   if(ARG_SERIAL)
     list(APPEND properties RUN_SERIAL TRUE)
+  elseif(ARG_REALTIME)
+    list(APPEND properties RESOURCE_LOCK real_time COST 1000)
   endif()
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. PROPERTIES ${properties}
                        WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} DISCOVERY_TIMEOUT 60)
