@@ -85,6 +85,10 @@ TEST(VisionVerb, FindsTheBallWhoseColourItLearned) {
   EXPECT_EQ(red.exit_code, 0) << red.err;
   EXPECT_EQ(red.out.find("left out: 2.png"), 0u) << red.out;
   EXPECT_NE(red.out.find("0 balls in 1 of 3 pictures"), std::string::npos) << red.out;
+  const Finished first =
+      run(kaz({"vision", "run", "--in", folder / "left", "--calibration", folder / "eyes.yml",
+               "--frames", "1", "--out", folder / "first"}));
+  EXPECT_NE(first.out.find("0 balls in 1 of 1 picture,"), std::string::npos) << first.out;
 }
 
 // A recording carries the posture, so the floor is known; the same file gives the same frames.
