@@ -67,8 +67,7 @@ Result<Image> load_image(const std::string& path, const LoadOptions& options) {
   const Format format = options.format == Format::automatic ? format_of(bytes) : options.format;
   if (options.address && format != Format::raw && format != Format::automatic)
     return fail(path +
-                ": it says itself where its bytes belong: leave --at out, which is for raw "
-                "images (--format raw)");
+                ": --at is for raw images (--format raw); this file contains its own addresses");
   switch (format) {
     case Format::srecord:
       return parse_srecord(text, path);

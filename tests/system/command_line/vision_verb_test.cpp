@@ -204,7 +204,7 @@ TEST(VisionVerb, RefusesInOneSentence) {
   expect_refusal(look({"--in", folder / "bad", "--calibration", folder / "bad/1.png"}), 2,
                  {"1.png", "holds no image_width"});
   expect_refusal(look({"--in", folder / "bad", "--view", "60"}), 1,
-                 {"none of the 1 pictures", "no picture that can be read"});
+                 {"none of 1 picture in", "no picture that can be read"});
   expect_refusal(look({}), 2, {"--in", "--left"});
   expect_refusal(look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm"}), 2,
                  {"--calibration"});
