@@ -63,9 +63,12 @@ tl::unexpected<Error> wrong(const std::string& file_name, const std::string& wha
   return fail(Fault::usage, "limit file '" + file_name + "': " + what);
 }
 
-// Error: what is wrong with this entry, for wrong().
+// Of an entry of `kaz bench list --json`, besides the limits.
+constexpr const char* kListKeys[] = {"name", "group", "unit", "text"};
+
+// Error: what is wrong with this entry, for wrong(). `listed`: it is one of a list.
 tl::expected<std::pair<double, double>, std::string> parse_entry(const std::string& name,
-                                                                 const Json& entry) {
+                                                                 const Json& entry, bool listed) {
   if (!find_measurement(name)) {
     return tl::unexpected("there is no measurement '" + name + "'; docs/howto/bench.md names them");
   }
@@ -74,6 +77,7 @@ tl::expected<std::pair<double, double>, std::string> parse_entry(const std::stri
   }
   std::pair<double, double> limits(-kInfinite, kInfinite);
   for (const auto& [key, value] : entry.items()) {
+    if (listed && std::ranges::find(kListKeys, key) != std::end(kListKeys)) continue;
     if (key != "low" && key != "high") {
       return tl::unexpected("'" + name + "' has a key '" + key + "'; there are 'low' and 'high'");
     }
@@ -126,12 +130,21 @@ Result<Limits> parse_limits(const std::string& json, const std::string& file_nam
   } catch (const Json::exception&) {
     return wrong(file_name, "a number in it is too large");
   }
-  if (!all.is_object()) {
-    return wrong(file_name, "it is not an object with measurements by name");
+  const bool listed = all.is_array();
+  if (!all.is_object() && !listed) {
+    return wrong(file_name,
+                 "it is neither an object with measurements by name nor a list of `kaz bench list "
+                 "--json`");
   }
   Limits limits;
-  for (const auto& [name, entry] : all.items()) {
-    const auto parsed = parse_entry(name, entry);
+  for (const auto& [key, entry] : all.items()) {
+    std::string name = key;
+    if (listed) {
+      if (!entry.is_object() || !entry.contains("name") || !entry["name"].is_string())
+        return wrong(file_name, "entry " + key + " of the list has no \"name\"");
+      name = entry["name"].get<std::string>();
+    }
+    const auto parsed = parse_entry(name, entry, listed);
     if (!parsed) return wrong(file_name, parsed.error());
     limits[name] = *parsed;
   }

@@ -62,8 +62,8 @@ struct Plot {
 
 // Limits other than those of measurements.def, by measurement.
 using Limits = std::map<std::string, std::pair<double, double>>;
-// From JSON: {"stall.torque_10v": {"low": 2.0, "high": 2.3}}; a side that is missing or null has no
-// limit. Errors (usage): no JSON, unknown name or key, low above high.
+// From JSON: {"stall.torque_10v": {"low": 2.0, "high": 2.3}}, or the list of `kaz bench list --json`; a
+// side that is missing or null has no limit. Errors (usage): no JSON, unknown name or key, low above high.
 Result<Limits> parse_limits(const std::string& json, const std::string& file_name);
 
 struct BenchReport {

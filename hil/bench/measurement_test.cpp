@@ -191,11 +191,25 @@ TEST(LimitFile, ReplacesLimits) {
   EXPECT_EQ(judged("pot.offset", 0, *limits).high, find_measurement("pot.offset")->high);
 }
 
+// As `kaz bench list --json` prints them.
+TEST(LimitFile, AListOfMeasurementsIsOne) {
+  const auto limits = parse_limits(
+      R"([{"name": "backlash", "group": "motor", "unit": "mrad", "low": 1, "high": 2, "text": "t"},
+          {"name": "stall.slope", "low": null, "high": 0.1}])",
+      "limits.json");
+  ASSERT_TRUE(limits) << limits.error().message;
+  EXPECT_EQ(limits->size(), 2u);
+  EXPECT_EQ(judged("backlash", 0.4, *limits).verdict, Verdict::failed);
+  EXPECT_EQ(judged("stall.slope", 0, *limits).low, -kInfinite);
+}
+
 TEST(LimitFile, EveryMistakeIsOneSentenceWithFileAndKey) {
   const std::pair<const char*, const char*> mistakes[] = {
       {"{\n\"backlash\": {\"low\": 1,}}", "line 2 is no JSON"},
       {"", "is no JSON"},
-      {"[1]", "not an object"},
+      {"1", "neither an object"},
+      {"[1]", "entry 0 of the list has no \"name\""},
+      {R"([{"name": "backlash", "lo": 3}])", "'backlash' has a key 'lo'"},
       {R"({"backlsh": {}})", "no measurement 'backlsh'"},
       {R"({"backlash": 3})", "'backlash' is not of the form"},
       {R"({"backlash": {"lo": 3}})", "'backlash' has a key 'lo'"},

@@ -118,7 +118,9 @@ Result<std::vector<Genome>> load_corpus(const std::string& folder) {
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     if (entry.is_regular_file()) paths.push_back(entry.path().string());
   }
-  if (error) return fail(Fault::usage, "cannot read the folder " + folder + ": " + error.message());
+  if (error)
+    return fail(Fault::usage, "--corpus " + folder + ": " + error.message() +
+                                  "; give a folder that can be read and written");
   std::sort(paths.begin(), paths.end());
   std::vector<Genome> corpus;
   for (const std::string& path : paths) {

@@ -1,5 +1,7 @@
 // Reading an image file of whatever format.
 // SPDX-License-Identifier: Apache-2.0
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -43,7 +45,8 @@ Result<Image> load_image(const std::string& path, const LoadOptions& options) {
   if (std::filesystem::is_directory(path, ignored))
     return fail(path + ": is a folder; give the image file in it");
   std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(path + ": cannot open the file");
+  if (!file)
+    return fail(path + ": " + std::strerror(errno) + "; give a firmware or program image to read");
   file.seekg(0, std::ios::end);
   const std::streamoff size = file.tellg();
   file.clear();  // a pipe has no end to seek to
@@ -61,7 +64,11 @@ Result<Image> load_image(const std::string& path, const LoadOptions& options) {
   if (file.bad()) return fail(path + ": cannot read the file");
   if (bytes.empty()) return fail(path + ": the file is empty");
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  switch (options.format == Format::automatic ? format_of(bytes) : options.format) {
+  const Format format = options.format == Format::automatic ? format_of(bytes) : options.format;
+  if (options.address && format != Format::raw && format != Format::automatic)
+    return fail(path +
+                ": --at is for raw images (--format raw); this file contains its own addresses");
+  switch (format) {
     case Format::srecord:
       return parse_srecord(text, path);
     case Format::intel_hex:

@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "shared/base/counted.hpp"
 #include "shared/protocol/frame.h"
 #include "shared/protocol/message_info.h"
 #include "sim/mcu/traffic.h"
@@ -511,16 +512,15 @@ std::string WireReport::text() const {
   char line[240];
   std::string text;
   if (equal()) {
-    std::snprintf(
-        line, sizeof line,
-        "no difference in %lld conversations: %lld requests (at least %lld in each), %lld "
-        "frames back, %lld bytes at TxD0",
-        static_cast<long long>(conversations), static_cast<long long>(requests),
-        static_cast<long long>(fewest_requests), static_cast<long long>(replies),
-        static_cast<long long>(bytes));
+    std::snprintf(line, sizeof line,
+                  "no difference in %s: %lld requests (at least %lld in each), %lld "
+                  "frames back, %lld bytes at TxD0",
+                  counted(conversations, "conversation").c_str(), static_cast<long long>(requests),
+                  static_cast<long long>(fewest_requests), static_cast<long long>(replies),
+                  static_cast<long long>(bytes));
   } else {
-    std::snprintf(line, sizeof line, "%lld of %lld conversations differ (seed %llu)",
-                  static_cast<long long>(different), static_cast<long long>(conversations),
+    std::snprintf(line, sizeof line, "%lld of %s differ (seed %llu)",
+                  static_cast<long long>(different), counted(conversations, "conversation").c_str(),
                   static_cast<unsigned long long>(seed));
   }
   text = line;
@@ -544,19 +544,19 @@ std::string WireReport::text() const {
       text += "\n    h8      " + difference.h8 + "\n    native  " + difference.native;
     text += "\n    sent before: " + difference.requests;
   }
-  std::snprintf(
-      line, sizeof line,
-      "\n  first bytes of a reply at most %lld states apart (a tick has %ld); %lld resets, "
-      "at most %lld apart; pins equal in %lld ms",
-      static_cast<long long>(largest_lag), KZ_STATES_PER_TICK, static_cast<long long>(resets),
-      static_cast<long long>(largest_reset_lag), static_cast<long long>(pins_compared));
+  std::snprintf(line, sizeof line,
+                "\n  first bytes of a reply at most %lld states apart (a tick has %ld); %s, "
+                "at most %lld apart; pins equal in %lld ms",
+                static_cast<long long>(largest_lag), KZ_STATES_PER_TICK,
+                counted(resets, "reset").c_str(), static_cast<long long>(largest_reset_lag),
+                static_cast<long long>(pins_compared));
   text += line;
-  std::snprintf(
-      line, sizeof line,
-      "\n  from power-on to the first tick: h8 %lld states, native %lld; %lld frames equal "
-      "but for fields that differ by design",
-      static_cast<long long>(h8_start), static_cast<long long>(NativeOptions::default_start_states),
-      static_cast<long long>(masked));
+  std::snprintf(line, sizeof line,
+                "\n  from power-on to the first tick: h8 %lld states, native %lld; %s equal "
+                "but for fields that differ by design",
+                static_cast<long long>(h8_start),
+                static_cast<long long>(NativeOptions::default_start_states),
+                counted(masked, "frame").c_str());
   text += line;
   text += "\n  sent:";
   for (const auto& [kind, count] : kinds) {

@@ -14,6 +14,7 @@
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/connect.h"
+#include "shared/base/counted.hpp"
 #include "shared/base/enum_names.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
@@ -142,8 +143,8 @@ class Fuzzing {
       const double share = arguments_.cases > 0 ? static_cast<double>(totals_.cases) /
                                                       static_cast<double>(arguments_.cases)
                                                 : elapsed() / arguments_.seconds;
-      progress.update(std::min(share, 1.0), std::to_string(totals_.cases) + " cases, " +
-                                                std::to_string(search.features()) + " features");
+      progress.update(std::min(share, 1.0), counted(totals_.cases, "case") + ", " +
+                                                counted(search.features(), "feature"));
     }
     progress.done();
     if (totals_.cases == 0)
@@ -155,11 +156,27 @@ class Fuzzing {
     return true;
   }
 
+  // Options that would not act on this target, and motion that nobody has allowed.
+  Result<void> check_options(std::optional<sim::McuKind> mcu) const {
+    if (!arguments_.image.empty() && mcu != sim::McuKind::h8)
+      return fail(Fault::usage, "--image is for --target h8 alone");
+    if (mcu && (arguments_.wear_flash || arguments_.address != KZ_ADDRESS_DEFAULT))
+      return fail(Fault::usage, std::string(arguments_.wear_flash ? "--wear-flash" : "--address") +
+                                    " is for a board at a port: --target PATH");
+    if (mcu) return {};
+    if (arguments_.body)
+      return fail(Fault::usage, "--body needs the simulator: use it with --target native or h8");
+    if (!arguments_.allow_motion)
+      return fail(Fault::usage, "this moves the joints of the robot at " + arguments_.target +
+                                    " at random: hang the robot up or take the motors' supply "
+                                    "away, then give --allow-motion");
+    return {};
+  }
+
   Result<void> prepare() {
     const auto mcu = parse_enum(sim::kMcuKinds, arguments_.target);
+    KAZ_TRY(check_options(mcu));
     if (!mcu) {  // a port
-      if (arguments_.body)
-        return fail(Fault::usage, "--body needs the simulator: use it with --target native or h8");
       grammar_.faults = false;
       grammar_.flash = arguments_.wear_flash;
       grammar_.address = arguments_.address;
@@ -187,6 +204,9 @@ class Fuzzing {
     if (arguments_.corpus.empty()) return true;
     std::error_code error;
     std::filesystem::create_directories(arguments_.corpus, error);
+    if (error)
+      return fail(Fault::usage, "--corpus " + arguments_.corpus + " cannot be made: " +
+                                    error.message() + "; give a folder that can be written");
     auto corpus = KAZ_TRY(hil::fuzz::load_corpus(arguments_.corpus));
     for (const Genome& genome : corpus) {
       const auto verdict = KAZ_TRY(one(genome));
@@ -203,8 +223,8 @@ class Fuzzing {
   Result<bool> ended(const Error& error, const hil::fuzz::Search& search) {
     if (error.fault != Fault::interrupted) return tl::unexpected(error);
     report(search, std::nullopt, "");
-    return fail(Fault::interrupted, "interrupted after " + std::to_string(totals_.cases) +
-                                        " cases, none of them failed");
+    return fail(Fault::interrupted,
+                "interrupted after " + counted(totals_.cases, "case") + ", none of them failed");
   }
 
   Result<Verdict> one(const Genome& genome) {
@@ -306,10 +326,10 @@ class Fuzzing {
     }
     if (!text.empty()) std::printf("%s", text.c_str());
     std::printf(
-        "tried: %lld cases in %.1f s, that is %.1f s of the board; %lld frames sent and %lld "
-        "damaged "
-        "ones, %lld replies, %lld of them refusals\n",
-        totals_.cases, seconds, totals_.board_s, totals_.requests, totals_.damaged, totals_.replies,
+        "tried: %s in %.1f s, that is %.1f s of the board; %s sent and %lld damaged ones, %lld "
+        "replies, %lld of them refusals\n",
+        counted(totals_.cases, "case").c_str(), seconds, totals_.board_s,
+        counted(totals_.requests, "frame").c_str(), totals_.damaged, totals_.replies,
         totals_.refusals);
     if (engine_.mcu == sim::McuKind::h8)
       std::printf(
@@ -326,8 +346,9 @@ class Fuzzing {
     }
     std::printf("wrong: %s\n", violation->c_str());
     if (arguments_.replay.empty())
-      std::printf("The case is in %s; see it again with: kaz fuzz --target %s --replay %s\n",
-                  arguments_.out.c_str(), arguments_.target.c_str(), arguments_.out.c_str());
+      std::printf("The case is in %s; see it again with: kaz fuzz --target %s%s --replay %s\n",
+                  arguments_.out.c_str(), arguments_.target.c_str(), port_ ? " --allow-motion" : "",
+                  arguments_.out.c_str());
   }
 
   const FuzzOptions& arguments_;

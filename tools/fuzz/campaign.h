@@ -19,7 +19,8 @@ struct FuzzOptions {
   long long cases = 0;  // above 0: so many instead of `seconds`
   std::uint64_t seed = 1;
   std::uint8_t address = KZ_ADDRESS_DEFAULT;  // of the board at a port
-  bool body = false, json = false, wear_flash = false;
+  bool body = false, json = false;
+  bool allow_motion = false, wear_flash = false;  // at a port, which needs the former
 };
 
 // Prints progress and result. False: a case failed and was saved.

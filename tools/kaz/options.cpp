@@ -128,10 +128,10 @@ void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load
   verb.add_option("--format", load.format,
                   "coff, elf, srec, ihex or raw; by the contents if not given")
       ->transform(one_of(formats))
-      ->type_name("");
-  verb.add_option("--at", load.address, "of a raw image's first byte, and its entry")
+      ->type_name("FORMAT");
+  verb.add_option("--at", load.address, "address of a raw image's first byte, and its entry")
       ->check(CLI::Range(std::uint32_t{0}, max_address))
-      ->type_name("");
+      ->type_name("ADDRESS");
 }
 
 }  // namespace kaz::tools

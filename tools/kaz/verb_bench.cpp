@@ -17,42 +17,48 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
                    ->type_name("PATH[@BAUD]");
   add_address(verb, arguments.target.address)->needs(port);
   add_choice(verb, "--mcu", sim::kMcuKinds, arguments.target.backend.mcu,
-             "of the emulated board: h8 executes the firmware image, native runs the same C "
+             "microcontroller of the emulated board: h8 executes the firmware image, native runs "
+             "the same C "
              "compiled for this machine")
       ->excludes(port);
   verb.add_option("--image", arguments.target.backend.image,
                   "firmware image for h8: S-record or COFF")
+      ->type_name("FILE")
       ->excludes(port);
   add_choice(verb, "--sensors", sim::kSensorSets, arguments.target.backend.sensors,
-             "of the emulated board: nominal, ideal or as-built (kaz sim --help)")
+             "sensors of the emulated board: nominal, ideal or as-built (kaz sim --help)")
       ->excludes(port);
-  verb.add_option("--seed", arguments.target.backend.seed, "of the emulated board's noise")
+  verb.add_option("--seed", arguments.target.backend.seed, "seed of the emulated board's noise")
       ->check(whole_number())
       ->capture_default_str()
+      ->type_name("N")
       ->excludes(port);
   verb.add_option("--limits", arguments.limits,
-                  "JSON file with limits other than those of `kaz bench list`: "
-                  "{\"stall.torque_10v\": {\"low\": 2.0, \"high\": 2.3}}")
+                  "JSON file with limits other than the default ones: an edited `kaz bench list "
+                  "--json`, or {\"stall.torque_10v\": {\"low\": 2.0, \"high\": 2.3}}")
       ->type_name("FILE");
   verb.add_option(
           "--out", arguments.out,
           "folder for report.html, result.json, measurements.csv, curves.csv, junit.xml, plots/")
       ->capture_default_str()
       ->type_name("DIR");
-  verb.add_flag("--json", arguments.json, "the report as JSON on standard output, nothing else");
+  verb.add_flag("--json", arguments.json,
+                "print result.json, no table and no progress; the folder is written too");
 }
 
 void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
   verb.add_option("--joint", arguments.joints, "whose motor: names with commas between, or all")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->type_name("NAME,NAME");
   verb.add_option("--stand", arguments.target.stand,
                   "what stands around the board at the port: ctl:PATH is the control socket of kaz "
                   "sim --stand, manual asks you to clamp, press and read. Without it, what needs a "
                   "stand is left out")
       ->type_name("ctl:PATH|manual");
   verb.add_option("--supply", arguments.supply_volts,
-                  "the supply without load, V, where a measurement does not ask for another")
+                  "supply of the stand without load, V, where a measurement does not set its own")
       ->check(CLI::Range(5.0, 12.0))
+      ->type_name("VOLTS")
       ->capture_default_str();
   verb.add_option(
           "--filter", arguments.filter,
@@ -60,6 +66,13 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
           "together with them")
       ->type_name("REGEX");
   add_motor_options(verb, arguments.target.backend);
+  for (const char* name : {"--motor-file", "--motor"})
+    verb.get_option(name)->excludes(verb.get_option("--port"));
+  verb.get_option("--disc")
+      ->description(
+          "inertia of the disc on the shaft, kg m2: of the virtual stand, or of yours with --stand "
+          "manual")
+      ->type_name("KGM2");
 }
 
 using Chooser = void (*)(BenchOptions&);
@@ -69,44 +82,52 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
   auto* verb = bench_verb.add_subcommand(name, text);
   auto arguments = std::make_shared<BenchOptions>();
   choose(*arguments);
+  arguments->out += std::string("-") + name;
   add_common(*verb, *arguments);
   if (arguments->motor) add_motor_arguments(*verb, *arguments);
   verb->add_flag(
       "--allow-motion", arguments->allow_motion,
       arguments->motor
           ? "at a port without a stand: the joint may move at full speed through its range"
-          : "the joints are switched on for the load and held where they are; else the "
-            "board refuses targets that are as long");
-  verb->footer(
-      std::string("Exit status: 0 all within its limits, 1 a limit failed, 2 wrong usage, 3 "
-                  "port error,\nor this machine was too late to judge.\nExamples:\n") +
-      footer);
+          : "switch the joints on and hold them where they are, for a realistic load; without it "
+            "the board refuses the target frames, which are as long");
+  verb->footer(std::string(arguments->motor
+                               ? "A motor takes three and a half minutes on a port, a few "
+                                 "seconds on the emulated board.\n"
+                               : "") +
+               "Exit status: 0 all within its limits, 1 a limit failed, 2 wrong usage, 3 port "
+               "error, or this "
+               "machine was too late to judge.\nExamples:\n" +
+               footer);
   verb->callback([&action, arguments] { action = [arguments] { return run_bench(*arguments); }; });
   return verb;
 }
 
 void add_fit(CLI::App& bench_verb, Action& action) {
   auto* verb = bench_verb.add_subcommand(
-      "fit",
-      "fits the parameters of the motor model so that the simulated bench measures the same");
+      "fit", "fit the parameters of the motor model so that the simulated bench measures the same");
   auto arguments = std::make_shared<BenchFitOptions>();
   verb->add_option("REPORT", arguments->report,
                    "result.json of `kaz bench motor`, or the folder it is in")
       ->required();
-  verb->add_option("--joint", arguments->joint, "which motor, where the report is of several");
+  verb->add_option("--joint", arguments->joint, "which motor, where the report is of several")
+      ->type_name("NAME");
   verb->add_option("--motor-file", arguments->model.motor_file,
-                   "where to begin; without it Kaz's motor.xml")
+                   "motor file with the parameters to begin with; without it Kaz's motor.xml")
       ->type_name("FILE");
   verb->add_option("--motor", arguments->model.motor,
                    "the motor of that file; without it the file's default")
       ->type_name("NAME");
   add_choice(*verb, "--mcu", sim::kMcuKinds, arguments->model.mcu,
-             "of the model's board: h8 executes the firmware image, native is five times as fast "
+             "microcontroller of the model's board: h8 executes the firmware image, native is five "
+             "times as fast "
              "and 0.1 ms off in a start");
-  verb->add_option("--image", arguments->model.image, "firmware image for h8: S-record or COFF");
-  verb->add_option("--seed", arguments->model.seed, "of the noise on the model's bench")
+  verb->add_option("--image", arguments->model.image, "firmware image for h8: S-record or COFF")
+      ->type_name("FILE");
+  verb->add_option("--seed", arguments->model.seed, "seed of the noise on the model's bench")
       ->check(whole_number())
-      ->capture_default_str();
+      ->capture_default_str()
+      ->type_name("N");
   verb->add_option("--out", arguments->out,
                    "folder for motor.xml, report.html, result.json, plots/")
       ->capture_default_str()
@@ -116,7 +137,7 @@ void add_fit(CLI::App& bench_verb, Action& action) {
       "Examples:\n"
       "  kaz bench motor --port /dev/ttyUSB0 --stand manual --disc 4e-4 --out my-motor\n"
       "  kaz bench fit my-motor --out my-fit\n"
-      "  kaz bench motor --motor-file my-fit/motor.xml   (the fitted motor on the virtual stand)");
+      "  kaz bench motor --motor-file my-fit/motor.xml     # on the virtual stand");
   verb->callback([&action, arguments] { action = [arguments] { return run_fit(*arguments); }; });
 }
 
@@ -124,32 +145,36 @@ void add_fit(CLI::App& bench_verb, Action& action) {
 
 void add_bench(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "bench", "measures motors, link and tick of a board, with limits and plots; fits the model");
+      "bench",
+      "measure motors, link and tick of a board, with limits and plots; fit the motor model");
   verb->require_subcommand(1);
   add_measuring(
       *verb, action, "motor",
-      "torque, speed, friction, backlash, dead band, potentiometer, step, frequency response, heat",
+      "measure torque, speed, friction, backlash, dead band, potentiometer, step and frequency "
+      "response, heat",
       [](BenchOptions& a) { a.motor = true; },
-      "  kaz bench motor --out motor      (an emulated board: no hardware needed)\n"
+      "  kaz bench motor --out motor     # an emulated board: no hardware needed\n"
       "  kaz bench motor --joint l_knee,r_knee --filter 'stall|no_load'\n"
       "  kaz bench motor --port /dev/ttyUSB0 --joint l_sh_pitch --stand manual --disc 4e-4\n"
-      "  kaz bench motor --port board --stand ctl:board.ctl     (kaz sim --serial board --stand)");
+      "  kaz bench motor --port board --stand ctl:board.ctl     # for kaz sim --serial board "
+      "--stand");
   add_measuring(
-      *verb, action, "link", "round trips, cycles a second, errors, lost telemetry",
+      *verb, action, "link", "measure round trips, cycles a second, errors, lost telemetry",
       [](BenchOptions& a) { a.link = true; },
       "  kaz bench link --port /dev/ttyUSB0\n  kaz bench link --json > link.json");
   add_measuring(
-      *verb, action, "tick", "how long and how even the board's ticks are",
+      *verb, action, "tick", "measure how long and how even the board's ticks are",
       [](BenchOptions& a) { a.tick = true; },
       "  kaz bench tick --port /dev/ttyUSB0 --allow-motion\n  kaz bench tick");
   add_measuring(
-      *verb, action, "all", "link, tick and motor in one report",
+      *verb, action, "all", "measure link, tick and motor, in one report",
       [](BenchOptions& a) { a.motor = a.link = a.tick = true; },
       "  kaz bench all --out board-42\n  kaz bench all --port /dev/ttyUSB0 --stand manual");
   add_fit(*verb, action);
-  auto* names = verb->add_subcommand("list", "the measurements with their limits, and runs none");
+  auto* names = verb->add_subcommand("list", "print the measurements with their limits; run none");
   auto as_json = std::make_shared<bool>(false);
-  names->add_flag("--json", *as_json, "as JSON; a side without limit is null");
+  names->add_flag("--json", *as_json,
+                  "print them as JSON, which --limits takes; a side without limit is null");
   names->footer("Examples:\n  kaz bench list\n  kaz bench list --json > limits.json");
   names->callback([&action, as_json] {
     action = [as_json] {

@@ -11,19 +11,21 @@ namespace kaz::tools {
 
 void add_calibrate(CLI::App& program, Action& action) {
   auto* verb =
-      program.add_subcommand("calibrate", "finds out what a robot's parts really are like");
+      program.add_subcommand("calibrate", "calibrate cameras from pictures of a chessboard");
   verb->require_subcommand(1);
   verb->footer(
       "Examples:\n"
       "  kaz calibrate stereo --left 'eyes/left*.png' --right 'eyes/right*.png' \\\n"
       "      --board 9x6 --square 0.025 --out stereo.yml");
   auto* stereo = verb->add_subcommand(
-      "stereo", "lenses of two eyes and how they stand, from pictures of a chessboard");
+      "stereo", "lenses and relative position of two cameras, from pictures of a chessboard");
   auto arguments = std::make_shared<StereoCalibrationOptions>();
   stereo->add_option("--left", arguments->left, "pictures of the left eye; a pattern in quotes")
       ->required()
       ->type_name("PATTERN");
-  stereo->add_option("--right", arguments->right, "those of the right eye, the same moments")
+  stereo
+      ->add_option("--right", arguments->right,
+                   "pictures of the right eye, taken at the same times")
       ->required()
       ->type_name("PATTERN");
   stereo
@@ -48,13 +50,14 @@ void add_calibrate(CLI::App& program, Action& action) {
       ->add_option("--max-rms", arguments->max_rms_px,
                    "reprojection error in px above which nothing is written")
       ->check(CLI::Range(0.01, 5.0))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->type_name("PX");
   stereo->add_flag("--json", arguments->json, "print the report as JSON, no progress");
   stereo->footer(
-      "A pair is two pictures with the same last number in their names (left07.jpg, right07.jpg).\n"
+      "A pair is two pictures with the same last number in their names (left07.jpg, right07.jpg). "
       "Pictures without the whole board are named and left out; " +
       std::to_string(vision::kLeastPairs) +
-      " pairs have to remain.\n"
+      " pairs have to remain. "
       "Move and tilt the board until the coverage picture is full, corners too.\n"
       "Exit status: 0 done, 1 no good calibration comes of them, 2 wrong usage.\n"
       "Examples:\n"

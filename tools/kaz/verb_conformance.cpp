@@ -11,7 +11,7 @@ namespace kaz::tools {
 
 void add_conformance(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "conformance", "shows case by case that a board does what docs/reference/protocol.md says");
+      "conformance", "check case by case that a board does what docs/reference/protocol.md says");
   auto arguments = std::make_shared<ConformanceOptions>();
   auto* port = verb->add_option("--port", arguments->port, "serial port or pty of a board")
                    ->type_name("PATH[@BAUD]");
@@ -20,9 +20,10 @@ void add_conformance(CLI::App& program, Action& action) {
              "a virtual board on a bench, in simulated time: h8 executes the firmware image, "
              "native runs the same C compiled for this machine")
       ->excludes(port);
-  verb->add_option("--image", arguments->image, "firmware image for h8: S-record or COFF");
+  verb->add_option("--image", arguments->image, "firmware image for h8: S-record or COFF")
+      ->type_name("FILE");
   verb->add_flag(
-      "--allow-motion,--bench", arguments->allow_motion,
+      "--allow-motion", arguments->allow_motion,
       "on a port: also the cases that move joints or drive motors. Put the robot where it can "
       "move, and stand by");
   verb->add_flag(
@@ -33,20 +34,28 @@ void add_conformance(CLI::App& program, Action& action) {
       ->type_name("REGEX");
   verb->add_option("--seed", arguments->run.seed, "of the cases' random bytes")
       ->check(whole_number())
+      ->type_name("N")
       ->capture_default_str();
-  verb->add_flag("--list", arguments->list, "print the cases and run none");
+  auto* list = verb->add_flag("--list", arguments->list, "print the cases and run none");
   verb->add_option("--junit", arguments->junit, "write JUnit XML; -: to standard output")
-      ->type_name("FILE");
-  verb->add_option("--json", arguments->json, "write JSON; -: to standard output")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->excludes(list);
+  verb->add_option_function<std::string>(
+          "--json",
+          [arguments](const std::string& file) { arguments->json = file.empty() ? "-" : file; },
+          "write the report, or the list of --list, as JSON; without FILE or with -: to standard "
+          "output, and nothing else there")
+      ->expected(0, 1)
+      ->type_name("[FILE]");
   verb->add_option("--html", arguments->html, "write one HTML page; -: to standard output")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->excludes(list);
   verb->footer(
-      "A virtual board passes all cases; on a port those that need a bench are left out.\n"
-      "The board there is left as it was found, also by Ctrl-C; kaz recover brings back one whose\n"
-      "run was killed.\n"
-      "A case that fails while this machine is late runs up to three times more, and is undecided "
-      "then.\n"
+      "A virtual board passes all cases; on a port those that disturb supply, sensors or line are "
+      "left out. The board there is left as it was found, also by Ctrl-C; kaz recover brings back "
+      "one whose run was killed. A case that fails while this machine is late runs up to three "
+      "times more, and is undecided then. All cases take a few "
+      "seconds on a virtual board, a minute or two on a port.\n"
       "Exit status: 0 all that ran passed, 1 a case failed, 2 wrong usage, 3 port error or "
       "undecided.\n"
       "Examples:\n"

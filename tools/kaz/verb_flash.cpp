@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "tools/app/flash/flash.h"
 #include "tools/kaz/options.h"
@@ -10,19 +11,34 @@
 namespace kaz::tools {
 namespace {
 
-void add_common(CLI::App& verb, FlashArguments& arguments) {
-  verb.add_option("--port", arguments.port, "serial port or pty of the board")->type_name("PATH");
-  add_address(verb, arguments.address);
+constexpr const char* kWriteExamples =
+    "  kaz flash write build/release/firmware/kaz.mot --port /dev/ttyUSB0\n"
+    "  kaz flash write kaz.mot --port board --reset ctl:board.ctl     # for kaz sim --erased\n"
+    "  kaz flash write kaz.mot --port /dev/ttyUSB0 --reset manual\n";
+constexpr const char* kExitStatus =
+    "Exit status: 0 done and verified, 1 it failed, 2 wrong usage or image, 3 port error.";
+
+// Of the verbs that can do without the loader.
+void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
   verb.add_option(
           "--reset", arguments.reset,
           "boot mode, entered by dtr-rts (DTR at RES, RTS at the mode pins), ctl:PATH (control "
           "socket of kaz sim) or manual; without it the resident loader")
       ->type_name("HOW");
-  verb.add_option("--boot-baud", arguments.boot_baud, "of boot mode")
+  verb.add_option("--boot-baud", arguments.boot_baud, "baud rate in boot mode")
       ->check(CLI::IsMember({4800, 9600, 19200}))
       ->capture_default_str();
+}
+
+void add_common(CLI::App& verb, FlashArguments& arguments, bool dry_run) {
+  auto* port = verb.add_option("--port", arguments.port,
+                               std::string("serial port or pty of the board; 115,200 baud") +
+                                   (dry_run ? " (required, but for --dry-run)" : ""))
+                   ->type_name("PATH");
+  if (!dry_run) port->required();
+  add_address(verb, arguments.address);
   verb.add_option("--writer", arguments.writer,
-                  "the flash writer; that of this program if not given")
+                  "flash writer to load into the board's RAM; that of this program if not given")
       ->type_name("FILE");
   verb.add_flag("--json", arguments.json,
                 "one JSON object on standard output, of a failure too: `ok`, and `error`");
@@ -36,63 +52,66 @@ void add_image(CLI::App& verb, FlashArguments& arguments) {
 
 void add_flash(CLI::App& program, Action& action) {
   auto* all = program.add_subcommand(
-      "flash", "puts a firmware into a servo board: boot mode or resident loader");
+      "flash", "write, read and verify the board's firmware, through boot mode or resident loader");
   all->require_subcommand(1);
-  all->footer(
-      "Examples:\n"
-      "  kaz flash write build/release/firmware/kaz.mot --port /dev/ttyUSB0\n"
-      "  kaz flash write kaz.mot --port board --reset ctl:board.ctl     (kaz sim --erased)\n"
-      "  kaz flash write kaz.mot --port /dev/ttyUSB0 --reset manual\n"
-      "  kaz flash info --port /dev/ttyUSB0\n"
-      "Exit status: 0 done and verified, 1 it failed, 2 wrong usage or image, 3 port error.");
+  all->footer(std::string("Examples:\n") + kWriteExamples +
+              "  kaz flash info --port /dev/ttyUSB0\n" + kExitStatus);
   const auto add = [&](const char* name, const char* text, const char* examples) {
     auto* verb = all->add_subcommand(name, text);
-    verb->footer(std::string("Examples:\n") + examples +
-                 "Exit status: 0 done and verified, 1 it failed, 2 wrong usage or image, 3 port "
-                 "error.");
+    const std::string_view which = name;
+    const bool by_boot_mode = which == "run" || which == "write" || which == "erase";
+    verb->footer(std::string(by_boot_mode ? ""
+                                          : "Boot mode would erase the flash: this uses the "
+                                            "resident loader.\n") +
+                 "Examples:\n" + examples + kExitStatus);
     auto arguments = std::make_shared<FlashArguments>();
     arguments->verb = name;
-    add_common(*verb, *arguments);
+    add_common(*verb, *arguments, which == "write");
+    if (by_boot_mode) add_boot_mode(*verb, *arguments);
     verb->callback(
         [&action, arguments] { action = [arguments] { return run_flash(*arguments); }; });
     return std::pair(verb, arguments);
   };
-  add("info", "what the board says of itself",
+  add("info", "print what is in the board's flash; restarts the board, motors go off",
       "  kaz flash info --port /dev/ttyUSB0\n"
-      "  kaz flash info --port board --reset ctl:board.ctl --json     (boot mode)\n");
-  add("run", "starts the firmware in the flash, and prints its identity",
-      "  kaz flash run --port /dev/ttyUSB0     (after kaz flash write --no-start)\n");
+      "  kaz flash info --port board --json\n");
+  add("run", "start the firmware in the flash, and print its identity",
+      "  kaz flash run --port /dev/ttyUSB0     # after kaz flash write --no-start\n");
   auto [write, to_write] =
-      add("write", "erases what differs, writes, verifies and starts an image",
-          "  kaz flash write build/release/firmware/kaz.mot --port /dev/ttyUSB0\n"
-          "  kaz flash write kaz.mot --port board --reset ctl:board.ctl     (kaz sim --erased)\n"
-          "  kaz flash write kaz.mot --port /dev/ttyUSB0 --reset manual\n");
+      add("write", "erase what differs, write, verify and start an image", kWriteExamples);
   add_image(*write, *to_write);
-  write->add_flag("--dry-run", to_write->dry_run, "look at the image and the port, send nothing");
+  write->add_flag("--dry-run", to_write->dry_run,
+                  "check the image and, if given, the port; send nothing");
   write->add_flag("--force", to_write->force,
-                  "although the image is for another board or no Kaz's");
-  write->add_flag("!--no-start", to_write->start, "do not start it");
-  auto [verify, to_verify] = add("verify", "compares the flash with an image",
-                                 "  kaz flash verify kaz.mot --port /dev/ttyUSB0\n");
+                  "write the image even if it is for another board or not a Kaz firmware");
+  write->add_flag("!--no-start", to_write->start,
+                  "leave the board in the loader or boot mode, without starting the image");
+  auto [verify, to_verify] =
+      add("verify", "compare the flash with an image; restarts the board, motors go off",
+          "  kaz flash verify kaz.mot --port /dev/ttyUSB0\n");
   add_image(*verify, *to_verify);
-  auto [erase, to_erase] = add("erase", "erases blocks; with --reset the whole flash",
+  auto [erase, to_erase] = add("erase", "erase blocks; with --reset the whole flash",
                                "  kaz flash erase --port /dev/ttyUSB0 --blocks 7,8\n"
                                "  kaz flash erase --port /dev/ttyUSB0 --reset manual\n");
-  erase->add_option("--blocks", to_erase->blocks, "1..5 and 7..9, through the resident loader")
+  erase
+      ->add_option("--blocks", to_erase->blocks,
+                   "blocks to erase through the resident loader: 1 to 5 and 7 to 9")
       ->delimiter(',')
       ->check(CLI::Range(0, 9))
       ->type_name("N,N");
-  auto [read, to_read] = add("read", "reads flash into a raw file",
+  auto [read, to_read] = add("read", "copy flash to a raw file; restarts the board, motors go off",
                              "  kaz flash read --port /dev/ttyUSB0 --out flash.bin\n"
                              "  kaz flash read --port board --from 0x1000 --length 4096 --out "
                              "part.bin\n");
-  read->add_option("--from", to_read->from, "first address")
+  read->add_option("--from", to_read->from, "first address to read")
       ->check(CLI::Range(0, 0x1ffff))
+      ->type_name("ADDRESS")
       ->capture_default_str();
-  read->add_option("--length", to_read->length, "bytes")
+  read->add_option("--length", to_read->length, "number of bytes to read")
       ->check(CLI::Range(1, 0x20000))
+      ->type_name("N")
       ->capture_default_str();
-  read->add_option("--out", to_read->out, "file")->required()->type_name("FILE");
+  read->add_option("--out", to_read->out, "file to write")->required()->type_name("FILE");
 }
 
 }  // namespace kaz::tools

@@ -26,44 +26,55 @@ struct CompareArguments {
 void add_wire_options(CLI::App& verb, CompareArguments& arguments) {
   auto* wire =
       verb.add_flag("--wire", arguments.on_wire, "compare whole boards on the line instead");
-  verb.add_option("--conversations", arguments.wire.conversations, "with --wire: of a second each")
+  verb.add_option("--conversations", arguments.wire.conversations,
+                  "number of conversations of one second each")
       ->check(whole_number_above_zero())
       ->capture_default_str()
+      ->type_name("N")
       ->needs(wire);
-  verb.add_option("--first", arguments.wire.first, "with --wire: number of the first one")
+  verb.add_option("--first", arguments.wire.first, "number of the first conversation")
       ->check(whole_number())
       ->capture_default_str()
+      ->type_name("N")
       ->needs(wire);
+  // Of the comparison of ticks; the boards on the line run on the default engine.
+  for (const char* name : {"--ticks", "--state-every", "--engine"})
+    verb.get_option(name)->excludes(wire);
 }
 
 void add_compare(CLI::App& mcu, Action& action) {
   auto* verb = mcu.add_subcommand(
-      "compare", "native against h8: equal inputs of the servo tick must give equal outputs");
+      "compare", "compare native with h8: equal inputs of the servo tick must give equal outputs");
   auto arguments = std::make_shared<CompareArguments>();
-  verb->add_option("--ticks", arguments->options.ticks, "how many ticks of 1 ms")
+  verb->add_option("--ticks", arguments->options.ticks, "number of ticks of 1 ms")
       ->check(whole_number_above_zero())
-      ->capture_default_str();
-  verb->add_option("--seed", arguments->options.seed, "of host traffic and potentiometers")
+      ->capture_default_str()
+      ->type_name("N");
+  verb->add_option("--seed", arguments->options.seed, "seed of host traffic and potentiometers")
       ->check(whole_number())
-      ->capture_default_str();
+      ->capture_default_str()
+      ->type_name("N");
   verb->add_option("--state-every", arguments->options.state_every,
-                   "compare the whole state every so many ticks; outputs and pins in each")
+                   "compare the whole state every N ticks; outputs and pins in each")
       ->check(whole_number_above_zero())
-      ->capture_default_str();
+      ->capture_default_str()
+      ->type_name("N");
   verb->add_option(
           "--engine", arguments->options.engine,
-          "of the emulator: reference, interpreter or translator (the default, which every "
+          "engine of the emulator: reference, interpreter or translator (the default, which every "
           "other verb uses)")
       ->transform(one_of(kEngines))
-      ->type_name("");
+      ->type_name("ENGINE");
   verb->add_option("--image", arguments->options.image_path,
-                   "firmware image, with its .coff beside it; the built one if not given");
+                   "firmware image, with its .coff beside it; the built one if not given")
+      ->type_name("FILE");
   verb->add_flag("--json", arguments->json, "print the report as JSON, no progress");
   verb->footer(
-      "The firmware runs in the emulator under random traffic, legal and illegal. Each tick's\n"
-      "input is fed to the native build; outputs and state must be equal. Exit status 1 and the\n"
-      "first difference side by side where they are not. --wire compares whole boards instead,\n"
-      "reply by reply, in conversations of a second each.\n"
+      "The firmware runs in the emulator under random traffic, legal and illegal. Each tick's "
+      "input "
+      "is fed to the native build; outputs and state must be equal. Exit status 1 and the first "
+      "difference side by side where they are not. --wire compares whole boards instead, reply by "
+      "reply. The defaults take some five seconds, a million ticks on the translator a minute.\n"
       "Examples:\n"
       "  kaz mcu compare\n"
       "  kaz mcu compare --ticks 1000000 --seed 7\n"
@@ -81,33 +92,39 @@ void add_compare(CLI::App& mcu, Action& action) {
 }
 
 void add_machine_options(CLI::App& verb, McuRunOptions& options) {
-  verb.add_flag("--flat", options.flat, "16 MiB of RAM and nothing else, from the image's entry");
+  verb.add_flag("--flat", options.flat,
+                "instead of the chip: its CPU with 16 MiB of RAM, from the image's entry");
   verb.add_flag("--semihost", options.semihost,
                 "with --flat: GDB's calls of the host, the program's own exit status")
       ->needs("--flat");
-  verb.add_flag("--count", options.count,
-                "print insns=N and states=N at the end, on standard error");
+  verb.add_flag(
+      "--count", options.count,
+      "print insns=N (instructions) and states=N (cycles of the chip's clock) at the end, "
+      "on standard error");
   verb.add_option("--max-states", options.max_states,
-                  "stop there; one second of the chip if not given, no limit with --flat")
-      ->check(whole_number_above_zero());
-  verb.add_option("--max-insns", options.max_insns, "with --flat: stop there")
+                  "stop after N states (cycles of the chip's clock); one second of the chip if not "
+                  "given, no limit with --flat")
       ->check(whole_number_above_zero())
+      ->type_name("N");
+  verb.add_option("--max-insns", options.max_insns, "stop after N instructions")
+      ->check(whole_number_above_zero())
+      ->type_name("N")
       ->needs("--flat");
   verb.add_option("--engine", options.engine, "reference, interpreter or translator (the default)")
       ->transform(one_of(kEngines))
-      ->type_name("");
+      ->type_name("ENGINE");
   verb.add_option("--mode", options.mode, "mode pins: 2 advanced (24-bit), 3 normal (16-bit)")
-      ->check(CLI::IsMember({2, 3}))
+      ->check(CLI::IsMember({2, 3}).description(""))
       ->capture_default_str()
-      ->type_name("");
-  verb.add_option("--ram-fill", options.ram_fill, "each byte of RAM when power comes")
+      ->type_name("2|3");
+  verb.add_option("--ram-fill", options.ram_fill, "value of each byte of RAM when power comes")
       ->check(CLI::Range(0, 255))
       ->capture_default_str()
-      ->type_name("");
-  verb.add_option("--crystal", options.crystal_hz, "in Hz")
+      ->type_name("BYTE");
+  verb.add_option("--crystal", options.crystal_hz, "frequency of the crystal")
       ->check(CLI::Range(1e5, 1e8))
       ->capture_default_str()
-      ->type_name("");
+      ->type_name("HZ");
 }
 
 // All of them are for the chip, not for the flat machine.
@@ -118,7 +135,8 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
       ->type_name("FILE");
   auto* profile =
       verb.add_flag("--profile{-}", debug.profile,
-                    "states by function at the end, on standard error or to --profile=FILE")
+                    "states by function at the end, on standard error or to --profile=FILE; names "
+                    "need a COFF or ELF image")
           ->excludes("--flat")
           ->type_name("FILE");
   verb.add_option("--profile-format", debug.profile_format,
@@ -126,37 +144,42 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
       ->check(CLI::IsMember({"text", "json", "callgrind"}).description(""))
       ->capture_default_str()
       ->needs(profile)
-      ->type_name("");
+      ->type_name("FORMAT");
   verb.add_option("--tick", debug.tick,
-                  "BEGIN,END: labels around a tick; the profile reports the longest one")
+                  "labels of a COFF or ELF image, or addresses, around a tick; the profile reports "
+                  "the longest one")
       ->needs(profile)
-      ->type_name("");
-  verb.add_option("--coverage", debug.coverage,
-                  "write lcov's tracefile there, and a table by function on standard error")
+      ->type_name("BEGIN,END");
+  verb.add_option(
+          "--coverage", debug.coverage,
+          "write coverage for lcov to FILE, and a table by function on standard error; needs "
+          "a COFF or ELF image")
       ->excludes("--flat")
-      ->type_name("");
+      ->type_name("FILE");
   verb.add_flag("--check-uninitialised", debug.check_uninitialised,
                 "report reads of RAM that nobody has written")
       ->excludes("--flat");
   verb.add_flag("--stack", debug.stack, "report how deep the stack went, and in which calls")
       ->excludes("--flat");
   verb.add_option("--gdb", debug.gdb,
-                  "wait for GDB on this TCP port, at this path (a Unix socket) or on -")
+                  "wait for GDB at a TCP port of this machine, a Unix socket (a path with /) or "
+                  "standard input and output (-)")
       ->excludes("--flat")
-      ->type_name("");
+      ->type_name("PORT|PATH|-");
 }
 
 void add_bare_run(CLI::App& mcu, Action& action) {
-  auto* verb = mcu.add_subcommand("run", "the bare emulator on any image, no board around it");
+  auto* verb = mcu.add_subcommand("run", "run any image on the bare emulator, no board around it");
   auto options = std::make_shared<McuRunOptions>();
   add_image_options(*verb, options->image, options->load, 0xffffff);
   add_machine_options(*verb, *options);
   verb->add_flag("--entry{image}", options->entry,
                  "start at the image's entry, or with --entry=ADDRESS there, not by reset")
       ->type_name("ADDRESS");
-  verb->add_option("--input", options->input, "bytes for RxD0 at line rate; - is standard input")
+  verb->add_option("--input", options->input,
+                   "bytes sent to RxD0 at line rate, from FILE or - (standard input)")
       ->excludes("--flat")
-      ->type_name("");
+      ->type_name("FILE");
   verb->add_option("--netlist", options->netlist,
                    "parts around the chip: docs/reference/emulator-pins.md")
       ->excludes("--flat")
@@ -165,7 +188,8 @@ void add_bare_run(CLI::App& mcu, Action& action) {
                   ->excludes("--flat")
                   ->type_name("FILE");
   verb->add_option("--signals", options->signals,
-                   "pins, registers, memory: P50,pc,FRC,0xffe100:16; pins and pc if not given")
+                   "pins, registers, memory to record: P50,pc,FRC,0xffe100:16; pins and pc if not "
+                   "given; names of variables need a COFF or ELF image")
       ->delimiter(',')
       ->needs(vcd)
       ->type_name("NAMES");
@@ -173,9 +197,10 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   verb->add_flag("--json", options->json, "print the summary as JSON on standard output")
       ->excludes("--semihost");
   verb->footer(
-      "Starts at the reset vector, as the chip does. What the program sends on SCI0 goes to\n"
-      "standard output. Exit status 1 where the chip stops on an error, with a report; with\n"
-      "--semihost the program's own, 125 where it does not end by itself.\n"
+      "Starts at the reset vector, as the chip does. What the program sends on SCI0 goes to "
+      "standard "
+      "output. Exit status 1 where the chip stops on an error, with a report; with --semihost the "
+      "program's own, 125 where it does not end by itself.\n"
       "Examples:\n"
       "  kaz mcu run build/release/firmware/kaz.mot\n"
       "  kaz mcu run build/release/firmware/kaz.coff --max-states 2000 --trace\n"
@@ -183,7 +208,7 @@ void add_bare_run(CLI::App& mcu, Action& action) {
       "  kaz mcu run program.coff --netlist board.net --vcd run.vcd --signals P50,TMO0,pc\n"
       "  kaz mcu run kaz.coff --profile --tick kz_tick_begin,kz_tick_end --stack\n"
       "  kaz mcu run kaz.coff --profile=out.callgrind --profile-format callgrind\n"
-      "  kaz mcu run kaz.coff --gdb 1234   (then in GDB: target remote localhost:1234)\n"
+      "  kaz mcu run kaz.coff --gdb 1234     # then in GDB: target remote localhost:1234\n"
       "  kaz mcu run --flat --semihost --count program.coff");
   verb->callback([&action, options] { action = [options] { return run_mcu(*options); }; });
 }
@@ -191,7 +216,7 @@ void add_bare_run(CLI::App& mcu, Action& action) {
 }  // namespace
 
 void add_mcu(CLI::App& program, Action& action) {
-  auto* mcu = program.add_subcommand("mcu", "the servo board's chip by itself: run, compare");
+  auto* mcu = program.add_subcommand("mcu", "run or compare the servo board's chip by itself");
   mcu->require_subcommand(1);
   mcu->footer("Examples:\n  kaz mcu run IMAGE\n  kaz mcu compare");
   add_bare_run(*mcu, action);

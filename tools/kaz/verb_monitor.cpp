@@ -11,21 +11,24 @@ namespace kaz::tools {
 
 void add_monitor(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "monitor", "a board in the terminal: joints, supply, tick, link; keys to move and stop");
+      "monitor", "show a board in the terminal: joints, supply, tick, link; keys to move and stop");
   auto arguments = std::make_shared<MonitorOptions>();
   verb->add_option("--port", arguments->port, "serial port or pty of a board")
       ->type_name("PATH[@BAUD]")
       ->required();
   add_address(*verb, arguments->address);
   verb->footer(
-      "80 columns and 24 lines are enough; works over ssh. It looks only, until a key says\n"
-      "otherwise: e switches the selected joint on or off, E all on, left and right move it by a\n"
-      "degree, [ and ] by five, SPACE stops everything, c clears a shutdown, q quits and switches\n"
-      "off what was switched on here. A board that goes away is sought until it is there again.\n"
+      "80 columns and 24 lines are enough; works over ssh. It reads only, until a key is pressed: "
+      "e switches the selected joint on or off, E all on, left and right move it by a degree, [ "
+      "and "
+      "] by five, SPACE stops everything, c clears a shutdown, q quits and switches off what was "
+      "switched on here. A board that goes away is sought until it is there again; at the start it "
+      "has to be there.\n"
       "Exit status: 0 left by q or Ctrl-C, 2 wrong usage or no terminal, 3 port error.\n"
       "Examples:\n"
       "  kaz monitor --port /dev/ttyUSB0\n"
-      "  kaz sim --mcu native --serial board &  kaz monitor --port board\n"
+      "  kaz sim --mcu native --serial board     # in another terminal, until it says ready\n"
+      "  kaz monitor --port board\n"
       "  ssh workbench -t kaz monitor --port /dev/ttyUSB0");
   verb->callback([&action, arguments] { action = [arguments] { return monitor(*arguments); }; });
 }

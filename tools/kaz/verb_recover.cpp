@@ -23,13 +23,13 @@ void add_recover(CLI::App& program, Action& action) {
         ->type_name("N");
   };
   add_number("--address", arguments->address,
-             "where it is to be, 1 to 14; that of --from if not given, else 1");
+             "address that the board gets; that of --from if not given, else 1");
   add_number("--found-at", arguments->found_at,
-             "which board, where several are on the line: its present address");
+             "present address of the board to recover, if several are on the line");
   verb->add_option_function<std::string>(
           "--shared-line",
           [arguments](const std::string& text) { arguments->shared_line = text == "on"; },
-          "on: other boards are on its line; as it is if not given")
+          "whether the board shares its line with others: on or off (default: left as it is)")
       ->check(CLI::IsMember({"on", "off"}))
       ->type_name("on|off");
   verb->add_option("--from", arguments->from,
@@ -38,8 +38,8 @@ void add_recover(CLI::App& program, Action& action) {
       ->type_name("FILE");
   verb->add_flag("--json", arguments->json, "print what was found and done as JSON");
   verb->footer(
-      "Searches all 14 addresses, switches the motors off, resets the board, which clears latched\n"
-      "faults, and gives it its address. The calibration in its flash stays, or becomes that of\n"
+      "Searches all 14 addresses, switches the motors off, resets the board, which clears latched "
+      "faults, and gives it its address. The calibration in its flash stays, or becomes that of "
       "--from.\n"
       "Exit status: 0 recovered, 1 something or a fault remains, 2 wrong usage, 3 port error.\n"
       "Examples:\n"

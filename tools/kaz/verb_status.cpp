@@ -20,8 +20,8 @@ void add_status(CLI::App& program, Action& action) {
   verb->add_flag("--json", arguments->json, "print it as JSON");
   verb->footer(
       "Reads only: nothing moves, and nothing is cleared. docs/explanation/safety.md says what to "
-      "do about a\n"
-      "shutdown. Exit status: 0 nothing is latched, 1 a shutdown is, 2 wrong usage, 3 port "
+      "do about a "
+      "shutdown.\nExit status: 0 nothing is latched, 1 a shutdown is, 2 wrong usage, 3 port "
       "error.\n"
       "Examples:\n"
       "  kaz status --port /dev/ttyUSB0\n"

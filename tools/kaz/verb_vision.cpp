@@ -57,7 +57,8 @@ Result<Outcome> learn(const LearnArguments& arguments) {
 }
 
 void add_learn(CLI::App& vision, Action& action) {
-  auto* verb = vision.add_subcommand("learn-color", "thresholds of a colour from a marked region");
+  auto* verb = vision.add_subcommand(
+      "learn-color", "learn the thresholds of a colour from a marked region of a picture");
   auto arguments = std::make_shared<LearnArguments>();
   verb->add_option("--in", arguments->in, "picture with the object in it")
       ->required()
@@ -65,18 +66,22 @@ void add_learn(CLI::App& vision, Action& action) {
   verb->add_option("--region", arguments->region, "part of it that shows the object, px")
       ->required()
       ->type_name("X,Y,W,H");
-  verb->add_option("--out", arguments->out, "thresholds as JSON")->required()->type_name("FILE");
-  verb->add_flag("--json", arguments->json, "print them too");
+  verb->add_option("--out", arguments->out, "file for the thresholds, JSON")
+      ->required()
+      ->type_name("FILE");
+  verb->add_flag("--json", arguments->json, "print the thresholds as JSON too");
   verb->footer(
-      "Prints the share of the rest of the picture that has the colour: it should be the rest of\n"
+      "Prints the share of the rest of the picture that has the colour: it should be the rest of "
       "the object and nothing else.\n"
       "Examples:\n"
-      "  kaz vision learn-color --in eyes/left_raw.png --region 150,110,12,12 --out ball.json");
+      "  kaz eyes --eye-width 640 --out eyes\n"
+      "  kaz vision learn-color --in eyes/left_raw.png --region 415,330,24,24 --out ball.json");
   verb->callback([&action, arguments] { action = [arguments] { return learn(*arguments); }; });
 }
 
 void add_run_on_pictures(CLI::App& vision, Action& action) {
-  auto* verb = vision.add_subcommand("run", "what is seen in pictures: files, recordings, live");
+  auto* verb = vision.add_subcommand(
+      "run", "find balls, depth, planes, motion in pictures: files, recordings, live cameras");
   auto options = std::make_shared<RecordedOptions>();
   auto* in =
       verb->add_option("--in", options->in,
@@ -86,7 +91,7 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
                        "at this machine, as v4l2:/dev/video0,/dev/video2")
           ->type_name("SOURCE");
   auto* left = verb->add_option("--left", options->left,
-                                "instead: left pictures of stereo pairs; a pattern in quotes")
+                                "left pictures of stereo pairs; a pattern in quotes")
                    ->excludes(in)
                    ->type_name("PATTERN");
   auto* right = verb->add_option("--right", options->right, "the right ones, with the same numbers")
@@ -97,39 +102,50 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->required()
       ->type_name("DIR");
   verb->add_option("--modules", options->modules,
-                   "of " + module_names() +
-                       ", with commas between; color is the ball by its colour, the "
-                       "others need stereo pairs")
-      ->capture_default_str();
+                   "modules to run, with commas between: " + module_names() +
+                       "; color is the ball by its colour, the others need stereo pairs")
+      ->capture_default_str()
+      ->type_name("LIST");
   verb->add_option("--color", options->color,
-                   "thresholds from kaz vision learn-color; without it the red ball's")
+                   "colour of the ball, from kaz vision learn-color; without it the red ball's")
       ->type_name("FILE");
-  verb->add_option("--calibration", options->calibration,
-                   "of the eyes (kaz calibrate stereo): the pictures are the left eye's")
-      ->type_name("FILE");
-  verb->add_option("--view", options->view_deg, "instead: width of a pinhole's view, degrees")
+  auto* calibration =
+      verb->add_option("--calibration", options->calibration,
+                       "of the cameras, from kaz calibrate stereo; needed for --left and --right, "
+                       "v4l2 and folders (there --view will do); pictures in a folder are taken as "
+                       "the left eye's")
+          ->type_name("FILE");
+  verb->add_option("--view", options->view_deg,
+                   "for a folder without calibration: width of a pinhole's view, degrees")
       ->check(CLI::Range(1.0, 170.0))
+      ->excludes(calibration)
       ->type_name("DEGREES");
-  verb->add_option("--radius", options->radius_m, "of the ball, m")
+  verb->add_option("--radius", options->radius_m, "radius of the ball, m")
+      ->check(CLI::Range(0.005, 0.5))
+      ->capture_default_str()
+      ->type_name("M");
+  verb->add_option("--nearest", options->nearest_m,
+                   "nearest distance for which depth is computed, m")
       ->check(positive())
-      ->capture_default_str();
-  verb->add_option("--nearest", options->nearest_m, "of depth, m: what is nearer has none")
-      ->check(positive())
-      ->capture_default_str();
+      ->capture_default_str()
+      ->type_name("M");
   verb->add_option("--export", options->exported,
                    "also write depth (FRAME.depth.png, 16 bits, mm, 0 where unknown) or points "
                    "(FRAME.points.ply, m, left eye's optical frame), or both: depth,points")
       ->type_name("LIST");
-  verb->add_option("--frames", options->frames, "of pairs: stop after so many")
-      ->check(CLI::Range(1, 100000000));
+  verb->add_option("--frames", options->frames, "stop after N pairs (or pictures)")
+      ->check(CLI::Range(1, 100000000))
+      ->type_name("N");
   verb->add_option("--robot", options->robot,
                    "of a live camera: the robot that has it (serial:PATH[@BAUD]), whose posture "
                    "determines which plane is the floor")
       ->type_name("ROBOT");
   add_address(*verb, options->address)->needs("--robot");
-  verb->add_flag("--json", options->json, "print result.json, no progress");
+  verb->add_flag("--json", options->json,
+                 "print result.json, no progress; the folder is written too");
   verb->footer(
-      "Exit status: 0 done, also without a ball; 1 no picture could be looked at; 2 wrong usage.\n"
+      "Exit status: 0 done, also without a ball; 1 none of the pictures could be read; 2 wrong "
+      "usage, or no picture there; 3 camera or port error.\n"
       "Examples:\n"
       "  kaz vision run --in pictures --view 60 --out found\n"
       "  kaz vision run --in left --calibration stereo.yml --color ball.json --radius 0.033 \\\n"
@@ -158,11 +174,11 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
 
 void add_vision(CLI::App& program, Action& action) {
   auto* verb =
-      program.add_subcommand("vision", "what is seen in pictures: files, recordings, live");
+      program.add_subcommand("vision", "process pictures: files, recordings, live cameras");
   verb->require_subcommand(1);
   verb->footer(
       "Examples:\n"
-      "  kaz vision learn-color --in left.png --region 150,110,12,12 --out ball.json\n"
+      "  kaz vision learn-color --in eyes/left_raw.png --region 415,330,24,24 --out ball.json\n"
       "  kaz vision run --in pictures --view 60 --color ball.json --out found");
   add_run_on_pictures(*verb, action);
   add_learn(*verb, action);

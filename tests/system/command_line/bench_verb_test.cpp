@@ -26,7 +26,8 @@ TEST(BenchVerb, MotorLeavesItsReportsAndFitReadsThem) {
   const std::string out = folder / "motor";
   const Finished bench = run(kaz({"bench", "motor", "--mcu", "native", "--out", out}), seconds(60));
   ASSERT_EQ(bench.exit_code, 0) << bench.out << bench.err;
-  EXPECT_NE(bench.out.find("25 passed, 0 failed, 0 left out, 0 undecided"), std::string::npos) << bench.out;
+  EXPECT_NE(bench.out.find("25 passed, 0 failed, 0 left out, 0 undecided"), std::string::npos)
+      << bench.out;
   for (const char* file : {"report.html", "result.json", "measurements.csv", "curves.csv",
                            "junit.xml", "plots/l_sh_pitch-stall.svg"})
     EXPECT_GT(std::filesystem::file_size(out + "/" + file), 500u) << file;
@@ -126,6 +127,7 @@ TEST(BenchVerb, ErrorsSayWhatToDo) {
       {{"motor", "--motor", "v8", "--mcu", "native"}, 2, "v8"},
       {{"fit", folder / "none"}, 2, "cannot be read (No such file or directory)"},
       {{"link", "--mcu", "native", "--port", "x"}, 2, "excludes"},
+      {{"motor", "--motor-file", "x", "--port", "x"}, 2, "--motor-file"},
   };
   for (const auto& one : cases) {
     std::vector<std::string> arguments{"bench"};

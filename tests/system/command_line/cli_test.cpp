@@ -129,6 +129,40 @@ TEST(Cli, WrongOption) {
       one_sentence(run(kaz({"run", "track-ball", "--robot", "usb:1"})), 2, {"usb:1", "serial:"}));
 }
 
+// Instead of being ignored.
+TEST(Cli, OptionsThatCannotActAreRefused) {
+  const TemporaryFolder folder;
+  write_file(folder / "image.mot", "S10510001234A4\nS9031000EC\n");
+  write_file(folder / "reset.mot", "S107000000001000E8\nS9031000EC\n");
+  const struct {
+    std::vector<std::string> arguments, words;
+  } cases[] = {
+      {{"mcu", "compare", "--wire", "--engine", "reference"}, {"--engine", "--wire"}},
+      {{"mcu", "compare", "--wire", "--ticks", "5"}, {"--ticks", "--wire"}},
+      {{"mcu", "run", folder / "image.mot", "--at", "5"}, {"image.mot", "--at", "raw"}},
+      {{"mcu", "run", folder / "reset.mot", "--coverage", folder / "lcov"},
+       {"--coverage", "COFF or ELF"}},
+      {{"mcu", "run", folder / "reset.mot", "--input", folder / "none"}, {"--input", "none"}},
+      {{"fuzz", "--image", "nope"}, {"--image", "h8"}},
+      {{"fuzz", "--address", "3"}, {"--address", "port"}},
+      {{"fuzz", "--wear-flash"}, {"--wear-flash", "port"}},
+      {{"fuzz", "--seconds", "1", "--cases", "3"}, {"--seconds", "--cases"}},
+      {{"fuzz", "--target", folder / "none"}, {"none", "--allow-motion"}},
+      {{"flash", "info", "--port", "board", "--reset", "manual"}, {"--reset"}},
+      {{"conformance", "--port", "board", "--bench"}, {"--bench"}},
+      {{"vision", "run", "--in", folder / "a", "--out", "out", "--view", "60", "--calibration",
+        "c"},
+       {"--view", "--calibration"}},
+      {{"vision", "run", "--in", folder / "a", "--out", "out", "--radius", "25"}, {"--radius"}},
+  };
+  for (const auto& one : cases) {
+    auto arguments = one.arguments;
+    if (arguments[0] == "fuzz") arguments.insert(arguments.end(), {"--out", folder / "failing"});
+    EXPECT_TRUE(one_sentence(run(kaz(arguments)), 2, one.words)) << arguments.back();
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "lcov"));
+}
+
 // Nothing to do is no success.
 TEST(Cli, EmptyJobsAreWrongUsage) {
   const TemporaryFolder folder;

@@ -48,6 +48,11 @@ TEST(ConformanceVerb, ListsItsCases) {
   EXPECT_EQ(listed.exit_code, 0);
   EXPECT_NE(listed.out.find("watchdog.default"), std::string::npos);
   EXPECT_EQ(listed.out.find("\nframe."), std::string::npos);
+  const Finished as_json = run(kaz({"conformance", "--list", "--json", "--filter", "SAFE-5"}));
+  const json cases = json::parse(as_json.out, nullptr, false);
+  ASSERT_TRUE(cases.is_array()) << as_json.out << as_json.err;
+  EXPECT_FALSE(cases.at(0)["sentence"].get<std::string>().empty());
+  EXPECT_TRUE(cases.at(0)["needs"].is_array());
 }
 
 TEST(ConformanceVerb, WrongUsageIsTwoAndNoPortIsThree) {
@@ -55,6 +60,7 @@ TEST(ConformanceVerb, WrongUsageIsTwoAndNoPortIsThree) {
   EXPECT_EQ(run(kaz({"conformance", "--virtual", "z80"})).exit_code, 2);
   EXPECT_EQ(run(kaz({"conformance", "--virtual", "native", "--filter", "("})).exit_code, 2);
   EXPECT_EQ(run(kaz({"conformance", "--virtual", "native", "--port", "/dev/null"})).exit_code, 2);
+  EXPECT_EQ(run(kaz({"conformance", "--list", "--html", "page.html"})).exit_code, 2);
   EXPECT_EQ(run(kaz({"conformance", "--port", "/no/such/port"})).exit_code, 3);
   // No case taken, and none of those taken can run: nothing would be examined.
   for (const char* filter : {"no such case", "^timing.after-power-on$"}) {
@@ -71,6 +77,9 @@ TEST(ConformanceVerb, VirtualBoardsReportJsonOnStandardOutput) {
   const json report = json::parse(finished.out, nullptr, false);
   ASSERT_TRUE(report.is_object());
   EXPECT_EQ(report["left_out"], 0);
+  const Finished flag =
+      run(kaz({"conformance", "--json", "--virtual", "native", "--filter", "^frame"}));
+  EXPECT_TRUE(json::parse(flag.out, nullptr, false).is_object()) << flag.out << flag.err;
 }
 
 }  // namespace

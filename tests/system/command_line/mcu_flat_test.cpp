@@ -73,6 +73,17 @@ TEST_F(McuFlat, AFullDiskIsReported) {
   EXPECT_NE(finished.err.find("cannot write standard output"), std::string::npos) << finished.err;
 }
 
+// A limit that was asked for is no error.
+TEST_F(McuFlat, ALimitEndsTheRunInOneLine) {
+  const std::string path = folder_ / "endless.bin";
+  std::ofstream(path, std::ios::binary) << "\x40\xfe";
+  const Finished finished = run(
+      kaz({"mcu", "run", "--flat", "--format", "raw", "--at", "0x400", path, "--max-insns", "10"}));
+  EXPECT_EQ(finished.exit_code, 0);
+  EXPECT_EQ(finished.err.rfind("stopped after 10 instructions (--max-insns): PC 0x000400", 0), 0u)
+      << finished.err;
+}
+
 TEST_F(McuFlat, UnusableImagesAreWrongUsage) {
   EXPECT_EQ(run(kaz({"mcu", "run", "--flat", "--semihost", "/nonexistent"})).exit_code, 2);
   EXPECT_EQ(run(kaz({"mcu", "run", "--semihost", "/nonexistent"})).exit_code, 2);

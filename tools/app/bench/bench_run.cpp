@@ -252,12 +252,6 @@ Result<std::vector<int>> joints_of(const std::string& text) {
 }
 
 Result<Outcome> run_bench(const BenchOptions& arguments) {
-  const BackendOptions& backend = arguments.target.backend;
-  if (!arguments.target.port.empty() && !(backend.motor_file.empty() && backend.motor.empty()))
-    return fail(
-        Fault::usage,
-        "--motor-file and --motor are of the emulated board; at a port the motor is the one "
-        "that is there");
   KAZ_TRY(check_motion(arguments));
   KAZ_TRY(hil::check_motor_filter(arguments.filter));
   const auto joints = KAZ_TRY(joints_of(arguments.joints));

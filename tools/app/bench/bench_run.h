@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "tools/app/bench/bench_target.h"
 #include "tools/app/base/outcome.h"
+#include "tools/app/bench/bench_target.h"
 #include "tools/app/session/backend.h"
 
 namespace kaz::tools {
@@ -16,7 +16,8 @@ struct BenchOptions {
   BenchTargetOptions target;
   bool motor = false, link = false, tick = false;  // what to measure
   std::string joints = "l_sh_pitch";               // names with commas between, or "all"
-  std::string filter, limits, out = "kaz-bench";
+  std::string filter, limits;
+  std::string out = "kaz-bench";  // the verb adds what is measured
   double supply_volts = 10;
   bool allow_motion = false, json = false;
 };

@@ -4,10 +4,13 @@
 
 #include <cstdio>
 
+#include <nlohmann/json.hpp>
+
 #include "hil/conformance/report.h"
 #include "host/link/interrupt.h"
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
+#include "shared/base/counted.hpp"
 #include "shared/base/files.hpp"
 #include "sim/mcu/mcu.h"
 #include "tools/app/base/arguments.h"
@@ -27,13 +30,43 @@ namespace {
 // How late a byte may be read or written through a port of this machine.
 constexpr Time kPortSlack = std::chrono::milliseconds(20);
 
-int list_cases(const std::vector<const hil::Case*>& taken) {
+std::vector<std::string> needs_of(const hil::Case& one) {
+  std::vector<std::string> words;
+  for (const auto& [need, word] :
+       {std::pair(hil::kMotion, "motion"), std::pair(hil::kFlash, "flash"),
+        std::pair(hil::kBench, "bench"), std::pair(hil::kExact, "exact clock"),
+        std::pair(hil::kDefaultAddress, "default address")}) {
+    if (one.needs & need) words.emplace_back(word);
+  }
+  return words;
+}
+
+// As the entries of the report's `results`, and what each needs.
+std::string list_json(const std::vector<const hil::Case*>& taken) {
+  auto all = nlohmann::ordered_json::array();
+  for (const hil::Case* one : taken)
+    all.push_back({{"id", one->id},
+                   {"sentence", one->sentence},
+                   {"statements", one->statements},
+                   {"needs", needs_of(*one)}});
+  return all.dump(2) + "\n";
+}
+
+Result<void> list_cases(const std::vector<const hil::Case*>& taken, const std::string& json) {
+  if (json == "-") {
+    std::fputs(list_json(taken).c_str(), stdout);
+    return {};
+  }
+  if (!json.empty()) {
+    auto file = KAZ_TRY(OutputFile::open(json, "--json"));
+    return file.write(list_json(taken));
+  }
   for (const hil::Case* one : taken) {
     std::string about;
     for (const std::string& id : one->statements) about += (about.empty() ? "" : ",") + id;
     std::printf("%-36s %-14s %s\n", one->id.c_str(), about.c_str(), one->sentence.c_str());
   }
-  return static_cast<int>(taken.size());
+  return {};
 }
 
 // The reports' files, opened before anything runs.
@@ -162,9 +195,9 @@ Outcome outcome_of(const hil::RunReport& report) {
   if (undecided == 0) return true;
   std::fprintf(
       stderr,
-      "kaz conformance: this machine was too late to judge %d case%s; end other programs and run "
-      "%s again\n",
-      undecided, undecided == 1 ? "" : "s", undecided == 1 ? "it" : "them");
+      "kaz conformance: this machine was too late to judge %s; end other programs and run %s "
+      "again\n",
+      counted(undecided, "case").c_str(), undecided == 1 ? "it" : "them");
   return Outcome::with_status(static_cast<int>(Fault::environment));
 }
 
@@ -173,7 +206,7 @@ Outcome outcome_of(const hil::RunReport& report) {
 Result<Outcome> run_conformance(ConformanceOptions arguments) {
   const auto taken = KAZ_TRY(hil::chosen(arguments.run.filter));
   if (arguments.list) {
-    list_cases(taken);
+    KAZ_TRY(list_cases(taken, arguments.json));
     return Outcome(true);
   }
   if (arguments.port.empty() != arguments.mcu.has_value()) {
@@ -216,15 +249,16 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   if (report->interrupted) facts.signal = received_signal_name();
   KAZ_TRY(reports.write(*report, facts));
   if (!quiet) {
-    std::printf("%s on %s: %zu cases, %d passed, %d failed, %d left out, %d undecided\n",
-                report->board.c_str(), facts.port.c_str(), report->results.size(),
+    std::printf("%s on %s: %s, %d passed, %d failed, %d left out, %d undecided\n",
+                report->board.c_str(), facts.port.c_str(),
+                counted(report->results.size(), "case").c_str(),
                 report->count(hil::Verdict::passed), report->count(hil::Verdict::failed),
                 report->count(hil::Verdict::left_out), report->count(hil::Verdict::undecided));
   }
   if (report->interrupted)
     return fail(Fault::interrupted, "interrupted after " + std::to_string(report->results.size()) +
-                                        " of " + std::to_string(report->chosen) +
-                                        " cases; the reports are of these");
+                                        " of " + counted(report->chosen, "case") +
+                                        "; the reports are of these");
   return outcome_of(*report);
 }
 

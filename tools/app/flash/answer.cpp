@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "host/flash/diagnostic.h"
+#include "shared/base/counted.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
@@ -68,10 +69,10 @@ void Answer::written(const host::FlashReport& report) {
   if (report.written > 0) put("efficiency", report.efficiency());
   if (report.written == 0)
     return say("nothing to write: the flash holds these " + std::to_string(report.bytes) +
-               " bytes already, " + std::to_string(report.unchanged) + " blocks compared");
+               " bytes already, " + counted(report.unchanged, "block") + " compared");
   say("written and verified: " + std::to_string(report.written) + " bytes, " +
-      std::to_string(report.erased) + " blocks erased, " + std::to_string(report.unchanged) +
-      " unchanged, " + std::to_string(report.repeated) + " requests repeated");
+      counted(report.erased, "block") + " erased, " + std::to_string(report.unchanged) +
+      " unchanged, " + counted(report.repeated, "request") + " repeated");
   char times[96];
   std::snprintf(times, sizeof times,
                 "%.2f s, of which line and cells take %.2f: efficiency %.1f %%", report.seconds,

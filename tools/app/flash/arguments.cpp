@@ -36,11 +36,7 @@ Result<void> check(const FlashArguments& arguments) {
     return fail(Fault::usage, "the flash ends at 0x01ffff; give --from and --length within it");
   if (arguments.port.empty() && !arguments.dry_run)
     return fail(Fault::usage, "--port is missing: the board's serial port");
-  const std::string& verb = arguments.verb;
-  if (!arguments.reset.empty() && (verb == "read" || verb == "verify" || verb == "info"))
-    return fail(Fault::usage, "boot mode erases the flash: `kaz flash " + verb +
-                                  "` goes through the resident loader, without --reset");
-  if (verb == "erase") return check_erase(arguments);
+  if (arguments.verb == "erase") return check_erase(arguments);
   return {};
 }
 

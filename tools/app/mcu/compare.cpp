@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/counted.hpp"
 #include "shared/protocol/message_info.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
@@ -110,8 +111,7 @@ Result<bool> compare_ticks(sim::CompareOptions options, bool json) {
   options.image_path = image;
   Progress progress("kaz mcu compare", json);
   options.progress = [&](std::int64_t done, std::int64_t total) {
-    progress.update(static_cast<double>(done) / static_cast<double>(total),
-                    std::to_string(done) + " ticks");
+    progress.update(static_cast<double>(done) / static_cast<double>(total), counted(done, "tick"));
   };
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
@@ -120,7 +120,7 @@ Result<bool> compare_ticks(sim::CompareOptions options, bool json) {
   progress.done();
   if (!report) return tl::unexpected(report.error());
   print(*report, json);
-  return ended(*report, std::to_string(report->ticks) + " ticks");
+  return ended(*report, counted(report->ticks, "tick"));
 }
 
 Result<bool> compare_on_wire(sim::WireOptions options, bool json) {
@@ -129,7 +129,7 @@ Result<bool> compare_on_wire(sim::WireOptions options, bool json) {
   Progress progress("kaz mcu compare --wire", json);
   options.progress = [&](std::int64_t done, std::int64_t total) {
     progress.update(static_cast<double>(done) / static_cast<double>(total),
-                    std::to_string(done) + " conversations");
+                    counted(done, "conversation"));
   };
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
@@ -138,7 +138,7 @@ Result<bool> compare_on_wire(sim::WireOptions options, bool json) {
   progress.done();
   if (!report) return tl::unexpected(report.error());
   print(*report, json);
-  return ended(*report, std::to_string(report->conversations) + " conversations");
+  return ended(*report, counted(report->conversations, "conversation"));
 }
 
 }  // namespace kaz::tools

@@ -23,7 +23,7 @@ Result<std::uint32_t> address_of(const h8s::SymbolTable& symbols, const std::str
       text.find_first_not_of("0123456789abcdefABCDEF", 2) == std::string::npos && text.size() < 9)
     return static_cast<std::uint32_t>(std::stoul(text, nullptr, 16));
   return fail(Fault::usage, "--tick: the image has no symbol '" + text +
-                                "'; give a symbol of a COFF image or an address as 0x1234");
+                                "'; give a symbol of a COFF or ELF image or an address as 0x1234");
 }
 
 // To standard error without a file.
@@ -93,7 +93,11 @@ Result<std::unique_ptr<McuDebug>> McuDebug::attach(h8s::Chip& chip, const h8s::S
     }
     parts->profile.emplace(chip, window);
   }
-  if (!options.coverage.empty()) parts->coverage.emplace(chip);
+  if (!options.coverage.empty()) {
+    if (symbols.symbols().empty())
+      return fail(Fault::usage, "--coverage needs symbols: give a COFF or ELF image");
+    parts->coverage.emplace(chip);
+  }
   if (options.check_uninitialised) parts->fresh.emplace(chip);
   if (options.stack) parts->stack.emplace(chip);
   parts->each([&](h8s::Observer& o) { chip.attach(o); });

@@ -10,11 +10,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/counted.hpp"
 #include "sim/h8s/flat/flat.h"
-#include "tools/app/base/output.h"
-#include "tools/app/mcu/run.h"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
+#include "tools/app/mcu/run.h"
 
 namespace kaz::tools {
 namespace {
@@ -65,6 +66,7 @@ class FlatRun {
                   stop.text.substr(std::min(stop.text.find(": PC"), stop.text.size()));
     }
     const bool interrupted = interrupt_.requested() && stop.reason == Reason::reached;
+    if (stop.reason == Reason::reached && !interrupted) stop.text = limit_text(stop.text);
     auto ended =
         options_.semihost && !interrupted ? end_of_program(stop) : end_of_run(stop, interrupted);
     if (!interrupted) return ended;
@@ -101,6 +103,15 @@ class FlatRun {
     }
   }
 
+  // "stopped after 10 instructions (--max-insns): PC ...".
+  std::string limit_text(const std::string& text) const {
+    const bool by_count = options_.max_insns && flat_.instructions() >= *options_.max_insns;
+    return "stopped after " +
+           (by_count ? counted(flat_.instructions(), "instruction") + " (--max-insns)"
+                     : counted(flat_.now(), "state") + " (--max-states)") +
+           text.substr(std::min(text.find(": PC"), text.size()));
+  }
+
   void print_counts() {
     if (!options_.count) return;
     std::fprintf(stderr, "insns=%lld\nstates=%lld\n", static_cast<long long>(flat_.instructions()),
@@ -114,6 +125,7 @@ class FlatRun {
   }
 
   Result<Outcome> end_of_run(const h8s::FlatStop& stop, bool interrupted) {
+    const bool done = stop.reason == Reason::reached || stop.reason == Reason::asleep;
     if (options_.json) {
       nlohmann::ordered_json result{{"stop", interrupted ? "interrupted" : name_of(stop.reason)},
                                     {"states", flat_.now()},
@@ -124,10 +136,10 @@ class FlatRun {
       if (interrupted) mark_interrupted(result);
       print_json(result);
     } else if (!interrupted || !stop.text.empty()) {
-      std::fprintf(stderr, "kaz mcu run: %s\n", stop.text.c_str());
+      std::fprintf(stderr, "%s%s\n", done ? "" : "kaz mcu run: ", stop.text.c_str());
     }
     print_counts();
-    return stop.reason == Reason::reached || stop.reason == Reason::asleep;
+    return done;
   }
 
   const McuRunOptions& options_;

@@ -15,10 +15,10 @@
 
 #include "shared/image/image.h"
 #include "sim/h8s/chip/chip.h"
-#include "tools/app/base/output.h"
-#include "tools/app/mcu/attached.h"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
+#include "tools/app/mcu/attached.h"
 
 namespace kaz::tools {
 namespace {
@@ -65,7 +65,9 @@ class Feeder {
   Result<void> open(const std::string& path) {
     if (path.empty()) return {};
     file_ = path == "-" ? stdin : std::fopen(path.c_str(), "rb");
-    if (!file_) return fail(Fault::usage, path + ": cannot open the file");
+    if (!file_)
+      return fail(Fault::usage, "--input " + path + ": " + std::strerror(errno) +
+                                    "; give a file with the bytes to receive, or -");
     next_ = std::fgetc(file_);
     return {};
   }

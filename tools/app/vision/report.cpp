@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "shared/base/counted.hpp"
 #include "tools/figure/vision_views.h"
 #include "vision/depth/depth_file.h"
 #include "vision/depth/swapped_cameras.h"
@@ -155,7 +156,7 @@ std::string module_statistics_text(const vision::Pipeline& pipeline) {
     std::snprintf(part, sizeof part, "%s%s %.2f ms (95 %%: %.2f)", text.empty() ? "" : ", ",
                   m.name.c_str(), 1e3 * m.computing_median_s, 1e3 * m.computing_p95_s);
     text += part;
-    if (m.dropped > 0) text += ", " + std::to_string(m.dropped) + " frames dropped";
+    if (m.dropped > 0) text += ", " + counted(m.dropped, "frame") + " dropped";
   }
   return text;
 }

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "shared/base/counted.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
@@ -188,9 +189,9 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
   if (interrupted) mark_interrupted(result);
   KAZ_TRY(folder.write_json("result.json", result));
   if (ms.empty() && !interrupted)
-    return fail(Fault::failed, "none of the " + std::to_string(all.size()) + " pictures in '" +
-                                   options.in + "' could be looked at; the first, '" +
-                                   all.front().picture + "', " + all.front().error);
+    return fail(Fault::failed, "none of " + counted(all.size(), "picture") + " in '" + options.in +
+                                   "' could be looked at; the first, '" + all.front().picture +
+                                   "', " + all.front().error);
   if (options.json) {
     print_json(result);
   } else {
@@ -199,9 +200,9 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
         std::printf("left out: %s: %s\n", one.picture.c_str(), one.error.c_str());
     }
     std::printf(
-        "%d balls in %zu of %zu pictures, %.2f ms a picture (median); overlays, ball.csv "
-        "and result.json in %s\n",
-        found, ms.size(), all.size(), ms[ms.size() / 2], options.out.c_str());
+        "%s in %zu of %s, %.2f ms a picture (median); overlays, ball.csv and result.json in %s\n",
+        counted(found, "ball").c_str(), ms.size(), counted(all.size(), "picture").c_str(),
+        ms[ms.size() / 2], options.out.c_str());
   }
   if (interrupted)
     return fail(Fault::interrupted,
@@ -243,7 +244,8 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
     return fail(Fault::usage,
                 "distances need the lens: give either --calibration FILE or --view "
                 "DEGREES");
-  const auto paths = KAZ_TRY(pictures_in(options.in));
+  auto paths = KAZ_TRY(pictures_in(options.in));
+  if (options.frames > 0 && options.frames < paths.size()) paths.resize(options.frames);
   const auto lens = KAZ_TRY(Lens::of(options));
   const auto ball = KAZ_TRY(ball_options(options));
   std::error_code error;

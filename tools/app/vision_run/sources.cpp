@@ -8,6 +8,7 @@
 #include "host/camera/capture.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
+#include "shared/base/counted.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
@@ -72,8 +73,8 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
     return fail(Fault::failed,
                 report.frames().empty()
                     ? "no pair of pictures came"
-                    : "none of the " + std::to_string(report.frames().size()) +
-                          " pairs could be looked at; the first: " +
+                    : "none of " + counted(report.frames().size(), "pair") +
+                          " could be looked at; the first: " +
                           report.frames().front().value("error", std::string("nothing seen")));
   const auto ended = [&]() -> Result<bool> {
     if (!interrupted) return true;
@@ -93,8 +94,8 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   }
   if (reported > kMaxReported)
     std::printf("... and %d more (frames.csv)\n", reported - kMaxReported);
-  std::printf("%zu of %zu pairs looked at; computing a pair: %s\n", report.looked_at(),
-              report.frames().size(), text.c_str());
+  std::printf("%zu of %s looked at; computing a pair: %s\n", report.looked_at(),
+              counted(report.frames().size(), "pair").c_str(), text.c_str());
   std::printf("overlays, frames.csv and result.json are in %s\n", options.out.c_str());
   return ended();
 }
@@ -273,7 +274,8 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
     const double share = options.frames == 0 ? 0
                                              : static_cast<double>(report.frames().size()) /
                                                    static_cast<double>(options.frames);
-    progress.update(share, std::to_string(taken) + " pairs; " + module_statistics_text(pipeline));
+    const std::string statistics = module_statistics_text(pipeline);
+    progress.update(share, counted(taken, "pair") + (statistics.empty() ? "" : "; ") + statistics);
     if (auto slept = clock.sleep_until(clock.now() + std::chrono::milliseconds(5)); !slept)
       end = slept.error().message;
   }

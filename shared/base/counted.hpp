@@ -1,0 +1,15 @@
+// A number with its noun, for messages: "1 case", "2 cases".
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace kaz {
+
+// For nouns whose plural ends in s.
+template <class Number>
+std::string counted(Number number, const std::string& noun) {
+  return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
+}
+
+}  // namespace kaz
