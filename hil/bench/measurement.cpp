@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/base/json_depth.hpp"
+#include "shared/base/one_line.hpp"
 
 namespace kaz::hil {
 namespace {
@@ -60,7 +61,7 @@ std::string what_is_wrong(const Measurement& one) {
 }
 
 tl::unexpected<Error> wrong(const std::string& file_name, const std::string& what) {
-  return fail(Fault::usage, "limit file '" + file_name + "': " + what);
+  return fail(Fault::usage, "limit file '" + file_name + "': " + one_line(what));
 }
 
 // Of an entry of `kaz bench list --json`, besides the limits.
