@@ -12,7 +12,7 @@ using namespace kaz;
 using behavior::Context;
 using behavior::Outcome;
 
-constexpr behavior::Option kOptions[] = {{"times", "3", "", 1, 10, "how often it waves"}};
+constexpr behavior::Option kOptions[] = {{"times", "3", "", 1, 10, "how often it waves", true}};
 
 // The right arm, rad: pitch negative forwards and up, roll negative outwards, elbow negative bent.
 struct Arm {

@@ -231,7 +231,8 @@ Result<Approached> approach(BodyControl& body) {
 
 namespace {
 
-constexpr Option kOptions[] = {{"turns", "3", "", 0, 3, "quarter turns of the body in the search"}};
+constexpr Option kOptions[] = {
+    {"turns", "3", "", 0, 3, "quarter turns of the body in the search", true}};
 
 Result<Outcome> run(Context& context) {
   auto body = KAZ_TRY(BodyControl::begin(context, kApproachBall.name));

@@ -37,7 +37,10 @@ TEST(Registry, NamesAreUniqueAndFound) {
 
 TEST(Options, AreCheckedAgainstRangeAndChoices) {
   constexpr Option options[] = {{"seconds", "5", "", 1, 10, "how long, s"},
-                                {"side", "left", "left|right", 0, 0, "which"}};
+                                {"side", "left", "left|right", 0, 0, "which"},
+                                {"tries", "4", "", 1, 20, "how many", true}};
+  EXPECT_EQ(valid_values(options[0]), "1 to 10");
+  EXPECT_EQ(valid_values(options[1]), "left|right");
   const auto good = OptionValues::parse(options, {{"side", "right"}, {"seconds", "2.5"}});
   ASSERT_TRUE(good);
   EXPECT_DOUBLE_EQ(good->number("seconds"), 2.5);
@@ -52,7 +55,9 @@ TEST(Options, AreCheckedAgainstRangeAndChoices) {
            {"side", "up", "one of left|right"},
            {"side", "", "one of left|right"},
            {"side", "left|right", "one of left|right"},
-           {"sid", "left", "its options are seconds, side"}}) {
+           {"tries", "1.5", "a whole number from 1 to 20"},
+           {"tries", "21", "a whole number from 1 to 20"},
+           {"sid", "left", "its options are seconds, side, tries"}}) {
     const auto bad = OptionValues::parse(options, {{name, value}});
     ASSERT_FALSE(bad) << name << "=" << value;
     EXPECT_EQ(bad.error().fault, Fault::usage);

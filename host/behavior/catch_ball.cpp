@@ -16,9 +16,9 @@ using Eigen::Vector2d, Eigen::Vector3d;
 using motion::kDegree, motion::Pickup;
 
 constexpr Option kOptions[] = {
-    {"tries", "4", "", 1, 20, "maximum number of tries"},
+    {"tries", "4", "", 1, 20, "maximum number of tries", true},
     {"hold", "3", "", 0.5, 60, "time for which the ball is held, s"},
-    {"turns", "3", "", 0, 3, "quarter turns of the body in the search"},
+    {"turns", "3", "", 0, 3, "quarter turns of the body in the search", true},
     {"seconds", "300", "", 10, 3600, "gives up after this time, s"},
 };
 

@@ -22,7 +22,7 @@ namespace {
 using host::JointAngles;
 using motion::kDegree;
 
-constexpr Option kOptions[] = {{"attempts", "3", "", 1, 10, "maximum number of attempts"}};
+constexpr Option kOptions[] = {{"attempts", "3", "", 1, 10, "maximum number of attempts", true}};
 
 constexpr double kLying_g = 0.6;  // sin 37 degrees; the sensor's offset may be 0.2 g
 constexpr double kGravity = 9.81;

@@ -10,7 +10,7 @@ extern const Behavior kNod;  // defined below; behaviors.def declares those list
 
 namespace {
 
-constexpr Option kOptions[] = {{"times", "2", "", 1, 10, "number of nods"}};
+constexpr Option kOptions[] = {{"times", "2", "", 1, 10, "number of nods", true}};
 
 Result<Outcome> run(Context& context) {
   KAZ_TRY(hold_still(context.robot));

@@ -3,6 +3,8 @@
 #include "host/behavior/options.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 
 #include "shared/base/number_text.hpp"
 
@@ -36,6 +38,11 @@ std::string short_number(double number) {
 
 }  // namespace
 
+std::string valid_values(const Option& option) {
+  if (!option.choices.empty()) return std::string(option.choices);
+  return short_number(option.min) + " to " + short_number(option.max);
+}
+
 Result<OptionValues> OptionValues::parse(std::span<const Option> options,
                                          const std::map<std::string, std::string>& given) {
   for (const auto& [name, value] : given) {
@@ -61,10 +68,11 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
       continue;
     }
     const auto number = parse_number<double>(text);
-    if (!number || *number < option.min || *number > option.max) {
+    if (!number || *number < option.min || *number > option.max ||
+        (option.whole && *number != std::floor(*number))) {
       return fail(Fault::usage, "`" + text + "` is no value of the option `" + name +
-                                    "`: it is a number from " + short_number(option.min) + " to " +
-                                    short_number(option.max));
+                                    "`: it is a " + (option.whole ? "whole number" : "number") +
+                                    " from " + valid_values(option));
     }
     values.numbers_[name] = *number;
   }

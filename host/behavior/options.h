@@ -17,12 +17,17 @@ struct Option {
   std::string_view choices;  // "keep|straight|home"; empty: a number in [min, max]
   double min = 0, max = 0;
   std::string_view text;  // one line, with the unit
+  bool whole = false;     // a number without fraction
 };
+
+// The valid values: "keep|straight|home", "1 to 20".
+std::string valid_values(const Option& option);
 
 class OptionValues {
  public:
-  // The defaults overridden by `given`. Fails (usage) for an unknown name, a text that is not a number,
-  // and a value outside its range or choices; the message lists the valid ones.
+  // The defaults overridden by `given`. Fails (usage) for an unknown name, a text that is not a number (of a
+  // `whole` option: no whole one), and a value outside its range or choices; the message lists the valid
+  // ones.
   static Result<OptionValues> parse(std::span<const Option> options,
                                     const std::map<std::string, std::string>& given);
 

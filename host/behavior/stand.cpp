@@ -13,9 +13,8 @@ namespace {
 
 using host::JointAngles;
 
-constexpr Option kOptions[] = {
-    {"posture", "keep", "keep|straight|home", 0, 0,
-     "keep: as it is; straight: all joints zero; home: the crouch that walking starts from"}};
+constexpr Option kOptions[] = {{"posture", "keep", "keep|straight|home", 0, 0,
+                                "as it is, all joints at zero, or the walking crouch"}};
 
 constexpr double kSpeed = 0.5;  // rad/s, of the joint with the longest path
 constexpr Time kSettle = std::chrono::milliseconds(500);   // after the ramps

@@ -15,14 +15,15 @@ std::string SolverDiagnostics::summary() const {
   if (unconverged_steps == 0) return "";
   const bool negligible = drift <= kNegligibleDrift;  // not if it is no number
   char text[400];
-  std::snprintf(text, sizeof text,
-                "in %lld steps of the dynamics, from %.3f s to %.3f s, contact and friction forces were "
-                "not solved to the end; velocities are off there by up to %.1e m/s or rad/s, which adds "
-                "up to at most %.2g mm or mrad: %s",
-                static_cast<long long>(unconverged_steps), first_s, last_s, max_residual, 1e3 * drift,
-                negligible ? "negligible, the result can be trusted"
-                           : "do not trust what comes after; try a shorter --physics-step, or "
-                             "compare with --dynamics exact");
+  std::snprintf(
+      text, sizeof text,
+      "in %lld steps of the dynamics, from %.3f s to %.3f s, contact and friction forces were "
+      "not solved to the end; velocities are off there by up to %.1e m/s or rad/s, which adds "
+      "up to at most %.2g mm or mrad: %s",
+      static_cast<long long>(unconverged_steps), first_s, last_s, max_residual, 1e3 * drift,
+      negligible ? "negligible, the result can be trusted"
+                 : "do not trust what comes after; try a shorter --physics-step, or "
+                   "compare with --dynamics exact");
   return text;
 }
 namespace {
@@ -38,9 +39,10 @@ Result<int> iterations_of(const std::string& dynamics) {
     const auto iterations = parse_number<int>(std::string_view(dynamics).substr(quick.size()));
     if (iterations && *iterations >= 1 && *iterations <= 1000) return *iterations;
   }
-  return fail(Fault::usage, "unknown dynamics \"" + dynamics +
-                                "\" (--dynamics); use \"reduced\", \"exact\", or \"quickN\" with N "
-                                "from 1 to 1000");
+  return fail(Fault::usage,
+              "unknown dynamics `" + dynamics +
+                  "` (--dynamics); use `reduced`, `exact`, or `quickN` with N from 1 to "
+                  "1000");
 }
 
 }  // namespace

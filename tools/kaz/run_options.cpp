@@ -3,7 +3,7 @@
 #include "tools/kaz/run_options.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <map>
 #include <string_view>
 
 #include "host/behavior/behavior.h"
@@ -15,18 +15,21 @@
 namespace kaz::tools {
 namespace {
 
-// Errors: the behaviour ends by itself; the text is no number that it takes.
-Result<void> check_duration(const behavior::Behavior& behavior, const std::string& text) {
+// Errors: the behaviour ends by itself; the text is no number that it takes; `set` is another one.
+Result<void> check_duration(const behavior::Behavior& behavior, const std::string& text,
+                            const std::map<std::string, std::string>& set) {
   const auto option =
       std::ranges::find(behavior.options, std::string_view("seconds"), &behavior::Option::name);
   if (option == behavior.options.end())
     return fail(Fault::usage, "--duration: " + std::string(behavior.name) +
                                   " ends by itself; leave the option out");
+  if (const auto seconds = set.find("seconds"); seconds != set.end() && seconds->second != text)
+    return fail(Fault::usage, "--duration " + text + " and --set seconds=" + seconds->second +
+                                  " contradict each other; leave one out");
   if (behavior::OptionValues::parse(std::span(&*option, 1), {{"seconds", text}})) return {};
-  char range[80];
-  std::snprintf(range, sizeof range, "from %g to %g, as in --duration %s", option->min, option->max,
-                std::string(option->initial).c_str());
-  return fail(Fault::usage, "--duration " + text + ": give a number of seconds " + range);
+  return fail(Fault::usage, "--duration " + text + ": give a number of seconds from " +
+                                behavior::valid_values(*option) + ", as in --duration " +
+                                std::string(option->initial));
 }
 
 }  // namespace
@@ -34,29 +37,36 @@ Result<void> check_duration(const behavior::Behavior& behavior, const std::strin
 void add_run_options(CLI::App& verb, RunArguments& arguments) {
   add_sim_options(verb, arguments.session.backend);
   add_record_pictures(verb, arguments.session.backend);
-  verb.add_option(
-      "--duration", arguments.duration,
-      "seconds of the robot: for search-ball in all, for track-ball from when the ball was found");
-  verb.add_option("--set", arguments.settings, "an option of the behaviour: NAME=VALUE")
-      ->type_name("NAME=VALUE");
-  verb.add_option(
-          "--restore-every", arguments.session.backend.restore_every_s,
-          "proof of saved states: every so many seconds the virtual robot is saved, goes on "
-          "unrecorded for 0.1 s and is restored; the recording must not show it")
+  verb.add_option("--restore-every", arguments.session.backend.restore_every_s,
+                  "self-test of saving and restoring: every so many seconds the virtual robot is "
+                  "saved, goes "
+                  "on unrecorded for 0.1 s and is restored; the recording must not show it")
       ->check(CLI::Range(0.001, 1e6))
       ->type_name("SECONDS");
-  verb.add_option("--modules", arguments.session.vision.modules,
-                  "of vision that run beside it: " + module_names() +
-                      ", with commas between; color always does")
+  verb.add_option(
+          "--modules", arguments.session.vision.modules,
+          "vision modules to run, with commas between: " + module_names() + "; color always runs")
+      ->type_name("LIST")
       ->capture_default_str();
   verb.add_option("--color", arguments.color,
-                  "of the ball, from kaz vision learn-color; without it the red ball's")
+                  "colour of the ball: file of kaz vision learn-color (default: the red ball)")
       ->type_name("FILE");
-  verb.add_option("--radius", arguments.session.vision.ball.radius_m, "of the ball, m")
+  verb.add_option("--radius", arguments.session.vision.ball.radius_m, "radius of the ball, m")
       ->check(CLI::Range(0.005, 0.5))
       ->capture_default_str();
   verb.add_flag("--json", arguments.session.json,
                 "print the result as JSON on standard output, no progress");
+}
+
+CLI::Option* add_duration(CLI::App& verb, RunArguments& arguments, const std::string& text) {
+  return verb.add_option("--duration", arguments.duration, text)->type_name("SECONDS");
+}
+
+void add_out(CLI::App& verb, RunArguments& arguments, const std::string& more) {
+  verb.add_option("--out", arguments.session.out,
+                  "folder for recording.mcap, pictures and result.json" + more)
+      ->type_name("DIR")
+      ->capture_default_str();
 }
 
 Result<bool> run_behavior(RunArguments arguments) {
@@ -64,7 +74,7 @@ Result<bool> run_behavior(RunArguments arguments) {
   arguments.session.settings = settings;
   if (!arguments.duration.empty()) {
     const auto behavior = KAZ_TRY(behavior::named_behavior(arguments.session.behavior));
-    KAZ_TRY(check_duration(behavior, arguments.duration));
+    KAZ_TRY(check_duration(behavior, arguments.duration, settings));
     arguments.session.settings["seconds"] = arguments.duration;
   }
   if (!arguments.color.empty()) {

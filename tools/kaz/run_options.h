@@ -18,7 +18,11 @@ struct RunArguments {
   std::string color;                  // file
 };
 
+// Of both verbs; what they describe differently is added by the others.
 void add_run_options(CLI::App& verb, RunArguments& arguments);
+CLI::Option* add_duration(CLI::App& verb, RunArguments& arguments, const std::string& text);
+// --out DIR; `more`: the end of its sentence.
+void add_out(CLI::App& verb, RunArguments& arguments, const std::string& more);
 Result<bool> run_behavior(RunArguments arguments);
 
 }  // namespace kaz::tools

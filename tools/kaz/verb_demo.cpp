@@ -1,7 +1,10 @@
-// `kaz demo`: the robot searches the ball and tracks it, in lockstep.
+// `kaz demo`: the robot finds the ball and follows it with its head, in simulated time.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <memory>
 
+#include "host/behavior/behavior.h"
+#include "tools/kaz/options.h"
 #include "tools/kaz/run_options.h"
 #include "tools/kaz/verbs.h"
 
@@ -9,21 +12,26 @@ namespace kaz::tools {
 
 void add_demo(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "demo", "the main job in lockstep: the robot searches the ball and keeps its head on it");
+      "demo", "let the robot find the ball and follow it with its head, in simulated time");
   auto arguments = std::make_shared<RunArguments>();
   arguments->session.label = "kaz demo";
   arguments->session.out = "kaz-demo";
-  verb->add_option("--out", arguments->session.out, "folder for pictures and result.json")
-      ->capture_default_str();
+  add_out(*verb, *arguments, "");
+  const auto& seconds = *std::ranges::find(behavior::kTrackBall.options,
+                                           std::string_view("seconds"), &behavior::Option::name);
+  add_duration(*verb, *arguments,
+               "tracking time after the ball was found, " + behavior::valid_values(seconds) + " s")
+      ->default_str(std::string(seconds.initial));
+  add_settings(*verb, arguments->settings, "an option of track-ball (kaz run --help)");
   add_run_options(*verb, *arguments);
   verb->footer(
-      "Leaves left_eye.png, color_extraction.png, outside.png, moments.png (and "
-      ".jpg),\npan_tilt.png, "
-      "recording.mcap and result.json. The recording holds bytes, pins, joints, contacts and the "
-      "rest "
-      "on\none clock: `kaz replay` runs it again; Foxglove (foxglove.dev), PlotJuggler and `mcap "
-      "info` "
-      "open it.\n"
+      "The behaviour is track-ball of kaz run, the robot virtual. KAZ_DEMO_TIME "
+      "--mcu native is faster.\n"
+      "The folder then contains the pictures left_eye.png, color_extraction.png, outside.png and "
+      "moments.png (and .jpg), the plot pan_tilt.png (and .svg), vision.csv, result.json and "
+      "recording.mcap; a demo that fails leaves fewer. The recording holds bytes, pins, joints, "
+      "contacts and the rest on one clock: `kaz replay` runs it again; Foxglove (foxglove.dev), "
+      "PlotJuggler and `mcap info` open it.\n"
       "Examples:\n"
       "  kaz demo\n"
       "  kaz demo --seed 7 --out seven\n"

@@ -1,5 +1,7 @@
 // `kaz evaluate`: many episodes of a behaviour, and how many succeed.
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
 #include "tools/app/base/arguments.h"
 #include "tools/app/evaluate/campaign.h"
 #include "tools/kaz/options.h"
@@ -13,8 +15,37 @@ struct Arguments {
   std::vector<std::string> settings;
   std::string shard = "1/1";
   std::vector<double> friction, supply, distance, lamp, shade;
-  bool blind_to_turns = false;
 };
+
+constexpr const char* kExitStatus =
+    "Exit status: 0 at least one episode succeeded, 1 none did, 2 wrong usage, 3 episodes lost "
+    "(disk, "
+    "port, process).\n";
+
+// --NAME FROM TO; `by_default`: what `given` stays without it.
+void add_interval(CLI::App& verb, const std::string& name, std::vector<double>& given,
+                  const Interval& by_default, const std::string& text) {
+  char range[80];
+  std::snprintf(range, sizeof range, "%g %g", by_default.min, by_default.max);
+  // One value of two numbers: their two names are printed once.
+  verb.add_option(name, given, text)
+      ->type_size(2)
+      ->expected(1)
+      ->type_name("FROM TO")
+      ->default_str(range);
+}
+
+// Values with commas between, or the option repeated. Words after it belong to no option.
+template <class T>
+CLI::Option* add_list(CLI::App& verb, const std::string& name, std::vector<T>& to,
+                      const std::string& text) {
+  return verb.add_option(name, to, text)
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->expected(1)
+      ->take_all()
+      ->capture_default_str();
+}
 
 Result<Outcome> start(Arguments a) {
   CampaignOptions& c = a.campaign;
@@ -39,7 +70,6 @@ Result<Outcome> start(Arguments a) {
   for (const std::string& color : c.variation.colors) {
     KAZ_TRY(ball_color(color));
   }
-  c.backend.imu = !a.blind_to_turns;
   const auto succeeded = KAZ_TRY(run_campaign(c));
   return Outcome(succeeded);
 }
@@ -56,7 +86,8 @@ void add_merge(CLI::App& evaluate, Action& action) {
   verb->add_option("--out", arguments->out, "folder for the whole")->required()->type_name("DIR");
   verb->add_flag("--json", arguments->json, "print result.json");
   verb->footer(
-      "Parts are those of one evaluation: the same options but for --shard, --jobs and --out.\n"
+      "Parts are those of one evaluation: the same options but for --shard, --jobs and --out.\n" +
+      std::string(kExitStatus) +
       "Examples:\n"
       "  kaz evaluate search-ball --episodes 8 --shard 1/2 --out one\n"
       "  kaz evaluate search-ball --episodes 8 --shard 2/2 --out two\n"
@@ -73,19 +104,20 @@ void add_merge(CLI::App& evaluate, Action& action) {
 }  // namespace
 
 void add_evaluate(CLI::App& program, Action& action) {
-  auto* verb = program.add_subcommand(
-      "evaluate",
-      "many episodes of a behaviour on robots and worlds that differ; how many succeed");
+  auto* verb = program.add_subcommand("evaluate",
+                                      "run a behaviour in many random worlds and count successes");
   auto arguments = std::make_shared<Arguments>();
   CampaignOptions& c = arguments->campaign;
   c.backend.eyes = sim::EyeKind::real;
+  c.backend.imu = true;
   verb->add_option("BEHAVIOUR", c.behavior, "as of kaz run: a name, or a plug-in (./NAME.so)")
       ->type_name("");
   verb->add_option("--episodes", c.episodes, "how many")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   verb->add_option("--seed", c.seed, "of what differs; the same seed gives the same episodes")
-      ->check(CLI::Range(0ull, 1000000000000ull))
+      ->check(whole_number())
+      ->type_name("N")
       ->capture_default_str();
   verb->add_option("--jobs", c.jobs, "episodes at the same time")
       ->check(CLI::Range(1, 256))
@@ -98,54 +130,43 @@ void add_evaluate(CLI::App& program, Action& action) {
                    "part I of N: independent, repeatable, to be merged")
       ->type_name("I/N")
       ->capture_default_str();
-  verb->add_option("--set", arguments->settings, "an option of the behaviour: NAME=VALUE")
-      ->type_name("NAME=VALUE");
-  verb->add_option("--friction", arguments->friction, "of the floor, from and to (0.6 0.8)")
-      ->expected(2)
-      ->type_name("NUMBER");
-  verb->add_option("--supply", arguments->supply, "volts, from and to (9.5 10.5)")
-      ->expected(2)
-      ->type_name("NUMBER");
-  verb->add_option("--ball-distance", arguments->distance, "m from the feet, from and to (0.3 0.8)")
-      ->expected(2)
-      ->type_name("NUMBER");
+  add_settings(*verb, arguments->settings, "an option of the behaviour (kaz run --help)");
+  const Variation& v = c.variation;
+  add_interval(*verb, "--friction", arguments->friction, v.friction,
+               "friction coefficient of the floor, drawn from this range");
+  add_interval(*verb, "--supply", arguments->supply, v.supply_volts,
+               "supply of the board, V, drawn from this range");
+  add_interval(*verb, "--ball-distance", arguments->distance, v.ball_distance_m,
+               "distance of the ball from the feet, m, drawn from this range");
   verb->add_option("--bearing", c.variation.bearing_deg,
-                   "of the ball, degrees to either side of straight ahead at most")
+                   "largest angle between the ball and straight ahead, degrees")
       ->check(CLI::Range(0.0, 180.0))
       ->capture_default_str();
-  verb->add_option("--radii", c.variation.radii_m, "of balls, m")
+  add_list(*verb, "--radii", c.variation.radii_m, "radii of balls, m, with commas between")
       ->check(CLI::Range(0.005, 0.5))
-      ->capture_default_str();
-  verb->add_option("--colors", c.variation.colors, "of balls: red, green, blue")
-      ->capture_default_str();
-  verb->add_option(
-          "--lamp", arguments->lamp,
-          "factor on the light of the lamp, from and to (0.5 1.3); it stands anywhere around, "
-          "35 to 80 degrees up")
-      ->expected(2)
-      ->type_name("NUMBER");
-  verb->add_option("--shade", arguments->shade,
-                   "factor on the light where the lamp does not reach, from and to (0.6 1.3)")
-      ->expected(2)
-      ->type_name("NUMBER");
-  verb->add_option("--mass-sigma", c.variation.mass_sigma, "of each link's mass, as a share of it")
+      ->type_name("LIST");
+  add_list(*verb, "--colors", c.variation.colors,
+           "colours of balls, with commas between: red, green, blue");
+  add_interval(*verb, "--lamp", arguments->lamp, v.lamp,
+               "factor on the light of the lamp, drawn from this range; the lamp stands anywhere "
+               "around, 35 to 80 degrees up");
+  add_interval(*verb, "--shade", arguments->shade, v.shade,
+               "factor on the light where the lamp does not reach, drawn from this range");
+  verb->add_option("--mass-sigma", c.variation.mass_sigma,
+                   "standard deviation of each link's mass, as a share of it")
       ->check(CLI::Range(0.0, 0.3))
       ->capture_default_str();
-  add_choice(*verb, "--mcu", sim::kMcuKinds, c.backend.mcu,
-             "microcontroller of the servo board: h8 or native");
-  add_choice(*verb, "--eyes", sim::kEyeKinds, c.backend.eyes, "ideal or real");
-  add_choice(*verb, "--sensors", sim::kSensorSets, c.backend.sensors, "nominal, ideal or as-built");
+  add_parts(*verb, c.backend);
   verb->add_flag("--realtime", c.realtime,
                  "in real time, kaz sim and kaz run as processes of their own with a pty between "
-                 "them; wants two processors for each job");
-  verb->add_flag("--no-imu", arguments->blind_to_turns, "a board without gyro and accelerometer");
+                 "them; needs two processors for each job");
   verb->add_flag("--json", c.json, "print result.json, no progress");
   verb->footer(
       "Each episode has its own robot (masses, sensors), floor (friction, pattern), start, light, "
-      "supply and ball\n(place, radius, colour), all from --seed and the episode's number. Success "
-      "is judged "
-      "by the simulator's truth:\nno fall, and what the behaviour claims is so.\n"
-      "Exit status: 0; 1 where no episode succeeded.\n"
+      "supply and ball (place, radius, colour), all from --seed and the episode's number. Success "
+      "is judged by the simulator's truth: no fall, and what the behaviour claims is so. "
+      "KAZ_EVALUATE_TIME\n" +
+      std::string(kExitStatus) +
       "Examples:\n"
       "  kaz evaluate search-ball --episodes 20 --jobs 2 --out searched\n"
       "  kaz evaluate ./wave.so --episodes 4 --out waved\n"

@@ -14,15 +14,17 @@
 namespace kaz::tools {
 
 void add_eyes(CLI::App& program, Action& action) {
-  auto* verb = program.add_subcommand(
-      "eyes", "pictures of the virtual robot's start: from outside and through both eyes");
+  auto* verb =
+      program.add_subcommand("eyes", "draw what an onlooker and both eyes see at the start");
   auto arguments = std::make_shared<EyesOptions>();
   arguments->backend.mcu = sim::McuKind::native;
-  verb->add_option("--out", arguments->out, "folder for the pictures")->capture_default_str();
+  verb->add_option("--out", arguments->out, "folder for the pictures")
+      ->type_name("DIR")
+      ->capture_default_str();
   add_sim_options(*verb, arguments->backend);
   // All kinds of eyes are drawn, and nothing moves.
   for (const char* useless : {"--eyes", "--mcu", "--image", "--faults", "--sensors", "--imu",
-                              "--dynamics", "--physics-step"})
+                              "--no-imu", "--dynamics", "--physics-step"})
     verb->remove_option(verb->get_option(useless));
   verb->footer(
       "Each eye is drawn as a pinhole, through its lens and sensor, and rectified from that.\n"

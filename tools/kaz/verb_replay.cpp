@@ -1,5 +1,6 @@
 // `kaz replay`: runs a recording again and reports the first difference.
 // SPDX-License-Identifier: Apache-2.0
+#include "tools/app/base/arguments.h"
 #include "tools/app/replay/replay.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
@@ -28,17 +29,16 @@ void add_replay(CLI::App& program, Action& action) {
   verb->add_option("--seed", arguments->replay.seed,
                    "another seed than the recording's; implies --whole")
       ->check(whole_number());
-  verb->add_option("--set", arguments->settings, "another option of the behaviour: NAME=VALUE")
-      ->type_name("NAME=VALUE");
+  add_settings(*verb, arguments->settings, "another value of an option of the behaviour");
   verb->add_option("--plugin", arguments->replay.plugin,
                    "the plug-in, if the run was of one: a recording loads no code by itself")
       ->type_name("FILE");
   verb->add_flag("--json", arguments->replay.json, "print the result as JSON on standard output");
   verb->footer(
       "With --host (behaviour, vision, protocol) what the host sends is compared byte by byte; the "
-      "first\ndifference is reported with time, place in the stream, and its message. "
-      "Changed programs\nof the host are tried like this on what a robot has met.\n"
-      "Exit status 0: identical; 1: they differ.\n"
+      "first difference is reported with time, place in the stream, and its message. Changed "
+      "programs of the host are tried like this on what a robot has met.\n"
+      "Exit status: 0 identical, 1 they differ, 2 wrong usage, 3 the environment failed.\n"
       "Examples:\n"
       "  kaz run search-ball --record-pictures --out seen\n"
       "  kaz replay seen/recording.mcap\n"
@@ -46,13 +46,8 @@ void add_replay(CLI::App& program, Action& action) {
       "  kaz replay seen/recording.mcap --whole");
   verb->callback([&action, arguments] {
     action = [arguments]() -> Result<Outcome> {
-      for (const auto& setting : arguments->settings) {
-        const auto equals = setting.find('=');
-        if (equals == std::string::npos || equals == 0)
-          return fail(Fault::usage,
-                      "--set " + setting + ": give NAME=VALUE, as in --set seconds=20");
-        arguments->replay.settings[setting.substr(0, equals)] = setting.substr(equals + 1);
-      }
+      const auto settings = KAZ_TRY(parse_settings(arguments->settings));
+      arguments->replay.settings = settings;
       if (arguments->host) arguments->replay.mode = ReplayMode::host;
       if (arguments->whole) arguments->replay.mode = ReplayMode::whole;
       const auto identical = KAZ_TRY(replay(arguments->replay));

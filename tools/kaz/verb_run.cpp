@@ -19,14 +19,50 @@ std::string behavior_names() {
   return names;
 }
 
+// Which behaviours have the option `seconds`, and its range in each: "track-ball (0.1 to 86400)".
+std::string timed_behaviors() {
+  std::string list;
+  for (const auto& behavior : behavior::behaviors()) {
+    for (const auto& option : behavior.options) {
+      if (option.name == "seconds")
+        list += (list.empty() ? "" : ", ") + std::string(behavior.name) + " (" +
+                behavior::valid_values(option) + ")";
+    }
+  }
+  return list;
+}
+
+// Options of the virtual robot, which have no effect on one at a port. --seed has: behaviours choose by it,
+// and so has --faults.
+constexpr const char* kVirtualOnly[] = {
+    "--world",           "--robot-file",   "--mcu",          "--image",  "--sensors", "--imu",
+    "--no-imu",          "--dynamics",     "--physics-step", "--supply", "--eyes",    "--eye-width",
+    "--record-pictures", "--restore-every"};
+
+// Errors: an option was given that has no effect on this kind of robot.
+Result<void> check_given(const CLI::App& verb, const std::string& robot) {
+  if (robot == "sim" && verb.count("--address") > 0)
+    return fail(Fault::usage,
+                "--address is for --robot serial:PATH; the virtual board has address 1");
+  if (!robot.starts_with("serial:")) return {};
+  for (const char* option : kVirtualOnly) {
+    if (verb.count(option) > 0)
+      return fail(Fault::usage, std::string(option) +
+                                    " is for the virtual robot; leave it out with " + "--robot " +
+                                    robot);
+  }
+  return {};
+}
+
 // Behaviours and their options, for the help text.
 std::string behavior_list() {
-  std::string list = "Behaviours and their options (--set NAME=VALUE):\n";
+  std::string list =
+      "Behaviours and their options (--set NAME=VALUE), with default and valid values:\n";
   for (const auto& behavior : behavior::behaviors()) {
     list += "  " + std::string(behavior.name) + ": " + std::string(behavior.text) + "\n";
     for (const auto& option : behavior.options) {
-      list += "      " + std::string(option.name) + " (" + std::string(option.initial) +
-              "): " + std::string(option.text) + "\n";
+      list += "      " + std::string(option.name) + " (" + std::string(option.initial) + "; " +
+              behavior::valid_values(option) + "): " + std::string(option.text) + "\n";
     }
   }
   return list;
@@ -35,29 +71,39 @@ std::string behavior_list() {
 }  // namespace
 
 void add_run(CLI::App& program, Action& action) {
-  auto* verb = program.add_subcommand("run", "one behaviour on a real or virtual robot");
+  auto* verb = program.add_subcommand("run", "run one behaviour on a real or virtual robot");
   auto arguments = std::make_shared<RunArguments>();
   auto& session = arguments->session;
   verb->add_option("BEHAVIOUR", session.behavior,
                    "one of: " + behavior_names() + "; or a plug-in, ./NAME.so")
       ->required()
       ->type_name("");
-  verb->add_option("--robot", session.backend.robot, "sim, or serial:PATH[@BAUD]")
+  verb->add_option("--robot", session.backend.robot, "sim, or a board at a port")
+      ->type_name("sim|serial:PATH[@BAUD]")
       ->capture_default_str();
   add_address(*verb, session.backend.address);
   verb->add_option("--camera", session.backend.camera,
                    "sim, the path of a camera socket, or v4l2:LEFT,RIGHT[,fps=N][,format=NAME]")
+      ->type_name("CAMERA")
       ->capture_default_str();
-  verb->add_option("--calibration", session.backend.calibration,
-                   "of v4l2 cameras (kaz calibrate stereo); it says which size they are run at")
+  verb->add_option(
+          "--calibration", session.backend.calibration,
+          "file of kaz calibrate stereo, for v4l2 cameras; it sets the size of their pictures")
       ->type_name("FILE");
-  verb->add_option("--out", session.out, "folder for pictures and result.json; none if not given");
+  add_out(*verb, *arguments, "; nothing is written if not given");
+  add_duration(*verb, *arguments,
+               "the same as --set seconds=SECONDS, of " + timed_behaviors() +
+                   "; the other behaviours end by themselves");
+  add_settings(*verb, arguments->settings, "an option of the behaviour (below)");
   add_run_options(*verb, *arguments);
   verb->get_option("--record-pictures")->needs("--out");  // else there is no recording
   verb->footer(
       behavior_list() +
       "A behaviour of your own, built outside of Kaz: docs/howto/own-behavior.md. It runs with "
       "your rights.\n"
+      "A robot at a port (--robot serial:PATH) takes no options of the virtual robot, such as "
+      "--world "
+      "or --mcu; of --faults it takes those of the line.\n"
       "Examples:\n"
       "  kaz run search-ball\n"
       "  kaz run track-ball --seed 3 --duration 12 --out three\n"
@@ -65,11 +111,13 @@ void add_run(CLI::App& program, Action& action) {
       "  kaz run track-ball --robot serial:/dev/ttyUSB0 --camera board.eyes\n"
       "  kaz run ./wave.so --set times=2\n"
       "  kaz run track-ball --robot serial:/dev/ttyUSB0 \\\n"
-      "      --camera v4l2:/dev/video0,/dev/video2 --calibration stereo.yml\n"
-      "With a port nothing of the simulator is used; --world, --mcu, --image and --seed "
-      "are then\nwithout effect.");
-  verb->callback(
-      [&action, arguments] { action = [arguments] { return run_behavior(*arguments); }; });
+      "      --camera v4l2:/dev/video0,/dev/video2 --calibration stereo.yml");
+  verb->callback([&action, arguments, verb] {
+    action = [arguments, verb]() -> Result<Outcome> {
+      KAZ_TRY(check_given(*verb, arguments->session.backend.robot));
+      return run_behavior(*arguments);
+    };
+  });
 }
 
 }  // namespace kaz::tools

@@ -11,10 +11,12 @@ namespace kaz::tools {
 
 void add_sim(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "sim", "a virtual robot in real time for other processes: pty, camera and control socket");
+      "sim",
+      "serve a virtual robot in real time to other processes: pty, camera and control socket");
   auto arguments = std::make_shared<ServeOptions>();
   verb->add_option("--serial", arguments->real_time.serial_path,
-                   "where to put the link to the board's serial port (a pty)")
+                   "where to put the link to the board's serial port, a pty (required without "
+                   "--write-calibration)")
       ->type_name("PATH");
   verb->add_option("--cameras", arguments->real_time.cameras_path,
                    "where to publish the stereo pairs (a Unix socket)")
@@ -29,29 +31,31 @@ void add_sim(CLI::App& program, Action& action) {
   verb->add_option("--write-calibration", arguments->calibration,
                    "write the eyes' calibration as OpenCV does (YAML); without --serial, only that")
       ->type_name("FILE");
-  verb->add_option("--record", arguments->backend.recording,
-                   "record everything into this file (MCAP), from the start to Ctrl-C")
-      ->type_name("FILE");
-  verb->add_flag(
+  auto* record = verb->add_option("--record", arguments->backend.recording,
+                                  "record everything into this file (MCAP), until Ctrl-C")
+                     ->type_name("FILE");
+  auto* stand = verb->add_flag(
       "--stand", arguments->backend.stand,
       "a motor stand instead of a robot: each motor alone with a disc on its shaft, clamp, "
       "scale, weight and supply at PATH.ctl (kaz bench)");
   add_motor_options(*verb, arguments->backend);
+  for (const char* option : {"--motor-file", "--motor", "--disc"})
+    verb->get_option(option)->needs(stand);
   add_sim_options(*verb, arguments->backend);
   add_record_pictures(*verb, arguments->backend);
+  verb->get_option("--record-pictures")->needs(record);
   verb->footer(
-      "The link behaves as a port with a board at the other end. PATH.ctl takes commands: reset,\n"
-      "mode boot, mode run, power off, power on, status, stand help, one a line. Ends with Ctrl-C "
-      "and removes "
-      "what it made.\n"
+      "The link behaves as a port with a board at the other end. The socket PATH.ctl (PATH of "
+      "--serial) takes commands, one a line; `help` lists them (reset, mode, power, plug, fault, "
+      "stand, status). Ctrl-C ends the simulator, which removes what it made.\n"
       "Examples:\n"
       "  kaz sim --serial board --cameras board.eyes\n"
-      "  kaz sim --serial board --erased   (kaz flash puts a firmware into it)\n"
-      "  kaz sim --serial board --stand   (kaz bench motor --port board --stand ctl:board.ctl)\n"
+      "  kaz sim --serial board --erased   # kaz flash puts a firmware into it\n"
+      "  kaz sim --serial board --stand   # kaz bench motor --port board --stand ctl:board.ctl\n"
       "  kaz sim --eyes real --write-calibration eyes.yml\n"
-      "  kaz sim --serial board --record run.mcap   (Foxglove, PlotJuggler and `mcap info` open "
-      "it)\n"
-      "  kaz run track-ball --robot serial:board --camera board.eyes   (elsewhere)");
+      "  kaz sim --serial board --record run.mcap   # Foxglove, PlotJuggler and `mcap info` "
+      "open it\n"
+      "  kaz run track-ball --robot serial:board --camera board.eyes   # in another terminal");
   verb->callback([&action, arguments] { action = [arguments] { return serve(*arguments); }; });
 }
 

@@ -337,8 +337,7 @@ TEST(Load, NamesUnknownDynamics) {
   options.dynamics = "fast";
   const auto world = World::load(test::kEmpty, test::kRobot, options);
   ASSERT_FALSE(world);
-  EXPECT_NE(world.error().message.find("unknown dynamics \"fast\" (--dynamics)"),
-            std::string::npos);
+  EXPECT_NE(world.error().message.find("unknown dynamics `fast` (--dynamics)"), std::string::npos);
 }
 
 TEST(Load, NamesAnUnknownMotor) {

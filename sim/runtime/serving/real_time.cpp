@@ -249,8 +249,8 @@ std::string RealTimeServer::Parts::why_off() const {
   if (const kz_servo* servo = mcu.servo())
     return shutdown_words(servo->shutdown, servo->shutdown_detail);
   const auto* h8 = dynamic_cast<const H8Mcu*>(&mcu);
-  const auto state = h8 == nullptr ? std::vector<std::uint8_t>()
-                                   : h8->global("kz_servo_state", kz_state_size_h8);
+  const auto state =
+      h8 == nullptr ? std::vector<std::uint8_t>() : h8->global("kz_servo_state", kz_state_size_h8);
   if (state.empty()) return "";  // an image without symbols
   const auto field = [&](std::string_view name) {
     for (std::size_t f = 0; f < kz_state_field_count; ++f) {
@@ -272,7 +272,8 @@ void RealTimeServer::Parts::report_overrun() {
   if (options.report)
     options.report("overrun: the world has lost " +
                    std::to_string(pacer.lost().count() / 1'000'000) + " ms to the wall clock in " +
-                   std::to_string(overruns_reported) + " stalls");
+                   std::to_string(overruns_reported) +
+                   (overruns_reported == 1 ? " stall" : " stalls"));
 }
 
 // Links in contact: force in N, centre of pressure in the link's frame, m.
@@ -298,21 +299,21 @@ nlohmann::ordered_json ball(const World& world) {
 nlohmann::ordered_json RealTimeServer::Parts::status() const {
   const ServoBoard& board = simulation.board();
   nlohmann::ordered_json json{{"time_s", seconds(simulation.time())},
-          {"mcu", board.mcu().name()},
-          {"power", board.power()},
-          {"boot_rom", board.mcu().in_boot_rom()},
-          {"motors", board.drivers_enabled()},
-          {"supply_volts", board.supply_volts()},
-          {"driver_celsius", board.driver_celsius()},
-          {"imu", board.imu().has_value()},
-          {"link_forces", link_forces(simulation.world())},
-          {"ball_m", ball(simulation.world())},
-          {"host", watch.present()},
-          {"camera_readers", cameras ? cameras->readers() : 0},
-          {"pairs_dropped", simulation.pairs_dropped()},
-          {"pairs_missed_by_readers", cameras ? cameras->missed() : 0},
-          {"overruns", pacer.overruns()},
-          {"lost_s", seconds(pacer.lost())}};
+                              {"mcu", board.mcu().name()},
+                              {"power", board.power()},
+                              {"boot_rom", board.mcu().in_boot_rom()},
+                              {"motors", board.drivers_enabled()},
+                              {"supply_volts", board.supply_volts()},
+                              {"driver_celsius", board.driver_celsius()},
+                              {"imu", board.imu().has_value()},
+                              {"link_forces", link_forces(simulation.world())},
+                              {"ball_m", ball(simulation.world())},
+                              {"host", watch.present()},
+                              {"camera_readers", cameras ? cameras->readers() : 0},
+                              {"pairs_dropped", simulation.pairs_dropped()},
+                              {"pairs_missed_by_readers", cameras ? cameras->missed() : 0},
+                              {"overruns", pacer.overruns()},
+                              {"lost_s", seconds(pacer.lost())}};
   const World& world = simulation.world();
   if (world.measures_convergence())
     json["unconverged_steps"] = world.diagnostics().unconverged_steps;

@@ -30,7 +30,7 @@ Result<std::unique_ptr<UnixListener>> UnixListener::open(const std::string& path
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof address.sun_path)
-    return fail(Fault::usage, "the socket path \"" + path + "\" must have 1 to " +
+    return fail(Fault::usage, "the socket path `" + path + "` must have 1 to " +
                                   std::to_string(sizeof address.sun_path - 1) + " characters");
   std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
 
@@ -52,7 +52,8 @@ Result<std::unique_ptr<UnixListener>> UnixListener::open(const std::string& path
   ::fchmod(fd, S_IRUSR | S_IWUSR);
   if (fd < 0 || ::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       ::listen(fd, 8) != 0 || ::lstat(path.c_str(), &status) != 0)
-    return fail(Fault::environment, "cannot listen at " + path + ": " + std::strerror(errno));
+    return fail(Fault::environment,
+                "cannot listen at " + path + ": " + std::strerror(errno) + "; choose another path");
   listener->path_ = path;
   listener->inode_ = status.st_ino;
   return listener;

@@ -335,6 +335,67 @@ TEST(Cli, DurationThatIsNone) {
                              {"--duration", wrong, "seconds", "0.1"}));
 }
 
+TEST(Cli, DurationSaidTwice) {
+  EXPECT_TRUE(one_sentence(run(kaz({"run", "track-ball", "--duration", "5", "--set", "seconds=9"})),
+                           2, {"--duration 5", "--set seconds=9", "leave one out"}));
+}
+
+// The words after an option that may be repeated are not its values.
+TEST(Cli, AnOptionBeforeTheBehaviour) {
+  EXPECT_TRUE(
+      one_sentence(run(kaz({"run", "--set", "tries=2", "--set", "tries=1.5", "catch-ball"})), 2,
+                   {"1.5", "a whole number from 1 to 20"}));
+  EXPECT_TRUE(
+      one_sentence(run(kaz({"evaluate", "--set", "seconds=0", "search-ball", "--out", "none"})), 2,
+                   {"seconds", "0.1 to 3600"}));
+  EXPECT_TRUE(
+      one_sentence(run(kaz({"evaluate", "--colors", "red,pink", "search-ball", "--out", "none"})),
+                   2, {"pink", "green"}));
+  EXPECT_TRUE(
+      one_sentence(run(kaz({"evaluate", "--radii", "0.02,9", "search-ball", "--out", "none"})), 2,
+                   {"--radii", "9"}));
+}
+
+// What would have no effect is refused.
+TEST(Cli, OptionsOfAnotherKindOfRobot) {
+  for (const std::vector<std::string>& option :
+       std::vector<std::vector<std::string>>{{"--world", "ball"},
+                                             {"--mcu", "h8"},
+                                             {"--imu"},
+                                             {"--eye-width", "320"},
+                                             {"--restore-every", "1"}}) {
+    std::vector<std::string> words{"run", "stand", "--robot", "serial:none"};
+    words.insert(words.end(), option.begin(), option.end());
+    EXPECT_TRUE(one_sentence(run(kaz(words)), 2, {option[0], "virtual robot", "leave it out"}));
+  }
+  EXPECT_TRUE(one_sentence(run(kaz({"run", "stand", "--address", "1"})), 2,
+                           {"--address", "serial:PATH", "virtual board"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"demo", "--mcu", "native", "--image", "none"})), 2,
+                           {"--image", "--mcu h8"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"demo", "--imu", "--no-imu"})), 2, {"--imu", "--no-imu"}));
+  const std::vector<std::vector<std::string>> incomplete{{"--motor", "m", "--stand"},
+                                                         {"--motor-file", "f", "--stand"},
+                                                         {"--disc", "1e-3", "--stand"},
+                                                         {"--record-pictures", "--record"}};
+  for (const auto& words : incomplete) {
+    std::vector<std::string> sim{"sim", "--serial", "none"};
+    sim.insert(sim.end(), words.begin(), words.end() - 1);
+    EXPECT_TRUE(one_sentence(run(kaz(sim)), 2, {words.front(), words.back()}));
+  }
+}
+
+// Known before the world is loaded, and said of the path that was typed.
+TEST(Cli, SimulatorWithoutAFolder) {
+  const TemporaryFolder folder;
+  const std::string none = folder / "none/b";
+  for (const char* option : {"--serial", "--cameras", "--memory", "--record"}) {
+    std::vector<std::string> words{"sim", option, none};
+    if (option != std::string("--serial"))
+      words.insert(words.end(), {"--serial", folder / "board"});
+    EXPECT_TRUE(one_sentence(run(kaz(words)), 2, {option, none, "no folder " + (folder / "none")}));
+  }
+}
+
 TEST(Cli, PhysicsStepThatDoesNotFit) {
   const TemporaryFolder folder;
   EXPECT_TRUE(

@@ -52,16 +52,16 @@ Result<std::string> world_file(const std::string& name) {
     const fs::path path = data_folder() / "worlds" / (name + ".sdf");
     if (fs::exists(path, error)) return path.string();
   }
-  return fail(Fault::usage, "no world '" + name +
-                                "': give the path of an SDF file, or one of: " + known_worlds());
+  return fail(Fault::usage, "no world `" + name +
+                                "`: give the path of an SDF file, or one of: " + known_worlds());
 }
 
 Result<std::string> firmware_image(const std::string& given) {
   std::error_code error;
   if (!given.empty()) {
     if (fs::is_regular_file(given, error)) return given;
-    return fail(Fault::usage, "no firmware image '" + given +
-                                  "': give the path of an S-record (.mot) or COFF (.coff) file");
+    return fail(Fault::usage, "no firmware image `" + given +
+                                  "`: give the path of an S-record (.mot) or COFF (.coff) file");
   }
   const fs::path path = data_folder() / "firmware" / "kaz.mot";
   if (fs::exists(path, error)) return path.string();

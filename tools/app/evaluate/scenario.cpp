@@ -124,7 +124,8 @@ Result<BallColor> ball_color(const std::string& name) {
 Scenario Scenario::draw(const Variation& variation, std::uint64_t seed, std::uint64_t episode) {
   Scenario s;
   // Far enough apart that episodes of neighbouring seeds are not each other's.
-  s.seed = seed * 1'000'003 + episode + 1;
+  // At most 18 digits, as `kaz sim --seed` takes them.
+  s.seed = (seed * 1'000'003 + episode + 1) % 1'000'000'000'000'000'000u;
   s.friction = within(variation.friction, s.seed, Draw::friction);
   s.supply_volts = within(variation.supply_volts, s.seed, Draw::supply);
   const double distance = within(variation.ball_distance_m, s.seed, Draw::distance);

@@ -158,6 +158,8 @@ Result<std::unique_ptr<sim::Simulation>> make_stand(const BackendOptions& option
 
 Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& options,
                                                          sim::FramePolicy frames) {
+  if (!options.image.empty() && options.mcu != sim::McuKind::h8)
+    return fail(Fault::usage, "--image is for --mcu h8 alone: native has no firmware image");
   sim::SimulationOptions sim;
   sim.mcu = options.mcu;
   sim.seed = options.seed;

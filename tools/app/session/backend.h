@@ -49,7 +49,8 @@ class SessionBackend {
 // Checks what can be checked without opening anything.
 Result<void> check(const BackendOptions& options);
 
-// The virtual robot of `kaz demo`, `kaz run` and `kaz sim`: finds its files and loads them.
+// The virtual robot of `kaz demo`, `kaz run` and `kaz sim`: finds its files and loads them. Errors (usage):
+// options that exclude each other; wrong or missing files.
 Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& options,
                                                          sim::FramePolicy frames);
 

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <thread>
 
@@ -40,6 +41,16 @@ class StopFlag {
   std::thread thread_;
 };
 
+// For links and sockets, which their makers report by other paths, and only after loading.
+Result<void> check_place(const std::string& option, const std::string& path) {
+  if (path.empty()) return {};
+  std::error_code error;
+  const auto folder = std::filesystem::absolute(path, error).parent_path();
+  if (std::filesystem::is_directory(folder, error)) return {};
+  return fail(Fault::usage, option + ": cannot make " + path + " (there is no folder " +
+                                folder.string() + "); give another path");
+}
+
 }  // namespace
 
 Result<bool> serve(ServeOptions arguments) {
@@ -47,27 +58,31 @@ Result<bool> serve(ServeOptions arguments) {
     return fail(Fault::usage, "--erased and --boot are for --mcu h8: native has no flash");
   if (arguments.backend.erased && !arguments.backend.image.empty())
     return fail(Fault::usage, "--erased and --image exclude each other");
+  KAZ_TRY(check_place("--serial", arguments.real_time.serial_path));
+  KAZ_TRY(check_place("--cameras", arguments.real_time.cameras_path));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  std::optional<OutputFile> calibration, recording;
+  std::optional<OutputFile> calibration, recording, memory;
   if (!arguments.calibration.empty())
     calibration = KAZ_TRY(OutputFile::open(arguments.calibration, "--write-calibration"));
   if (!arguments.backend.recording.empty()) {
     recording = KAZ_TRY(OutputFile::open(arguments.backend.recording, "--record"));
     arguments.backend.recording = recording->part();
   }
+  if (!arguments.memory.empty()) memory = KAZ_TRY(OutputFile::open(arguments.memory, "--memory"));
   auto simulation = KAZ_TRY(make_simulation(arguments.backend, sim::FramePolicy::drop));
   if (!arguments.real_time.cameras_path.empty() && !simulation->has_eyes())
     return tl::unexpected(sim::Simulation::no_eyes());
   if (calibration) {
     if (!simulation->has_eyes()) return tl::unexpected(sim::Simulation::no_eyes());
     KAZ_TRY(calibration->write(simulation->camera().calibration().yaml()));
+    std::printf("written: %s\n", calibration->path().c_str());
     if (arguments.real_time.serial_path.empty()) return true;
   }
   if (arguments.real_time.serial_path.empty())
     return fail(Fault::usage, "--serial is missing: where to put the link to the board's port");
   sim::Mcu& mcu = simulation->board().mcu();
-  if (!arguments.memory.empty()) {
+  if (memory) {
     KAZ_TRY(sim::load_memory(mcu, arguments.memory));
     mcu.reset();
   }
@@ -98,8 +113,9 @@ Result<bool> serve(ServeOptions arguments) {
   if (recorded && recording) KAZ_TRY(recording->commit());
   if (!statistics) return tl::unexpected(statistics.error());
   if (!recorded) return tl::unexpected(recording ? recording->failure() : recorded.error());
-  if (!arguments.memory.empty()) {
-    KAZ_TRY(sim::save_memory(mcu, arguments.memory));
+  if (memory) {
+    KAZ_TRY(sim::save_memory(mcu, memory->part()));
+    KAZ_TRY(memory->commit());
   }
   std::printf("ended after %.1f s; overruns %llu, worst %.1f ms late, pairs dropped %llu\n",
               statistics->simulated_s, static_cast<unsigned long long>(statistics->overruns),
