@@ -79,7 +79,8 @@ std::string typed_form(const CLI::Option& option) {
   if (!value.empty()) form += " " + value;
   if (option.get_expected_max() == CLI::detail::expected_max_vector_size) {
     form += " ...";
-  } else if (option.get_expected_min() == 2 && !value.empty()) {
+  } else if (option.get_expected_min() == 2 && !value.empty() &&
+             value.find(' ') == std::string::npos) {
     form += " " + value;
   }
   return form;

@@ -40,41 +40,26 @@ CLI::Validator whole_number_above_zero() {
       "");
 }
 
-void add_parts(CLI::App& verb, BackendOptions& options) {
+void add_sim_options(CLI::App& verb, BackendOptions& options) {
+  verb.add_option("--world", options.world, "a world of Kaz by name, or an SDF file")
+      ->capture_default_str();
+  verb.add_option("--robot-file", options.robot_file,
+                  "URDF of another robot, its motor.xml and sensors.xml beside it; without it Kaz")
+      ->type_name("FILE");
   add_choice(verb, "--mcu", sim::kMcuKinds, options.mcu,
              "microcontroller of the servo board: h8 executes the firmware image, native runs the "
              "same C compiled for this machine");
+  verb.add_option("--image", options.image, "firmware image for h8: S-record or COFF");
+  verb.add_option("--faults", options.faults, "schedule of faults: docs/reference/faults.md")
+      ->type_name("FILE");
   add_choice(verb, "--sensors", sim::kSensorSets, options.sensors,
              "nominal: with noise; ideal: without; as-built: besides, each potentiometer "
              "with its own curve and offset, to be calibrated");
-  const std::string by_default = " (default)";
-  auto* with = verb.add_flag_callback(
-      "--imu", [&options] { options.imu = true; },
-      "the board has gyro and accelerometer, on AN3..AN5" + (options.imu ? by_default : ""));
-  verb.add_flag_callback(
-          "--no-imu", [&options] { options.imu = false; },
-          "the board has no gyro and accelerometer" + (options.imu ? "" : by_default))
-      ->excludes(with);
-  add_choice(verb, "--eyes", sim::kEyeKinds, options.eyes,
-             "ideal: pinholes without noise; real: with lens, exposure and noise, rectified");
-}
-
-void add_sim_options(CLI::App& verb, BackendOptions& options) {
-  verb.add_option("--world", options.world, "a world of Kaz by name, or an SDF file")
-      ->type_name("NAME|FILE")
-      ->capture_default_str();
-  verb.add_option("--robot-file", options.robot_file,
-                  "URDF of another robot, its motor.xml and sensors.xml beside it (default: Kaz)")
-      ->type_name("FILE");
-  add_parts(verb, options);
-  verb.add_option("--image", options.image, "firmware image for h8: S-record or COFF")
-      ->type_name("FILE");
-  verb.add_option("--faults", options.faults, "schedule of faults: docs/reference/faults.md")
-      ->type_name("FILE");
+  add_imu(verb, options.imu);
   verb.add_option("--dynamics", options.dynamics,
                   "reduced: docs/explanation/dynamics.md; Open Dynamics Engine instead: exact, or "
-                  "quickN with N iterations, 1 to 1000")
-      ->type_name("NAME")
+                  "quickN with N "
+                  "iterations, 1 to 1000")
       ->capture_default_str();
   verb.add_option(
           "--physics-step", options.physics_step_ms,
@@ -83,16 +68,35 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
           "(docs/explanation/dynamics.md)")
       ->type_name("MS")
       ->capture_default_str();
-  verb.add_option("--supply", options.supply_volts, "supply of the board, V")
+  verb.add_option("--supply", options.supply_volts, "of the board, V")
       ->check(CLI::Range(1.0, 20.0))
       ->capture_default_str();
+  add_choice(verb, "--eyes", sim::kEyeKinds, options.eyes,
+             "ideal: pinholes without noise; real: with lens, exposure and noise, rectified");
   verb.add_option("--eye-width", options.eye_width,
-                  "width of the eyes' pictures: 320 or 640 (default: that of camera.json)")
+                  "width of the eyes' pictures: 320 or 640; that of camera.json if not given")
       ->check(CLI::IsMember({320, 640}));
   verb.add_option("--seed", options.seed, "of all noise; the same seed gives the same bytes")
-      ->check(whole_number())
-      ->type_name("N")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            const bool valid = !text.empty() && text.size() < 20 &&
+                               text.find_first_not_of("0123456789") == std::string::npos;
+            return valid ? ""
+                         : "`" + text + "` is no seed: give a whole number of at most 19 digits";
+          },
+          ""))
       ->capture_default_str();
+}
+
+void add_imu(CLI::App& verb, bool& imu) {
+  const std::string by_default = " (default)";
+  auto* with = verb.add_flag_callback(
+      "--imu", [&imu] { imu = true; },
+      "the board has gyro and accelerometer, on AN3..AN5" + (imu ? by_default : ""));
+  verb.add_flag_callback(
+          "--no-imu", [&imu] { imu = false; },
+          "the board has no gyro and accelerometer" + (imu ? "" : by_default))
+      ->excludes(with);
 }
 
 void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std::string& text) {
@@ -100,6 +104,7 @@ void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std:
   verb.add_option("--set", settings, text + ", such as seconds=20; may be repeated")
       ->type_name("NAME=VALUE")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all();
 }
 

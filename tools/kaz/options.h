@@ -7,7 +7,6 @@
 #include <map>
 #include <string>
 #include <type_traits>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -55,15 +54,15 @@ CLI::Option* add_choice(CLI::App& verb, const std::string& name, const std::arra
   return option;
 }
 
-// --mcu, --sensors, --imu and --no-imu, --eyes: the virtual robot's parts, with the defaults of `options`.
-void add_parts(CLI::App& verb, BackendOptions& options);
-// add_parts(), and --world, --robot-file, --image, --faults, --dynamics, --physics-step, --supply,
-// --eye-width, --seed.
+// --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --no-imu, --dynamics,
+// --physics-step, --eyes, --eye-width, --seed.
 void add_sim_options(CLI::App& verb, BackendOptions& options);
-// --motor-file, --motor, --disc: the motors on a virtual motor stand.
-void add_motor_options(CLI::App& verb, BackendOptions& options);
+// --imu and --no-imu; the default is what `imu` is.
+void add_imu(CLI::App& verb, bool& imu);
 // --set NAME=VALUE, to be repeated; `text`: what is set, without an example.
 void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std::string& text);
+// --motor-file, --motor, --disc: the motors on a virtual motor stand.
+void add_motor_options(CLI::App& verb, BackendOptions& options);
 // --address N, for every verb that opens a port.
 CLI::Option* add_address(CLI::App& verb, std::uint8_t& address);
 // --record-pictures, for verbs that record.

@@ -25,8 +25,8 @@ void add_demo(CLI::App& program, Action& action) {
   add_settings(*verb, arguments->settings, "an option of track-ball (kaz run --help)");
   add_run_options(*verb, *arguments);
   verb->footer(
-      "The behaviour is track-ball of kaz run, the robot virtual. KAZ_DEMO_TIME "
-      "--mcu native is faster.\n"
+      "The behaviour is track-ball of kaz run, the robot virtual. Its 23 s take "
+      "some 10 s on one processor.\n"
       "The folder then contains the pictures left_eye.png, color_extraction.png, outside.png and "
       "moments.png (and .jpg), the plot pan_tilt.png (and .svg), vision.csv, result.json and "
       "recording.mcap; a demo that fails leaves fewer. The recording holds bytes, pins, joints, "

@@ -24,7 +24,7 @@ void add_eyes(CLI::App& program, Action& action) {
   add_sim_options(*verb, arguments->backend);
   // All kinds of eyes are drawn, and nothing moves.
   for (const char* useless : {"--eyes", "--mcu", "--image", "--faults", "--sensors", "--imu",
-                              "--no-imu", "--dynamics", "--physics-step"})
+                              "--no-imu", "--supply", "--dynamics", "--physics-step"})
     verb->remove_option(verb->get_option(useless));
   verb->footer(
       "Each eye is drawn as a pinhole, through its lens and sensor, and rectified from that.\n"

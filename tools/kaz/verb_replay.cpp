@@ -38,7 +38,7 @@ void add_replay(CLI::App& program, Action& action) {
       "With --host (behaviour, vision, protocol) what the host sends is compared byte by byte; the "
       "first difference is reported with time, place in the stream, and its message. Changed "
       "programs of the host are tried like this on what a robot has met.\n"
-      "Exit status: 0 identical, 1 they differ, 2 wrong usage, 3 the environment failed.\n"
+      "Exit status: 0 identical, 1 they differ.\n"
       "Examples:\n"
       "  kaz run search-ball --record-pictures --out seen\n"
       "  kaz replay seen/recording.mcap\n"

@@ -48,6 +48,7 @@ void add_sim(CLI::App& program, Action& action) {
       "The link behaves as a port with a board at the other end. The socket PATH.ctl (PATH of "
       "--serial) takes commands, one a line; `help` lists them (reset, mode, power, plug, fault, "
       "stand, status). Ctrl-C ends the simulator, which removes what it made.\n"
+      "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP.\n"
       "Examples:\n"
       "  kaz sim --serial board --cameras board.eyes\n"
       "  kaz sim --serial board --erased   # kaz flash puts a firmware into it\n"
