@@ -168,8 +168,7 @@ void add_evaluate(CLI::App& program, Action& action) {
       "Each episode has its own robot (masses, sensors), floor (friction, pattern), start, light, "
       "supply and ball (place, radius, colour), all from --seed and the episode's number. Success "
       "is judged by the simulator's truth: no fall, and what the behaviour claims is so. "
-      "An episode takes less than its time on the robot: of catch-ball some 15 s on one "
-      "processor, with --realtime 50 s.\n" +
+      "An episode of catch-ball takes some 15 s on one processor, with --realtime 50 s.\n" +
       std::string(kExitStatus) +
       "Examples:\n"
       "  kaz evaluate search-ball --episodes 20 --jobs 2 --out searched\n"

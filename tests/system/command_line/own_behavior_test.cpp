@@ -45,7 +45,7 @@ TEST(OwnBehavior, RunsAndIsReplayed) {
 TEST(OwnBehavior, TakesItsOptionsAndNoOthers) {
   const Finished wrong = run_plugin(kModules + "/wave.so", {"--set", "times=11"});
   EXPECT_EQ(wrong.exit_code, 2);
-  EXPECT_NE(wrong.err.find("a number from 1 to 10"), std::string::npos) << wrong.err;
+  EXPECT_NE(wrong.err.find("a whole number from 1 to 10"), std::string::npos) << wrong.err;
   const Finished unknown = run_plugin(kModules + "/wave.so", {"--set", "speed=1"});
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_NE(unknown.err.find("its options are times"), std::string::npos) << unknown.err;
