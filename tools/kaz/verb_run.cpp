@@ -52,6 +52,9 @@ void add_run(CLI::App& program, Action& action) {
                    "of v4l2 cameras (kaz calibrate stereo); it says which size they are run at")
       ->type_name("FILE");
   verb->add_option("--out", session.out, "folder for pictures and result.json; none if not given");
+  verb->add_flag(
+      "--profile", session.profile,
+      "measure CPU and waiting time of each part of the program; a table, and in result.json");
   add_run_options(*verb, *arguments);
   verb->get_option("--record-pictures")->needs("--out");  // else there is no recording
   verb->footer(
