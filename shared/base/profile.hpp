@@ -82,7 +82,7 @@ class Profile {
   friend class ProfileScope;
   // Written by one thread, read by any.
   struct Row {
-    explicit Row(std::string part) : name(std::move(part)) {}
+    explicit Row(const char* part) : name(part) {}
     std::string name;
     std::atomic<std::int64_t> cpu_ns{0}, wall_ns{0};
     std::atomic<std::uint64_t> count{0};
