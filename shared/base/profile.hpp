@@ -34,8 +34,8 @@ class Profile {
     double cpu_s = 0;  // in scopes
   };
 
-  // While it lives, the scopes of all threads count. One at a time; scopes that live when it begins or ends do
-  // not count.
+  // While it lives, the scopes of all threads count. One at a time; scopes that are open when it begins or
+  // ends do not count.
   Profile() {
     epoch().fetch_add(1);
     current().store(this);
