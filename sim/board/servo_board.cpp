@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "shared/base/profile.hpp"
 #include "sim/board/noise_key.h"
 
 namespace kaz::sim {
@@ -73,6 +74,7 @@ ServoBoard::ServoBoard(std::unique_ptr<Mcu> mcu, const ServoBoardOptions& option
 }
 
 Result<void> ServoBoard::run_until(States until) {
+  const ProfileScope chip("chip");
   if (power_) {
     if (auto done = mcu_->run_until(until - off_time_); !done) return done;
     now_ = mcu_->now() + off_time_;

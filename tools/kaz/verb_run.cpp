@@ -95,6 +95,9 @@ void add_run(CLI::App& program, Action& action) {
                "the same as --set seconds=SECONDS, of " + timed_behaviors() +
                    "; the other behaviours end by themselves");
   add_settings(*verb, arguments->settings, "an option of the behaviour (below)");
+  verb->add_flag(
+      "--profile", session.profile,
+      "measure CPU and waiting time of each part of the program; a table, and in result.json");
   add_run_options(*verb, *arguments);
   verb->get_option("--record-pictures")->needs("--out");  // else there is no recording
   verb->footer(

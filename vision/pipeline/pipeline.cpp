@@ -8,6 +8,8 @@
 #include <mutex>
 #include <thread>
 
+#include "shared/base/profile.hpp"
+
 namespace kaz::vision {
 
 namespace {
@@ -78,7 +80,7 @@ struct Pipeline::State {
 
   struct Worker {
     std::unique_ptr<Module> module;
-    std::string name;
+    std::string name, part;  // part: its name in profiles
     Time latency{};
     std::vector<std::size_t> needs, feeds;
     std::vector<Use> subscribers;   // caller's thread
@@ -184,6 +186,7 @@ struct Pipeline::State {
         // Once: others may be reading it.
         if (!frame->images_) frame->images_ = *images;
       }
+      const ProfileScope part(worker.part.c_str());
       const auto begin = Clock::now();
       Result<std::any> seen = images ? look_guarded(*worker.module, *frame)
                                      : Result<std::any>(tl::unexpected(images.error()));
@@ -238,6 +241,7 @@ bool Pipeline::has(std::string_view module) const {
 Result<void> Pipeline::add(std::unique_ptr<Module> module) {
   auto worker = std::make_unique<State::Worker>();
   worker->name = module->name();
+  worker->part = "vision " + worker->name;
   worker->latency = module->latency();
   const std::string about = "vision module '" + worker->name + "'";
   if (state_->started)
@@ -309,6 +313,7 @@ std::size_t Pipeline::poll(Time now) {
   }
   for (const State::Due& item : ready) {
     {
+      const ProfileScope waiting("waiting for vision");
       std::unique_lock lock(s.mutex);
       s.changed.wait(lock, [&] {
         return item.frame->slots_[item.module].state != Frame::Slot::State::waiting;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "shared/base/profile.hpp"
 #include "shared/base/random.hpp"
 #include "sim/runtime/formats/png_picture.h"
 #include "sim/runtime/formats/sha256.h"
@@ -64,6 +65,7 @@ Result<void> Eyes::draw(Renderer& renderer, const ScenePose& pose, const View& l
                         const View& right, const Optics* optics, std::uint64_t sequence,
                         vision::StereoImages& pair) {
   Picture pictures[2];
+  std::optional<ProfileScope> part(std::in_place, "drawing");
   Result<void> drawn = renderer.render(pose, left, pictures[0]);
   if (drawn) drawn = renderer.render(pose, right, pictures[1]);
   if (!drawn) return drawn;
@@ -73,8 +75,10 @@ Result<void> Eyes::draw(Renderer& renderer, const ScenePose& pose, const View& l
     return {};
   }
   Picture real[2];
+  part.emplace("lens, exposure, noise");
   optics->left.expose(pictures[0], sequence, real[0]);
   optics->right.expose(pictures[1], sequence, real[1]);
+  part.emplace("rectification");
   optics->rectifier.rectify({take_image(real[0]), take_image(real[1])}, pair);
   return {};
 }
@@ -82,6 +86,7 @@ Result<void> Eyes::draw(Renderer& renderer, const ScenePose& pose, const View& l
 Result<Eyes::Kept> Eyes::kept_of(const vision::StereoImages& pair, Keep keep) {
   Kept kept;
   if (keep == Keep::nothing) return kept;
+  const ProfileScope recording("digests of pictures");
   kept.left = sha256_hex(pair.left.rgb);
   kept.right = sha256_hex(pair.right.rgb);
   if (keep == Keep::digests) return kept;
@@ -105,6 +110,7 @@ Result<void> Eyes::look(Time now, const std::function<ScenePose()>& pose) {
       ++sequence_;
       return {};
     }
+    const ProfileScope waiting("waiting for pictures");
     under_way_.front().wait();
     under_way_.pop_front();
   }
@@ -179,7 +185,9 @@ std::vector<Eyes::Digest> Eyes::take_digests(bool all) {
   std::vector<Digest> digests;
   while (!to_digest_.empty() && (all || to_digest_.front().sequence + 2 < sequence_)) {
     const Exposed& exposed = to_digest_.front();
+    std::optional<ProfileScope> waiting(std::in_place, "waiting for pictures");
     const Drawn& drawn = exposed.drawn.get();
+    waiting.reset();
     digests.push_back({exposed.sequence, exposed.exposure, exposed.arrival, drawn.kept});
     to_digest_.pop_front();
   }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "shared/base/profile.hpp"
 #include "shared/board/table.h"
 #include "sim/body/description/robot_model.h"
 #include "sim/runtime/simulation/recorder.h"
@@ -176,6 +177,7 @@ Result<void> Simulation::step() {
 }
 
 Result<void> Simulation::advance() {
+  const ProfileScope rest("board, line, sensors");
   const States start = now_;
   const States end = start + KZ_STATES_PER_TICK;
 
@@ -219,11 +221,13 @@ void Simulation::move_world() {
   for (std::size_t j = 0; j < KZ_JOINTS; ++j) drives[j] = {means[j].duty, means[j].powered};
   faults_.apply(time(), drives);
   for (std::size_t j = 0; j < channels_.size(); ++j) drives_[j] = drives[channels_[j]];
+  const ProfileScope body("body");
   world_->step(drives_, board_.supply_volts());
 }
 
 void Simulation::record(States start, std::span<const SerialByte> to_board,
                         std::span<const SerialByte> from_board) {
+  const ProfileScope recording("recording");
   recorder_->wire(Recorder::Direction::to_board, start, to_board);
   recorder_->wire(Recorder::Direction::to_host, start, from_board);
   recorder_->pins(now_, board_.pins());
@@ -295,6 +299,7 @@ Result<Picture> Simulation::picture(const View& view, const ScenePose& pose) {
 }
 
 void Simulation::record_behavior(std::string_view json) {
+  const ProfileScope recording("recording");
   if (recorder_) recorder_->behavior(now_, json);
 }
 

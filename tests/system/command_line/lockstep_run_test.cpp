@@ -1,6 +1,7 @@
 // The demo in lockstep: it does its job, and the same seed gives the same bytes.
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
+#include <map>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -46,6 +47,20 @@ TEST(Demo, NativeEngineDoesTheSame) {
   ASSERT_TRUE(result.is_object());
   EXPECT_EQ(result["mcu"], "native");
   EXPECT_GE(result["tracking_within_3deg"].get<double>(), 0.9);
+}
+
+TEST(Demo, ProfileNamesTheParts) {
+  const Finished done =
+      run(kaz({"run", "track-ball", "--mcu", "native", "--duration", "0.5", "--profile", "--json"}),
+          std::chrono::seconds(60));
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  const json profile = json::parse(done.out)["profile"];
+  std::map<std::string, double> cpu_s;
+  double sum_s = 0;
+  for (const auto& part : profile["parts"]) sum_s += cpu_s[part["name"]] = part["cpu_s"];
+  for (const char* part : {"chip", "body", "drawing", "vision color", "behaviour and link"})
+    EXPECT_GT(cpu_s[part], 0) << part << profile;
+  EXPECT_NEAR(sum_s, profile["cpu_s"].get<double>(), 0.01 * sum_s) << profile;
 }
 
 TEST(Demo, SameSeedSameRecordingOtherSeedAnother) {

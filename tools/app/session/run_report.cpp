@@ -225,6 +225,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   result["board"] = board_json(report);
   result["link"] = link_json(report.link);
   result["vision"] = report.vision;
+  if (report.profile) result["profile"] = profile_json(*report.profile);
   if (folder != nullptr) {
     if (recorded) {
       KAZ_TRY(place_recording(*folder));
@@ -274,6 +275,7 @@ void print_report(const ordered_json& result, const RunReport& report, const std
     for (const auto& [name, why] : result["not_drawn"].items())
       std::printf("no %s: %s\n", name.c_str(), why.get<std::string>().c_str());
   }
+  if (report.profile) std::printf("%s", profile_text(*report.profile).c_str());
   if (!out.empty() && !report.interrupted)
     std::printf("pictures and result.json are in %s\n", out.c_str());
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "host/link/link_statistics.h"
 #include "tools/app/base/output.h"
 #include "tools/app/session/backend.h"
+#include "tools/app/session/run_profile.h"
 #include "tools/app/session/score.h"
 #include "tools/app/session/snapshots.h"
 
@@ -32,6 +34,7 @@ struct RunReport {
   std::string vision_text = {};        // the same for people
   std::string vision_table = {};       // CSV, a line for each result
   bool interrupted = false;            // it is of the part before a signal
+  std::optional<RunProfile> profile = {};
   std::string recording_sha256 = {};   // of an interrupted run, whose recording is finished already
 };
 

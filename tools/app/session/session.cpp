@@ -273,10 +273,18 @@ Result<bool> run_session(SessionOptions options) {
   context.ball_radius_m = options.vision.ball.radius_m;
   if (const auto* simulation = (*backend)->simulation())
     context.other_joints = other_joints(simulation->world());
-  const Result<behavior::Outcome> outcome = behavior->run(context);
+  std::optional<RunProfiler> profiler;
+  if (options.profile) profiler.emplace();
+  const Result<behavior::Outcome> outcome = [&] {
+    const ProfileScope host("behaviour and link");
+    return behavior->run(context);
+  }();
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
   const double run_s = seconds((*backend)->clock().now() - start);
+  std::optional<RunProfile> profile;
+  if (profiler) profile = profiler->end(run_s);
+  profiler.reset();
   if (options.on_end) options.on_end(outcome, run_s, run_s / wall_s);
   if (!outcome && clock.ended()) {  // options.until
     progress.done();
@@ -335,6 +343,7 @@ Result<bool> run_session(SessionOptions options) {
                    module_statistics_text(pipeline),
                    deliveries.text(),
                    interrupted,
+                   std::move(profile),
                    *sha256};
   const auto written = write_report(report, (*backend)->simulation(), snapshots, folder, recorded);
   if (!written) return tl::unexpected(lost(written.error(), options, folder));

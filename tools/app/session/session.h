@@ -32,6 +32,7 @@ struct SessionOptions {
   std::string label = "kaz run";                // begins progress lines
   VisionOptions vision;                         // always with the module color
   VisionWatcher* watcher = nullptr;             // must outlive the session
+  bool profile = false;                         // measures where the time goes
   bool keep_interrupted = true;                 // writes what there is of an interrupted run
   Onlooker* onlooker = nullptr;                 // of a simulated robot; must outlive the session
   // Of a simulated robot: the run ends there as by Ctrl-C, which is no error; its result is false.

@@ -1,0 +1,186 @@
+// Where the time of a run goes: CPU and waiting time of each part of the program, and of each thread.
+// SPDX-License-Identifier: Apache-2.0
+//
+// A ProfileScope names the part that its thread works for while it lives. Scopes nest: time belongs to the
+// innermost one, so the parts add up to the time of the outermost scopes. Without a Profile a scope costs one
+// load and a branch; with one, two clocks are read at each of its ends (some 0.3 us).
+#ifndef KAZ_SHARED_BASE_PROFILE_HPP
+#define KAZ_SHARED_BASE_PROFILE_HPP
+
+#include <time.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace kaz {
+
+class Profile {
+ public:
+  struct Part {
+    std::string name;
+    double cpu_s = 0;  // of the threads while they worked for it
+    double waiting_s =
+        0;  // wall time of those scopes without CPU time: for others, a lock, a file, a processor
+    std::uint64_t count = 0;
+  };
+  struct Thread {
+    std::string name;  // its outermost scope's; with a number from the second one on
+    double cpu_s = 0;  // in scopes
+  };
+
+  // While it lives, the scopes of all threads count. One at a time; scopes that are open when it begins or
+  // ends do not count.
+  Profile() {
+    epoch().fetch_add(1);
+    current().store(this);
+  }
+  ~Profile() { current().store(nullptr); }
+  Profile(const Profile&) = delete;
+  Profile& operator=(const Profile&) = delete;
+
+  // Of the scopes that have ended by now; those of most CPU time first.
+  std::vector<Part> parts() const {
+    std::vector<Part> all;
+    const std::lock_guard lock(mutex_);
+    for (const auto& table : tables_) {
+      for (const Row& row : table->rows) {
+        auto found = std::ranges::find(all, row.name, &Part::name);
+        if (found == all.end()) found = all.insert(all.end(), {row.name, 0, 0, 0});
+        const double cpu_s = 1e-9 * static_cast<double>(row.cpu_ns.load());
+        found->cpu_s += cpu_s;
+        found->waiting_s += std::max(0.0, 1e-9 * static_cast<double>(row.wall_ns.load()) - cpu_s);
+        found->count += row.count.load();
+      }
+    }
+    std::ranges::stable_sort(all, std::ranges::greater(), &Part::cpu_s);
+    return all;
+  }
+
+  std::vector<Thread> threads() const {
+    std::vector<Thread> all;
+    const std::lock_guard lock(mutex_);
+    for (const auto& table : tables_) {
+      Thread thread{table->name, 0};
+      for (const Row& row : table->rows)
+        thread.cpu_s += 1e-9 * static_cast<double>(row.cpu_ns.load());
+      const auto same = std::ranges::count_if(
+          all, [&](const Thread& other) { return other.name.starts_with(table->name); });
+      if (same > 0) thread.name += " " + std::to_string(same + 1);
+      all.push_back(std::move(thread));
+    }
+    std::ranges::stable_sort(all, std::ranges::greater(), &Thread::cpu_s);
+    return all;
+  }
+
+ private:
+  friend class ProfileScope;
+  // Written by one thread, read by any.
+  struct Row {
+    explicit Row(const char* part) : name(part) {}
+    std::string name;
+    std::atomic<std::int64_t> cpu_ns{0}, wall_ns{0};
+    std::atomic<std::uint64_t> count{0};
+  };
+  struct Table {
+    std::string name;
+    std::deque<Row> rows;  // appended to under the profile's mutex
+  };
+
+  static std::atomic<Profile*>& current() {
+    static std::atomic<Profile*> profile{nullptr};
+    return profile;
+  }
+  // Counts profiles, so that a thread recognises one at the address of an earlier one.
+  static std::atomic<std::uint64_t>& epoch() {
+    static std::atomic<std::uint64_t> count{0};
+    return count;
+  }
+
+  std::shared_ptr<Table> new_table(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    tables_.push_back(std::make_shared<Table>(Table{name, {}}));
+    return tables_.back();
+  }
+  Row& row_of(Table& table, const char* part) {
+    for (Row& row : table.rows) {
+      if (row.name == part) return row;
+    }
+    const std::lock_guard lock(mutex_);
+    return table.rows.emplace_back(part);
+  }
+
+  mutable std::mutex mutex_;
+  std::vector<std::shared_ptr<Table>> tables_;  // by thread
+};
+
+class ProfileScope {
+ public:
+  // `part` must outlive the scope.
+  explicit ProfileScope(const char* part) {
+    Profile* const profile = Profile::current().load(std::memory_order_relaxed);
+    if (profile == nullptr) return;
+    Local& local = this_thread();
+    const std::uint64_t epoch = Profile::epoch().load(std::memory_order_relaxed);
+    if (local.table == nullptr || local.epoch != epoch) {
+      local = {profile->new_table(part), epoch, nullptr, {}};
+    }
+    const Moment now = Moment::now();
+    if (local.innermost != nullptr) local.innermost->charge(now, local.last);
+    local.last = now;
+    epoch_ = epoch;
+    row_ = &profile->row_of(*local.table, part);
+    outer_ = local.innermost;
+    local.innermost = this;
+  }
+  ~ProfileScope() {
+    if (row_ == nullptr) return;
+    Local& local = this_thread();
+    if (local.epoch != epoch_) return;  // of an earlier profile: its rows are gone
+    const Moment now = Moment::now();
+    charge(now, local.last);
+    row_->count.fetch_add(1, std::memory_order_relaxed);
+    local.last = now;
+    local.innermost = outer_;
+  }
+  ProfileScope(const ProfileScope&) = delete;
+  ProfileScope& operator=(const ProfileScope&) = delete;
+
+ private:
+  struct Moment {
+    std::int64_t cpu_ns = 0, wall_ns = 0;
+    static std::int64_t ns(clockid_t clock) {
+      timespec t{};
+      clock_gettime(clock, &t);
+      return std::int64_t{1'000'000'000} * t.tv_sec + t.tv_nsec;
+    }
+    static Moment now() { return {ns(CLOCK_THREAD_CPUTIME_ID), ns(CLOCK_MONOTONIC)}; }
+  };
+  struct Local {
+    std::shared_ptr<Profile::Table> table;
+    std::uint64_t epoch = 0;
+    ProfileScope* innermost = nullptr;
+    Moment last;
+  };
+  static Local& this_thread() {
+    thread_local Local local;
+    return local;
+  }
+  void charge(const Moment& now, const Moment& since) {
+    row_->cpu_ns.fetch_add(now.cpu_ns - since.cpu_ns, std::memory_order_relaxed);
+    row_->wall_ns.fetch_add(now.wall_ns - since.wall_ns, std::memory_order_relaxed);
+  }
+
+  Profile::Row* row_ = nullptr;
+  std::uint64_t epoch_ = 0;
+  ProfileScope* outer_ = nullptr;
+};
+
+}  // namespace kaz
+
+#endif
