@@ -3,34 +3,16 @@
 #include "tools/kaz/help.h"
 
 #include <algorithm>
+#include <map>
+#include <regex>
 #include <sstream>
+
+#include "tools/kaz/values.h"
 
 namespace kaz::tools {
 namespace {
 
 constexpr std::size_t kTextColumn = 34;
-
-// CLI11 joins type and checks: "TEXT:{h8,native}", "UINT:INT in [0 - 255]", "INT:POSITIVE".
-std::string value_name(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
-  const auto colon = type.find(":{");
-  if (colon != std::string::npos && type.back() == '}') {
-    std::string choices = type.substr(colon + 2, type.size() - colon - 3);
-    std::ranges::replace(choices, ',', '|');
-    return choices;
-  }
-  if (const auto in = type.find(" in ["); in != std::string::npos && type.back() == ']') {
-    std::string range = type.substr(in + 5, type.size() - in - 6);
-    if (const auto dash = range.find(" - "); dash != std::string::npos)
-      range.replace(dash, 3, "..");
-    return range;
-  }
-  // A name that a verb chose may contain a colon: "ctl:PATH|manual".
-  for (const char* check : {":POSITIVE", ":NONNEGATIVE", ":INT"}) {
-    if (type.ends_with(check)) return type.substr(0, type.size() - std::string_view(check).size());
-  }
-  return type.starts_with(':') ? type.substr(1) : type;
-}
 
 // CLI11 writes the value of a flag into its name: "--no-start{false}", "--trace{-}".
 std::string flag_names(const CLI::Option& option) {
@@ -46,6 +28,19 @@ std::string flag_names(const CLI::Option& option) {
                                   : "[=" + (type.empty() ? std::string("VALUE") : type) + "]";
     names.replace(brace, end - brace + 1, given);
   }
+}
+
+// "--allow-motion,--bench", "-h,--help".
+std::string long_names(const CLI::Option& option) {
+  std::string names;
+  for (const std::string& name : option.get_snames()) names += (names.empty() ? "-" : ",-") + name;
+  for (const std::string& name : option.get_lnames())
+    names += (names.empty() ? "--" : ",--") + name;
+  return names;
+}
+
+bool takes_many(const CLI::Option& option) {
+  return option.get_expected_max() == CLI::detail::expected_max_vector_size;
 }
 
 std::string names_of(const std::set<CLI::Option*>& options) {
@@ -69,15 +64,78 @@ std::string two_columns(const std::string& left, const std::string& right) {
   return wrapped(line + right, kTextColumn) + "\n";
 }
 
+// Without the line breaks inside of sentences. Lists are indented.
+std::string filled(const std::string& text) {
+  std::string out, line, last;
+  std::istringstream lines(text);
+  while (std::getline(lines, line)) {
+    const bool goes_on = !last.empty() && last.front() != ' ' && last.back() != '.' &&
+                         !line.empty() && line.front() != ' ';
+    if (!out.empty()) out += goes_on ? ' ' : '\n';
+    out += line;
+    last = line;
+  }
+  return out;
+}
+
+// `differing`: "1 a limit failed, 3 port error." Verbs that only have verbs of their own say nothing.
+std::string exit_status(const CLI::App& app, const std::string& differing) {
+  const bool runs = app.get_subcommands(nullptr).empty() || app.get_require_subcommand_min() == 0;
+  if (differing.empty() && !runs) return "";
+  std::map<int, std::string> statuses{{0, "done"},
+                                      {1, "failed"},
+                                      {2, "wrong usage"},
+                                      {3, "the environment failed (port, disk)"},
+                                      {128, "+ signal where a signal ended it"}};
+  std::string line = filled(differing);
+  std::ranges::replace(line, '\n', ' ');
+  if (line.ends_with('.')) line.pop_back();
+  static const std::regex kStatus("(^|[,;] )([0-9]+) ");
+  const std::sregex_iterator none;
+  for (std::sregex_iterator at(line.begin(), line.end(), kStatus), next; at != none; at = next) {
+    next = std::next(at);
+    const auto from = at->position() + at->length();
+    statuses[std::stoi((*at)[2])] =
+        line.substr(from, next == none ? std::string::npos : next->position() - from);
+  }
+  // kaz sim and kaz monitor are ended by a signal.
+  if (statuses[0].find("Ctrl-C") != std::string::npos) statuses.erase(128);
+  std::string all;
+  for (const auto& [number, text] : statuses)
+    all += (all.empty() ? "" : ", ") + std::to_string(number) + " " + text;
+  return all + ".";
+}
+
 }  // namespace
 
+std::string full_name(const CLI::App& app) {
+  return app.get_parent() == nullptr ? app.get_name()
+                                     : full_name(*app.get_parent()) + " " + app.get_name();
+}
+
+std::string usage(const CLI::App& app) {
+  const std::string name = full_name(app);
+  const auto verbs = app.get_subcommands(nullptr);
+  std::string text = name + " [OPTIONS]";
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_positional()) continue;
+    const std::string word = option->get_name(true, false) + (takes_many(*option) ? " ..." : "");
+    // Where there are verbs too, one of both is given.
+    text += option->get_required() || !verbs.empty() ? " " + word : " [" + word + "]";
+  }
+  if (verbs.empty()) return text;
+  if (app.get_require_subcommand_min() > 0) return text + " VERB";
+  for (const CLI::App* verb : verbs) text += " | " + name + " " + verb->get_name() + " ...";
+  return text;
+}
+
 std::string typed_form(const CLI::Option& option) {
-  if (option.get_positional()) return option.get_name(true, false);
+  if (!option.nonpositional()) return option.get_name(true, false);
   if (option.get_items_expected() == 0 || option.get_type_size() == 0) return flag_names(option);
-  const std::string value = value_name(option);
-  std::string form = option.get_name(false, true);
+  const std::string value = placeholder(option);
+  std::string form = option.get_lnames().empty() ? option.get_name() : long_names(option);
   if (!value.empty()) form += " " + value;
-  if (option.get_expected_max() == CLI::detail::expected_max_vector_size) {
+  if (takes_many(option)) {
     form += " ...";
   } else if (option.get_expected_min() == 2 && !value.empty() &&
              value.find(' ') == std::string::npos) {
@@ -90,12 +148,37 @@ std::string option_text(const CLI::Option& option) {
   std::string facts;
   const auto add = [&](const std::string& fact) { facts += (facts.empty() ? "" : "; ") + fact; };
   if (option.get_required()) add("required");
+  const std::string bounds = range(option);
+  if (!bounds.empty() && option.get_description().find(bounds) == std::string::npos) add(bounds);
   if (option.get_type_size() != 0 && !option.get_default_str().empty())
-    add("default: " + option.get_default_str());
+    add("default: " + default_text(option));
   if (!option.get_needs().empty()) add("needs " + names_of(option.get_needs()));
   if (!option.get_excludes().empty()) add("not with " + names_of(option.get_excludes()));
   const std::string text = option.get_description();
   return facts.empty() ? text : text + (text.empty() ? "(" : " (") + facts + ")";
+}
+
+Footer footer_of(const CLI::App& app) {
+  static const std::string kStatus = "Exit status: ", kExamples = "Examples:";
+  std::string notes, status, examples;
+  std::string* part = &notes;
+  std::istringstream lines(app.get_footer());
+  for (std::string line; std::getline(lines, line);) {
+    const auto at = line.find(kStatus);
+    if (line == kExamples) {
+      part = &examples;
+      continue;
+    }
+    if (at != std::string::npos) {
+      if (at > 0) notes += line.substr(0, at - 1) + "\n";
+      line.erase(0, at + kStatus.size());
+      part = &status;
+    } else if (part == &examples && !line.starts_with(' ')) {
+      part = &notes;
+    }
+    *part += line + "\n";
+  }
+  return {filled(notes), exit_status(app, status), examples};
 }
 
 std::string wrapped(const std::string& text, std::size_t indent) {
@@ -104,7 +187,8 @@ std::string wrapped(const std::string& text, std::size_t indent) {
   while (std::getline(lines, line)) {
     if (!out.empty()) out += '\n';
     const auto first = line.find_first_not_of(' ');
-    const std::size_t deep = std::max(indent, first == std::string::npos ? 0 : first);
+    const std::size_t deep = std::max(
+        indent, first == std::string::npos || first == 0 ? 0 : first + (indent == 0 ? 4 : 0));
     while (line.size() > kHelpColumns) {
       const auto space = line.rfind(' ', kHelpColumns);
       if (space == std::string::npos || space <= deep) break;  // one long word
@@ -116,8 +200,18 @@ std::string wrapped(const std::string& text, std::size_t indent) {
   return out;
 }
 
-std::string HelpFormatter::make_option(const CLI::Option* option, bool) const {
-  return two_columns(typed_form(*option), option_text(*option));
+std::string HelpFormatter::make_option(const CLI::Option* option, bool positional) const {
+  if (positional) return two_columns(option->get_name(true, false), option_text(*option));
+  // One that is a positional too is explained there.
+  return two_columns(typed_form(*option), option->get_positional()
+                                              ? option->get_name(true, false) + " as an option"
+                                              : option_text(*option));
+}
+
+std::string HelpFormatter::make_subcommands(const CLI::App* app, CLI::AppFormatMode) const {
+  std::string list;
+  for (const CLI::App* verb : app->get_subcommands(nullptr)) list += make_subcommand(verb);
+  return list.empty() ? "" : "\nVerbs:\n" + list;
 }
 
 std::string HelpFormatter::make_subcommand(const CLI::App* verb) const {
@@ -128,13 +222,16 @@ std::string HelpFormatter::make_description(const CLI::App* app) const {
   return wrapped(CLI::Formatter::make_description(app)) + "\n";
 }
 
-std::string HelpFormatter::make_usage(const CLI::App* app, std::string name) const {
-  return wrapped(CLI::Formatter::make_usage(app, std::move(name)), 4) + "\n";
+std::string HelpFormatter::make_usage(const CLI::App* app, std::string) const {
+  return wrapped("Usage: " + usage(*app), 4) + "\n";
 }
 
 std::string HelpFormatter::make_footer(const CLI::App* app) const {
-  const std::string footer = app->get_footer();
-  return footer.empty() ? "" : wrapped(footer) + "\n";
+  const Footer footer = footer_of(*app);
+  std::string text = footer.notes.empty() ? "" : wrapped(footer.notes) + "\n";
+  if (!footer.exit_status.empty()) text += wrapped("Exit status: " + footer.exit_status, 4) + "\n";
+  if (!footer.examples.empty()) text += "Examples:\n" + wrapped(footer.examples) + "\n";
+  return text;
 }
 
 }  // namespace kaz::tools

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -16,39 +17,11 @@
 #include "tools/app/base/version.h"
 #include "tools/kaz/help.h"
 #include "tools/kaz/verbs.h"
+#include "tools/kaz/wrong_usage.h"
 
 namespace {
 
 constexpr int kUsage = static_cast<int>(kaz::Fault::usage);
-
-// The verb that was given, for messages: "kaz mcu run".
-std::string spoken_name(const CLI::App& program) {
-  std::string name = "kaz";
-  const CLI::App* app = &program;
-  while (!app->get_subcommands().empty()) {
-    app = app->get_subcommands().front();
-    name += " " + app->get_name();
-  }
-  return name;
-}
-
-// A first word that is no verb, which the parser would report as a missing one; empty if there is none.
-std::string unknown_verb(const CLI::App& program, int argc, char** argv) {
-  const CLI::App* app = &program;
-  for (int i = 1; i < argc && !app->get_subcommands(nullptr).empty() && argv[i][0] != '-'; ++i) {
-    const CLI::App* next = nullptr;
-    for (const CLI::App* verb : app->get_subcommands(nullptr)) {
-      if (verb->get_name() == argv[i]) next = verb;
-    }
-    if (next == nullptr) {
-      const bool takes_words = std::ranges::any_of(
-          app->get_options(), [](const CLI::Option* option) { return option->get_positional(); });
-      return takes_words ? "" : argv[i];
-    }
-    app = next;
-  }
-  return "";
-}
 
 // One line, whatever names from files and ports the message contains. Diagnostics of flashing have indented
 // lines of their own (host/flash/diagnostic.h).
@@ -69,13 +42,26 @@ int report(const std::string& name, const kaz::Error& error) {
   return kaz::tools::exit_status(error);
 }
 
+// As the parser takes them: the last first. `kaz help VERB` is `kaz VERB --help`.
+std::vector<std::string> reversed_words(int argc, char** argv) {
+  std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (!words.empty() && words.front() == "help") {
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  }
+  std::ranges::reverse(words);
+  return words;
+}
+
 int parse_and_run(int argc, char** argv) {
   kaz::tools::set_command_line(argc, argv);
   CLI::App program(
-      "Kaz: a desktop humanoid with stereo eyes, real or virtual. What runs against the virtual "
-      "robot runs on\nthe real one unchanged: both speak the same bytes on the same kind of line.");
+      "a desktop humanoid with stereo eyes, real or virtual. What runs against the virtual robot "
+      "runs on the real one unchanged: both speak the same bytes on the same kind of line");
   program.name("kaz");
-  program.set_version_flag("--version", std::string("kaz ") + kaz::tools::kVersion);
+  program.set_help_flag("-h,--help", "print this help");  // its verbs inherit it
+  program.set_version_flag("--version", std::string("kaz ") + kaz::tools::kVersion,
+                           "print the version");
   program.require_subcommand(1);
   program.formatter(std::make_shared<kaz::tools::HelpFormatter>());  // its verbs inherit it
   kaz::tools::Action action;
@@ -84,32 +70,32 @@ int parse_and_run(int argc, char** argv) {
 #undef KAZ_VERB
   // After the verbs, which would inherit it.
   program.footer(
+      "Recordings are MCAP files: Foxglove (foxglove.dev), PlotJuggler and the mcap command line "
+      "open them.\n"
+      "`kaz VERB --help` or `kaz help VERB` says more about a verb.\n"
+      "Exit status: 1 the task failed, 3 the environment failed (docs/reference/exit-status.md), "
+      "128 + signal where a signal ended it (130: Ctrl-C; kaz sim and kaz monitor: 0)\n"
       "Examples:\n"
-      "  kaz demo                              search and track the ball, leave pictures\n"
+      "  kaz demo                              # search and track the ball, leave pictures\n"
       "  kaz sim --world ball --serial board --cameras board.eyes\n"
       "  kaz run track-ball --robot serial:board --camera board.eyes\n"
-      "  kaz replay kaz-demo/recording.mcap    run it again and print the first difference\n"
-      "Recordings are MCAP files: Foxglove (foxglove.dev), PlotJuggler and the mcap command line "
-      "open "
-      "them.\n"
-      "Exit status: 0 done, 1 the task failed, 2 wrong usage, 3 the environment failed, 130 ended "
-      "by "
-      "Ctrl-C,\n143 by SIGTERM; what there was by then is kept (docs/reference/exit-status.md).\n"
-      "`kaz VERB --help` says more about a verb.");
-  try {
-    program.parse(argc, argv);
-  } catch (const CLI::Success& success) {  // --help, --version
-    return program.exit(success);
-  } catch (const CLI::ParseError& wrong) {
-    const std::string name = spoken_name(program);
-    const std::string verb = unknown_verb(program, argc, argv);
-    const std::string what = verb.empty() ? wrong.what() : "there is no verb `" + verb + "`";
-    std::fprintf(stderr, "%s: %s; see `%s --help`\n", name.c_str(), kaz::one_line(what).c_str(),
-                 name.c_str());
+      "  kaz replay kaz-demo/recording.mcap    # run it again and print the first difference");
+  const auto refuse = [&program](const std::string& what) {
+    const std::string name = kaz::tools::full_name(kaz::tools::chosen_verb(program));
+    std::fprintf(stderr, "%s: %s%s `%s --help`\n", name.c_str(), kaz::one_line(what).c_str(),
+                 what.ends_with('?') ? " See" : "; see", name.c_str());
     return kUsage;
+  };
+  try {
+    program.parse(reversed_words(argc, argv));
+  } catch (const CLI::Success& success) {  // --help, --version
+    const std::string unknown = kaz::tools::unknown_verb(program);
+    return unknown.empty() ? program.exit(success) : refuse(unknown);
+  } catch (const CLI::ParseError& wrong) {
+    return refuse(kaz::tools::wrong_usage(program, wrong));
   }
   const kaz::Result<kaz::tools::Outcome> done = action();
-  if (!done) return report(spoken_name(program), done.error());
+  if (!done) return report(kaz::tools::full_name(kaz::tools::chosen_verb(program)), done.error());
   return done->status;
 }
 

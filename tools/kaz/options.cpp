@@ -5,6 +5,16 @@
 #include <cmath>
 
 namespace kaz::tools {
+namespace {
+
+constexpr std::size_t kMaxDigits = 18;
+
+bool is_whole_number(const std::string& text) {
+  return !text.empty() && text.size() <= kMaxDigits &&
+         text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+}  // namespace
 
 CLI::Validator positive() {
   return CLI::Validator(
@@ -12,36 +22,34 @@ CLI::Validator positive() {
         double number = 0;
         const bool valid =
             CLI::detail::lexical_cast(text, number) && number > 0 && std::isfinite(number);
-        return valid ? std::string() : "`" + text + "` is not a number above 0";
+        return valid ? std::string() : "give a number above 0";
       },
       "POSITIVE");
 }
 
 CLI::Validator whole_number() {
+  const std::string max(kMaxDigits, '9');
   return CLI::Validator(
-      [](std::string& text) {
-        const bool valid = !text.empty() && text.size() < 19 &&
-                           text.find_first_not_of("0123456789") == std::string::npos;
-        return valid ? std::string() : "'" + text + "' is not a whole number of at most 18 digits";
+      [max](std::string& text) {
+        return is_whole_number(text) ? std::string() : "give a whole number from 0 to " + max;
       },
-      "");
+      "INT in [0 - " + max + "]");
 }
 
 CLI::Validator whole_number_above_zero() {
   return CLI::Validator(
       [](std::string& text) {
-        const bool digits = !text.empty() && text.size() < 19 &&
-                            text.find_first_not_of("0123456789") == std::string::npos;
-        return digits && text.find_first_not_of('0') != std::string::npos
-                   ? std::string()
-                   : "'" + text +
-                         "' is not a whole number above 0 of at most 18 digits, such as 1000000";
+        const bool zero = text.find_first_not_of('0') == std::string::npos;
+        return is_whole_number(text) && !zero ? std::string()
+                                              : "give a whole number above 0 of at most " +
+                                                    std::to_string(kMaxDigits) + " digits";
       },
       "");
 }
 
 void add_sim_options(CLI::App& verb, BackendOptions& options) {
   verb.add_option("--world", options.world, "a world of Kaz by name, or an SDF file")
+      ->type_name("NAME|FILE")
       ->capture_default_str();
   verb.add_option("--robot-file", options.robot_file,
                   "URDF of another robot, its motor.xml and sensors.xml beside it; without it Kaz")
@@ -49,17 +57,20 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
   add_choice(verb, "--mcu", sim::kMcuKinds, options.mcu,
              "microcontroller of the servo board: h8 executes the firmware image, native runs the "
              "same C compiled for this machine");
-  verb.add_option("--image", options.image, "firmware image for h8: S-record or COFF");
-  verb.add_option("--faults", options.faults, "schedule of faults: docs/reference/faults.md")
+  verb.add_option("--image", options.image, "firmware image for h8: S-record or COFF")
       ->type_name("FILE");
-  add_choice(verb, "--sensors", sim::kSensorSets, options.sensors,
-             "nominal: with noise; ideal: without; as-built: besides, each potentiometer "
-             "with its own curve and offset, to be calibrated");
+  verb.add_option("--faults", options.faults,
+                  "file with faults to inject and their times (docs/reference/faults.md)")
+      ->type_name("FILE");
+  add_choice(
+      verb, "--sensors", sim::kSensorSets, options.sensors,
+      "nominal: with noise; ideal: without; as-built: as nominal, and each potentiometer has "
+      "its own curve and offset that calibration can find");
   add_imu(verb, options.imu);
   verb.add_option("--dynamics", options.dynamics,
-                  "reduced: docs/explanation/dynamics.md; Open Dynamics Engine instead: exact, or "
-                  "quickN with N "
-                  "iterations, 1 to 1000")
+                  "physics engine: reduced (Kaz's own), exact or quickN (Open Dynamics Engine; N "
+                  "iterations, 1 to 1000)")
+      ->type_name("reduced|exact|quickN")
       ->capture_default_str();
   verb.add_option(
           "--physics-step", options.physics_step_ms,
@@ -68,23 +79,17 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
           "(docs/explanation/dynamics.md)")
       ->type_name("MS")
       ->capture_default_str();
-  verb.add_option("--supply", options.supply_volts, "of the board, V")
+  verb.add_option("--supply", options.supply_volts, "supply voltage of the board")
       ->check(CLI::Range(1.0, 20.0))
+      ->type_name("V")
       ->capture_default_str();
   add_choice(verb, "--eyes", sim::kEyeKinds, options.eyes,
              "ideal: pinholes without noise; real: with lens, exposure and noise, rectified");
   verb.add_option("--eye-width", options.eye_width,
                   "width of the eyes' pictures: 320 or 640; that of camera.json if not given")
       ->check(CLI::IsMember({320, 640}));
-  verb.add_option("--seed", options.seed, "of all noise; the same seed gives the same bytes")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            const bool valid = !text.empty() && text.size() < 20 &&
-                               text.find_first_not_of("0123456789") == std::string::npos;
-            return valid ? ""
-                         : "`" + text + "` is no seed: give a whole number of at most 19 digits";
-          },
-          ""))
+  verb.add_option("--seed", options.seed, "seed of all noise; the same seed gives the same bytes")
+      ->check(whole_number())
       ->capture_default_str();
 }
 
@@ -110,21 +115,28 @@ void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std:
 
 void add_motor_options(CLI::App& verb, BackendOptions& options) {
   verb.add_option("--motor-file", options.motor_file,
-                  "of the motors on the virtual stand; without it Kaz's motor.xml")
+                  "parameters of the motors on the virtual stand; without it Kaz's motor.xml")
       ->type_name("FILE");
   verb.add_option("--motor", options.motor, "the motor of that file; without it the file's default")
       ->type_name("NAME");
   verb.add_option("--disc", options.disc_kgm2,
-                  "inertia of the disc on each shaft of the virtual stand, kg m2")
+                  "inertia of the disc on the shaft, real or virtual, kg m²")
       ->check(CLI::Range(1e-6, 1e-1))
       ->capture_default_str();
+}
+
+void add_port(CLI::App& verb, std::string& port) {
+  verb.add_option("--port,PORT", port, "serial port or pty of the board")
+      ->type_name("PATH[@BAUD]")
+      ->required();
 }
 
 CLI::Option* add_address(CLI::App& verb, std::uint8_t& address) {
   return verb
       .add_option_function<int>(
           "--address", [&address](int number) { address = static_cast<std::uint8_t>(number); },
-          "of the board on its line, 1 to 14; where none answers, those that do are named")
+          "address of the board on a shared line; if none answers there, the message names those "
+          "that do")
       ->check(CLI::Range(1, KZ_ADDRESS_LAST))
       ->type_name("N")
       ->default_str(std::to_string(address));
@@ -146,10 +158,11 @@ void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load
                                                    {"ihex", h8s::Format::intel_hex},
                                                    {"raw", h8s::Format::raw}};
   verb.add_option("--format", load.format,
-                  "coff, elf, srec, ihex or raw; by the contents if not given")
+                  "format of the image; recognised by its contents if not given")
       ->transform(one_of(formats))
       ->type_name("FORMAT");
-  verb.add_option("--at", load.address, "address of a raw image's first byte, and its entry")
+  verb.add_option("--at", load.address,
+                  "address of a raw image's first byte; execution starts there")
       ->check(CLI::Range(std::uint32_t{0}, max_address))
       ->type_name("ADDRESS");
 }

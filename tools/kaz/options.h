@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -14,6 +15,7 @@
 #include "shared/image/image.h"
 #include "shared/protocol/messages.h"
 #include "tools/app/session/backend.h"
+#include "tools/kaz/values.h"
 
 namespace kaz::tools {
 
@@ -27,18 +29,18 @@ CLI::Validator whole_number_above_zero();
 // Takes the names of `values`; CLI11's own transformer would print their numbers too.
 template <class T>
 CLI::Validator one_of(const std::map<std::string, T>& values) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : values) names.push_back(name);
   return CLI::Validator(
-      [values](std::string& text) {
+      [values, names](std::string& text) {
         const auto found = values.find(text);
         if (found != values.end()) {
           text = std::to_string(static_cast<int>(found->second));
           return std::string{};
         }
-        std::string names;
-        for (const auto& [name, value] : values) names += (names.empty() ? "" : ", ") + name;
-        return "'" + text + "' is none of " + names;
+        return "give " + alternatives(names);
       },
-      "");
+      "{" + CLI::detail::join(names, ",") + "}");
 }
 
 // An option whose values are the names of an enum. `to` is a T, which is the default, or a
@@ -63,6 +65,8 @@ void add_imu(CLI::App& verb, bool& imu);
 void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std::string& text);
 // --motor-file, --motor, --disc: the motors on a virtual motor stand.
 void add_motor_options(CLI::App& verb, BackendOptions& options);
+// --port, which may also be given as a word, for verbs that need one.
+void add_port(CLI::App& verb, std::string& port);
 // --address N, for every verb that opens a port.
 CLI::Option* add_address(CLI::App& verb, std::uint8_t& address);
 // --record-pictures, for verbs that record.

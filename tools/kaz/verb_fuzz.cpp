@@ -56,10 +56,12 @@ void add_fuzz(CLI::App& program, Action& action) {
   verb->add_flag("--json", arguments->json, "print the result as JSON, no progress");
   verb->footer(
       "On native and h8 each tick is judged, and each tick of h8 is computed by native too. At a "
-      "port the replies are judged. THE JOINTS OF A ROBOT AT A PORT MOVE. Exit status 1 and a file "
-      "with the shortened case where something is wrong. The board at a port is left as it was "
+      "port the replies are judged. THE JOINTS OF A ROBOT AT A PORT MOVE. Where something is "
+      "wrong, "
+      "the shortened case is written to --out. The board at a port is left as it was "
       "found, also by Ctrl-C (kaz recover). Cases choose their own faults of line, power and "
       "sensors (docs/reference/faults.md). docs/howto/fuzzing.md says what is judged.\n"
+      "Exit status: 0 nothing was wrong, 1 something was.\n"
       "Examples:\n"
       "  kaz fuzz --seconds 60\n"
       "  kaz fuzz --target h8 --cases 200 --seed 7\n"

@@ -71,10 +71,10 @@ void add_compare(CLI::App& mcu, Action& action) {
   verb->add_flag("--json", arguments->json, "print the report as JSON, no progress");
   verb->footer(
       "The firmware runs in the emulator under random traffic, legal and illegal. Each tick's "
-      "input "
-      "is fed to the native build; outputs and state must be equal. Exit status 1 and the first "
-      "difference side by side where they are not. --wire compares whole boards instead, reply by "
+      "input is fed to the native build; outputs and state must be equal; where they are not, the "
+      "first difference is printed side by side. --wire compares whole boards instead, reply by "
       "reply. The defaults take some five seconds, a million ticks on the translator a minute.\n"
+      "Exit status: 0 equal, 1 a difference.\n"
       "Examples:\n"
       "  kaz mcu compare\n"
       "  kaz mcu compare --ticks 1000000 --seed 7\n"
@@ -198,9 +198,9 @@ void add_bare_run(CLI::App& mcu, Action& action) {
       ->excludes("--semihost");
   verb->footer(
       "Starts at the reset vector, as the chip does. What the program sends on SCI0 goes to "
-      "standard "
-      "output. Exit status 1 where the chip stops on an error, with a report; with --semihost the "
-      "program's own, 125 where it does not end by itself.\n"
+      "standard output. Where the chip stops on an error, a report is printed.\n"
+      "Exit status: 1 the chip stopped on an error; with --semihost the program's own, 125 where "
+      "it does not end by itself.\n"
       "Examples:\n"
       "  kaz mcu run build/release/firmware/kaz.mot\n"
       "  kaz mcu run build/release/firmware/kaz.coff --max-states 2000 --trace\n"

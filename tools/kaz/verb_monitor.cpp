@@ -13,9 +13,7 @@ void add_monitor(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "monitor", "show a board in the terminal: joints, supply, tick, link; keys to move and stop");
   auto arguments = std::make_shared<MonitorOptions>();
-  verb->add_option("--port", arguments->port, "serial port or pty of a board")
-      ->type_name("PATH[@BAUD]")
-      ->required();
+  add_port(*verb, arguments->port);
   add_address(*verb, arguments->address);
   verb->footer(
       "80 columns and 24 lines are enough; works over ssh. It reads only, until a key is pressed: "

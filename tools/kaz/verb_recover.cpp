@@ -13,9 +13,7 @@ void add_recover(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "recover", "find a board at any address, and bring it back: address, faults, motors off");
   auto arguments = std::make_shared<RecoverOptions>();
-  verb->add_option("--port,PORT", arguments->port, "serial port or pty of the board")
-      ->type_name("PATH[@BAUD]")
-      ->required();
+  add_port(*verb, arguments->port);
   const auto add_number = [&](const char* name, std::optional<std::uint8_t>& to, const char* text) {
     verb->add_option_function<int>(
             name, [&to](int number) { to = static_cast<std::uint8_t>(number); }, text)

@@ -4,22 +4,19 @@
 #include <cstdio>
 #include <functional>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "host/behavior/behavior.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/version.h"
 #include "tools/kaz/help.h"
+#include "tools/kaz/values.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
 namespace {
-
-// "kaz mcu run" for a verb of a verb.
-std::string full_name(const CLI::App& app) {
-  return app.get_parent() == nullptr ? app.get_name()
-                                     : full_name(*app.get_parent()) + " " + app.get_name();
-}
 
 // The verb and all below it.
 void each(CLI::App& app, const std::function<void(CLI::App&)>& visit) {
@@ -33,33 +30,68 @@ std::string joined(const std::vector<std::string>& words) {
   return line;
 }
 
-std::string bash_completion(CLI::App& program) {
-  std::string cases, known = "|";
-  each(program, [&](CLI::App& app) {
+// The words that a positional argument can be.
+std::vector<std::string> words_of(const CLI::Option& positional) {
+  std::vector<std::string> words = choices(positional);
+  if (positional.get_name() == "BEHAVIOUR") {
+    for (const auto& behavior : behavior::behaviors()) words.emplace_back(behavior.name);
+  }
+  return words;
+}
+
+// Cases of shell code: what can follow a verb, and what an option of it.
+struct Cases {
+  std::string verbs, values;
+  std::string known = "|";  // the verbs
+};
+
+Cases completion_cases(CLI::App& program) {
+  Cases cases;
+  each(program, [&cases](CLI::App& app) {
+    const std::string verb = full_name(app);
     std::vector<std::string> words;
-    for (const CLI::App* verb : app.get_subcommands(nullptr)) words.push_back(verb->get_name());
+    for (const CLI::App* below : app.get_subcommands(nullptr)) words.push_back(below->get_name());
     for (const CLI::Option* option : app.get_options()) {
-      for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+      if (option->get_positional()) {
+        for (const std::string& word : words_of(*option)) words.push_back(word);
+      }
+      const auto values = choices(*option);
+      for (const std::string& name : option->get_lnames()) {
+        words.push_back("--" + name);
+        if (!values.empty())
+          cases.values += "    '" + verb + " --" + name + "') values='" + joined(values) + "' ;;\n";
+      }
     }
-    known += full_name(app) + "|";
-    cases += "    '" + full_name(app) + "') words='" + joined(words) + "' ;;\n";
+    cases.known += verb + "|";
+    cases.verbs += "    '" + verb + "') words='" + joined(words) + "' ;;\n";
   });
+  return cases;
+}
+
+std::string bash_completion(CLI::App& program) {
+  const Cases cases = completion_cases(program);
   return "# bash completion of kaz, made by `kaz completion bash`.\n"
          "_kaz() {\n"
-         "  local current=${COMP_WORDS[COMP_CWORD]} verb=kaz words='' i\n"
+         "  local current=${COMP_WORDS[COMP_CWORD]} verb=kaz words='' values='' i\n"
          "  local known='" +
-         known +
+         cases.known +
          "'\n"
          "  for ((i = 1; i < COMP_CWORD; ++i)); do\n"
+         "    # Verbs follow, and nothing else: as after kaz itself.\n"
+         "    case $i,${COMP_WORDS[i]} in 1,man|1,help) continue ;; esac\n"
          "    case $known in *\"|$verb ${COMP_WORDS[i]}|\"*) verb+=\" ${COMP_WORDS[i]}\" ;; esac\n"
          "  done\n"
          "  case $verb in\n" +
-         cases +
+         cases.verbs +
          "  esac\n"
          "  case $current in\n"
-         "    -*) COMPREPLY=($(compgen -W \"$words\" -- \"$current\")) ;;\n"
-         "    *) COMPREPLY=($(compgen -W \"${words//--*([^ ])/}\" -- \"$current\")) ;;\n"
+         "    -*) ;;\n"
+         "    *) words=${words//--*([^ ])/} ;;\n"
          "  esac\n"
+         "  case \"$verb ${COMP_WORDS[COMP_CWORD - 1]}\" in\n" +
+         cases.values +
+         "  esac\n"
+         "  COMPREPLY=($(compgen -W \"${values:-$words}\" -- \"$current\"))\n"
          "}\n"
          "shopt -s extglob\n"
          "complete -o default -F _kaz kaz\n";
@@ -97,13 +129,34 @@ void add_options(const CLI::App& app, std::string& page) {
   }
 }
 
+// Sentences are wrapped, each line of `text` begins one.
+std::string paragraphs(const std::string& text) {
+  std::string out, line;
+  std::istringstream lines(text);
+  while (std::getline(lines, line)) out += ".br\n" + escaped(line) + "\n";
+  return out;
+}
+
+// Lines as they are.
+std::string as_typed(const std::string& text) {
+  return ".nf\n" + escaped(text) + "\n.fi\n";
+}
+
 std::string man_page(CLI::App& app) {
   std::string upper = dashed(full_name(app));
   for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   std::string page = ".TH " + upper + " 1 \"\" \"kaz " + kVersion + "\" \"Kaz\"\n";
-  page += ".SH NAME\n" + escaped(dashed(full_name(app)) + " - " + app.get_description()) + "\n";
-  page += ".SH SYNOPSIS\n.B " + full_name(app) + "\n";
-  page += app.get_subcommands(nullptr).empty() ? "[OPTIONS]\n" : "VERB [OPTIONS]\n";
+  // The first sentence is for whatis(1).
+  const std::string text = app.get_description();
+  const auto end = text.find(". ");
+  page += ".SH NAME\n" + escaped(dashed(full_name(app)) + " - " + text.substr(0, end)) + "\n";
+  page += ".SH SYNOPSIS\n" + escaped(usage(app)) + "\n";
+  const Footer footer = footer_of(app);
+  if (end != std::string::npos || !footer.notes.empty()) {
+    page += ".SH DESCRIPTION\n";
+    if (end != std::string::npos) page += escaped(text.substr(end + 2)) + ".\n.PP\n";
+    page += paragraphs(footer.notes);
+  }
   add_options(app, page);
   if (!app.get_subcommands(nullptr).empty()) {
     page += ".SH VERBS\n";
@@ -111,7 +164,9 @@ std::string man_page(CLI::App& app) {
       page += ".TP\n.B " + verb->get_name() + "\n" + escaped(verb->get_description()) + "\n";
     }
   }
-  return page + ".SH NOTES\n.nf\n" + escaped(app.get_footer()) + "\n.fi\n";
+  if (!footer.exit_status.empty()) page += ".SH EXIT STATUS\n" + escaped(footer.exit_status) + "\n";
+  if (!footer.examples.empty()) page += ".SH EXAMPLES\n" + as_typed(footer.examples);
+  return page;
 }
 
 }  // namespace
@@ -119,9 +174,9 @@ std::string man_page(CLI::App& app) {
 void add_shell(CLI::App& program, Action& action) {
   auto* completion = program.add_subcommand("completion", "print completion for a shell");
   auto shell = std::make_shared<std::string>();
-  completion->add_option("SHELL", *shell, "bash")
+  completion->add_option("SHELL", *shell, "which one: bash")
       ->required()
-      ->check(CLI::IsMember({"bash"}).description(""))
+      ->check(CLI::IsMember({"bash"}))
       ->type_name("");
   completion->footer("Examples:\n  source <(kaz completion bash)");
   completion->callback([&program, &action] {

@@ -13,9 +13,7 @@ void add_status(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "status", "print a board's state: motors, why they went off, supply, link");
   auto arguments = std::make_shared<StatusOptions>();
-  verb->add_option("--port", arguments->port, "serial port or pty of a board")
-      ->type_name("PATH[@BAUD]")
-      ->required();
+  add_port(*verb, arguments->port);
   add_address(*verb, arguments->address);
   verb->add_flag("--json", arguments->json, "print it as JSON");
   verb->footer(

@@ -43,6 +43,12 @@ AssertionResult one_sentence(const Finished& finished, int exit_code,
   return AssertionSuccess();
 }
 
+// What the command line is refused with.
+AssertionResult says(const std::vector<std::string>& arguments, const std::string& message) {
+  const std::string end = message.ends_with('?') ? " See `kaz" : "; see `kaz";
+  return one_sentence(run(kaz(arguments)), 2, {": " + message + end});
+}
+
 // Every verb and verb of a verb: {"mcu", "run"}. The completion script has a case for each.
 std::vector<std::vector<std::string>> all_verbs() {
   const std::string script = run(kaz({"completion", "bash"})).out;
@@ -89,6 +95,28 @@ TEST(Cli, HelpSaysHowAnOptionIsTyped) {
   EXPECT_NE(help({"mcu", "run"}).find("(needs --flat)"), std::string::npos);
   EXPECT_NE(help({"demo"}).find("\n  --mcu h8|native  "), std::string::npos);
   EXPECT_NE(help({"run"}).find("(default: sim)"), std::string::npos);
+  // One that is a word too.
+  EXPECT_NE(help({"recover"}).find("\n  PORT  "), std::string::npos);
+  EXPECT_NE(help({"recover"}).find("\n  --port PATH[@BAUD]  "), std::string::npos);
+  // Bounds beside the placeholder, in digits.
+  EXPECT_NE(help({"demo"}).find("\n  --supply V  "), std::string::npos);
+  EXPECT_NE(help({"demo"}).find("(1 to 20 V; default: 10)"), std::string::npos);
+  EXPECT_NE(help({"sim"}).find("(0.000001 to 0.1; default: 0.0004)"), std::string::npos);
+  EXPECT_NE(help({"mcu", "run"}).find("\n  --at ADDRESS  "), std::string::npos);
+  EXPECT_EQ(run(kaz({"help", "mcu", "run"})).out, help({"mcu", "run"}));
+}
+
+TEST(Cli, EachHelpHasTheExitStatusBeforeTheExamples) {
+  for (const auto& verb : {"demo", "flash write", "bench motor", "status", "evaluate"}) {
+    const std::string help = run({"/bin/sh", "-c", kaz({}).front() + " " + verb + " --help"}).out;
+    const auto status = help.find("\nExit status: 0 ");
+    ASSERT_NE(status, std::string::npos) << help;
+    EXPECT_NE(help.find(" 2 wrong usage", status), std::string::npos) << help;
+    EXPECT_NE(help.find(" 128 + signal", status), std::string::npos) << help;
+    EXPECT_LT(status, help.find("\nExamples:\n")) << help;
+  }
+  // These end so by design.
+  EXPECT_EQ(run(kaz({"monitor", "--help"})).out.find("128 +"), std::string::npos);
 }
 
 TEST(Cli, BashCompletesVerbsAndOptions) {
@@ -102,6 +130,9 @@ TEST(Cli, BashCompletesVerbsAndOptions) {
   EXPECT_EQ(completed("mcu comp", 2), "compare\n");
   EXPECT_EQ(completed("mcu compare --tic", 3), "--ticks\n");
   EXPECT_EQ(completed("run track-ball --cam", 3), "--camera\n");
+  EXPECT_EQ(completed("demo --mcu ''", 3), "h8 native\n");
+  EXPECT_EQ(completed("run tr", 2), "track-ball\n");
+  EXPECT_EQ(completed("man mcu co", 3), "compare\n");
 }
 
 TEST(Cli, ManualPagesAreMadeOfTheHelp) {
@@ -109,6 +140,10 @@ TEST(Cli, ManualPagesAreMadeOfTheHelp) {
   EXPECT_EQ(page.exit_code, 0) << page.err;
   EXPECT_EQ(page.out.rfind(".TH KAZ-MCU-COMPARE 1", 0), 0u) << page.out;
   EXPECT_NE(page.out.find("\\-\\-ticks"), std::string::npos) << page.out;
+  EXPECT_NE(page.out.find(".SH EXIT STATUS\n0 done, 1 "), std::string::npos) << page.out;
+  EXPECT_NE(page.out.find(".SH EXAMPLES\n"), std::string::npos) << page.out;
+  EXPECT_NE(run(kaz({"man", "mcu", "run"})).out.find("kaz mcu run [OPTIONS] IMAGE\n"),
+            std::string::npos);
   EXPECT_TRUE(one_sentence(run(kaz({"man", "walk"})), 2, {"no verb `walk`"}));
 }
 
@@ -163,6 +198,46 @@ TEST(Cli, OptionsThatCannotActAreRefused) {
   EXPECT_FALSE(std::filesystem::exists(folder / "lcov"));
 }
 
+TEST(Cli, WrongNamesGetTheNearest) {
+  EXPECT_TRUE(says({"demo", "--durations", "3"},
+                   "there is no option --durations; did you mean --duration?"));
+  EXPECT_TRUE(says({"demo", "--nonsense=3"}, "there is no option --nonsense"));
+  EXPECT_TRUE(says({"--jsn"}, "there is no option --jsn"));
+  EXPECT_TRUE(says({"--seed", "3", "demo"}, "give --seed after demo"));
+  EXPECT_TRUE(says({"dmo"}, "there is no verb `dmo`; did you mean demo?"));
+  EXPECT_TRUE(says({"mcu", "rnu", "--help"}, "there is no verb `rnu`; did you mean run?"));
+  EXPECT_TRUE(says({"help", "walk"}, "there is no verb `walk`"));
+  EXPECT_TRUE(says({"mcu"}, "the verb is missing: give run or compare"));
+  EXPECT_TRUE(says({"evaluate", "mrge", "a", "b", "--out", "y"},
+                   "not expected: `a b`; did you mean merge?"));
+  EXPECT_TRUE(says({"demo", "sim", "status"}, "not expected: `sim status`"));
+}
+
+TEST(Cli, WrongValuesAreRefusedWithTheValidOnes) {
+  EXPECT_TRUE(says({"demo", "--supply", "30"}, "--supply 30: give 1 to 20 V"));
+  EXPECT_TRUE(says({"demo", "--supply", "much"}, "--supply much: give 1 to 20 V"));
+  EXPECT_TRUE(says({"demo", "--mcu", "h9"}, "--mcu h9: give h8 or native"));
+  EXPECT_TRUE(says({"demo", "--eye-width", "wide"}, "--eye-width wide: give 320 or 640"));
+  EXPECT_TRUE(says({"demo", "--seed", "1e3"},
+                   "--seed 1e3: give a whole number from 0 to 999999999999999999"));
+  EXPECT_TRUE(says({"demo", "--physics-step", "1ms"}, "--physics-step 1ms: give a number"));
+  EXPECT_TRUE(says({"demo", "--imu=maybe"}, "--imu takes no value"));
+  EXPECT_TRUE(says({"demo", "--seed"}, "--seed: give a value, as in --seed N"));
+  EXPECT_TRUE(
+      says({"demo", "--seed", "1", "--seed", "2"}, "--seed is given 2 times; give it once"));
+  EXPECT_TRUE(one_sentence(run(kaz({"evaluate", "stand", "--friction", "0.6"})), 2,
+                           {"--friction: give two values, as in --friction "}));
+  EXPECT_TRUE(
+      says({"status", "a", "--address", "15"}, "--address 15: give a whole number from 1 to 14"));
+  EXPECT_TRUE(says({"monitor"}, "--port is missing; give --port PATH[@BAUD]"));
+  EXPECT_TRUE(says({"mcu", "run", "image", "--format", "hex"},
+                   "--format hex: give coff, elf, ihex, raw or srec"));
+  EXPECT_TRUE(
+      says({"bench", "link", "--mcu", "h8", "--port", "a"}, "give --port or --mcu, not both"));
+  EXPECT_TRUE(says({"mcu", "run", "image", "--semihost"}, "--semihost needs --flat"));
+  EXPECT_TRUE(one_sentence(run(kaz({"status", "no-such-port"})), 3, {"no-such-port"}));
+}
+
 // Nothing to do is no success.
 TEST(Cli, EmptyJobsAreWrongUsage) {
   const TemporaryFolder folder;
@@ -196,7 +271,7 @@ TEST(Cli, NumbersBeyondTheirTypeAreRefused) {
            {"evaluate", "stand", "--out", "out", "--seed", many},
            {"demo", "--seed", many}})
     EXPECT_TRUE(one_sentence(run(kaz(arguments)), 2, {many})) << arguments.back();
-  EXPECT_TRUE(one_sentence(run(kaz({"mcu", "compare", "--ticks", "1e3"})), 2, {"'1e3'"}));
+  EXPECT_TRUE(one_sentence(run(kaz({"mcu", "compare", "--ticks", "1e3"})), 2, {"--ticks 1e3"}));
   EXPECT_TRUE(one_sentence(run(kaz({"fuzz", "--seconds", "inf"})), 2, {"inf"}));
 }
 

@@ -268,7 +268,7 @@ TEST(HostileFiles, WhatIsNoFileIsRefused) {
     const std::vector<std::vector<string>> verbs = {
         {"run", "stand", "--mcu", "native", "--faults", file, "--out", out},
         {"run", "search-ball", "--mcu", "native", "--color", file, "--out", out},
-        {"run", "stand", "--mcu", "native", "--motor-file", file, "--out", out},
+        {"bench", "motor", "--mcu", "native", "--motor-file", file, "--out", out},
         {"run", "stand", "--mcu", "native", "--world", file, "--out", out},
         {"run", "stand", "--mcu", "native", "--sensors", file, "--out", out},
         {"fuzz", "--replay", file},
@@ -288,10 +288,10 @@ TEST(HostileFiles, XmlThatIsEmptyOrHasADocumentTypeIsRefused) {
   for (const char* content : {"", "\n", "<!DOCTYPE motors><motors/>"}) {
     SCOPED_TRACE(content);
     write_file(file, content);
-    for (const char* option : {"--motor-file", "--world"})
-      expect_sentence(
-          run(kaz({"run", "stand", "--mcu", "native", option, file, "--out", out}), kAtMost), 2,
-          file);
+    const std::vector<std::vector<string>> verbs = {
+        {"bench", "motor", "--mcu", "native", "--motor-file", file, "--out", out},
+        {"run", "stand", "--mcu", "native", "--world", file, "--out", out}};
+    for (const auto& verb : verbs) expect_sentence(run(kaz(verb), kAtMost), 2, file);
   }
 }
 

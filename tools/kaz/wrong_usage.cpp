@@ -1,0 +1,222 @@
+// What is wrong with a command line, in one sentence: what, where, what to give instead.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/kaz/wrong_usage.h"
+
+#include <algorithm>
+#include <cctype>
+#include <ranges>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tools/kaz/help.h"
+#include "tools/kaz/values.h"
+
+namespace kaz::tools {
+namespace {
+
+// Optimal string alignment distance: insertions, deletions, substitutions and swaps of neighbours.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        d[i][j] = i + j;
+        continue;
+      }
+      d[i][j] =
+          std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  }
+  return d[a.size()][b.size()];
+}
+
+// "; did you mean --duration?", or nothing where no name is near. The beginning of a name is near.
+std::string suggestion(std::string_view given, const std::vector<std::string>& names) {
+  constexpr std::size_t kMaxGiven = 64, kNear = 2;
+  if (given.size() > kMaxGiven) return "";
+  std::pair<std::size_t, std::string> best{kNear + 1, ""};
+  for (const std::string& name : names) {
+    std::size_t distance = edit_distance(given, name);
+    const std::size_t letters = std::ranges::count_if(given, [](char c) { return c != '-'; });
+    if (2 * distance > letters) distance = kNear + 1;
+    if (letters > 2 && name.starts_with(given)) distance = std::min(distance, kNear);
+    best = std::min(best, {distance, name});
+  }
+  return best.second.empty() ? "" : "; did you mean " + best.second + "?";
+}
+
+// The program, its verb, the verb's verb: as far as they were given.
+std::vector<CLI::App*> given_verbs(CLI::App& program) {
+  std::vector<CLI::App*> chain{&program};
+  while (!chain.back()->get_subcommands().empty())
+    chain.push_back(chain.back()->get_subcommands().front());
+  return chain;
+}
+
+std::vector<std::string> verb_names(CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* verb : app.get_subcommands(nullptr)) names.push_back(verb->get_name());
+  return names;
+}
+
+std::vector<CLI::Option*> positionals(CLI::App& app) {
+  return app.get_options([](const CLI::Option* option) { return option->get_positional(); });
+}
+
+bool is_option(const std::string& word) {
+  return word.size() > 1 && word[0] == '-' && word != "--" &&
+         !std::isdigit(static_cast<unsigned char>(word[1]));
+}
+
+std::string unknown_option(CLI::App& program) {
+  CLI::App& verb = chosen_verb(program);
+  for (const CLI::App* app : given_verbs(program)) {
+    for (const std::string& word : app->remaining()) {
+      if (!is_option(word)) continue;
+      const std::string name = word.substr(0, word.find('='));
+      std::vector<std::string> names;
+      for (const CLI::Option* option : verb.get_options()) {
+        for (const std::string& known : option->get_lnames()) names.push_back("--" + known);
+      }
+      if (std::ranges::count(names, name) > 0)  // `app` is above `verb`
+        return "give " + name + " after " + verb.get_name();
+      return "there is no option " + name + suggestion(name, names);
+    }
+  }
+  return "";
+}
+
+std::string unexpected_words(CLI::App& program) {
+  for (CLI::App* app : given_verbs(program)) {
+    const auto words = app->remaining();
+    if (words.empty()) continue;
+    const std::string text = "not expected: `" + CLI::detail::join(words, " ") + "`";
+    // A verb that was mistyped may have been taken for another argument.
+    for (const CLI::Option* positional : positionals(*app)) {
+      for (const std::string& word : positional->results()) {
+        const std::string verb = suggestion(word, verb_names(*app));
+        if (!verb.empty()) return text + verb;
+      }
+    }
+    return text;
+  }
+  return "";
+}
+
+// The option that a message of CLI11 is about.
+CLI::Option* option_of(CLI::App& program, const std::string& message) {
+  auto chain = given_verbs(program);
+  for (CLI::App* app : chain | std::views::reverse) {
+    for (CLI::Option* option : app->get_options()) {
+      const std::string name = option->get_name();
+      if (message.starts_with(name + ":") || message.starts_with(name + " ") ||
+          message.ends_with(" for " + name) || message.find(": " + name + " = ") != message.npos)
+        return option;
+    }
+  }
+  return nullptr;
+}
+
+bool is_flag(const CLI::Option& option) {
+  return option.get_items_expected_max() == 0;
+}
+
+CLI::Validator* validator(CLI::Option& option, int index) {
+  try {
+    return option.get_validator(index);
+  } catch (const CLI::OptionNotFound&) {
+    return nullptr;
+  }
+}
+
+// The last value that does not pass, and what its check says. Checks may have rewritten earlier ones.
+std::pair<std::string, std::string> refused(CLI::Option& option) {
+  const auto values = option.results();
+  for (const std::string& value : values | std::views::reverse) {
+    const CLI::Validator* check = nullptr;
+    for (int i = 0; (check = validator(option, i)) != nullptr; ++i) {
+      std::string text = value, why;
+      try {
+        why = (*check)(text);
+      } catch (const CLI::ValidationError&) {  // IsMember of numbers: no number
+        why = value;
+      }
+      if (!why.empty()) return {value, why};
+    }
+  }
+  return {};
+}
+
+std::string refused_value(CLI::Option& option, const std::string& message) {
+  const auto [value, why] = refused(option);
+  const std::string values = accepted(option);
+  if (!values.empty()) return option.get_name() + " " + value + ": give " + values;
+  return why.starts_with("give ") ? option.get_name() + " " + value + ": " + why : message;
+}
+
+std::string wrong_count(const CLI::Option& option) {
+  static constexpr const char* kNumbers[] = {"no", "a", "two", "three", "four"};
+  const int min = option.get_items_expected_min();
+  const auto given = option.results().size();
+  if (min == 1 && given > 1)
+    return option.get_name() + " is given " + std::to_string(given) + " times; give it once";
+  const std::string count =
+      min >= 0 && min < 5 ? kNumbers[min] : std::to_string(min);  // verbs have at most two
+  return option.get_name() + ": give " + count + " value" + (min == 1 ? "" : "s") + ", as in " +
+         typed_form(option);
+}
+
+std::string missing(CLI::App& program, const CLI::Option* option) {
+  if (option == nullptr) {
+    const auto names = verb_names(chosen_verb(program));
+    constexpr std::size_t kMaxListed = 8;
+    return "the verb is missing" +
+           (names.size() > kMaxListed ? "" : ": give " + alternatives(names));
+  }
+  const std::string name = option->get_name();
+  return option->nonpositional() ? name + " is missing; give " + typed_form(*option)
+                                 : name + " is missing: " + option->get_description();
+}
+
+}  // namespace
+
+CLI::App& chosen_verb(CLI::App& program) {
+  return *given_verbs(program).back();
+}
+
+std::string unknown_verb(CLI::App& program) {
+  CLI::App& app = chosen_verb(program);
+  const auto words = app.remaining();
+  const auto names = verb_names(app);
+  if (words.empty() || is_option(words.front()) || names.empty() || !positionals(app).empty())
+    return "";
+  return "there is no verb `" + words.front() + "`" + suggestion(words.front(), names);
+}
+
+std::string wrong_usage(CLI::App& program, const CLI::ParseError& error) {
+  // First what was not understood: CLI11 may instead have reported what is missing because of it.
+  for (const auto find : {unknown_verb, unknown_option}) {
+    if (const std::string text = find(program); !text.empty()) return text;
+  }
+  const std::string kind = error.get_name(), message = error.what();
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError))
+    return unexpected_words(program);
+  CLI::Option* option = option_of(program, message);
+  if (kind == "RequiredError") return missing(program, option);
+  if (option == nullptr) return message;
+  const std::string name = option->get_name();
+  const std::string other = message.substr(message.rfind(' ') + 1);
+  if (kind == "RequiresError") return name + " needs " + other;
+  if (kind == "ExcludesError") return "give " + name + " or " + other + ", not both";
+  if (kind == "ValidationError") return refused_value(*option, message);
+  if (is_flag(*option)) return name + " takes no value";
+  if (kind == "ArgumentMismatch") return wrong_count(*option);
+  if (kind == "ConversionError")
+    return name + " " + CLI::detail::join(option->results(), " ") + ": give a number";
+  return message;
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,18 @@
+// What is wrong with a command line, in one sentence: what, where, what to give instead.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace kaz::tools {
+
+// The verb that was given, as far as there is one: the program itself, or its verb's verb.
+CLI::App& chosen_verb(CLI::App& program);
+// "there is no verb `dmo`; did you mean demo?" about a word in the place of a verb; empty if there is none.
+std::string unknown_verb(CLI::App& program);
+// About the last call of program.parse(), which threw `error`.
+std::string wrong_usage(CLI::App& program, const CLI::ParseError& error);
+
+}  // namespace kaz::tools
