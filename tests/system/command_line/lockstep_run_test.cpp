@@ -51,7 +51,7 @@ TEST(Demo, NativeEngineDoesTheSame) {
 
 TEST(Demo, ProfileNamesTheParts) {
   const Finished done =
-      run(kaz({"run", "track-ball", "--mcu", "native", "--duration", "0.5", "--profile", "--json"}),
+      run(kaz({"run", "track-ball", "--mcu", "native", "--duration", "3", "--profile", "--json"}),
           std::chrono::seconds(60));
   ASSERT_EQ(done.exit_code, 0) << done.err;
   const json profile = json::parse(done.out)["profile"];
