@@ -110,15 +110,16 @@ function(kaz_library name)
   install(TARGETS kaz_${name} EXPORT kaz)
 endfunction()
 
-# kaz_test(NAME SOURCES ... LIBS ... [SERIAL | REALTIME] [FAST] [NO_PCH] [TIMEOUT seconds])
-# One GoogleTest program NAME_test; each of its cases is a test of CTest's, with NAME as its label. SERIAL:
-# nothing else runs beside it. REALTIME: no other such test runs beside it, since they mostly wait for a clock,
-# and they begin first, so that others compute meanwhile. FAST: its own code is optimised as the product is.
+# kaz_test(NAME SOURCES ... LIBS ... [REALTIME robot|board] [FAST] [NO_PCH] [TIMEOUT seconds])
+# One GoogleTest program NAME_test; each of its cases is a test of CTest's, with NAME as its label. REALTIME: it
+# mostly waits for a clock (robot: with a body or cameras, which need most of a core; board: without). No two of the
+# same kind run side by side, and they begin first, while the others, which compute, have a lower priority: so
+# ctest may run two more jobs than there are cores. FAST: its own code is optimised as the product is.
 function(kaz_test name)
   if(NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(ARG "SERIAL;REALTIME;FAST;NO_PCH" "TIMEOUT" "SOURCES;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "FAST;NO_PCH" "REALTIME;TIMEOUT" "SOURCES;LIBS" ${ARGN})
   find_package(GTest REQUIRED)
   include(GoogleTest)
   add_executable(${name}_test ${ARG_SOURCES})
@@ -136,10 +137,11 @@ function(kaz_test name)
     set(ARG_TIMEOUT 120)
   endif()
   set(properties TIMEOUT ${ARG_TIMEOUT} LABELS ${name})
-  if(ARG_SERIAL)
-    list(APPEND properties RUN_SERIAL TRUE)
-  elseif(ARG_REALTIME)
-    list(APPEND properties RESOURCE_LOCK real_time COST 1000)
+  if(ARG_REALTIME)
+    list(APPEND properties RESOURCE_LOCK real_time_${ARG_REALTIME} COST 1000)
+  else()
+    # Also outside of cross compiling the command that CTest puts before the program.
+    set_target_properties(${name}_test PROPERTIES CROSSCOMPILING_EMULATOR "nice;-n;10")
   endif()
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. PROPERTIES ${properties}
                        WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} DISCOVERY_TIMEOUT 60)
