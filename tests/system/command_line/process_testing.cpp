@@ -21,7 +21,19 @@ namespace kaz::test {
 
 using Steady = std::chrono::steady_clock;
 
+namespace {
+
+// Notes of boards that a user, or another test, keeps are neither read nor written by this one.
+void keep_state_apart() {
+  static const TemporaryFolder folder;
+  static const int set = setenv("XDG_STATE_HOME", folder.path().c_str(), 0);
+  (void)set;
+}
+
+}  // namespace
+
 Process::Process(const std::vector<std::string>& arguments, bool typing) {
+  keep_state_apart();
   int in[2] = {-1, -1}, out[2], err[2];
   if (pipe2(out, O_CLOEXEC) != 0 || pipe2(err, O_CLOEXEC) != 0 ||
       (typing && pipe2(in, O_CLOEXEC) != 0))
