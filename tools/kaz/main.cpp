@@ -68,6 +68,7 @@ int parse_and_run(int argc, char** argv) {
 #define KAZ_VERB(name) kaz::tools::add_##name(program, action);
 #include "tools/kaz/verbs.def"
 #undef KAZ_VERB
+  kaz::tools::check_flags(program);
   // After the verbs, which would inherit it.
   program.footer(
       "Recordings are MCAP files: Foxglove (foxglove.dev), PlotJuggler and the mcap command line "
