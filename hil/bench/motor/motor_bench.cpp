@@ -150,7 +150,7 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
     MotorOnBench motor(robot, stand, options.joint, options.gains);
     motor.come_to_rest();
     if (stand) {
-      sure(stand->set_supply(options.supply_volts));
+      sure(stand->put_back(options.supply_volts));
       judge.report().conditions = {{"disc_kgm2", sure(stand->disc_kgm2())},
                                    {"supply_volts", options.supply_volts},
                                    {"pressing_s", stand->pressing_s()}};

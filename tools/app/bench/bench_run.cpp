@@ -72,6 +72,24 @@ std::string all_joint_names() {
   return names;
 }
 
+// After a bench that did not come to its end: lever, weight or hand may still be on a shaft.
+Result<void> free_stand(const BenchOptions& arguments, BenchTarget& target,
+                        host::Interrupt& interrupt) {
+  if (arguments.target.port.empty() || target.stand() == nullptr) return {};
+  if (arguments.target.stand == "manual") {
+    std::fprintf(stderr, "kaz bench: take lever, weight and hand off the shaft\n");
+    return {};
+  }
+  const host::CleanUp clean_up(interrupt);
+  const auto back = target.stand()->put_back(arguments.supply_volts);
+  if (back) return {};
+  return fail(Fault::environment,
+              "the stand " + arguments.target.stand + " may still hold a shaft (" +
+                  back.error().message +
+                  "): `stand free` at its control socket releases it, and so does the next "
+                  "`kaz bench` with it");
+}
+
 Result<hil::Limits> limits_of(const std::string& path) {
   if (path.empty()) return hil::Limits{};
   const auto text = KAZ_TRY(read_file(path));
@@ -290,7 +308,8 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
   progress.done();
   report.seconds = seconds(target->clock().now() - begin);
   const bool interrupted = !ran && ran.error().fault == Fault::interrupted;
-  const Result<void> left = kept ? kept->end() : Result<void>();
+  const auto freed = ran ? Result<void>() : free_stand(arguments, *target, interrupt);
+  const Result<void> left = together(kept ? kept->end() : Result<void>(), freed);
   if (!ran) report.interrupted = ran.error().message;
   if (interrupted) report.signal = received_signal_name();
   KAZ_TRY(folder.reports.explained(leave_reports(folder, report)));
