@@ -48,7 +48,6 @@ class LatenessMeter final : public Link, public Clock {
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
   Result<void> reopen() override { return link_.reopen(); }
-  void ignore_interrupt() override { link_.ignore_interrupt(); }
   Time now() const override { return clock_.now(); }
   Result<void> sleep_until(Time t) override;
 

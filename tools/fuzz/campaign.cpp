@@ -43,10 +43,10 @@ struct Totals {
 class PortTarget {
  public:
   static Result<std::unique_ptr<PortTarget>> open(const FuzzOptions& options,
-                                                  const host::Interrupt& interrupt) {
+                                                  host::Interrupt& interrupt) {
     auto link = KAZ_TRY(host::TtyLink::open(options.target, 115200, &interrupt));
     std::unique_ptr<PortTarget> port(new PortTarget(std::move(link), options, interrupt));
-    auto kept = KAZ_TRY(KeptRun::begin(*port->link_, port->uninterrupted_,
+    auto kept = KAZ_TRY(KeptRun::begin(*port->link_, port->clock_, interrupt,
                                        {.verb = "kaz fuzz",
                                         .port = options.target,
                                         .address = options.address,
@@ -90,7 +90,7 @@ class PortTarget {
   }
 
   std::unique_ptr<host::TtyLink> link_;
-  host::WallClock clock_, uninterrupted_;
+  host::WallClock clock_;
   const FuzzOptions& options_;
   std::uint64_t seed_;
   bool ran_ = false;

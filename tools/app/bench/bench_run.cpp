@@ -16,7 +16,6 @@
 #include "hil/bench/report.h"
 #include "hil/bench/report/numbers.h"
 #include "hil/bench/tick_bench.h"
-#include "host/link/wall_clock.h"
 #include "host/robot/connect.h"
 #include "host/robot/find_boards.h"
 #include "shared/base/files.hpp"
@@ -286,11 +285,10 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
   report.from = provenance();
   const auto board = KAZ_TRY(describe(*target, arguments.target.address));
   report.board = board;
-  host::WallClock uninterrupted;
   std::unique_ptr<KeptRun> kept;
   if (!arguments.target.port.empty()) {
     auto begun = KAZ_TRY(KeptRun::begin(
-        target->link(), uninterrupted,
+        target->link(), target->clock(), interrupt,
         {.verb = "kaz bench", .port = target->name(), .address = arguments.target.address}));
     kept = std::move(begun);
   }

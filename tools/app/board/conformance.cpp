@@ -155,8 +155,7 @@ Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts&
   host::LatenessMeter meter(*link, clock, time_lost_behind(port.first));
   arguments.run.lateness = &meter;
   arguments.run.address = arguments.address;
-  host::WallClock uninterrupted;
-  const auto kept = KAZ_TRY(KeptRun::begin(*link, uninterrupted,
+  const auto kept = KAZ_TRY(KeptRun::begin(*link, clock, interrupt,
                                            {.verb = "kaz conformance",
                                             .port = port.first,
                                             .address = arguments.address,
