@@ -10,6 +10,9 @@
 namespace kaz::hil {
 namespace {
 
+// Angles and torques are timed by the board: only a stop of this program or of a simulator counts.
+constexpr Time kBorne = std::chrono::milliseconds(100);
+
 struct Part {
   std::string what;
   std::vector<std::string> names;
@@ -159,7 +162,12 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
       if (options.progress)
         options.progress(static_cast<double>(i) / static_cast<double>(parts.size()),
                          motor.name() + ": " + parts[i].what);
-      run_part(parts[i], motor, judge, options.supply_volts);
+      KAZ_TRY(judge.timed(
+          [&]() -> Result<void> {
+            run_part(parts[i], motor, judge, options.supply_volts);
+            return {};
+          },
+          kBorne));
     }
   } catch (const Lost& lost) {
     return tl::unexpected(lost.error);
