@@ -164,7 +164,11 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
                          motor.name() + ": " + parts[i].what);
       KAZ_TRY(judge.timed(
           [&]() -> Result<void> {
-            run_part(parts[i], motor, judge, options.supply_volts);
+            try {
+              run_part(parts[i], motor, judge, options.supply_volts);
+            } catch (const Lost& lost) {
+              return tl::unexpected(lost.error);
+            }
             return {};
           },
           kBorne));
