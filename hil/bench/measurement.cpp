@@ -181,7 +181,7 @@ void BenchJudge::finish(Measurement measurement) {
   if (listener_ && !in_part_) listener_(report_.measurements.back());
 }
 
-Result<void> BenchJudge::timed(const std::function<Result<void>()>& part) {
+Result<void> BenchJudge::timed(const std::function<Result<void>()>& part, Time at_least) {
   const auto first = static_cast<std::ptrdiff_t>(report_.measurements.size());
   const auto plots = static_cast<std::ptrdiff_t>(report_.plots.size());
   std::vector<Measurement>& all = report_.measurements;
@@ -190,11 +190,18 @@ Result<void> BenchJudge::timed(const std::function<Result<void>()>& part) {
   for (int run = 1;; ++run) {
     if (lateness_) lateness_->begin();
     ran = part();
-    const std::string excuse = ran && lateness_ ? lateness_->excuse() : "";
-    const auto in_doubt = [](const Measurement& one) {
-      return one.verdict == Verdict::failed && depends_on_lateness(*one.of);
+    const auto in_doubt = [at_least](const Measurement& one) {
+      return one.verdict == Verdict::failed &&
+             (at_least > Time::zero() || depends_on_lateness(*one.of));
     };
-    if (excuse.empty() || std::none_of(all.begin() + first, all.end(), in_doubt)) break;
+    if (!ran || !lateness_ || std::none_of(all.begin() + first, all.end(), in_doubt)) break;
+    const std::string excuse = lateness_->excuse(at_least);
+    if (excuse.empty()) break;
+    if (lateness_->other_end_gone()) {
+      all.erase(std::remove_if(all.begin() + first, all.end(), in_doubt), all.end());
+      ran = fail(Fault::environment, excuse);
+      break;
+    }
     if (run <= host::LatenessMeter::kRepetitions) {
       all.erase(all.begin() + first, all.end());
       report_.plots.erase(report_.plots.begin() + plots, report_.plots.end());

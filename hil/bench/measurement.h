@@ -99,8 +99,9 @@ class BenchJudge {
   void leave_out(const std::string& subject, const std::string& name, const std::string& why);
   // Runs a part that measures times with this machine's clock. If one of them fails and the machine
   // was late, all that was entered is dropped and the part repeated; if it was late each time, they
-  // are undecided.
-  Result<void> timed(const std::function<Result<void>()>& part);
+  // are undecided. With `at_least` every measurement of the part bears lateness below that, and none above
+  // it. Error (environment): the program at the other end does not reply any more.
+  Result<void> timed(const std::function<Result<void>()>& part, Time at_least = Time::zero());
   // Those that enter() applies.
   std::pair<double, double> limits(const std::string& name) const;
   void add(Plot plot) { report_.plots.push_back(std::move(plot)); }

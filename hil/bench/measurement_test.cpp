@@ -175,6 +175,43 @@ TEST_F(JudgeOfTimes, AnythingElseIsJudgedAtOnce) {
   EXPECT_EQ(runs_, 3);
 }
 
+// A motor's part, which the board times: only a stop counts, but for all of it.
+TEST_F(JudgeOfTimes, WhatBearsLatenessIsInDoubtAfterAStopAlone) {
+  const auto part = [this](int late_ms) {
+    return judge_.timed(
+        [=, this]() -> Result<void> {
+          ++runs_;
+          clock_.late = std::chrono::milliseconds(late_ms);
+          KAZ_TRY(meter_.sleep_until(meter_.now() + std::chrono::seconds(1)));
+          judge_.enter("neck_pan", "backlash", 90);
+          return {};
+        },
+        std::chrono::milliseconds(100));
+  };
+  ASSERT_TRUE(part(90));
+  EXPECT_EQ(runs_, 1);
+  EXPECT_EQ(report_.measurements[0].verdict, Verdict::failed);
+  ASSERT_TRUE(part(300));
+  EXPECT_EQ(runs_, 2 + host::LatenessMeter::kRepetitions);
+  ASSERT_EQ(report_.measurements.size(), 2u);
+  EXPECT_EQ(report_.measurements[1].verdict, Verdict::undecided);
+}
+
+TEST_F(JudgeOfTimes, NothingIsDecidedOnceTheOtherEndIsGone) {
+  host::LatenessMeter meter(clock_, clock_,
+                            []() -> Result<Time> { return fail(Fault::environment, "gone"); });
+  BenchJudge judge(report_, limits_, nullptr, &meter);
+  const auto ran = judge.timed([&]() -> Result<void> {
+    judge.enter("board", "tick.missed", 0);
+    judge.enter("link", "link.round_trip_worst", 90);
+    return {};
+  });
+  ASSERT_FALSE(ran);
+  EXPECT_EQ(ran.error().fault, Fault::environment);
+  ASSERT_EQ(report_.measurements.size(), 1u) << "that has passed";
+  EXPECT_EQ(report_.count(Verdict::failed), 0);
+}
+
 TEST(LimitFile, ReplacesLimits) {
   const auto limits = parse_limits(
       R"({"backlash": {"low": 1, "high": 2}, "stall.slope": {"low": null, "high": 0.1},

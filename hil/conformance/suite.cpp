@@ -74,6 +74,8 @@ CaseResult run_one(const Case& one, Board& board, const RunOptions& options) {
     if (result.verdict != Verdict::failed || !options.lateness) return result;
     const std::string excuse = options.lateness->excuse();
     if (excuse.empty()) return result;
+    if (options.lateness->other_end_gone())
+      throw Lost{{Fault::environment, excuse + "; case " + one.id + " is not decided"}};
     if (run <= host::LatenessMeter::kRepetitions) continue;
     result.verdict = Verdict::undecided;
     result.message +=

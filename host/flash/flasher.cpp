@@ -154,8 +154,7 @@ Result<bool> Flasher::enter_loader() {
   if (auto there = listening(milliseconds(60), 2); !there || *there) return there;
   Requester requester(link_, clock_, {.address = options_.address});
   requester.limit_tries(3);
-  const auto board =
-      repeat_if_late(options_.lateness, [&] { return identify_board(requester); });
+  const auto board = repeat_if_late(options_.lateness, [&] { return identify_board(requester); });
   if (!board) {
     // The port itself may be gone.
     std::uint8_t byte = 0;
@@ -238,7 +237,8 @@ Result<void> Flasher::enter_boot(BoardReset& reset) {
       if (!info) entered = tl::unexpected(info.error());
     }
     if (entered) break;
-    if (excuses > 0 && !options_.lateness->excuse().empty()) {
+    if (excuses > 0 && !options_.lateness->excuse().empty() &&
+        !options_.lateness->other_end_gone()) {
       --excuses;
       ++tries;
     }

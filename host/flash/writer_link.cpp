@@ -30,7 +30,8 @@ void WriterLink::begin_try() {
 }
 
 bool WriterLink::excused(int& left) const {
-  if (!lateness_ || left == 0 || lateness_->excuse().empty()) return false;
+  if (!lateness_ || left == 0 || lateness_->excuse().empty() || lateness_->other_end_gone())
+    return false;
   --left;
   return true;
 }

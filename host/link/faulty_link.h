@@ -32,7 +32,6 @@ class FaultyLink final : public Link {
     for_host_.clear();
     return link_.reopen();
   }
-  void ignore_interrupt() override { link_.ignore_interrupt(); }
 
   // A fault that begins now, or at its time from the making of the link.
   void add(const faults::Fault& fault) { schedule_.add(fault); }

@@ -46,8 +46,8 @@ class Interrupt {
   static_assert(std::atomic<bool>::is_always_lock_free);
 };
 
-// While it lives, and no longer than `longest`, waiting and reading work although the interrupt was
-// requested: a board is put back as it was found, its replies included. One at a time.
+// While it lives, and no longer than `longest`, waiting and reading work although the interrupt was or
+// will be requested: a board is put back as it was found, its replies included. One at a time.
 class CleanUp {
  public:
   explicit CleanUp(Interrupt& interrupt,

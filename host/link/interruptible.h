@@ -58,10 +58,6 @@ class InterruptibleLink final : public Link {
       if (count > 0 || next == deadline) return count;
     }
   }
-  void ignore_interrupt() override {
-    interrupt_ = nullptr;
-    link_.ignore_interrupt();
-  }
   Result<void> reopen() override {
     if (interrupt_ && interrupt_->ends_waiting()) return tl::unexpected(Interrupt::error());
     return link_.reopen();

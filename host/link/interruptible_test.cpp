@@ -82,7 +82,7 @@ TEST(Interruptible, EndsALongWaitInItsMiddle) {
   EXPECT_EQ(line.written, 1u);
   const Time before = clock.now();
   {
-    const CleanUp clean_up(interrupt);
+    const CleanUp clean_up(interrupt, 1h);
     EXPECT_TRUE(clock.sleep_until(before + 20ms));
     EXPECT_TRUE(link.read(byte, before + 30ms));
   }

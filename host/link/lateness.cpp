@@ -24,12 +24,12 @@ LatenessMeter::LatenessMeter(Link& link, Clock& clock, TimeLost other_end)
   begin();
 }
 
-std::optional<Time> LatenessMeter::lost() const {
-  return other_end_ ? other_end_() : std::nullopt;
-}
-
 void LatenessMeter::begin() {
-  lost_before_ = lost();
+  lost_before_.reset();
+  if (other_end_) {
+    if (const auto lost = other_end_()) lost_before_ = *lost;
+  }
+  other_end_gone_ = false;
   longest_ = total_ = Time::zero();
   began_ = left_ = clock_.now();
 }
@@ -51,16 +51,24 @@ void LatenessMeter::leave(Time due) {
   add(left_ - due);
 }
 
-std::string LatenessMeter::excuse() const {
+std::string LatenessMeter::excuse(Time at_least) const {
   const double length_s = seconds(clock_.now() - began_);
-  const bool often = total_ >= kExcusing && seconds(total_) > kExcusingShare * length_s;
-  if (longest_ >= kExcusing || often)
-    return "this program was kept waiting for up to " + in_ms(longest_) + ", " + in_ms(total_) +
-           " in all";
-  const auto lost_now = lost();
-  if (lost_now && lost_before_ && *lost_now > *lost_before_)
-    return "the program at the other end fell behind by " + in_ms(*lost_now - *lost_before_);
-  return "";
+  other_end_gone_ = false;
+  if (other_end_) {
+    const auto lost = other_end_();
+    other_end_gone_ = !lost;
+    if (!lost)
+      return "the program at the other end of " + name() +
+             " does not reply, as it is stopped or has ended";
+    if (!lost_before_) return "the program at the other end was stopped";
+    if (*lost > *lost_before_ && *lost - *lost_before_ >= at_least)
+      return "the program at the other end fell behind by " + in_ms(*lost - *lost_before_);
+  }
+  const Time excusing = std::max(kExcusing, at_least);
+  const bool often = total_ >= excusing && seconds(total_) > kExcusingShare * length_s;
+  if (longest_ < excusing && !often) return "";
+  return "this program was kept waiting for up to " + in_ms(longest_) + ", " + in_ms(total_) +
+         " in all";
 }
 
 Result<void> LatenessMeter::write(std::span<const std::uint8_t> bytes) {

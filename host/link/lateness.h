@@ -27,8 +27,9 @@ class LatenessMeter final : public Link, public Clock {
   // How often something that failed late is tried anew before it is given up as undecided.
   static constexpr int kRepetitions = 3;
 
-  // Time by which the program at the other end, if it is one of this machine, fell behind so far.
-  using TimeLost = std::function<std::optional<Time>()>;
+  // Time by which the program at the other end, if it is one of this machine, fell behind so far. Error: it
+  // does not reply, as it is stopped or has ended.
+  using TimeLost = std::function<Result<Time>()>;
   // Link and clock must outlive it.
   LatenessMeter(Link& link, Clock& clock, TimeLost other_end = nullptr);
 
@@ -38,8 +39,12 @@ class LatenessMeter final : public Link, public Clock {
   Time longest() const { return longest_; }
   Time total() const { return total_; }
   // Why a failure since begin() proves nothing, as "this program was kept waiting for up to 34 ms,
-  // ..."; empty if it was punctual: then the failure is the board's.
-  std::string excuse() const;
+  // ..."; empty if it was punctual: then the failure is the board's. `at_least`: what is judged bears
+  // lateness below that.
+  std::string excuse(Time at_least = Time::zero()) const;
+  // Whether the last excuse() was that the program at the other end does not reply: nothing more can be
+  // decided.
+  bool other_end_gone() const { return other_end_gone_; }
 
   // Link and Clock
   std::string name() const override { return link_.name(); }
@@ -48,7 +53,6 @@ class LatenessMeter final : public Link, public Clock {
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
   Result<void> reopen() override { return link_.reopen(); }
-  void ignore_interrupt() override { link_.ignore_interrupt(); }
   Time now() const override { return clock_.now(); }
   Result<void> sleep_until(Time t) override;
 
@@ -56,12 +60,11 @@ class LatenessMeter final : public Link, public Clock {
   Time enter();
   void leave(Time due);
   void add(Time late);
-  std::optional<Time> lost() const;
-
   Link& link_;
   Clock& clock_;
   TimeLost other_end_;
-  std::optional<Time> lost_before_;
+  std::optional<Time> lost_before_;  // none: it did not reply
+  mutable bool other_end_gone_ = false;
   Time began_, left_, longest_{}, total_{};
 };
 
@@ -73,7 +76,7 @@ auto repeat_if_late(LatenessMeter* meter, Attempt attempt) {
     if (meter) meter->begin();
     auto result = attempt();
     if (result || result.error().fault == Fault::interrupted || again == 0 || !meter ||
-        meter->excuse().empty())
+        meter->excuse().empty() || meter->other_end_gone())
       return result;
   }
 }

@@ -130,15 +130,30 @@ TEST_F(Lateness, ATimersSlackIsNone) {
 }
 
 TEST_F(Lateness, TheProgramAtTheOtherEnd) {
-  std::optional<Time> lost = milliseconds(100);
+  Result<Time> lost = milliseconds(100);
   LatenessMeter meter(line_, line_, [&] { return lost; });
   EXPECT_EQ(meter.excuse(), "") << "it was lost before";
   lost = milliseconds(140);
   EXPECT_EQ(meter.excuse(), "the program at the other end fell behind by 40 ms");
+  EXPECT_NE(meter.excuse(milliseconds(40)), "");
+  EXPECT_EQ(meter.excuse(milliseconds(41)), "") << "borne by what is judged";
   meter.begin();
   EXPECT_EQ(meter.excuse(), "");
-  lost = std::nullopt;
-  EXPECT_EQ(meter.excuse(), "");
+}
+
+// Stopped by a debugger or SIGSTOP it replies to nothing, as if it had been killed.
+TEST_F(Lateness, AProgramAtTheOtherEndThatDoesNotReply) {
+  Result<Time> lost = Time::zero();
+  LatenessMeter meter(line_, line_, [&] { return lost; });
+  lost = fail(Fault::environment, "no reply");
+  EXPECT_EQ(meter.excuse(),
+            "the program at the other end of fake does not reply, as it is stopped or has ended");
+  EXPECT_TRUE(meter.other_end_gone());
+  meter.begin();
+  EXPECT_FALSE(meter.other_end_gone());
+  lost = Time::zero();
+  EXPECT_EQ(meter.excuse(), "the program at the other end was stopped") << "and goes on";
+  EXPECT_FALSE(meter.other_end_gone());
 }
 
 }  // namespace

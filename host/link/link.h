@@ -43,9 +43,6 @@ class Link {
   // Reopens the port, e.g. after it was plugged in again. Called after `write` or `read` has failed,
   // repeatedly until it succeeds. Buffered bytes are lost.
   virtual Result<void> reopen() { return {}; }
-  // From now on reads wait although the program was interrupted: for what has to be done before it ends,
-  // with a clock that the interrupt does not end either.
-  virtual void ignore_interrupt() {}
 };
 
 }  // namespace kaz::host

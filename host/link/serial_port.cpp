@@ -6,8 +6,10 @@
 #include <linux/serial.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
+#include <sys/un.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -73,6 +75,26 @@ std::string socket_sentence(const std::string& path) {
   if (!path.ends_with(kEnd)) return path + " is a socket, no serial port";
   const std::string port = path.substr(0, path.size() - kEnd.size());
   return path + " is the control socket of `kaz sim`; its serial port is " + port;
+}
+
+// Whether `path` is the link of a virtual board whose process has been killed: nobody serves the control
+// socket that stands beside it. The number of its pty may be that of another board, or of a terminal, since.
+bool is_left_over(const std::string& path) {
+  std::error_code none;
+  const std::string control = path + ".ctl";
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (!fs::is_symlink(fs::symlink_status(path, none)) || !fs::is_socket(control, none) ||
+      control.size() >= sizeof address.sun_path)
+    return false;
+  control.copy(address.sun_path, control.size());
+  const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  // Whatever else keeps us out (too many clients, permission) shows that it is served.
+  const bool dead = fd >= 0 &&
+                    connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 &&
+                    errno == ECONNREFUSED;
+  if (fd >= 0) close(fd);
+  return dead;
 }
 
 tl::unexpected<Error> open_failure(const std::string& path, int error) {
@@ -176,6 +198,12 @@ Result<void> set_serial_rate(int descriptor, const std::string& path, int baud) 
 Result<OpenPort> open_serial_port(const std::string& path, int baud) {
   const auto rate = KAZ_TRY(rate_of(baud));
 
+  if (is_left_over(path))
+    return fail(Fault::environment,
+                path +
+                    " was left behind by a `kaz sim` that was killed: start it again with "
+                    "--serial " +
+                    path + ", or remove " + path + " and " + path + ".ctl");
   const int fd = open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0) return open_failure(path, errno);
   if (!isatty(fd)) {

@@ -22,8 +22,8 @@ struct OpenPort {
 // Opens `path` non-blocking, 8 data bits, no parity, 1 stop bit, no flow control, no echo, no
 // translation. `path` may be a pseudo-terminal or a symbolic link to one. Asks the driver for low
 // latency, which FTDI adapters take. Errors, each one sentence: no such port (lists the candidates),
-// permission (names the group and a udev rule), in use by another program, no terminal, unsupported
-// `baud` (Fault::usage).
+// permission (names the group and a udev rule), in use by another program, no terminal, left behind by a
+// simulator that was killed, unsupported `baud` (Fault::usage).
 Result<OpenPort> open_serial_port(const std::string& path, int baud);
 
 // Another rate for a port that is open. Errors: Fault::usage for a rate that no port has here.

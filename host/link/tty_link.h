@@ -38,7 +38,6 @@ class TtyLink final : public Link, public ModemLines {
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
   // Opens the same path again; fails as `open` does until it is there.
   Result<void> reopen() override;
-  void ignore_interrupt() override { interrupt_ = nullptr; }
 
  private:
   TtyLink(std::string path, int baud, const OpenPort& port, const Interrupt* interrupt);

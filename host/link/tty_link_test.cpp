@@ -207,11 +207,14 @@ TEST(TtyLink, LetsACleanUpTalkAfterAnInterrupt) {
   const auto read = [&](Time at_most) { return (*link)->read(buffer, clock.now() + at_most); };
   ASSERT_FALSE(read(1s));
   {
-    const CleanUp clean_up(interrupt, 300ms);
+    const CleanUp clean_up(interrupt, 1h);
     EXPECT_TRUE(clock.sleep_until(clock.now() + 1ms));
     EXPECT_EQ(read(1ms).value_or(1), 0u) << "nothing came";
     board.send(std::vector<std::uint8_t>{7});
-    EXPECT_EQ(read(200ms).value_or(0), 1u);
+    EXPECT_EQ(read(60s).value_or(0), 1u);
+  }
+  {
+    const CleanUp clean_up(interrupt, 20ms);
     // Not longer than it may take.
     const Time before = clock.now();
     EXPECT_FALSE(read(60s));
@@ -219,6 +222,43 @@ TEST(TtyLink, LetsACleanUpTalkAfterAnInterrupt) {
   }
   EXPECT_FALSE(read(1s));
   EXPECT_FALSE(clock.sleep_until(clock.now() + 1s));
+}
+
+// Linux gives the number of a killed simulator's pty to the next one: another board, or a terminal.
+TEST(TtyLink, RefusesTheLinkOfASimulatorThatWasKilled) {
+  namespace fs = std::filesystem;
+  const std::string path = fs::temp_directory_path() / ("kaz-killed-" + std::to_string(getpid()));
+  const std::string control = path + ".ctl";
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  control.copy(address.sun_path, sizeof address.sun_path - 1);
+  FarEnd board;
+  fs::create_symlink(board.path(), path);
+  int fd = socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  ASSERT_EQ(listen(fd, 1), 0);
+  auto link = TtyLink::open(path);
+  ASSERT_TRUE(link) << link.error().message;
+  ASSERT_TRUE((*link)->reopen());
+  for (int i = 0; i < 3; ++i)
+    EXPECT_TRUE((*link)->reopen()) << "it has more connections waiting than it takes: it is busy";
+
+  // As the kernel leaves both when the process is killed.
+  close(fd);
+  FarEnd other;
+  fs::remove(path);
+  fs::create_symlink(other.path(), path);
+  const auto again = (*link)->reopen();
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().fault, Fault::environment);
+  EXPECT_NE(again.error().message.find("left behind by a `kaz sim` that was killed"),
+            std::string::npos)
+      << again.error().message;
+  EXPECT_FALSE(TtyLink::open(path));
+  EXPECT_TRUE(TtyLink::open(other.path())) << "by its own name it is a port";
+  fs::remove(control);
+  EXPECT_TRUE((*link)->reopen()) << "a link that somebody else has made";
+  fs::remove(path);
 }
 
 TEST(TtyLink, OpensThroughASymbolicLinkAndOnlyOnce) {

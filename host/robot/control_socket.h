@@ -4,13 +4,16 @@
 
 #include <string>
 
+#include "host/link/interrupt.h"
 #include "shared/base/result.hpp"
 
 namespace kaz::host {
 
 // Sends one request (docs/reference/simulator.md) to the socket `path` and returns its reply, one JSON
 // object.
-// Errors (environment): nobody there, no reply within 5 s, or the request was refused.
-Result<std::string> query_control_socket(const std::string& path, const std::string& line);
+// Errors (environment): nobody there, no reply within 5 s, or the request was refused; or the program was
+// interrupted. `interrupt` may be null.
+Result<std::string> query_control_socket(const std::string& path, const std::string& line,
+                                         const Interrupt* interrupt = nullptr);
 
 }  // namespace kaz::host

@@ -83,6 +83,19 @@ void MotorStand::release(std::size_t joint) {
   shafts_[joint].guided = false;
 }
 
+int MotorStand::free_all() {
+  int freed = 0;
+  for (std::size_t joint = 0; joint < shafts_.size(); ++joint) {
+    const Shaft& shaft = shafts_[joint];
+    if (!shaft.clamped && !shaft.pressing && !shaft.guided) continue;
+    ++freed;
+    clamp(joint, false);
+    press(joint, 0);
+    release(joint);
+  }
+  return freed;
+}
+
 double MotorStand::protractor_rad(std::size_t joint) const {
   return in_steps(states_[joint].angle, kProtractor);
 }

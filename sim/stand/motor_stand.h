@@ -48,6 +48,8 @@ class MotorStand final : public World {
   // A hand turns the shaft to that angle at 2 rad/s and holds it until released.
   void turn(std::size_t joint, double angle_rad);
   void release(std::size_t joint);
+  // Removes lever, weight and hand from every shaft. Returns how many shafts had one.
+  int free_all();
   // The protractor's reading, rad, with a resolution of 0.01 degrees.
   double protractor_rad(std::size_t joint) const;
 

@@ -66,6 +66,19 @@ TEST(MotorStand, ClampAndScaleReadTheTorqueAtStandstill) {
   }
 }
 
+// What a bench that was killed has left on the shafts.
+TEST(MotorStand, FreesEveryShaft) {
+  MotorStand stand = stand_of_kaz();
+  stand.clamp(kJoint, true);
+  stand.press(3, 0.2);
+  stand.turn(4, 0.5);
+  EXPECT_EQ(stand.free_all(), 3);
+  EXPECT_EQ(stand.free_all(), 0);
+  const double before = angle(stand);
+  run(stand, 100, 0.4, true);
+  EXPECT_NE(angle(stand), before);
+}
+
 TEST(MotorStand, ScaleReadsEachPressALittleOtherwise) {
   MotorStand stand = stand_of_kaz();
   stand.clamp(kJoint, true);

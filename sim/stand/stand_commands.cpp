@@ -55,6 +55,7 @@ Words words_of(const std::string& line) {
 
 const Json kHelp = {
     {"disc", "what is on the shafts"},
+    {"free", "lever, weight and hand off every shaft"},
     {"supply V", "the supply's knob: volts without load"},
     {"clamp JOINT on|off", "the lever on the shaft against the scale, which is set to zero"},
     {"scale JOINT", "what the motor has pressed with"},
@@ -125,6 +126,7 @@ Result<Json> answer_stand(Simulation& simulation, const std::string& line) {
                                   " words, got " + std::to_string(words.arguments.size()));
   if (words.command == "help") return Json{{"commands", kHelp}};
   if (words.command == "disc") return Json{{"disc_kgm2", stand.disc_kgm2()}};
+  if (words.command == "free") return Json{{"freed", stand.free_all()}};
   if (words.command == "supply") {
     const auto volts = KAZ_TRY(number(words.arguments[0], "the supply in V", 0, kMaxVolts));
     simulation.board().set_supply(volts);

@@ -11,6 +11,7 @@
 
 #include "hil/fuzz/search.h"
 #include "host/link/faulty_link.h"
+#include "host/link/lateness.h"
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
 #include "host/robot/connect.h"
@@ -21,6 +22,7 @@
 #include "tools/app/base/output_file.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/base/provenance.h"
+#include "tools/app/base/time_lost.h"
 #include "tools/app/kept/kept_run.h"
 #include "tools/fuzz/engine_case.h"
 
@@ -43,10 +45,10 @@ struct Totals {
 class PortTarget {
  public:
   static Result<std::unique_ptr<PortTarget>> open(const FuzzOptions& options,
-                                                  const host::Interrupt& interrupt) {
+                                                  host::Interrupt& interrupt) {
     auto link = KAZ_TRY(host::TtyLink::open(options.target, 115200, &interrupt));
     std::unique_ptr<PortTarget> port(new PortTarget(std::move(link), options, interrupt));
-    auto kept = KAZ_TRY(KeptRun::begin(*port->link_, port->uninterrupted_,
+    auto kept = KAZ_TRY(KeptRun::begin(*port->link_, port->clock_, interrupt,
                                        {.verb = "kaz fuzz",
                                         .port = options.target,
                                         .address = options.address,
@@ -57,11 +59,26 @@ class PortTarget {
   }
   // The board is afterwards as it was found.
   Result<void> end() { return kept_->end(); }
+  // A violation is one where this machine and the program at the other end were punctual.
   Result<Verdict> run(const Genome& genome, const hil::fuzz::GrammarOptions& grammar) {
-    if (options_.wear_flash) {
-      KAZ_TRY(bring_home());
+    for (int again = host::LatenessMeter::kRepetitions;; --again) {
+      if (options_.wear_flash) {
+        KAZ_TRY(bring_home());
+      }
+      meter_.begin();
+      auto verdict = run_once(genome, grammar);
+      if (!verdict || !verdict->violation) return verdict;
+      const std::string excuse = meter_.excuse();
+      if (excuse.empty()) return verdict;
+      if (again == 0 || meter_.other_end_gone())
+        return fail(Fault::environment, "whether a case has failed is not decided (" +
+                                            *verdict->violation + "): " + excuse);
     }
-    host::FaultyLink faulty(*link_, clock_, {}, seed_);
+  }
+
+ private:
+  Result<Verdict> run_once(const Genome& genome, const hil::fuzz::GrammarOptions& grammar) {
+    host::FaultyLink faulty(meter_, meter_, {}, seed_);
     hil::fuzz::RunnerOptions runner;
     runner.patience = std::chrono::milliseconds(200);
     runner.address = options_.address;
@@ -69,13 +86,16 @@ class PortTarget {
       fault.at = faulty.age();
       faulty.add(fault);
     };
-    return hil::fuzz::run_case(faulty, clock_, hil::fuzz::events_of(genome, grammar), runner);
+    return hil::fuzz::run_case(faulty, meter_, hil::fuzz::events_of(genome, grammar), runner);
   }
 
- private:
   PortTarget(std::unique_ptr<host::TtyLink> link, const FuzzOptions& options,
              const host::Interrupt& interrupt)
-      : link_(std::move(link)), clock_(&interrupt), options_(options), seed_(options.seed) {}
+      : link_(std::move(link)),
+        clock_(&interrupt),
+        meter_(*link_, clock_, time_lost_behind(link_->name(), interrupt)),
+        options_(options),
+        seed_(options.seed) {}
 
   // A case before may have moved the board to another address.
   Result<void> bring_home() {
@@ -90,7 +110,8 @@ class PortTarget {
   }
 
   std::unique_ptr<host::TtyLink> link_;
-  host::WallClock clock_, uninterrupted_;
+  host::WallClock clock_;
+  host::LatenessMeter meter_;
   const FuzzOptions& options_;
   std::uint64_t seed_;
   bool ran_ = false;

@@ -68,6 +68,7 @@ int parse_and_run(int argc, char** argv) {
 #define KAZ_VERB(name) kaz::tools::add_##name(program, action);
 #include "tools/kaz/verbs.def"
 #undef KAZ_VERB
+  kaz::tools::check_flags(program);
   // After the verbs, which would inherit it.
   program.footer(
       "Recordings are MCAP files: Foxglove (foxglove.dev), PlotJuggler and the mcap command line "
@@ -94,8 +95,10 @@ int parse_and_run(int argc, char** argv) {
   } catch (const CLI::ParseError& wrong) {
     return refuse(kaz::tools::wrong_usage(program, wrong));
   }
+  const std::string name = kaz::tools::full_name(kaz::tools::chosen_verb(program));
+  kaz::tools::name_verb(name);
   const kaz::Result<kaz::tools::Outcome> done = action();
-  if (!done) return report(kaz::tools::full_name(kaz::tools::chosen_verb(program)), done.error());
+  if (!done) return report(name, done.error());
   return done->status;
 }
 

@@ -183,6 +183,23 @@ std::string missing(CLI::App& program, const CLI::Option* option) {
 
 }  // namespace
 
+void check_flags(CLI::App& app) {
+  const CLI::Validator truth(
+      [](std::string& value) {
+        for (const char* known : {"true", "false", "1", "0"})
+          if (value == known) return std::string();
+        return std::string("takes no value");
+      },
+      "");
+  for (CLI::Option* option : app.get_options()) {
+    if (!is_flag(*option) || option->get_lnames().empty()) continue;
+    // Others stand for a text, such as a file's name.
+    const std::string given = option->get_flag_value(option->get_lnames().front(), "{}");
+    if (given == "true" || given == "false") option->check(truth);
+  }
+  for (CLI::App* verb : app.get_subcommands(nullptr)) check_flags(*verb);
+}
+
 CLI::App& chosen_verb(CLI::App& program) {
   return *given_verbs(program).back();
 }
@@ -211,8 +228,8 @@ std::string wrong_usage(CLI::App& program, const CLI::ParseError& error) {
   const std::string other = message.substr(message.rfind(' ') + 1);
   if (kind == "RequiresError") return name + " needs " + other;
   if (kind == "ExcludesError") return "give " + name + " or " + other + ", not both";
-  if (kind == "ValidationError") return refused_value(*option, message);
   if (is_flag(*option)) return name + " takes no value";
+  if (kind == "ValidationError") return refused_value(*option, message);
   if (kind == "ArgumentMismatch") return wrong_count(*option);
   if (kind == "ConversionError")
     return name + " " + CLI::detail::join(option->results(), " ") + ": give a number";

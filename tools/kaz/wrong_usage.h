@@ -10,6 +10,9 @@ namespace kaz::tools {
 
 // The verb that was given, as far as there is one: the program itself, or its verb's verb.
 CLI::App& chosen_verb(CLI::App& program);
+// Lets flags take no value but true, false, 1 and 0, of this verb and its verbs: CLI11 takes any number above
+// 0, and words, as true.
+void check_flags(CLI::App& app);
 // "there is no verb `dmo`; did you mean demo?" about a word in the place of a verb; empty if there is none.
 std::string unknown_verb(CLI::App& program);
 // About the last call of program.parse(), which threw `error`.

@@ -10,6 +10,9 @@
 namespace kaz::hil {
 namespace {
 
+// Angles and torques are timed by the board: only a stop of this program or of a simulator counts.
+constexpr Time kBorne = std::chrono::milliseconds(100);
+
 struct Part {
   std::string what;
   std::vector<std::string> names;
@@ -150,7 +153,7 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
     MotorOnBench motor(robot, stand, options.joint, options.gains);
     motor.come_to_rest();
     if (stand) {
-      sure(stand->set_supply(options.supply_volts));
+      sure(stand->put_back(options.supply_volts));
       judge.report().conditions = {{"disc_kgm2", sure(stand->disc_kgm2())},
                                    {"supply_volts", options.supply_volts},
                                    {"pressing_s", stand->pressing_s()}};
@@ -159,7 +162,16 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
       if (options.progress)
         options.progress(static_cast<double>(i) / static_cast<double>(parts.size()),
                          motor.name() + ": " + parts[i].what);
-      run_part(parts[i], motor, judge, options.supply_volts);
+      KAZ_TRY(judge.timed(
+          [&]() -> Result<void> {
+            try {
+              run_part(parts[i], motor, judge, options.supply_volts);
+            } catch (const Lost& lost) {
+              return tl::unexpected(lost.error);
+            }
+            return {};
+          },
+          kBorne));
     }
   } catch (const Lost& lost) {
     return tl::unexpected(lost.error);

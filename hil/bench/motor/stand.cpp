@@ -89,6 +89,11 @@ Result<void> CommandStand::let_go(int joint) {
   return send("let " + joint_name(joint));
 }
 
+Result<void> CommandStand::put_back(double supply_volts) {
+  KAZ_TRY(send("free"));
+  return set_supply(supply_volts);
+}
+
 Result<void> ManualStand::done(const std::string& prompt) {
   const auto typed = prompt_(prompt + ", then press Enter");
   if (!typed) return tl::unexpected(typed.error());

@@ -34,6 +34,8 @@ class Stand {
   // keeps it until let_go().
   virtual Result<double> turn(int joint, double angle_rad) = 0;
   virtual Result<void> let_go(int joint) = 0;
+  // As a bench begins: every shaft free, whatever an interrupted one has left there, and the supply.
+  virtual Result<void> put_back(double supply_volts) = 0;
   // How long the motor has to press for the scale to be read.
   virtual double pressing_s() const = 0;
   // How long the shaft is left to come to rest after press().
@@ -57,6 +59,7 @@ class CommandStand final : public Stand {
   Result<void> press(int joint, double torque_nm) override;
   Result<double> turn(int joint, double angle_rad) override;
   Result<void> let_go(int joint) override;
+  Result<void> put_back(double supply_volts) override;
   double pressing_s() const override { return pressing_s_; }
   double settling_s() const override { return 0.3; }
 
@@ -85,6 +88,7 @@ class ManualStand final : public Stand {
   Result<void> press(int joint, double torque_nm) override;
   Result<double> turn(int joint, double angle_rad) override;
   Result<void> let_go(int joint) override;
+  Result<void> put_back(double supply_volts) override { return set_supply(supply_volts); }
   // Below the second after which the board takes a press for a stall.
   double pressing_s() const override { return 0.7; }
   double settling_s() const override { return 0.1; }

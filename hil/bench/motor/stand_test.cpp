@@ -46,10 +46,12 @@ TEST(CommandStand, SendsItsCommands) {
   EXPECT_TRUE(stand.press(kJoint, -0.03));
   EXPECT_EQ(*stand.turn(kJoint, 1.5), -0.498);
   EXPECT_TRUE(stand.let_go(kJoint));
-  EXPECT_EQ(commands, (std::vector<std::string>{
-                          "disc", "supply 6.500", "clamp l_elbow on", "scale l_elbow",
-                          "clamp l_elbow off", "press l_elbow -0.0300", "protractor l_elbow",
-                          "turn l_elbow 1.5000", "protractor l_elbow", "let l_elbow"}));
+  EXPECT_TRUE(stand.put_back(12));
+  EXPECT_EQ(commands,
+            (std::vector<std::string>{
+                "disc", "supply 6.500", "clamp l_elbow on", "scale l_elbow", "clamp l_elbow off",
+                "press l_elbow -0.0300", "protractor l_elbow", "turn l_elbow 1.5000",
+                "protractor l_elbow", "let l_elbow", "free", "supply 12.000"}));
   // 2 rad at 2 rad/s, and the time to settle.
   EXPECT_GE(clock.now(), std::chrono::milliseconds(1200));
 }

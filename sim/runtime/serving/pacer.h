@@ -34,6 +34,12 @@ class Pacer {
   Time wall_of(Time simulated) const { return origin_ + simulated; }
   std::uint64_t overruns() const { return overruns_; }
   Time lost() const { return lost_; }
+  // With what the step under way, which is not done yet, has lost already: this process may just have been
+  // continued after a stop.
+  Time lost_until(Time simulated, Time wall) const {
+    const Time late = wall - wall_of(simulated);
+    return late > tolerance_ ? lost_ + late : lost_;
+  }
   Time worst_late() const { return worst_late_; }
 
  private:

@@ -41,6 +41,17 @@ TEST(Pacer, DoesNotRunAfterALongStall) {
   EXPECT_EQ(pacer.wall_of(milliseconds(2)), milliseconds(302));
 }
 
+// Continued after a stop, the process may report before its next step is done.
+TEST(Pacer, AStopCountsBeforeItsStepIsDone) {
+  Pacer pacer(milliseconds(20));
+  pacer.start(milliseconds(0), milliseconds(0));
+  pacer.step_done(milliseconds(1), milliseconds(1));
+  EXPECT_EQ(pacer.lost_until(milliseconds(1), milliseconds(21)), Time(0));
+  EXPECT_EQ(pacer.lost_until(milliseconds(1), milliseconds(2001)), milliseconds(2000));
+  pacer.step_done(milliseconds(2), milliseconds(2002));
+  EXPECT_EQ(pacer.lost_until(milliseconds(2), milliseconds(2003)), milliseconds(2000));
+}
+
 TEST(Pacer, ToleranceItselfIsNoOverrun) {
   Pacer pacer(milliseconds(20));
   pacer.start(milliseconds(0), milliseconds(0));

@@ -298,6 +298,7 @@ nlohmann::ordered_json ball(const World& world) {
 
 nlohmann::ordered_json RealTimeServer::Parts::status() const {
   const ServoBoard& board = simulation.board();
+  const Time lost = pacer.lost_until(simulation.time(), monotonic_now());
   nlohmann::ordered_json json{{"time_s", seconds(simulation.time())},
                               {"mcu", board.mcu().name()},
                               {"power", board.power()},
@@ -313,7 +314,8 @@ nlohmann::ordered_json RealTimeServer::Parts::status() const {
                               {"pairs_dropped", simulation.pairs_dropped()},
                               {"pairs_missed_by_readers", cameras ? cameras->missed() : 0},
                               {"overruns", pacer.overruns()},
-                              {"lost_s", seconds(pacer.lost())}};
+                              {"lost_s", seconds(lost)},
+                              {"worst_late_s", seconds(pacer.worst_late())}};
   const World& world = simulation.world();
   if (world.measures_convergence())
     json["unconverged_steps"] = world.diagnostics().unconverged_steps;

@@ -1,5 +1,8 @@
 // The whole server with a host of its own on pty and sockets. Runs unpaced.
 // SPDX-License-Identifier: Apache-2.0
+//
+// Server, kernel and host take turns as the machine wants: what a test waits for is a line of the server, a
+// reply to a certain request, or simulated time, never a while of the wall clock.
 #include "sim/runtime/serving/real_time.h"
 
 #include <fcntl.h>
@@ -8,9 +11,13 @@
 #include <sys/wait.h>
 #include <termios.h>
 
+#include <algorithm>
+#include <condition_variable>
 #include <csignal>
 #include <mutex>
 #include <thread>
+
+#include <nlohmann/json.hpp>
 
 #include "sim/mcu/host_testing.h"
 #include "sim/runtime/serving/descriptor.h"
@@ -31,6 +38,7 @@ class Running {
     options.report = [this](const std::string& line) {
       const std::lock_guard lock(mutex_);
       lines_.push_back(line);
+      said_.notify_all();
     };
     auto server = RealTimeServer::open(*simulation_, options);
     EXPECT_TRUE(server) << server.error().message;
@@ -44,23 +52,37 @@ class Running {
 
   // Waits until a line that contains `text` was said.
   void wait_for(const std::string& text) {
-    while (true) {
-      {
-        const std::lock_guard lock(mutex_);
-        for (const std::string& line : lines_)
-          if (line.find(text) != std::string::npos) return;
-      }
-      std::this_thread::yield();
-    }
+    std::unique_lock lock(mutex_);
+    said_.wait(lock, [&] {
+      return std::ranges::any_of(
+          lines_, [&](const std::string& line) { return line.find(text) != std::string::npos; });
+    });
+  }
+
+  // Waits until that much simulated time has passed.
+  void pass(double simulated_s) const {
+    const double until = time_s() + simulated_s;
+    while (time_s() < until) std::this_thread::yield();
   }
 
   std::string port;
 
  private:
+  double time_s() const {
+    const Descriptor control = connect_to(port + ".ctl");
+    std::string line;
+    char letter = 0;
+    if (::send(control.get(), "status\n", 7, MSG_NOSIGNAL) != 7) throw std::runtime_error("send");
+    for (; letter != '\n'; line += letter)
+      if (::recv(control.get(), &letter, 1, 0) != 1) throw std::runtime_error("recv");
+    return nlohmann::json::parse(line)["time_s"].get<double>();
+  }
+
   std::unique_ptr<Simulation> simulation_ = test_simulation();
   std::unique_ptr<RealTimeServer> server_;
   std::atomic<bool> stop_ = false;
   std::mutex mutex_;
+  std::condition_variable said_;
   std::vector<std::string> lines_;
   std::thread thread_;
 };
@@ -82,15 +104,18 @@ std::vector<std::uint8_t> read_frame(int fd) {
   }
 }
 
-// The board's answer to `identify`; it may still be starting: as a client does, ask again.
+// The board's answer to `identify`; it may still be starting: as a client does, query again. The answer to
+// the last query: then none is under way any more.
 std::vector<std::uint8_t> identify(int host) {
-  std::vector<std::uint8_t> reply;
-  for (std::uint8_t n = 1; reply.empty() && n < 100; ++n) {
+  for (std::uint8_t n = 1; n < 100; ++n) {
     write_all(host, frame_of(KZ_TYPE_identify, n, {}));
     pollfd readable{host, POLLIN, 0};
-    if (::poll(&readable, 1, 100) > 0) reply = read_frame(host);
+    while (::poll(&readable, 1, 100) > 0) {
+      const auto reply = read_frame(host);
+      if (reply.size() < 3 || reply[2] == n) return reply;
+    }
   }
-  return reply;
+  return {};
 }
 
 TEST(RealTimeServer, HostTalksThroughThePty) {
@@ -122,8 +147,9 @@ TEST(RealTimeServer, ThePortsRateCountsAsOnAWire) {
   server.wait_for("to 57600 baud");
   for (std::uint8_t n = 100; n < 105; ++n) {
     write_all(host.get(), frame_of(KZ_TYPE_identify, n, {}));
+    server.pass(0.05);
     pollfd readable{host.get(), POLLIN, 0};
-    EXPECT_EQ(::poll(&readable, 1, 50), 0) << "a damaged frame has no reply";
+    EXPECT_EQ(::poll(&readable, 1, 0), 0) << "a damaged frame has no reply";
   }
   at(B115200);
   EXPECT_FALSE(identify(host.get()).empty());

@@ -28,6 +28,7 @@ class BentScale final : public Stand {
     return stand_.turn(joint, angle_rad);
   }
   Result<void> let_go(int joint) override { return stand_.let_go(joint); }
+  Result<void> put_back(double volts) override { return stand_.put_back(volts); }
   double pressing_s() const override { return stand_.pressing_s(); }
   double settling_s() const override { return stand_.settling_s(); }
 

@@ -222,7 +222,9 @@ TEST(Cli, WrongValuesAreRefusedWithTheValidOnes) {
   EXPECT_TRUE(says({"demo", "--seed", "1e3"},
                    "--seed 1e3: give a whole number from 0 to 999999999999999999"));
   EXPECT_TRUE(says({"demo", "--physics-step", "1ms"}, "--physics-step 1ms: give a number"));
-  EXPECT_TRUE(says({"demo", "--imu=maybe"}, "--imu takes no value"));
+  for (const char* value : {"maybe", "2", "-1", "yes", "on", "1.5"})
+    EXPECT_TRUE(says({"demo", std::string("--imu=") + value}, "--imu takes no value"));
+  EXPECT_TRUE(says({"flash", "write", "x", "--no-start=2"}, "--no-start takes no value"));
   EXPECT_TRUE(says({"demo", "--seed"}, "--seed: give a value, as in --seed N"));
   EXPECT_TRUE(
       says({"demo", "--seed", "1", "--seed", "2"}, "--seed is given 2 times; give it once"));

@@ -1,6 +1,7 @@
 // `kaz conformance` as a user runs it: over a real pty, and its exit status.
 // SPDX-License-Identifier: Apache-2.0
 #include <csignal>
+#include <cstdlib>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -42,6 +43,65 @@ TEST_P(Ptys, ABoardBehindAPtyConforms) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Both, Ptys, ::testing::Values("h8", "native"));
+
+// The machine's failure, and neither the board's nor its protocol's.
+class StoppedSimulator : public ::testing::Test {
+ protected:
+  StoppedSimulator() {
+    setenv("XDG_STATE_HOME", folder_.path().c_str(), 1);
+    EXPECT_TRUE(sim_.wait_for_output("ready", seconds(30))) << sim_.wait(seconds(0)).err;
+  }
+  std::string port() const { return folder_ / "board"; }
+  // Three times, while `program` goes on.
+  void stop_and_continue(Process& program) {
+    for (int n = 0; n < 3; ++n) {
+      sim_.signal(SIGSTOP);
+      (void)program.wait_for_output("never printed", seconds(1));
+      sim_.signal(SIGCONT);
+      (void)program.wait_for_output("never printed", seconds(1));
+    }
+  }
+
+  TemporaryFolder folder_;
+  Process sim_{kaz({"sim", "--mcu", "native", "--world", "empty", "--serial", port()})};
+};
+
+TEST_F(StoppedSimulator, FailsNoCaseOfTheSuite) {
+  Process suite(kaz({"conformance", "--port", port(), "--filter", "^(frame|request|address)",
+                     "--json", folder_ / "report.json"}));
+  ASSERT_TRUE(suite.wait_for_output("passed", seconds(30)));
+  stop_and_continue(suite);
+  const Finished end = suite.wait(seconds(90));
+  EXPECT_TRUE(end.exit_code == 0 || end.exit_code == 3) << end.exit_code << end.out << end.err;
+  const json report = json::parse(read_file(folder_ / "report.json"), nullptr, false);
+  ASSERT_TRUE(report.is_object()) << end.err;
+  EXPECT_EQ(report["failed"], 0) << end.out;
+  EXPECT_GE(report["passed"], 10);
+}
+
+TEST_F(StoppedSimulator, FailsNoCaseOfTheFuzzer) {
+  Process fuzz(kaz(
+      {"fuzz", "--target", port(), "--allow-motion", "--seconds", "8", "--out", folder_ / "case"}));
+  ASSERT_TRUE(fuzz.wait_for_output("kaz fuzz", seconds(30)));
+  stop_and_continue(fuzz);
+  const Finished end = fuzz.wait(seconds(90));
+  EXPECT_TRUE(end.exit_code == 0 || end.exit_code == 3) << end.exit_code << end.out << end.err;
+}
+
+TEST_F(StoppedSimulator, ThatStaysStoppedIsALoss) {
+  Process suite(kaz({"conformance", "--port", port(), "--filter", "^(frame|request|address)",
+                     "--json", folder_ / "report.json"}));
+  ASSERT_TRUE(suite.wait_for_output("passed", seconds(30)));
+  sim_.signal(SIGSTOP);
+  const Finished end = suite.wait(seconds(60));
+  sim_.signal(SIGCONT);
+  EXPECT_EQ(end.exit_code, 3) << end.out << end.err;
+  EXPECT_NE(end.err.find("as it is stopped or has ended; case "), std::string::npos) << end.err;
+  EXPECT_NE(end.err.find("kaz recover " + port()), std::string::npos) << end.err;
+  const json report = json::parse(read_file(folder_ / "report.json"), nullptr, false);
+  ASSERT_TRUE(report.is_object()) << end.err;
+  EXPECT_EQ(report["failed"], 0) << end.out;
+}
 
 TEST(ConformanceVerb, ListsItsCases) {
   const Finished listed = run(kaz({"conformance", "--list", "--filter", "SAFE-5"}));

@@ -1,5 +1,7 @@
 // Interrupted and killed runs over a real pty: the board is as before, or `kaz recover` brings it back.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -131,12 +133,92 @@ TEST_F(RecoverVerb, At20RandomTimesOfASuiteTheBoardIsAsBefore) {
   EXPECT_EQ(state(1, true), before);
 }
 
+// The first one waits for the board, which does not answer; the second one ends that and names the command.
+TEST_F(RecoverVerb, ASecondSignalLaterEndsAtOnceAndNamesWhatIsLeft) {
+  const host::BoardState before = state(1, true);
+  Process suite(conformance("^address"));
+  ASSERT_TRUE(suite.wait_for_output("passed", seconds(30)));
+  sim_.signal(SIGSTOP);
+  bool ended = false;
+  for (int press = 0; press < 8 && !ended; ++press) {
+    suite.signal(SIGINT);
+    ended = suite.wait_for_output("ended at once", seconds(1));
+  }
+  const Finished end = suite.wait(seconds(10));
+  sim_.signal(SIGCONT);
+  EXPECT_EQ(end.exit_code, 130) << end.err;
+  EXPECT_TRUE(ended) << end.err;
+  ASSERT_EQ(notes().size(), 1u) << end.err;
+  EXPECT_NE(end.err.find("kaz conformance: interrupted, ended at once; the board on"),
+            std::string::npos)
+      << end.err;
+  const std::string from = notes().front();
+  EXPECT_NE(end.err.find("`kaz recover " + port() + " --from " + from + "`"), std::string::npos)
+      << end.err;
+  const Finished status = run(kaz({"status", "--port", port(), "--address", "1"}));
+  if (status.exit_code == 0) {
+    EXPECT_NE(status.err.find("--from " + from), std::string::npos) << status.err;
+  }
+  EXPECT_EQ(run(kaz({"recover", port(), "--from", from})).exit_code, 0);
+  EXPECT_TRUE(notes().empty());
+  EXPECT_EQ(state(1, true), before);
+}
+
+TEST_F(RecoverVerb, NotesThatCannotBeReadAreASentenceAndNoObstacle) {
+  const std::string folder = folder_ / "kaz";
+  std::filesystem::create_directories(folder);
+  std::string name = "board" + port();
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  const std::string path = folder + "/" + name + "-1.json";
+  constexpr const char* kTexts[] = {
+      "",        "{",    "{\"kaz_kept_board\": 1, \"verb\": \"kaz fu", "{\"kaz_kept_board\": 99}",
+      "[1e999]", nullptr};
+  for (const char* text : kTexts) {
+    SCOPED_TRACE(text ? text : "a folder");
+    if (text) {
+      write_file(path, text);
+    } else {
+      std::filesystem::remove(path);
+      std::filesystem::create_directory(path);
+    }
+    const Finished given = run(kaz({"recover", port(), "--from", path}));
+    EXPECT_EQ(given.exit_code, 2) << given.err;
+    EXPECT_NE(given.err.find("or leave --from out"), std::string::npos) << given.err;
+    const Finished without = run(kaz({"recover", port(), "--json"}));
+    EXPECT_EQ(without.exit_code, 0) << without.err;
+    EXPECT_TRUE(json::accept(without.out)) << without.out;
+    EXPECT_NE(without.err.find(path), std::string::npos) << without.err;
+    const Finished status = run(kaz({"status", "--port", port()}));
+    EXPECT_EQ(status.exit_code, 0) << status.err;
+    EXPECT_NE(status.err.find("then remove them"), std::string::npos) << status.err;
+  }
+  const Finished suite = run(conformance("^identity.identify$"));
+  EXPECT_EQ(suite.exit_code, 0) << suite.err;
+  EXPECT_NE(suite.err.find(path), std::string::npos) << suite.err;
+}
+
+TEST_F(RecoverVerb, WithoutAPlaceForNotesNothingIsRun) {
+  const host::BoardState before = state(1);
+  write_file(folder_ / "kaz", "a file where the folder has to be");
+  const Finished suite = run(conformance("^identity.identify$"));
+  EXPECT_EQ(suite.exit_code, 3) << suite.out;
+  EXPECT_NE(suite.err.find("set XDG_STATE_HOME to a folder"), std::string::npos) << suite.err;
+  EXPECT_EQ(suite.out.find("passed"), std::string::npos) << suite.out;
+  EXPECT_EQ(state(1), before);
+}
+
 TEST_F(RecoverVerb, APortThatDiesIsNamedWithTheCommand) {
   Process suite(conformance("^address"));
   ASSERT_TRUE(suite.wait_for_output("kaz conformance", seconds(20)));
   sim_.signal(SIGKILL);
   const Finished ended = suite.wait(seconds(30));
   EXPECT_EQ(ended.exit_code, 3) << ended.err;
+  // Its link is still there, and may lead anywhere by now.
+  const Finished status = run(kaz({"status", "--port", port()}));
+  EXPECT_EQ(status.exit_code, 3) << status.out;
+  EXPECT_NE(status.err.find("left behind by a `kaz sim` that was killed"), std::string::npos)
+      << status.err;
   ASSERT_EQ(notes().size(), 1u) << ended.err;
   EXPECT_NE(ended.err.find("kaz recover " + port() + " --from " + notes().front()),
             std::string::npos)

@@ -3,10 +3,13 @@
 #include "tools/app/base/interrupt_signals.h"
 
 #include <signal.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <array>
 #include <atomic>
+#include <cstdint>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -16,21 +19,48 @@ namespace {
 constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
 std::atomic<host::Interrupt*> g_interrupt{nullptr};
 std::atomic<int> g_received{0};
+std::atomic<std::int64_t> g_first_ns{0};  // when; 0: none came
+// Written before signals come, and printed by their handler.
+char g_verb[64] = "kaz";
+char g_left_behind[1024] = "";
+std::atomic<bool> g_leaves_something{false};
 static_assert(std::atomic<int>::is_always_lock_free);
+static_assert(std::atomic<std::int64_t>::is_always_lock_free);
 static_assert(std::atomic<host::Interrupt*>::is_always_lock_free);
 
+std::int64_t monotonic_ns() {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
+}
+
+void print(std::string_view text) {
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
+}
+
 void end_at_once(int number) {
-  constexpr std::string_view kSentence = "\nkaz: interrupted, ended at once\n";
-  [[maybe_unused]] const ssize_t written =
-      ::write(STDERR_FILENO, kSentence.data(), kSentence.size());
+  print("\n");
+  print(g_verb);
+  print(": interrupted, ended at once");
+  if (g_leaves_something) {
+    print("; ");
+    print(g_left_behind);
+  }
+  print("\n");
   ::_exit(static_cast<int>(Fault::interrupted) + number);
 }
 
 void on_signal(int number) {
-  int none = 0;
-  const bool first = g_received.compare_exchange_strong(none, number);
+  const std::int64_t now = monotonic_ns();
+  std::int64_t first = 0;
+  if (!g_first_ns.compare_exchange_strong(first, now)) {
+    constexpr std::int64_t kWindow = std::chrono::nanoseconds(kOneSignal).count();
+    if (now - first >= kWindow) end_at_once(number);
+    return;
+  }
+  g_received = number;
   host::Interrupt* const interrupt = g_interrupt.load();
-  if (!first || interrupt == nullptr) end_at_once(number);
+  if (interrupt == nullptr) end_at_once(number);
   interrupt->request();
 }
 
@@ -39,6 +69,8 @@ void on_signal(int number) {
 void catch_signals() {
   struct sigaction action {};
   action.sa_handler = on_signal;
+  // Of two that are pending the kernel would run the later one's handler inside the earlier one's.
+  for (const int number : kSignals) sigaddset(&action.sa_mask, number);
   // No SA_RESTART: a wait in the kernel ends too.
   for (const int number : kSignals) {
     struct sigaction before {};
@@ -47,6 +79,16 @@ void catch_signals() {
     if (number == SIGHUP && before.sa_handler == SIG_IGN) continue;
     sigaction(number, &action, nullptr);
   }
+}
+
+void name_verb(const std::string& verb) {
+  std::snprintf(g_verb, sizeof g_verb, "%s", verb.c_str());
+}
+
+void leaves_behind(const std::string& sentence) {
+  g_leaves_something = false;
+  std::snprintf(g_left_behind, sizeof g_left_behind, "%s", sentence.c_str());
+  g_leaves_something = !sentence.empty();
 }
 
 int received_signal() noexcept {
@@ -87,9 +129,10 @@ InterruptSignals::~InterruptSignals() {
   g_interrupt = outer_;
 }
 
-void InterruptSignals::forget_parent() {
+void InterruptSignals::forget_earlier() {
   g_interrupt = nullptr;
   g_received = 0;
+  g_first_ns = 0;
 }
 
 }  // namespace kaz::tools

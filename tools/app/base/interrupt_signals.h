@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
 #include "host/link/interrupt.h"
 #include "host/link/interruptible.h"
@@ -13,10 +15,19 @@ namespace kaz::tools {
 using host::InterruptibleClock;
 using host::InterruptibleLink;
 
+// Signals within this time are one: a terminal signals its whole process group, and a wrapper (`timeout`, a
+// shell) forwards what it got; a supervisor or a closing terminal sends a second one behind the first.
+inline constexpr std::chrono::milliseconds kOneSignal{400};
+
 // From now on the first SIGINT, SIGTERM or SIGHUP requests the interrupt of the newest InterruptSignals;
-// where there is none the program ends at once. A second signal always does. The exit status is
-// 128 + signal. SIGHUP stays ignored where it was (nohup).
+// where there is none the program ends at once. A second one, after kOneSignal, always does. The exit status
+// is 128 + signal. SIGHUP stays ignored where it was (nohup).
 void catch_signals();
+
+// What a program that ends at once prints: its verb ("kaz eyes"), and what is not as it was and how to mend
+// it; "" if nothing is. One thread.
+void name_verb(const std::string& verb);
+void leaves_behind(const std::string& sentence);
 
 // The signal that came, 0 if none: SIGINT and "SIGINT".
 int received_signal() noexcept;
@@ -37,8 +48,8 @@ class InterruptSignals {
   InterruptSignals(const InterruptSignals&) = delete;
   InterruptSignals& operator=(const InterruptSignals&) = delete;
 
-  // In a child after fork(): no interrupt of the parent's is requested from here.
-  static void forget_parent();
+  // In a child after fork(): no interrupt of the parent's is requested from here, and no signal came yet.
+  static void forget_earlier();
 
  private:
   host::Interrupt* outer_;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/base/time_lost.h"
 
+#include <unistd.h>
+
 #include <filesystem>
 
 #include <nlohmann/json.hpp>
@@ -11,17 +13,16 @@
 
 namespace kaz::tools {
 
-host::LatenessMeter::TimeLost time_lost_behind(const std::string& port) {
+host::LatenessMeter::TimeLost time_lost_behind(const std::string& port,
+                                               const host::Interrupt& interrupt) {
   const std::string path = port + ".ctl";
   std::error_code none;
-  if (!std::filesystem::is_socket(path, none)) return nullptr;
-  // A simulator that does not answer once is not asked again: it would hold up each measurement.
-  return [path, answers = true]() mutable -> std::optional<Time> {
-    if (!answers) return std::nullopt;
-    const auto reply = host::query_control_socket(path, "status");
-    const auto status = nlohmann::json::parse(reply.value_or(""), nullptr, false);
-    answers = status.is_object() && status.contains("lost_s") && status["lost_s"].is_number();
-    if (!answers) return std::nullopt;
+  if (!std::filesystem::is_socket(path, none) || access(path.c_str(), W_OK) != 0) return nullptr;
+  return [path, &interrupt]() -> Result<Time> {
+    const auto reply = KAZ_TRY(host::query_control_socket(path, "status", &interrupt));
+    const auto status = nlohmann::json::parse(reply, nullptr, false);
+    if (!status.is_object() || !status.contains("lost_s") || !status["lost_s"].is_number())
+      return Time::zero();  // a program that does not measure it
     return from_seconds(status["lost_s"].get<double>());
   };
 }

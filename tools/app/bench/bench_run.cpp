@@ -16,7 +16,6 @@
 #include "hil/bench/report.h"
 #include "hil/bench/report/numbers.h"
 #include "hil/bench/tick_bench.h"
-#include "host/link/wall_clock.h"
 #include "host/robot/connect.h"
 #include "host/robot/find_boards.h"
 #include "shared/base/files.hpp"
@@ -70,6 +69,24 @@ std::string all_joint_names() {
   for (const host::JointInfo& joint : host::joint_table())
     names += (names.empty() ? "" : ", ") + std::string(joint.name);
   return names;
+}
+
+// After a bench that did not come to its end: lever, weight or hand may still be on a shaft.
+Result<void> free_stand(const BenchOptions& arguments, BenchTarget& target,
+                        host::Interrupt& interrupt) {
+  if (arguments.target.port.empty() || target.stand() == nullptr) return {};
+  if (arguments.target.stand == "manual") {
+    std::fprintf(stderr, "kaz bench: take lever, weight and hand off the shaft\n");
+    return {};
+  }
+  const host::CleanUp clean_up(interrupt);
+  const auto back = target.stand()->put_back(arguments.supply_volts);
+  if (back) return {};
+  return fail(Fault::environment,
+              "the stand " + arguments.target.stand + " may still hold a shaft (" +
+                  back.error().message +
+                  "): `stand free` at its control socket releases it, and so does the next "
+                  "`kaz bench` with it");
 }
 
 Result<hil::Limits> limits_of(const std::string& path) {
@@ -268,11 +285,10 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
   report.from = provenance();
   const auto board = KAZ_TRY(describe(*target, arguments.target.address));
   report.board = board;
-  host::WallClock uninterrupted;
   std::unique_ptr<KeptRun> kept;
   if (!arguments.target.port.empty()) {
     auto begun = KAZ_TRY(KeptRun::begin(
-        target->link(), uninterrupted,
+        target->link(), target->clock(), interrupt,
         {.verb = "kaz bench", .port = target->name(), .address = arguments.target.address}));
     kept = std::move(begun);
   }
@@ -290,7 +306,8 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
   progress.done();
   report.seconds = seconds(target->clock().now() - begin);
   const bool interrupted = !ran && ran.error().fault == Fault::interrupted;
-  const Result<void> left = kept ? kept->end() : Result<void>();
+  const auto freed = ran ? Result<void>() : free_stand(arguments, *target, interrupt);
+  const Result<void> left = together(kept ? kept->end() : Result<void>(), freed);
   if (!ran) report.interrupted = ran.error().message;
   if (interrupted) report.signal = received_signal_name();
   KAZ_TRY(folder.reports.explained(leave_reports(folder, report)));

@@ -42,7 +42,7 @@ class PortTarget final : public BenchTarget {
   PortTarget(std::unique_ptr<host::TtyLink> link, const host::Interrupt& interrupt)
       : link_(std::move(link)),
         clock_(&interrupt),
-        meter_(*link_, clock_, time_lost_behind(link_->name())) {}
+        meter_(*link_, clock_, time_lost_behind(link_->name(), interrupt)) {}
   std::string name() const override { return link_->name(); }
   host::Link& link() override { return meter_; }
   host::Clock& clock() override { return meter_; }
@@ -83,8 +83,9 @@ Result<std::unique_ptr<hil::Stand>> make_stand(const BenchTargetOptions& options
         options.backend.disc_kgm2);
   } else if (options.stand.starts_with("ctl:")) {
     const std::string path = options.stand.substr(4);
-    const auto query = [path](const std::string& line) -> Result<nlohmann::ordered_json> {
-      const auto reply = KAZ_TRY(host::query_control_socket(path, "stand " + line));
+    const auto query = [path,
+                        &interrupt](const std::string& line) -> Result<nlohmann::ordered_json> {
+      const auto reply = KAZ_TRY(host::query_control_socket(path, "stand " + line, &interrupt));
       return nlohmann::ordered_json::parse(reply, nullptr, false);
     };
     // Whether it is a stand: said before anything moves.

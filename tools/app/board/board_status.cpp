@@ -14,6 +14,7 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
+#include "tools/app/kept/kept_run.h"
 
 namespace kaz::tools {
 namespace {
@@ -111,6 +112,8 @@ Result<bool> print_status(const StatusOptions& arguments) {
   } else {
     print(now, health.shutdown.empty() ? "" : robot->describe_fault(health.status));
   }
+  for (const std::string& sentence : earlier_notes(port.first))
+    std::fprintf(stderr, "kaz status: %s\n", sentence.c_str());
   return health.shutdown.empty();
 }
 

@@ -152,11 +152,10 @@ Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts&
   auto link = KAZ_TRY(host::TtyLink::open(port.first, port.second, &interrupt));
   host::WallClock clock(&interrupt);
   facts.port = port.first;
-  host::LatenessMeter meter(*link, clock, time_lost_behind(port.first));
+  host::LatenessMeter meter(*link, clock, time_lost_behind(port.first, interrupt));
   arguments.run.lateness = &meter;
   arguments.run.address = arguments.address;
-  host::WallClock uninterrupted;
-  const auto kept = KAZ_TRY(KeptRun::begin(*link, uninterrupted,
+  const auto kept = KAZ_TRY(KeptRun::begin(*link, clock, interrupt,
                                            {.verb = "kaz conformance",
                                             .port = port.first,
                                             .address = arguments.address,

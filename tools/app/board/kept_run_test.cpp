@@ -41,7 +41,7 @@ class StoppedPort final : public host::Link, public host::Clock {
     const auto count = board_.read(bytes, waiting ? std::min(deadline, at_) : deadline);
     if (waiting && now() >= at_) stop();
     if (unplugged_) return gone();
-    if (interrupt_.requested() && !ignored_) return tl::unexpected(host::Interrupt::error());
+    if (interrupt_.ends_waiting()) return tl::unexpected(host::Interrupt::error());
     if (count && *count == 0 && now() < deadline) return board_.read(bytes, deadline);
     return count;
   }
@@ -49,7 +49,6 @@ class StoppedPort final : public host::Link, public host::Clock {
     if (unplugged_) return gone();
     return {};
   }
-  void ignore_interrupt() override { ignored_ = true; }
   void plug_in() { unplugged_ = false; }
 
  private:
@@ -67,7 +66,7 @@ class StoppedPort final : public host::Link, public host::Clock {
   Stop how_;
   Time at_;
   const host::Interrupt& interrupt_;
-  bool ignored_ = false, unplugged_ = false;
+  bool unplugged_ = false;
 };
 
 template <class T>
@@ -110,10 +109,10 @@ class KeptRuns : public testing::Test {
             .folder = folder_};
   }
 
-  // As `kaz conformance --allow-flash` runs it. The time that it took.
-  Result<void> run(StoppedPort& port, const host::Interrupt&, int address,
+  // As `kaz conformance --allow-flash` runs it.
+  Result<void> run(StoppedPort& port, host::Interrupt& interrupt, int address,
                    const std::string& filter) {
-    const auto kept = KAZ_TRY(KeptRun::begin(port, port, options(address)));
+    const auto kept = KAZ_TRY(KeptRun::begin(port, port, interrupt, options(address)));
     hil::RunOptions suite;
     suite.filter = filter;
     suite.address = static_cast<std::uint8_t>(address);
@@ -157,6 +156,7 @@ TEST_F(KeptRuns, At200RandomTimesTheBoardIsAsBeforeOrTheMessageNamesWhatIsNot) {
     prepare(board, address);
     // What the flash holds does not change by looking, what RAM holds does: read in this order.
     const auto settings = sure(host::read_board(board, board, static_cast<std::uint8_t>(address)));
+    InterruptSignals::forget_earlier();  // the signal of the run before
     host::Interrupt interrupt;
     const InterruptSignals signals(interrupt);
     const Time at = board.now() + milliseconds(random() % 2000);
@@ -204,10 +204,10 @@ TEST_F(KeptRuns, AnExceptionPutsTheBoardBackToo) {
   lockstep::VirtualBench board(sim::make_native());
   prepare(board, 1);
   const auto before = sure(host::read_board(board, board, 1));
-  const host::Interrupt interrupt;
+  host::Interrupt interrupt;
   StoppedPort port(board, Stop::none, Time::max(), interrupt);
   try {
-    const auto kept = sure(KeptRun::begin(port, port, options(1)));
+    const auto kept = sure(KeptRun::begin(port, port, interrupt, options(1)));
     auto robot = sure(host::Robot::connect(port, port));
     sure(robot.unlock(5));
     sure(robot.set_address(9, true));
@@ -221,12 +221,82 @@ TEST_F(KeptRuns, AnExceptionPutsTheBoardBackToo) {
 
 TEST_F(KeptRuns, WithoutAStoredCalibrationBeforeThatIsANote) {
   lockstep::VirtualBench board(sim::make_native());
-  const host::Interrupt interrupt;
+  host::Interrupt interrupt;
   StoppedPort port(board, Stop::none, Time::max(), interrupt);
   testing::internal::CaptureStderr();
   EXPECT_TRUE(run(port, interrupt, 1, "^calibration.store$"));
   EXPECT_NE(testing::internal::GetCapturedStderr().find("kaz flash erase --blocks 1,2"),
             std::string::npos);
+}
+
+TEST_F(KeptRuns, WithoutAPlaceForNotesNothingIsAltered) {
+  const std::string file = folder_ + "/file";
+  ASSERT_TRUE(write_whole_file(file, "no folder"));
+  lockstep::VirtualBench board(sim::make_native());
+  prepare(board, 1);
+  const auto before = sure(host::read_board(board, board, 1));
+  host::Interrupt interrupt;
+  StoppedPort port(board, Stop::none, Time::max(), interrupt);
+  for (const std::string& folder :
+       {file, file + "/below", std::string("/proc/kaz"), std::string()}) {
+    SCOPED_TRACE(folder);
+    KeptRunOptions where = options(1);
+    where.folder = folder;
+    const auto begun = KeptRun::begin(port, port, interrupt, where);
+    ASSERT_FALSE(begun);
+    EXPECT_EQ(begun.error().fault, Fault::environment);
+    EXPECT_NE(begun.error().message.find("set XDG_STATE_HOME to a folder that can be written"),
+              std::string::npos)
+        << begun.error().message;
+    EXPECT_EQ(sure(host::read_board(board, board, 1)), before) << "not even a reset";
+  }
+}
+
+TEST_F(KeptRuns, EarlierNotesAreNamed) {
+  lockstep::VirtualBench board(sim::make_native());
+  prepare(board, 1);
+  host::Interrupt interrupt;
+  StoppedPort port(board, Stop::none, Time::max(), interrupt);
+  std::string path, text;
+  {
+    const auto kept = sure(KeptRun::begin(port, port, interrupt, options(1)));
+    path = kept->notes_path();
+    text = sure(read_whole_file(path, 1 << 20));
+  }
+  EXPECT_TRUE(earlier_notes("test-port", folder_).empty());
+  ASSERT_TRUE(write_whole_file(path, text));
+  ASSERT_TRUE(write_whole_file(path + ".part1-0", text));
+  EXPECT_TRUE(earlier_notes("other-port", folder_).empty());
+  EXPECT_TRUE(earlier_notes("test-port", folder_ + "/none").empty());
+  auto sentences = earlier_notes("test-port", folder_);
+  ASSERT_EQ(sentences.size(), 1u);
+  EXPECT_NE(sentences[0].find("`kaz recover test-port --from " + path + "` does it"),
+            std::string::npos)
+      << sentences[0];
+  ASSERT_TRUE(write_whole_file(path, text.substr(0, text.size() / 2)));
+  sentences = earlier_notes("test-port", folder_);
+  ASSERT_EQ(sentences.size(), 1u);
+  EXPECT_NE(sentences[0].find("or is damaged"), std::string::npos) << sentences[0];
+}
+
+// A signal while the board is put back in the middle of a run: first that, then the end.
+TEST_F(KeptRuns, ASignalWhileItPutsTheBoardBackDoesNotCutThatShort) {
+  lockstep::VirtualBench board(sim::make_native());
+  prepare(board, 1);
+  host::Interrupt interrupt;
+  StoppedPort port(board, Stop::none, Time::max(), interrupt);
+  const auto kept = sure(KeptRun::begin(port, port, interrupt, options(1)));
+  {
+    auto robot = sure(host::Robot::connect(port, port));
+    sure(robot.unlock(5));
+    sure(robot.set_address(9, true));
+  }
+  interrupt.request();
+  const auto back = kept->put_back();
+  EXPECT_TRUE(back) << back.error().message;
+  EXPECT_TRUE(interrupt.ends_waiting());
+  EXPECT_TRUE(kept->end());
+  EXPECT_EQ(sure(host::read_board(board, board, 1)).address, 1);
 }
 
 TEST_F(KeptRuns, NotesAreReadAsTheyWereWritten) {

@@ -13,7 +13,6 @@
 #include "host/robot/connect.h"
 #include "host/robot/find_boards.h"
 #include "host/robot/robot.h"
-#include "shared/base/files.hpp"
 #include "shared/protocol/message_info.h"
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
@@ -22,8 +21,6 @@
 
 namespace kaz::tools {
 namespace {
-
-constexpr std::size_t kMaxNotes = 1 << 20;
 
 Result<std::vector<std::uint8_t>> search(host::Link& link, host::Clock& clock, Time patience) {
   const Time until = clock.now() + patience;
@@ -103,9 +100,19 @@ nlohmann::ordered_json as_json(const Recovered& result, const std::string& port,
 
 Result<std::optional<KeptFile>> read_notes(const std::string& path) {
   if (path.empty()) return std::nullopt;
-  const auto text =
-      KAZ_TRY(read_whole_file(path, kMaxNotes, "give the notes that an interrupted run has left"));
-  return KAZ_TRY(parse_kept(text, path));
+  return KAZ_TRY(read_kept(path));
+}
+
+// They have served. Others than those of this program's folder are the user's.
+void remove_notes(const std::string& path) {
+  std::error_code error;
+  if (path.empty() || kept_folder().empty() ||
+      !std::filesystem::equivalent(std::filesystem::absolute(path).parent_path(), kept_folder(),
+                                   error))
+    return;
+  if (!std::filesystem::remove(path, error) && error)
+    std::fprintf(stderr, "kaz recover: the notes have served, but cannot be removed (%s): %s\n",
+                 error.message().c_str(), path.c_str());
 }
 
 }  // namespace
@@ -143,17 +150,20 @@ Result<bool> recover(const RecoverOptions& options) {
   host::WallClock clock(&interrupt);
   const auto result = KAZ_TRY(recover_board(*link, clock, options, kept));
   const bool ok = result.left.empty() && shutdown(result.status).empty();
+  const bool cut_short = interrupt.requested() && !result.left.empty();
   if (options.json) {
-    print_json(as_json(result, port.first, ok));
+    auto json = as_json(result, port.first, ok);
+    if (cut_short) mark_interrupted(json);
+    print_json(json);
   } else {
     print(result, port.first);
   }
-  // They have served.
-  std::error_code error;
-  if (result.left.empty() && !options.from.empty() && !kept_folder().empty() &&
-      std::filesystem::equivalent(std::filesystem::absolute(options.from).parent_path(),
-                                  kept_folder(), error))
-    std::filesystem::remove(options.from, error);
+  if (cut_short)
+    return fail(Fault::interrupted,
+                "interrupted before the board was as it should be; give the same command again");
+  if (result.left.empty()) remove_notes(options.from);
+  for (const std::string& sentence : earlier_notes(port.first))
+    std::fprintf(stderr, "kaz recover: %s\n", sentence.c_str());
   return ok;
 }
 

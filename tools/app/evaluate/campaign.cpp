@@ -116,7 +116,7 @@ Result<Job> begin(const CampaignOptions& options, const OutputFolder& folder,
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(127);
-  InterruptSignals::forget_parent();
+  InterruptSignals::forget_earlier();
   const int status = run_job(options, folder, number, why[1]);
   std::fflush(nullptr);
   ::_exit(status);

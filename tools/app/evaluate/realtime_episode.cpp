@@ -164,7 +164,7 @@ Json result_of(const std::string& log) {
 std::string machine_trouble(std::optional<int> behaviour, bool ended_early, int simulator,
                             const Json& last) {
   constexpr int kLost = static_cast<int>(Fault::environment);
-  constexpr double kMaxLag_s = 1;
+  constexpr double kMaxLag_s = 1;  // in all; or at once, which only a stop of the process is
   if (ended_early) return "kaz sim ended with " + std::to_string(simulator) + " during the run";
   if (simulator == kLost) return "kaz sim could not keep its recording";
   if (behaviour == kLost) return "kaz run lost port, camera or files";
@@ -173,6 +173,9 @@ std::string machine_trouble(std::optional<int> behaviour, bool ended_early, int 
   const double lag_s = last.contains("lost_s") ? last["lost_s"].get<double>() : 0;
   if (!behaviour && lag_s > kMaxLag_s)
     return "the machine was too slow: kaz sim lagged " + std::to_string(lag_s) + " s behind";
+  const double stop_s = last.contains("worst_late_s") ? last["worst_late_s"].get<double>() : 0;
+  if (behaviour != 0 && stop_s > kMaxLag_s)
+    return "kaz sim stood still for " + std::to_string(stop_s) + " s during the run";
   return {};
 }
 

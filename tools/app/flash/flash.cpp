@@ -20,6 +20,7 @@ using Image = std::optional<host::FlashImage>;
 Result<void> check_running(FlashSession& session, Answer& answer,
                            const host::ImageIdentity& identity) {
   const auto board = session.identify();
+  if (!board && board.error().fault == Fault::interrupted) return tl::unexpected(board.error());
   if (const std::string excuse = session.excuse(); !board && !excuse.empty())
     return fail(Fault::environment,
                 "the firmware was written and verified; whether it runs is undecided, because " +
@@ -113,10 +114,16 @@ Result<void> erase(FlashSession& session, const FlashArguments& arguments, Answe
 
 Result<void> run(FlashSession& session, Answer& answer) {
   if (auto started = session.start(); !started) return started;
-  if (const auto board = session.identify()) {
+  const auto board = session.identify();
+  if (board) {
     answer.runs(*board);
     return {};
   }
+  if (board.error().fault == Fault::interrupted) return tl::unexpected(board.error());
+  if (const std::string excuse = session.excuse(); !excuse.empty())
+    return fail(Fault::environment,
+                "the board was started; whether it runs is undecided, because " + excuse +
+                    ": end other programs, then `kaz status --port " + session.port() + "`");
   return fail(Fault::failed,
               host::text_of({"the board was started, and no firmware of Kaz answers",
                              "its answer to `identify`",

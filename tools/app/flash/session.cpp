@@ -87,7 +87,8 @@ Result<void> FlashSession::open() {
   const auto port = KAZ_TRY(parse_port(arguments_.port));
   auto link = KAZ_TRY(host::TtyLink::open(port.first, 115200, &interrupt_));
   link_ = std::move(link);
-  meter_ = std::make_unique<host::LatenessMeter>(*link_, clock_, time_lost_behind(port.first));
+  meter_ = std::make_unique<host::LatenessMeter>(*link_, clock_,
+                                                 time_lost_behind(port.first, interrupt_));
   if (auto made = make_reset(); !made) return made;
   host::FlasherOptions options;
   options.boot.baud = arguments_.boot_baud;
@@ -145,8 +146,7 @@ Result<void> FlashSession::start() {
 
 Result<kz_identify_reply> FlashSession::identify() {
   host::Requester requester(*meter_, *meter_, {.address = arguments_.address});
-  auto board =
-      host::repeat_if_late(meter_.get(), [&] { return host::identify_board(requester); });
+  auto board = host::repeat_if_late(meter_.get(), [&] { return host::identify_board(requester); });
   if (board || !through_boot()) return board;
   // Boot mode has erased the board's address.
   host::Requester at_default(*meter_, *meter_, {});

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/files.hpp"
 #include "shared/base/json_depth.hpp"
 
 namespace kaz::tools {
@@ -14,6 +15,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
+constexpr std::size_t kMaxBytes = 1 << 20;
+constexpr const char* kHint =
+    "give the notes that an interrupted run has left, or leave --from out";
 
 bool in_bounds(const Json& value, long min, long max) {
   if (value.is_number_unsigned())
@@ -125,9 +129,7 @@ std::string kept_text(const KeptFile& kept) {
 
 Result<KeptFile> parse_kept(const std::string& text, const std::string& name) {
   const auto wrong = [&](const std::string& what) {
-    return fail(Fault::usage, name + ": " + what +
-                                  "; give the notes that an interrupted run has left, or leave "
-                                  "--from out");
+    return fail(Fault::usage, name + ": " + what + "; " + kHint);
   };
   const Json json = json_too_deep(text) ? Json() : Json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("kaz_kept_board"))
@@ -149,6 +151,11 @@ Result<KeptFile> parse_kept(const std::string& text, const std::string& name) {
   if (field.empty()) field = read_joints(json.value("joints", Json()), board);
   if (!field.empty()) return wrong("its field " + field + " is missing or out of range");
   return kept;
+}
+
+Result<KeptFile> read_kept(const std::string& path) {
+  const auto text = KAZ_TRY(read_whole_file(path, kMaxBytes, kHint));
+  return parse_kept(text, path);
 }
 
 }  // namespace kaz::tools

@@ -19,5 +19,7 @@ struct KeptFile {
 // As JSON, and back. Errors (usage) name the file.
 std::string kept_text(const KeptFile& kept);
 Result<KeptFile> parse_kept(const std::string& text, const std::string& name);
+// Those of a file. Errors (usage): why it cannot be read, too.
+Result<KeptFile> read_kept(const std::string& path);
 
 }  // namespace kaz::tools

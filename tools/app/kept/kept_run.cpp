@@ -12,6 +12,7 @@
 
 #include "host/robot/find_boards.h"
 #include "shared/base/files.hpp"
+#include "tools/app/base/interrupt_signals.h"
 
 namespace kaz::tools {
 namespace {
@@ -50,12 +51,40 @@ std::string kept_folder() {
   return home.empty() ? "" : home + "/.local/state/kaz";
 }
 
-KeptRun::KeptRun(host::Link& link, host::Clock& clock, KeptRunOptions options)
-    : link_(link), clock_(clock), options_(std::move(options)) {}
+std::vector<std::string> earlier_notes(const std::string& port, const std::string& folder) {
+  const std::string begin = file_name_of(port) + "-", end = ".json";
+  std::vector<std::string> paths, sentences;
+  std::error_code none;
+  for (fs::directory_iterator at(folder, none), last; !none && at != last; at.increment(none)) {
+    const std::string name = at->path().filename();
+    if (!name.starts_with(begin) || !name.ends_with(end)) continue;
+    const std::string number =
+        name.substr(begin.size(), name.size() - std::min(name.size(), begin.size() + end.size()));
+    if (!number.empty() && number.find_first_not_of("0123456789") == std::string::npos)
+      paths.push_back(at->path());
+  }
+  std::ranges::sort(paths);
+  for (const std::string& path : paths) {
+    const auto kept = read_kept(path);
+    sentences.push_back(kept ? kept->verb + " on " + port +
+                                   " was ended before it could put the board back: `kaz recover " +
+                                   port + " --from " + path +
+                                   "` does it, and removing these notes forgets it"
+                             : "notes of a run that could not put the board on " + port +
+                                   " back: " + kept.error().message + ": `kaz recover " + port +
+                                   "` does what is possible without them, then remove them");
+  }
+  return sentences;
+}
+
+KeptRun::KeptRun(host::Link& link, host::Clock& clock, host::Interrupt& interrupt,
+                 KeptRunOptions options)
+    : link_(link), clock_(clock), interrupt_(interrupt), options_(std::move(options)) {}
 
 Result<std::unique_ptr<KeptRun>> KeptRun::begin(host::Link& link, host::Clock& clock,
+                                                host::Interrupt& interrupt,
                                                 KeptRunOptions options) {
-  std::unique_ptr<KeptRun> run(new KeptRun(link, clock, std::move(options)));
+  std::unique_ptr<KeptRun> run(new KeptRun(link, clock, interrupt, std::move(options)));
   const KeptRunOptions& o = run->options_;
   run->ended_ = true;  // until it is known what to put back
   run->kept_.verb = o.verb;
@@ -72,32 +101,49 @@ Result<std::unique_ptr<KeptRun>> KeptRun::begin(host::Link& link, host::Clock& c
                                     std::to_string(o.address) + " alone");
     run->kept_.others = std::move(others);
   }
+  for (const std::string& sentence : earlier_notes(o.port, o.folder))
+    std::fprintf(stderr, "%s: %s\n", o.verb.c_str(), sentence.c_str());
+  if (o.notes) KAZ_TRY(run->write_notes());
   run->ended_ = false;
-  run->write_notes();
+  leaves_behind("the board on " + o.port + " may not be as it was before: give `" + run->command() +
+                "`");
   if (!o.flash) return run;
   // From here on the board is altered: by a reset.
-  if (auto read = host::read_flash(link, clock, run->kept_.board); !read)
-    return tl::unexpected(together(std::move(read), run->end()).error());
-  run->write_notes();
+  auto kept = host::read_flash(link, clock, run->kept_.board);
+  if (kept && o.notes) kept = run->write_notes();
+  if (!kept) return tl::unexpected(together(std::move(kept), run->end()).error());
   return run;
 }
 
-// Only a second help: a run without them goes on.
-void KeptRun::write_notes() {
-  if (options_.folder.empty()) return;
+Result<void> KeptRun::write_notes() {
+  const auto cannot = [](const std::string& why) {
+    return fail(Fault::environment,
+                "what the board is like before the run cannot be written down, for which reason "
+                "nothing is run: " +
+                    why + "; set XDG_STATE_HOME to a folder that can be written");
+  };
+  if (options_.folder.empty()) return cannot("neither XDG_STATE_HOME nor HOME is set");
   std::error_code error;
   fs::create_directories(options_.folder, error);
+  if (error) return cannot(options_.folder + ": cannot be made (" + error.message() + ")");
   const std::string path = options_.folder + "/" + file_name_of(options_.port) + "-" +
                            std::to_string(getpid()) + ".json";
-  if (const auto written = write_whole_file(path, kept_text(kept_)); written) {
-    path_ = path;
-  } else {
-    std::fprintf(stderr, "%s: what the board was like before is not written down: %s\n",
-                 options_.verb.c_str(), written.error().message.c_str());
-  }
+  if (const auto written = write_whole_file(path, kept_text(kept_)); !written)
+    return cannot(written.error().message);
+  path_ = path;
+  return {};
+}
+
+std::string KeptRun::command() const {
+  return path_.empty()
+             ? "kaz recover " + options_.port + " --address " + std::to_string(options_.address)
+             : "kaz recover " + options_.port + " --from " + path_;
 }
 
 Result<void> KeptRun::put_back() {
+  // put_back() ends by its patience; this only if it does not.
+  const host::CleanUp clean_up(
+      interrupt_, std::chrono::duration_cast<std::chrono::milliseconds>(3 * options_.patience));
   const auto back = host::put_back(link_, clock_, kept_.board,
                                    {.patience = options_.patience,
                                     .flash = options_.flash,
@@ -111,21 +157,21 @@ Result<void> KeptRun::put_back() {
                    joined(back.done).c_str());
     return {};
   }
-  const std::string command = path_.empty() ? "kaz recover " + options_.port + " --address " +
-                                                  std::to_string(options_.address)
-                                            : "kaz recover " + options_.port + " --from " + path_;
   return fail(Fault::environment, "the board on " + options_.port +
                                       " may not be as it was before; not put back: " +
-                                      joined(back.left) + ": give `" + command + "`");
+                                      joined(back.left) + ": give `" + command() + "`");
 }
 
 Result<void> KeptRun::end() {
   if (ended_) return {};
   ended_ = true;
-  link_.ignore_interrupt();
-  KAZ_TRY(put_back());
+  const auto back = put_back();
+  leaves_behind("");
+  if (!back) return back;
   std::error_code error;
-  if (!path_.empty()) fs::remove(path_, error);
+  if (!path_.empty() && !fs::remove(path_, error) && error)
+    std::fprintf(stderr, "%s: the board is as it was, but its notes are left (%s): remove %s\n",
+                 options_.verb.c_str(), error.message().c_str(), path_.c_str());
   return {};
 }
 

@@ -4,7 +4,9 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "host/link/interrupt.h"
 #include "host/link/link.h"
 #include "host/robot/kept_board.h"
 #include "tools/app/kept/kept_file.h"
@@ -13,6 +15,11 @@ namespace kaz::tools {
 
 // Of the notes: $XDG_STATE_HOME/kaz, else ~/.local/state/kaz; empty without a home.
 std::string kept_folder();
+
+// One sentence for each of the notes in `folder` that an earlier run on the port has left: what to do with
+// them, also where they are damaged. None is there while that run goes on, since it has the port.
+std::vector<std::string> earlier_notes(const std::string& port,
+                                       const std::string& folder = kept_folder());
 
 struct KeptRunOptions {
   std::string verb;  // "kaz conformance"
@@ -23,37 +30,40 @@ struct KeptRunOptions {
       true;            // at the end; false: the run does that itself, once it has moved anything
   bool alone = false;  // the run disturbs every board on the line
   Time patience = host::PutBackOptions{}.patience;
-  std::string folder = kept_folder();  // of the notes; empty: none are written
+  bool notes = true;                   // false: the run alters only what a reset undoes
+  std::string folder = kept_folder();  // of the notes
 };
 
 class KeptRun {
  public:
   // Reads the board and writes down what it is like (kept_file.h), for `kaz recover --from` in case this
-  // program is killed. Motors go off if `flash`. `link` and `clock` must outlive it; no interrupt may end the
-  // clock. Errors: nothing answers; other boards on the line although `alone`.
+  // program is killed. Motors go off if `flash`. Prints earlier_notes(). `link`, `clock` and `interrupt`,
+  // which is that of both, must outlive it. Errors: nothing answers; other boards on the line although
+  // `alone`; notes cannot be written. The board is as it was then.
   static Result<std::unique_ptr<KeptRun>> begin(host::Link& link, host::Clock& clock,
-                                                KeptRunOptions options);
+                                                host::Interrupt& interrupt, KeptRunOptions options);
   // end(), where an exception has skipped it; the error is printed.
   ~KeptRun();
   KeptRun(const KeptRun&) = delete;
   KeptRun& operator=(const KeptRun&) = delete;
 
-  // Puts the board back now; the run may go on afterwards.
+  // Puts the board back now, interrupted or not; the run may go on afterwards.
   Result<void> put_back();
-  // Puts the board back, interrupted or not, and removes the notes. The error names what could not be put
-  // back, and the command that does it; the notes then remain.
+  // put_back(), and removes the notes. The error names what could not be put back, and the command that does
+  // it; the notes then remain.
   Result<void> end();
 
   const host::BoardState& before() const { return kept_.board; }
-  // Empty if they could not be written.
   const std::string& notes_path() const { return path_; }
 
  private:
-  KeptRun(host::Link& link, host::Clock& clock, KeptRunOptions options);
-  void write_notes();
+  KeptRun(host::Link& link, host::Clock& clock, host::Interrupt& interrupt, KeptRunOptions options);
+  Result<void> write_notes();
+  std::string command() const;  // that puts the board back
 
   host::Link& link_;
   host::Clock& clock_;
+  host::Interrupt& interrupt_;
   KeptRunOptions options_;
   KeptFile kept_;
   std::string path_;

@@ -132,8 +132,8 @@ class Monitor {
   Result<void> enable(std::uint32_t mask) {
     // Motors go on only with a link watchdog that switches them off if this program stops.
     if (!watched_) {
+      watched_ = true;  // also if the reply does not come any more
       KAZ_TRY(robot_->heartbeat(kWatchdog, host::Reaction::limp));
-      watched_ = true;
     }
     return robot_->enable(mask);
   }
@@ -201,7 +201,7 @@ class Monitor {
   Result<void> leave() {
     // What it switched on, and the watchdog; a board that it only looked at is left as it was.
     if (robot_ && watched_) {
-      link_->ignore_interrupt();
+      const host::CleanUp clean_up(interrupt_);
       robot_->disable_all();
       const kz_identify_reply& was = robot_->identity();
       (void)robot_->heartbeat(std::chrono::milliseconds(10) * was.watchdog_10ms,

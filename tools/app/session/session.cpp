@@ -222,15 +222,14 @@ Result<bool> run_session(SessionOptions options) {
                  options.label.c_str(), seconds(resumption.lost - connecting),
                  text(resumption.cause), seconds(resumption.resumed - resumption.lost));
   };
-  host::WallClock uninterrupted;
   std::unique_ptr<KeptRun> kept;
   if (real) {
-    auto begun = KAZ_TRY(KeptRun::begin((*backend)->link(), uninterrupted,
+    auto begun = KAZ_TRY(KeptRun::begin((*backend)->link(), (*backend)->clock(), interrupt,
                                         {.verb = options.label,
                                          .port = (*backend)->port()->name(),
                                          .address = options.backend.address,
                                          .motors_off = false,
-                                         .folder = ""}));
+                                         .notes = false}));
     kept = std::move(begun);
   }
   WatchedClock clock((*backend)->clock(), (*backend)->simulation(), options.onlooker, options.until,
@@ -243,7 +242,8 @@ Result<bool> run_session(SessionOptions options) {
   if (!robot) return tl::unexpected(robot.error());
   if (real) {
     const auto trip = KAZ_TRY(host::measure_round_trip(*robot, *(*backend)->port()));
-    if (!options.json || trip.slow) std::fprintf(stderr, "kaz: %s\n", trip.sentence.c_str());
+    if (!options.json || trip.slow)
+      std::fprintf(stderr, "%s: %s\n", options.label.c_str(), trip.sentence.c_str());
   }
 
   KAZ_TRY((*backend)->open_camera());
