@@ -8,7 +8,6 @@
 #include <array>
 #include <atomic>
 #include <filesystem>
-#include <iterator>
 #include <regex>
 #include <sstream>
 #include <thread>
@@ -47,19 +46,6 @@ AssertionResult one_sentence(const Finished& finished, int exit_code,
 AssertionResult says(const std::vector<std::string>& arguments, const std::string& message) {
   const std::string end = message.ends_with('?') ? " See `kaz" : "; see `kaz";
   return one_sentence(run(kaz(arguments)), 2, {": " + message + end});
-}
-
-// Every verb and verb of a verb: {"mcu", "run"}. The completion script has a case for each.
-std::vector<std::vector<std::string>> all_verbs() {
-  const std::string script = run(kaz({"completion", "bash"})).out;
-  const std::regex one("'kaz([a-z -]*)'\\) words=");
-  std::vector<std::vector<std::string>> verbs;
-  for (std::sregex_iterator at(script.begin(), script.end(), one), end; at != end; ++at) {
-    std::istringstream words((*at)[1].str());
-    verbs.emplace_back(std::istream_iterator<std::string>(words),
-                       std::istream_iterator<std::string>());
-  }
-  return verbs;
 }
 
 TEST(Cli, EachHelpHasItsOwnExamplesWithin100Columns) {

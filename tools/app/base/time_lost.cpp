@@ -10,6 +10,11 @@
 #include "shared/base/time.hpp"
 
 namespace kaz::tools {
+namespace {
+
+constexpr double kMaxLost_s = 1e9;  // more is no answer of a simulator
+
+}  // namespace
 
 host::LatenessMeter::TimeLost time_lost_behind(const std::string& port) {
   const std::string path = port + ".ctl";
@@ -22,7 +27,9 @@ host::LatenessMeter::TimeLost time_lost_behind(const std::string& port) {
     const auto status = nlohmann::json::parse(reply.value_or(""), nullptr, false);
     answers = status.is_object() && status.contains("lost_s") && status["lost_s"].is_number();
     if (!answers) return std::nullopt;
-    return from_seconds(status["lost_s"].get<double>());
+    const double lost_s = status["lost_s"].get<double>();
+    answers = lost_s >= 0 && lost_s < kMaxLost_s;
+    return answers ? std::optional(from_seconds(lost_s)) : std::nullopt;
   };
 }
 
