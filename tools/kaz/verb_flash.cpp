@@ -97,7 +97,7 @@ void add_flash(CLI::App& program, Action& action) {
       ->add_option("--blocks", to_erase->blocks,
                    "blocks to erase through the resident loader: 1 to 5 and 7 to 9")
       ->delimiter(',')
-      ->check(between(0, 9))
+      ->check(between(0, 9).description(""))  // the text has the valid ones
       ->type_name("N,N");
   auto [read, to_read] = add("read", "copy flash to a raw file; restarts the board, motors go off",
                              "  kaz flash read --port /dev/ttyUSB0 --out flash.bin\n"

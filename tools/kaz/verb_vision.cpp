@@ -145,7 +145,8 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
                  "print result.json, no progress; the folder is written too");
   verb->footer(
       "Exit status: 0 done, also without a ball; 1 none of the pictures could be read; 2 wrong "
-      "usage, or no picture there; 3 camera or port error.\n"
+      "usage, or no picture there; 3 camera or port error, or "
+      "lost: what was seen until then is kept.\n"
       "Examples:\n"
       "  kaz vision run --in pictures --view 60 --out found\n"
       "  kaz vision run --in left --calibration stereo.yml --color ball.json --radius 0.033 \\\n"

@@ -81,6 +81,7 @@ TEST(Cli, HelpSaysHowAnOptionIsTyped) {
   EXPECT_NE(help({"mcu", "run"}).find("(needs --flat)"), std::string::npos);
   EXPECT_NE(help({"demo"}).find("\n  --mcu h8|native  "), std::string::npos);
   EXPECT_NE(help({"run"}).find("(default: sim)"), std::string::npos);
+  EXPECT_NE(help({"conformance"}).find("\n  --json [FILE]  "), std::string::npos);
   // One that is a word too.
   EXPECT_NE(help({"recover"}).find("\n  PORT  "), std::string::npos);
   EXPECT_NE(help({"recover"}).find("\n  --port PATH[@BAUD]  "), std::string::npos);

@@ -31,6 +31,9 @@ std::vector<TypedOption> options_of(const std::string& help) {
 // picture (arguments_test.cpp, vision_verb_test.cpp).
 bool is_text(const std::string& value) {
   static const std::set<std::string> kTexts{"FILE",
+                                            "[FILE]",
+                                            "PATTERN ...",
+                                            "NAMES ...",
                                             "DIR",
                                             "PATH",
                                             "PATH[@BAUD]",
