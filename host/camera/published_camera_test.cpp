@@ -172,7 +172,7 @@ TEST(PublishedCamera, SaysThatNothingComes) {
                                        {2, "the right picture"},
                                        {3, "the right picture"}}) {
     Publisher publisher;
-    auto camera = connected(publisher, header(), 200ms);
+    auto camera = connected(publisher, header(), 1s);
     if (parts >= 0) {
       send_pair(publisher, 0, Time(0), 'l', 'r');
       const auto pair = wait_for_pair(*camera);
@@ -186,7 +186,7 @@ TEST(PublishedCamera, SaysThatNothingComes) {
     ASSERT_FALSE(end) << missing;
     EXPECT_EQ(end.error().fault, Fault::environment);
     EXPECT_EQ(end.error().message, "camera " + publisher.path() +
-                                       " stopped: no pair came for 0.2 s, " + missing +
+                                       " stopped: no pair came for 1 s, " + missing +
                                        " is missing; is what publishes it paused?");
   }
 }

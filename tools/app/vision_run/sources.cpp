@@ -102,8 +102,9 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   }
   if (reported > kMaxReported)
     std::printf("... and %d more (frames.csv)\n", reported - kMaxReported);
-  std::printf("%zu of %s looked at; computing a pair: %s\n", report.looked_at(),
-              counted(report.frames().size(), "pair").c_str(), text.c_str());
+  std::printf("%zu of %s looked at%s%s\n", report.looked_at(),
+              counted(report.frames().size(), "pair").c_str(),
+              text.empty() ? "" : "; computing a pair: ", text.c_str());
   if (report.cameras_swapped()) std::printf("warning: %s\n", vision::kSwappedCameras);
   std::printf("overlays, frames.csv and result.json are in %s\n", options.out.c_str());
   return ended();
