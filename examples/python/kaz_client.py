@@ -135,7 +135,7 @@ class Board:
         self.sequence = os.urandom(1)[0]  # hardly where the last client ended
 
     def bodies(self, until):
-        """Sound bodies as they come, until the time is over."""
+        """Valid bodies as they come, until the time is over."""
         while (left := until - time.monotonic()) > 0:
             if not select.select([self.port], [], [], left)[0]:
                 continue

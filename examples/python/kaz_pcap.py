@@ -10,6 +10,8 @@ examples:
   wireshark -X lua_script:shared/protocol/wireshark/kaz.lua line.pcap
 """
 import argparse
+import fcntl
+import math
 import os
 import select
 import struct
@@ -28,6 +30,7 @@ def chunks(path, seconds):
         with os.fdopen(port, "rb") as file:
             yield time.time(), file.read()
         return
+    fcntl.flock(port, fcntl.LOCK_EX | fcntl.LOCK_NB)  # two readers would each get a part
     tty.setraw(port)
     settings = termios.tcgetattr(port)
     settings[4] = settings[5] = termios.B115200
@@ -64,9 +67,15 @@ def main():
     parser.add_argument("pcap", help="capture to write")
     parser.add_argument("--seconds", type=float, default=10, help="for a port (default: 10)")
     options = parser.parse_args()
+    if not math.isfinite(options.seconds) or options.seconds <= 0:
+        parser.error("--seconds is a number above 0")
     try:
         with open(options.pcap, "wb") as out:
             print(f"{capture(options.source, out, options.seconds)} frames")
+    except BlockingIOError:
+        print(f"kaz_pcap.py: '{options.source}' is in use by another program: end that one first",
+              file=sys.stderr)
+        return 3
     except (OSError, termios.error) as error:
         print(f"kaz_pcap.py: cannot capture '{options.source}' to '{options.pcap}': "
               f"{error.args[-1]}", file=sys.stderr)

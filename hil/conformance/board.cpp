@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "shared/base/hex_text.hpp"
+
 namespace kaz::hil {
 namespace {
 
@@ -50,14 +52,14 @@ Board::Board(host::Link& link, host::Clock& clock, Bench* bench, Time slack, std
 
 void Board::note(char direction, const Bytes& bytes) {
   if (direction == last_direction_ && !transcript_.empty()) {
-    transcript_.back().append(1, ' ').append(hex(bytes));
+    transcript_.back().append(1, ' ').append(hex_text(bytes, " "));
     return;
   }
   if (transcript_.size() == kTranscriptLines) transcript_.erase(transcript_.begin());
   char head[32];
   const double ms = std::chrono::duration<double, std::milli>(clock_.now() - started_).count();
   std::snprintf(head, sizeof head, "%9.1f ms %c ", ms, direction);
-  transcript_.push_back(head + hex(bytes));
+  transcript_.push_back(head + hex_text(bytes, " "));
   last_direction_ = direction;
 }
 
@@ -195,7 +197,7 @@ Frame Board::expect_frame(std::uint8_t type, std::uint8_t sequence, int at_most_
     check(frame.has_value(), "no answer: expected " + type_text(type));
     if (is_telemetry(*frame)) continue;
     check(frame->type == type, "expected " + type_text(type) + ", got " + type_text(frame->type) +
-                                   ": " + hex(frame->fields));
+                                   ": " + hex_text(frame->fields, " "));
     equal(type_text(type) + ": sequence number", frame->sequence, sequence);
     equal(type_text(type) + ": address", frame->address, address);
     return *frame;

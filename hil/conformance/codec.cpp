@@ -77,16 +77,6 @@ Bytes frame_of(std::uint8_t address, std::uint8_t type, std::uint8_t sequence,
   return frame_of_stuffed(stuff(body));
 }
 
-std::string hex(const Bytes& bytes) {
-  std::string text;
-  for (const std::uint8_t byte : bytes) {
-    char two[4];
-    std::snprintf(two, sizeof two, text.empty() ? "%02x" : " %02x", byte);
-    text += two;
-  }
-  return text;
-}
-
 std::optional<Frame> Deframer::take(std::uint8_t byte, Time at) {
   if (!in_frame_) {
     if (byte == 0) {

@@ -20,7 +20,6 @@ Bytes check_of(std::uint16_t crc);
 // A whole frame with both zeros around bytes that are stuffed already, right or wrong.
 Bytes frame_of_stuffed(const Bytes& stuffed);
 Bytes frame_of(std::uint8_t address, std::uint8_t type, std::uint8_t sequence, const Bytes& fields);
-std::string hex(const Bytes& bytes);
 
 struct Frame {
   std::uint8_t address = 0, type = 0, sequence = 0;

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "hil/fuzz/requests.h"
+#include "shared/base/hex_text.hpp"
 #include "shared/board/table.h"
 #include "shared/protocol/frame.h"
 
@@ -14,16 +15,6 @@ namespace {
 
 constexpr std::size_t max_events = 400;
 constexpr double bytes_per_ms = 11.52;
-
-std::string hex(std::span<const std::uint8_t> bytes) {
-  std::string text;
-  char digits[4];
-  for (const std::uint8_t byte : bytes) {
-    std::snprintf(digits, sizeof digits, "%02x", byte);
-    text += digits;
-  }
-  return text;
-}
 
 class Maker {
  public:
@@ -82,7 +73,7 @@ class Maker {
   void send(const std::vector<std::uint8_t>& bytes, const std::string& text) {
     if (bytes.empty()) return;
     ms_ += static_cast<double>(bytes.size()) / bytes_per_ms;
-    events_.push_back({Event::Kind::send, bytes, 0, {}, "send " + text + ": " + hex(bytes)});
+    events_.push_back({Event::Kind::send, bytes, 0, {}, "send " + text + ": " + hex_text(bytes)});
     last_ = bytes;
   }
 
@@ -179,7 +170,7 @@ class Maker {
                        framed(made.body),
                        0,
                        {},
-                       "query " + made.text + ": " + hex(framed(made.body))});
+                       "query " + made.text + ": " + hex_text(framed(made.body))});
     last_.clear();
   }
 

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <span>
 
@@ -34,18 +35,23 @@ class Socket {
   int fd_;
 };
 
-// Reads until `bytes` is full or the stream ends; returns how many were read, -1 on an error
-// (errno).
-ssize_t read_fully(int socket, void* bytes, std::size_t size) {
-  std::size_t done = 0;
-  while (done < size) {
-    const ssize_t n = recv(socket, static_cast<char*>(bytes) + done, size - done, 0);
-    if (n == 0) break;
+enum class Received { all, ended, late };
+
+// Reads until `to` is full, the stream ends, or the time is up.
+Received read_fully(int socket, std::span<std::uint8_t> to, Time deadline) {
+  while (!to.empty()) {
+    pollfd watched{socket, POLLIN, 0};
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(deadline - WallClock().now()).count();
+    const int ready = ::poll(&watched, 1, static_cast<int>(std::max<std::int64_t>(left, 0)));
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready == 0) return Received::late;
+    const ssize_t n = ready < 0 ? -1 : recv(socket, to.data(), to.size(), 0);
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return -1;
-    done += static_cast<std::size_t>(n);
+    if (n <= 0) return Received::ended;
+    to = to.subspan(static_cast<std::size_t>(n));
   }
-  return static_cast<ssize_t>(done);
+  return Received::all;
 }
 
 Result<int> connect_socket(const std::string& path) {
@@ -113,16 +119,20 @@ Result<CameraStreamHeader> read_header(const std::string& path, int socket, Time
 }  // namespace
 
 Result<std::unique_ptr<PublishedCamera>> PublishedCamera::connect(const std::string& path,
-                                                                  Time patience) {
+                                                                  Time patience, Time silence) {
   const auto fd = KAZ_TRY(connect_socket(path));
   Socket socket(fd);
   const auto header = KAZ_TRY(read_header(path, socket.get(), patience));
   const auto stream = KAZ_TRY(parse(header, path));
-  return std::unique_ptr<PublishedCamera>(new PublishedCamera(path, socket.release(), stream));
+  return std::unique_ptr<PublishedCamera>(
+      new PublishedCamera(path, socket.release(), stream, silence));
 }
 
-PublishedCamera::PublishedCamera(std::string path, int socket, const CameraStream& stream)
-    : path_(std::move(path)), socket_(socket), stream_(stream), reader_([this] { read_pairs(); }) {}
+PublishedCamera::PublishedCamera(std::string path, int socket, const CameraStream& stream,
+                                 Time silence)
+    : path_(std::move(path)), socket_(socket), stream_(stream), silence_(silence), reader_([this] {
+        read_pairs();
+      }) {}
 
 PublishedCamera::~PublishedCamera() {
   shutdown(socket_, SHUT_RDWR);  // wakes the reader
@@ -135,15 +145,30 @@ void PublishedCamera::stop(Error error) {
   stopped_ = std::move(error);
 }
 
+bool PublishedCamera::read(std::span<std::uint8_t> to, const char* part, Time deadline) {
+  const Received received = read_fully(socket_, to, deadline);
+  if (received == Received::all) return true;
+  if (received == Received::ended) {
+    stop({Fault::environment, "camera " + path_ + " stopped: the simulator ended or was killed"});
+    return false;
+  }
+  char text[160];
+  std::snprintf(text, sizeof text,
+                " stopped: no pair came for %.3g s, %s is missing; is what publishes it paused?",
+                seconds(silence_), part);
+  stop({Fault::environment, "camera " + path_ + text});
+  return false;
+}
+
 void PublishedCamera::read_pairs() {
   const vision::CameraModel& model = stream_.model;
   const std::size_t size = camera_picture_bytes(static_cast<std::uint32_t>(model.width),
                                                 static_cast<std::uint32_t>(model.height));
-  const Error gone{Fault::environment,
-                   "camera " + path_ + " stopped: the simulator ended or was killed"};
   while (true) {
+    const Time deadline = WallClock().now() + silence_;
     CameraStreamPair header{};
-    if (read_fully(socket_, &header, sizeof header) != sizeof header) return stop(gone);
+    if (!read({reinterpret_cast<std::uint8_t*>(&header), sizeof header}, "the next one", deadline))
+      return;
     auto info = parse(header, stream_, WallClock().now(), path_);
     if (!info) return stop(info.error());
     auto images = std::make_shared<vision::StereoImages>();
@@ -151,8 +176,8 @@ void PublishedCamera::read_pairs() {
       image->width = model.width;
       image->height = model.height;
       image->rgb.resize(size);
-      if (read_fully(socket_, image->rgb.data(), size) != static_cast<ssize_t>(size))
-        return stop(gone);
+      const bool left = image == &images->left;
+      if (!read(image->rgb, left ? "the left picture" : "the right picture", deadline)) return;
     }
 
     vision::StereoPair pair;

@@ -83,12 +83,13 @@ void send_pair(Publisher& publisher, std::uint64_t sequence, Time exposure, char
 }
 
 // A connected pair of both ends. The header lies in the socket before the client looks.
-std::unique_ptr<PublishedCamera> connected(Publisher& publisher, const CameraStreamHeader& with) {
+std::unique_ptr<PublishedCamera> connected(Publisher& publisher, const CameraStreamHeader& with,
+                                           Time silence = PublishedCamera::kSilence) {
   std::thread server([&] {
     publisher.accept_client();
     publisher.send(&with, sizeof with);
   });
-  auto camera = PublishedCamera::connect(publisher.path());
+  auto camera = PublishedCamera::connect(publisher.path(), 2s, silence);
   server.join();
   if (!camera) throw std::runtime_error(camera.error().message);
   return std::move(*camera);
@@ -159,6 +160,35 @@ TEST(PublishedCamera, StopsInTheMiddleOfAPicture) {
   publisher.send("half", 4);
   publisher.stop();
   EXPECT_FALSE(wait_for_pair(*camera));
+}
+
+// What a publisher sends that is paused, before it is silent: nothing, a pair, or a part of one.
+TEST(PublishedCamera, SaysThatNothingComes) {
+  CameraStreamPair head{};
+  std::memcpy(head.magic, kCameraPairMagic, sizeof head.magic);
+  for (const auto& [parts, missing] : {std::pair{-1, "the next one"},
+                                       {0, "the next one"},
+                                       {1, "the left picture"},
+                                       {2, "the right picture"},
+                                       {3, "the right picture"}}) {
+    Publisher publisher;
+    auto camera = connected(publisher, header(), 1s);
+    if (parts >= 0) {
+      send_pair(publisher, 0, Time(0), 'l', 'r');
+      const auto pair = wait_for_pair(*camera);
+      ASSERT_TRUE(pair && *pair);
+    }
+    const std::string picture(8 * 6 * 3, 'x');
+    if (parts >= 1) publisher.send(&head, sizeof head);
+    if (parts >= 2) publisher.send(picture.data(), picture.size());
+    if (parts >= 3) publisher.send(picture.data(), picture.size() / 2);
+    const auto end = wait_for_pair(*camera);
+    ASSERT_FALSE(end) << missing;
+    EXPECT_EQ(end.error().fault, Fault::environment);
+    EXPECT_EQ(end.error().message, "camera " + publisher.path() +
+                                       " stopped: no pair came for 1 s, " + missing +
+                                       " is missing; is what publishes it paused?");
+  }
 }
 
 TEST(PublishedCamera, NoticesGarbageBetweenPairs) {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <span>
 
+#include "shared/base/hex_text.hpp"
 #include "shared/base/one_line.hpp"
 
 namespace kaz::host {
@@ -27,14 +29,9 @@ tl::unexpected<Error> fail(Fault fault, const Diagnostic& diagnostic) {
 
 std::string hex_of(const std::vector<std::uint8_t>& bytes) {
   if (bytes.empty()) return "nothing";
-  std::string text;
-  for (std::size_t k = 0; k < std::min<std::size_t>(bytes.size(), 16); ++k) {
-    char digits[4];
-    std::snprintf(digits, sizeof digits, "%02x", bytes[k]);
-    if (k > 0) text += ' ';
-    text += digits;
-  }
-  return text + (bytes.size() > 16 ? " …" : "");
+  constexpr std::size_t kMaxShown = 16;
+  const auto shown = std::span(bytes).first(std::min(bytes.size(), kMaxShown));
+  return hex_text(shown, " ") + (bytes.size() > kMaxShown ? " …" : "");
 }
 
 std::string hex_address(std::uint32_t address) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "shared/base/hex_text.hpp"
 #include "shared/protocol/message_info.h"
 
 namespace kaz::host {
@@ -15,12 +16,7 @@ const char* message_name(std::uint8_t type) {
 }
 
 std::string hex(std::span<const std::uint8_t> bytes, std::size_t max_bytes) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min(bytes.size(), max_bytes); ++i) {
-    char digits[4];
-    std::snprintf(digits, sizeof digits, "%s%02x", i ? " " : "", bytes[i]);
-    text += digits;
-  }
+  const std::string text = hex_text(bytes.first(std::min(bytes.size(), max_bytes)), " ");
   return bytes.size() > max_bytes ? text + " ..." : text;
 }
 

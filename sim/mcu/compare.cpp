@@ -8,6 +8,7 @@
 #include <cstring>
 #include <deque>
 
+#include "shared/base/hex_text.hpp"
 #include "shared/protocol/message_info.h"
 #include "shared/servo/fields.h"
 #include "shared/servo/servo.h"
@@ -136,7 +137,7 @@ class Comparison {
     if (report_.ticks % options_.state_every == 0 || !report_.equal()) compare_state();
     if (!report_.equal()) {
       report_.tick = record.input.tick;
-      report_.input_hex = hex_of(h8_.global("kz_input", h8_layout::input_size));
+      report_.input_hex = hex_text(h8_.global("kz_input", h8_layout::input_size));
     }
   }
 
@@ -208,7 +209,7 @@ class Comparison {
     if (!report_.equal()) return;
     differ(field, native, h8);
     report_.tick = last_tick_;
-    report_.input_hex = hex_of(h8_.global("kz_input", h8_layout::input_size));
+    report_.input_hex = hex_text(h8_.global("kz_input", h8_layout::input_size));
   }
 
   void look_at(const kz_tick_output& output) {
@@ -242,16 +243,6 @@ class Comparison {
                  sign_extended(ours, field), sign_extended(theirs, field));
       }
     }
-  }
-
-  static std::string hex_of(const std::vector<std::uint8_t>& bytes) {
-    std::string text;
-    char digits[4];
-    for (const std::uint8_t byte : bytes) {
-      std::snprintf(digits, sizeof digits, "%02x", byte);
-      text += digits;
-    }
-    return text;
   }
 
   const CompareOptions& options_;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "shared/base/counted.hpp"
+#include "shared/base/hex_text.hpp"
 #include "shared/protocol/frame.h"
 #include "shared/protocol/message_info.h"
 #include "sim/mcu/traffic.h"
@@ -106,12 +107,7 @@ std::string text_of(const WireFrame& frame) {
   } else {
     text = "no frame:";
   }
-  char hex[8];
-  for (const std::uint8_t byte : body.size() >= KZ_HEADER_SIZE ? body : frame.bytes) {
-    std::snprintf(hex, sizeof hex, " %02x", byte);
-    text += hex;
-  }
-  return text;
+  return text + " " + hex_text(body.size() >= KZ_HEADER_SIZE ? body : frame.bytes, " ");
 }
 
 class Boards {

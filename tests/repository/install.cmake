@@ -1,5 +1,5 @@
 # Installs the build into a scratch folder, builds an outside project against it, and runs the
-# installed program far from the tree.
+# installed program far from the tree, also after it was moved.
 set(prefix ${BINARY}/prefix)
 file(REMOVE_RECURSE ${BINARY})
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix}
@@ -16,5 +16,12 @@ execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/examples/behavior -B ${BIN
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${BINARY}/behavior COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${prefix}/bin/kaz run ${BINARY}/behavior/wave.so --mcu native WORKING_DIRECTORY ${prefix}
                 COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND ${prefix}/bin/kaz run stand --mcu native WORKING_DIRECTORY ${prefix}
+# Without a path into the tree, by which it would work on this machine alone.
+file(STRINGS ${prefix}/bin/kaz paths REGEX "${BUILD}|${SOURCE}/")
+if(paths)
+  message(FATAL_ERROR "the program knows the tree: ${paths}")
+endif()
+file(RENAME ${prefix} ${BINARY}/moved)
+file(MAKE_DIRECTORY ${BINARY}/work)
+execute_process(COMMAND ${SOURCE}/tests/repository/installed.sh ${BINARY}/moved ${BINARY}/work
                 COMMAND_ERROR_IS_FATAL ANY)

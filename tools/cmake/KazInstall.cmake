@@ -27,12 +27,18 @@ if(TARGET kaz)
   install(TARGETS kaz)
   set(shell ${PROJECT_BINARY_DIR}/shell)
   install(FILES ${shell}/kaz DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
-  install(FILES ${shell}/kaz.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/sim/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz)
+  install(DIRECTORY ${shell}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 FILES_MATCHING PATTERN "*.1")
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/sim/worlds ${PROJECT_SOURCE_DIR}/sim/robots
+                    ${PROJECT_SOURCE_DIR}/examples
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz PATTERN __pycache__ EXCLUDE PATTERN build EXCLUDE)
 endif()
 install(FILES ${PROJECT_SOURCE_DIR}/tools/udev/70-kaz.rules DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz/udev)
+install(FILES ${PROJECT_SOURCE_DIR}/shared/protocol/wireshark/kaz.lua
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz/wireshark)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 if(TARGET kaz_firmware)
   install(FILES ${PROJECT_BINARY_DIR}/firmware/kaz.mot ${PROJECT_BINARY_DIR}/firmware/kaz.coff
+                ${PROJECT_BINARY_DIR}/firmware/writer.bin
           DESTINATION ${CMAKE_INSTALL_DATADIR}/kaz/firmware)
 endif()
 

@@ -131,7 +131,7 @@ std::string usage(const CLI::App& app) {
 
 std::string typed_form(const CLI::Option& option) {
   if (!option.nonpositional()) return option.get_name(true, false);
-  if (option.get_items_expected() == 0 || option.get_type_size() == 0) return flag_names(option);
+  if (option.get_items_expected_max() == 0) return flag_names(option);
   const std::string value = placeholder(option);
   std::string form = option.get_lnames().empty() ? option.get_name() : long_names(option);
   if (!value.empty()) form += " " + value;

@@ -2,36 +2,58 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/kaz/options.h"
 
-#include <cmath>
+#include <algorithm>
+#include <optional>
 
 namespace kaz::tools {
 namespace {
 
 constexpr std::size_t kMaxDigits = 18;
 
-bool is_whole_number(const std::string& text) {
-  return !text.empty() && text.size() <= kMaxDigits &&
-         text.find_first_not_of("0123456789") == std::string::npos;
+// Without the zeros before it, which CLI11 would take for octal. Nothing if it is none.
+std::optional<std::string> whole_number_of(const std::string& text) {
+  if (text.empty() || text.size() > kMaxDigits ||
+      text.find_first_not_of("0123456789") != std::string::npos)
+    return std::nullopt;
+  return text.substr(std::min(text.find_first_not_of('0'), text.size() - 1));
 }
 
 }  // namespace
 
+CLI::Validator number() {
+  return CLI::Validator(
+      [](std::string& text) {
+        return parse_number<double>(text) ? std::string() : "give a number";
+      },
+      "");
+}
+
 CLI::Validator positive() {
   return CLI::Validator(
       [](std::string& text) {
-        double number = 0;
-        const bool valid =
-            CLI::detail::lexical_cast(text, number) && number > 0 && std::isfinite(number);
-        return valid ? std::string() : "give a number above 0";
+        const auto given = parse_number<double>(text);
+        return given && *given > 0 ? std::string() : "give a number above 0";
       },
       "POSITIVE");
+}
+
+CLI::Validator between(double min, double max) {
+  return CLI::Validator(
+      [min, max](std::string& text) {
+        const auto given = parse_number<double>(text);
+        return given && *given >= min && *given <= max ? std::string() : "give a number in range";
+      },
+      range_notation(min, max));
 }
 
 CLI::Validator whole_number() {
   const std::string max(kMaxDigits, '9');
   return CLI::Validator(
       [max](std::string& text) {
-        return is_whole_number(text) ? std::string() : "give a whole number from 0 to " + max;
+        const auto number = whole_number_of(text);
+        if (!number) return "give a whole number from 0 to " + max;
+        text = *number;
+        return std::string();
       },
       "INT in [0 - " + max + "]");
 }
@@ -39,10 +61,11 @@ CLI::Validator whole_number() {
 CLI::Validator whole_number_above_zero() {
   return CLI::Validator(
       [](std::string& text) {
-        const bool zero = text.find_first_not_of('0') == std::string::npos;
-        return is_whole_number(text) && !zero ? std::string()
-                                              : "give a whole number above 0 of at most " +
-                                                    std::to_string(kMaxDigits) + " digits";
+        const auto number = whole_number_of(text);
+        if (!number || *number == "0")
+          return "give a whole number above 0 of at most " + std::to_string(kMaxDigits) + " digits";
+        text = *number;
+        return std::string();
       },
       "");
 }
@@ -77,10 +100,11 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
           "length of a step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's "
           "tick stays at 1 ms. Thrown balls need 1 or less, servos 2 or less "
           "(docs/explanation/dynamics.md)")
+      ->check(number())
       ->type_name("MS")
       ->capture_default_str();
   verb.add_option("--supply", options.supply_volts, "supply voltage of the board")
-      ->check(CLI::Range(1.0, 20.0))
+      ->check(between(kMinSupply_v, kMaxSupply_v))
       ->type_name("V")
       ->capture_default_str();
   add_choice(verb, "--eyes", sim::kEyeKinds, options.eyes,
@@ -121,7 +145,7 @@ void add_motor_options(CLI::App& verb, BackendOptions& options) {
       ->type_name("NAME");
   verb.add_option("--disc", options.disc_kgm2,
                   "inertia of the disc on the shaft, real or virtual, kg m²")
-      ->check(CLI::Range(1e-6, 1e-1))
+      ->check(between(1e-6, 1e-1))
       ->capture_default_str();
 }
 
@@ -137,7 +161,7 @@ CLI::Option* add_address(CLI::App& verb, std::uint8_t& address) {
           "--address", [&address](int number) { address = static_cast<std::uint8_t>(number); },
           "address of the board on a shared line; if none answers there, the message names those "
           "that do")
-      ->check(CLI::Range(1, KZ_ADDRESS_LAST))
+      ->check(between(1, KZ_ADDRESS_LAST))
       ->type_name("N")
       ->default_str(std::to_string(address));
 }
@@ -163,7 +187,7 @@ void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load
       ->type_name("FORMAT");
   verb.add_option("--at", load.address,
                   "address of a raw image's first byte; execution starts there")
-      ->check(CLI::Range(std::uint32_t{0}, max_address))
+      ->check(between(std::uint32_t{0}, max_address))
       ->type_name("ADDRESS");
 }
 

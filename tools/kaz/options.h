@@ -3,15 +3,19 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstdint>
 #include <map>
+#include <sstream>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "shared/base/enum_names.hpp"
+#include "shared/base/number_text.hpp"
 #include "shared/image/image.h"
 #include "shared/protocol/messages.h"
 #include "tools/app/session/backend.h"
@@ -19,8 +23,17 @@
 
 namespace kaz::tools {
 
-// A number above 0; the message of CLI11's own check would contain the largest double.
+// Each option with numbers has one of these checks (tests/system/command_line/numbers_test.cpp). CLI11 takes
+// nan, which passes its Range too, infinity and hexadecimal fractions, and saturates what a type cannot hold.
+
+// A finite number in decimal.
+CLI::Validator number();
+// Above 0; the message of CLI11's own check would contain the largest double.
 CLI::Validator positive();
+// `min` to `max`, inclusive; whole numbers also in hexadecimal, 0x10.
+CLI::Validator between(double min, double max);
+template <std::integral T>
+CLI::Validator between(T min, T max);
 
 // Digits alone: CLI11 would take 1e3 as 1 and 99999999999999999999 as the largest number of the type.
 CLI::Validator whole_number();
@@ -41,6 +54,29 @@ CLI::Validator one_of(const std::map<std::string, T>& values) {
         return "give " + alternatives(names);
       },
       "{" + CLI::detail::join(names, ",") + "}");
+}
+
+// CLI11's notation of a range, which values.h reads.
+template <class T>
+std::string range_notation(T min, T max) {
+  std::ostringstream text;
+  text << CLI::detail::type_name<T>() << " in [" << min << " - " << max << "]";
+  return text.str();
+}
+
+template <std::integral T>
+CLI::Validator between(T min, T max) {
+  return CLI::Validator(
+      [min, max](std::string& text) {
+        const auto number = text.starts_with("0x")
+                                ? parse_number<T>(std::string_view(text).substr(2), 16)
+                                : parse_number<T>(text);
+        if (!number || *number < min || *number > max)
+          return "give a whole number from " + std::to_string(min) + " to " + std::to_string(max);
+        text = std::to_string(*number);  // CLI11 would take 010 for octal
+        return std::string();
+      },
+      range_notation(min, max));
 }
 
 // An option whose values are the names of an enum. `to` is a T, which is the default, or a

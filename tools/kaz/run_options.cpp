@@ -41,7 +41,7 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
                   "self-test of saving and restoring: every so many seconds the virtual robot is "
                   "saved, goes "
                   "on unrecorded for 0.1 s and is restored; the recording must not show it")
-      ->check(CLI::Range(0.001, 1e6))
+      ->check(between(0.001, 1e6))
       ->type_name("SECONDS");
   verb.add_option(
           "--modules", arguments.session.vision.modules,
@@ -52,7 +52,7 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
                   "colour of the ball: file of kaz vision learn-color (default: the red ball)")
       ->type_name("FILE");
   verb.add_option("--radius", arguments.session.vision.ball.radius_m, "radius of the ball, m")
-      ->check(CLI::Range(0.005, 0.5))
+      ->check(between(0.005, 0.5))
       ->capture_default_str();
   verb.add_flag("--json", arguments.session.json,
                 "print the result as JSON on standard output, no progress");

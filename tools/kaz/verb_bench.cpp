@@ -57,7 +57,7 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
       ->type_name("ctl:PATH|manual");
   verb.add_option("--supply", arguments.supply_volts,
                   "supply of the stand without load, V, where a measurement does not set its own")
-      ->check(CLI::Range(5.0, 12.0))
+      ->check(between(5.0, 12.0))
       ->type_name("VOLTS")
       ->capture_default_str();
   verb.add_option(

@@ -49,7 +49,7 @@ void add_calibrate(CLI::App& program, Action& action) {
   stereo
       ->add_option("--max-rms", arguments->max_rms_px,
                    "reprojection error in px above which nothing is written")
-      ->check(CLI::Range(0.01, 5.0))
+      ->check(between(0.01, 5.0))
       ->capture_default_str()
       ->type_name("PX");
   stereo->add_flag("--json", arguments->json, "print the report as JSON, no progress");

@@ -22,12 +22,13 @@ constexpr const char* kExitStatus =
     "(disk, "
     "port, process).\n";
 
-// --NAME FROM TO; `by_default`: what `given` stays without it.
+// --NAME FROM TO, both within `bounds`; `by_default`: what `given` stays without it.
 void add_interval(CLI::App& verb, const std::string& name, std::vector<double>& given,
-                  const Interval& by_default, const std::string& text) {
+                  const Interval& by_default, const Interval& bounds, const std::string& text) {
   char range[80];
   std::snprintf(range, sizeof range, "%g %g", by_default.min, by_default.max);
   verb.add_option(name, given, text)
+      ->check(between(bounds.min, bounds.max))
       ->expected(2)
       ->allow_extra_args(false)
       ->type_name("FROM TO")
@@ -118,14 +119,14 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->add_option("BEHAVIOUR", c.behavior, "as of kaz run: a name, or a plug-in (./NAME.so)")
       ->type_name("");
   verb->add_option("--episodes", c.episodes, "how many")
-      ->check(CLI::Range(1, 1000000))
+      ->check(between(1, 1000000))
       ->capture_default_str();
   verb->add_option("--seed", c.seed, "of what differs; the same seed gives the same episodes")
       ->check(whole_number())
       ->type_name("N")
       ->capture_default_str();
   verb->add_option("--jobs", c.jobs, "episodes at the same time")
-      ->check(CLI::Range(1, 256))
+      ->check(between(1, 256))
       ->capture_default_str();
   verb->add_option("--out", c.out,
                    "folder for result.json, episodes.csv and recordings of failures; the same "
@@ -137,28 +138,28 @@ void add_evaluate(CLI::App& program, Action& action) {
       ->capture_default_str();
   add_settings(*verb, arguments->settings, "an option of the behaviour (kaz run --help)");
   const Variation& v = c.variation;
-  add_interval(*verb, "--friction", arguments->friction, v.friction,
+  add_interval(*verb, "--friction", arguments->friction, v.friction, {0.01, 10},
                "friction coefficient of the floor, drawn from this range");
-  add_interval(*verb, "--supply", arguments->supply, v.supply_volts,
+  add_interval(*verb, "--supply", arguments->supply, v.supply_volts, {kMinSupply_v, kMaxSupply_v},
                "supply of the board, V, drawn from this range");
-  add_interval(*verb, "--ball-distance", arguments->distance, v.ball_distance_m,
+  add_interval(*verb, "--ball-distance", arguments->distance, v.ball_distance_m, {0.05, 20},
                "distance of the ball from the feet, m, drawn from this range");
   verb->add_option("--bearing", c.variation.bearing_deg,
                    "largest angle between the ball and straight ahead, degrees")
-      ->check(CLI::Range(0.0, 180.0))
+      ->check(between(0.0, 180.0))
       ->capture_default_str();
   add_list(*verb, "--radii", c.variation.radii_m, "radii of balls, m, with commas between")
-      ->check(CLI::Range(0.005, 0.5));
+      ->check(between(0.005, 0.5));
   add_list(*verb, "--colors", c.variation.colors,
            "colours of balls, with commas between: red, green, blue");
-  add_interval(*verb, "--lamp", arguments->lamp, v.lamp,
+  add_interval(*verb, "--lamp", arguments->lamp, v.lamp, {0.01, 100},
                "factor on the light of the lamp, drawn from this range; the lamp stands anywhere "
                "around, 35 to 80 degrees up");
-  add_interval(*verb, "--shade", arguments->shade, v.shade,
+  add_interval(*verb, "--shade", arguments->shade, v.shade, {0.01, 100},
                "factor on the light where the lamp does not reach, drawn from this range");
   verb->add_option("--mass-sigma", c.variation.mass_sigma,
                    "standard deviation of each link's mass, as a share of it")
-      ->check(CLI::Range(0.0, 0.3))
+      ->check(between(0.0, 0.3))
       ->capture_default_str();
   verb->add_flag("--realtime", c.realtime,
                  "in real time, kaz sim and kaz run as processes of their own with a pty between "

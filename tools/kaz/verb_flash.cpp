@@ -97,18 +97,18 @@ void add_flash(CLI::App& program, Action& action) {
       ->add_option("--blocks", to_erase->blocks,
                    "blocks to erase through the resident loader: 1 to 5 and 7 to 9")
       ->delimiter(',')
-      ->check(CLI::Range(0, 9))
+      ->check(between(0, 9).description(""))  // the text has the valid ones
       ->type_name("N,N");
   auto [read, to_read] = add("read", "copy flash to a raw file; restarts the board, motors go off",
                              "  kaz flash read --port /dev/ttyUSB0 --out flash.bin\n"
                              "  kaz flash read --port board --from 0x1000 --length 4096 --out "
                              "part.bin\n");
   read->add_option("--from", to_read->from, "first address to read")
-      ->check(CLI::Range(0, 0x1ffff))
+      ->check(between(0, 0x1ffff))
       ->type_name("ADDRESS")
       ->capture_default_str();
   read->add_option("--length", to_read->length, "number of bytes to read")
-      ->check(CLI::Range(1, 0x20000))
+      ->check(between(1, 0x20000))
       ->type_name("N")
       ->capture_default_str();
   read->add_option("--out", to_read->out, "file to write")->required()->type_name("FILE");

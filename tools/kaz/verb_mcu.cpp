@@ -118,11 +118,11 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
       ->capture_default_str()
       ->type_name("2|3");
   verb.add_option("--ram-fill", options.ram_fill, "value of each byte of RAM when power comes")
-      ->check(CLI::Range(0, 255))
+      ->check(between(0, 255))
       ->capture_default_str()
       ->type_name("BYTE");
   verb.add_option("--crystal", options.crystal_hz, "frequency of the crystal")
-      ->check(CLI::Range(1e5, 1e8))
+      ->check(between(1e5, 1e8))
       ->capture_default_str()
       ->type_name("HZ");
 }

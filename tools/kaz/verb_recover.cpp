@@ -17,7 +17,7 @@ void add_recover(CLI::App& program, Action& action) {
   const auto add_number = [&](const char* name, std::optional<std::uint8_t>& to, const char* text) {
     verb->add_option_function<int>(
             name, [&to](int number) { to = static_cast<std::uint8_t>(number); }, text)
-        ->check(CLI::Range(1, KZ_ADDRESS_LAST))
+        ->check(between(1, KZ_ADDRESS_LAST))
         ->type_name("N");
   };
   add_number("--address", arguments->address,

@@ -117,11 +117,11 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
           ->type_name("FILE");
   verb->add_option("--view", options->view_deg,
                    "for a folder without calibration: width of a pinhole's view, degrees")
-      ->check(CLI::Range(1.0, 170.0))
+      ->check(between(1.0, 170.0))
       ->excludes(calibration)
       ->type_name("DEGREES");
   verb->add_option("--radius", options->radius_m, "radius of the ball, m")
-      ->check(CLI::Range(0.005, 0.5))
+      ->check(between(0.005, 0.5))
       ->capture_default_str()
       ->type_name("M");
   verb->add_option("--nearest", options->nearest_m,
@@ -134,7 +134,7 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
                    "(FRAME.points.ply, m, left eye's optical frame), or both: depth,points")
       ->type_name("LIST");
   verb->add_option("--frames", options->frames, "stop after N pairs (or pictures)")
-      ->check(CLI::Range(1, 100000000))
+      ->check(between(1, 100000000))
       ->type_name("N");
   verb->add_option("--robot", options->robot,
                    "of a live camera: the robot that has it (serial:PATH[@BAUD]), whose posture "
@@ -145,7 +145,8 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
                  "print result.json, no progress; the folder is written too");
   verb->footer(
       "Exit status: 0 done, also without a ball; 1 none of the pictures could be read; 2 wrong "
-      "usage, or no picture there; 3 camera or port error.\n"
+      "usage, or no picture there; 3 camera or port error, or "
+      "lost: what was seen until then is kept.\n"
       "Examples:\n"
       "  kaz vision run --in pictures --view 60 --out found\n"
       "  kaz vision run --in left --calibration stereo.yml --color ball.json --radius 0.033 \\\n"

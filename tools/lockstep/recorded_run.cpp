@@ -3,11 +3,11 @@
 #include "tools/lockstep/recorded_run.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <map>
 #include <span>
 #include <sstream>
 
+#include "shared/base/number_text.hpp"
 #include "sim/runtime/formats/little_endian.h"
 #include "sim/runtime/time.h"
 #include "vision/calibration/valid_camera.h"
@@ -107,7 +107,11 @@ Result<RecordedRun> RecordedRun::of(const sim::McapRecording& recording, const s
     const auto found = recording.facts.find(key);
     return found == recording.facts.end() ? std::string() : found->second;
   };
-  run.seed = std::strtoull(fact("seed").c_str(), nullptr, 10);
+  if (const std::string text = fact("seed"); !text.empty()) {
+    const auto seed = parse_number<std::uint64_t>(text);
+    if (!seed) return unusable("its seed `" + text + "` is no whole number of 64 bits");
+    run.seed = *seed;
+  }
   auto faults = faults::Schedule::parse(fact("faults"), name + ", its faults");
   if (!faults) return tl::unexpected(faults.error());
   run.faults = std::move(*faults);

@@ -1,4 +1,4 @@
-// Depth files: round trip; swapped eyes are detected.
+// Depth files: round trip.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/depth/depth_file.h"
 
@@ -11,7 +11,6 @@
 
 #include "shared/picture/png_testing.h"
 #include "vision/depth/stereo_testing.h"
-#include "vision/depth/swapped_cameras.h"
 
 namespace kaz::vision {
 namespace {
@@ -63,19 +62,6 @@ TEST(DepthFile, PlyHoldsTheKnownPointsWithTheirColours) {
   EXPECT_EQ((*bytes)[body + 2 * 15 + 12], 9);  // red of pixel 3
   colors.width = 2;
   EXPECT_FALSE(points_ply(cloud, colors));
-}
-
-TEST(ExchangedEyes, AreNoticedAndSoundOnesAreNot) {
-  for (const int width : {320, 640}) {
-    const CameraModel camera = test_camera(width, width * 3 / 4);
-    const StereoImages pair = test_room().pictures(camera, 2, 5);
-    EXPECT_FALSE(cameras_look_swapped(pair, test_info(camera)));
-    EXPECT_TRUE(cameras_look_swapped({pair.right, pair.left}, test_info(camera)));
-    // Nothing to compare: no opinion.
-    Image grey = pair.left;
-    std::fill(grey.rgb.begin(), grey.rgb.end(), 128);
-    EXPECT_FALSE(cameras_look_swapped({grey, grey}, test_info(camera)));
-  }
 }
 
 }  // namespace

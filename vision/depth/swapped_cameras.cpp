@@ -41,15 +41,14 @@ bool whole(const Image& image, const CameraModel& camera) {
 
 }  // namespace
 
-bool cameras_look_swapped(const StereoImages& pair, const FrameInfo& info,
-                          const DepthOptions& options) {
-  if (!whole(pair.left, info.camera) || !whole(pair.right, info.camera)) return false;
+EyeOrder eye_order(const StereoImages& pair, const FrameInfo& info, const DepthOptions& options) {
+  if (!whole(pair.left, info.camera) || !whole(pair.right, info.camera)) return EyeOrder::unclear;
   FrameInfo small = info;
   const double scale = static_cast<double>(kWidth) / info.camera.width;
   CameraModel& camera = small.camera;
   camera.width = kWidth;
   camera.height = static_cast<int>(info.camera.height * scale);
-  if (camera.height < options.block_px) return false;
+  if (camera.height < options.block_px) return EyeOrder::unclear;
   camera.fx *= scale;
   camera.fy *= scale;
   camera.cx *= scale;
@@ -59,7 +58,25 @@ bool cameras_look_swapped(const StereoImages& pair, const FrameInfo& info,
   // Patterns that repeat match by chance one period off, a tenth of a chessboard's picture.
   const double as_they_are = known_share({left, right}, small, options);
   const double exchanged = known_share({right, left}, small, options);
-  return exchanged > 0.1 && exchanged > 2 * as_they_are;
+  constexpr double kMinShare = 0.1, kMinRatio = 2;
+  if (exchanged > kMinShare && exchanged > kMinRatio * as_they_are) return EyeOrder::swapped;
+  if (as_they_are > kMinShare && as_they_are > kMinRatio * exchanged) return EyeOrder::as_named;
+  return EyeOrder::unclear;
+}
+
+void SwappedCameras::look(const StereoImages& pair, const FrameInfo& info) {
+  if (looked_ >= kFirst && info.exposure < next_) return;
+  next_ = info.exposure + kInterval;
+  ++looked_;
+  const EyeOrder order = eye_order(pair, info, options_);
+  if (order == EyeOrder::as_named) ++as_named_;
+  if (order == EyeOrder::swapped) ++swapped_;
+}
+
+bool SwappedCameras::found() const {
+  constexpr int kEnough = 3;
+  return swapped_ > 0 && swapped_ >= 2 * as_named_ &&
+         (swapped_ >= kEnough || 2 * swapped_ >= looked_);
 }
 
 }  // namespace kaz::vision

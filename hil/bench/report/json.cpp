@@ -146,6 +146,8 @@ BenchReport to_report(const Json& all) {
   report.board = all.at("board");
   report.port = all.at("port");
   report.program = all.at("program");
+  if (!all.at("seed").is_number_unsigned())  // larger ones are fractions to the parser
+    throw Wrong("its seed is no whole number of 64 bits");
   report.seed = all.at("seed");
   report.seconds = to_number(all.at("seconds"));
   // Older reports have the reason as `interrupted`.

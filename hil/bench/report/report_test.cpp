@@ -131,6 +131,12 @@ TEST(BenchJson, WhatIsNoReportIsWrongUsage) {
       {with("\"verdict\":\"passed\"", "\"verdict\":\"good\""), "no verdict 'good'"},
       {with("\"style\":\"dashed\"", "\"style\":\"dotted\""), "no style 'dotted'"},
       {with("\"value\":0.97", "\"value\":\"0.97\""), "not what kaz bench writes"},
+      {with("\"seed\": 18446744073709551615", "\"seed\": 18446744073709551616"),
+       "seed is no whole number of 64 bits"},
+      {with("\"seed\": 18446744073709551615", "\"seed\": -1"),
+       "seed is no whole number of 64 bits"},
+      {with("\"seed\": 18446744073709551615", "\"seed\": 1.5"),
+       "seed is no whole number of 64 bits"},
   };
   for (const auto& [json, part] : wrong) {
     const auto report = parse_bench_json(json, "some/report.json");

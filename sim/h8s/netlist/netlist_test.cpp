@@ -246,6 +246,9 @@ TEST(Netlist, TextErrorsNameThePlaceAndWhatIsExpected) {
   EXPECT_EQ(message("switch P42 gnd 5ms..2ms"),
             "board.net:1:16: expected times such as 1ms..2ms, in ascending order, found "
             "'5ms..2ms'");
+  for (const std::string ohms : {"nan", "inf", "-1", "1e999", "1e308M", "0x1p3"})
+    EXPECT_EQ(message("pull-up P40 " + ohms),
+              "board.net:1:13: expected ohms such as 10k, found '" + ohms + "'");
   EXPECT_EQ(message("probe led1 x"), "board.net:1:12: expected the end of the line, found 'x'");
   const auto nowhere = load_netlist(board, "/nonexistent/board.net");
   ASSERT_FALSE(nowhere.has_value());

@@ -80,7 +80,9 @@ class Line {
     constexpr double factors[] = {1e3, 1e6, 1e-3, 1e-6, 1e-9, 1e-12};
     if (tail.empty()) return value;
     const std::size_t k = letters.find(tail[0]);
-    return tail.size() == 1 && k != letters.npos ? value * factors[k] : -1;
+    if (tail.size() != 1 || k == letters.npos) return -1;
+    const double scaled = value * factors[k];
+    return std::isfinite(scaled) ? scaled : -1;
   }
   Result<double> amount(const std::string& expected) {
     const double value = more() ? number(tokens_[next_].text, "") : -1;

@@ -73,7 +73,7 @@ Result<CameraFile> CameraFile::load(const std::string& path) {
       {"width", 16, 4096, true, &width},
       {"height", 16, 4096, true, &height},
       {"horizontal_view_deg", 10, 150, true, &eye.rectified_view_rad, degree},
-      {"rate_hz", 0.1, 500, true, &camera.rate_hz},
+      {"rate_hz", 0.5, 500, true, &camera.rate_hz},
       {"latency_s", 0, 1, true, &camera.latency_s},
       {"jitter_s", 0, 0.1, false, &camera.jitter_s},
       {"unit", 0, 1e9, false, &unit},

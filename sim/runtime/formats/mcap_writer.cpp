@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "shared/base/files.hpp"
+#include "shared/base/hex_text.hpp"
 #include "sim/runtime/formats/little_endian.h"
 #include "sim/runtime/formats/sha256.h"
 
@@ -261,7 +262,7 @@ Result<std::string> McapWriter::finish() {
     return write_failure(path_, "finish the recording", write_error_ ? write_error_ : errno);
   std::array<std::uint8_t, 32> digest{};
   EVP_DigestFinal_ex(digest_, digest.data(), nullptr);
-  return hex(digest);
+  return hex_text(digest);
 }
 
 }  // namespace kaz::sim

@@ -6,22 +6,14 @@
 
 #include <array>
 
-namespace kaz::sim {
+#include "shared/base/hex_text.hpp"
 
-std::string hex(std::span<const std::uint8_t> bytes) {
-  static constexpr char digits[] = "0123456789abcdef";
-  std::string text;
-  for (const std::uint8_t byte : bytes) {
-    text += digits[byte >> 4];
-    text += digits[byte & 15];
-  }
-  return text;
-}
+namespace kaz::sim {
 
 std::string sha256_hex(std::span<const std::uint8_t> bytes) {
   std::array<std::uint8_t, SHA256_DIGEST_LENGTH> digest{};
   SHA256(bytes.data(), bytes.size(), digest.data());
-  return hex(digest);
+  return hex_text(digest);
 }
 
 }  // namespace kaz::sim

@@ -9,6 +9,5 @@
 namespace kaz::sim {
 
 std::string sha256_hex(std::span<const std::uint8_t> bytes);
-std::string hex(std::span<const std::uint8_t> bytes);
 
 }  // namespace kaz::sim

@@ -14,6 +14,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <regex>
 #include <sstream>
 #include <stdexcept>
 
@@ -140,6 +142,18 @@ std::vector<std::string> kaz(std::vector<std::string> arguments) {
 
 Finished run(const std::vector<std::string>& arguments, std::chrono::seconds at_most) {
   return Process(arguments).wait(at_most);
+}
+
+std::vector<std::vector<std::string>> all_verbs() {
+  const std::string script = run(kaz({"completion", "bash"})).out;
+  const std::regex one("'kaz([a-z -]*)'\\) words=");
+  std::vector<std::vector<std::string>> verbs;
+  for (std::sregex_iterator at(script.begin(), script.end(), one), end; at != end; ++at) {
+    std::istringstream words((*at)[1].str());
+    verbs.emplace_back(std::istream_iterator<std::string>(words),
+                       std::istream_iterator<std::string>());
+  }
+  return verbs;
 }
 
 TemporaryFolder::TemporaryFolder() {

@@ -49,6 +49,9 @@ std::vector<std::string> kaz(std::vector<std::string> arguments);
 Finished run(const std::vector<std::string>& arguments,
              std::chrono::seconds at_most = std::chrono::seconds(60));
 
+// Every verb and verb of a verb: {"mcu", "run"}. The completion script has a case for each.
+std::vector<std::vector<std::string>> all_verbs();
+
 // A new empty folder, removed with everything in it when the object goes.
 class TemporaryFolder {
  public:

@@ -94,6 +94,9 @@ TEST(PortLock, AForeignClientAndKazExcludeEachOther) {
     const Finished other = run(client({folder / "board"}));
     EXPECT_EQ(other.exit_code, 3) << other.out;
     EXPECT_NE(other.err.find("is in use by another program"), std::string::npos) << other.err;
+    const Finished capture = run(example("kaz_pcap.py", {folder / "board", folder / "pcap"}));
+    EXPECT_EQ(capture.exit_code, 3) << capture.out;
+    EXPECT_NE(capture.err.find("is in use by another program"), std::string::npos) << capture.err;
   }
   EXPECT_EQ(run(status).exit_code, 0) << "the lock of a killed program is gone";
 

@@ -12,6 +12,11 @@
 #include "shared/base/time.hpp"
 
 namespace kaz::tools {
+namespace {
+
+constexpr double kMaxLost_s = 1e9;  // more is no answer of a simulator
+
+}  // namespace
 
 host::LatenessMeter::TimeLost time_lost_behind(const std::string& port,
                                                const host::Interrupt& interrupt) {
@@ -23,7 +28,8 @@ host::LatenessMeter::TimeLost time_lost_behind(const std::string& port,
     const auto status = nlohmann::json::parse(reply, nullptr, false);
     if (!status.is_object() || !status.contains("lost_s") || !status["lost_s"].is_number())
       return Time::zero();  // a program that does not measure it
-    return from_seconds(status["lost_s"].get<double>());
+    const double lost_s = status["lost_s"].get<double>();
+    return from_seconds(lost_s >= 0 && lost_s < kMaxLost_s ? lost_s : 0);
   };
 }
 

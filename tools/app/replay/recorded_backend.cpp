@@ -80,7 +80,10 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
     take(key, *to, is(key, text));
   take("imu", options.imu, is("imu", [](const Json& value) { return value.is_boolean(); }));
   take("physics_step_ms", options.physics_step_ms, is("physics_step_ms", number));
-  take("supply_volts", options.supply_volts, is("supply_volts", number));
+  take("supply_volts", options.supply_volts, is("supply_volts", [](const Json& value) {
+         return value.is_number() && value.get<double>() >= kMinSupply_v &&
+                value.get<double>() <= kMaxSupply_v;
+       }));
   take("eye_width", options.eye_width, is("eye_width", [](const Json& value) {
          return value.is_number_unsigned() && value.get<std::uint64_t>() <= 4096;
        }));

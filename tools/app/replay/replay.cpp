@@ -9,6 +9,7 @@
 
 #include "host/behavior/plugin.h"
 #include "shared/base/files.hpp"
+#include "shared/base/hex_text.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
@@ -31,12 +32,7 @@ std::string shown(std::span<const std::uint8_t> data) {
   if (std::ranges::all_of(front, printable)) {
     text.assign(front.begin(), front.end());
   } else {
-    for (const std::uint8_t byte : front) {
-      char hex[4];
-      std::snprintf(hex, sizeof hex, "%02x ", byte);
-      text += hex;
-    }
-    text.pop_back();
+    text = hex_text(front, " ");
   }
   return data.size() > kMostShown ? text + " ..." : text;
 }

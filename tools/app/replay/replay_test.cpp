@@ -55,7 +55,8 @@ TEST(RecordedBackend, ReadsTheMcuOfOlderRecordings) {
 TEST(RecordedBackend, NamesTheKeyOfAnotherKind) {
   for (const char* backend :
        {R"({"mcu":1})", R"({"engine":1})", R"({"imu":"yes"})", R"({"seed":-1})",
-        R"({"eye_width":5000})", R"({"physics_step_ms":"1"})"}) {
+        R"({"eye_width":5000})", R"({"physics_step_ms":"1"})", R"({"supply_volts":1e300})",
+        R"({"supply_volts":-10})"}) {
     const auto read = recorded_backend(with_backend(backend), "run.mcap");
     ASSERT_FALSE(read) << backend;
     EXPECT_EQ(read.error().fault, Fault::usage);

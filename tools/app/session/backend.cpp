@@ -68,10 +68,14 @@ class RealBackend final : public SessionBackend {
     if (camera_path_ == "sim") return {};  // left out
     auto camera = KAZ_TRY(open_live_camera(camera_path_, calibration_));
     camera_ = std::move(camera);
+    judged_.emplace(*camera_.camera);
     return {};
   }
-  bool sees() const override { return camera_.camera != nullptr; }
-  vision::Camera& camera() override { return camera_.camera ? *camera_.camera : no_camera_; }
+  bool sees() const override { return judged_.has_value(); }
+  vision::Camera& camera() override {
+    return judged_ ? static_cast<vision::Camera&>(*judged_) : no_camera_;
+  }
+  std::string camera_warning() const override { return judged_ ? judged_->warning() : ""; }
   vision::Pace pace() const override { return vision::Pace::realtime; }
   Time camera_latency() const override { return camera_.latency; }
   sim::Simulation* simulation() override { return nullptr; }
@@ -80,6 +84,7 @@ class RealBackend final : public SessionBackend {
   std::unique_ptr<host::TtyLink> link_;
   std::string camera_path_, calibration_;
   LiveCamera camera_;
+  std::optional<JudgedCamera> judged_;
   NoCamera no_camera_;
   host::WallClock clock_;
   std::optional<host::FaultyLink> faulty_;

@@ -35,6 +35,8 @@ class SessionBackend {
   // False: there is no camera, and camera() has no pictures. Valid after open_camera().
   virtual bool sees() const = 0;
   virtual vision::Camera& camera() = 0;
+  // What is wrong with the pictures so far, one sentence; empty if nothing is.
+  virtual std::string camera_warning() const { return ""; }
   // Of the vision that runs on it.
   virtual vision::Pace pace() const = 0;
   // From exposure to arrival at the host.

@@ -13,6 +13,8 @@
 
 namespace kaz::tools {
 
+constexpr double kMinSupply_v = 1, kMaxSupply_v = 20;
+
 struct BackendOptions {
   std::string robot = "sim";   // "sim" or "serial:PATH[@BAUD]"
   std::uint8_t address = 1;    // of the board at a port
@@ -32,8 +34,8 @@ struct BackendOptions {
   sim::EyeKind eyes = sim::EyeKind::ideal;
   std::string dynamics = "reduced";  // WorldOptions::dynamics
   double physics_step_ms = 1;        // SimulationOptions
-  double supply_volts = 10;
-  int eye_width = 0;  // 320 or 640; 0: as in camera.json
+  double supply_volts = 10;          // kMinSupply_v to kMaxSupply_v
+  int eye_width = 0;                 // 320 or 640; 0: as in camera.json
   std::uint64_t seed = 1;
   std::string faults;          // file with a schedule of faults; none if empty
   std::string recording;       // path of the recording; none if empty

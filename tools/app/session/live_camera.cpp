@@ -46,4 +46,12 @@ Result<LiveCamera> open_live_camera(const std::string& where, const std::string&
   return LiveCamera{std::move(real), Time::zero()};
 }
 
+Result<std::optional<vision::StereoPair>> JudgedCamera::poll() {
+  auto pair = camera_.poll();
+  // Pictures that are still on their way are not waited for.
+  if (pair && *pair && (*pair)->images.wait_for(Time(0)) == std::future_status::ready)
+    eyes_.look(*(*pair)->images.get(), (*pair)->info);
+  return pair;
+}
+
 }  // namespace kaz::tools

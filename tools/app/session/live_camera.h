@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "vision/depth/swapped_cameras.h"
 #include "vision/image/frame.h"
 
 namespace kaz::tools {
@@ -23,6 +24,21 @@ bool is_real_camera(const std::string& where);
 Result<void> check_live_camera(const std::string& where, const std::string& calibration);
 // `where`: real cameras, or else the path of a camera socket.
 Result<LiveCamera> open_live_camera(const std::string& where, const std::string& calibration);
+
+// Passes the pairs of another one on, and judges whether left and right are exchanged.
+class JudgedCamera final : public vision::Camera {
+ public:
+  // `camera` must outlive this.
+  explicit JudgedCamera(vision::Camera& camera) : camera_(camera) {}
+  const vision::CameraModel& model() const override { return camera_.model(); }
+  Result<std::optional<vision::StereoPair>> poll() override;
+  // Over all pairs so far; one sentence, empty if nothing is wrong.
+  std::string warning() const { return eyes_.found() ? vision::kSwappedCameras : ""; }
+
+ private:
+  vision::Camera& camera_;
+  vision::SwappedCameras eyes_;
+};
 
 // In front of a behaviour that does not look.
 class NoCamera final : public vision::Camera {

@@ -179,14 +179,11 @@ Result<std::string> place_recording(const OutputFolder& folder) {
 Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
                                   const Snapshots& snapshots, const OutputFolder* folder,
                                   bool recorded) {
-  ordered_json result{{"outcome", word_of(report)},
-                      {"sentence", report.outcome.sentence},
-                      {"behavior", report.behavior},
-                      {"mcu", nullptr},
-                      {"seed", report.backend.seed},
-                      {"duration_s", rounded(report.run_s, 1e-3)},
-                      {"rtf", rounded(report.rtf, 1e-3)},
-                      {"found_s", nullptr}};
+  ordered_json result{
+      {"outcome", word_of(report)},       {"sentence", report.outcome.sentence},
+      {"behavior", report.behavior},      {"mcu", nullptr},
+      {"seed", report.backend.seed},      {"duration_s", rounded(report.run_s, 1e-3)},
+      {"rtf", rounded(report.rtf, 1e-3)}, {"found_s", nullptr}};
   // What was not measured is absent.
   if (report.score.within_3deg)
     result["tracking_within_3deg"] = rounded(*report.score.within_3deg, 1e-4);
@@ -220,6 +217,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     if (!sha256.empty()) result["recording_sha256"] = sha256;
   } else {
     result["robot"] = report.backend.robot;
+    if (!report.camera_warning.empty()) result["warning"] = report.camera_warning;
   }
   result["provenance"] = provenance_json();
   result["board"] = board_json(report);

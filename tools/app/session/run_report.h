@@ -35,7 +35,8 @@ struct RunReport {
   std::string vision_table = {};       // CSV, a line for each result
   bool interrupted = false;            // it is of the part before a signal
   std::optional<RunProfile> profile = {};
-  std::string recording_sha256 = {};   // of an interrupted run, whose recording is finished already
+  std::string recording_sha256 = {};  // of an interrupted run, whose recording is finished already
+  std::string camera_warning = {};    // SessionBackend::camera_warning()
 };
 
 // What a run writes into its folder, and the file as which its recording grows there.

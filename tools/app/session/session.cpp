@@ -344,7 +344,8 @@ Result<bool> run_session(SessionOptions options) {
                    deliveries.text(),
                    interrupted,
                    std::move(profile),
-                   *sha256};
+                   *sha256,
+                   (*backend)->camera_warning()};
   const auto written = write_report(report, (*backend)->simulation(), snapshots, folder, recorded);
   if (!written) return tl::unexpected(lost(written.error(), options, folder));
   if (!options.quiet) print_report(*written, report, options.out, options.json);

@@ -8,7 +8,6 @@
 #include "shared/base/counted.hpp"
 #include "tools/figure/vision_views.h"
 #include "vision/depth/depth_file.h"
-#include "vision/depth/swapped_cameras.h"
 
 namespace kaz::tools {
 namespace {
@@ -174,7 +173,7 @@ DeliveryTable::DeliveryTable(vision::Pipeline& pipeline) {
 
 VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& options,
                            const OutputFolder* folder, std::uint64_t max_frames)
-    : folder_(folder), options_(options), max_(max_frames) {
+    : folder_(folder), options_(options), eyes_(options.depth), max_(max_frames) {
   for (const vision::ModuleStatistics& m : pipeline.statistics()) modules_.push_back(m.name);
   subscribe<vision::BallObservation>(
       pipeline, "color", [this](const vision::Frame& frame, const auto* ball, const Error* error) {
@@ -199,7 +198,6 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
           if (folder_ != nullptr)
             e.panels.push_back(
                 {figure::depth_picture(*depth), "depth: red at 0.2 m, green 0.7, blue 3"});
-          check_eyes(frame, *depth, e.json);
           export_files(frame, *depth, e.name);
         }
         heard(frame, error);
@@ -262,17 +260,6 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
       });
 }
 
-// On the first frames that have hardly any depth; one alone may show too little to tell.
-void VisionReport::check_eyes(const vision::Frame& frame, const vision::DepthImage& depth,
-                              Json& entry) {
-  if (eyes_checked_ == 3 || entry["depth"]["known"].get<double>() > 0.2) return;
-  ++eyes_checked_;
-  if (vision::cameras_look_swapped(frame.images(), depth.info, options_.depth))
-    entry["error"] =
-        "left and right look exchanged: the other way round the pair has depth, so it has hardly "
-        "any; exchange the pictures or cameras, or calibrate them as they are";
-}
-
 void VisionReport::export_files(const vision::Frame& frame, const vision::DepthImage& depth,
                                 const std::string& name) {
   if (folder_ == nullptr || full()) return;
@@ -311,6 +298,7 @@ void VisionReport::heard(const vision::Frame& frame, const Error* error) {
     // The first failure; the others follow from it.
     if (!e.json.contains("error")) e.json["error"] = error->message;
   } else {
+    if (!e.seen) eyes_.look(frame.images(), frame.info());
     e.seen = true;
   }
   if (++e.heard == modules_.size()) close(frame.info().sequence);

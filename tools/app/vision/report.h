@@ -12,6 +12,7 @@
 #include "tools/app/vision/modules.h"
 #include "tools/app/vision/picture_writer.h"
 #include "tools/figure/figure.h"
+#include "vision/depth/swapped_cameras.h"
 
 namespace kaz::tools {
 
@@ -62,6 +63,8 @@ class VisionReport {
   bool full() const { return max_ > 0 && frames_.size() >= max_; }
   // Frames with a result of at least one module.
   std::size_t looked_at() const { return looked_at_; }
+  // Of the whole run. Pictures of one eye are never swapped.
+  bool cameras_swapped() const { return eyes_.found(); }
   // A line for each frame.
   std::string table() const;
 
@@ -74,8 +77,6 @@ class VisionReport {
     bool seen = false;
   };
   Entry& entry(const vision::Frame& frame);
-  void check_eyes(const vision::Frame& frame, const vision::DepthImage& depth,
-                  nlohmann::ordered_json& entry);
   void export_files(const vision::Frame& frame, const vision::DepthImage& depth,
                     const std::string& name);
   void heard(const vision::Frame& frame, const Error* error);
@@ -83,7 +84,7 @@ class VisionReport {
 
   const OutputFolder* folder_;
   VisionOptions options_;
-  int eyes_checked_ = 0;
+  vision::SwappedCameras eyes_;
   std::vector<std::string> modules_;
   std::map<std::uint64_t, Entry> open_;
   nlohmann::ordered_json frames_ = nlohmann::ordered_json::array();

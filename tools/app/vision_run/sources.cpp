@@ -20,6 +20,7 @@
 #include "tools/app/vision_run/recorded_pictures.h"
 #include "vision/calibration/calibration_file.h"
 #include "vision/calibration/rectify.h"
+#include "vision/depth/swapped_cameras.h"
 #include "vision/image/picture_file.h"
 
 namespace kaz::tools {
@@ -57,9 +58,11 @@ Result<void> refuse(const VisionOptions& vision, std::initializer_list<std::stri
   return {};
 }
 
-// The end of each kind: files and printed summary.
+// The end of each kind: files and printed summary. `lost`: why the camera or the robot stopped; empty if
+// none did.
 Result<bool> finish(VisionReport& report, const Json& statistics, const std::string& text,
-                    const RecordedOptions& options, const OutputFolder& folder, bool interrupted) {
+                    const RecordedOptions& options, const OutputFolder& folder, bool interrupted,
+                    const std::string& lost = "") {
   KAZ_TRY(report.end());
   KAZ_TRY(folder.write("frames.csv", report.table()));
   Json result{{"modules", options.modules},
@@ -67,9 +70,11 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
               {"vision", statistics},
               {"frames", report.frames()},
               {"provenance", provenance_json()}};
+  if (report.cameras_swapped()) result["warning"] = vision::kSwappedCameras;
   if (interrupted) mark_interrupted(result);
+  if (!lost.empty()) result["ended_early"] = lost;
   KAZ_TRY(folder.write_json("result.json", result));
-  if (report.looked_at() == 0 && !interrupted)
+  if (report.looked_at() == 0 && !interrupted && lost.empty())
     return fail(Fault::failed,
                 report.frames().empty()
                     ? "no pair of pictures came"
@@ -77,6 +82,9 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
                           " could be looked at; the first: " +
                           report.frames().front().value("error", std::string("nothing seen")));
   const auto ended = [&]() -> Result<bool> {
+    if (!lost.empty())
+      return fail(Fault::environment,
+                  lost + "; what was looked at until then is kept in " + options.out);
     if (!interrupted) return true;
     return fail(Fault::interrupted,
                 "interrupted; what was looked at until then is kept in " + options.out);
@@ -94,8 +102,10 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   }
   if (reported > kMaxReported)
     std::printf("... and %d more (frames.csv)\n", reported - kMaxReported);
-  std::printf("%zu of %s looked at; computing a pair: %s\n", report.looked_at(),
-              counted(report.frames().size(), "pair").c_str(), text.c_str());
+  std::printf("%zu of %s looked at%s%s\n", report.looked_at(),
+              counted(report.frames().size(), "pair").c_str(),
+              text.empty() ? "" : "; computing a pair: ", text.c_str());
+  if (report.cameras_swapped()) std::printf("warning: %s\n", vision::kSwappedCameras);
   std::printf("overlays, frames.csv and result.json are in %s\n", options.out.c_str());
   return ended();
 }
@@ -281,12 +291,12 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
   }
   pipeline.finish();
   progress.done();
-  if (!end.empty() && !interrupt.requested()) std::fprintf(stderr, "kaz vision: %s\n", end.c_str());
+  if (interrupt.requested() || report.full()) end.clear();
   if (const std::string summary = source.alone.summary(); !summary.empty())
     std::fprintf(stderr, "kaz vision: cameras: %s\n", summary.c_str());
   return folder.explained(finish(report, module_statistics_json(pipeline),
                                  module_statistics_text(pipeline), options, folder,
-                                 interrupt.requested() && !report.full()));
+                                 interrupt.requested() && !report.full(), end));
 }
 
 Result<bool> run_on_recording(const RecordedOptions& options) {

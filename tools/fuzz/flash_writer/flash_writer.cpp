@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <span>
 
+#include "shared/base/hex_text.hpp"
 #include "shared/flash/protocol.h"
 #include "tools/fuzz/flash_writer/writer_judge.h"
 
@@ -206,11 +208,8 @@ Case::Bytes Case::request() {
 void Case::send(const Bytes& bytes, const char* how) {
   if (text_ != nullptr) {
     char line[160];
-    std::string start;
-    for (std::size_t k = 0; k < std::min<std::size_t>(bytes.size(), 14); ++k) {
-      std::snprintf(line, sizeof line, "%02x ", bytes[k]);
-      start += line;
-    }
+    const std::string start =
+        hex_text(std::span(bytes).first(std::min<std::size_t>(bytes.size(), 14)), " ");
     std::snprintf(line, sizeof line, "%9.3f ms %s: %zu bytes: %s\n",
                   static_cast<double>(board_.now()) / static_cast<double>(kMs), how, bytes.size(),
                   start.c_str());

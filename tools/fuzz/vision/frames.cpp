@@ -168,7 +168,7 @@ class Run {
   void keep(const T&) {}
 
   void write(const Frame& frame, const DepthImage& depth) {
-    (void)cameras_look_swapped(frame.images(), frame.info());
+    (void)eye_order(frame.images(), frame.info());
     PointCloud cloud;
     point_cloud(depth, cloud);
     if (!depth_png(depth) || !points_ply(cloud, frame.images().left))

@@ -1,0 +1,24 @@
+// Bytes as hexadecimal digits.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace kaz {
+
+// "4f4b0d"; with `between` " ": "4f 4b 0d".
+inline std::string hex_text(std::span<const std::uint8_t> bytes, std::string_view between = "") {
+  static constexpr char digits[] = "0123456789abcdef";
+  std::string text;
+  for (const std::uint8_t byte : bytes) {
+    if (!text.empty()) text += between;
+    text += digits[byte >> 4];
+    text += digits[byte & 15];
+  }
+  return text;
+}
+
+}  // namespace kaz

@@ -1,0 +1,118 @@
+// Numbers on the command line: finite, in decimal, within their type, for every option of every verb.
+// SPDX-License-Identifier: Apache-2.0
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/system/command_line/process_testing.h"
+
+namespace kaz::test {
+namespace {
+
+struct TypedOption {
+  std::string name;   // "--supply"
+  std::string value;  // "V", "FROM TO"; what the help has in its place
+};
+
+// Of the lines "  --supply V  supply voltage of the board".
+std::vector<TypedOption> options_of(const std::string& help) {
+  std::vector<TypedOption> options;
+  const std::regex one("^  (?:-[a-z], ?)?(--[a-z-]+) (\\S+(?: \\S+)*)(?:  .*)?$");
+  std::istringstream lines(help);
+  std::smatch found;
+  for (std::string line; std::getline(lines, line);)
+    if (std::regex_match(line, found, one)) options.push_back({found[1], found[2]});
+  return options;
+}
+
+// Texts of any kind, or what another test tries: a duration (cli_test.cpp), a part of parts, a place in a
+// picture (arguments_test.cpp, vision_verb_test.cpp).
+bool is_text(const std::string& value) {
+  static const std::set<std::string> kTexts{"FILE",
+                                            "[FILE]",
+                                            "PATTERN ...",
+                                            "NAMES ...",
+                                            "DIR",
+                                            "PATH",
+                                            "PATH[@BAUD]",
+                                            "NAME",
+                                            "NAME|FILE",
+                                            "NAME,NAME",
+                                            "NAMES",
+                                            "PNG",
+                                            "PATTERN",
+                                            "PICTURE",
+                                            "SOURCE",
+                                            "CAMERA",
+                                            "ROBOT",
+                                            "HOW",
+                                            "NAME=VALUE ...",
+                                            "REGEX",
+                                            "LIST",
+                                            "LIST ...",
+                                            "BEGIN,END",
+                                            "X,Y,W,H",
+                                            "COLUMNSxROWS",
+                                            "I/N",
+                                            "native|h8|PATH",
+                                            "TEXT",
+                                            "VERB",
+                                            "SHELL",
+                                            "reduced|exact|quickN",
+                                            "ctl:PATH|manual",
+                                            "sim|serial:PATH[@BAUD]"};
+  return kTexts.count(value) > 0;
+}
+
+// Values are converted before --help is answered, and nothing runs.
+bool takes(const std::vector<std::string>& verb, const TypedOption& option,
+           const std::string& number) {
+  std::vector<std::string> arguments = verb;
+  arguments.push_back(option.name + "=" + number);
+  if (option.value.find(' ') != std::string::npos && !option.value.ends_with("..."))
+    arguments.push_back(number);
+  arguments.emplace_back("--help");
+  const Finished finished = run(kaz(arguments));
+  if (finished.exit_code == 0) return true;
+  EXPECT_EQ(finished.exit_code, 2) << option.name << ": " << finished.err;
+  EXPECT_NE(finished.err.find(option.name), std::string::npos) << finished.err;
+  EXPECT_NE(finished.err.find(": give "), std::string::npos) << finished.err;
+  return false;
+}
+
+TEST(Numbers, AreFiniteAndDecimalInEveryOption) {
+  std::size_t numeric = 0;
+  for (const auto& verb : all_verbs()) {
+    auto arguments = verb;
+    arguments.emplace_back("--help");
+    for (const TypedOption& option : options_of(run(kaz(arguments)).out)) {
+      const bool takes_nan = takes(verb, option, "nan");
+      if (takes_nan && option.name == "--duration") continue;
+      EXPECT_TRUE(!takes_nan || is_text(option.value))
+          << option.name << " " << option.value << " of " << arguments.front()
+          << " takes nan: give it a check of tools/kaz/options.h";
+      if (takes_nan) continue;
+      ++numeric;
+      for (const char* wrong : {"-nan", "inf", "1e999", "0x1p3", ""})
+        EXPECT_FALSE(takes(verb, option, wrong)) << option.name << " " << wrong;
+      if (option.value != "N") continue;
+      for (const char* wrong : {"99999999999999999999", "-1", "1.5", "1e3"})
+        EXPECT_FALSE(takes(verb, option, wrong)) << option.name << " " << wrong;
+    }
+  }
+  EXPECT_GT(numeric, 60u);
+}
+
+// CLI11 would read the digits after a zero as octal.
+TEST(Numbers, WithALeadingZeroAreDecimal) {
+  const Finished board = run(kaz({"status", "no-such-port", "--address", "010"}));
+  EXPECT_EQ(board.exit_code, 3) << board.err;
+  const Finished seed = run(kaz({"mcu", "compare", "--ticks", "010", "--seed", "0009", "--json"}));
+  EXPECT_EQ(seed.exit_code, 0) << seed.err;
+  EXPECT_NE(seed.out.find("\"ticks\": 10"), std::string::npos) << seed.out;
+}
+
+}  // namespace
+}  // namespace kaz::test
