@@ -172,21 +172,18 @@ std::string growing_recording(const OutputFolder& folder) {
 
 Result<std::string> place_recording(const OutputFolder& folder) {
   const std::string path = folder.path("recording.mcap");
-  KAZ_TRY(move_file(growing_recording(folder), path));
+  KAZ_TRY(put_in_place(growing_recording(folder), path));
   return path;
 }
 
 Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
                                   const Snapshots& snapshots, const OutputFolder* folder,
                                   bool recorded) {
-  ordered_json result{{"outcome", word_of(report)},
-                      {"sentence", report.outcome.sentence},
-                      {"behavior", report.behavior},
-                      {"mcu", nullptr},
-                      {"seed", report.backend.seed},
-                      {"duration_s", rounded(report.run_s, 1e-3)},
-                      {"rtf", rounded(report.rtf, 1e-3)},
-                      {"found_s", nullptr}};
+  ordered_json result{
+      {"outcome", word_of(report)},       {"sentence", report.outcome.sentence},
+      {"behavior", report.behavior},      {"mcu", nullptr},
+      {"seed", report.backend.seed},      {"duration_s", rounded(report.run_s, 1e-3)},
+      {"rtf", rounded(report.rtf, 1e-3)}, {"found_s", nullptr}};
   // What was not measured is absent.
   if (report.score.within_3deg)
     result["tracking_within_3deg"] = rounded(*report.score.within_3deg, 1e-4);
