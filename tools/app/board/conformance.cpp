@@ -242,6 +242,8 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   progress.done();
   if (!report) {
     facts.broken_off = report.error().message;
+    until_lost.not_run.assign(
+        taken.begin() + static_cast<std::ptrdiff_t>(until_lost.results.size()), taken.end());
     // The first error is the one to print, also if its reports cannot be written.
     if (report.error().fault == Fault::environment) (void)reports.write(until_lost, facts);
     return tl::unexpected(report.error());
@@ -257,7 +259,7 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   }
   if (report->interrupted)
     return fail(Fault::interrupted, "interrupted after " + std::to_string(report->results.size()) +
-                                        " of " + counted(report->chosen, "case") +
+                                        " of " + counted(report->chosen(), "case") +
                                         "; the reports are of these");
   return outcome_of(*report);
 }
