@@ -229,6 +229,23 @@ TEST_F(KeptRuns, WithoutAStoredCalibrationBeforeThatIsANote) {
             std::string::npos);
 }
 
+// Process numbers repeat, in containers often.
+TEST_F(KeptRuns, NotesOfAnEarlierRunStay) {
+  lockstep::VirtualBench board(sim::make_native()), another(sim::make_native());
+  const auto first = sure(KeptRun::begin(board, board, options(1)));
+  const std::string path = notes();
+  const auto size = fs::file_size(path);
+  {
+    const auto second = sure(KeptRun::begin(another, another, options(1)));
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);
+    EXPECT_TRUE(second->end());
+  }
+  EXPECT_EQ(notes(), path);
+  EXPECT_EQ(fs::file_size(path), size);
+  EXPECT_TRUE(first->end());
+  EXPECT_TRUE(no_notes());
+}
+
 TEST_F(KeptRuns, NotesAreReadAsTheyWereWritten) {
   lockstep::VirtualBench board(sim::make_native());
   prepare(board, 6);

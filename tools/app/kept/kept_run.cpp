@@ -87,8 +87,12 @@ void KeptRun::write_notes() {
   if (options_.folder.empty()) return;
   std::error_code error;
   fs::create_directories(options_.folder, error);
-  const std::string path = options_.folder + "/" + file_name_of(options_.port) + "-" +
-                           std::to_string(getpid()) + ".json";
+  // Process numbers repeat: notes that a killed run has left stay.
+  const std::string begin =
+      options_.folder + "/" + file_name_of(options_.port) + "-" + std::to_string(getpid());
+  std::string path = path_.empty() ? begin + ".json" : path_;
+  for (int n = 2; path_.empty() && fs::exists(fs::symlink_status(path, error)); ++n)
+    path = begin + "-" + std::to_string(n) + ".json";
   if (const auto written = write_whole_file(path, kept_text(kept_)); written) {
     path_ = path;
   } else {
