@@ -65,16 +65,18 @@ std::string statement_rows(const RunReport& report) {
 // "SIGINT, after 12 of 160 cases"
 std::string interruption(const RunReport& report, const ReportFacts& facts) {
   return facts.signal + ", after " + std::to_string(report.results.size()) + " of " +
-         std::to_string(report.chosen) + " cases";
+         std::to_string(report.chosen()) + " cases";
 }
 
 }  // namespace
 
 std::string junit_text(const RunReport& report, const ReportFacts& facts) {
+  const std::string end =
+      report.interrupted ? "interrupted by " + interruption(report, facts) : facts.broken_off;
   JunitSuite suite("kaz conformance",
                    {report.count(Verdict::passed), report.count(Verdict::failed),
-                    report.count(Verdict::left_out), report.count(Verdict::undecided),
-                    facts.broken_off.empty() ? 0 : 1},
+                    report.count(Verdict::left_out) + static_cast<int>(report.not_run.size()),
+                    report.count(Verdict::undecided), end.empty() ? 0 : 1},
                    total_seconds(report));
   suite.property("board", report.board);
   suite.property("port", facts.port);
@@ -92,8 +94,16 @@ std::string junit_text(const RunReport& report, const ReportFacts& facts) {
                    joined(one.transcript, "\n"),
                {}});
   }
-  if (!facts.broken_off.empty())
-    suite.add_error("conformance", "runs to its end", facts.broken_off);
+  for (const Case* one : report.not_run) {
+    suite.add({one->id.substr(0, one->id.find('.')),
+               one->id,
+               std::nullopt,
+               Verdict::left_out,
+               "not run: the run broke off before",
+               {},
+               {}});
+  }
+  if (!end.empty()) suite.add_error("conformance", "runs to its end", end);
   return suite.finish();
 }
 
@@ -106,7 +116,7 @@ std::string json_text(const RunReport& report, const ReportFacts& facts) {
   if (report.interrupted) {
     all["interrupted"] = true;
     all["signal"] = facts.signal;
-    all["cases_chosen"] = report.chosen;
+    all["cases_chosen"] = report.chosen();
   }
   all["provenance"] = provenance_json(facts.from);
   all["cases"] = report.results.size();

@@ -142,7 +142,6 @@ Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, 
                             const RunOptions& options) {
   const auto taken = KAZ_TRY(chosen(options.filter));
   RunReport report;
-  report.chosen = taken.size();
   Board board(link, clock, bench, slack, options.seed, options.address);
   RunOptions of_case = options;
   if (options.address == KZ_ADDRESS_DEFAULT) of_case.allowed |= kDefaultAddress;
@@ -158,6 +157,8 @@ Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, 
   } catch (const Lost& lost) {
     if (lost.error.fault != Fault::interrupted) return tl::unexpected(lost.error);
     report.interrupted = true;
+    report.not_run.assign(taken.begin() + static_cast<std::ptrdiff_t>(report.results.size()),
+                          taken.end());
   } catch (const Failed& failed) {
     return fail(Fault::environment,
                 "no Kaz board answers on " + link.name() + ": " + failed.message);

@@ -62,8 +62,10 @@ struct RunOptions {
 struct RunReport {
   std::string board;  // "Kaz servo board, protocol 2, firmware 0.2, build 1a2b3c4d"
   std::vector<CaseResult> results;
-  std::size_t chosen = 0;    // cases that the filter took: more than results if it was interrupted
+  std::vector<const Case*>
+      not_run;               // what the filter took beyond the results, of a run that broke off
   bool interrupted = false;  // the results are of the cases before
+  std::size_t chosen() const { return results.size() + not_run.size(); }
   int count(Verdict verdict) const;
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
 
 #include "hil/fuzz/conversation.h"
@@ -11,6 +12,7 @@
 #include "hil/fuzz/search.h"
 #include "hil/fuzz/tick_judge.h"
 #include "host/link/board_testing.h"
+#include "shared/base/files.hpp"
 #include "shared/base/random.hpp"
 #include "shared/board/table.h"
 
@@ -237,6 +239,22 @@ TEST(Search, OnlyNewFeaturesJoinTheCorpus) {
   verdict.features.insert(3);
   EXPECT_TRUE(search.learn({3}, verdict));
   EXPECT_EQ(search.corpus().size(), 2u);
+}
+
+// Another run of the same seed has written its case there.
+TEST(Search, ACaseInTheCorpusIsNotReplaced) {
+  const std::string folder = make_temporary_folder("kaz-corpus-").value();
+  ASSERT_TRUE(save_genome(folder + "/1-7", {1}));
+  ASSERT_TRUE(save_genome(folder + "/1-7", {2}));
+  EXPECT_EQ(load_corpus(folder).value(), (std::vector<Genome>{{1}, {2}}));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Search, ACaseThatCannotBeWrittenIsNamed) {
+  const auto saved = save_genome("/proc/case", {1});
+  ASSERT_FALSE(saved);
+  EXPECT_EQ(saved.error().fault, Fault::environment);
+  EXPECT_NE(saved.error().message.find("/proc/case"), std::string::npos);
 }
 
 // Half a second of bytes is still on the line when the request is written.

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 
 namespace kaz::hil::fuzz {
@@ -102,14 +101,12 @@ Result<Genome> load_genome(const std::string& path) {
   return Genome(bytes.begin(), bytes.end());
 }
 
-Result<void> save_genome(const std::string& path, const Genome& genome) {
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(genome.data()),
-             static_cast<std::streamsize>(genome.size()));
-  file.close();
-  if (!file)
-    return fail(Fault::environment, "cannot write " + path + ": is there room, and may you write?");
-  return {};
+Result<void> save_genome(const std::string& name, const Genome& genome) {
+  std::string path = name;
+  std::error_code error;
+  for (int n = 2; fs::exists(fs::symlink_status(path, error)); ++n)
+    path = name + "-" + std::to_string(n);
+  return write_whole_file(path, {reinterpret_cast<const char*>(genome.data()), genome.size()});
 }
 
 Result<std::vector<Genome>> load_corpus(const std::string& folder) {

@@ -44,7 +44,8 @@ Genome shortened(const Genome& genome, const CaseRunner& run, int max_runs);
 
 // Corpus and reproducers: a file is a genome. Errors say which path, and why.
 Result<Genome> load_genome(const std::string& path);
-Result<void> save_genome(const std::string& path, const Genome& genome);
+// At `name`, or with a number after it where that is taken.
+Result<void> save_genome(const std::string& name, const Genome& genome);
 // All files of a folder, in order of their names.
 Result<std::vector<Genome>> load_corpus(const std::string& folder);
 

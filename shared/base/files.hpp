@@ -42,6 +42,11 @@ inline bool is_disk_full(const Error& error) {
   return error.message.starts_with("disk full while writing ");
 }
 
+// Puts a file's bytes on the disk. Some file systems report only then that it is full. False: errno says why.
+inline bool sync_file(int fd) {
+  return fsync(fd) == 0 || errno == EINVAL || errno == ENOSYS;  // nothing to be synchronised there
+}
+
 // A new empty folder for this user alone, in TMPDIR or /tmp; `prefix` begins its name.
 inline Result<std::string> make_temporary_folder(const std::string& prefix) {
   std::error_code error;
@@ -125,6 +130,11 @@ inline Result<void> write_whole_file(const std::string& path, std::string_view b
       return failure;
     }
     bytes.remove_prefix(static_cast<std::size_t>(n));
+  }
+  if (!stream && !sync_file(fd)) {
+    auto failure = give_up("write");
+    close(fd);
+    return failure;
   }
   if (close(fd) != 0) return give_up("write");
   if (!stream && std::rename(beside.c_str(), target.c_str()) != 0)

@@ -37,6 +37,13 @@ class PngEncoder {
                  pixels.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (settings.srgb) png_set_sRGB(png_, info_, PNG_sRGB_INTENT_PERCEPTUAL);
+    if (settings.software != nullptr) {
+      png_text text{};
+      text.compression = PNG_TEXT_COMPRESSION_NONE;
+      text.key = const_cast<char*>("Software");
+      text.text = const_cast<char*>(settings.software);
+      png_set_text(png_, info_, &text, 1);
+    }
     png_set_compression_level(png_, settings.level);
     png_write_info(png_, info_);
     // After the header, whose writing resets a lack of filters to libpng's default.

@@ -14,6 +14,7 @@ struct PngSettings {
   int level = 6;        // of zlib: 0 stores, 9 compresses most
   bool filters = true;  // libpng selects one per row; without them: faster, larger files
   bool srgb = false;    // adds the sRGB chunk (and gAMA and cHRM for old readers): samples are sRGB
+  const char* software = nullptr;  // what has made the picture, as a text in the file
 };
 
 // The same bytes for the same pixels and settings, as long as libpng and zlib are the same. 16-bit samples

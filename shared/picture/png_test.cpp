@@ -90,6 +90,13 @@ TEST(Png, SettingsChangeTheSize) {
   EXPECT_NE(encoded(3, 8, {.filters = true}), encoded(3, 8, {.filters = false}));
 }
 
+TEST(Png, NamesWhatHasMadeIt) {
+  const Bytes bytes = encoded(3, 8, {.software = "kaz test"});
+  const std::string text(bytes.begin(), bytes.end());
+  EXPECT_LT(text.find(std::string("tEXtSoftware\0kaz test", 21)), text.find("IDAT"));
+  EXPECT_EQ(decode_png(bytes)->rgb, samples_of(3, 8));
+}
+
 TEST(Png, PixelsOfAnotherSizeAreRefused) {
   const Bytes twelve(12);
   for (const PixelView& pixels :

@@ -31,6 +31,8 @@ namespace {
 
 using hil::fuzz::Genome;
 using hil::fuzz::Verdict;
+constexpr FileKind kFailingCase{"failing case"};
+
 using WallTime = std::chrono::steady_clock;
 
 struct Totals {
@@ -131,7 +133,8 @@ class Fuzzing {
  private:
   Result<bool> run_cases() {
     // Not only when there is something to keep.
-    if (arguments_.replay.empty()) out_ = KAZ_TRY(OutputFile::open(arguments_.out, "--out"));
+    if (arguments_.replay.empty())
+      out_ = KAZ_TRY(OutputFile::open(arguments_.out, "--out", kFailingCase));
     KAZ_TRY(prepare());
     began_ = WallTime::now();
     if (!arguments_.replay.empty()) return replay();

@@ -1,6 +1,11 @@
 // `kaz`: the command line.
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -11,6 +16,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "shared/base/files.hpp"
 #include "shared/base/one_line.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/provenance.h"
@@ -97,18 +103,40 @@ int parse_and_run(int argc, char** argv) {
   }
   const std::string name = kaz::tools::full_name(kaz::tools::chosen_verb(program));
   kaz::tools::name_verb(name);
+  if (const std::string empty = kaz::tools::empty_value(program); !empty.empty())
+    return refuse(empty);
   const kaz::Result<kaz::tools::Outcome> done = action();
   if (!done) return report(name, done.error());
   return done->status;
 }
 
+// Files that are opened do not take the place of standard streams that are closed.
+void open_standard_streams() {
+  int fd = 0;
+  while (fd >= 0 && fd <= STDERR_FILENO) fd = open("/dev/null", O_RDWR);
+  if (fd > STDERR_FILENO) close(fd);
+}
+
+// The status of a program that has printed its results. A reader that has seen enough is no error.
+int printed_status(int status) {
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+  const int error = errno != 0 ? errno : EIO;
+  pollfd reader{STDOUT_FILENO, POLLOUT, 0};
+  const bool gone = poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR) != 0;
+  constexpr int kFailed = static_cast<int>(kaz::Fault::failed);
+  if (gone || status > kFailed) return status;
+  return report("kaz", kaz::write_failure("standard output", "write", error).value());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_streams();
   kaz::tools::catch_signals();
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of size is an error of write(), as a full disk is
   try {
-    return parse_and_run(argc, argv);
+    return printed_status(parse_and_run(argc, argv));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "kaz: %s\n", kaz::one_line(error.what()).c_str());
     return static_cast<int>(kaz::Fault::environment);

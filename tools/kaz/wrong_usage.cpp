@@ -213,6 +213,15 @@ std::string unknown_verb(CLI::App& program) {
   return "there is no verb `" + words.front() + "`" + suggestion(words.front(), names);
 }
 
+std::string empty_value(CLI::App& program) {
+  for (const CLI::Option* option : chosen_verb(program).get_options()) {
+    if (option->get_items_expected_min() == 0) continue;  // its value may be left out
+    if (std::ranges::count(option->results(), "") > 0)
+      return option->get_name() + " is empty; give " + typed_form(*option);
+  }
+  return "";
+}
+
 std::string wrong_usage(CLI::App& program, const CLI::ParseError& error) {
   // First what was not understood: CLI11 may instead have reported what is missing because of it.
   for (const auto find : {unknown_verb, unknown_option}) {

@@ -15,6 +15,8 @@ CLI::App& chosen_verb(CLI::App& program);
 void check_flags(CLI::App& app);
 // "there is no verb `dmo`; did you mean demo?" about a word in the place of a verb; empty if there is none.
 std::string unknown_verb(CLI::App& program);
+// "--out is empty; give --out DIR" about an option of the chosen verb; empty if there is none.
+std::string empty_value(CLI::App& program);
 // About the last call of program.parse(), which threw `error`.
 std::string wrong_usage(CLI::App& program, const CLI::ParseError& error);
 

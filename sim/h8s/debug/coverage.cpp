@@ -93,7 +93,7 @@ std::string Coverage::lcov() const {
   }
   std::string out;
   for (const auto& [name, file] : files) {
-    out.append("TN:\nSF:").append(name).append("\n").append(file.functions);
+    out.append("TN:kaz\nSF:").append(name).append("\n").append(file.functions);
     out.append("FNF:").append(std::to_string(file.found));
     out.append("\nFNH:").append(std::to_string(file.hit)).append("\n").append(file.branches);
     out.append("BRF:").append(std::to_string(file.branches_found));

@@ -80,6 +80,29 @@ TEST(ConformanceReport, ARunThatBrokeOffHasAnError) {
   EXPECT_EQ(page.find("\">conforms"), std::string::npos);
 }
 
+// Its exit status is no success: a build server must not take it for one. What was not run has not passed.
+TEST(ConformanceReport, AnInterruptedRunHasAnErrorAndSkippedCases) {
+  ReportFacts facts = kFacts;
+  facts.signal = "SIGINT";
+  RunReport cut = report();
+  cut.results.resize(1);
+  cut.not_run = {&kBad, &kOut};
+  cut.interrupted = true;
+  const std::string text = junit_text(cut, facts);
+  expect_balanced(text);
+  EXPECT_NE(text.find("tests=\"4\" failures=\"0\" errors=\"1\" skipped=\"2\""), std::string::npos)
+      << text;
+  EXPECT_EQ(count(text, "<testcase "), 4);
+  EXPECT_EQ(count(text, "<skipped message=\"not run: "), 2) << text;
+  EXPECT_NE(text.find("<error message=\"interrupted by SIGINT, after 1 of 3 cases\"/>"),
+            std::string::npos)
+      << text;
+  const auto all = nlohmann::json::parse(json_text(cut, facts));
+  EXPECT_EQ(all["interrupted"], true);
+  EXPECT_EQ(all["cases"], 1);
+  EXPECT_EQ(all["cases_chosen"], 3);
+}
+
 TEST(ConformanceReport, Json) {
   const auto all = nlohmann::json::parse(json_text(report(), kFacts));
   EXPECT_EQ(all["cases"], 3);

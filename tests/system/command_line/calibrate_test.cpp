@@ -83,6 +83,14 @@ TEST(Calibrate, PhotographsOfAChessboardToUnderHalfAPixel) {
   const auto coverage = vision::read_picture(folder / "stereo.coverage.png");
   ASSERT_TRUE(coverage) << coverage.error().message;
 
+  // Its own files are replaced, pictures of others are not.
+  fs::create_directory(folder / "some");
+  copy_pairs(folder / "some", {"01"});
+  const auto before = fs::file_size(folder / "some/left01.jpg");
+  EXPECT_EQ(calibrate(kPictures, out, {"--coverage", folder / "some/left01.jpg"}).exit_code, 2);
+  EXPECT_EQ(fs::file_size(folder / "some/left01.jpg"), before);
+  EXPECT_EQ(calibrate(kPictures, out).exit_code, 0);
+
   // The file serves: corners of both eyes come to lie on the same rows of rectified pictures, found
   // anew in them.
   const auto calibration = vision::read_calibration(out);

@@ -108,6 +108,31 @@ TEST(Evaluate, GoesOnAfterAnInterruption) {
   EXPECT_TRUE(std::equal(kept.begin(), kept.end(), all.begin()));
 }
 
+// Of a folder that somebody has worked in: what is not of Kaz stays, and what is not of the campaign is
+// refused.
+TEST(Evaluate, KeepsWhatOthersPutIntoItsFolder) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out", kept = out + "/failures/000000";
+  const std::string episode = out + "/episodes/000000.json";
+  ASSERT_EQ(evaluate({"--episodes", "1", "--out", out}).exit_code, 0);
+  fs::create_directories(kept);
+  write_file(kept + "/notes.txt", "mine");
+  fs::remove(episode);
+  ASSERT_EQ(evaluate({"--episodes", "1", "--out", out}).exit_code, 0);
+  EXPECT_EQ(read_file(kept + "/notes.txt"), "mine");
+
+  const Finished onto = run(kaz({"evaluate", "merge", out, "--out", out + "/."}));
+  EXPECT_EQ(onto.exit_code, 2) << onto.err;
+  EXPECT_NE(onto.err.find("is one of the folders to merge"), std::string::npos) << onto.err;
+  ASSERT_EQ(run(kaz({"evaluate", "merge", out, "--out", folder / "merged"})).exit_code, 0);
+  EXPECT_EQ(read_file(folder / "merged/failures/000000/notes.txt"), "mine");
+
+  fs::rename(episode, out + "/episodes/000001.json");
+  const Finished renamed = evaluate({"--episodes", "2", "--out", out});
+  EXPECT_EQ(renamed.exit_code, 2) << renamed.err;
+  EXPECT_NE(renamed.err.find("000001.json: holds episode 0"), std::string::npos) << renamed.err;
+}
+
 // Two more processes and a pty. Whether it finds the ball in time is the machine's affair here: that
 // the behaviour ran to an end of its own is not.
 TEST(Evaluate, RunsInRealTimeToo) {

@@ -1,5 +1,6 @@
 // Where results go: full disks, places that cannot be written, two runs at once, results of earlier runs.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -77,6 +78,7 @@ TEST(OutputPlaces, AFullDiskIsNamedWithWhatIsSaved) {
       on_small_disk(disk, 60,
                     {"vision", "run", "--in", folder / "in", "--view", "60", "--out", disk}),
       "saved so far");
+  expect_full(on_small_disk(disk, 60, {"eyes", "--out", disk}), "saved so far");
   expect_full(on_small_disk(disk, 16, joined(kBench, {"--out", disk})), "saved so far");
   expect_full(run(kaz({"conformance", "--virtual", "native", "--filter", "frame.", "--junit",
                        "/dev/full"})),
@@ -124,6 +126,126 @@ TEST(OutputPlaces, AreRefusedBeforeARunWhereNothingCanBeWritten) {
   const Finished twice = run(kaz({"conformance", "--virtual", "native", "--junit", folder / "same",
                                   "--json", folder / "same"}));
   EXPECT_EQ(twice.exit_code, 2) << twice.err;
+}
+
+// Commands up to the path of their output; `instant` ones end by themselves without hardware.
+struct FileOption {
+  Words command;
+  bool instant = true;
+};
+std::vector<FileOption> file_options(const TemporaryFolder& folder) {
+  for (const char* name : {"left0.ppm", "right0.ppm", "noise.ppm"}) write_noise(folder / name);
+  // The reset vector, and at 0x100 BRA to itself.
+  std::string image(0x102, '\0');
+  image[2] = 1;
+  image[0x100] = 0x40;
+  image[0x101] = static_cast<char>(0xfe);
+  write_file(folder / "loop.bin", image);
+  const Words suite{"conformance", "--virtual", "native", "--filter", "^frame"};
+  const Words sim{"sim", "--mcu", "native", "--serial", folder / "board"};
+  const Words chip{"mcu",  "run", folder / "loop.bin", "--format", "raw",
+                   "--at", "0",   "--max-states",      "1000"};
+  const Words stereo{"calibrate",           "stereo",  "--left", folder / "left0.ppm", "--right",
+                     folder / "right0.ppm", "--board", "9x6",    "--square",           "0.025"};
+  return {{joined(suite, {"--junit"})},
+          {joined(suite, {"--json"})},
+          {joined(suite, {"--html"})},
+          {{"conformance", "--list", "--json"}},
+          {{"sim", "--mcu", "native", "--write-calibration"}},
+          {joined(sim, {"--record"}), false},
+          {joined(sim, {"--memory"}), false},
+          {joined(chip, {"--vcd"})},
+          {joined(chip, {"--trace="})},
+          {joined(chip, {"--profile="})},
+          {joined(chip, {"--profile-format", "json", "--profile="})},
+          {joined(chip, {"--profile-format", "callgrind", "--profile="})},
+          {joined(chip, {"--coverage"}), false},
+          {{"vision", "learn-color", "--in", folder / "noise.ppm", "--region", "0,0,9,9", "--out"}},
+          {joined(stereo, {"--out"}), false},
+          {joined(stereo, {"--out", folder / "stereo.yml", "--coverage"}), false},
+          {{"fuzz", "--cases", "1000000", "--out"}, false},
+          {{"flash", "read", "--port", folder / "none", "--out"}, false}};
+}
+
+TEST(OutputPlaces, OnlyFilesThatKazWroteAreReplaced) {
+  const TemporaryFolder folder;
+  int number = 0;
+  for (const auto& [command, instant] : file_options(folder)) {
+    const std::string path = folder / ("out" + std::to_string(++number) + ".yml");
+    SCOPED_TRACE(command[0] + " ... " + command.back());
+    const auto with = [&](const std::string& file) {
+      Words words = command;
+      if (words.back().ends_with('=')) {
+        words.back() += file;
+      } else {
+        words.push_back(file);
+      }
+      return run(kaz(words), seconds(20));
+    };
+    if (instant) {
+      const Finished first = with(path);
+      EXPECT_GT(fs::file_size(path), 0u) << first.err;
+      fs::last_write_time(path, {});
+      const Finished second = with(path);
+      EXPECT_EQ(second.exit_code, first.exit_code) << second.err;
+      EXPECT_NE(fs::last_write_time(path), fs::file_time_type()) << "not replaced: " << second.err;
+      expect_full(with("/dev/full"), "/dev/full");
+    }
+    write_file(path, "mine");
+    const Finished refused = with(path);
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    EXPECT_NE(refused.err.find("'" + path + "'"), std::string::npos) << refused.err;
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+    EXPECT_EQ(read_file(path), "mine");
+    EXPECT_FALSE(fs::exists(path + ".part"));
+    // A picture that is read, a folder, and no name at all.
+    const std::string noise = read_file(folder / "left0.ppm");
+    for (const std::string& other : {folder / "left0.ppm", folder.path(), std::string()}) {
+      if (other.empty() && command.back().find("json") != std::string::npos) continue;
+      if (other.empty() && command.back().ends_with('=')) continue;  // standard error
+      EXPECT_EQ(with(other).exit_code, 2) << "'" << other << "'";
+    }
+    EXPECT_EQ(read_file(folder / "left0.ppm"), noise);
+  }
+}
+
+TEST(OutputPlaces, OfASimulatorAreDifferent) {
+  const TemporaryFolder folder;
+  const std::string board = folder / "board";
+  for (const Words& more :
+       {Words{"--record", board}, Words{"--memory", board},
+        Words{"--cameras", folder / "./board.ctl"}, Words{"--cameras", board}}) {
+    const Finished finished =
+        run(kaz(joined({"sim", "--mcu", "native", "--serial", board}, more)), seconds(5));
+    EXPECT_EQ(finished.exit_code, 2) << finished.err;
+    EXPECT_NE(finished.err.find("too; give another path"), std::string::npos) << finished.err;
+  }
+}
+
+// Of what the program prints, too. A file never takes the place of a closed standard output.
+TEST(OutputPlaces, StandardOutputIsWrittenOrItsLossIsAnError) {
+  const TemporaryFolder folder;
+  const std::string program = kaz({})[0], junit = folder / "junit.xml";
+  const auto shell = [](const std::string& command) { return run({"/bin/bash", "-c", command}); };
+  for (const char* verb : {" --version", " conformance --list",
+                           " conformance --virtual native --filter ^frame --json"}) {
+    const Finished full = shell(program + verb + " > /dev/full");
+    EXPECT_EQ(full.exit_code, 3) << verb;
+    EXPECT_NE(full.err.find("disk full while writing standard output"), std::string::npos)
+        << full.err;
+  }
+  const Finished enough =
+      shell("trap '' PIPE; " + program + " conformance --list | true; exit ${PIPESTATUS[0]}");
+  EXPECT_EQ(enough.exit_code, 0) << enough.err;
+  EXPECT_EQ(enough.err, "");
+  const std::string suite = program + " conformance --virtual native --filter ^frame --junit ";
+  EXPECT_EQ(shell(suite + junit + " <&- >&- 2>&-").exit_code, 0);
+  const std::string text = read_file(junit);
+  EXPECT_EQ(text.rfind("<?xml", 0), 0u) << text.substr(0, 200);
+  EXPECT_TRUE(text.ends_with("</testsuite>\n")) << text;
+  const Finished same = shell(suite + junit + " > " + junit);
+  EXPECT_EQ(same.exit_code, 2) << same.err;
+  EXPECT_NE(same.err.find("this program prints into it"), std::string::npos) << same.err;
 }
 
 TEST(OutputPlaces, OneRunAtATimeWritesIntoAFolder) {

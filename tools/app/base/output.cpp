@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/base/output.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -101,17 +102,13 @@ std::string temporary_file(const std::string& name) {
   return folder.path() + "/" + name;
 }
 
-Result<void> move_file(const std::string& from, const std::string& to) {
-  std::error_code error;
-  fs::rename(from, to, error);
-  if (!error) return {};
-  error.clear();
-  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
-  if (error) {
-    return fail(Fault::environment, "cannot write '" + to + "': " + error.message());
-  }
-  fs::remove(from, error);
-  return {};
+Result<void> put_in_place(const std::string& part, const std::string& path) {
+  const int fd = ::open(part.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool done = fd >= 0 && sync_file(fd) && std::rename(part.c_str(), path.c_str()) == 0;
+  const int error = errno;
+  if (fd >= 0) ::close(fd);
+  if (done) return {};
+  return write_failure(path, "put the file in its place", error);
 }
 
 FileRemover::~FileRemover() {

@@ -46,8 +46,8 @@ void print_json(const nlohmann::ordered_json& value);
 // The path of a file of that name in a folder that only this process uses.
 std::string temporary_file(const std::string& name);
 
-// Moves a file, across file systems too.
-Result<void> move_file(const std::string& from, const std::string& to);
+// Gives a file its name when it is whole, and on the disk.
+Result<void> put_in_place(const std::string& part, const std::string& path);
 
 // Removes a file, if it is there, when the object goes; unless keep() was called.
 class FileRemover {

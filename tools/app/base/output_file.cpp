@@ -6,7 +6,9 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
 
 #include "shared/base/files.hpp"
 #include "tools/app/base/output_list.h"
@@ -15,6 +17,18 @@ namespace kaz::tools {
 namespace {
 
 namespace fs = std::filesystem;
+
+std::vector<std::string> g_saved;  // files of this process that are in their place
+
+// Errors of a full disk, with what is saved; others as they are.
+Error explained(Error error) {
+  if (!is_disk_full(error)) return error;
+  error.message += "; saved so far: ";
+  if (g_saved.empty()) error.message += "nothing";
+  for (const std::string& path : g_saved)
+    error.message += (&path == g_saved.data() ? "" : ", ") + path;
+  return error;
+}
 
 tl::unexpected<Error> refused(const std::string& option, const std::string& path,
                               const std::string& why) {
@@ -32,16 +46,37 @@ Result<void> write_all(int fd, const std::string& path, std::string_view bytes) 
   return {};
 }
 
-// Where a symbolic link leads, also if nothing is there yet.
-std::string target_of(const std::string& path) {
-  std::string target = path;
+// Whether an earlier run may have written the file, or it holds nothing.
+bool may_replace(const std::string& path, const FileKind& kind) {
   std::error_code error;
-  for (int depth = 0; depth < 40 && fs::is_symlink(target, error); ++depth) {
-    const auto to = fs::read_symlink(target, error);
-    if (error) break;
-    target = (fs::path(target).parent_path() / to).string();
+  const auto size = fs::file_size(path, error);
+  if (error) return false;
+  if (size == 0 || kind.size != 0) return size == 0 || size == kind.size;
+  std::string head(4096, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return !kind.marks[0].empty() && std::ranges::all_of(kind.marks, [&](std::string_view mark) {
+    return head.find(mark) != std::string::npos;
+  });
+}
+
+tl::unexpected<Error> refuse_to_replace(const std::string& option, const std::string& path,
+                                        const std::string& there, const FileKind& kind) {
+  const bool recognised = !kind.marks[0].empty() || kind.size != 0;
+  return refused(option, path,
+                 recognised ? there + " is there and is no " + kind.name + " of kaz"
+                            : there + " is there already");
+}
+
+bool is_standard_output(const std::string& path) {
+  struct stat there = {}, ours = {};
+  if (::stat(path.c_str(), &there) != 0) return false;
+  for (const int fd : {STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fstat(fd, &ours) == 0 && ours.st_dev == there.st_dev && ours.st_ino == there.st_ino)
+      return true;
   }
-  return target;
+  return false;
 }
 
 }  // namespace
@@ -56,13 +91,27 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
 
 OutputFile::~OutputFile() {
   if (fd_ < 0) return;
-  ::unlink(part_.c_str());
+  if (!target_.empty()) ::unlink(part_.c_str());
   ::close(fd_);
 }
 
-// The part is created anew: one that a killed run has left may be a link, or somebody else's. False: try
-// again.
-Result<bool> OutputFile::lock_part(const std::string& option) {
+// Held open from now on: the reader of a pipe would see its end otherwise.
+Result<void> OutputFile::open_stream(const std::string& option) {
+  part_ = path_;
+  struct stat about = {};
+  if (::stat(path_.c_str(), &about) == 0 && S_ISBLK(about.st_mode))
+    return refused(option, path_, "a disk is no place for a file");
+  fd_ = ::open(path_.c_str(), O_WRONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (fd_ < 0)
+    return refused(option, path_,
+                   errno == ENXIO && S_ISFIFO(about.st_mode) ? "nobody reads this pipe"
+                                                             : std::strerror(errno));
+  ::fcntl(fd_, F_SETFL, ::fcntl(fd_, F_GETFL) & ~O_NONBLOCK);
+  return {};
+}
+
+// The part is created anew: one that a killed run has left may be a link. False: try again.
+Result<bool> OutputFile::lock_part(const std::string& option, const FileKind& kind) {
   fd_ = ::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   const bool fresh = fd_ >= 0, stale = !fresh && errno == EEXIST;
   if (stale) fd_ = ::open(part_.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
@@ -88,6 +137,10 @@ Result<bool> OutputFile::lock_part(const std::string& option) {
   }
   const bool in_place = ::lstat(part_.c_str(), &there) == 0 && here.st_ino == there.st_ino;
   if (fresh && in_place) return true;
+  if (in_place && !may_replace(part_, kind)) {
+    ::close(std::exchange(fd_, -1));
+    return refuse_to_replace(option, path_, part_, kind);
+  }
   if (in_place && ::unlink(part_.c_str()) != 0) {
     const int error = errno;
     ::close(std::exchange(fd_, -1));
@@ -97,21 +150,31 @@ Result<bool> OutputFile::lock_part(const std::string& option) {
   return false;
 }
 
-Result<OutputFile> OutputFile::open(const std::string& path, const std::string& option) {
+Result<OutputFile> OutputFile::open(const std::string& path, const std::string& option,
+                                    const FileKind& kind) {
   OutputFile file;
   file.path_ = path;
   std::error_code error;
   const auto status = fs::status(path, error);
+  const bool link = fs::is_symlink(fs::symlink_status(path, error));
+  if (path.empty()) return refused(option, path, "it has no name");
   if (fs::is_directory(status)) return refused(option, path, "a folder of that name is there");
+  if (link && !fs::exists(status)) return refused(option, path, "a link to nothing is there");
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    file.part_ = path;
-    if (::access(path.c_str(), W_OK) != 0) return refused(option, path, std::strerror(errno));
+    KAZ_TRY(file.open_stream(option));
     return file;
   }
-  file.target_ = target_of(path);
+  file.target_ = link ? fs::canonical(path, error).string() : path;
   file.part_ = file.target_ + ".part";
+  if (fs::exists(status)) {
+    if (is_standard_output(path)) return refused(option, path, "this program prints into it");
+    if (!may_replace(path, kind)) return refuse_to_replace(option, path, "the file", kind);
+  }
+  const fs::path folder = fs::absolute(file.target_, error).parent_path();
+  if (fs::exists(fs::symlink_status(folder / kOutputListName, error)))
+    return refused(option, path, "the results of a run are in that folder");
   for (int attempt = 0;; ++attempt) {
-    const auto locked = KAZ_TRY(file.lock_part(option));
+    const auto locked = KAZ_TRY(file.lock_part(option, kind));
     if (locked) break;
     if (attempt == 100)
       return refused(option, path, "others remove " + file.part_ + " all the time");
@@ -124,15 +187,18 @@ Result<OutputFile> OutputFile::open(const std::string& path, const std::string& 
 }
 
 Result<void> OutputFile::write(std::string_view bytes) {
-  if (target_.empty()) return write_whole_file(part_, bytes);
-  KAZ_TRY(write_all(fd_, path_, bytes));
+  if (auto written = write_all(fd_, path_, bytes); !written)
+    return tl::unexpected(explained(written.error()));
   return commit();
 }
 
 Result<void> OutputFile::commit() {
   if (target_.empty()) return {};
+  if (!sync_file(fd_))
+    return tl::unexpected(explained(write_failure(path_, "write", errno).value()));
   if (::rename(part_.c_str(), target_.c_str()) != 0)
     return write_failure(path_, "put the file in its place", errno);
+  g_saved.push_back(path_);
   release();
   return {};
 }
@@ -146,10 +212,11 @@ Error OutputFile::failure() {
   if (fd >= 0) ::close(fd);
   Error error =
       again ? Error{Fault::environment, path_ + ": writing has failed; try again"} : again.error();
-  if (target_.empty()) return error;
-  error.message += "; saved so far: " + part_;
-  release();
-  return error;
+  if (!target_.empty()) {
+    g_saved.push_back(part_);
+    release();
+  }
+  return explained(std::move(error));
 }
 
 void OutputFile::release() {

@@ -3,7 +3,6 @@
 #include "tools/app/base/output_folder.h"
 
 #include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
@@ -13,6 +12,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "tools/app/base/other_process_testing.h"
 #include "tools/app/base/output_list.h"
 
 namespace kaz::tools {
@@ -92,27 +92,13 @@ TEST_F(Folder, RefusesResultsOfAnotherKind) {
 }
 
 TEST_F(Folder, IsOfOneProcessAtATime) {
-  int ready[2], end[2];
-  ASSERT_EQ(pipe(ready), 0);
-  ASSERT_EQ(pipe(end), 0);
-  const pid_t other = fork();
-  if (other == 0) {
-    const auto folder = OutputFolder::begin(folder_, kRun);
-    char byte = folder ? 'y' : 'n';
-    (void)!::write(ready[1], &byte, 1);
-    (void)!::read(end[0], &byte, 1);
-    _exit(0);
-  }
-  char byte = 'n';
-  ASSERT_EQ(::read(ready[0], &byte, 1), 1);
-  ASSERT_EQ(byte, 'y');
-  const std::string why = refusal(kRun, Fault::environment);
-  EXPECT_NE(why.find("process " + std::to_string(other)), std::string::npos) << why;
-  // However it ends.
-  kill(other, SIGKILL);
-  waitpid(other, nullptr, 0);
+  {
+    const OtherProcess other([&] { return OutputFolder::begin(folder_, kRun); });
+    ASSERT_TRUE(other.holds());
+    const std::string why = refusal(kRun, Fault::environment);
+    EXPECT_NE(why.find("process " + std::to_string(other.process())), std::string::npos) << why;
+  }  // killed
   EXPECT_EQ(refusal(kRun), "accepted");
-  for (const int fd : {ready[0], ready[1], end[0], end[1]}) close(fd);
 }
 
 TEST_F(Folder, MakesFoldersThatGoWithARunThatLeavesNothing) {
@@ -174,6 +160,31 @@ TEST_F(Folder, AListThatIsNoneOrALinkIsRefused) {
   fs::create_symlink(at("mine"), at(".kaz-results"));
   EXPECT_NE(refusal(kRun), "accepted");
   EXPECT_EQ(read("mine"), "");
+}
+
+// Of another version, or with names of other folders: neither read nor followed.
+TEST_F(Folder, AListThatIsNotOursRemovesNothing) {
+  const std::string outside = folder_ + "-mine";
+  std::ofstream(outside) << "mine";
+  const std::string name = fs::path(outside).filename().string();
+  for (const std::string& list : {std::string("kaz-results 2\nkind run\nfile x\n"),
+                                  "kaz-results 1\nkind run\nfile ../" + name + "\n",
+                                  "kaz-results 1\nkind run\nfile " + outside + "\n"}) {
+    write(".kaz-results", list);
+    EXPECT_NE(refusal(kRun), "accepted") << list;
+    EXPECT_EQ(read(".kaz-results"), list);
+  }
+  // A listed link goes itself; a listed folder is no result.
+  fs::create_symlink(outside, at("result.json"));
+  write(".kaz-results", "kaz-results 1\nkind run\nfile result.json\n");
+  EXPECT_TRUE(OutputFolder::begin(folder_, kRun));
+  EXPECT_FALSE(fs::is_symlink(at("result.json")));
+  fs::create_directories(at("moments.png/mine"));
+  write(".kaz-results", "kaz-results 1\nkind run\nfile moments.png\n");
+  EXPECT_FALSE(OutputFolder::begin(folder_, kRun));
+  EXPECT_TRUE(fs::exists(at("moments.png/mine")));
+  EXPECT_TRUE(fs::exists(outside));
+  fs::remove(outside);
 }
 
 TEST_F(Folder, NamesAreOfTheFolderItself) {

@@ -1,4 +1,4 @@
-// Files that are moved and removed.
+// Files that are put in place and removed.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/base/output.h"
 
@@ -37,13 +37,13 @@ class Output : public testing::Test {
   std::string folder_;
 };
 
-TEST_F(Output, MovesAFileOverAnother) {
+TEST_F(Output, PutsAFileInThePlaceOfAnother) {
   write("new", "new");
   write("old", "old");
-  ASSERT_TRUE(move_file(at("new"), at("old")));
+  ASSERT_TRUE(put_in_place(at("new"), at("old")));
   EXPECT_EQ(read("old"), "new");
   EXPECT_EQ(files(), 1u);
-  EXPECT_FALSE(move_file(at("none"), at("old")));
+  EXPECT_FALSE(put_in_place(at("none"), at("old")));
   EXPECT_EQ(read("old"), "new");
 }
 

@@ -349,6 +349,10 @@ Result<bool> run_fit(const BenchFitOptions& arguments) {
                                : arguments.report;
   const auto text = KAZ_TRY(read_file(path));
   const auto report = KAZ_TRY(hil::parse_bench_json(text, path));
+  if (std::filesystem::equivalent(arguments.model.motor_file, arguments.out + "/motor.xml", none))
+    return fail(Fault::usage, "--out: '" + arguments.out +
+                                  "' holds the file of --motor-file, which the fit would replace; "
+                                  "give another folder");
   auto options = KAZ_TRY(fit_options(arguments));
   Progress progress("kaz bench fit", arguments.json);
   options.progress = [&](double share, const std::string& what) { progress.update(share, what); };

@@ -3,6 +3,7 @@
 #include "tools/app/board/conformance.h"
 
 #include <cstdio>
+#include <tuple>
 
 #include <nlohmann/json.hpp>
 
@@ -29,6 +30,12 @@ namespace {
 
 // How late a byte may be read or written through a port of this machine.
 constexpr Time kPortSlack = std::chrono::milliseconds(20);
+
+constexpr FileKind kList{"list of cases", {"\"statements\": [", "\"needs\": ["}};
+constexpr FileKind kJunit{"conformance report in JUnit XML",
+                          {"<testsuite name=\"kaz conformance\""}};
+constexpr FileKind kJson{"conformance report in JSON", {"\"board\": ", "\"program\": \"kaz "}};
+constexpr FileKind kHtml{"conformance report in HTML", {"<title>Kaz conformance: "}};
 
 std::vector<std::string> needs_of(const hil::Case& one) {
   std::vector<std::string> words;
@@ -58,7 +65,7 @@ Result<void> list_cases(const std::vector<const hil::Case*>& taken, const std::s
     return {};
   }
   if (!json.empty()) {
-    auto file = KAZ_TRY(OutputFile::open(json, "--json"));
+    auto file = KAZ_TRY(OutputFile::open(json, "--json", kList));
     return file.write(list_json(taken));
   }
   for (const hil::Case* one : taken) {
@@ -75,12 +82,12 @@ class Reports {
   static Result<Reports> open(const ConformanceOptions& arguments) {
     Reports reports;
     int on_output = 0;
-    for (const auto& [option, path] :
-         {std::pair("--junit", &arguments.junit), std::pair("--json", &arguments.json),
-          std::pair("--html", &arguments.html)}) {
+    for (const auto& [option, path, kind] : {std::tuple("--junit", &arguments.junit, &kJunit),
+                                             std::tuple("--json", &arguments.json, &kJson),
+                                             std::tuple("--html", &arguments.html, &kHtml)}) {
       if (*path == "-") ++on_output;
       std::optional<OutputFile> file;
-      if (!path->empty() && *path != "-") file = KAZ_TRY(OutputFile::open(*path, option));
+      if (!path->empty() && *path != "-") file = KAZ_TRY(OutputFile::open(*path, option, *kind));
       reports.all_.push_back({*path == "-", std::move(file)});
     }
     if (on_output > 1)
@@ -91,17 +98,9 @@ class Reports {
   Result<void> write(const hil::RunReport& report, const hil::ReportFacts& facts) {
     const std::string texts[] = {hil::junit_text(report, facts), hil::json_text(report, facts),
                                  hil::html_text(report, facts)};
-    std::string saved;
     for (std::size_t i = 0; i < all_.size(); ++i) {
       if (all_[i].on_output) std::fputs(texts[i].c_str(), stdout);
-      if (!all_[i].file) continue;
-      if (auto written = all_[i].file->write(texts[i]); !written) {
-        Error error = written.error();
-        if (is_disk_full(error))
-          error.message += "; saved so far: " + (saved.empty() ? "nothing" : saved);
-        return tl::unexpected(error);
-      }
-      saved += (saved.empty() ? "" : ", ") + all_[i].file->path();
+      if (all_[i].file) KAZ_TRY(all_[i].file->write(texts[i]));
     }
     return {};
   }
@@ -241,6 +240,8 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   progress.done();
   if (!report) {
     facts.broken_off = report.error().message;
+    until_lost.not_run.assign(
+        taken.begin() + static_cast<std::ptrdiff_t>(until_lost.results.size()), taken.end());
     // The first error is the one to print, also if its reports cannot be written.
     if (report.error().fault == Fault::environment) (void)reports.write(until_lost, facts);
     return tl::unexpected(report.error());
@@ -256,7 +257,7 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   }
   if (report->interrupted)
     return fail(Fault::interrupted, "interrupted after " + std::to_string(report->results.size()) +
-                                        " of " + counted(report->chosen, "case") +
+                                        " of " + counted(report->chosen(), "case") +
                                         "; the reports are of these");
   return outcome_of(*report);
 }

@@ -299,6 +299,24 @@ TEST_F(KeptRuns, ASignalWhileItPutsTheBoardBackDoesNotCutThatShort) {
   EXPECT_EQ(sure(host::read_board(board, board, 1)).address, 1);
 }
 
+// Process numbers repeat, in containers often.
+TEST_F(KeptRuns, NotesOfAnEarlierRunStay) {
+  lockstep::VirtualBench board(sim::make_native()), another(sim::make_native());
+  host::Interrupt interrupt;
+  const auto first = sure(KeptRun::begin(board, board, interrupt, options(1)));
+  const std::string path = notes();
+  const auto size = fs::file_size(path);
+  {
+    const auto second = sure(KeptRun::begin(another, another, interrupt, options(1)));
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);
+    EXPECT_TRUE(second->end());
+  }
+  EXPECT_EQ(notes(), path);
+  EXPECT_EQ(fs::file_size(path), size);
+  EXPECT_TRUE(first->end());
+  EXPECT_TRUE(no_notes());
+}
+
 TEST_F(KeptRuns, NotesAreReadAsTheyWereWritten) {
   lockstep::VirtualBench board(sim::make_native());
   prepare(board, 6);

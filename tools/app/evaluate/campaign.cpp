@@ -61,6 +61,9 @@ Result<Episodes> read_episodes(const std::string& folder) {
     if (at->path().extension() != ".json") continue;
     auto one = KAZ_TRY(read_json(at->path().string(), parse_episode));
     const auto number = one["episode"].get<std::uint64_t>();
+    if (at->path().filename() != fs::path(episode_file(number)).filename())
+      return fail(Fault::usage, at->path().string() + ": holds episode " + std::to_string(number) +
+                                    ", which is not that of its name; remove it");
     all[number] = std::move(one);
   }
   return all;
@@ -274,6 +277,28 @@ Result<void> make_folder(const std::string& path) {
   return {};
 }
 
+// Each file appears whole or not at all. One that is there already stays.
+Result<void> copy_files(const fs::path& from, const fs::path& to) {
+  std::error_code wrong;
+  for (fs::recursive_directory_iterator at(from, wrong), end; !wrong && at != end;
+       at.increment(wrong)) {
+    const fs::path target = to / at->path().lexically_relative(from),
+                   part = target.string() + ".part";
+    if (at->symlink_status().type() == fs::file_type::directory)
+      KAZ_TRY(make_folder(target.string()));
+    if (at->symlink_status().type() != fs::file_type::regular || fs::exists(target)) continue;
+    if (!fs::copy_file(at->path(), part, fs::copy_options::overwrite_existing, wrong)) {
+      const int error = wrong.value();
+      fs::remove(part, wrong);
+      return write_failure(target.string(), "copy " + at->path().string() + " there", error);
+    }
+    KAZ_TRY(put_in_place(part.string(), target.string()));
+  }
+  if (wrong && fs::exists(from))
+    return fail(Fault::environment, from.string() + ": cannot be read: " + wrong.message());
+  return {};
+}
+
 // That the folder is empty or of this campaign, whose summary will be a new one.
 Result<void> claim(const OutputFolder& folder, const Json& campaign) {
   for (const char* part : {"episodes", "failures"}) {
@@ -390,17 +415,18 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
     }
   }
   if (all.empty()) return fail(Fault::usage, "the folders hold no episode");
-  const auto folder = KAZ_TRY(OutputFolder::open(out, campaign_output()));
-  KAZ_TRY(claim(folder, campaign));
-  for (const auto& [number, episode] : all) {
-    KAZ_TRY(write_json(folder.path(episode_file(number)), episode));
-  }
   for (const std::string& from : folders) {
-    std::error_code ignored;
-    if (fs::exists(from + "/failures"))
-      fs::copy(from + "/failures", folder.path("failures"),
-               fs::copy_options::recursive | fs::copy_options::update_existing, ignored);
+    if (std::error_code none; fs::equivalent(from, out, none))
+      return fail(Fault::usage,
+                  "--out: '" + out + "' is one of the folders to merge; give another one");
   }
+  const auto folder = KAZ_TRY(OutputFolder::open(out, campaign_output()));
+  KAZ_TRY(folder.explained(claim(folder, campaign)));
+  for (const auto& [number, episode] : all) {
+    KAZ_TRY(folder.explained(write_json(folder.path(episode_file(number)), episode)));
+  }
+  for (const std::string& from : folders)
+    KAZ_TRY(folder.explained(copy_files(from + "/failures", folder.path("failures"))));
   return folder.explained(summarize(campaign, all, {}, folder, json));
 }
 

@@ -9,6 +9,7 @@
 #include "host/behavior/plugin.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/evaluate/judge.h"
+#include "tools/app/session/run_report.h"
 
 namespace kaz::tools {
 namespace {
@@ -18,6 +19,14 @@ using Json = nlohmann::ordered_json;
 
 double rounded(double value) {
   return std::round(value * 1e6) / 1e6;
+}
+
+// Removes a run's results, and their folder where nothing else is in it.
+Result<void> remove_run(const std::string& folder) {
+  KAZ_TRY(OutputFolder::begin(folder, run_output()));  // its list goes with the object
+  std::error_code ignored;
+  fs::remove(folder, ignored);
+  return {};
 }
 
 }  // namespace
@@ -58,12 +67,10 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   char name[32];
   std::snprintf(name, sizeof name, "%06llu", static_cast<unsigned long long>(number));
   const std::string kept = (fs::path(failures) / name).string();
-  std::error_code ignored;
-  fs::remove_all(kept, ignored);
   session.out = kept;
   const auto ran = run_session(session);
   if (!ran && ran.error().fault == Fault::interrupted) {
-    fs::remove_all(kept, ignored);
+    (void)remove_run(kept);
     return tl::unexpected(ran.error());
   }
   if (lost) return tl::unexpected(*lost);
@@ -71,7 +78,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   if (!ran && !ended) ended = tl::unexpected(ran.error());
 
   const std::string cause = cause_of_failure(options.behavior, values, ended, judge);
-  if (cause.empty()) fs::remove_all(kept, ignored);
+  if (cause.empty()) KAZ_TRY(remove_run(kept));
   Json results = Json::object();
   if (ended) {
     for (const auto& [key, value] : ended->measurements) results[key] = value;

@@ -151,6 +151,15 @@ Result<Commands> commands(const CampaignOptions& options, const Scenario& scenar
   return both;
 }
 
+// What both programs leave in the episode's folder, and the folder where nothing else is in it.
+void remove_files(const std::string& folder) {
+  std::error_code ignored;
+  for (const char* name :
+       {"color.json", "recording.mcap", "recording.mcap.part", "run.txt", "sim.txt"})
+    fs::remove(fs::path(folder) / name, ignored);
+  fs::remove(folder, ignored);
+}
+
 // The result that a `kaz run --json` left in its log, after what else it said.
 Json result_of(const std::string& log) {
   const auto begin = log.rfind("\n{\n");
@@ -167,6 +176,7 @@ std::string machine_trouble(std::optional<int> behaviour, bool ended_early, int 
   constexpr double kMaxLag_s = 1;  // in all; or at once, which only a stop of the process is
   if (ended_early) return "kaz sim ended with " + std::to_string(simulator) + " during the run";
   if (simulator == kLost) return "kaz sim could not keep its recording";
+  if (behaviour == static_cast<int>(Fault::usage)) return "kaz run could not begin";
   if (behaviour == kLost) return "kaz run lost port, camera or files";
   for (const int number : {SIGHUP, SIGINT, SIGKILL, SIGTERM, SIGBUS, SIGXCPU, SIGXFSZ})
     if (behaviour == 128 + number) return "kaz run was ended by signal " + std::to_string(number);
@@ -190,15 +200,15 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   std::snprintf(name, sizeof name, "%06llu", static_cast<unsigned long long>(number));
   const std::string kept = (fs::path(failures) / name).string();
   std::error_code wrong;
-  fs::remove_all(kept, wrong);
-  if (!fs::create_directories(kept, wrong))
-    return fail(Fault::environment, kept + ": cannot be made: " + wrong.message());
+  remove_files(kept);
+  fs::create_directories(kept, wrong);
+  if (wrong) return fail(Fault::environment, kept + ": cannot be made: " + wrong.message());
   const auto both = KAZ_TRY(commands(options, scenario, files, kept));
   // Both programs end with this process's objects.
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   const auto interrupted = [&] {
-    fs::remove_all(kept, wrong);
+    remove_files(kept);
     return tl::unexpected(host::Interrupt::error());
   };
 
@@ -247,7 +257,7 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   Json simulator_json = Json::object();
   for (const char* key : {"overruns", "lost_s", "pairs_dropped", "unconverged_steps"})
     if (last.contains(key)) simulator_json[key] = last[key];
-  if (cause.empty()) fs::remove_all(kept, wrong);
+  if (cause.empty()) remove_files(kept);
   Json episode{{"episode", number},
                {"scenario", scenario_json(scenario)},
                {"success", cause.empty()},

@@ -14,6 +14,8 @@
 namespace kaz::tools {
 namespace {
 
+constexpr FileKind kFlashContent{"content of a flash"};
+
 using Image = std::optional<host::FlashImage>;
 
 // Whether the firmware that was started answers, with this CRC.
@@ -145,7 +147,8 @@ Result<void> look(FlashSession& session, const FlashArguments& arguments, Answer
 Result<void> act(FlashSession& session, const FlashArguments& arguments, Answer& answer,
                  const Image& image) {
   std::optional<OutputFile> out;
-  if (arguments.verb == "read") out = KAZ_TRY(OutputFile::open(arguments.out, "--out"));
+  if (arguments.verb == "read")
+    out = KAZ_TRY(OutputFile::open(arguments.out, "--out", kFlashContent));
   if (auto opened = session.open(); !opened) return opened;
   const bool writes = arguments.verb == "write";
   if (arguments.dry_run) return look(session, arguments, answer, *image);

@@ -126,8 +126,12 @@ Result<void> KeptRun::write_notes() {
   std::error_code error;
   fs::create_directories(options_.folder, error);
   if (error) return cannot(options_.folder + ": cannot be made (" + error.message() + ")");
-  const std::string path = options_.folder + "/" + file_name_of(options_.port) + "-" +
-                           std::to_string(getpid()) + ".json";
+  // Process numbers repeat: notes that a killed run has left stay.
+  const std::string begin =
+      options_.folder + "/" + file_name_of(options_.port) + "-" + std::to_string(getpid());
+  std::string path = path_.empty() ? begin + ".json" : path_;
+  for (int n = 2; path_.empty() && fs::exists(fs::symlink_status(path, error)); ++n)
+    path = begin + "-" + std::to_string(n) + ".json";
   if (const auto written = write_whole_file(path, kept_text(kept_)); !written)
     return cannot(written.error().message);
   path_ = path;

@@ -172,7 +172,7 @@ std::string growing_recording(const OutputFolder& folder) {
 
 Result<std::string> place_recording(const OutputFolder& folder) {
   const std::string path = folder.path("recording.mcap");
-  KAZ_TRY(move_file(growing_recording(folder), path));
+  KAZ_TRY(put_in_place(growing_recording(folder), path));
   return path;
 }
 

@@ -259,7 +259,12 @@ Result<bool> run_session(SessionOptions options) {
   if (options.watcher != nullptr) options.watcher->begin(pipeline);
   behavior::PipelineBallDetector detector(capture, pipeline);
   Snapshots snapshots(camera, (*backend)->simulation(), options.vision.ball);
-  if (folder != nullptr) KAZ_TRY(folder->clear());
+  if (folder != nullptr) {
+    if (auto cleared = folder->clear(); !cleared) {
+      if (cleared.error().fault != Fault::environment) return tl::unexpected(cleared.error());
+      return tl::unexpected(lost(cleared.error(), options, folder));
+    }
+  }
   remove_recording.keep();
   Progress progress(options.label, options.json);
   const Time start = (*backend)->clock().now();

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <thread>
 
@@ -19,6 +20,9 @@
 
 namespace kaz::tools {
 namespace {
+
+constexpr FileKind kRecording{"recording", {"\x89MCAP0\r\n", "kaz"}};
+constexpr FileKind kMemory{"memory of a board", {}, sim::Mcu::memory_size};
 
 // Sets a flag when the interrupt comes, for code that looks at a flag and not at a descriptor.
 class StopFlag {
@@ -51,6 +55,28 @@ Result<void> check_place(const std::string& option, const std::string& path) {
                                 folder.string() + "); give another path");
 }
 
+// Of links, sockets and files at one place the last would replace the others.
+Result<void> check_distinct(const ServeOptions& arguments) {
+  const std::string& serial = arguments.real_time.serial_path;
+  const std::pair<const char*, std::string> all[] = {
+      {"--serial", serial},
+      {"the control socket of --serial", serial.empty() ? "" : serial + ".ctl"},
+      {"--cameras", arguments.real_time.cameras_path},
+      {"--record", arguments.backend.recording},
+      {"--memory", arguments.memory},
+      {"--write-calibration", arguments.calibration}};
+  std::map<std::filesystem::path, const char*> places;
+  for (const auto& [what, path] : all) {
+    if (path.empty()) continue;
+    const auto [at, added] =
+        places.emplace(std::filesystem::absolute(path).lexically_normal(), what);
+    if (!added)
+      return fail(Fault::usage, std::string(what) + ": " + at->second + " is at '" + path +
+                                    "' too; give another path");
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<bool> serve(ServeOptions arguments) {
@@ -58,18 +84,21 @@ Result<bool> serve(ServeOptions arguments) {
     return fail(Fault::usage, "--erased and --boot are for --mcu h8: native has no flash");
   if (arguments.backend.erased && !arguments.backend.image.empty())
     return fail(Fault::usage, "--erased and --image exclude each other");
+  KAZ_TRY(check_distinct(arguments));
   KAZ_TRY(check_place("--serial", arguments.real_time.serial_path));
   KAZ_TRY(check_place("--cameras", arguments.real_time.cameras_path));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   std::optional<OutputFile> calibration, recording, memory;
   if (!arguments.calibration.empty())
-    calibration = KAZ_TRY(OutputFile::open(arguments.calibration, "--write-calibration"));
+    calibration =
+        KAZ_TRY(OutputFile::open(arguments.calibration, "--write-calibration", kCalibrationFile));
   if (!arguments.backend.recording.empty()) {
-    recording = KAZ_TRY(OutputFile::open(arguments.backend.recording, "--record"));
+    recording = KAZ_TRY(OutputFile::open(arguments.backend.recording, "--record", kRecording));
     arguments.backend.recording = recording->part();
   }
-  if (!arguments.memory.empty()) memory = KAZ_TRY(OutputFile::open(arguments.memory, "--memory"));
+  if (!arguments.memory.empty())
+    memory = KAZ_TRY(OutputFile::open(arguments.memory, "--memory", kMemory));
   auto simulation = KAZ_TRY(make_simulation(arguments.backend, sim::FramePolicy::drop));
   if (!arguments.real_time.cameras_path.empty() && !simulation->has_eyes())
     return tl::unexpected(sim::Simulation::no_eyes());

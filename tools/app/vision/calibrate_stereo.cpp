@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/picture/png.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/output_file.h"
 #include "tools/app/base/provenance.h"
@@ -24,6 +25,8 @@ using vision::Board;
 using vision::StereoResult;
 
 // Beyond these something was given wrongly, and the file would be a calibration of nothing.
+constexpr const char* kSoftware = "kaz calibrate stereo";
+constexpr FileKind kCoverage{"coverage picture", {"\x89PNG\r\n", kSoftware}};
 constexpr double kMinSquare_m = 0.001, kMaxSquare_m = 0.5;
 constexpr double kMinBaseline_m = 0.005, kMaxBaseline_m = 1;
 constexpr double kMinFocal = 0.2,
@@ -191,8 +194,10 @@ Result<void> write(const StereoResult& result, const Board& board,
   const figure::Panel panels[] = {
       {figure::coverage_picture(result.left, c.width, c.height), "left: corners, residuals x 40"},
       {figure::coverage_picture(result.right, c.width, c.height), "right"}};
-  KAZ_TRY(figure::write_png(outputs.coverage.part(), figure::compose(panels, 2, 360)));
-  KAZ_TRY(outputs.coverage.commit());
+  const figure::Image both = figure::compose(panels, 2, 360);
+  const auto png = KAZ_TRY(picture::encode_png(
+      {.width = both.width, .height = both.height, .samples = both.rgb}, {.software = kSoftware}));
+  KAZ_TRY(outputs.coverage.write({reinterpret_cast<const char*>(png.data()), png.size()}));
   const std::string text = vision::calibration_text(c, format,
                                                     {{"board_width", board.columns},
                                                      {"board_height", board.rows},
@@ -278,8 +283,8 @@ Result<bool> calibrate_stereo(StereoCalibrationOptions arguments) {
     arguments.coverage =
         std::filesystem::path(arguments.out).replace_extension(".coverage.png").string();
   const auto pairs = KAZ_TRY(find_pairs(arguments.left, arguments.right));
-  auto calibration = KAZ_TRY(OutputFile::open(arguments.out, "--out"));
-  auto coverage = KAZ_TRY(OutputFile::open(arguments.coverage, "--coverage"));
+  auto calibration = KAZ_TRY(OutputFile::open(arguments.out, "--out", kCalibrationFile));
+  auto coverage = KAZ_TRY(OutputFile::open(arguments.coverage, "--coverage", kCoverage));
   Outputs outputs{std::move(calibration), std::move(coverage)};
   const auto seen = KAZ_TRY(look_at_all(pairs, board, arguments.json));
   const auto result = vision::calibrate_stereo(seen.boards, board, seen.width, seen.height);
