@@ -60,7 +60,7 @@ std::vector<std::string> earlier_notes(const std::string& port, const std::strin
     if (!name.starts_with(begin) || !name.ends_with(end)) continue;
     const std::string number =
         name.substr(begin.size(), name.size() - std::min(name.size(), begin.size() + end.size()));
-    if (!number.empty() && number.find_first_not_of("0123456789") == std::string::npos)
+    if (!number.empty() && number.find_first_not_of("0123456789-") == std::string::npos)
       paths.push_back(at->path());
   }
   std::ranges::sort(paths);
