@@ -27,9 +27,10 @@ try() {
 }
 
 begin() {
+  rm -f sim.out
   kaz sim --serial board "$@" >sim.out 2>&1 &
   simulator=$!
-  until grep -q ready sim.out; do
+  until grep -qs ready sim.out; do
     kill -0 "$simulator" || { cat sim.out; exit 1; }
     sleep 0.1
   done
