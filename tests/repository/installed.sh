@@ -27,9 +27,10 @@ try() {
 }
 
 begin() {
+  rm -f sim.out
   kaz sim --serial board "$@" >sim.out 2>&1 &
   simulator=$!
-  until grep -q ready sim.out; do
+  until grep -qs ready sim.out; do
     kill -0 "$simulator" || { cat sim.out; exit 1; }
     sleep 0.1
   done
@@ -43,7 +44,7 @@ end() {
 try kaz run stand --out stood
 try kaz replay stood/recording.mcap
 try kaz run stand --mcu native --robot-file "$share/kaz/robots/arm/arm.urdf"
-try kaz run track-ball --mcu native --duration 0.5 --record-pictures --out tracked
+try kaz run search-ball --mcu native --record-pictures --out tracked
 try kaz vision run --in tracked --frames 5 --out seen
 try kaz eyes --out drawn
 try kaz evaluate stand --mcu native --episodes 1 --out evaluated
@@ -60,5 +61,5 @@ try kaz flash verify "$share/kaz/firmware/kaz.mot" --port board
 try kaz status board
 end
 begin --mcu native --cameras board.eyes
-try kaz run track-ball --robot serial:board --camera board.eyes --duration 1 --out live
+try kaz run search-ball --robot serial:board --camera board.eyes --out live
 end

@@ -114,9 +114,8 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
       ->transform(one_of(kEngines))
       ->type_name("ENGINE");
   verb.add_option("--mode", options.mode, "mode pins: 2 advanced (24-bit), 3 normal (16-bit)")
-      ->check(CLI::IsMember({2, 3}).description(""))
-      ->capture_default_str()
-      ->type_name("2|3");
+      ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str();
   verb.add_option("--ram-fill", options.ram_fill, "value of each byte of RAM when power comes")
       ->check(between(0, 255))
       ->capture_default_str()
@@ -141,10 +140,9 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
           ->type_name("FILE");
   verb.add_option("--profile-format", debug.profile_format,
                   "text, json or callgrind (for KCachegrind)")
-      ->check(CLI::IsMember({"text", "json", "callgrind"}).description(""))
+      ->check(CLI::IsMember({"text", "json", "callgrind"}))
       ->capture_default_str()
-      ->needs(profile)
-      ->type_name("FORMAT");
+      ->needs(profile);
   verb.add_option("--tick", debug.tick,
                   "labels of a COFF or ELF image, or addresses, around a tick; the profile reports "
                   "the longest one")

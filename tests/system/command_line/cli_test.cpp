@@ -224,6 +224,9 @@ TEST(Cli, WrongValuesAreRefusedWithTheValidOnes) {
                    "--format hex: give coff, elf, ihex, raw or srec"));
   EXPECT_TRUE(
       says({"bench", "link", "--mcu", "h8", "--port", "a"}, "give --port or --mcu, not both"));
+  EXPECT_TRUE(says({"mcu", "run", "image", "--mode", "4"}, "--mode 4: give 2 or 3"));
+  EXPECT_TRUE(says({"mcu", "run", "image", "--profile-format", "xml"},
+                   "--profile-format xml: give text, json or callgrind"));
   EXPECT_TRUE(says({"mcu", "run", "image", "--semihost"}, "--semihost needs --flat"));
   EXPECT_TRUE(one_sentence(run(kaz({"status", "no-such-port"})), 3, {"no-such-port"}));
 }
