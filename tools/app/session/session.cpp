@@ -181,180 +181,272 @@ Error lost(Error error, const SessionOptions& options, const OutputFolder* folde
   return error;
 }
 
+// A session's steps. Its members are in the order in which they are made: what is later refers to what is
+// earlier, and goes first.
+class Session {
+ public:
+  explicit Session(SessionOptions options) : options_(std::move(options)) {}
+
+  Result<bool> run() {
+    KAZ_TRY(prepare());
+    KAZ_TRY(open_backend());
+    KAZ_TRY(connect());
+    KAZ_TRY(begin_vision());
+    KAZ_TRY(begin());
+    perform();
+    if (options_.on_end) options_.on_end(outcome_, run_s_, run_s_ / wall_s_);
+    if (!outcome_ && clock_->ended()) return end_in_time();
+    settle();
+    KAZ_TRY(check_end());
+    return report();
+  }
+
+ private:
+  Result<void> prepare();
+  Result<void> open_backend();
+  Result<void> connect();
+  Result<void> begin_vision();
+  Result<void> begin();
+  void perform();
+  Result<bool> end_in_time();
+  void settle();
+  Result<void> check_end();
+  Result<bool> report();
+
+  bool real() const { return backend_->port() != nullptr; }
+  const OutputFolder* folder() const { return results_ ? &*results_ : nullptr; }
+  bool interrupted() const { return !outcome_ && outcome_.error().fault == Fault::interrupted; }
+
+  SessionOptions options_;
+  behavior::Behavior behavior_;
+  behavior::OptionValues values_;
+  std::optional<OutputFolder> results_;
+  bool recorded_ = false;  // the recording grows in that folder
+  std::optional<FileRemover> remove_recording_;
+  host::Interrupt interrupt_;
+  std::optional<InterruptSignals> signals_;
+  std::unique_ptr<SessionBackend> backend_;
+  host::WallClock uninterrupted_;
+  std::unique_ptr<KeptRun> kept_;
+  std::optional<WatchedClock> clock_;
+  std::optional<host::Robot> robot_;
+  std::optional<RememberingCamera> camera_;
+  std::optional<host::Capture> capture_;
+  std::optional<vision::Pipeline> pipeline_;
+  std::optional<DeliveryTable> deliveries_;
+  std::optional<behavior::PipelineBallDetector> detector_;
+  std::optional<Snapshots> snapshots_;
+  std::optional<Progress> progress_;
+  Time start_{};
+  std::optional<Listener> listener_;
+
+  // How it went.
+  Result<behavior::Outcome> outcome_;
+  double run_s_ = 0, wall_s_ = 0;
+  std::optional<RunProfile> profile_;
+  Result<kz_statistics_reply> health_;
+  Result<void> left_;           // the board, as it was found or not
+  Result<std::string> sha256_;  // of an interrupted run's recording
+};
+
+// Checks and locks what can be without opening anything.
+Result<void> Session::prepare() {
+  behavior_ = KAZ_TRY(behavior::named_behavior(options_.behavior));
+  values_ = KAZ_TRY(behavior::OptionValues::parse(behavior_.options, options_.settings));
+  KAZ_TRY(parse_modules(options_.vision.modules));
+  options_.backend.needs_camera = behavior_.needs_camera;
+  KAZ_TRY(check(options_.backend));
+
+  if (!options_.out.empty()) {
+    auto opened = OutputFolder::open(options_.out, run_output());
+    if (!opened && opened.error().fault == Fault::environment)
+      return tl::unexpected(lost(opened.error(), options_, nullptr));
+    results_ = KAZ_TRY(std::move(opened));
+  }
+  recorded_ = results_ && options_.backend.robot == "sim" && options_.backend.recording.empty() &&
+              !options_.open_backend;
+  if (recorded_) options_.backend.recording = growing_recording(*results_);
+  // Of a run that does not begin nothing is left.
+  remove_recording_.emplace(recorded_ ? options_.backend.recording : "");
+  options_.backend.facts = facts_of(options_);
+  return {};
+}
+
+Result<void> Session::open_backend() {
+  signals_.emplace(interrupt_);
+  auto backend = options_.open_backend ? options_.open_backend(interrupt_)
+                                       : SessionBackend::open(options_.backend, interrupt_);
+  if (!backend) {
+    Error error = backend.error();
+    if (error.fault == Fault::environment && options_.on_loss) options_.on_loss(error);
+    return tl::unexpected(std::move(error));
+  }
+  backend_ = std::move(*backend);
+  return {};
+}
+
+Result<void> Session::connect() {
+  const Time connecting = backend_->clock().now();
+  const auto report_resumption = [this, connecting](const host::Resumption& resumption) {
+    std::fprintf(stderr, "\n%s: after %.1f s %s; after %.2f s more it answered again\n",
+                 options_.label.c_str(), seconds(resumption.lost - connecting),
+                 text(resumption.cause), seconds(resumption.resumed - resumption.lost));
+  };
+  if (real()) {
+    auto begun = KAZ_TRY(KeptRun::begin(backend_->link(), uninterrupted_,
+                                        {.verb = options_.label,
+                                         .port = backend_->port()->name(),
+                                         .address = options_.backend.address,
+                                         .motors_off = false,
+                                         .folder = ""}));
+    kept_ = std::move(begun);
+  }
+  clock_.emplace(backend_->clock(), backend_->simulation(), options_.onlooker, options_.until,
+                 interrupt_);
+  auto robot = KAZ_TRY(
+      host::Robot::connect(backend_->link(), *clock_,
+                           {.address = options_.backend.address,
+                            .on_resumed = report_resumption,
+                            .frames_path = real() ? temporary_file("frames.txt") : std::string()}));
+  robot_ = std::move(robot);
+  if (!real()) return {};
+  const auto trip = KAZ_TRY(host::measure_round_trip(*robot_, *backend_->port()));
+  if (!options_.json || trip.slow) std::fprintf(stderr, "kaz: %s\n", trip.sentence.c_str());
+  return {};
+}
+
+Result<void> Session::begin_vision() {
+  KAZ_TRY(backend_->open_camera());
+  if (behavior_.needs_camera && !backend_->sees())
+    return tl::unexpected(sim::Simulation::no_eyes());
+  camera_.emplace(backend_->camera());
+  capture_.emplace(*camera_, *robot_);
+  pipeline_.emplace(vision::PipelineOptions{backend_->pace(), backend_->camera_latency()});
+  VisionOptions modules = options_.vision;
+  modules.modules = "color," + modules.modules;
+  KAZ_TRY(add_modules(modules, *pipeline_));
+  deliveries_.emplace(*pipeline_);
+  if (options_.watcher != nullptr) options_.watcher->begin(*pipeline_);
+  detector_.emplace(*capture_, *pipeline_);
+  snapshots_.emplace(*camera_, backend_->simulation(), options_.vision.ball);
+  return {};
+}
+
+// From here on the results are this run's.
+Result<void> Session::begin() {
+  if (results_) KAZ_TRY(results_->clear());
+  remove_recording_->keep();
+  progress_.emplace(options_.label, options_.json);
+  start_ = backend_->clock().now();
+  listener_.emplace(*backend_, *snapshots_, *progress_, start_,
+                    expected_seconds(values_, behavior_.options));
+  return {};
+}
+
+void Session::perform() {
+  const auto wall_start = std::chrono::steady_clock::now();
+  behavior::Context context{*robot_,    robot_->clock(), backend_->sees() ? &*detector_ : nullptr,
+                            *listener_, values_,         options_.backend.seed};
+  context.ball_radius_m = options_.vision.ball.radius_m;
+  if (const auto* simulation = backend_->simulation())
+    context.other_joints = other_joints(simulation->world());
+  std::optional<RunProfiler> profiler;
+  if (options_.profile) profiler.emplace();
+  {
+    const ProfileScope host("behaviour and link");
+    outcome_ = behavior_.run(context);
+  }
+  wall_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
+  run_s_ = seconds(backend_->clock().now() - start_);
+  if (profiler) profile_ = profiler->end(run_s_);
+}
+
+// The time of SessionOptions::until has come.
+Result<bool> Session::end_in_time() {
+  progress_->done();
+  pipeline_->finish();
+  if (options_.watcher != nullptr) options_.watcher->end(*pipeline_);
+  KAZ_TRY(backend_->simulation()->finish_recording());
+  return false;
+}
+
+// Motors off, and the board as it was found; everything that goes on meanwhile ends.
+void Session::settle() {
+  std::optional<host::CleanUp> clean_up;
+  if (interrupted()) {
+    // What follows is no part of the run, and not recorded.
+    if (backend_->simulation() != nullptr)
+      sha256_ = backend_->simulation()->finish_recording(received_signal_name());
+    clean_up.emplace(interrupt_);
+  }
+  if (outcome_ || interrupted()) health_ = robot_->board_statistics();
+  robot_->disable_all();
+  clean_up.reset();
+  progress_->done();
+  if (kept_) left_ = kept_->end();
+  pipeline_->finish();
+  if (options_.watcher != nullptr) options_.watcher->end(*pipeline_);
+}
+
+// The error of a run of which there is nothing more to report.
+Result<void> Session::check_end() {
+  if (!sha256_) return tl::unexpected(lost(sha256_.error(), options_, folder()));
+  if (interrupted()) {
+    if (!left_)
+      std::fprintf(stderr, "%s: %s\n", options_.label.c_str(), left_.error().message.c_str());
+    if (!options_.keep_interrupted) return tl::unexpected(outcome_.error());
+    return {};
+  }
+  if (!outcome_) {
+    Error error = with_recording(together(outcome_, left_).error(), backend_->simulation(),
+                                 folder(), recorded_);
+    // In lockstep nothing but the robot can fail to answer; at a port it is the line, too.
+    if (real() && error.fault == Fault::environment)
+      error = lost(std::move(error), options_, folder());
+    return tl::unexpected(std::move(error));
+  }
+  if (!health_) return tl::unexpected(health_.error());
+  return left_;
+}
+
+Result<bool> Session::report() {
+  const behavior::Outcome cut_short{
+      false, "ended by " + std::string(received_signal_name()), {}, {}};
+  const RunReport report{options_.behavior,
+                         options_.backend,
+                         interrupted() ? cut_short : *outcome_,
+                         run_s_,
+                         run_s_ / wall_s_,
+                         score(listener_->recording(), listener_->probe(), start_),
+                         robot_->identity(),
+                         health_.value_or(kz_statistics_reply{}),
+                         robot_->statistics(),
+                         start_,
+                         listener_->recording(),
+                         listener_->probe(),
+                         module_statistics_json(*pipeline_),
+                         module_statistics_text(*pipeline_),
+                         deliveries_->text(),
+                         interrupted(),
+                         std::move(profile_),
+                         *sha256_};
+  const auto written =
+      write_report(report, backend_->simulation(), *snapshots_, folder(), recorded_);
+  if (!written) return tl::unexpected(lost(written.error(), options_, folder()));
+  if (!options_.quiet) print_report(*written, report, options_.out, options_.json);
+  if (!interrupted()) return outcome_->success;
+  char until[48];
+  std::snprintf(until, sizeof until, "interrupted at %.2f s", run_s_);
+  return fail(
+      Fault::interrupted,
+      until + (options_.out.empty() ? std::string("; nothing was to be kept of it")
+                                    : "; what there is of the run is kept in " + options_.out));
+}
+
 }  // namespace
 
 Result<bool> run_session(SessionOptions options) {
-  const auto behavior = behavior::named_behavior(options.behavior);
-  if (!behavior) return tl::unexpected(behavior.error());
-  const auto values = KAZ_TRY(behavior::OptionValues::parse(behavior->options, options.settings));
-  KAZ_TRY(parse_modules(options.vision.modules));
-  options.backend.needs_camera = behavior->needs_camera;
-  KAZ_TRY(check(options.backend));
-
-  std::optional<OutputFolder> results;
-  if (!options.out.empty()) {
-    auto opened = OutputFolder::open(options.out, run_output());
-    if (!opened && opened.error().fault == Fault::environment)
-      return tl::unexpected(lost(opened.error(), options, nullptr));
-    results = KAZ_TRY(std::move(opened));
-  }
-  const OutputFolder* folder = results ? &*results : nullptr;
-  const bool recorded = folder != nullptr && options.backend.robot == "sim" &&
-                        options.backend.recording.empty() && !options.open_backend;
-  if (recorded) options.backend.recording = growing_recording(*folder);
-  // Of a run that does not begin nothing is left.
-  FileRemover remove_recording(recorded ? options.backend.recording : "");
-  options.backend.facts = facts_of(options);
-
-  host::Interrupt interrupt;
-  const InterruptSignals signals(interrupt);
-  auto backend = options.open_backend ? options.open_backend(interrupt)
-                                      : SessionBackend::open(options.backend, interrupt);
-  if (!backend) {
-    Error error = backend.error();
-    if (error.fault == Fault::environment && options.on_loss) options.on_loss(error);
-    return tl::unexpected(std::move(error));
-  }
-  const bool real = (*backend)->port() != nullptr;
-  const Time connecting = (*backend)->clock().now();
-  const auto report_resumption = [&](const host::Resumption& resumption) {
-    std::fprintf(stderr, "\n%s: after %.1f s %s; after %.2f s more it answered again\n",
-                 options.label.c_str(), seconds(resumption.lost - connecting),
-                 text(resumption.cause), seconds(resumption.resumed - resumption.lost));
-  };
-  host::WallClock uninterrupted;
-  std::unique_ptr<KeptRun> kept;
-  if (real) {
-    auto begun = KAZ_TRY(KeptRun::begin((*backend)->link(), uninterrupted,
-                                        {.verb = options.label,
-                                         .port = (*backend)->port()->name(),
-                                         .address = options.backend.address,
-                                         .motors_off = false,
-                                         .folder = ""}));
-    kept = std::move(begun);
-  }
-  WatchedClock clock((*backend)->clock(), (*backend)->simulation(), options.onlooker, options.until,
-                     interrupt);
-  auto robot =
-      host::Robot::connect((*backend)->link(), clock,
-                           {.address = options.backend.address,
-                            .on_resumed = report_resumption,
-                            .frames_path = real ? temporary_file("frames.txt") : std::string()});
-  if (!robot) return tl::unexpected(robot.error());
-  if (real) {
-    const auto trip = KAZ_TRY(host::measure_round_trip(*robot, *(*backend)->port()));
-    if (!options.json || trip.slow) std::fprintf(stderr, "kaz: %s\n", trip.sentence.c_str());
-  }
-
-  KAZ_TRY((*backend)->open_camera());
-  const bool sees = (*backend)->sees();
-  if (behavior->needs_camera && !sees) return tl::unexpected(sim::Simulation::no_eyes());
-  RememberingCamera camera((*backend)->camera());
-  host::Capture capture(camera, *robot);
-  vision::Pipeline pipeline({(*backend)->pace(), (*backend)->camera_latency()});
-  VisionOptions modules = options.vision;
-  modules.modules = "color," + modules.modules;
-  KAZ_TRY(add_modules(modules, pipeline));
-  DeliveryTable deliveries(pipeline);
-  if (options.watcher != nullptr) options.watcher->begin(pipeline);
-  behavior::PipelineBallDetector detector(capture, pipeline);
-  Snapshots snapshots(camera, (*backend)->simulation(), options.vision.ball);
-  if (folder != nullptr) KAZ_TRY(folder->clear());
-  remove_recording.keep();
-  Progress progress(options.label, options.json);
-  const Time start = (*backend)->clock().now();
-  Listener listener(**backend, snapshots, progress, start,
-                    expected_seconds(values, behavior->options));
-
-  Result<std::string> sha256;
-  const auto wall_start = std::chrono::steady_clock::now();
-  behavior::Context context{*robot,   robot->clock(), sees ? &detector : nullptr,
-                            listener, values,         options.backend.seed};
-  context.ball_radius_m = options.vision.ball.radius_m;
-  if (const auto* simulation = (*backend)->simulation())
-    context.other_joints = other_joints(simulation->world());
-  std::optional<RunProfiler> profiler;
-  if (options.profile) profiler.emplace();
-  const Result<behavior::Outcome> outcome = [&] {
-    const ProfileScope host("behaviour and link");
-    return behavior->run(context);
-  }();
-  const double wall_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
-  const double run_s = seconds((*backend)->clock().now() - start);
-  std::optional<RunProfile> profile;
-  if (profiler) profile = profiler->end(run_s);
-  profiler.reset();
-  if (options.on_end) options.on_end(outcome, run_s, run_s / wall_s);
-  if (!outcome && clock.ended()) {  // options.until
-    progress.done();
-    pipeline.finish();
-    if (options.watcher != nullptr) options.watcher->end(pipeline);
-    KAZ_TRY((*backend)->simulation()->finish_recording());
-    return false;
-  }
-  const bool interrupted = !outcome && outcome.error().fault == Fault::interrupted;
-  std::optional<host::CleanUp> clean_up;
-  if (interrupted) {
-    // What follows is no part of the run, and not recorded.
-    if ((*backend)->simulation() != nullptr)
-      sha256 = (*backend)->simulation()->finish_recording(received_signal_name());
-    clean_up.emplace(interrupt);
-  }
-  const auto health =
-      outcome || interrupted ? robot->board_statistics() : Result<kz_statistics_reply>{};
-  robot->disable_all();
-  clean_up.reset();
-  progress.done();
-  const Result<void> left = kept ? kept->end() : Result<void>();
-  pipeline.finish();
-  if (options.watcher != nullptr) options.watcher->end(pipeline);
-  if (!sha256) return tl::unexpected(lost(sha256.error(), options, folder));
-  if (interrupted && !left)
-    std::fprintf(stderr, "%s: %s\n", options.label.c_str(), left.error().message.c_str());
-  if (interrupted && !options.keep_interrupted) return tl::unexpected(outcome.error());
-  if (!outcome && !interrupted) {
-    Error error =
-        with_recording(together(outcome, left).error(), (*backend)->simulation(), folder, recorded);
-    // In lockstep nothing but the robot can fail to answer; at a port it is the line, too.
-    if (real && error.fault == Fault::environment) error = lost(std::move(error), options, folder);
-    return tl::unexpected(std::move(error));
-  }
-  if (!health && !interrupted) return tl::unexpected(health.error());
-  if (!interrupted) {
-    KAZ_TRY(left);
-  }
-
-  const behavior::Outcome cut_short{
-      false, "ended by " + std::string(received_signal_name()), {}, {}};
-  RunReport report{options.behavior,
-                   options.backend,
-                   interrupted ? cut_short : *outcome,
-                   run_s,
-                   run_s / wall_s,
-                   score(listener.recording(), listener.probe(), start),
-                   robot->identity(),
-                   health.value_or(kz_statistics_reply{}),
-                   robot->statistics(),
-                   start,
-                   listener.recording(),
-                   listener.probe(),
-                   module_statistics_json(pipeline),
-                   module_statistics_text(pipeline),
-                   deliveries.text(),
-                   interrupted,
-                   std::move(profile),
-                   *sha256};
-  const auto written = write_report(report, (*backend)->simulation(), snapshots, folder, recorded);
-  if (!written) return tl::unexpected(lost(written.error(), options, folder));
-  if (!options.quiet) print_report(*written, report, options.out, options.json);
-  if (!interrupted) return outcome->success;
-  char until[48];
-  std::snprintf(until, sizeof until, "interrupted at %.2f s", run_s);
-  return fail(
-      Fault::interrupted,
-      until + (options.out.empty() ? std::string("; nothing was to be kept of it")
-                                   : "; what there is of the run is kept in " + options.out));
+  return Session(std::move(options)).run();
 }
 
 }  // namespace kaz::tools
