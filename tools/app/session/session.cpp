@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/session/session.h"
 
+#include <cxxabi.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -16,10 +18,13 @@
 #include "host/link/wall_clock.h"
 #include "host/robot/measure_link.h"
 #include "host/robot/robot.h"
+#include "host/robot/typed_request.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/kept/kept_run.h"
+#include "tools/app/session/call_gate.h"
 #include "tools/app/session/moments.h"
+#include "tools/app/session/plugin_guard.h"
 #include "tools/app/session/run_report.h"
 #include "tools/app/session/score.h"
 #include "tools/app/session/snapshots.h"
@@ -28,13 +33,16 @@
 namespace kaz::tools {
 namespace {
 
+using Steady = std::chrono::steady_clock;
+
 // Listens to the behaviour: progress for the user, truth for the score, moments for the snapshots, a
 // record.
 class Listener final : public behavior::Sink {
  public:
-  Listener(SessionBackend& backend, Snapshots& snapshots, Progress& progress, Time start,
-           double expected_s)
+  Listener(SessionBackend& backend, CallGate* gate, Snapshots& snapshots, Progress& progress,
+           Time start, double expected_s)
       : backend_(backend),
+        gate_(gate),
         snapshots_(snapshots),
         progress_(progress),
         start_(start),
@@ -43,6 +51,7 @@ class Listener final : public behavior::Sink {
   }
 
   void phase(Time time, std::string_view behavior, std::string_view phase) override {
+    const CallGate::Call call(gate_);
     recording_.phase(time, behavior, phase);
     phase_ = phase;
     record({{"behavior", behavior}, {"phase", phase}});
@@ -52,6 +61,7 @@ class Listener final : public behavior::Sink {
   }
 
   void cycle(const behavior::CycleRow& row) override {
+    const CallGate::Call call(gate_);
     recording_.cycle(row);
     if (probe_) probe_->sample();
     record({{"pan_target", row.pan_target}, {"tilt_target", row.tilt_target}});
@@ -62,6 +72,7 @@ class Listener final : public behavior::Sink {
   }
 
   void picture(const behavior::PictureRow& row) override {
+    const CallGate::Call call(gate_);
     recording_.picture(row);
     record({{"exposure_ns", row.exposure.count()}, {"found", row.found}, {"error", row.error_rad}});
   }
@@ -70,9 +81,14 @@ class Listener final : public behavior::Sink {
   const TruthProbe* probe() const { return probe_ ? &*probe_ : nullptr; }
 
  private:
-  void record(const nlohmann::ordered_json& value) { backend_.record_behavior(value.dump()); }
+  // Names may hold bytes that are no UTF-8.
+  void record(const nlohmann::ordered_json& value) {
+    backend_.record_behavior(
+        value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  }
 
   SessionBackend& backend_;
+  CallGate* gate_;
   Snapshots& snapshots_;
   Progress& progress_;
   Time start_;
@@ -86,14 +102,16 @@ class Listener final : public behavior::Sink {
 // line busy does nothing else.
 class WatchedClock final : public host::Clock {
  public:
-  WatchedClock(host::Clock& clock, sim::Simulation* simulation, Onlooker* onlooker,
+  WatchedClock(host::Clock& clock, CallGate* gate, sim::Simulation* simulation, Onlooker* onlooker,
                std::optional<Time> until, host::Interrupt& interrupt)
       : clock_(clock),
+        gate_(gate),
         simulation_(simulation),
         onlooker_(onlooker),
         until_(simulation == nullptr ? std::nullopt : until),
         interrupt_(interrupt) {}
   Time now() const override {
+    const CallGate::Call call(gate_);
     const Time now = clock_.now();
     if (onlooker_ != nullptr && simulation_ != nullptr && now > looked_) {
       onlooker_->look(*simulation_);
@@ -104,6 +122,7 @@ class WatchedClock final : public host::Clock {
     return now;
   }
   Result<void> sleep_until(Time t) override {
+    const CallGate::Call call(gate_);
     auto slept = clock_.sleep_until(until_ ? std::min(t, *until_) : t);
     if (slept) now();
     if (!slept || !ended()) return slept;
@@ -115,6 +134,7 @@ class WatchedClock final : public host::Clock {
  private:
   mutable Time looked_{-1};
   host::Clock& clock_;
+  CallGate* gate_;
   sim::Simulation* simulation_;
   Onlooker* onlooker_;
   std::optional<Time> until_;
@@ -156,27 +176,34 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& 
           {"backend", robot.dump()}};
 }
 
-// What there is of a run that broke off is its recording up to there: it moves in all the same.
+// What there is of a run that broke off is its recording up to there: it moves in all the same. `by`: what
+// broke it off, if not the robot.
 Error with_recording(Error error, sim::Simulation* simulation, const OutputFolder* folder,
-                     bool recorded) {
+                     bool recorded, const std::string& by) {
   if (simulation == nullptr || folder == nullptr || !recorded) return error;
-  const auto ended = simulation->finish_recording();
+  const auto ended = simulation->finish_recording(by);
   if (!ended || ended->empty()) return error;
   if (const auto placed = place_recording(*folder))
     error.message += "; the recording up to there is " + *placed;
   return error;
 }
 
-// The machine's fault: with what is saved, reported to the caller, and kept as the run's outcome. On a
-// full disk that result may be missing.
+// The end of a run that broke off, as its result. On a full disk it may be missing.
+void write_end(const OutputFolder* folder, const SessionOptions& options, const char* outcome,
+               const char* cause, const std::string& sentence) {
+  if (folder == nullptr) return;
+  nlohmann::ordered_json result{{"outcome", outcome},
+                                {"sentence", sentence},
+                                {"behavior", options.behavior},
+                                {"seed", options.backend.seed}};
+  if (*cause != '\0') result["cause"] = cause;
+  (void)folder->write_json("result.json", result);
+}
+
+// The machine's fault: with what is saved, reported to the caller, and kept as the run's outcome.
 Error lost(Error error, const SessionOptions& options, const OutputFolder* folder) {
-  if (folder != nullptr) {
-    error = folder->explained(std::move(error));
-    (void)folder->write_json("result.json", {{"outcome", "environment"},
-                                             {"sentence", error.message},
-                                             {"behavior", options.behavior},
-                                             {"seed", options.backend.seed}});
-  }
+  if (folder != nullptr) error = folder->explained(std::move(error));
+  write_end(folder, options, "environment", "", error.message);
   if (options.on_loss) options.on_loss(error);
   return error;
 }
@@ -213,6 +240,15 @@ class Session {
   Result<void> check_end();
   Result<bool> report();
 
+  // In perform().
+  void run_behavior(behavior::Context& context);
+  void take_times();
+  void check_outcome();
+  std::string abandon(const PluginEnd& end);
+  std::string leave_board();
+
+  bool plugin() const { return behavior::names_plugin(options_.behavior); }
+  CallGate* gate() { return plugin() ? &gate_ : nullptr; }
   bool real() const { return backend_->port() != nullptr; }
   const OutputFolder* folder() const { return results_ ? &*results_ : nullptr; }
   bool interrupted() const { return !outcome_ && outcome_.error().fault == Fault::interrupted; }
@@ -228,13 +264,16 @@ class Session {
   std::unique_ptr<SessionBackend> backend_;
   host::WallClock uninterrupted_;
   std::unique_ptr<KeptRun> kept_;
+  CallGate gate_;
   std::optional<WatchedClock> clock_;
+  std::optional<GatedLink> link_;
   std::optional<host::Robot> robot_;
   std::optional<RememberingCamera> camera_;
   std::optional<host::Capture> capture_;
   std::optional<vision::Pipeline> pipeline_;
   std::optional<DeliveryTable> deliveries_;
   std::optional<behavior::PipelineBallDetector> detector_;
+  std::optional<GatedDetector> gated_detector_;
   std::optional<Snapshots> snapshots_;
   std::optional<Progress> progress_;
   Time start_{};
@@ -242,6 +281,8 @@ class Session {
 
   // How it went.
   Result<behavior::Outcome> outcome_;
+  bool threw_ = false;
+  Steady::time_point wall_start_;
   double run_s_ = 0, wall_s_ = 0;
   std::optional<RunProfile> profile_;
   Result<kz_statistics_reply> health_;
@@ -251,7 +292,7 @@ class Session {
 
 // Checks and locks what can be without opening anything.
 Result<void> Session::prepare() {
-  behavior_ = KAZ_TRY(behavior::named_behavior(options_.behavior));
+  behavior_ = KAZ_TRY(guarded_behavior(options_.behavior, options_.label));
   values_ = KAZ_TRY(behavior::OptionValues::parse(behavior_.options, options_.settings));
   KAZ_TRY(parse_modules(options_.vision.modules));
   options_.backend.needs_camera = behavior_.needs_camera;
@@ -301,10 +342,11 @@ Result<void> Session::connect() {
                                          .folder = ""}));
     kept_ = std::move(begun);
   }
-  clock_.emplace(backend_->clock(), backend_->simulation(), options_.onlooker, options_.until,
-                 interrupt_);
+  clock_.emplace(backend_->clock(), gate(), backend_->simulation(), options_.onlooker,
+                 options_.until, interrupt_);
+  link_.emplace(backend_->link(), gate());
   auto robot = KAZ_TRY(
-      host::Robot::connect(backend_->link(), *clock_,
+      host::Robot::connect(*link_, *clock_,
                            {.address = options_.backend.address,
                             .on_resumed = report_resumption,
                             .frames_path = real() ? temporary_file("frames.txt") : std::string()}));
@@ -328,6 +370,7 @@ Result<void> Session::begin_vision() {
   deliveries_.emplace(*pipeline_);
   if (options_.watcher != nullptr) options_.watcher->begin(*pipeline_);
   detector_.emplace(*capture_, *pipeline_);
+  gated_detector_.emplace(*detector_, gate());
   snapshots_.emplace(*camera_, backend_->simulation(), options_.vision.ball);
   return {};
 }
@@ -338,15 +381,16 @@ Result<void> Session::begin() {
   remove_recording_->keep();
   progress_.emplace(options_.label, options_.json);
   start_ = backend_->clock().now();
-  listener_.emplace(*backend_, *snapshots_, *progress_, start_,
+  listener_.emplace(*backend_, gate(), *snapshots_, *progress_, start_,
                     expected_seconds(values_, behavior_.options));
   return {};
 }
 
 void Session::perform() {
-  const auto wall_start = std::chrono::steady_clock::now();
-  behavior::Context context{*robot_,    robot_->clock(), backend_->sees() ? &*detector_ : nullptr,
-                            *listener_, values_,         options_.backend.seed};
+  wall_start_ = Steady::now();
+  behavior::Context context{
+      *robot_,    robot_->clock(), backend_->sees() ? &*gated_detector_ : nullptr,
+      *listener_, values_,         options_.backend.seed};
   context.ball_radius_m = options_.vision.ball.radius_m;
   if (const auto* simulation = backend_->simulation())
     context.other_joints = other_joints(simulation->world());
@@ -354,11 +398,103 @@ void Session::perform() {
   if (options_.profile) profiler.emplace();
   {
     const ProfileScope host("behaviour and link");
-    outcome_ = behavior_.run(context);
+    std::optional<PluginGuard> guard;
+    if (plugin())
+      guard.emplace(
+          PluginGuardOptions{.label = options_.label,
+                             .path = options_.behavior,
+                             .gate = &gate_,
+                             .interrupt = &interrupt_,
+                             .finish = [this](const PluginEnd& end) { return abandon(end); },
+                             .before_message = [this] { progress_->done(); }});
+    run_behavior(context);
   }
-  wall_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
-  run_s_ = seconds(backend_->clock().now() - start_);
+  take_times();
   if (profiler) profile_ = profiler->end(run_s_);
+  if (threw_ && options_.on_crash) options_.on_crash(outcome_.error(), false);
+  check_outcome();
+}
+
+void Session::take_times() {
+  wall_s_ = std::chrono::duration<double>(Steady::now() - wall_start_).count();
+  run_s_ = seconds(backend_->clock().now() - start_);
+}
+
+// An exception is an error as others: motors go off, files are finished.
+void Session::run_behavior(behavior::Context& context) {
+  try {
+    outcome_ = behavior_.run(context);
+  } catch (const abi::__forced_unwind&) {  // pthread_exit()
+    before_exit("pthread_exit", 0);
+    throw;
+  } catch (...) {
+    threw_ = true;
+    outcome_ = tl::unexpected(thrown_error(options_.behavior));
+  }
+}
+
+// What a behaviour returns is completed, and agrees with whether there was an interrupt.
+void Session::check_outcome() {
+  if (received_signal() != 0 && interrupt_.requested()) {
+    outcome_ = tl::unexpected(host::Interrupt::error());
+  } else if (!outcome_) {
+    Error& error = outcome_.error();
+    if (error.fault == Fault::interrupted && !clock_->ended()) error.fault = Fault::failed;
+    if (error.message.empty())
+      error.message = options_.behavior + " returned an error without a sentence";
+  } else if (outcome_->sentence.empty()) {
+    outcome_->sentence = options_.behavior + " returned an outcome without a sentence";
+  }
+}
+
+// A plug-in has ended the process, or does not return: what settle() and report() would have done. On the
+// guard's thread; the plug-in's is shut out. Returns the rest of the sentence.
+std::string Session::abandon(const PluginEnd& end) {
+  const bool interrupt = end.error.fault == Fault::interrupted;
+  progress_->done();
+  outcome_ = tl::unexpected(end.error);
+  take_times();
+  if (options_.on_end) options_.on_end(outcome_, run_s_, run_s_ / wall_s_);
+  std::string rest;
+  if (interrupt && backend_->simulation() != nullptr)
+    sha256_ = backend_->simulation()->finish_recording(end.by);
+  if (real() || interrupt) rest = leave_board();
+  if (interrupt && options_.keep_interrupted) {
+    rest += "; " + (sha256_ ? report().error() : lost(sha256_.error(), options_, folder())).message;
+  } else if (interrupt) {
+    rest += "; interrupted";
+  } else {
+    Error error = with_recording(end.error, backend_->simulation(), folder(), recorded_, end.by);
+    rest += error.message.substr(end.error.message.size());
+    write_end(folder(), options_, "failed", "crashed", error.message);
+  }
+  if (options_.on_crash) options_.on_crash(end.error, true);
+  remove_temporary_folder();
+  return rest;
+}
+
+// Motors off, by requests of its own: another thread may be in the midst of one.
+std::string Session::leave_board() {
+  const host::CleanUp clean_up(interrupt_);
+  host::Requester requester(backend_->link(), backend_->clock(),
+                            {.address = options_.backend.address});
+  requester.limit_tries(3);
+  const host::Request requests[] = {
+      host::make_request(KZ_TYPE_enable, kz_enable{0}, kz_pack_enable),
+      host::make_request(KZ_TYPE_statistics, kz_statistics{}, kz_pack_statistics)};
+  const auto replies = requester.exchange(requests);
+  if (replies) {
+    health_ = host::read_reply((*replies)[1], kz_unpack_statistics_reply);
+  } else {
+    for (int i = 0; i < 3; ++i) (void)requester.send(requests[0]);  // the wire may still carry it
+  }
+  if (!real()) return {};
+  std::string rest = replies ? "; the motors are off"
+                             : "; the board does not answer, its link watchdog makes it hold: "
+                               "switch it off";
+  if (kept_) left_ = kept_->end();
+  if (!left_) rest += "; " + left_.error().message;
+  return rest;
 }
 
 // The time of SessionOptions::until has come.
@@ -399,10 +535,12 @@ Result<void> Session::check_end() {
   }
   if (!outcome_) {
     Error error = with_recording(together(outcome_, left_).error(), backend_->simulation(),
-                                 folder(), recorded_);
+                                 folder(), recorded_, threw_ ? "an exception" : "");
     // In lockstep nothing but the robot can fail to answer; at a port it is the line, too.
-    if (real() && error.fault == Fault::environment)
+    if ((real() || threw_) && error.fault == Fault::environment)
       error = lost(std::move(error), options_, folder());
+    else if (threw_)
+      write_end(folder(), options_, "failed", "crashed", error.message);
     return tl::unexpected(std::move(error));
   }
   if (!health_) return tl::unexpected(health_.error());
