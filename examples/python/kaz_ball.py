@@ -7,7 +7,7 @@ example:
   kaz sim --world catch --serial board --cameras board.eyes &   kaz_ball.py board board.eyes
 
 exit codes: 0 the head points at the ball, 1 no ball, or the head did not get there, 2 wrong usage,
-3 no port, no board or no camera
+3 no port, no board or no camera; 128 + signal interrupted (130: Ctrl-C)
 """
 import argparse
 import math
@@ -108,25 +108,24 @@ def main():
     parser.add_argument("port", help="serial device, or the pty of `kaz sim --serial`")
     parser.add_argument("camera", help="socket of `kaz sim --cameras`")
     options = parser.parse_args()
+    return kaz_client.run("kaz_ball.py", lambda: find(options))
+
+
+def find(options):
+    camera = Camera(options.camera)
+    board = kaz_client.Board(options.port)
+    board.identify()
+    # Waiting for a picture may take longer than the link watchdog's 90 ms: 1 s.
+    board.request(kaz_client.HEARTBEAT, bytes([100, kaz_client.REACTION_HOLD]))
+    board.request(kaz_client.CLEAR)
     try:
-        camera = Camera(options.camera)
-        board = kaz_client.Board(options.port)
-        board.identify()
-        # Waiting for a picture may take longer than the link watchdog's 90 ms: 1 s.
-        board.request(kaz_client.HEARTBEAT, bytes([100, kaz_client.REACTION_HOLD]))
-        board.request(kaz_client.CLEAR)
         # Gains of the neck as in kaz_client.move. The other joints hold, else the robot would sink down.
         board.request(kaz_client.GAINS, struct.pack(">IHHHB", NECK, 12 * 256, 614, 0, 0))
         board.request(kaz_client.ENABLE, struct.pack(">I", ALL_JOINTS))
-        try:
-            found = look_at_ball(board, camera)
-        finally:
-            board.request(kaz_client.ENABLE, struct.pack(">I", 0))
-    except (kaz_client.Refusal, kaz_client.ShutDown) as error:
-        print(f"kaz_ball.py: {error}", file=sys.stderr)
-        return 1
-    except kaz_client.NoBoard as error:
-        print(f"kaz_ball.py: {error}", file=sys.stderr)
+        found = look_at_ball(board, camera)
+    finally:
+        off = board.off()
+    if not off:
         return 3
     if found is None:
         print("kaz_ball.py: no red ball was found, or the head does not get there", file=sys.stderr)

@@ -8,7 +8,7 @@ examples:
   kaz sim --world ball --serial board &   kaz_client.py ./board --joint 1 --angle -0.2
 
 exit codes: 0 done, 1 the joint did not get there or the board refused, 2 wrong usage,
-3 no port, or no board that answers
+3 no port, or no board that answers; 128 + signal interrupted (130: Ctrl-C)
 """
 import argparse
 import errno
@@ -16,6 +16,7 @@ import fcntl
 import math
 import os
 import select
+import signal
 import struct
 import sys
 import termios
@@ -60,6 +61,35 @@ class ShutDown(Exception):
 
 class NoBoard(Exception):
     """The port cannot be opened, or nothing answers."""
+
+
+class Interrupted(Exception):
+    """Ctrl-C, SIGTERM or SIGHUP: raised wherever the program waits, so that the motors go off."""
+
+    def __init__(self, number):
+        super().__init__("interrupted")
+        self.number = number
+
+
+def catch_signals():
+    def interrupt(number, _frame):
+        signal.signal(number, signal.SIG_DFL)  # a second one ends the program at once
+        raise Interrupted(number)
+
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, interrupt)
+
+
+def run(name, work):
+    """The exit code of a program whose work() returns it, or fails."""
+    try:
+        catch_signals()
+        return work()
+    except (Refusal, ShutDown, NoBoard, Interrupted) as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        if isinstance(error, Interrupted):
+            return 128 + error.number
+        return 3 if isinstance(error, NoBoard) else 1
 
 
 # ---- Frames: 00 | stuffed body | check | 00
@@ -118,7 +148,7 @@ def body_of(piece):
 class Board:
     def __init__(self, path):
         try:
-            self.port = os.open(path, os.O_RDWR | os.O_NOCTTY)
+            self.port = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
             fcntl.flock(self.port, fcntl.LOCK_EX | fcntl.LOCK_NB)  # as `kaz` does
             tty.setraw(self.port)  # 8 bits, no parity, nothing translated
             settings = termios.tcgetattr(self.port)
@@ -141,6 +171,8 @@ class Board:
                 continue
             try:
                 received = os.read(self.port, 256)
+            except BlockingIOError:
+                continue
             except OSError as error:
                 raise NoBoard(f"'{self.path}' is gone: {error.strerror}") from error
             if not received:
@@ -148,6 +180,19 @@ class Board:
             *pieces, self.heard = (self.heard + received).split(b"\0")
             self.heard = self.heard[-200:]  # no frame is longer
             yield from filter(None, map(body_of, pieces))
+
+    def write(self, frame, until):
+        """False if the port takes nothing."""
+        while frame and (left := until - time.monotonic()) > 0:
+            if not select.select([], [self.port], [], left)[1]:
+                break
+            try:
+                frame = frame[os.write(self.port, frame):]
+            except BlockingIOError:
+                continue
+            except OSError as error:
+                raise NoBoard(f"'{self.path}' is gone: {error.strerror}") from error
+        return not frame
 
     def request(self, kind, fields=b"", patience_s=0.5):
         """The fields of the reply. A request without one is sent again, as the same request."""
@@ -158,7 +203,8 @@ class Board:
         frame = frame_of(body)
         give_up = time.monotonic() + patience_s
         while time.monotonic() < give_up:
-            os.write(self.port, frame)
+            if not self.write(frame, give_up):
+                break
             for body in self.bodies(time.monotonic() + 0.05):
                 address, reply, sequence = body[:3]
                 if address != ADDRESS or sequence != self.sequence:
@@ -179,6 +225,15 @@ class Board:
         """Reason of a shutdown (0: none), and the angles in rad."""
         _tick, status, _supply, *angles = struct.unpack(">IHH18h", self.request(STATE))
         return status >> 8, [angle * UNIT for angle in angles]
+
+    def off(self):
+        """The last thing of a program, however it ends: never raises. True if all motors are off."""
+        try:
+            self.request(ENABLE, struct.pack(">I", 0))
+            return True
+        except (Refusal, NoBoard) as error:
+            print(f"{error}: the motors may still hold, switch the board off", file=sys.stderr)
+            return False
 
     def target(self, joint, angle, seconds):
         self.request(TARGETS, struct.pack(">IHh", 1 << joint, round(seconds * 1000), round(angle / UNIT)))
@@ -228,31 +283,28 @@ def main():
     options = parser.parse_args()
     if not math.isfinite(options.angle) or abs(options.angle) > 3.2 or not 0 <= options.seconds <= 60:
         parser.error("--angle is within 3.2 rad, --seconds 0 to 60")
+    return run("kaz_client.py", lambda: demonstrate(options))
+
+
+def demonstrate(options):
+    board = Board(options.port)
+    who = board.identify()
+    print(f"a board with {who['joints']} joints, protocol {who['version']}, on for "
+          f"{who['tick'] / 1000:.1f} s")
+    if who["version"] != PROTOCOL_VERSION:
+        raise NoBoard(f"the board speaks protocol {who['version']}, not {PROTOCOL_VERSION}")
     try:
-        board = Board(options.port)
-        who = board.identify()
-        print(f"a board with {who['joints']} joints, protocol {who['version']}, on for "
-              f"{who['tick'] / 1000:.1f} s")
-        if who["version"] != PROTOCOL_VERSION:
-            raise NoBoard(f"the board speaks protocol {who['version']}, not {PROTOCOL_VERSION}")
+        arrived = move(board, options.joint, options.angle, options.seconds)
         try:
-            arrived = move(board, options.joint, options.angle, options.seconds)
-            try:
-                board.target(options.joint, 3.27, 1)  # beyond every joint's limits
-                print("the board took a target beyond the limits", file=sys.stderr)
-                arrived = False
-            except Refusal as refusal:
-                print(f"as it should be: {refusal}")
-        finally:
-            board.request(ENABLE, struct.pack(">I", 0))
-        print("all joints are off")
-        return 0 if arrived else 1
-    except (Refusal, ShutDown) as error:
-        print(f"kaz_client.py: {error}", file=sys.stderr)
-        return 1
-    except NoBoard as error:
-        print(f"kaz_client.py: {error}", file=sys.stderr)
-        return 3
+            board.target(options.joint, 3.27, 1)  # beyond every joint's limits
+            print("the board took a target beyond the limits", file=sys.stderr)
+            arrived = False
+        except Refusal as refusal:
+            print(f"as it should be: {refusal}")
+    finally:
+        if board.off():
+            print("all joints are off")
+    return 0 if arrived else 1
 
 
 if __name__ == "__main__":

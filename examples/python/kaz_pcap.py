@@ -2,7 +2,8 @@
 # Makes a capture for Wireshark from the bytes of Kaz's serial line: one packet a frame.
 # SPDX-License-Identifier: Apache-2.0
 """Reads the bytes of one direction, from a serial port that listens on the line or from a file, and
-writes them as a capture that shared/protocol/wireshark/kaz.lua dissects. Damaged frames are kept.
+writes them as a capture that shared/protocol/wireshark/kaz.lua dissects. Damaged frames are kept. Ctrl-C ends
+the capture.
 
 examples:
   kaz_pcap.py /dev/ttyUSB1 line.pcap --seconds 10
@@ -52,11 +53,14 @@ def capture(path, out, seconds):
     """Number of frames written."""
     count, rest = 0, b""
     out.write(struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, USER0))
-    for when, received in chunks(path, seconds):
-        *pieces, rest = (rest + received).split(b"\0")
-        for piece in filter(None, pieces):
-            out.write(packet(when, b"\0" + piece + b"\0"))
-            count += 1
+    try:
+        for when, received in chunks(path, seconds):
+            *pieces, rest = (rest + received).split(b"\0")
+            for piece in filter(None, pieces):
+                out.write(packet(when, b"\0" + piece + b"\0"))
+                count += 1
+    except KeyboardInterrupt:  # the normal end of a long capture
+        pass
     return count
 
 

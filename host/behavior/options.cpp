@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 
 #include "shared/base/number_text.hpp"
 
@@ -34,6 +35,11 @@ std::string short_number(double number) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", number);
   return text;
+}
+
+std::out_of_range no_option(std::string_view name, const char* kind) {
+  return std::out_of_range("the behaviour has no option `" + std::string(name) + "` that is a " +
+                           kind);
 }
 
 }  // namespace
@@ -77,6 +83,18 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
     values.numbers_[name] = *number;
   }
   return values;
+}
+
+double OptionValues::number(std::string_view name) const {
+  const auto found = numbers_.find(name);
+  if (found == numbers_.end()) throw no_option(name, "number");
+  return found->second;
+}
+
+const std::string& OptionValues::choice(std::string_view name) const {
+  const auto found = choices_.find(name);
+  if (found == choices_.end()) throw no_option(name, "choice");
+  return found->second;
 }
 
 }  // namespace kaz::behavior

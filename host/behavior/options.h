@@ -31,9 +31,10 @@ class OptionValues {
   static Result<OptionValues> parse(std::span<const Option> options,
                                     const std::map<std::string, std::string>& given);
 
-  // Precondition: `name` is among the options that were parsed.
-  double number(std::string_view name) const { return numbers_.find(name)->second; }
-  const std::string& choice(std::string_view name) const { return choices_.find(name)->second; }
+  // Precondition: `name` is among the options that were parsed, and of this kind; else they throw
+  // std::out_of_range with a sentence.
+  double number(std::string_view name) const;
+  const std::string& choice(std::string_view name) const;
 
  private:
   std::map<std::string, double, std::less<>> numbers_;

@@ -4,9 +4,11 @@
 
 #include <cxxabi.h>
 #include <dlfcn.h>
+#include <elf.h>
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 
 namespace kaz::behavior {
@@ -41,6 +43,58 @@ tl::unexpected<Error> not_loaded(const std::string& path, const std::string& rea
                                 "): build it as " + kHowto + " shows");
 }
 
+// The begin of an ELF file, the same for 32 and 64 bit; zeros where there is less of it.
+Elf32_Ehdr elf_header(const std::string& path) {
+  Elf32_Ehdr header{};
+  std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(&header), sizeof header);
+  return header;
+}
+
+std::string machine_text(const Elf32_Ehdr& header) {
+  const std::string bits = header.e_ident[EI_CLASS] == ELFCLASS64 ? "64-bit " : "32-bit ";
+  switch (header.e_machine) {
+    case EM_X86_64:
+      return bits + "x86-64";
+    case EM_386:
+      return bits + "x86";
+    case EM_AARCH64:
+      return bits + "AArch64";
+    case EM_ARM:
+      return bits + "Arm";
+    case EM_RISCV:
+      return bits + "RISC-V";
+    default:
+      return bits + "machine " + std::to_string(header.e_machine);
+  }
+}
+
+// An object of another machine is to dlopen() a file that is not there.
+Result<void> check_machine(const std::string& path) {
+  const Elf32_Ehdr there = elf_header(path), here = elf_header("/proc/self/exe");
+  const std::string_view magic(reinterpret_cast<const char*>(there.e_ident), SELFMAG);
+  if (magic != ELFMAG) return {};  // which dlopen() says
+  constexpr int kData = EI_DATA;
+  if (there.e_machine == here.e_machine && there.e_ident[EI_CLASS] == here.e_ident[EI_CLASS] &&
+      there.e_ident[kData] == here.e_ident[kData])
+    return {};
+  return fail(Fault::usage, path + " is for another kind of machine (" + machine_text(there) +
+                                "; this one: " + machine_text(here) + "): build it here");
+}
+
+// What a program takes for granted of a behaviour.
+Result<void> check_behavior(const Behavior* behavior, const std::string& path) {
+  if (behavior == nullptr || behavior->run == nullptr || behavior->name.empty())
+    return fail(Fault::usage, path + " has a behaviour without name or function: complete it");
+  if (find_behavior(behavior->name))
+    return fail(Fault::usage, path + " has a behaviour of the name `" +
+                                  std::string(behavior->name) +
+                                  "`, which is one of Kaz's own: give it another");
+  if (const auto defaults = OptionValues::parse(behavior->options, {}); !defaults)
+    return fail(Fault::usage,
+                path + " has an option with a wrong default: " + defaults.error().message);
+  return {};
+}
+
 }  // namespace
 
 bool names_plugin(std::string_view name) {
@@ -56,6 +110,7 @@ Result<Behavior> load_behavior(const std::string& path) {
   if (!fs::is_regular_file(status))
     return fail(Fault::usage, path + " is no file: give the plug-in's .so");
 
+  KAZ_TRY(check_machine(path));
   // A path without a slash would be looked for in the folders of the system's libraries.
   const std::string full = fs::absolute(path, error).string();
   void* const object = dlopen(full.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -77,10 +132,8 @@ Result<Behavior> load_behavior(const std::string& path) {
     return fail(Fault::usage, path + " was built against another Kaz, or with other options (" +
                                   plugin->interface + "; this program: " + KAZ_PLUGIN_INTERFACE +
                                   "): build it again");
-  const Behavior* const behavior = plugin->behavior;
-  if (behavior == nullptr || behavior->run == nullptr || behavior->name.empty())
-    return fail(Fault::usage, path + " has a behaviour without name or function: complete it");
-  return *behavior;
+  KAZ_TRY(check_behavior(plugin->behavior, path));
+  return *plugin->behavior;
 }
 
 Result<Behavior> named_behavior(const std::string& name) {

@@ -56,7 +56,8 @@ bool names_plugin(std::string_view name);
 // Loads the shared object, which stays loaded until the program ends. This runs code of the file: never
 // call it with a path that comes from data. Errors (usage), each one sentence with `path`: no such
 // file, no shared object for this machine, symbols that the program lacks, no exported function, built
-// against another Kaz, no valid behaviour.
+// against another Kaz, no valid behaviour, the name of one of Kaz's. Whatever the file's static initialisers
+// and its exported function throw is passed on.
 Result<Behavior> load_behavior(const std::string& path);
 
 // A plug-in's behaviour if `name` is a path, else find_behavior(name).

@@ -3,7 +3,7 @@
 //
 // A ProfileScope names the part that its thread works for while it lives. Scopes nest: time belongs to the
 // innermost one, so the parts add up to the time of the outermost scopes. Without a Profile a scope costs one
-// load and a branch; with one, two clocks are read at each of its ends (some 0.3 us).
+// load and a branch; with one, two clocks are read at each of its ends (docs/explanation/time.md: 1.55 us).
 #ifndef KAZ_SHARED_BASE_PROFILE_HPP
 #define KAZ_SHARED_BASE_PROFILE_HPP
 

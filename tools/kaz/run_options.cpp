@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "host/behavior/behavior.h"
-#include "host/behavior/plugin.h"
 #include "tools/app/base/arguments.h"
+#include "tools/app/session/plugin_guard.h"
 #include "tools/app/vision/color_file.h"
 #include "tools/kaz/options.h"
 
@@ -73,7 +73,8 @@ Result<bool> run_behavior(RunArguments arguments) {
   const auto settings = KAZ_TRY(parse_settings(arguments.settings));
   arguments.session.settings = settings;
   if (!arguments.duration.empty()) {
-    const auto behavior = KAZ_TRY(behavior::named_behavior(arguments.session.behavior));
+    const auto behavior =
+        KAZ_TRY(guarded_behavior(arguments.session.behavior, arguments.session.label));
     KAZ_TRY(check_duration(behavior, arguments.duration, settings));
     arguments.session.settings["seconds"] = arguments.duration;
   }

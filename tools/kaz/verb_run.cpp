@@ -1,9 +1,11 @@
 // `kaz run`: one behaviour on a real or virtual robot.
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
 #include <memory>
 #include <string>
 
 #include "host/behavior/behavior.h"
+#include "tools/app/session/plugin_guard.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/run_options.h"
 #include "tools/kaz/verbs.h"
@@ -54,16 +56,22 @@ Result<void> check_given(const CLI::App& verb, const std::string& robot) {
   return {};
 }
 
+// A behaviour and its options.
+std::string behavior_text(const behavior::Behavior& behavior) {
+  std::string text = "  " + std::string(behavior.name) + ": " + std::string(behavior.text) + "\n";
+  for (const auto& option : behavior.options) {
+    text += "      " + std::string(option.name) + " (" + std::string(option.initial) + "; " +
+            behavior::valid_values(option) + "): " + std::string(option.text) + "\n";
+  }
+  return text;
+}
+
 // Behaviours and their options, for the help text.
 std::string behavior_list() {
   std::string list =
       "Behaviours and their options (--set NAME=VALUE), with default and valid values:\n";
   for (const auto& behavior : behavior::behaviors()) {
-    list += "  " + std::string(behavior.name) + ": " + std::string(behavior.text) + "\n";
-    for (const auto& option : behavior.options) {
-      list += "      " + std::string(option.name) + " (" + std::string(option.initial) + "; " +
-              behavior::valid_values(option) + "): " + std::string(option.text) + "\n";
-    }
+    list += behavior_text(behavior);
   }
   return list;
 }
@@ -95,6 +103,9 @@ void add_run(CLI::App& program, Action& action) {
                "the same as --set seconds=SECONDS, of " + timed_behaviors() +
                    "; the other behaviours end by themselves");
   add_settings(*verb, arguments->settings, "an option of the behaviour (below)");
+  auto list = std::make_shared<bool>(false);
+  verb->add_flag("--options", *list,
+                 "print the options of the behaviour, also of a plug-in's, and end");
   verb->add_flag(
       "--profile", session.profile,
       "measure CPU and waiting time of each part of the program; a table, and in result.json");
@@ -113,10 +124,17 @@ void add_run(CLI::App& program, Action& action) {
       "  kaz run catch-ball --world catch --eyes real --imu --out caught\n"
       "  kaz run track-ball --robot serial:/dev/ttyUSB0 --camera board.eyes\n"
       "  kaz run ./wave.so --set times=2\n"
+      "  kaz run ./wave.so --options\n"
       "  kaz run track-ball --robot serial:/dev/ttyUSB0 \\\n"
       "      --camera v4l2:/dev/video0,/dev/video2 --calibration stereo.yml");
-  verb->callback([&action, arguments, verb] {
-    action = [arguments, verb]() -> Result<Outcome> {
+  verb->callback([&action, arguments, verb, list] {
+    action = [arguments, verb, list]() -> Result<Outcome> {
+      if (*list) {
+        const auto behavior =
+            KAZ_TRY(guarded_behavior(arguments->session.behavior, arguments->session.label));
+        std::printf("%s", behavior_text(behavior).c_str());
+        return Outcome();
+      }
       KAZ_TRY(check_given(*verb, arguments->session.backend.robot));
       return run_behavior(*arguments);
     };

@@ -67,6 +67,51 @@ TEST(PythonClientAlone, SaysWhatIsWrong) {
   EXPECT_EQ(run(client({"--help"})).exit_code, 0);
 }
 
+// The simulator, or the board on the line, is gone in the middle of a motion: one sentence, no traceback.
+TEST(PythonClientAlone, SaysThatTheBoardIsGone) {
+  for (const int end : {SIGKILL, SIGSTOP}) {
+    const TemporaryFolder folder;
+    Process sim(simulator(folder, "empty"));
+    ASSERT_TRUE(sim.wait_for_output("ready", seconds(30))) << sim.wait(seconds(0)).err;
+    auto slow = client({folder / "board", "--seconds", "20"});
+    slow.insert(slow.begin() + 1, "-u");
+    Process moving(slow);
+    ASSERT_TRUE(moving.wait_for_output("joint 0 is on", seconds(20)));
+    sim.signal(end);
+    const Finished finished = moving.wait(seconds(20));
+    EXPECT_EQ(finished.exit_code, 3) << finished.out << finished.err;
+    EXPECT_EQ(finished.err.find("Traceback"), std::string::npos) << finished.err;
+    EXPECT_NE(finished.err.find("the motors may still hold"), std::string::npos) << finished.err;
+    EXPECT_NE(finished.err.find(end == SIGKILL ? "is gone" : "no board answers"), std::string::npos)
+        << finished.err;
+  }
+}
+
+TEST(PythonClientAlone, SwitchesTheMotorsOffWhenInterrupted) {
+  const TemporaryFolder folder;
+  Process sim(simulator(folder, "catch"));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30))) << sim.wait(seconds(0)).err;
+  auto moves = client({folder / "board", "--seconds", "20"});
+  auto looks = example("kaz_ball.py", {folder / "board", folder / "eyes"});
+  for (auto* program : {&moves, &looks}) {
+    for (const int number : {SIGINT, SIGTERM}) {
+      auto command = *program;
+      command.insert(command.begin() + 1, "-u");
+      Process running(command);
+      ASSERT_TRUE(
+          running.wait_for_output(program == &moves ? "joint 0 is on" : "head at", seconds(30)))
+          << running.wait(seconds(0)).err;
+      running.signal(number);
+      const Finished finished = running.wait(seconds(10));
+      EXPECT_EQ(finished.exit_code, 128 + number) << finished.out << finished.err;
+      EXPECT_NE(finished.err.find(": interrupted\n"), std::string::npos) << finished.err;
+      EXPECT_EQ(finished.err.find("Traceback"), std::string::npos) << finished.err;
+      const Finished status = run(kaz({"status", "--port", folder / "board", "--json"}));
+      EXPECT_NE(status.out.find("\"motors\": \"off\""), std::string::npos) << status.out;
+    }
+  }
+}
+
 // A client of somebody's own that has read docs/reference/protocol.md: it takes the lock and nothing else.
 std::vector<std::string> foreign(const std::string& port) {
   return {KAZ_PYTHON, "-c",

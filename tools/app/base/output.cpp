@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
@@ -95,11 +96,22 @@ class PrivateFolder {
   std::string path_;
 };
 
+std::atomic<bool> g_private_folder_made{false};
+
+const PrivateFolder& private_folder() {
+  static const PrivateFolder folder;
+  g_private_folder_made = true;
+  return folder;
+}
+
 }  // namespace
 
 std::string temporary_file(const std::string& name) {
-  static const PrivateFolder folder;
-  return folder.path() + "/" + name;
+  return private_folder().path() + "/" + name;
+}
+
+void remove_temporary_folder() {
+  if (g_private_folder_made) ::rmdir(private_folder().path().c_str());
 }
 
 Result<void> put_in_place(const std::string& part, const std::string& path) {

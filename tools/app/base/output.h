@@ -45,6 +45,8 @@ void print_json(const nlohmann::ordered_json& value);
 
 // The path of a file of that name in a folder that only this process uses.
 std::string temporary_file(const std::string& name);
+// Removes that folder if it is empty: for a process that ends without its destructors.
+void remove_temporary_folder();
 
 // Gives a file its name when it is whole, and on the disk.
 Result<void> put_in_place(const std::string& part, const std::string& path);

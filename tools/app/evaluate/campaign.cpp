@@ -14,13 +14,13 @@
 #include <filesystem>
 #include <iterator>
 
-#include "host/behavior/plugin.h"
 #include "shared/base/files.hpp"
 #include "shared/base/one_line.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/episode_file.h"
 #include "tools/app/evaluate/summary.h"
+#include "tools/app/session/plugin_guard.h"
 
 namespace kaz::tools {
 namespace {
@@ -43,7 +43,8 @@ Result<Json> read_json(const std::string& path, Parse parse) {
 }
 
 Result<void> write_json(const std::string& path, const Json& json) {
-  return write_whole_file(path, json.dump(1) + "\n");
+  // A sentence may hold bytes that are no UTF-8.
+  return write_whole_file(path, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 const OutputKind& campaign_output() {
@@ -80,10 +81,11 @@ int run_job(const CampaignOptions& options, const OutputFolder& folder, std::uin
             int why) {
   Result<void> done;
   try {
+    const std::string path = folder.path(episode_file(number));
     const auto episode = (options.realtime ? run_realtime_episode : run_episode)(
-        options, number, folder.path("failures"));
-    done = episode ? write_json(folder.path(episode_file(number)), *episode)
-                   : Result<void>(tl::unexpected(episode.error()));
+        options, number, folder.path("failures"),
+        [&path](const Json& ended) { (void)write_json(path, ended); });
+    done = episode ? write_json(path, *episode) : Result<void>(tl::unexpected(episode.error()));
   } catch (const std::exception& error) {  // std::bad_alloc, say
     done = fail(Fault::environment, error.what());
   }
@@ -223,16 +225,16 @@ class Runner {
                        std::to_string(code - static_cast<int>(Fault::interrupted)));
       return {};
     }
-    // It was never begun, and no other will be.
-    if (code != 0)
+    // Nothing if its plug-in has ended it and kept what there is. Else it was never begun, and no other
+    // will be.
+    if (code != 0 && !fs::exists(path))
       return fail(static_cast<Fault>(code), "episode " + std::to_string(number) + ": " + why);
-    if (WIFSIGNALED(status)) {
+    if (WIFSIGNALED(status) && !fs::exists(path)) {
       if (const std::string signal = machine_signal(WTERMSIG(status)); !signal.empty()) {
         lose(number, signal);
         return {};
       }
-      if (auto written = write_json(path, broken(options_, number, status)); !written)
-        return written;
+      KAZ_TRY(write_json(path, broken(options_, number, status)));
     }
     auto episode = KAZ_TRY(read_json(path, parse_episode));
     episodes_[number] = std::move(episode);
@@ -350,7 +352,7 @@ Json campaign_json(const CampaignOptions& o) {
 }
 
 Result<bool> run_campaign(const CampaignOptions& options) {
-  const auto known = KAZ_TRY(behavior::named_behavior(options.behavior));
+  const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
   const auto values = behavior::OptionValues::parse(known.options, options.settings);
   if (!values) return tl::unexpected(values.error());
   if (options.realtime && (known.name == "go-forward" || known.name.starts_with("turn-")))

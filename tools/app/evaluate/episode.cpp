@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "host/behavior/plugin.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/evaluate/judge.h"
+#include "tools/app/session/plugin_guard.h"
 #include "tools/app/session/run_report.h"
 
 namespace kaz::tools {
@@ -29,11 +29,39 @@ Result<void> remove_run(const std::string& folder) {
   return {};
 }
 
+// How an episode went.
+struct Ended {
+  Result<behavior::Outcome> outcome = fail(Fault::environment, "the episode did not begin");
+  double run_s = 0, rtf = 0;
+  bool crashed = false;  // the behaviour's program
+};
+
+Json episode_json(std::uint64_t number, const Scenario& scenario, const Ended& ended,
+                  const std::string& cause, const Judge& judge) {
+  const auto& outcome = ended.outcome;
+  Json results = Json::object();
+  if (outcome) {
+    for (const auto& [key, value] : outcome->measurements) results[key] = value;
+  }
+  Json episode{{"episode", number},
+               {"scenario", scenario_json(scenario)},
+               {"success", cause.empty()},
+               {"cause", cause},
+               {"sentence", outcome ? outcome->sentence : outcome.error().message},
+               {"measurements", results},
+               {"truth", judge.json()}};
+  if (ended.run_s > 0) {  // else it did not begin
+    episode["seconds"] = rounded(ended.run_s);
+    episode["rtf"] = rounded(ended.rtf);
+  }
+  return episode;
+}
+
 }  // namespace
 
 Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
-                         const std::string& failures) {
-  const auto known = KAZ_TRY(behavior::named_behavior(options.behavior));
+                         const std::string& failures, const KeepEpisode& keep) {
+  const auto known = KAZ_TRY(guarded_behavior(options.behavior, "kaz evaluate"));
   const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, options.settings));
   const Scenario scenario = Scenario::draw(options.variation, options.seed, number);
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
@@ -41,8 +69,7 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   const auto color = KAZ_TRY(ball_color(scenario.ball_color));
 
   Judge judge(scenario.ball_radius_m);
-  Result<behavior::Outcome> ended = fail(Fault::environment, "the episode did not begin");
-  double run_s = 0, rtf = 0;
+  Ended ended;
   SessionOptions session;
   session.backend = options.backend;
   session.backend.world = files.world();
@@ -60,39 +87,37 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   std::optional<Error> lost;
   session.on_loss = [&](const Error& error) { lost = error; };
   session.on_end = [&](const Result<behavior::Outcome>& outcome, double seconds, double speed) {
-    ended = outcome;
-    run_s = seconds;
-    rtf = speed;
+    ended.outcome = outcome;
+    ended.run_s = seconds;
+    ended.rtf = speed;
   };
   char name[32];
   std::snprintf(name, sizeof name, "%06llu", static_cast<unsigned long long>(number));
   const std::string kept = (fs::path(failures) / name).string();
   session.out = kept;
+  session.on_crash = [&](const Error& error, bool ends) {
+    ended.crashed = true;
+    if (!ends) return;
+    if (error.fault == Fault::interrupted) {
+      (void)remove_run(kept);
+    } else {
+      keep(episode_json(number, scenario, ended, "crashed", judge));
+    }
+    std::error_code ignored;
+    fs::remove_all(fs::path(files.world()).parent_path(), ignored);
+  };
   const auto ran = run_session(session);
   if (!ran && ran.error().fault == Fault::interrupted) {
     (void)remove_run(kept);
     return tl::unexpected(ran.error());
   }
   if (lost) return tl::unexpected(*lost);
-  if (!ran && ended.has_value()) ended = tl::unexpected(ran.error());
-  if (!ran && !ended) ended = tl::unexpected(ran.error());
+  if (!ran) ended.outcome = tl::unexpected(ended.outcome ? ran.error() : ended.outcome.error());
 
-  const std::string cause = cause_of_failure(options.behavior, values, ended, judge);
+  const std::string cause =
+      ended.crashed ? "crashed" : cause_of_failure(options.behavior, values, ended.outcome, judge);
   if (cause.empty()) KAZ_TRY(remove_run(kept));
-  Json results = Json::object();
-  if (ended) {
-    for (const auto& [key, value] : ended->measurements) results[key] = value;
-  }
-  const std::string end = ended ? ended->sentence : ended.error().message;
-  Json episode{{"episode", number},        {"scenario", scenario_json(scenario)},
-               {"success", cause.empty()}, {"cause", cause},
-               {"sentence", end},          {"measurements", results},
-               {"truth", judge.json()}};
-  if (run_s > 0) {  // else it did not begin
-    episode["seconds"] = rounded(run_s);
-    episode["rtf"] = rounded(rtf);
-  }
-  return episode;
+  return episode_json(number, scenario, ended, cause, judge);
 }
 
 }  // namespace kaz::tools

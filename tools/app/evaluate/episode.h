@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -13,14 +15,17 @@ namespace kaz::tools {
 // Runs it in this process. A failure leaves its recording in `failures`/NUMBER; a success leaves
 // nothing there. The answer is what the campaign keeps of it. Errors: it could not be begun (usage), or
 // the machine ended it: files, disk, display (environment).
+// Where a plug-in ends the process instead, `keep` is called with the answer before.
+using KeepEpisode = std::function<void(const nlohmann::ordered_json&)>;
 Result<nlohmann::ordered_json> run_episode(const CampaignOptions& options, std::uint64_t number,
-                                           const std::string& failures);
+                                           const std::string& failures, const KeepEpisode& keep);
 
 // The same in real time, robot and behaviour in processes of their own, a pty between them: nothing
 // repeats to the bit. For behaviours whose success does not need the robot's true place. Errors
 // (environment) too: a process was killed, the simulator ended, or lagged so far that time ran out.
 Result<nlohmann::ordered_json> run_realtime_episode(const CampaignOptions& options,
                                                     std::uint64_t number,
-                                                    const std::string& failures);
+                                                    const std::string& failures,
+                                                    const KeepEpisode& keep);
 
 }  // namespace kaz::tools

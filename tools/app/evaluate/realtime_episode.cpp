@@ -192,7 +192,7 @@ std::string machine_trouble(std::optional<int> behaviour, bool ended_early, int 
 }  // namespace
 
 Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t number,
-                                  const std::string& failures) {
+                                  const std::string& failures, const KeepEpisode&) {
   const Scenario scenario = Scenario::draw(options.variation, options.seed, number);
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
   const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
@@ -247,7 +247,8 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
 
   const Json result = result_of(text_of(run_log));
   std::string cause = result.value("cause", std::string());
-  if (cause.empty()) cause = status ? "error" : "time";
+  // Above 128: a signal, none of the machine's.
+  if (cause.empty()) cause = !status ? "time" : *status > 128 ? "crashed" : "error";
   if (result.value("outcome", "") == "done")
     cause = options.behavior == "catch-ball" && held.longest() < 3 ? "not held" : "";
   Json results = Json::object();

@@ -168,6 +168,11 @@ Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording
   const std::string again = temporary_file("replay.mcap");
   const FileRemover remove_again(again);
   session.backend.recording = again;
+  session.on_crash = [&](const Error&, bool ends) {
+    if (!ends) return;
+    std::remove(again.c_str());
+    std::remove(faults.c_str());
+  };
   session.backend.record_pictures = recorded.has_messages("/eyes/left");
   // Nothing is simulated past its end; two ticks more, in which its last messages are written.
   if (recorded.ends_early())

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/session/session.h"
 
+#include <cxxabi.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -16,10 +18,13 @@
 #include "host/link/wall_clock.h"
 #include "host/robot/measure_link.h"
 #include "host/robot/robot.h"
+#include "host/robot/typed_request.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/kept/kept_run.h"
+#include "tools/app/session/call_gate.h"
 #include "tools/app/session/moments.h"
+#include "tools/app/session/plugin_guard.h"
 #include "tools/app/session/run_report.h"
 #include "tools/app/session/score.h"
 #include "tools/app/session/snapshots.h"
@@ -28,13 +33,16 @@
 namespace kaz::tools {
 namespace {
 
+using Steady = std::chrono::steady_clock;
+
 // Listens to the behaviour: progress for the user, truth for the score, moments for the snapshots, a
 // record.
 class Listener final : public behavior::Sink {
  public:
-  Listener(SessionBackend& backend, Snapshots& snapshots, Progress& progress, Time start,
-           double expected_s)
+  Listener(SessionBackend& backend, CallGate* gate, Snapshots& snapshots, Progress& progress,
+           Time start, double expected_s)
       : backend_(backend),
+        gate_(gate),
         snapshots_(snapshots),
         progress_(progress),
         start_(start),
@@ -43,6 +51,7 @@ class Listener final : public behavior::Sink {
   }
 
   void phase(Time time, std::string_view behavior, std::string_view phase) override {
+    const CallGate::Call call(gate_);
     recording_.phase(time, behavior, phase);
     phase_ = phase;
     record({{"behavior", behavior}, {"phase", phase}});
@@ -52,6 +61,7 @@ class Listener final : public behavior::Sink {
   }
 
   void cycle(const behavior::CycleRow& row) override {
+    const CallGate::Call call(gate_);
     recording_.cycle(row);
     if (probe_) probe_->sample();
     record({{"pan_target", row.pan_target}, {"tilt_target", row.tilt_target}});
@@ -62,6 +72,7 @@ class Listener final : public behavior::Sink {
   }
 
   void picture(const behavior::PictureRow& row) override {
+    const CallGate::Call call(gate_);
     recording_.picture(row);
     record({{"exposure_ns", row.exposure.count()}, {"found", row.found}, {"error", row.error_rad}});
   }
@@ -70,9 +81,14 @@ class Listener final : public behavior::Sink {
   const TruthProbe* probe() const { return probe_ ? &*probe_ : nullptr; }
 
  private:
-  void record(const nlohmann::ordered_json& value) { backend_.record_behavior(value.dump()); }
+  // Names may hold bytes that are no UTF-8.
+  void record(const nlohmann::ordered_json& value) {
+    backend_.record_behavior(
+        value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  }
 
   SessionBackend& backend_;
+  CallGate* gate_;
   Snapshots& snapshots_;
   Progress& progress_;
   Time start_;
@@ -86,14 +102,16 @@ class Listener final : public behavior::Sink {
 // line busy does nothing else.
 class WatchedClock final : public host::Clock {
  public:
-  WatchedClock(host::Clock& clock, sim::Simulation* simulation, Onlooker* onlooker,
+  WatchedClock(host::Clock& clock, CallGate* gate, sim::Simulation* simulation, Onlooker* onlooker,
                std::optional<Time> until, host::Interrupt& interrupt)
       : clock_(clock),
+        gate_(gate),
         simulation_(simulation),
         onlooker_(onlooker),
         until_(simulation == nullptr ? std::nullopt : until),
         interrupt_(interrupt) {}
   Time now() const override {
+    const CallGate::Call call(gate_);
     const Time now = clock_.now();
     if (onlooker_ != nullptr && simulation_ != nullptr && now > looked_) {
       onlooker_->look(*simulation_);
@@ -104,6 +122,7 @@ class WatchedClock final : public host::Clock {
     return now;
   }
   Result<void> sleep_until(Time t) override {
+    const CallGate::Call call(gate_);
     auto slept = clock_.sleep_until(until_ ? std::min(t, *until_) : t);
     if (slept) now();
     if (!slept || !ended()) return slept;
@@ -115,6 +134,7 @@ class WatchedClock final : public host::Clock {
  private:
   mutable Time looked_{-1};
   host::Clock& clock_;
+  CallGate* gate_;
   sim::Simulation* simulation_;
   Onlooker* onlooker_;
   std::optional<Time> until_;
@@ -156,211 +176,421 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& 
           {"backend", robot.dump()}};
 }
 
-// What there is of a run that broke off is its recording up to there: it moves in all the same.
+// What there is of a run that broke off is its recording up to there: it moves in all the same. `by`: what
+// broke it off, if not the robot.
 Error with_recording(Error error, sim::Simulation* simulation, const OutputFolder* folder,
-                     bool recorded) {
+                     bool recorded, const std::string& by) {
   if (simulation == nullptr || folder == nullptr || !recorded) return error;
-  const auto ended = simulation->finish_recording();
+  const auto ended = simulation->finish_recording(by);
   if (!ended || ended->empty()) return error;
   if (const auto placed = place_recording(*folder))
     error.message += "; the recording up to there is " + *placed;
   return error;
 }
 
-// The machine's fault: with what is saved, reported to the caller, and kept as the run's outcome. On a
-// full disk that result may be missing.
+// The end of a run that broke off, as its result. On a full disk it may be missing.
+void write_end(const OutputFolder* folder, const SessionOptions& options, const char* outcome,
+               const char* cause, const std::string& sentence) {
+  if (folder == nullptr) return;
+  nlohmann::ordered_json result{{"outcome", outcome},
+                                {"sentence", sentence},
+                                {"behavior", options.behavior},
+                                {"seed", options.backend.seed}};
+  if (*cause != '\0') result["cause"] = cause;
+  (void)folder->write_json("result.json", result);
+}
+
+// The machine's fault: with what is saved, reported to the caller, and kept as the run's outcome.
 Error lost(Error error, const SessionOptions& options, const OutputFolder* folder) {
-  if (folder != nullptr) {
-    error = folder->explained(std::move(error));
-    (void)folder->write_json("result.json", {{"outcome", "environment"},
-                                             {"sentence", error.message},
-                                             {"behavior", options.behavior},
-                                             {"seed", options.backend.seed}});
-  }
+  if (folder != nullptr) error = folder->explained(std::move(error));
+  write_end(folder, options, "environment", "", error.message);
   if (options.on_loss) options.on_loss(error);
   return error;
+}
+
+// A session's steps. Its members are in the order in which they are made: what is later refers to what is
+// earlier, and goes first.
+class Session {
+ public:
+  explicit Session(SessionOptions options) : options_(std::move(options)) {}
+
+  Result<bool> run() {
+    KAZ_TRY(prepare());
+    KAZ_TRY(open_backend());
+    KAZ_TRY(connect());
+    KAZ_TRY(begin_vision());
+    KAZ_TRY(begin());
+    perform();
+    if (options_.on_end) options_.on_end(outcome_, run_s_, run_s_ / wall_s_);
+    if (!outcome_ && clock_->ended()) return end_in_time();
+    settle();
+    KAZ_TRY(check_end());
+    return report();
+  }
+
+ private:
+  Result<void> prepare();
+  Result<void> open_backend();
+  Result<void> connect();
+  Result<void> begin_vision();
+  Result<void> begin();
+  void perform();
+  Result<bool> end_in_time();
+  void settle();
+  Result<void> check_end();
+  Result<bool> report();
+
+  // In perform().
+  void run_behavior(behavior::Context& context);
+  void take_times();
+  void check_outcome();
+  std::string abandon(const PluginEnd& end);
+  std::string leave_board();
+
+  bool plugin() const { return behavior::names_plugin(options_.behavior); }
+  CallGate* gate() { return plugin() ? &gate_ : nullptr; }
+  bool real() const { return backend_->port() != nullptr; }
+  const OutputFolder* folder() const { return results_ ? &*results_ : nullptr; }
+  bool interrupted() const { return !outcome_ && outcome_.error().fault == Fault::interrupted; }
+
+  SessionOptions options_;
+  behavior::Behavior behavior_;
+  behavior::OptionValues values_;
+  std::optional<OutputFolder> results_;
+  bool recorded_ = false;  // the recording grows in that folder
+  std::optional<FileRemover> remove_recording_;
+  host::Interrupt interrupt_;
+  std::optional<InterruptSignals> signals_;
+  std::unique_ptr<SessionBackend> backend_;
+  std::unique_ptr<KeptRun> kept_;
+  CallGate gate_;
+  std::optional<WatchedClock> clock_;
+  std::optional<GatedLink> link_;
+  std::optional<host::Robot> robot_;
+  std::optional<RememberingCamera> camera_;
+  std::optional<host::Capture> capture_;
+  std::optional<vision::Pipeline> pipeline_;
+  std::optional<DeliveryTable> deliveries_;
+  std::optional<behavior::PipelineBallDetector> detector_;
+  std::optional<GatedDetector> gated_detector_;
+  std::optional<Snapshots> snapshots_;
+  std::optional<Progress> progress_;
+  Time start_{};
+  std::optional<Listener> listener_;
+
+  // How it went.
+  Result<behavior::Outcome> outcome_;
+  bool threw_ = false;
+  Steady::time_point wall_start_;
+  double run_s_ = 0, wall_s_ = 0;
+  std::optional<RunProfile> profile_;
+  Result<kz_statistics_reply> health_;
+  Result<void> left_;           // the board, as it was found or not
+  Result<std::string> sha256_;  // of an interrupted run's recording
+};
+
+// Checks and locks what can be without opening anything.
+Result<void> Session::prepare() {
+  behavior_ = KAZ_TRY(guarded_behavior(options_.behavior, options_.label));
+  values_ = KAZ_TRY(behavior::OptionValues::parse(behavior_.options, options_.settings));
+  KAZ_TRY(parse_modules(options_.vision.modules));
+  options_.backend.needs_camera = behavior_.needs_camera;
+  KAZ_TRY(check(options_.backend));
+
+  if (!options_.out.empty()) {
+    auto opened = OutputFolder::open(options_.out, run_output());
+    if (!opened && opened.error().fault == Fault::environment)
+      return tl::unexpected(lost(opened.error(), options_, nullptr));
+    results_ = KAZ_TRY(std::move(opened));
+  }
+  recorded_ = results_ && options_.backend.robot == "sim" && options_.backend.recording.empty() &&
+              !options_.open_backend;
+  if (recorded_) options_.backend.recording = growing_recording(*results_);
+  // Of a run that does not begin nothing is left.
+  remove_recording_.emplace(recorded_ ? options_.backend.recording : "");
+  options_.backend.facts = facts_of(options_);
+  return {};
+}
+
+Result<void> Session::open_backend() {
+  signals_.emplace(interrupt_);
+  auto backend = options_.open_backend ? options_.open_backend(interrupt_)
+                                       : SessionBackend::open(options_.backend, interrupt_);
+  if (!backend) {
+    Error error = backend.error();
+    if (error.fault == Fault::environment && options_.on_loss) options_.on_loss(error);
+    return tl::unexpected(std::move(error));
+  }
+  backend_ = std::move(*backend);
+  return {};
+}
+
+Result<void> Session::connect() {
+  const Time connecting = backend_->clock().now();
+  const auto report_resumption = [this, connecting](const host::Resumption& resumption) {
+    std::fprintf(stderr, "\n%s: after %.1f s %s; after %.2f s more it answered again\n",
+                 options_.label.c_str(), seconds(resumption.lost - connecting),
+                 text(resumption.cause), seconds(resumption.resumed - resumption.lost));
+  };
+  if (real()) {
+    auto begun = KAZ_TRY(KeptRun::begin(backend_->link(), backend_->clock(), interrupt_,
+                                        {.verb = options_.label,
+                                         .port = backend_->port()->name(),
+                                         .address = options_.backend.address,
+                                         .motors_off = false,
+                                         .notes = false}));
+    kept_ = std::move(begun);
+  }
+  clock_.emplace(backend_->clock(), gate(), backend_->simulation(), options_.onlooker,
+                 options_.until, interrupt_);
+  link_.emplace(backend_->link(), gate());
+  auto robot = KAZ_TRY(
+      host::Robot::connect(*link_, *clock_,
+                           {.address = options_.backend.address,
+                            .on_resumed = report_resumption,
+                            .frames_path = real() ? temporary_file("frames.txt") : std::string()}));
+  robot_ = std::move(robot);
+  if (!real()) return {};
+  const auto trip = KAZ_TRY(host::measure_round_trip(*robot_, *backend_->port()));
+  if (!options_.json || trip.slow)
+    std::fprintf(stderr, "%s: %s\n", options_.label.c_str(), trip.sentence.c_str());
+  return {};
+}
+
+Result<void> Session::begin_vision() {
+  KAZ_TRY(backend_->open_camera());
+  if (behavior_.needs_camera && !backend_->sees())
+    return tl::unexpected(sim::Simulation::no_eyes());
+  camera_.emplace(backend_->camera());
+  capture_.emplace(*camera_, *robot_);
+  pipeline_.emplace(vision::PipelineOptions{backend_->pace(), backend_->camera_latency()});
+  VisionOptions modules = options_.vision;
+  modules.modules = "color," + modules.modules;
+  KAZ_TRY(add_modules(modules, *pipeline_));
+  deliveries_.emplace(*pipeline_);
+  if (options_.watcher != nullptr) options_.watcher->begin(*pipeline_);
+  detector_.emplace(*capture_, *pipeline_);
+  gated_detector_.emplace(*detector_, gate());
+  snapshots_.emplace(*camera_, backend_->simulation(), options_.vision.ball);
+  return {};
+}
+
+// From here on the results are this run's.
+Result<void> Session::begin() {
+  if (results_) {
+    const auto cleared = results_->clear();
+    if (!cleared && cleared.error().fault == Fault::environment)
+      return tl::unexpected(lost(cleared.error(), options_, folder()));
+    KAZ_TRY(cleared);
+  }
+  remove_recording_->keep();
+  progress_.emplace(options_.label, options_.json);
+  start_ = backend_->clock().now();
+  listener_.emplace(*backend_, gate(), *snapshots_, *progress_, start_,
+                    expected_seconds(values_, behavior_.options));
+  return {};
+}
+
+void Session::perform() {
+  wall_start_ = Steady::now();
+  behavior::Context context{
+      *robot_,    robot_->clock(), backend_->sees() ? &*gated_detector_ : nullptr,
+      *listener_, values_,         options_.backend.seed};
+  context.ball_radius_m = options_.vision.ball.radius_m;
+  if (const auto* simulation = backend_->simulation())
+    context.other_joints = other_joints(simulation->world());
+  std::optional<RunProfiler> profiler;
+  if (options_.profile) profiler.emplace();
+  {
+    const ProfileScope host("behaviour and link");
+    std::optional<PluginGuard> guard;
+    if (plugin())
+      guard.emplace(
+          PluginGuardOptions{.label = options_.label,
+                             .path = options_.behavior,
+                             .gate = &gate_,
+                             .interrupt = &interrupt_,
+                             .finish = [this](const PluginEnd& end) { return abandon(end); },
+                             .before_message = [this] { progress_->done(); }});
+    run_behavior(context);
+  }
+  take_times();
+  if (profiler) profile_ = profiler->end(run_s_);
+  if (threw_ && options_.on_crash) options_.on_crash(outcome_.error(), false);
+  check_outcome();
+}
+
+void Session::take_times() {
+  wall_s_ = std::chrono::duration<double>(Steady::now() - wall_start_).count();
+  run_s_ = seconds(backend_->clock().now() - start_);
+}
+
+// An exception is an error as others: motors go off, files are finished.
+void Session::run_behavior(behavior::Context& context) {
+  try {
+    outcome_ = behavior_.run(context);
+  } catch (const abi::__forced_unwind&) {  // pthread_exit()
+    before_exit("pthread_exit", 0);
+    throw;
+  } catch (...) {
+    threw_ = true;
+    outcome_ = tl::unexpected(thrown_error(options_.behavior));
+  }
+}
+
+// What a behaviour returns is completed, and agrees with whether there was an interrupt.
+void Session::check_outcome() {
+  if (received_signal() != 0 && interrupt_.requested()) {
+    outcome_ = tl::unexpected(host::Interrupt::error());
+  } else if (!outcome_) {
+    Error& error = outcome_.error();
+    if (error.fault == Fault::interrupted && !clock_->ended()) error.fault = Fault::failed;
+    if (error.message.empty())
+      error.message = options_.behavior + " returned an error without a sentence";
+  } else if (outcome_->sentence.empty()) {
+    outcome_->sentence = options_.behavior + " returned an outcome without a sentence";
+  }
+}
+
+// A plug-in has ended the process, or does not return: what settle() and report() would have done. On the
+// guard's thread; the plug-in's is shut out. Returns the rest of the sentence.
+std::string Session::abandon(const PluginEnd& end) {
+  const bool interrupt = end.error.fault == Fault::interrupted;
+  progress_->done();
+  outcome_ = tl::unexpected(end.error);
+  take_times();
+  if (options_.on_end) options_.on_end(outcome_, run_s_, run_s_ / wall_s_);
+  std::string rest;
+  if (interrupt && backend_->simulation() != nullptr)
+    sha256_ = backend_->simulation()->finish_recording(end.by);
+  if (real() || interrupt) rest = leave_board();
+  if (interrupt && options_.keep_interrupted) {
+    rest += "; " + (sha256_ ? report().error() : lost(sha256_.error(), options_, folder())).message;
+  } else if (interrupt) {
+    rest += "; interrupted";
+  } else {
+    Error error = with_recording(end.error, backend_->simulation(), folder(), recorded_, end.by);
+    rest += error.message.substr(end.error.message.size());
+    write_end(folder(), options_, "failed", "crashed", error.message);
+  }
+  if (options_.on_crash) options_.on_crash(end.error, true);
+  remove_temporary_folder();
+  return rest;
+}
+
+// Motors off, by requests of its own: another thread may be in the midst of one.
+std::string Session::leave_board() {
+  const host::CleanUp clean_up(interrupt_);
+  host::Requester requester(backend_->link(), backend_->clock(),
+                            {.address = options_.backend.address});
+  requester.limit_tries(3);
+  const host::Request requests[] = {
+      host::make_request(KZ_TYPE_enable, kz_enable{0}, kz_pack_enable),
+      host::make_request(KZ_TYPE_statistics, kz_statistics{}, kz_pack_statistics)};
+  const auto replies = requester.exchange(requests);
+  if (replies) {
+    health_ = host::read_reply((*replies)[1], kz_unpack_statistics_reply);
+  } else {
+    for (int i = 0; i < 3; ++i) (void)requester.send(requests[0]);  // the wire may still carry it
+  }
+  if (!real()) return {};
+  std::string rest = replies ? "; the motors are off"
+                             : "; the board does not answer, its link watchdog makes it hold: "
+                               "switch it off";
+  if (kept_) left_ = kept_->end();
+  if (!left_) rest += "; " + left_.error().message;
+  return rest;
+}
+
+// The time of SessionOptions::until has come.
+Result<bool> Session::end_in_time() {
+  progress_->done();
+  pipeline_->finish();
+  if (options_.watcher != nullptr) options_.watcher->end(*pipeline_);
+  KAZ_TRY(backend_->simulation()->finish_recording());
+  return false;
+}
+
+// Motors off, and the board as it was found; everything that goes on meanwhile ends.
+void Session::settle() {
+  std::optional<host::CleanUp> clean_up;
+  if (interrupted()) {
+    // What follows is no part of the run, and not recorded.
+    if (backend_->simulation() != nullptr)
+      sha256_ = backend_->simulation()->finish_recording(received_signal_name());
+    clean_up.emplace(interrupt_);
+  }
+  if (outcome_ || interrupted()) health_ = robot_->board_statistics();
+  robot_->disable_all();
+  clean_up.reset();
+  progress_->done();
+  if (kept_) left_ = kept_->end();
+  pipeline_->finish();
+  if (options_.watcher != nullptr) options_.watcher->end(*pipeline_);
+}
+
+// The error of a run of which there is nothing more to report.
+Result<void> Session::check_end() {
+  if (!sha256_) return tl::unexpected(lost(sha256_.error(), options_, folder()));
+  if (interrupted()) {
+    if (!left_)
+      std::fprintf(stderr, "%s: %s\n", options_.label.c_str(), left_.error().message.c_str());
+    if (!options_.keep_interrupted) return tl::unexpected(outcome_.error());
+    return {};
+  }
+  if (!outcome_) {
+    Error error = with_recording(together(outcome_, left_).error(), backend_->simulation(),
+                                 folder(), recorded_, threw_ ? "an exception" : "");
+    // In lockstep nothing but the robot can fail to answer; at a port it is the line, too.
+    if ((real() || threw_) && error.fault == Fault::environment)
+      error = lost(std::move(error), options_, folder());
+    else if (threw_)
+      write_end(folder(), options_, "failed", "crashed", error.message);
+    return tl::unexpected(std::move(error));
+  }
+  if (!health_) return tl::unexpected(health_.error());
+  return left_;
+}
+
+Result<bool> Session::report() {
+  const behavior::Outcome cut_short{
+      false, "ended by " + std::string(received_signal_name()), {}, {}};
+  const RunReport report{options_.behavior,
+                         options_.backend,
+                         interrupted() ? cut_short : *outcome_,
+                         run_s_,
+                         run_s_ / wall_s_,
+                         score(listener_->recording(), listener_->probe(), start_),
+                         robot_->identity(),
+                         health_.value_or(kz_statistics_reply{}),
+                         robot_->statistics(),
+                         start_,
+                         listener_->recording(),
+                         listener_->probe(),
+                         module_statistics_json(*pipeline_),
+                         module_statistics_text(*pipeline_),
+                         deliveries_->text(),
+                         interrupted(),
+                         std::move(profile_),
+                         *sha256_,
+                         backend_->camera_warning()};
+  const auto written =
+      write_report(report, backend_->simulation(), *snapshots_, folder(), recorded_);
+  if (!written) return tl::unexpected(lost(written.error(), options_, folder()));
+  if (!options_.quiet) print_report(*written, report, options_.out, options_.json);
+  if (!interrupted()) return outcome_->success;
+  char until[48];
+  std::snprintf(until, sizeof until, "interrupted at %.2f s", run_s_);
+  return fail(
+      Fault::interrupted,
+      until + (options_.out.empty() ? std::string("; nothing was to be kept of it")
+                                    : "; what there is of the run is kept in " + options_.out));
 }
 
 }  // namespace
 
 Result<bool> run_session(SessionOptions options) {
-  const auto behavior = behavior::named_behavior(options.behavior);
-  if (!behavior) return tl::unexpected(behavior.error());
-  const auto values = KAZ_TRY(behavior::OptionValues::parse(behavior->options, options.settings));
-  KAZ_TRY(parse_modules(options.vision.modules));
-  options.backend.needs_camera = behavior->needs_camera;
-  KAZ_TRY(check(options.backend));
-
-  std::optional<OutputFolder> results;
-  if (!options.out.empty()) {
-    auto opened = OutputFolder::open(options.out, run_output());
-    if (!opened && opened.error().fault == Fault::environment)
-      return tl::unexpected(lost(opened.error(), options, nullptr));
-    results = KAZ_TRY(std::move(opened));
-  }
-  const OutputFolder* folder = results ? &*results : nullptr;
-  const bool recorded = folder != nullptr && options.backend.robot == "sim" &&
-                        options.backend.recording.empty() && !options.open_backend;
-  if (recorded) options.backend.recording = growing_recording(*folder);
-  // Of a run that does not begin nothing is left.
-  FileRemover remove_recording(recorded ? options.backend.recording : "");
-  options.backend.facts = facts_of(options);
-
-  host::Interrupt interrupt;
-  const InterruptSignals signals(interrupt);
-  auto backend = options.open_backend ? options.open_backend(interrupt)
-                                      : SessionBackend::open(options.backend, interrupt);
-  if (!backend) {
-    Error error = backend.error();
-    if (error.fault == Fault::environment && options.on_loss) options.on_loss(error);
-    return tl::unexpected(std::move(error));
-  }
-  const bool real = (*backend)->port() != nullptr;
-  const Time connecting = (*backend)->clock().now();
-  const auto report_resumption = [&](const host::Resumption& resumption) {
-    std::fprintf(stderr, "\n%s: after %.1f s %s; after %.2f s more it answered again\n",
-                 options.label.c_str(), seconds(resumption.lost - connecting),
-                 text(resumption.cause), seconds(resumption.resumed - resumption.lost));
-  };
-  std::unique_ptr<KeptRun> kept;
-  if (real) {
-    auto begun = KAZ_TRY(KeptRun::begin((*backend)->link(), (*backend)->clock(), interrupt,
-                                        {.verb = options.label,
-                                         .port = (*backend)->port()->name(),
-                                         .address = options.backend.address,
-                                         .motors_off = false,
-                                         .notes = false}));
-    kept = std::move(begun);
-  }
-  WatchedClock clock((*backend)->clock(), (*backend)->simulation(), options.onlooker, options.until,
-                     interrupt);
-  auto robot =
-      host::Robot::connect((*backend)->link(), clock,
-                           {.address = options.backend.address,
-                            .on_resumed = report_resumption,
-                            .frames_path = real ? temporary_file("frames.txt") : std::string()});
-  if (!robot) return tl::unexpected(robot.error());
-  if (real) {
-    const auto trip = KAZ_TRY(host::measure_round_trip(*robot, *(*backend)->port()));
-    if (!options.json || trip.slow)
-      std::fprintf(stderr, "%s: %s\n", options.label.c_str(), trip.sentence.c_str());
-  }
-
-  KAZ_TRY((*backend)->open_camera());
-  const bool sees = (*backend)->sees();
-  if (behavior->needs_camera && !sees) return tl::unexpected(sim::Simulation::no_eyes());
-  RememberingCamera camera((*backend)->camera());
-  host::Capture capture(camera, *robot);
-  vision::Pipeline pipeline({(*backend)->pace(), (*backend)->camera_latency()});
-  VisionOptions modules = options.vision;
-  modules.modules = "color," + modules.modules;
-  KAZ_TRY(add_modules(modules, pipeline));
-  DeliveryTable deliveries(pipeline);
-  if (options.watcher != nullptr) options.watcher->begin(pipeline);
-  behavior::PipelineBallDetector detector(capture, pipeline);
-  Snapshots snapshots(camera, (*backend)->simulation(), options.vision.ball);
-  if (folder != nullptr) {
-    if (auto cleared = folder->clear(); !cleared) {
-      if (cleared.error().fault != Fault::environment) return tl::unexpected(cleared.error());
-      return tl::unexpected(lost(cleared.error(), options, folder));
-    }
-  }
-  remove_recording.keep();
-  Progress progress(options.label, options.json);
-  const Time start = (*backend)->clock().now();
-  Listener listener(**backend, snapshots, progress, start,
-                    expected_seconds(values, behavior->options));
-
-  Result<std::string> sha256;
-  const auto wall_start = std::chrono::steady_clock::now();
-  behavior::Context context{*robot,   robot->clock(), sees ? &detector : nullptr,
-                            listener, values,         options.backend.seed};
-  context.ball_radius_m = options.vision.ball.radius_m;
-  if (const auto* simulation = (*backend)->simulation())
-    context.other_joints = other_joints(simulation->world());
-  std::optional<RunProfiler> profiler;
-  if (options.profile) profiler.emplace();
-  const Result<behavior::Outcome> outcome = [&] {
-    const ProfileScope host("behaviour and link");
-    return behavior->run(context);
-  }();
-  const double wall_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
-  const double run_s = seconds((*backend)->clock().now() - start);
-  std::optional<RunProfile> profile;
-  if (profiler) profile = profiler->end(run_s);
-  profiler.reset();
-  if (options.on_end) options.on_end(outcome, run_s, run_s / wall_s);
-  if (!outcome && clock.ended()) {  // options.until
-    progress.done();
-    pipeline.finish();
-    if (options.watcher != nullptr) options.watcher->end(pipeline);
-    KAZ_TRY((*backend)->simulation()->finish_recording());
-    return false;
-  }
-  const bool interrupted = !outcome && outcome.error().fault == Fault::interrupted;
-  std::optional<host::CleanUp> clean_up;
-  if (interrupted) {
-    // What follows is no part of the run, and not recorded.
-    if ((*backend)->simulation() != nullptr)
-      sha256 = (*backend)->simulation()->finish_recording(received_signal_name());
-    clean_up.emplace(interrupt);
-  }
-  const auto health =
-      outcome || interrupted ? robot->board_statistics() : Result<kz_statistics_reply>{};
-  robot->disable_all();
-  clean_up.reset();
-  progress.done();
-  const Result<void> left = kept ? kept->end() : Result<void>();
-  pipeline.finish();
-  if (options.watcher != nullptr) options.watcher->end(pipeline);
-  if (!sha256) return tl::unexpected(lost(sha256.error(), options, folder));
-  if (interrupted && !left)
-    std::fprintf(stderr, "%s: %s\n", options.label.c_str(), left.error().message.c_str());
-  if (interrupted && !options.keep_interrupted) return tl::unexpected(outcome.error());
-  if (!outcome && !interrupted) {
-    Error error =
-        with_recording(together(outcome, left).error(), (*backend)->simulation(), folder, recorded);
-    // In lockstep nothing but the robot can fail to answer; at a port it is the line, too.
-    if (real && error.fault == Fault::environment) error = lost(std::move(error), options, folder);
-    return tl::unexpected(std::move(error));
-  }
-  if (!health && !interrupted) return tl::unexpected(health.error());
-  if (!interrupted) {
-    KAZ_TRY(left);
-  }
-
-  const behavior::Outcome cut_short{
-      false, "ended by " + std::string(received_signal_name()), {}, {}};
-  RunReport report{options.behavior,
-                   options.backend,
-                   interrupted ? cut_short : *outcome,
-                   run_s,
-                   run_s / wall_s,
-                   score(listener.recording(), listener.probe(), start),
-                   robot->identity(),
-                   health.value_or(kz_statistics_reply{}),
-                   robot->statistics(),
-                   start,
-                   listener.recording(),
-                   listener.probe(),
-                   module_statistics_json(pipeline),
-                   module_statistics_text(pipeline),
-                   deliveries.text(),
-                   interrupted,
-                   std::move(profile),
-                   *sha256,
-                   (*backend)->camera_warning()};
-  const auto written = write_report(report, (*backend)->simulation(), snapshots, folder, recorded);
-  if (!written) return tl::unexpected(lost(written.error(), options, folder));
-  if (!options.quiet) print_report(*written, report, options.out, options.json);
-  if (!interrupted) return outcome->success;
-  char until[48];
-  std::snprintf(until, sizeof until, "interrupted at %.2f s", run_s);
-  return fail(
-      Fault::interrupted,
-      until + (options.out.empty() ? std::string("; nothing was to be kept of it")
-                                   : "; what there is of the run is kept in " + options.out));
+  return Session(std::move(options)).run();
 }
 
 }  // namespace kaz::tools

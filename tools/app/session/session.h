@@ -41,6 +41,10 @@ struct SessionOptions {
   std::function<void(const Result<behavior::Outcome>&, double, double)> on_end;
   // The machine, not the robot, ended the session: files, disk, display, port. Before on_end or after.
   std::function<void(const Error&)> on_loss;
+  // The behaviour's program is in error. False: it threw. True: it is a plug-in that crashed, ended the
+  // process, or does not return after an interrupt (the error's fault); this is called on another thread,
+  // after on_end, as the last before the process ends.
+  std::function<void(const Error&, bool)> on_crash;
   // In place of SessionBackend::open(); what it refers to must outlive the session.
   std::function<Result<std::unique_ptr<SessionBackend>>(host::Interrupt&)> open_backend;
 };
@@ -48,7 +52,9 @@ struct SessionOptions {
 // False where the behaviour did not succeed. Motors are off afterwards, whatever happened. The folder is
 // checked and locked before anything is opened (output_folder.h). Of an interrupted run (Fault::interrupted)
 // result.json and recording are of the part until then, and say so. Of a run that broke off there is the
-// recording and, where the machine was the cause, a result.json with the outcome `environment`.
+// recording and, where the machine was the cause, a result.json with the outcome `environment`; where the
+// behaviour's program was (an exception), with `failed` and the cause `crashed`. A plug-in may end the
+// process instead (plugin_guard.h).
 Result<bool> run_session(SessionOptions options);
 
 }  // namespace kaz::tools

@@ -1,0 +1,95 @@
+// The boundary between a plug-in's code and Kaz's: which of them runs, and a way to shut the plug-in out.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+
+#include "host/behavior/ball_detector.h"
+#include "host/link/link.h"
+
+namespace kaz::tools {
+
+class CallGate {
+ public:
+  // A call from the plug-in into Kaz: counted, and one at a time. Calls nest. Blocks for good once the gate
+  // is shut. Without a gate (null: the behaviour is Kaz's own) it does nothing.
+  class Call {
+   public:
+    explicit Call(CallGate* gate) : gate_(gate) {
+      if (gate_ == nullptr) return;
+      gate_->mutex_.lock();
+      ++gate_->depth_;
+      ++gate_->count_;
+    }
+    ~Call() {
+      if (gate_ == nullptr) return;
+      --gate_->depth_;
+      gate_->mutex_.unlock();
+    }
+    Call(const Call&) = delete;
+    Call& operator=(const Call&) = delete;
+
+   private:
+    CallGate* gate_;
+  };
+
+  // Waits until no call is under way; from then on every call of another thread blocks. False: one did not
+  // end in time.
+  bool shut(std::chrono::milliseconds at_most) { return mutex_.try_lock_for(at_most); }
+  void open() { mutex_.unlock(); }
+
+  bool in_call() const { return depth_ > 0; }
+  std::uint64_t count() const { return count_; }
+
+ private:
+  std::recursive_timed_mutex mutex_;
+  std::atomic<int> depth_{0};
+  std::atomic<std::uint64_t> count_{0};
+};
+
+class GatedLink final : public host::Link {
+ public:
+  GatedLink(host::Link& link, CallGate* gate) : link_(link), gate_(gate) {}
+  std::string name() const override { return link_.name(); }
+  Time byte_time() const override { return link_.byte_time(); }
+  Result<void> set_baud(int baud) override {
+    const CallGate::Call call(gate_);
+    return link_.set_baud(baud);
+  }
+  Result<void> write(std::span<const std::uint8_t> bytes) override {
+    const CallGate::Call call(gate_);
+    return link_.write(bytes);
+  }
+  Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override {
+    const CallGate::Call call(gate_);
+    return link_.read(bytes, deadline);
+  }
+  Result<void> reopen() override {
+    const CallGate::Call call(gate_);
+    return link_.reopen();
+  }
+  void ignore_interrupt() override { link_.ignore_interrupt(); }
+
+ private:
+  host::Link& link_;
+  CallGate* gate_;
+};
+
+class GatedDetector final : public behavior::BallDetector {
+ public:
+  GatedDetector(behavior::BallDetector& detector, CallGate* gate)
+      : detector_(detector), gate_(gate) {}
+  Result<std::vector<vision::BallObservation>> poll(Time now) override {
+    const CallGate::Call call(gate_);
+    return detector_.poll(now);
+  }
+
+ private:
+  behavior::BallDetector& detector_;
+  CallGate* gate_;
+};
+
+}  // namespace kaz::tools
