@@ -116,14 +116,13 @@ void step(benchmark::State& state, const std::string& load, const std::string& s
 class Poses {
  public:
   explicit Poses(const std::string& load) {
+    Run ahead(load, "quick20");
+    error_ = ahead.error();
+    if (!ahead.works()) return;
+    ahead.settle();
     for (int k = 0; k < kPoses; ++k) {
-      auto run = std::make_unique<Run>(load, "quick20");
-      if (!run->works()) {
-        error_ = run->error();
-        return;
-      }
-      run->settle(kSettled + k * kCycle / kPoses);
-      runs_.push_back(std::move(run));
+      runs_.push_back(std::make_unique<Run>(ahead));
+      for (int i = 0; i < kCycle / kPoses; ++i) ahead.step();
     }
   }
   const std::string& error() const { return error_; }
@@ -178,8 +177,8 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// Worlds all over a gait cycle, a step of each in turn; after every round one world steps as often alone. `x` is
-// the ratio of both times.
+// Worlds all over a gait cycle, a step of each in turn; after every round one world steps as often alone.
+// `x`: the ratio of both times.
 class SideBySide {
  public:
   SideBySide() : alone_("walking", WorldOptions{}.dynamics) {
