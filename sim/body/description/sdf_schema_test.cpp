@@ -91,5 +91,17 @@ TEST(SdfSchema, HasAllThatPassesTheCheck) {
   EXPECT_EQ(body.rigid.visuals[0].color.b, 0.3f);
 }
 
+// The library returns no error for it.
+TEST(SdfSchema, MissingVersionIsNamed) {
+  const test::Folder folder;
+  std::string text = test::world_text("0 0 -9.81", "");
+  const std::string version = " version=\"1.9\"";
+  text.erase(text.find(version), version.size());
+  const auto world = load_world(folder.write("w.sdf", text));
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().message.find("version=\"1.9\""), std::string::npos)
+      << world.error().message;
+}
+
 }  // namespace
 }  // namespace kaz::sim

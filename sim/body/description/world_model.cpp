@@ -191,9 +191,12 @@ Result<WorldModel> load_world(const std::string& sdf_path) {
   try {
     const auto parsed = std::make_shared<sdf::SDF>();
     sdf::Errors errors;
-    if (!sdf::initString(kSdfSchema, parsed) || !sdf::readFile(sdf_path, config, parsed, errors))
-      return errors.empty() ? fail(Fault::usage, sdf_path + ": the SDF parser refuses it")
-                            : first_of(errors, sdf_path);
+    if (!sdf::initString(kSdfSchema, parsed) || !sdf::readFile(sdf_path, config, parsed, errors)) {
+      if (!errors.empty()) return first_of(errors, sdf_path);
+      return fail(Fault::usage, sdf_path +
+                                    ": the SDF parser refuses it without a reason; check that "
+                                    "<sdf> has version=\"1.9\"");
+    }
     for (const sdf::Error& error : root.Load(parsed, config)) errors.push_back(error);
     if (!errors.empty()) return first_of(errors, sdf_path);
   } catch (const std::exception& thrown) {
