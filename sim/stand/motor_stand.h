@@ -15,6 +15,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,9 @@ class MotorStand final : public World {
   const SolverDiagnostics& diagnostics() const override { return diagnostics_; }
   void save(StateWriter& to) override { transfer(to); }
   void restore(StateReader& from) override { transfer(from); }
+  Result<std::unique_ptr<World>> clone() const override {
+    return std::make_unique<MotorStand>(*this);
+  }
 
  private:
   static constexpr std::size_t kScaleSteps = 50;  // of 1 ms

@@ -79,6 +79,19 @@ TEST(MotorStand, FreesEveryShaft) {
   EXPECT_NE(angle(stand), before);
 }
 
+TEST(MotorStand, CloneGoesOnAsTheOriginal) {
+  MotorStand stand = stand_of_kaz();
+  stand.press(kJoint, 0.1);
+  run(stand, 100, 0.4, true);
+  const auto clone = stand.clone();
+  ASSERT_TRUE(clone) << clone.error().message;
+  auto& other = dynamic_cast<MotorStand&>(**clone);
+  run(stand, 200, -0.4, true);
+  EXPECT_NE(angle(other), angle(stand));
+  run(other, 200, -0.4, true);
+  EXPECT_EQ(angle(other), angle(stand));
+}
+
 TEST(MotorStand, ScaleReadsEachPressALittleOtherwise) {
   MotorStand stand = stand_of_kaz();
   stand.clamp(kJoint, true);

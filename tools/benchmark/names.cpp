@@ -11,7 +11,8 @@ namespace kaz::bench {
 
 namespace {
 
-// By load: of each stepper a step, its instructions, and how well it holds; finding contacts.
+// By load: of each stepper a step, its instructions, and how well it holds; finding contacts; loading and
+// cloning; many worlds.
 std::vector<Name> dynamics() {
   using sim::bench::name_of;
   std::vector<Name> names{{name_of("step_us", "walking"), "us", 25, 12, false, 1}};
@@ -27,6 +28,12 @@ std::vector<Name> dynamics() {
     names.push_back({name_of("collision_us", load), "us", due, 0, false, 2});
     names.push_back({name_of("collision_kinstr", load), "k instr", 0, 0, false, 2});
   }
+  for (const char* load : sim::bench::kWorldLoads) {
+    names.push_back({name_of("load_ms", load), "ms", 0, 0, false, 1});
+    names.push_back({name_of("clone_us", load), "us", 100, 25, false, 1});
+  }
+  names.push_back({sim::bench::kWorldsUs, "us", 0, 0, false, 1});
+  names.push_back({sim::bench::kWorldsX, "x one", 1.3, 0, false, 2});
   return names;
 }
 

@@ -46,6 +46,12 @@ Program dynamics() {
     }
     program.gives.push_back(name_of("collision_us", load));
   }
+  for (const char* load : sim::bench::kWorldLoads) {
+    program.gives.push_back(name_of("load_ms", load));
+    program.gives.push_back(name_of("clone_us", load));
+  }
+  program.gives.emplace_back(sim::bench::kWorldsUs);
+  program.counters.push_back({sim::bench::kWorldsX, sim::bench::kWorldsUs, "x"});
   return program;
 }
 

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <exception>
+#include <memory>
 
 #include <sdf/sdf.hh>
 
 #include "sim/body/description/sdf_check.h"
+#include "sim/body/description/sdf_schema.h"
 #include "sim/body/description/xml_file.h"
 
 namespace kaz::sim {
@@ -187,8 +189,16 @@ Result<WorldModel> load_world(const std::string& sdf_path) {
   sdf::Console::Instance()->SetQuiet(true);
   sdf::Root root;
   try {
-    if (const sdf::Errors errors = root.Load(sdf_path, config); !errors.empty())
-      return first_of(errors, sdf_path);
+    const auto parsed = std::make_shared<sdf::SDF>();
+    sdf::Errors errors;
+    if (!sdf::initString(kSdfSchema, parsed) || !sdf::readFile(sdf_path, config, parsed, errors)) {
+      if (!errors.empty()) return first_of(errors, sdf_path);
+      return fail(Fault::usage, sdf_path +
+                                    ": the SDF parser refuses it without a reason; check that "
+                                    "<sdf> has version=\"1.9\"");
+    }
+    for (const sdf::Error& error : root.Load(parsed, config)) errors.push_back(error);
+    if (!errors.empty()) return first_of(errors, sdf_path);
   } catch (const std::exception& thrown) {
     return fail(Fault::usage, sdf_path + ": the SDF parser refuses it: " + line_of(thrown.what()));
   }

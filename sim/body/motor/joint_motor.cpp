@@ -18,7 +18,7 @@ constexpr double kMaxWindUp = 1e-3;  // rad, max penetration of a joint into a h
 }  // namespace
 
 JointMotor::JointMotor(const MotorParams& params, double step_s)
-    : params_(params), step_s_(step_s), heat_(params) {}
+    : params_(std::make_shared<const MotorParams>(params)), step_s_(step_s), heat_(params_) {}
 
 JointMotor::State JointMotor::state() const {
   State state = state_;
@@ -33,7 +33,7 @@ void JointMotor::set_state(const State& state) {
 }
 
 double JointMotor::resistance_ohm() const {
-  return params_.resistance_ohm() * heat_.resistance_ratio();
+  return params_->resistance_ohm() * heat_.resistance_ratio();
 }
 
 // Motor line at the winding's temperature: the resistance ratio r = R(T) / R(T_air) divides both stall slope
@@ -41,17 +41,17 @@ double JointMotor::resistance_ohm() const {
 void JointMotor::take_drive(const MotorDrive& drive, double supply_volts) {
   powered_ = drive.powered;
   state_.duty = powered_ && std::isfinite(drive.duty) ? std::clamp(drive.duty, -1.0, 1.0) : 0.0;
-  volts_ = std::clamp(supply_volts, 0.0, params_.max_supply_v);
+  volts_ = std::clamp(supply_volts, 0.0, params_->max_supply_v);
   const double ratio = heat_.resistance_ratio();
-  drive_torque_ = params_.stall_slope_nm_per_v / ratio * volts_ * state_.duty;
-  stiffness_ = (powered_ ? params_.back_emf_nms_per_rad / ratio : 0.0) +
-               params_.rotor_inertia_kgm2 / step_s_;
+  drive_torque_ = params_->stall_slope_nm_per_v / ratio * volts_ * state_.duty;
+  stiffness_ = (powered_ ? params_->back_emf_nms_per_rad / ratio : 0.0) +
+               params_->rotor_inertia_kgm2 / step_s_;
   jammed_ = drive.jammed;
   max_ = jammed_ ? kMaxTorque : std::clamp(drive.slip_nm, 0.0, kMaxTorque);
   slipping_ = max_ < kMaxTorque;
-  tight_ = jammed_ || slipping_ || params_.backlash_rad == 0;
+  tight_ = jammed_ || slipping_ || params_->backlash_rad == 0;
   // Without friction the rotor is never held, and both directions have the same row.
-  frictionless_ = params_.friction_nm == 0 && !jammed_;
+  frictionless_ = params_->friction_nm == 0 && !jammed_;
   if (frictionless_) state_.regime = Regime::forward;
 }
 
@@ -59,7 +59,7 @@ void JointMotor::take_drive(const MotorDrive& drive, double supply_volts) {
 void JointMotor::stop() {
   if (state_.regime != Regime::held) {
     const double friction =
-        state_.regime == Regime::forward ? params_.friction_nm : -params_.friction_nm;
+        state_.regime == Regime::forward ? params_->friction_nm : -params_->friction_nm;
     const double press = drive_torque_ - friction;
     state_.press = press * state_.torque > 0 ? press : 0;
     state_.torque = state_.torque_before = state_.press;
@@ -73,9 +73,9 @@ void JointMotor::stop() {
 // speed then exceeds f h/J, the speed that friction of the wrong sign could add.
 void JointMotor::be_struck(double angle, double velocity) {
   const double gap =
-      0.5 * params_.backlash_rad + std::copysign(1.0, velocity) * (state_.rotor_angle - angle);
+      0.5 * params_->backlash_rad + std::copysign(1.0, velocity) * (state_.rotor_angle - angle);
   const double stops =
-      params_.friction_nm * params_.stiction_ratio * step_s_ / params_.rotor_inertia_kgm2;
+      params_->friction_nm * params_->stiction_ratio * step_s_ / params_->rotor_inertia_kgm2;
   if (std::abs(velocity) * step_s_ <= gap || std::abs(velocity) <= stops) return;
   state_.regime = velocity > 0 ? Regime::forward : Regime::backward;
   state_.stopped = false;
@@ -84,7 +84,7 @@ void JointMotor::be_struck(double angle, double velocity) {
 // Static friction balances drive and load: |A - T| <= stiction_ratio friction. The rotor breaks loose only
 // if two steps in a row exceed this, since the torque of one step may be an impact that is over.
 void JointMotor::break_loose() {
-  const double max = params_.friction_nm * params_.stiction_ratio;
+  const double max = params_->friction_nm * params_->stiction_ratio;
   const double now = drive_torque_ - state_.torque, before = drive_torque_ - state_.torque_before;
   if (std::min(now, before) <= max && std::max(now, before) >= -max) return;
   state_.regime = now > 0 ? Regime::forward : Regime::backward;
@@ -104,9 +104,9 @@ JointMotor::Row JointMotor::prepare(const MotorDrive& drive, double supply_volts
   if (state_.regime == Regime::held && !tight_) be_struck(angle, velocity);
   if (state_.regime != Regime::held) {
     const double friction =
-        state_.regime == Regime::forward ? params_.friction_nm : -params_.friction_nm;
+        state_.regime == Regime::forward ? params_->friction_nm : -params_->friction_nm;
     free_speed_ =
-        (drive_torque_ - friction + params_.rotor_inertia_kgm2 / step_s_ * state_.rotor_speed) /
+        (drive_torque_ - friction + params_->rotor_inertia_kgm2 / step_s_ * state_.rotor_speed) /
         stiffness_;
   }
   if (was_moving && !tight_ && !frictionless_ && will_stop()) stop();
@@ -126,7 +126,7 @@ bool JointMotor::will_stop() const {
 double JointMotor::pressing(const Row& row) const {
   const double torque = std::clamp(row.velocity / row.softness, row.min, row.max);
   if (state_.regime != Regime::held || jammed_) return torque;
-  const double breakaway = params_.friction_nm * params_.stiction_ratio;
+  const double breakaway = params_->friction_nm * params_->stiction_ratio;
   return std::clamp(torque, drive_torque_ - breakaway, drive_torque_ + breakaway);
 }
 
@@ -146,7 +146,7 @@ JointMotor::Row JointMotor::tight_row(double angle) {
 // The row of the nearer flank (joint_motor.h): velocity = u_free -+ d/h with d = b/2 -+ ahead the gap to it,
 // torque of one sign only. `ahead`: rotor minus joint, rad, clamped to the gap.
 JointMotor::Row JointMotor::flank_row(double angle, double velocity) {
-  const double half = 0.5 * params_.backlash_rad;
+  const double half = 0.5 * params_->backlash_rad;
   const double wound = step_s_ * kHeldSoftness / kHeldCorrection;
   const bool held = state_.regime == Regime::held;
   if (state_.stopped && state_.press != 0) {
@@ -184,9 +184,10 @@ void JointMotor::turn_rotor(double velocity, double torque) {
   const bool turned = !frictionless_ && (forward ? speed <= 0 : speed >= 0);
   if (turned && !tight_ && torque == 0) speed = 0;
   // In the step in which the rotor stops, friction is the remainder of A - T - K u_new + J/h u_old = f.
-  const double friction = tight_ || !turned ? (forward ? params_.friction_nm : -params_.friction_nm)
-                                            : drive_torque_ - torque - stiffness_ * speed +
-                                                  params_.rotor_inertia_kgm2 / step_s_ * before;
+  const double friction = tight_ || !turned
+                              ? (forward ? params_->friction_nm : -params_->friction_nm)
+                              : drive_torque_ - torque - stiffness_ * speed +
+                                    params_->rotor_inertia_kgm2 / step_s_ * before;
   state_.friction_watts = friction * speed;
   state_.rotor_speed = speed;
   state_.rotor_angle += step_s_ * speed;
@@ -201,7 +202,7 @@ void JointMotor::finish(double velocity, double torque) {
   const double speed = tight_ ? velocity : state_.rotor_speed;
   const double resistance = resistance_ohm();
   state_.current =
-      powered_ ? (volts_ * state_.duty - params_.torque_constant() * speed) / resistance : 0;
+      powered_ ? (volts_ * state_.duty - params_->torque_constant() * speed) / resistance : 0;
   state_.copper_watts = state_.current * state_.current * resistance;
   heat_.take(state_.copper_watts, std::max(0.0, state_.friction_watts), step_s_);
 }

@@ -28,6 +28,8 @@
 // Current is the mean over a PWM period (docs/reference/robot.md explains why that is enough).
 #pragma once
 
+#include <memory>
+
 #include "sim/body/description/motor_file.h"
 #include "sim/body/motor/motor_drive.h"
 #include "sim/body/motor/winding_heat.h"
@@ -98,7 +100,7 @@ class JointMotor {
   void turn_rotor(double velocity, double torque);
   void stop();
 
-  MotorParams params_;
+  std::shared_ptr<const MotorParams> params_;  // shared by all copies
   double step_s_;
   WindingHeat heat_;
   State state_;

@@ -35,7 +35,7 @@ TEST(WindingHeat, FollowsTheClosedForm) {
   MotorParams params = test::motor_params();
   const double watts = 3.6;
   const TwoBodies truth(params, watts);
-  WindingHeat heat(params);
+  WindingHeat heat(std::make_shared<const MotorParams>(params));
   double t = 0;
   for (const double until : {1.0, 30.0, 120.0, 600.0, 3000.0}) {
     for (; t < until - 5e-4; t += 1e-3) heat.take(watts, 0, 1e-3);

@@ -10,28 +10,31 @@
 // degrees Celsius.
 #pragma once
 
+#include <memory>
+#include <utility>
+
 #include "sim/body/description/motor_file.h"
 
 namespace kaz::sim {
 
 class WindingHeat {
  public:
-  explicit WindingHeat(const MotorParams& params)
-      : params_(params), winding_(params.air_celsius), case_(params.air_celsius) {}
+  explicit WindingHeat(std::shared_ptr<const MotorParams> params)
+      : params_(std::move(params)), winding_(params_->air_celsius), case_(params_->air_celsius) {}
 
   // Heat (W) of the copper and of gear and brushes during step_s. Explicit Euler; both flows are taken from
   // the old temperatures. The step is 1e-5 of the shortest time constant. Without heat parameters in the
   // motor file the motor stays cold.
   void take(double copper_watts, double friction_watts, double step_s) {
-    if (params_.winding_heat_capacity == 0) return;
-    const double to_case = (winding_ - case_) / params_.winding_to_case;
-    const double to_air = (case_ - params_.air_celsius) / params_.case_to_air;
-    winding_ += step_s * (copper_watts - to_case) / params_.winding_heat_capacity;
-    case_ += step_s * (to_case + friction_watts - to_air) / params_.case_heat_capacity;
+    if (params_->winding_heat_capacity == 0) return;
+    const double to_case = (winding_ - case_) / params_->winding_to_case;
+    const double to_air = (case_ - params_->air_celsius) / params_->case_to_air;
+    winding_ += step_s * (copper_watts - to_case) / params_->winding_heat_capacity;
+    case_ += step_s * (to_case + friction_watts - to_air) / params_->case_heat_capacity;
   }
   // Resistance now over resistance at `air_celsius`.
   double resistance_ratio() const {
-    return 1 + params_.copper_per_kelvin * (winding_ - params_.air_celsius);
+    return 1 + params_->copper_per_kelvin * (winding_ - params_->air_celsius);
   }
   double winding_celsius() const { return winding_; }
   double case_celsius() const { return case_; }
@@ -47,7 +50,7 @@ class WindingHeat {
   }
 
  private:
-  MotorParams params_;
+  std::shared_ptr<const MotorParams> params_;
   double winding_, case_;
 };
 

@@ -35,7 +35,7 @@ void OdeWorld::measure_forces() {
     const Vector3d force = to_eigen(first ? row.feedback.f1 : row.feedback.f2);
     const Vector3d about_com = to_eigen(first ? row.feedback.t1 : row.feedback.t2);
     const Eigen::Isometry3d& frame = frames_before_[link];
-    const Vector3d com = frame * bodies_[link].rigid.com;
+    const Vector3d com = frame * bodies()[link].rigid.com;
     link_forces_[link].add(frame, touch.at, force, about_com - (touch.at - com).cross(force),
                            (a ? 1 : -1) * touch.normal.dot(force));
   }
@@ -56,7 +56,7 @@ void OdeWorld::measure_loads() {
     Vector3d motor = to_link * to_eigen(joint.feedback.t1);
     if (joint.pressing) motor = joint.axis * *joint.pressing;
     const Vector3d moment = bearing + motor;
-    joint_loads_[i] = {force, moment + bodies_[link].rigid.com.cross(force)};
+    joint_loads_[i] = {force, moment + bodies()[link].rigid.com.cross(force)};
   }
 }
 

@@ -111,22 +111,55 @@ OdeWorld::OdeWorld(const WorldModel& world, const RobotModel& robot, const Motor
       ode_(make_world(world.gravity, iterations)),
       contact_rows_(dJointGroupCreate(0)),
       ode_joints_(robot.joints.size()) {
-  threading_.reset(dThreadingAllocateSelfThreadedImplementation());
-  dWorldSetStepThreadingImplementation(
-      ode_.get(), dThreadingImplementationGetFunctions(threading_.get()), threading_.get());
-  make_bodies();
-  for (std::size_t j = 0; j < robot.joints.size(); ++j) build_joint(robot, j);
-  if (hung_) hang();
+  for (std::size_t i = 0; i < ode_joints_.size(); ++i) {
+    const RobotJoint& from = robot.joints[i];
+    const RobotLink& child = robot.links[static_cast<std::size_t>(from.child)];
+    Joint& joint = ode_joints_[i];
+    joint.link = from.child;
+    joint.parent = child.parent;
+    joint.axis = child.at_zero.linear().transpose() * from.axis;
+    joint.lower = from.lower - kStopMargin;
+    joint.upper = from.upper + kStopMargin;
+  }
+  build();
   read_joints();
   read_imu(imu_velocity());
   read_motors();
 }
 
+// ODE's objects cannot be copied: they are built as at the start, then take over the state.
+OdeWorld::OdeWorld(const OdeWorld& other)
+    : StagedWorld(other),
+      iterations_(other.iterations_),
+      random_state_(other.random_state_),
+      ode_(make_world(gravity_, iterations_)),
+      contact_rows_(dJointGroupCreate(0)),
+      ode_joints_(other.ode_joints_),
+      memory_(other.memory_),
+      watch_(other.watch_),
+      watched_(other.watched_),
+      largest_gap_(other.largest_gap_) {
+  build();
+  OdeWorld::watch_loads(watch_loads_);
+  sleep_.continue_from(other.sleep_);
+  copy_bodies(other);
+}
+
+// Bodies and joints at their start.
+void OdeWorld::build() {
+  threading_.reset(dThreadingAllocateSelfThreadedImplementation());
+  dWorldSetStepThreadingImplementation(
+      ode_.get(), dThreadingImplementationGetFunctions(threading_.get()), threading_.get());
+  make_bodies();
+  for (Joint& joint : ode_joints_) build_joint(joint);
+  if (hung_) hang();
+}
+
 OdeWorld::~OdeWorld() = default;
 
 void OdeWorld::make_bodies() {
-  for (std::size_t number = 0; number < bodies_.size(); ++number) {
-    const Body& body = bodies_[number];
+  for (std::size_t number = 0; number < bodies().size(); ++number) {
+    const Body& body = bodies()[number];
     ode_bodies_.push_back(body.moves ? dBodyCreate(ode_.get()) : nullptr);
     if (!body.moves) continue;
     const dBodyID id = ode_bodies_.back();
@@ -151,24 +184,17 @@ void OdeWorld::hang() {
   dJointSetFixed(hook);
 }
 
-void OdeWorld::build_joint(const RobotModel& robot, std::size_t number) {
-  const RobotJoint& joint = robot.joints[number];
-  const RobotLink& link = robot.links[static_cast<std::size_t>(joint.child)];
-  Joint& out = ode_joints_[number];
-  out.child = body(joint.child);
-  out.link = joint.child;
-  const dBodyID parent = body(link.parent);
-  const Eigen::Isometry3d& start = bodies_[static_cast<std::size_t>(joint.child)].start;
+void OdeWorld::build_joint(Joint& out) {
+  out.child = body(out.link);
+  const dBodyID parent = body(out.parent);
+  const Eigen::Isometry3d& start = bodies()[static_cast<std::size_t>(out.link)].start;
   const Eigen::Vector3d anchor = start.translation();
-  out.axis = link.at_zero.linear().transpose() * joint.axis;
   const Eigen::Vector3d axis = start.linear() * out.axis;
 
   out.hinge = dJointCreateHinge(ode_.get(), nullptr);
   dJointAttach(out.hinge, out.child, parent);
   dJointSetHingeAnchor(out.hinge, anchor.x(), anchor.y(), anchor.z());
   dJointSetHingeAxis(out.hinge, axis.x(), axis.y(), axis.z());
-  out.upper = joint.upper + kStopMargin;
-  out.lower = joint.lower - kStopMargin;
   dJointSetHingeParam(out.hinge, dParamHiStop, out.upper);
   dJointSetHingeParam(out.hinge, dParamLoStop, out.lower);
   dJointSetHingeParam(out.hinge, dParamStopERP, erp_for(step_s_, kStopErp));
@@ -191,21 +217,27 @@ void OdeWorld::kick(int number, const Eigen::Vector3d& velocity) {
 }
 
 int OdeWorld::find_contacts() {
+  Contacts& contacts = Contacts::of_this_thread();
+  find_contacts(contacts);
+  return static_cast<int>(contacts.touches().size());
+}
+
+void OdeWorld::find_contacts(Contacts& contacts) const {
+  contacts.begin(model_->contacts);
   for (std::size_t i = 0; i < ode_bodies_.size(); ++i) {
     const dBodyID id = ode_bodies_[i];
     if (id == nullptr) continue;
-    contacts_.place(static_cast<int>(i), rotation_to_eigen(dBodyGetRotation(id)),
-                    to_eigen(dBodyGetPosition(id)), dBodyIsEnabled(id) != 0);
+    contacts.place(static_cast<int>(i), rotation_to_eigen(dBodyGetRotation(id)),
+                   to_eigen(dBodyGetPosition(id)), dBodyIsEnabled(id) != 0);
   }
-  contacts_.update();
-  return static_cast<int>(contacts_.touches().size());
+  contacts.update();
 }
 
 // Replaces the contact rows of the previous step.
-void OdeWorld::make_contact_rows() {
+void OdeWorld::make_contact_rows(const Contacts& contacts) {
   dJointGroupEmpty(contact_rows_.get());
   watched_.clear();
-  const std::span<const Touch> touches = contacts_.touches();
+  const std::span<const Touch> touches = contacts.touches();
   memory_.recall(touches);
   for (std::size_t i = 0; i < touches.size(); ++i) {
     const Touch& touch = touches[i];
@@ -247,8 +279,9 @@ std::vector<ContactPoint> OdeWorld::contacts() const {
   for (const Watched& row : watched_) {
     const Eigen::Vector3d force = to_eigen(row.feedback.f1);
     // If a is static, the feedback is that of b.
-    points.push_back({contacts_.name(row.touch.shape_a), contacts_.name(row.touch.shape_b),
-                      row.touch.at, row.touch.body_a < 0 ? Eigen::Vector3d(-force) : force});
+    points.push_back({model_->contacts.name(row.touch.shape_a),
+                      model_->contacts.name(row.touch.shape_b), row.touch.at,
+                      row.touch.body_a < 0 ? Eigen::Vector3d(-force) : force});
   }
   return points;
 }
@@ -310,9 +343,9 @@ void OdeWorld::check_solver() {
   for (std::size_t i = 0; i < joint_states_.size(); ++i) {
     if (!joint_can_turn(i, joint_states_[i].velocity)) return;
   }
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+  for (std::size_t i = 0; i < bodies().size(); ++i) {
     const dBodyID id = body(static_cast<int>(i));
-    if (bodies_[i].moves && id != nullptr &&
+    if (bodies()[i].moves && id != nullptr &&
         !body_can_move(i, to_eigen(dBodyGetLinearVel(id)), to_eigen(dBodyGetAngularVel(id))))
       return;
   }
@@ -322,8 +355,9 @@ void OdeWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   if (!diagnostics_.failure.empty()) return;
   enter_ode();
   kick_due();
-  find_contacts();
-  make_contact_rows();
+  Contacts& contacts = Contacts::of_this_thread();
+  find_contacts(contacts);
+  make_contact_rows(contacts);
   prepare_motors(drives, supply_volts);
   if (!drives_are_numbers()) return;
   for (std::size_t i = 0; i < rows_.size(); ++i) drive(i);
@@ -364,7 +398,7 @@ void OdeWorld::read_joints() {
 Eigen::Vector3d OdeWorld::imu_velocity() const {
   const dBodyID id = body(imu_frame_.link);
   if (id == nullptr) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d& com = bodies_[static_cast<std::size_t>(imu_frame_.link)].rigid.com;
+  const Eigen::Vector3d& com = bodies()[static_cast<std::size_t>(imu_frame_.link)].rigid.com;
   const Eigen::Vector3d arm =
       rotation_to_eigen(dBodyGetRotation(id)) * (imu_frame_.in_link.translation() - com);
   return to_eigen(dBodyGetLinearVel(id)) + to_eigen(dBodyGetAngularVel(id)).cross(arm);
@@ -385,7 +419,7 @@ Eigen::Isometry3d OdeWorld::moving_pose(int number) const {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = rotation_to_eigen(dBodyGetRotation(id));
   pose.translation() = to_eigen(dBodyGetPosition(id)) -
-                       pose.linear() * bodies_[static_cast<std::size_t>(number)].rigid.com;
+                       pose.linear() * bodies()[static_cast<std::size_t>(number)].rigid.com;
   return pose;
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ class OdeWorld final : public StagedWorld {
   // `iterations` of QuickStep; 0: ODE's exact solver.
   OdeWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
            const WorldOptions& options, int iterations);
+  OdeWorld(const OdeWorld& other);
   ~OdeWorld() override;
 
   void step(std::span<const MotorDrive> drives, double supply_volts) override;
@@ -33,6 +35,9 @@ class OdeWorld final : public StagedWorld {
   std::vector<ContactPoint> contacts() const override;
   void save(StateWriter& to) override;
   void restore(StateReader& from) override;
+  Result<std::unique_ptr<World>> clone() const override {
+    return std::make_unique<OdeWorld>(*this);
+  }
 
  private:
   struct Joint {
@@ -40,7 +45,7 @@ class OdeWorld final : public StagedWorld {
     dJointFeedback feedback{}, bearing{};            // of motor and hinge
     Eigen::Vector3d axis = Eigen::Vector3d::Zero();  // in the child's frame
     dBodyID child = nullptr;
-    int link = 0;                    // of the child
+    int link = 0, parent = -1;       // of the child; the link that carries it
     double lower = 0, upper = 0;     // mechanical stops, rad
     std::optional<double> pressing;  // Nm against a stop, in the current step
   };
@@ -51,15 +56,18 @@ class OdeWorld final : public StagedWorld {
 
   template <class A>
   void transfer(A& a);
+  void build();
+  void copy_bodies(const OdeWorld& from);
   void make_bodies();
   void hang();
-  void build_joint(const RobotModel& robot, std::size_t number);
+  void build_joint(Joint& joint);
+  void find_contacts(Contacts& contacts) const;
   dBodyID body(int number) const {
     return number < 0 ? nullptr : ode_bodies_[static_cast<std::size_t>(number)];
   }
   Eigen::Isometry3d moving_pose(int body) const override;
   void kick(int body, const Eigen::Vector3d& velocity) override;
-  void make_contact_rows();
+  void make_contact_rows(const Contacts& contacts);
   void remember_contacts();
   void drive(std::size_t number);
   void set_row(dJointID motor, const JointMotor::Row& row) const;

@@ -16,29 +16,46 @@ void place(dBodyID body, const std::array<double, 4>& q, const std::array<double
   std::ranges::copy(r, const_cast<dReal*>(dBodyGetRotation(body)));
 }
 
-template <class A>
-void transfer_body(A& a, dBodyID body) {
+// All that a body carries from step to step.
+struct BodyState {
   std::array<double, 3> at{}, linear{}, angular{};
   std::array<double, 4> q{};
   std::array<double, 12> r{};
-  bool awake = dBodyIsEnabled(body) != 0;
-  std::copy_n(dBodyGetPosition(body), 3, at.begin());
-  std::copy_n(dBodyGetQuaternion(body), 4, q.begin());
-  std::copy_n(dBodyGetRotation(body), 12, r.begin());
-  std::copy_n(dBodyGetLinearVel(body), 3, linear.begin());
-  std::copy_n(dBodyGetAngularVel(body), 3, angular.begin());
-  a(at, q, r, linear, angular, awake);
-  if constexpr (A::reading) {
-    if (!a.good()) return;
-    dBodySetPosition(body, at[0], at[1], at[2]);
-    place(body, q, r);
-    dBodySetLinearVel(body, linear[0], linear[1], linear[2]);
-    dBodySetAngularVel(body, angular[0], angular[1], angular[2]);
-    awake ? dBodyEnable(body) : dBodyDisable(body);
+  bool awake = true;
+
+  template <class A>
+  void transfer(A& a) {
+    a(at, q, r, linear, angular, awake);
   }
+};
+
+BodyState state_of(dBodyID body) {
+  BodyState state;
+  state.awake = dBodyIsEnabled(body) != 0;
+  std::copy_n(dBodyGetPosition(body), 3, state.at.begin());
+  std::copy_n(dBodyGetQuaternion(body), 4, state.q.begin());
+  std::copy_n(dBodyGetRotation(body), 12, state.r.begin());
+  std::copy_n(dBodyGetLinearVel(body), 3, state.linear.begin());
+  std::copy_n(dBodyGetAngularVel(body), 3, state.angular.begin());
+  return state;
+}
+
+void set_state(dBodyID body, const BodyState& state) {
+  const auto& [at, linear, angular, q, r, awake] = state;
+  dBodySetPosition(body, at[0], at[1], at[2]);
+  place(body, q, r);
+  dBodySetLinearVel(body, linear[0], linear[1], linear[2]);
+  dBodySetAngularVel(body, angular[0], angular[1], angular[2]);
+  awake ? dBodyEnable(body) : dBodyDisable(body);
 }
 
 }  // namespace
+
+void OdeWorld::copy_bodies(const OdeWorld& from) {
+  for (std::size_t i = 0; i < ode_bodies_.size(); ++i) {
+    if (ode_bodies_[i] != nullptr) set_state(ode_bodies_[i], state_of(from.ode_bodies_[i]));
+  }
+}
 
 template <class A>
 void OdeWorld::transfer(A& a) {
@@ -48,7 +65,12 @@ void OdeWorld::transfer(A& a) {
   a(random, largest_gap_, sleep_, memory_);
   random_state_ = static_cast<unsigned long>(random);
   for (const dBodyID body : ode_bodies_) {
-    if (body != nullptr) transfer_body(a, body);
+    if (body == nullptr) continue;
+    BodyState state = state_of(body);
+    a(state);
+    if constexpr (A::reading) {
+      if (a.good()) set_state(body, state);
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kaz::sim {
 namespace {
@@ -53,15 +54,24 @@ Matrix3d point_inertia(double mass, const Vector3d& r) {
 
 }  // namespace
 
+ArticulatedTree::Scratch& ArticulatedTree::Scratch::of_this_thread(std::size_t links) {
+  thread_local Scratch scratch;
+  scratch.composite.resize(links);
+  scratch.acceleration.resize(links);
+  scratch.force.resize(links);
+  return scratch;
+}
+
 ArticulatedTree::ArticulatedTree(const RobotModel& robot, const Eigen::Isometry3d& root, bool held)
     : root_at(root.translation()), root_turn(root.linear()) {
   root_turn.normalize();
   root_dofs_ = held || robot.fixed_base ? 0 : 6;
   dofs_ = root_dofs_ + static_cast<int>(robot.links.size()) - 1;
-  dof_of_joint_.resize(robot.joints.size());
+  Fixed fixed;
+  fixed.dof_of_joint.resize(robot.joints.size());
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const RobotLink& from = robot.links[i];
-    Link link;
+    FixedLink link;
     link.parent = from.parent;
     link.mass = from.rigid.mass;
     link.own_com = from.rigid.com;
@@ -74,14 +84,16 @@ ArticulatedTree::ArticulatedTree(const RobotModel& robot, const Eigen::Isometry3
       link.at_zero = in_parent.linear();
       link.own_axis = from.at_zero.linear().transpose() * robot.joints[index(from.joint)].axis;
       link.dof = root_dofs_ + static_cast<int>(i) - 1;
-      dof_of_joint_[index(from.joint)] = link.dof;
-      const Link& carrier = links_[index(from.parent)];
+      fixed.dof_of_joint[index(from.joint)] = link.dof;
+      const FixedLink& carrier = fixed.links[index(from.parent)];
       link.span = {carrier.dof >= 0 ? carrier.span.first : link.dof, link.dof + 1};
     } else {
       link.span = {root_dofs_, root_dofs_};
     }
-    links_.push_back(link);
+    fixed.links.push_back(link);
   }
+  fixed_ = std::make_shared<const Fixed>(std::move(fixed));
+  links_.resize(robot.links.size());
   angle.assign(robot.joints.size(), 0);
   velocity.assign(index(dofs_), 0);
   place();
@@ -92,24 +104,26 @@ ArticulatedTree::ArticulatedTree(const RobotModel& robot, const Eigen::Isometry3
 // second moment R I R^T + m (c^2 1 - c c^T).
 void ArticulatedTree::place() {
   whole_ = {};
-  for (Link& link : links_) {
-    if (link.parent < 0) {
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const FixedLink& own = fixed(i);
+    Link& link = links_[i];
+    if (own.parent < 0) {
       link.axes = root_turn.toRotationMatrix();
       link.origin.setZero();
     } else {
-      const Link& parent = links_[index(link.parent)];
+      const Link& parent = links_[index(own.parent)];
       link.axes =
-          turned(parent.axes * link.at_zero, link.own_axis, angle[index(link.dof - root_dofs_)]);
-      link.origin = parent.origin + parent.axes * link.in_parent;
-      link.motion.angular = link.axes * link.own_axis;
+          turned(parent.axes * own.at_zero, own.own_axis, angle[index(own.dof - root_dofs_)]);
+      link.origin = parent.origin + parent.axes * own.in_parent;
+      link.motion.angular = link.axes * own.own_axis;
       link.motion.linear = link.origin.cross(link.motion.angular);
     }
-    link.com = link.origin + link.axes * link.own_com;
-    link.inertia.mass = link.mass;
-    link.inertia.first = link.mass * link.com;
+    link.com = link.origin + link.axes * own.own_com;
+    link.inertia.mass = own.mass;
+    link.inertia.first = own.mass * link.com;
     link.inertia.second =
-        link.axes * link.own_inertia * link.axes.transpose() + point_inertia(link.mass, link.com);
-    whole_.mass += link.mass;
+        link.axes * own.own_inertia * link.axes.transpose() + point_inertia(own.mass, link.com);
+    whole_.mass += own.mass;
     whole_.first += link.inertia.first;
     whole_.second += link.inertia.second;
   }
@@ -123,8 +137,9 @@ void ArticulatedTree::twists(const std::vector<double>& v) {
     root.twist.linear = {v[3], v[4], v[5]};
   }
   for (std::size_t i = 1; i < links_.size(); ++i) {
+    const FixedLink& own = fixed(i);
     Link& link = links_[i];
-    link.twist = links_[index(link.parent)].twist + scaled(link.motion, v[index(link.dof)]);
+    link.twist = links_[index(own.parent)].twist + scaled(link.motion, v[index(own.dof)]);
   }
 }
 
@@ -168,23 +183,26 @@ double ArticulatedTree::kinetic_energy() {
 }
 
 // Composite inertia of each link with all its descendants, from leaves to root.
-void ArticulatedTree::composite() {
-  for (Link& link : links_) link.composite = link.inertia;
+std::span<const ArticulatedTree::Inertia> ArticulatedTree::composite() const {
+  std::vector<Inertia>& sums = Scratch::of_this_thread(links_.size()).composite;
+  for (std::size_t i = 0; i < links_.size(); ++i) sums[i] = links_[i].inertia;
   for (std::size_t i = links_.size(); i-- > 1;) {
-    const Link& link = links_[i];
-    Inertia& parent = links_[index(link.parent)].composite;
-    parent.mass += link.composite.mass;
-    parent.first += link.composite.first;
-    parent.second += link.composite.second;
+    Inertia& parent = sums[index(fixed(i).parent)];
+    parent.mass += sums[i].mass;
+    parent.first += sums[i].first;
+    parent.second += sums[i].second;
   }
+  return sums;
 }
 
 // M_ij = S_j . (I_i^composite S_i) for ancestors j of i; the columns of the root are that force itself.
-void ArticulatedTree::write_mass_row(const Link& link, double* m) const {
-  const Spatial force = link.composite * link.motion;
-  m[link.dof] = dot(link.motion, force);
-  for (int up = link.parent; up > 0; up = links_[index(up)].parent)
-    m[links_[index(up)].dof] = dot(links_[index(up)].motion, force);
+void ArticulatedTree::write_mass_row(std::size_t number, const Inertia& composite,
+                                     double* m) const {
+  const Link& link = links_[number];
+  const Spatial force = composite * link.motion;
+  m[fixed(number).dof] = dot(link.motion, force);
+  for (int up = fixed(number).parent; up > 0; up = fixed(index(up)).parent)
+    m[fixed(index(up)).dof] = dot(links_[index(up)].motion, force);
   if (root_dofs_ == 0) return;
   for (int k = 0; k < 3; ++k) {
     m[k] = force.angular[k];
@@ -201,56 +219,56 @@ void ArticulatedTree::write_root_row(int i, double* m) const {
   const Vector3d axis = Vector3d::Unit(i - 3);
   const Vector3d turning = whole_.first.cross(axis);
   for (int k = 0; k < 3; ++k) m[k] = turning[k];
+  for (int k = 3; k < i; ++k) m[k] = 0;
   m[i] = whole_.mass;
 }
 
 // Force on each link by itself: f = I a + v x* (I v), with accelerations from root to leaves. Gravity enters
 // as an acceleration -g of the root.
-void ArticulatedTree::inertial_forces(const std::vector<double>& v, const double* a,
-                                      const Vector3d& gravity) {
+std::span<Spatial> ArticulatedTree::inertial_forces(const std::vector<double>& v, const double* a,
+                                                    const Vector3d& gravity) {
   twists(v);
-  Link& root = links_.front();
+  auto& [unused, acceleration, force] = Scratch::of_this_thread(links_.size());
+  const Spatial& root = links_.front().twist;
   // Spatial acceleration = acceleration of the body-fixed point at P minus w x v (Featherstone, 2.46).
-  root.acceleration = {Vector3d::Zero(), -gravity - root.twist.angular.cross(root.twist.linear)};
+  acceleration[0] = {Vector3d::Zero(), -gravity - root.angular.cross(root.linear)};
   if (a != nullptr && root_dofs_ == 6)
-    root.acceleration = root.acceleration + Spatial{{a[0], a[1], a[2]}, {a[3], a[4], a[5]}};
+    acceleration[0] = acceleration[0] + Spatial{{a[0], a[1], a[2]}, {a[3], a[4], a[5]}};
   for (std::size_t i = 0; i < links_.size(); ++i) {
-    Link& link = links_[i];
+    const Link& link = links_[i];
     if (i > 0) {
-      link.acceleration = links_[index(link.parent)].acceleration +
-                          carried(link.twist, scaled(link.motion, v[index(link.dof)]));
-      if (a != nullptr)
-        link.acceleration = link.acceleration + scaled(link.motion, a[index(link.dof)]);
+      const FixedLink& own = fixed(i);
+      acceleration[i] = acceleration[index(own.parent)] +
+                        carried(link.twist, scaled(link.motion, v[index(own.dof)]));
+      if (a != nullptr) acceleration[i] = acceleration[i] + scaled(link.motion, a[index(own.dof)]);
     }
-    link.force =
-        link.inertia * link.acceleration + carried_force(link.twist, link.inertia * link.twist);
+    force[i] =
+        link.inertia * acceleration[i] + carried_force(link.twist, link.inertia * link.twist);
   }
+  return force;
 }
 
 void ArticulatedTree::bias(const std::vector<double>& v, const Vector3d& gravity,
                            std::vector<double>& c) {
-  inertial_forces(v, nullptr, gravity);
+  const std::span<Spatial> force = inertial_forces(v, nullptr, gravity);
   for (std::size_t i = links_.size(); i-- > 1;) {
-    const Link& link = links_[i];
-    c[index(link.dof)] = dot(link.motion, link.force);
-    Link& parent = links_[index(link.parent)];
-    parent.force = parent.force + link.force;
+    c[index(fixed(i).dof)] = dot(links_[i].motion, force[i]);
+    Spatial& parent = force[index(fixed(i).parent)];
+    parent = parent + force[i];
   }
   if (root_dofs_ == 0) return;
-  const Spatial& root = links_.front().force;
   for (int k = 0; k < 3; ++k) {
-    c[index(k)] = root.angular[k];
-    c[index(k + 3)] = root.linear[k];
+    c[index(k)] = force[0].angular[k];
+    c[index(k + 3)] = force[0].linear[k];
   }
 }
 
 void ArticulatedTree::joint_forces(const std::vector<double>& v, const std::vector<double>& a,
                                    const Vector3d& gravity, std::vector<Spatial>& forces) {
-  inertial_forces(v, a.data(), gravity);
-  for (std::size_t i = 0; i < links_.size(); ++i)
-    forces[i] = links_[i].force + scaled(forces[i], -1);
+  const std::span<const Spatial> inertial = inertial_forces(v, a.data(), gravity);
+  for (std::size_t i = 0; i < links_.size(); ++i) forces[i] = inertial[i] + scaled(forces[i], -1);
   for (std::size_t i = links_.size(); i-- > 1;) {
-    Spatial& parent = forces[index(links_[i].parent)];
+    Spatial& parent = forces[index(fixed(i).parent)];
     parent = parent + forces[i];
   }
 }
@@ -258,8 +276,8 @@ void ArticulatedTree::joint_forces(const std::vector<double>& v, const std::vect
 void ArticulatedTree::add_force(int link, const Vector3d& point, const Vector3d& force,
                                 double* out) const {
   const Spatial wrench{(point - root_at).cross(force), force};
-  for (int i = link; i > 0; i = links_[index(i)].parent)
-    out[links_[index(i)].dof] += dot(links_[index(i)].motion, wrench);
+  for (int i = link; i > 0; i = fixed(index(i)).parent)
+    out[fixed(index(i)).dof] += dot(links_[index(i)].motion, wrench);
   if (root_dofs_ == 0) return;
   for (int k = 0; k < 3; ++k) {
     out[k] += wrench.angular[k];
@@ -268,12 +286,12 @@ void ArticulatedTree::add_force(int link, const Vector3d& point, const Vector3d&
 }
 
 void ArticulatedTree::add_motions(int link, double sign, int first, double* columns) const {
-  for (int i = link; i > 0; i = links_[index(i)].parent) {
-    const Link& at = links_[index(i)];
-    double* column = columns + 6 * (at.dof - first);
+  for (int i = link; i > 0; i = fixed(index(i)).parent) {
+    const Spatial& motion = links_[index(i)].motion;
+    double* column = columns + 6 * (fixed(index(i)).dof - first);
     for (int k = 0; k < 3; ++k) {
-      column[k] += sign * at.motion.angular[k];
-      column[k + 3] += sign * at.motion.linear[k];
+      column[k] += sign * motion.angular[k];
+      column[k + 3] += sign * motion.linear[k];
     }
   }
 }

@@ -12,9 +12,12 @@
 //
 //   M(q) dv/dt + c(q, v) = tau
 //
-// No allocation after the constructor; the order of all sums is fixed, so equal input gives equal bits.
+// No allocation after the first step in a thread; the order of all sums is fixed, so equal input gives equal
+// bits. Copies share what never changes.
 #pragma once
 
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "sim/body/description/robot_model.h"
@@ -34,7 +37,7 @@ class ArticulatedTree {
 
   int dofs() const { return dofs_; }
   int root_dofs() const { return root_dofs_; }
-  int dof_of_joint(int joint) const { return dof_of_joint_[static_cast<std::size_t>(joint)]; }
+  int dof_of_joint(int joint) const { return fixed_->dof_of_joint[index(joint)]; }
   int link_of_dof(int dof) const { return dof - root_dofs_ + 1; }
 
   // State. `angle` (rad) has the joints only, `velocity` all coordinates.
@@ -68,9 +71,10 @@ class ArticulatedTree {
   // M for the present pose (composite-rigid-body algorithm). row(i) returns a pointer to row i; written are
   // the diagonal and the columns of ancestors.
   template <class Row>
-  void mass_matrix(Row row) {
-    composite();
-    for (std::size_t i = 1; i < links_.size(); ++i) write_mass_row(links_[i], row(links_[i].dof));
+  void mass_matrix(Row row) const {
+    const std::span<const Inertia> composites = composite();
+    for (std::size_t i = 1; i < links_.size(); ++i)
+      write_mass_row(i, composites[i], row(fixed(i).dof));
     for (int i = 0; i < root_dofs_; ++i) write_root_row(i, row(i));
   }
   // c(q, v): generalised forces that keep the coordinates unaccelerated under gravity (recursive
@@ -88,11 +92,11 @@ class ArticulatedTree {
   struct Span {
     int first = 0, end = 0;
   };
-  Span span_of_link(int link) const { return links_[index(link)].span; }
-  Span span_of_dof(int dof) const { return links_[index(dof - root_dofs_ + 1)].span; }
+  Span span_of_link(int link) const { return fixed(index(link)).span; }
+  Span span_of_dof(int dof) const { return fixed(index(dof - root_dofs_ + 1)).span; }
   // Coordinate of the parent link's joint; -1: the parent is the root.
   int carrier_of_dof(int dof) const {
-    return links_[index(links_[index(dof - root_dofs_ + 1)].parent)].dof;
+    return fixed(index(fixed(index(dof - root_dofs_ + 1)).parent)).dof;
   }
   // out += J^T force for a force (N, or N s) at a point of a link, world frame.
   void add_force(int link, const Eigen::Vector3d& point, const Eigen::Vector3d& force,
@@ -111,7 +115,8 @@ class ArticulatedTree {
               mass * motion.linear - first.cross(motion.angular)};
     }
   };
-  struct Link {
+  // What never changes of a link.
+  struct FixedLink {
     int parent = -1, dof = -1;
     Span span;
     Eigen::Vector3d in_parent = Eigen::Vector3d::Zero();    // origin, parent's axes
@@ -120,23 +125,36 @@ class ArticulatedTree {
     double mass = 0;
     Eigen::Vector3d own_com = Eigen::Vector3d::Zero();          // own axes
     Eigen::Matrix3d own_inertia = Eigen::Matrix3d::Identity();  // about com, own axes
-    // For the present pose; vectors from P.
+  };
+  struct Fixed {
+    std::vector<FixedLink> links;
+    std::vector<int> dof_of_joint;
+  };
+  // Of a link for the present pose; vectors from P.
+  struct Link {
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
     Eigen::Vector3d origin = Eigen::Vector3d::Zero(), com = Eigen::Vector3d::Zero();
     Spatial motion;  // of the joint at unit rate (motion subspace S)
-    Inertia inertia, composite;
-    Spatial twist, acceleration, force;
+    Inertia inertia;
+    Spatial twist;
+  };
+  // Working memory of one calculation, by link; each thread has one for all trees.
+  struct Scratch {
+    std::vector<Inertia> composite;
+    std::vector<Spatial> acceleration, force;
+    static Scratch& of_this_thread(std::size_t links);
   };
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
-  void composite();
-  void write_mass_row(const Link& link, double* m) const;
+  const FixedLink& fixed(std::size_t link) const { return fixed_->links[link]; }
+  std::span<const Inertia> composite() const;
+  void write_mass_row(std::size_t link, const Inertia& composite, double* m) const;
   void write_root_row(int i, double* m) const;
   void twists(const std::vector<double>& velocity);
-  void inertial_forces(const std::vector<double>& velocity, const double* acceleration,
-                       const Eigen::Vector3d& gravity);
+  std::span<Spatial> inertial_forces(const std::vector<double>& velocity,
+                                     const double* acceleration, const Eigen::Vector3d& gravity);
 
+  std::shared_ptr<const Fixed> fixed_;
   std::vector<Link> links_;
-  std::vector<int> dof_of_joint_;
   int dofs_ = 0, root_dofs_ = 0;
   double mass_ = 0;
   Inertia whole_;  // of all links

@@ -19,12 +19,14 @@ using Six = Eigen::Matrix<double, 6, 1>;
 
 void BlockMatrix::begin(int coordinates) {
   if (coordinates != size_) {
+    // Nothing is read that has not been written since: of two worlds that take turns in a thread, the smaller
+    // uses the memory of the larger.
     size_ = coordinates;
     const std::size_t size = at(size_);
-    inertia_.assign(size * size, 0);
-    matrix_.assign(size * size, 0);
-    inverse_diagonal_.assign(size, 0);
-    block_of_.assign(size, 0);
+    inertia_.resize(std::max(inertia_.size(), size * size));
+    matrix_.resize(inertia_.size());
+    inverse_diagonal_.resize(size);
+    block_of_.resize(size);
   }
   blocks_.clear();
   couplings_.clear();

@@ -10,16 +10,16 @@ using Eigen::Vector3d;
 
 // Contact forces = impulses / h, at the poses of the beginning of the step. To be called after solve() and
 // before advance().
-void ReducedWorld::measure_forces() {
+void ReducedWorld::measure_forces(Work& work) {
   std::ranges::fill(link_forces_, LinkForce{});
-  if (watch_loads_) std::ranges::fill(outer_, Spatial{});
-  for (std::size_t i = 0; i < pushes_.size(); ++i) {
-    const Touch& touch = contacts_.touches()[pushes_[i].touch];
+  if (watch_loads_) std::ranges::fill(work.outer, Spatial{});
+  for (std::size_t i = 0; i < work.pushes.size(); ++i) {
+    const Touch& touch = work.contacts.touches()[work.pushes[i].touch];
     const bool a = of_robot(touch.body_a), b = of_robot(touch.body_b);
     if (!a && !b) continue;
-    const VelocitySolver::Impulse l = solver_.impulse(i) / step_s_;
-    const Vector3d force = pushes_[i].basis * l.head<3>();
-    const Vector3d moment = pushes_[i].basis * Vector3d(l[5], l[3], l[4]);
+    const VelocitySolver::Impulse l = work.solver.impulse(i) / step_s_;
+    const Vector3d force = work.pushes[i].basis * l.head<3>();
+    const Vector3d moment = work.pushes[i].basis * Vector3d(l[5], l[3], l[4]);
     if (a != b) {
       const int link = a ? touch.body_a : touch.body_b;
       const double sign = a ? 1 : -1;
@@ -28,7 +28,7 @@ void ReducedWorld::measure_forces() {
     }
     if (!watch_loads_) continue;
     const auto push = [&](int link, double sign) {
-      Spatial& outer = outer_[static_cast<std::size_t>(link)];
+      Spatial& outer = work.outer[static_cast<std::size_t>(link)];
       outer.linear += sign * force;
       outer.angular += sign * ((touch.at - tree_.root_at).cross(force) + moment);
     };
@@ -36,26 +36,26 @@ void ReducedWorld::measure_forces() {
     if (b) push(touch.body_b, -1);
   }
   for (LinkForce& force : link_forces_) force.finish();
-  joint_loads_.resize(watch_loads_ ? joints_.size() : 0);
-  if (watch_loads_) measure_loads();
+  joint_loads_.resize(watch_loads_ ? layout_->joints.size() : 0);
+  if (watch_loads_) measure_loads(work);
 }
 
 // Joint loads by inverse dynamics: accelerations (v_new - v) / h, bias at the midpoint velocity as in the
 // solve, external forces from contacts and pushes. At the joint's origin in the child link's axes.
-void ReducedWorld::measure_loads() {
+void ReducedWorld::measure_loads(Work& work) {
   for (const HandPush& push : hand_pushes_) {
     const int link = static_cast<int>(push.link);
     const Vector3d force = push.impulse / step_s_;
-    Spatial& outer = outer_[push.link];
+    Spatial& outer = work.outer[push.link];
     outer.linear += force;
     outer.angular += (tree_.com(link) - tree_.root_at).cross(force);
   }
-  for (std::size_t i = 0; i < acceleration_.size(); ++i)
-    acceleration_[i] = (velocity_[i] - tree_.velocity[i]) / step_s_;
-  tree_.joint_forces(halfway_, acceleration_, gravity_, outer_);
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
-    const int link = tree_.link_of_dof(joints_[i].dof);
-    const auto& [moment, force] = outer_[static_cast<std::size_t>(link)];
+  for (std::size_t i = 0; i < work.acceleration.size(); ++i)
+    work.acceleration[i] = (work.velocity[i] - tree_.velocity[i]) / step_s_;
+  tree_.joint_forces(work.halfway, work.acceleration, gravity_, work.outer);
+  for (std::size_t i = 0; i < layout_->joints.size(); ++i) {
+    const int link = tree_.link_of_dof(layout_->joints[i].dof);
+    const auto& [moment, force] = work.outer[static_cast<std::size_t>(link)];
     const Eigen::Matrix3d to_link = tree_.axes(link).transpose();
     const Vector3d arm = tree_.origin(link) - tree_.root_at;
     joint_loads_[i] = {to_link * force, to_link * (moment - arm.cross(force))};

@@ -21,39 +21,42 @@ constexpr double kSamePoint = 3e-3;    // m, max displacement of a contact point
 }  // namespace
 
 // Splits the tree into chains of joints without a fork: the blocks of the matrix.
-void ReducedWorld::find_chains() {
-  const int root = tree_.root_dofs(), dofs = tree_.dofs();
-  if (root > 0) chains_.push_back({0, root, -1});
+std::vector<ReducedWorld::Chain> ReducedWorld::chains_of(const ArticulatedTree& tree) {
+  std::vector<Chain> chains;
+  const int root = tree.root_dofs(), dofs = tree.dofs();
+  if (root > 0) chains.push_back({0, root, -1});
   std::vector<int> carried(static_cast<std::size_t>(dofs), 0), chain_of(carried);
   for (int i = root; i < dofs; ++i) {
-    if (tree_.carrier_of_dof(i) >= 0) ++carried[static_cast<std::size_t>(tree_.carrier_of_dof(i))];
+    if (tree.carrier_of_dof(i) >= 0) ++carried[static_cast<std::size_t>(tree.carrier_of_dof(i))];
   }
   for (int i = root; i < dofs; ++i) {
-    const int carrier = tree_.carrier_of_dof(i);
+    const int carrier = tree.carrier_of_dof(i);
     if (carrier >= 0 && carrier == i - 1 && carried[static_cast<std::size_t>(carrier)] == 1) {
-      ++chains_.back().length;
+      ++chains.back().length;
     } else {
       const int on = carrier >= 0 ? chain_of[static_cast<std::size_t>(carrier)] : root > 0 ? 0 : -1;
-      chains_.push_back({i, 1, on});
+      chains.push_back({i, 1, on});
     }
-    chain_of[static_cast<std::size_t>(i)] = static_cast<int>(chains_.size()) - 1;
+    chain_of[static_cast<std::size_t>(i)] = static_cast<int>(chains.size()) - 1;
   }
+  return chains;
 }
 
 // Writes M: the tree's mass matrix, then for each awake object its inertia about the centre of mass and its
 // mass (world axes; angular before linear). Sleeping objects have no coordinates.
-void ReducedWorld::write_inertia() {
+void ReducedWorld::write_inertia(Work& work) const {
   int size = tree_.dofs();
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    coordinate_of_[i] = objects_[i].awake ? size : -1;
+    work.coordinate_of[i] = objects_[i].awake ? size : -1;
     if (objects_[i].awake) size += 6;
   }
-  solver_.begin(size);
-  BlockMatrix& matrix = solver_.matrix();
-  for (const Chain& chain : chains_) matrix.add_block(chain.first, chain.length, chain.carrier);
+  work.solver.begin(size);
+  BlockMatrix& matrix = work.solver.matrix();
+  for (const Chain& chain : layout_->chains)
+    matrix.add_block(chain.first, chain.length, chain.carrier);
   tree_.mass_matrix([&matrix](int i) { return matrix.inertia_row(i); });
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const int first = coordinate_of_[i];
+    const int first = work.coordinate_of[i];
     if (first < 0) continue;
     matrix.add_block(first, 6, -1);
     const Matrix3d inertia = objects_[i].inertia();
@@ -64,12 +67,12 @@ void ReducedWorld::write_inertia() {
       linear[3 + a] = objects_[i].mass();
     }
   }
-  velocity_.assign(static_cast<std::size_t>(size), 0);
-  momentum_.assign(velocity_.size(), 0);
-  std::ranges::copy(tree_.velocity, velocity_.begin());
+  work.velocity.assign(static_cast<std::size_t>(size), 0);
+  work.momentum.assign(work.velocity.size(), 0);
+  std::ranges::copy(tree_.velocity, work.velocity.begin());
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (coordinate_of_[i] < 0) continue;
-    double* v = velocity_.data() + coordinate_of_[i];
+    if (work.coordinate_of[i] < 0) continue;
+    double* v = work.velocity.data() + work.coordinate_of[i];
     for (int k = 0; k < 3; ++k) {
       v[k] = objects_[i].angular_velocity()[k];
       v[k + 3] = objects_[i].velocity[k];
@@ -79,20 +82,20 @@ void ReducedWorld::write_inertia() {
 
 // Momentum after the step without rows: p = M v - h c(q, v_mid) + h m g + pushes. Velocity-dependent forces
 // use the midpoint velocity extrapolated from the last step, v_mid = v + (v - v_before) / 2: second order.
-void ReducedWorld::write_momentum() {
-  for (std::size_t i = 0; i < halfway_.size(); ++i)
-    halfway_[i] = tree_.velocity[i] + (tree_.velocity[i] - velocity_before_[i]) / 2;
-  tree_.bias(halfway_, gravity_, bias_);
-  solver_.multiply(velocity_.data(), momentum_.data());
-  for (std::size_t i = 0; i < bias_.size(); ++i) momentum_[i] -= step_s_ * bias_[i];
+void ReducedWorld::write_momentum(Work& work) {
+  for (std::size_t i = 0; i < work.halfway.size(); ++i)
+    work.halfway[i] = tree_.velocity[i] + (tree_.velocity[i] - velocity_before_[i]) / 2;
+  tree_.bias(work.halfway, gravity_, work.bias);
+  work.solver.multiply(work.velocity.data(), work.momentum.data());
+  for (std::size_t i = 0; i < work.bias.size(); ++i) work.momentum[i] -= step_s_ * work.bias[i];
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (coordinate_of_[i] < 0) continue;
-    double* linear = momentum_.data() + coordinate_of_[i] + 3;
+    if (work.coordinate_of[i] < 0) continue;
+    double* linear = work.momentum.data() + work.coordinate_of[i] + 3;
     for (int k = 0; k < 3; ++k) linear[k] += step_s_ * objects_[i].mass() * gravity_[k];
   }
   for (const HandPush& push : hand_pushes_) {
     const int link = static_cast<int>(push.link);
-    tree_.add_force(link, tree_.com(link), push.impulse, momentum_.data());
+    tree_.add_force(link, tree_.com(link), push.impulse, work.momentum.data());
   }
 }
 
@@ -117,14 +120,14 @@ VelocitySolver::Impulse ReducedWorld::recall(const Touch& touch, const Matrix3d&
 
 // Adds the relative motion of two bodies to the solver. Point of reference: the root's origin if the robot is
 // involved, else the centre of mass of the first object.
-void ReducedWorld::make_pair(const Touch& touch) {
+void ReducedWorld::make_pair(Work& work, const Touch& touch) const {
   std::array<VelocitySolver::Segment, 4> segments;
   std::size_t count = 0;
   const bool robot_a = of_robot(touch.body_a), robot_b = of_robot(touch.body_b);
-  const auto coordinate_of = [this](int body) {
-    return coordinate_of_[static_cast<std::size_t>(body) - robot_links_];
+  const auto coordinate_of = [&](int body) {
+    return work.coordinate_of[static_cast<std::size_t>(body) - robot_links_];
   };
-  Meeting& meeting = meetings_.emplace_back();
+  Meeting& meeting = work.meetings.emplace_back();
   meeting = {touch.body_a, touch.body_b, -1, tree_.root_at};
   ArticulatedTree::Span span{tree_.dofs(), 0};
   if (robot_a != robot_b) segments[count++] = {0, tree_.root_dofs(), robot_a ? 1.0 : -1.0};
@@ -149,8 +152,8 @@ void ReducedWorld::make_pair(const Touch& touch) {
   if (std::ranges::all_of(std::span(segments).first(count),
                           [](const auto& segment) { return segment.length == 0; }))
     return;
-  meeting.pair = solver_.add_pair(std::span(segments).first(count));
-  double* columns = solver_.columns(meeting.pair);
+  meeting.pair = work.solver.add_pair(std::span(segments).first(count));
+  double* columns = work.solver.columns(meeting.pair);
   if (robot_a) tree_.add_motions(touch.body_a, 1, span.first, columns);
   if (robot_b) tree_.add_motions(touch.body_b, -1, span.first, columns);
   columns += 6 * std::max(0, span.end - span.first);
@@ -168,24 +171,25 @@ void ReducedWorld::make_pair(const Touch& touch) {
   }
 }
 
-const ReducedWorld::Meeting& ReducedWorld::meeting_of(const Touch& touch) {
-  for (std::size_t i = meetings_.size(); i-- > 0;) {
-    if (meetings_[i].body_a == touch.body_a && meetings_[i].body_b == touch.body_b)
-      return meetings_[i];
+const ReducedWorld::Meeting& ReducedWorld::meeting_of(Work& work, const Touch& touch) const {
+  for (std::size_t i = work.meetings.size(); i-- > 0;) {
+    if (work.meetings[i].body_a == touch.body_a && work.meetings[i].body_b == touch.body_b)
+      return work.meetings[i];
   }
-  make_pair(touch);
-  return meetings_.back();
+  make_pair(work, touch);
+  return work.meetings.back();
 }
 
 // Row of a contact point (contact_surface.h): target velocity = erp / h (depth - kContactLayer), limited to
 // kContactMaxCorrection, or restitution times the approach velocity if that is larger; friction from the
 // stored shear (soft surfaces) or from the impulse of the step before (hard ones).
-void ReducedWorld::make_contact_row(const Touch& touch) {
+void ReducedWorld::make_contact_row(Work& work, std::size_t number) {
+  const Touch& touch = work.contacts.touches()[number];
   const auto moves = [this](int body) {
     return of_robot(body) || (body >= 0 && object(body).awake);
   };
   if (!moves(touch.body_a) && !moves(touch.body_b)) return;
-  const Meeting& meeting = meeting_of(touch);
+  const Meeting& meeting = meeting_of(work, touch);
   if (meeting.pair < 0) return;
   VelocitySolver::Point point;
   point.pair = meeting.pair;
@@ -207,7 +211,6 @@ void ReducedWorld::make_contact_row(const Touch& touch) {
     if (approach > surface.bounce_threshold)
       point.target = std::max(point.target, surface.restitution * approach);
   }
-  const auto number = static_cast<std::size_t>(&touch - contacts_.touches().data());
   const bool soft = ContactMemory::has_shear(touch);
   if (!soft || point.rolling > 0) point.before = recall(touch, point.basis);
   if (soft) {
@@ -217,8 +220,8 @@ void ReducedWorld::make_contact_row(const Touch& touch) {
     point.give = point.softness;
     point.before.segment<2>(1) = (point.basis.transpose() * stretch).tail<2>();
   }
-  solver_.add_point(point);
-  pushes_.push_back({number, point.basis});
+  work.solver.add_point(point);
+  work.pushes.push_back({number, point.basis});
 }
 
 Vector3d ReducedWorld::velocity_at(int body, const Vector3d& point) const {
@@ -230,14 +233,14 @@ Vector3d ReducedWorld::velocity_at(int body, const Vector3d& point) const {
 
 // Bounded rows: first one motor row for each joint (joint_motor.h, times h: impulses), then the joint stops
 // in reach. A stop: target -gap / h while apart (it may close the gap, no more), erp penetration / h beyond.
-void ReducedWorld::make_joint_rows() {
+void ReducedWorld::make_joint_rows(Work& work) const {
   constexpr double kEndless = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
+  for (std::size_t i = 0; i < layout_->joints.size(); ++i) {
     const JointMotor::Row& row = rows_[i];
-    solver_.add_bounded({joints_[i].dof, 1, row.velocity, row.softness / step_s_, step_s_ * row.min,
-                         step_s_ * row.max});
+    work.solver.add_bounded({layout_->joints[i].dof, 1, row.velocity, row.softness / step_s_,
+                             step_s_ * row.min, step_s_ * row.max});
   }
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
+  for (std::size_t i = 0; i < layout_->joints.size(); ++i) {
     const double angle = joint_states_[i].angle;
     const double back = erp_for(step_s_, kStopErp);
     const double yields = softness_for(step_s_, kStopErp, kStopSoftness) / step_s_;
@@ -247,10 +250,10 @@ void ReducedWorld::make_joint_rows() {
     const auto stop = [&](double gap, double sign) {  // rad; negative: beyond the stop
       if (gap > watch) return;
       const double target = gap > 0 ? -gap / step_s_ : -back * gap / step_s_;
-      solver_.add_bounded({joints_[i].dof, sign, target, yields, 0, kEndless});
+      work.solver.add_bounded({layout_->joints[i].dof, sign, target, yields, 0, kEndless});
     };
-    stop(angle - joints_[i].lower, 1);
-    stop(joints_[i].upper - angle, -1);
+    stop(angle - layout_->joints[i].lower, 1);
+    stop(layout_->joints[i].upper - angle, -1);
   }
 }
 

@@ -23,48 +23,64 @@ constexpr int kMaxSteps = 100;  // iterations
 ReducedWorld::ReducedWorld(const WorldModel& world, const RobotModel& robot,
                            const MotorParams& motor, const WorldOptions& options)
     : StagedWorld(world, robot, motor, options),
-      tree_(robot, bodies_.front().start, hung_),
-      joints_(robot.joints.size()) {
-  for (std::size_t i = robot_links_; i < bodies_.size(); ++i) {
-    objects_.emplace_back(bodies_[i].rigid, bodies_[i].start);
-  }
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
-    joints_[i].dof = tree_.dof_of_joint(static_cast<int>(i));
-    joints_[i].lower = robot.joints[i].lower - kStopMargin;
-    joints_[i].upper = robot.joints[i].upper + kStopMargin;
-  }
-  const auto dofs = static_cast<std::size_t>(tree_.dofs());
-  for (std::vector<double>* v : {&bias_, &halfway_, &acceleration_, &velocity_before_})
-    v->assign(dofs, 0);
-  coordinate_of_.assign(objects_.size(), -1);
-  outer_.resize(robot_links_);
-  find_chains();
+      tree_(robot, bodies().front().start, hung_),
+      layout_(std::make_shared<const Layout>(layout_of(robot, tree_))),
+      velocity_before_(static_cast<std::size_t>(tree_.dofs()), 0.0) {
+  for (std::size_t i = robot_links_; i < bodies().size(); ++i)
+    objects_.emplace_back(bodies()[i].rigid, bodies()[i].start);
   read_joints();
   read_imu(imu_velocity());
   read_motors();
 }
 
+ReducedWorld::Layout ReducedWorld::layout_of(const RobotModel& robot, const ArticulatedTree& tree) {
+  Layout layout;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    layout.joints.push_back({tree.dof_of_joint(static_cast<int>(i)),
+                             robot.joints[i].lower - kStopMargin,
+                             robot.joints[i].upper + kStopMargin});
+  }
+  layout.chains = chains_of(tree);
+  return layout;
+}
+
+ReducedWorld::Work& ReducedWorld::Work::of_this_thread(const ReducedWorld& world) {
+  thread_local Work work;
+  const auto dofs = static_cast<std::size_t>(world.tree_.dofs());
+  for (std::vector<double>* v : {&work.bias, &work.halfway, &work.acceleration}) v->resize(dofs);
+  work.coordinate_of.resize(world.objects_.size());
+  work.outer.resize(world.robot_links_);
+  return work;
+}
+
 int ReducedWorld::find_contacts() {
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+  Contacts& contacts = Contacts::of_this_thread();
+  find_contacts(contacts);
+  return static_cast<int>(contacts.touches().size());
+}
+
+void ReducedWorld::find_contacts(Contacts& contacts) const {
+  contacts.begin(model_->contacts);
+  for (std::size_t i = 0; i < bodies().size(); ++i) {
     const int body = static_cast<int>(i);
-    if (!bodies_[i].moves) continue;
+    if (!bodies()[i].moves) continue;
     if (i < robot_links_) {
-      contacts_.place(body, tree_.axes(body), tree_.com(body), true);
+      contacts.place(body, tree_.axes(body), tree_.com(body), true);
     } else {
       const FreeBody& free = object(body);
-      contacts_.place(body, free.axes(), free.com, free.awake);
+      contacts.place(body, free.axes(), free.com, free.awake);
     }
   }
-  contacts_.update();
-  return static_cast<int>(contacts_.touches().size());
+  contacts.update();
 }
 
 // The rule of BodySleep: a body at rest for long enough sleeps until a body that is awake touches it.
-void ReducedWorld::settle_sleep() {
+void ReducedWorld::settle_sleep(Work& work) {
   constexpr SleepRule rule;
-  const auto touched = [this](std::size_t i) {
+  const std::span<const Touch> touches = work.contacts.touches();
+  const auto touched = [&](std::size_t i) {
     const int body = static_cast<int>(i + robot_links_);
-    return std::ranges::any_of(contacts_.touches(), [body](const Touch& touch) {
+    return std::ranges::any_of(touches, [body](const Touch& touch) {
       return touch.body_a == body || touch.body_b == body;
     });
   };
@@ -86,7 +102,7 @@ void ReducedWorld::settle_sleep() {
   };
   for (bool again = true; again;) {
     again = false;
-    for (const Touch& touch : contacts_.touches()) {
+    for (const Touch& touch : touches) {
       if (awake(touch.body_a) == awake(touch.body_b)) continue;
       const int other = awake(touch.body_a) ? touch.body_b : touch.body_a;
       if (other < 0) continue;
@@ -96,23 +112,23 @@ void ReducedWorld::settle_sleep() {
   }
 }
 
-void ReducedWorld::solve() {
-  write_inertia();
-  pushes_.clear();
-  meetings_.clear();
-  shear_.recall(contacts_.touches());
-  for (const Touch& touch : contacts_.touches()) make_contact_row(touch);
-  make_joint_rows();
-  solver_.close();
-  write_momentum();
+void ReducedWorld::solve(Work& work) {
+  write_inertia(work);
+  work.pushes.clear();
+  work.meetings.clear();
+  shear_.recall(work.contacts.touches());
+  for (std::size_t i = 0; i < work.contacts.touches().size(); ++i) make_contact_row(work, i);
+  make_joint_rows(work);
+  work.solver.close();
+  write_momentum(work);
   velocity_before_ = tree_.velocity;
-  solver_.solve(momentum_, velocity_, kExact, kMaxSteps);
-  effort_ = {solver_.steps(), solver_.residual()};
-  if (!(solver_.residual() <= kSettled)) {
+  work.solver.solve(work.momentum, work.velocity, kExact, kMaxSteps);
+  effort_ = {work.solver.steps(), work.solver.residual()};
+  if (!(work.solver.residual() <= kSettled)) {
     if (diagnostics_.unconverged_steps++ == 0) diagnostics_.first_s = time_s();
     diagnostics_.last_s = time_s();
-    diagnostics_.max_residual = std::max(diagnostics_.max_residual, solver_.residual());
-    diagnostics_.drift += solver_.residual() * step_s_;
+    diagnostics_.max_residual = std::max(diagnostics_.max_residual, work.solver.residual());
+    diagnostics_.drift += work.solver.residual() * step_s_;
   }
 }
 
@@ -123,7 +139,7 @@ void ReducedWorld::move_tree(double seconds) {
     tree_.root_at += seconds * Vector3d(v[3], v[4], v[5]);
     tree_.root_turn = turned(tree_.root_turn, seconds * Vector3d(v[0], v[1], v[2]));
   }
-  for (const Joint& joint : joints_) {
+  for (const Joint& joint : layout_->joints) {
     const auto dof = static_cast<std::size_t>(joint.dof);
     tree_.angle[dof - static_cast<std::size_t>(tree_.root_dofs())] += seconds * v[dof];
   }
@@ -142,7 +158,7 @@ void ReducedWorld::fly(const ArticulatedTree::Momentum& after, const Vector3d& c
   tree_.root_at = at;
   tree_.root_turn = turn;
   // Back to the start of the step: the joints have already moved by half a step.
-  for (const Joint& joint : joints_) {
+  for (const Joint& joint : layout_->joints) {
     const auto dof = static_cast<std::size_t>(joint.dof);
     tree_.angle[dof - static_cast<std::size_t>(tree_.root_dofs())] -=
         step_s_ / 2 * tree_.velocity[dof];
@@ -152,27 +168,28 @@ void ReducedWorld::fly(const ArticulatedTree::Momentum& after, const Vector3d& c
   tree_.root_at += centre + step_s_ / tree_.mass() * mean - tree_.mass_centre();
 }
 
-void ReducedWorld::advance() {
+void ReducedWorld::advance(Work& work) {
   ArticulatedTree::Momentum momentum = tree_.momentum();
   const Vector3d centre = tree_.mass_centre();
   bool robot_flies = true;
-  flies_.assign(objects_.size(), true);
+  work.flies.assign(objects_.size(), true);
   if (watch_) watched_.clear();
   memory_.clear();
-  for (std::size_t i = 0; i < pushes_.size(); ++i) {
-    const Touch& touch = contacts_.touches()[pushes_[i].touch];
-    const VelocitySolver::Impulse& l = solver_.impulse(i);
-    const Vector3d impulse = pushes_[i].basis * l.head<3>();
-    const Vector3d moment = pushes_[i].basis * Vector3d(l[5], l[3], l[4]);
+  for (std::size_t i = 0; i < work.pushes.size(); ++i) {
+    const Touch& touch = work.contacts.touches()[work.pushes[i].touch];
+    const VelocitySolver::Impulse& l = work.solver.impulse(i);
+    const Vector3d impulse = work.pushes[i].basis * l.head<3>();
+    const Vector3d moment = work.pushes[i].basis * Vector3d(l[5], l[3], l[4]);
     if (ContactMemory::has_shear(touch)) {
-      const VelocitySolver::Impulse& u = solver_.velocity(i);
-      shear_.remember(pushes_[i].touch, pushes_[i].basis * u.head<3>(), l[0] / step_s_, step_s_);
+      const VelocitySolver::Impulse& u = work.solver.velocity(i);
+      shear_.remember(work.pushes[i].touch, work.pushes[i].basis * u.head<3>(), l[0] / step_s_,
+                      step_s_);
     }
     if (l[0] > 0) memory_.push_back({touch.shape_a, touch.shape_b, touch.at, impulse, moment});
     for (const auto& [body, sign] : {std::pair{touch.body_a, 1.0}, {touch.body_b, -1.0}}) {
       if (body < 0) continue;
       if (!of_robot(body)) {
-        flies_[static_cast<std::size_t>(body) - robot_links_] = false;
+        work.flies[static_cast<std::size_t>(body) - robot_links_] = false;
         continue;
       }
       // Contacts between its own links do not end a flight.
@@ -181,8 +198,8 @@ void ReducedWorld::advance() {
       momentum.angular += sign * ((touch.at - centre).cross(impulse) + moment);
     }
     if (!watch_) continue;
-    watched_.push_back({contacts_.name(touch.shape_a), contacts_.name(touch.shape_b), touch.at,
-                        impulse / step_s_});
+    watched_.push_back({model_->contacts.name(touch.shape_a), model_->contacts.name(touch.shape_b),
+                        touch.at, impulse / step_s_});
   }
   momentum.linear += step_s_ * tree_.mass() * gravity_;
   for (const HandPush& push : hand_pushes_) {
@@ -191,7 +208,7 @@ void ReducedWorld::advance() {
   }
   hand_pushes_.clear();
 
-  std::copy_n(velocity_.begin(), tree_.velocity.size(), tree_.velocity.begin());
+  std::copy_n(work.velocity.begin(), tree_.velocity.size(), tree_.velocity.begin());
   if (robot_flies && tree_.root_dofs() > 0) {
     fly(momentum, centre);
   } else {
@@ -200,28 +217,28 @@ void ReducedWorld::advance() {
   }
 
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (coordinate_of_[i] < 0) continue;
-    const double* v = velocity_.data() + coordinate_of_[i];
-    objects_[i].advance({v[3], v[4], v[5]}, {v[0], v[1], v[2]}, flies_[i], step_s_);
+    if (work.coordinate_of[i] < 0) continue;
+    const double* v = work.velocity.data() + work.coordinate_of[i];
+    objects_[i].advance({v[3], v[4], v[5]}, {v[0], v[1], v[2]}, work.flies[i], step_s_);
   }
 }
 
 // Checks the solution: finite, and no joint or body moves further than a step can follow.
-bool ReducedWorld::can_move() {
-  const std::vector<double>& v = velocity_;
-  if (!std::isfinite(solver_.residual())) {
+bool ReducedWorld::can_move(const Work& work) {
+  const std::vector<double>& v = work.velocity;
+  if (!std::isfinite(work.solver.residual())) {
     break_down("the solver found no finite velocities");
     return false;
   }
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
-    if (!joint_can_turn(i, v[static_cast<std::size_t>(joints_[i].dof)])) return false;
+  for (std::size_t i = 0; i < layout_->joints.size(); ++i) {
+    if (!joint_can_turn(i, v[static_cast<std::size_t>(layout_->joints[i].dof)])) return false;
   }
   const auto six = [&](std::size_t body, const double* of) {
     return body_can_move(body, {of[3], of[4], of[5]}, {of[0], of[1], of[2]});
   };
   if (tree_.root_dofs() > 0 && !six(0, v.data())) return false;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (coordinate_of_[i] >= 0 && !six(robot_links_ + i, v.data() + coordinate_of_[i]))
+    if (work.coordinate_of[i] >= 0 && !six(robot_links_ + i, v.data() + work.coordinate_of[i]))
       return false;
   }
   return true;
@@ -229,18 +246,19 @@ bool ReducedWorld::can_move() {
 
 void ReducedWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   if (!diagnostics_.failure.empty()) return;
+  Work& work = Work::of_this_thread(*this);
   kick_due();
-  find_contacts();
+  find_contacts(work.contacts);
   prepare_motors(drives, supply_volts);
   if (!drives_are_numbers()) return;
-  settle_sleep();
+  settle_sleep(work);
   const Vector3d velocity_before = imu_velocity();
-  solve();
-  if (!can_move()) return;
-  for (std::size_t i = 0; i < joints_.size(); ++i)
-    joint_states_[i].torque = solver_.bounded(i) / step_s_;
-  measure_forces();
-  advance();
+  solve(work);
+  if (!can_move(work)) return;
+  for (std::size_t i = 0; i < layout_->joints.size(); ++i)
+    joint_states_[i].torque = work.solver.bounded(i) / step_s_;
+  measure_forces(work);
+  advance(work);
   ++steps_;
   read_joints();
   read_imu(velocity_before);
@@ -248,8 +266,8 @@ void ReducedWorld::step(std::span<const MotorDrive> drives, double supply_volts)
 }
 
 void ReducedWorld::read_joints() {
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
-    const auto dof = static_cast<std::size_t>(joints_[i].dof);
+  for (std::size_t i = 0; i < layout_->joints.size(); ++i) {
+    const auto dof = static_cast<std::size_t>(layout_->joints[i].dof);
     JointState& state = joint_states_[i];
     state.angle = tree_.angle[dof - static_cast<std::size_t>(tree_.root_dofs())];
     state.velocity = tree_.velocity[dof];

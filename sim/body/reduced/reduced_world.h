@@ -10,8 +10,12 @@
 //      old and new v
 //   4. the robot's momentum is set to its old value plus the impulses of contacts and gravity, so it does
 //      not drift. This changes the root's velocity by terms of h^2.
+//
+// Members are what lasts from step to step; clone() copies them. A step calculates in Work, of which each
+// thread has one: many worlds that step in turn share it, and it stays in the processor's cache.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "sim/body/contact/contact_memory.h"
@@ -29,6 +33,9 @@ class ReducedWorld final : public StagedWorld {
 
   void step(std::span<const MotorDrive> drives, double supply_volts) override;
   int find_contacts() override;
+  Result<std::unique_ptr<World>> clone() const override {
+    return std::make_unique<ReducedWorld>(*this);
+  }
   double largest_joint_gap_m() const override { return 0; }  // there are none to open
   std::string dynamics() const override { return "reduced"; }
   bool measures_convergence() const override { return true; }
@@ -65,6 +72,10 @@ class ReducedWorld final : public StagedWorld {
   struct Chain {  // of joints: a block of the solver's matrix
     int first = 0, length = 0, carrier = -1;
   };
+  struct Layout {  // what never changes; shared by all clones
+    std::vector<Joint> joints;
+    std::vector<Chain> chains;
+  };
   struct Meeting {                                    // two bodies in contact
     int body_a = -1, body_b = -1, pair = -1;          // pair: of the solver; -1: neither can move
     Eigen::Vector3d about = Eigen::Vector3d::Zero();  // m, point of reference of their motion
@@ -72,6 +83,20 @@ class ReducedWorld final : public StagedWorld {
   struct Push {  // a contact point of the solver; its impulse acts on body_a
     std::size_t touch = 0;
     Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();  // normal, two tangents
+  };
+  // Working memory of one step.
+  struct Work {
+    // That of the calling thread, ready for a step of this world.
+    static Work& of_this_thread(const ReducedWorld& world);
+    Contacts& contacts = Contacts::of_this_thread();
+    VelocitySolver solver;
+    std::vector<double> bias, halfway, acceleration;  // by coordinate of the tree
+    std::vector<double> momentum, velocity;           // by coordinate of the solver
+    std::vector<Spatial> outer;                       // by link: external force
+    std::vector<int> coordinate_of;  // first of an object's six (angular, linear); -1: it sleeps
+    std::vector<Meeting> meetings;
+    std::vector<Push> pushes;  // of each point of the solver
+    std::vector<bool> flies;   // by object: without contacts
   };
 
   template <class A>
@@ -85,46 +110,38 @@ class ReducedWorld final : public StagedWorld {
   const FreeBody& object(int body) const {
     return objects_[static_cast<std::size_t>(body) - robot_links_];
   }
-  void settle_sleep();
-  void find_chains();
-  void write_inertia();
-  void write_momentum();
+  void settle_sleep(Work& work);
+  static Layout layout_of(const RobotModel& robot, const ArticulatedTree& tree);
+  static std::vector<Chain> chains_of(const ArticulatedTree& tree);
+  void find_contacts(Contacts& contacts) const;
+  void write_inertia(Work& work) const;
+  void write_momentum(Work& work);
   VelocitySolver::Impulse recall(const Touch& touch, const Eigen::Matrix3d& basis) const;
-  void make_contact_row(const Touch& touch);
-  const Meeting& meeting_of(const Touch& touch);
-  void make_pair(const Touch& touch);
+  void make_contact_row(Work& work, std::size_t number);
+  const Meeting& meeting_of(Work& work, const Touch& touch) const;
+  void make_pair(Work& work, const Touch& touch) const;
   Eigen::Vector3d velocity_at(int body, const Eigen::Vector3d& point) const;
-  void make_joint_rows();
-  void solve();
-  bool can_move();
+  void make_joint_rows(Work& work) const;
+  void solve(Work& work);
+  bool can_move(const Work& work);
   void move_tree(double seconds);
   void fly(const ArticulatedTree::Momentum& after, const Eigen::Vector3d& centre);
-  void measure_forces();
-  void measure_loads();
-  void advance();
+  void measure_forces(Work& work);
+  void measure_loads(Work& work);
+  void advance(Work& work);
   void read_joints();
   Eigen::Vector3d imu_velocity() const;
   void read_imu(const Eigen::Vector3d& velocity_before);
 
   ArticulatedTree tree_;
+  std::shared_ptr<const Layout> layout_;
   std::vector<FreeBody> objects_;  // by number - robot_links_
-  std::vector<Joint> joints_;
-  std::vector<Chain> chains_;
-  VelocitySolver solver_;
   std::vector<Memory> memory_;
   ContactMemory shear_;
   Effort effort_;
   bool watch_ = false;
   std::vector<ContactPoint> watched_;
   std::vector<double> velocity_before_;  // of the tree, one step ago
-  // Of the current step.
-  std::vector<double> bias_, halfway_, acceleration_;  // by coordinate of the tree
-  std::vector<double> momentum_, velocity_;            // by coordinate of the solver
-  std::vector<Spatial> outer_;                         // by link: external force
-  std::vector<int> coordinate_of_;  // first of an object's six (angular, linear); -1: it sleeps
-  std::vector<Meeting> meetings_;
-  std::vector<Push> pushes_;  // of each point of the solver
-  std::vector<bool> flies_;   // by object: without contacts
 };
 
 }  // namespace kaz::sim

@@ -6,6 +6,7 @@
 // would not continue like the saved one; these can.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "sim/body/contact/ode_handles.h"
@@ -23,6 +24,11 @@ class BodySleep {
   void wake(dBodyID body);
   // To be called before each solver step, after its contacts have been created.
   void update(double step_s);
+
+  // Takes over the remaining times at rest; `other` has as many bodies.
+  void continue_from(const BodySleep& other) {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].left_s = other.bodies_[i].left_s;
+  }
 
   // Remaining time at rest of each body, in the order of add().
   template <class A>

@@ -1,18 +1,18 @@
 // Base of all worlds, independent of the solver: numbered bodies, scene, names, kicks, motors and their
 // readings.
 // SPDX-License-Identifier: Apache-2.0
+//
+// What never changes is in a StageModel, shared by all clones; the members here are the state that each has.
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "sim/body/contact/contacts.h"
-#include "sim/body/description/robot_model.h"
-#include "sim/body/description/world_model.h"
 #include "sim/body/motor/joint_motor.h"
-#include "sim/body/world/world.h"
+#include "sim/body/world/stage_model.h"
 
 namespace kaz::sim {
 
@@ -29,16 +29,16 @@ class StagedWorld : public World {
   double step_s() const override { return step_s_; }
   double time_s() const override { return static_cast<double>(steps_) * step_s_; }
   std::span<const JointState> joints() const override { return joint_states_; }
-  std::span<const std::string> joint_order() const override { return joint_order_; }
+  std::span<const std::string> joint_order() const override { return model_->joint_order; }
   double supply_current_a() const override { return current_; }
   const ImuState& imu() const override { return imu_; }
   std::span<const LinkForce> link_forces() const override { return link_forces_; }
-  std::span<const std::string> link_order() const override { return link_order_; }
+  std::span<const std::string> link_order() const override { return model_->link_order; }
   void watch_loads(bool on) override { watch_loads_ = on; }
   std::span<const JointLoad> joint_loads() const override { return joint_loads_; }
-  const Scene& scene() const override { return scene_; }
+  const Scene& scene() const override { return model_->scene; }
   ScenePose pose() const override;
-  int head_frame() const override { return head_frame_; }
+  int head_frame() const override { return model_->head_frame; }
   Eigen::Isometry3d link_pose(const std::string& link) const override;
   Result<Eigen::Vector3d> object_position(const std::string& model) const override;
   Result<void> push(const std::string& link, const Eigen::Vector3d& impulse) override;
@@ -47,17 +47,7 @@ class StagedWorld : public World {
   const SolverDiagnostics& diagnostics() const override { return diagnostics_; }
 
  protected:
-  // Robot links have the numbers of RobotModel::links; the objects that can move follow.
-  struct Body {
-    RigidLink rigid;    // without visuals and collision shapes
-    bool moves = true;  // false: fixed at `start`
-    Eigen::Isometry3d start = Eigen::Isometry3d::Identity();  // of the link's frame
-  };
-  struct Kick {
-    std::int64_t step = 0;
-    int body = 0;
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-  };
+  using Body = StageModel::Body;
   // An impulse of push() on a moving link of the robot, for the next step.
   struct HandPush {
     std::uint32_t link = 0;
@@ -71,7 +61,9 @@ class StagedWorld : public World {
 
   StagedWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
               const WorldOptions& options);
+  StagedWorld(const StagedWorld&) = default;  // shares the model, copies the state
 
+  const std::vector<Body>& bodies() const { return model_->bodies; }
   // World pose of the link's frame, for bodies that move.
   virtual Eigen::Isometry3d moving_pose(int body) const = 0;
   virtual void kick(int body, const Eigen::Vector3d& velocity) = 0;
@@ -92,15 +84,15 @@ class StagedWorld : public World {
   // Archives the state of StagedWorld itself.
   template <class A>
   void transfer_stage(A& a) {
-    auto bodies = static_cast<std::uint32_t>(bodies_.size());
-    auto kicks = static_cast<std::uint32_t>(kicks_.size());
-    a(bodies, kicks);
+    auto count = static_cast<std::uint32_t>(bodies().size());
+    auto kicks = static_cast<std::uint32_t>(kicks_left_);
+    a(count, kicks);
     // Kicks that are done here may still be due in the saved state.
-    if (bodies != bodies_.size() || kicks > all_kicks_.size()) {
+    if (count != bodies().size() || kicks > model_->kicks.size()) {
       return a.refuse("it is of another world");
     }
     if (!a.good()) return;
-    if constexpr (A::reading) kicks_.assign(all_kicks_.begin(), all_kicks_.begin() + kicks);
+    kicks_left_ = kicks;
     a(steps_, current_, hand_pushes_, diagnostics_.unconverged_steps, diagnostics_.max_residual,
       diagnostics_.first_s, diagnostics_.last_s, diagnostics_.drift);
     for (const HandPush& push : hand_pushes_) {
@@ -116,13 +108,13 @@ class StagedWorld : public World {
     if constexpr (A::reading) joint_loads_.clear();
   }
 
+  std::shared_ptr<const StageModel> model_;
   double step_s_;
   Eigen::Vector3d gravity_;
   std::int64_t steps_ = 0;
   bool hung_ = false;  // the root does not move
-  std::vector<Body> bodies_;
   std::size_t robot_links_;
-  Contacts contacts_;
+  std::size_t kicks_left_ = 0;  // of the model's
   std::vector<JointMotor> motors_;
   std::vector<JointMotor::Row> rows_;  // of motors_, for the current step
   std::vector<JointState> joint_states_;
@@ -134,23 +126,6 @@ class StagedWorld : public World {
   double current_ = 0;
   std::vector<HandPush> hand_pushes_;
   SolverDiagnostics diagnostics_;
-
- private:
-  int add_frame(const std::string& name, int body);
-  void add_visuals(const RigidLink& link, int frame, const Eigen::Isometry3d& in_frame);
-  int add_body(const RigidLink& link, const Eigen::Isometry3d& start, bool moves);
-  void add_robot(const RobotModel& robot, const Eigen::Isometry3d& root);
-  void add_object(const WorldBody& object);
-
-  std::vector<std::string> joint_order_, link_order_;
-  std::map<std::string, RobotFrame> link_frames_;  // by link name
-  std::map<std::string, Eigen::Isometry3d> fixed_objects_;
-  std::map<std::string, int> objects_;  // first link of each model that can move
-  std::vector<Kick> kicks_;             // the next one last
-  std::vector<Kick> all_kicks_;         // as at the start
-  std::vector<int> frames_;             // body of scene frame 1 onwards
-  Scene scene_;
-  int head_frame_ = -1;
 };
 
 // Builds a world on the dynamics that the options name. Errors: unknown dynamics, step size out of range.

@@ -61,7 +61,7 @@ struct SolverDiagnostics {
 struct WorldOptions {
   std::uint64_t seed = 1;
   double step_s = 0.001;
-  std::string dynamics = "reduced"; // "reduced"; ODE: "exact", or "quickN" with N iterations
+  std::string dynamics = "reduced";  // "reduced"; ODE: "exact", or "quickN" with N iterations
   bool hung = false;          // suspended: the trunk is fixed, the feet are clear of the ground
   std::string motor = "";     // name in motor.xml, beside the URDF; "": the file's default
   bool ideal_motors = false;  // without backlash and heat
@@ -122,12 +122,18 @@ class World {
     return fail(Fault::usage, "this world cannot push `" + link + "`; load one with World::load");
   }
 
+  // A second world in the same state, which goes on exactly as this one would. Both share what never changes
+  // (shapes, links, parameters) and are otherwise independent: either may be destroyed first, and each may be
+  // stepped in a thread of its own. Takes microseconds where loading takes tens of milliseconds. Not while
+  // this world is being stepped in another thread. Error: this kind of world cannot be cloned.
+  virtual Result<std::unique_ptr<World>> clone() const {
+    return fail(Fault::usage, "this kind of world cannot be cloned; load another one");
+  }
+
   // Saves and restores the state carried from step to step; restore() needs a world built from the same
   // files and options. Worlds that cannot be saved fail the archive.
   virtual void save(StateWriter& to) { to.refuse("this kind of world cannot be saved"); }
-  virtual void restore(StateReader& from) {
-    from.refuse("this kind of world cannot be restored");
-  }
+  virtual void restore(StateReader& from) { from.refuse("this kind of world cannot be restored"); }
 };
 
 }  // namespace kaz::sim

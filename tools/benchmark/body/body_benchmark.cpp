@@ -1,4 +1,5 @@
-// What one physics step costs, and what finding contacts alone: by stepper and by load.
+// What one physics step costs, and what finding contacts alone: by stepper and by load; loading, cloning, and
+// many worlds side by side.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Beside the time: gap_um, the largest gap between the halves of a joint in the first 5 s, and
@@ -9,9 +10,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -47,6 +50,14 @@ class Run {
       world_ = std::move(*loaded);
     else
       error_ = loaded.error().message;
+  }
+  // A clone, at the same time of the same motion.
+  Run(const Run& other) : walks_(other.walks_) {
+    auto clone = other.world_->clone();
+    if (clone)
+      world_ = std::move(*clone);
+    else
+      error_ = clone.error().message;
   }
   bool works() const { return world_ != nullptr; }
   const std::string& error() const { return error_; }
@@ -105,14 +116,13 @@ void step(benchmark::State& state, const std::string& load, const std::string& s
 class Poses {
  public:
   explicit Poses(const std::string& load) {
+    Run ahead(load, "quick20");
+    error_ = ahead.error();
+    if (!ahead.works()) return;
+    ahead.settle();
     for (int k = 0; k < kPoses; ++k) {
-      auto run = std::make_unique<Run>(load, "quick20");
-      if (!run->works()) {
-        error_ = run->error();
-        return;
-      }
-      run->settle(kSettled + k * kCycle / kPoses);
-      runs_.push_back(std::move(run));
+      runs_.push_back(std::make_unique<Run>(ahead));
+      for (int i = 0; i < kCycle / kPoses; ++i) ahead.step();
     }
   }
   const std::string& error() const { return error_; }
@@ -139,10 +149,97 @@ void collision(benchmark::State& state, const std::string& load) {
   state.counters["points"] = static_cast<double>(points) / static_cast<double>(state.iterations());
 }
 
+void load(benchmark::State& state, const std::string& load) {
+  for (auto _ : state) {
+    const Run run(load, WorldOptions{}.dynamics);
+    if (!run.works()) return state.SkipWithError(run.error().c_str());
+  }
+}
+
+// A world amid its gait is cloned so many times, then they are destroyed: both count.
+void clone(benchmark::State& state, const std::string& load) {
+  Run run(load, WorldOptions{}.dynamics);
+  if (!run.works()) return state.SkipWithError(run.error().c_str());
+  run.settle();
+  std::vector<std::unique_ptr<World>> clones;
+  clones.reserve(bench::kWorlds);
+  for (auto _ : state) {
+    if (clones.size() == bench::kWorlds) clones.clear();
+    auto made = run.world().clone();
+    if (!made) return state.SkipWithError(made.error().message.c_str());
+    clones.push_back(std::move(*made));
+  }
+}
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// Worlds all over a gait cycle, a step of each in turn; after every round one world steps as often alone.
+// `x`: the ratio of both times.
+class SideBySide {
+ public:
+  SideBySide() : alone_("walking", WorldOptions{}.dynamics) {
+    if (!alone_.works()) return;
+    alone_.settle();
+    Run ahead(alone_);
+    for (int i = 0; i < bench::kWorlds; ++i) {
+      runs_.push_back(std::make_unique<Run>(ahead));
+      for (int k = 0; k < kCycle / bench::kWorlds; ++k) ahead.step();
+    }
+  }
+  const std::string& error() const { return alone_.error(); }
+  void measure(benchmark::State& state) {
+    double together = 0, alone = 0;
+    const auto round = [](auto&& step) {
+      const double start = cpu_seconds();
+      for (int i = 0; i < bench::kWorlds; ++i) step(static_cast<std::size_t>(i));
+      return cpu_seconds() - start;
+    };
+    std::size_t next = 0;
+    double start = cpu_seconds();
+    for (auto _ : state) {
+      runs_[next]->step();
+      if (++next < runs_.size()) continue;
+      state.PauseTiming();
+      together += cpu_seconds() - start;
+      alone += round([this](std::size_t) { alone_.step(); });
+      next = 0;
+      start = cpu_seconds();
+      state.ResumeTiming();
+    }
+    if (together == 0) {  // too few iterations for a round
+      together = round([this](std::size_t i) { runs_[i]->step(); });
+      alone = round([this](std::size_t) { alone_.step(); });
+    }
+    state.counters["x"] = together / alone;
+  }
+
+ private:
+  Run alone_;
+  std::vector<std::unique_ptr<Run>> runs_;
+};
+
+void side_by_side(benchmark::State& state) {
+  static SideBySide worlds;
+  if (!worlds.error().empty()) return state.SkipWithError(worlds.error().c_str());
+  worlds.measure(state);
+}
+
 void register_all() {
   const auto add = [](const std::string& name, auto measure) {
-    benchmark::RegisterBenchmark(name.c_str(), measure)->Unit(benchmark::kMicrosecond);
+    return benchmark::RegisterBenchmark(name.c_str(), measure)->Unit(benchmark::kMicrosecond);
   };
+  for (const std::string load_of : bench::kWorldLoads) {
+    add(bench::name_of("load_ms", load_of), [=](benchmark::State& state) {
+      load(state, load_of);
+    })->Unit(benchmark::kMillisecond);
+    add(bench::name_of("clone_us", load_of),
+        [=](benchmark::State& state) { clone(state, load_of); });
+  }
+  add(bench::kWorldsUs, side_by_side);
   // What runs by default.
   add(bench::name_of("step_us", "walking"),
       [](benchmark::State& state) { step(state, "walking", WorldOptions{}.dynamics); });

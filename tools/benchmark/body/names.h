@@ -13,6 +13,12 @@ inline constexpr std::array kSteppers{"reduced", "exact",    "quick8",  "quick20
                                       "quick50", "bullet10", "bullet50"};
 // Standing in the walking crouch; walking on the spot; the same among ten props and a ball.
 inline constexpr std::array kLoads{"alone", "walking", "props"};
+// Of them, those that are loaded and cloned, with the default stepper.
+inline constexpr std::array kWorldLoads{"walking", "props"};
+// Worlds of the load `walking` that step in turn: a step of one of them, and over a step of one alone.
+inline constexpr int kWorlds = 256;
+inline constexpr const char* kWorldsUs = "dynamics.worlds_256_us";
+inline constexpr const char* kWorldsX = "dynamics.worlds_256_x";
 
 // "dynamics.WHAT.LOAD.STEPPER", and without the stepper where it does not matter.
 inline std::string name_of(const std::string& what, const std::string& load,

@@ -74,7 +74,7 @@ BulletWorld::BulletWorld(const WorldModel& world, const RobotModel& robot, const
   solver.m_numIterations = iterations;
   solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;  // or friction acts along one line alone
   world_.getPairCache()->setOverlapFilterCallback(&filter_);
-  for (const Body& body : bodies_) frames_.push_back(principal_frame(body.rigid));
+  for (const Body& body : bodies()) frames_.push_back(principal_frame(body.rigid));
   add_robot(robot);
   add_joints(robot);
   add_bodies(world);
@@ -108,7 +108,7 @@ void BulletWorld::add_robot(const RobotModel& robot) {
                                          to_bullet(frames_[0].moments), hung_ || robot.fixed_base,
                                          false);
   robot_->setBaseWorldTransform(
-      to_bullet(Eigen::Isometry3d(bodies_[0].start * frames_[0].in_link)));
+      to_bullet(Eigen::Isometry3d(bodies()[0].start * frames_[0].in_link)));
   robot_->setLinearDamping(0);
   robot_->setAngularDamping(0);
   robot_->setHasSelfCollision(true);
@@ -146,7 +146,7 @@ void BulletWorld::add_collider(const RobotModel& robot, int number) {
   collider->setCollisionFlags(collider->getCollisionFlags() |
                               btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
   collider->setWorldTransform(
-      to_bullet(Eigen::Isometry3d(bodies_[index].start * frames_[index].in_link)));
+      to_bullet(Eigen::Isometry3d(bodies()[index].start * frames_[index].in_link)));
   if (number == 0)
     robot_->setBaseCollider(collider.get());
   else

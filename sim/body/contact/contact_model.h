@@ -1,0 +1,81 @@
+// Shapes that collide: what the collision detection of a world knows and never changes.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Built once and then shared by all clones of a world, also in different threads.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/body/description/rigid_link.h"
+#include "sim/body/description/robot_model.h"
+
+namespace kaz::sim {
+
+class ContactModel {
+ public:
+  explicit ContactModel(const RobotModel& robot);
+
+  // Adds the shapes of one link. `body`: its number for Contacts; -1: fixed in the world at `pose`.
+  void add_robot_link(const RigidLink& link, int robot_link, int body,
+                      const Eigen::Isometry3d& pose);
+  void add_object(const RigidLink& link, int body, const Eigen::Isometry3d& pose);
+
+  struct Geom {
+    Shape::Kind kind = Shape::Kind::box;
+    int body = -1;                                   // -1: does not move
+    double radius = 0;                               // of the sphere about it, m
+    Eigen::Vector3d size = Eigen::Vector3d::Zero();  // as Shape::size
+    Eigen::Vector3d half = Eigen::Vector3d::Zero();  // of a box
+    Eigen::Vector3d at =
+        Eigen::Vector3d::Zero();  // from the body's centre of mass, or in the world
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // in the body's axes, or in the world's
+    Surface surface;
+  };
+  // All shapes of one body, or one fixed shape.
+  struct Part {
+    int body = -1;
+    std::size_t first = 0, count = 0;  // of geoms()
+    // Of the sphere about it: from the centre of mass, or in the world.
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    double radius = 0;
+  };
+  struct Plane {
+    std::size_t geom = 0;
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+    double offset = 0;
+  };
+
+  std::size_t bodies() const { return bodies_; }
+  const std::vector<Geom>& geoms() const { return geoms_; }
+  const std::vector<Plane>& planes() const { return planes_; }
+  const Plane& plane_of(std::size_t geom) const;
+  const std::vector<Part>& robot() const { return robot_; }
+  const std::vector<Part>& objects() const { return objects_; }
+  const std::vector<Part>& fixed() const { return fixed_; }
+  // Pairs of robot() that may meet.
+  const std::vector<std::pair<std::size_t, std::size_t>>& selves() const { return selves_; }
+  // Name of the link that has the shape.
+  const std::string& name(std::uint32_t shape) const { return names_[shape]; }
+
+ private:
+  void add(const RigidLink& link, int robot_link, int body, const Eigen::Isometry3d& pose);
+  void add_fixed(int robot_link);
+  void add_plane(const Eigen::Isometry3d& at);
+  void pair_with_robot(std::size_t part, int robot_link);
+
+  std::size_t bodies_ = 0;
+  std::vector<Geom> geoms_;
+  std::vector<std::string> names_;  // by geom: of its link
+  std::vector<Plane> planes_;
+  std::vector<Part> robot_, objects_, fixed_;
+  std::vector<int> robot_link_;  // by robot_
+  std::vector<std::pair<std::size_t, std::size_t>> selves_;
+  // exempt_[a * links + b]: links so near in the tree that their shapes may overlap at the joints.
+  std::vector<char> exempt_;
+  std::size_t robot_links_;
+};
+
+}  // namespace kaz::sim

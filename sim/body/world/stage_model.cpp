@@ -1,0 +1,86 @@
+// What a world knows and never changes.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/world/stage_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace kaz::sim {
+namespace {
+
+constexpr double kHungHeight = 0.5;  // m, of the feet above the ground
+
+}  // namespace
+
+StageModel::StageModel(const WorldModel& world, const RobotModel& robot,
+                       const WorldOptions& options)
+    : contacts(robot), joint_order(robot.joint_order()), link_frames(robot.frames) {
+  scene.frames.push_back("world");
+  scene.light = world.light;
+  // The root's origin starts above the point between the soles, so that the feet are at height `feet`.
+  const double feet = options.hung ? kHungHeight : 0.0;
+  const Eigen::AlignedBox3d extent = robot.extent();
+  Eigen::Vector3d lift = Eigen::Vector3d::Zero();
+  if (!robot.fixed_base) lift.z() = feet - (extent.isEmpty() ? 0.0 : extent.min().z());
+  add_robot(robot, world.robot_start * Eigen::Translation3d(lift));
+  for (const WorldBody& object : world.bodies) add_object(object, options.step_s);
+  // Latest first: the next kick is taken from the end; equal times keep the order of the file.
+  std::reverse(kicks.begin(), kicks.end());
+  std::stable_sort(kicks.begin(), kicks.end(),
+                   [](const Kick& a, const Kick& b) { return a.step > b.step; });
+}
+
+int StageModel::add_frame(const std::string& name, int body) {
+  frames.push_back(body);
+  scene.frames.push_back(name);
+  return static_cast<int>(scene.frames.size()) - 1;
+}
+
+void StageModel::add_visuals(const RigidLink& link, int frame, const Eigen::Isometry3d& in_frame) {
+  for (Visual visual : link.visuals) {
+    visual.frame = frame;
+    visual.in_frame = in_frame * visual.in_frame;
+    scene.visuals.push_back(std::move(visual));
+  }
+}
+
+int StageModel::add_body(const RigidLink& link, const Eigen::Isometry3d& start, bool moves) {
+  Body body{link, moves, start};
+  body.rigid.visuals.clear();
+  body.rigid.collisions.clear();
+  bodies.push_back(std::move(body));
+  return static_cast<int>(bodies.size()) - 1;
+}
+
+void StageModel::add_robot(const RobotModel& robot, const Eigen::Isometry3d& root) {
+  for (std::size_t i = 0; i < robot.links.size(); ++i) {
+    const RobotLink& link = robot.links[i];
+    const Eigen::Isometry3d at = root * link.at_zero;
+    const bool moves = i > 0 || !robot.fixed_base;
+    const int body = add_body(link.rigid, at, moves);
+    contacts.add_robot_link(link.rigid, static_cast<int>(i), moves ? body : -1, at);
+    const int frame = add_frame(link.rigid.name, body);
+    link_order.push_back(link.rigid.name);
+    add_visuals(link.rigid, frame, Eigen::Isometry3d::Identity());
+    if (robot.eyes_link() == static_cast<int>(i)) head_frame = frame;
+  }
+}
+
+void StageModel::add_object(const WorldBody& object, double step_s) {
+  if (object.fixed) {
+    contacts.add_object(object.rigid, -1, object.pose);
+    add_visuals(object.rigid, 0, object.pose);
+    fixed_objects.emplace(object.model, object.pose);
+    return;
+  }
+  const int body = add_body(object.rigid, object.pose, true);
+  contacts.add_object(object.rigid, body, object.pose);
+  add_visuals(object.rigid, add_frame(object.rigid.name, body), Eigen::Isometry3d::Identity());
+  objects.emplace(object.model, body);
+  for (const sim::Kick& kick : object.kicks) {
+    kicks.push_back({std::llround(kick.time_s / step_s), body, kick.velocity});
+  }
+}
+
+}  // namespace kaz::sim
