@@ -68,6 +68,7 @@ void Adc::finish(Machine& m) {
 }
 
 States Adc::next_request() const {
+  if (!(adcsr_ & 0x40) || adf_.has(0x80)) return kNever;
   if (end_ == kNever || !scan()) return end_;
   const unsigned left = (adcsr_ & 7u) - channel_;
   return end_ + static_cast<States>(left) * (fast() ? kScanFast : kScanSlow);

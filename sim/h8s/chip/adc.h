@@ -26,7 +26,8 @@ class Adc {
   }
 
   States next_event() const { return next_; }
-  // When the conversion that sets ADF ends. Earlier ones affect nothing else on the chip.
+  // When the conversion ends that raises an interrupt request; kNever while none can. The others affect
+  // nothing else on the chip.
   States next_request() const;
   void advance(Machine& m, States to);
   // External trigger, by the value of ADCR.TRGS: 2 is the 8-bit timer, 3 the ADTRG pin.

@@ -244,6 +244,7 @@ class Machine final : public Bus {
   void settle(States to) {
     if (!events_known_ || next_event_ <= to) process_events(to);
   }
+  void run_conversions(States to);
   void process_events(States to);
   void accept(unsigned vector);
   bool could_wake() const;
@@ -280,6 +281,7 @@ class Machine final : public Bus {
   std::array<States, kSources> events_{}, stops_{};
   States next_event_ = 0, next_stop_ = 0;
   bool events_known_ = false;
+  bool rescheduled_ = false;    // a module, since the last conversion began
   States processing_ = kNever;  // time of the event being processed
 };
 

@@ -113,15 +113,23 @@ void Machine::first_events() {
 }
 
 void Machine::rescheduled(Source source) {
+  rescheduled_ = true;
   if (!events_known_) return;
   const auto k = static_cast<unsigned>(source);
-  events_[k] = event_of(source);
-  stops_[k] = stop_for(source, events_[k]);
-  first_events();
-  cpu.stop = std::min(cpu.stop, stops_[k] - cpu.stall);
+  const States event = event_of(source), stop = stop_for(source, event);
+  // The earliest of all is only sought again where it may have become later.
+  const bool later = (event > events_[k] && events_[k] == next_event_) ||
+                     (stop > stops_[k] && stops_[k] == next_stop_);
+  events_[k] = event;
+  stops_[k] = stop;
+  if (later) first_events();
+  next_event_ = std::min(next_event_, event);
+  next_stop_ = std::min(next_stop_, stop);
+  cpu.stop = std::min(cpu.stop, stop - cpu.stall);
 }
 
 void Machine::reschedule_all() {
+  rescheduled_ = true;
   events_known_ = false;
   end_stretch(cpu);
 }
@@ -140,10 +148,19 @@ void Machine::run_events(States to) {
   for (;;) {
     if (!events_known_) find_events();
     unsigned first = 0;
-    for (unsigned k = 1; k < kSources; ++k) first = events_[k] < events_[first] ? k : first;
+    States others = kNever;
+    for (unsigned k = 1; k < kSources; ++k) {
+      const bool earlier = events_[k] < events_[first];
+      others = std::min(others, events_[earlier ? first : k]);
+      if (earlier) first = k;
+    }
     if (events_[first] > to) break;
-    processing_ = events_[first];
     const auto source = static_cast<Source>(first);
+    if (source == Source::adc) {
+      run_conversions(std::min(to, others - 1));
+      continue;
+    }
+    processing_ = events_[first];
     advance(source, processing_);
     events_[first] = event_of(source);
     stops_[first] = stop_for(source, events_[first]);
@@ -158,6 +175,19 @@ void Machine::run_events(States to) {
   processing_ = kNever;
   first_events();
   cpu.stop = std::min(cpu.stop, next_stop_ - cpu.stall);
+}
+
+// The converter's events until another module has one: those of a scan are frequent, and affect nothing
+// but the converter, unless what is called for a sample reschedules a module.
+void Machine::run_conversions(States to) {
+  constexpr auto k = static_cast<unsigned>(Source::adc);
+  rescheduled_ = false;
+  do {
+    processing_ = adc.next_event();
+    adc.advance(*this, processing_);
+  } while (adc.next_event() <= to && !rescheduled_);
+  events_[k] = adc.next_event();
+  stops_[k] = stop_for(Source::adc, events_[k]);
 }
 
 void Machine::process_events(States to) {
@@ -326,7 +356,9 @@ Stop Machine::run(Chip& chip, States until, bool single) {
       event = std::min(event, choice.earliest);
     }
     if (cpu.asleep) {
-      if (event == kNever && !could_wake())
+      // A conversion without an interrupt ends no sleep, but is no error either.
+      if (event == kNever && single && until == kNever) event = next_event();
+      if (event == kNever && next_event() == kNever && !could_wake())
         return error_stop(
             Stop::Reason::asleep_forever,
             "SLEEP with nothing enabled that could wake it, before " + symbols->describe(pc()));
