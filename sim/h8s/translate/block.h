@@ -103,8 +103,8 @@ bool take_step(Cpu& c, std::uint32_t index, Step& step);
 // Computes the members of steps that depend on the whole block.
 void settle_flags(Block& block);
 
-inline constexpr std::size_t kMaxSteps = 48;
-inline constexpr std::uint32_t kMaxStates = 240;
+inline constexpr std::size_t kMaxSteps = 16;
+inline constexpr std::uint32_t kMaxStates = 64;
 
 template <class Known>
 Block find_block(Cpu& c, std::uint32_t start, const Known& known) {

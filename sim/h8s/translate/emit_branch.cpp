@@ -181,22 +181,22 @@ void Emitter::emit_handler(const Step& s) {
 // All flags are in memory before and after (block.cpp).
 void Emitter::emit_interpreted(std::size_t k) {
   const Step& s = block_->steps[k];
-  const bool elsewhere = s.form.detail != 0;
   a_.mov(host::rdi, reinterpret_cast<std::uint64_t>(c_.code + s.index));
   a_.mov(host::rsi, static_cast<std::int64_t>(block_->bound) -
                         static_cast<std::int64_t>(states_before(k + 1)));
+  if (s.form.detail != 0) {
+    a_.add(kExecuted, k + 1);
+    a_.jmp(asmjit::Imm(reinterpret_cast<std::uint64_t>(gate_.go_elsewhere)));
+    return;
+  }
   a_.call(asmjit::Imm(reinterpret_cast<std::uint64_t>(gate_.interpret)));
   const asmjit::Label leave = a_.newLabel();
-  if (!elsewhere) a_.jle(leave);
-  const auto emit_leave = [this, k] {
+  a_.jle(leave);
+  pending_.fill(-1);
+  cold_.push_back([this, k, leave] {
+    a_.bind(leave);
     a_.add(kExecuted, k + 1);
     a_.jmp(asmjit::Imm(reinterpret_cast<std::uint64_t>(gate_.leave_complete)));
-  };
-  if (elsewhere) return emit_leave();
-  pending_.fill(-1);
-  cold_.push_back([this, leave, emit_leave] {
-    a_.bind(leave);
-    emit_leave();
   });
 }
 

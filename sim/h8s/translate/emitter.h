@@ -45,15 +45,19 @@ struct Gate {
   // compare it with 0; if it is not greater, Cpu holds the whole state, and the block must be left.
   const void* interpret = nullptr;
   const void* leave_complete = nullptr;  // as `leave`, when Cpu holds all but kExecuted
+  // Jumped to, as `interpret`, by instructions that continue elsewhere: goes on with the block there.
+  const void* go_elsewhere = nullptr;
 };
 struct GateLabels {
-  asmjit::Label leave, interpret, leave_complete;
+  asmjit::Label leave, interpret, leave_complete, go_elsewhere;
 };
-void emit_gate(host::Assembler& a, const GateLabels& labels);
+void emit_gate(host::Assembler& a, const GateLabels& labels, const Entry* entries);
 
 // Runs the handler of `ip`, with the CPU's state in `c`. Returns the states left at the next instruction,
 // minus `rest`; 0 if that does not follow in the block.
 std::int64_t run_handler(Cpu& c, const Insn* ip, std::int64_t rest);
+// The same for an instruction that continues elsewhere. Returns the code there; null: the block must be left.
+const void* run_handler_elsewhere(Cpu& c, const Insn* ip, const Entry* entries);
 
 // All blocks of one translation unit, which jump to each other directly.
 class Emitter {

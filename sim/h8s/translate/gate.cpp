@@ -21,8 +21,8 @@ void emit_registers_out(host::Assembler& a) {
   for (unsigned n = 0; n < 8; ++n) a.mov(field(offsetof(Cpu, er) + 4 * n), host::gpd(kIds[n]));
 }
 
-// The same before the handler as the interpreter has it: Cpu::now is the end of the instruction.
-void emit_interpret(host::Assembler& a) {
+// Before a handler, as the interpreter has it: Cpu::now is the end of the instruction. Then its arguments.
+void emit_state_out(host::Assembler& a) {
   emit_registers_out(a);
   a.mov(host::rax, field(offsetof(Cpu, stop)));
   a.sub(host::rax, kLeft);
@@ -32,6 +32,10 @@ void emit_interpret(host::Assembler& a) {
   a.mov(host::rdx, host::rsi);
   a.mov(host::rsi, host::rdi);
   a.mov(host::rdi, kCpu);
+}
+
+void emit_interpret(host::Assembler& a) {
+  emit_state_out(a);
   a.sub(host::rsp, 8);
   a.mov(host::rax, reinterpret_cast<std::uint64_t>(&run_handler));
   a.call(host::rax);
@@ -40,6 +44,20 @@ void emit_interpret(host::Assembler& a) {
   emit_registers_in(a);
   a.test(kLeft, kLeft);
   a.ret();
+}
+
+void emit_go_elsewhere(host::Assembler& a, const asmjit::Label& leave, const Entry* entries) {
+  emit_state_out(a);
+  a.mov(host::rdx, reinterpret_cast<std::uint64_t>(entries));
+  a.mov(host::rax, reinterpret_cast<std::uint64_t>(&run_handler_elsewhere));
+  a.call(host::rax);
+  a.mov(host::rsi, host::rax);
+  a.test(host::rsi, host::rsi);
+  a.jz(leave);
+  emit_registers_in(a);
+  a.mov(kLeft, field(offsetof(Cpu, stop)));
+  a.sub(kLeft, field(offsetof(Cpu, now)));
+  a.jmp(host::rsi);
 }
 
 }  // namespace
@@ -51,7 +69,13 @@ std::int64_t run_handler(Cpu& c, const Insn* ip, std::int64_t rest) {
   return c.stop - c.now - rest;
 }
 
-void emit_gate(host::Assembler& a, const GateLabels& labels) {
+const void* run_handler_elsewhere(Cpu& c, const Insn* ip, const Entry* entries) {
+  c.ip = ip->run(c, ip);
+  if (c.now >= c.stop || c.code_discarded || c.ip == &c.outside) return nullptr;
+  return entries[c.ip - c.code].code;
+}
+
+void emit_gate(host::Assembler& a, const GateLabels& labels, const Entry* entries) {
   const host::Gp saved[] = {host::rbx, host::rbp, host::r12, host::r13, host::r14, host::r15};
   for (const host::Gp& r : saved) a.push(r);
   a.sub(host::rsp, 8);
@@ -86,6 +110,8 @@ void emit_gate(host::Assembler& a, const GateLabels& labels) {
 
   a.bind(labels.interpret);
   emit_interpret(a);
+  a.bind(labels.go_elsewhere);
+  emit_go_elsewhere(a, labels.leave_complete, entries);
 }
 
 }  // namespace kaz::h8s::translate

@@ -63,8 +63,8 @@ struct Translator::Cache {
     code.init(asmjit::Environment::host());
     code.setErrorHandler(&errors);
     host::Assembler a(&code);
-    const GateLabels labels{a.newLabel(), a.newLabel(), a.newLabel()};
-    emit_gate(a, labels);
+    const GateLabels labels{a.newLabel(), a.newLabel(), a.newLabel(), a.newLabel()};
+    emit_gate(a, labels, entries.get());
     const void* const base = errors.any ? nullptr : memory.add(code);
     if (!base) return false;
     gate.enter = base;
@@ -74,6 +74,7 @@ struct Translator::Cache {
     gate.leave = at(labels.leave);
     gate.interpret = at(labels.interpret);
     gate.leave_complete = at(labels.leave_complete);
+    gate.go_elsewhere = at(labels.go_elsewhere);
     return true;
   }
 
