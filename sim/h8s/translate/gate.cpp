@@ -60,17 +60,23 @@ void emit_go_elsewhere(host::Assembler& a, const asmjit::Label& leave, const Ent
   a.jmp(host::rsi);
 }
 
+// A write to a unit behind the instruction makes it undecoded, but keeps its translation.
+Handler handler_of(Cpu& c, const Insn* ip) {
+  return ip->run ? ip->run : decode_in_place(c, ip);
+}
+
 }  // namespace
 
 std::int64_t run_handler(Cpu& c, const Insn* ip, std::int64_t rest) {
+  const Handler run = handler_of(c, ip);
   const Insn* const next = ip + ip->units;
-  c.ip = ip->run(c, ip);
+  c.ip = run(c, ip);
   if (c.ip != next || c.now >= c.stop || c.code_discarded) return 0;
   return c.stop - c.now - rest;
 }
 
 const void* run_handler_elsewhere(Cpu& c, const Insn* ip, const Entry* entries) {
-  c.ip = ip->run(c, ip);
+  c.ip = handler_of(c, ip)(c, ip);
   if (c.now >= c.stop || c.code_discarded || c.ip == &c.outside) return nullptr;
   return entries[c.ip - c.code].code;
 }
