@@ -3,7 +3,6 @@
 #include "sim/h8s/chip/adc.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "sim/h8s/chip/machine.h"
 
@@ -18,7 +17,7 @@ constexpr States kScanSlow = 256, kScanFast = 128;
 
 std::uint16_t convert(double share) {
   if (!(share > 0)) return 0;
-  return static_cast<std::uint16_t>(std::min(std::floor(share * 1024), 1023.0));
+  return static_cast<std::uint16_t>(std::min(share * 1024, 1023.0));
 }
 
 }  // namespace
@@ -40,12 +39,12 @@ void Adc::start(Machine& m, States at) {
   sampled_ = false;
   next_ = at + delay + (fast() ? kSampleFast : kSampleSlow);
   end_ = at + delay + (fast() ? kConvertFast : kConvertSlow);
-  m.rescheduled(Source::adc);
 }
 
 void Adc::trigger(Machine& m, unsigned source, States at) {
   if (adcr_ >> 6 != static_cast<int>(source) || (adcsr_ & 0x20) || m.stopped(Stop_adc)) return;
   start(m, at);
+  m.rescheduled(Source::adc);
 }
 
 void Adc::finish(Machine& m) {
@@ -68,21 +67,28 @@ void Adc::finish(Machine& m) {
 }
 
 States Adc::next_request() const {
+  if (!(adcsr_ & 0x40) || adf_.has(0x80)) return kNever;
   if (end_ == kNever || !scan()) return end_;
   const unsigned left = (adcsr_ & 7u) - channel_;
   return end_ + static_cast<States>(left) * (fast() ? kScanFast : kScanSlow);
 }
 
+void Adc::step(Machine& m) {
+  if (sampled_) return finish(m);
+  held_ = m.listeners.analog ? convert(m.listeners.analog(source(), next_)) : std::uint16_t{0};
+  sampled_ = true;
+  next_ = end_;
+}
+
 void Adc::advance(Machine& m, States to) {
-  while (next_ <= to) {
-    if (sampled_) {
-      finish(m);
-    } else {
-      held_ = m.listeners.analog ? convert(m.listeners.analog(source(), next_)) : std::uint16_t{0};
-      sampled_ = true;
-      next_ = end_;
-    }
-  }
+  while (next_ <= to) step(m);
+}
+
+void Adc::run_events(Machine& m, States to, States& at, const bool& ended) {
+  do {
+    at = next_;
+    step(m);
+  } while (next_ <= to && !ended);
 }
 
 void Adc::reset(Machine& m, States at) {

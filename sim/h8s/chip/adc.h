@@ -26,9 +26,12 @@ class Adc {
   }
 
   States next_event() const { return next_; }
-  // When the conversion that sets ADF ends. Earlier ones affect nothing else on the chip.
+  // When the conversion ends that raises an interrupt request; kNever while none can. The others affect
+  // nothing else on the chip.
   States next_request() const;
   void advance(Machine& m, States to);
+  // The next event, and those that follow up to `to`, each with its time in `at`, until `ended`.
+  void run_events(Machine& m, States to, States& at, const bool& ended);
   // External trigger, by the value of ADCR.TRGS: 2 is the 8-bit timer, 3 the ADTRG pin.
   void trigger(Machine& m, unsigned source, States at);
 
@@ -44,6 +47,7 @@ class Adc {
   unsigned first_channel() const { return scan() ? adcsr_ & 4u : adcsr_ & 7u; }
   int source() const;
   void start(Machine& m, States at);
+  void step(Machine& m);
   void finish(Machine& m);
   void update(Machine& m, States at);
 

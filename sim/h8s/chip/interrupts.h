@@ -29,8 +29,10 @@ class Interrupts {
   // The same for neighbours: bit k of `levels` is vector `first` + k. They must not cross 63|64.
   void set_all(unsigned first, unsigned count, std::uint64_t levels, States at) {
     const std::uint64_t mask = ((1ull << count) - 1) << (first % 64);
-    if ((raw_[first / 64] & mask) == levels << (first % 64)) return;
-    for (unsigned k = 0; k < count; ++k) set(first + k, (levels >> k & 1) != 0, at);
+    const std::uint64_t changed = (raw_[first / 64] & mask) ^ levels << (first % 64);
+    if (changed == 0) return;
+    for (unsigned k = 0; k < count; ++k)
+      if (changed >> (first % 64 + k) & 1) set(first + k, (levels >> k & 1) != 0, at);
   }
   // Whether a request has been raised since the last call.
   bool take_raised() { return std::exchange(raised_, false); }

@@ -125,20 +125,30 @@ unsigned ports_of(const Place& p) {
 
 }  // namespace
 
+// Requests that an access has raised end the stretch.
+void Machine::check_raised() {
+  if (irq.take_raised() && (irq.any_unmasked(cpu.control, cpu.two_level) || irq.any_diverted()))
+    end_stretch(cpu);
+}
+
+void Machine::sample_pins(unsigned of_ports) {
+  if (!pins.watches(of_ports)) return;
+  pins.sample(*this, event_time());
+  rescheduled(Source::pins);
+}
+
 // What must be rescheduled after an access: nothing, the module's next event, or all modules.
-void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
+void Machine::accessed(const Place& p, std::uint32_t a, States at, bool written) {
   switch (p.unit) {
     case Unit::frt:
     case Unit::tmr:
     case Unit::tmr_xy:
     case Unit::adc:
     case Unit::sci:
-    case Unit::wdt: {
-      const Source source = source_of(p);
+    case Unit::wdt:
       // Reading only brings a module up to date.
-      if (written || events_[static_cast<unsigned>(source)] <= time()) rescheduled(source);
+      if (const Source source = source_of(p); written || due(source, at)) rescheduled(source);
       break;
-    }
     case Unit::ports:
       // Port 6 is where timers count and capture.
       if (written && (a == 0xffb9 || a == 0xffbb)) reschedule_all();
@@ -153,12 +163,8 @@ void Machine::accessed(const Place& p, std::uint32_t a, bool written) {
       if (written) reschedule_all();
       break;
   }
-  if (written && pins.watches(ports_of(p))) {
-    pins.sample(*this, event_time());
-    rescheduled(Source::pins);
-  }
-  if (irq.take_raised() && (irq.any_unmasked(cpu.control, cpu.two_level) || irq.any_diverted()))
-    end_stretch(cpu);
+  if (written) sample_pins(ports_of(p));
+  check_raised();
 }
 
 // Modules on the 16-bit internal bus.
@@ -168,25 +174,58 @@ bool Machine::wide(std::uint32_t address) const {
          (unit == Unit::frt || unit == Unit::tmr || unit == Unit::tmr_xy || unit == Unit::wdt);
 }
 
+bool Machine::module_stopped(const Place& p) const {
+  return p.stop >= 0 && stopped(static_cast<unsigned>(p.stop));
+}
+
 std::uint8_t Machine::io_read(std::uint32_t address) {
   const Place& p = place_of(address & 0xffff, system.stcr);
-  settle(time());
-  const std::uint8_t value = read_register(p, address);
-  accessed(p, address & 0xffff, false);
+  const States at = time();
+  settle(at);
+  // The most frequent ones first; what is due while an event is processed is rescheduled below.
+  if (p.unit == Unit::adc && !due(Source::adc, at) && !module_stopped(p)) {
+    check_raised();
+    return adc.read(*this, address & 0xffff, at);
+  }
+  if (p.unit == Unit::sci && !due(source_of(p), at) && !module_stopped(p)) {
+    check_raised();
+    return sci[p.n].read(*this, p.n, address & 7, at);
+  }
+  const std::uint8_t value = read_register(p, address, at);
+  accessed(p, address & 0xffff, at, false);
   return value;
 }
 
 void Machine::io_write(std::uint32_t address, std::uint8_t value) {
   const Place& p = place_of(address & 0xffff, system.stcr);
-  settle(time() - 1);
-  write_register(p, address & 0xffff, value);
-  accessed(p, address & 0xffff, true);
+  const States at = time();
+  settle(at - 1);
+  if (!module_stopped(p)) {
+    // The most frequent ones first.
+    if (p.unit == Unit::pwm) {
+      pwm.write(*this, address & 0xffff, value, at);
+      sample_pins(ports_of(p));
+      return check_raised();
+    }
+    if (p.unit == Unit::adc) {
+      adc.write(*this, address & 0xffff, value, at);
+      rescheduled(Source::adc, adc.next_event());
+      return check_raised();
+    }
+    if (p.unit == Unit::sci) {
+      sci[p.n].write(*this, p.n, address & 7, value, at);
+      rescheduled(source_of(p), sci[p.n].next_event());
+      sample_pins(ports_of(p));
+      return check_raised();
+    }
+  }
+  write_register(p, address & 0xffff, value, at);
+  accessed(p, address & 0xffff, at, true);
 }
 
-std::uint8_t Machine::read_register(const Place& p, std::uint32_t address) {
+std::uint8_t Machine::read_register(const Place& p, std::uint32_t address, States at) {
   const std::uint32_t a = address & 0xffff;
-  const States at = time();
-  if (p.stop >= 0 && stopped(static_cast<unsigned>(p.stop))) {
+  if (module_stopped(p)) {
     misuse(a, "read of a register whose module is stopped (MSTPCR)");
     return options.undefined_read;
   }
@@ -288,9 +327,8 @@ std::optional<std::uint8_t> Machine::io_peek(std::uint32_t address) {
   }
 }
 
-void Machine::write_register(const Place& p, std::uint32_t a, std::uint8_t value) {
-  const States at = time();
-  if (p.stop >= 0 && stopped(static_cast<unsigned>(p.stop))) {
+void Machine::write_register(const Place& p, std::uint32_t a, std::uint8_t value, States at) {
+  if (module_stopped(p)) {
     misuse(a, "write to a register whose module is stopped (MSTPCR); it has no effect");
     return;
   }
@@ -347,8 +385,9 @@ void Machine::write_register(const Place& p, std::uint32_t a, std::uint8_t value
 void Machine::io_write_word(std::uint32_t address, std::uint16_t value) {
   const Place& p = place_of(address & 0xffff, system.stcr);
   if (p.unit == Unit::wdt) {
-    wdt[p.n].write_word(*this, p.n, value, time());
-    accessed(p, address & 0xffff, true);
+    const States at = time();
+    wdt[p.n].write_word(*this, p.n, value, at);
+    accessed(p, address & 0xffff, at, true);
     return;
   }
   io_write(address, static_cast<std::uint8_t>(value >> 8));

@@ -219,9 +219,13 @@ class Machine final : public Bus {
   void transfer_cpu(A& a);
   void attach();
   void sleep_until(States at);
-  std::uint8_t read_register(const Place& place, std::uint32_t address);
-  void write_register(const Place& place, std::uint32_t a, std::uint8_t value);
-  void accessed(const Place& place, std::uint32_t a, bool written);
+  std::uint8_t read_register(const Place& place, std::uint32_t address, States at);
+  void write_register(const Place& place, std::uint32_t a, std::uint8_t value, States at);
+  void accessed(const Place& place, std::uint32_t a, States at, bool written);
+  void check_raised();
+  void sample_pins(unsigned of_ports);
+  bool module_stopped(const Place& place) const;
+  bool due(Source source, States at) const { return events_[static_cast<unsigned>(source)] <= at; }
   void write_system(std::uint32_t address, std::uint8_t value, States at);
   void set_module_stop(std::uint16_t value, States at);
   // Brings every module up to `to`, whether it has an event or not.
@@ -239,11 +243,13 @@ class Machine final : public Bus {
   States stop_for(Source source, States event) const;
   void find_events();
   void first_events();
+  void rescheduled(Source source, States event);
   void run_events(States to);
   // Before a register access: processes all events up to `to`.
   void settle(States to) {
     if (!events_known_ || next_event_ <= to) process_events(to);
   }
+  void run_conversions(States to);
   void process_events(States to);
   void accept(unsigned vector);
   bool could_wake() const;
@@ -279,7 +285,9 @@ class Machine final : public Bus {
   // each. Recomputed only after something that may change them.
   std::array<States, kSources> events_{}, stops_{};
   States next_event_ = 0, next_stop_ = 0;
+  States other_event_ = 0;  // the earliest but the converter's
   bool events_known_ = false;
+  bool rescheduled_ = false;    // a module, since the last conversion began
   States processing_ = kNever;  // time of the event being processed
 };
 

@@ -9,6 +9,10 @@
 namespace kaz::h8s {
 
 std::uint8_t Machine::load8(std::uint32_t address) {
+  if (is_io(address) && !cpu.observed) {  // nearly always
+    add_stall(cpu, 1);
+    return io_read(address);
+  }
   const auto seen = [&](std::uint8_t value) {
     if (cpu.observed) notify_access(address, 1, value, false);
     return value;
@@ -51,6 +55,10 @@ std::uint16_t Machine::load16(std::uint32_t address) {
 }
 
 void Machine::store8(std::uint32_t address, std::uint8_t value) {
+  if (is_io(address) && !cpu.observed) {  // nearly always
+    add_stall(cpu, 1);
+    return io_write(address, value);
+  }
   if (is_io(address)) {
     add_stall(cpu, 1);
     io_write(address, value);

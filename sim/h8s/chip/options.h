@@ -14,7 +14,7 @@ namespace kaz::h8s {
 struct Options {
   Engine engine = Engine::translator;
   // Number of jumps to an address before its code is translated; affects speed only.
-  std::uint32_t translate_after = 1000;
+  std::uint32_t translate_after = 100;
   // MD1, MD0 at reset: 2 is advanced (24-bit), 3 normal (16-bit), both single chip; 0 with P42 to P40
   // high is boot mode.
   int mode = 2;

@@ -9,6 +9,8 @@
 namespace kaz::h8s {
 namespace {
 
+constexpr auto of_adc = static_cast<unsigned>(Source::adc);
+
 std::string hex6(std::uint32_t value) {
   char text[16];
   std::snprintf(text, sizeof text, "0x%06x", value & 0xffffff);
@@ -104,24 +106,44 @@ void Machine::find_events() {
 }
 
 void Machine::first_events() {
-  next_event_ = events_[0];
-  next_stop_ = stops_[0];
-  for (unsigned k = 1; k < kSources; ++k) {
-    next_event_ = std::min(next_event_, events_[k]);
+  other_event_ = kNever;
+  next_stop_ = stops_[of_adc];
+  for (unsigned k = 0; k < kSources; ++k) {
+    if (k == of_adc) continue;
+    other_event_ = std::min(other_event_, events_[k]);
     next_stop_ = std::min(next_stop_, stops_[k]);
   }
+  next_event_ = std::min(other_event_, events_[of_adc]);
 }
 
 void Machine::rescheduled(Source source) {
+  rescheduled_ = true;
+  if (events_known_) rescheduled(source, event_of(source));
+}
+
+// The earliest of all is only sought again where it may have become later.
+void Machine::rescheduled(Source source, States event) {
+  rescheduled_ = true;
   if (!events_known_) return;
   const auto k = static_cast<unsigned>(source);
-  events_[k] = event_of(source);
-  stops_[k] = stop_for(source, events_[k]);
-  first_events();
-  cpu.stop = std::min(cpu.stop, stops_[k] - cpu.stall);
+  const States stop = stop_for(source, event);
+  if (event == events_[k] && stop == stops_[k]) return;
+  const bool later = (k != of_adc && event > events_[k] && events_[k] == other_event_) ||
+                     (stop > stops_[k] && stops_[k] == next_stop_);
+  events_[k] = event;
+  stops_[k] = stop;
+  if (later) {
+    first_events();
+  } else {
+    if (k != of_adc) other_event_ = std::min(other_event_, event);
+    next_event_ = std::min(other_event_, events_[of_adc]);
+    next_stop_ = std::min(next_stop_, stop);
+  }
+  cpu.stop = std::min(cpu.stop, stop - cpu.stall);
 }
 
 void Machine::reschedule_all() {
+  rescheduled_ = true;
   events_known_ = false;
   end_stretch(cpu);
 }
@@ -139,11 +161,15 @@ void Machine::run_events(States to) {
   if (next_event() > to) return;
   for (;;) {
     if (!events_known_) find_events();
+    if (other_event_ > to || events_[of_adc] < other_event_) {
+      if (events_[of_adc] > to) break;
+      run_conversions(std::min(to, other_event_ - 1));
+      continue;
+    }
     unsigned first = 0;
     for (unsigned k = 1; k < kSources; ++k) first = events_[k] < events_[first] ? k : first;
-    if (events_[first] > to) break;
-    processing_ = events_[first];
     const auto source = static_cast<Source>(first);
+    processing_ = events_[first];
     advance(source, processing_);
     events_[first] = event_of(source);
     stops_[first] = stop_for(source, events_[first]);
@@ -154,10 +180,24 @@ void Machine::run_events(States to) {
       events_[of_pins] = event_of(Source::pins);
       stops_[of_pins] = stop_for(Source::pins, events_[of_pins]);
     }
+    first_events();
   }
   processing_ = kNever;
-  first_events();
   cpu.stop = std::min(cpu.stop, next_stop_ - cpu.stall);
+}
+
+// The converter's events until another module has one: those of a scan are frequent, and affect nothing
+// but the converter, unless what is called for a sample reschedules a module.
+void Machine::run_conversions(States to) {
+  rescheduled_ = false;
+  adc.run_events(*this, to, processing_, rescheduled_);
+  if (!events_known_) return;
+  const States stop = stops_[of_adc];
+  events_[of_adc] = adc.next_event();
+  stops_[of_adc] = stop_for(Source::adc, events_[of_adc]);
+  if (stops_[of_adc] > stop && stop == next_stop_) return first_events();
+  next_event_ = std::min(other_event_, events_[of_adc]);
+  next_stop_ = std::min(next_stop_, stops_[of_adc]);
 }
 
 void Machine::process_events(States to) {
@@ -326,7 +366,9 @@ Stop Machine::run(Chip& chip, States until, bool single) {
       event = std::min(event, choice.earliest);
     }
     if (cpu.asleep) {
-      if (event == kNever && !could_wake())
+      // A conversion without an interrupt ends no sleep, but is no error either.
+      if (event == kNever && single && until == kNever) event = next_event();
+      if (event == kNever && next_event() == kNever && !could_wake())
         return error_stop(
             Stop::Reason::asleep_forever,
             "SLEEP with nothing enabled that could wake it, before " + symbols->describe(pc()));

@@ -113,7 +113,8 @@ struct Cpu {
   bool predecrement_stores_decremented = true;
   bool hold_off = false;  // interrupts are held off for one instruction
   bool asleep = false;
-  bool moving = false;  // EEPMOV.W interrupted between two bytes
+  bool moving = false;          // EEPMOV.W interrupted between two bytes
+  bool code_discarded = false;  // translated code has been discarded while it ran
   Fault fault = Fault::none;
   std::uint32_t fault_address = 0;
   std::uint32_t fault_pc = 0;

@@ -11,6 +11,11 @@ const Insn* enter_exception(Cpu& c, const Insn* from, std::uint32_t return_pc, u
   if (c.normal) {
     push<u16>(c, static_cast<u16>(return_pc));
     push<u16>(c, static_cast<u16>(saved << 8 | saved));
+  } else if (const u32 at = c.er[7] - 4 - c.ram_base; at + 2 < c.ram_size && at < c.ram_size &&
+                                                      !(at & 1) && !c.has_code[at / kLine] &&
+                                                      !c.has_code[(at + 2) / kLine]) {
+    c.er[7] -= 4;
+    put_big32(c.ram + at, saved << 24 | (return_pc & 0xffffff));
   } else {
     push<u16>(c, static_cast<u16>(return_pc));
     push<u16>(c, static_cast<u16>(saved << 8 | (return_pc >> 16 & 0xff)));
@@ -121,9 +126,16 @@ const Insn* trapa(Cpu& c, const Insn* i) {
 }
 
 const Insn* rte(Cpu& c, const Insn* i) {
-  const u32 high = pop<u16>(c);
-  const u32 low = c.fault == Fault::stack ? 0 : pop<u16>(c);
-  if (c.fault == Fault::stack) return i + 1;
+  u32 high, low;
+  if (const u32 at = c.er[7] - c.ram_base; at + 2 < c.ram_size && at < c.ram_size && !(at & 1)) {
+    high = big16(c.ram + at);
+    low = big16(c.ram + at + 2);
+    c.er[7] += 4;
+  } else {
+    high = pop<u16>(c);
+    low = c.fault == Fault::stack ? 0 : pop<u16>(c);
+    if (c.fault == Fault::stack) return i + 1;
+  }
   set_ccr(c, high >> 8);
   mask_changed(c, c.rte_holds_off);
   return jump_to(c, i, c.normal ? low : (high & 0xff) << 16 | low);
@@ -143,7 +155,33 @@ void move_byte(Cpu& c) {
   add_stall(c, 2);
 }
 
+// Moves all at once where both places are RAM without decoded instructions, or the source is flash, and
+// the destination does not follow the source within the block.
+bool move_all(Cpu& c, u32 n) {
+  const u32 to = (c.er[6] & c.mask) - c.ram_base;
+  if (n == 0 || to >= c.ram_size || n > c.ram_size - to) return false;
+  for (u32 line = to / kLine; line <= (to + n - 1) / kLine; ++line)
+    if (c.has_code[line]) return false;
+  const u32 address = c.er[5] & c.mask, from = address - c.ram_base;
+  const u8* bytes = nullptr;
+  if (from < c.ram_size && n <= c.ram_size - from)
+    bytes = c.ram + from;
+  else if (address < c.quick_flash && n <= c.quick_flash - address)
+    bytes = c.flash + address;
+  if (!bytes || (bytes < c.ram + to && bytes + n > c.ram + to)) return false;
+  std::memmove(c.ram + to, bytes, n);
+  c.er[5] += n;
+  c.er[6] += n;
+  add_stall(c, 2 * static_cast<int>(n));
+  return true;
+}
+
 const Insn* eepmov_b(Cpu& c, const Insn* i) {
+  if (move_all(c, c.er[4] & 0xff)) {
+    c.er[4] &= ~0xffu;
+    end_stretch(c);
+    return i + 2;
+  }
   for (u32 n = c.er[4] & 0xff; n != 0 && c.fault == Fault::none; --n) move_byte(c);
   c.er[4] &= ~0xffu;
   end_stretch(c);

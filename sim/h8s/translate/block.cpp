@@ -59,7 +59,7 @@ unsigned registers_written_by(const Step& s) {
   }
 }
 
-bool touches_memory(const Form& form) {
+bool may_exit_before(const Form& form) {
   const auto memory = [](Mode m) {
     return m == Mode::indirect || m == Mode::increment || m == Mode::decrement ||
            m == Mode::absolute;
@@ -73,6 +73,8 @@ bool touches_memory(const Form& form) {
       return true;
     case Op::jmp:
       return form.src == Mode::indirect;  // to a place without code
+    case Op::interpreted:
+      return false;
     default:
       return memory(form.src) || memory(form.dst);
   }
@@ -183,6 +185,7 @@ void describe_flags(const Cpu& c, Step& s) {
       s.uses = kC;
       break;
     case Op::handler:
+    case Op::interpreted:
       s.sets = s.uses = kAllFlags;  // in memory before and after
       break;
     default:
@@ -190,8 +193,8 @@ void describe_flags(const Cpu& c, Step& s) {
   }
 }
 
-// False where the interpreter has to run it anyway: I/O registers, unmapped addresses.
-bool resolve_memory(Cpu& c, const Step& s) {
+// False where the interpreter's handler has to run: I/O registers, unmapped addresses.
+bool resolve_memory(const Cpu& c, const Step& s) {
   const Form& form = s.form;
   const bool load = form.src == Mode::absolute, store = form.dst == Mode::absolute;
   if (form.op == Op::jmp || form.op == Op::jsr || (!load && !store)) return true;
@@ -251,7 +254,11 @@ bool take_step(Cpu& c, std::uint32_t index, Step& step) {
   step.target = kNowhere;
   // A block that wraps around the top of the flat machine's memory is not translated.
   if (c.flat && index + step.insn.units > c.ram_size / 2) return false;
-  if (step.form.op == Op::none || !resolve_memory(c, step)) return false;
+  if (step.form.op == Op::none) return false;
+  if (!resolve_memory(c, step)) {
+    step.form = Form{};
+    step.form.op = Op::interpreted;
+  }
   const Op op = step.form.op;
   const std::uint32_t pc = pc_of(c, c.code + index);
   // Translated code is left before an instruction with a code hook, which Machine::run_hook calls.
@@ -265,7 +272,7 @@ bool take_step(Cpu& c, std::uint32_t index, Step& step) {
   else
     step.target = index;  // only known when it runs
   if (step.target == kNowhere) return false;
-  step.exits = touches_memory(step.form);
+  step.exits = may_exit_before(step.form);
   describe_flags(c, step);
   return true;
 }

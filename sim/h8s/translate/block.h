@@ -103,8 +103,8 @@ bool take_step(Cpu& c, std::uint32_t index, Step& step);
 // Computes the members of steps that depend on the whole block.
 void settle_flags(Block& block);
 
-inline constexpr std::size_t kMaxSteps = 48;
-inline constexpr std::uint32_t kMaxStates = 240;
+inline constexpr std::size_t kMaxSteps = 16;
+inline constexpr std::uint32_t kMaxStates = 64;
 
 template <class Known>
 Block find_block(Cpu& c, std::uint32_t start, const Known& known) {
@@ -123,7 +123,8 @@ Block find_block(Cpu& c, std::uint32_t start, const Known& known) {
     block.after += step.insn.units;
     const Op op = step.form.op;
     const bool leaves = op == Op::bsr || op == Op::jmp || op == Op::jsr || op == Op::rts ||
-                        (op == Op::bcc && step.form.detail == 0);
+                        (op == Op::bcc && step.form.detail == 0) ||
+                        (op == Op::interpreted && step.form.detail != 0);
     block.steps.push_back(step);
     if (leaves) {
       block.end = End::jump;

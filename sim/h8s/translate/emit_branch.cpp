@@ -23,11 +23,11 @@ host::CondCode condition_code(unsigned condition) {
 
 }  // namespace
 
-Emitter::Emitter(Cpu& cpu, asmjit::CodeHolder& code, Entry* entries, const void* leave)
+Emitter::Emitter(Cpu& cpu, asmjit::CodeHolder& code, Entry* entries, const Gate& gate)
     : c_(cpu),
       a_(&code),
       entries_(entries),
-      leave_(leave),
+      gate_(gate),
       movbe_(asmjit::CpuInfo::host().hasFeature(asmjit::CpuFeatures::X86::kMOVBE)) {}
 
 std::uint64_t Emitter::entry_offset(const asmjit::CodeHolder& code, std::size_t n) const {
@@ -138,6 +138,8 @@ void Emitter::emit_step(std::size_t k) {
     case Op::handler:
       emit_handler(s);
       break;
+    case Op::interpreted:
+      return emit_interpreted(k);
     case Op::bcc:
       return emit_condition(k, native);
     case Op::bsr:
@@ -176,10 +178,32 @@ void Emitter::emit_handler(const Step& s) {
   stored_ = kAllFlags;
 }
 
+// All flags are in memory before and after (block.cpp).
+void Emitter::emit_interpreted(std::size_t k) {
+  const Step& s = block_->steps[k];
+  a_.mov(host::rdi, reinterpret_cast<std::uint64_t>(c_.code + s.index));
+  a_.mov(host::rsi, static_cast<std::int64_t>(block_->bound) -
+                        static_cast<std::int64_t>(states_before(k + 1)));
+  if (s.form.detail != 0) {
+    a_.add(kExecuted, k + 1);
+    a_.jmp(asmjit::Imm(reinterpret_cast<std::uint64_t>(gate_.go_elsewhere)));
+    return;
+  }
+  a_.call(asmjit::Imm(reinterpret_cast<std::uint64_t>(gate_.interpret)));
+  const asmjit::Label leave = a_.newLabel();
+  a_.jle(leave);
+  pending_.fill(-1);
+  cold_.push_back([this, k, leave] {
+    a_.bind(leave);
+    a_.add(kExecuted, k + 1);
+    a_.jmp(asmjit::Imm(reinterpret_cast<std::uint64_t>(gate_.leave_complete)));
+  });
+}
+
 void Emitter::emit_out(std::uint32_t index, std::uint32_t answer) {
   a_.mov(host::edi, index);
   a_.mov(host::esi, answer);
-  a_.jmp(asmjit::Imm(reinterpret_cast<std::uint64_t>(leave_)));
+  a_.jmp(asmjit::Imm(reinterpret_cast<std::uint64_t>(gate_.leave)));
 }
 
 std::uint32_t Emitter::states_before(std::size_t k) const {
@@ -338,7 +362,7 @@ void Emitter::leave_through_table(std::size_t k) {
     a_.mov(host::edi, host::r15d);
     a_.shr(host::edi, 1);
     a_.xor_(host::esi, host::esi);
-    a_.jmp(asmjit::Imm(reinterpret_cast<std::uint64_t>(leave_)));
+    a_.jmp(asmjit::Imm(reinterpret_cast<std::uint64_t>(gate_.leave)));
   });
 }
 
@@ -378,37 +402,6 @@ void Emitter::emit_return(std::size_t k) {
   find_target(k);
   a_.add(gp(7), 4);
   leave_through_table(k);
-}
-
-void emit_gate(host::Assembler& a, const asmjit::Label& leave) {
-  static constexpr std::uint8_t ids[] = {0, 3, 1, 2, 8, 9, 10, 11};
-  const host::Gp saved[] = {host::rbx, host::rbp, host::r12, host::r13, host::r14, host::r15};
-  const auto field = [](std::size_t offset) {
-    return host::ptr(kCpu, static_cast<std::int32_t>(offset));
-  };
-  for (const host::Gp& r : saved) a.push(r);
-  a.sub(host::rsp, 8);
-  a.mov(kCpu, host::rdi);
-  for (unsigned n = 0; n < 8; ++n) a.mov(host::gpd(ids[n]), field(offsetof(Cpu, er) + 4 * n));
-  a.mov(kRamBase, field(offsetof(Cpu, ram)));
-  a.xor_(kExecuted.r32(), kExecuted.r32());
-  a.mov(kLeft, field(offsetof(Cpu, stop)));
-  a.sub(kLeft, field(offsetof(Cpu, now)));
-  a.jmp(host::rsi);
-
-  a.bind(leave);
-  for (unsigned n = 0; n < 8; ++n) a.mov(field(offsetof(Cpu, er) + 4 * n), host::gpd(ids[n]));
-  a.shl(host::rdi, 4);
-  a.add(host::rdi, field(offsetof(Cpu, code)));
-  a.mov(field(offsetof(Cpu, ip)), host::rdi);
-  a.mov(host::rax, field(offsetof(Cpu, stop)));
-  a.sub(host::rax, kLeft);
-  a.mov(field(offsetof(Cpu, now)), host::rax);
-  a.add(field(offsetof(Cpu, executed)), kExecuted);
-  a.mov(host::eax, host::esi);
-  a.add(host::rsp, 8);
-  for (int n = 5; n >= 0; --n) a.pop(saved[n]);
-  a.ret();
 }
 
 }  // namespace kaz::h8s::translate

@@ -36,17 +36,33 @@ inline constexpr host::Gp kCpu = host::rbp, kLeft = host::r12, kExecuted = host:
 // What translated code returns: whether the interpreter must run the instruction at Cpu::ip.
 inline constexpr std::uint32_t kGoOn = 0, kInterpret = 1;
 
-// Entry code, called as std::uint32_t(Cpu*, const void* entry), and the common exit.
+// Code shared by all blocks.
 struct Gate {
-  const void* enter = nullptr;
+  const void* enter = nullptr;  // called as std::uint32_t(Cpu*, const void* entry)
   const void* leave = nullptr;  // index of the next instruction in edi, the return value in esi
+  // Called with an instruction of Cpu::code in rdi and in rsi the states from its end to the block's
+  // bound: runs its handler. Afterwards kLeft is as the next instruction expects it, and the host's flags
+  // compare it with 0; if it is not greater, Cpu holds the whole state, and the block must be left.
+  const void* interpret = nullptr;
+  const void* leave_complete = nullptr;  // as `leave`, when Cpu holds all but kExecuted
+  // Jumped to, as `interpret`, by instructions that continue elsewhere: goes on with the block there.
+  const void* go_elsewhere = nullptr;
 };
-void emit_gate(host::Assembler& a, const asmjit::Label& leave);
+struct GateLabels {
+  asmjit::Label leave, interpret, leave_complete, go_elsewhere;
+};
+void emit_gate(host::Assembler& a, const GateLabels& labels, const Entry* entries);
+
+// Runs the handler of `ip`, with the CPU's state in `c`. Returns the states left at the next instruction,
+// minus `rest`; 0 if that does not follow in the block.
+std::int64_t run_handler(Cpu& c, const Insn* ip, std::int64_t rest);
+// The same for an instruction that continues elsewhere. Returns the code there; null: the block must be left.
+const void* run_handler_elsewhere(Cpu& c, const Insn* ip, const Entry* entries);
 
 // All blocks of one translation unit, which jump to each other directly.
 class Emitter {
  public:
-  Emitter(Cpu& cpu, asmjit::CodeHolder& code, Entry* entries, const void* leave);
+  Emitter(Cpu& cpu, asmjit::CodeHolder& code, Entry* entries, const Gate& gate);
 
   void emit(const std::vector<Block>& blocks);
   // Offset of the code for entering block `n` from outside.
@@ -74,6 +90,7 @@ class Emitter {
   asmjit::Label before(std::size_t k);
   std::uint32_t states_before(std::size_t k) const;
   void emit_handler(const Step& s);
+  void emit_interpreted(std::size_t k);
 
   // --- flags (emit_flags.cpp)
   void store_flags(const Definition& d, unsigned mask);
@@ -126,7 +143,7 @@ class Emitter {
   Cpu& c_;
   host::Assembler a_;
   Entry* entries_;
-  const void* leave_;
+  Gate gate_;
   bool movbe_;
 
   const std::vector<Block>* blocks_ = nullptr;

@@ -56,6 +56,15 @@ constexpr Named kNames[] = {
     {"daa", Op::handler, 0},
     {"das", Op::handler, 0},
     {"stc", Op::handler, 0},
+    {"ldc", Op::interpreted, 0},
+    {"andc", Op::interpreted, 0},
+    {"orc", Op::interpreted, 0},
+    {"xorc", Op::interpreted, 0},
+    {"tas", Op::interpreted, 0},
+    {"trapa", Op::interpreted, 1},
+    {"rte", Op::interpreted, 1},
+    {"sleep", Op::interpreted, 1},
+    {"eepmov", Op::interpreted, 1},
     {"bset", Op::bset, 0},
     {"bnot", Op::bnot, 0},
     {"bclr", Op::bclr, 0},
@@ -146,12 +155,12 @@ Form classify(const Opcode& opcode) {
     return form;
   }
   // STC to memory may end at a register; STC to a register only reads.
-  if (name == "stc" && operands[1] != "%s") form.op = Op::none;
+  if (name == "stc" && operands[1] != "%s") form.op = Op::interpreted;
   if (operands.size() == 2) form.src = mode_of(operands[0]);
   if (!operands.empty()) form.dst = mode_of(operands.back());
   if (form.op == Op::jmp || form.op == Op::jsr) {
     form.src = form.dst;
-    if (form.src == Mode::none) form.op = Op::none;  // through the vector table
+    if (form.src == Mode::none) form.op = Op::interpreted, form.detail = 1;  // by the vector table
   }
   if (!operands.empty() && operands[0].size() == 2 && operands[0][0] == '#' &&
       operands[0][1] != '%')

@@ -9,8 +9,11 @@
 namespace kaz::h8s::translate {
 
 enum class Op : std::uint8_t {
-  none,     // run by the interpreter
-  handler,  // the interpreter's handler is called from the host code
+  none,  // run by the interpreter
+  handler,  // the interpreter's handler is called from the host code; it changes registers and flags alone
+  // The same with all of the CPU's state: the handler may access the chip, or end the stretch. `detail`: it
+  // always continues elsewhere, or ends the stretch.
+  interpreted,
   nop,
   mov,
   add,

@@ -44,6 +44,7 @@ struct Translator::Cache {
   std::int64_t executed = 0;        // instructions, in translated code
   std::uint32_t invalidations = 0;  // each doubles the threshold of translation
   bool unusable = false;            // the host gives no memory for code
+  Cpu* cpu = nullptr;               // while its code runs
 
   // Entries of fresh pages cost nothing until they are touched.
   bool prepare(const Cpu& c) {
@@ -62,12 +63,18 @@ struct Translator::Cache {
     code.init(asmjit::Environment::host());
     code.setErrorHandler(&errors);
     host::Assembler a(&code);
-    const asmjit::Label leave = a.newLabel();
-    emit_gate(a, leave);
+    const GateLabels labels{a.newLabel(), a.newLabel(), a.newLabel(), a.newLabel()};
+    emit_gate(a, labels, entries.get());
     const void* const base = errors.any ? nullptr : memory.add(code);
     if (!base) return false;
     gate.enter = base;
-    gate.leave = static_cast<const char*>(base) + code.labelOffset(leave);
+    const auto at = [&](const asmjit::Label& label) {
+      return static_cast<const char*>(base) + code.labelOffset(label);
+    };
+    gate.leave = at(labels.leave);
+    gate.interpret = at(labels.interpret);
+    gate.leave_complete = at(labels.leave_complete);
+    gate.go_elsewhere = at(labels.go_elsewhere);
     return true;
   }
 
@@ -99,7 +106,7 @@ struct Translator::Cache {
         if (s.form.op == Op::bcc || s.form.op == Op::bsr ||
             ((s.form.op == Op::jmp || s.form.op == Op::jsr) && !indirect))
           want(s.target);
-        if (call) want(s.index + s.insn.units);
+        if (call || s.form.op == Op::interpreted) want(s.index + s.insn.units);
       }
       if (block.end == End::next) want(block.after);
       blocks_found.push_back(std::move(block));
@@ -125,7 +132,7 @@ struct Translator::Cache {
     ErrorFlag errors;
     code.init(asmjit::Environment::host());
     code.setErrorHandler(&errors);
-    Emitter emitter(c, code, entries.get(), gate.leave);
+    Emitter emitter(c, code, entries.get(), gate);
     emitter.emit(found);
     if (errors.any) {
       entries[start].count = kNeverTranslate;
@@ -161,6 +168,7 @@ struct Translator::Cache {
       gate = {};
     }
     bytes = 0;
+    if (cpu) cpu->code_discarded = true;
   }
 
   std::uint32_t threshold(const Cpu& c) const {
@@ -221,11 +229,16 @@ void Translator::run(Cpu& c) {
         cache.translate(c, index);
       // A block may begin after an instruction that cannot begin one.
       left = entry.count == kNeverTranslate;
-      if (entry.code && c.stop - c.now > entry.bound) {
+      if (entry.code) {
+        // Near an event: what is left is shorter than the block.
+        if (c.stop - c.now <= entry.bound) return run_interpreter(c);
         const auto enter =
             reinterpret_cast<Enter>(reinterpret_cast<std::uintptr_t>(cache.gate.enter));
         const std::int64_t before = c.executed;
+        c.code_discarded = false;
+        cache.cpu = &c;
         const std::uint32_t result = enter(&c, entry.code);
+        cache.cpu = nullptr;
         cache.executed += c.executed - before;
         record_jump(c, nullptr, c.ip);
         if (result == kGoOn) continue;
