@@ -86,7 +86,7 @@ class Schedule {
   // The name of the first fault that only the simulator can do; nothing if there is none.
   std::optional<std::string_view> only_simulated() const;
 
-  // Complete state (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(faults_);

@@ -36,7 +36,7 @@ class LinkFaults {
   // The byte that would arrive at `t`, on the schedule's scale.
   LineBytes pass(const Schedule& schedule, Time t, LineByte byte);
 
-  // Complete state (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(random_);

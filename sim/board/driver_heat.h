@@ -24,7 +24,7 @@ class DriverHeat {
   }
   double celsius() const { return celsius_; }
 
-  // What changes as it goes on (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(celsius_);

@@ -32,7 +32,7 @@ class Imu {
   // Fractions of AVCC, 0..1, at AN3 (yaw rate), AN4 (forward), AN5 (left): axis 0, 1, 2.
   double ratio(int axis) const;
 
-  // What changes as it goes on (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(started_);

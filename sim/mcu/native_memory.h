@@ -45,7 +45,7 @@ class NativeMemory {
   std::span<const std::uint8_t, Mcu::memory_size> bytes() const { return bytes_; }
   void set_bytes(std::span<const std::uint8_t, Mcu::memory_size> bytes);
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(bytes_, pulses_, deaf_from_, over_at_, read_back_, wanted_, pulses_done_);

@@ -82,7 +82,7 @@ class JointMotor {
   State state() const;
   void set_state(const State& state);
 
-  // Archives the state (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     State& s = state_;

@@ -43,7 +43,7 @@ class WindingHeat {
     case_ = case_celsius;
   }
 
-  // Archives the state (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(winding_, case_);

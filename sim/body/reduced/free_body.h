@@ -30,7 +30,7 @@ class FreeBody {
   bool awake = true;
   double left_s = SleepRule{}.after_s;  // time at rest still needed before it sleeps
 
-  // Archives the state (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     for (int k = 0; k < 3; ++k) a(com[k], velocity[k], momentum_[k]);

@@ -35,7 +35,7 @@ class Adc {
   // External trigger, by the value of ADCR.TRGS: 2 is the 8-bit timer, 3 the ADTRG pin.
   void trigger(Machine& m, unsigned source, States at);
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(adcsr_, adcr_, kbcomp_, temp_, adf_, data_, channel_, sampled_, held_, next_, end_);

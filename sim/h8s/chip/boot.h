@@ -31,7 +31,7 @@ class BootRom {
   void heard(Machine& m, const ReceivedByte& byte);
   void edge(Machine& m, bool level, States at);
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(step_, wake_, low_since_, sending_, answers_, expected_, stored_, block_, pulse_from_);

@@ -24,7 +24,7 @@ class Dtc {
   States earliest(const Machine& m) const;
   bool idle() const { return !(dtvecr_ & 0x80) || ended_; }
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(dtcer_, dtvecr_, swdte_seen_, ended_, software_at_, rdr_read_, tdr_written_, result_read_);

@@ -51,7 +51,7 @@ class FlashControl {
 
   FlashStatistics statistics;
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(flmcr1_, flmcr2_, ebr1_, ebr2_, line_, latched_, data_, dummy_, pulse_start_, swe_at_,

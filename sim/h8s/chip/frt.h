@@ -39,7 +39,7 @@ class Frt {
     return (tier_ & 0xf0) != 0 || ((tcr_ & 3) == 3 && (tier_ & 0x0e));
   }
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(count_, tick_, flags_, tier_, tcr_, tocr_, temp_, clear_on_a_, use_af_, ocr_, icr_, ocrar_,

@@ -81,7 +81,7 @@ class Interrupts {
   std::optional<std::uint8_t> peek(std::uint32_t address) const;
   bool write(std::uint32_t address, std::uint8_t value, States at);
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(since_, raw_, diverted_, pending_, raised_, icr_, isr_, iscrh_, iscrl_, ier_, abrkcr_, bar_,

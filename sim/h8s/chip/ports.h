@@ -31,7 +31,7 @@ class Ports {
   bool pulled_up(unsigned port, unsigned bit) const { return (pcr_[port] >> bit & 1) != 0; }
   bool given(unsigned port, unsigned bit) const { return (given_[port] >> bit & 1) != 0; }
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(ddr_, dr_, pcr_, given_, level_);

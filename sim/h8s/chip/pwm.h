@@ -29,7 +29,7 @@ class Pwm {
   // First state after `at` at which level() differs, kNever if it stays.
   States next_change(unsigned channel, States at, bool right_aligned) const;
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(oe_, os_, select_, pcsr_, data_, epoch_, base_, base_count_);

@@ -27,7 +27,7 @@ class Pwmx {
   // Next state at which the level may change while no register is written; kNever: none.
   States next_change(unsigned channel, States at, bool data_is_low) const;
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(dadr_, dacr_, temp_, base_, base_count_);

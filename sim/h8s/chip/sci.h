@@ -74,7 +74,7 @@ class Sci {
   void taken_by_dtc(Machine& m, unsigned n, States at);
   void filled_by_dtc(Machine& m, unsigned n, States at);
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(smr_, brr_, scr_, tdr_, rdr_, scmr_, flags_, tend_, mpbt_, mpb_, clock_base_, sending_, tsr_,

@@ -27,7 +27,7 @@ class StickyFlags {
     return cleared;
   }
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(set_, seen_);

@@ -38,7 +38,7 @@ class Tmr {
   double high_share(Machine& m, unsigned n) const;
   bool waits_for_input() const;
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(timer_);

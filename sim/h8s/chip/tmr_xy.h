@@ -42,7 +42,7 @@ class TmrXY {
   States next_change(const Machine& m) const;
   bool waits_for_input() const;
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(timer_, ticrr_, ticrf_, tcorc_, tisr_, rose_, icie_, tconri_, tconro_, tconrs_, sedgr_);

@@ -25,7 +25,7 @@ class Wdt {
   bool subclocked() const { return (tcsr_ & 0x10) != 0; }
   bool watchdog() const { return (tcsr_ & 0x60) == 0x60; }
 
-  // All that it remembers (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(tcsr_, ovf_, count_, tick_);

@@ -29,7 +29,7 @@ class FaultPlayer {
   // Applies faults of the gears to the drives of the same step.
   void apply(Time start, std::span<MotorDrive, KZ_JOINTS> drives) const;
 
-  // Archives the state (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(schedule_, begun_, touched_, cut_);

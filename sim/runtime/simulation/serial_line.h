@@ -41,7 +41,7 @@ class SerialLine {
   // The host closed the port: unread bytes are discarded.
   void drop_unread() { to_host_.clear(); }
 
-  // Archives the state (archive.h).
+  // Complete state (archive.hpp).
   template <class A>
   void transfer(A& a) {
     a(fault_to_board_, fault_to_host_, to_board_, to_host_, wire_free_, host_bit_);
