@@ -9,7 +9,7 @@
 namespace kaz::sim {
 
 // `rgba`: width x height samples; writes (width / n) x (height / n) RGB pixels. Code of a pixel:
-// sqrt(mean of code^2) over n x n samples, i.e. the mean light (shaders.h), rounded.
+// sqrt(mean of code^2) over n x n samples, i.e. the mean light (lighting.h), rounded.
 void pack_rgb(std::span<const std::uint8_t> rgba, int width, int height, int n,
               std::vector<std::uint8_t>& rgb);
 

@@ -1,6 +1,6 @@
 // Averages n x n samples in linear light and drops alpha.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/view/gl/resample.h"
+#include "sim/view/model/resample.h"
 
 #include <cmath>
 #include <cstring>
