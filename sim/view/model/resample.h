@@ -13,4 +13,7 @@ namespace kaz::sim {
 void pack_rgb(std::span<const std::uint8_t> rgba, int width, int height, int n,
               std::vector<std::uint8_t>& rgb);
 
+// One row of pixels from `n` rows of `width` samples; n above 1.
+void average_row(const std::uint8_t* rgba, int width, int n, std::uint8_t* rgb);
+
 }  // namespace kaz::sim
