@@ -1,7 +1,7 @@
 // Renders pictures of a scene, from the robot's cameras or an observer's.
 // SPDX-License-Identifier: Apache-2.0
 //
-// An interface, so that other off-screen OpenGL contexts than OSMesa can be used.
+// An interface: OpenGL (sim/view/gl), or our rasteriser (sim/view/raster).
 #pragma once
 
 #include <cstdint>
@@ -45,8 +45,9 @@ class Renderer {
   // Builds meshes; once, before the first picture. Fails where a mesh file cannot be read or a
   // visual names a texture or frame that does not exist.
   virtual Result<void> set_scene(const Scene& scene) = 0;
-  // Deterministic: same scene, pose and view, same bytes. The first call starts OpenGL (some 0.3 s). Error:
-  // why OpenGL is not available. Calls may come from any thread, one at a time.
+  // Deterministic: same scene, pose and view, same bytes. With OpenGL the first call starts it (some 0.3 s);
+  // error: why it is not available. Calls may come from any thread, one at a time. Shadows and the like are
+  // kept from one call to the next: draw the eyes of a pair one after the other.
   virtual Result<void> render(const ScenePose& pose, const View& view, Picture& picture) = 0;
 };
 
@@ -57,5 +58,9 @@ class Renderer {
 Result<std::unique_ptr<Renderer>> make_renderer(const std::string& backend);
 // The renderer that the environment variable KAZ_OPENGL names.
 Result<std::unique_ptr<Renderer>> make_default_renderer();
+
+// Our rasteriser, with the widest vectors that the processor has: the same bytes with all of them. It never
+// fails, but has the others' type.
+Result<std::unique_ptr<Renderer>> make_raster_renderer();
 
 }  // namespace kaz::sim

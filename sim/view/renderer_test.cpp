@@ -1,6 +1,6 @@
 // Pictures against the pinhole model, determinism, and what goes wrong.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/view/renderer.h"
+#include "sim/view/renderer_kind.h"
 
 #include <gtest/gtest.h>
 
@@ -14,13 +14,16 @@
 namespace kaz::sim {
 namespace {
 
-std::unique_ptr<Renderer> renderer_for(const Scene& scene) {
-  Result<std::unique_ptr<Renderer>> renderer = make_default_renderer();
-  EXPECT_TRUE(renderer.has_value());
-  const Result<void> set = (*renderer)->set_scene(scene);
-  EXPECT_TRUE(set.has_value()) << set.error().message;
-  return std::move(*renderer);
-}
+class Renderers : public testing::TestWithParam<RendererKind> {
+ protected:
+  static std::unique_ptr<Renderer> renderer_for(const Scene& scene) {
+    Result<std::unique_ptr<Renderer>> renderer = maker_of(GetParam())();
+    EXPECT_TRUE(renderer.has_value());
+    const Result<void> set = (*renderer)->set_scene(scene);
+    EXPECT_TRUE(set.has_value()) << set.error().message;
+    return std::move(*renderer);
+  }
+};
 
 Picture draw(Renderer& renderer, const ScenePose& pose, const View& view) {
   Picture picture;
@@ -86,7 +89,7 @@ TEST(Pinhole, FocalLengthFromTheHorizontalView) {
   EXPECT_EQ(p.cy, 119.5);
 }
 
-TEST(Renderer, SphereAgreesWithThePinhole) {
+TEST_P(Renderers, SphereAgreesWithThePinhole) {
   TestScene s;
   const int ball = s.add_ball({0.4, 0, 0.02});
   const auto renderer = renderer_for(s.scene);
@@ -103,7 +106,7 @@ TEST(Renderer, SphereAgreesWithThePinhole) {
   }
 }
 
-TEST(Renderer, MarkersFallOnTheirPixels) {
+TEST_P(Renderers, MarkersFallOnTheirPixels) {
   // A sphere of two pixels' radius, all over the picture.
   TestScene s;
   const int marker = s.add_ball({1, 0, 0}, kRedBall, 0.004);
@@ -126,7 +129,7 @@ TEST(Renderer, MarkersFallOnTheirPixels) {
   }
 }
 
-TEST(Renderer, DisparityIsFocalLengthTimesBaselineOverDepth) {
+TEST_P(Renderers, DisparityIsFocalLengthTimesBaselineOverDepth) {
   TestScene s;
   s.add_ball({0.5, 0.02, 0.3});
   const auto renderer = renderer_for(s.scene);
@@ -144,7 +147,7 @@ TEST(Renderer, DisparityIsFocalLengthTimesBaselineOverDepth) {
   EXPECT_NEAR(l.v, r.v, 0.1);
 }
 
-TEST(Renderer, TheTopOfThePictureIsTheTopOfTheScene) {
+TEST_P(Renderers, TheTopOfThePictureIsTheTopOfTheScene) {
   TestScene s;
   s.add_ball({0.5, 0.1, 0.4});
   View view = eye_view();
@@ -155,7 +158,7 @@ TEST(Renderer, TheTopOfThePictureIsTheTopOfTheScene) {
   EXPECT_LT(blob.u, view.camera.cx);  // y is to the left
 }
 
-TEST(Renderer, NearSurfacesHideFarOnes) {
+TEST_P(Renderers, NearSurfacesHideFarOnes) {
   TestScene s;
   s.add_ball({0.6, 0, 0.3});
   s.add(Shape::Kind::box, {0.02, 0.2, 0.2}, {0.4, 0, 0.3}, {0.2F, 0.3F, 0.8F});
@@ -167,7 +170,7 @@ TEST(Renderer, NearSurfacesHideFarOnes) {
   EXPECT_GT(red_blob(draw(*renderer, s.pose, view)).area, 50);
 }
 
-TEST(Renderer, ABallCastsAShadowOnTheGround) {
+TEST_P(Renderers, ABallCastsAShadowOnTheGround) {
   TestScene s;
   s.add_ground("");
   const int ball = s.add_ball({0.4, 0, 0.02});
@@ -187,7 +190,7 @@ TEST(Renderer, ABallCastsAShadowOnTheGround) {
   EXPECT_LT(brightness(on) + 25, brightness(off));
 }
 
-TEST(Renderer, SamePictureBitForBit) {
+TEST_P(Renderers, SamePictureBitForBit) {
   const TestScene s = table_scene();
   const View view = eye_view();
   const auto first = renderer_for(s.scene);
@@ -203,7 +206,7 @@ TEST(Renderer, SamePictureBitForBit) {
   EXPECT_EQ(a.rgb, c.rgb);
 }
 
-TEST(Renderer, MayMoveToAnotherThread) {
+TEST_P(Renderers, MayMoveToAnotherThread) {
   const TestScene s = table_scene();
   const auto renderer = renderer_for(s.scene);
   const Picture here = draw(*renderer, s.pose, eye_view());
@@ -212,7 +215,7 @@ TEST(Renderer, MayMoveToAnotherThread) {
   EXPECT_EQ(here.rgb, there.rgb);
 }
 
-TEST(Renderer, TwoThreadsDrawAtOnce) {
+TEST_P(Renderers, TwoThreadsDrawAtOnce) {
   const TestScene s = table_scene();
   Picture pictures[2];
   {
@@ -227,7 +230,7 @@ TEST(Renderer, TwoThreadsDrawAtOnce) {
   EXPECT_EQ(pictures[0].rgb, pictures[1].rgb);
 }
 
-TEST(Renderer, RefusesWhatCannotBeDrawn) {
+TEST_P(Renderers, RefusesWhatCannotBeDrawn) {
   TestScene s;
   s.add_ball({0.4, 0, 0.02});
   const auto renderer = renderer_for(s.scene);
@@ -245,12 +248,12 @@ TEST(Renderer, RefusesWhatCannotBeDrawn) {
   EXPECT_FALSE(renderer->set_scene(s.scene));  // one scene a renderer
 }
 
-TEST(Renderer, NamesTheVisualThatItCannotBuild) {
+TEST_P(Renderers, NamesTheVisualThatItCannotBuild) {
   const auto message = [](const Visual& visual) {
     Scene scene;
     scene.frames = {"world"};
     scene.visuals = {visual};
-    const Result<void> set = (*make_default_renderer())->set_scene(scene);
+    const Result<void> set = (*maker_of(GetParam())())->set_scene(scene);
     return set ? std::string() : set.error().message;
   };
   Visual visual;
@@ -274,7 +277,7 @@ TEST(Renderer, NamesTheVisualThatItCannotBuild) {
   EXPECT_NE(message(wrong).find("/nonexistent/foot.stl"), std::string::npos);
 }
 
-TEST(Renderer, TheLampTurnsAndDims) {
+TEST_P(Renderers, TheLampTurnsAndDims) {
   TestScene s;
   s.add(Shape::Kind::plane, {6, 6, 0}, {0, 0, 0}, {0.8F, 0.8F, 0.8F});
   s.add(Shape::Kind::box, {0.1, 0.1, 0.1}, {0.6, 0, 0.05}, {0.8F, 0.8F, 0.8F});
@@ -301,7 +304,7 @@ TEST(Renderer, TheLampTurnsAndDims) {
   EXPECT_FALSE(renderer->render(s.pose, view, none));
 }
 
-TEST(Renderer, AnEmptySceneIsBackground) {
+TEST_P(Renderers, AnEmptySceneIsBackground) {
   TestScene s;
   const Picture p = draw(*renderer_for(s.scene), s.pose, eye_view(16));
   EXPECT_EQ(p.width, 16);
@@ -309,6 +312,9 @@ TEST(Renderer, AnEmptySceneIsBackground) {
   EXPECT_EQ(p.rgb.size(), 16U * 12 * 3);
   EXPECT_EQ(red_blob(p).area, 0);
 }
+
+INSTANTIATE_TEST_SUITE_P(Kinds, Renderers, testing::ValuesIn(kRendererKinds),
+                         [](const auto& kind) { return std::string(to_string(kind.param)); });
 
 }  // namespace
 }  // namespace kaz::sim

@@ -102,8 +102,8 @@ LAYERS = {
         "tests": (".", "description", "motor", "contact", "world", "ode", "reduced"),
     },
     "sim/view": {
-        ".": (), "model": (".",), "gl": (".", "model"), "sensor": (".",),
-        "tests": (".", "model", "gl", "sensor"),
+        ".": (), "model": (".",), "gl": (".", "model"), "raster": (".", "model"), "sensor": (".",),
+        "tests": (".", "model", "gl", "raster", "sensor"),
     },
     "sim/runtime": {
         ".": (), "formats": (".",), "eyes": (".", "formats"), "simulation": (".", "formats", "eyes"),

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <regex>
 #include <string>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -61,7 +62,8 @@ const std::vector<Program>& programs() {
       {"view_benchmark",
        "real_time",
        {"view.pair_ms.320", "view.pair_ms.640", "view.sensor_ms.320", "view.sensor_ms.640",
-        "view.real_pair_ms.320", "view.real_pair_ms.640"}},
+        "view.real_pair_ms.320", "view.real_pair_ms.640", "view.pair_ms.320.raster",
+        "view.pair_ms.640.raster", "view.real_pair_ms.320.raster", "view.real_pair_ms.640.raster"}},
       {"vision_benchmark",
        "cpu_time",
        {"vision.color_ms.320", "vision.color_ms.640", "vision.regions_ms.320",
@@ -199,12 +201,49 @@ Result<void> loop(const Settings& settings, Results& results) {
   return done;
 }
 
+// The catch of ./tools/dev demo, by vision modules and renderer: seconds of the robot in a second of CPU
+// time, which a busy machine shows as well.
+Result<void> one_catch(const std::string& gives, const std::string& options, Results& results) {
+  const fs::path kaz = beside_this("kaz");
+  if (!fs::exists(kaz)) {
+    results.remark("kaz is not built: loop.catch_x is left out");
+    return {};
+  }
+  const auto made = KAZ_TRY(make_temporary_folder("kaz-bench-catch-"));
+  const fs::path out = made;
+  const auto report = json_of(quoted(kaz.string()) +
+                              " run catch-ball --world catch --eyes real --imu --profile --json" +
+                              options + " --out " + quoted(out.string()) + " 2>/dev/null");
+  std::error_code ignored;
+  fs::remove_all(out, ignored);
+  if (!report) return tl::unexpected(report.error());
+  results.put(gives,
+              report->value("profile", nlohmann::json::object()).value("robot_s_per_cpu_s", 0.0));
+  return {};
+}
+
+std::vector<Group> catches() {
+  std::vector<Group> groups;
+  for (const auto& [name, modules] :
+       {std::pair{"color", ""}, std::pair{"all", " --modules depth,flow,planes,floor,moving"}}) {
+    for (const std::string renderer : {"opengl", "raster"}) {
+      const std::string gives = std::string("loop.catch_x.") + name + "." + renderer;
+      const std::string options = modules + (" --renderer " + renderer);
+      groups.push_back({{gives}, [gives, options](const Settings&, Results& results) {
+                          return one_catch(gives, options, results);
+                        }});
+    }
+  }
+  return groups;
+}
+
 }  // namespace
 
 std::vector<Group> program_groups() {
   std::vector<Group> groups{{{"wire.rate_hz", "wire.share"}, wire},
                             {{"flash.efficiency"}, flashing},
                             {{"loop.rtf"}, loop}};
+  for (Group& group : catches()) groups.push_back(std::move(group));
   for (const Program& program : programs()) {
     std::vector<std::string> gives = program.gives;
     for (const Counter& counter : program.counters) gives.push_back(counter.gives);

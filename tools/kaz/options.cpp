@@ -112,6 +112,10 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
   verb.add_option("--eye-width", options.eye_width,
                   "width of the eyes' pictures: 320 or 640; that of camera.json if not given")
       ->check(CLI::IsMember({320, 640}));
+  add_choice(
+      verb, "--renderer", sim::kRendererKinds, options.renderer,
+      "what draws the pictures: opengl (Mesa, the reference) or raster (Kaz's own: a third of "
+      "the time, without OpenGL)");
   verb.add_option("--seed", options.seed, "seed of all noise; the same seed gives the same bytes")
       ->check(whole_number())
       ->capture_default_str();

@@ -93,7 +93,7 @@ CLI::Option* add_choice(CLI::App& verb, const std::string& name, const std::arra
 }
 
 // --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --no-imu, --dynamics,
-// --physics-step, --eyes, --eye-width, --seed.
+// --physics-step, --eyes, --eye-width, --renderer, --seed.
 void add_sim_options(CLI::App& verb, BackendOptions& options);
 // --imu and --no-imu; the default is what `imu` is.
 void add_imu(CLI::App& verb, bool& imu);

@@ -95,6 +95,22 @@ TEST(Remap, IsBilinearAndVectorsChangeNothing) {
   EXPECT_GT(compared, 1000);
 }
 
+TEST(Remap, RowsOfAnyWidthAreTheSameWithVectors) {
+  const Image from = noise_picture(64, 48);
+  for (const int width : {1, 2, 3, 16, 51}) {
+    const Remap remap({width, 20}, {64, 48}, [](int u, int v) {
+      return Remap::Place{1.1 * u + 0.3, 2.1 * v + 0.2, 0.9};
+    });
+    const auto size = static_cast<std::size_t>(3 * width + 1);
+    std::vector<std::uint16_t> codes(size), plain(size);
+    for (int v = 0; v < 20; ++v) {
+      remap.row(from.rgb, v, codes.data());
+      remap.row_plain(from.rgb, v, plain.data());
+      ASSERT_EQ(codes, plain) << width << " " << v;
+    }
+  }
+}
+
 TEST(Rectifier, BringsPointsOfBothEyesToOneRow) {
   StereoCalibration calibration;
   calibration.width = 320;

@@ -1,13 +1,14 @@
-// Bilinear look-ups, a pixel in one vector of eight 16-bit numbers.
+// Bilinear look-ups with vectors of 16-bit numbers.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/calibration/remap.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 
-#if defined(__SSE2__)
-#include <emmintrin.h>
+#if defined(__x86_64__)
+#include <immintrin.h>
 #endif
 
 namespace kaz::vision {
@@ -26,11 +27,18 @@ Split split(double at, int length) {
   return {fixed / 128, fixed % 128};
 }
 
+#if defined(__x86_64__)
+[[gnu::always_inline]] inline __m128i eight_bytes(const std::uint8_t* from) {
+  return _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from));
+}
+#endif
+
 }  // namespace
 
 Remap::Remap(Size size, Size source, const std::function<Place(int u, int v)>& place)
     : size_(size), source_(source) {
-  taps_.resize(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
+  // One more: row_avx2() reads four bytes beyond a tap.
+  taps_.resize(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height) + 1);
   at_end_.assign(static_cast<std::size_t>(size.height), 0);
   const auto stride = static_cast<std::uint32_t>(source.width);
   const auto last = static_cast<std::uint32_t>(source.height - 2) * stride + stride - 2;
@@ -72,18 +80,18 @@ void Remap::row_plain(std::span<const std::uint8_t> source_rgb, int v, std::uint
   *out = 0;
 }
 
-void Remap::row(std::span<const std::uint8_t> source_rgb, int v, std::uint16_t* out) const {
-#if defined(__SSE2__)
-  if (at_end_[static_cast<std::size_t>(v)] != 0) return row_plain(source_rgb, v, out);
+#if defined(__x86_64__)
+// One pixel in a vector of eight 16-bit numbers: two neighbours of the source with three channels each.
+void Remap::row_sse2(const std::uint8_t* source_rgb, int v, std::uint16_t* out) const {
   const std::size_t below = 3 * static_cast<std::size_t>(source_.width);
   const auto width = static_cast<std::size_t>(size_.width);
   const Tap* tap = taps_.data() + static_cast<std::size_t>(v) * width;
   const __m128i zero = _mm_setzero_si128();
   const auto two_pixels = [&](const std::uint8_t* from) {
-    return _mm_unpacklo_epi8(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(from)), zero);
+    return _mm_unpacklo_epi8(eight_bytes(from), zero);
   };
   for (std::size_t u = 0; u < width; ++u, ++tap, out += 3) {
-    const std::uint8_t* from = source_rgb.data() + tap->offset;
+    const std::uint8_t* from = source_rgb + tap->offset;
     const __m128i upper = two_pixels(from), lower = two_pixels(from + below);
     const __m128i down = _mm_set1_epi16(static_cast<short>(tap->down));
     const __m128i column =
@@ -97,6 +105,49 @@ void Remap::row(std::span<const std::uint8_t> source_rgb, int v, std::uint16_t* 
     _mm_storel_epi64(reinterpret_cast<__m128i*>(out), sum);
   }
   *out = 0;
+}
+
+// The same for two pixels at a time. An odd last pixel is drawn twice.
+[[gnu::target("avx2")]] void Remap::row_avx2(const std::uint8_t* source_rgb, int v,
+                                             std::uint16_t* out) const {
+  static_assert(sizeof(Tap) == 12 && offsetof(Tap, down) == 4 && offsetof(Tap, left) == 8 &&
+                offsetof(Tap, right) == 10);
+  const std::size_t below = 3 * static_cast<std::size_t>(source_.width);
+  const auto width = static_cast<std::size_t>(size_.width);
+  const Tap* taps = taps_.data() + static_cast<std::size_t>(v) * width;
+  // Out of a tap's 16 bytes, of which the last four are not its own: `down` eight times; `left` and `right`
+  // three times each.
+  const __m256i down_bytes = _mm256_set1_epi16(0x0504);
+  const __m256i weight_bytes = _mm256_broadcastsi128_si256(
+      _mm_setr_epi8(8, 9, 8, 9, 8, 9, 10, 11, 10, 11, 10, 11, -1, -1, -1, -1));
+  for (std::size_t at = 0; at < width; at += 2) {
+    const std::size_t u = at + 1 < width ? at : width - (width > 1 ? 2 : 1);
+    const std::size_t next = width > 1 ? u + 1 : u;
+    const __m256i both = _mm256_loadu2_m128i(reinterpret_cast<const __m128i*>(&taps[next]),
+                                             reinterpret_cast<const __m128i*>(&taps[u]));
+    const std::uint8_t *one = source_rgb + taps[u].offset, *two = source_rgb + taps[next].offset;
+    const __m256i upper =
+        _mm256_cvtepu8_epi16(_mm_unpacklo_epi64(eight_bytes(one), eight_bytes(two)));
+    const __m256i lower = _mm256_cvtepu8_epi16(
+        _mm_unpacklo_epi64(eight_bytes(one + below), eight_bytes(two + below)));
+    const __m256i down = _mm256_shuffle_epi8(both, down_bytes);
+    const __m256i column = _mm256_add_epi16(
+        _mm256_slli_epi16(upper, 7), _mm256_mullo_epi16(_mm256_sub_epi16(lower, upper), down));
+    const __m256i parts = _mm256_mulhi_epu16(column, _mm256_shuffle_epi8(both, weight_bytes));
+    const __m256i sum = _mm256_add_epi16(parts, _mm256_srli_si256(parts, 6));
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(out + 3 * u), _mm256_castsi256_si128(sum));
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(out + 3 * next), _mm256_extracti128_si256(sum, 1));
+  }
+  out[3 * width] = 0;
+}
+#endif
+
+void Remap::row(std::span<const std::uint8_t> source_rgb, int v, std::uint16_t* out) const {
+#if defined(__x86_64__)
+  if (at_end_[static_cast<std::size_t>(v)] != 0) return row_plain(source_rgb, v, out);
+  static const bool avx2 = __builtin_cpu_supports("avx2") != 0;
+  if (avx2) return row_avx2(source_rgb.data(), v, out);
+  row_sse2(source_rgb.data(), v, out);
 #else
   row_plain(source_rgb, v, out);
 #endif

@@ -44,6 +44,10 @@ class Remap {
     std::uint16_t unused = 0;
     std::uint16_t left = 0, right = 0;  // weights: 32768 together where the gain is 1
   };
+  // Rows that do not use the last pixel.
+  void row_sse2(const std::uint8_t* source_rgb, int v, std::uint16_t* out) const;
+  void row_avx2(const std::uint8_t* source_rgb, int v, std::uint16_t* out) const;
+
   Size size_, source_;
   std::vector<Tap> taps_;
   std::vector<std::uint8_t> at_end_;  // rows that use the last pixel, beyond which nothing is read

@@ -2,17 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/gl/gl_renderer.h"
 
-#include <cmath>
 #include <optional>
 
 #include "sim/view/gl/gl_scene.h"
-#include "sim/view/gl/resample.h"
+#include "sim/view/model/resample.h"
+#include "sim/view/model/visible.h"
 
 namespace kaz::sim {
 
 namespace {
-
-constexpr int kLargestSide = 8192;  // px, samples included
 
 struct Target {
   int width = 0, height = 0;
@@ -44,7 +42,8 @@ class GlRenderer final : public Renderer {
   }
 
   Result<void> render(const ScenePose& pose, const View& view, Picture& picture) override {
-    if (Result<void> checked = check(pose, view); !checked) return checked;
+    if (!model_) return fail(Fault::usage, "a renderer needs a scene before its first picture");
+    if (auto checked = check_view(model_->frames, pose, view); !checked) return checked;
     if (!context_) {
       Result<std::unique_ptr<GlContext>> context = make_context_();
       if (!context) return tl::unexpected(context.error());
@@ -63,36 +62,6 @@ class GlRenderer final : public Renderer {
   }
 
  private:
-  Result<void> check(const ScenePose& pose, const View& view) const {
-    if (!model_) return fail(Fault::usage, "a renderer needs a scene before its first picture");
-    if (pose.frames.size() != model_->frames) {
-      return fail(Fault::usage, "a pose of " + std::to_string(pose.frames.size()) +
-                                    " frames does not fit a scene of " +
-                                    std::to_string(model_->frames));
-    }
-    const Pinhole& c = view.camera;
-    const int n = view.samples_per_axis;
-    if (n < 1 || n > 4 || c.width < 1 || c.height < 1 || c.width > kLargestSide / n ||
-        c.height > kLargestSide / n) {
-      return fail(Fault::usage,
-                  "a picture of " + std::to_string(c.width) + " x " + std::to_string(c.height) +
-                      " with " + std::to_string(n) + " samples an axis cannot be drawn: sides 1.." +
-                      std::to_string(kLargestSide) + ", samples included, 1..4 of them");
-    }
-    if (!(c.fx > 0 && c.fy > 0 && std::isfinite(c.fx + c.fy + c.cx + c.cy))) {
-      return fail(Fault::usage, "a camera needs positive focal lengths and a finite centre");
-    }
-    const Light& light = view.light;
-    // Shadows of a lower lamp would extend beyond the shadow map.
-    if (!light.to_key.allFinite() || !(light.to_key.z() > 0.05 * light.to_key.norm()) ||
-        !(light.key >= 0 && light.shaded >= 0 && std::isfinite(light.key + light.shaded))) {
-      return fail(Fault::usage,
-                  "a lamp needs a direction 3 degrees or more above the ground and factors of 0 or "
-                  "more");
-    }
-    return {};
-  }
-
   Result<void> start() {
     Result<Gl> gl = Gl::load(*context_);
     if (!gl) return tl::unexpected(gl.error());

@@ -6,17 +6,14 @@
 #include <cstddef>
 #include <span>
 
-#include "sim/view/gl/ground_shade.h"
 #include "sim/view/gl/shaders.h"
+#include "sim/view/model/ground_shade.h"
+#include "sim/view/model/lighting.h"
+#include "sim/view/model/visible.h"
 
 namespace kaz::sim {
 
 namespace {
-
-// Sides of the shadow maps in texels, with the free ring. That of the eyes is limited by 4 ms a pair.
-constexpr int kEyeShadowTexels = 512, kPictureShadowTexels = 2048;
-
-constexpr double kSmall = 14;  // samples; pieces of a smaller radius use the coarse mesh
 
 const void* offset(std::size_t bytes) {
   return reinterpret_cast<const void*>(bytes);
@@ -29,7 +26,7 @@ Result<GlScene> GlScene::create(const Gl& gl, const SceneModel& model) {
   if (Result<void> built = scene.build_programs(); !built) return tl::unexpected(built.error());
   scene.upload_geometry();
   scene.upload_textures();
-  for (const int texels : {kEyeShadowTexels, kPictureShadowTexels}) {
+  for (const int texels : {lighting::eye_shadow_texels, lighting::picture_shadow_texels}) {
     Result<void> made = scene.make_shadow_map(texels);
     if (!made) return tl::unexpected(made.error());
   }
@@ -50,7 +47,7 @@ Result<void> GlScene::build_programs() {
     program->use();
     program->set_sampler("pattern", 0);
     program->set_sampler("shadow_map", 1);
-    program->set("shadow_texel", 1.0 / kPictureShadowTexels);
+    program->set("shadow_texel", 1.0 / lighting::picture_shadow_texels);
   }
   Result<GlProgram> depth = GlProgram::build(*gl_, depth_vertex_shader(), depth_fragment_shader());
   if (!depth) return tl::unexpected(depth.error());
@@ -220,46 +217,23 @@ void GlScene::draw_ground(const Piece& piece, Frame& frame) {
 
 void GlScene::draw_surfaces(Frame& frame) {
   const View& view = frame.view;
-  const Eigen::Isometry3d optical_from_world = view.world_from_optical.inverse();
-  struct Visible {
-    double distance;
-    double depth;
-    const Piece* piece;
-  };
-  std::vector<Visible> visible;
-  visible.reserve(model_->pieces.size());
-  for (const Piece& piece : model_->pieces) {
-    const Eigen::Vector3d center =
-        optical_from_world *
-        (frame.pose.frames[static_cast<std::size_t>(piece.frame)] * piece.center);
-    if (!may_be_seen(view.camera, center, piece.radius)) continue;
-    visible.push_back({center.norm() - piece.radius, center.z(), &piece});
-  }
-  // Front to back, so that hidden pixels are not shaded; grounds last, as everything is in front of them.
-  std::stable_sort(visible.begin(), visible.end(), [](const Visible& a, const Visible& b) {
-    const bool a_textured = a.piece->texture >= 0, b_textured = b.piece->texture >= 0;
-    if (a.piece->ground != b.piece->ground) return b.piece->ground;
-    if (a_textured != b_textured) return b_textured;
-    return a.distance < b.distance;
-  });
   gl_->BindVertexArray(vertex_array_);
   gl_->ActiveTexture(GL_TEXTURE1);
   gl_->BindTexture(GL_TEXTURE_2D, frame.map.texture);
   gl_->ActiveTexture(GL_TEXTURE0);
   const Shadow shadow = view.samples_per_axis > 1 ? Shadow::soft : Shadow::hard;
-  for (const Visible& v : visible) {
+  // Front to back, so that hidden pixels are not shaded.
+  for (const VisiblePiece& v : visible_pieces(*model_, frame.pose, view)) {
     const Piece& piece = *v.piece;
     if (piece.flat && shadow == Shadow::hard) {
       draw_ground(piece, frame);
       continue;
     }
     use(surface(piece, shadow), piece, frame);
-    // Radius of the piece in samples: bevels and facets of small pieces are below a pixel.
-    const double samples = view.samples_per_axis * view.camera.fx * piece.radius / v.depth;
-    if (v.depth > piece.radius && samples < kSmall) {
-      draw_triangles(piece.coarse_first, piece.coarse_count);
-    } else {
+    if (v.fine) {
       draw_triangles(piece.fine_first, piece.fine_count);
+    } else {
+      draw_triangles(piece.coarse_first, piece.coarse_count);
     }
   }
 }

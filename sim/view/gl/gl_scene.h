@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sim/view/gl/gl_program.h"
-#include "sim/view/gl/projection.h"
 #include "sim/view/gl/shaders.h"
+#include "sim/view/model/projection.h"
 #include "sim/view/model/scene_model.h"
 
 namespace kaz::sim {

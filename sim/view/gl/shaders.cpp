@@ -1,6 +1,11 @@
-// GLSL sources of the shading programs; lighting model in shaders.h.
+// GLSL sources of the shading programs; lighting model in lighting.h.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/gl/shaders.h"
+
+#include <array>
+#include <cstdio>
+
+#include "sim/view/model/lighting.h"
 
 namespace kaz::sim {
 
@@ -14,21 +19,48 @@ std::string header(const SurfaceVariant& variant) {
   return text;
 }
 
-constexpr const char* kHorizon = R"(
-const vec3 horizon = vec3(0.66, 0.68, 0.70);
-const vec3 zenith = vec3(0.20, 0.29, 0.42);
-)";
+// GLSL text of the numbers in lighting.h.
+std::string number(float value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.9g", static_cast<double>(value));
+  const std::string digits = text.data();
+  return digits.find_first_of(".e") == std::string::npos ? digits + ".0" : digits;
+}
 
-constexpr const char* kLights = R"(
-const vec3 key_light = vec3(0.76, 0.73, 0.67);
-const vec3 sky_light = vec3(0.36, 0.38, 0.41);
-const vec3 ground_light = vec3(0.16, 0.145, 0.13);
-const vec3 to_fill = vec3(0.38, 0.76, 0.53);
+std::string constant(const char* name, float value) {
+  return std::string("const float ") + name + " = " + number(value) + ";\n";
+}
+
+std::string constant(const char* name, const lighting::Light3& v) {
+  return std::string("const vec3 ") + name + " = vec3(" + number(v[0]) + ", " + number(v[1]) +
+         ", " + number(v[2]) + ");\n";
+}
+
+std::string horizon() {
+  return constant("horizon", lighting::horizon) + constant("zenith", lighting::zenith) +
+         constant("haze_m2", lighting::haze_m2);
+}
+
+std::string lights() {
+  return constant("key_light", lighting::key) + constant("sky_light", lighting::sky) +
+         constant("ground_light", lighting::ground) + constant("to_fill", lighting::to_fill) +
+         constant("fill", lighting::fill) + constant("highlight", lighting::highlight) + R"(
 // Ambient and fill light.
 vec3 shaded_light(vec3 n) {
-  return mix(ground_light, sky_light, 0.5 * n.z + 0.5) + 0.10 * max(dot(n, to_fill), 0.0);
+  return mix(ground_light, sky_light, 0.5 * n.z + 0.5) + fill * max(dot(n, to_fill), 0.0);
 }
 )";
+}
+
+std::string taps() {
+  std::string text =
+      constant("soft_texels", lighting::soft_texels) + "const vec2 taps[12] = vec2[](";
+  for (const auto& tap : lighting::taps) {
+    text += std::string(&tap == &lighting::taps[0] ? "" : ", ") + "vec2(" + number(tap[0]) + ", " +
+            number(tap[1]) + ")";
+  }
+  return text + ");\n";
+}
 
 // Textured surfaces, mainly the ground, are flat and matt: lighting per vertex is exact enough and faster,
 // as they fill most of the pictures.
@@ -99,13 +131,9 @@ out vec4 picture;
 
 float lit() {
 #ifdef SOFT_SHADOW
-  const vec2 taps[12] = vec2[](
-      vec2(-0.33, -0.84), vec2(0.52, -0.77), vec2(-0.84, -0.27), vec2(-0.20, -0.36),
-      vec2(0.29, -0.14), vec2(0.90, -0.22), vec2(-0.58, 0.21), vec2(0.05, 0.29),
-      vec2(0.62, 0.34), vec2(-0.79, 0.60), vec2(-0.19, 0.83), vec2(0.42, 0.86));
   float sum = 0.0;
   for (int i = 0; i < 12; ++i) {
-    sum += texture(shadow_map, vec3(v_shadow.xy + taps[i] * (3.0 * shadow_texel), v_shadow.z));
+    sum += texture(shadow_map, vec3(v_shadow.xy + taps[i] * (soft_texels * shadow_texel), v_shadow.z));
   }
   return sum * (1.0 / 12.0);
 #elif defined(SHADOW)
@@ -127,9 +155,9 @@ void main() {
   vec3 view = v_to_eye * inversesqrt(distance2);
   float s = max(dot(n, normalize(view + to_key)), 0.0);
   s *= s; s *= s; s *= s; s *= s; s *= s;
-  color += 0.16 * s * key;
+  color += highlight * s * key;
 #endif
-  float haze = distance2 / (distance2 + 28.0);
+  float haze = distance2 / (distance2 + haze_m2);
   picture = vec4(sqrt(mix(color, horizon, haze)), 1.0);
 }
 )";
@@ -167,11 +195,11 @@ void main() {
 }  // namespace
 
 std::string surface_vertex_shader(const SurfaceVariant& variant) {
-  return header(variant) + kLights + kSurfaceVertex;
+  return header(variant) + lights() + kSurfaceVertex;
 }
 
 std::string surface_fragment_shader(const SurfaceVariant& variant) {
-  return header(variant) + kHorizon + kLights + kSurfaceFragment;
+  return header(variant) + horizon() + lights() + taps() + kSurfaceFragment;
 }
 
 std::string depth_vertex_shader() {
@@ -185,7 +213,7 @@ std::string background_vertex_shader() {
 }
 
 std::string background_fragment_shader() {
-  return std::string("#version 330 core\n") + kHorizon + kBackgroundFragment;
+  return std::string("#version 330 core\n") + horizon() + kBackgroundFragment;
 }
 
 }  // namespace kaz::sim

@@ -1,9 +1,5 @@
-// The shading programs, in GLSL 3.30.
+// The shading programs, in GLSL 3.30; the model is that of lighting.h.
 // SPDX-License-Identifier: Apache-2.0
-//
-// Transfer function: a colour code c, 0..1, stands for the light c^2 (close to sRGB, and cheap). Lights are
-// summed linearly: a key light from the upper right front with a shadow, hemispheric ambient light, a weak
-// fill light from the left, a small specular highlight. Distant surfaces fade to the horizon's colour.
 #pragma once
 
 #include <string>

@@ -14,7 +14,7 @@
 
 #include <Eigen/Geometry>
 
-#include "sim/view/gl/resample.h"
+#include "sim/view/model/resample.h"
 #include "sim/view/model/scene_model.h"
 #include "sim/view/model/texture.h"
 

@@ -82,7 +82,7 @@ Tone carpet(int x, int y) {
   return grey(0.72 + 0.30 * (loops - 0.5) + 0.16 * (fibres - 0.5) + 0.06 * (wear - 0.5));
 }
 
-// Next mip level: averages light, i.e. squared codes (shaders.h).
+// Next mip level: averages light, i.e. squared codes (lighting.h).
 std::vector<std::uint8_t> half_size(const std::vector<std::uint8_t>& fine, int fine_size) {
   const int size = fine_size / 2;
   std::vector<std::uint8_t> coarse(static_cast<std::size_t>(size) * static_cast<std::size_t>(size) *

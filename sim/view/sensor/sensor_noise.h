@@ -6,8 +6,8 @@
 
 namespace kaz::sim {
 
-// Photon-transfer model: a code c stands for the light c^2 (shaders.h), code 255 for `full_well_e` electrons;
-// variance of the electron count = n + read_noise_e^2 (EMVA 1288, shot and dark noise).
+// Photon-transfer model: a code c stands for the light c^2 (lighting.h), code 255 for `full_well_e`
+// electrons; variance of the electron count = n + read_noise_e^2 (EMVA 1288, shot and dark noise).
 struct NoiseLaw {
   double exposure = 1.0;  // factor on the light
   double full_well_e = 10'000;

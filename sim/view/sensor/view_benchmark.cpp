@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 
+#include "sim/view/renderer_kind.h"
 #include "sim/view/scenes_testing.h"
 #include "sim/view/sensor/sensor.h"
 #include "vision/calibration/rectify.h"
@@ -10,14 +11,14 @@ namespace kaz::sim {
 namespace {
 
 // Something moves in every pair, so that the shadow map is drawn as in the running world.
-void pair(benchmark::State& state, int width) {
+void pair(benchmark::State& state, int width, RendererKind kind) {
   TestScene s = table_scene();
-  const auto renderer = std::move(*make_default_renderer());
+  const auto renderer = std::move(*maker_of(kind)());
   if (!renderer->set_scene(s.scene)) state.SkipWithError("the scene was refused");
   View left = eye_view(width), right = left;
   right.world_from_optical.translate(Eigen::Vector3d(kEyeBaseline_m, 0, 0));
   Picture picture;
-  if (!renderer->render(s.pose, left, picture)) state.SkipWithError("OpenGL did not start");
+  if (!renderer->render(s.pose, left, picture)) state.SkipWithError("the renderer did not start");
   for (auto _ : state) {
     s.pose.frames.back().translation().x() += 1e-5;
     if (!renderer->render(s.pose, left, picture) || !renderer->render(s.pose, right, picture)) {
@@ -52,7 +53,7 @@ void sensor(benchmark::State& state, int width) {
 }
 
 // Complete processing of a pair with the sensor model: wider pictures, lens, noise, rectification.
-void real_pair(benchmark::State& state, int width) {
+void real_pair(benchmark::State& state, int width, RendererKind kind) {
   EyeModel model;
   model.width = width;
   model.height = width * 3 / 4;
@@ -61,7 +62,7 @@ void real_pair(benchmark::State& state, int width) {
       right(model, calibration, Sensor::Eye::right, 1);
   const vision::Rectifier rectifier(calibration);
   TestScene s = table_scene();
-  const auto renderer = std::move(*make_default_renderer());
+  const auto renderer = std::move(*maker_of(kind)());
   if (!renderer->set_scene(s.scene)) state.SkipWithError("the scene was refused");
   View view[2] = {eye_view(width), eye_view(width)};
   view[1].world_from_optical.translate(Eigen::Vector3d(kEyeBaseline_m, 0, 0));
@@ -70,7 +71,7 @@ void real_pair(benchmark::State& state, int width) {
   Picture ideal, picture;
   vision::StereoImages raw, rectified;
   std::uint64_t exposure = 0;
-  if (!renderer->render(s.pose, view[0], ideal)) state.SkipWithError("OpenGL did not start");
+  if (!renderer->render(s.pose, view[0], ideal)) state.SkipWithError("the renderer did not start");
   for (auto _ : state) {
     s.pose.frames.back().translation().x() += 1e-5;
     if (!renderer->render(s.pose, view[0], ideal)) state.SkipWithError("a picture failed");
@@ -85,14 +86,30 @@ void real_pair(benchmark::State& state, int width) {
 
 BENCHMARK_CAPTURE(sensor, 320, 320)->Name("view.sensor_ms.320")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(sensor, 640, 640)->Name("view.sensor_ms.640")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(real_pair, 320, 320)
+BENCHMARK_CAPTURE(real_pair, 320, 320, RendererKind::opengl)
     ->Name("view.real_pair_ms.320")
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(real_pair, 640, 640)
+BENCHMARK_CAPTURE(real_pair, 640, 640, RendererKind::opengl)
     ->Name("view.real_pair_ms.640")
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(pair, 320, 320)->Name("view.pair_ms.320")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(pair, 640, 640)->Name("view.pair_ms.640")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(real_pair, raster_320, 320, RendererKind::raster)
+    ->Name("view.real_pair_ms.320.raster")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(real_pair, raster_640, 640, RendererKind::raster)
+    ->Name("view.real_pair_ms.640.raster")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(pair, 320, 320, RendererKind::opengl)
+    ->Name("view.pair_ms.320")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(pair, 640, 640, RendererKind::opengl)
+    ->Name("view.pair_ms.640")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(pair, raster_320, 320, RendererKind::raster)
+    ->Name("view.pair_ms.320.raster")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(pair, raster_640, 640, RendererKind::raster)
+    ->Name("view.pair_ms.640.raster")
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace kaz::sim

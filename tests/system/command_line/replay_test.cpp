@@ -53,6 +53,23 @@ json replayed(const std::string& file, std::vector<std::string> more, int exit_c
   return result;
 }
 
+// The digests of the pictures are in the recording: another renderer would not be identical.
+TEST(Replay, DrawsByTheRecordedRenderer) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out", file = out + "/recording.mcap";
+  const Finished made = run(kaz({"run", "search-ball", "--mcu", "native", "--eyes", "real",
+                                 "--renderer", "raster", "--out", out, "--json"}),
+                            std::chrono::seconds(100));
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_EQ(json::parse(made.out, nullptr, false)["renderer"], "raster") << made.out;
+  EXPECT_EQ(replayed(file, {}, 0)["identical"], true);
+
+  const Finished wrong = run(kaz({"run", "search-ball", "--renderer", "vulkan"}));
+  EXPECT_EQ(wrong.exit_code, 2) << wrong.out;
+  for (const char* word : {"--renderer", "vulkan", "opengl", "raster"})
+    EXPECT_NE(wrong.err.find(word), std::string::npos) << wrong.err;
+}
+
 // Ctrl-C ends the recording, and the replay with it: of the 3000 s nothing is simulated past its end.
 TEST(Replay, TheWholeOfAnInterruptedRunEndsWithItsRecording) {
   const TemporaryFolder folder;

@@ -337,6 +337,7 @@ Json campaign_json(const CampaignOptions& o) {
           {"imu", o.backend.imu},
           {"eyes", to_string(o.backend.eyes)},
           {"eye_width", o.backend.eye_width},
+          {"renderer", to_string(o.backend.renderer)},
           {"dynamics", o.backend.dynamics},
           {"physics_step_ms", o.backend.physics_step_ms},
           {"friction", pair(o.variation.friction)},

@@ -133,6 +133,8 @@ Result<Commands> commands(const CampaignOptions& options, const Scenario& scenar
                  to_string(backend.mcu),
                  "--eyes",
                  to_string(backend.eyes),
+                 "--renderer",
+                 to_string(backend.renderer),
                  "--sensors",
                  to_string(backend.sensors),
                  "--seed",

@@ -71,11 +71,11 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
   const char* const mcu_key =
       backend.contains("engine") && !backend.contains("mcu") ? "engine" : "mcu";
   BackendOptions& options = result.backend;
-  std::string mcu, sensors, eyes;
+  std::string mcu, sensors, eyes, renderer = to_string(options.renderer);
   for (const auto& [key, to] :
        {std::pair{"world", &options.world}, std::pair{"robot_file", &options.robot_file},
         std::pair{mcu_key, &mcu}, std::pair{"image", &options.image},
-        std::pair{"sensors", &sensors}, std::pair{"eyes", &eyes},
+        std::pair{"sensors", &sensors}, std::pair{"eyes", &eyes}, std::pair{"renderer", &renderer},
         std::pair{"dynamics", &options.dynamics}})
     take(key, *to, is(key, text));
   take("imu", options.imu, is("imu", [](const Json& value) { return value.is_boolean(); }));
@@ -102,6 +102,8 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
     return wrong("`sensors` of its backend " + set.error().message);
   if (auto set = choose(eyes, sim::kEyeKinds, options.eyes); !set)
     return wrong("`eyes` of its backend " + set.error().message);
+  if (auto set = choose(renderer, sim::kRendererKinds, options.renderer); !set)
+    return wrong("`renderer` of its backend " + set.error().message);
   return result;
 }
 

@@ -25,7 +25,7 @@ TEST(RecordedBackend, ReadsEachKey) {
   const auto read = recorded_backend(
       with_backend(R"({"world":"catch","robot_file":"r.urdf","mcu":"native","image":"kaz.mot",
                        "sensors":"ideal","imu":true,"dynamics":"exact","physics_step_ms":0.5,
-                       "eyes":"real","eye_width":640,"supply_volts":9.5,"seed":7})"),
+                       "eyes":"real","eye_width":640,"renderer":"raster","supply_volts":9.5,"seed":7})"),
       "run.mcap");
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->behavior, "track-ball");
@@ -40,6 +40,7 @@ TEST(RecordedBackend, ReadsEachKey) {
   EXPECT_EQ(read->backend.physics_step_ms, 0.5);
   EXPECT_EQ(read->backend.eyes, sim::EyeKind::real);
   EXPECT_EQ(read->backend.eye_width, 640);
+  EXPECT_EQ(read->backend.renderer, sim::RendererKind::raster);
   EXPECT_EQ(read->backend.supply_volts, 9.5);
   EXPECT_EQ(read->backend.seed, 7u);
 }
@@ -50,6 +51,17 @@ TEST(RecordedBackend, ReadsTheMcuOfOlderRecordings) {
       "old.mcap");
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->backend.mcu, sim::McuKind::native);
+}
+
+TEST(RecordedBackend, RecordingsWithoutARendererAreOfOpenGl) {
+  const std::string same = R"("world":"ball","mcu":"native","sensors":"nominal","eyes":"ideal")";
+  const auto read = recorded_backend(with_backend("{" + same + "}"), "old.mcap");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->backend.renderer, sim::RendererKind::opengl);
+  const auto other =
+      recorded_backend(with_backend("{" + same + R"(,"renderer":"vulkan"})"), "other.mcap");
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message.find("`renderer`"), std::string::npos) << other.error().message;
 }
 
 TEST(RecordedBackend, NamesTheKeyOfAnotherKind) {

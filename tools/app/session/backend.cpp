@@ -170,6 +170,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
   sim.seed = options.seed;
   sim.eyes = options.eyes;
   sim.eye_width = options.eye_width;
+  sim.renderer = sim::maker_of(options.renderer);
   sim.dynamics = options.dynamics;
   sim.physics_step_ms = options.physics_step_ms;
   sim.frames = frames;

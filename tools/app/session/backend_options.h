@@ -10,6 +10,7 @@
 #include "sim/board/sensor_file.h"
 #include "sim/mcu/mcu_kind.h"
 #include "sim/runtime/eyes/eye_kind.h"
+#include "sim/view/renderer_kind.h"
 
 namespace kaz::tools {
 
@@ -36,6 +37,7 @@ struct BackendOptions {
   double physics_step_ms = 1;        // SimulationOptions
   double supply_volts = 10;          // kMinSupply_v to kMaxSupply_v
   int eye_width = 0;                 // 320 or 640; 0: as in camera.json
+  sim::RendererKind renderer = sim::RendererKind::opengl;
   std::uint64_t seed = 1;
   std::string faults;          // file with a schedule of faults; none if empty
   std::string recording;       // path of the recording; none if empty

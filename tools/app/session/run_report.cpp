@@ -206,6 +206,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
     result["world"] = report.backend.world;
     result["dynamics"] = simulation->world().dynamics();
     result["physics_step_ms"] = report.backend.physics_step_ms;
+    result["renderer"] = to_string(report.backend.renderer);
     if (simulation->world().dynamics() != "reduced")  // which has no gaps
       result["joint_gap_m"] = rounded(simulation->world().largest_joint_gap_m(), 1e-7);
     const sim::SolverDiagnostics& diagnostics = simulation->world().diagnostics();

@@ -159,18 +159,21 @@ std::vector<std::string> other_joints(const sim::World& world) {
 // What `kaz replay` runs it again with.
 std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& options) {
   const BackendOptions& backend = options.backend;
-  const nlohmann::ordered_json robot{{"world", backend.world},
-                                     {"robot_file", backend.robot_file},
-                                     {"mcu", to_string(backend.mcu)},
-                                     {"image", backend.image},
-                                     {"sensors", to_string(backend.sensors)},
-                                     {"imu", backend.imu},
-                                     {"dynamics", backend.dynamics},
-                                     {"physics_step_ms", backend.physics_step_ms},
-                                     {"eyes", to_string(backend.eyes)},
-                                     {"eye_width", backend.eye_width},
-                                     {"supply_volts", backend.supply_volts},
-                                     {"seed", backend.seed}};
+  nlohmann::ordered_json robot{{"world", backend.world},
+                               {"robot_file", backend.robot_file},
+                               {"mcu", to_string(backend.mcu)},
+                               {"image", backend.image},
+                               {"sensors", to_string(backend.sensors)},
+                               {"imu", backend.imu},
+                               {"dynamics", backend.dynamics},
+                               {"physics_step_ms", backend.physics_step_ms},
+                               {"eyes", to_string(backend.eyes)},
+                               {"eye_width", backend.eye_width},
+                               {"supply_volts", backend.supply_volts},
+                               {"seed", backend.seed}};
+  // Recordings without it were drawn by OpenGL, and remain what they were.
+  if (backend.renderer != sim::RendererKind::opengl)
+    robot["renderer"] = to_string(backend.renderer);
   return {{"behavior", options.behavior},
           {"settings", nlohmann::json(options.settings).dump()},
           {"backend", robot.dump()}};

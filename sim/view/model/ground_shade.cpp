@@ -1,14 +1,14 @@
 // Projects bounding spheres along the light onto the ground, their ellipses into the picture, and collects
 // marked blocks into rectangles.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/view/gl/ground_shade.h"
+#include "sim/view/model/ground_shade.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 
-#include "sim/view/gl/projection.h"
+#include "sim/view/model/projection.h"
 
 namespace kaz::sim {
 namespace {

@@ -1,6 +1,6 @@
 // The parts of a ground that may be in shadow, against rays from the ground to the light.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/view/gl/ground_shade.h"
+#include "sim/view/model/ground_shade.h"
 
 #include <gtest/gtest.h>
 

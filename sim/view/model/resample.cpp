@@ -1,6 +1,6 @@
 // Averages n x n samples in linear light and drops alpha.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/view/gl/resample.h"
+#include "sim/view/model/resample.h"
 
 #include <cmath>
 #include <cstring>
@@ -21,20 +21,24 @@ void pack_rgb(std::span<const std::uint8_t> rgba, int width, int height, int n,
     std::memcpy(to, from, 3);
     return;
   }
+  for (std::size_t y = 0; y < rows; ++y)
+    average_row(rgba.data() + y * samples * row * 4, width, n, rgb.data() + y * columns * 3);
+}
+
+void average_row(const std::uint8_t* rgba, int width, int n, std::uint8_t* rgb) {
+  const auto samples = static_cast<std::size_t>(n), row = static_cast<std::size_t>(width);
   const float scale = 1.0F / static_cast<float>(samples * samples);
-  for (std::size_t y = 0; y < rows; ++y) {
-    for (std::size_t x = 0; x < columns; ++x) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        std::uint32_t light = 0;
-        for (std::size_t dy = 0; dy < samples; ++dy) {
-          for (std::size_t dx = 0; dx < samples; ++dx) {
-            const std::uint32_t code = rgba[((y * samples + dy) * row + x * samples + dx) * 4 + c];
-            light += code * code;
-          }
+  for (std::size_t x = 0; x < row / samples; ++x) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::uint32_t light = 0;
+      for (std::size_t dy = 0; dy < samples; ++dy) {
+        for (std::size_t dx = 0; dx < samples; ++dx) {
+          const std::uint32_t code = rgba[(dy * row + x * samples + dx) * 4 + c];
+          light += code * code;
         }
-        rgb[(y * columns + x) * 3 + c] =
-            static_cast<std::uint8_t>(std::sqrt(static_cast<float>(light) * scale) + 0.5F);
       }
+      rgb[x * 3 + c] =
+          static_cast<std::uint8_t>(std::sqrt(static_cast<float>(light) * scale) + 0.5F);
     }
   }
 }

@@ -1,6 +1,6 @@
 // Projection of pictures and of the shadow map.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/view/gl/projection.h"
+#include "sim/view/model/projection.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,54 @@
+// Constants of the lighting model, shared by all renderers.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Transfer function: a colour code c, 0..1, stands for the light c^2 (close to sRGB, and cheap). Lights are
+// summed linearly: a key light from the upper right front with a shadow, hemispheric ambient light, a weak
+// fill light from the left, a small specular highlight. Distant surfaces fade to the horizon's colour.
+//
+// For a surface of colour c with normal n (unit), seen from the direction v (unit) at distance d, with l the
+// direction to the key light, s its visible share, a and b the gains of View::light:
+//   ambient   = mix(ground, sky, (1 + n.z) / 2) + fill max(n . to_fill, 0)
+//   key       = max(n . l, 0) s a
+//   light     = c^2 (b ambient + key_light key) + highlight max(n . (v + l) / |v + l|, 0)^32 key
+//   haze      = d^2 / (d^2 + haze_m2)
+//   code      = sqrt(mix(light, horizon, haze))
+// Textured surfaces have no highlight; c^2 is then the product with the pattern's light, and n the normal of
+// the whole triangle. Background in the direction r (unit): u = clamp(r.z, 0, 1),
+//   code      = sqrt(mix(horizon, zenith, u (2 - u)))
+#pragma once
+
+#include <array>
+
+namespace kaz::sim::lighting {
+
+using Light3 = std::array<float, 3>;
+
+inline constexpr Light3 horizon{0.66F, 0.68F, 0.70F};
+inline constexpr Light3 zenith{0.20F, 0.29F, 0.42F};
+inline constexpr Light3 key{0.76F, 0.73F, 0.67F};
+inline constexpr Light3 sky{0.36F, 0.38F, 0.41F};
+inline constexpr Light3 ground{0.16F, 0.145F, 0.13F};
+inline constexpr Light3 to_fill{0.38F, 0.76F, 0.53F};
+inline constexpr float fill = 0.10F;
+inline constexpr float highlight = 0.16F;
+inline constexpr float haze_m2 = 28.0F;
+
+// Soft shadows: offsets in units of `soft_texels` texels of the shadow map.
+inline constexpr std::array<std::array<float, 2>, 12> taps{{{-0.33F, -0.84F},
+                                                            {0.52F, -0.77F},
+                                                            {-0.84F, -0.27F},
+                                                            {-0.20F, -0.36F},
+                                                            {0.29F, -0.14F},
+                                                            {0.90F, -0.22F},
+                                                            {-0.58F, 0.21F},
+                                                            {0.05F, 0.29F},
+                                                            {0.62F, 0.34F},
+                                                            {-0.79F, 0.60F},
+                                                            {-0.19F, 0.83F},
+                                                            {0.42F, 0.86F}}};
+inline constexpr float soft_texels = 3.0F;
+
+// Sides of the shadow maps in texels, with the free ring. That of the eyes is limited by 4 ms a pair.
+inline constexpr int eye_shadow_texels = 512, picture_shadow_texels = 2048;
+
+}  // namespace kaz::sim::lighting

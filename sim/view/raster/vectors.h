@@ -1,0 +1,189 @@
+// Vectors of floats and integers, one pixel a lane, for one set of instructions.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Included by kernels_plain.cpp, kernels_avx2.cpp and kernels_avx512.cpp, each with its own KAZ_RASTER_SET
+// (the namespace) and KAZ_RASTER_LANES. All operations are single steps of IEEE arithmetic, correctly
+// rounded, so the sets compute the same bits. Vectors are local to functions of the set: none is passed to
+// code outside.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#else
+#include <cmath>
+#endif
+
+#ifndef KAZ_RASTER_SET  // for tools that look at this file alone
+#define KAZ_RASTER_SET plain
+#define KAZ_RASTER_LANES 4
+#endif
+
+// Begin and end of code for a set: both compilers then use its instructions in all functions between.
+#if !defined(__x86_64__) || KAZ_RASTER_LANES == 4
+#define KAZ_RASTER_BEGIN
+#define KAZ_RASTER_END
+#elif defined(__clang__) && KAZ_RASTER_LANES == 8
+#define KAZ_RASTER_BEGIN \
+  _Pragma("clang attribute push(__attribute__((target(\"avx2\"))), apply_to = function)")
+#define KAZ_RASTER_END _Pragma("clang attribute pop")
+#elif defined(__clang__)
+// clang-format off
+#define KAZ_RASTER_BEGIN \
+_Pragma("clang attribute push(__attribute__((target(\"avx512bw,avx512dq,avx512vl\"))), apply_to = function)")
+// clang-format on
+#define KAZ_RASTER_END _Pragma("clang attribute pop")
+#elif KAZ_RASTER_LANES == 8
+#define KAZ_RASTER_BEGIN _Pragma("GCC push_options") _Pragma("GCC target(\"avx2\")")
+#define KAZ_RASTER_END _Pragma("GCC pop_options")
+#else
+#define KAZ_RASTER_BEGIN      \
+  _Pragma("GCC push_options") \
+      _Pragma("GCC target(\"avx512bw,avx512dq,avx512vl,prefer-vector-width=512\")")
+#define KAZ_RASTER_END _Pragma("GCC pop_options")
+#endif
+
+KAZ_RASTER_BEGIN
+namespace kaz::sim::raster::KAZ_RASTER_SET {
+
+inline constexpr int kLanes = KAZ_RASTER_LANES;
+using Floats = float __attribute__((vector_size(4 * KAZ_RASTER_LANES)));
+using Ints = std::int32_t __attribute__((vector_size(4 * KAZ_RASTER_LANES)));  // masks: 0 or -1
+
+#define KAZ_LANES_INLINE [[gnu::always_inline]] static inline
+
+KAZ_LANES_INLINE Floats splat(float x) {
+  return x - Floats{};
+}
+KAZ_LANES_INLINE Ints splat_int(std::int32_t x) {
+  return x - Ints{};
+}
+KAZ_LANES_INLINE Ints lane_numbers() {
+  Ints lanes{};
+  for (int i = 0; i < kLanes; ++i) lanes[i] = i;
+  return lanes;
+}
+template <class V, class T>
+KAZ_LANES_INLINE V load_as(const T* from) {
+  V v;
+  std::memcpy(&v, from, sizeof v);
+  return v;
+}
+KAZ_LANES_INLINE Floats load(const float* from) {
+  return load_as<Floats>(from);
+}
+KAZ_LANES_INLINE Ints load_ints(const void* from) {
+  return load_as<Ints>(from);
+}
+template <class V>
+KAZ_LANES_INLINE void store(void* to, const V& v) {
+  std::memcpy(to, &v, sizeof v);
+}
+KAZ_LANES_INLINE Floats to_float(Ints x) {
+  return __builtin_convertvector(x, Floats);
+}
+// Towards zero.
+KAZ_LANES_INLINE Ints to_int(Floats x) {
+  return __builtin_convertvector(x, Ints);
+}
+KAZ_LANES_INLINE Ints bits(Floats x) {
+  return (Ints)x;
+}
+KAZ_LANES_INLINE Floats larger(Floats a, Floats b) {
+  return a > b ? a : b;
+}
+KAZ_LANES_INLINE Floats smaller(Floats a, Floats b) {
+  return a < b ? a : b;
+}
+KAZ_LANES_INLINE Ints larger_int(Ints a, Ints b) {
+  return a > b ? a : b;
+}
+KAZ_LANES_INLINE Ints smaller_int(Ints a, Ints b) {
+  return a < b ? a : b;
+}
+KAZ_LANES_INLINE Floats magnitude(Floats x) {
+  return (Floats)(bits(x) & 0x7FFFFFFF);
+}
+KAZ_LANES_INLINE Floats floor_of(Floats x) {
+  const Floats whole = to_float(to_int(x));
+  return whole > x ? whole - 1.0F : whole;
+}
+
+// Forms with a mask, as those without make GCC 12 warn of its own headers.
+#if defined(__x86_64__) && KAZ_RASTER_LANES == 16
+KAZ_LANES_INLINE Floats root(Floats x) {
+  return (Floats)_mm512_maskz_sqrt_ps(0xFFFF, (__m512)x);
+}
+// A bit for each lane of a mask.
+KAZ_LANES_INLINE std::uint32_t mask_bits(Ints mask) {
+  return _mm512_movepi32_mask((__m512i)mask);
+}
+KAZ_LANES_INLINE Ints gather(const void* from, Ints index) {
+  return (Ints)_mm512_mask_i32gather_epi32(_mm512_setzero_si512(), 0xFFFF, (__m512i)index, from, 4);
+}
+KAZ_LANES_INLINE Ints gather_pairs(const std::uint16_t* from, Ints index) {
+  return (Ints)_mm512_mask_i32gather_epi32(_mm512_setzero_si512(), 0xFFFF, (__m512i)index, from, 2);
+}
+#elif defined(__x86_64__) && KAZ_RASTER_LANES == 8
+KAZ_LANES_INLINE Floats root(Floats x) {
+  return (Floats)_mm256_sqrt_ps((__m256)x);
+}
+KAZ_LANES_INLINE std::uint32_t mask_bits(Ints mask) {
+  return static_cast<std::uint32_t>(_mm256_movemask_ps((__m256)mask));
+}
+KAZ_LANES_INLINE Ints gather(const void* from, Ints index) {
+  return (Ints)_mm256_i32gather_epi32(static_cast<const int*>(from), (__m256i)index, 4);
+}
+KAZ_LANES_INLINE Ints gather_pairs(const std::uint16_t* from, Ints index) {
+  return (Ints)_mm256_i32gather_epi32(reinterpret_cast<const int*>(from), (__m256i)index, 2);
+}
+#else
+#if defined(__x86_64__)
+KAZ_LANES_INLINE Floats root(Floats x) {
+  return (Floats)_mm_sqrt_ps((__m128)x);
+}
+KAZ_LANES_INLINE std::uint32_t mask_bits(Ints mask) {
+  return static_cast<std::uint32_t>(_mm_movemask_ps((__m128)mask));
+}
+#else
+KAZ_LANES_INLINE Floats root(Floats x) {
+  for (int i = 0; i < kLanes; ++i) x[i] = std::sqrt(x[i]);
+  return x;
+}
+KAZ_LANES_INLINE std::uint32_t mask_bits(Ints mask) {
+  std::uint32_t found = 0;
+  for (int i = 0; i < kLanes; ++i) found |= (mask[i] != 0 ? 1U : 0U) << i;
+  return found;
+}
+#endif
+KAZ_LANES_INLINE Ints gather(const void* from, Ints index) {
+  Ints found{};
+  for (int i = 0; i < kLanes; ++i) {
+    std::int32_t one = 0;
+    std::memcpy(&one, static_cast<const char*>(from) + std::ptrdiff_t{4} * index[i], sizeof one);
+    found[i] = one;
+  }
+  return found;
+}
+// Two neighbours of 16 bits in each lane, the first in the lower half.
+KAZ_LANES_INLINE Ints gather_pairs(const std::uint16_t* from, Ints index) {
+  Ints found{};
+  for (int i = 0; i < kLanes; ++i) {
+    found[i] = static_cast<std::int32_t>(from[index[i]] |
+                                         static_cast<std::uint32_t>(from[index[i] + 1]) << 16);
+  }
+  return found;
+}
+#endif
+
+KAZ_LANES_INLINE bool any(Ints mask) {
+  return mask_bits(mask) != 0;
+}
+KAZ_LANES_INLINE Floats gather_float(const float* from, Ints index) {
+  return (Floats)gather(from, index);
+}
+
+}  // namespace kaz::sim::raster::KAZ_RASTER_SET
+KAZ_RASTER_END

@@ -1,0 +1,27 @@
+// The renderers, by name.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "sim/view/renderer.h"
+
+namespace kaz::sim {
+
+enum class RendererKind {
+  opengl,  // off-screen Mesa: the default, and the reference for the other
+  raster,  // our rasteriser: no OpenGL, a third of the time
+};
+inline constexpr std::array kRendererKinds{RendererKind::opengl, RendererKind::raster};
+
+constexpr const char* to_string(RendererKind kind) {
+  return kind == RendererKind::opengl ? "opengl" : "raster";
+}
+
+using RendererMaker = Result<std::unique_ptr<Renderer>> (*)();
+constexpr RendererMaker maker_of(RendererKind kind) {
+  return kind == RendererKind::opengl ? &make_default_renderer : &make_raster_renderer;
+}
+
+}  // namespace kaz::sim
