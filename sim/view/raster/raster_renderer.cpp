@@ -12,9 +12,7 @@
 #include "sim/view/raster/raster_scene.h"
 
 namespace kaz::sim {
-
-using namespace raster;
-
+namespace raster {
 namespace {
 
 // Samples of a band of rows, which are drawn at a time: bounds the memory of large pictures.
@@ -283,6 +281,7 @@ void RasterRenderer::draw(const View& view, Picture& picture) {
 }
 
 }  // namespace
+}  // namespace raster
 
 bool is_available(InstructionSet set) {
 #if defined(__x86_64__)
@@ -295,7 +294,7 @@ bool is_available(InstructionSet set) {
 }
 
 std::unique_ptr<Renderer> make_raster_with(InstructionSet set) {
-  return std::make_unique<RasterRenderer>(set);
+  return std::make_unique<raster::RasterRenderer>(set);
 }
 
 Result<std::unique_ptr<Renderer>> make_raster_renderer() {
