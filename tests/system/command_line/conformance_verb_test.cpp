@@ -103,6 +103,23 @@ TEST_F(StoppedSimulator, ThatStaysStoppedIsALoss) {
   EXPECT_EQ(report["failed"], 0) << end.out;
 }
 
+TEST_F(StoppedSimulator, InterruptedMeanwhileTheRunCountsAsInterrupted) {
+  Process suite(kaz({"conformance", "--port", port(), "--filter", "^(frame|request|address)",
+                     "--json", folder_ / "report.json"}));
+  ASSERT_TRUE(suite.wait_for_output("passed", seconds(30)));
+  sim_.signal(SIGSTOP);
+  suite.signal(SIGINT);
+  const Finished end = suite.wait(seconds(60));
+  sim_.signal(SIGCONT);
+  EXPECT_EQ(end.exit_code, 130) << end.out << end.err;
+  EXPECT_NE(end.err.find("kaz recover " + port()), std::string::npos) << end.err;
+  const json report = json::parse(read_file(folder_ / "report.json"), nullptr, false);
+  ASSERT_TRUE(report.is_object()) << end.err;
+  EXPECT_EQ(report.value("interrupted", false), true) << report;
+  EXPECT_EQ(report.value("signal", ""), "SIGINT");
+  EXPECT_FALSE(report.value("board", "").empty());
+}
+
 TEST(ConformanceVerb, ListsItsCases) {
   const Finished listed = run(kaz({"conformance", "--list", "--filter", "SAFE-5"}));
   EXPECT_EQ(listed.exit_code, 0);

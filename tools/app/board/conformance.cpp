@@ -170,6 +170,11 @@ Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts&
             " --shared-line off` makes it");
   auto report = hil::run_suite(meter, meter, nullptr, kPortSlack, arguments.run);
   auto left = kept->end();
+  if (report && report->interrupted && !left) {
+    // The results until then are kept all the same.
+    std::fprintf(stderr, "kaz conformance: %s\n", left.error().message.c_str());
+    return report;
+  }
   return together(std::move(report), left);
 }
 
