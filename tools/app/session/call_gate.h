@@ -71,7 +71,6 @@ class GatedLink final : public host::Link {
     const CallGate::Call call(gate_);
     return link_.reopen();
   }
-  void ignore_interrupt() override { link_.ignore_interrupt(); }
 
  private:
   host::Link& link_;
