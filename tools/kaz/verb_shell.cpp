@@ -179,7 +179,7 @@ void add_shell(CLI::App& program, Action& action) {
       ->check(CLI::IsMember({"bash"}))
       ->type_name("");
   completion->footer("Examples:\n  source <(kaz completion bash)");
-  completion->callback([&program, &action] {
+  completion->callback([&program, &action, shell] {  // which CLI11 writes to until then
     action = [&program]() -> Result<Outcome> {
       std::fputs(bash_completion(program).c_str(), stdout);
       return true;
