@@ -32,7 +32,8 @@ struct Context {
   std::uint64_t seed = 1;  // of random choices
   // Joint names of a robot other than Kaz, on the first channels of the board; empty for Kaz.
   std::vector<std::string> other_joints = {};
-  double ball_radius_m = 0.020;  // of the ball that `detector` detects
+  double ball_radius_m = 0.020;       // of the ball that `detector` detects
+  std::string camera = "the camera";  // as messages name it
 };
 
 // Result of a behaviour. Measurements are written to result.json; their names contain the units.

@@ -29,7 +29,7 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
   input.observations = std::move(observations);
   if (!input.observations.empty()) last_image_ = input.now;
   if (input.now - last_image_ > kBlind) {
-    return fail(Fault::environment, "no image came for 2 s: check the camera");
+    return fail(Fault::environment, "no image came for 2 s: check " + context_.camera);
   }
   return input;
 }

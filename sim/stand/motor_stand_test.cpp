@@ -202,7 +202,7 @@ TEST(StandCommands, DoWhatTheySay) {
     return answer.value_or(nlohmann::ordered_json());
   };
   EXPECT_EQ(query("disc")["disc_kgm2"], 4e-4);
-  EXPECT_EQ(query("help")["commands"].size(), 8u);
+  EXPECT_EQ(query("help")["commands"].size(), 9u);
   query("supply 6.5");
   EXPECT_NEAR(simulation.board().supply_volts(), 6.5, 1e-9);
   query("turn l_elbow -0.5");

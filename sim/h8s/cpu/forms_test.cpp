@@ -292,17 +292,6 @@ u32 rounds() {
   return text ? static_cast<u32>(std::max(1, (std::atoi(text) + kTrials - 1) / kTrials)) : 1;
 }
 
-// The translator leaves these to the interpreter, the code around them not.
-bool left_to_interpreter(const Opcode& row) {
-  const std::string name = row.name, operands = row.operands;
-  for (const char* one :
-       {"ldc", "andc", "orc", "xorc", "trapa", "rte", "sleep", "eepmov.b", "eepmov.w", "tas"}) {
-    if (name == one) return true;
-  }
-  if (name == "stc") return operands.find('@') != std::string::npos;
-  return operands.rfind("@@", 0) == 0;
-}
-
 class EveryRow : public ::testing::TestWithParam<Engine> {
  protected:
   static Options options() {
@@ -332,14 +321,11 @@ class EveryRow : public ::testing::TestWithParam<Engine> {
     EXPECT_TRUE(memory.empty()) << "after " << text_of(row) << ": " << memory;
     if (!translates()) return bench.form();
     // A run that ends at the instruction, because that leads elsewhere or sleeps, is shorter than the
-    // block, which is then not entered.
-    EXPECT_EQ(tally.entered, tally.whole) << text_of(row) << ": the code around it";
+    // block, which is then not entered; a slot's first run translates it.
+    EXPECT_GE(tally.entered, tally.whole - (kFlashSlots + kRamSlots))
+        << text_of(row) << ": the code around it";
     EXPECT_TRUE(tally.whole > kTrials / 4 || text_of(row) == "sleep ") << text_of(row);
-    if (left_to_interpreter(row)) {
-      EXPECT_EQ(tally.translated, 0) << text_of(row);
-    } else {
-      EXPECT_GT(tally.translated, kTrials / 2) << text_of(row);
-    }
+    EXPECT_GT(tally.translated, kTrials / 2) << text_of(row);
     return bench.form();
   }
 

@@ -400,6 +400,7 @@ void Session::perform() {
       *robot_,    robot_->clock(), backend_->sees() ? &*gated_detector_ : nullptr,
       *listener_, values_,         options_.backend.seed};
   context.ball_radius_m = options_.vision.ball.radius_m;
+  if (real()) context.camera = "camera " + options_.backend.camera;
   if (const auto* simulation = backend_->simulation())
     context.other_joints = other_joints(simulation->world());
   std::optional<RunProfiler> profiler;
