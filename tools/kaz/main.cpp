@@ -121,6 +121,8 @@ void open_standard_streams() {
 int printed_status(int status) {
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+  if (errno == 0 && std::fputc('\n', stdout) != EOF)
+    std::fflush(stdout);  // an earlier error, once more
   const int error = errno != 0 ? errno : EIO;
   pollfd reader{STDOUT_FILENO, POLLOUT, 0};
   const bool gone = poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR) != 0;

@@ -117,7 +117,7 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       "what draws the pictures: opengl (Mesa, the reference) or raster (Kaz's own: a third of "
       "the time, without OpenGL)");
   verb.add_option("--seed", options.seed, "seed of all noise; the same seed gives the same bytes")
-      ->check(whole_number())
+      ->transform(whole_number())
       ->capture_default_str();
 }
 

@@ -29,7 +29,7 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
              "sensors of the emulated board: nominal, ideal or as-built (kaz sim --help)")
       ->excludes(port);
   verb.add_option("--seed", arguments.target.backend.seed, "seed of the emulated board's noise")
-      ->check(whole_number())
+      ->transform(whole_number())
       ->capture_default_str()
       ->type_name("N")
       ->excludes(port);
@@ -125,7 +125,7 @@ void add_fit(CLI::App& bench_verb, Action& action) {
   verb->add_option("--image", arguments->model.image, "firmware image for h8: S-record or COFF")
       ->type_name("FILE");
   verb->add_option("--seed", arguments->model.seed, "seed of the noise on the model's bench")
-      ->check(whole_number())
+      ->transform(whole_number())
       ->capture_default_str()
       ->type_name("N");
   verb->add_option("--out", arguments->out,

@@ -33,7 +33,7 @@ void add_conformance(CLI::App& program, Action& action) {
                    "only cases whose id or statement this regular expression is found in")
       ->type_name("REGEX");
   verb->add_option("--seed", arguments->run.seed, "of the cases' random bytes")
-      ->check(whole_number())
+      ->transform(whole_number())
       ->type_name("N")
       ->capture_default_str();
   auto* list = verb->add_flag("--list", arguments->list, "print the cases and run none");

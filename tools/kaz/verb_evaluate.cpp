@@ -122,7 +122,7 @@ void add_evaluate(CLI::App& program, Action& action) {
       ->check(between(1, 1000000))
       ->capture_default_str();
   verb->add_option("--seed", c.seed, "of what differs; the same seed gives the same episodes")
-      ->check(whole_number())
+      ->transform(whole_number())
       ->type_name("N")
       ->capture_default_str();
   verb->add_option("--jobs", c.jobs, "episodes at the same time")

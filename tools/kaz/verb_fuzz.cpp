@@ -24,11 +24,11 @@ void add_fuzz(CLI::App& program, Action& action) {
                       ->type_name("SECONDS");
   auto* cases = verb->add_option("--cases", arguments->cases,
                                  "number of cases to run instead, for a result that repeats")
-                    ->check(whole_number_above_zero())
+                    ->transform(whole_number_above_zero())
                     ->excludes(seconds)
                     ->type_name("N");
   verb->add_option("--seed", arguments->seed, "seed of the cases")
-      ->check(whole_number())
+      ->transform(whole_number())
       ->capture_default_str()
       ->type_name("N");
   auto* corpus = verb->add_option("--corpus", arguments->corpus,

@@ -28,12 +28,12 @@ void add_wire_options(CLI::App& verb, CompareArguments& arguments) {
       verb.add_flag("--wire", arguments.on_wire, "compare whole boards on the line instead");
   verb.add_option("--conversations", arguments.wire.conversations,
                   "number of conversations of one second each")
-      ->check(whole_number_above_zero())
+      ->transform(whole_number_above_zero())
       ->capture_default_str()
       ->type_name("N")
       ->needs(wire);
   verb.add_option("--first", arguments.wire.first, "number of the first conversation")
-      ->check(whole_number())
+      ->transform(whole_number())
       ->capture_default_str()
       ->type_name("N")
       ->needs(wire);
@@ -47,16 +47,16 @@ void add_compare(CLI::App& mcu, Action& action) {
       "compare", "compare native with h8: equal inputs of the servo tick must give equal outputs");
   auto arguments = std::make_shared<CompareArguments>();
   verb->add_option("--ticks", arguments->options.ticks, "number of ticks of 1 ms")
-      ->check(whole_number_above_zero())
+      ->transform(whole_number_above_zero())
       ->capture_default_str()
       ->type_name("N");
   verb->add_option("--seed", arguments->options.seed, "seed of host traffic and potentiometers")
-      ->check(whole_number())
+      ->transform(whole_number())
       ->capture_default_str()
       ->type_name("N");
   verb->add_option("--state-every", arguments->options.state_every,
                    "compare the whole state every N ticks; outputs and pins in each")
-      ->check(whole_number_above_zero())
+      ->transform(whole_number_above_zero())
       ->capture_default_str()
       ->type_name("N");
   verb->add_option(
@@ -104,10 +104,10 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
   verb.add_option("--max-states", options.max_states,
                   "stop after N states (cycles of the chip's clock); one second of the chip if not "
                   "given, no limit with --flat")
-      ->check(whole_number_above_zero())
+      ->transform(whole_number_above_zero())
       ->type_name("N");
   verb.add_option("--max-insns", options.max_insns, "stop after N instructions")
-      ->check(whole_number_above_zero())
+      ->transform(whole_number_above_zero())
       ->type_name("N")
       ->needs("--flat");
   verb.add_option("--engine", options.engine, "reference, interpreter or translator (the default)")

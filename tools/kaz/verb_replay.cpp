@@ -28,7 +28,7 @@ void add_replay(CLI::App& program, Action& action) {
       ->excludes(host);
   verb->add_option("--seed", arguments->replay.seed,
                    "another seed than the recording's; implies --whole")
-      ->check(whole_number());
+      ->transform(whole_number());
   add_settings(*verb, arguments->settings, "another value of an option of the behaviour");
   verb->add_option("--plugin", arguments->replay.plugin,
                    "the plug-in, if the run was of one: a recording loads no code by itself")

@@ -135,6 +135,9 @@ struct FileOption {
 };
 std::vector<FileOption> file_options(const TemporaryFolder& folder) {
   for (const char* name : {"left0.ppm", "right0.ppm", "noise.ppm"}) write_noise(folder / name);
+  std::string picture = "P6\n64 48\n255\n";  // its left part is red
+  for (int n = 0; n < 64 * 48; ++n) picture += n % 64 < 16 ? "\xc0\x10\x10" : "\x60\x60\x60";
+  write_file(folder / "red.ppm", picture);
   // The reset vector, and at 0x100 BRA to itself.
   std::string image(0x102, '\0');
   image[2] = 1;
@@ -160,7 +163,7 @@ std::vector<FileOption> file_options(const TemporaryFolder& folder) {
           {joined(chip, {"--profile-format", "json", "--profile="})},
           {joined(chip, {"--profile-format", "callgrind", "--profile="})},
           {joined(chip, {"--coverage"}), false},
-          {{"vision", "learn-color", "--in", folder / "noise.ppm", "--region", "0,0,9,9", "--out"}},
+          {{"vision", "learn-color", "--in", folder / "red.ppm", "--region", "0,0,9,9", "--out"}},
           {joined(stereo, {"--out"}), false},
           {joined(stereo, {"--out", folder / "stereo.yml", "--coverage"}), false},
           {{"fuzz", "--cases", "1000000", "--out"}, false},

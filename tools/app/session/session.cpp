@@ -477,6 +477,7 @@ std::string Session::abandon(const PluginEnd& end) {
     rest += error.message.substr(end.error.message.size());
     write_end(folder(), options_, "failed", "crashed", error.message);
   }
+  results_.reset();  // on_crash may remove them
   if (options_.on_crash) options_.on_crash(end.error, true);
   remove_temporary_folder();
   return rest;
