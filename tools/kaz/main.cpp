@@ -121,9 +121,9 @@ void open_standard_streams() {
 int printed_status(int status) {
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
-  if (errno == 0 && std::fputc('\n', stdout) != EOF)
-    std::fflush(stdout);  // an earlier error, once more
-  const int error = errno != 0 ? errno : EIO;
+  // Of an earlier write's error errno is gone: one more write has the same.
+  const bool written = errno == 0 && ::write(STDOUT_FILENO, "\n", 1) == 1;
+  const int error = written || errno == 0 ? EIO : errno;
   pollfd reader{STDOUT_FILENO, POLLOUT, 0};
   const bool gone = poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR) != 0;
   constexpr int kFailed = static_cast<int>(kaz::Fault::failed);
