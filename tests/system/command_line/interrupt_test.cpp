@@ -326,7 +326,9 @@ TEST(Interrupts, TwoAtOnceAreOne) {
       std::this_thread::sleep_for(milliseconds(pause_ms));
       program.signal(second);
       const Finished end = program.wait(seconds(10));
-      EXPECT_EQ(end.exit_code, 128 + first) << end.err;
+      // Of two that are pending at once, one thread may take the later before another the first.
+      EXPECT_TRUE(end.exit_code == 128 + first || (pause_ms == 0 && end.exit_code == 128 + second))
+          << end.exit_code << end.err;
       EXPECT_EQ(end.err.find("at once"), std::string::npos) << end.err;
       const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
       ASSERT_TRUE(result.is_object()) << end.err;
