@@ -56,8 +56,8 @@ class Renderer {
 // so that pictures do not depend on the user's: call it before starting threads that read the environment.
 // Whether OpenGL is available is known only after the first picture.
 Result<std::unique_ptr<Renderer>> make_renderer(const std::string& backend);
-// The renderer that the environment variable KAZ_OPENGL names.
-Result<std::unique_ptr<Renderer>> make_default_renderer();
+// OpenGL with the backend that the environment variable KAZ_OPENGL names.
+Result<std::unique_ptr<Renderer>> make_opengl_renderer();
 
 // Our rasteriser, with the widest vectors that the processor has: the same bytes with all of them. It never
 // fails, but has the others' type.

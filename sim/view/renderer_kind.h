@@ -10,9 +10,10 @@
 namespace kaz::sim {
 
 enum class RendererKind {
-  opengl,  // off-screen Mesa: the default, and the reference for the other
+  opengl,  // off-screen Mesa: the reference for the other
   raster,  // our rasteriser: no OpenGL, a third of the time
 };
+inline constexpr RendererKind kDefaultRenderer = RendererKind::raster;
 inline constexpr std::array kRendererKinds{RendererKind::opengl, RendererKind::raster};
 
 constexpr const char* to_string(RendererKind kind) {
@@ -21,7 +22,7 @@ constexpr const char* to_string(RendererKind kind) {
 
 using RendererMaker = Result<std::unique_ptr<Renderer>> (*)();
 constexpr RendererMaker maker_of(RendererKind kind) {
-  return kind == RendererKind::opengl ? &make_default_renderer : &make_raster_renderer;
+  return kind == RendererKind::opengl ? &make_opengl_renderer : &make_raster_renderer;
 }
 
 }  // namespace kaz::sim

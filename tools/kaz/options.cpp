@@ -114,8 +114,8 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->check(CLI::IsMember({320, 640}));
   add_choice(
       verb, "--renderer", sim::kRendererKinds, options.renderer,
-      "what draws the pictures: opengl (Mesa, the reference) or raster (Kaz's own: a third of "
-      "the time, without OpenGL)");
+      "what draws the pictures: raster (Kaz's own) or opengl (Mesa, the reference; three times "
+      "the time)");
   verb.add_option("--seed", options.seed, "seed of all noise; the same seed gives the same bytes")
       ->transform(whole_number())
       ->capture_default_str();

@@ -51,7 +51,7 @@ void RenderThread::run() {
     }
     job(for_jobs);
   }
-  renderer_ = nullptr;  // destroys its OpenGL context in the thread that used it
+  renderer_ = nullptr;  // an OpenGL context is destroyed in the thread that used it
 }
 
 void RenderThread::set_error(Error error) {

@@ -1,7 +1,7 @@
 // The thread that renders all pictures.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Started by the first picture, so a simulation without pictures needs no OpenGL.
+// Started by the first picture, so a simulation without pictures starts no renderer.
 #pragma once
 
 #include <condition_variable>

@@ -155,7 +155,7 @@ TEST(Snapshot, RefusesEachOtherOption) {
       {"eyes", [](auto& o) { o.eyes = EyeKind::real; }},
       {"eye_width", [](auto& o) { o.eye_width = 640; }},
       {"frames", [](auto& o) { o.frames = FramePolicy::drop; }},
-      {"renderer", [](auto& o) { o.renderer = make_default_renderer; }},
+      {"renderer", [](auto& o) { o.renderer = make_opengl_renderer; }},
       {"supply_volts", [](auto& o) { o.supply_volts = 10.0 + 1e-12; }},
       {"faults", [](auto& o) { o.faults = {}; }},
   };

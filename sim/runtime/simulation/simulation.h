@@ -30,7 +30,7 @@
 #include "sim/runtime/simulation/serial_line.h"
 #include "sim/runtime/simulation/step_ratio.h"
 #include "sim/runtime/time.h"
-#include "sim/view/renderer.h"
+#include "sim/view/renderer_kind.h"
 #include "vision/image/frame.h"
 
 namespace kaz::sim {
@@ -58,7 +58,7 @@ struct SimulationOptions {
   std::string recording_path;            // none if empty
   bool record_pictures = false;          // the eyes' pictures too, not only their digests
   McapWriter::Metadata recording_facts;  // versions and the like, for the recording's header
-  RendererFactory renderer = make_default_renderer;
+  RendererFactory renderer = maker_of(kDefaultRenderer);
   // For tests: period of detour() calls. Zero: never.
   Time detour_every{};
 };

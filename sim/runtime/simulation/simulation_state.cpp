@@ -57,11 +57,11 @@ std::string switches_of(const SensorSwitches& sensors) {
   return name;
 }
 
-// Name of the renderer factory: "Mesa" for the default one, "raster"; others cannot be distinguished.
+// Name of the renderer factory; functions other than ours cannot be distinguished.
 std::string name_of(const RendererFactory& renderer) {
   const auto* function = renderer.target<Result<std::unique_ptr<Renderer>> (*)()>();
   if (function == nullptr) return "own";
-  return *function == &make_default_renderer  ? "Mesa"
+  return *function == &make_opengl_renderer   ? "Mesa"
          : *function == &make_raster_renderer ? "raster"
                                               : "own";
 }

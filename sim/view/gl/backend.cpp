@@ -43,7 +43,7 @@ Result<std::unique_ptr<Renderer>> make_renderer(const std::string& backend) {
                                 "\": set KAZ_OPENGL to osmesa or egl, or leave it out");
 }
 
-Result<std::unique_ptr<Renderer>> make_default_renderer() {
+Result<std::unique_ptr<Renderer>> make_opengl_renderer() {
   const char* backend = std::getenv("KAZ_OPENGL");
   return make_renderer(backend == nullptr ? "" : backend);
 }

@@ -6,6 +6,7 @@
 
 #include "shared/base/random.hpp"
 #include "sim/view/gl/shaders.h"
+#include "sim/view/renderer_kind.h"
 #include "sim/view/scenes_testing.h"
 
 namespace kaz::sim {
@@ -84,22 +85,25 @@ TEST(GroundShade, EveryShadowIsInTheShadedPartsAndAllIsCoveredOnce) {
 }
 
 TEST(GroundShade, TheTablesPictureIsTheSameWithTheMapLookedUpEverywhere) {
-  TestScene s = table_scene();
-  View view = eye_view(320);
-  const auto renderer = std::move(*make_default_renderer());
-  ASSERT_TRUE(renderer->set_scene(s.scene));
-  Picture parts;
-  ASSERT_TRUE(renderer->render(s.pose, view, parts));
-  // A second ground in the same frame, far below, makes both together not flat.
-  Visual below = s.scene.visuals.front();
-  below.name = "below";
-  below.in_frame.translation().z() = -30;
-  s.scene.visuals.push_back(below);
-  const auto other = std::move(*make_default_renderer());
-  ASSERT_TRUE(other->set_scene(s.scene));
-  Picture all;
-  ASSERT_TRUE(other->render(s.pose, view, all));
-  EXPECT_EQ(parts.rgb, all.rgb);
+  for (const RendererKind kind : kRendererKinds) {
+    SCOPED_TRACE(to_string(kind));
+    TestScene s = table_scene();
+    View view = eye_view(320);
+    const auto renderer = std::move(*maker_of(kind)());
+    ASSERT_TRUE(renderer->set_scene(s.scene));
+    Picture parts;
+    ASSERT_TRUE(renderer->render(s.pose, view, parts));
+    // A second ground in the same frame, far below, makes both together not flat.
+    Visual below = s.scene.visuals.front();
+    below.name = "below";
+    below.in_frame.translation().z() = -30;
+    s.scene.visuals.push_back(below);
+    const auto other = std::move(*maker_of(kind)());
+    ASSERT_TRUE(other->set_scene(s.scene));
+    Picture all;
+    ASSERT_TRUE(other->render(s.pose, view, all));
+    EXPECT_EQ(parts.rgb, all.rgb);
+  }
 }
 
 }  // namespace

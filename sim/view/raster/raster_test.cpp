@@ -51,7 +51,7 @@ Picture raster(const TestScene& s, const View& view) {
 }
 
 Picture opengl(const TestScene& s, const View& view) {
-  return draw(std::move(*make_default_renderer()), s, view);
+  return draw(std::move(*make_opengl_renderer()), s, view);
 }
 
 struct Difference {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "sim/view/renderer_kind.h"
 #include "sim/view/scenes_testing.h"
 #include "vision/color/ball.h"
 
@@ -25,7 +26,7 @@ class Grounds : public testing::TestWithParam<const char*> {
     scene_.add_ball({0.5, -0.2, 0.02}, {0.95F, 0.55F, 0.10F});  // orange
     scene_.add_ball({0.4, 0.25, 0.02}, {0.75F, 0.20F, 0.75F});  // magenta
     ball_ = scene_.add_ball({0, 0, -1});                        // outside the view
-    renderer_ = std::move(*make_default_renderer());
+    renderer_ = std::move(*maker_of(kDefaultRenderer)());
     EXPECT_TRUE(renderer_->set_scene(scene_.scene));
   }
 

@@ -15,6 +15,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "sim/view/renderer_kind.h"
 #include "sim/view/scenes_testing.h"
 #include "sim/view/sensor/edge_corners_testing.h"
 #include "sim/view/sensor/sensor.h"
@@ -214,7 +215,7 @@ const std::vector<Shot>& shots(int width) {
   static const auto taken = [] {
     std::map<int, std::vector<Shot>> all;
     Board board;
-    const auto renderer = std::move(*make_default_renderer());
+    const auto renderer = std::move(*maker_of(kDefaultRenderer)());
     EXPECT_TRUE(renderer->set_scene(board.scene()));
     for (const int each : {320, 640}) {
       Camera camera(each, board, *renderer);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "sim/view/renderer_kind.h"
 #include "sim/view/scenes_testing.h"
 #include "sim/view/sensor/eye_testing.h"
 #include "sim/view/sensor/sensor.h"
@@ -36,7 +37,7 @@ TEST(Stereo, DepthIsRightWithinHalfAPixelOfDisparity) {
   TestScene s;
   s.add_ground("wood");
   const int ball = s.add_ball({0, 0, 0}, kRedBall, kRadius);
-  const auto renderer = std::move(*make_default_renderer());
+  const auto renderer = std::move(*maker_of(kDefaultRenderer)());
   ASSERT_TRUE(renderer->set_scene(s.scene));
   for (const int width : {320, 640}) {
     EyeModel model;

@@ -36,7 +36,7 @@ void sensor(benchmark::State& state, int width) {
   const Sensor left(model, calibration, Sensor::Eye::left, 1),
       right(model, calibration, Sensor::Eye::right, 1);
   TestScene s = table_scene();
-  const auto renderer = std::move(*make_default_renderer());
+  const auto renderer = std::move(*maker_of(kDefaultRenderer)());
   View view = eye_view(width);
   Picture ideal[2], pictures[2];
   bool drawn = renderer->set_scene(s.scene).has_value();

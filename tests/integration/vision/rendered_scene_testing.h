@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/view/renderer_kind.h"
 #include "sim/view/scenes_testing.h"
 #include "sim/view/sensor/eye_testing.h"
 #include "sim/view/sensor/sensor.h"
@@ -55,7 +56,7 @@ class RenderedScene {
 
   // One that has the scene.
   std::unique_ptr<Renderer> renderer() const {
-    auto renderer = std::move(*make_default_renderer());
+    auto renderer = std::move(*maker_of(kDefaultRenderer)());
     EXPECT_TRUE(renderer->set_scene(scene_.scene));
     return renderer;
   }

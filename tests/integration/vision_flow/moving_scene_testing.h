@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/view/renderer_kind.h"
 #include "sim/view/scenes_testing.h"
 #include "sim/view/sensor/eye_testing.h"
 #include "sim/view/sensor/sensor.h"
@@ -36,7 +37,7 @@ class MovingScene {
     boxes_ = {{{0.75, 0.22, 0.04}, {0.08, 0.10, 0.08}}, {{1.60, 0.00, 0.50}, {0.10, 4.00, 1.00}}};
     for (const Box& b : boxes_)
       scene_.add(Shape::Kind::box, b.size, b.middle, {0.5F, 0.7F, 0.6F}, "carpet");
-    renderer_ = std::move(*make_default_renderer());
+    renderer_ = std::move(*maker_of(kDefaultRenderer)());
     EXPECT_TRUE(renderer_->set_scene(scene_.scene));
   }
 

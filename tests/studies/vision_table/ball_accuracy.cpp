@@ -9,7 +9,7 @@ namespace kaz::vision_table {
 Result<void> measure_accuracy(int width, Visibility visibility, int pictures, Table& table) {
   World world("wood", sim::kRedBall, false, false);
   const Eyes eyes(width, {});
-  auto renderer = KAZ_TRY(renderer_of(world));
+  auto renderer = KAZ_TRY(renderer_of(table.renderer, world));
   vision::BallDetector detector({});
   std::uint64_t number = 0;
   for (const double distance_m : kDistances_m) {

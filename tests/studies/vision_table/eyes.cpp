@@ -105,8 +105,8 @@ Result<vision::Image> Eyes::ideal(sim::Renderer& renderer, const sim::ScenePose&
   return vision::Image{picture.width, picture.height, std::move(picture.rgb)};
 }
 
-Result<std::unique_ptr<sim::Renderer>> renderer_of(const World& world) {
-  auto renderer = sim::make_default_renderer();
+Result<std::unique_ptr<sim::Renderer>> renderer_of(sim::RendererKind kind, const World& world) {
+  auto renderer = sim::maker_of(kind)();
   if (!renderer) return renderer;
   KAZ_TRY((*renderer)->set_scene(world.scene.scene));
   return renderer;

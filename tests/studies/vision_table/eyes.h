@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "sim/view/renderer_kind.h"
 #include "sim/view/sensor/sensor.h"
 #include "tests/studies/vision_table/world.h"
 #include "vision/calibration/rectify.h"
@@ -52,7 +53,7 @@ class Eyes {
   vision::Rectifier rectifier_;
 };
 
-// One that has the world's scene; an error where OpenGL cannot be had.
-Result<std::unique_ptr<sim::Renderer>> renderer_of(const World& world);
+// One that has the world's scene; an error where it does not start.
+Result<std::unique_ptr<sim::Renderer>> renderer_of(sim::RendererKind kind, const World& world);
 
 }  // namespace kaz::vision_table

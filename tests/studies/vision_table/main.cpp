@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
       "Takes half an hour; --pictures 20 --robust-pictures 9 some minutes.\n"
       "  vision_table --out out/vision    table.md, table.json and pictures there"};
   bool json = false;
-  std::string out, only, markdown;
+  std::string out, only, markdown, renderer = to_string(sim::kDefaultRenderer);
   int pictures = 250, robust = 90;
   program.add_flag("--json", json, "print JSON instead of the tables");
   program.add_option("--out", out, "also write tables and pictures into this folder");
@@ -65,9 +65,15 @@ int main(int argc, char** argv) {
       .add_option("--robust-pictures", robust,
                   "pictures for each row of the robustness tables; a third of them without a ball")
       ->check(CLI::Range(3, 100000));
+  program.add_option("--renderer", renderer, "what draws the pictures: opengl or raster")
+      ->check(CLI::IsMember({"opengl", "raster"}))
+      ->capture_default_str();
   studies::add_markdown_option(program, markdown);
   return studies::run_program(program, "vision_table", argc, argv, [&]() -> Result<void> {
     Table table;
+    for (const sim::RendererKind kind : sim::kRendererKinds) {
+      if (renderer == to_string(kind)) table.renderer = kind;
+    }
     if (auto done = measure(only, pictures, robust, table); !done) return done;
     std::printf("%s", (json ? table.json() : table.markdown()).c_str());
     if (!out.empty()) {

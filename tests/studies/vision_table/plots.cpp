@@ -68,7 +68,8 @@ figure::PlotPage plot(const Table& table) {
 }
 
 // The first picture of a row with the ball half a metre away, around the ball.
-Result<figure::Panel> hard(const std::string& name, const std::string& caption) {
+Result<figure::Panel> hard(const std::string& name, const std::string& caption,
+                           sim::RendererKind kind) {
   constexpr int kWidth = 80, kHeight = 60, kScale = 2;
   const auto cases = robust_cases();
   const auto row =
@@ -76,7 +77,7 @@ Result<figure::Panel> hard(const std::string& name, const std::string& caption) 
   if (row == cases.end()) return fail(Fault::usage, "no row of the name " + name);
   World world(row->floor, row->ball, true, row->clutter);
   const Eyes eyes(320, row->conditions);
-  const auto renderer = KAZ_TRY(renderer_of(world));
+  const auto renderer = KAZ_TRY(renderer_of(kind, world));
   Random random(5);
   const Placement place = place_ball(random, eyes.camera(), 0.5, Visibility::whole, world);
   const auto picture = KAZ_TRY(eyes.take_left(*renderer, world.scene.pose, place.eye, 1));
@@ -111,7 +112,7 @@ Result<void> write_plot(const std::string& path, const Table& table) {
               {"120°/s, 20 ms", "blur 8 px"}};
   std::vector<figure::Panel> panels;
   for (const auto& row : rows) {
-    auto panel = KAZ_TRY(hard(row.name, row.caption));
+    auto panel = KAZ_TRY(hard(row.name, row.caption, table.renderer));
     panels.push_back(std::move(panel));
   }
   return figure::write_png(path, stacked(upper, figure::compose(panels, 6, 120)));

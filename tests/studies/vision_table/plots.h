@@ -6,7 +6,7 @@
 
 namespace kaz::vision_table {
 
-// Needs the rows of whole balls. Errors: no OpenGL; the file cannot be written.
+// Needs the rows of whole balls. Errors: the renderer does not start; the file cannot be written.
 Result<void> write_plot(const std::string& path, const Table& table);
 
 }  // namespace kaz::vision_table

@@ -144,7 +144,7 @@ Result<void> measure_robustness(int width, int pictures, const std::string& only
     result.name = row.name;
     World world(row.floor, row.ball, true, row.clutter);
     const Eyes eyes(width, row.conditions);
-    auto renderer = KAZ_TRY(renderer_of(world));
+    auto renderer = KAZ_TRY(renderer_of(table.renderer, world));
     if (auto done = balls(row, pictures, eyes, *renderer, world, result); !done) return done;
     const bool looks_at_depth = row.group.rfind("ball", 0) != 0 && !row.learn;
     if (looks_at_depth) {

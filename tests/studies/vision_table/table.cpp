@@ -93,6 +93,7 @@ std::string robustness_text(const std::vector<RobustRow>& rows) {
 
 std::string Table::markdown() const {
   std::string out = accuracy_text(accuracy) + robustness_text(robust);
+  if (!out.empty()) out = std::string("\nPictures drawn by ") + to_string(renderer) + ".\n" + out;
   if (boards.empty()) return out;
   MarkdownTable table({"13 photographed pairs, 640 x 480", "px rms"});
   for (const BoardRow& r : boards) table.add({r.quantity, text("%.2f", r.value_px)});
@@ -101,6 +102,7 @@ std::string Table::markdown() const {
 
 std::string Table::json() const {
   nlohmann::ordered_json all;
+  all["renderer"] = to_string(renderer);
   for (const AccuracyRow& r : accuracy) {
     all["accuracy"].push_back({{"width", r.width},
                                {"visibility", name_of(r.visibility)},

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "sim/view/renderer_kind.h"
 #include "tools/trials/statistics.h"
 
 namespace kaz::vision_table {
@@ -47,6 +48,7 @@ struct BoardRow {
 };
 
 struct Table {
+  sim::RendererKind renderer = sim::kDefaultRenderer;  // of all pictures
   std::vector<AccuracyRow> accuracy;
   std::vector<RobustRow> robust;
   std::vector<BoardRow> boards;
@@ -61,7 +63,7 @@ constexpr double max_distance_error(int width, double distance_m) {
   return distance_m <= 1.0 ? 0.03 : 0.06;
 }
 
-// Each appends its rows. `pictures`: per row. Errors: no OpenGL.
+// Each appends its rows. `pictures`: per row. Errors: the renderer does not start.
 Result<void> measure_accuracy(int width, Visibility visibility, int pictures, Table& table);
 // Rows whose group or name is `only`, or all if empty. Every third image is without a ball.
 Result<void> measure_robustness(int width, int pictures, const std::string& only, Table& table);

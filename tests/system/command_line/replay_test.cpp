@@ -58,10 +58,10 @@ TEST(Replay, DrawsByTheRecordedRenderer) {
   const TemporaryFolder folder;
   const std::string out = folder / "out", file = out + "/recording.mcap";
   const Finished made = run(kaz({"run", "search-ball", "--mcu", "native", "--eyes", "real",
-                                 "--renderer", "raster", "--out", out, "--json"}),
+                                 "--renderer", "opengl", "--out", out, "--json"}),
                             std::chrono::seconds(100));
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_EQ(json::parse(made.out, nullptr, false)["renderer"], "raster") << made.out;
+  EXPECT_EQ(json::parse(made.out, nullptr, false)["renderer"], "opengl") << made.out;
   EXPECT_EQ(replayed(file, {}, 0)["identical"], true);
 
   const Finished wrong = run(kaz({"run", "search-ball", "--renderer", "vulkan"}));

@@ -71,7 +71,8 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
   const char* const mcu_key =
       backend.contains("engine") && !backend.contains("mcu") ? "engine" : "mcu";
   BackendOptions& options = result.backend;
-  std::string mcu, sensors, eyes, renderer = to_string(options.renderer);
+  // Older recordings do not state the renderer: OpenGL was the only one, then the default.
+  std::string mcu, sensors, eyes, renderer = to_string(sim::RendererKind::opengl);
   for (const auto& [key, to] :
        {std::pair{"world", &options.world}, std::pair{"robot_file", &options.robot_file},
         std::pair{mcu_key, &mcu}, std::pair{"image", &options.image},

@@ -37,7 +37,7 @@ struct BackendOptions {
   double physics_step_ms = 1;        // SimulationOptions
   double supply_volts = 10;          // kMinSupply_v to kMaxSupply_v
   int eye_width = 0;                 // 320 or 640; 0: as in camera.json
-  sim::RendererKind renderer = sim::RendererKind::opengl;
+  sim::RendererKind renderer = sim::kDefaultRenderer;
   std::uint64_t seed = 1;
   std::string faults;          // file with a schedule of faults; none if empty
   std::string recording;       // path of the recording; none if empty

@@ -169,11 +169,9 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SessionOptions& 
                                {"physics_step_ms", backend.physics_step_ms},
                                {"eyes", to_string(backend.eyes)},
                                {"eye_width", backend.eye_width},
+                               {"renderer", to_string(backend.renderer)},
                                {"supply_volts", backend.supply_volts},
                                {"seed", backend.seed}};
-  // Recordings without it were drawn by OpenGL, and remain what they were.
-  if (backend.renderer != sim::RendererKind::opengl)
-    robot["renderer"] = to_string(backend.renderer);
   return {{"behavior", options.behavior},
           {"settings", nlohmann::json(options.settings).dump()},
           {"backend", robot.dump()}};
