@@ -9,6 +9,13 @@ if(KAZ_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${launcher})
 endif()
 
+# mold, where present, links in a tenth of the time that binutils' ld takes.
+include(CheckLinkerFlag)
+check_linker_flag(CXX -fuse-ld=mold KAZ_MOLD)
+if(KAZ_MOLD)
+  add_link_options(-fuse-ld=mold)
+endif()
+
 add_library(kaz_flags INTERFACE)
 # No contraction into fused multiply-add: the same source must give the same bits (docs/decisions.md).
 target_compile_options(kaz_flags INTERFACE -Wall -Wextra -Wshadow -ffp-contract=off)
