@@ -18,9 +18,10 @@ constexpr double kSafety = 0.05;
 constexpr double kNear = 1e-3;
 constexpr double kMaxExtrapolation = 4;  // in units of the last change
 
-// After this many iterations normal forces and friction radii are taken to oscillate, as in a jamming wedge;
-// the radii are then under-relaxed.
+// After this many iterations normal forces and friction radii are solved for together, and if that fails, as in a
+// jamming wedge, one after the other with under-relaxed radii.
 constexpr int kPatience = 12;
+constexpr int kCoupledSteps = 40;
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -218,10 +219,21 @@ int VelocitySolver::solve_island(std::span<const double> momentum, std::span<dou
   double left = change_left();
   int steps = 0;
   bool near = false;  // same active set as in the iteration before, and that changed little
+  double relaxed = 1;
   while (steps < max_steps && left > kSafety * tolerance) {
+    if (steps == kPatience) {
+      start_.assign(v.begin(), v.end());
+      steps += solve_coupled(momentum, v, tolerance, kCoupledSteps, left);
+      if (left <= tolerance) break;
+      std::ranges::copy(start_, v.begin());
+      matrix_.multiply(island, v.data(), inertia_v_.data());
+      gradient(momentum, v);
+      near = false;
+      relaxed = 0.25;
+    }
     ++steps;
     // Newton step: (M + J^T D J) d = -g with D = -dl/du.
-    relaxation_ = steps < kPatience ? 1 : steps < 2 * kPatience ? 0.5 : 0.25;
+    relaxation_ = relaxed;
     if (!near) {
       add_stiffness();
       matrix_.factor(island);

@@ -14,7 +14,8 @@
 // For fixed radii mu l_n this is the gradient of a convex, piecewise smooth function, quadratic where no
 // contact slips. Newton's method with an exact line search converges in few iterations however many points
 // share a load; after each iteration the radii are updated from l_n. This is Coulomb's law without the
-// artefact of the convex cone, where friction lifts a sliding body.
+// artefact of the convex cone, where friction lifts a sliding body. Where the radii do not converge in a dozen
+// iterations, Newton's method goes on with the radii as functions of v (coupled_newton.cpp).
 //
 // All contact points of a pair of bodies act on one relative motion of six components. Their stiffness is
 // therefore summed in 6 x 6 first and then mapped to the coordinates.
@@ -25,9 +26,11 @@
 // with the stretch kept, so that sticking contacts do not creep.
 //
 // Limits: hard contacts have a tangential compliance `give` too, kGive times the mobility of the bodies:
-// 1 N shifts a ball of 15 g by 7 micrometres, and no further. Where friction and normal force amplify each
-// other (a jamming wedge) and the contact is hard, the radii may need many iterations; their number is
-// bounded, and residual() reports the remaining change.
+// 1 N shifts a ball of 15 g by 7 micrometres, and no further. Where several points of two bodies could carry the
+// same friction (a sole on the floor) they share it as springs in parallel do, in proportion to 1 / give, within
+// their discs. Where friction and normal force amplify each other without bound (a jamming wedge between bodies
+// next to massless) no solution may be found; the number of iterations is bounded, and residual() reports the
+// remaining change.
 #pragma once
 
 #include <array>
@@ -161,6 +164,13 @@ class VelocitySolver {
   double search(std::span<const double> v) const;
   double step_length(std::span<const double> momentum, std::span<const double> v);
   void accelerate();
+  // coupled_newton.cpp
+  static void add_coupled_stiffness(const Contact& contact, Stiffness& k);
+  void assemble_coupled(std::span<const int> coordinates);
+  double merit() const;
+  // From v, the number of iterations; `left`: the velocity change of the last. Above `tolerance` v is no solution.
+  int solve_coupled(std::span<const double> momentum, std::span<double> v, double tolerance,
+                    int max_steps, double& left);
   int solve_island(std::span<const double> momentum, std::span<double> v, double tolerance,
                    int max_steps);
 
@@ -174,6 +184,10 @@ class VelocitySolver {
   std::vector<double> requested_before_,
       gone_before_;  // change_ of the last iteration, before and after accelerate()
   std::vector<double> scratch_;
+  // Of solve_coupled(): H, Jacobian of a pair, vectors of all coordinates.
+  Eigen::MatrixXd coupled_;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian_;
+  std::vector<double> unit_, column_, start_;
   // Members, grouped by island.
   std::vector<int> pair_list_, point_list_, bounded_list_;
   std::vector<Members> members_;

@@ -1,0 +1,191 @@
+// Recorded steps of catches that were hard to solve: the solution is found, and is one of Coulomb's law.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/body/reduced/velocity_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include <Eigen/Dense>
+
+namespace kaz::sim {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// A step as testdata/README.md has it, with everything dense for the judgement.
+class RecordedStep {
+ public:
+  explicit RecordedStep(const std::string& path) : file_(path) {
+    const int size = whole(), blocks = whole();
+    solver_.begin(size);
+    inertia_ = MatrixXd::Zero(size, size);
+    read_inertia(blocks);
+    for (int pairs = whole(); pairs > 0; --pairs) read_pair();
+    for (int points = whole(); points > 0; --points) read_point();
+    for (int rows = whole(); rows > 0; --rows) {
+      VelocitySolver::Bounded row;
+      row.coordinate = whole();
+      for (double* to : {&row.sign, &row.target, &row.softness, &row.min, &row.max}) *to = number();
+      bounded_.push_back(row);
+      solver_.add_bounded(row);
+    }
+    for (std::vector<double>* all : {&momentum_, &velocity_}) {
+      all->resize(static_cast<std::size_t>(size));
+      for (double& one : *all) one = number();
+    }
+    whole_file_ = static_cast<bool>(file_);
+  }
+  bool is_whole() const { return whole_file_; }
+
+  VelocitySolver& solve() {
+    solver_.close();
+    solver_.solve(momentum_, velocity_, 1e-8, 100);
+    return solver_;
+  }
+
+  // Of the laws in velocity_solver.h with the velocities found: max |F_k| / M_kk, m/s or rad/s. The tangential
+  // compliance of hard points is the solver's own (kGive), so its impulses are judged instead of recomputed:
+  // `worst_friction` is the largest share by which one is longer than mu l_n allows, and where it is shorter by a
+  // thousandth the sliding velocity must be that of the compliance, which the force balance then shows.
+  double imbalance(double& worst_friction) const {
+    const Eigen::Map<const VectorXd> v(velocity_.data(), inertia_.rows());
+    const Eigen::Map<const VectorXd> p(momentum_.data(), inertia_.rows());
+    VectorXd f = inertia_ * v - p;
+    worst_friction = 0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const VelocitySolver::Point& point = points_[i];
+      const MatrixXd& j = jacobians_[static_cast<std::size_t>(point.pair)];
+      const Eigen::Matrix<double, 6, 1> motion = j * v;
+      const Eigen::Vector3d angular = motion.head<3>();
+      const Eigen::Vector3d u =
+          point.basis.transpose() * (motion.tail<3>() + angular.cross(point.arm));
+      const double normal = std::max(0.0, (point.target - u[0]) / point.softness);
+      const VelocitySolver::Impulse& found = solver_.impulse(i);
+      EXPECT_NEAR(found[0], normal, 1e-9 + 1e-6 * normal) << "normal impulse of point " << i;
+      const double tangential = found.segment<2>(1).norm();
+      if (normal > 0) {
+        worst_friction = std::max(worst_friction, tangential - point.mu * normal);
+        // Sliding: friction opposes what the spring and the velocity request, so along u it does no work.
+        if (tangential > 0.999 * point.mu * normal && point.before.segment<2>(1).isZero())
+          EXPECT_LE(found.segment<2>(1).dot(u.tail<2>()), 1e-12) << "friction drives point " << i;
+        if (point.give > 0) {
+          Eigen::Vector2d law = point.before.segment<2>(1) - u.tail<2>() / point.give;
+          if (law.norm() > point.mu * normal) law *= point.mu * normal / law.norm();
+          EXPECT_LT((law - found.segment<2>(1)).norm(), 1e-9 + 1e-5 * normal) << "point " << i;
+        }
+      }
+      Eigen::Matrix<double, 6, 1> wrench;
+      const Eigen::Vector3d force =
+          normal > 0 ? point.basis * found.head<3>() : Eigen::Vector3d(0, 0, 0);
+      wrench << point.arm.cross(force), force;
+      if (point.rolling > 0 && normal > 0)
+        wrench.head<3>() += point.basis * Eigen::Vector3d(found[5], found[3], found[4]);
+      f -= j.transpose() * wrench;
+    }
+    for (const VelocitySolver::Bounded& row : bounded_) {
+      const double u = row.sign * v[row.coordinate];
+      f[row.coordinate] -=
+          row.sign * std::min(row.max, std::max(row.min, (row.target - u) / row.softness));
+    }
+    return f.cwiseQuotient(inertia_.diagonal()).lpNorm<Eigen::Infinity>();
+  }
+
+ private:
+  double number() {
+    std::string text;
+    file_ >> text;
+    return std::strtod(text.c_str(), nullptr);  // streams do not read hexadecimal floating point
+  }
+  int whole() { return static_cast<int>(number()); }
+
+  void read_inertia(int blocks) {
+    struct Block {
+      int first, length, carrier;
+    };
+    std::vector<Block> all;
+    for (int i = 0; i < blocks; ++i) {
+      const int first = whole(), length = whole(), carrier = whole();
+      all.push_back({first, length, carrier});
+      solver_.matrix().add_block(first, length, carrier);
+    }
+    const auto set = [&](int i, int k) {
+      const double value = number();
+      solver_.matrix().inertia_row(i)[k] = value;
+      inertia_(i, k) = inertia_(k, i) = value;
+    };
+    for (const Block& block : all) {
+      for (int i = block.first; i < block.first + block.length; ++i) {
+        for (int k = block.first; k <= i; ++k) set(i, k);
+        for (int c = block.carrier; c >= 0; c = all[static_cast<std::size_t>(c)].carrier) {
+          const Block& carrier = all[static_cast<std::size_t>(c)];
+          for (int k = 0; k < carrier.length; ++k) set(i, carrier.first + k);
+        }
+      }
+    }
+  }
+
+  void read_pair() {
+    std::vector<VelocitySolver::Segment> segments(static_cast<std::size_t>(whole()));
+    for (VelocitySolver::Segment& segment : segments) {
+      segment.first = whole();
+      segment.length = whole();
+      segment.plain = number();
+    }
+    double* column = solver_.columns(solver_.add_pair(segments));
+    MatrixXd& jacobian = jacobians_.emplace_back(MatrixXd::Zero(6, inertia_.rows()));
+    for (const VelocitySolver::Segment& segment : segments) {
+      for (int k = 0; k < segment.length; ++k) {
+        if (segment.plain != 0) {
+          jacobian(k, segment.first + k) = segment.plain;
+          continue;
+        }
+        for (int row = 0; row < 6; ++row) jacobian(row, segment.first + k) = *column++ = number();
+      }
+    }
+  }
+
+  void read_point() {
+    VelocitySolver::Point point;
+    point.pair = whole();
+    for (double* to : {&point.target, &point.softness, &point.mu, &point.give, &point.rolling})
+      *to = number();
+    for (int i = 0; i < 9; ++i) point.basis.data()[i] = number();
+    for (int i = 0; i < 3; ++i) point.arm[i] = number();
+    for (int i = 0; i < 6; ++i) point.before[i] = number();
+    points_.push_back(point);
+    solver_.add_point(point);
+  }
+
+  std::ifstream file_;
+  bool whole_file_ = false;
+  VelocitySolver solver_;
+  MatrixXd inertia_;
+  std::vector<MatrixXd> jacobians_;
+  std::vector<VelocitySolver::Point> points_;
+  std::vector<VelocitySolver::Bounded> bounded_;
+  std::vector<double> momentum_, velocity_;
+};
+
+class Unconverged : public testing::TestWithParam<int> {};
+
+TEST_P(Unconverged, IsSolvedNow) {
+  const std::string number = std::to_string(GetParam());
+  RecordedStep step("sim/body/reduced/testdata/unconverged_" +
+                    std::string(number.size() < 2 ? "0" : "") + number + ".txt");
+  ASSERT_TRUE(step.is_whole());
+  const VelocitySolver& solver = step.solve();
+  EXPECT_LE(solver.residual(), 1e-8);
+  EXPECT_LE(solver.steps(), 30);
+  double worst_friction = 0;
+  EXPECT_LT(step.imbalance(worst_friction), 1e-7);
+  EXPECT_LT(worst_friction, 1e-10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Recorded, Unconverged, testing::Range(1, 11));
+
+}  // namespace
+}  // namespace kaz::sim
