@@ -51,6 +51,22 @@ class BlockMatrix {
   }
   bool calm(int block) const { return blocks_[at(block)].calm; }
 
+  // Calls set(i, j, M_ij) for the entries of an island's lower triangle that are not zero by structure.
+  template <class Set>
+  void for_each_inertia(const Island& island, Set set) const {
+    for (int k = 0; k < island.blocks.length; ++k) {
+      const Block& block = blocks_[at(order_[at(island.blocks.first + k)])];
+      const int end = block.range.first + block.range.length;
+      for (int i = block.range.first; i < end; ++i) {
+        const double* m = inertia_.data() + row(i);
+        for (int j = block.range.first; j <= i; ++j) set(i, j, m[j]);
+        for (int a = block.carrier; a >= 0; a = blocks_[at(a)].carrier) {
+          const Range& other = blocks_[at(a)].range;
+          for (int j = other.first; j < other.first + other.length; ++j) set(i, j, m[j]);
+        }
+      }
+    }
+  }
   // out = M x for an island's coordinates.
   void multiply(const Island& island, const double* x, double* out) const;
   // H = M for an island. `keep`: its calm blocks stay factored.

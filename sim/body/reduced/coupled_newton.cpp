@@ -96,39 +96,41 @@ void VelocitySolver::add_coupled_stiffness(const Contact& contact, Stiffness& k)
 
 // H = M + J^T D J of the island in the order of `coordinates`, which ascend.
 void VelocitySolver::assemble_coupled(std::span<const int> coordinates) {
-  const BlockMatrix::Island& island = matrix_.islands()[island_];
   const auto n = static_cast<Index>(coordinates.size());
-  coupled_.resize(n, n);
-  unit_.assign(at(matrix_.size()), 0.0);
-  column_.resize(at(matrix_.size()));
-  for (Index k = 0; k < n; ++k) {
-    double& one = unit_[at(coordinates[at(k)])];
-    one = 1;
-    matrix_.multiply(island, unit_.data(), column_.data());
-    one = 0;
-    for (Index i = 0; i < n; ++i) coupled_(i, k) = column_[at(coordinates[at(i)])];
-  }
+  place_.resize(at(matrix_.size()));
+  for (Index k = 0; k < n; ++k) place_[at(coordinates[at(k)])] = k;
+  coupled_.setZero(n, n);
+  matrix_.for_each_inertia(matrix_.islands()[island_], [&](int i, int j, double m) {
+    coupled_(place_[at(i)], place_[at(j)]) = coupled_(place_[at(j)], place_[at(i)]) = m;
+  });
   for (const int i : its_pairs_) pairs_[at(i)].stiffness.setZero();
   for (const int i : its_points_) {
     const Contact& contact = points_[at(i)];
     if (contact.impulse[0] > 0)
       add_coupled_stiffness(contact, pairs_[at(contact.point.pair)].stiffness);
   }
-  jacobian_.resize(6, n);
   for (const int i : its_pairs_) {
     const Pair& pair = pairs_[at(i)];
-    for (Index k = 0; k < n; ++k) {
-      double& one = unit_[at(coordinates[at(k)])];
-      one = 1;
-      jacobian_.col(k) = motion_of(pair, unit_.data());
-      one = 0;
+    const double* column = columns_.data() + pair.pool;
+    jacobian_.setZero(6, n);
+    for (int s = 0; s < pair.segment_count; ++s) {
+      const Segment& segment = pair.segments[at(s)];
+      for (int k = 0; k < segment.length; ++k) {
+        auto to = jacobian_.col(place_[at(segment.first + k)]);
+        if (segment.plain != 0) {
+          to = segment.plain * Motion::Unit(k);
+          continue;
+        }
+        to = Eigen::Map<const Motion>(column);
+        column += 6;
+      }
     }
-    coupled_.noalias() += jacobian_.transpose() * (pair.stiffness * jacobian_).eval();
+    product_.noalias() = pair.stiffness.lazyProduct(jacobian_);
+    coupled_.noalias() += jacobian_.transpose() * product_;
   }
   for (const int i : its_bounded_) {
     if (!yields(i)) continue;
-    const Index k =
-        std::ranges::lower_bound(coordinates, bounded_[at(i)].coordinate) - coordinates.begin();
+    const Index k = place_[at(bounded_[at(i)].coordinate)];
     coupled_(k, k) += 1 / bounded_[at(i)].softness;
   }
 }

@@ -184,10 +184,11 @@ class VelocitySolver {
   std::vector<double> requested_before_,
       gone_before_;  // change_ of the last iteration, before and after accelerate()
   std::vector<double> scratch_;
-  // Of solve_coupled(): H, Jacobian of a pair, vectors of all coordinates.
+  // Of solve_coupled(): H, Jacobian of a pair and its product with the stiffness, place of each coordinate in H.
   Eigen::MatrixXd coupled_;
-  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian_;
-  std::vector<double> unit_, column_, start_;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian_, product_;
+  std::vector<Eigen::Index> place_;
+  std::vector<double> start_;
   // Members, grouped by island.
   std::vector<int> pair_list_, point_list_, bounded_list_;
   std::vector<Members> members_;

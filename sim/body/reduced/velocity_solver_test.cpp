@@ -70,8 +70,9 @@ class RecordedStep {
       if (normal > 0) {
         worst_friction = std::max(worst_friction, tangential - point.mu * normal);
         // Sliding: friction opposes what the spring and the velocity request, so along u it does no work.
-        if (tangential > 0.999 * point.mu * normal && point.before.segment<2>(1).isZero())
+        if (tangential > 0.999 * point.mu * normal && point.before.segment<2>(1).isZero()) {
           EXPECT_LE(found.segment<2>(1).dot(u.tail<2>()), 1e-12) << "friction drives point " << i;
+        }
         if (point.give > 0) {
           Eigen::Vector2d law = point.before.segment<2>(1) - u.tail<2>() / point.give;
           if (law.norm() > point.mu * normal) law *= point.mu * normal / law.norm();
