@@ -33,8 +33,8 @@ class StereoMatcher {
   BlockMatcher blocks_;
   BlockTexture texture_;
   SlantFinder slants_;
-  BlockMatches facing_, slanted_;
   std::vector<std::uint8_t> textured_, wanted_;
+  std::vector<std::int16_t> cost_;  // of the disparities found, by pixel
 
   // Replaces disparities near the plane by those of blocks slanted like it.
   void slant(const DisparityPlane& plane, const MatchOptions& options,

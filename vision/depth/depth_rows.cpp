@@ -1,10 +1,13 @@
-// Integer arithmetic except for the subpixel disparity, one division, which SIMD rounds in the same way.
+// Integer arithmetic except for the disparities, whose few operations SIMD rounds in the same way.
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/depth/depth_rows.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdlib>
+
+#include "vision/depth/depth_rows_avx2.h"
 
 namespace kaz::vision {
 namespace {
@@ -28,7 +31,13 @@ void winners(const BlockRow& r, int u) {
   const int d = static_cast<int>(best - begin), min_cost = *best;
   const int limit = doubt(min_cost, r.doubt_share);
   const auto near = std::count_if(begin, end, [limit](std::int16_t c) { return c <= limit; });
-  put_winner(r, u, d, min_cost, static_cast<int>(near));
+  const RowWinners& to = r.winners;
+  to.disparity[u] = static_cast<std::int16_t>(d);
+  to.cost[u] = static_cast<std::int16_t>(min_cost);
+  to.before[u] = begin[d - 1];
+  to.after[u] = begin[d + 1];
+  to.in_doubt[u] = static_cast<std::int16_t>(near);
+  claim(r, u, d, min_cost);
 }
 
 // Block cost C(u, d) as a running sum of 2 half + 1 column sums, and its winners; see match_row().
@@ -37,7 +46,7 @@ void plain_row(const BlockRow& r) {
   std::fill(r.window, r.window + n, std::int16_t{0});
   for (int u = 0; u < r.width; ++u) {
     move_column(r, u);
-    if (r.winners == nullptr) continue;
+    if (!r.full) continue;
     const std::int16_t* in = r.columns + static_cast<std::ptrdiff_t>(u) * n;
     for (int d = 0; d < n; ++d) {
       const int out = u < block ? 0 : in[d - block * n];
@@ -47,70 +56,29 @@ void plain_row(const BlockRow& r) {
   }
 }
 
-[[gnu::always_inline]] inline void filter(const std::uint8_t* __restrict above,
-                                          const std::uint8_t* __restrict here,
-                                          const std::uint8_t* __restrict below, int width,
-                                          std::uint8_t* __restrict to) {
-  const auto at = [&](int l, int r) {
-    const int change = (above[r] - above[l]) + 2 * (here[r] - here[l]) + (below[r] - below[l]);
-    const auto c = static_cast<std::int16_t>(change);
-    const std::int16_t low = c < -kFilterCap ? -kFilterCap : c;
-    return static_cast<std::uint8_t>((low > kFilterCap ? kFilterCap : low) + kFilterCap);
-  };
-  to[0] = to[width - 1] = kFilterCap;
-  for (int u = 1; u + 1 < width; ++u) to[u] = at(u - 1, u + 1);
-}
-
-[[gnu::always_inline]] inline void judge(
-    const std::int16_t* __restrict winner, const std::int16_t* __restrict min_cost,
-    const std::int16_t* __restrict before, const std::int16_t* __restrict after,
-    const std::int16_t* __restrict in_doubt, const std::uint8_t* __restrict wanted, int count,
-    int disparities, int share, float* __restrict disparity, std::int16_t* __restrict cost,
-    std::uint8_t* __restrict good) {
-  const int last = disparities - 1;
-  for (int u = 0; u < count; ++u) {
-    const int d = winner[u], c = min_cost[u], p = before[u], q = after[u];
-    const int limit = doubt(c, share);
-    const int own = 1 + (p <= limit ? 1 : 0) + (q <= limit ? 1 : 0);
-    const int inner = (d > 0 ? 1 : 0) & (d < last ? 1 : 0);
-    const int rise = std::max(1, 2 * (std::max(p, q) - c));
-    const int shift = inner != 0 ? p - q : 0;
-    disparity[u] = static_cast<float>(d) + static_cast<float>(shift) / static_cast<float>(rise);
-    cost[u] = static_cast<std::int16_t>(c);
-    good[u] = static_cast<std::uint8_t>(inner & (in_doubt[u] == own ? 1 : 0) & wanted[u]);
+[[gnu::always_inline]] inline bool near_plane(const float* __restrict disparity,
+                                              const std::uint8_t* __restrict textured, int width,
+                                              float start, float slope,
+                                              std::uint8_t* __restrict wanted) {
+  int any = 0;
+  for (int u = 0; u < width; ++u) {
+    const float d = disparity[u], off = std::abs(d - (start + slope * static_cast<float>(u)));
+    wanted[u] = static_cast<std::uint8_t>((((d == 0) | (off < kNear_px)) ? 1 : 0) & textured[u]);
+    any |= wanted[u];
   }
+  return any != 0;
 }
-
-[[gnu::always_inline]] inline void judge(const RowWinners& w, const std::uint8_t* wanted, int begin,
-                                         int end, int disparities, int share,
-                                         const RowMatches& to) {
-  judge(w.disparity + begin, w.cost + begin, w.before + begin, w.after + begin, w.in_doubt + begin,
-        wanted + begin, end - begin, disparities, share, to.disparity + begin, to.cost + begin,
-        to.good + begin);
-}
-
 #ifdef KAZ_DEPTH_AVX2
-[[gnu::target("avx2")]] void judge_avx2(const RowWinners& w, const std::uint8_t* wanted, int begin,
-                                        int end, int disparities, int share, const RowMatches& to) {
-  judge(w, wanted, begin, end, disparities, share, to);
-}
-[[gnu::target("avx2")]] void filter_avx2(const std::uint8_t* above, const std::uint8_t* here,
-                                         const std::uint8_t* below, int width, std::uint8_t* to) {
-  filter(above, here, below, width, to);
-}
-bool has_avx2() {
-  static const bool has = __builtin_cpu_supports("avx2") != 0;
-  return has;
+KAZ_AVX2 bool near_plane_avx2(const float* disparity, const std::uint8_t* textured, int width,
+                              float start, float slope, std::uint8_t* wanted) {
+  return near_plane(disparity, textured, width, start, slope, wanted);
 }
 #endif
 
 }  // namespace
 
 void match_row(const BlockRow& r, bool vectors) {
-  if (r.winners != nullptr) {
-    std::fill(r.right_cost, r.right_cost + r.width + r.disparities, INT16_MAX);
-    std::fill(r.right_disparity, r.right_disparity + r.width + r.disparities, std::int16_t{-9});
-  }
+  if (r.full) std::fill(r.claims, r.claims + r.width + r.disparities, UINT32_MAX);
 #ifdef KAZ_DEPTH_AVX2
   if (vectors && has_avx2()) return match_row_avx2(r);
 #endif
@@ -118,22 +86,52 @@ void match_row(const BlockRow& r, bool vectors) {
   plain_row(r);
 }
 
-void judge_row(const RowWinners& w, const std::uint8_t* wanted, int begin, int end, int disparities,
-               int share, const RowMatches& to, bool vectors) {
+void take_row(const MatchedRow& r, float* disparity, std::int16_t* cost, bool vectors) {
+  std::fill(disparity, disparity + r.half, 0.0F);
+  std::fill(disparity + r.width - r.half, disparity + r.width, 0.0F);
+  int u = r.half;
 #ifdef KAZ_DEPTH_AVX2
-  if (vectors && has_avx2()) return judge_avx2(w, wanted, begin, end, disparities, share, to);
+  if (vectors && has_avx2()) u = take_row_avx2(r, disparity, cost);
 #endif
   (void)vectors;
-  judge(w, wanted, begin, end, disparities, share, to);
+  for (; u < r.width - r.half; ++u) {
+    float d = 0;
+    const bool good = judge(r, u, d) && d <= static_cast<float>(u - r.half);
+    disparity[u] = good ? d : 0;
+    cost[u] = r.winners.cost[u];
+  }
 }
 
-void filter_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
-                int width, std::uint8_t* to, bool vectors) {
+bool near_row(const DisparityPlane& plane, int v, const float* disparity,
+              const std::uint8_t* textured, int width, std::uint8_t* wanted, bool vectors) {
+  const float start = plane.at(0, static_cast<float>(v));
 #ifdef KAZ_DEPTH_AVX2
-  if (vectors && has_avx2()) return filter_avx2(above, here, below, width, to);
+  if (vectors && has_avx2())
+    return near_plane_avx2(disparity, textured, width, start, plane.a, wanted);
 #endif
   (void)vectors;
-  filter(above, here, below, width, to);
+  return near_plane(disparity, textured, width, start, plane.a, wanted);
+}
+
+void take_slanted_row(const MatchedRow& r, const DisparityPlane& plane, int v, float* disparity,
+                      std::int16_t* cost, bool vectors) {
+  constexpr float kMiddle = kAround / 2;
+  int u = r.half;
+#ifdef KAZ_DEPTH_AVX2
+  if (vectors && has_avx2()) u = take_slanted_row_avx2(r, plane, v, disparity, cost);
+#endif
+  (void)vectors;
+  for (; u < r.width - r.half; ++u) {
+    float away = 0;
+    if (!judge(r, u, away) || std::abs(away - kMiddle) > kOn_px ||
+        100 * r.winners.cost[u] > kMaxCost_percent * cost[u])
+      continue;
+    const float moved = plane.at(static_cast<float>(u) - away, static_cast<float>(v));
+    const float d = away + moved - kMiddle;
+    if (d <= 0 || d > static_cast<float>(u - r.half)) continue;
+    disparity[u] = d;
+    cost[u] = std::min(r.winners.cost[u], cost[u]);
+  }
 }
 
 }  // namespace kaz::vision

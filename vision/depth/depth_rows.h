@@ -2,36 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 
-#include "vision/depth/depth_blocks.h"
+#include "vision/depth/disparity_plane.h"
 
 namespace kaz::vision {
 
-// One row of the horizontal 3 x 3 Sobel derivative (depth_blocks.h, FilteredPicture): with columns l = u - 1
-// and r = u + 1, clamp(above[r] - above[l] + 2 (here[r] - here[l]) + below[r] - below[l], +-kFilterCap)
-// + kFilterCap. The first and last pixel get derivative 0.
-void filter_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
-                int width, std::uint8_t* to, bool vectors);
-
-// Per column: the disparity d of minimum cost, that cost C(d), C(d - 1) and C(d + 1), and how many
-// disparities have a cost below the uniqueness threshold doubt(), d included.
+// By column: the disparity d of minimum cost, that cost C(d), C(d - 1) and C(d + 1), and how many disparities
+// have a cost below the uniqueness threshold doubt(), d included. Only where a winner was wanted.
 struct RowWinners {
   std::int16_t *disparity, *cost, *before, *after, *in_doubt;
 };
-
-// Subpixel interpolation and uniqueness of the winners in columns begin .. end - 1; the left-right check
-// follows elsewhere. SAD costs rise linearly on both sides of the minimum. With p = C(d - 1), q = C(d + 1):
-//   disparity = d + (p - q) / (2 (max(p, q) - C(d))), px.
-// `good`: 1 where d is not at an end of the range, no disparity other than d - 1 and d + 1 is in doubt, and
-// the pixel is wanted.
-struct RowMatches {
-  float* disparity;
-  std::int16_t* cost;
-  std::uint8_t* good;
-};
-void judge_row(const RowWinners& winners, const std::uint8_t* wanted, int begin, int end,
-               int disparities, int doubt_share, const RowMatches& to, bool vectors);
 
 // One step of the running sums: the row of both pictures that enters the blocks, and the one that leaves.
 struct BlockRow {
@@ -40,9 +23,15 @@ struct BlockRow {
   const std::uint8_t *left_gone, *right_gone;  // all 0 where none leaves
   std::int16_t* columns;  // per column and disparity: sum over the block's rows
   std::int16_t* window;   // per disparity: sum over the block; INT16_MAX at both ends
-  std::int16_t *right_cost, *right_disparity;  // winners of the right picture, mirrored
-  int doubt_share;                             // of 65536
-  RowWinners* winners;         // of the block's middle row; null while the block is not full
+  std::int16_t* windows;  // the same for each column, where there are 16 disparities
+  // With vectors, `columns` and `window` have disparity d at place[d].
+  const std::int16_t* place;
+  // By column of the right picture, mirrored: C(d) << 16 | d of the winner of minimum cost that matches
+  // there, of equal ones the smallest d. All ones before the first.
+  std::uint32_t* claims;
+  int doubt_share;             // of 65536
+  bool full;                   // the block has all its rows: winners are found for its middle row
+  RowWinners winners;          // of that row
   const std::uint8_t* wanted;  // of that row: 0 where no winner is needed
 };
 void match_row(const BlockRow& row, bool vectors);
@@ -53,28 +42,55 @@ inline int doubt(int min_cost, int share) {
   return limit < INT16_MAX ? limit : INT16_MAX - 1;
 }
 
-// Stores the winner d of the left picture's column u, with the number of costs that put it in doubt, its own
-// and its neighbours' among them. The matching pixel of the right picture (mirrored column) takes the winner
-// of minimum cost. Without branches, because branch prediction fails here.
-[[gnu::always_inline]] inline void put_winner(const BlockRow& r, int u, int d, int min_cost,
-                                              int in_doubt) {
-  const RowWinners& to = *r.winners;
-  to.disparity[u] = static_cast<std::int16_t>(d);
-  to.cost[u] = static_cast<std::int16_t>(min_cost);
-  to.before[u] = r.window[d - 1];
-  to.after[u] = r.window[d + 1];
-  to.in_doubt[u] = static_cast<std::int16_t>(in_doubt);
-  const int other = r.width - 1 - u + d;
-  const std::int16_t cost = r.right_cost[other], disparity = r.right_disparity[other];
-  const bool claims = min_cost < cost;
-  r.right_cost[other] = claims ? static_cast<std::int16_t>(min_cost) : cost;
-  r.right_disparity[other] = claims ? static_cast<std::int16_t>(d) : disparity;
+// The winner d of the left picture's column u claims the pixel of the right picture that it matches. Without
+// branches, because branch prediction fails here.
+[[gnu::always_inline]] inline void claim(const BlockRow& r, int u, int d, int min_cost) {
+  std::uint32_t& other = r.claims[r.width - 1 - u + d];
+  other =
+      std::min(other, static_cast<std::uint32_t>(min_cost) << 16 | static_cast<std::uint32_t>(d));
 }
 
-#if defined(__x86_64__) && defined(__GNUC__)
-#define KAZ_DEPTH_AVX2
-// For processors that have AVX2.
-void match_row_avx2(const BlockRow& row);
-#endif
+// A row with its winners, to be judged: a match is good if it is wanted, its disparity is not at an end of
+// the range, no disparity but d - 1 and d + 1 is in doubt, and the right picture's winner there is within
+// `left_right_px` of it. SAD costs rise linearly on both sides of the minimum, so with p = C(d - 1) and
+// q = C(d + 1) the disparity is d + (p - q) / (2 (max(p, q) - C(d))), px.
+struct MatchedRow {
+  int width, half, disparities, doubt_share, left_right_px;
+  RowWinners winners;
+  const std::uint8_t* wanted;
+  const std::uint32_t* claims;
+};
+inline bool judge(const MatchedRow& r, int u, float& disparity) {
+  const RowWinners& w = r.winners;
+  const int d = w.disparity[u], c = w.cost[u], p = w.before[u], q = w.after[u];
+  const int limit = doubt(c, r.doubt_share);
+  const int own = 1 + (p <= limit ? 1 : 0) + (q <= limit ? 1 : 0);
+  const int rise = std::max(1, 2 * (std::max(p, q) - c));
+  disparity = static_cast<float>(d) + static_cast<float>(p - q) / static_cast<float>(rise);
+  const int other = static_cast<int>(r.claims[r.width - 1 - u + d] & 0xffff);
+  return (r.wanted[u] != 0) & (d > 0) & (d < r.disparities - 1) & (w.in_doubt[u] == own) &
+         (std::abs(other - d) <= r.left_right_px);
+}
+
+// Fronto-parallel blocks: the disparities of good matches whose blocks do not extend beyond the left border
+// of the right picture, else 0, px; and all costs.
+void take_row(const MatchedRow& row, float* disparity, std::int16_t* cost, bool vectors);
+
+constexpr int kAround = 16;    // disparities compared around a plane
+constexpr float kOn_px = 1;    // a result further off the plane is not on it: its slant is unknown
+constexpr float kNear_px = 3;  // a fronto-parallel result further off the plane is another object
+// Largest cost of a slanted block relative to the fronto-parallel one. The latter is the minimum over all
+// disparities, the former over kAround: with noise, the minimum of more values is smaller.
+constexpr int kMaxCost_percent = 125;
+
+// Pixels of row v where the plane is possible; returns whether there are any.
+bool near_row(const DisparityPlane& plane, int v, const float* disparity,
+              const std::uint8_t* textured, int width, std::uint8_t* wanted, bool vectors);
+
+// Blocks slanted like the plane, whose points have disparity kAround / 2 in the warped picture: good matches
+// on the plane replace disparity and cost. Undoes the warp: total disparity = residual disparity + the
+// plane's at the warped pixel.
+void take_slanted_row(const MatchedRow& row, const DisparityPlane& plane, int v, float* disparity,
+                      std::int16_t* cost, bool vectors);
 
 }  // namespace kaz::vision

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "vision/depth/disparity_plane.h"
@@ -15,17 +14,16 @@ class SlantFinder {
   // only those whose slant over `block` px matters. Disparities of 0 are unknown. Pixel coordinates from
   // the image corner. Deterministic: same image, same planes.
   const std::vector<DisparityPlane>& find(const std::vector<float>& disparity, int width,
-                                          int height, int block, int max_planes);
+                                          int height, int block, int max_planes, bool vectors);
 
  private:
-  struct Point {
-    float u, v, d;
-  };
-  std::vector<Point> points_;
+  // Of the sampled pixels that are on no plane yet, px.
+  std::vector<float> u_, v_, d_;
   std::vector<DisparityPlane> planes_;
 
-  int count(const DisparityPlane& plane, float band) const;
+  int count(const DisparityPlane& plane, float band, bool vectors) const;
   bool refine(DisparityPlane& plane, float band) const;
+  void erase(const DisparityPlane& plane, float band);
 };
 
 }  // namespace kaz::vision

@@ -84,7 +84,7 @@ TEST(Depth, IsTheSameTwiceAndFromGreyPictures) {
 
 TEST(Depth, IsTheSameWithoutVectors) {
   const TestStereoScene scene = test_room();
-  for (const double nearest : {0.14, 0.3, 0.05}) {  // 64, 32 and 160 disparities
+  for (const double nearest : {0.14, 0.3, 0.05, 0.2, 0.6}) {  // 64, 32, 160, 48 and 16 disparities
     for (const int width : {320, 323}) {
       const CameraModel camera = test_camera(width, 240);
       const StereoImages pair = scene.pictures(camera, 2, 5);

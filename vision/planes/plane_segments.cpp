@@ -14,6 +14,7 @@ namespace kaz::vision {
 namespace {
 
 constexpr std::uint8_t kOff = 0, kOn = 1, kUnknown = 2, kPart = 3;  // state of a cell
+constexpr std::uint8_t kLeft = 1, kRight = 2, kAbove = 4, kBelow = 8, kInside = 15;
 constexpr int kGap = 2;               // cells without depth that a part may span
 constexpr std::size_t kSample = 250;  // cells for ranking candidates
 
@@ -55,6 +56,10 @@ struct PlaneSegmentFinder::State {
     int cell, gap;
   };
   std::vector<Visit> queue;
+  std::vector<int> part;
+  // By cell: which sides have another cell, of kLeft and so on.
+  std::vector<std::uint8_t> sides;
+  int sides_columns = 0, sides_rows = 0;
   std::vector<std::vector<int>> parts;
   double widest = 0;  // px: inlier threshold of the first round of a fit
   double rms = 0;     // px: of the inliers of the last fit
@@ -99,23 +104,22 @@ struct PlaneSegmentFinder::State {
     parts.clear();
     for (const int seed : open_cells) {
       if (on[static_cast<std::size_t>(seed)] != kOn) continue;
-      std::vector<int> part = flood(seed);
-      if (static_cast<int>(part.size()) >= min_cells && broad(part))
-        parts.push_back(std::move(part));
+      flood(seed);
+      if (static_cast<int>(part.size()) >= min_cells && broad()) parts.push_back(part);
     }
     std::stable_sort(parts.begin(), parts.end(),
                      [](const auto& a, const auto& b) { return a.size() > b.size(); });
   }
 
-  // Breadth first, so that gaps are crossed by the shortest path.
-  std::vector<int> flood(int seed) {
-    std::vector<int> part;
+  // Into `part`; breadth first, so that gaps are crossed by the shortest path.
+  void flood(int seed) {
+    part.clear();
     queue.assign(1, {seed, 0});
     on[static_cast<std::size_t>(seed)] = kOff;
     for (std::size_t head = 0; head < queue.size(); ++head) {
       const auto [i, gap] = queue[head];
       if (gap == 0) part.push_back(i);
-      const int column = i % grid.columns, row = i / grid.columns;
+      const std::uint8_t beside = sides[static_cast<std::size_t>(i)];
       const auto visit = [&, gap = gap](bool inside, int j) {
         if (!inside) return;
         std::uint8_t& what = on[static_cast<std::size_t>(j)];
@@ -123,30 +127,43 @@ struct PlaneSegmentFinder::State {
         queue.push_back({j, what == kOn ? 0 : gap + 1});
         what = kOff;
       };
-      visit(column > 0, i - 1);
-      visit(column + 1 < grid.columns, i + 1);
-      visit(row > 0, i - grid.columns);
-      visit(row + 1 < grid.rows, i + grid.columns);
+      visit((beside & kLeft) != 0, i - 1);
+      visit((beside & kRight) != 0, i + 1);
+      visit((beside & kAbove) != 0, i - grid.columns);
+      visit((beside & kBelow) != 0, i + grid.columns);
     }
-    return part;
   }
 
   // Rejects strips: a plane that cuts through other surfaces has its inliers along lines, where almost every
   // cell has a neighbour off the plane. True if a quarter of the cells are interior.
-  bool broad(const std::vector<int>& part) {
+  bool broad() {
     for (const int i : part) on[static_cast<std::size_t>(i)] = kPart;
     int inner = 0;
     for (const int i : part) {
-      const int column = i % grid.columns, row = i / grid.columns;
-      if (column == 0 || row == 0 || column + 1 == grid.columns || row + 1 == grid.rows) continue;
+      if (sides[static_cast<std::size_t>(i)] != kInside) continue;
       const auto is = [&](int j) {
         const auto at = static_cast<std::size_t>(j);
-        return on[at] == kPart || !grid.cells[at].usable;
+        return on[at] == kPart || unknown[at] == kUnknown;
       };
       if (is(i - 1) && is(i + 1) && is(i - grid.columns) && is(i + grid.columns)) ++inner;
     }
     for (const int i : part) on[static_cast<std::size_t>(i)] = kOff;
     return 4 * inner >= static_cast<int>(part.size());
+  }
+
+  // No division in each visit of a cell.
+  void find_sides() {
+    if (sides_columns == grid.columns && sides_rows == grid.rows) return;
+    sides_columns = grid.columns;
+    sides_rows = grid.rows;
+    sides.clear();
+    for (int row = 0; row < grid.rows; ++row) {
+      for (int column = 0; column < grid.columns; ++column) {
+        const int side = (column > 0 ? kLeft : 0) | (column + 1 < grid.columns ? kRight : 0) |
+                         (row > 0 ? kAbove : 0) | (row + 1 < grid.rows ? kBelow : 0);
+        sides.push_back(static_cast<std::uint8_t>(side));
+      }
+    }
   }
 
   void list_open() {
@@ -200,6 +217,7 @@ Result<void> PlaneSegmentFinder::find(const DepthImage& depth, PlaneSegments& fo
   found.info = depth.info;
   if (auto ok = check(depth, o); !ok) return ok;
   s.grid.fill(depth);
+  s.find_sides();
   s.open.resize(s.grid.cells.size());
   s.unknown.resize(s.open.size());
   for (std::size_t i = 0; i < s.open.size(); ++i) {

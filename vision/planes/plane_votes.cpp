@@ -13,6 +13,7 @@ constexpr int kReach = 6;            // cells from the first point of a triple t
 constexpr double kNearest_m = 0.02;  // lower edge of the first bin of distance
 constexpr float kStep = 0.12F;       // of the logarithm of distance
 constexpr std::size_t kMaxPlanes = 6;
+constexpr int kMinVotes = 3;  // of a peak
 
 }  // namespace
 
@@ -45,8 +46,10 @@ bool PlaneVotes::bin_of(const Eigen::Vector3d& plane, double baseline, Vote& vot
 void PlaneVotes::sample(const CellGrid& grid, std::span<const std::uint8_t> open,
                         std::span<const int> open_cells, const CameraModel& camera, int triples,
                         Random& random) {
-  bins_.assign(static_cast<std::size_t>(kSides * kSides * kDistances), 0);
+  bins_.resize(static_cast<std::size_t>(kBins));
+  for (const Vote& vote : votes_) bins_[index(vote)] = 0;
   votes_.clear();
+  first_.clear();
   // Twice the area of the triangle, px^2: smaller or thinner ones leave the slopes undetermined.
   const auto min_area = static_cast<float>(12 * grid.size * grid.size);
   for (int i = 0; i < triples; ++i) {
@@ -75,18 +78,19 @@ void PlaneVotes::sample(const CellGrid& grid, std::span<const std::uint8_t> open
     plane.c = p.d - plane.a * p.u - plane.b * p.v;
     Vote vote;
     if (!bin_of(plane.scaled_normal(camera), camera.baseline_m, vote)) continue;
-    ++bins_[static_cast<std::size_t>(index(vote.bin[0], vote.bin[1], vote.bin[2]))];
+    if (++bins_[index(vote)] == 1) first_.push_back(static_cast<int>(votes_.size()));
     votes_.push_back(vote);
   }
 }
 
 // Votes in the bin and its 26 neighbours, so that a plane on a border between bins is not split.
 int PlaneVotes::votes_around(const Vote& vote) const {
+  const std::uint16_t* middle = &bins_[index(vote)];
   int sum = 0;
-  for (int z = std::max(0, vote.bin[2] - 1); z <= std::min(kDistances - 1, vote.bin[2] + 1); ++z) {
-    for (int y = std::max(0, vote.bin[1] - 1); y <= std::min(kSides - 1, vote.bin[1] + 1); ++y) {
-      for (int x = std::max(0, vote.bin[0] - 1); x <= std::min(kSides - 1, vote.bin[0] + 1); ++x)
-        sum += bins_[static_cast<std::size_t>(index(x, y, z))];
+  for (int z = -1; z <= 1; ++z) {
+    for (int y = -1; y <= 1; ++y) {
+      const std::uint16_t* row = middle + (z * kPitch + y) * kPitch;
+      sum += row[-1] + row[0] + row[1];
     }
   }
   return sum;
@@ -99,36 +103,27 @@ std::span<const DisparityPlane> PlaneVotes::count(const CellGrid& grid,
                                                   Random& random) {
   sample(grid, open, open_cells, camera, triples, random);
   best_.clear();
-  struct Peak {
-    int votes, vote;
-  };
-  std::vector<Peak> peaks;
-  std::vector<std::uint16_t> left = bins_;  // each bin is visited once
-  for (std::size_t i = 0; i < votes_.size(); ++i) {
-    const auto& bin = votes_[i].bin;
-    std::uint16_t& here = left[static_cast<std::size_t>(index(bin[0], bin[1], bin[2]))];
-    if (here == 0) continue;
-    here = 0;
-    peaks.push_back({votes_around(votes_[i]), static_cast<int>(i)});
+  peaks_.clear();
+  for (const int i : first_) {
+    const Vote& vote = votes_[static_cast<std::size_t>(i)];
+    const int votes = votes_around(vote);
+    if (votes >= kMinVotes && bins_[index(vote)] != 0) peaks_.push_back({votes, i});
   }
-  std::sort(peaks.begin(), peaks.end(), [](const Peak& a, const Peak& b) {
-    return a.votes != b.votes ? a.votes > b.votes : a.vote < b.vote;
-  });
   const auto beside = [](const Vote& a, const Vote& b, int reach) {
     return std::abs(a.bin[0] - b.bin[0]) <= reach && std::abs(a.bin[1] - b.bin[1]) <= reach &&
            std::abs(a.bin[2] - b.bin[2]) <= reach;
   };
-  // Non-maximum suppression: a peak within 2 bins of a better one is skipped. The plane is the mean of all
-  // votes in the peak's bin and its neighbours.
-  std::vector<int> taken;
-  for (const Peak& peak : peaks) {
-    if (taken.size() == kMaxPlanes || peak.votes < 3) break;
-    const Vote& middle = votes_[static_cast<std::size_t>(peak.vote)];
-    if (std::any_of(taken.begin(), taken.end(), [&](int other) {
-          return beside(middle, votes_[static_cast<std::size_t>(other)], 2);
-        }))
-      continue;
-    taken.push_back(peak.vote);
+  // Non-maximum suppression: a peak within 2 bins of a better one is skipped; of equal ones that of the
+  // earliest vote is better. Few are taken, so none are sorted. The plane is the mean of all votes in the
+  // peak's bin and its neighbours.
+  while (best_.size() < kMaxPlanes && !peaks_.empty()) {
+    const Peak peak =
+        *std::max_element(peaks_.begin(), peaks_.end(),
+                          [](const Peak& a, const Peak& b) { return a.votes < b.votes; });
+    const Vote middle = votes_[static_cast<std::size_t>(peak.vote)];
+    std::erase_if(peaks_, [&](const Peak& other) {
+      return beside(middle, votes_[static_cast<std::size_t>(other.vote)], 2);
+    });
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     int n = 0;
     for (const Vote& vote : votes_) {

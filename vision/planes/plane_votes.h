@@ -28,15 +28,25 @@ class PlaneVotes {
     std::array<std::int16_t, 3> bin;
     Eigen::Vector3f plane;  // scaled normal
   };
-  static int index(int x, int y, int z) { return (z * kSides + y) * kSides + x; }
+  // With a border of empty bins, so that each bin has neighbours.
+  static constexpr int kPitch = kSides + 2, kBins = kPitch * kPitch * (kDistances + 2);
+  static std::size_t index(const Vote& vote) {
+    return static_cast<std::size_t>(((vote.bin[2] + 1) * kPitch + vote.bin[1] + 1) * kPitch +
+                                    vote.bin[0] + 1);
+  }
   bool bin_of(const Eigen::Vector3d& plane, double baseline, Vote& vote) const;
   void sample(const CellGrid& grid, std::span<const std::uint8_t> open,
               std::span<const int> open_cells, const CameraModel& camera, int triples,
               Random& random);
   int votes_around(const Vote& vote) const;
 
-  std::vector<std::uint16_t> bins_;
+  struct Peak {
+    int votes, vote;
+  };
+  std::vector<std::uint16_t> bins_;  // all 0 but for those of votes_
   std::vector<Vote> votes_;
+  std::vector<int> first_;  // of the votes of each bin, rising
+  std::vector<Peak> peaks_;
   std::vector<DisparityPlane> best_;
 };
 
