@@ -42,8 +42,9 @@ void Tmr::matched_a0(Machine& m, States at) {
 
 void Tmr::step(Machine& m, unsigned n, std::int64_t counts, States at) {
   if (n == 1 && cascaded(0)) return step_pair(m, counts, at);
+  const std::uint8_t flags = timer_[n].flags.value();
   const Timer8::Crossed crossed = timer_[n].step(counts);
-  update(m, n, at);
+  if (timer_[n].flags.value() != flags) update(m, n, at);
   if (n == 0 && crossed.a) matched_a0(m, at);
 }
 
@@ -156,11 +157,13 @@ struct Wave {
   int turn, lap, a, b;
 };
 
-// One period after another from the present level; two are a whole number of periods of a toggled
-// output too.
+// One period after another from the present level, until one begins and ends with the same level: all that
+// follow are like it. If none does, the output toggles, and two periods are a whole number of its own.
 double mean_level(const Wave& w, bool level, std::uint8_t selection) {
   int high = 0;
   for (int round = 0; round < 4; ++round) {
+    const bool begins = level;
+    const int before = high;
     int from = 0;
     while (from < w.turn) {
       const int lap = from / w.lap * w.lap;
@@ -168,12 +171,13 @@ double mean_level(const Wave& w, bool level, std::uint8_t selection) {
       for (const int match : {lap + w.a, lap + w.b}) {
         if (match > from) to = std::min(to, match);
       }
-      if (level && round >= 2) high += to - from;
+      if (level) high += to - from;
       from = to;
       level = timer_output(level, selection, to == lap + w.a, to == lap + w.b);
     }
+    if (level == begins) return static_cast<double>(high - before) / w.turn;
   }
-  return static_cast<double>(high) / (2 * w.turn);
+  return static_cast<double>(high) / (4 * w.turn);
 }
 
 }  // namespace
