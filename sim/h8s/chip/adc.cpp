@@ -120,8 +120,9 @@ std::uint8_t Adc::read_now(std::uint32_t address) {
   if (address == 0xffe8) adf_.read();
   if (address >= 0xffe8 || address < 0xffe0) return peek(address);
   if (address & 1) return temp_;
-  temp_ = peek(address + 1);
-  return peek(address);
+  const std::uint16_t word = data_[address >> 1 & 3];
+  temp_ = static_cast<std::uint8_t>(word);
+  return static_cast<std::uint8_t>(word >> 8);
 }
 
 void Adc::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {

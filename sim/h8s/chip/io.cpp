@@ -126,12 +126,12 @@ unsigned ports_of(const Place& p) {
 }  // namespace
 
 // Requests that an access has raised end the stretch.
-void Machine::check_raised() {
+inline void Machine::check_raised() {
   if (irq.take_raised() && (irq.any_unmasked(cpu.control, cpu.two_level) || irq.any_diverted()))
     end_stretch(cpu);
 }
 
-void Machine::sample_pins(unsigned of_ports) {
+inline void Machine::sample_pins(unsigned of_ports) {
   if (!pins.watches(of_ports)) return;
   pins.sample(*this, event_time());
   rescheduled(Source::pins);

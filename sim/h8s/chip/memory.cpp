@@ -14,7 +14,8 @@ std::uint8_t Machine::load_io8(std::uint32_t address) {
 }
 
 std::uint16_t Machine::load_io16(std::uint32_t address) {
-  const bool one_access = wide(address);
+  const bool one_access =
+      frequent_[address & (frequent_.size() - 1)] == Frequent::none && wide(address);
   add_stall(cpu, 1);
   const unsigned high = io_read(address);
   if (!one_access) add_stall(cpu, 2);

@@ -169,7 +169,7 @@ void Sci::write(Machine& m, unsigned n, unsigned offset, std::uint8_t value, Sta
       break;
     case 3:
       tdr_ = value;
-      break;
+      return;  // no request depends on it
     case 4: {
       mpbt_ = (value & 1) != 0;
       const std::uint8_t cleared = flags_.write(static_cast<std::uint8_t>(value | 7));

@@ -7,6 +7,33 @@
 #include "sim/h8s/chip/machine.h"
 
 namespace kaz::h8s {
+namespace {
+
+// Counts up to `target` at once where no flag can be raised any more and no output toggles. False: not here.
+bool count_quietly(Timer8& t, States target) {
+  using Clear = Timer8::Clear;
+  const std::int64_t counts = target - t.tick, one = t.turn();
+  const bool wraps = t.clear() == Clear::none || t.clear() == Clear::on_pin;
+  const bool toggles = (t.tcsr_low & 0x0c) == 0x0c || (t.tcsr_low & 0x03) == 0x03;
+  if (!t.flags.has(Timer8::kCmfa) || !t.flags.has(Timer8::kCmfb) ||
+      (wraps && !t.flags.has(Timer8::kOvf)) || toggles || t.count >= one || counts <= 0)
+    return false;
+  const std::int64_t end = (t.count + counts) % one;
+  // Counts since the last match of each, whose effect is that of all before; `counts`: there was none.
+  const auto since = [&](std::uint8_t compare) {
+    return compare >= one ? counts : std::min((end - compare - 1 + one) % one, counts);
+  };
+  const std::int64_t a = since(t.tcora), b = since(t.tcorb);
+  const std::uint8_t selection = t.tcsr_low & 0x0f;
+  if (std::max(a, b) < counts && a != b) t.level = timer_output(t.level, selection, a > b, b > a);
+  if (const std::int64_t last = std::min(a, b); last < counts)
+    t.level = timer_output(t.level, selection, a == last, b == last);
+  t.count = static_cast<std::uint8_t>(end);
+  t.tick = target;
+  return true;
+}
+
+}  // namespace
 
 States Tmr::divisor(const Machine& m, unsigned n) const {
   const unsigned cks = timer_[n].clock_select();
@@ -74,7 +101,8 @@ void Tmr::advance_one(Machine& m, unsigned n, States to) {
   if (d == 0) return;
   Timer8& t = timer_[n];
   const States target = (to - m.epoch) / d;
-  const bool chained = cascaded(1 - n);
+  const bool chained = cascaded(1 - n), triggers = n == 0 && (t.tcsr_low & 0x10);
+  if (!chained && !triggers && count_quietly(t, target)) return;
   while (t.tick < target) {
     const std::int64_t counts = std::min(t.to_next(), target - t.tick);
     t.tick += counts;

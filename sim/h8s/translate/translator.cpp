@@ -218,6 +218,7 @@ void Translator::forget(std::uint32_t first, std::uint32_t count) {
 }
 
 void Translator::forget_all() {
+  cache_->invalidations = 0;  // after a reset, say
   cache_->forget_all();
 }
 
