@@ -45,13 +45,13 @@ void Adc::trigger(Machine& m, unsigned source, States at) {
   m.rescheduled(Source::adc);
 }
 
-void Adc::finish(Machine& m) {
+inline void Adc::finish(Machine& m) {
   data_[channel_ & 3] = static_cast<std::uint16_t>(held_ << 6);
   const bool last = !scan() || channel_ == (adcsr_ & 7u);
   const States at = end_;
   if (last) {
     adf_.raise(0x80);
-    update(m, at);
+    if (adcsr_ & 0x40) update(m, at);
   }
   if (!scan()) {
     adcsr_ &= static_cast<std::uint8_t>(~0x20);

@@ -357,6 +357,11 @@ Stop Machine::run(Chip& chip, States until, bool single) {
         begin_slow();
         accept(choice.vector);
         end_slow();
+        // Nearly always there is nothing to look at before the handler runs.
+        if (!single && !moves && hooks.empty() && cpu.fault == Fault::none && !stop_requested_ &&
+            events_known_ && next_event_ > cpu.now && cpu.now < until && !irq.watches_fetches() &&
+            !irq.any_diverted() && !irq.any_unmasked(cpu.control, cpu.two_level))
+          stretch(std::min(next_stop_, until), false);
         continue;
       }
       event = std::min(event, choice.earliest);
