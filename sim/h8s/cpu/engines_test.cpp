@@ -459,6 +459,7 @@ TEST(Engines, AHookInTranslatedCodeIsCalledEachTime) {
 
 TEST(Engines, AgreeOnRandomProgramsThatChangeThemselves) {
   run_seeds(1000, 60, true);
+  run_seeds(5231, 1, true);  // an EEPMOV.W over its own translated code
 }
 
 }  // namespace

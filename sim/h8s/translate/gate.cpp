@@ -69,26 +69,38 @@ void emit_access(host::Assembler& a, std::uint64_t access) {
   a.ret();
 }
 
+// The block is left after the instruction. Not by forget_all() itself: that would interrupt an EEPMOV.W.
+void leave_discarded(Cpu& c) {
+  if (c.code_discarded) [[unlikely]]
+    end_stretch(c);
+}
+
 std::uint32_t load_register8(const Insn* ip, Cpu& c) {
   const std::uint32_t address = ip->imm & c.mask;
-  return c.observed ? c.bus->load8(address) : c.bus->load_io8(address);
+  const std::uint32_t value = c.observed ? c.bus->load8(address) : c.bus->load_io8(address);
+  leave_discarded(c);
+  return value;
 }
 
 std::uint32_t load_register16(const Insn* ip, Cpu& c) {
   const std::uint32_t address = ip->imm & c.mask;
-  return c.observed ? c.bus->load16(address) : c.bus->load_io16(address);
+  const std::uint32_t value = c.observed ? c.bus->load16(address) : c.bus->load_io16(address);
+  leave_discarded(c);
+  return value;
 }
 
 void store_register8(const Insn* ip, Cpu& c, std::uint32_t value) {
   const std::uint32_t address = ip->imm & c.mask;
   const auto byte = static_cast<std::uint8_t>(value);
   c.observed ? c.bus->store8(address, byte) : c.bus->store_io8(address, byte);
+  leave_discarded(c);
 }
 
 void store_register16(const Insn* ip, Cpu& c, std::uint32_t value) {
   const std::uint32_t address = ip->imm & c.mask;
   const auto word = static_cast<std::uint16_t>(value);
   c.observed ? c.bus->store16(address, word) : c.bus->store_io16(address, word);
+  leave_discarded(c);
 }
 
 void emit_go_elsewhere(host::Assembler& a, const asmjit::Label& leave, const Entry* entries) {

@@ -174,9 +174,7 @@ struct Translator::Cache {
       gate = {};
     }
     bytes = 0;
-    if (!cpu) return;
-    cpu->code_discarded = true;
-    end_stretch(*cpu);  // the block is left after this instruction
+    if (cpu) cpu->code_discarded = true;
   }
 
   std::uint32_t threshold(const Cpu& c) const {
