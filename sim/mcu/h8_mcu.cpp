@@ -167,7 +167,9 @@ void H8Mcu::receive(const SerialByte& byte) {
 }
 
 std::vector<SerialByte> H8Mcu::take_transmitted() {
-  return std::exchange(transmitted_, {});
+  std::vector<SerialByte> taken = std::exchange(transmitted_, {});
+  transmitted_.reserve(taken.size());  // as many come again, mostly
+  return taken;
 }
 
 void H8Mcu::on_tick(std::function<void(const TickRecord&)> listener) {
@@ -195,7 +197,8 @@ std::vector<std::uint8_t> H8Mcu::global(std::string_view symbol, std::size_t siz
 }
 
 void H8Mcu::output_changed(const h8s::OutputChange& change) {
-  const PinLevels before = pins_;
+  std::optional<PinLevels> before;
+  if (on_pins_) before = pins_;
   switch (change.unit) {
     case h8s::OutputChange::Unit::port:
       read_port(static_cast<h8s::Port>(change.index));
@@ -213,7 +216,7 @@ void H8Mcu::output_changed(const h8s::OutputChange& change) {
     case h8s::OutputChange::Unit::serial:  // bytes are reported when they end
       return;
   }
-  if (on_pins_ && pins_ != before) on_pins_(base_ + change.at, pins_);
+  if (before && pins_ != *before) on_pins_(base_ + change.at, pins_);
 }
 
 void H8Mcu::read_all_pins() {
@@ -253,7 +256,7 @@ void H8Mcu::read_port(h8s::Port port) {
 
 void H8Mcu::read_pwm(int channel) {
   pins_.pw[static_cast<std::size_t>(channel)] =
-      chip_.pw_driven(channel) ? static_cast<std::uint16_t>(chip_.pw_high_counts(channel)) : 0;
+      static_cast<std::uint16_t>(chip_.pw_high_counts(channel));  // 0 where it is not driven
 }
 
 void H8Mcu::read_timer(int timer) {

@@ -12,8 +12,6 @@ namespace {
 // States without the start delay: sampling, and conversion from the start delay's end.
 constexpr States kSampleSlow = 63, kSampleFast = 31;
 constexpr States kConvertSlow = 249, kConvertFast = 125;
-// States of each further conversion in scan mode.
-constexpr States kScanSlow = 256, kScanFast = 128;
 
 std::uint16_t convert(double share) {
   if (!(share > 0)) return 0;
@@ -47,13 +45,13 @@ void Adc::trigger(Machine& m, unsigned source, States at) {
   m.rescheduled(Source::adc);
 }
 
-void Adc::finish(Machine& m) {
+inline void Adc::finish(Machine& m) {
   data_[channel_ & 3] = static_cast<std::uint16_t>(held_ << 6);
   const bool last = !scan() || channel_ == (adcsr_ & 7u);
   const States at = end_;
   if (last) {
     adf_.raise(0x80);
-    update(m, at);
+    if (adcsr_ & 0x40) update(m, at);
   }
   if (!scan()) {
     adcsr_ &= static_cast<std::uint8_t>(~0x20);
@@ -66,15 +64,12 @@ void Adc::finish(Machine& m) {
   end_ = at + (fast() ? kScanFast : kScanSlow);
 }
 
-States Adc::next_request() const {
-  if (!(adcsr_ & 0x40) || adf_.has(0x80)) return kNever;
-  if (end_ == kNever || !scan()) return end_;
-  const unsigned left = (adcsr_ & 7u) - channel_;
-  return end_ + static_cast<States>(left) * (fast() ? kScanFast : kScanSlow);
-}
-
 void Adc::step(Machine& m) {
   if (sampled_) return finish(m);
+  sample(m);
+}
+
+inline void Adc::sample(Machine& m) {
   held_ = m.listeners.analog ? convert(m.listeners.analog(source(), next_)) : std::uint16_t{0};
   sampled_ = true;
   next_ = end_;
@@ -87,7 +82,12 @@ void Adc::advance(Machine& m, States to) {
 void Adc::run_events(Machine& m, States to, States& at, const bool& ended) {
   do {
     at = next_;
-    step(m);
+    if (!sampled_) {
+      sample(m);
+      if (next_ > to || ended) return;
+      at = next_;
+    }
+    finish(m);
   } while (next_ <= to && !ended);
 }
 
@@ -113,11 +113,16 @@ std::uint8_t Adc::peek(std::uint32_t address) const {
 
 std::uint8_t Adc::read(Machine& m, std::uint32_t address, States at) {
   advance(m, at);
+  return read_now(address);
+}
+
+std::uint8_t Adc::read_now(std::uint32_t address) {
   if (address == 0xffe8) adf_.read();
   if (address >= 0xffe8 || address < 0xffe0) return peek(address);
   if (address & 1) return temp_;
-  temp_ = peek(address + 1);
-  return peek(address);
+  const std::uint16_t word = data_[address >> 1 & 3];
+  temp_ = static_cast<std::uint8_t>(word);
+  return static_cast<std::uint8_t>(word >> 8);
 }
 
 void Adc::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {

@@ -16,6 +16,8 @@ class Adc {
  public:
   // FFE0..FFE9 and KBCOMP at FEE4.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
+  // The same when no event is due.
+  std::uint8_t read_now(std::uint32_t address);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
   void reset(Machine& m, States at);
@@ -28,7 +30,11 @@ class Adc {
   States next_event() const { return next_; }
   // When the conversion ends that raises an interrupt request; kNever while none can. The others affect
   // nothing else on the chip.
-  States next_request() const;
+  States next_request() const {
+    if (!(adcsr_ & 0x40) || adf_.has(0x80)) return kNever;
+    if (end_ == kNever || !scan()) return end_;
+    return end_ + static_cast<States>((adcsr_ & 7u) - channel_) * (fast() ? kScanFast : kScanSlow);
+  }
   void advance(Machine& m, States to);
   // The next event, and those that follow up to `to`, each with its time in `at`, until `ended`.
   void run_events(Machine& m, States to, States& at, const bool& ended);
@@ -42,12 +48,16 @@ class Adc {
   }
 
  private:
+  // States of each further conversion in scan mode.
+  static constexpr States kScanSlow = 256, kScanFast = 128;
+
   bool scan() const { return (adcsr_ & 0x10) != 0; }
   bool fast() const { return (adcsr_ & 0x08) != 0; }
   unsigned first_channel() const { return scan() ? adcsr_ & 4u : adcsr_ & 7u; }
   int source() const;
   void start(Machine& m, States at);
   void step(Machine& m);
+  void sample(Machine& m);
   void finish(Machine& m);
   void update(Machine& m, States at);
 

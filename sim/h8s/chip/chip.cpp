@@ -320,9 +320,9 @@ Result<void> Chip::receive(int sci, const ReceivedByte& byte) {
   if (byte.at < earliest)
     return fail("byte received at state " + std::to_string(byte.at) + " lies before state " +
                 std::to_string(earliest) + " (now, or the byte queued last)");
-  machine_->log_input([=](Chip& c) { (void)c.receive(sci, byte); });
+  if (machine_->input_log) machine_->log_input([=](Chip& c) { (void)c.receive(sci, byte); });
   queue.push_back(byte);
-  machine_->reschedule_all();
+  machine_->rescheduled(sci == 0 ? Source::sci0 : Source::sci1);
   return {};
 }
 

@@ -35,10 +35,9 @@ void Interrupts::reset() {
   nmi_level_ = nmi;
 }
 
-void Interrupts::set(unsigned vector, bool level, States at) {
+void Interrupts::change(unsigned vector, bool level, States at) {
   const std::uint64_t bit = 1ull << (vector % 64);
   const unsigned half = vector / 64;
-  if (level == ((raw_[half] & bit) != 0)) return;
   raw_[half] ^= bit;
   pending_[half] = raw_[half] & ~diverted_[half];
   since_[vector] = level ? at : kNever;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -25,14 +26,18 @@ class Interrupts {
   void reset();
 
   // A source raises or drops its request; `at` counts when it rises.
-  void set(unsigned vector, bool level, States at);
+  void set(unsigned vector, bool level, States at) {
+    if (level != ((raw_[vector / 64] >> (vector % 64) & 1) != 0)) change(vector, level, at);
+  }
   // The same for neighbours: bit k of `levels` is vector `first` + k. They must not cross 63|64.
   void set_all(unsigned first, unsigned count, std::uint64_t levels, States at) {
     const std::uint64_t mask = ((1ull << count) - 1) << (first % 64);
-    const std::uint64_t changed = (raw_[first / 64] & mask) ^ levels << (first % 64);
-    if (changed == 0) return;
-    for (unsigned k = 0; k < count; ++k)
-      if (changed >> (first % 64 + k) & 1) set(first + k, (levels >> k & 1) != 0, at);
+    const std::uint64_t wanted = levels << (first % 64);
+    std::uint64_t changed = (raw_[first / 64] & mask) ^ wanted;
+    for (; changed != 0; changed &= changed - 1) {
+      const auto bit = static_cast<unsigned>(std::countr_zero(changed));
+      change(first / 64 * 64 + bit, (wanted >> bit & 1) != 0, at);
+    }
   }
   // Whether a request has been raised since the last call.
   bool take_raised() { return std::exchange(raised_, false); }
@@ -89,6 +94,7 @@ class Interrupts {
   }
 
  private:
+  void change(unsigned vector, bool level, States at);
   bool acceptable(unsigned vector, std::uint8_t control, bool two_level) const;
   bool priority(unsigned vector) const;
   unsigned sense(unsigned n) const { return iscrl_ >> (2 * n) & 3u; }

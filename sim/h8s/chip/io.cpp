@@ -126,12 +126,12 @@ unsigned ports_of(const Place& p) {
 }  // namespace
 
 // Requests that an access has raised end the stretch.
-void Machine::check_raised() {
+inline void Machine::check_raised() {
   if (irq.take_raised() && (irq.any_unmasked(cpu.control, cpu.two_level) || irq.any_diverted()))
     end_stretch(cpu);
 }
 
-void Machine::sample_pins(unsigned of_ports) {
+inline void Machine::sample_pins(unsigned of_ports) {
   if (!pins.watches(of_ports)) return;
   pins.sample(*this, event_time());
   rescheduled(Source::pins);
@@ -178,47 +178,69 @@ bool Machine::module_stopped(const Place& p) const {
   return p.stop >= 0 && stopped(static_cast<unsigned>(p.stop));
 }
 
+void Machine::find_frequent() {
+  for (std::uint32_t k = 0; k < kPlaces; ++k) {
+    const Place& p = kAllPlaces[system.stcr >> kBankShift & (kBanks - 1)][k];
+    Frequent& f = frequent_[k] = Frequent::none;
+    if (module_stopped(p)) continue;
+    if (p.unit == Unit::adc) f = Frequent::adc;
+    if (p.unit == Unit::pwm) f = Frequent::pwm;
+    if (p.unit == Unit::sci) f = p.n == 0 ? Frequent::sci0 : Frequent::sci1;
+  }
+}
+
 std::uint8_t Machine::io_read(std::uint32_t address) {
-  const Place& p = place_of(address & 0xffff, system.stcr);
   const States at = time();
   settle(at);
-  // The most frequent ones first; what is due while an event is processed is rescheduled below.
-  if (p.unit == Unit::adc && !due(Source::adc, at) && !module_stopped(p)) {
-    check_raised();
-    return adc.read(*this, address & 0xffff, at);
+  // What is due while an event is processed is rescheduled below.
+  switch (frequent_[address & (kPlaces - 1)]) {
+    case Frequent::adc:
+      if (due(Source::adc, at)) break;
+      check_raised();
+      return adc.read_now(address & 0xffff);
+    case Frequent::sci0:
+      if (due(Source::sci0, at)) break;
+      check_raised();
+      return sci[0].read_now(address & 7);
+    case Frequent::sci1:
+      if (due(Source::sci1, at)) break;
+      check_raised();
+      return sci[1].read_now(address & 7);
+    default:
+      break;
   }
-  if (p.unit == Unit::sci && !due(source_of(p), at) && !module_stopped(p)) {
-    check_raised();
-    return sci[p.n].read(*this, p.n, address & 7, at);
-  }
+  const Place& p = place_of(address & 0xffff, system.stcr);
   const std::uint8_t value = read_register(p, address, at);
   accessed(p, address & 0xffff, at, false);
   return value;
 }
 
 void Machine::io_write(std::uint32_t address, std::uint8_t value) {
-  const Place& p = place_of(address & 0xffff, system.stcr);
   const States at = time();
   settle(at - 1);
-  if (!module_stopped(p)) {
-    // The most frequent ones first.
-    if (p.unit == Unit::pwm) {
-      pwm.write(*this, address & 0xffff, value, at);
-      sample_pins(ports_of(p));
-      return check_raised();
-    }
-    if (p.unit == Unit::adc) {
+  switch (frequent_[address & (kPlaces - 1)]) {
+    case Frequent::adc:
       adc.write(*this, address & 0xffff, value, at);
       rescheduled(Source::adc, adc.next_event());
       return check_raised();
-    }
-    if (p.unit == Unit::sci) {
-      sci[p.n].write(*this, p.n, address & 7, value, at);
-      rescheduled(source_of(p), sci[p.n].next_event());
-      sample_pins(ports_of(p));
+    case Frequent::pwm:
+      pwm.write(*this, address & 0xffff, value, at);
+      sample_pins(1u << 1 | 1u << 2);
       return check_raised();
-    }
+    case Frequent::sci0:
+      sci[0].write(*this, 0, address & 7, value, at);
+      rescheduled(Source::sci0, sci[0].next_event());
+      sample_pins(1u << 5);
+      return check_raised();
+    case Frequent::sci1:
+      sci[1].write(*this, 1, address & 7, value, at);
+      rescheduled(Source::sci1, sci[1].next_event());
+      sample_pins(1u << 2);
+      return check_raised();
+    case Frequent::none:
+      break;
   }
+  const Place& p = place_of(address & 0xffff, system.stcr);
   write_register(p, address & 0xffff, value, at);
   accessed(p, address & 0xffff, at, true);
 }
@@ -414,6 +436,7 @@ void Machine::write_system(std::uint32_t a, std::uint8_t value, States at) {
     case 0xffc3:
       tmr.advance(*this, at);
       system.stcr = value & 0xfb;
+      find_frequent();
       tmr.clock_changed(*this, at);
       break;
     case 0xffc4:
@@ -441,6 +464,7 @@ void Machine::set_module_stop(std::uint16_t value, States at) {
   run_modules(at);
   const auto entered = static_cast<std::uint16_t>(value & ~system.mstpcr);
   system.mstpcr = value;
+  find_frequent();
   if (entered >> Stop_sci0 & 1) sci[0].reset(*this, 0, at);
   if (entered >> Stop_sci1 & 1) sci[1].reset(*this, 1, at);
   if (entered >> Stop_adc & 1) adc.reset(*this, at);

@@ -50,6 +50,7 @@ void Machine::attach() {
   if (options.engine == Engine::translator && !translator_) translator_ = make_translator();
   cpu.translated = options.engine == Engine::translator ? translator_.get() : nullptr;
   choose_paths();
+  find_frequent();
 }
 
 void Machine::take_state(const Machine& other) {
@@ -120,6 +121,7 @@ void Machine::forget_all_code() {
     cpu.trail[k] = {back(places[2 * k]), back(places[2 * k + 1])};
   if (at != kNoAddress) cpu.ip = cpu.code + at;
   cpu.chip_lines.fill(0);
+  cpu.code_in_ram = false;
 }
 
 void Machine::power_on(std::uint8_t ram_fill) {
@@ -188,6 +190,7 @@ void Machine::reset(ResetCause why, States at) {
   set_pc(cpu.normal ? big16(flash_.data()) : big32(flash_.data()));
   first_after_reset_ = true;
   if (boots) boot.enter(*this, at);
+  find_frequent();
   for (Observer* o : observers) o->was_reset(why, at);
   if (pins.active()) pins.sample(*this, began);
   notify(OutputChange::Unit::port, 0, at);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <map>
@@ -96,6 +97,10 @@ class Machine final : public Bus {
   std::uint16_t load16(std::uint32_t address) override;
   void store8(std::uint32_t address, std::uint8_t value) override;
   void store16(std::uint32_t address, std::uint16_t value) override;
+  std::uint8_t load_io8(std::uint32_t address) override;
+  std::uint16_t load_io16(std::uint32_t address) override;
+  void store_io8(std::uint32_t address, std::uint8_t value) override;
+  void store_io16(std::uint32_t address, std::uint16_t value) override;
   void odd_word_access(std::uint32_t address) override;
   bool interrupt_pending() const override { return irq.any_unmasked(cpu.control, cpu.two_level); }
   bool hook_due(std::uint32_t pc) const override { return pc != unhooked_ && hooks.contains(pc); }
@@ -141,11 +146,7 @@ class Machine final : public Bus {
   void io_write_word(std::uint32_t address, std::uint16_t value);
   // Reads without side effects; timers are brought up to date.
   std::optional<std::uint8_t> io_peek(std::uint32_t address);
-  // FE50..FEFF and FF80..FFFF.
-  bool is_io(std::uint32_t address) const {
-    const std::uint32_t offset = (address & cpu.mask) - (cpu.mask & 0xfffe50);
-    return offset < 0x1b0 && (offset < 0xb0 || offset >= 0x130);
-  }
+  bool is_io(std::uint32_t address) const { return h8s::is_io(cpu, address); }
   bool wide(std::uint32_t address) const;
   void forget_flash(std::uint32_t address, std::uint32_t size);
   void set_ram_enabled(bool on);
@@ -225,6 +226,7 @@ class Machine final : public Bus {
   void check_raised();
   void sample_pins(unsigned of_ports);
   bool module_stopped(const Place& place) const;
+  void find_frequent();
   bool due(Source source, States at) const { return events_[static_cast<unsigned>(source)] <= at; }
   void write_system(std::uint32_t address, std::uint8_t value, States at);
   void set_module_stop(std::uint16_t value, States at);
@@ -240,9 +242,22 @@ class Machine final : public Bus {
     if (!events_known_) find_events();
     return next_stop_;
   }
-  States stop_for(Source source, States event) const;
+  // The state by which the CPU must stop for a module's event. If the event only raises a request, that
+  // is the first boundary at which the CPU or the DTC could accept it; the module's other changes are
+  // computed when it is next accessed.
+  States stop_for(Source source, States event) const {
+    if (source != Source::adc && source != Source::sci0 && source != Source::sci1) return event;
+    const States request = source == Source::adc ? adc.next_request() : event;
+    if (request == kNever) return kNever;
+    return request + std::min(options.interrupt_decision_states, options.dtc_decision_states) + 1;
+  }
   void find_events();
   void first_events();
+  void set_event(unsigned k, States event, States stop) {
+    events_[k] = event;
+    stops_[k] = stop;
+    with_event_ = event == kNever ? with_event_ & ~(1u << k) : with_event_ | 1u << k;
+  }
   void rescheduled(Source source, States event);
   void run_events(States to);
   // Before a register access: processes all events up to `to`.
@@ -257,8 +272,14 @@ class Machine final : public Bus {
   // --- power.cpp
   States settling_states() const;
   States cpu_divider() const;
-  void begin_slow();
-  void end_slow();
+  void begin_slow() {
+    slow_by_ = (system.sbycr & 7) == 0 ? 1 : cpu_divider();
+    slow_from_ = slow_by_ == 1 ? kNever : cpu.now;
+  }
+  void end_slow() {
+    if (slow_from_ != kNever) count_slow();
+  }
+  void count_slow();
   bool stands_by() const;
   void enter_standby();
   bool stand_by(States until);  // false: nothing can end it
@@ -266,6 +287,11 @@ class Machine final : public Bus {
   Stop stop_for_fault();
   enum class Hooked { none, ran, stop };
   Hooked run_hook(Chip& chip, States stop, bool one);
+
+  // The registers of FE00..FFFF whose accesses are frequent, by the module that they belong to now: not
+  // while it is stopped. Found anew when STCR or MSTPCR changes.
+  enum class Frequent : std::uint8_t { none, adc, pwm, sci0, sci1 };
+  std::array<Frequent, 0x200> frequent_{};
 
   std::vector<std::uint8_t> flash_;
   std::array<std::uint8_t, 0x2000> block_{};
@@ -284,8 +310,10 @@ class Machine final : public Bus {
   // Time of each module's next event, and the time by which the CPU must stop for it; the earliest of
   // each. Recomputed only after something that may change them.
   std::array<States, kSources> events_{}, stops_{};
+  unsigned with_event_ = 0;  // modules that have one, by bits
   States next_event_ = 0, next_stop_ = 0;
-  States other_event_ = 0;  // the earliest but the converter's
+  States other_event_ = 0;    // the earliest but the converter's
+  unsigned other_first_ = 0;  // and its module
   bool events_known_ = false;
   bool rescheduled_ = false;    // a module, since the last conversion began
   States processing_ = kNever;  // time of the event being processed

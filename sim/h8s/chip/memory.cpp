@@ -8,19 +8,37 @@
 
 namespace kaz::h8s {
 
+std::uint8_t Machine::load_io8(std::uint32_t address) {
+  add_stall(cpu, 1);
+  return io_read(address);
+}
+
+std::uint16_t Machine::load_io16(std::uint32_t address) {
+  const bool one_access =
+      frequent_[address & (frequent_.size() - 1)] == Frequent::none && wide(address);
+  add_stall(cpu, 1);
+  const unsigned high = io_read(address);
+  if (!one_access) add_stall(cpu, 2);
+  return static_cast<std::uint16_t>(high << 8 | io_read(address + 1));
+}
+
+void Machine::store_io8(std::uint32_t address, std::uint8_t value) {
+  add_stall(cpu, 1);
+  io_write(address, value);
+}
+
+void Machine::store_io16(std::uint32_t address, std::uint16_t value) {
+  add_stall(cpu, wide(address) ? 1 : 3);
+  io_write_word(address, value);
+}
+
 std::uint8_t Machine::load8(std::uint32_t address) {
-  if (is_io(address) && !cpu.observed) {  // nearly always
-    add_stall(cpu, 1);
-    return io_read(address);
-  }
+  if (is_io(address) && !cpu.observed) return load_io8(address);  // nearly always
   const auto seen = [&](std::uint8_t value) {
     if (cpu.observed) notify_access(address, 1, value, false);
     return value;
   };
-  if (is_io(address)) {
-    add_stall(cpu, 1);
-    return seen(io_read(address));
-  }
+  if (is_io(address)) return seen(load_io8(address));
   if (const auto offset = ram_offset(cpu, address)) return seen(cpu.ram[*offset]);
   if (address < cpu.flash_size) {
     if (flash_control.plain()) return seen(cpu.flash[address]);
@@ -47,21 +65,13 @@ std::uint16_t Machine::load16(std::uint32_t address) {
     raise_fault(cpu, Fault::unmapped, address);
     return 0xffff;
   }
-  const bool one_access = wide(address);
-  add_stall(cpu, 1);
-  const unsigned high = io_read(address);
-  if (!one_access) add_stall(cpu, 2);
-  return seen(high << 8 | io_read(address + 1));
+  return seen(load_io16(address));
 }
 
 void Machine::store8(std::uint32_t address, std::uint8_t value) {
-  if (is_io(address) && !cpu.observed) {  // nearly always
-    add_stall(cpu, 1);
-    return io_write(address, value);
-  }
+  if (is_io(address) && !cpu.observed) return store_io8(address, value);  // nearly always
   if (is_io(address)) {
-    add_stall(cpu, 1);
-    io_write(address, value);
+    store_io8(address, value);
   } else if (const auto offset = ram_offset(cpu, address)) {
     cpu.ram[*offset] = value;
     note_ram_write(cpu, *offset);
@@ -81,8 +91,7 @@ void Machine::store16(std::uint32_t address, std::uint16_t value) {
     flash_control.latch(*this, address, static_cast<std::uint8_t>(value >> 8));
     flash_control.latch(*this, address + 1, static_cast<std::uint8_t>(value));
   } else if (is_io(address)) {
-    add_stall(cpu, wide(address) ? 1 : 3);
-    io_write_word(address, value);
+    store_io16(address, value);
   } else {
     return raise_fault(cpu, Fault::unmapped, address);
   }

@@ -24,13 +24,7 @@ States Machine::cpu_divider() const {
   return select > 5 ? 1 : States{1} << select;
 }
 
-void Machine::begin_slow() {
-  slow_by_ = cpu_divider();
-  slow_from_ = slow_by_ == 1 ? kNever : cpu.now;
-}
-
-void Machine::end_slow() {
-  if (slow_from_ == kNever) return;
+void Machine::count_slow() {
   cpu.now = time();
   cpu.stall = 0;
   slow_from_ = kNever;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/h8s/chip/pwm.h"
 
+#include <bit>
+
 #include "sim/h8s/chip/machine.h"
 
 namespace kaz::h8s {
@@ -19,14 +21,11 @@ bool pwm_pulse(std::uint8_t data, unsigned count, bool right_aligned) {
   return false;
 }
 
-States Pwm::divisor() const {
-  if (!(select_ & 0x80)) return 0;
-  if (!(select_ & 0x40)) return 1;
-  return States{2} << (pcsr_ >> 1 & 3);
-}
-
 unsigned Pwm::counter(States at) const {
-  const States since = divisor() ? tick(at) - tick(base_) : 0;
+  const States d = divisor();
+  if (d == 0) return base_count_ & 0xff;
+  const int shift = std::countr_zero(static_cast<std::uint64_t>(d));
+  const States since = ((at - epoch_) >> shift) - ((base_ - epoch_) >> shift);
   return (base_count_ + static_cast<unsigned>(since & 0xff)) & 0xff;
 }
 

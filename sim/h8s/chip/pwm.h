@@ -36,7 +36,11 @@ class Pwm {
   }
 
  private:
-  States divisor() const;  // 0: stopped
+  // 0: stopped; else a power of two.
+  States divisor() const {
+    if (!(select_ & 0x80)) return 0;
+    return select_ & 0x40 ? States{2} << (pcsr_ >> 1 & 3) : 1;
+  }
   States tick(States at) const { return (at - epoch_) / divisor(); }
   unsigned counter(States at) const;
 

@@ -1,6 +1,7 @@
 // The outer loop: events, interrupts, sleep, hooks and stops around the CPU's inner loop.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <bit>
 
 #include "sim/h8s/chip/machine.h"
 #include "sim/h8s/chip/observer.h"
@@ -82,38 +83,31 @@ void Machine::advance(Source source, States to) {
   }
 }
 
-// The state by which the CPU must stop for a module's event. If the event only raises a request, that
-// is the first boundary at which the CPU or the DTC could accept it; the module's other changes are
-// computed when it is next accessed.
-States Machine::stop_for(Source source, States event) const {
-  States request = event;
-  if (source == Source::adc)
-    request = adc.next_request();
-  else if (source != Source::sci0 && source != Source::sci1)
-    return event;
-  if (request == kNever) return kNever;
-  return request + std::min(options.interrupt_decision_states, options.dtc_decision_states) + 1;
-}
-
 void Machine::find_events() {
   for (unsigned k = 0; k < kSources; ++k) {
     const auto source = static_cast<Source>(k);
-    events_[k] = event_of(source);
-    stops_[k] = stop_for(source, events_[k]);
+    const States event = event_of(source);
+    set_event(k, event, stop_for(source, event));
   }
   first_events();
   events_known_ = true;
 }
 
 void Machine::first_events() {
-  other_event_ = kNever;
-  next_stop_ = stops_[of_adc];
-  for (unsigned k = 0; k < kSources; ++k) {
-    if (k == of_adc) continue;
-    other_event_ = std::min(other_event_, events_[k]);
-    next_stop_ = std::min(next_stop_, stops_[k]);
+  States event = kNever, stop = stops_[of_adc];
+  unsigned first = kSources;
+  for (unsigned left = with_event_ & ~(1u << of_adc); left != 0; left &= left - 1) {
+    const auto k = static_cast<unsigned>(std::countr_zero(left));
+    if (events_[k] < event) {
+      event = events_[k];
+      first = k;
+    }
+    stop = std::min(stop, stops_[k]);
   }
-  next_event_ = std::min(other_event_, events_[of_adc]);
+  other_event_ = event;
+  other_first_ = first;
+  next_stop_ = stop;
+  next_event_ = std::min(event, events_[of_adc]);
 }
 
 void Machine::rescheduled(Source source) {
@@ -130,12 +124,14 @@ void Machine::rescheduled(Source source, States event) {
   if (event == events_[k] && stop == stops_[k]) return;
   const bool later = (k != of_adc && event > events_[k] && events_[k] == other_event_) ||
                      (stop > stops_[k] && stops_[k] == next_stop_);
-  events_[k] = event;
-  stops_[k] = stop;
+  set_event(k, event, stop);
   if (later) {
     first_events();
   } else {
-    if (k != of_adc) other_event_ = std::min(other_event_, event);
+    if (k != of_adc && (event < other_event_ || (event == other_event_ && k < other_first_))) {
+      other_event_ = event;
+      other_first_ = k;
+    }
     next_event_ = std::min(other_event_, events_[of_adc]);
     next_stop_ = std::min(next_stop_, stop);
   }
@@ -166,19 +162,19 @@ void Machine::run_events(States to) {
       run_conversions(std::min(to, other_event_ - 1));
       continue;
     }
-    unsigned first = 0;
-    for (unsigned k = 1; k < kSources; ++k) first = events_[k] < events_[first] ? k : first;
+    const unsigned first =
+        events_[of_adc] == other_event_ ? std::min(other_first_, of_adc) : other_first_;
     const auto source = static_cast<Source>(first);
     processing_ = events_[first];
     advance(source, processing_);
-    events_[first] = event_of(source);
-    stops_[first] = stop_for(source, events_[first]);
+    const States event = event_of(source);
+    set_event(first, event, stop_for(source, event));
     // A frame that begins now may have been sampled at this state before it began.
     if ((source == Source::sci0 || source == Source::sci1) && pins.active()) {
       constexpr auto of_pins = static_cast<unsigned>(Source::pins);
       pins.sample(*this, processing_);
-      events_[of_pins] = event_of(Source::pins);
-      stops_[of_pins] = stop_for(Source::pins, events_[of_pins]);
+      const States edge = event_of(Source::pins);
+      set_event(of_pins, edge, stop_for(Source::pins, edge));
     }
     first_events();
   }
@@ -193,8 +189,8 @@ void Machine::run_conversions(States to) {
   adc.run_events(*this, to, processing_, rescheduled_);
   if (!events_known_) return;
   const States stop = stops_[of_adc];
-  events_[of_adc] = adc.next_event();
-  stops_[of_adc] = stop_for(Source::adc, events_[of_adc]);
+  const States event = adc.next_event();
+  set_event(of_adc, event, stop_for(Source::adc, event));
   if (stops_[of_adc] > stop && stop == next_stop_) return first_events();
   next_event_ = std::min(other_event_, events_[of_adc]);
   next_stop_ = std::min(next_stop_, stops_[of_adc]);
@@ -224,13 +220,13 @@ void Machine::accept(unsigned vector) {
   const std::uint32_t back = pc() + (cpu.moving ? 4 : 0);
   cpu.moving = false;
   cpu.asleep = false;
-  ExceptionEntry entry{vector, back, 0, cpu.now, 0};
+  const States from = cpu.now;
   // Stacking 2, vector 2 (1 in normal mode), first fetch 2, internal.
   cpu.now += 4 + (cpu.normal ? 1 : 2) + options.exception_internal_states;
   cpu.ip = enter_exception(cpu, cpu.ip, back, vector);
   hook_done_ = kNoAddress;
-  entry.handler = pc();
-  entry.end = time();
+  if (observers.empty()) return;
+  const ExceptionEntry entry{vector, back, pc(), from, time()};
   for (Observer* o : observers) o->entered(entry);
 }
 
@@ -361,6 +357,11 @@ Stop Machine::run(Chip& chip, States until, bool single) {
         begin_slow();
         accept(choice.vector);
         end_slow();
+        // Nearly always there is nothing to look at before the handler runs.
+        if (!single && !moves && hooks.empty() && cpu.fault == Fault::none && !stop_requested_ &&
+            events_known_ && next_event_ > cpu.now && cpu.now < until && !irq.watches_fetches() &&
+            !irq.any_diverted() && !irq.any_unmasked(cpu.control, cpu.two_level))
+          stretch(std::min(next_stop_, until), false);
         continue;
       }
       event = std::min(event, choice.earliest);

@@ -45,11 +45,6 @@ void Sci::update(Machine& m, unsigned n, States at) {
   m.irq.set_all(base, 4, levels, at);
 }
 
-States Sci::next_event() const {
-  const States in = incoming_.empty() ? kNever : incoming_.front().at;
-  return std::min(std::min(end_, in), std::min(sample_, arrives_));
-}
-
 void Sci::advance(Machine& m, unsigned n, States to) {
   for (;;) {
     const States at = next_event();
@@ -107,8 +102,7 @@ std::uint8_t Sci::peek(unsigned offset) const {
 
 std::uint8_t Sci::read(Machine& m, unsigned n, unsigned offset, States at) {
   advance(m, n, at);
-  if (offset == 4) flags_.read();
-  return peek(offset);
+  return read_now(offset);
 }
 
 void Sci::enable(Machine& m, unsigned n, std::uint8_t value, States at) {
@@ -175,11 +169,11 @@ void Sci::write(Machine& m, unsigned n, unsigned offset, std::uint8_t value, Sta
       break;
     case 3:
       tdr_ = value;
-      break;
+      return;  // no request depends on it
     case 4: {
       mpbt_ = (value & 1) != 0;
       const std::uint8_t cleared = flags_.write(static_cast<std::uint8_t>(value | 7));
-      start_reception_clock(at);
+      if (synchronous() || burst_ != kNever) start_reception_clock(at);
       // An overrun had blocked the next byte of clocked mode.
       if ((cleared & kOrer) && !flags_.has(kTdre | kOrer) && sending_ == Sending::nothing)
         begin(m, n, at);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 
@@ -40,12 +41,20 @@ class Sci {
  public:
   // `offset` 0..6: SMR, BRR, SCR, TDR, SSR, RDR, SCMR.
   std::uint8_t read(Machine& m, unsigned n, unsigned offset, States at);
+  // The same when no event is due.
+  std::uint8_t read_now(unsigned offset) {
+    if (offset == 4) flags_.read();
+    return peek(offset);
+  }
   void write(Machine& m, unsigned n, unsigned offset, std::uint8_t value, States at);
   std::uint8_t peek(unsigned offset) const;
   // Reset or module stop; frames that are already on the line continue.
   void reset(Machine& m, unsigned n, States at);
 
-  States next_event() const;
+  States next_event() const {
+    const States in = incoming_.empty() ? kNever : incoming_.front().at;
+    return std::min(std::min(end_, in), std::min(sample_, arrives_));
+  }
   void advance(Machine& m, unsigned n, States to);
   std::deque<ReceivedByte>& incoming() { return incoming_; }
 

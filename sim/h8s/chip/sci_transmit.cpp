@@ -48,7 +48,7 @@ void Sci::begin(Machine& m, unsigned n, States at) {
   end_ = first;
 }
 
-// TDR into the shift register; the start bit begins at `at`.
+// TDR into the shift register; the start bit begins at `at`. The caller updates the requests.
 void Sci::load(Machine& m, unsigned n, States at) {
   before_ = !synchronous() || txd(at);
   tsr_ = on_wire(tdr_);
@@ -61,7 +61,6 @@ void Sci::load(Machine& m, unsigned n, States at) {
   bit_ = outside_clock() ? 0 : bit_states();
   end_ = outside_clock() ? kNever : at + frame_.count * bit_;
   if (synchronous() && !outside_clock() && (scr_ & kRe)) begin_clocked(at);
-  update(m, n, at);
   m.notify(OutputChange::Unit::serial, static_cast<int>(n), at);
 }
 

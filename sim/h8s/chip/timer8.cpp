@@ -49,7 +49,9 @@ std::int64_t Timer8::turn() const {
 
 void Timer8::skip_turns(States target) {
   const std::int64_t one = turn();
-  if (count < one && target - tick > 3 * one) tick += (target - tick - one) / (2 * one) * 2 * one;
+  const bool toggles = (tcsr_low & 0x0c) == 0x0c || (tcsr_low & 0x03) == 0x03;
+  const std::int64_t whole = toggles ? 2 * one : one;
+  if (count < one && target - tick > one + whole) tick += (target - tick - one) / whole * whole;
 }
 
 std::int64_t Timer8::to_next_change() const {

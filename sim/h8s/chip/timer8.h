@@ -40,7 +40,7 @@ struct Timer8 {
   // Counts between two clears.
   std::int64_t turn() const;
   // Skips whole periods up to `target` that change nothing: every possible flag is set, and a toggled
-  // output repeats after two periods.
+  // output repeats after two periods, any other after one.
   void skip_turns(States target);
   // An edge at the clock pin counts for clock selections 5 (rising), 6 (falling) and 7 (both).
   bool counts_edge(bool rising) const {

@@ -7,6 +7,33 @@
 #include "sim/h8s/chip/machine.h"
 
 namespace kaz::h8s {
+namespace {
+
+// Counts up to `target` at once where no flag can be raised any more and no output toggles. False: not here.
+bool count_quietly(Timer8& t, States target) {
+  using Clear = Timer8::Clear;
+  const std::int64_t counts = target - t.tick, one = t.turn();
+  const bool wraps = t.clear() == Clear::none || t.clear() == Clear::on_pin;
+  const bool toggles = (t.tcsr_low & 0x0c) == 0x0c || (t.tcsr_low & 0x03) == 0x03;
+  if (!t.flags.has(Timer8::kCmfa) || !t.flags.has(Timer8::kCmfb) ||
+      (wraps && !t.flags.has(Timer8::kOvf)) || toggles || t.count >= one || counts <= 0)
+    return false;
+  const std::int64_t end = (t.count + counts) % one;
+  // Counts since the last match of each, whose effect is that of all before; `counts`: there was none.
+  const auto since = [&](std::uint8_t compare) {
+    return compare >= one ? counts : std::min((end - compare - 1 + one) % one, counts);
+  };
+  const std::int64_t a = since(t.tcora), b = since(t.tcorb);
+  const std::uint8_t selection = t.tcsr_low & 0x0f;
+  if (std::max(a, b) < counts && a != b) t.level = timer_output(t.level, selection, a > b, b > a);
+  if (const std::int64_t last = std::min(a, b); last < counts)
+    t.level = timer_output(t.level, selection, a == last, b == last);
+  t.count = static_cast<std::uint8_t>(end);
+  t.tick = target;
+  return true;
+}
+
+}  // namespace
 
 States Tmr::divisor(const Machine& m, unsigned n) const {
   const unsigned cks = timer_[n].clock_select();
@@ -42,8 +69,9 @@ void Tmr::matched_a0(Machine& m, States at) {
 
 void Tmr::step(Machine& m, unsigned n, std::int64_t counts, States at) {
   if (n == 1 && cascaded(0)) return step_pair(m, counts, at);
+  const std::uint8_t flags = timer_[n].flags.value();
   const Timer8::Crossed crossed = timer_[n].step(counts);
-  update(m, n, at);
+  if (timer_[n].flags.value() != flags) update(m, n, at);
   if (n == 0 && crossed.a) matched_a0(m, at);
 }
 
@@ -73,7 +101,8 @@ void Tmr::advance_one(Machine& m, unsigned n, States to) {
   if (d == 0) return;
   Timer8& t = timer_[n];
   const States target = (to - m.epoch) / d;
-  const bool chained = cascaded(1 - n);
+  const bool chained = cascaded(1 - n), triggers = n == 0 && (t.tcsr_low & 0x10);
+  if (!chained && !triggers && count_quietly(t, target)) return;
   while (t.tick < target) {
     const std::int64_t counts = std::min(t.to_next(), target - t.tick);
     t.tick += counts;
@@ -156,11 +185,13 @@ struct Wave {
   int turn, lap, a, b;
 };
 
-// One period after another from the present level; two are a whole number of periods of a toggled
-// output too.
+// One period after another from the present level, until one begins and ends with the same level: all that
+// follow are like it. If none does, the output toggles, and two periods are a whole number of its own.
 double mean_level(const Wave& w, bool level, std::uint8_t selection) {
   int high = 0;
   for (int round = 0; round < 4; ++round) {
+    const bool begins = level;
+    const int before = high;
     int from = 0;
     while (from < w.turn) {
       const int lap = from / w.lap * w.lap;
@@ -168,12 +199,13 @@ double mean_level(const Wave& w, bool level, std::uint8_t selection) {
       for (const int match : {lap + w.a, lap + w.b}) {
         if (match > from) to = std::min(to, match);
       }
-      if (level && round >= 2) high += to - from;
+      if (level) high += to - from;
       from = to;
       level = timer_output(level, selection, to == lap + w.a, to == lap + w.b);
     }
+    if (level == begins) return static_cast<double>(high - before) / w.turn;
   }
-  return static_cast<double>(high) / (2 * w.turn);
+  return static_cast<double>(high) / (4 * w.turn);
 }
 
 }  // namespace

@@ -20,6 +20,11 @@ class Bus {
   virtual std::uint16_t load16(std::uint32_t address) = 0;
   virtual void store8(std::uint32_t address, std::uint8_t value) = 0;
   virtual void store16(std::uint32_t address, std::uint16_t value) = 0;
+  // The same for registers (is_io in cpu.h), while the chip is not observed.
+  virtual std::uint8_t load_io8(std::uint32_t address) = 0;
+  virtual std::uint16_t load_io16(std::uint32_t address) = 0;
+  virtual void store_io8(std::uint32_t address, std::uint8_t value) = 0;
+  virtual void store_io16(std::uint32_t address, std::uint16_t value) = 0;
   // A word access at an odd address is about to be done at the even address below.
   virtual void odd_word_access(std::uint32_t address) = 0;
 
@@ -45,6 +50,7 @@ class CodeCache {
   virtual void run(Cpu& c) = 0;
   // Discards code translated from `count` entries of Cpu::code from index `first` on.
   virtual void forget(std::uint32_t first, std::uint32_t count) = 0;
+  virtual void forget_all() = 0;
 
  protected:
   ~CodeCache() = default;

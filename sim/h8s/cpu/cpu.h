@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 
 #include "sim/h8s/cpu/bus.h"
 #include "sim/h8s/cpu/types.h"
@@ -38,6 +37,8 @@ inline constexpr std::uint32_t kRam = 0x0080;      // offsets into the block
 inline constexpr std::uint32_t kRamSize = 0x0f80;
 inline constexpr std::uint32_t kShortRam = 0x1f00;
 inline constexpr std::uint32_t kShortRamSize = 0x80;
+inline constexpr std::uint32_t kIo = 0x1e50;  // registers, and behind the short RAM again
+inline constexpr std::uint32_t kIoSize = 0x1b0;
 // Decoded instructions: flash, then the two RAM windows, each followed by a gap of entries that fault.
 inline constexpr std::uint32_t kGap = 8;
 inline constexpr std::uint32_t kFlashCode = 0;
@@ -115,6 +116,7 @@ struct Cpu {
   bool asleep = false;
   bool moving = false;          // EEPMOV.W interrupted between two bytes
   bool code_discarded = false;  // translated code has been discarded while it ran
+  bool code_in_ram = false;     // any flag of has_code; until then translated stores do not look
   Fault fault = Fault::none;
   std::uint32_t fault_address = 0;
   std::uint32_t fault_pc = 0;
@@ -127,8 +129,16 @@ struct Cpu {
   std::uint32_t jumps = 0;
 };
 
+// Ends the inner loop at the next boundary: a time before every other, whose distance to them does not
+// overflow.
 inline void end_stretch(Cpu& c) {
-  c.stop = std::numeric_limits<States>::min();
+  c.stop = -1;
+}
+
+// Whether the chip has a register there, or could have one: FE50..FEFF and FF80..FFFF.
+inline bool is_io(const Cpu& c, std::uint32_t address) {
+  const std::uint32_t offset = (address & c.mask) - (c.mask & (kBlock + kIo));
+  return offset < kIoSize && offset - (kShortRam - kIo) >= kShortRamSize;
 }
 
 // Adds states that `now` does not include until the inner loop ends; `stop` is reduced instead.
@@ -174,11 +184,16 @@ inline const Insn* record_jump(Cpu& c, const Insn* from, const Insn* to) {
 }
 
 inline const Insn* jump_to(Cpu& c, const Insn* from, std::uint32_t address) {
-  return record_jump(c, from, at_address(c, address));
+  const std::uint32_t even = address & c.mask & ~1u;
+  return record_jump(c, from,
+                     even < c.flash_size ? c.code + kFlashCode + even / 2 : at_address(c, address));
 }
 
 // Decodes the instruction at `ip` into Cpu::code and returns its handler.
 Handler decode_in_place(Cpu& c, const Insn* ip);
+
+// Before the first flag of has_code is set.
+void note_code_in_ram(Cpu& c);
 
 // For the reference engine: decodes from memory each time, with branches in their general form.
 Handler decode_afresh(Cpu& c, const Insn* ip);

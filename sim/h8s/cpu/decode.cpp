@@ -289,6 +289,12 @@ Handler decode_afresh(Cpu& c, const Insn* ip) {
   return slot.run;
 }
 
+void note_code_in_ram(Cpu& c) {
+  if (c.code_in_ram) return;
+  c.code_in_ram = true;
+  if (c.translated) c.translated->forget_all();
+}
+
 Handler decode_in_place(Cpu& c, const Insn* ip) {
   const auto index = static_cast<std::uint32_t>(ip - c.code);
   Insn& slot = c.code[index];
@@ -303,6 +309,7 @@ Handler decode_in_place(Cpu& c, const Insn* ip) {
     }
   }
   if (index >= c.ram_code) {
+    note_code_in_ram(c);
     const std::uint32_t offset = static_cast<std::uint32_t>(stretch.bytes - c.ram);
     const std::uint32_t last = offset + 2 * std::min<std::uint32_t>(kMaxUnits, stretch.units) - 1;
     c.has_code[offset / kLine] = c.has_code[last / kLine] = 1;

@@ -22,7 +22,9 @@ const Insn* enter_exception(Cpu& c, const Insn* from, std::uint32_t return_pc, u
   }
   c.control = static_cast<u8>(c.control | 0x80 | (c.two_level ? 0x40 : 0));
   if (c.fault == Fault::stack) return from;
-  return jump_to(c, from, c.normal ? load16(c, vector * 2) : load32(c, vector * 4));
+  if (c.normal) return jump_to(c, from, load16(c, vector * 2));
+  const u32 at = vector * 4;
+  return jump_to(c, from, at < c.quick_flash ? big32(c.flash + at) : load32(c, at));
 }
 
 namespace {

@@ -23,6 +23,8 @@ unsigned registers_read_by(const Definition& d) {
   }
 }
 
+}  // namespace
+
 unsigned registers_written_by(const Step& s) {
   const unsigned rs = 1u << s.insn.rs / 4, rd = 1u << s.insn.rd / 4, sp = 1u << 7;
   switch (s.form.op) {
@@ -54,10 +56,58 @@ unsigned registers_written_by(const Step& s) {
       return sp;
     case Op::ldm:
       return sp | ((1u << s.form.count) - 1) << s.form.first;
+    case Op::interpreted:
+    case Op::handler:
+      return 0xff;
     default:
       return rd;
   }
 }
+
+Access access_of(const Step& s) {
+  const Form& form = s.form;
+  const auto size = static_cast<std::int32_t>(form.size);
+  const auto through = [&](Mode mode, unsigned reg, std::int32_t bytes, bool words) -> Access {
+    switch (mode) {
+      case Mode::indirect:
+        return {reg, static_cast<std::int32_t>(s.insn.imm), bytes, 0, words};
+      case Mode::increment:
+        return {reg, 0, bytes, bytes, words};
+      case Mode::decrement:
+        return {reg, -bytes, bytes, -bytes, words};
+      default:
+        return {};
+    }
+  };
+  switch (form.op) {
+    case Op::mov:
+      return form.dst == Mode::reg ? through(form.src, s.insn.rs / 4u, size, size > 1)
+                                   : through(form.dst, s.insn.rd / 4u, size, size > 1);
+    case Op::bset:
+    case Op::bnot:
+    case Op::bclr:
+    case Op::bst:
+    case Op::btst:
+    case Op::bor:
+    case Op::bxor:
+    case Op::band:
+    case Op::bld:
+      return through(form.dst, s.insn.rd / 4u, 1, false);
+    case Op::bsr:
+    case Op::jsr:
+      return through(Mode::decrement, 7, 4, true);
+    case Op::rts:
+      return through(Mode::increment, 7, 4, true);
+    case Op::stm:
+      return through(Mode::decrement, 7, 4 * form.count, true);
+    case Op::ldm:
+      return through(Mode::increment, 7, 4 * form.count, true);
+    default:
+      return {};
+  }
+}
+
+namespace {
 
 bool may_exit_before(const Form& form) {
   const auto memory = [](Mode m) {
@@ -193,13 +243,23 @@ void describe_flags(const Cpu& c, Step& s) {
   }
 }
 
-// False where the interpreter's handler has to run: I/O registers, unmapped addresses.
-bool resolve_memory(const Cpu& c, const Step& s) {
+// Bytes and words at registers of the chip, by MOV and the bit instructions.
+bool accesses_register(const Cpu& c, const Step& s) {
+  const std::uint32_t address = s.insn.imm;
+  return c.bus && s.form.op != Op::interpreted && s.form.size <= 2 && is_io(c, address) &&
+         (s.form.size == 1 || !(address & 1));
+}
+
+// False where the interpreter's handler has to run: unmapped addresses, long words at registers.
+bool resolve_memory(const Cpu& c, Step& s) {
   const Form& form = s.form;
   const bool load = form.src == Mode::absolute, store = form.dst == Mode::absolute;
   if (form.op == Op::jmp || form.op == Op::jsr || (!load && !store)) return true;
   const Place place = place_of(c, s.insn.imm, form.size);
-  if (place == Place::elsewhere) return false;
+  if (place == Place::elsewhere) {
+    s.io = accesses_register(c, s);
+    return s.io;
+  }
   const bool writes = store && (form.op == Op::mov || form.op == Op::bset || form.op == Op::bnot ||
                                 form.op == Op::bclr || form.op == Op::bst);
   return !writes || place != Place::flash;
@@ -272,7 +332,7 @@ bool take_step(Cpu& c, std::uint32_t index, Step& step) {
   else
     step.target = index;  // only known when it runs
   if (step.target == kNowhere) return false;
-  step.exits = may_exit_before(step.form);
+  step.exits = !step.io && may_exit_before(step.form);
   describe_flags(c, step);
   return true;
 }
@@ -317,12 +377,14 @@ void settle_flags(Block& block) {
     unsigned open = s.sets;
     bool changed = false;
     const auto left_here = [&] { s.keep |= changed ? open : open & ~s.recoverable; };
+    if (s.io) left_here();
     for (std::size_t k = i + 1; k < block.steps.size() && open != 0; ++k) {
       const Step& later = block.steps[k];
       s.keep |= later.uses & open;
       if (later.exits || later.form.op == Op::bcc) left_here();
       open &= ~later.sets;
       changed = changed || (registers_written_by(later) & registers) != 0;
+      if (later.io) left_here();
     }
     left_here();
   }
@@ -332,6 +394,7 @@ void settle_flags(Block& block) {
     block.live |= s.uses & open;
     if (s.exits || s.form.op == Op::bcc) block.live |= open;
     open &= ~s.sets;
+    if (s.io) block.live |= open;
   }
   block.live |= open;
 }

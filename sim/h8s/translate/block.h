@@ -58,6 +58,7 @@ struct Step {
   unsigned uses = 0;         // flags read from memory
   unsigned keep = 0;         // of `sets`: must be in memory after the step
   bool exits = false;        // the block may be left before this step has any effect
+  bool io = false;           // accesses a register of the chip; the block may be left after it
   Definition definition;
   // For each flag the last earlier step that set it; -1: none in the block.
   std::array<std::int16_t, kFlags> set_by{};
@@ -81,6 +82,20 @@ struct Block {
 };
 
 inline constexpr std::uint32_t kNowhere = 0xffffffff;
+
+// Registers that a step writes, by bits.
+unsigned registers_written_by(const Step& s);
+
+// A step's access to memory through a register, beginning `displacement` from it. The step then adds `moves`
+// to the register.
+struct Access {
+  unsigned reg = 0;
+  std::int32_t displacement = 0;
+  std::int32_t bytes = 0;  // 0: there is none
+  std::int32_t moves = 0;
+  bool words = false;  // must be at an even address
+};
+Access access_of(const Step& s);
 
 // Flags that a condition of Bcc reads.
 unsigned flags_of_condition(unsigned condition);

@@ -79,6 +79,13 @@ void Emitter::emit_bit(std::size_t k) {
     bit_in_register(s, gp(part.reg), part.shift);
     return;
   }
+  if (s.io) {
+    load_io(k);
+    bit_in_register(s, host::edi, 0);
+    if (!writes(s.form.op)) return;
+    a_.mov(host::r15d, host::edi);
+    return store_io(k);
+  }
   if (writes(s.form.op)) {
     const host::Mem at = writable(k, s.form.dst, s.insn.rd / 4, 1, 1);
     fetch_big(host::edi, at, 1);

@@ -63,11 +63,38 @@ void Emitter::emit_block(std::size_t n) {
   a_.bind(inside_[n]);
   pending_.fill(-1);
   native_ = 0;
+  proofs_.fill({});
+  again_.clear();
+  Pending pending{};  // before the first step that may go on in the second version
   for (std::size_t k = 0; k < block.steps.size(); ++k) {
+    has_before_ = false;
+    stored_ = 0;
+    if (again_.empty()) pending = pending_;
+    emit_step(k);
+    move_proofs(block.steps[k]);
+  }
+  emit_end();
+  if (again_.empty()) return;
+  cold_.push_back([this, n, pending, again = again_] { emit_again(n, again, pending); });
+}
+
+void Emitter::emit_again(std::size_t n, const Again& again, const Pending& pending) {
+  block_ = &(*blocks_)[n];
+  pending_ = pending;
+  native_ = 0;
+  second_ = true;
+  for (std::size_t k = again.begin()->first; k < block_->steps.size(); ++k) {
+    if (const auto from = again.find(k); from != again.end()) a_.bind(from->second);
     has_before_ = false;
     stored_ = 0;
     emit_step(k);
   }
+  emit_end();
+  second_ = false;
+}
+
+void Emitter::emit_end() {
+  const Block& block = *block_;
   if (block.end == End::next) {
     emit_edge(block.steps.size(), block.after);
   } else if (block.end == End::interpret) {
@@ -163,6 +190,24 @@ void Emitter::emit_step(std::size_t k) {
     if (s.sets >> f & 1)
       pending_[f] = static_cast<std::int16_t>(s.keep >> f & 1 ? -1 : static_cast<int>(k));
   }
+  if (s.io) leave_after(k);
+}
+
+void Emitter::leave_after(std::size_t k) {
+  const asmjit::Label leave = a_.newLabel();
+  a_.test(kLeft, kLeft);
+  a_.jle(leave);
+  native_ = 0;
+  cold_.push_back([this, k, leave, &block = *block_, pending = pending_] {
+    a_.bind(leave);
+    store_pending(pending, block, kAllFlags);
+    const Step& s = block.steps[k];
+    const std::uint32_t states =
+        k + 1 < block.steps.size() ? block.steps[k + 1].before : block.states;
+    a_.add(kLeft, static_cast<std::int32_t>(block.bound) - static_cast<std::int32_t>(states));
+    a_.add(kExecuted, k + 1);
+    emit_out(s.index + s.insn.units, kGoOn);
+  });
 }
 
 // The interpreter's handler, for instructions that neither branch nor touch memory.

@@ -1,5 +1,6 @@
 // Emits loads and stores: memory inline; for everything else the block is left before the access.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstddef>
 
 #include "sim/h8s/translate/emitter.h"
@@ -9,6 +10,14 @@ namespace {
 
 // Distance of short RAM from kRamBase.
 constexpr std::uint32_t kShortRamAt = kShortRam - kRam;
+
+// Whether the step also writes the register that it accesses memory through otherwise: a value loaded, or
+// one of several.
+bool writes_pointer(const Step& s) {
+  const Access a = access_of(s);
+  if (s.form.op == Op::ldm) return s.form.first + s.form.count > a.reg;
+  return s.form.op == Op::mov && s.form.dst == Mode::reg && s.insn.rd / 4u == a.reg;
+}
 
 }  // namespace
 
@@ -65,21 +74,32 @@ void Emitter::store_big(const host::Mem& at, const host::Gp& from, unsigned size
 }
 
 // esi holds the offset from the beginning of RAM; `bytes` from there must all be in it. Words: esi is
-// halved, an odd address becomes an offset far beyond the end.
+// halved, an odd address becomes an offset far beyond the end. The address is only masked if it is not in
+// RAM without that.
 host::Mem Emitter::ram_check(unsigned size, std::uint32_t bytes, const asmjit::Label& outside) {
   using host::esi;
-  if (size == 1) {
-    a_.cmp(esi, c_.ram_size);
-    a_.jae(outside);
-    return host::ptr(kRamBase, host::rsi, 0, 0, 1);
-  }
-  a_.ror(esi, 1);
-  a_.cmp(esi, c_.ram_size >= bytes ? (c_.ram_size - (bytes - 2)) / 2 : 0);
-  a_.jae(outside);
-  return host::ptr(kRamBase, host::rsi, 1, 0, size);
+  const std::uint32_t end = size == 1              ? c_.ram_size
+                            : c_.ram_size >= bytes ? (c_.ram_size - (bytes - 2)) / 2
+                                                   : 0;
+  const asmjit::Label masked = a_.newLabel(), inside = a_.newLabel();
+  if (size > 1) a_.ror(esi, 1);
+  a_.cmp(esi, end);
+  a_.jae(masked);
+  a_.bind(inside);
+  cold_.push_back([this, size, end, masked, inside, outside] {
+    a_.bind(masked);
+    if (size > 1) a_.rol(esi, 1);
+    a_.and_(esi, c_.mask);
+    if (size > 1) a_.ror(esi, 1);
+    a_.cmp(esi, end);
+    a_.jb(inside);
+    a_.jmp(outside);
+  });
+  return size == 1 ? host::ptr(kRamBase, host::rsi, 0, 0, 1)
+                   : host::ptr(kRamBase, host::rsi, 1, 0, size);
 }
 
-// Computes the address: esi becomes its offset in RAM, or `at` is known at translation time.
+// Computes the address: esi becomes its offset in RAM, not masked, or `at` is known at translation time.
 Place Emitter::address(const Step& s, Mode mode, unsigned reg, unsigned size, std::uint32_t bytes,
                        host::Mem& at) {
   if (mode == Mode::absolute) {
@@ -102,13 +122,89 @@ Place Emitter::address(const Step& s, Mode mode, unsigned reg, unsigned size, st
   if (mode == Mode::indirect) displacement += s.insn.imm;
   if (mode == Mode::decrement) displacement -= bytes;
   a_.lea(host::esi, host::ptr(gp(reg).r64(), static_cast<std::int32_t>(displacement)));
-  a_.and_(host::esi, c_.mask);
   return Place::elsewhere;
+}
+
+// One check for this access and the later ones through the same register, if there are any.
+bool Emitter::check_together(std::size_t k) {
+  using host::esi;
+  constexpr std::int32_t farthest = 0x1000;
+  const auto near = [](const Access& a) {
+    return a.displacement >= -farthest && a.displacement <= farthest;
+  };
+  const Access own = access_of(block_->steps[k]);
+  if (!near(own)) return false;
+  std::int32_t low = own.displacement, high = low + own.bytes, moved = 0;
+  unsigned accesses = 1;
+  bool words = own.words;
+  for (std::size_t j = k; j < block_->steps.size(); ++j) {
+    const Step& s = block_->steps[j];
+    const Access a = access_of(s);
+    const bool through = a.bytes != 0 && a.reg == own.reg;
+    if (j != k && through) {
+      if (!near(a) || moved < -farthest || moved > farthest) break;
+      low = std::min(low, moved + a.displacement);
+      high = std::max(high, moved + a.displacement + a.bytes);
+      words = words || a.words;
+      ++accesses;
+    }
+    if (!(registers_written_by(s) >> own.reg & 1)) continue;
+    if (!through || a.moves == 0 || writes_pointer(s)) break;
+    moved += a.moves;
+  }
+  if (accesses < 2) return false;
+  if (words) low &= ~1, high = (high + 1) & ~1;
+  const std::uint32_t span = static_cast<std::uint32_t>(high - low);
+  if (span > c_.ram_size) return false;
+  const asmjit::Label again = again_[k] = a_.newLabel();
+  a_.lea(esi, host::ptr(gp(own.reg).r64(), low - static_cast<std::int32_t>(c_.ram_base)));
+  if (words) a_.ror(esi, 1);
+  a_.cmp(esi, words ? (c_.ram_size - span) / 2 + 1 : c_.ram_size - span + 1);
+  a_.jae(again);
+  proofs_[own.reg] = {low, high, words};
+  return true;
+}
+
+std::optional<host::Mem> Emitter::proved(std::size_t k, unsigned size) {
+  // The flat machine's addresses wrap.
+  if (second_ || c_.flat || c_.observed || c_.ram_size == 0) return std::nullopt;
+  const Step& s = block_->steps[k];
+  const Access a = access_of(s);
+  if (a.bytes == 0) return std::nullopt;
+  // A pointer that is stored through itself is decremented before the store.
+  if (s.form.op == Op::mov && s.form.dst == Mode::decrement && s.insn.rs / 4u == a.reg)
+    return std::nullopt;
+  const auto known = [&] {
+    const Proof& p = proofs_[a.reg];
+    return a.displacement >= p.low && a.displacement + a.bytes <= p.high && p.low < p.high &&
+           (!a.words || (p.even && a.displacement % 2 == 0));
+  };
+  if (!known() && (!check_together(k) || !known())) return std::nullopt;
+  return host::ptr(kRamBase, gp(a.reg).r64(), 0,
+                   a.displacement - static_cast<std::int32_t>(c_.ram_base), size);
+}
+
+// After a step, for the next ones.
+void Emitter::move_proofs(const Step& s) {
+  const unsigned written = registers_written_by(s);
+  const Access a = access_of(s);
+  for (unsigned reg = 0; reg < 8; ++reg) {
+    if (!(written >> reg & 1)) continue;
+    Proof& p = proofs_[reg];
+    if (a.bytes == 0 || a.reg != reg || a.moves == 0 || writes_pointer(s)) {
+      p = {};
+      continue;
+    }
+    p.low -= a.moves;
+    p.high -= a.moves;
+    if (a.moves % 2 != 0) p.even = false;
+  }
 }
 
 // Runs `fetch` with the operand's place, in RAM or, but for the stack, in flash.
 void Emitter::load(std::size_t k, Mode mode, unsigned reg, unsigned size, const Fetch& fetch) {
   const Step& s = block_->steps[k];
+  if (const auto place = proved(k, size)) return fetch(*place);
   host::Mem at;
   if (address(s, mode, reg, size, size, at) != Place::elsewhere) return fetch(at);
   const bool stack = reg == 7 && mode == Mode::increment;
@@ -135,10 +231,14 @@ void Emitter::load(std::size_t k, Mode mode, unsigned reg, unsigned size, const 
   });
 }
 
-// The operand's location in RAM, in lines without decoded instructions. Uses esi and edi.
+// The operand's location in RAM, in lines without decoded instructions; while no line has any, there is no
+// need to look. Uses esi and edi.
 host::Mem Emitter::writable(std::size_t k, Mode mode, unsigned reg, unsigned size,
                             std::uint32_t bytes) {
   const Step& s = block_->steps[k];
+  if (!c_.code_in_ram) {
+    if (const auto place = proved(k, size)) return *place;
+  }
   const asmjit::Label out = before(k);
   const unsigned lines = size == 1 ? 1 : 2;  // an operand may reach into the next line
   // The flags of lines that hold code, from the first line of RAM on.
@@ -146,6 +246,7 @@ host::Mem Emitter::writable(std::size_t k, Mode mode, unsigned reg, unsigned siz
   const host::Mem elsewhere = host::ptr(kCpu, static_cast<std::int32_t>(offsetof(Cpu, has_code)));
   host::Mem at;
   if (address(s, mode, reg, size, bytes, at) != Place::elsewhere) {
+    if (!c_.code_in_ram) return at;
     constexpr auto line = static_cast<std::int32_t>(kLine);
     const auto offset = static_cast<std::int32_t>(at.offset());
     const unsigned span = offset % line + static_cast<std::int32_t>(size) > line ? 2 : 1;
@@ -157,6 +258,7 @@ host::Mem Emitter::writable(std::size_t k, Mode mode, unsigned reg, unsigned siz
     return at;
   }
   at = ram_check(size, bytes, out);
+  if (!c_.code_in_ram) return at;
   a_.mov(host::edi, host::esi);
   a_.shr(host::edi, size == 1 ? 6 : 5);
   const unsigned span = bytes > 2 ? lines : 1;
@@ -167,10 +269,32 @@ host::Mem Emitter::writable(std::size_t k, Mode mode, unsigned reg, unsigned siz
   return at;
 }
 
+// r15: the value stored; edi: the value loaded.
+void Emitter::emit_access(std::size_t k, const void* gate) {
+  const Step& s = block_->steps[k];
+  a_.mov(host::rdi, reinterpret_cast<std::uint64_t>(c_.code + s.index));
+  a_.mov(host::rsi, static_cast<std::int64_t>(block_->bound) -
+                        static_cast<std::int64_t>(states_before(k + 1)));
+  a_.call(asmjit::Imm(reinterpret_cast<std::uint64_t>(gate)));
+}
+
+void Emitter::load_io(std::size_t k) {
+  emit_access(k, block_->steps[k].form.size == 1 ? gate_.load8 : gate_.load16);
+}
+
+void Emitter::store_io(std::size_t k) {
+  emit_access(k, block_->steps[k].form.size == 1 ? gate_.store8 : gate_.store16);
+}
+
 void Emitter::emit_load(std::size_t k) {
   const Step& s = block_->steps[k];
   const unsigned size = s.form.size, pointer = s.insn.rs / 4;
   const Part to = part_at(s.insn.rd, size);
+  if (s.io) {
+    load_io(k);
+    put(to, host::edi);
+    return;
+  }
   if (s.form.src != Mode::increment) {
     load(k, s.form.src, pointer, size, [this, to](const host::Mem& at) {
       if (to.shift != 0) {
@@ -197,6 +321,10 @@ void Emitter::emit_store(std::size_t k) {
   const Step& s = block_->steps[k];
   const unsigned size = s.form.size, pointer = s.insn.rd / 4;
   const Part from = part_at(s.insn.rs, size);
+  if (s.io) {
+    get(host::r15d, from);
+    return store_io(k);
+  }
   const bool down = s.form.dst == Mode::decrement;
   const bool overlaps = down && from.reg == pointer;
   const bool decremented = overlaps && c_.predecrement_stores_decremented;
@@ -225,6 +353,8 @@ void Emitter::emit_multiple(std::size_t k) {
   host::Mem at;
   if (store) {
     at = writable(k, Mode::decrement, 7, 4, bytes);
+  } else if (const auto place = proved(k, 4)) {
+    at = *place;
   } else {
     address(s, Mode::increment, 7, 4, bytes, at);
     at = ram_check(4, bytes, before(k));

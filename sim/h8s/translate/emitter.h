@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "sim/h8s/translate/block.h"
@@ -44,12 +45,19 @@ struct Gate {
   // bound: runs its handler. Afterwards kLeft is as the next instruction expects it, and the host's flags
   // compare it with 0; if it is not greater, Cpu holds the whole state, and the block must be left.
   const void* interpret = nullptr;
+  // Accesses of an instruction to a register of the chip, as `interpret`, without its other effects: it is in
+  // rdi, rsi, a value that is stored in r15. A value that is loaded is returned in edi. Cpu then does not
+  // hold the whole state.
+  const void* load8 = nullptr;
+  const void* load16 = nullptr;
+  const void* store8 = nullptr;
+  const void* store16 = nullptr;
   const void* leave_complete = nullptr;  // as `leave`, when Cpu holds all but kExecuted
   // Jumped to, as `interpret`, by instructions that continue elsewhere: goes on with the block there.
   const void* go_elsewhere = nullptr;
 };
 struct GateLabels {
-  asmjit::Label leave, interpret, leave_complete, go_elsewhere;
+  asmjit::Label leave, interpret, load8, load16, store8, store16, leave_complete, go_elsewhere;
 };
 void emit_gate(host::Assembler& a, const GateLabels& labels, const Entry* entries);
 
@@ -72,10 +80,13 @@ class Emitter {
   using Fetch = std::function<void(const host::Mem&)>;
   // For each flag the step from which it can be recomputed; -1: it is in memory.
   using Pending = std::array<std::int16_t, kFlags>;
+  using Again = std::map<std::size_t, asmjit::Label>;  // by steps
 
   // --- blocks and exits (emit_branch.cpp)
   void emit_block(std::size_t n);
+  void emit_end();
   void emit_step(std::size_t k);
+  void emit_again(std::size_t n, const Again& again, const Pending& pending);
   void emit_condition(std::size_t k, unsigned native);
   void emit_call(std::size_t k);
   void emit_jump(std::size_t k);
@@ -91,6 +102,12 @@ class Emitter {
   std::uint32_t states_before(std::size_t k) const;
   void emit_handler(const Step& s);
   void emit_interpreted(std::size_t k);
+  // --- registers of the chip (emit_memory.cpp)
+  void emit_access(std::size_t k, const void* gate);
+  void load_io(std::size_t k);
+  void store_io(std::size_t k);
+  // After a step: leaves the block if the time left is no longer sufficient for it.
+  void leave_after(std::size_t k);
 
   // --- flags (emit_flags.cpp)
   void store_flags(const Definition& d, unsigned mask);
@@ -120,6 +137,11 @@ class Emitter {
   Place address(const Step& s, Mode mode, unsigned reg, unsigned size, std::uint32_t bytes,
                 host::Mem& at);
   host::Mem ram_check(unsigned size, std::uint32_t bytes, const asmjit::Label& outside);
+  // The place of step k's access through a register, if it is known to be in RAM or can be checked together
+  // with later ones of the block.
+  std::optional<host::Mem> proved(std::size_t k, unsigned size);
+  bool check_together(std::size_t k);
+  void move_proofs(const Step& s);
   void load(std::size_t k, Mode mode, unsigned reg, unsigned size, const Fetch& fetch);
   host::Mem writable(std::size_t k, Mode mode, unsigned reg, unsigned size, std::uint32_t bytes);
   void fetch_big(const host::Gp& to, const host::Mem& at, unsigned size);
@@ -154,6 +176,16 @@ class Emitter {
   std::vector<std::function<void()>> side_, cold_;
 
   Pending pending_{};
+  // What is known of a register within a block: from `low` to `high` beyond it all is RAM. Where a check
+  // for several accesses fails, the block goes on in a second version of its code, which checks each.
+  struct Proof {
+    std::int32_t low = 0, high = 0;
+    bool even = false;
+  };
+  std::array<Proof, 8> proofs_{};
+  Again again_;          // steps of the second version that are reached from the first
+  bool second_ = false;  // it is being emitted
+
   asmjit::Label before_;
   bool has_before_ = false;
   unsigned native_ = 0;  // guest flags that are currently in the host's flags

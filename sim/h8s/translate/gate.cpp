@@ -46,6 +46,63 @@ void emit_interpret(host::Assembler& a) {
   a.ret();
 }
 
+// Time passes during an access: Cpu::stop becomes earlier.
+void emit_access(host::Assembler& a, std::uint64_t access) {
+  using host::r15;
+  emit_registers_out(a);
+  a.mov(host::edx, host::r15d);
+  a.mov(r15, field(offsetof(Cpu, stop)));
+  a.mov(host::rax, r15);
+  a.sub(host::rax, kLeft);
+  a.sub(host::rax, host::rsi);
+  a.mov(field(offsetof(Cpu, now)), host::rax);
+  a.mov(field(offsetof(Cpu, ip)), host::rdi);
+  a.mov(host::rsi, kCpu);
+  a.sub(host::rsp, 8);
+  a.mov(host::rax, access);
+  a.call(host::rax);
+  a.add(host::rsp, 8);
+  a.mov(host::edi, host::eax);
+  emit_registers_in(a);
+  a.sub(kLeft, r15);
+  a.add(kLeft, field(offsetof(Cpu, stop)));
+  a.ret();
+}
+
+// The block is left after the instruction. Not by forget_all() itself: that would interrupt an EEPMOV.W.
+void leave_discarded(Cpu& c) {
+  if (c.code_discarded) [[unlikely]]
+    end_stretch(c);
+}
+
+std::uint32_t load_register8(const Insn* ip, Cpu& c) {
+  const std::uint32_t address = ip->imm & c.mask;
+  const std::uint32_t value = c.observed ? c.bus->load8(address) : c.bus->load_io8(address);
+  leave_discarded(c);
+  return value;
+}
+
+std::uint32_t load_register16(const Insn* ip, Cpu& c) {
+  const std::uint32_t address = ip->imm & c.mask;
+  const std::uint32_t value = c.observed ? c.bus->load16(address) : c.bus->load_io16(address);
+  leave_discarded(c);
+  return value;
+}
+
+void store_register8(const Insn* ip, Cpu& c, std::uint32_t value) {
+  const std::uint32_t address = ip->imm & c.mask;
+  const auto byte = static_cast<std::uint8_t>(value);
+  c.observed ? c.bus->store8(address, byte) : c.bus->store_io8(address, byte);
+  leave_discarded(c);
+}
+
+void store_register16(const Insn* ip, Cpu& c, std::uint32_t value) {
+  const std::uint32_t address = ip->imm & c.mask;
+  const auto word = static_cast<std::uint16_t>(value);
+  c.observed ? c.bus->store16(address, word) : c.bus->store_io16(address, word);
+  leave_discarded(c);
+}
+
 void emit_go_elsewhere(host::Assembler& a, const asmjit::Label& leave, const Entry* entries) {
   emit_state_out(a);
   a.mov(host::rdx, reinterpret_cast<std::uint64_t>(entries));
@@ -116,6 +173,14 @@ void emit_gate(host::Assembler& a, const GateLabels& labels, const Entry* entrie
 
   a.bind(labels.interpret);
   emit_interpret(a);
+  const auto access = [&](const asmjit::Label& label, auto* function) {
+    a.bind(label);
+    emit_access(a, reinterpret_cast<std::uint64_t>(function));
+  };
+  access(labels.load8, load_register8);
+  access(labels.load16, load_register16);
+  access(labels.store8, store_register8);
+  access(labels.store16, store_register16);
   a.bind(labels.go_elsewhere);
   emit_go_elsewhere(a, labels.leave_complete, entries);
 }

@@ -63,7 +63,8 @@ struct Translator::Cache {
     code.init(asmjit::Environment::host());
     code.setErrorHandler(&errors);
     host::Assembler a(&code);
-    const GateLabels labels{a.newLabel(), a.newLabel(), a.newLabel(), a.newLabel()};
+    const GateLabels labels{a.newLabel(), a.newLabel(), a.newLabel(), a.newLabel(),
+                            a.newLabel(), a.newLabel(), a.newLabel(), a.newLabel()};
     emit_gate(a, labels, entries.get());
     const void* const base = errors.any ? nullptr : memory.add(code);
     if (!base) return false;
@@ -73,6 +74,10 @@ struct Translator::Cache {
     };
     gate.leave = at(labels.leave);
     gate.interpret = at(labels.interpret);
+    gate.load8 = at(labels.load8);
+    gate.load16 = at(labels.load16);
+    gate.store8 = at(labels.store8);
+    gate.store16 = at(labels.store16);
     gate.leave_complete = at(labels.leave_complete);
     gate.go_elsewhere = at(labels.go_elsewhere);
     return true;
@@ -116,6 +121,7 @@ struct Translator::Cache {
 
   void translate(Cpu& c, std::uint32_t start) {
     if (bytes > kMaxCode) forget_all();
+    if (start >= c.ram_code) note_code_in_ram(c);
     const std::vector<Block> found = find_blocks(c, start);
     if (found.empty()) return;
     if (!make_gate()) {
@@ -210,6 +216,7 @@ void Translator::forget(std::uint32_t first, std::uint32_t count) {
 }
 
 void Translator::forget_all() {
+  cache_->invalidations = 0;  // after a reset, say
   cache_->forget_all();
 }
 

@@ -26,7 +26,7 @@ class Translator final : public CodeCache {
   // A code hook was set or cleared at `index`: blocks that hold the instruction are translated again.
   void hook_changed(std::uint32_t index);
   // Discards all; also needed when the code array itself or the memory map has changed.
-  void forget_all();
+  void forget_all() override;
   // Blocks translated since the start, for measurements.
   std::int64_t translated() const;
   // Instructions executed in translated code since construction or the last reset_count().
