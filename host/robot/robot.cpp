@@ -95,8 +95,8 @@ Result<void> Robot::enable(std::uint32_t mask) {
   if (!reply) return tl::unexpected(parts_->with_joints(reply.error(), replies->front()));
   if (reply->mask != mask) {
     const auto faults = fault_sentence(reply->status);
-    return fail(Fault::environment, "the board did not switch the motors as requested" +
-                                        (faults ? ": " + *faults : std::string()));
+    return fail(shutdown_fault(reply->status), "the board did not switch the motors as requested" +
+                                                   (faults ? ": " + *faults : std::string()));
   }
   parts_->on = mask;
   return {};
@@ -164,7 +164,7 @@ Result<Posture> Robot::Parts::take_cycle(const Reply* move, const Reply& state,
   if (const auto taken = read_reply(*move, kz_unpack_targets_reply, targets); !taken) {
     // Why the targets were refused the state may tell better.
     if (posture && (posture->status & kMotorsOffFaults)) {
-      return fail(Fault::environment, describe_fault(posture->status));
+      return fail(shutdown_fault(posture->status), describe_fault(posture->status));
     }
     return tl::unexpected(taken.error());
   }

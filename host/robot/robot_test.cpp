@@ -85,6 +85,7 @@ TEST(Robot, RefusalsNameJointAndReason) {
   const auto weak = robot.enable(kAllJoints);
   ASSERT_FALSE(weak);
   EXPECT_NE(weak.error().message.find("supply"), std::string::npos) << weak.error().message;
+  EXPECT_EQ(weak.error().fault, Fault::failed) << "the robot's, not the line's";
 }
 
 TEST(Robot, RepeatsRequestsWhenFramesAreLostOrDamaged) {
@@ -195,6 +196,8 @@ TEST(Robot, ReportsMotorsThatWentOff) {
   ASSERT_TRUE(sentence);
   EXPECT_NE(sentence->find("no request came for too long"), std::string::npos);
   EXPECT_FALSE(fault_sentence(KZ_STATUS_ENABLED | KZ_STATUS_MOVING));
+  EXPECT_EQ(shutdown_fault(state->status), Fault::environment) << "nothing reached the board";
+  EXPECT_EQ(shutdown_fault(KZ_SHUTDOWN_STALL << 8), Fault::failed);
 }
 
 TEST(Robot, DisablesAllEvenWhenInterrupted) {

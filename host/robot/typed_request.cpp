@@ -67,9 +67,9 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
               joint_name(refusal.detail) +
                   " was not moved: its motor is off; enable it first (after a fault, again)"};
     case KZ_REFUSED_FAULT:
-      return {Fault::environment, "the board refused " + request + ": " +
-                                      kz_shutdown_text(refusal.detail) +
-                                      "; mend that, then clear the shutdown"};
+      return {shutdown_fault(static_cast<std::uint16_t>(refusal.detail << 8)),
+              "the board refused " + request + ": " + kz_shutdown_text(refusal.detail) +
+                  "; mend that, then clear the shutdown"};
     case KZ_REFUSED_BUSY:
       return {Fault::environment,
               "the board refused " + request + ": it is still sending the previous reply"};
@@ -121,6 +121,12 @@ const char* remedy(std::uint8_t reason) {
 }
 
 }  // namespace
+
+Fault shutdown_fault(std::uint16_t status) {
+  const int reason = status >> 8;
+  return reason == KZ_SHUTDOWN_NONE || reason == KZ_SHUTDOWN_LINK_LOST ? Fault::environment
+                                                                       : Fault::failed;
+}
 
 std::optional<std::string> fault_sentence(std::uint16_t status, const std::string& where) {
   std::string faults;
