@@ -107,7 +107,7 @@ Result<void> Robot::set_targets(std::span<const JointTarget> targets, Time durat
   const auto replies = parts_->exchange({&request, 1}, AfterLoss::report);
   if (!replies) return tl::unexpected(replies.error());
   const auto reply = read_reply(replies->front(), kz_unpack_targets_reply, targets);
-  if (!reply) return tl::unexpected(reply.error());
+  if (!reply) return tl::unexpected(parts_->with_limits(reply.error(), replies->front(), targets));
   return {};
 }
 
@@ -166,7 +166,7 @@ Result<Posture> Robot::Parts::take_cycle(const Reply* move, const Reply& state,
     if (posture && (posture->status & kMotorsOffFaults)) {
       return fail(shutdown_fault(posture->status), describe_fault(posture->status));
     }
-    return tl::unexpected(taken.error());
+    return tl::unexpected(with_limits(taken.error(), *move, targets));
   }
   return posture;
 }

@@ -23,15 +23,23 @@ std::string joint_name(int joint) {
                            : "joint " + std::to_string(joint);
 }
 
-std::string outside_limits(int joint, std::span<const JointTarget> targets) {
+std::string range(double lower_rad, double upper_rad) {
+  return degrees(lower_rad) + " to " + degrees(upper_rad) + " degrees";
+}
+
+std::string not_moved(int joint, std::span<const JointTarget> targets) {
   std::string text = joint_name(joint) + " was not moved: its target";
   for (const JointTarget& target : targets) {
     if (target.joint == joint) text += " of " + degrees(target.angle_rad) + " degrees";
   }
-  text += " lies outside its limits";
+  return text + " lies outside ";
+}
+
+std::string outside_limits(int joint, std::span<const JointTarget> targets) {
+  std::string text = not_moved(joint, targets) + "its limits";
   if (joint < KZ_JOINTS) {
     const JointInfo& info = joint_table()[static_cast<std::size_t>(joint)];
-    text += " of " + degrees(info.lower_rad) + " to " + degrees(info.upper_rad) + " degrees";
+    text += " of " + range(info.lower_rad, info.upper_rad);
   }
   return text;
 }
@@ -91,6 +99,16 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
                                       std::to_string(refusal.reason) +
                                       ", which this program does not know"};
   }
+}
+
+Error outside_set_limits(int joint, std::span<const JointTarget> targets, const Limits& set) {
+  const JointInfo& info = joint_table()[static_cast<std::size_t>(joint)];
+  if (set.lower_rad <= info.lower_rad && set.upper_rad >= info.upper_rad)
+    return {Fault::failed, outside_limits(joint, targets)};
+  return {Fault::failed, not_moved(joint, targets) + "the limits that were set on the board, " +
+                             range(set.lower_rad, set.upper_rad) +
+                             "; a reset of the board or `kaz recover` gives it its own of " +
+                             range(info.lower_rad, info.upper_rad) + " again"};
 }
 
 namespace {
