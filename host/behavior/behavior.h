@@ -51,7 +51,7 @@ struct Behavior {
   bool needs_camera = false;  // run() uses Context::detector
   std::span<const Option> options;
   // An outcome without success: the task failed. An Error: it could not be completed (link, camera,
-  // usage).
+  // usage); one of Fault::failed counts as a failure.
   Result<Outcome> (*run)(Context& context) = nullptr;
 };
 

@@ -15,7 +15,8 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
   const auto posture = KAZ_TRY(context_.robot.exchange(targets, ramp));
   input.resumed = context_.robot.take_resumption();
   if (posture.status & host::kMotorsOffFaults) {
-    return fail(Fault::environment, context_.robot.describe_fault(posture.status));
+    return fail(host::shutdown_fault(posture.status),
+                context_.robot.describe_fault(posture.status));
   }
   input.posture = posture;
 

@@ -217,6 +217,7 @@ TEST_F(TrackBall, EndsWhenTheBoardSwitchesTheMotorsOff) {
   const auto outcome = run(ball, "track-ball", 20);
   ASSERT_FALSE(outcome);
   EXPECT_NE(outcome.error().message.find("supply"), std::string::npos) << outcome.error().message;
+  EXPECT_EQ(outcome.error().fault, Fault::failed);
 }
 
 TEST_F(TrackBall, EndsWhenTheBoardFallsSilent) {
@@ -228,6 +229,7 @@ TEST_F(TrackBall, EndsWhenTheBoardFallsSilent) {
   const auto outcome = run(ball, "track-ball", 20);
   ASSERT_FALSE(outcome);
   EXPECT_NE(outcome.error().message.find("stopped answering"), std::string::npos);
+  EXPECT_EQ(outcome.error().fault, Fault::environment);
 }
 
 TEST_F(TrackBall, NeedsACamera) {

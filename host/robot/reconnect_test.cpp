@@ -118,6 +118,7 @@ TEST_F(Reconnect, ResetBoardGetsItsSettingsAgain) {
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("the board was reset during `targets`"), std::string::npos)
       << refused.error().message;
+  EXPECT_EQ(refused.error().fault, Fault::environment);
   expect_resumed(Resumption::Cause::reset);
   EXPECT_TRUE(board.motors_on());
   expect_still(there);
@@ -131,6 +132,21 @@ TEST_F(Reconnect, ResetBoardGetsItsSettingsAgain) {
   wait(95ms);
   ASSERT_TRUE(robot.state());
   expect_resumed(Resumption::Cause::watchdog);  // which is 90 ms again, not the board's 200
+}
+
+// The motors' supply often comes later than the chip's.
+TEST_F(Reconnect, ResetBoardWhoseSupplyIsLateIsTriedAgain) {
+  begin_moving();
+  const Time before = board.now();
+  board.supply_volts = 3;
+  board.reset();
+  board.after_tick = [&](Time start) {
+    if (start > before + 500ms) board.supply_volts.reset();
+  };
+  const auto posture = robot.state();
+  ASSERT_TRUE(posture) << posture.error().message;
+  EXPECT_GT(board.now() - before, 500ms);
+  expect_resumed(Resumption::Cause::reset);
 }
 
 TEST_F(Reconnect, ResetDuringAnOutageIsNoticed) {

@@ -95,8 +95,8 @@ Result<void> Robot::enable(std::uint32_t mask) {
   if (!reply) return tl::unexpected(parts_->with_joints(reply.error(), replies->front()));
   if (reply->mask != mask) {
     const auto faults = fault_sentence(reply->status);
-    return fail(Fault::environment, "the board did not switch the motors as requested" +
-                                        (faults ? ": " + *faults : std::string()));
+    return fail(shutdown_fault(reply->status), "the board did not switch the motors as requested" +
+                                                   (faults ? ": " + *faults : std::string()));
   }
   parts_->on = mask;
   return {};
@@ -107,7 +107,7 @@ Result<void> Robot::set_targets(std::span<const JointTarget> targets, Time durat
   const auto replies = parts_->exchange({&request, 1}, AfterLoss::report);
   if (!replies) return tl::unexpected(replies.error());
   const auto reply = read_reply(replies->front(), kz_unpack_targets_reply, targets);
-  if (!reply) return tl::unexpected(reply.error());
+  if (!reply) return tl::unexpected(parts_->with_limits(reply.error(), replies->front(), targets));
   return {};
 }
 
@@ -164,9 +164,9 @@ Result<Posture> Robot::Parts::take_cycle(const Reply* move, const Reply& state,
   if (const auto taken = read_reply(*move, kz_unpack_targets_reply, targets); !taken) {
     // Why the targets were refused the state may tell better.
     if (posture && (posture->status & kMotorsOffFaults)) {
-      return fail(Fault::environment, describe_fault(posture->status));
+      return fail(shutdown_fault(posture->status), describe_fault(posture->status));
     }
-    return tl::unexpected(taken.error());
+    return tl::unexpected(with_limits(taken.error(), *move, targets));
   }
   return posture;
 }

@@ -158,6 +158,10 @@ class Robot {
 // The reason of a shutdown in a status word.
 inline constexpr std::uint16_t kMotorsOffFaults = 0xFF00;
 
+// Whose fault it is that the board has switched its motors off: the environment's if nothing reached the
+// board for its watchdog's time, or no shutdown is in `status`; else the robot's (Fault::failed).
+Fault shutdown_fault(std::uint16_t status);
+
 // Nothing if no fault is latched in `status`; else a sentence that names them, `where` they are, and
 // what to do.
 std::optional<std::string> fault_sentence(std::uint16_t status, const std::string& where = {});

@@ -125,7 +125,10 @@ Result<void> Robot::Parts::switch_on(std::uint32_t mask) {
     if (!replies) return tl::unexpected(replies.error());
     if (replies->front().refused) {
       const auto refusal = read_reply(replies->front(), kz_unpack_refused);
-      return tl::unexpected(with_joints(refusal.error(), replies->front()));
+      Error error = with_joints(refusal.error(), replies->front());
+      // What a board that starts measures may be out of range for a while: it is tried again.
+      error.fault = Fault::environment;
+      return tl::unexpected(std::move(error));
     }
   }
   return {};

@@ -101,9 +101,10 @@ Error Robot::Parts::not_done(std::span<const Request> requests) const {
   }
   const std::string why =
       resumptions.empty() ? "the link was lost" : text(resumptions.back().cause);
-  return {Fault::failed, why + " during " + names +
-                             ": the board answers again, and joints that were on hold where they "
-                             "are; whether it was done is not known, so ask for it anew"};
+  return {Fault::environment,
+          why + " during " + names +
+              ": the board answers again, and joints that were on hold where they "
+              "are; whether it was done is not known, so ask for it anew"};
 }
 
 }  // namespace kaz::host

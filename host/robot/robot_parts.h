@@ -78,6 +78,8 @@ struct Robot::Parts {
   Error not_done(std::span<const Request> requests) const;
   // `error` of a refused `enable` or `clear`: names the joints whose potentiometers are at fault.
   Error with_joints(Error error, const Reply& reply);
+  // `error` of refused targets: with the limits that are in force, which the board is asked for.
+  Error with_limits(Error error, const Reply& reply, std::span<const JointTarget> targets);
   // Often enough for the watchdog that is in force, ours or the board's own.
   Time heartbeat_period() const;
   Result<void> keep_content(Time until);

@@ -88,6 +88,24 @@ Result<JointSettings> Robot::settings(int joint) {
   return settings;
 }
 
+Error Robot::Parts::with_limits(Error error, const Reply& reply,
+                                std::span<const JointTarget> targets) {
+  kz_refused refusal{};
+  if (!reply.refused ||
+      !kz_unpack_refused(&refusal, reply.fields.bytes.data(), reply.fields.length) ||
+      refusal.reason != KZ_REFUSED_LIMIT || refusal.detail >= KZ_JOINTS) {
+    return error;
+  }
+  const Request request =
+      make_request(KZ_TYPE_settings, kz_settings{refusal.detail}, kz_pack_settings);
+  const auto replies = requester.exchange({&request, 1});
+  if (!replies) return error;
+  const auto set = read_reply(replies->front(), kz_unpack_settings_reply);
+  if (!set) return error;
+  return outside_set_limits(refusal.detail, targets,
+                            {set->ramp * kRampPerUnit, angle_of(set->lower), angle_of(set->upper)});
+}
+
 Result<JointAngles> Robot::read_targets(std::uint32_t mask) {
   KAZ_TRY(check_mask(mask));
   const auto reply = parts_->query(KZ_TYPE_read_targets, kz_read_targets{mask},

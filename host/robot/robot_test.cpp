@@ -85,6 +85,27 @@ TEST(Robot, RefusalsNameJointAndReason) {
   const auto weak = robot.enable(kAllJoints);
   ASSERT_FALSE(weak);
   EXPECT_NE(weak.error().message.find("supply"), std::string::npos) << weak.error().message;
+  EXPECT_EQ(weak.error().fault, Fault::failed) << "the robot's, not the line's";
+}
+
+// Another program may have set them.
+TEST(Robot, NamesTheLimitsThatAreInForce) {
+  TestBoard board;
+  ASSERT_TRUE(
+      connect_to(board).set_limits(1u << neck_tilt, {.lower_rad = -0.1, .upper_rad = 0.12}));
+  Robot robot = connect_to(board);
+  ASSERT_TRUE(robot.enable(kAllJoints));
+  const JointTarget target{neck_tilt, 12 * kDegree};
+  const auto alone = robot.set_targets({&target, 1}, 10ms);
+  ASSERT_FALSE(alone);
+  EXPECT_EQ(
+      alone.error().message,
+      "neck_tilt was not moved: its target of 12.00 degrees lies outside the limits that were "
+      "set on the board, -5.73 to 6.88 degrees; a reset of the board or `kaz recover` gives it "
+      "its own of -44.99 to 74.99 degrees again");
+  const auto cycle = robot.exchange({&target, 1}, 10ms);
+  ASSERT_FALSE(cycle);
+  EXPECT_EQ(cycle.error().message, alone.error().message);
 }
 
 TEST(Robot, RepeatsRequestsWhenFramesAreLostOrDamaged) {
@@ -195,6 +216,8 @@ TEST(Robot, ReportsMotorsThatWentOff) {
   ASSERT_TRUE(sentence);
   EXPECT_NE(sentence->find("no request came for too long"), std::string::npos);
   EXPECT_FALSE(fault_sentence(KZ_STATUS_ENABLED | KZ_STATUS_MOVING));
+  EXPECT_EQ(shutdown_fault(state->status), Fault::environment) << "nothing reached the board";
+  EXPECT_EQ(shutdown_fault(KZ_SHUTDOWN_STALL << 8), Fault::failed);
 }
 
 TEST(Robot, DisablesAllEvenWhenInterrupted) {

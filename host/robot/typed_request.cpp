@@ -23,15 +23,23 @@ std::string joint_name(int joint) {
                            : "joint " + std::to_string(joint);
 }
 
-std::string outside_limits(int joint, std::span<const JointTarget> targets) {
+std::string range(double lower_rad, double upper_rad) {
+  return degrees(lower_rad) + " to " + degrees(upper_rad) + " degrees";
+}
+
+std::string not_moved(int joint, std::span<const JointTarget> targets) {
   std::string text = joint_name(joint) + " was not moved: its target";
   for (const JointTarget& target : targets) {
     if (target.joint == joint) text += " of " + degrees(target.angle_rad) + " degrees";
   }
-  text += " lies outside its limits";
+  return text + " lies outside ";
+}
+
+std::string outside_limits(int joint, std::span<const JointTarget> targets) {
+  std::string text = not_moved(joint, targets) + "its limits";
   if (joint < KZ_JOINTS) {
     const JointInfo& info = joint_table()[static_cast<std::size_t>(joint)];
-    text += " of " + degrees(info.lower_rad) + " to " + degrees(info.upper_rad) + " degrees";
+    text += " of " + range(info.lower_rad, info.upper_rad);
   }
   return text;
 }
@@ -67,9 +75,9 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
               joint_name(refusal.detail) +
                   " was not moved: its motor is off; enable it first (after a fault, again)"};
     case KZ_REFUSED_FAULT:
-      return {Fault::environment, "the board refused " + request + ": " +
-                                      kz_shutdown_text(refusal.detail) +
-                                      "; mend that, then clear the shutdown"};
+      return {shutdown_fault(static_cast<std::uint16_t>(refusal.detail << 8)),
+              "the board refused " + request + ": " + kz_shutdown_text(refusal.detail) +
+                  "; mend that, then clear the shutdown"};
     case KZ_REFUSED_BUSY:
       return {Fault::environment,
               "the board refused " + request + ": it is still sending the previous reply"};
@@ -91,6 +99,16 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
                                       std::to_string(refusal.reason) +
                                       ", which this program does not know"};
   }
+}
+
+Error outside_set_limits(int joint, std::span<const JointTarget> targets, const Limits& set) {
+  const JointInfo& info = joint_table()[static_cast<std::size_t>(joint)];
+  if (set.lower_rad <= info.lower_rad && set.upper_rad >= info.upper_rad)
+    return {Fault::failed, outside_limits(joint, targets)};
+  return {Fault::failed, not_moved(joint, targets) + "the limits that were set on the board, " +
+                             range(set.lower_rad, set.upper_rad) +
+                             "; a reset of the board or `kaz recover` gives it its own of " +
+                             range(info.lower_rad, info.upper_rad) + " again"};
 }
 
 namespace {
@@ -121,6 +139,12 @@ const char* remedy(std::uint8_t reason) {
 }
 
 }  // namespace
+
+Fault shutdown_fault(std::uint16_t status) {
+  const int reason = status >> 8;
+  return reason == KZ_SHUTDOWN_NONE || reason == KZ_SHUTDOWN_LINK_LOST ? Fault::environment
+                                                                       : Fault::failed;
+}
 
 std::optional<std::string> fault_sentence(std::uint16_t status, const std::string& where) {
   std::string faults;

@@ -13,6 +13,10 @@ namespace kaz::host {
 // `targets`: those of the request, so that the sentence contains the value; empty for other requests.
 Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targets);
 
+// That of a target outside the limits which are in force on the board, perhaps set by another program:
+// narrower than the joint's own they are named, with the way back. `joint` is one of the table.
+Error outside_set_limits(int joint, std::span<const JointTarget> targets, const Limits& set);
+
 template <class Message>
 Request make_request(std::uint8_t type, const Message& message,
                      u8 (*pack)(const Message*, u8* fields)) {

@@ -16,6 +16,7 @@ constexpr Time kSampling = milliseconds(5);
 constexpr Time kCycle = milliseconds(10);
 constexpr double kTravelSpeed = 1.5;  // rad/s, of go_to
 constexpr int kUnlockSeconds = 60;
+constexpr double kRampStep = 0.05;  // rad/s; half of the unit in which the board has it
 constexpr Time kUnlockSpare = std::chrono::seconds(5);
 
 std::uint32_t bit(int joint) {
@@ -27,16 +28,24 @@ std::uint32_t bit(int joint) {
 MotorOnBench::MotorOnBench(host::Robot& robot, Stand* stand, int joint, const host::Gains& gains)
     : robot_(robot), stand_(stand), joint_(joint), gains_(gains) {
   const host::JointSettings settings = sure(robot_.settings(joint));
-  lower_ = settings.limits.lower_rad;
-  upper_ = settings.limits.upper_rad;
+  const host::JointInfo& info = host::joint_table()[static_cast<std::size_t>(joint)];
+  lower_ = info.lower_rad;
+  upper_ = info.upper_rad;
   own_gains_ = settings.gains;
   sure(robot_.set_gains(bit(joint), gains));
+  const host::Limits &own = settings.limits, all{.lower_rad = lower_, .upper_rad = upper_};
+  if (own.lower_rad == lower_ && own.upper_rad == upper_ &&
+      std::abs(own.ramp_rad_per_s - all.ramp_rad_per_s) < kRampStep)
+    return;
+  sure(robot_.set_limits(bit(joint), all));
+  own_limits_ = own;
 }
 
 MotorOnBench::~MotorOnBench() {
   if (listening_) (void)robot_.subscribe(Time::zero(), 0);
   robot_.disable_all();
   (void)robot_.set_gains(bit(joint_), own_gains_);
+  if (own_limits_) (void)robot_.set_limits(bit(joint_), *own_limits_);
 }
 
 std::string MotorOnBench::name() const {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,8 +27,8 @@ using Trace = std::vector<Sample>;
 
 class MotorOnBench {
  public:
-  // `stand` may be null. The robot's link watchdog must be 0.5 s or more. The joint gets these gains;
-  // it has its own again afterwards.
+  // `stand` may be null. The robot's link watchdog must be 0.5 s or more. The joint gets these gains, and
+  // the limits that it has after a reset; it has its own again afterwards.
   MotorOnBench(host::Robot& robot, Stand* stand, int joint, const host::Gains& gains);
   ~MotorOnBench();
   MotorOnBench(const MotorOnBench&) = delete;
@@ -39,7 +40,7 @@ class MotorOnBench {
   int joint() const { return joint_; }
   std::string name() const;
   const host::Gains& gains() const { return gains_; }
-  double lower_rad() const { return lower_; }  // soft limits
+  double lower_rad() const { return lower_; }  // of the joint's range
   double upper_rad() const { return upper_; }
   double middle_rad() const { return 0.5 * (lower_ + upper_); }
 
@@ -84,6 +85,7 @@ class MotorOnBench {
   int joint_;
   host::Gains gains_, own_gains_;
   double lower_ = 0, upper_ = 0;
+  std::optional<host::Limits> own_limits_;  // if they were others
   bool listening_ = false;
   Time unlocked_until_{};
 };

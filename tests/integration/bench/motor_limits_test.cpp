@@ -247,6 +247,33 @@ TEST(MotorBench, AMotorThatDoesNotTurnFailsAndTheRestGoesOn) {
   EXPECT_TRUE(names_with(report, Verdict::passed).contains("backlash")) << all_values(report);
 }
 
+// Limits that another program has set on the board: the joint has its range, and them again afterwards.
+TEST(MotorBench, MeasuresTheWholeRangeWhateverLimitsWereSet) {
+  auto made = sim::make_stand(kaz_board(), {.motor = kaz_motor()});
+  ASSERT_TRUE(made) << made.error().message;
+  lockstep::StandBackend backend(std::move(*made));
+  auto robot = host::Robot::connect(backend.link(), backend.clock(), bench_connection());
+  ASSERT_TRUE(robot) << robot.error().message;
+  MotorBenchOptions options;
+  options.filter = "step|no_load";
+  const auto joint = options.joint;
+  ASSERT_TRUE(robot->set_limits(1u << joint,
+                                {.ramp_rad_per_s = 3.3, .lower_rad = -0.1, .upper_rad = 0.12}));
+  BenchReport report;
+  const Limits none;
+  BenchJudge judge(report, none);
+  const auto ran = bench_motor(*robot, &backend.stand(), options, judge);
+  ASSERT_TRUE(ran) << ran.error().message;
+  EXPECT_EQ(failed(report), Names{}) << all_values(report);
+  EXPECT_TRUE(names_with(report, Verdict::passed).contains("no_load.speed"));
+  EXPECT_TRUE(names_with(report, Verdict::passed).contains("step.rise_time"));
+  const auto after = robot->settings(joint);
+  ASSERT_TRUE(after) << after.error().message;
+  EXPECT_NEAR(after->limits.ramp_rad_per_s, 3.3, 0.01);
+  EXPECT_NEAR(after->limits.lower_rad, -0.1, 1e-4);
+  EXPECT_NEAR(after->limits.upper_rad, 0.12, 1e-4);
+}
+
 TEST(MotorBench, OtherLimitsAreThoseOfTheFile) {
   MotorTest test;
   test.options.filter = "backlash";

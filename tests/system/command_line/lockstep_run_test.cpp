@@ -74,5 +74,47 @@ TEST(Demo, SameSeedSameRecordingOtherSeedAnother) {
   EXPECT_NE(hash("third", "6"), first);
 }
 
+// The robot's failure, like a ball that is not found: with a whole result, and a recording that replays.
+TEST(MotorsOff, AreAFailureOfTheRobot) {
+  const TemporaryFolder folder;
+  write_file(folder / "pot", "at 0.5 s for 0.2 s pot_open joint neck_pan\n");
+  const struct {
+    std::string name, words;
+    std::vector<std::string> arguments;
+  } cases[] = {
+      {"pot", "potentiometer open or short (neck_pan)", {"--faults", folder / "pot"}},
+      {"supply", "supply", {"--supply", "3"}},
+  };
+  for (const auto& [name, words, more] : cases) {
+    const std::string out = folder / ("out-" + name);
+    std::vector<std::string> arguments{"run",    "stand", "--world", "empty", "--mcu",
+                                       "native", "--out", out,       "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Finished end = run(kaz(arguments), std::chrono::seconds(60));
+    EXPECT_EQ(end.exit_code, 1) << name << end.err;
+    const json result = json::parse(read_file(out + "/result.json"), nullptr, false);
+    ASSERT_TRUE(result.is_object()) << name << end.err;
+    EXPECT_EQ(result["outcome"], "failed");
+    EXPECT_EQ(result["cause"], "error");
+    EXPECT_NE(result["sentence"].get<std::string>().find(words), std::string::npos) << result;
+    EXPECT_EQ(result["recording_sha256"].get<std::string>().size(), 64u);
+    EXPECT_EQ(json::parse(end.out, nullptr, false)["outcome"], "failed") << end.out;
+    const Finished again = run(kaz({"replay", out + "/recording.mcap", "--whole"}));
+    EXPECT_EQ(again.exit_code, 0) << name << again.out << again.err;
+  }
+}
+
+// No answer is none of the robot's failures.
+TEST(MotorsOff, ByASilentLineAreNot) {
+  const TemporaryFolder folder;
+  write_file(folder / "cut", "at 0.5 s link_cut\n");
+  const Finished end = run(kaz({"run", "stand", "--world", "empty", "--mcu", "native", "--out",
+                                folder / "out", "--faults", folder / "cut"}));
+  EXPECT_EQ(end.exit_code, 3) << end.err;
+  const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
+  ASSERT_TRUE(result.is_object()) << end.err;
+  EXPECT_EQ(result["outcome"], "environment");
+}
+
 }  // namespace
 }  // namespace kaz::test

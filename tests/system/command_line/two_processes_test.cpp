@@ -105,6 +105,22 @@ TEST(TwoProcesses, BehaviourKilledLeavesTheRobotHoldingForTheNext) {
   EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
 }
 
+TEST(TwoProcesses, ABrokenPotentiometerIsAFailureOfTheRobot) {
+  const TemporaryFolder folder;
+  write_file(folder / "pot", "at 0 s pot_open joint neck_pan\n");
+  Process sim(kaz({"sim", "--world", "empty", "--mcu", "native", "--serial", folder / "board",
+                   "--faults", folder / "pot"}));
+  ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
+  const Finished finished = run(
+      kaz({"run", "stand", "--robot", "serial:" + (folder / "board"), "--out", folder / "out"}));
+  EXPECT_EQ(finished.exit_code, 1) << finished.err;
+  const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
+  ASSERT_TRUE(result.is_object()) << finished.err;
+  EXPECT_EQ(result["outcome"], "failed");
+  EXPECT_NE(result["sentence"].get<std::string>().find("potentiometer"), std::string::npos);
+  EXPECT_TRUE(result.contains("link")) << "a whole result";
+}
+
 TEST(TwoProcesses, BoardThatStopsAnsweringIsNoticed) {
   const TemporaryFolder folder;
   Process sim(simulator(folder, "native"));

@@ -449,6 +449,9 @@ void Session::check_outcome() {
     if (error.fault == Fault::interrupted && !clock_->ended()) error.fault = Fault::failed;
     if (error.message.empty())
       error.message = options_.behavior + " returned an error without a sentence";
+    // The robot has failed, as one has that has found no ball: of this there is a whole report.
+    if (error.fault == Fault::failed && !threw_ && !clock_->ended())
+      outcome_ = behavior::Outcome{false, std::string(error.message), {}, "error"};
   } else if (outcome_->sentence.empty()) {
     outcome_->sentence = options_.behavior + " returned an outcome without a sentence";
   }
@@ -544,15 +547,19 @@ Result<void> Session::check_end() {
   if (!outcome_) {
     Error error = with_recording(together(outcome_, left_).error(), backend_->simulation(),
                                  folder(), recorded_, threw_ ? "an exception" : "");
-    // In lockstep nothing but the robot can fail to answer; at a port it is the line, too.
+    // For an evaluation nothing but the robot can fail to answer in lockstep; at a port it is the line, too.
     if ((real() || threw_) && error.fault == Fault::environment)
       error = lost(std::move(error), options_, folder());
     else if (threw_)
       write_end(folder(), options_, "failed", "crashed", error.message);
+    else if (error.fault == Fault::environment)
+      write_end(folder(), options_, "environment", "", error.message);
     return tl::unexpected(std::move(error));
   }
   if (!health_) return tl::unexpected(health_.error());
-  return left_;
+  if (outcome_->success || left_) return left_;
+  std::fprintf(stderr, "%s: %s\n", options_.label.c_str(), left_.error().message.c_str());
+  return {};
 }
 
 Result<bool> Session::report() {
