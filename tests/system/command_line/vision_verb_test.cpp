@@ -179,6 +179,45 @@ TEST(VisionVerb, LooksThroughALiveCamera) {
   EXPECT_GE(json::parse(read_file(folder / "until/result.json"))["frames_looked_at"], 5);
 }
 
+// Overlays take longer than looking: those that still wait at Ctrl-C are dropped and counted.
+TEST(VisionVerb, CtrlCDoesNotWaitForOverlays) {
+  const TemporaryFolder folder;
+  Process sim(kaz({"sim", "--world", "ball", "--mcu", "native", "--serial", folder / "board",
+                   "--cameras", folder / "eyes"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", std::chrono::seconds(30)));
+  Process watching(kaz({"vision", "run", "--in", folder / "eyes", "--modules", "color,planes",
+                        "--export", "depth,points", "--out", folder / "found"}));
+  ASSERT_TRUE(watching.wait_for_output("pairs", std::chrono::seconds(20)));
+  EXPECT_FALSE(watching.wait_for_output("interrupted", std::chrono::seconds(3)));
+  const double cpu_before = watching.cpu_s();
+  const auto signalled = std::chrono::steady_clock::now();
+  watching.signal(SIGINT);
+  const Finished ended = watching.wait(std::chrono::seconds(20));
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - signalled;
+  EXPECT_EQ(ended.exit_code, 130) << ended.err;
+  // On a loaded machine a program may wait for its turn, but does not work for long.
+  EXPECT_TRUE(took.count() < 1 || ended.cpu_s - cpu_before < 1)
+      << took.count() << " s, worked " << ended.cpu_s - cpu_before;
+  const json result = json::parse(read_file(folder / "found/result.json"));
+  EXPECT_TRUE(result.value("interrupted", false));
+  EXPECT_TRUE(fs::exists(folder / "found/frames.csv"));
+  // Each pair has an overlay of its panels, and the two exports of its depth.
+  std::size_t written = 0, expected = 0;
+  for (const auto& file : fs::directory_iterator(folder / "found")) {
+    const std::string name = file.path().filename();
+    written += name.ends_with(".vision.png") || name.ends_with(".depth.png") ||
+               name.ends_with(".points.ply");
+  }
+  for (const json& frame : result["frames"]) {
+    expected += frame.contains("ball") || frame.contains("planes") || frame.contains("depth");
+    expected += frame.contains("depth") ? 2 : 0;
+  }
+  const auto not_written = result.value("files_not_written", std::size_t{0});
+  EXPECT_EQ(written + not_written, expected);
+  const std::string words = "not written any more: " + std::to_string(not_written) + " file";
+  EXPECT_EQ(ended.err.find(words) != std::string::npos, not_written > 0) << ended.err;
+}
+
 TEST(VisionVerb, RefusesInOneSentence) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "empty");

@@ -64,6 +64,13 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
                     const RecordedOptions& options, const OutputFolder& folder, bool interrupted,
                     const std::string& lost = "") {
   KAZ_TRY(report.end());
+  // A signal that came while overlays were being written counts, too, if it cost any.
+  const std::size_t not_written = report.files_not_written();
+  interrupted = interrupted || not_written > 0;
+  const std::string without = not_written == 0
+                                  ? ""
+                                  : "; not written any more: " + counted(not_written, "file") +
+                                        " (overlays, exports) of the last pairs";
   KAZ_TRY(folder.write("frames.csv", report.table()));
   Json result{{"modules", options.modules},
               {"frames_looked_at", report.looked_at()},
@@ -72,6 +79,7 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
               {"provenance", provenance_json()}};
   if (report.cameras_swapped()) result["warning"] = vision::kSwappedCameras;
   if (interrupted) mark_interrupted(result);
+  if (not_written > 0) result["files_not_written"] = not_written;
   if (!lost.empty()) result["ended_early"] = lost;
   KAZ_TRY(folder.write_json("result.json", result));
   if (report.looked_at() == 0 && !interrupted && lost.empty())
@@ -84,10 +92,10 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   const auto ended = [&]() -> Result<bool> {
     if (!lost.empty())
       return fail(Fault::environment,
-                  lost + "; what was looked at until then is kept in " + options.out);
+                  lost + "; what was looked at until then is kept in " + options.out + without);
     if (!interrupted) return true;
     return fail(Fault::interrupted,
-                "interrupted; what was looked at until then is kept in " + options.out);
+                "interrupted; what was looked at until then is kept in " + options.out + without);
   };
   if (options.json) {
     print_json(result);
@@ -317,6 +325,9 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   replayed.vision = vision;
   replayed.watcher = &watcher;
   const auto ran = replay(replayed);
+  // The replay's own catching of signals has ended, while overlays are still being written.
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
   const bool interrupted = !ran && ran.error().fault == Fault::interrupted;
   if (!ran && (!interrupted || watcher.report() == nullptr)) return tl::unexpected(ran.error());
   if (watcher.report() == nullptr)
