@@ -118,6 +118,12 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   return ended();
 }
 
+tl::unexpected<Error> same_picture(const PicturePair& files) {
+  return fail(Fault::usage,
+              "'" + files.left + "' and '" + files.right +
+                  "' are the same picture: give --left and --right pictures of two eyes");
+}
+
 // Reads and rectifies pairs of files.
 struct PairReader {
   vision::StereoCalibration calibration;
@@ -134,6 +140,7 @@ struct PairReader {
                                       std::to_string(calibration.height));
       *image = std::move(read);
     }
+    if (raw.left.rgb == raw.right.rgb) return same_picture(files);
     rectifier.rectify(raw, rectified);
     return rectified;
   }
@@ -211,6 +218,10 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
   if (options.calibration.empty())
     return fail(Fault::usage, "stereo pairs need --calibration FILE (kaz calibrate stereo)");
   const auto files = KAZ_TRY(find_pairs(options.left, options.right));
+  for (const PicturePair& pair : files) {
+    std::error_code error;
+    if (std::filesystem::equivalent(pair.left, pair.right, error)) return same_picture(pair);
+  }
   const auto calibration = KAZ_TRY(vision::read_calibration(options.calibration));
   const auto folder = KAZ_TRY(OutputFolder::begin(options.out, vision_output()));
   const PairReader reader{calibration, vision::Rectifier(calibration)};
