@@ -247,6 +247,9 @@ TEST(VisionVerb, RefusesInOneSentence) {
   expect_refusal(look({}), 2, {"--in", "--left"});
   expect_refusal(look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm"}), 2,
                  {"--calibration"});
+  expect_refusal(
+      look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm", "--modules", "flow"}), 2,
+      {"--modules flow", "pairs of files have no time"});
   const auto learn = [&](const std::string& region) {
     return run(kaz({"vision", "learn-color", "--in", folder / "grey.ppm", "--region", region,
                     "--out", folder / "a.json"}));

@@ -211,7 +211,7 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
   const auto vision = vision_options(options);
   if (!vision) return tl::unexpected(vision.error());
   if (auto fits = refuse(*vision, {"flow", "moving", "floor"},
-                         "single pictures have no time and no posture; take a recording or a live "
+                         "pairs of files have no time and no posture; take a recording or a live "
                          "camera with --robot");
       !fits)
     return tl::unexpected(fits.error());
