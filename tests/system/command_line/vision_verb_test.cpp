@@ -48,6 +48,8 @@ TEST(VisionVerb, FindsTheBallWhoseColourItLearned) {
   EXPECT_GT(color["share_of_region"], 0.95);
   // The whole ball is 0.5 % of the picture.
   EXPECT_LT(color["share_of_rest"], 0.01);
+  EXPECT_FALSE(color.contains("warning"));
+  EXPECT_EQ(learned.out.find("warning"), std::string::npos) << learned.out;
 
   // Beside it: a picture that ends early, one of another size, and something else.
   const std::string whole = read_file(folder / "left/1.png");
@@ -89,6 +91,28 @@ TEST(VisionVerb, FindsTheBallWhoseColourItLearned) {
       run(kaz({"vision", "run", "--in", folder / "left", "--calibration", folder / "eyes.yml",
                "--frames", "1", "--out", folder / "first"}));
   EXPECT_NE(first.out.find("0 balls in 1 of 1 picture,"), std::string::npos) << first.out;
+}
+
+TEST(VisionVerb, WarnsOfAColourThatMuchOfThePictureHas) {
+  const TemporaryFolder folder;
+  std::string picture = "P6\n64 48\n255\n";  // its left half is red
+  for (int n = 0; n < 64 * 48; ++n) picture += n % 64 < 32 ? "\xc0\x10\x10" : "\x60\x60\x60";
+  write_file(folder / "red.ppm", picture);
+  const std::vector<std::string> learn{"vision",   "learn-color", "--in",  folder / "red.ppm",
+                                       "--region", "10,10,10,10", "--out", folder / "red.json"};
+  const Finished learned = run(kaz(learn));
+  EXPECT_EQ(learned.exit_code, 0) << learned.err;
+  // (32 * 48 - 100) of 64 * 48 - 100 pixels.
+  EXPECT_NE(learned.out.find("\nwarning: 48 % of the rest of the picture"), std::string::npos)
+      << learned.out;
+  const json color = json::parse(read_file(folder / "red.json"));
+  EXPECT_NE(color.value("warning", "").find("mark only the object"), std::string::npos) << color;
+  // With all of the red in the region there is no such rest.
+  auto whole = learn;
+  whole[5] = "0,0,32,48";
+  const Finished marked = run(kaz(whole));
+  EXPECT_EQ(marked.exit_code, 0) << marked.err;
+  EXPECT_EQ(marked.out.find("warning"), std::string::npos) << marked.out;
 }
 
 // A recording carries the posture, so the floor is known; the same file gives the same frames.
