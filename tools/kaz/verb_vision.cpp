@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "tools/app/base/output_file.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/session/live_camera.h"
 #include "tools/app/vision/color_file.h"
 #include "tools/app/vision/modules.h"
@@ -55,6 +56,7 @@ Result<Outcome> learn(const LearnArguments& arguments) {
     warning = text;
     json["warning"] = warning;
   }
+  json["provenance"] = provenance_json();
   const std::string text = json.dump(2) + "\n";
   KAZ_TRY(out.write(text));
   if (arguments.json) {

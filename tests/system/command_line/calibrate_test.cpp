@@ -79,6 +79,7 @@ TEST(Calibrate, PhotographsOfAChessboardToUnderHalfAPixel) {
   // OpenCV's own calibration of the left eye stands beside the pictures: 535.9 px, with an outlier
   // of 1.2 px in it, which moves the focal length by some tenths of a per cent.
   EXPECT_NEAR(report["left"]["fx_px"].get<double>(), 535.9, 0.01 * 535.9);
+  EXPECT_NE(read_file(out).find("\ncalibration_time: \"20"), std::string::npos) << read_file(out);
   EXPECT_TRUE(fs::exists(folder / "stereo.coverage.png"));
   const auto coverage = vision::read_picture(folder / "stereo.coverage.png");
   ASSERT_TRUE(coverage) << coverage.error().message;

@@ -49,6 +49,9 @@ TEST(VisionVerb, FindsTheBallWhoseColourItLearned) {
   // The whole ball is 0.5 % of the picture.
   EXPECT_LT(color["share_of_rest"], 0.01);
   EXPECT_FALSE(color.contains("warning"));
+  EXPECT_EQ(color["provenance"]["date"].get<std::string>().size(), 20u);
+  EXPECT_NE(color["provenance"]["command"].get<std::string>().find("learn-color"),
+            std::string::npos);
   EXPECT_EQ(learned.out.find("warning"), std::string::npos) << learned.out;
 
   // Beside it: a picture that ends early, one of another size, and something else.
