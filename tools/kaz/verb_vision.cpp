@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "tools/app/base/output_file.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/session/live_camera.h"
 #include "tools/app/vision/color_file.h"
 #include "tools/app/vision/modules.h"
@@ -44,6 +45,18 @@ Result<Outcome> learn(const LearnArguments& arguments) {
   nlohmann::ordered_json json = color_json(learned->range);
   json["share_of_region"] = learned->inside;
   json["share_of_rest"] = learned->outside;
+  std::string warning;
+  if (learned->too_common()) {
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "%.0f %% of the rest of the picture has this colour too; unless that is the object "
+        "itself, mark only the object, or take a picture before another background",
+        100 * learned->outside);
+    warning = text;
+    json["warning"] = warning;
+  }
+  json["provenance"] = provenance_json();
   const std::string text = json.dump(2) + "\n";
   KAZ_TRY(out.write(text));
   if (arguments.json) {
@@ -55,6 +68,7 @@ Result<Outcome> learn(const LearnArguments& arguments) {
       "region, %.2f %% of the rest of the picture\nwritten: %s\n",
       learned->range.hue_min, learned->range.hue_max, learned->range.saturation_min,
       learned->range.y_min, 100 * learned->inside, 100 * learned->outside, arguments.out.c_str());
+  if (!warning.empty()) std::printf("warning: %s\n", warning.c_str());
   return Outcome(true);
 }
 
@@ -74,7 +88,7 @@ void add_learn(CLI::App& vision, Action& action) {
   verb->add_flag("--json", arguments->json, "print the thresholds as JSON too");
   verb->footer(
       "Prints the share of the rest of the picture that has the colour: it should be the rest of "
-      "the object and nothing else.\n"
+      "the object and nothing else. Above a quarter there is a warning.\n"
       "Examples:\n"
       "  kaz eyes --eye-width 640 --out eyes\n"
       "  kaz vision learn-color --in eyes/left_raw.png --region 415,330,24,24 --out ball.json");

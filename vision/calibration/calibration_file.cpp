@@ -267,7 +267,8 @@ Result<CalibrationFormat> calibration_format(const std::string& path) {
 }
 
 std::string calibration_text(const StereoCalibration& c, CalibrationFormat format,
-                             const std::vector<std::pair<std::string, double>>& notes) {
+                             const std::vector<std::pair<std::string, double>>& notes,
+                             const std::string& date) {
   const int kind = format == CalibrationFormat::json ? cv::FileStorage::FORMAT_JSON
                                                      : cv::FileStorage::FORMAT_YAML;
   cv::FileStorage file("", cv::FileStorage::WRITE | cv::FileStorage::MEMORY | kind);
@@ -286,6 +287,7 @@ std::string calibration_text(const StereoCalibration& c, CalibrationFormat forma
   file << "R1" << mat(c.left.rectified_from_camera) << "R2" << mat(c.right.rectified_from_camera);
   file << "P1" << p1 << "P2" << p2 << "Q" << q;
   for (const auto& [key, value] : notes) file << key << value;
+  if (!date.empty()) file << "calibration_time" << date;
   return file.releaseAndGetString();
 }
 

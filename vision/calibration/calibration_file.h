@@ -27,9 +27,11 @@ enum class CalibrationFormat { yaml, json };
 // From the ending of a file's name: .yml .yaml .json.
 Result<CalibrationFormat> calibration_format(const std::string& path);
 
-// The content of such a file, 17 digits a number. `notes`: further keys of how it was made.
+// The content of such a file, 17 digits a number. `notes`: further keys of how it was made. `date`: when, as
+// calibration_time, the key of OpenCV's calibration sample; empty: the file has none.
 std::string calibration_text(const StereoCalibration& calibration, CalibrationFormat format,
-                             const std::vector<std::pair<std::string, double>>& notes = {});
+                             const std::vector<std::pair<std::string, double>>& notes = {},
+                             const std::string& date = "");
 
 // Fills in rectified_from_camera and `rectified` from the lenses and the transform from the left camera to
 // the right one, x_right = R x_left + T (m). Errors for eyes above each other or exchanged.

@@ -67,7 +67,10 @@ std::string message(const std::string& text) {
 TEST(CalibrationFile, ComesBackAsItWasWritten) {
   const StereoCalibration c = askew();
   for (const auto format : {CalibrationFormat::yaml, CalibrationFormat::json}) {
-    const auto read = parse_calibration(calibration_text(c, format, {{"rms_px", 0.25}}), "a");
+    const std::string text =
+        calibration_text(c, format, {{"rms_px", 0.25}}, "2026-11-24T00:35:00Z");
+    EXPECT_NE(text.find("2026-11-24T00:35:00Z\""), std::string::npos) << text;
+    const auto read = parse_calibration(text, "a");
     ASSERT_TRUE(read) << read.error().message;
     // 17 digits; the baseline is a quotient.
     expect_same(*read, c, 1e-12);

@@ -15,6 +15,10 @@ struct LearnedColor {
   ColorRange range;
   double inside = 0;   // share of the region's pixels that the range lets through
   double outside = 0;  // share of all others: 0 where nothing else has the colour
+
+  // Hardly anything but a near object itself has more of a picture: the thresholds find everything.
+  static constexpr double kLargestObject = 0.25;
+  bool too_common() const { return outside > kLargestObject; }
 };
 
 // The region should lie within the object, or hold little else: at least half of its pixels must be of

@@ -79,6 +79,7 @@ TEST(Calibrate, PhotographsOfAChessboardToUnderHalfAPixel) {
   // OpenCV's own calibration of the left eye stands beside the pictures: 535.9 px, with an outlier
   // of 1.2 px in it, which moves the focal length by some tenths of a per cent.
   EXPECT_NEAR(report["left"]["fx_px"].get<double>(), 535.9, 0.01 * 535.9);
+  EXPECT_NE(read_file(out).find("\ncalibration_time: \"20"), std::string::npos) << read_file(out);
   EXPECT_TRUE(fs::exists(folder / "stereo.coverage.png"));
   const auto coverage = vision::read_picture(folder / "stereo.coverage.png");
   ASSERT_TRUE(coverage) << coverage.error().message;
@@ -181,6 +182,22 @@ TEST(Calibrate, TheBoardIsAPlaneInTheDepthOfItsPhotographs) {
                                   folder / "left02.jpg", "--calibration", folder / "stereo.yml",
                                   "--modules", "depth", "--out", folder / "wrong"}));
   EXPECT_NE(wrong.out.find("left and right look exchanged"), std::string::npos) << wrong.out;
+
+  // One file for both eyes is refused before anything is written, a copy of it once it is read.
+  fs::copy_file(folder / "left01.jpg", folder / "copy01.jpg");
+  const auto with_right = [&](const std::string& right) {
+    return run(
+        kaz({"vision", "run", "--left", folder / "left01.jpg", "--right", right, "--calibration",
+             folder / "stereo.yml", "--modules", "depth", "--out", folder / "same"}));
+  };
+  const Finished one_file = with_right(folder / "left01.jpg");
+  EXPECT_EQ(one_file.exit_code, 2) << one_file.out;
+  EXPECT_NE(one_file.err.find("are the same picture"), std::string::npos) << one_file.err;
+  EXPECT_FALSE(fs::exists(folder / "same"));
+  const Finished copied = with_right(folder / "copy01.jpg");
+  EXPECT_EQ(copied.exit_code, 1) << copied.out;
+  EXPECT_NE(copied.err.find("are the same picture"), std::string::npos) << copied.err;
+  EXPECT_EQ(copied.out.find("exchanged"), std::string::npos) << copied.out;
 }
 
 TEST(Calibrate, NamesAndLeavesOutWhatShowsNoBoard) {

@@ -48,6 +48,11 @@ TEST(VisionVerb, FindsTheBallWhoseColourItLearned) {
   EXPECT_GT(color["share_of_region"], 0.95);
   // The whole ball is 0.5 % of the picture.
   EXPECT_LT(color["share_of_rest"], 0.01);
+  EXPECT_FALSE(color.contains("warning"));
+  EXPECT_EQ(color["provenance"]["date"].get<std::string>().size(), 20u);
+  EXPECT_NE(color["provenance"]["command"].get<std::string>().find("learn-color"),
+            std::string::npos);
+  EXPECT_EQ(learned.out.find("warning"), std::string::npos) << learned.out;
 
   // Beside it: a picture that ends early, one of another size, and something else.
   const std::string whole = read_file(folder / "left/1.png");
@@ -89,6 +94,28 @@ TEST(VisionVerb, FindsTheBallWhoseColourItLearned) {
       run(kaz({"vision", "run", "--in", folder / "left", "--calibration", folder / "eyes.yml",
                "--frames", "1", "--out", folder / "first"}));
   EXPECT_NE(first.out.find("0 balls in 1 of 1 picture,"), std::string::npos) << first.out;
+}
+
+TEST(VisionVerb, WarnsOfAColourThatMuchOfThePictureHas) {
+  const TemporaryFolder folder;
+  std::string picture = "P6\n64 48\n255\n";  // its left half is red
+  for (int n = 0; n < 64 * 48; ++n) picture += n % 64 < 32 ? "\xc0\x10\x10" : "\x60\x60\x60";
+  write_file(folder / "red.ppm", picture);
+  const std::vector<std::string> learn{"vision",   "learn-color", "--in",  folder / "red.ppm",
+                                       "--region", "10,10,10,10", "--out", folder / "red.json"};
+  const Finished learned = run(kaz(learn));
+  EXPECT_EQ(learned.exit_code, 0) << learned.err;
+  // (32 * 48 - 100) of 64 * 48 - 100 pixels.
+  EXPECT_NE(learned.out.find("\nwarning: 48 % of the rest of the picture"), std::string::npos)
+      << learned.out;
+  const json color = json::parse(read_file(folder / "red.json"));
+  EXPECT_NE(color.value("warning", "").find("mark only the object"), std::string::npos) << color;
+  // With all of the red in the region there is no such rest.
+  auto whole = learn;
+  whole[5] = "0,0,32,48";
+  const Finished marked = run(kaz(whole));
+  EXPECT_EQ(marked.exit_code, 0) << marked.err;
+  EXPECT_EQ(marked.out.find("warning"), std::string::npos) << marked.out;
 }
 
 // A recording carries the posture, so the floor is known; the same file gives the same frames.
@@ -179,6 +206,45 @@ TEST(VisionVerb, LooksThroughALiveCamera) {
   EXPECT_GE(json::parse(read_file(folder / "until/result.json"))["frames_looked_at"], 5);
 }
 
+// Overlays take longer than looking: those that still wait at Ctrl-C are dropped and counted.
+TEST(VisionVerb, CtrlCDoesNotWaitForOverlays) {
+  const TemporaryFolder folder;
+  Process sim(kaz({"sim", "--world", "ball", "--mcu", "native", "--serial", folder / "board",
+                   "--cameras", folder / "eyes"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", std::chrono::seconds(30)));
+  Process watching(kaz({"vision", "run", "--in", folder / "eyes", "--modules", "color,planes",
+                        "--export", "depth,points", "--out", folder / "found"}));
+  ASSERT_TRUE(watching.wait_for_output("pairs", std::chrono::seconds(20)));
+  EXPECT_FALSE(watching.wait_for_output("interrupted", std::chrono::seconds(3)));
+  const double cpu_before = watching.cpu_s();
+  const auto signalled = std::chrono::steady_clock::now();
+  watching.signal(SIGINT);
+  const Finished ended = watching.wait(std::chrono::seconds(20));
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - signalled;
+  EXPECT_EQ(ended.exit_code, 130) << ended.err;
+  // On a loaded machine a program may wait for its turn, but does not work for long.
+  EXPECT_TRUE(took.count() < 1 || ended.cpu_s - cpu_before < 1)
+      << took.count() << " s, worked " << ended.cpu_s - cpu_before;
+  const json result = json::parse(read_file(folder / "found/result.json"));
+  EXPECT_TRUE(result.value("interrupted", false));
+  EXPECT_TRUE(fs::exists(folder / "found/frames.csv"));
+  // Each pair has an overlay of its panels, and the two exports of its depth.
+  std::size_t written = 0, expected = 0;
+  for (const auto& file : fs::directory_iterator(folder / "found")) {
+    const std::string name = file.path().filename();
+    written += name.ends_with(".vision.png") || name.ends_with(".depth.png") ||
+               name.ends_with(".points.ply");
+  }
+  for (const json& frame : result["frames"]) {
+    expected += frame.contains("ball") || frame.contains("planes") || frame.contains("depth");
+    expected += frame.contains("depth") ? 2 : 0;
+  }
+  const auto not_written = result.value("files_not_written", std::size_t{0});
+  EXPECT_EQ(written + not_written, expected);
+  const std::string words = "not written any more: " + std::to_string(not_written) + " file";
+  EXPECT_EQ(ended.err.find(words) != std::string::npos, not_written > 0) << ended.err;
+}
+
 TEST(VisionVerb, RefusesInOneSentence) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "empty");
@@ -208,6 +274,9 @@ TEST(VisionVerb, RefusesInOneSentence) {
   expect_refusal(look({}), 2, {"--in", "--left"});
   expect_refusal(look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm"}), 2,
                  {"--calibration"});
+  expect_refusal(
+      look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm", "--modules", "flow"}), 2,
+      {"--modules flow", "pairs of files have no time"});
   const auto learn = [&](const std::string& region) {
     return run(kaz({"vision", "learn-color", "--in", folder / "grey.ppm", "--region", region,
                     "--out", folder / "a.json"}));

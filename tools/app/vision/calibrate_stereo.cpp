@@ -206,7 +206,8 @@ Result<void> write(const StereoResult& result, const Board& board,
                                                      {"rms_left_px", result.left.rms_px},
                                                      {"rms_right_px", result.right.rms_px},
                                                      {"rms_stereo_px", result.rms_px},
-                                                     {"rms_rows_px", result.row_rms_px}});
+                                                     {"rms_rows_px", result.row_rms_px}},
+                                                    provenance().date);
   return outputs.calibration.write(text);
 }
 

@@ -2,7 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/vision/picture_writer.h"
 
+#include <chrono>
+
 namespace kaz::tools {
+namespace {
+
+// A signal wakes no condition variable.
+constexpr std::chrono::milliseconds kQueryInterval{50};
+
+}  // namespace
 
 void PictureWriter::add(const OutputFolder& folder, std::string name,
                         std::vector<figure::Panel> panels, int columns) {
@@ -14,15 +22,33 @@ void PictureWriter::add(const OutputFolder& folder, std::string name,
 
 void PictureWriter::add(std::function<Result<void>()> write) {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return jobs_.size() < kMostWaiting; });
+  for (;;) {
+    if (interrupted()) {
+      ++dropped_;
+      return;
+    }
+    if (jobs_.size() < kMostWaiting) break;
+    changed_.wait_for(lock, kQueryInterval);
+  }
   jobs_.push_back(std::move(write));
   changed_.notify_all();
 }
 
 Result<void> PictureWriter::finish() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return jobs_.empty() && !busy_; });
-  return written_;
+  for (;;) {
+    if (interrupted()) {
+      dropped_ += jobs_.size();
+      jobs_.clear();
+    }
+    if (jobs_.empty() && !busy_) return written_;
+    changed_.wait_for(lock, kQueryInterval);
+  }
+}
+
+std::size_t PictureWriter::dropped() const {
+  const std::lock_guard lock(mutex_);
+  return dropped_;
 }
 
 void PictureWriter::work(const std::stop_token& stop) {

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "shared/base/counted.hpp"
+#include "tools/app/base/interrupt_signals.h"
 #include "tools/figure/vision_views.h"
 #include "vision/depth/depth_file.h"
 
@@ -173,7 +174,9 @@ DeliveryTable::DeliveryTable(vision::Pipeline& pipeline) {
 
 VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& options,
                            const OutputFolder* folder, std::uint64_t max_frames)
-    : folder_(folder), options_(options), eyes_(options.depth), max_(max_frames) {
+    : folder_(folder), options_(options), eyes_(options.depth), max_(max_frames), writer_([] {
+        return received_signal() != 0;
+      }) {
   for (const vision::ModuleStatistics& m : pipeline.statistics()) modules_.push_back(m.name);
   subscribe<vision::BallObservation>(
       pipeline, "color", [this](const vision::Frame& frame, const auto* ball, const Error* error) {

@@ -56,8 +56,10 @@ class VisionReport {
   void add_error(nlohmann::ordered_json facts, const std::string& why);
 
   // After the last poll(): frames that some modules dropped are closed, too. An error where an
-  // overlay could not be written.
+  // overlay could not be written. After a signal those that are not written yet are dropped.
   Result<void> end();
+  // Overlays and exports that a signal kept from being written: those of the last frames.
+  std::size_t files_not_written() const { return writer_.dropped(); }
 
   const nlohmann::ordered_json& frames() const { return frames_; }
   bool full() const { return max_ > 0 && frames_.size() >= max_; }

@@ -64,6 +64,13 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
                     const RecordedOptions& options, const OutputFolder& folder, bool interrupted,
                     const std::string& lost = "") {
   KAZ_TRY(report.end());
+  // A signal that came while overlays were being written counts, too, if it cost any.
+  const std::size_t not_written = report.files_not_written();
+  interrupted = interrupted || not_written > 0;
+  const std::string without = not_written == 0
+                                  ? ""
+                                  : "; not written any more: " + counted(not_written, "file") +
+                                        " (overlays, exports) of the last pairs";
   KAZ_TRY(folder.write("frames.csv", report.table()));
   Json result{{"modules", options.modules},
               {"frames_looked_at", report.looked_at()},
@@ -72,6 +79,7 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
               {"provenance", provenance_json()}};
   if (report.cameras_swapped()) result["warning"] = vision::kSwappedCameras;
   if (interrupted) mark_interrupted(result);
+  if (not_written > 0) result["files_not_written"] = not_written;
   if (!lost.empty()) result["ended_early"] = lost;
   KAZ_TRY(folder.write_json("result.json", result));
   if (report.looked_at() == 0 && !interrupted && lost.empty())
@@ -84,10 +92,10 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   const auto ended = [&]() -> Result<bool> {
     if (!lost.empty())
       return fail(Fault::environment,
-                  lost + "; what was looked at until then is kept in " + options.out);
+                  lost + "; what was looked at until then is kept in " + options.out + without);
     if (!interrupted) return true;
     return fail(Fault::interrupted,
-                "interrupted; what was looked at until then is kept in " + options.out);
+                "interrupted; what was looked at until then is kept in " + options.out + without);
   };
   if (options.json) {
     print_json(result);
@@ -110,6 +118,12 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   return ended();
 }
 
+tl::unexpected<Error> same_picture(const PicturePair& files) {
+  return fail(Fault::usage,
+              "'" + files.left + "' and '" + files.right +
+                  "' are the same picture: give --left and --right pictures of two eyes");
+}
+
 // Reads and rectifies pairs of files.
 struct PairReader {
   vision::StereoCalibration calibration;
@@ -126,6 +140,7 @@ struct PairReader {
                                       std::to_string(calibration.height));
       *image = std::move(read);
     }
+    if (raw.left.rgb == raw.right.rgb) return same_picture(files);
     rectifier.rectify(raw, rectified);
     return rectified;
   }
@@ -196,13 +211,17 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
   const auto vision = vision_options(options);
   if (!vision) return tl::unexpected(vision.error());
   if (auto fits = refuse(*vision, {"flow", "moving", "floor"},
-                         "single pictures have no time and no posture; take a recording or a live "
+                         "pairs of files have no time and no posture; take a recording or a live "
                          "camera with --robot");
       !fits)
     return tl::unexpected(fits.error());
   if (options.calibration.empty())
     return fail(Fault::usage, "stereo pairs need --calibration FILE (kaz calibrate stereo)");
   const auto files = KAZ_TRY(find_pairs(options.left, options.right));
+  for (const PicturePair& pair : files) {
+    std::error_code error;
+    if (std::filesystem::equivalent(pair.left, pair.right, error)) return same_picture(pair);
+  }
   const auto calibration = KAZ_TRY(vision::read_calibration(options.calibration));
   const auto folder = KAZ_TRY(OutputFolder::begin(options.out, vision_output()));
   const PairReader reader{calibration, vision::Rectifier(calibration)};
@@ -317,6 +336,9 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   replayed.vision = vision;
   replayed.watcher = &watcher;
   const auto ran = replay(replayed);
+  // The replay's own catching of signals has ended, while overlays are still being written.
+  host::Interrupt interrupt;
+  const InterruptSignals signals(interrupt);
   const bool interrupted = !ran && ran.error().fault == Fault::interrupted;
   if (!ran && (!interrupted || watcher.report() == nullptr)) return tl::unexpected(ran.error());
   if (watcher.report() == nullptr)
