@@ -252,6 +252,29 @@ TEST_F(KeptRuns, WithoutAPlaceForNotesNothingIsAltered) {
   }
 }
 
+// Hostile requests and cases of a suite may end with an emergency stop.
+TEST_F(KeptRuns, AResetAtTheEndClearsAShutdownAndKeepsTheSettings) {
+  lockstep::VirtualBench board(sim::make_native());
+  prepare(board, 1);
+  const host::BoardState before = sure(host::read_board(board, board, 1));
+  const auto status_after = [&](bool reset) {
+    host::Interrupt interrupt;
+    StoppedPort port(board, Stop::none, Time::max(), interrupt);
+    auto wanted = options(1);
+    wanted.flash = false;
+    wanted.reset = reset;
+    const auto kept = sure(KeptRun::begin(port, port, interrupt, wanted));
+    sure(sure(host::Robot::connect(port, port, {.watchdog = Time::zero()})).stop());
+    const auto ended = kept->end();
+    EXPECT_TRUE(ended) << ended.error().message;
+    EXPECT_EQ(sure(host::read_board(board, board, 1)), before);
+    return sure(sure(host::Robot::connect(board, board, {.watchdog = Time::zero()})).health())
+        .shutdown;
+  };
+  EXPECT_FALSE(status_after(false).empty());
+  EXPECT_EQ(status_after(true), "");
+}
+
 TEST_F(KeptRuns, EarlierNotesAreNamed) {
   lockstep::VirtualBench board(sim::make_native());
   prepare(board, 1);

@@ -151,6 +151,7 @@ Result<void> KeptRun::put_back() {
   const auto back = host::put_back(link_, clock_, kept_.board,
                                    {.patience = options_.patience,
                                     .flash = options_.flash,
+                                    .reset = options_.reset,
                                     .motors_off = options_.motors_off,
                                     .others = kept_.others});
   for (const std::string& note : back.notes)

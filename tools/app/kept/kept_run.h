@@ -28,6 +28,7 @@ struct KeptRunOptions {
   bool flash = false;  // the run may write the board's flash: its address, its calibration
   bool motors_off =
       true;            // at the end; false: the run does that itself, once it has moved anything
+  bool reset = false;  // at the end: the run may latch a shutdown, such as an emergency stop
   bool alone = false;  // the run disturbs every board on the line
   Time patience = host::PutBackOptions{}.patience;
   bool notes = true;                   // false: the run alters only what a reset undoes
