@@ -17,6 +17,7 @@
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/base/time_lost.h"
+#include "tools/app/kept/kept_run.h"
 #include "tools/app/monitor/monitor.h"
 
 namespace kaz::tools {
@@ -130,8 +131,9 @@ Result<void> FlashSession::enter(const host::FlashImage* image) {
   }
   if (!reset_) {
     if (*there) return {};
-    return tl::unexpected(
-        host::explain_silence(*link_, clock_, arguments_.address, nobody().value()));
+    return tl::unexpected(with_earlier_notes(
+        host::explain_silence(*link_, clock_, arguments_.address, nobody().value()),
+        link_->name()));
   }
   if (image != nullptr && !flasher_->board_id())
     std::fprintf(stderr,

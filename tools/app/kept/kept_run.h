@@ -21,6 +21,11 @@ std::string kept_folder();
 std::vector<std::string> earlier_notes(const std::string& port,
                                        const std::string& folder = kept_folder());
 
+// The error of a board that was not found on the port, with those notes: without them `kaz recover` would put
+// back its address alone. Other errors (usage, failed, interrupted) as they are.
+Error with_earlier_notes(Error error, const std::string& port,
+                         const std::string& folder = kept_folder());
+
 struct KeptRunOptions {
   std::string verb;  // "kaz conformance"
   std::string port;
