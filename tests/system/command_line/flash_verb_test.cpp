@@ -73,8 +73,8 @@ TEST_F(FlashVerb, ErasedBoardThenTheLoader) {
   // One that is all ff has nothing to compare.
   write_file(folder_ / "blank.bin", std::string(64, '\xff'));
   for (const char* name : {"verify", "write"}) {
-    const Finished blank = run(kaz({"flash", name, folder_ / "blank.bin", "--format", "raw",
-                                    "--at", "0x8000", "--port", folder_ / "board"}),
+    const Finished blank = run(kaz({"flash", name, folder_ / "blank.bin", "--format", "raw", "--at",
+                                    "0x8000", "--port", folder_ / "board"}),
                                seconds(60));
     EXPECT_EQ(blank.exit_code, 2) << blank.out;
     EXPECT_NE(blank.err.find("nothing to write or to compare"), std::string::npos) << blank.err;
@@ -192,6 +192,29 @@ TEST_F(FlashVerb, NobodyAnswersWithoutBootMode) {
       run(kaz({"flash", "verify", image(), "--port", folder_ / "board", "--reset", control()}))
           .exit_code,
       2);
+}
+
+// With a firmware, and not erased.
+class FlashRunning : public ::testing::Test {
+ protected:
+  FlashRunning() {
+    EXPECT_TRUE(sim_.wait_for_output("ready", seconds(30))) << sim_.wait(seconds(0)).err;
+  }
+  std::string port() const { return folder_ / "board"; }
+
+  TemporaryFolder folder_;
+  Process sim_{kaz({"sim", "--world", "empty", "--serial", port()})};
+};
+
+TEST_F(FlashRunning, IsStartedAgainAfterAnInterruptedReading) {
+  Process reading(kaz({"flash", "read", "--port", port(), "--out", folder_ / "flash.bin"}));
+  ASSERT_TRUE(reading.wait_for_output("read ", seconds(30))) << reading.wait(seconds(0)).err;
+  reading.signal(SIGINT);
+  const Finished end = reading.wait(seconds(10));
+  EXPECT_EQ(end.exit_code, 130) << end.err;
+  EXPECT_NE(end.err.find("interrupted; the board was started again"), std::string::npos) << end.err;
+  const Finished status = run(kaz({"status", "--port", port()}), seconds(20));
+  EXPECT_EQ(status.exit_code, 0) << status.err;
 }
 
 }  // namespace

@@ -192,7 +192,7 @@ Result<void> flash(const FlashArguments& arguments, Answer& answer) {
   FlashSession session(arguments, interrupt);
   const auto done = act(session, arguments, answer, image);
   session.end_progress();
-  if (!done) return tl::unexpected(session.with_advice(done.error()));
+  if (!done) return tl::unexpected(session.with_advice(session.start_again(done.error())));
   return {};
 }
 

@@ -155,6 +155,21 @@ Result<kz_identify_reply> FlashSession::identify() {
   return host::repeat_if_late(meter_.get(), [&] { return host::identify_board(at_default); });
 }
 
+Error FlashSession::start_again(const Error& error) {
+  if (error.fault != Fault::interrupted || !flasher_ || !flasher_->found() ||
+      !flasher_->found()->by_loader || !flasher_->left_behind().empty())
+    return error;
+  const host::CleanUp clean_up(interrupt_);
+  const auto started = flasher_->run(nullptr);
+  if (started) return {error.fault, error.message + "; the board was started again"};
+  if (started.error().fault == Fault::failed) return error;  // it has no application
+  return {error.fault,
+          error.message +
+              "; the board waits in its loader, which starts the application after 10 s; "
+              "`kaz flash run --port " +
+              port() + "` starts it at once"};
+}
+
 Error FlashSession::with_advice(const Error& error) const {
   const std::string left = flasher_ ? flasher_->left_behind() : "";
   return left.empty() ? error : Error{error.fault, error.message + "\n  left: " + left};

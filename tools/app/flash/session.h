@@ -41,6 +41,9 @@ class FlashSession {
   bool through_boot() const { return reset_ != nullptr; }
   const std::string& port() const { return arguments_.port; }
   void end_progress() { progress_.done(); }
+  // After an interrupt: a board that waits in its loader, with nothing erased, is started. The error with
+  // what became of it.
+  Error start_again(const Error& error);
   // An error with what it leaves on the board.
   Error with_advice(const Error& error) const;
 
