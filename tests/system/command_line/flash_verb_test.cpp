@@ -194,6 +194,14 @@ TEST_F(FlashVerb, NobodyAnswersWithoutBootMode) {
       2);
 }
 
+TEST(FlashUsage, ARateOfThePortIsRefused) {
+  for (const char* verb : {"info", "run"}) {
+    const Finished refused = run(kaz({"flash", verb, "--port", "/no/such/port@9600"}));
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    EXPECT_NE(refused.err.find("give --port /no/such/port"), std::string::npos) << refused.err;
+  }
+}
+
 // With a firmware, and not erased.
 class FlashRunning : public ::testing::Test {
  protected:

@@ -14,7 +14,6 @@
 #include "host/robot/connect.h"
 #include "host/robot/find_boards.h"
 #include "shared/base/files.hpp"
-#include "tools/app/base/arguments.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/base/time_lost.h"
 #include "tools/app/kept/kept_run.h"
@@ -85,11 +84,10 @@ Result<void> FlashSession::read_writer() {
 
 Result<void> FlashSession::open() {
   if (auto read = read_writer(); !read) return read;
-  const auto port = KAZ_TRY(parse_port(arguments_.port));
-  auto link = KAZ_TRY(host::TtyLink::open(port.first, 115200, &interrupt_));
+  auto link = KAZ_TRY(host::TtyLink::open(port(), 115200, &interrupt_));
   link_ = std::move(link);
-  meter_ = std::make_unique<host::LatenessMeter>(*link_, clock_,
-                                                 time_lost_behind(port.first, interrupt_));
+  meter_ =
+      std::make_unique<host::LatenessMeter>(*link_, clock_, time_lost_behind(port(), interrupt_));
   if (auto made = make_reset(); !made) return made;
   host::FlasherOptions options;
   options.boot.baud = arguments_.boot_baud;
