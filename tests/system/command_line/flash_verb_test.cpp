@@ -8,6 +8,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
+#include "host/robot/robot.h"
 #include "tests/system/command_line/control_socket_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
@@ -223,6 +226,28 @@ TEST_F(FlashRunning, IsStartedAgainAfterAnInterruptedReading) {
   EXPECT_NE(end.err.find("interrupted; the board was started again"), std::string::npos) << end.err;
   const Finished status = run(kaz({"status", "--port", port()}), seconds(20));
   EXPECT_EQ(status.exit_code, 0) << status.err;
+}
+
+TEST_F(FlashRunning, AtAnotherAddressIsNamedWhenItIsStarted) {
+  {
+    const auto link = host::TtyLink::open(port());
+    ASSERT_TRUE(link) << link.error().message;
+    host::WallClock clock;
+    auto robot = host::Robot::connect(**link, clock, {.reconnect = Time::zero()});
+    ASSERT_TRUE(robot) << robot.error().message;
+    ASSERT_TRUE(robot->unlock(5));
+    ASSERT_TRUE(robot->set_address(5, false));
+    (void)robot->reset();  // it answers elsewhere
+  }
+  const Finished erased =
+      run(kaz({"flash", "erase", "--blocks", "7", "--port", port(), "--address", "5"}));
+  ASSERT_EQ(erased.exit_code, 0) << erased.err;
+  const Finished started = run(kaz({"flash", "run", "--port", port()}), seconds(30));
+  EXPECT_EQ(started.exit_code, 3) << started.out << started.err;
+  EXPECT_NE(started.err.find("the board was started; no board answers at address 1"),
+            std::string::npos)
+      << started.err;
+  EXPECT_NE(started.err.find("give --address 5"), std::string::npos) << started.err;
 }
 
 }  // namespace

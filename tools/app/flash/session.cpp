@@ -153,6 +153,12 @@ Result<kz_identify_reply> FlashSession::identify() {
   return host::repeat_if_late(meter_.get(), [&] { return host::identify_board(at_default); });
 }
 
+std::optional<Error> FlashSession::at_another_address(const Error& error) {
+  Error searched = host::explain_silence(*meter_, *meter_, arguments_.address, error);
+  if (searched.message == error.message) return std::nullopt;
+  return with_earlier_notes(std::move(searched), link_->name());
+}
+
 Error FlashSession::start_again(const Error& error) {
   if (error.fault != Fault::interrupted || !flasher_ || !flasher_->found() ||
       !flasher_->found()->by_loader || !flasher_->left_behind().empty())

@@ -33,6 +33,9 @@ class FlashSession {
   // Identity of the running firmware; asked again while this machine is late.
   Result<kz_identify_reply> identify();
 
+  // The error of identify(), after a search of all addresses; nullopt: no board is at another one.
+  std::optional<Error> at_another_address(const Error& error);
+
   // Why the last of these may have failed although the board is healthy; empty: this machine was
   // punctual.
   std::string excuse() const { return meter_->excuse(); }
