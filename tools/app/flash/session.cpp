@@ -99,10 +99,8 @@ Result<void> FlashSession::open() {
     std::fprintf(stderr, "kaz flash: %s\n", line.c_str());
   };
   options.progress = [this](const host::FlashProgress& p) {
-    char rate[64];
-    std::snprintf(rate, sizeof rate, "%s %u of %u%s, %.1f KB/s", p.phase.c_str(), p.done, p.total,
-                  p.phase == "erase" ? " blocks" : " bytes", p.bytes_per_s / 1000);
-    progress_.update(p.total > 0 ? static_cast<double>(p.done) / p.total : 0, rate);
+    progress_.update(p.total > 0 ? static_cast<double>(p.done) / p.total : 0,
+                     host::progress_text(p));
   };
   flasher_ = std::make_unique<host::Flasher>(*meter_, *meter_, program_, options);
   return {};
