@@ -155,8 +155,10 @@ Result<void> look(FlashSession& session, const FlashArguments& arguments, Answer
 Result<void> act(FlashSession& session, const FlashArguments& arguments, Answer& answer,
                  const Image& image) {
   std::optional<OutputFile> out;
-  if (arguments.verb == "read")
+  if (arguments.verb == "read") {
     out = KAZ_TRY(OutputFile::open(arguments.out, "--out", kFlashContent));
+    KAZ_TRY(out->check_room(arguments.length));
+  }
   if (auto opened = session.open(); !opened) return opened;
   const bool writes = arguments.verb == "write";
   if (arguments.dry_run) return look(session, arguments, answer, *image);
