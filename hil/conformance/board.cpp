@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "host/robot/find_boards.h"
 #include "shared/base/hex_text.hpp"
 
 namespace kaz::hil {
@@ -223,6 +224,12 @@ bool Board::answers() {
   const bool answered = next(patience(50)).has_value();
   frames_.clear();
   return answered;
+}
+
+bool Board::gone() {
+  if (bench_ != nullptr) return false;
+  constexpr int kRounds = 4;  // 2 s
+  return or_lost(host::find_boards(link_, clock_, {.rounds = kRounds})).empty();
 }
 
 Reply Board::take(std::string_view name, std::uint8_t sequence, int at_most_ms) {

@@ -63,6 +63,9 @@ class Board {
   Frame expect_frame(std::uint8_t type, std::uint8_t sequence, int at_most_ms = 0);
   Frame raw_request(std::uint8_t type, const Bytes& fields);  // reply or refusal, with a new number
   bool answers();                                             // to identify, in 50 ms
+  // Whether nobody answers at any address, also not one who is still starting; false at a bench, which
+  // resets the board for the next case.
+  bool gone();
 
   // ---- Requests by name
   Reply done(std::string_view name, const Bytes& fields = {}, int at_most_ms = 0);

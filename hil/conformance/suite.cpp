@@ -66,17 +66,26 @@ CaseResult run_once(const Case& one, Board& board, unsigned allowed) {
   return result;
 }
 
-CaseResult run_one(const Case& one, Board& board, const RunOptions& options) {
+// Of a board that has lost its power or its cable, every later case would fail.
+Error stopped_answering(const host::Link& link, const Case& one) {
+  return {Fault::environment, "the board on " + link.name() + " stopped answering in case " +
+                                  one.id + ", at any address; check its power and the cable"};
+}
+
+CaseResult run_one(const Case& one, Board& board, const host::Link& link,
+                   const RunOptions& options) {
   for (int run = 1;; ++run) {
     if (options.lateness) options.lateness->begin();
     CaseResult result = run_once(one, board, options.allowed);
     result.runs = run;
-    if (result.verdict != Verdict::failed || !options.lateness) return result;
-    const std::string excuse = options.lateness->excuse();
-    if (excuse.empty()) return result;
-    if (options.lateness->other_end_gone())
+    if (result.verdict != Verdict::failed) return result;
+    const bool gone = board.gone();
+    const std::string excuse = options.lateness ? options.lateness->excuse() : "";
+    if (options.lateness && options.lateness->other_end_gone())
       throw Lost{{Fault::environment, excuse + "; case " + one.id + " is not decided"}};
-    if (run <= host::LatenessMeter::kRepetitions) continue;
+    if (!excuse.empty() && run <= host::LatenessMeter::kRepetitions) continue;
+    if (gone) throw Lost{stopped_answering(link, one)};
+    if (excuse.empty()) return result;
     result.verdict = Verdict::undecided;
     result.message +=
         "; but " + excuse + ", and it was late in all of " + std::to_string(run) + " runs";
@@ -149,7 +158,7 @@ Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, 
     board.begin(0);
     report.board = describe(board);
     for (const Case* one : taken) {
-      report.results.push_back(run_one(*one, board, of_case));
+      report.results.push_back(run_one(*one, board, link, of_case));
       if (options.progress) {
         options.progress(report.results.back(), report.results.size(), taken.size());
       }

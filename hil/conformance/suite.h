@@ -72,8 +72,8 @@ struct RunReport {
 // The cases that the filter takes. Error: usage, if it is no regular expression or takes none.
 Result<std::vector<const Case*>> chosen(const std::string& filter);
 
-// Runs them one after the other. Errors: the link is gone or nothing answers (environment). An
-// interrupted link or clock ends it with the report until then.
+// Runs them one after the other. Errors: the link is gone or nothing answers, also from some case on
+// (environment). An interrupted link or clock ends it with the report until then.
 Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, Time slack,
                             const RunOptions& options);
 

@@ -3,6 +3,7 @@
 #include "host/flash/flasher.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "host/flash/diagnostic.h"
 #include "host/link/requester.h"
@@ -61,7 +62,18 @@ void Flasher::report_progress(const char* phase, std::uint32_t done, std::uint32
   }
   if (!options_.progress) return;
   const double took = std::chrono::duration<double>(clock_.now() - phase_began_).count();
-  options_.progress({phase, done, total, took > 0.01 ? done / took : 0});
+  const bool measured = took > 0.01 && phase_ != "erase";
+  options_.progress({phase, done, total, measured ? done / took : 0});
+}
+
+std::string progress_text(const FlashProgress& progress) {
+  std::string text = progress.phase + " " + std::to_string(progress.done) + " of " +
+                     std::to_string(progress.total) +
+                     (progress.phase == "erase" ? " blocks" : " bytes");
+  if (progress.bytes_per_s <= 0) return text;
+  char rate[32];
+  std::snprintf(rate, sizeof rate, ", %.1f KB/s", progress.bytes_per_s / 1000);
+  return text + rate;
 }
 
 Result<void> Flasher::check_loader(const FlashImage& image, bool through_boot) const {

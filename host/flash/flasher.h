@@ -25,8 +25,10 @@ namespace kaz::host {
 struct FlashProgress {
   std::string phase;                  // "boot", "erase", "write", "verify"
   std::uint32_t done = 0, total = 0;  // bytes; blocks while erasing
-  double bytes_per_s = 0;             // recent rate
+  double bytes_per_s = 0;  // since the phase began; 0: not measured, or none while erasing
 };
+// "write 512 of 33088 bytes, 8.1 KB/s"; the rate only where it was measured
+std::string progress_text(const FlashProgress& progress);
 
 struct FlasherOptions {
   BootOptions boot;

@@ -79,11 +79,15 @@ Result<kz_identify_reply> identify_board(Requester& requester) {
   return identity;
 }
 
+std::string firmware_version_text(std::uint16_t version) {
+  return std::to_string(version >> 8) + "." + std::to_string(version & 0xFF);
+}
+
 std::string board_text(const kz_identify_reply& identity) {
   char text[120];
-  std::snprintf(text, sizeof text, "Kaz servo board, protocol %u, firmware %u.%u, build %08x",
-                identity.protocol_version, identity.firmware_version >> 8u,
-                identity.firmware_version & 0xFFu, static_cast<unsigned>(identity.build_id));
+  std::snprintf(text, sizeof text, "Kaz servo board, protocol %u, firmware %s, build %08x",
+                identity.protocol_version, firmware_version_text(identity.firmware_version).c_str(),
+                static_cast<unsigned>(identity.build_id));
   return text;
 }
 

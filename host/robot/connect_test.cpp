@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "host/link/board_testing.h"
+#include "host/robot/connect.h"
 #include "host/robot/robot.h"
 
 namespace kaz::host {
@@ -117,6 +118,11 @@ TEST(Connect, FindsTheBoardThroughNoise) {
   const std::uint8_t noise[] = {0x12, 0x00, 0xff, 0x80, 0x00, 0x33};
   board.inject(noise);
   EXPECT_EQ(connect_error(board), "connected");
+}
+
+TEST(FirmwareVersion, IsMajorAndMinor) {
+  EXPECT_EQ(firmware_version_text(2), "0.2");
+  EXPECT_EQ(firmware_version_text(0x010A), "1.10");
 }
 
 }  // namespace

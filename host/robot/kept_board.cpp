@@ -164,12 +164,13 @@ class Return {
   }
 
   Result<void> attempt() {
-    step_ = result_.found_at == 0 ? "everything, as the board was not found" : "the board's address";
+    step_ =
+        result_.found_at == 0 ? "everything, as the board was not found" : "the board's address";
     auto at = KAZ_TRY(locate());
     if (result_.found_at == 0) result_.found_at = at;
+    // An address that was written is in force after a reset, and RAM hides what is in flash.
+    if (options_.reset || options_.flash) at = KAZ_TRY(restart(at));
     if (options_.flash) {
-      // An address that was written is in force after a reset, and RAM hides what is in flash.
-      at = KAZ_TRY(restart(at));
       KAZ_TRY(put_address(at));
       step_ = "the calibration in flash";
       Conversation board(link_, clock_, state_.address);

@@ -49,6 +49,7 @@ struct PutBackOptions {
   Time patience = std::chrono::seconds(8);  // a loader takes 3 s, a write to flash up to 3 s
   bool flash =
       false;  // address and flash may have changed: begin with a reset, search all addresses
+  bool reset = false;  // begin with a reset, which clears a latched shutdown; implied by `flash`
   bool motors_off = true;                 // false: motors are left as they are
   bool settings = true;                   // watchdog, gains, limits, calibration in RAM
   std::vector<std::uint8_t> others = {};  // other boards of the line: left alone

@@ -28,7 +28,8 @@ struct StandOptions {
   MotorParams motor;
   double disc_kgm2 = 4e-4;  // aluminium, 120 mm across and 7 mm thick
   double step_s = 0.001;
-  std::uint64_t seed = 1;  // of the scale's noise
+  std::uint64_t seed = 1;    // of the scale's noise
+  double supply_volts = 10;  // without load, until the knob is turned; make_stand() sets it
 };
 
 class MotorStand final : public World {
@@ -37,6 +38,7 @@ class MotorStand final : public World {
 
   double disc_kgm2() const { return options_.disc_kgm2; }
   const MotorParams& motor() const { return options_.motor; }
+  double first_supply_volts() const { return options_.supply_volts; }
 
   // ---- The bench's tools; `joint` is a channel of the board.
   // Clamps a lever on the shaft against a scale, or releases it. Both set the scale to zero.

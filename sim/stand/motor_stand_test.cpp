@@ -214,5 +214,23 @@ TEST(StandCommands, DoWhatTheySay) {
   EXPECT_EQ(query("scale l_elbow")["torque_nm"], 0);
 }
 
+// What a bench that was killed may have left.
+TEST(StandCommands, FreeAlsoSetsTheSupplyAsAtTheBeginning) {
+  for (const double volts : {10.0, 7.4}) {
+    SimulationOptions options;
+    options.supply_volts = volts;
+    const auto made = make_stand(options, {.motor = test::motor_params()});
+    ASSERT_TRUE(made) << made.error().message;
+    Simulation& simulation = **made;
+    ASSERT_TRUE(answer_stand(simulation, "supply 5"));
+    ASSERT_TRUE(answer_stand(simulation, "clamp l_elbow on"));
+    const auto freed = answer_stand(simulation, "free");
+    ASSERT_TRUE(freed) << freed.error().message;
+    EXPECT_EQ((*freed)["freed"], 1);
+    EXPECT_EQ((*freed)["supply_v"], volts);
+    EXPECT_NEAR(simulation.board().supply_volts(), volts, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace kaz::sim

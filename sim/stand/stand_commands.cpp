@@ -55,7 +55,7 @@ Words words_of(const std::string& line) {
 
 const Json kHelp = {
     {"disc", "what is on the shafts"},
-    {"free", "lever, weight and hand off every shaft"},
+    {"free", "lever, weight and hand off every shaft, and the supply as at the beginning"},
     {"supply V", "the supply's knob: volts without load"},
     {"clamp JOINT on|off", "the lever on the shaft against the scale, which is set to zero"},
     {"scale JOINT", "what the motor has pressed with"},
@@ -107,7 +107,9 @@ Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
   SimulationOptions wired = options;
   wired.supply_ohms = 0.02;
   auto mcu = KAZ_TRY(make_mcu(options));
-  return Simulation::assemble(wired, std::move(mcu), std::make_unique<MotorStand>(stand), {});
+  StandOptions supplied = stand;
+  supplied.supply_volts = options.supply_volts;
+  return Simulation::assemble(wired, std::move(mcu), std::make_unique<MotorStand>(supplied), {});
 }
 
 MotorStand* stand_of(Simulation& simulation) {
@@ -126,7 +128,10 @@ Result<Json> answer_stand(Simulation& simulation, const std::string& line) {
                                   " words, got " + std::to_string(words.arguments.size()));
   if (words.command == "help") return Json{{"commands", kHelp}};
   if (words.command == "disc") return Json{{"disc_kgm2", stand.disc_kgm2()}};
-  if (words.command == "free") return Json{{"freed", stand.free_all()}};
+  if (words.command == "free") {
+    simulation.board().set_supply(stand.first_supply_volts());
+    return Json{{"freed", stand.free_all()}, {"supply_v", stand.first_supply_volts()}};
+  }
   if (words.command == "supply") {
     const auto volts = KAZ_TRY(number(words.arguments[0], "the supply in V", 0, kMaxVolts));
     simulation.board().set_supply(volts);

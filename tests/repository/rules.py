@@ -123,7 +123,8 @@ LAYERS = {
     "tools/app": {
         "base": (), "kept": ("base",), "vision": ("base",), "session": ("base", "kept", "vision"),
         "board": ("base", "kept"),
-        "monitor": ("base",), "flash": ("base", "monitor"), "mcu": ("base",), "sim": ("base", "session"),
+        "monitor": ("base",), "flash": ("base", "kept", "monitor"), "mcu": ("base",),
+        "sim": ("base", "session"),
         "bench": ("base", "kept", "session"), "replay": ("base", "vision", "session"),
         "evaluate": ("base", "vision", "session"),
         "vision_run": ("base", "vision", "session", "replay"),

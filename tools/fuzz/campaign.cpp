@@ -55,6 +55,7 @@ class PortTarget {
                                         .port = options.target,
                                         .address = options.address,
                                         .flash = options.wear_flash,
+                                        .reset = true,
                                         .alone = true}));
     port->kept_ = std::move(kept);
     return port;

@@ -1,7 +1,9 @@
 // The suite against both engines: all pass, with the same report; the suite against its page.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <memory>
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -112,6 +114,25 @@ TEST(Suite, ADeadLineIsAnErrorNotAFailedCase) {
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().fault, Fault::environment);
   EXPECT_NE(report.error().message.find("nowhere"), std::string::npos);
+}
+
+// As at a port, where no bench switches it on again.
+TEST(Suite, ABoardThatDiesEndsTheRunAndFailsNoCase) {
+  lockstep::VirtualBench board(sim::make_native());
+  RunOptions options;
+  options.filter = "^(frame|request)";
+  std::vector<Verdict> verdicts;
+  options.progress = [&](const CaseResult& one, std::size_t number, std::size_t) {
+    verdicts.push_back(one.verdict);
+    if (number == 3) board.set_power(false);
+  };
+  const auto report = run_suite(board, board, nullptr, std::chrono::milliseconds(20), options);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().fault, Fault::environment);
+  EXPECT_NE(report.error().message.find("stopped answering in case "), std::string::npos)
+      << report.error().message;
+  EXPECT_EQ(verdicts.size(), 3u);
+  EXPECT_EQ(std::count(verdicts.begin(), verdicts.end(), Verdict::failed), 0);
 }
 
 TEST(Suite, AFilterThatTakesNothingOrIsNoneIsWrongUsage) {

@@ -8,6 +8,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "host/link/tty_link.h"
+#include "host/link/wall_clock.h"
+#include "host/robot/robot.h"
 #include "tests/system/command_line/control_socket_testing.h"
 #include "tests/system/command_line/process_testing.h"
 
@@ -73,8 +76,8 @@ TEST_F(FlashVerb, ErasedBoardThenTheLoader) {
   // One that is all ff has nothing to compare.
   write_file(folder_ / "blank.bin", std::string(64, '\xff'));
   for (const char* name : {"verify", "write"}) {
-    const Finished blank = run(kaz({"flash", name, folder_ / "blank.bin", "--format", "raw",
-                                    "--at", "0x8000", "--port", folder_ / "board"}),
+    const Finished blank = run(kaz({"flash", name, folder_ / "blank.bin", "--format", "raw", "--at",
+                                    "0x8000", "--port", folder_ / "board"}),
                                seconds(60));
     EXPECT_EQ(blank.exit_code, 2) << blank.out;
     EXPECT_NE(blank.err.find("nothing to write or to compare"), std::string::npos) << blank.err;
@@ -150,6 +153,7 @@ TEST_F(FlashVerb, EachVerbSaysWhatItDid) {
   ASSERT_EQ(run(write({"--reset", control()}), seconds(90)).exit_code, 0);
   const Finished info = verb("info", {"--json"});
   EXPECT_EQ(json::parse(info.out)["application"]["board_id"], "2128") << info.out;
+  EXPECT_EQ(json::parse(info.out)["application"]["version"], "0.2") << info.out;
   const Finished run_it = verb("run");
   EXPECT_EQ(run_it.exit_code, 0) << run_it.err;
   EXPECT_NE(run_it.out.find("runs: firmware"), std::string::npos) << run_it.out;
@@ -192,6 +196,59 @@ TEST_F(FlashVerb, NobodyAnswersWithoutBootMode) {
       run(kaz({"flash", "verify", image(), "--port", folder_ / "board", "--reset", control()}))
           .exit_code,
       2);
+}
+
+TEST(FlashUsage, ARateOfThePortIsRefused) {
+  for (const char* verb : {"info", "run"}) {
+    const Finished refused = run(kaz({"flash", verb, "--port", "/no/such/port@9600"}));
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    EXPECT_NE(refused.err.find("give --port /no/such/port"), std::string::npos) << refused.err;
+  }
+}
+
+// With a firmware, and not erased.
+class FlashRunning : public ::testing::Test {
+ protected:
+  FlashRunning() {
+    EXPECT_TRUE(sim_.wait_for_output("ready", seconds(30))) << sim_.wait(seconds(0)).err;
+  }
+  std::string port() const { return folder_ / "board"; }
+
+  TemporaryFolder folder_;
+  Process sim_{kaz({"sim", "--world", "empty", "--serial", port()})};
+};
+
+TEST_F(FlashRunning, IsStartedAgainAfterAnInterruptedReading) {
+  Process reading(kaz({"flash", "read", "--port", port(), "--out", folder_ / "flash.bin"}));
+  ASSERT_TRUE(reading.wait_for_output("read ", seconds(30))) << reading.wait(seconds(0)).err;
+  reading.signal(SIGINT);
+  const Finished end = reading.wait(seconds(10));
+  EXPECT_EQ(end.exit_code, 130) << end.err;
+  EXPECT_NE(end.err.find("interrupted; the board was started again"), std::string::npos) << end.err;
+  const Finished status = run(kaz({"status", "--port", port()}), seconds(20));
+  EXPECT_EQ(status.exit_code, 0) << status.err;
+}
+
+TEST_F(FlashRunning, AtAnotherAddressIsNamedWhenItIsStarted) {
+  {
+    const auto link = host::TtyLink::open(port());
+    ASSERT_TRUE(link) << link.error().message;
+    host::WallClock clock;
+    auto robot = host::Robot::connect(**link, clock, {.reconnect = Time::zero()});
+    ASSERT_TRUE(robot) << robot.error().message;
+    ASSERT_TRUE(robot->unlock(5));
+    ASSERT_TRUE(robot->set_address(5, false));
+    (void)robot->reset();  // it answers elsewhere
+  }
+  const Finished erased =
+      run(kaz({"flash", "erase", "--blocks", "7", "--port", port(), "--address", "5"}));
+  ASSERT_EQ(erased.exit_code, 0) << erased.err;
+  const Finished started = run(kaz({"flash", "run", "--port", port()}), seconds(30));
+  EXPECT_EQ(started.exit_code, 3) << started.out << started.err;
+  EXPECT_NE(started.err.find("the board was started; no board answers at address 1"),
+            std::string::npos)
+      << started.err;
+  EXPECT_NE(started.err.find("give --address 5"), std::string::npos) << started.err;
 }
 
 }  // namespace

@@ -79,6 +79,12 @@ TEST(Flash, BootModeWritesAnErasedBoardWhichThenRuns) {
   EXPECT_EQ(bench.running_image(), image.identity()->crc);
 }
 
+TEST(Flash, ARateIsPrintedOnlyWhereItWasMeasured) {
+  EXPECT_EQ(host::progress_text({"write", 512, 33088, 8120}), "write 512 of 33088 bytes, 8.1 KB/s");
+  EXPECT_EQ(host::progress_text({"read", 32, 32, 0}), "read 32 of 32 bytes");
+  EXPECT_EQ(host::progress_text({"erase", 1, 2, 0}), "erase 1 of 2 blocks");
+}
+
 TEST(Flash, UnconfirmedPointsOfBootModeAreTakenAsTheyCome) {
   for (int k = 0; k < 4; ++k) {
     h8s::Options options;

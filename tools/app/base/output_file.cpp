@@ -186,6 +186,15 @@ Result<OutputFile> OutputFile::open(const std::string& path, const std::string& 
   return file;
 }
 
+Result<void> OutputFile::check_room(std::uint64_t bytes) {
+  if (target_.empty() || ::fallocate(fd_, 0, 0, static_cast<off_t>(bytes)) == 0 ||
+      !lacks_space(errno)) {
+    if (!target_.empty() && ::ftruncate(fd_, 0) != 0) return write_failure(path_, "write", errno);
+    return {};
+  }
+  return tl::unexpected(explained(write_failure(path_, "write", errno).value()));
+}
+
 Result<void> OutputFile::write(std::string_view bytes) {
   if (auto written = write_all(fd_, path_, bytes); !written)
     return tl::unexpected(explained(written.error()));

@@ -43,6 +43,9 @@ class OutputFile {
   const std::string& path() const { return path_; }
   // Where to write until commit().
   const std::string& part() const { return part_; }
+  // Whether so many bytes have room, of a file that takes long to obtain. Error: as of write() on a full
+  // disk. Devices, pipes and file systems that cannot say so have room.
+  Result<void> check_room(std::uint64_t bytes);
   // All bytes of the file, and commit(). The error of a full disk names the files that are saved.
   Result<void> write(std::string_view bytes);
   // Puts the file in its place.

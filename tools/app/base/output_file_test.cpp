@@ -197,5 +197,18 @@ TEST_F(File, ADeviceTakesTheBytesItself) {
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
+TEST_F(File, LooksForRoomBeforeSomethingLongBegins) {
+  auto file = open("r.json");
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_TRUE(file->check_room(1 << 17));
+  const auto none = file->check_room(std::uint64_t{1} << 50);  // more than a disk has
+  if (none) GTEST_SKIP() << "this file system does not say how much room it has";
+  EXPECT_EQ(none.error().fault, Fault::environment);
+  EXPECT_TRUE(is_disk_full(none.error())) << none.error().message;
+  ASSERT_TRUE(file->write("report of kaz"));
+  EXPECT_EQ(read("r.json"), "report of kaz");
+  EXPECT_TRUE(OutputFile::open("/dev/null", "--json", kReport)->check_room(1 << 17));
+}
+
 }  // namespace
 }  // namespace kaz::tools

@@ -208,9 +208,10 @@ Result<std::string> describe(BenchTarget& target, std::uint8_t address) {
     return fail(Fault::environment, "motors of the board on " + target.link().name() +
                                         " are on: switch them off before anything is measured");
   if (who) return host::board_text(*who);
-  return tl::unexpected(requester.timed_out() ? host::explain_silence(target.link(), target.clock(),
-                                                                      address, who.error())
-                                              : who.error());
+  if (!requester.timed_out()) return tl::unexpected(who.error());
+  return tl::unexpected(
+      with_earlier_notes(host::explain_silence(target.link(), target.clock(), address, who.error()),
+                         target.link().name()));
 }
 
 // A motor is driven at full speed through nearly all of its joint's range.

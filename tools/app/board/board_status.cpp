@@ -101,7 +101,7 @@ Result<bool> print_status(const StatusOptions& arguments) {
   auto robot = host::Robot::connect(
       *link, clock,
       {.address = arguments.address, .watchdog = Time::zero(), .reconnect = Time::zero()});
-  if (!robot) return tl::unexpected(robot.error());
+  if (!robot) return tl::unexpected(with_earlier_notes(robot.error(), port.first));
   const auto health = KAZ_TRY(robot->health());
   const auto test = KAZ_TRY(robot->self_test());
   const auto counts = KAZ_TRY(robot->board_statistics());

@@ -159,6 +159,7 @@ Result<hil::RunReport> run_port(ConformanceOptions& arguments, hil::ReportFacts&
                                             .port = port.first,
                                             .address = arguments.address,
                                             .flash = arguments.allow_flash,
+                                            .reset = true,
                                             .alone = true}));
   if (kept->before().shared_line)
     return fail(

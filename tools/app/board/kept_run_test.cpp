@@ -252,6 +252,29 @@ TEST_F(KeptRuns, WithoutAPlaceForNotesNothingIsAltered) {
   }
 }
 
+// Hostile requests and cases of a suite may end with an emergency stop.
+TEST_F(KeptRuns, AResetAtTheEndClearsAShutdownAndKeepsTheSettings) {
+  lockstep::VirtualBench board(sim::make_native());
+  prepare(board, 1);
+  const host::BoardState before = sure(host::read_board(board, board, 1));
+  const auto status_after = [&](bool reset) {
+    host::Interrupt interrupt;
+    StoppedPort port(board, Stop::none, Time::max(), interrupt);
+    auto wanted = options(1);
+    wanted.flash = false;
+    wanted.reset = reset;
+    const auto kept = sure(KeptRun::begin(port, port, interrupt, wanted));
+    sure(sure(host::Robot::connect(port, port, {.watchdog = Time::zero()})).stop());
+    const auto ended = kept->end();
+    EXPECT_TRUE(ended) << ended.error().message;
+    EXPECT_EQ(sure(host::read_board(board, board, 1)), before);
+    return sure(sure(host::Robot::connect(board, board, {.watchdog = Time::zero()})).health())
+        .shutdown;
+  };
+  EXPECT_FALSE(status_after(false).empty());
+  EXPECT_EQ(status_after(true), "");
+}
+
 TEST_F(KeptRuns, EarlierNotesAreNamed) {
   lockstep::VirtualBench board(sim::make_native());
   prepare(board, 1);
@@ -273,6 +296,24 @@ TEST_F(KeptRuns, EarlierNotesAreNamed) {
   EXPECT_NE(sentences[0].find("`kaz recover test-port --from " + path + "` does it"),
             std::string::npos)
       << sentences[0];
+  const Error silent{Fault::environment, "no board answers"};
+  EXPECT_EQ(with_earlier_notes(silent, "test-port", folder_).message,
+            "no board answers; " + sentences[0]);
+  EXPECT_EQ(with_earlier_notes({Fault::usage, "wrong"}, "test-port", folder_).message, "wrong");
+  EXPECT_EQ(with_earlier_notes(silent, "other-port", folder_).message, "no board answers");
+  // A killed run has left the board at address 9.
+  {
+    auto robot = sure(host::Robot::connect(board, board));
+    sure(robot.unlock(5));
+    sure(robot.set_address(9, false));
+    (void)robot.reset();
+  }
+  const auto begun = KeptRun::begin(port, port, interrupt, options(1));
+  ASSERT_FALSE(begun);
+  EXPECT_NE(begun.error().message.find("one does at address 9"), std::string::npos)
+      << begun.error().message;
+  EXPECT_NE(begun.error().message.find("--from " + path), std::string::npos)
+      << begun.error().message;
   ASSERT_TRUE(write_whole_file(path, text.substr(0, text.size() / 2)));
   sentences = earlier_notes("test-port", folder_);
   ASSERT_EQ(sentences.size(), 1u);

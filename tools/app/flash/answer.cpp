@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "host/flash/diagnostic.h"
+#include "host/robot/connect.h"
 #include "shared/base/counted.hpp"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
@@ -21,7 +22,7 @@ std::string hex_long(std::uint32_t number) {
 
 nlohmann::ordered_json json_of(const host::ImageIdentity& identity) {
   return {{"board_id", host::hex_word(identity.board_id)},
-          {"version", identity.version},
+          {"version", host::firmware_version_text(identity.version)},
           {"build", hex_long(identity.build_id)},
           {"length", identity.length},
           {"crc", host::hex_word(identity.crc)}};
@@ -29,8 +30,8 @@ nlohmann::ordered_json json_of(const host::ImageIdentity& identity) {
 
 std::string line_of(const host::ImageIdentity& identity) {
   return "board id " + host::hex_word(identity.board_id) + ", version " +
-         std::to_string(identity.version) + ", build " + hex_long(identity.build_id) + ", " +
-         std::to_string(identity.length) + " bytes, CRC " + host::hex_word(identity.crc);
+         host::firmware_version_text(identity.version) + ", build " + hex_long(identity.build_id) +
+         ", " + std::to_string(identity.length) + " bytes, CRC " + host::hex_word(identity.crc);
 }
 
 }  // namespace
@@ -86,10 +87,11 @@ void Answer::application(const std::optional<host::ImageIdentity>& identity) {
 }
 
 void Answer::runs(const kz_identify_reply& board) {
-  put("runs", nlohmann::ordered_json{{"version", board.firmware_version},
-                                     {"build", hex_long(board.build_id)},
-                                     {"crc", host::hex_word(board.image_crc)}});
-  say("runs: firmware " + std::to_string(board.firmware_version) + ", build " +
+  put("runs",
+      nlohmann::ordered_json{{"version", host::firmware_version_text(board.firmware_version)},
+                             {"build", hex_long(board.build_id)},
+                             {"crc", host::hex_word(board.image_crc)}});
+  say("runs: firmware " + host::firmware_version_text(board.firmware_version) + ", build " +
       hex_long(board.build_id) + ", CRC " + host::hex_word(board.image_crc));
 }
 

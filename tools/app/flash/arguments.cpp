@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "tools/app/base/arguments.h"
+
 namespace kaz::tools {
 namespace {
 
@@ -36,6 +38,11 @@ Result<void> check(const FlashArguments& arguments) {
     return fail(Fault::usage, "the flash ends at 0x01ffff; give --from and --length within it");
   if (arguments.port.empty() && !arguments.dry_run)
     return fail(Fault::usage, "--port is missing: the board's serial port");
+  if (const auto port = KAZ_TRY(parse_port(arguments.port)); port.first != arguments.port)
+    return fail(Fault::usage, "--port " + arguments.port +
+                                  ": the loader is at 115,200 baud, boot mode at --boot-baud; give "
+                                  "--port " +
+                                  port.first);
   if (arguments.verb == "erase") return check_erase(arguments);
   return {};
 }

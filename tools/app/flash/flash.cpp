@@ -23,7 +23,12 @@ Result<void> check_running(FlashSession& session, Answer& answer,
                            const host::ImageIdentity& identity) {
   const auto board = session.identify();
   if (!board && board.error().fault == Fault::interrupted) return tl::unexpected(board.error());
-  if (const std::string excuse = session.excuse(); !board && !excuse.empty())
+  const std::string excuse = board ? "" : session.excuse();
+  if (!board) {
+    if (const auto elsewhere = session.at_another_address(board.error()))
+      return fail(elsewhere->fault, "the firmware was written and verified; " + elsewhere->message);
+  }
+  if (!excuse.empty())
     return fail(Fault::environment,
                 "the firmware was written and verified; whether it runs is undecided, because " +
                     excuse + ": end other programs, then `kaz status --port " + session.port() +
@@ -122,7 +127,10 @@ Result<void> run(FlashSession& session, Answer& answer) {
     return {};
   }
   if (board.error().fault == Fault::interrupted) return tl::unexpected(board.error());
-  if (const std::string excuse = session.excuse(); !excuse.empty())
+  const std::string excuse = session.excuse();
+  if (const auto elsewhere = session.at_another_address(board.error()))
+    return fail(elsewhere->fault, "the board was started; " + elsewhere->message);
+  if (!excuse.empty())
     return fail(Fault::environment,
                 "the board was started; whether it runs is undecided, because " + excuse +
                     ": end other programs, then `kaz status --port " + session.port() + "`");
@@ -147,8 +155,10 @@ Result<void> look(FlashSession& session, const FlashArguments& arguments, Answer
 Result<void> act(FlashSession& session, const FlashArguments& arguments, Answer& answer,
                  const Image& image) {
   std::optional<OutputFile> out;
-  if (arguments.verb == "read")
+  if (arguments.verb == "read") {
     out = KAZ_TRY(OutputFile::open(arguments.out, "--out", kFlashContent));
+    KAZ_TRY(out->check_room(arguments.length));
+  }
   if (auto opened = session.open(); !opened) return opened;
   const bool writes = arguments.verb == "write";
   if (arguments.dry_run) return look(session, arguments, answer, *image);
@@ -192,7 +202,7 @@ Result<void> flash(const FlashArguments& arguments, Answer& answer) {
   FlashSession session(arguments, interrupt);
   const auto done = act(session, arguments, answer, image);
   session.end_progress();
-  if (!done) return tl::unexpected(session.with_advice(done.error()));
+  if (!done) return tl::unexpected(session.with_advice(session.start_again(done.error())));
   return {};
 }
 

@@ -14,9 +14,9 @@
 #include "host/robot/connect.h"
 #include "host/robot/find_boards.h"
 #include "shared/base/files.hpp"
-#include "tools/app/base/arguments.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/base/time_lost.h"
+#include "tools/app/kept/kept_run.h"
 #include "tools/app/monitor/monitor.h"
 
 namespace kaz::tools {
@@ -84,11 +84,10 @@ Result<void> FlashSession::read_writer() {
 
 Result<void> FlashSession::open() {
   if (auto read = read_writer(); !read) return read;
-  const auto port = KAZ_TRY(parse_port(arguments_.port));
-  auto link = KAZ_TRY(host::TtyLink::open(port.first, 115200, &interrupt_));
+  auto link = KAZ_TRY(host::TtyLink::open(port(), 115200, &interrupt_));
   link_ = std::move(link);
-  meter_ = std::make_unique<host::LatenessMeter>(*link_, clock_,
-                                                 time_lost_behind(port.first, interrupt_));
+  meter_ =
+      std::make_unique<host::LatenessMeter>(*link_, clock_, time_lost_behind(port(), interrupt_));
   if (auto made = make_reset(); !made) return made;
   host::FlasherOptions options;
   options.boot.baud = arguments_.boot_baud;
@@ -100,10 +99,8 @@ Result<void> FlashSession::open() {
     std::fprintf(stderr, "kaz flash: %s\n", line.c_str());
   };
   options.progress = [this](const host::FlashProgress& p) {
-    char rate[64];
-    std::snprintf(rate, sizeof rate, "%s %u of %u%s, %.1f KB/s", p.phase.c_str(), p.done, p.total,
-                  p.phase == "erase" ? " blocks" : " bytes", p.bytes_per_s / 1000);
-    progress_.update(p.total > 0 ? static_cast<double>(p.done) / p.total : 0, rate);
+    progress_.update(p.total > 0 ? static_cast<double>(p.done) / p.total : 0,
+                     host::progress_text(p));
   };
   flasher_ = std::make_unique<host::Flasher>(*meter_, *meter_, program_, options);
   return {};
@@ -130,8 +127,9 @@ Result<void> FlashSession::enter(const host::FlashImage* image) {
   }
   if (!reset_) {
     if (*there) return {};
-    return tl::unexpected(
-        host::explain_silence(*link_, clock_, arguments_.address, nobody().value()));
+    return tl::unexpected(with_earlier_notes(
+        host::explain_silence(*link_, clock_, arguments_.address, nobody().value()),
+        link_->name()));
   }
   if (image != nullptr && !flasher_->board_id())
     std::fprintf(stderr,
@@ -151,6 +149,27 @@ Result<kz_identify_reply> FlashSession::identify() {
   // Boot mode has erased the board's address.
   host::Requester at_default(*meter_, *meter_, {});
   return host::repeat_if_late(meter_.get(), [&] { return host::identify_board(at_default); });
+}
+
+std::optional<Error> FlashSession::at_another_address(const Error& error) {
+  Error searched = host::explain_silence(*meter_, *meter_, arguments_.address, error);
+  if (searched.message == error.message) return std::nullopt;
+  return with_earlier_notes(std::move(searched), link_->name());
+}
+
+Error FlashSession::start_again(const Error& error) {
+  if (error.fault != Fault::interrupted || !flasher_ || !flasher_->found() ||
+      !flasher_->found()->by_loader || !flasher_->left_behind().empty())
+    return error;
+  const host::CleanUp clean_up(interrupt_);
+  const auto started = flasher_->run(nullptr);
+  if (started) return {error.fault, error.message + "; the board was started again"};
+  if (started.error().fault == Fault::failed) return error;  // it has no application
+  return {error.fault,
+          error.message +
+              "; the board waits in its loader, which starts the application after 10 s; "
+              "`kaz flash run --port " +
+              port() + "` starts it at once"};
 }
 
 Error FlashSession::with_advice(const Error& error) const {

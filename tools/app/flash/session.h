@@ -33,6 +33,9 @@ class FlashSession {
   // Identity of the running firmware; asked again while this machine is late.
   Result<kz_identify_reply> identify();
 
+  // The error of identify(), after a search of all addresses; nullopt: no board is at another one.
+  std::optional<Error> at_another_address(const Error& error);
+
   // Why the last of these may have failed although the board is healthy; empty: this machine was
   // punctual.
   std::string excuse() const { return meter_->excuse(); }
@@ -41,6 +44,9 @@ class FlashSession {
   bool through_boot() const { return reset_ != nullptr; }
   const std::string& port() const { return arguments_.port; }
   void end_progress() { progress_.done(); }
+  // After an interrupt: a board that waits in its loader, with nothing erased, is started. The error with
+  // what became of it.
+  Error start_again(const Error& error);
   // An error with what it leaves on the board.
   Error with_advice(const Error& error) const;
 

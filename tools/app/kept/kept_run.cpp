@@ -77,6 +77,12 @@ std::vector<std::string> earlier_notes(const std::string& port, const std::strin
   return sentences;
 }
 
+Error with_earlier_notes(Error error, const std::string& port, const std::string& folder) {
+  if (error.fault != Fault::environment) return error;
+  for (const std::string& sentence : earlier_notes(port, folder)) error.message += "; " + sentence;
+  return error;
+}
+
 KeptRun::KeptRun(host::Link& link, host::Clock& clock, host::Interrupt& interrupt,
                  KeptRunOptions options)
     : link_(link), clock_(clock), interrupt_(interrupt), options_(std::move(options)) {}
@@ -89,7 +95,9 @@ Result<std::unique_ptr<KeptRun>> KeptRun::begin(host::Link& link, host::Clock& c
   run->ended_ = true;  // until it is known what to put back
   run->kept_.verb = o.verb;
   run->kept_.port = o.port;
-  run->kept_.board = KAZ_TRY(host::read_board(link, clock, o.address));
+  const auto board = host::read_board(link, clock, o.address);
+  if (!board) return tl::unexpected(with_earlier_notes(board.error(), o.port, o.folder));
+  run->kept_.board = *board;
   if (o.flash || o.alone) {
     auto others = KAZ_TRY(host::find_boards(link, clock));
     std::erase(others, o.address);
@@ -151,6 +159,7 @@ Result<void> KeptRun::put_back() {
   const auto back = host::put_back(link_, clock_, kept_.board,
                                    {.patience = options_.patience,
                                     .flash = options_.flash,
+                                    .reset = options_.reset,
                                     .motors_off = options_.motors_off,
                                     .others = kept_.others});
   for (const std::string& note : back.notes)

@@ -21,6 +21,11 @@ std::string kept_folder();
 std::vector<std::string> earlier_notes(const std::string& port,
                                        const std::string& folder = kept_folder());
 
+// The error of a board that was not found on the port, with those notes: without them `kaz recover` would put
+// back its address alone. Other errors (usage, failed, interrupted) as they are.
+Error with_earlier_notes(Error error, const std::string& port,
+                         const std::string& folder = kept_folder());
+
 struct KeptRunOptions {
   std::string verb;  // "kaz conformance"
   std::string port;
@@ -28,6 +33,7 @@ struct KeptRunOptions {
   bool flash = false;  // the run may write the board's flash: its address, its calibration
   bool motors_off =
       true;            // at the end; false: the run does that itself, once it has moved anything
+  bool reset = false;  // at the end: the run may latch a shutdown, such as an emergency stop
   bool alone = false;  // the run disturbs every board on the line
   Time patience = host::PutBackOptions{}.patience;
   bool notes = true;                   // false: the run alters only what a reset undoes
