@@ -109,7 +109,7 @@ Result<RecordedRun> RecordedRun::of(const sim::McapRecording& recording, const s
   };
   if (const std::string text = fact("seed"); !text.empty()) {
     const auto seed = parse_number<std::uint64_t>(text);
-    if (!seed) return unusable("its seed `" + text + "` is no whole number of 64 bits");
+    if (!seed) return unusable("its seed is no whole number of 64 bits");
     run.seed = *seed;
   }
   auto faults = faults::Schedule::parse(fact("faults"), name + ", its faults");
