@@ -1,17 +1,18 @@
 // Velocity-level solver: Newton's method on friction and normal forces together.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The iteration of velocity_solver.cpp holds the friction radii mu l_n fixed in each Newton step. Where friction
-// feeds the normal force that bounds it (a ball that slips between two fingers), the radii converge slowly or not
-// at all. Here they are part of the function whose zero is sought:
+// The iteration of velocity_solver.cpp holds the friction radii mu l_n fixed in each Newton step. Where
+// friction feeds the normal force that bounds it (a ball that slips between two fingers), the radii
+// converge slowly or not at all. Here they are part of the function whose zero is sought:
 //
-//   F(v) = M v - p - sum J^T l(J v),   l_t = projection of (l_t before - u_t / give) onto the disc mu l_n(u_n)
+//   F(v) = M v - p - sum J^T l(J v)
+//   l_t = projection of (l_t before - u_t / give) onto the disc mu l_n(u_n)
 //
-// F is piecewise smooth. Its derivative H is not symmetric, since friction that slips along t depends on the
-// normal velocity: -dl_t/du_n = mu / softness t. Each iteration solves H d = -F and halves d until
-// sum F_k^2 / M_kk falls (semismooth Newton with a line search on a merit function: F. Facchinei & J.-S. Pang,
-// "Finite-Dimensional Variational Inequalities and Complementarity Problems", 2003, chapter 8). Dense: a step in
-// twenty needs it, and two or three iterations are enough.
+// F is piecewise smooth. Its derivative H is not symmetric, since friction that slips along t depends on
+// the normal velocity: -dl_t/du_n = mu / softness t. Each iteration solves H d = -F and halves d until sum
+// F_k^2 / M_kk falls (semismooth Newton with a line search on a merit function: F. Facchinei & J.-S. Pang,
+// "Finite-Dimensional Variational Inequalities and Complementarity Problems", 2003, chapter 8). Dense: a
+// step in twenty needs it, and two or three iterations are enough.
 #include <algorithm>
 #include <cmath>
 
@@ -59,8 +60,8 @@ DiscSlopes disc_slopes(const Vector2d& f, double firmness, double radius) {
 
 }  // namespace
 
-// Adds -d wrench / d motion of a point, 6 x 6 about the pair's point of reference, not symmetric; wrench and
-// motion as in add_wrench() and along().
+// Adds -d wrench / d motion of a point, 6 x 6 about the pair's point of reference, not symmetric; wrench
+// and motion as in add_wrench() and along().
 void VelocitySolver::add_coupled_stiffness(const Contact& contact, Stiffness& k) {
   const Point& point = contact.point;
   // u = s motion, wrench += s^T l, for normal and tangents.

@@ -18,8 +18,8 @@ constexpr double kSafety = 0.05;
 constexpr double kNear = 1e-3;
 constexpr double kMaxExtrapolation = 4;  // in units of the last change
 
-// After this many iterations normal forces and friction radii are solved for together, and if that fails, as in a
-// jamming wedge, one after the other with under-relaxed radii.
+// After this many iterations normal forces and friction radii are solved for together, and if that fails,
+// as in a jamming wedge, one after the other with under-relaxed radii.
 constexpr int kPatience = 12;
 constexpr int kCoupledSteps = 40;
 
@@ -86,8 +86,8 @@ void VelocitySolver::multiply(const double* x, double* out) const {
   for (const BlockMatrix::Island& island : matrix_.islands()) matrix_.multiply(island, x, out);
 }
 
-// Gradient g = M v - p - J^T l(J v), in N s and N m s, with updated friction radii. Also stores u, l and the
-// active set of every row.
+// Gradient g = M v - p - J^T l(J v), in N s and N m s, with updated friction radii. Also stores u, l and
+// the active set of every row.
 void VelocitySolver::gradient(std::span<const double> momentum, std::span<const double> v) {
   for_each_coordinate([&](std::size_t k) { gradient_[k] = inertia_v_[k] - momentum[k]; });
   for (const int i : its_pairs_) {
@@ -169,8 +169,8 @@ double VelocitySolver::search(std::span<const double> v) const {
   return low > 0 ? low : high;
 }
 
-// Prepares the parts of the slope that are linear along the change (d . (M v - p), d . M d, J d) and returns
-// the step length of the line search.
+// Prepares the parts of the slope that are linear along the change (d . (M v - p), d . M d, J d) and
+// returns the step length of the line search.
 double VelocitySolver::step_length(std::span<const double> momentum, std::span<const double> v) {
   start_slope_ = 0;
   curve_ = 0;
@@ -189,11 +189,11 @@ double VelocitySolver::step_length(std::span<const double> momentum, std::span<c
   return search(v);
 }
 
-// With an unchanged active set only the friction radii still change, one iteration behind the normal forces:
-// the changes converge geometrically and their limit can be extrapolated. Anderson acceleration with depth 1
-// (D. Anderson, J. ACM 12(4), 1965; Aitken's method for vectors): with d the present and d' the last Newton
-// change, theta = d . (d - d') / |d - d'|^2, the change becomes d - theta (s' + d - d'), s' the last change
-// applied.
+// With an unchanged active set only the friction radii still change, one iteration behind the normal
+// forces: the changes converge geometrically and their limit can be extrapolated. Anderson acceleration
+// with depth 1 (D. Anderson, J. ACM 12(4), 1965; Aitken's method for vectors): with d the present and d'
+// the last Newton change, theta = d . (d - d') / |d - d'|^2, the change becomes d - theta (s' + d - d'), s'
+// the last change applied.
 void VelocitySolver::accelerate() {
   double product = 0, square = 0;
   for_each_coordinate([&](std::size_t k) {

@@ -1,8 +1,8 @@
 // Velocity-level solver: inertia, motors, joint stops and contacts with Coulomb friction in one solve.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Unknowns: the velocities v after the step. Every row (motor, stop or contact) is compliant: its impulse is
-// a function of its velocity u = J v alone. The solution satisfies
+// Unknowns: the velocities v after the step. Every row (motor, stop or contact) is compliant: its impulse
+// is a function of its velocity u = J v alone. The solution satisfies
 //
 //   M v - p - sum J^T l(J v) = 0                    (p: momentum after the step without the rows)
 //
@@ -14,8 +14,8 @@
 // For fixed radii mu l_n this is the gradient of a convex, piecewise smooth function, quadratic where no
 // contact slips. Newton's method with an exact line search converges in few iterations however many points
 // share a load; after each iteration the radii are updated from l_n. This is Coulomb's law without the
-// artefact of the convex cone, where friction lifts a sliding body. Where the radii do not converge in a dozen
-// iterations, Newton's method goes on with the radii as functions of v (coupled_newton.cpp).
+// artefact of the convex cone, where friction lifts a sliding body. Where the radii do not converge in a
+// dozen iterations, Newton's method goes on with the radii as functions of v (coupled_newton.cpp).
 //
 // All contact points of a pair of bodies act on one relative motion of six components. Their stiffness is
 // therefore summed in 6 x 6 first and then mapped to the coordinates.
@@ -26,11 +26,11 @@
 // with the stretch kept, so that sticking contacts do not creep.
 //
 // Limits: hard contacts have a tangential compliance `give` too, kGive times the mobility of the bodies:
-// 1 N shifts a ball of 15 g by 7 micrometres, and no further. Where several points of two bodies could carry the
-// same friction (a sole on the floor) they share it as springs in parallel do, in proportion to 1 / give, within
-// their discs. Where friction and normal force amplify each other without bound (a jamming wedge between bodies
-// next to massless) no solution may be found; the number of iterations is bounded, and residual() reports the
-// remaining change.
+// 1 N shifts a ball of 15 g by 7 micrometres, and no further. Where several points of two bodies could
+// carry the same friction (a sole on the floor) they share it as springs in parallel do, in proportion to 1
+// / give, within their discs. Where friction and normal force amplify each other without bound (a jamming
+// wedge between bodies next to massless) no solution may be found; the number of iterations is bounded, and
+// residual() reports the remaining change.
 #pragma once
 
 #include <array>
@@ -168,7 +168,8 @@ class VelocitySolver {
   static void add_coupled_stiffness(const Contact& contact, Stiffness& k);
   void assemble_coupled(std::span<const int> coordinates);
   double merit() const;
-  // From v, the number of iterations; `left`: the velocity change of the last. Above `tolerance` v is no solution.
+  // From v, the number of iterations; `left`: the velocity change of the last. Above `tolerance` v is no
+  // solution.
   int solve_coupled(std::span<const double> momentum, std::span<double> v, double tolerance,
                     int max_steps, double& left);
   int solve_island(std::span<const double> momentum, std::span<double> v, double tolerance,
@@ -184,7 +185,8 @@ class VelocitySolver {
   std::vector<double> requested_before_,
       gone_before_;  // change_ of the last iteration, before and after accelerate()
   std::vector<double> scratch_;
-  // Of solve_coupled(): H, Jacobian of a pair and its product with the stiffness, place of each coordinate in H.
+  // Of solve_coupled(): H, Jacobian of a pair and its product with the stiffness, place of each coordinate
+  // in H.
   Eigen::MatrixXd coupled_;
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian_, product_;
   std::vector<Eigen::Index> place_;

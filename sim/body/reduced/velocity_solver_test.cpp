@@ -47,10 +47,11 @@ class RecordedStep {
     return solver_;
   }
 
-  // Of the laws in velocity_solver.h with the velocities found: max |F_k| / M_kk, m/s or rad/s. The tangential
-  // compliance of hard points is the solver's own (kGive), so its impulses are judged instead of recomputed:
-  // `worst_friction` is the largest share by which one is longer than mu l_n allows, and where it is shorter by a
-  // thousandth the sliding velocity must be that of the compliance, which the force balance then shows.
+  // Of the laws in velocity_solver.h with the velocities found: max |F_k| / M_kk, m/s or rad/s. The
+  // tangential compliance of hard points is the solver's own (kGive), so its impulses are judged instead of
+  // recomputed: `worst_friction` is the largest share by which one is longer than mu l_n allows, and where
+  // it is shorter by a thousandth the sliding velocity must be that of the compliance, which the force
+  // balance then shows.
   double imbalance(double& worst_friction) const {
     const Eigen::Map<const VectorXd> v(velocity_.data(), inertia_.rows());
     const Eigen::Map<const VectorXd> p(momentum_.data(), inertia_.rows());
