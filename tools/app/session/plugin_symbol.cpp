@@ -54,8 +54,9 @@ std::string function_in(std::string_view file, std::uint64_t offset) {
     for (std::uint64_t k = 0; names && k < table->sh_size / sizeof(Elf64_Sym); ++k) {
       const auto symbol = at<Elf64_Sym>(file, table->sh_offset + k * sizeof(Elf64_Sym));
       if (!symbol) break;
-      if (ELF64_ST_TYPE(symbol->st_info) != STT_FUNC || offset < symbol->st_value ||
-          offset - symbol->st_value >= symbol->st_size)
+      // At 0 is the file's header; mold lists functions there that it left out.
+      if (ELF64_ST_TYPE(symbol->st_info) != STT_FUNC || symbol->st_value == 0 ||
+          offset < symbol->st_value || offset - symbol->st_value >= symbol->st_size)
         continue;
       return demangled(name_in(file, *names, symbol->st_name).c_str());
     }
