@@ -176,8 +176,8 @@ std::optional<host::Mem> Emitter::proved(std::size_t k, unsigned size) {
     return std::nullopt;
   const auto known = [&] {
     const Proof& p = proofs_[a.reg];
-    return a.displacement >= p.low && a.displacement + a.bytes <= p.high && p.low < p.high &&
-           (!a.words || (p.even && a.displacement % 2 == 0));
+    return a.displacement >= p.low && std::int64_t{a.displacement} + a.bytes <= p.high &&
+           p.low < p.high && (!a.words || (p.even && a.displacement % 2 == 0));
   };
   if (!known() && (!check_together(k) || !known())) return std::nullopt;
   return host::ptr(kRamBase, gp(a.reg).r64(), 0,
