@@ -28,6 +28,13 @@ class Deadline final : public host::Clock {
   bool over_ = false;
 };
 
+// The same context with another clock. Binds every member: after one more is added to Context, this does
+// not compile until it is passed on, too.
+Context with_clock(const Context& context, host::Clock& clock) {
+  const auto& [robot, own_clock, detector, sink, options, seed, joints, radius_m, camera] = context;
+  return {robot, clock, detector, sink, options, seed, joints, radius_m, camera};
+}
+
 }  // namespace
 
 Task sequence(std::string behavior, std::vector<Step> steps) {
@@ -78,8 +85,7 @@ Task retry(int times, Task task, std::function<bool(const Outcome&)> retriable) 
 Task within(Time limit, Task task) {
   return [limit, task = std::move(task)](Context& context) -> Result<Outcome> {
     Deadline clock(context.clock, context.clock.now() + limit);
-    Context limited{context.robot,   clock,        context.detector,     context.sink,
-                    context.options, context.seed, context.other_joints, context.ball_radius_m};
+    Context limited = with_clock(context, clock);
     auto outcome = task(limited);
     if (outcome || !clock.over()) return outcome;
     char text[80];

@@ -11,6 +11,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr Option kTimes[] = {{"times", "1", "", 1, 10, "how often", true}};
+
 struct Composition : ::testing::Test {
   host::TestBoard board;
   host::Robot robot = host::connect_to(board);
@@ -95,6 +97,28 @@ TEST_F(Composition, TimeIsLimitedWhereverATaskWaits) {
   // The shorter of two limits counts, and the longer one does not take it for its own.
   EXPECT_EQ(within(5s, within(500ms, waits))(context)->cause, "time");
   EXPECT_LT(board.now() - start, 1600ms);
+}
+
+TEST_F(Composition, ATaskWithinATimeHasTheContextOfTheWhole) {
+  context.options = *OptionValues::parse(kTimes, {{"times", "3"}});
+  context.seed = 7;
+  context.other_joints = {"turn", "shoulder"};
+  context.ball_radius_m = 0.033;
+  context.camera = "camera /dev/video7";
+  bool ran = false;
+  const auto outcome = within(1s, [&](Context& c) -> Result<Outcome> {
+    ran = true;
+    EXPECT_EQ(&c.robot, &robot);
+    EXPECT_EQ(c.detector, context.detector);
+    EXPECT_EQ(&c.sink, &context.sink);
+    EXPECT_EQ(c.options.number("times"), 3);
+    EXPECT_EQ(c.seed, 7u);
+    EXPECT_EQ(c.other_joints, context.other_joints);
+    EXPECT_EQ(c.ball_radius_m, 0.033);
+    EXPECT_EQ(c.camera, "camera /dev/video7");
+    return Outcome{true, "", {}};
+  })(context);
+  EXPECT_TRUE(ran && outcome && outcome->success);
 }
 
 }  // namespace
