@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <string>
 #include <utility>
 
 #include "shared/base/profile.hpp"
@@ -40,6 +42,12 @@ std::vector<std::size_t> channels_of(const World& world) {
 
 constexpr double kLimitRounding = 2e-4;  // rad; the table's unit is 100 microradians
 
+std::string range_text(double min, double max) {
+  char text[48];  // both within half a turn
+  std::snprintf(text, sizeof text, "%.3f to %.3f", min, max);
+  return text;
+}
+
 // The firmware enforces the limits of its channels: another robot's joints must not exceed them.
 Result<void> check_limits(const std::string& robot_path) {
   const auto robot = KAZ_TRY(load_robot(robot_path));
@@ -52,12 +60,13 @@ Result<void> check_limits(const std::string& robot_path) {
                  max_rad = 1e-4 * kz_board_joints[j].upper;
     if (joint.lower >= min_rad - kLimitRounding && joint.upper <= max_rad + kLimitRounding)
       continue;
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "limits of %.3f to %.3f rad are beyond %.3f to %.3f, which channel %zu of the "
-                  "servo board (Kaz's %s) has; make them narrower, or put another joint there",
-                  joint.lower, joint.upper, min_rad, max_rad, j, board[j].c_str());
-    return fail(Fault::usage, robot_path + ": joint `" + joint.name + "`: " + text);
+    return fail(Fault::usage,
+                robot_path + ": joint `" + joint.name + "`: limits of " +
+                    range_text(joint.lower, joint.upper) + " rad are beyond " +
+                    range_text(min_rad, max_rad) + ", which channel " + std::to_string(j) +
+                    " of the servo board (Kaz's " + board[j] +
+                    ") has; make them narrower, or move the joint in the file: the first has "
+                    "channel 0, the second channel 1");
   }
   return {};
 }

@@ -384,7 +384,7 @@ TEST(Cli, RobotWithoutEyes) {
                            2, {"home", "Kaz", "shoulder", "posture=keep"}));
 }
 
-// What its channel of the servo board would never let it reach.
+// What its channel of the servo board would never let it reach; the sentence ends with what to do.
 TEST(Cli, LimitsBeyondTheChannel) {
   const TemporaryFolder folder;
   for (const char* name : {"motor.xml", "sensors.xml"})
@@ -393,7 +393,8 @@ TEST(Cli, LimitsBeyondTheChannel) {
   arm.replace(arm.find("upper=\"1.5\""), 11, "upper=\"1.9\"");
   write_file(folder / "arm.urdf", arm);
   EXPECT_TRUE(one_sentence(run(kaz({"run", "stand", "--robot-file", folder / "arm.urdf"})), 2,
-                           {folder / "arm.urdf", "`turn`", "1.900", "1.571", "channel 0"}));
+                           {folder / "arm.urdf", "`turn`", "-1.500 to 1.900 rad", "-1.571 to 1.571",
+                            "channel 0", "the first has channel 0, the second channel 1\n"}));
 }
 
 TEST(Cli, DurationThatIsNone) {
