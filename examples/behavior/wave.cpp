@@ -38,6 +38,8 @@ Result<double> move(behavior::ControlCycle& cycle, host::Clock& clock, const Arm
 }
 
 Result<Outcome> run(Context& context) {
+  KAZ_TRY(behavior::require_joints(context, "wave",
+                                   {host::r_sh_pitch, host::r_sh_roll, host::r_elbow}));
   KAZ_TRY(behavior::hold_still(context.robot));
   context.sink.phase(context.clock.now(), "wave", "wave");
 

@@ -3,8 +3,19 @@
 #include "host/behavior/control_cycle.h"
 
 #include <algorithm>
+#include <string>
 
 namespace kaz::behavior {
+
+namespace {
+
+std::string listed(std::span<const std::string> names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
 
 ControlCycle::ControlCycle(Context& context)
     : context_(context), cycle_start_(context.clock.now()), last_image_(cycle_start_) {}
@@ -33,6 +44,21 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
     return fail(Fault::environment, "no image came for 2 s: check " + context_.camera);
   }
   return input;
+}
+
+Result<void> require_joints(const Context& context, std::string_view behavior,
+                            std::initializer_list<host::Joint> joints) {
+  const std::vector<std::string>& others = context.other_joints;
+  if (others.empty()) return {};
+  std::vector<std::string> missing;
+  for (const host::Joint joint : joints) {
+    const std::string name = host::joint_table()[static_cast<std::size_t>(joint)].name;
+    if (std::ranges::find(others, name) == others.end()) missing.push_back(name);
+  }
+  if (missing.empty()) return {};
+  return fail(Fault::usage, std::string(behavior) + " moves " + listed(missing) +
+                                ", and this robot has only " + listed(others) +
+                                "; use a behaviour that is written for these, or `stand`");
 }
 
 Result<void> hold_still(host::Robot& robot) {

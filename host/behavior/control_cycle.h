@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "host/behavior/behavior.h"
@@ -43,6 +45,12 @@ class ControlCycle {
   Time cycle_start_;
   Time last_image_;
 };
+
+// Fails (usage) if the robot lacks one of these joints, with their names and what to do. On a robot other
+// than Kaz the targets would move the joints that happen to be on these channels, so behaviours that name
+// joints of Kaz call it before hold_still().
+Result<void> require_joints(const Context& context, std::string_view behavior,
+                            std::initializer_list<host::Joint> joints);
 
 // Sets the gains for walking (20 /rad, 0.15 s/rad; neck 12, hands 0.8 /rad) and enables all motors at
 // their present angles: how every behaviour begins.

@@ -13,6 +13,7 @@ namespace {
 constexpr Option kOptions[] = {{"times", "2", "", 1, 10, "number of nods", true}};
 
 Result<Outcome> run(Context& context) {
+  KAZ_TRY(require_joints(context, kNod.name, {host::neck_tilt}));
   KAZ_TRY(hold_still(context.robot));
   context.sink.phase(context.clock.now(), kNod.name, "nod");
 

@@ -32,10 +32,27 @@ TEST(NodExample, Nods) {
   EXPECT_NEAR(board.angles_at(board.now())[host::neck_tilt], 0, 0.02);
 }
 
+// The arm's second joint is on the channel of neck_tilt: it must not nod instead.
+TEST(NodExample, RefusesARobotWithoutItsJoint) {
+  host::TestBoard board;
+  host::Robot robot = host::connect_to(board);
+  Recording recording;
+  Context context{robot, board, nullptr, recording, *OptionValues::parse(kNod.options, {})};
+  context.other_joints = {"turn", "shoulder"};
+  const auto outcome = kNod.run(context);
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().fault, Fault::usage);
+  EXPECT_EQ(outcome.error().message,
+            "nod moves neck_tilt, and this robot has only turn, shoulder; use a behaviour that is "
+            "written for these, or `stand`");
+  EXPECT_FALSE(board.motors_on());
+}
+
 TEST(NodExample, IsTheOneInTheDocumentation) {
   const std::string code = contents("host/behavior/nod_example.cpp");
   ASSERT_FALSE(code.empty());
-  EXPECT_NE(contents("docs/tutorial/own-behavior.md").find("```cpp\n" + code + "```"), std::string::npos)
+  EXPECT_NE(contents("docs/tutorial/own-behavior.md").find("```cpp\n" + code + "```"),
+            std::string::npos)
       << "copy host/behavior/nod_example.cpp into docs/tutorial/own-behavior.md";
 }
 

@@ -51,6 +51,16 @@ TEST(OwnBehavior, TakesItsOptionsAndNoOthers) {
   EXPECT_NE(unknown.err.find("its options are times"), std::string::npos) << unknown.err;
 }
 
+// Before anything moves: the arm's joints are on the channels of neck and left arm.
+TEST(OwnBehavior, NamesTheJointsThatAnotherRobotLacks) {
+  const Finished refused =
+      run_plugin(kModules + "/wave.so", {"--robot-file", "sim/robots/arm/arm.urdf"});
+  EXPECT_EQ(refused.exit_code, 2) << refused.out << refused.err;
+  for (const char* text : {"wave moves r_sh_pitch, r_sh_roll, r_elbow", "has only turn, shoulder",
+                           "written for these, or `stand`"})
+    EXPECT_NE(refused.err.find(text), std::string::npos) << text << "\n" << refused.err;
+}
+
 TEST(OwnBehavior, IsEvaluated) {
   const TemporaryFolder folder;
   const Finished finished =
