@@ -1,9 +1,13 @@
 // The example behaviour works, and docs/tutorial/own-behavior.md prints it as it is compiled.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <string>
 
 #include "host/behavior/behavior.h"
 #include "host/robot/robot_testing.h"
@@ -54,6 +58,39 @@ TEST(NodExample, IsTheOneInTheDocumentation) {
   EXPECT_NE(contents("docs/tutorial/own-behavior.md").find("```cpp\n" + code + "```"),
             std::string::npos)
       << "copy host/behavior/nod_example.cpp into docs/tutorial/own-behavior.md";
+}
+
+// The commands of the tutorial's steps 1 and 2: its indented lines before step 3.
+std::string copying_commands() {
+  std::istringstream tutorial(contents("docs/tutorial/own-behavior.md"));
+  const std::string indent(7, ' ');
+  std::string commands;
+  for (std::string line; std::getline(tutorial, line) && !line.starts_with("3. ");)
+    if (line.starts_with(indent)) commands += line + "\n";
+  return commands;
+}
+
+// Without a trace of the example, and formatted.
+TEST(NodExample, IsCopiedAsTheDocumentationShows) {
+  namespace fs = std::filesystem;
+  const fs::path folder = testing::TempDir() + "kaz_my_nod_" + std::to_string(getpid());
+  const fs::path copies = folder / "host/behavior";
+  fs::create_directories(copies);
+  for (const char* name : {"nod_example.cpp", "behaviors.def"})
+    fs::copy_file(fs::path("host/behavior") / name, copies / name);
+  const std::string commands = "set -e; cd '" + folder.string() + "'\n" + copying_commands();
+  EXPECT_EQ(std::system(commands.c_str()), 0) << commands;
+  const std::string code = contents((copies / "my_nod.cpp").c_str());
+  const std::string list = contents((copies / "behaviors.def").c_str());
+  fs::remove_all(folder);
+
+  EXPECT_TRUE(code.starts_with("// my-nod: moves the head up and down.\n// SPDX-")) << code;
+  for (const char* left : {"\n\n\n", "extern", "kNod", "{\"nod\"", "example", "tutorial"})
+    EXPECT_EQ(code.find(left), std::string::npos) << left << " in:\n" << code;
+  EXPECT_NE(code.find("Behavior kMyNod{\"my-nod\", "), std::string::npos) << code;
+  EXPECT_NE(list.find("\nKAZ_BEHAVIOR(my_nod, kMyNod)\nKAZ_BEHAVIOR(search_ball"),
+            std::string::npos)
+      << list;
 }
 
 }  // namespace
