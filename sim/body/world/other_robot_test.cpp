@@ -1,5 +1,8 @@
 // A robot that is not Kaz is data: an arm on a fixed base, with six joints.
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <sstream>
+
 #include "sim/body/description/files_testing.h"
 #include "sim/body/description/robot_model.h"
 
@@ -76,6 +79,31 @@ TEST(Arm, KeepsItsLimitsInsideTheBoardsChannels) {
   for (std::size_t j = 0; j < robot->joints.size(); ++j) {
     EXPECT_GE(robot->joints[j].lower, kaz->joints[j].lower) << robot->joints[j].name;
     EXPECT_LE(robot->joints[j].upper, kaz->joints[j].upper) << robot->joints[j].name;
+  }
+}
+
+// The row of docs/reference/robot.md with these limits; empty: there is none.
+std::string documented_row(const std::string& limits) {
+  std::istringstream lines(test::read_text("docs/reference/robot.md"));
+  for (std::string line; std::getline(lines, line);)
+    if (line.ends_with("| " + limits + " |")) return line;
+  return "";
+}
+
+// Who describes another robot has only this table to choose the channels by.
+TEST(Channel, LimitsAreThoseOfTheDocumentation) {
+  const auto kaz = load_robot(test::kRobot);
+  ASSERT_TRUE(kaz);
+  for (std::size_t j = 0; j < kaz->joints.size(); ++j) {
+    const RobotJoint& joint = kaz->joints[j];
+    char limits[48];
+    std::snprintf(limits, sizeof limits, "%.4f to %.4f", joint.lower, joint.upper);
+    const std::string row = documented_row(limits);
+    const std::string channels = row.substr(0, row.find('|', 1)) + ",";  // "| 4, 8 ,"
+    const std::string number = " " + std::to_string(j);
+    EXPECT_TRUE(channels.find(number + ",") != std::string::npos ||
+                channels.find(number + " ,") != std::string::npos)
+        << joint.name << " " << limits << ": `" << row << "`";
   }
 }
 
