@@ -198,7 +198,7 @@ class Chip {
   // Inspection and debugging
   // ------------------------
 
-  Registers registers() const;
+  Registers registers() const;  // in a listener: see watch()
   void set_registers(const Registers& registers);
   // Reads flash, RAM and I/O registers without side effects; takes no time. Unmapped addresses: nullopt,
   // or false.
@@ -259,6 +259,12 @@ class Chip {
   // A listener may read pins and drive inputs, which takes effect at the time of the edge; it must not
   // run, reset, restore or move the chip. A reset appears at the pins at the instruction boundary before
   // it. Clones are not watched; changes by restore() are not reported.
+  // Stale flags: translated code computes flags only where they are read or its block may be left. So in a
+  // listener that a MOV or bit instruction to a fixed I/O address calls, H, N, Z, V and C of
+  // registers().ccr may be those of any earlier instruction; ER0 to ER7, PC (this instruction's), I, UI and
+  // now() are right. They are right between instructions (call_at, code hooks), while an observer is
+  // attached, and with the other engines, where a store has already set its own. instructions() may lack
+  // those since the last event with any engine. The same holds for on_output, on_transmit and set_analog.
   int watch(Pin pin, PinListener listener, bool drivers = false);
   void unwatch(int watch);
   // Calls `call` once at time `at` (if that is past, at the start of the next run), between
