@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "sim/mcu/compare_testing.h"
@@ -69,20 +70,45 @@ TEST(Engines, BytesTakeTheSameTime) {
   }
 }
 
-// Inputs of each tick: bytes received, and room in the transmit ring, of which the channel holds two.
+// Runs until `states` after a tick became due, and at least 20 ms. Ticks count from the end of the start,
+// most of which the chip spends on the CRC of its application: a time since power-on is at another place in
+// the tick with each image. The place shows on the line: the first byte of a reply from an idle board begins
+// 445 states after a tick (native_test.cpp, BytesLeaveBackToBack).
+void run_into_tick(Mcu& mcu, States states) {
+  mcu.take_transmitted();
+  send(mcu, frame_of(KZ_TYPE_state, 99, {}));
+  ASSERT_TRUE(mcu.run_until(mcu.now() + 20 * ms));
+  const auto bytes = mcu.take_transmitted();
+  ASSERT_FALSE(bytes.empty()) << mcu.name();
+  const States tick = bytes.front().at - KZ_STATES_PER_BYTE - 445;
+  ASSERT_TRUE(mcu.run_until(tick + 20 * ms + states));
+}
+
+// Inputs of each tick: bytes received, and room in the transmit ring, of which the channel holds two. Ticks
+// count from the first that is recorded; how long the boards take to start is compared by CompareWire.
 TEST(Engines, RingsAgree) {
+  // A tick reads its ring 650 states after it became due. Requests begin so that this is midway between the
+  // ends of their 4th and 5th byte, so both boards divide each request between the same two ticks.
+  constexpr States request_at = ms + 650 - KZ_STATES_PER_BYTE / 2 - 4 * KZ_STATES_PER_BYTE;
   std::vector<std::vector<std::array<int, 3>>> seen;
   for (const auto& mcu : {h8(), native()}) {
+    ASSERT_NO_FATAL_FAILURE(run_into_tick(*mcu, request_at));
     auto& ticks = seen.emplace_back();
-    mcu->on_tick([&ticks](const TickRecord& record) {
-      ticks.push_back(
-          {static_cast<int>(record.input.tick), record.input.rx_count, record.input.tx_room});
+    std::optional<std::uint32_t> first;
+    mcu->on_tick([&ticks, &first](const TickRecord& record) {
+      first = first.value_or(record.input.tick);
+      ticks.push_back({static_cast<int>(record.input.tick - *first), record.input.rx_count,
+                       record.input.tx_room});
     });
+    const States begin = mcu->now();
     for (std::uint8_t number = 0; number < 5; ++number) {
       send(*mcu, frame_of(KZ_TYPE_calibration, number, {}));
-      ASSERT_TRUE(mcu->run_until(100 * ms + (number + 1) * 12 * ms));
+      ASSERT_TRUE(mcu->run_until(begin + (number + 1) * 12 * ms));
     }
     mcu->on_tick(nullptr);
+    ASSERT_GE(ticks.size(), 60u) << mcu->name();
+    EXPECT_EQ(ticks[0][1], 4) << mcu->name() << ": a request does not begin where it should";
+    EXPECT_EQ(ticks[1][1], 5) << mcu->name();
   }
   EXPECT_EQ(seen[0], seen[1]);
   int min_room = KZ_TX_BUFFER;
