@@ -35,6 +35,10 @@ constexpr States select_after = 735;
 // A starting board enables its receiver this long before its first tick; from then on each byte extends
 // the start, until the clock runs.
 constexpr States listens_before = 46940 + 700, clock_runs_before = 18000;
+// How far the native board's default start may be from that of the image. The chip spends about 23 states
+// on the CRC of each byte of its application, and a message adds some 500 bytes: with a tick as tolerance the
+// second new message would fail here. Conversations do not depend on it: they run with the measured start.
+constexpr States start_tolerance = 5 * tick;
 // Tolerance of an edge relative to its place in the frame: 2 % of a bit.
 constexpr States edge_tolerance = KZ_STATES_PER_BIT / 50;
 
@@ -580,10 +584,12 @@ Result<WireReport> compare_wire(const WireOptions& options) {
   Boards boards(options, *h8, report);
   const auto start = KAZ_TRY(boards.start_time());
   report.h8_start = start;
-  if (std::abs(start - NativeOptions::default_start_states) > tick) {
+  if (std::abs(start - NativeOptions::default_start_states) > start_tolerance) {
     ++report.different;
     report.differences.push_back(
-        {0, 0, "the start takes another time on the native board (NativeOptions)",
+        {0, 0,
+         "the start takes another time on the native board; if the image has grown, give "
+         "NativeOptions::default_start_states (sim/mcu/native_mcu.h) that of h8",
          std::to_string(start), std::to_string(NativeOptions::default_start_states), ""});
     return report;
   }
