@@ -71,7 +71,7 @@ int parse_and_run(int argc, char** argv) {
   program.require_subcommand(1);
   program.formatter(std::make_shared<kaz::tools::HelpFormatter>());  // its verbs inherit it
   kaz::tools::Action action;
-#define KAZ_VERB(name) kaz::tools::add_##name(program, action);
+#define KAZ_VERB(name, interrupt) kaz::tools::add_##name(program, action);
 #include "tools/kaz/verbs.def"
 #undef KAZ_VERB
   kaz::tools::check_flags(program);

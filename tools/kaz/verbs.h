@@ -15,7 +15,7 @@ namespace kaz::tools {
 using Action = std::function<Result<Outcome>()>;
 
 // add_NAME of each verb, in verb_NAME.cpp.
-#define KAZ_VERB(name) void add_##name(CLI::App& program, Action& action);
+#define KAZ_VERB(name, interrupt) void add_##name(CLI::App& program, Action& action);
 #include "tools/kaz/verbs.def"
 #undef KAZ_VERB
 
