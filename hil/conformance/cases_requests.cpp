@@ -50,7 +50,8 @@ void add_answers(Cases& to) {
   });
   add(to, "refusal-form", "A refusal carries number and type of the request.", "REQ-2",
       [](Board& b) {
-        for (const int type : {0x00, 0x1A, 0x40, 0x7F}) {
+        // No new message gets one of these: requests are 0x01 to 0x3F (messages.def).
+        for (const int type : {0x00, 0x40, 0x5A, 0x7F}) {
           b.refused_type(static_cast<std::uint8_t>(type), {}, KZ_REFUSED_UNKNOWN_TYPE, kNoDetail);
         }
       });

@@ -116,6 +116,8 @@ TEST(MessageInfo, EachRequestHasItsReply) {
   for (int i = 0; i < kz_message_count; ++i) {
     const kz_message_info& info = kz_messages[i];
     if (info.code & KZ_REPLY) continue;
+    // Else its reply would be taken for telemetry.
+    EXPECT_TRUE(info.code > 0 && info.code < 0x40) << info.name;
     const kz_message_info* reply = kz_message_find(static_cast<u8>(info.code | KZ_REPLY));
     ASSERT_NE(reply, nullptr) << info.name;
     EXPECT_EQ(std::string(reply->name), std::string(info.name) + "_reply");

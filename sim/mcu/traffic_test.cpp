@@ -37,7 +37,9 @@ TEST(RandomHost, SendsEveryRequestAndFaults) {
     if ((info.code & KZ_REPLY) || info.code == KZ_TYPE_loader) continue;
     EXPECT_TRUE(types.count(info.code)) << info.name;
   }
-  EXPECT_TRUE(types.count(0x1F)) << "a type that does not exist";
+  EXPECT_TRUE(std::any_of(types.begin(), types.end(), [](int type) {
+    return type >= 0 && kz_message_find(static_cast<u8>(type)) == nullptr;
+  })) << "a type that does not exist";
 
   int damaged = 0, framing_errors = 0;
   States longest_silence = 0;
