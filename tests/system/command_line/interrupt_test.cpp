@@ -302,6 +302,7 @@ TEST_P(Interrupted, EndsWithinASecondAndKeepsWhatThereIs) {
     EXPECT_EQ(result.value("signal", ""), row.signal == SIGINT    ? "SIGINT"
                                           : row.signal == SIGTERM ? "SIGTERM"
                                                                   : "SIGHUP");
+    EXPECT_TRUE(result.contains("provenance")) << text;
   }
   EXPECT_EQ(left_over(folder), std::vector<std::string>());
 }

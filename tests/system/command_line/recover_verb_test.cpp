@@ -91,6 +91,7 @@ TEST_F(RecoverVerb, ABoardAtAnotherAddressIsNamedReachedAndBroughtBack) {
   EXPECT_EQ(result["ok"], true);
   EXPECT_EQ(result["found_at"], 3);
   EXPECT_EQ(result["address"], 1);
+  EXPECT_EQ(result["provenance"]["command"], "kaz recover " + port() + " --json");
   EXPECT_EQ(run(kaz({"status", "--port", port()})).exit_code, 0);
   EXPECT_EQ(run(kaz({"recover", folder_ / "none"})).exit_code, 3);
   EXPECT_EQ(run(kaz({"recover", port(), "--from", folder_ / "none"})).exit_code, 2);

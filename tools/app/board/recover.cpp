@@ -17,6 +17,7 @@
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
+#include "tools/app/base/provenance.h"
 #include "tools/app/kept/kept_run.h"
 
 namespace kaz::tools {
@@ -154,6 +155,7 @@ Result<bool> recover(const RecoverOptions& options) {
   if (options.json) {
     auto json = as_json(result, port.first, ok);
     if (cut_short) mark_interrupted(json);
+    json["provenance"] = provenance_json();
     print_json(json);
   } else {
     print(result, port.first);

@@ -152,6 +152,7 @@ void print_interrupted(const Error& error, const ReplayOptions& options, const s
   if (error.fault != Fault::interrupted || !options.json || options.quiet) return;
   nlohmann::ordered_json result{{"recording", options.file}, {"mode", mode}};
   mark_interrupted(result);
+  result["provenance"] = provenance_json();
   print_json(result);
 }
 

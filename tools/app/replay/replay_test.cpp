@@ -178,5 +178,26 @@ TEST(FirstDifference, IsAMissingMessageUnlessTheRecordingWasCutOff) {
   EXPECT_FALSE(first_difference(cut_off, ball_at({1, 2})));
 }
 
+TEST(PrintInterrupted, IsJsonWithProvenanceAndOnlyThen) {
+  const auto printed = [](const Error& error, bool json) {
+    ReplayOptions options;
+    options.file = "run.mcap";
+    options.json = json;
+    testing::internal::CaptureStdout();
+    print_interrupted(error, options, "host");
+    return testing::internal::GetCapturedStdout();
+  };
+  const Error interrupted{Fault::interrupted, "interrupted"};
+  const auto result = nlohmann::json::parse(printed(interrupted, true), nullptr, false);
+  ASSERT_TRUE(result.is_object());
+  EXPECT_EQ(result["recording"], "run.mcap");
+  EXPECT_EQ(result["mode"], "host");
+  EXPECT_EQ(result["interrupted"], true);
+  for (const char* key : {"date", "kaz", "command"})
+    EXPECT_TRUE(result["provenance"].contains(key)) << key << result;
+  EXPECT_EQ(printed(interrupted, false), "");
+  EXPECT_EQ(printed({Fault::usage, "damaged"}, true), "");
+}
+
 }  // namespace
 }  // namespace kaz::tools
