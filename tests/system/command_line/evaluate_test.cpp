@@ -1,6 +1,8 @@
 // `kaz evaluate`: episodes that can be repeated, interrupted, shared out and joined.
 // SPDX-License-Identifier: Apache-2.0
+#include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <thread>
 
@@ -106,6 +108,71 @@ TEST(Evaluate, GoesOnAfterAnInterruption) {
   const auto all = without_speed(folder / "out", 9);
   ASSERT_EQ(all.size(), 9u);
   EXPECT_TRUE(std::equal(kept.begin(), kept.end(), all.begin()));
+}
+
+std::vector<pid_t> children_of(pid_t parent) {
+  std::vector<pid_t> all;
+  std::error_code gone;
+  for (const auto& entry : fs::directory_iterator("/proc", gone)) {
+    const std::string number = entry.path().filename();
+    if (number.find_first_not_of("0123456789") != std::string::npos) continue;
+    // "PID (NAME) STATE PARENT ...", where a name may have brackets too.
+    const std::string line = read_file("/proc/" + number + "/stat");
+    const auto end = line.rfind(") ");
+    if (end != std::string::npos && std::atoi(line.c_str() + end + 3) == parent)
+      all.push_back(std::stoi(number));
+  }
+  return all;
+}
+
+bool holds_robot_files(const std::string& folder) {
+  std::error_code gone;
+  for (fs::recursive_directory_iterator at(folder, gone), end; !gone && at != end;
+       at.increment(gone))
+    if (at->path().filename() == "kaz.urdf") return true;
+  return false;
+}
+
+// Also where the processes of its episodes do not react and have to be killed, and where a second signal ends
+// the program while it waits for them.
+TEST(Evaluate, LeavesNoTemporaryFileHoweverItIsEnded) {
+  struct Case {
+    int first, second;
+    bool stopped;
+  };
+  for (const auto& [first, second, stopped] :
+       {Case{SIGINT, 0, false}, {SIGTERM, 0, true}, {SIGINT, SIGINT, true}}) {
+    SCOPED_TRACE(std::to_string(first) + " " + std::to_string(second));
+    const TemporaryFolder folder;
+    const std::string temporary = folder / "tmp";
+    fs::create_directory(temporary);
+    std::vector<std::string> command =
+        kaz({"evaluate", "search-ball", "--mcu", "native", "--eyes", "ideal", "--set", "seconds=8",
+             "--episodes", "200", "--jobs", "2", "--out", folder / "out"});
+    command.insert(command.begin(), {"/usr/bin/env", "TMPDIR=" + temporary});
+    Process program(command);
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    bool begun = false;
+    while (!begun && std::chrono::steady_clock::now() < until) {
+      begun = holds_robot_files(temporary);
+      if (begun && stopped) {
+        for (const pid_t child : children_of(program.id())) ::kill(child, SIGSTOP);
+        // One that has just ended has removed its files: those of the next one, then.
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        begun = holds_robot_files(temporary);
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ASSERT_TRUE(begun) << program.wait(std::chrono::seconds(0)).err;
+    program.signal(first);
+    if (second != 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(430));  // later than kOneSignal
+      program.signal(second);
+    }
+    const Finished end = program.wait(std::chrono::seconds(10));
+    EXPECT_EQ(end.exit_code, 128 + first) << end.err;
+    EXPECT_TRUE(fs::is_empty(temporary)) << end.err;
+  }
 }
 
 // Of a folder that somebody has worked in: what is not of Kaz stays, and what is not of the campaign is

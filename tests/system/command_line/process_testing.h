@@ -26,6 +26,7 @@ class Process {
   Process& operator=(const Process&) = delete;
 
   void signal(int number);
+  pid_t id() const { return pid_; }
   // Processor time of all its threads so far.
   double cpu_s() const;
   // To its standard input, which is a pipe that stays open as long as the object does.

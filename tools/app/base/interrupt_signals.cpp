@@ -24,6 +24,9 @@ std::atomic<std::int64_t> g_first_ns{0};  // when; 0: none came
 char g_verb[64] = "kaz";
 char g_left_behind[1024] = "";
 std::atomic<bool> g_leaves_something{false};
+using Last = void (*)() noexcept;
+std::atomic<Last> g_last{nullptr};
+static_assert(std::atomic<Last>::is_always_lock_free);
 static_assert(std::atomic<int>::is_always_lock_free);
 static_assert(std::atomic<std::int64_t>::is_always_lock_free);
 static_assert(std::atomic<host::Interrupt*>::is_always_lock_free);
@@ -39,6 +42,7 @@ void print(std::string_view text) {
 }
 
 void end_at_once(int number) {
+  if (const Last last = g_last) last();
   print("\n");
   print(g_verb);
   print(": interrupted, ended at once");
@@ -91,6 +95,10 @@ void leaves_behind(const std::string& sentence) {
   g_leaves_something = !sentence.empty();
 }
 
+void does_at_last(Last last) {
+  g_last = last;
+}
+
 int received_signal() noexcept {
   return g_received.load();
 }
@@ -131,6 +139,7 @@ InterruptSignals::~InterruptSignals() {
 
 void InterruptSignals::forget_earlier() {
   g_interrupt = nullptr;
+  g_last = nullptr;
   g_received = 0;
   g_first_ns = 0;
 }

@@ -28,6 +28,9 @@ void catch_signals();
 // it; "" if nothing is. One thread.
 void name_verb(const std::string& verb);
 void leaves_behind(const std::string& sentence);
+// What a program that ends at once does before; null: nothing. Runs in a signal handler, so only functions
+// that are async-signal-safe. One thread.
+void does_at_last(void (*last)() noexcept);
 
 // The signal that came, 0 if none: SIGINT and "SIGINT".
 int received_signal() noexcept;
@@ -48,7 +51,8 @@ class InterruptSignals {
   InterruptSignals(const InterruptSignals&) = delete;
   InterruptSignals& operator=(const InterruptSignals&) = delete;
 
-  // In a child after fork(): no interrupt of the parent's is requested from here, and no signal came yet.
+  // In a child after fork(): no interrupt of the parent's is requested from here, what it does at last is not
+  // done, and no signal came yet.
   static void forget_earlier();
 
  private:

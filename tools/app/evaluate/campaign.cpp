@@ -10,9 +10,11 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <iterator>
+#include <optional>
 
 #include "shared/base/files.hpp"
 #include "shared/base/one_line.hpp"
@@ -20,6 +22,7 @@
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/episode_file.h"
 #include "tools/app/evaluate/summary.h"
+#include "tools/app/evaluate/work_folder.h"
 #include "tools/app/session/plugin_guard.h"
 
 namespace kaz::tools {
@@ -103,9 +106,9 @@ std::string machine_signal(int number) {
 }
 
 // The episode in a process of its own: what breaks there breaks nothing else, and each has its own
-// world and renderer. It writes its file and ends.
+// world and renderer. It writes its file and ends; its temporary files are in `temporary`.
 Result<Job> begin(const CampaignOptions& options, const OutputFolder& folder,
-                  std::uint64_t number) {
+                  const std::string& temporary, std::uint64_t number) {
   std::fflush(nullptr);
   int why[2] = {-1, -1};
   const pid_t parent = ::getpid();
@@ -122,6 +125,7 @@ Result<Job> begin(const CampaignOptions& options, const OutputFolder& folder,
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(127);
   InterruptSignals::forget_earlier();
+  ::setenv("TMPDIR", temporary.c_str(), 1);
   const int status = run_job(options, folder, number, why[1]);
   std::fflush(nullptr);
   ::_exit(status);
@@ -161,7 +165,9 @@ class Runner {
   }
 
   Result<void> run(const std::vector<std::uint64_t>& numbers, const host::Interrupt& interrupt) {
+    if (numbers.empty()) return {};
     total_ = episodes_.size() + numbers.size();
+    work_.emplace(KAZ_TRY(WorkFolder::make()));
     for (auto next = numbers.begin();
          (next != numbers.end() && lost_in_a_row_ < kMaxLostInARow) || !children_.empty();) {
       if (interrupt.requested())
@@ -169,8 +175,9 @@ class Runner {
                                             folder_.folder() + ", and the same command goes on");
       if (next != numbers.end() && lost_in_a_row_ < kMaxLostInARow &&
           children_.size() < static_cast<std::size_t>(options_.jobs)) {
-        auto child = KAZ_TRY(begin(options_, folder_, *next++));
+        auto child = KAZ_TRY(begin(options_, folder_, work_->path(), *next++));
         children_.push_back(child);
+        work_->add_user(child.pid);
         continue;
       }
       if (auto taken = take_ended(); !taken) return taken;
@@ -195,6 +202,7 @@ class Runner {
       }
       const Job job = children_[i];
       children_.erase(children_.begin() + static_cast<std::ptrdiff_t>(i));
+      work_->remove_user(job.pid);
       std::string why(4000, '\0');
       const ssize_t length = ::read(job.why, why.data(), why.size());
       ::close(job.why);
@@ -251,6 +259,7 @@ class Runner {
   const OutputFolder& folder_;
   Episodes& episodes_;
   Progress progress_;
+  std::optional<WorkFolder> work_;  // while there are episodes to run; goes after their processes
   std::size_t total_ = 0;
   std::vector<Job> children_;
   LostEpisodes lost_;
