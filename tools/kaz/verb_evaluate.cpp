@@ -87,8 +87,12 @@ void add_merge(CLI::App& evaluate, Action& action) {
   verb->add_option("--out", arguments->out, "folder for the whole")->required()->type_name("DIR");
   verb->add_flag("--json", arguments->json, "print result.json");
   verb->footer(
-      "Parts are those of one evaluation: the same options but for --shard, --jobs and --out.\n" +
-      std::string(kExitStatus) +
+      "Parts are those of one evaluation: the same options but for --shard, --jobs and --out. "
+      "Episodes that are missing, as a part is not there or was interrupted, are named; "
+      "result.json "
+      "is then of the others and contains \"interrupted\": true.\n"
+      "Exit status: 0 at least one episode succeeded, 1 none did, 2 wrong usage, 3 episodes are "
+      "missing.\n"
       "Examples:\n"
       "  kaz evaluate search-ball --episodes 8 --shard 1/2 --out one\n"
       "  kaz evaluate search-ball --episodes 8 --shard 2/2 --out two\n"

@@ -74,6 +74,18 @@ TEST(Evaluate, PartsJoinToTheWhole) {
   EXPECT_EQ(without_speed(folder / "merged", 4), all);
   EXPECT_EQ(json::parse(merged.out)["success_rate"], result["success_rate"]);
 
+  // Of a part alone the merge is kept, but it is no whole.
+  const Finished half =
+      run(kaz({"evaluate", "merge", folder / "1/2", "--out", folder / "half", "--json"}));
+  EXPECT_EQ(half.exit_code, 3) << half.err;
+  EXPECT_NE(half.err.find("part 2/2, episodes 1, 3, is in no folder"), std::string::npos)
+      << half.err;
+  const json half_result = json::parse(read_file(folder / "half/result.json"));
+  EXPECT_EQ(half_result["episodes"], 2);
+  EXPECT_EQ(half_result["missing"], json::array({1, 3}));
+  EXPECT_EQ(half_result["interrupted"], true);
+  EXPECT_FALSE(json::parse(merged.out).contains("interrupted")) << merged.out;
+
   // More of the same go on, others do not mix in.
   const Finished more = evaluate({"--episodes", "5", "--out", folder / "whole"});
   ASSERT_EQ(more.exit_code, 0) << more.err;
@@ -103,6 +115,12 @@ TEST(Evaluate, GoesOnAfterAnInterruption) {
   const auto kept = without_speed(folder / "out", 9);
   ASSERT_GE(kept.size(), 1u);
   ASSERT_LT(kept.size(), 9u);
+  const Finished merged =
+      run(kaz({"evaluate", "merge", folder / "out", "--out", folder / "merged", "--json"}));
+  EXPECT_EQ(merged.exit_code, 3) << merged.err;
+  EXPECT_NE(merged.err.find("out' was interrupted by SIGINT"), std::string::npos) << merged.err;
+  EXPECT_EQ(json::parse(merged.out)["interrupted"], true);
+  EXPECT_EQ(json::parse(merged.out)["signal"], "SIGINT");
   const Finished second = run(command);
   EXPECT_NE(second.err.find("there already"), std::string::npos) << second.err;
   const auto all = without_speed(folder / "out", 9);

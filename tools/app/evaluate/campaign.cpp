@@ -21,6 +21,7 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/evaluate/episode.h"
 #include "tools/app/evaluate/episode_file.h"
+#include "tools/app/evaluate/parts.h"
 #include "tools/app/evaluate/summary.h"
 #include "tools/app/evaluate/work_folder.h"
 #include "tools/app/session/plugin_guard.h"
@@ -268,17 +269,19 @@ class Runner {
 
 // Not an error of the evaluation: what is decided stays and counts.
 Error lost_error(const LostEpisodes& lost, std::size_t wanted) {
-  constexpr std::size_t kMaxNamed = 12;
-  std::string numbers;
-  std::size_t named = 0;
-  for (const auto& [number, why] : lost) {
-    if (++named <= kMaxNamed) numbers += (named > 1 ? ", " : "") + std::to_string(number);
-  }
-  if (named > kMaxNamed) numbers += ", ...";
+  std::vector<std::uint64_t> numbers;
+  for (const auto& [number, why] : lost) numbers.push_back(number);
   return {Fault::environment, std::to_string(lost.size()) + " of " + std::to_string(wanted) +
-                                  " episodes were lost to the machine (" + numbers +
+                                  " episodes were lost to the machine (" + numbers_text(numbers) +
                                   "; the first: " + lost.begin()->second +
                                   "); they are in no rate, and the same command runs them again"};
+}
+
+Result<Part> read_part(const std::string& folder, const Episodes& episodes) {
+  const std::string path = folder + "/result.json";
+  Json result;
+  if (fs::exists(path)) result = KAZ_TRY(read_json(path, parse_result));
+  return part_of(folder, episodes, result);
 }
 
 Result<void> make_folder(const std::string& path) {
@@ -385,19 +388,22 @@ Result<bool> run_campaign(const CampaignOptions& options) {
   if (!episodes.empty() && !options.json)
     std::fprintf(stderr, "kaz evaluate: %zu episodes are there already, %zu to go\n",
                  episodes.size(), missing.size());
+  Extent extent{.planned = {options.episodes, options.shard, options.shards}};
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   Runner runner(options, folder, episodes);
   if (auto ran = runner.run(missing, interrupt); !ran) {
-    const bool interrupted = ran.error().fault == Fault::interrupted;
-    if (interrupted)
-      KAZ_TRY(summarize(campaign, episodes, runner.lost(), folder, options.json, true));
+    extent.interrupted = ran.error().fault == Fault::interrupted;
+    extent.signal = received_signal_name();
+    if (extent.interrupted)
+      KAZ_TRY(summarize(campaign, episodes, runner.lost(), folder, options.json, extent));
     return tl::unexpected(ran.error());
   }
   if (runner.lost().empty())
-    return folder.explained(summarize(campaign, episodes, {}, folder, options.json));
+    return folder.explained(summarize(campaign, episodes, {}, folder, options.json, extent));
   // Of lost episodes alone there is nothing to summarize. What cannot be written then is the same trouble.
-  if (!episodes.empty()) (void)summarize(campaign, episodes, runner.lost(), folder, options.json);
+  if (!episodes.empty())
+    (void)summarize(campaign, episodes, runner.lost(), folder, options.json, extent);
   return tl::unexpected(lost_error(runner.lost(), missing.size()));
 }
 
@@ -405,6 +411,7 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
                              bool json) {
   Json campaign;
   Episodes all;
+  std::vector<Part> parts;
   for (const std::string& folder : folders) {
     if (!fs::exists(folder + "/campaign.json"))
       return fail(Fault::usage,
@@ -415,6 +422,7 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
       return fail(Fault::usage, "'" + folder + "' and '" + folders.front() +
                                     "' are of different campaigns: parts differ by --shard alone");
     auto episodes = KAZ_TRY(read_episodes(folder));
+    parts.push_back(KAZ_TRY(read_part(folder, episodes)));
     for (auto& [number, episode] : episodes) {
       const auto [at, added] = all.emplace(number, episode);
       Json one = at->second, two = episode;
@@ -439,7 +447,11 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
   }
   for (const std::string& from : folders)
     KAZ_TRY(folder.explained(copy_files(from + "/failures", folder.path("failures"))));
-  return folder.explained(summarize(campaign, all, {}, folder, json));
+  const Shortage shortage = find_shortage(parts);
+  const auto any = KAZ_TRY(
+      folder.explained(summarize(campaign, all, shortage.lost, folder, json, shortage.extent)));
+  if (!shortage.sentence.empty()) return fail(Fault::environment, shortage.sentence);
+  return any;
 }
 
 }  // namespace kaz::tools

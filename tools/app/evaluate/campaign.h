@@ -40,7 +40,8 @@ nlohmann::ordered_json campaign_json(const CampaignOptions& options);
 Result<bool> run_campaign(const CampaignOptions& options);
 
 // Joins folders of parts of one campaign. Errors: parts of different campaigns, the same episode
-// with different results, none.
+// with different results, none; episodes that no part holds (environment; the others are merged and
+// summarized, marked as interrupted).
 Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std::string& out,
                              bool json);
 

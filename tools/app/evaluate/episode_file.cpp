@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/evaluate/episode_file.h"
 
+#include <algorithm>
+#include <span>
+
 #include "shared/base/json_depth.hpp"
 
 namespace kaz::tools {
@@ -38,15 +41,54 @@ bool is_truth(const Json& value) {
   return value.is_object() && (!value.contains("fell") || value["fell"].is_boolean());
 }
 
-constexpr Field kFields[] = {{"episode", [](const Json& v) { return v.is_number_unsigned(); }},
-                             {"scenario", has_seed},
-                             {"success", [](const Json& v) { return v.is_boolean(); }},
-                             {"cause", is_text},
-                             {"sentence", is_text},
-                             {"seconds", is_number, false},  // absent: not measured
-                             {"rtf", is_number, false},
-                             {"measurements", is_object},
-                             {"truth", is_truth}};
+bool is_flag(const Json& value) {
+  return value.is_boolean();
+}
+bool is_planned(const Json& value) {
+  constexpr std::uint64_t kMaxEpisodes = 1'000'000;  // of --episodes
+  for (const char* key : {"episodes", "shard", "shards"})
+    if (!value.is_object() || !value.contains(key) || !value[key].is_number_unsigned() ||
+        value[key].get<std::uint64_t>() == 0)
+      return false;
+  return value["episodes"].get<std::uint64_t>() <= kMaxEpisodes &&
+         value["shard"].get<std::uint64_t>() <= value["shards"].get<std::uint64_t>();
+}
+bool is_lost(const Json& value) {
+  const auto one = [](const Json& v) {
+    return v.is_object() && v.contains("episode") && v["episode"].is_number_unsigned() &&
+           v.contains("sentence") && v["sentence"].is_string();
+  };
+  return value.is_array() && std::all_of(value.begin(), value.end(), one);
+}
+
+constexpr Field kResultFields[] = {{"planned", is_planned, false},  // absent: of an earlier version
+                                   {"environment", is_lost, false},
+                                   {"interrupted", is_flag, false},
+                                   {"signal", is_text, false}};
+constexpr Field kEpisodeFields[] = {
+    {"episode", [](const Json& v) { return v.is_number_unsigned(); }},
+    {"scenario", has_seed},
+    {"success", [](const Json& v) { return v.is_boolean(); }},
+    {"cause", is_text},
+    {"sentence", is_text},
+    {"seconds", is_number, false},  // absent: not measured
+    {"rtf", is_number, false},
+    {"measurements", is_object},
+    {"truth", is_truth}};
+
+// `json`, if its fields are as they should be; `what` it is else none of.
+Result<Json> checked(Result<Json> json, std::span<const Field> fields, const std::string& name,
+                     const std::string& what) {
+  if (!json) return json;
+  for (const Field& field : fields) {
+    const auto found = json->find(field.name);
+    if (found == json->end() && !field.required) continue;
+    if (found == json->end() || !field.fits(*found))
+      return fail(Fault::usage, name + ": is no " + what + ", its `" + field.name +
+                                    "` is missing or of another kind; remove it");
+  }
+  return json;
+}
 
 }  // namespace
 
@@ -59,16 +101,11 @@ Result<Json> parse_campaign(const std::string& text, const std::string& name) {
 }
 
 Result<Json> parse_episode(const std::string& text, const std::string& name) {
-  auto json = parse_object(text, name);
-  if (!json) return json;
-  for (const Field& field : kFields) {
-    const auto found = json->find(field.name);
-    if (found == json->end() && !field.required) continue;
-    if (found == json->end() || !field.fits(*found))
-      return fail(Fault::usage, name + ": is no episode, its `" + field.name +
-                                    "` is missing or of another kind; remove it");
-  }
-  return json;
+  return checked(parse_object(text, name), kEpisodeFields, name, "episode");
+}
+
+Result<Json> parse_result(const std::string& text, const std::string& name) {
+  return checked(parse_object(text, name), kResultFields, name, "result of kaz evaluate");
 }
 
 }  // namespace kaz::tools

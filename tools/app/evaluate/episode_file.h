@@ -14,5 +14,7 @@ namespace kaz::tools {
 Result<nlohmann::ordered_json> parse_campaign(const std::string& text, const std::string& name);
 // One episode: its number, scenario, outcome, times, results and ground truth.
 Result<nlohmann::ordered_json> parse_episode(const std::string& text, const std::string& name);
+// result.json, as far as a merge reads it: what was planned, lost, interrupted.
+Result<nlohmann::ordered_json> parse_result(const std::string& text, const std::string& name);
 
 }  // namespace kaz::tools

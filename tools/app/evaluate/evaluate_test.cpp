@@ -9,6 +9,7 @@
 
 #include "shared/base/files.hpp"
 #include "tools/app/evaluate/episode_file.h"
+#include "tools/app/evaluate/parts.h"
 #include "tools/app/evaluate/scenario.h"
 #include "tools/app/evaluate/summary.h"
 
@@ -88,6 +89,95 @@ TEST(EpisodeFile, NamesFileAndFieldThatIsWrong) {
   EXPECT_FALSE(parse_campaign("{}", "campaign.json"));
 }
 
+// Part `shard` of 2 of an evaluation of 6 that holds these episodes; `more`: of its result.json.
+Part part(std::uint64_t shard, const std::vector<std::uint64_t>& numbers,
+          const Json& more = Json::object()) {
+  Episodes episodes;
+  for (const std::uint64_t n : numbers) episodes[n] = episode(n, true, 1);
+  Json result{{"planned", {{"episodes", 6}, {"shard", shard}, {"shards", 2}}}};
+  result.update(more);
+  EXPECT_TRUE(parse_result(result.dump(), "result.json"));
+  return part_of("part" + std::to_string(shard), episodes, result);
+}
+
+bool mentions(const Shortage& shortage, const std::string& words) {
+  return shortage.sentence.find(words) != std::string::npos;
+}
+
+using Numbers = std::vector<std::uint64_t>;
+
+TEST(Shortage, IsNoneOfAWhole) {
+  const Shortage none = find_shortage({part(1, {0, 2, 4}), part(2, {1, 3, 5})});
+  EXPECT_EQ(none.sentence, "");
+  EXPECT_FALSE(none.extent.interrupted);
+  EXPECT_EQ(none.extent.planned.episodes, 6u);
+  // An interrupted part whose episodes another folder holds is none either.
+  const Json interrupted{{"interrupted", true}, {"signal", "SIGINT"}};
+  EXPECT_EQ(
+      find_shortage({part(1, {0, 2, 4}), part(2, {1}, interrupted), part(2, {3, 5})}).sentence, "");
+}
+
+TEST(Shortage, NamesAPartThatIsNotThereUpToItsLastEpisode) {
+  const Shortage found = find_shortage({part(1, {0, 2, 4})});
+  EXPECT_EQ(found.extent.missing, (Numbers{1, 3, 5}));
+  EXPECT_TRUE(found.extent.interrupted);
+  EXPECT_EQ(found.extent.signal, "");
+  EXPECT_TRUE(mentions(found, "3 of 6 episodes are missing")) << found.sentence;
+  EXPECT_TRUE(mentions(found, "part 2/2, episodes 1, 3, 5, is in no folder")) << found.sentence;
+  EXPECT_TRUE(mentions(found, "--shard 2/2")) << found.sentence;
+}
+
+TEST(Shortage, NamesAPartThatWasInterrupted) {
+  const Json interrupted{{"interrupted", true}, {"signal", "SIGTERM"}};
+  const Shortage found = find_shortage({part(1, {0, 2, 4}), part(2, {1}, interrupted)});
+  EXPECT_EQ(found.extent.missing, (Numbers{3, 5}));
+  EXPECT_EQ(found.extent.signal, "SIGTERM");
+  EXPECT_TRUE(mentions(found, "'part2' was interrupted by SIGTERM, episodes 3, 5: run its command"))
+      << found.sentence;
+  EXPECT_FALSE(mentions(found, "in no folder")) << found.sentence;
+}
+
+TEST(Shortage, NamesAPartThatWasKilled) {
+  Part killed = part_of("part2", {{1, episode(1, true, 1)}}, nullptr);
+  const Shortage found = find_shortage({part(1, {0, 2, 4}), killed});
+  EXPECT_EQ(found.extent.missing, (Numbers{3, 5}));
+  EXPECT_TRUE(mentions(found, "'part2' has no result.json")) << found.sentence;
+  EXPECT_FALSE(mentions(found, "in no folder")) << found.sentence;
+}
+
+TEST(Shortage, OfAnEarlierVersionsPartIsItsInterruptionAndItsGaps) {
+  const Episodes episodes{{0, episode(0, true, 1)}, {2, episode(2, true, 1)}};
+  const Shortage gap = find_shortage({part_of("old", episodes, Json::object())});
+  EXPECT_TRUE(mentions(gap, "episode 1 in no folder")) << gap.sentence;
+  const Episodes one{{0, episode(0, true, 1)}};
+  const Shortage unknown =
+      find_shortage({part_of("old", one, {{"interrupted", true}, {"signal", "SIGINT"}})});
+  EXPECT_TRUE(unknown.extent.interrupted);
+  EXPECT_TRUE(mentions(unknown, "'old' was interrupted by SIGINT")) << unknown.sentence;
+}
+
+TEST(Shortage, KeepsWhatTheMachineLost) {
+  const Json environment = Json::parse(R"({"environment":[{"episode":3,"sentence":"disk full"}]})");
+  const Shortage found = find_shortage({part(1, {0, 2, 4}), part(2, {1, 5}, environment)});
+  EXPECT_EQ(found.lost, (LostEpisodes{{3, "disk full"}}));
+  EXPECT_TRUE(found.extent.missing.empty());
+  EXPECT_FALSE(found.extent.interrupted);
+  EXPECT_TRUE(mentions(found, "episode 3 lost to the machine")) << found.sentence;
+}
+
+TEST(ResultFile, IsRefusedWhereItsPlanIsNone) {
+  const auto planned = [](const Json& plan) {
+    return parse_result(Json{{"planned", plan}}.dump(), "result.json").has_value();
+  };
+  EXPECT_TRUE(planned({{"episodes", 6}, {"shard", 2}, {"shards", 2}}));
+  EXPECT_FALSE(planned({{"episodes", 6}, {"shard", 3}, {"shards", 2}}));
+  EXPECT_FALSE(planned({{"episodes", 6}, {"shard", 0}, {"shards", 0}}));
+  EXPECT_FALSE(planned({{"episodes", 18446744073709551615u}, {"shard", 1}, {"shards", 1}}));
+  EXPECT_FALSE(planned("6"));
+  EXPECT_FALSE(parse_result(R"({"environment":[3]})", "result.json"));
+  EXPECT_FALSE(parse_result(R"({"interrupted":"yes"})", "result.json"));
+}
+
 class Summary : public testing::Test {
  protected:
   Summary()
@@ -160,6 +250,22 @@ TEST_F(Summary, NamesLostEpisodesBesideTheRate) {
   EXPECT_EQ(result["environment"][0]["episode"], 1);
   EXPECT_EQ(result["environment"][1]["sentence"], "disk full");
   EXPECT_EQ(result["failures"].size(), 1u);
+}
+
+TEST_F(Summary, StatesWhatWasPlannedAndWhatIsMissing) {
+  const Episodes episodes{{0, episode(0, true, 10)}};
+  ASSERT_TRUE(summarize({{"behavior", "stand"}}, episodes, {}, folder_, true,
+                        {{3, 1, 1}, {1, 2}, true, "SIGINT"}));
+  const Json part = Json::parse(read("result.json"));
+  EXPECT_EQ(part["planned"]["episodes"], 3);
+  EXPECT_EQ(part["missing"], Json::array({1, 2}));
+  EXPECT_EQ(part["interrupted"], true);
+  EXPECT_EQ(part["signal"], "SIGINT");
+  EXPECT_TRUE(parse_result(part.dump(), "result.json"));
+  ASSERT_TRUE(summarize({{"behavior", "stand"}}, episodes, {}, folder_, true, {{1, 1, 1}}));
+  const Json whole = Json::parse(read("result.json"));
+  for (const char* key : {"missing", "interrupted", "signal"})
+    EXPECT_FALSE(whole.contains(key)) << key;
 }
 
 TEST_F(Summary, WritesARowForEachEpisode) {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "shared/base/one_line.hpp"
-#include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/provenance.h"
 #include "tools/app/evaluate/campaign.h"
 #include "tools/figure/figure.h"
@@ -80,10 +79,21 @@ void print(const Json& result, const OutputFolder& folder) {
   std::printf("result.json and episodes.csv are in %s\n", folder.folder().c_str());
 }
 
+// Marked as all interrupted results are (mark_interrupted()), but the signal may have been a part's.
+void add_extent(Json& result, const Extent& extent) {
+  const Planned& planned = extent.planned;
+  if (planned.episodes > 0)
+    result["planned"] = {
+        {"episodes", planned.episodes}, {"shard", planned.shard}, {"shards", planned.shards}};
+  if (!extent.missing.empty()) result["missing"] = extent.missing;
+  if (extent.interrupted) result["interrupted"] = true;
+  if (!extent.signal.empty()) result["signal"] = extent.signal;
+}
+
 }  // namespace
 
 Result<bool> summarize(const Json& campaign, const Episodes& episodes, const LostEpisodes& lost,
-                       const OutputFolder& folder, bool json, bool interrupted) {
+                       const OutputFolder& folder, bool json, const Extent& extent) {
   std::uint64_t successes = 0, falls = 0;
   std::vector<double> times, speeds;
   Json failures = Json::object();
@@ -120,7 +130,7 @@ Result<bool> summarize(const Json& campaign, const Episodes& episodes, const Los
   result["measurements"] = measurements_json(episodes);
   result["campaign"] = campaign;
   result["provenance"] = provenance_json();
-  if (interrupted) mark_interrupted(result);
+  add_extent(result, extent);
   KAZ_TRY(folder.write("episodes.csv", table(episodes)));
   KAZ_TRY(folder.write_json("result.json", result));
   if (json) {

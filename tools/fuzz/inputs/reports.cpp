@@ -5,6 +5,7 @@
 #include "hil/bench/report.h"
 #include "tools/app/base/output_list.h"
 #include "tools/app/evaluate/episode_file.h"
+#include "tools/app/evaluate/parts.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 
@@ -46,6 +47,15 @@ Complaint try_episodes(Bytes bytes) {
     (void)(*campaign)["behavior"].get<std::string>();
     if (*campaign != nlohmann::ordered_json(*campaign)) return "a campaign that is not itself";
     (void)campaign->dump(2);
+  }
+  const auto result = tools::parse_result(text_of(bytes), "case.json");
+  if (!result) {
+    if (auto wrong = judge_error(result.error(), "case.json")) return wrong;
+  } else {
+    // What a merge makes of it: a sentence, and episodes that are not more than can be planned.
+    const auto found = tools::find_shortage({tools::part_of("part", {}, *result)});
+    if (found.extent.planned.episodes > 1'000'000)
+      return "a plan of more episodes than there can be";
   }
   const auto episode = tools::parse_episode(text_of(bytes), "case.json");
   if (!episode) return judge_error(episode.error(), "case.json");
