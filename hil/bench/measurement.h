@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -70,7 +71,7 @@ struct BenchReport {
   std::string board;    // "Kaz servo board, protocol 2, firmware 0.2, build 1a2b3c4d"
   std::string port;     // "/dev/ttyUSB0", "virtual board (h8)"
   std::string program;  // "kaz 0.1.0"
-  std::uint64_t seed = 1;
+  std::optional<std::uint64_t> seed = {};  // of the emulated board and stand; none at a port
   Provenance from = {};  // not read back from JSON
   // What the bench was: disc on the shaft, supplies. Name with unit, and value; for `bench fit`.
   std::vector<std::pair<std::string, double>> conditions;

@@ -154,8 +154,8 @@ std::string subject_part(const BenchReport& report, const std::string& subject,
 std::string facts(const BenchReport& report) {
   std::string text = "<p class=\"facts\">" + xml_text(report.board) + "<br>on " +
                      xml_text(report.port) + "<br>measured by " + xml_text(report.program) +
-                     ", seed " + std::to_string(report.seed) + ", in " + fixed(report.seconds, 1) +
-                     " s of the board's time";
+                     (report.seed ? ", seed " + std::to_string(*report.seed) : "") + ", in " +
+                     fixed(report.seconds, 1) + " s of the board's time";
   for (const auto& [name, value] : report.conditions) {
     text += "<br>" + xml_text(name) + ": " + xml_text(value_text(value));
   }

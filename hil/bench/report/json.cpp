@@ -141,14 +141,21 @@ std::string list_text(const char* name, const List& list, Convert convert) {
   return text + (list.empty() ? "]" : "\n  ]");
 }
 
+// None: measured at a port.
+std::optional<std::uint64_t> to_seed(const Json& all) {
+  const auto seed = all.find("seed");
+  if (seed == all.end()) return std::nullopt;
+  if (!seed->is_number_unsigned())  // larger ones are fractions to the parser
+    throw Wrong("its seed is no whole number of 64 bits");
+  return seed->get<std::uint64_t>();
+}
+
 BenchReport to_report(const Json& all) {
   BenchReport report;
   report.board = all.at("board");
   report.port = all.at("port");
   report.program = all.at("program");
-  if (!all.at("seed").is_number_unsigned())  // larger ones are fractions to the parser
-    throw Wrong("its seed is no whole number of 64 bits");
-  report.seed = all.at("seed");
+  report.seed = to_seed(all);
   report.seconds = to_number(all.at("seconds"));
   // Older reports have the reason as `interrupted`.
   const char* const reason =
@@ -175,7 +182,7 @@ std::string bench_json(const BenchReport& report) {
   entry("board", report.board);
   entry("port", report.port);
   entry("program", report.program);
-  entry("seed", report.seed);
+  if (report.seed) entry("seed", *report.seed);
   entry("provenance", provenance_json(report.from));
   entry("seconds", number(report.seconds));
   if (!report.signal.empty()) {

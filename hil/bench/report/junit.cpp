@@ -15,7 +15,7 @@ std::string bench_junit(const BenchReport& report) {
   suite.property("board", report.board);
   suite.property("port", report.port);
   suite.property("program", report.program);
-  suite.property("seed", std::to_string(report.seed));
+  if (report.seed) suite.property("seed", std::to_string(*report.seed));
   for (const auto& [name, value] : provenance_properties(report.from)) suite.property(name, value);
   for (const auto& [name, value] : report.conditions) suite.property(name, exact_text(value));
   for (const Measurement& one : report.measurements) {

@@ -94,6 +94,19 @@ TEST(BenchReports, HaveTheirProvenance) {
   EXPECT_NE(bench_html(report).find("2026-01-02T03:04:05Z"), std::string::npos);
 }
 
+// A board at a port has no noise to draw: no format may claim a seed.
+TEST(BenchReports, HaveNoSeedOfABoardAtAPort) {
+  BenchReport report = test_report();
+  EXPECT_NE(bench_html(report).find(", seed 18446744073709551615"), std::string::npos);
+  report.seed.reset();
+  EXPECT_EQ(bench_html(report).find("seed"), std::string::npos);
+  EXPECT_EQ(bench_junit(report).find("seed"), std::string::npos);
+  EXPECT_FALSE(nlohmann::json::parse(bench_json(report)).contains("seed"));
+  const auto is = parse_bench_json(bench_json(report), "report.json");
+  ASSERT_TRUE(is) << is.error().message;
+  EXPECT_FALSE(is->seed);
+}
+
 TEST(BenchJson, ReportsWhatIsThere) {
   const auto all = nlohmann::json::parse(bench_json(test_report()));
   EXPECT_EQ(all["passed"], 5);
@@ -136,6 +149,8 @@ TEST(BenchJson, WhatIsNoReportIsWrongUsage) {
       {with("\"seed\": 18446744073709551615", "\"seed\": -1"),
        "seed is no whole number of 64 bits"},
       {with("\"seed\": 18446744073709551615", "\"seed\": 1.5"),
+       "seed is no whole number of 64 bits"},
+      {with("\"seed\": 18446744073709551615", "\"seed\": null"),
        "seed is no whole number of 64 bits"},
   };
   for (const auto& [json, part] : wrong) {

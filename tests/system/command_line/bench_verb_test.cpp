@@ -32,6 +32,7 @@ TEST(BenchVerb, MotorLeavesItsReportsAndFitReadsThem) {
                            "junit.xml", "plots/l_sh_pitch-stall.svg"})
     EXPECT_GT(std::filesystem::file_size(out + "/" + file), 500u) << file;
   const Json report = Json::parse(read_file(out + "/result.json"));
+  EXPECT_EQ(report["seed"], 1);
   EXPECT_NEAR(measurement(report, "stall.torque_10v")["value"].get<double>(), 2.16, 0.03 * 2.16);
   EXPECT_NEAR(measurement(report, "stall.torque_4v8")["value"].get<double>(), 0.97, 0.03 * 0.97);
 
@@ -88,6 +89,7 @@ TEST(BenchVerb, StandBehindAPort) {
   const Json report = Json::parse(bench.out);
   EXPECT_NEAR(measurement(report, "stall.torque_10v")["value"].get<double>(), 2.16, 0.03 * 2.16);
   EXPECT_EQ(report["port"], folder / "board");
+  EXPECT_FALSE(report.contains("seed")) << "a board at a port has none";
 
   const Finished constrained = run(kaz(at_port), seconds(60));
   EXPECT_EQ(constrained.exit_code, 2);

@@ -282,7 +282,7 @@ Result<Outcome> run_bench(const BenchOptions& arguments) {
   hil::BenchReport report;
   report.port = target->name();
   report.program = std::string("kaz ") + kVersion;
-  report.seed = arguments.target.backend.seed;
+  if (arguments.target.port.empty()) report.seed = arguments.target.backend.seed;
   report.from = provenance();
   const auto board = KAZ_TRY(describe(*target, arguments.target.address));
   report.board = board;
