@@ -47,6 +47,12 @@ TEST(BenchVerb, MotorLeavesItsReportsAndFitReadsThem) {
                 0.1 * figure["before"].get<double>())
         << name;
   }
+  // When and by which command, as in every other report.
+  const std::string date = result["provenance"]["date"];
+  const std::string page = read_file(fitted + "/report.html");
+  EXPECT_NE(page.find("<br>" + date + ", "), std::string::npos) << page.substr(0, 3000);
+  EXPECT_NE(page.find("<code>kaz bench fit "), std::string::npos) << page.substr(0, 3000);
+  EXPECT_NE(read_file(fitted + "/motor.xml").find("Fitted " + date), std::string::npos);
   const Finished again =
       run(kaz({"bench", "motor", "--mcu", "native", "--motor-file", fitted + "/motor.xml",
                "--filter", "pot.noise", "--out", folder / "again"}),

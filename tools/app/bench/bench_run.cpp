@@ -190,12 +190,15 @@ Result<void> leave_reports(const BenchFolder& folder, const hil::BenchReport& re
 }
 
 Result<nlohmann::ordered_json> leave_fit(const BenchFolder& folder, const lockstep::MotorFit& fit,
-                                         const std::string& from, const std::string& about) {
+                                         const std::string& path, const hil::BenchReport& report) {
+  const hil::Provenance from = provenance();
+  const std::string about = "Fitted " + from.date + " by kaz " + from.kaz + " to " + path + ", " +
+                            report.board + " on " + report.port + ".";
   KAZ_TRY(folder.reports.write("motor.xml", sim::motor_file_text(fit.motor, about)));
-  KAZ_TRY(folder.reports.write("report.html", fit_html(fit, from)));
+  KAZ_TRY(folder.reports.write("report.html", fit_html(fit, path, from)));
   KAZ_TRY(leave_plots(folder, fit.plots));
   auto result = fit_json(fit);
-  result["provenance"] = provenance_json();
+  result["provenance"] = hil::provenance_json(from);
   KAZ_TRY(folder.reports.write_json("result.json", result));
   return result;
 }
@@ -361,10 +364,8 @@ Result<bool> run_fit(const BenchFitOptions& arguments) {
   const auto fitted = lockstep::fit_motor(report, options);
   progress.done();
   if (!fitted) return tl::unexpected(fitted.error());
-  const std::string about = "Fitted by kaz " + std::string(kVersion) + " to " + path + ", " +
-                            report.board + " on " + report.port + ".";
   KAZ_TRY(folder.clear());
-  const auto result = KAZ_TRY(folder.reports.explained(leave_fit(folder, *fitted, path, about)));
+  const auto result = KAZ_TRY(folder.reports.explained(leave_fit(folder, *fitted, path, report)));
   if (arguments.json) {
     print_json(result);
   } else {
