@@ -83,12 +83,16 @@ std::string firmware_version_text(std::uint16_t version) {
   return std::to_string(version >> 8) + "." + std::to_string(version & 0xFF);
 }
 
-std::string board_text(const kz_identify_reply& identity) {
-  char text[120];
-  std::snprintf(text, sizeof text, "Kaz servo board, protocol %u, firmware %s, build %08x",
-                identity.protocol_version, firmware_version_text(identity.firmware_version).c_str(),
-                static_cast<unsigned>(identity.build_id));
+std::string build_text(std::uint32_t build_id) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%08x", static_cast<unsigned>(build_id));
   return text;
+}
+
+std::string board_text(const kz_identify_reply& identity) {
+  return "Kaz servo board, protocol " + std::to_string(identity.protocol_version) + ", firmware " +
+         firmware_version_text(identity.firmware_version) + ", build " +
+         build_text(identity.build_id);
 }
 
 }  // namespace kaz::host

@@ -15,6 +15,8 @@ Result<kz_identify_reply> identify_board(Requester& requester);
 
 // "0.2", of identify_reply and of an image's header
 std::string firmware_version_text(std::uint16_t version);
+// "1a2b3c4d", of both too
+std::string build_text(std::uint32_t build_id);
 // "Kaz servo board, protocol 2, firmware 0.2, build 1a2b3c4d"
 std::string board_text(const kz_identify_reply& identity);
 

@@ -123,6 +123,7 @@ TEST(Connect, FindsTheBoardThroughNoise) {
 TEST(FirmwareVersion, IsMajorAndMinor) {
   EXPECT_EQ(firmware_version_text(2), "0.2");
   EXPECT_EQ(firmware_version_text(0x010A), "1.10");
+  EXPECT_EQ(build_text(0x1A2B), "00001a2b");
 }
 
 }  // namespace

@@ -19,8 +19,11 @@ void add_status(CLI::App& program, Action& action) {
   verb->footer(
       "Reads only: nothing moves, and nothing is cleared. docs/explanation/safety.md says what to "
       "do about a "
-      "shutdown.\nExit status: 0 nothing is latched, 1 a shutdown is, 2 wrong usage, 3 port "
-      "error.\n"
+      "shutdown.\n"
+      "In JSON, since_reset_s is the time since the board's last reset, of which last_reset is the "
+      "cause; shutdown_at_s is on the same clock. build identifies the firmware's sources, as in "
+      "`kaz flash info`.\n"
+      "Exit status: 0 nothing is latched, 1 a shutdown is, 2 wrong usage, 3 port error.\n"
       "Examples:\n"
       "  kaz status --port /dev/ttyUSB0\n"
       "  kaz status --port /dev/ttyUSB0 --address 3 --json");

@@ -14,6 +14,7 @@
 
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
+#include "host/robot/connect.h"
 #include "host/robot/kept_board.h"
 #include "host/robot/robot.h"
 #include "tests/system/command_line/process_testing.h"
@@ -95,6 +96,25 @@ TEST_F(RecoverVerb, ABoardAtAnotherAddressIsNamedReachedAndBroughtBack) {
   EXPECT_EQ(run(kaz({"status", "--port", port()})).exit_code, 0);
   EXPECT_EQ(run(kaz({"recover", folder_ / "none"})).exit_code, 3);
   EXPECT_EQ(run(kaz({"recover", port(), "--from", folder_ / "none"})).exit_code, 2);
+}
+
+// Which firmware runs is the first question about a board that misbehaves: text and JSON say the same.
+TEST_F(RecoverVerb, StatusNamesTheFirmware) {
+  const Finished text = run(kaz({"status", "--port", port()}));
+  ASSERT_EQ(text.exit_code, 0) << text.out << text.err;
+  const Finished as_json = run(kaz({"status", "--port", port(), "--json"}));
+  const json now = json::parse(as_json.out, nullptr, false);
+  ASSERT_TRUE(now.is_object()) << as_json.out << as_json.err;
+  const auto link = host::TtyLink::open(port());
+  ASSERT_TRUE(link) << link.error().message;
+  host::WallClock clock;
+  const auto robot = host::Robot::connect(**link, clock, {.reconnect = Time::zero()});
+  ASSERT_TRUE(robot) << robot.error().message;
+  const kz_identify_reply board = robot->identity();
+  EXPECT_EQ(text.out.substr(0, text.out.find('\n')), host::board_text(board));
+  EXPECT_EQ(now["firmware"], host::firmware_version_text(board.firmware_version));
+  EXPECT_EQ(now["build"], host::build_text(board.build_id));
+  EXPECT_GT(now["since_reset_s"].get<double>(), 0);
 }
 
 TEST_F(RecoverVerb, At20RandomTimesOfASuiteTheBoardIsAsBefore) {

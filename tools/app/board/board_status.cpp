@@ -8,6 +8,7 @@
 
 #include "host/link/tty_link.h"
 #include "host/link/wall_clock.h"
+#include "host/robot/connect.h"
 #include "host/robot/robot.h"
 #include "shared/servo/tick.h"
 #include "tools/app/base/arguments.h"
@@ -44,9 +45,10 @@ Json as_json(const kz_identify_reply& board, const host::Health& health, const h
   Json json{
       {"protocol", board.protocol_version},
       {"joints", board.joints},
-      {"build", board.build_id},
+      {"firmware", host::firmware_version_text(board.firmware_version)},
+      {"build", host::build_text(board.build_id)},
       {"image_crc", board.image_crc},
-      {"on_for_s", health.tick * 1e-3},
+      {"since_reset_s", health.tick * 1e-3},
       {"last_reset", cause_of_reset(board.reset_cause)},
       {"motors", motors(health.status)},
       {"shutdown", health.shutdown},
@@ -71,10 +73,10 @@ void print(const Json& now, const std::string& fault) {
   std::printf("motors %s", now["motors"].get<std::string>().c_str());
   if (!fault.empty()) {
     std::printf(", since %.1f s of %.1f s: %s\n", now["shutdown_at_s"].get<double>(),
-                now["on_for_s"].get<double>(), fault.c_str());
+                now["since_reset_s"].get<double>(), fault.c_str());
   } else {
     std::printf(", nothing is latched; last reset %.1f s ago, by %s\n",
-                now["on_for_s"].get<double>(), now["last_reset"].get<std::string>().c_str());
+                now["since_reset_s"].get<double>(), now["last_reset"].get<std::string>().c_str());
   }
   std::printf("supply %.1f V, lowest %.1f V; motor drivers %.0f degrees Celsius\n",
               now["supply_v"].get<double>(), now["supply_lowest_v"].get<double>(),
@@ -110,6 +112,7 @@ Result<bool> print_status(const StatusOptions& arguments) {
     now["provenance"] = provenance_json();
     print_json(now);
   } else {
+    std::printf("%s\n", host::board_text(robot->identity()).c_str());
     print(now, health.shutdown.empty() ? "" : robot->describe_fault(health.status));
   }
   for (const std::string& sentence : earlier_notes(port.first))

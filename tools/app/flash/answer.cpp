@@ -14,24 +14,19 @@
 namespace kaz::tools {
 namespace {
 
-std::string hex_long(std::uint32_t number) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%08x", number);
-  return text;
-}
-
 nlohmann::ordered_json json_of(const host::ImageIdentity& identity) {
   return {{"board_id", host::hex_word(identity.board_id)},
           {"version", host::firmware_version_text(identity.version)},
-          {"build", hex_long(identity.build_id)},
+          {"build", host::build_text(identity.build_id)},
           {"length", identity.length},
           {"crc", host::hex_word(identity.crc)}};
 }
 
 std::string line_of(const host::ImageIdentity& identity) {
   return "board id " + host::hex_word(identity.board_id) + ", version " +
-         host::firmware_version_text(identity.version) + ", build " + hex_long(identity.build_id) +
-         ", " + std::to_string(identity.length) + " bytes, CRC " + host::hex_word(identity.crc);
+         host::firmware_version_text(identity.version) + ", build " +
+         host::build_text(identity.build_id) + ", " + std::to_string(identity.length) +
+         " bytes, CRC " + host::hex_word(identity.crc);
 }
 
 }  // namespace
@@ -89,10 +84,10 @@ void Answer::application(const std::optional<host::ImageIdentity>& identity) {
 void Answer::runs(const kz_identify_reply& board) {
   put("runs",
       nlohmann::ordered_json{{"version", host::firmware_version_text(board.firmware_version)},
-                             {"build", hex_long(board.build_id)},
+                             {"build", host::build_text(board.build_id)},
                              {"crc", host::hex_word(board.image_crc)}});
   say("runs: firmware " + host::firmware_version_text(board.firmware_version) + ", build " +
-      hex_long(board.build_id) + ", CRC " + host::hex_word(board.image_crc));
+      host::build_text(board.build_id) + ", CRC " + host::hex_word(board.image_crc));
 }
 
 void Answer::finish(const std::string& verb, const Result<void>& done) {
