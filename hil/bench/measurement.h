@@ -72,7 +72,7 @@ struct BenchReport {
   std::string port;     // "/dev/ttyUSB0", "virtual board (h8)"
   std::string program;  // "kaz 0.1.0"
   std::optional<std::uint64_t> seed = {};  // of the emulated board and stand; none at a port
-  Provenance from = {};  // not read back from JSON
+  Provenance from = {};                    // not read back from JSON
   // What the bench was: disc on the shaft, supplies. Name with unit, and value; for `bench fit`.
   std::vector<std::pair<std::string, double>> conditions;
   std::vector<Measurement> measurements;

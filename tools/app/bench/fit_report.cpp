@@ -94,12 +94,12 @@ std::string fit_text(const MotorFit& fit) {
 
 std::string fit_html(const MotorFit& fit, const std::string& report, const hil::Provenance& from) {
   std::string text = hil::page_head("Kaz bench fit: " + fit.motor.name, kStyle);
-  text +=
-      "<h1>Motor model fitted</h1>\n<p class=\"facts\">" + xml_text(fit.motor.name) + "<br>to " +
-      xml_text(report) + "<br>fitted by kaz " + xml_text(from.kaz) + ", in " +
-      std::to_string(fit.rounds) + " rounds of the bench on the model" + hil::provenance_html(from) +
-      "</p>\n<h2>Parameters</h2>\n<table><tr><th>parameter</th>"
-      "<th>unit</th><th>before</th><th>after</th><th>change</th></tr>\n";
+  text += "<h1>Motor model fitted</h1>\n<p class=\"facts\">" + xml_text(fit.motor.name) +
+          "<br>to " + xml_text(report) + "<br>fitted by kaz " + xml_text(from.kaz) + ", in " +
+          std::to_string(fit.rounds) + " rounds of the bench on the model" +
+          hil::provenance_html(from) +
+          "</p>\n<h2>Parameters</h2>\n<table><tr><th>parameter</th>"
+          "<th>unit</th><th>before</th><th>after</th><th>change</th></tr>\n";
   for (const FittedParam& one : fit.params) {
     text += row({one.name, one.unit, short_number(one.before), short_number(one.after),
                  one.measured ? change(one.before, one.after) : "not measured, stays"});

@@ -11,8 +11,8 @@ TEST(FitReport, PageHasItsProvenance) {
   lockstep::MotorFit fit;
   fit.motor.name = "m <1>";
   fit.rounds = 6;
-  const hil::Provenance from = {
-      "2026-01-02T03:04:05Z", "0.1.0", "a <cpu>", "an OS", 2, "kaz bench fit motor"};
+  const hil::Provenance from = {"2026-01-02T03:04:05Z", "0.1.0", "a <cpu>", "an OS", 2,
+                                "kaz bench fit motor"};
   const std::string page = fit_html(fit, "motor/result.json", from);
   for (const char* part :
        {"m &lt;1&gt;", "to motor/result.json", "fitted by kaz 0.1.0, in 6 rounds",
