@@ -216,7 +216,11 @@ void add_bare_run(CLI::App& mcu, Action& action) {
 void add_mcu(CLI::App& program, Action& action) {
   auto* mcu = program.add_subcommand("mcu", "run or compare the servo board's chip by itself");
   mcu->require_subcommand(1);
-  mcu->footer("Examples:\n  kaz mcu run IMAGE\n  kaz mcu compare");
+  mcu->footer(
+      "Examples:\n"
+      "  kaz mcu run build/release/firmware/kaz.mot --max-states 2000000\n"
+      "  kaz mcu run --flat --semihost --count program.coff\n"
+      "  kaz mcu compare --ticks 100000 --seed 7");
   add_bare_run(*mcu, action);
   add_compare(*mcu, action);
 }

@@ -62,6 +62,10 @@ TEST(Cli, EachHelpHasItsOwnExamplesWithin100Columns) {
     const auto examples = finished.out.find("Examples:\n");
     ASSERT_NE(examples, std::string::npos) << finished.out;
     EXPECT_NE(finished.out.find(example, examples), std::string::npos) << finished.out;
+    // An example can be typed as it stands: no placeholder of the usage is in it.
+    EXPECT_FALSE(std::regex_search(finished.out.substr(examples),
+                                   std::regex(" (IMAGE|FILE|DIR|PATH|PORT)\\b")))
+        << finished.out;
     // The notation of the options' library: --no-start{false}, INT in [0 - 255].
     EXPECT_FALSE(std::regex_search(finished.out, std::regex("--[a-z-]+\\{|:\\{| in \\[")))
         << finished.out;
