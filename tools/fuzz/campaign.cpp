@@ -356,6 +356,10 @@ class Fuzzing {
         counted(totals_.cases, "case").c_str(), seconds, totals_.board_s,
         counted(totals_.requests, "frame").c_str(), totals_.damaged, totals_.replies,
         totals_.refusals);
+    if (arguments_.replay.empty())  // which collects none
+      std::printf(
+          "%s seen (distinct reactions of the board, such as a reply with another status)\n",
+          counted(search.features(), "feature").c_str());
     if (engine_.mcu == sim::McuKind::h8)
       std::printf(
           "longest tick: %d of 18432 states; emulator's engine: %s, %.0f %% of instructions as "

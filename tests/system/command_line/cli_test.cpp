@@ -289,6 +289,9 @@ TEST(Cli, FuzzSaysWhatItTriedAndThatNothingWasWrong) {
       said.out, std::regex("tried: 3 cases in [0-9.]+ s, that is [0-9.]+ s of the board; [0-9]+ "
                            "frames sent and [0-9]+ damaged ones, [0-9]+ replies")))
       << said.out;
+  EXPECT_TRUE(std::regex_search(
+      said.out, std::regex("\n[0-9]+ features seen \\(distinct reactions of the board, ")))
+      << said.out;
   EXPECT_TRUE(said.out.ends_with("nothing was wrong\n")) << said.out;
   const Finished json = run(kaz({"fuzz", "--cases", "3", "--out", folder / "failing", "--json"}));
   EXPECT_NE(json.out.find("\"ok\": true"), std::string::npos) << json.out;
