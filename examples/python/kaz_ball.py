@@ -71,15 +71,14 @@ class Camera:
 
 
 def turn_head(board, pan, tilt, seconds=0.5):
-    """Returns when the head has had time to come to rest. The requests in between feed the link watchdog."""
+    """Waits until the head is at rest, so that the next picture fits the angles read. False if it is not."""
     angles = [round(angle / kaz_client.UNIT) for angle in (pan, tilt)]
     board.request(kaz_client.TARGETS, struct.pack(">IH2h", NECK, round(seconds * 1000), *angles))
-    until = time.monotonic() + seconds + 0.4
-    while time.monotonic() < until:
-        reason, _ = board.state()
-        if reason:
-            raise kaz_client.ShutDown(reason)
-        time.sleep(0.02)
+    # Wherever it rests: the picture shows what is left.
+    if kaz_client.settle(board, {0: pan, 1: tilt}, seconds, near=math.inf):
+        return True
+    print("kaz_ball.py: the head does not come to rest", file=sys.stderr)
+    return False
 
 
 def look_at_ball(board, camera):
@@ -87,18 +86,20 @@ def look_at_ball(board, camera):
     places = iter(SEARCH)
     for _ in range(12):
         ball = camera.ball(camera.picture_after(time.monotonic_ns()))  # the head is at rest by now
-        _, (pan, tilt, *_) = board.state()
+        _, _, (pan, tilt, *_) = board.state()
         if ball is None:
             place = next(places, None)
             if place is None:
                 return None
-            turn_head(board, *place)
+            if not turn_head(board, *place):
+                return None
             continue
         error = math.hypot(*ball)
         print(f"ball {math.degrees(error):.1f} degrees from the middle, head at {pan:+.3f} {tilt:+.3f} rad")
         if error < CENTRED:
             return pan, tilt, error
-        turn_head(board, pan + ball[0], tilt + ball[1])
+        if not turn_head(board, pan + ball[0], tilt + ball[1]):
+            return None
     return None
 
 

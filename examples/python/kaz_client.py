@@ -222,9 +222,9 @@ class Board:
         return {"tick": tick, "version": version, "joints": joints, "status": status}
 
     def state(self):
-        """Reason of a shutdown (0: none), and the angles in rad."""
-        _tick, status, _supply, *angles = struct.unpack(">IHH18h", self.request(STATE))
-        return status >> 8, [angle * UNIT for angle in angles]
+        """The board's time in s, the reason of a shutdown (0: none), and the angles in rad."""
+        tick, status, _supply, *angles = struct.unpack(">IHH18h", self.request(STATE))
+        return tick / 1000, status >> 8, [angle * UNIT for angle in angles]
 
     def off(self):
         """The last thing of a program, however it ends: never raises. True if all motors are off."""
@@ -239,10 +239,38 @@ class Board:
         self.request(TARGETS, struct.pack(">IHh", 1 << joint, round(seconds * 1000), round(angle / UNIT)))
 
 
+STILL, STILL_S = 0.02, 0.1  # at rest: within 0.02 rad for 0.1 s; a healthy joint trembles by 0.016
+NEAR = 0.03  # rad between a joint at rest and its target: dead band and friction
+PATIENCE_S = 1.5  # to come to rest, after the motion's duration
+
+
+def settle(board, targets, seconds, near=NEAR):
+    """After a target of that duration: waits until the joints rest near their targets, {joint: rad}.
+
+    One reading would not do: a joint that swings through its target is there, too, for an instant. False
+    if they do not rest there within PATIENCE_S, on the board's clock: a simulator on a busy machine is
+    slower than this machine's.
+    """
+    begin, _, resting = board.state()
+    since = begin
+    while True:  # each request also resets the link watchdog
+        now, reason, angles = board.state()
+        if reason:
+            raise ShutDown(reason)
+        if any(abs(angles[joint] - resting[joint]) > STILL for joint in targets):
+            since, resting = now, angles
+        if (now - begin >= seconds and now - since >= STILL_S
+                and all(abs(angles[joint] - target) < near for joint, target in targets.items())):
+            return True
+        if now - begin > seconds + PATIENCE_S:
+            return False
+        time.sleep(0.02)
+
+
 def move(board, joint, angle, seconds):
-    """True if the joint has got to the angle."""
+    """True if the joint has come to rest at the angle."""
     board.request(HEARTBEAT, bytes([0, REACTION_HOLD]))  # should this client die, the joint holds
-    reason, _ = board.state()
+    _, reason, _ = board.state()
     if reason:  # report it before it is cleared
         print(f"the board had shut down: {SHUTDOWNS.get(reason, reason)}")
     board.request(CLEAR)
@@ -251,25 +279,17 @@ def move(board, joint, angle, seconds):
         # have it. 12 in 1/256, 0.15 s/rad in 1/4096, no dead band, no friction.
         board.request(GAINS, struct.pack(">IHHHB", 1 << joint, 12 * 256, 614, 0, 0))
     board.request(ENABLE, struct.pack(">I", 1 << joint))
-    _, angles = board.state()
-    now = angles[joint]
-    print(f"joint {joint} is on at {now:+.3f} rad")
+    _, _, angles = board.state()
+    print(f"joint {joint} is on at {angles[joint]:+.3f} rad")
     board.target(joint, angle, seconds)
-    end = time.monotonic() + seconds + 1.5
-    still = 0
-    while time.monotonic() < end:  # each request also resets the link watchdog
-        before = now
-        reason, angles = board.state()
-        if reason:
-            raise ShutDown(reason)
-        now = angles[joint]
-        still = still + 1 if abs(now - before) < 0.005 else 0
-        if still >= 5 and abs(now - angle) < 0.03:
-            print(f"joint {joint} is at {now:+.3f} rad")
-            return True
-        time.sleep(0.02)
-    print(f"joint {joint} is at {now:+.3f} rad, not at {angle:+.3f}", file=sys.stderr)
-    return False
+    arrived = settle(board, {joint: angle}, seconds)
+    _, _, angles = board.state()
+    if arrived:
+        print(f"joint {joint} is at {angles[joint]:+.3f} rad")
+    else:
+        print(f"joint {joint} has not come to rest at {angle:+.3f} rad within {seconds + PATIENCE_S:.1f} s: "
+              f"it is at {angles[joint]:+.3f}", file=sys.stderr)
+    return arrived
 
 
 def main():
@@ -289,8 +309,8 @@ def main():
 def demonstrate(options):
     board = Board(options.port)
     who = board.identify()
-    print(f"a board with {who['joints']} joints, protocol {who['version']}, on for "
-          f"{who['tick'] / 1000:.1f} s")
+    print(f"a board with {who['joints']} joints, protocol {who['version']}, last reset "
+          f"{who['tick'] / 1000:.1f} s ago")
     if who["version"] != PROTOCOL_VERSION:
         raise NoBoard(f"the board speaks protocol {who['version']}, not {PROTOCOL_VERSION}")
     try:

@@ -67,6 +67,34 @@ TEST(PythonClientAlone, SaysWhatIsWrong) {
   EXPECT_EQ(run(client({"--help"})).exit_code, 0);
 }
 
+// A joint that swings: one reading in the middle of it would find it at its target. On the board's clock.
+TEST(PythonClientAlone, WaitsUntilTheJointRests) {
+  const char* const program = R"(
+import math, sys
+sys.path.insert(0, "examples/python")
+import kaz_client
+kaz_client.time.sleep = lambda seconds: None
+
+class Swinging:
+    """A joint that swings around 0.3 rad until a given time of the board."""
+    def __init__(self, until):
+        self.now, self.until = 0.0, until
+    def state(self):
+        self.now += 0.02
+        swing = 0.2 * math.sin(30 * self.now) if self.now < self.until else 0
+        return self.now, 0, [0.3 + swing]
+
+rests, swings, elsewhere = Swinging(1.6), Swinging(100), Swinging(0)
+print(kaz_client.settle(rests, {0: 0.3}, 1), 1.65 < rests.now < 1.8)
+print(kaz_client.settle(swings, {0: 0.3}, 1), 2.5 < swings.now < 2.6)
+print(kaz_client.settle(elsewhere, {0: 0.5}, 1), elsewhere.now > 2.5)
+print(kaz_client.settle(Swinging(0), {0: 0.5}, 1, near=math.inf))
+)";
+  const Finished finished = run({KAZ_PYTHON, "-B", "-c", program});
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_EQ(finished.out, "True True\nFalse True\nFalse True\nTrue\n");
+}
+
 // The simulator, or the board on the line, is gone in the middle of a motion: one sentence, no traceback.
 TEST(PythonClientAlone, SaysThatTheBoardIsGone) {
   for (const int end : {SIGKILL, SIGSTOP}) {
