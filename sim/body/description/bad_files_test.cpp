@@ -192,6 +192,20 @@ TEST(BadRobotFile, LacksAJointOfTheBoard) {
       << robot.error().message;
 }
 
+// Another robot that happens to share a name with Kaz: the error says which, and what to do.
+TEST(BadRobotFile, SharesAJointNameWithKaz) {
+  const test::Folder folder;
+  std::string text = test::read_text("sim/robots/arm/arm.urdf");
+  const std::string own = "joint name=\"elbow\"";
+  ASSERT_NE(text.find(own), std::string::npos);
+  text.replace(text.find(own), own.size(), "joint name=\"l_elbow\"");
+  const auto robot = load_robot(folder.write("arm.urdf", text));
+  ASSERT_FALSE(robot);
+  for (const char* part : {"robot has no joint `neck_pan`", "its joint `l_elbow` makes it a Kaz",
+                           "give `l_elbow` another name"})
+    EXPECT_NE(robot.error().message.find(part), std::string::npos) << robot.error().message;
+}
+
 TEST(BadRobotFile, DoesNotExist) {
   const auto robot = load_robot("no/such.urdf");
   ASSERT_FALSE(robot);

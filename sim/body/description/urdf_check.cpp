@@ -352,13 +352,12 @@ class Check {
     const auto of_kaz = [&](const Element* joint) {
       return is_revolute(*joint) && table.count(joint->Attribute("name")) > 0;
     };
-    if (std::none_of(joints_.begin(), joints_.end(), of_kaz)) return some_joint();
+    const auto shared = std::find_if(joints_.begin(), joints_.end(), of_kaz);
+    if (shared == joints_.end()) return some_joint();
     for (const std::string& name : joint_names()) {
       const auto joint = joint_by_name_.find(name);
       if (joint == joint_by_name_.end()) {
-        return file_.error(file_.root(), "robot has no joint `" + name +
-                                             "`, which the servo board drives "
-                                             "(shared/board/joints.def)");
+        return file_.error(file_.root(), missing_joint(name, (*shared)->Attribute("name")));
       }
       if (std::string(joint->second->Attribute("type")) != "revolute") {
         return file_.error(*joint->second, "joint `" + name + "` has a motor and must be revolute");
@@ -373,6 +372,14 @@ class Check {
       }
     }
     return {};
+  }
+
+  // Whoever describes another robot does not look for a joint of Kaz: what made it one is named, too.
+  static std::string missing_joint(const std::string& name, const std::string& shared) {
+    return "robot has no joint `" + name + "`, although its joint `" + shared +
+           "` makes it a Kaz, which has all joints of shared/board/joints.def; in another robot, "
+           "give `" +
+           shared + "` another name";
   }
 
   Result<void> some_joint() {
