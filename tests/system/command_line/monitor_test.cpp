@@ -4,7 +4,10 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <regex>
 #include <sstream>
@@ -130,6 +133,25 @@ TEST(Monitor, FitsIntoASmallWindow) {
   screen.wait("17 [a-z_]+ +-?[0-9]+\\.[0-9] off");
   screen.press({"q"});
   screen.wait("left with 0");
+}
+
+// Notes of a run that was killed: said on the screen, and printed where the screen does not cover them.
+TEST(Monitor, NamesNotesOfAnEarlierRun) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "kaz");
+  std::string name = "board" + (folder / "board");
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  write_file((folder / "kaz") + "/" + name + "-1.json", "{");
+  Process sim(kaz({"sim", "--mcu", "native", "--serial", folder / "board"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30)));
+  std::string command = "XDG_STATE_HOME=" + folder.path() + " ";
+  for (const std::string& word : kaz({"monitor", "--port", folder / "board"}))
+    command += word + " ";
+  Screen screen(command);
+  screen.wait("an earlier run was cut off and left notes: q prints what to do");
+  screen.press({"q"});
+  screen.wait("kaz monitor: notes of a run[^]*left with 0");
 }
 
 TEST(Monitor, NeedsATerminalAndABoard) {

@@ -65,6 +65,14 @@ class RecoverVerb : public ::testing::Test {
       all.push_back(entry.path().string());
     return all;
   }
+  // Where a run at that port leaves its notes.
+  std::string notes_file(const std::string& of) const {
+    std::filesystem::create_directories(folder_ / "kaz");
+    std::string name = "board" + of;
+    std::ranges::replace_if(
+        name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+    return (folder_ / "kaz") + "/" + name + "-1.json";
+  }
   std::vector<std::string> conformance(const std::string& filter) const {
     return kaz({"conformance", "--port", port(), "--allow-flash", "--filter", filter});
   }
@@ -186,12 +194,7 @@ TEST_F(RecoverVerb, ASecondSignalLaterEndsAtOnceAndNamesWhatIsLeft) {
 }
 
 TEST_F(RecoverVerb, NotesThatCannotBeReadAreASentenceAndNoObstacle) {
-  const std::string folder = folder_ / "kaz";
-  std::filesystem::create_directories(folder);
-  std::string name = "board" + port();
-  std::ranges::replace_if(
-      name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
-  const std::string path = folder + "/" + name + "-1.json";
+  const std::string path = notes_file(port());
   constexpr const char* kTexts[] = {
       "",        "{",    "{\"kaz_kept_board\": 1, \"verb\": \"kaz fu", "{\"kaz_kept_board\": 99}",
       "[1e999]", nullptr};
@@ -217,6 +220,37 @@ TEST_F(RecoverVerb, NotesThatCannotBeReadAreASentenceAndNoObstacle) {
   const Finished suite = run(conformance("^identity.identify$"));
   EXPECT_EQ(suite.exit_code, 0) << suite.err;
   EXPECT_NE(suite.err.find(path), std::string::npos) << suite.err;
+}
+
+// Verbs that only look at a board name them, too: whoever looks may be looking for what is wrong.
+TEST_F(RecoverVerb, MonitorAndVisionNameNotes) {
+  write_file(notes_file(port()), "{");
+  const std::string named = "`kaz recover " + port() + "`";
+  const Finished monitor = run(kaz({"monitor", "--port", port(), "--address", "3"}));
+  EXPECT_EQ(monitor.exit_code, 3) << monitor.err;
+  EXPECT_NE(monitor.err.find(named), std::string::npos) << monitor.err;
+
+  const std::string seeing = folder_ / "seeing", eyes = folder_ / "eyes";
+  Process sim(
+      kaz({"sim", "--mcu", "native", "--world", "ball", "--serial", seeing, "--cameras", eyes}));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30))) << sim.wait(seconds(0)).err;
+  const auto vision = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{
+        "vision",    "run",   "--in",     eyes, "--robot", "serial:" + seeing,
+        "--modules", "color", "--frames", "2",  "--out",   folder_ / "out"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(kaz(words));
+  };
+  const std::string notes = notes_file(seeing), said = "kaz vision: notes of a run";
+  EXPECT_EQ(vision({}).err.find(said), std::string::npos);
+  write_file(notes, "{");
+  const Finished seen = vision({});
+  EXPECT_EQ(seen.exit_code, 0) << seen.err;
+  EXPECT_NE(seen.err.find(said), std::string::npos) << seen.err;
+  EXPECT_NE(seen.err.find("`kaz recover " + seeing + "`"), std::string::npos) << seen.err;
+  const Finished elsewhere = vision({"--address", "3"});
+  EXPECT_EQ(elsewhere.exit_code, 3) << elsewhere.err;
+  EXPECT_NE(elsewhere.err.find("`kaz recover " + seeing + "`"), std::string::npos) << elsewhere.err;
 }
 
 TEST_F(RecoverVerb, WithoutAPlaceForNotesNothingIsRun) {

@@ -13,6 +13,7 @@
 #include "host/robot/robot.h"
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
+#include "tools/app/kept/kept_run.h"
 #include "tools/app/monitor/board_view.h"
 #include "tools/app/monitor/terminal.h"
 
@@ -39,8 +40,12 @@ class Monitor {
 
   // Errors: the board is not there at the start. Later ones are shown, and the board is sought.
   Result<void> run() {
-    if (auto connected = connect(); !connected)
-      return interrupt_.requested() ? Result<void>() : connected;
+    if (auto connected = connect(); !connected) {
+      if (interrupt_.requested()) return {};
+      return tl::unexpected(with_earlier_notes(connected.error(), port_));
+    }
+    if (!earlier_notes(port_).empty())
+      said_ = "looks only; an earlier run was cut off and left notes: q prints what to do";
     auto terminal = KAZ_TRY(Terminal::open());
     while (!interrupt_.requested()) {
       const Time begin = clock_.now();
@@ -231,6 +236,9 @@ Result<bool> monitor(const MonitorOptions& options) {
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   KAZ_TRY(Monitor(port.first, port.second, options.address, interrupt).run());
+  // After the screen is gone, which would cover them.
+  for (const std::string& sentence : earlier_notes(port.first))
+    std::fprintf(stderr, "kaz monitor: %s\n", sentence.c_str());
   return true;
 }
 

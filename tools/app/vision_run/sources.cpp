@@ -12,6 +12,7 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/provenance.h"
+#include "tools/app/kept/kept_run.h"
 #include "tools/app/replay/replay.h"
 #include "tools/app/session/backend.h"
 #include "tools/app/session/live_camera.h"
@@ -196,7 +197,10 @@ struct LiveSource {
     backend = std::move(opened);
     auto connected = host::Robot::connect(backend->link(), backend->clock(),
                                           {.address = options.address, .watchdog = Time::zero()});
-    if (!connected) return tl::unexpected(connected.error());
+    const std::string port = backend->port() ? backend->port()->name() : "";
+    if (!connected) return tl::unexpected(with_earlier_notes(connected.error(), port));
+    for (const std::string& sentence : earlier_notes(port))
+      std::fprintf(stderr, "kaz vision: %s\n", sentence.c_str());
     robot.emplace(std::move(*connected));
     if (auto seen = backend->open_camera(); !seen) return seen;
     capture.emplace(backend->camera(), *robot);
