@@ -123,11 +123,11 @@ LAYERS = {
     "tools/app": {
         "base": (), "kept": ("base",), "vision": ("base",), "session": ("base", "kept", "vision"),
         "board": ("base", "kept"),
-        "monitor": ("base",), "flash": ("base", "kept", "monitor"), "mcu": ("base",),
+        "monitor": ("base", "kept"), "flash": ("base", "kept", "monitor"), "mcu": ("base",),
         "sim": ("base", "session"),
         "bench": ("base", "kept", "session"), "replay": ("base", "vision", "session"),
         "evaluate": ("base", "vision", "session"),
-        "vision_run": ("base", "vision", "session", "replay"),
+        "vision_run": ("base", "kept", "vision", "session", "replay"),
     },
     "tools/fuzz": {".": (), "flash_writer": (".",), "inputs": (".",), "vision": (".",)},
     "tools/benchmark": {"bullet": (), "body": ("bullet",), ".": ("body",)},
