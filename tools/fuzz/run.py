@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: run.py [SECONDS] [--only NAME[,NAME...]] [--jobs N] [--build FOLDER] [--out FOLDER] [--table]
 
-SECONDS of the wall clock are divided equally between the targets, N of which run at a time. The corpus of
-a target grows in OUT/NAME from run to run, also when the run is interrupted. What a target finds stays in
-OUT/NAME-crash-* and the like, its log in OUT/NAME-found-*.log, and the others go on. An interrupted run
-reports what it found until then. --table runs no target: it measures how much of each parser the corpora
+SECONDS of N cores are divided equally between the targets, N of which run at a time. They are CPU time:
+beside other programs a target runs for longer, not for less. The corpus of a target grows in OUT/NAME
+from run to run, also when the run is interrupted. What a target finds stays in OUT/NAME-crash-* and the
+like, its log in OUT/NAME-found-*.log, and the others go on. An interrupted run reports what it found
+until then. --table runs no target: it measures how much of each parser the corpora
 and the seeds reach, and writes the table, with the executions of the runs that OUT/runs.jsonl lists.
 
 Exit status: 0 nothing found, 1 something found, also if interrupted, 2 wrong arguments, 3 a program is
@@ -13,6 +14,7 @@ missing, 130 interrupted, nothing found."""
 
 import argparse
 import json
+import math
 import os
 import pathlib
 import re
@@ -46,11 +48,16 @@ def last(pattern, text, default=0):
     return int(found[-1]) if found else default
 
 
+def children_cpu_s():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 class Run:
     """One running target."""
 
     def __init__(self, name, target, options, seconds):
-        self.name, self.seconds, self.began = name, seconds, time.monotonic()
+        self.name, self.began, self.cpu_s = name, time.monotonic(), 0.0
         self.program = [options.build / "bin" / target["program"], *target["arguments"]]
         self.out, self.before = options.out, set(options.out.glob(f"{name}-*"))
         corpus = options.out / name
@@ -58,17 +65,27 @@ class Run:
         self.log_path = options.out / f"{name}.log"
         self.log = self.log_path.open("wb")
         command = [*self.program,
-                   f"-max_total_time={seconds}", "-timeout=20", "-rss_limit_mb=3000",
+                   f"-max_total_time={math.ceil(seconds)}", "-timeout=20", "-rss_limit_mb=3000",
                    "-print_final_stats=1", f"-artifact_prefix={options.out}/{name}-", corpus,
                    target["seeds"]]
         # Its own group: Ctrl-C reaches it through stop() alone.
         self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self.log,
                                         stderr=subprocess.STDOUT, start_new_session=True)
 
-    def stop(self):
+    def has_ended(self):
+        """poll() reaps one process alone, so what it adds to the children's CPU time is this run's."""
+        before = children_cpu_s()
         if self.process.poll() is None:
+            return False
+        self.cpu_s += children_cpu_s() - before
+        return True
+
+    def stop(self):
+        if not self.has_ended():
             os.killpg(self.process.pid, signal.SIGINT)
-        self.process.wait()
+            before = children_cpu_s()
+            self.process.wait()
+            self.cpu_s += children_cpu_s() - before
 
     def was_only_slow(self):
         """Whether all that was found are cases that took too long beside other programs, but not alone."""
@@ -101,33 +118,41 @@ class Run:
                       last(r"(?m)^#(\d+)\s", text))
         found = self.process.returncode not in (0, INTERRUPTED)
         return {"target": self.name, "seconds": round(time.monotonic() - self.began, 1),
-                "executions": executions, "edges": last(r" cov: (\d+)", text), "found": found}
+                "cpu_s": round(self.cpu_s, 1), "executions": executions, "edges": last(r" cov: (\d+)", text),
+                "found": found}
 
 
 def fuzz(options, targets):
     names = list(targets)
     # At least a second each, and no more than asked for in all.
     share = max(1, options.seconds * options.jobs // len(names))
-    print(f"{len(names)} targets, {share} s each, {options.jobs} at a time; corpora and logs in "
+    print(f"{len(names)} targets, {share} s of CPU time each, {options.jobs} at a time; corpora and logs in "
           f"{options.out}", flush=True)
     waiting, running, results, interrupted = names[:], [], [], []
+    left = dict.fromkeys(names, float(share))  # of each target's CPU time, s
+    ended = set()
 
     def finish(run):
         running.remove(run)
         result = run.result()
-        left = share - int(result["seconds"])
+        left[run.name] -= result["cpu_s"]
         if result["found"] and not interrupted and run.was_only_slow():
             result["found"] = False
             print(f"{run.name}: a case took over 20 s beside other programs, alone it ends in time",
                   flush=True)
-            if left > 0 and not interrupted:
-                running.append(Run(run.name, targets[run.name], options, left))
+        # libFuzzer counts the wall clock: what other programs took is made up for. Its start takes a second.
+        goes_on = not result["found"] and not interrupted and left[run.name] >= 1 and result["cpu_s"] > 0
+        if goes_on:
+            running.append(Run(run.name, targets[run.name], options, left[run.name]))
+        else:
+            ended.add(run.name)
         results.append(result)
         with (options.out / "runs.jsonl").open("a") as runs:
             runs.write(json.dumps(result) + "\n")
         outcome = "FOUND SOMETHING" if result["found"] else "nothing found"
-        print(f"[{len(results):2}/{max(len(names), len(results))}] {run.name:14} {result['seconds']:6.0f} s "
-              f"{result['executions']:>11,} runs {result['edges']:>6} edges  {outcome}", flush=True)
+        print(f"[{len(ended):2}/{len(names)}] {run.name:14} {result['seconds']:6.0f} s, "
+              f"CPU {result['cpu_s']:5.0f} s {result['executions']:>11,} runs {result['edges']:>6} edges  "
+              f"{outcome}{', goes on' if goes_on else ''}", flush=True)
         if result["found"]:
             run.keep_log()
             tail = run.log_path.read_text(errors="replace").splitlines()[-12:]
@@ -141,7 +166,7 @@ def fuzz(options, targets):
             name = waiting.pop(0)
             running.append(Run(name, targets[name], options, share))
         for run in running[:]:
-            if run.process.poll() is not None:
+            if run.has_ended():
                 finish(run)
         time.sleep(0.2)
     for run in running[:]:
@@ -149,11 +174,9 @@ def fuzz(options, targets):
         finish(run)
     found = [result["target"] for result in results if result["found"]]
     total = sum(result["executions"] for result in results)
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    # Beside other programs a target gets less of a core than its time of the wall clock.
-    print(f"{total:,} runs of {len(results)} targets, "
+    print(f"{total:,} runs of {len({result['target'] for result in results})} targets, "
           f"{sum(result['seconds'] for result in results) / 3600:.2f} hours in all, "
-          f"{(used.ru_utime + used.ru_stime) / 3600:.2f} of CPU time")
+          f"{sum(result['cpu_s'] for result in results) / 3600:.2f} of CPU time")
     if found:
         print(f"found something: {', '.join(found)}; the inputs are {options.out}/NAME-*, logs beside "
               "them: keep each in the seeds of its target, with the correction")

@@ -1,4 +1,4 @@
-# What a target finds is reported and kept, also when the run is interrupted at the same time.
+# Findings are reported and kept, also when the run is interrupted at the same time; time is CPU time.
 # SPDX-License-Identifier: Apache-2.0
 import pathlib
 import signal
@@ -25,10 +25,20 @@ while True:
         crash()
     time.sleep(0.01)
 """
+
+# Uses 0.6 s of CPU time, however long it may run, as a target does beside other programs.
+SLOWED = """#!{python}
+import pathlib, sys, time
+prefix = next(word.split("=", 1)[1] for word in sys.argv if word.startswith("-artifact_prefix="))
+with pathlib.Path(prefix + "starts").open("a") as starts:
+    starts.write(next(word for word in sys.argv if word.startswith("-max_total_time=")) + "\\n")
+while time.process_time() < 0.6:
+    pass
+"""
 QUIET = "lambda *_: sys.exit(72)"
 
 
-class Interrupted(unittest.TestCase):
+class Runs(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -68,6 +78,16 @@ class Interrupted(unittest.TestCase):
         run.send_signal(signal.SIGTERM)
         text, _ = run.communicate(timeout=30)
         self.assertEqual(run.returncode, 130, text)
+
+    def test_goes_on_until_its_cpu_time_is_used(self):
+        (self.build / "bin/h8s_fuzz_gdb").write_text(SLOWED.format(python=sys.executable))
+        run = subprocess.run([sys.executable, "-B", RUN, "2", "--only", "gdb", "--jobs", "1",
+                              "--build", self.build, "--out", self.out],
+                             stdout=subprocess.PIPE, text=True, timeout=60)
+        self.assertEqual(run.returncode, 0, run.stdout)
+        self.assertEqual((self.out / "gdb-starts").read_text().split(), ["-max_total_time=2"] * 2)
+        self.assertRegex(run.stdout, r"(?m)^\[ 0/1\] gdb .*goes on$")
+        self.assertRegex(run.stdout, r"(?m)^\[ 1/1\] gdb .*nothing found$")
 
 
 if __name__ == "__main__":
