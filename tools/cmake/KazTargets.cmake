@@ -45,8 +45,8 @@ endif()
 
 # Precompiled headers, one for each set of compiler flags; targets reuse them. What is in them: precompiled.h.
 # kaz_pch_library: product code. kaz_pch_light: product code that waits, parses and reports, compiled with -O1 in
-# release builds. kaz_pch_test: tests, with GoogleTest, -O1 too. kaz_pch_fast_test: tests that spend their time in
-# their own code.
+# release builds; kaz_pch_json: the same for libraries with JSON. kaz_pch_test: tests, with GoogleTest, -O1 too.
+# kaz_pch_fast_test: tests that spend their time in their own code.
 find_package(Eigen3 REQUIRED NO_MODULE)
 function(kaz_precompiled name)
   cmake_parse_arguments(ARG "PROGRAM" "HEADER" "LIBS;OPTIONS" ${ARGN})
@@ -72,6 +72,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 kaz_precompiled(library HEADER precompiled.h)
 kaz_precompiled(light HEADER precompiled.h OPTIONS ${KAZ_LIGHT_OPTIONS})
+kaz_precompiled(json HEADER precompiled_json.h OPTIONS ${KAZ_LIGHT_OPTIONS})
 if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   find_package(GTest REQUIRED)
   kaz_precompiled(test PROGRAM HEADER precompiled_test.h LIBS GTest::gtest OPTIONS ${KAZ_TEST_OPTIONS})
@@ -90,12 +91,12 @@ function(kaz_reuse_precompiled target name)
   endif()
 endfunction()
 
-# kaz_library(NAME [STRICT] [LIGHT] [NO_PCH] SOURCES ... [PUBLIC lib ...] [PRIVATE lib ...])
+# kaz_library(NAME [STRICT] [LIGHT [JSON]] [NO_PCH] SOURCES ... [PUBLIC lib ...] [PRIVATE lib ...])
 # Makes target kaz_NAME with the alias kaz::NAME. STRICT adds -Wconversion: for code whose result must be
 # the same bit for bit on another machine. LIGHT: compiled quickly (KAZ_LIGHT_OPTIONS), since no run spends its time
-# there. Headers are included by their path from the root of the tree.
+# there; JSON: most of its sources use nlohmann/json. Headers are included by their path from the root of the tree.
 function(kaz_library name)
-  cmake_parse_arguments(ARG "STRICT;LIGHT;NO_PCH" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "STRICT;LIGHT;JSON;NO_PCH" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(kaz_${name} STATIC ${ARG_SOURCES})
   add_library(kaz::${name} ALIAS kaz_${name})
   set_target_properties(kaz_${name} PROPERTIES EXPORT_NAME ${name})
@@ -109,6 +110,9 @@ function(kaz_library name)
   set(precompiled library)
   if(ARG_LIGHT)
     set(precompiled light)
+    if(ARG_JSON)
+      set(precompiled json)
+    endif()
     target_compile_options(kaz_${name} PRIVATE ${KAZ_LIGHT_OPTIONS})
   endif()
   if(NOT ARG_NO_PCH)

@@ -1,6 +1,6 @@
-// precompiled.h for the command line: with CLI11.
+// precompiled.h for libraries that write and read JSON.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "tools/cmake/precompiled.h"
