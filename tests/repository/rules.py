@@ -130,7 +130,8 @@ LAYERS = {
         "vision_run": ("base", "kept", "vision", "session", "replay"),
     },
     "tools/fuzz": {".": (), "flash_writer": (".",), "inputs": (".",), "vision": (".",)},
-    "tools/benchmark": {"bullet": (), "body": ("bullet",), ".": ("body",)},
+    "tools/benchmark": {"common": (), "bullet": ("common",), "mujoco": ("common",),
+                        "body": ("bullet", "mujoco"), ".": ("body",)},
     "tests": {"integration": (), "studies": (), "system": ("studies",), "repository": ()},
     "tests/integration": {name: () for name in (
         ".", "bench", "conformance", "damage", "random_programs", "vision", "vision_flow")},

@@ -1,7 +1,8 @@
 // What the benchmark of the body measures: loads and steppers. A further stepper is one string here.
 // SPDX-License-Identifier: Apache-2.0
 //
-// "bulletN": Bullet's multibody with N iterations, for comparison alone (bullet_benchmark/).
+// For comparison alone: "bulletN", Bullet's multibody with N iterations (tools/benchmark/bullet), and
+// "mujoco" (tools/benchmark/mujoco).
 #pragma once
 
 #include <array>
@@ -9,8 +10,8 @@
 
 namespace kaz::sim::bench {
 
-inline constexpr std::array kSteppers{"reduced", "exact",    "quick8",  "quick20",
-                                      "quick50", "bullet10", "bullet50"};
+inline constexpr std::array kSteppers{"reduced", "exact",    "quick8",   "quick20",
+                                      "quick50", "bullet10", "bullet50", "mujoco"};
 // Standing in the walking crouch; walking on the spot; the same among ten props and a ball.
 inline constexpr std::array kLoads{"alone", "walking", "props"};
 // Of them, those that are loaded and cloned, with the default stepper.

@@ -78,7 +78,7 @@ BulletWorld::BulletWorld(const WorldModel& world, const RobotModel& robot, const
   add_robot(robot);
   add_joints(robot);
   add_bodies(world);
-  imu_at_ = body_pose(imu_frame_.link) * imu_frame_.in_link;
+  imu_by_differences_.start(body_pose(imu_frame_.link) * imu_frame_.in_link);
 }
 
 BulletWorld::~BulletWorld() {
@@ -253,18 +253,6 @@ void BulletWorld::read_joints() {
   }
 }
 
-// By differences of its place.
-void BulletWorld::read_imu() {
-  const Eigen::Isometry3d at = body_pose(imu_frame_.link) * imu_frame_.in_link;
-  const Eigen::Matrix3d axes = at.linear().transpose();
-  const Eigen::AngleAxisd turn(Eigen::Matrix3d(imu_at_.linear().transpose() * at.linear()));
-  const Eigen::Vector3d velocity = (at.translation() - imu_at_.translation()) / step_s_;
-  imu_.angular_velocity = turn.axis() * turn.angle() / step_s_;
-  imu_.specific_force = axes * ((velocity - imu_velocity_) / step_s_ - gravity_);
-  imu_at_ = at;
-  imu_velocity_ = velocity;
-}
-
 void BulletWorld::step(std::span<const MotorDrive> drives, double supply_volts) {
   kick_due();
   prepare_motors(drives, supply_volts);
@@ -281,7 +269,8 @@ void BulletWorld::step(std::span<const MotorDrive> drives, double supply_volts) 
   ++steps_;
   read_joints();
   finish_motors();
-  read_imu();
+  imu_ =
+      imu_by_differences_.read(body_pose(imu_frame_.link) * imu_frame_.in_link, step_s_, gravity_);
 }
 
 int BulletWorld::find_contacts() {

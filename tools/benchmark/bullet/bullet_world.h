@@ -16,6 +16,7 @@
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
 #include "sim/body/world/staged_world.h"
+#include "tools/benchmark/common/imu_by_differences.h"
 #include "tools/benchmark/bullet/bullet_joint_row.h"
 #include "tools/benchmark/bullet/bullet_shapes.h"
 
@@ -60,7 +61,6 @@ class BulletWorld final : public StagedWorld {
   void add_moving_body(const WorldBody& world_body, int body);
   void set_joint_rows();
   void read_joints();
-  void read_imu();
 
   int iterations_;
   BulletShapes shapes_;
@@ -77,8 +77,7 @@ class BulletWorld final : public StagedWorld {
   std::vector<std::unique_ptr<btCollisionObject>> fixed_;
   // By number of body less the robot's links.
   std::vector<std::unique_ptr<btRigidBody>> moving_bodies_;
-  Eigen::Isometry3d imu_at_ = Eigen::Isometry3d::Identity();
-  Eigen::Vector3d imu_velocity_ = Eigen::Vector3d::Zero();
+  ImuByDifferences imu_by_differences_;
 };
 
 }  // namespace kaz::sim::bench

@@ -1,0 +1,32 @@
+// The IMU of engines that have none: by differences of its place.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "sim/body/world/world.h"
+
+namespace kaz::sim::bench {
+
+class ImuByDifferences {
+ public:
+  // `at`: its frame in the world.
+  void start(const Eigen::Isometry3d& at) { at_ = at; }
+  // After a step of step_s; gravity in the world, m/s2.
+  ImuState read(const Eigen::Isometry3d& at, double step_s, const Eigen::Vector3d& gravity) {
+    ImuState state;
+    const Eigen::AngleAxisd turn(Eigen::Matrix3d(at_.linear().transpose() * at.linear()));
+    const Eigen::Vector3d velocity = (at.translation() - at_.translation()) / step_s;
+    state.angular_velocity = turn.axis() * turn.angle() / step_s;
+    state.specific_force = at.linear().transpose() * ((velocity - velocity_) / step_s - gravity);
+    at_ = at;
+    velocity_ = velocity;
+    return state;
+  }
+
+ private:
+  Eigen::Isometry3d at_ = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace kaz::sim::bench
