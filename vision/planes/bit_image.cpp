@@ -59,6 +59,7 @@ void BitImage::dilate_rows(int reach) {
   rows_.resize(longer);
   for (int v = 0; v < height_; ++v) {
     std::uint64_t* row = &bits_[static_cast<std::size_t>(v) * words_];
+    if (std::all_of(row, row + words_, [](std::uint64_t word) { return word == 0; })) continue;
     std::copy(row, row + words_, rows_.begin());
     std::fill(rows_.begin() + static_cast<std::ptrdiff_t>(words_), rows_.end(), 0);
     int joined = 1;
