@@ -64,7 +64,9 @@ Result<void> LocalMap::check(const vision::PlaneSegments& planes, const vision::
       planes.label.size() != pixels || planes.info.sequence != depth.info.sequence ||
       planes.info.exposure != depth.info.exposure)
     return fail(Fault::usage, picture + ": planes and depth image are not of the same pair");
-  if (*std::max_element(planes.label.begin(), planes.label.end()) > planes.segments.size())
+  std::uint8_t largest = 0;
+  for (const std::uint8_t label : planes.label) largest = std::max(largest, label);
+  if (largest > planes.segments.size())
     return fail(Fault::usage, picture + ": a pixel belongs to a segment that is not there");
   const vision::CameraModel& c = info.camera;
   if (c.width != depth.width || c.height != depth.height || !(c.fx > 0) || !(c.fy > 0) ||

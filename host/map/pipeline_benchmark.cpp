@@ -27,7 +27,8 @@ Eigen::Isometry3d room_eye() {
   return foot_from_eye;
 }
 
-// Colour and ball, depth, planes, the floor's edges, flow, and the map; all threads counted.
+// Colour and ball, depth, planes, the floor's edges, flow, independent motion, and the map; all threads
+// counted.
 void whole(benchmark::State& state, int width) {
   cv::setNumThreads(1);
   const vision::CameraModel camera = vision::test_camera(width, width * 3 / 4);
@@ -46,13 +47,19 @@ void whole(benchmark::State& state, int width) {
   if (ready) ready = pipeline.add(vision::make_flow_module({}));
   if (ready) ready = pipeline.add(vision::make_planes_module({}));
   if (ready) ready = pipeline.add(vision::make_floor_module({}));
-  int entered = 0;
+  if (ready) ready = pipeline.add(vision::make_independent_motion_module({}));
+  int entered = 0, moved = 0;
   if (ready)
     ready = pipeline.subscribe<vision::PlaneSegments>(
         "floor", [&](const vision::Frame& frame, const auto* planes, const Error*) {
           if (planes == nullptr || !map) return;
           entered +=
               map->update(*planes, frame.of<vision::DepthImage>("depth"), frame.info()) ? 1 : 0;
+        });
+  if (ready)
+    ready = pipeline.subscribe<vision::MovingRegions>(
+        "moving", [&](const vision::Frame&, const auto* moving, const Error*) {
+          moved += moving != nullptr ? 1 : 0;
         });
   std::uint64_t frames = 0;
   for (auto _ : state) {
@@ -70,6 +77,8 @@ void whole(benchmark::State& state, int width) {
   }
   if (!ready || static_cast<std::uint64_t>(entered) != frames)
     state.SkipWithError("a picture did not reach the map");
+  if (static_cast<std::uint64_t>(moved) != frames)
+    state.SkipWithError("independent motion failed on a picture");
 }
 
 BENCHMARK_CAPTURE(whole, 320, 320)

@@ -48,8 +48,7 @@ bool EgoMotion::residual(const FlowSample& sample, Vector2d& px, Vector2d& epipo
   return true;
 }
 
-EgoMotion::Correction EgoMotion::correct(std::span<const FlowSample> samples,
-                                         const PostureError& error) {
+EgoMotion::Correction EgoMotion::correct(const FlowSamples& samples, const PostureError& error) {
   Correction all;
   // Every `stride`-th sample; odd, so that all columns of the cells are sampled.
   const std::size_t stride = (samples.size() / kMaxSamples) | 1;
@@ -60,22 +59,16 @@ EgoMotion::Correction EgoMotion::correct(std::span<const FlowSample> samples,
   Vector6d prior;
   prior << Vector3d::Constant(std::pow(error.rotation_rad, -2)),
       Vector3d::Constant(std::pow(error.translation_m, -2));
-  struct Residual {
-    Vector2d px, epipolar;
-    std::size_t sample;
-  };
-  std::vector<Residual> residuals;
+  const FlowSamples some = samples.every(stride);
+  FlowResiduals residuals;
   std::vector<double> lengths;
   for (int k = 0;; ++k) {
     // Residuals under the present pose, px, and their robust scale: median length over the median of the
     // Rayleigh distribution.
-    residuals.clear();
+    find_residuals(some, camera_, later_, residuals);
     lengths.clear();
-    for (std::size_t i = 0; i < samples.size(); i += stride) {
-      Residual one{{}, {}, i};
-      if (!residual(samples[i], one.px, one.epipolar)) continue;
-      residuals.push_back(one);
-      lengths.push_back(one.px.norm());
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      if (residuals.valid[i] != 0) lengths.push_back(residuals.length[i]);
     }
     if (lengths.size() < kMinSamples) break;
     const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
@@ -83,38 +76,15 @@ EgoMotion::Correction EgoMotion::correct(std::span<const FlowSample> samples,
     all.spread_px = std::max(*middle / kRayleighMedian, kMinSpread_px);
     if (k == kMaxIterations) break;
     // Normal equations h dxi = b with h = sum w J^T J, b = sum w J^T r; weights w = (1 - |r|^2 / c^2)^2 of
-    // Tukey's biweight, c = kTukey times the scale.
-    const double cutoff2 = std::pow(kTukey * all.spread_px, 2);
-    Matrix6d h = Matrix6d::Zero();
-    Vector6d b = Vector6d::Zero();
-    for (const Residual& one : residuals) {
-      const double off = one.px.squaredNorm() / cutoff2;
-      if (off >= 1) continue;
-      const FlowSample& s = samples[one.sample];
-      // Jacobian of the image point (px) by a small motion of the camera frame: the interaction matrix of
-      // a point at normalised coordinates (x, y) and inverse depth w (F. Chaumette, S. Hutchinson, "Visual
-      // servo control I", IEEE Robotics & Automation Magazine 13(4), 2006), here for the point's
-      // motion, with columns rotation x, y, z, translation x, y, z.
-      const Vector2d to = s.at + s.flow - one.px;
-      const double x = (to.x() - camera_.cx) / camera_.fx, y = (to.y() - camera_.cy) / camera_.fy;
-      const double w = (s.min_inverse_depth + s.max_inverse_depth) / 2;
-      Eigen::Matrix<double, 2, 6> j;
-      j << -x * y, 1 + x * x, -y, w, 0, -x * w,  //
-          -1 - y * y, x * y, x, 0, w, -y * w;
-      j.row(0) *= camera_.fx;
-      j.row(1) *= camera_.fy;
-      // Inside the interval of depth, the epipolar component is explained by depth and projected out: one
-      // equation, along the normal of the epipolar line, instead of two.
-      if (!one.epipolar.isZero()) {
-        const Vector2d across(-one.epipolar.y(), one.epipolar.x());
-        const Vector6d g = j.transpose() * across;
-        h.noalias() += (1 - off) * (1 - off) * g * g.transpose();
-        b.noalias() += (1 - off) * (1 - off) * across.dot(one.px) * g;
-      } else {
-        h.noalias() += (1 - off) * (1 - off) * j.transpose() * j;
-        b.noalias() += (1 - off) * (1 - off) * j.transpose() * one.px;
-      }
-    }
+    // Tukey's biweight, c = kTukey times the scale. J: Jacobian of the image point (px) by a small motion of
+    // the camera frame, the interaction matrix of a point at normalised coordinates (x, y) and inverse depth
+    // w (F. Chaumette, S. Hutchinson, "Visual servo control I", IEEE Robotics & Automation Magazine 13(4),
+    // 2006), here for the point's motion, with columns rotation x, y, z, translation x, y, z:
+    //   fx (-x y, 1 + x x, -y, w, 0, -x w)
+    //   fy (-1 - y y, x y, x, 0, w, -y w)
+    // Inside the interval of depth, the epipolar component is explained by depth and projected out: one
+    // equation, along the normal of the epipolar line, instead of two.
+    auto [h, b] = normal_equations(some, residuals, camera_, std::pow(kTukey * all.spread_px, 2));
     // Information: divided by the variance; a patch of the flow covers a dozen cells with a common error,
     // so 12 / stride samples count as one.
     const double counts = std::min(static_cast<double>(stride) / 12, 1.0);

@@ -11,16 +11,14 @@
 // Frames: optical frame of the earlier and of the later image (frame.h). Units: m, rad, px.
 #pragma once
 
-#include <span>
-#include <vector>
-
 #include <Eigen/Geometry>
 
+#include "vision/flow/ego_motion_rows.h"
 #include "vision/image/frame.h"
 
 namespace kaz::vision {
 
-// Measured flow at a pixel of the earlier image (px) and the interval of inverse depth (1/m) there.
+// One of FlowSamples.
 struct FlowSample {
   Eigen::Vector2d at, flow;
   double min_inverse_depth, max_inverse_depth;
@@ -54,13 +52,17 @@ class EgoMotion {
   // inverse depth maps to, to the measured flow. `epipolar`: unit vector along the segment if that point
   // is inside it, where depth is free; zero if it is an end point. False as flow().
   bool residual(const FlowSample& sample, Eigen::Vector2d& px, Eigen::Vector2d& epipolar) const;
+  // The same of many.
+  void residuals(const FlowSamples& samples, FlowResiduals& found) const {
+    find_residuals(samples, camera_, later_, found);
+  }
 
   struct Correction {
     Eigen::Vector3d rotation_rad{0, 0, 0}, translation_m{0, 0, 0};  // later optical frame
     double spread_px = 0;  // robust standard deviation of the residuals, each axis
   };
   // Refines this ego-motion and returns the correction. With fewer than 50 samples: no correction.
-  Correction correct(std::span<const FlowSample> samples, const PostureError& error);
+  Correction correct(const FlowSamples& samples, const PostureError& error);
 
  private:
   CameraModel camera_;

@@ -3,9 +3,10 @@
 #include "vision/flow/flow.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -13,6 +14,7 @@
 
 #include "vision/flow/flow_cells.h"
 #include "vision/flow/flow_pair.h"
+#include "vision/flow/flow_scale.h"
 #include "vision/image/opencv_quiet.h"
 
 namespace kaz::vision {
@@ -27,23 +29,47 @@ Result<void> check_options(const FlowOptions& o) {
   return {};
 }
 
+constexpr int kFinestScale = 2;  // of the ultrafast preset: pictures are halved twice
+static_assert(1 << kFinestScale == kSmall);
+
+// The number of the coarsest scale that the search takes for pictures of this size: displacements up to a
+// quarter of the longer side, and the shorter side not below a patch of 8.
+int coarsest_scale(cv::Size size) {
+  const int longer = std::max(size.width, size.height),
+            shorter = std::min(size.width, size.height) / 8;
+  return std::min(static_cast<int>(std::log(longer / 32.0) / std::log(2.0) + 0.5),
+                  static_cast<int>(std::log(shorter) / std::log(2.0)));
+}
+
+// Whether the search on pictures that are already small begins at the same scale.
+bool starts_small(cv::Size size) {
+  const cv::Size small(size.width / kSmall, size.height / kSmall);
+  return size.width % kSmall == 0 && size.height % kSmall == 0 && small.width >= 16 &&
+         small.height >= 16 && coarsest_scale(small) >= 0 &&
+         coarsest_scale(small) == coarsest_scale(size) - kFinestScale;
+}
+
 }  // namespace
 
 struct FlowFinder::State {
   FlowOptions options;
   cv::Ptr<cv::DISOpticalFlow> search;
   cv::Size searched;  // the search fits its scales to the first pictures' size
-  cv::Mat grey_before, grey_after, flow;
-  cv::Mat small8[2], small[2];
+  bool small_search = false;
+  cv::Mat grey[2], small8[2], small[2];  // of the earlier and the later picture
+  bool prepared = false;                 // the later one's are there
+  cv::Mat found;                         // flow of the search
+  FlowEnlarger enlarger;
   FlowProducts products;
   std::vector<int> middle_column;             // of small pixels, in the full picture
   std::vector<float> there, compared;         // of a row: see FlowProducts::set_row()
   std::vector<float> row_xx, row_xy, row_yy;  // certainty of a row
 
   Result<void> find(const ImageView& before, const FrameInfo& info_before, const ImageView& after,
-                    const FrameInfo& info_after, FlowImage& image) {
+                    const FrameInfo& info_after, bool continued, FlowImage& image) {
     image.before = info_before;
     image.after = info_after;
+    const bool reuse = continued && std::exchange(prepared, false);
     if (auto ok = check_options(options); !ok) return ok;
     if (auto ok = check_flow_pair(before, info_before, after, info_after); !ok) return ok;
     image.width = before.width;
@@ -52,27 +78,62 @@ struct FlowFinder::State {
                          static_cast<std::size_t>(before.height));
     try {
       const OpenCvQuiet quiet;
-      compute(flow_grey(before, grey_before), flow_grey(after, grey_after), image);
+      begin({before.width, before.height});
+      if (reuse && small8[1].size() == small_size()) {
+        std::swap(small8[0], small8[1]);
+        std::swap(small[0], small[1]);
+        std::swap(grey[0], grey[1]);
+      } else {
+        prepare(before, 0);
+      }
+      prepare(after, 1);
+      compute(image);
+      prepared = true;
     } catch (const cv::Exception& e) {
       return fail(Fault::failed, std::string("flow: OpenCV gave up: ") + e.what());
     }
     return {};
   }
 
-  void compute(const cv::Mat& before, const cv::Mat& after, FlowImage& image) {
-    if (!search || searched != before.size()) {
-      search = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST);
-      searched = before.size();
+  cv::Size small_size() const { return {searched.width / kSmall, searched.height / kSmall}; }
+
+  // The search halves the pictures to its finest scale and enlarges its flow from there. Where it takes the
+  // same scales for pictures that are small already, it is given those, and both is done here, once a
+  // picture.
+  void begin(cv::Size size) {
+    if (search && searched == size) return;
+    search = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST);
+    searched = size;
+    small_search = starts_small(size);
+    if (small_search) search->setFinestScale(0);
+    const cv::Size small_picture = small_size();
+    enlarger.resize({small_picture.width, small_picture.height}, {size.width, size.height});
+  }
+
+  void prepare(const ImageView& picture, int side) {
+    const cv::Mat full = flow_grey(picture, grey[side]);
+    const cv::Size size = small_size();
+    if (small_search) {
+      small8[side].create(size, CV_8UC1);
+      quarter(full.data, full.cols, full.rows, small8[side].data);
+    } else {
+      cv::resize(full, small8[side], size, 0, 0, cv::INTER_AREA);
+      full.copyTo(grey[side]);
     }
-    flow.release();  // otherwise it would be the initial estimate
-    search->calc(before, after, flow);
-    const cv::Size size(before.cols / kSmall, before.rows / kSmall);
-    const cv::Mat* const full[] = {&before, &after};
-    for (int i = 0; i < 2; ++i) {
-      cv::resize(*full[i], small8[i], size, 0, 0, cv::INTER_AREA);
-      small8[i].convertTo(small[i], CV_32F);
+    small8[side].convertTo(small[side], CV_32F);
+  }
+
+  void compute(FlowImage& image) {
+    found.release();  // otherwise it would be the initial estimate
+    auto* const to = reinterpret_cast<float*>(image.flow_px.data());
+    if (small_search) {
+      search->calc(small8[0], small8[1], found);
+      enlarger.enlarge(found.ptr<float>(), kSmall, to);
+    } else {
+      search->calc(grey[0], grey[1], found);
+      std::copy_n(found.ptr<float>(), 2 * image.flow_px.size(), to);
     }
-    compare();
+    compare(image);
     judge(image);
     mark(image);
   }
@@ -83,22 +144,22 @@ struct FlowFinder::State {
   }
 
   // Brightness of the later small picture along the flow, for each pixel of the earlier one.
-  void compare() {
+  void compare(const FlowImage& image) {
     const cv::Mat &a = small[0], &b = small[1];
     const auto columns = static_cast<std::size_t>(a.cols);
     products.resize(a.cols, a.rows);
     middle_column.resize(columns);
     for (int x = 0; x < a.cols; ++x)
-      middle_column[static_cast<std::size_t>(x)] = middle(x, a.cols, flow.cols);
+      middle_column[static_cast<std::size_t>(x)] = middle(x, a.cols, image.width);
     there.assign(columns, 0);
     compared.assign(columns, 0);
-    const float per_x = static_cast<float>(a.cols) / static_cast<float>(flow.cols);
-    const float per_y = static_cast<float>(a.rows) / static_cast<float>(flow.rows);
+    const float per_x = static_cast<float>(a.cols) / static_cast<float>(image.width);
+    const float per_y = static_cast<float>(a.rows) / static_cast<float>(image.height);
     for (int y = 1; y + 1 < a.rows; ++y) {
-      const auto* flows = flow.ptr<cv::Vec2f>(middle(y, a.rows, flow.rows));
+      const Eigen::Vector2f* flows = &image.at(0, middle(y, a.rows, image.height));
       for (int x = 1; x + 1 < a.cols; ++x) {
         const auto k = static_cast<std::size_t>(x);
-        const auto& f = flows[middle_column[k]];
+        const Eigen::Vector2f& f = flows[middle_column[k]];
         const float to_x = static_cast<float>(x) + f[0] * per_x;
         const float to_y = static_cast<float>(y) + f[1] * per_y;
         there[k] = compared[k] = 0;
@@ -136,12 +197,11 @@ struct FlowFinder::State {
     }
   }
 
-  // Copies the flow and sets it to NaN in the cells that are not valid.
+  // Sets the flow to NaN in the cells that are not valid.
   void mark(FlowImage& image) const {
     const auto width = static_cast<std::size_t>(image.width);
     for (int v = 0; v < image.height; ++v) {
       Eigen::Vector2f* to = &image.flow_px[static_cast<std::size_t>(v) * width];
-      std::memcpy(static_cast<void*>(to), flow.ptr(v), width * sizeof *to);
       const FlowCertainty* row =
           &image.certainty[static_cast<std::size_t>(std::min(v / kSmall, image.cells_down - 1)) *
                            static_cast<std::size_t>(image.cells_across)];
@@ -162,13 +222,14 @@ FlowFinder::FlowFinder(FlowFinder&&) noexcept = default;
 FlowFinder& FlowFinder::operator=(FlowFinder&&) noexcept = default;
 
 Result<void> FlowFinder::find(const Image& before, const FrameInfo& info_before, const Image& after,
-                              const FrameInfo& info_after, FlowImage& flow) {
-  return state_->find(image_view(before), info_before, image_view(after), info_after, flow);
+                              const FrameInfo& info_after, FlowImage& flow, bool continued) {
+  return state_->find(image_view(before), info_before, image_view(after), info_after, continued,
+                      flow);
 }
 Result<void> FlowFinder::find(const GreyPicture& before, const FrameInfo& info_before,
                               const GreyPicture& after, const FrameInfo& info_after,
                               FlowImage& flow) {
-  return state_->find(image_view(before), info_before, image_view(after), info_after, flow);
+  return state_->find(image_view(before), info_before, image_view(after), info_after, false, flow);
 }
 
 }  // namespace kaz::vision

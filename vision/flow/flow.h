@@ -80,8 +80,10 @@ class FlowFinder {
   // are empty, cut short, under 64 or over 8192 pixels a side, of different size or not of the
   // camera model's; a camera model without focal length or that differs between the two; an
   // exposure that is not after the one before (the clock jumped back, or a picture twice).
+  // `continued`: `before` is the picture that was `after` in the previous call, whose conversion is used
+  // again if that call succeeded; the result is the same.
   Result<void> find(const Image& before, const FrameInfo& info_before, const Image& after,
-                    const FrameInfo& info_after, FlowImage& flow);
+                    const FrameInfo& info_after, FlowImage& flow, bool continued = false);
   Result<void> find(const GreyPicture& before, const FrameInfo& info_before,
                     const GreyPicture& after, const FrameInfo& info_after, FlowImage& flow);
 

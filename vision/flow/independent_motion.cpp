@@ -3,8 +3,9 @@
 #include "vision/flow/independent_motion.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+
+#include "vision/flow/cell_disparity.h"
 
 namespace kaz::vision {
 namespace {
@@ -17,20 +18,6 @@ constexpr double kFarFloor_m = 3;  // beyond, the floor constrains no more than 
 constexpr int kReach_px = 3;   // half side of the square of pixels compared around a cell's centre
 constexpr double kNoise2 = 8;  // codes^2: variance of a difference, noise of 2 codes a pixel
 constexpr double kMinDescent_rad = 0.17;  // of the ray, to intersect it with a horizontal plane
-
-// Median of the known disparities around a cell's centre, px; 0 if less than a third is known.
-float middle_disparity(const DepthImage& depth, int u, int v) {
-  std::array<float, FlowImage::kCell_px * FlowImage::kCell_px> d;
-  std::size_t n = 0;
-  const int u0 = std::clamp(u - 2, 0, depth.width - 4), v0 = std::clamp(v - 2, 0, depth.height - 4);
-  for (int y = v0; y < v0 + 4; ++y)
-    for (int x = u0; x < u0 + 4; ++x)
-      if (depth.known(x, y)) d[n++] = depth.disparity(x, y);
-  if (3 * n < d.size()) return 0;
-  const auto middle = d.begin() + static_cast<std::ptrdiff_t>(n / 2);
-  std::nth_element(d.begin(), middle, d.begin() + static_cast<std::ptrdiff_t>(n));
-  return *middle;
-}
 
 int cell_middle(int cell, int cells, int pixels) {
   return std::min((2 * cell + 1) * pixels / (2 * cells), pixels - 1);
@@ -116,6 +103,36 @@ Result<void> IndependentMotionDetector::find(const FlowImage& flow, const GreyRe
   return {};
 }
 
+FlowSample IndependentMotionDetector::sample(std::size_t k) const {
+  const FlowSamples& s = samples_;
+  return {
+      {s.u[k], s.v[k]}, {s.flow_u[k], s.flow_v[k]}, s.min_inverse_depth[k], s.max_inverse_depth[k]};
+}
+
+// Of the cells of row y, with centres at v, that have flow: where they are in the depth image's picture, if
+// inside; 0 elsewhere.
+void IndependentMotionDetector::find_disparities(const FlowImage& flow, const DepthImage& depth,
+                                                 bool later, int y, int v) {
+  places_.clear();
+  inside_.clear();
+  for (int x = 0; x < flow.cells_across; ++x) {
+    const auto i = static_cast<std::size_t>(y * flow.cells_across + x);
+    if (!(flow.certainty[i].xx > 0)) continue;
+    const int u = columns_[static_cast<std::size_t>(x)];
+    Vector2d at(u, v);
+    if (later) at = flow.at(u, v).cast<double>() + at;
+    const bool inside = at.x() >= 0 && at.y() >= 0 && at.x() < flow.width && at.y() < flow.height;
+    inside_.push_back(inside ? 1 : 0);
+    places_.push_back(inside ? Eigen::Vector2i(static_cast<int>(at.x()), static_cast<int>(at.y()))
+                             : Eigen::Vector2i::Zero());
+  }
+  disparity_.resize(places_.size());
+  median_disparities(depth, places_, disparity_.data());
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    if (inside_[k] == 0) disparity_[k] = 0;
+  }
+}
+
 void IndependentMotionDetector::find_candidates(const FlowImage& flow, const DepthImage* depth,
                                                 MovingRegions& moving) {
   EgoMotion eye(flow.before, flow.after);
@@ -123,23 +140,22 @@ void IndependentMotionDetector::find_candidates(const FlowImage& flow, const Dep
   const double height = flow.before.foot_from_eye.translation().z();
   const bool later = depth && depth->info.exposure == flow.after.exposure;
   const double per_px = depth ? 1 / (depth->info.camera.fx * depth->info.camera.baseline_m) : 0;
-  samples_.clear();
+  samples_.resize(flow.certainty.size());  // at most
   cell_.clear();
   sample_.assign(flow.certainty.size(), 0);
+  columns_.clear();
+  for (int x = 0; x < flow.cells_across; ++x)
+    columns_.push_back(cell_middle(x, flow.cells_across, flow.width));
   for (int y = 0; y < flow.cells_down; ++y) {
+    const int v = cell_middle(y, flow.cells_down, flow.height);
+    if (depth) find_disparities(flow, *depth, later, y, v);
+    std::size_t of_row = 0;
     for (int x = 0; x < flow.cells_across; ++x) {
       const auto i = static_cast<std::size_t>(y * flow.cells_across + x);
       if (!(flow.certainty[i].xx > 0)) continue;
-      const int u = cell_middle(x, flow.cells_across, flow.width);
-      const int v = cell_middle(y, flow.cells_down, flow.height);
+      const int u = columns_[static_cast<std::size_t>(x)];
       const Vector2d measured = flow.at(u, v).cast<double>();
-      double disparity = 0;
-      if (depth) {
-        const Vector2d at = later ? measured + Vector2d(u, v) : Vector2d(u, v);
-        if (at.x() >= 0 && at.y() >= 0 && at.x() < flow.width && at.y() < flow.height)
-          disparity = static_cast<double>(
-              middle_disparity(*depth, static_cast<int>(at.x()), static_cast<int>(at.y())));
-      }
+      const double disparity = depth ? static_cast<double>(disparity_[of_row++]) : 0;
       // Interval of inverse depth, 1/m, unless stereo or floor constrain it:
       double min_w = 0, max_w = 1 / options_.nearest_elsewhere_m;
       const double slope = (foot_from_ray * eye.ray(u, v)).z();
@@ -158,11 +174,12 @@ void IndependentMotionDetector::find_candidates(const FlowImage& flow, const Dep
       } else {
         moving.depth[i] = MovingRegions::Depth::far;
       }
-      samples_.push_back({Vector2d(u, v), measured, min_w, max_w});
+      samples_.set(cell_.size(), u, v, measured.x(), measured.y(), min_w, max_w);
       cell_.push_back(i);
       sample_[i] = static_cast<int>(cell_.size());
     }
   }
+  samples_.resize(cell_.size());
   const auto correction =
       eye.correct(samples_, {options_.posture_error_rad, options_.posture_error_m});
   moving.turn_error_rad = correction.rotation_rad;
@@ -173,16 +190,17 @@ void IndependentMotionDetector::find_candidates(const FlowImage& flow, const Dep
   // and Mahalanobis distance under the flow's covariance above min_surprise.
   const double allowed = options_.flow_error_px + 3 * correction.spread_px;
   const double surprise = options_.min_surprise * options_.min_surprise;
+  eye.residuals(samples_, residuals_);
   for (std::size_t k = 0; k < samples_.size(); ++k) {
-    Vector2d residual, epipolar;
-    if (!eye.residual(samples_[k], residual, epipolar)) continue;
+    if (residuals_.valid[k] == 0) continue;
+    Vector2d residual(residuals_.u[k], residuals_.v[k]);
     const std::size_t i = cell_[k];
-    if (moving.depth[i] == MovingRegions::Depth::stereo && residual.norm() > allowed) {
+    if (moving.depth[i] == MovingRegions::Depth::stereo && residuals_.length[k] > allowed) {
       // Stereo has outliers: a residual that another depth explains is not evidence of motion.
-      FlowSample any = samples_[k];
+      FlowSample any = sample(k);
       any.min_inverse_depth = 0;
       any.max_inverse_depth = std::max(any.max_inverse_depth, 1 / options_.nearest_elsewhere_m);
-      Vector2d other;
+      Vector2d other, epipolar;
       if (eye.residual(any, other, epipolar) && other.norm() <= allowed) residual = other;
     }
     moving.residual_px[i] = residual.cast<float>();
@@ -295,7 +313,7 @@ bool IndependentMotionDetector::is_own_body(const FlowImage& flow, const Region&
     for (int x = run.left; x <= run.right; ++x) {
       const auto i = static_cast<std::size_t>(run.row * flow.cells_across + x);
       if (sample_[i] == 0 || inverse_depth_[i] > 0) continue;
-      FlowSample any = samples_[static_cast<std::size_t>(sample_[i] - 1)];
+      FlowSample any = sample(static_cast<std::size_t>(sample_[i] - 1));
       any.min_inverse_depth = 0;
       any.max_inverse_depth = 1 / options_.nearest_body_m;
       Vector2d left, epipolar;

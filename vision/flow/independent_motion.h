@@ -29,6 +29,7 @@
 #include "shared/base/result.hpp"
 #include "vision/depth/depth.h"
 #include "vision/flow/ego_motion.h"
+#include "vision/flow/ego_motion_rows.h"
 #include "vision/flow/flow.h"
 #include "vision/flow/motion_images.h"
 #include "vision/image/regions.h"
@@ -98,6 +99,8 @@ class IndependentMotionDetector {
  private:
   Result<void> find(const FlowImage& flow, const GreyReader& before, const GreyReader& after,
                     const DepthImage* depth, MovingRegions& moving);
+  FlowSample sample(std::size_t k) const;
+  void find_disparities(const FlowImage& flow, const DepthImage& depth, bool later, int y, int v);
   void find_candidates(const FlowImage& flow, const DepthImage* depth, MovingRegions& moving);
   void verify_on_images(const FlowImage& flow, const GreyReader& before, const GreyReader& after,
                         const MovingRegions& moving);
@@ -107,7 +110,12 @@ class IndependentMotionDetector {
   void locate(const FlowImage& flow, MovingRegion& region, const Region& cells) const;
 
   IndependentMotionOptions options_;
-  std::vector<FlowSample> samples_;
+  FlowSamples samples_;
+  FlowResiduals residuals_;
+  std::vector<Eigen::Vector2i> places_;  // of a row's samples in the depth image
+  std::vector<std::uint8_t> inside_;
+  std::vector<float> disparity_;      // there, px
+  std::vector<int> columns_;          // centres of the cells of a row, px
   std::vector<std::size_t> cell_;     // of each sample
   std::vector<int> sample_;           // by cell: number of its sample, from 1; 0: none
   Eigen::Isometry3d later_;           // later optical frame from the earlier one, corrected

@@ -57,17 +57,20 @@ class FlowModule final : public Module {
     // What was left out in between is no gap of the camera's, where it is short: a module that is
     // late looks at every second frame.
     const Time passed = between(flow.after.exposure, info.exposure);
+    const bool continued = std::exchange(looked_, false);
     if (before == nullptr || passed <= Time(0) || passed > longest_) {
       flow.before = flow.after;
       return std::any(std::move(flow));
     }
-    KAZ_TRY(finder_.find(before->left, info, frame.images().left, frame.info(), flow));
+    KAZ_TRY(finder_.find(before->left, info, frame.images().left, frame.info(), flow, continued));
+    looked_ = true;
     return std::any(std::move(flow));
   }
 
  private:
   FlowFinder finder_;
   Time latency_, longest_;
+  bool looked_ = false;  // the finder has seen the picture of before_
   std::shared_ptr<const StereoImages> before_;
   FrameInfo info_;
 };

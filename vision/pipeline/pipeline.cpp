@@ -85,6 +85,8 @@ struct Pipeline::State {
     std::vector<std::size_t> needs, feeds;
     std::vector<Use> subscribers;   // caller's thread
     std::deque<FramePointer> mail;  // under the mutex
+    std::condition_variable_any
+        called;  // there is mail; of its own, so that no other thread wakes up
     std::uint64_t delivered = 0, failed = 0;
     std::uint64_t dropped = 0;  // under the mutex
     Times computing, age;       // caller's thread
@@ -106,14 +108,13 @@ struct Pipeline::State {
   std::vector<Due> pending;  // lockstep; caller's thread
 
   std::mutex mutex;
-  std::condition_variable_any changed;
-  std::vector<Due> done;      // real time; under the mutex
-  std::size_t under_way = 0;  // results that are waited for; under the mutex
+  std::condition_variable changed;  // a result is there
+  std::vector<Due> done;            // real time; under the mutex
+  std::size_t under_way = 0;        // results that are waited for; under the mutex
   Time latest_poll{};
 
   ~State() {
     for (auto& worker : workers) worker->thread.request_stop();
-    changed.notify_all();
     for (auto& worker : workers) {
       if (worker->thread.joinable()) worker->thread.join();
     }
@@ -138,7 +139,7 @@ struct Pipeline::State {
       }
     }
     worker.mail.push_back(frame);
-    changed.notify_all();
+    worker.called.notify_one();
   }
 
   // The module is through with the frame; those that need it may go on, or never will.
@@ -175,7 +176,7 @@ struct Pipeline::State {
       FramePointer frame;
       {
         std::unique_lock lock(mutex);
-        if (!changed.wait(lock, stop, [&] { return !worker.mail.empty(); })) return;
+        if (!worker.called.wait(lock, stop, [&] { return !worker.mail.empty(); })) return;
         if (stop.stop_requested()) return;
         frame = std::move(worker.mail.front());
         worker.mail.pop_front();

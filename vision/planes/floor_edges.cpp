@@ -5,24 +5,50 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <string>
+#include <vector>
 
-#include <opencv2/imgproc.hpp>
-
-#include "vision/image/opencv_quiet.h"
+#include "vision/planes/bit_image.h"
+#include "vision/planes/watershed.h"
 
 namespace kaz::vision {
-
-struct FloorEdges::State {
-  FloorEdgeOptions options;
-  cv::Mat mask, closed, inner, outer, markers;
-};
-
 namespace {
 
 constexpr int kSpeck_px = 2;  // holes and specks up to 2 kSpeck_px + 1 wide are removed
+constexpr std::size_t kLabels = 256;
+
+// Writes 1 where the label is one of `floor`, else 0; returns whether there is any.
+bool mark_floor(const std::uint8_t* __restrict label, std::size_t pixels,
+                const std::vector<std::uint8_t>& floor, std::uint8_t* __restrict to) {
+  std::fill(to, to + pixels, std::uint8_t{0});
+  for (const std::uint8_t one : floor) {
+    for (std::size_t i = 0; i < pixels; ++i)
+      to[i] = static_cast<std::uint8_t>(to[i] | (label[i] == one ? 1 : 0));
+  }
+  return std::memchr(to, 1, pixels) != nullptr;
+}
+
+// Pixels on the floor's side that were not floor get the label `ground`, floor on the other side gets 0. The
+// watershed line, one pixel wide, and the picture's frame keep their labels.
+void move_border(const std::uint8_t* __restrict side, const std::uint8_t* __restrict was_floor,
+                 std::size_t pixels, std::uint8_t ground, std::uint8_t* __restrict label) {
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const bool joins = (side[i] == Watershed::kFirst) & (was_floor[i] == 0);
+    const bool leaves = (side[i] == Watershed::kSecond) & (was_floor[i] != 0);
+    const std::uint8_t kept = leaves ? std::uint8_t{0} : label[i];
+    label[i] = joins ? ground : kept;
+  }
+}
 
 }  // namespace
+
+struct FloorEdges::State {
+  FloorEdgeOptions options;
+  std::vector<std::uint8_t> mask;
+  BitImage closed, inner, outer;
+  Watershed watershed;
+};
 
 FloorEdges::FloorEdges(const FloorEdgeOptions& options) : state_(std::make_unique<State>()) {
   state_->options = options;
@@ -32,7 +58,6 @@ FloorEdges::FloorEdges(FloorEdges&&) noexcept = default;
 FloorEdges& FloorEdges::operator=(FloorEdges&&) noexcept = default;
 
 Result<void> FloorEdges::sharpen(const Image& left, PlaneSegments& planes) {
-  constexpr int kFloor = 1, kOther = 2;
   const int reach = state_->options.reach_px;
   if (reach < 1 || reach > 64)
     return fail(Fault::usage, "floor edges: reach_px is " + std::to_string(reach) + ", not 1..64");
@@ -44,11 +69,11 @@ Result<void> FloorEdges::sharpen(const Image& left, PlaneSegments& planes) {
 
   // Labels that count as floor: floor segments whose middle is within step_m of the plane n . p + d = 0 of
   // the largest one (optical frame, m). Label 0 is no segment; segment k has label k + 1.
-  std::array<bool, 256> floor{};
+  std::array<bool, kLabels> is_floor{};
   int largest = 0;
   for (std::size_t k = 0; k < planes.segments.size() && k < 255; ++k) {
     if (!planes.segments[k].floor) continue;
-    floor[k + 1] = true;
+    is_floor[k + 1] = true;
     const auto& so_far = planes.segments[static_cast<std::size_t>(std::max(0, largest - 1))];
     if (largest == 0 || planes.segments[k].pixels > so_far.pixels)
       largest = static_cast<int>(k) + 1;
@@ -57,55 +82,43 @@ Result<void> FloorEdges::sharpen(const Image& left, PlaneSegments& planes) {
   const PlaneSegment& ground = planes.segments[static_cast<std::size_t>(largest - 1)];
   for (std::size_t k = 0; k < planes.segments.size() && k < 255; ++k) {
     const double above = ground.normal.dot(planes.segments[k].middle) + ground.distance_m;
-    if (std::abs(above) > state_->options.step_m) floor[k + 1] = false;
+    if (std::abs(above) > state_->options.step_m) is_floor[k + 1] = false;
+  }
+
+  std::vector<std::uint8_t> floor;
+  for (std::size_t k = 0; k < kLabels; ++k) {
+    if (is_floor[k]) floor.push_back(static_cast<std::uint8_t>(k));
   }
 
   // Binary floor mask. Only rows within 2 reach of the floor are processed below.
   State& s = *state_;
-  s.mask.create(left.height, left.width, CV_8U);
+  s.mask.resize(pixels);
   const auto columns = static_cast<std::size_t>(left.width);
   int top = left.height, bottom = -1;
   for (int v = 0; v < left.height; ++v) {
-    const std::uint8_t* label = planes.label.data() + static_cast<std::size_t>(v) * columns;
-    std::uint8_t* to = s.mask.ptr(v);
-    std::uint8_t any = 0;
-    for (std::size_t u = 0; u < columns; ++u) {
-      to[u] = floor[label[u]] ? 1 : 0;
-      any |= to[u];
-    }
-    if (any == 0) continue;
+    const std::size_t row = static_cast<std::size_t>(v) * columns;
+    if (!mark_floor(&planes.label[row], columns, floor, &s.mask[row])) continue;
     top = std::min(top, v);
     bottom = v;
   }
   if (bottom < 0) return {};
   top = std::max(0, top - 2 * reach);
   bottom = std::min(left.height - 1, bottom + 2 * reach);
-  const cv::Mat mask = s.mask.rowRange(top, bottom + 1);
-  const auto square = [](int reach_px) -> cv::Mat {
-    return cv::Mat::ones(2 * reach_px + 1, 2 * reach_px + 1, CV_8U);
-  };
   // Markers: closing and opening remove holes and specks; pixels that survive erosion by `reach` are floor,
-  // those outside of the dilation by `reach` are not, and the band between is 0, undecided.
-  cv::morphologyEx(mask, s.closed, cv::MORPH_CLOSE, square(kSpeck_px));
-  cv::morphologyEx(s.closed, s.closed, cv::MORPH_OPEN, square(kSpeck_px));
-  cv::erode(s.closed, s.inner, square(reach));
-  cv::dilate(s.closed, s.outer, square(reach));
-  s.markers.create(mask.rows, mask.cols, CV_32S);
-  const std::size_t size = static_cast<std::size_t>(mask.rows) * columns;
-  int* const markers = s.markers.ptr<int>();
-  for (std::size_t i = 0; i < size; ++i)
-    markers[i] = s.inner.data[i] != 0 ? kFloor : s.outer.data[i] == 0 ? kOther : 0;
+  // those outside of the dilation by `reach` are not, and the band between is undecided.
   const std::size_t first = static_cast<std::size_t>(top) * columns;
-  const cv::Mat picture(mask.rows, mask.cols, CV_8UC3,
-                        const_cast<std::uint8_t*>(left.rgb.data() + 3 * first));  // is only read
-  cv::watershed(picture, s.markers);
-  for (std::size_t i = 0; i < size; ++i) {
-    std::uint8_t& label = planes.label[first + i];
-    if (markers[i] == kFloor && !floor[label]) label = static_cast<std::uint8_t>(largest);
-    if (markers[i] == kOther && floor[label]) label = 0;
-    // The watershed line (-1), one pixel wide, and the picture's frame, which cv::watershed skips, keep
-    // their labels.
-  }
+  s.closed.pack(&s.mask[first], left.width, bottom + 1 - top);
+  s.closed.dilate(kSpeck_px);
+  s.closed.erode(2 * kSpeck_px);
+  s.closed.dilate(kSpeck_px);
+  s.inner = s.outer = s.closed;
+  s.inner.erode(reach);
+  s.outer.dilate(reach);
+  s.outer.invert();
+  const std::vector<std::uint8_t>& side =
+      s.watershed.grow(left.rgb.data() + 3 * first, s.inner, s.outer);
+  move_border(side.data(), &s.mask[first], side.size(), static_cast<std::uint8_t>(largest),
+              &planes.label[first]);
   return {};
 }
 

@@ -14,7 +14,6 @@ namespace kaz::vision {
 namespace {
 
 constexpr std::uint8_t kOff = 0, kOn = 1, kUnknown = 2, kPart = 3;  // state of a cell
-constexpr std::uint8_t kLeft = 1, kRight = 2, kAbove = 4, kBelow = 8, kInside = 15;
 constexpr int kGap = 2;               // cells without depth that a part may span
 constexpr std::size_t kSample = 250;  // cells for ranking candidates
 
@@ -50,16 +49,16 @@ struct PlaneSegmentFinder::State {
   PlanePixels pixels;
   std::vector<std::uint8_t> open;  // per cell: usable and on no plane yet
   std::vector<int> open_cells;
-  std::vector<std::uint8_t> unknown;  // per cell: kUnknown or kOff
-  std::vector<std::uint8_t> on;       // per cell: kOff and so on, of the plane in question
+  // Per cell, with a border of kOff, so that each cell has four neighbours: kUnknown or kOff; kOff and so on,
+  // of the plane in question.
+  std::vector<std::uint8_t> unknown, on;
+  std::vector<int> bordered, unbordered;  // a cell's number with the border, and the reverse
   struct Visit {
-    int cell, gap;
+    int cell, gap;  // cell: with the border
   };
   std::vector<Visit> queue;
   std::vector<int> part;
-  // By cell: which sides have another cell, of kLeft and so on.
-  std::vector<std::uint8_t> sides;
-  int sides_columns = 0, sides_rows = 0;
+  int bordered_columns = 0, bordered_rows = 0;
   std::vector<std::vector<int>> parts;
   double widest = 0;  // px: inlier threshold of the first round of a fit
   double rms = 0;     // px: of the inliers of the last fit
@@ -99,10 +98,11 @@ struct PlaneSegmentFinder::State {
     on = unknown;
     for (const int i : open_cells) {
       const auto at = static_cast<std::size_t>(i);
-      if (off(grid.cells[at], plane) < widest) on[at] = kOn;
+      if (off(grid.cells[at], plane) < widest) on[static_cast<std::size_t>(bordered[at])] = kOn;
     }
     parts.clear();
-    for (const int seed : open_cells) {
+    for (const int i : open_cells) {
+      const int seed = bordered[static_cast<std::size_t>(i)];
       if (on[static_cast<std::size_t>(seed)] != kOn) continue;
       flood(seed);
       if (static_cast<int>(part.size()) >= min_cells && broad()) parts.push_back(part);
@@ -114,54 +114,57 @@ struct PlaneSegmentFinder::State {
   // Into `part`; breadth first, so that gaps are crossed by the shortest path.
   void flood(int seed) {
     part.clear();
-    queue.assign(1, {seed, 0});
-    on[static_cast<std::size_t>(seed)] = kOff;
-    for (std::size_t head = 0; head < queue.size(); ++head) {
-      const auto [i, gap] = queue[head];
-      if (gap == 0) part.push_back(i);
-      const std::uint8_t beside = sides[static_cast<std::size_t>(i)];
-      const auto visit = [&, gap = gap](bool inside, int j) {
-        if (!inside) return;
-        std::uint8_t& what = on[static_cast<std::size_t>(j)];
-        if (what == kOff || (what == kUnknown && gap == kGap)) return;
-        queue.push_back({j, what == kOn ? 0 : gap + 1});
+    queue.resize(on.size());  // a cell is visited once
+    std::size_t end = 0;
+    Visit* const visits = queue.data();
+    std::uint8_t* const state = on.data();
+    visits[end++] = {seed, 0};
+    state[seed] = kOff;
+    for (std::size_t head = 0; head < end; ++head) {
+      const auto [i, gap] = visits[head];
+      if (gap == 0) part.push_back(unbordered[static_cast<std::size_t>(i)]);
+      for (const int step : {-1, 1, -grid.columns - 2, grid.columns + 2}) {
+        std::uint8_t& what = state[i + step];
+        if (what == kOff || (what == kUnknown && gap == kGap)) continue;
+        visits[end++] = {i + step, what == kOn ? 0 : gap + 1};
         what = kOff;
-      };
-      visit((beside & kLeft) != 0, i - 1);
-      visit((beside & kRight) != 0, i + 1);
-      visit((beside & kAbove) != 0, i - grid.columns);
-      visit((beside & kBelow) != 0, i + grid.columns);
+      }
     }
   }
 
   // Rejects strips: a plane that cuts through other surfaces has its inliers along lines, where almost every
   // cell has a neighbour off the plane. True if a quarter of the cells are interior.
   bool broad() {
-    for (const int i : part) on[static_cast<std::size_t>(i)] = kPart;
+    const auto state = [this](int i) -> std::uint8_t& {
+      return on[static_cast<std::size_t>(bordered[static_cast<std::size_t>(i)])];
+    };
+    for (const int i : part) state(i) = kPart;
     int inner = 0;
     for (const int i : part) {
-      if (sides[static_cast<std::size_t>(i)] != kInside) continue;
+      const int middle = bordered[static_cast<std::size_t>(i)], row = grid.columns + 2;
       const auto is = [&](int j) {
         const auto at = static_cast<std::size_t>(j);
         return on[at] == kPart || unknown[at] == kUnknown;
       };
-      if (is(i - 1) && is(i + 1) && is(i - grid.columns) && is(i + grid.columns)) ++inner;
+      if (is(middle - 1) && is(middle + 1) && is(middle - row) && is(middle + row)) ++inner;
     }
-    for (const int i : part) on[static_cast<std::size_t>(i)] = kOff;
+    for (const int i : part) state(i) = kOff;
     return 4 * inner >= static_cast<int>(part.size());
   }
 
-  // No division in each visit of a cell.
-  void find_sides() {
-    if (sides_columns == grid.columns && sides_rows == grid.rows) return;
-    sides_columns = grid.columns;
-    sides_rows = grid.rows;
-    sides.clear();
+  void number_bordered() {
+    if (bordered_columns == grid.columns && bordered_rows == grid.rows) return;
+    bordered_columns = grid.columns;
+    bordered_rows = grid.rows;
+    const auto pitch = static_cast<std::size_t>(grid.columns + 2);
+    bordered.clear();
+    unbordered.assign(pitch * static_cast<std::size_t>(grid.rows + 2), -1);
+    unknown.assign(unbordered.size(), kOff);
     for (int row = 0; row < grid.rows; ++row) {
       for (int column = 0; column < grid.columns; ++column) {
-        const int side = (column > 0 ? kLeft : 0) | (column + 1 < grid.columns ? kRight : 0) |
-                         (row > 0 ? kAbove : 0) | (row + 1 < grid.rows ? kBelow : 0);
-        sides.push_back(static_cast<std::uint8_t>(side));
+        const int at = (row + 1) * (grid.columns + 2) + column + 1;
+        unbordered[static_cast<std::size_t>(at)] = static_cast<int>(bordered.size());
+        bordered.push_back(at);
       }
     }
   }
@@ -217,12 +220,11 @@ Result<void> PlaneSegmentFinder::find(const DepthImage& depth, PlaneSegments& fo
   found.info = depth.info;
   if (auto ok = check(depth, o); !ok) return ok;
   s.grid.fill(depth);
-  s.find_sides();
+  s.number_bordered();
   s.open.resize(s.grid.cells.size());
-  s.unknown.resize(s.open.size());
   for (std::size_t i = 0; i < s.open.size(); ++i) {
     s.open[i] = s.grid.cells[i].usable ? 1 : 0;
-    s.unknown[i] = s.grid.cells[i].usable ? kOff : kUnknown;
+    s.unknown[static_cast<std::size_t>(s.bordered[i])] = s.grid.cells[i].usable ? kOff : kUnknown;
   }
   s.list_open();
   s.pixels.begin(s.grid);

@@ -1,0 +1,51 @@
+// Residuals of many samples under an ego-motion and their normal equations, plain and with AVX2; equal
+// results. Internal to vision/flow; formulas and sources: ego_motion.h, ego_motion.cpp.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "vision/image/frame.h"
+
+namespace kaz::vision {
+
+// Measured flow at pixels of the earlier image (px) and the interval of inverse depth there (1/m).
+struct FlowSamples {
+  std::vector<double> u, v, flow_u, flow_v, min_inverse_depth, max_inverse_depth;
+
+  std::size_t size() const { return u.size(); }
+  void resize(std::size_t count);
+  void set(std::size_t i, double at_u, double at_v, double to_u, double to_v, double min_w,
+           double max_w) {
+    u[i] = at_u;
+    v[i] = at_v;
+    flow_u[i] = to_u;
+    flow_v[i] = to_v;
+    min_inverse_depth[i] = min_w;
+    max_inverse_depth[i] = max_w;
+  }
+  FlowSamples every(std::size_t stride) const;
+};
+
+// EgoMotion::residual() of each sample. `valid`, `free`: 1 or 0; free: the nearest static flow is inside of
+// the segment, whose direction `epipolar` then is.
+struct FlowResiduals {
+  std::vector<double> u, v, length, epipolar_u, epipolar_v, valid, free;
+};
+void find_residuals(const FlowSamples& samples, const CameraModel& camera,
+                    const Eigen::Isometry3d& later, FlowResiduals& residuals, bool vectors = true);
+
+// Sums over the samples with weight (1 - r)^2, r = |residual|^2 / cutoff2 below 1: H = sum w J^T J (lower
+// triangle) and b = sum w J^T residual, in the order of the samples.
+struct NormalEquations {
+  Eigen::Matrix<double, 6, 6> h;
+  Eigen::Matrix<double, 6, 1> b;
+};
+NormalEquations normal_equations(const FlowSamples& samples, const FlowResiduals& residuals,
+                                 const CameraModel& camera, double cutoff2, bool vectors = true);
+
+}  // namespace kaz::vision

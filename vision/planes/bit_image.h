@@ -1,0 +1,35 @@
+// Binary images, one bit a pixel: 64 pixels are processed at a time. Internal to vision/planes.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace kaz::vision {
+
+// Rows from the top. Pixel u of a row is bit u % 64 of word u / 64; bits beyond the row are 0.
+class BitImage {
+ public:
+  int width() const { return width_; }
+  int height() const { return height_; }
+  std::size_t words() const { return words_; }  // of a row
+  const std::uint64_t* row(int v) const { return &bits_[static_cast<std::size_t>(v) * words_]; }
+
+  // From one byte a pixel, 0 or 1, rows without padding.
+  void pack(const std::uint8_t* bytes, int width, int height);
+  // Squares of 2 reach + 1 px, reach at most 64. What is outside of the image has no effect.
+  void dilate(int reach);
+  void erode(int reach);
+  void invert();
+
+ private:
+  void dilate_rows(int reach);
+  void dilate_columns(int reach);
+
+  int width_ = 0, height_ = 0;
+  std::size_t words_ = 0;
+  std::vector<std::uint64_t> bits_, rows_;
+};
+
+}  // namespace kaz::vision

@@ -1,0 +1,41 @@
+// Marker-controlled watershed of a colour picture between two markers. Internal to vision/planes.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Flooding by a priority queue (F. Meyer, "Color image segmentation", IPA 1992): undecided pixels beside a
+// marker wait in one first-in-first-out queue for each colour difference, the largest of the three
+// channels, and get the marker of their neighbours, or become the line between both. Order of the
+// neighbours, and with it each pixel of the result, as in OpenCV's cv::watershed, with which the test
+// compares; the picture's frame is a line, too.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "vision/planes/bit_image.h"
+
+namespace kaz::vision {
+
+class Watershed {
+ public:
+  static constexpr std::uint8_t kFirst = 1, kSecond = 2, kLine = 8;  // 0: enclosed by lines
+
+  // `first`, `second`: disjoint markers of one size; `rgb`: a picture of that size, rows without padding.
+  // One label a pixel, valid until the next call.
+  const std::vector<std::uint8_t>& grow(const std::uint8_t* rgb, const BitImage& first,
+                                        const BitImage& second);
+
+ private:
+  void set_markers(const BitImage& first, const BitImage& second);
+  void queue_beside_markers(const std::uint8_t* rgb, const BitImage& first, const BitImage& second);
+  void push(int level, int pixel);
+  void flood(const std::uint8_t* rgb);
+
+  int width_ = 0, height_ = 0;
+  std::vector<std::uint8_t> label_;
+  // By pixel: the next one in its queue, -1 at its end. A pixel is queued once.
+  std::vector<std::int32_t> next_;
+  std::array<std::int32_t, 256> head_{}, tail_{};  // by colour difference; head -1: empty
+};
+
+}  // namespace kaz::vision
