@@ -150,9 +150,11 @@ void H8Mcu::on_pins(std::function<void(States, const PinLevels&)> listener) {
 }
 
 void H8Mcu::set_analog(AnalogSource source) {
-  chip_.set_analog([this, source = std::move(source)](int channel, h8s::States at) {
-    return channel < 8 ? source(channel, pins_, base_ + at) : 0.0;
-  });
+  chip_.set_analog(
+      [this, source = std::move(source)](int channel, h8s::States at) {
+        return channel < 8 ? source(channel, pins_, base_ + at) : 0.0;
+      },
+      true);
 }
 
 void H8Mcu::receive(const SerialByte& byte) {

@@ -94,8 +94,9 @@ class Mcu {
   // Called at each change of a pin, with its exact time. One listener.
   virtual void on_pins(std::function<void(States, const PinLevels&)> listener) = 0;
 
-  // Voltage at AN0..AN7 as a fraction of AVCC, 0..1; called when the converter samples. `levels` contains
-  // the multiplexer selects at that time.
+  // Voltage at AN0..AN7 as a fraction of AVCC, 0..1, at the converter's sample `at`. `levels` contains the
+  // multiplexer selects at that time. The source has no effects, and depends on its arguments and on what
+  // changes between runs or in listeners alone: samples that the program cannot read are not taken.
   using AnalogSource = std::function<double(int channel, const PinLevels& levels, States at)>;
   virtual void set_analog(AnalogSource source) = 0;
 

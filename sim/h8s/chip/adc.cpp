@@ -13,7 +13,7 @@ namespace {
 constexpr States kSampleSlow = 63, kSampleFast = 31;
 constexpr States kConvertSlow = 249, kConvertFast = 125;
 
-std::uint16_t convert(double share) {
+std::uint16_t code_of(double share) {
   if (!(share > 0)) return 0;
   return static_cast<std::uint16_t>(std::min(share * 1024, 1023.0));
 }
@@ -70,12 +70,27 @@ void Adc::step(Machine& m) {
 }
 
 inline void Adc::sample(Machine& m) {
-  held_ = m.listeners.analog ? convert(m.listeners.analog(source(), next_)) : std::uint16_t{0};
+  held_ = m.listeners.analog ? code_of(m.listeners.analog(source(), next_)) : std::uint16_t{0};
   sampled_ = true;
   next_ = end_;
 }
 
-void Adc::advance(Machine& m, States to) {
+// Of a scan's conversions that end by `to` only the last of each channel are read by anything.
+void Adc::skip(States to) {
+  if (!scan() || end_ > to || ((adcsr_ & 0x40) && !adf_.has(0x80))) return;
+  const States period = fast() ? kScanFast : kScanSlow;
+  const States channels = (adcsr_ & 7u) - first_channel() + 1;
+  const States ends = (to - end_) / period + 1;
+  const States skipped = (ends - channels) / channels * channels;
+  if (skipped <= 0) return;
+  adf_.raise(0x80);
+  sampled_ = false;
+  end_ += skipped * period;
+  next_ = end_ - period + (fast() ? kSampleFast : kSampleSlow);
+}
+
+void Adc::convert(Machine& m, States to) {
+  if (m.conversions_wait()) skip(to);
   while (next_ <= to) step(m);
 }
 

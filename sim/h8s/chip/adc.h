@@ -35,7 +35,11 @@ class Adc {
     if (end_ == kNever || !scan()) return end_;
     return end_ + static_cast<States>((adcsr_ & 7u) - channel_) * (fast() ? kScanFast : kScanSlow);
   }
-  void advance(Machine& m, States to);
+  void advance(Machine& m, States to) {
+    if (next_ <= to) convert(m, to);
+  }
+  // A scan's conversions may be done together, when something reads them or the chip's outputs change.
+  bool may_wait() const { return scan(); }
   // The next event, and those that follow up to `to`, each with its time in `at`, until `ended`.
   void run_events(Machine& m, States to, States& at, const bool& ended);
   // External trigger, by the value of ADCR.TRGS: 2 is the 8-bit timer, 3 the ADTRG pin.
@@ -56,6 +60,8 @@ class Adc {
   unsigned first_channel() const { return scan() ? adcsr_ & 4u : adcsr_ & 7u; }
   int source() const;
   void start(Machine& m, States at);
+  void convert(Machine& m, States to);
+  void skip(States to);
   void step(Machine& m);
   void sample(Machine& m);
   void finish(Machine& m);

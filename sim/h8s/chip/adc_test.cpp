@@ -1,5 +1,7 @@
 // A/D converter: sampling instant, conversion time, single and scan mode, result format.
 // SPDX-License-Identifier: Apache-2.0
+#include <random>
+
 #include "sim/h8s/chip/chip_testing.h"
 
 namespace kaz::h8s::testing {
@@ -81,6 +83,48 @@ TEST(Adc, ResultIsCutDownAndClipped) {
     chip.set_analog([v = share](int, States) { return v; });
     chip.run_until(400);
     EXPECT_EQ(chip.peek16(kAddra).value() >> 6, code);
+  }
+}
+
+// A steady source: the same results in the same states, with fewer samples. Port 1 changes every 1,500
+// states, and the source depends on it.
+TEST(Adc, OfASteadySourceOnlyWhatIsReadIsSampled) {
+  constexpr std::uint32_t port1_direction = 0xffffb0, port1 = 0xffffb2;
+  for (const std::uint8_t adcsr : {0x32, 0x3b, 0x35, 0x72}) {
+    Program p;
+    p.modules_on().out8(port1_direction, 0xff).out8(kAdcsr, adcsr);
+    const auto loop = static_cast<std::uint16_t>(end_of(p));
+    for (const std::uint8_t level : {1, 0})
+      p.out8(port1, level)
+          .words({0x7901, 500, 0x1b51, 0x46fc});  // mov.w #500,r1 ; dec.w #1,r1 ; bne
+    p.words({0x5a00, loop});
+    struct Board {
+      Chip chip;
+      bool level = false;
+      int samples = 0;
+    };
+    Board boards[] = {{make_chip(p)}, {make_chip(p)}};
+    for (Board& b : boards) {
+      b.chip.on_output(
+          [&b](const OutputChange&) { b.level = (b.chip.output(Port::p1).level & 1) != 0; });
+      b.chip.set_analog(
+          [&b](int channel, States at) {
+            ++b.samples;
+            return (static_cast<double>((at / 64 + channel * 31) % 128) + (b.level ? 128 : 0)) /
+                   256;
+          },
+          &b == &boards[1]);
+    }
+    std::mt19937 random(adcsr);
+    for (int slice = 0; slice < 200; ++slice) {
+      const States to = boards[0].chip.now() + 1 + static_cast<States>(random() % 4000);
+      for (Board& b : boards) ASSERT_EQ(b.chip.run_until(to).reason, Stop::Reason::reached);
+      ASSERT_EQ(boards[0].chip.now(), boards[1].chip.now());
+      for (std::uint32_t at = kAddra; at <= kAdcsr; ++at)
+        ASSERT_EQ(boards[0].chip.peek(at), boards[1].chip.peek(at)) << std::hex << at;
+    }
+    EXPECT_LT(boards[1].samples, boards[0].samples);
+    EXPECT_GT(boards[1].samples, boards[0].samples / 8);
   }
 }
 

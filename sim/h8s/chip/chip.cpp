@@ -30,10 +30,12 @@ Chip::Chip(Chip&&) noexcept = default;
 Chip& Chip::operator=(Chip&&) noexcept = default;
 
 Chip Chip::clone() const {
+  machine_->convert_all();
   return Chip(std::make_unique<Machine>(*machine_));
 }
 
 std::shared_ptr<const Chip> Chip::save() const {
+  machine_->convert_all();
   return std::shared_ptr<const Chip>(new Chip(std::make_unique<Machine>(*machine_)));
 }
 
@@ -44,6 +46,7 @@ void Chip::restore(const Chip& saved) {
 }
 
 void Chip::write_state(StateWriter& to) const {
+  machine_->convert_all();
   machine_->write_state(to);
 }
 
@@ -219,8 +222,10 @@ void Chip::detach(Observer& observer) {
   machine_->detach(observer);
 }
 void Chip::set_input_log(InputLog* log) {
+  machine_->convert_all();
   machine_->input_log = log;
   machine_->connect_analog();
+  machine_->reschedule_all();
 }
 void Chip::request_stop() {
   machine_->request_stop();
@@ -307,9 +312,12 @@ bool Chip::tmo_driven(int timer) const {
   return machine_->tmo_driven(timer);
 }
 
-void Chip::set_analog(std::function<double(int channel, States at)> source) {
+void Chip::set_analog(std::function<double(int channel, States at)> source, bool steady) {
+  machine_->convert_all();
   machine_->analog_source = std::move(source);
+  machine_->steady_analog = steady;
   machine_->connect_analog();
+  machine_->reschedule_all();
 }
 
 Result<void> Chip::receive(int sci, const ReceivedByte& byte) {

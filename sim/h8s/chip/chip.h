@@ -286,8 +286,10 @@ class Chip {
   bool tmo_driven(int timer) const;
 
   // Input voltage of AN0..AN7 (8..15: CIN0..CIN7) as a fraction of AVCC, 0..1. `source` is called at the
-  // time of each sample.
-  void set_analog(std::function<double(int channel, States at)> source);
+  // time of each sample. `steady`: it has no effects, and depends on channel, time, outputs and what does
+  // not change during a run alone. A scan's samples may then be taken later, but before any output changes
+  // and before the run ends; those that nothing reads are not taken.
+  void set_analog(std::function<double(int channel, States at)> source, bool steady = false);
 
   // Serial
   // ------

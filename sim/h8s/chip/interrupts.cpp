@@ -92,6 +92,15 @@ bool Interrupts::acceptable(unsigned vector, std::uint8_t control, bool two_leve
 Interrupts::Choice Interrupts::choose(States boundary, std::uint8_t control, bool two_level,
                                       int decision) const {
   Choice choice;
+  // Nearly always there is one, and it is not masked.
+  if (const std::uint64_t one = pending_[0] | pending_[1];
+      !(control & 0x80) && (one & (one - 1)) == 0 && (pending_[0] == 0 || pending_[1] == 0) &&
+      one != 0) {
+    const unsigned v = (pending_[0] == 0 ? 64u : 0u) + static_cast<unsigned>(std::countr_zero(one));
+    choice.earliest = since_[v] + decision + 1;
+    if (boundary >= choice.earliest) choice.vector = v;
+    return choice;
+  }
   for (unsigned half = 0; half < 2; ++half) {
     for (std::uint64_t left = pending_[half]; left != 0; left &= left - 1) {
       const unsigned v = half * 64 + static_cast<unsigned>(std::countr_zero(left));

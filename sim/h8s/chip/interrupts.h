@@ -42,6 +42,8 @@ class Interrupts {
   // Whether a request has been raised since the last call.
   bool take_raised() { return std::exchange(raised_, false); }
   bool requested(unsigned vector) const { return since_[vector] != kNever; }
+  // Requests to the CPU, bit by vector: two words.
+  const std::uint64_t* pending() const { return pending_.data(); }
 
   // Whether a request passes mask bits I and UI of `control`: it is accepted now or a few states later.
   bool any_unmasked(std::uint8_t control, bool two_level) const {

@@ -131,6 +131,11 @@ inline void Machine::check_raised() {
     end_stretch(cpu);
 }
 
+void Machine::process_events(States to) {
+  if (processing_ == kNever) run_events(to);
+  check_raised();
+}
+
 inline void Machine::sample_pins(unsigned of_ports) {
   if (!pins.watches(of_ports)) return;
   pins.sample(*this, event_time());
@@ -185,26 +190,24 @@ void Machine::find_frequent() {
     if (module_stopped(p)) continue;
     if (p.unit == Unit::adc) f = Frequent::adc;
     if (p.unit == Unit::pwm) f = Frequent::pwm;
+    if (p.unit == Unit::ports) f = Frequent::ports;
     if (p.unit == Unit::sci) f = p.n == 0 ? Frequent::sci0 : Frequent::sci1;
   }
 }
 
-std::uint8_t Machine::io_read(std::uint32_t address) {
-  const States at = time();
+inline std::uint8_t Machine::io_read_at(std::uint32_t address, States at) {
   settle(at);
   // What is due while an event is processed is rescheduled below.
   switch (frequent_[address & (kPlaces - 1)]) {
     case Frequent::adc:
       if (due(Source::adc, at)) break;
-      check_raised();
+      adc.advance(*this, at);
       return adc.read_now(address & 0xffff);
     case Frequent::sci0:
       if (due(Source::sci0, at)) break;
-      check_raised();
       return sci[0].read_now(address & 7);
     case Frequent::sci1:
       if (due(Source::sci1, at)) break;
-      check_raised();
       return sci[1].read_now(address & 7);
     default:
       break;
@@ -215,18 +218,54 @@ std::uint8_t Machine::io_read(std::uint32_t address) {
   return value;
 }
 
+std::uint8_t Machine::io_read(std::uint32_t address) {
+  return io_read_at(address, time());
+}
+
+std::uint8_t Machine::load_io8(std::uint32_t address) {
+  add_stall(cpu, 1);
+  return io_read_at(address, time());
+}
+
+std::uint16_t Machine::load_io16(std::uint32_t address) {
+  add_stall(cpu, 1);
+  const Frequent frequent = frequent_[address & (kPlaces - 1)];
+  const unsigned high = io_read_at(address, time());
+  if (frequent != Frequent::none || !wide(address)) add_stall(cpu, 2);
+  // The lower byte of a result was latched with the upper one.
+  if (frequent == Frequent::adc && within(address & 0xffff, 0xffe0, 0xffe7))
+    return static_cast<std::uint16_t>(high << 8 | adc.read_now((address + 1) & 0xffff));
+  return static_cast<std::uint16_t>(high << 8 | io_read_at(address + 1, time()));
+}
+
+void Machine::store_io8(std::uint32_t address, std::uint8_t value) {
+  add_stall(cpu, 1);
+  io_write_at(address, value, time());
+}
+
+void Machine::store_io16(std::uint32_t address, std::uint16_t value) {
+  add_stall(cpu, wide(address) ? 1 : 3);
+  io_write_word(address, value);
+}
+
 void Machine::io_write(std::uint32_t address, std::uint8_t value) {
-  const States at = time();
+  io_write_at(address, value, time());
+}
+
+inline void Machine::io_write_at(std::uint32_t address, std::uint8_t value, States at) {
   settle(at - 1);
   switch (frequent_[address & (kPlaces - 1)]) {
     case Frequent::adc:
       adc.write(*this, address & 0xffff, value, at);
-      rescheduled(Source::adc, adc.next_event());
+      rescheduled(Source::adc, adc_event());
       return check_raised();
     case Frequent::pwm:
+      if (pwm.write_quietly(address & 0xffff, value)) return;
       pwm.write(*this, address & 0xffff, value, at);
-      sample_pins(1u << 1 | 1u << 2);
-      return check_raised();
+      return sample_pins(1u << 1 | 1u << 2);
+    case Frequent::ports:
+      if (ports.holds(address & 0xffff, value)) return;
+      break;
     case Frequent::sci0:
       sci[0].write(*this, 0, address & 7, value, at);
       rescheduled(Source::sci0, sci[0].next_event());

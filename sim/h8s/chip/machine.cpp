@@ -40,6 +40,7 @@ Machine::Machine(const Machine& other)
 
 void Machine::attach() {
   cpu.bus = this;
+  cpu.pending = irq.pending();
   cpu.flash = flash_.data();
   cpu.ram = block_.data() + kRam;
   cpu.has_code = cpu.chip_lines.data() + kRam / kLine;

@@ -43,6 +43,8 @@ struct Listeners {
   std::function<double(int, States)> analog;
 };
 
+inline constexpr std::uint8_t kSsby = 0x80;  // of SBYCR: SLEEP begins standby
+
 // System registers without a class of their own.
 struct SystemRegisters {
   std::uint8_t stcr = 0, syscr = 0x09, mdcr = 0, bcr = 0xd7, wscr = 0x33;
@@ -128,8 +130,19 @@ class Machine final : public Bus {
   void set_nmi(bool level);
   bool stopped(unsigned bit) const { return (system.mstpcr >> bit & 1) != 0; }
   std::uint8_t stcr() const { return system.stcr; }
-  void notify(OutputChange::Unit unit, int index, States at) const {
-    if (listeners.output) listeners.output({unit, index, at});
+  void notify(OutputChange::Unit unit, int index, States at) {
+    if (!listeners.output) return;
+    if (unit != OutputChange::Unit::serial) convert_before(at);
+    listeners.output({unit, index, at});
+  }
+  // Whether conversions that request no interrupt may be done later than their time, or not at all.
+  bool conversions_wait() const { return steady_analog && !input_log && observers.empty(); }
+  // Does those that have waited, before something may change what they sample.
+  void convert_before(States at) {
+    if (conversions_wait()) adc.advance(*this, at - 1);
+  }
+  void convert_all() {
+    if (conversions_wait()) adc.advance(*this, event_time());
   }
   void misuse(std::uint32_t address, const char* text);
   // Reschedules a module whose next event may have changed; running instructions stop in time for it.
@@ -205,6 +218,7 @@ class Machine final : public Bus {
   bool running = false;           // inside run()
   bool in_hook = false;           // inside a code hook, at an instruction boundary
   std::function<double(int, States)> analog_source;
+  bool steady_analog = false;  // Chip::set_analog
   // Must be called before an input is applied.
   void log_input(std::function<void(Chip&)> apply);
   void log_cut();
@@ -220,6 +234,8 @@ class Machine final : public Bus {
   void transfer_cpu(A& a);
   void attach();
   void sleep_until(States at);
+  std::uint8_t io_read_at(std::uint32_t address, States at);
+  void io_write_at(std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t read_register(const Place& place, std::uint32_t address, States at);
   void write_register(const Place& place, std::uint32_t a, std::uint8_t value, States at);
   void accessed(const Place& place, std::uint32_t a, States at, bool written);
@@ -234,12 +250,21 @@ class Machine final : public Bus {
   void run_modules(States to);
   void advance(Source source, States to);
   States event_of(Source source);
+  States adc_event() const {
+    return conversions_wait() && adc.may_wait() ? adc.next_request() : adc.next_event();
+  }
+  void know_events() {
+    if (!events_known_)
+      find_events();
+    else if (stale_)
+      first_events();
+  }
   States next_event() {
-    if (!events_known_) find_events();
+    know_events();
     return next_event_;
   }
   States next_stop() {
-    if (!events_known_) find_events();
+    know_events();
     return next_stop_;
   }
   // The state by which the CPU must stop for a module's event. If the event only raises a request, that
@@ -287,10 +312,11 @@ class Machine final : public Bus {
   Stop stop_for_fault();
   enum class Hooked { none, ran, stop };
   Hooked run_hook(Chip& chip, States stop, bool one);
+  Stop run_to(Chip& chip, States until, bool single);
 
   // The registers of FE00..FFFF whose accesses are frequent, by the module that they belong to now: not
   // while it is stopped. Found anew when STCR or MSTPCR changes.
-  enum class Frequent : std::uint8_t { none, adc, pwm, sci0, sci1 };
+  enum class Frequent : std::uint8_t { none, adc, pwm, ports, sci0, sci1 };
   std::array<Frequent, 0x200> frequent_{};
 
   std::vector<std::uint8_t> flash_;
@@ -315,6 +341,7 @@ class Machine final : public Bus {
   States other_event_ = 0;    // the earliest but the converter's
   unsigned other_first_ = 0;  // and its module
   bool events_known_ = false;
+  bool stale_ = false;          // the earliest are bounds: they may be later
   bool rescheduled_ = false;    // a module, since the last conversion began
   States processing_ = kNever;  // time of the event being processed
 };

@@ -8,30 +8,6 @@
 
 namespace kaz::h8s {
 
-std::uint8_t Machine::load_io8(std::uint32_t address) {
-  add_stall(cpu, 1);
-  return io_read(address);
-}
-
-std::uint16_t Machine::load_io16(std::uint32_t address) {
-  const bool one_access =
-      frequent_[address & (frequent_.size() - 1)] == Frequent::none && wide(address);
-  add_stall(cpu, 1);
-  const unsigned high = io_read(address);
-  if (!one_access) add_stall(cpu, 2);
-  return static_cast<std::uint16_t>(high << 8 | io_read(address + 1));
-}
-
-void Machine::store_io8(std::uint32_t address, std::uint8_t value) {
-  add_stall(cpu, 1);
-  io_write(address, value);
-}
-
-void Machine::store_io16(std::uint32_t address, std::uint16_t value) {
-  add_stall(cpu, wide(address) ? 1 : 3);
-  io_write_word(address, value);
-}
-
 std::uint8_t Machine::load8(std::uint32_t address) {
   if (is_io(address) && !cpu.observed) return load_io8(address);  // nearly always
   const auto seen = [&](std::uint8_t value) {

@@ -51,14 +51,18 @@ void Machine::choose_paths() {
 }
 
 void Machine::attach(Observer& observer) {
+  convert_all();
   if (std::find(observers.begin(), observers.end(), &observer) == observers.end())
     observers.push_back(&observer);
   choose_paths();
+  reschedule_all();
 }
 
 void Machine::detach(Observer& observer) {
+  convert_all();
   std::erase(observers, &observer);
   choose_paths();
+  reschedule_all();
 }
 
 void Machine::request_stop() {

@@ -31,9 +31,11 @@ bool Machine::serial_drives(int channel) const {
 }
 
 int Machine::pw_high_counts(int channel) const {
-  if (!pw_driven(channel)) return 0;
+  if (channel < 0 || channel > 15) return 0;
   const PortPin pin = pw_pin(channel);
-  if (pwm.enabled(static_cast<unsigned>(channel)) && !serial_drives(channel))
+  const bool serial = serial_drives(channel);
+  if (!(ports.ddr(pin.port) >> pin.bit & 1) && !serial) return 0;
+  if (pwm.enabled(static_cast<unsigned>(channel)) && !serial)
     return pwm.high_counts(static_cast<unsigned>(channel), time());
   return ports.output(*this, pin.port, time()).level >> pin.bit & 1 ? 256 : 0;
 }

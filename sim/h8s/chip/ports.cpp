@@ -152,6 +152,12 @@ std::optional<std::uint8_t> Ports::read(const Machine& m, std::uint32_t address)
   return std::nullopt;
 }
 
+bool Ports::holds(std::uint32_t address, std::uint8_t value) const {
+  const auto r = port_register(address);
+  if (!r || (r->kind != Kind::dr && r->kind != Kind::ddr)) return false;
+  return (r->kind == Kind::dr ? dr_ : ddr_)[r->port] == (value & width(r->port));
+}
+
 bool Ports::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
   const auto r = port_register(address);
   if (!r) return false;

@@ -18,6 +18,8 @@ class Ports {
   // Registers by low 16 bits, FFAC..FFBE; nullopt or false where there is none.
   std::optional<std::uint8_t> read(const Machine& m, std::uint32_t address) const;
   bool write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
+  // Whether writing a latch or direction changes nothing.
+  bool holds(std::uint32_t address, std::uint8_t value) const;
   // Levels driven by the board are kept.
   void reset();
 

@@ -8,7 +8,7 @@
 namespace kaz::h8s {
 namespace {
 
-constexpr std::uint8_t kSsby = 0x80, kDton = 0x80, kLson = 0x40;
+constexpr std::uint8_t kDton = 0x80, kLson = 0x40;
 
 }  // namespace
 

@@ -16,6 +16,13 @@ class Pwm {
   // FFD2..FFD7, and PCSR at FF82.
   std::uint8_t peek(std::uint32_t address) const;
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
+  // A write that changes no waveform, done at once; false: there is more to it.
+  bool write_quietly(std::uint32_t address, std::uint8_t value) {
+    if (address == 0xffd7) return data_[select_ & 15] == value;
+    if (address != 0xffd6 || ((value ^ select_) & 0xc0) != 0) return false;
+    select_ = static_cast<std::uint8_t>((value & 0xcf) | 0x20);
+    return true;
+  }
   // Prescaler and counter run from `epoch` on, the reset of the chip.
   explicit Pwm(States epoch = 0) : epoch_(epoch), base_(epoch) {}
   // Module stop; PCSR too.

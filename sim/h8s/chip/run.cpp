@@ -43,7 +43,7 @@ States Machine::event_of(Source source) {
     case Source::wdt1:
       return wdt[1].next_event(*this, 1);
     case Source::adc:
-      return adc.next_event();
+      return adc_event();
     case Source::frt:
       return stopped(Stop_frt) ? kNever : frt.next_event(epoch);
     case Source::tmr:
@@ -104,6 +104,7 @@ void Machine::first_events() {
     }
     stop = std::min(stop, stops_[k]);
   }
+  stale_ = false;
   other_event_ = event;
   other_first_ = first;
   next_stop_ = stop;
@@ -115,26 +116,17 @@ void Machine::rescheduled(Source source) {
   if (events_known_) rescheduled(source, event_of(source));
 }
 
-// The earliest of all is only sought again where it may have become later.
+// Where the earliest of all may have become later, what is known of it remains a bound until it is needed.
 void Machine::rescheduled(Source source, States event) {
   rescheduled_ = true;
   if (!events_known_) return;
   const auto k = static_cast<unsigned>(source);
   const States stop = stop_for(source, event);
   if (event == events_[k] && stop == stops_[k]) return;
-  const bool later = (k != of_adc && event > events_[k] && events_[k] == other_event_) ||
-                     (stop > stops_[k] && stops_[k] == next_stop_);
+  stale_ = true;
   set_event(k, event, stop);
-  if (later) {
-    first_events();
-  } else {
-    if (k != of_adc && (event < other_event_ || (event == other_event_ && k < other_first_))) {
-      other_event_ = event;
-      other_first_ = k;
-    }
-    next_event_ = std::min(other_event_, events_[of_adc]);
-    next_stop_ = std::min(next_stop_, stop);
-  }
+  next_event_ = std::min(next_event_, event);
+  next_stop_ = std::min(next_stop_, stop);
   cpu.stop = std::min(cpu.stop, stop - cpu.stall);
 }
 
@@ -154,9 +146,9 @@ void Machine::run_modules(States to) {
 // Processes events in order of time, so that one may cause the next. A module without an event is not
 // advanced until it is accessed.
 void Machine::run_events(States to) {
-  if (next_event() > to) return;
+  if (events_known_ && next_event_ > to) return;
   for (;;) {
-    if (!events_known_) find_events();
+    know_events();
     if (other_event_ > to || events_[of_adc] < other_event_) {
       if (events_[of_adc] > to) break;
       run_conversions(std::min(to, other_event_ - 1));
@@ -176,7 +168,7 @@ void Machine::run_events(States to) {
       const States edge = event_of(Source::pins);
       set_event(of_pins, edge, stop_for(Source::pins, edge));
     }
-    first_events();
+    stale_ = true;
   }
   processing_ = kNever;
   cpu.stop = std::min(cpu.stop, next_stop_ - cpu.stall);
@@ -188,16 +180,9 @@ void Machine::run_conversions(States to) {
   rescheduled_ = false;
   adc.run_events(*this, to, processing_, rescheduled_);
   if (!events_known_) return;
-  const States stop = stops_[of_adc];
-  const States event = adc.next_event();
+  const States event = event_of(Source::adc);
   set_event(of_adc, event, stop_for(Source::adc, event));
-  if (stops_[of_adc] > stop && stop == next_stop_) return first_events();
-  next_event_ = std::min(other_event_, events_[of_adc]);
-  next_stop_ = std::min(next_stop_, stops_[of_adc]);
-}
-
-void Machine::process_events(States to) {
-  if (processing_ == kNever && next_event() <= to) run_events(to);
+  stale_ = true;
 }
 
 void Machine::set_input(unsigned port, unsigned bit, std::optional<bool> level) {
@@ -287,6 +272,7 @@ Machine::Hooked Machine::run_hook(Chip& chip, States stop, bool one) {
   if (hook_done_ != at && !cpu.moving) {
     hook_done_ = at;
     const Chip::CodeHook hook = found->second;  // it may remove itself
+    convert_all();
     in_hook = true;
     const HookAction action = hook(chip);
     in_hook = false;
@@ -307,6 +293,12 @@ Machine::Hooked Machine::run_hook(Chip& chip, States stop, bool one) {
 }
 
 Stop Machine::run(Chip& chip, States until, bool single) {
+  Stop stop = run_to(chip, until, single);
+  convert_all();  // what is sampled may change before the next run
+  return stop;
+}
+
+Stop Machine::run_to(Chip& chip, States until, bool single) {
   const std::int64_t executed = cpu.executed;
   const States began = cpu.now;
   events_known_ = false;
@@ -332,7 +324,7 @@ Stop Machine::run(Chip& chip, States until, bool single) {
       sleep_until(next);
       continue;
     }
-    if ((cpu.asleep || standby_) && stands_by()) {
+    if ((standby_ || (cpu.asleep && (system.sbycr & kSsby))) && stands_by()) {
       if (!stand_by(until))
         return error_stop(
             Stop::Reason::asleep_forever,
@@ -358,8 +350,9 @@ Stop Machine::run(Chip& chip, States until, bool single) {
         accept(choice.vector);
         end_slow();
         // Nearly always there is nothing to look at before the handler runs.
-        if (!single && !moves && hooks.empty() && cpu.fault == Fault::none && !stop_requested_ &&
-            events_known_ && next_event_ > cpu.now && cpu.now < until && !irq.watches_fetches() &&
+        if (!single && !moves && (hooks.empty() || !hooks.contains(pc())) &&
+            cpu.fault == Fault::none && !stop_requested_ && events_known_ && !stale_ &&
+            next_event_ > cpu.now && cpu.now < until && !irq.watches_fetches() &&
             !irq.any_diverted() && !irq.any_unmasked(cpu.control, cpu.two_level))
           stretch(std::min(next_stop_, until), false);
         continue;
@@ -368,8 +361,9 @@ Stop Machine::run(Chip& chip, States until, bool single) {
     }
     if (cpu.asleep) {
       // A conversion without an interrupt ends no sleep, but is no error either.
-      if (event == kNever && single && until == kNever) event = next_event();
-      if (event == kNever && next_event() == kNever && !could_wake())
+      const States any_event = std::min(next_event(), adc.next_event());
+      if (event == kNever && single && until == kNever) event = any_event;
+      if (event == kNever && any_event == kNever && !could_wake())
         return error_stop(
             Stop::Reason::asleep_forever,
             "SLEEP with nothing enabled that could wake it, before " + symbols->describe(pc()));

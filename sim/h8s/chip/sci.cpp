@@ -45,7 +45,7 @@ void Sci::update(Machine& m, unsigned n, States at) {
   m.irq.set_all(base, 4, levels, at);
 }
 
-void Sci::advance(Machine& m, unsigned n, States to) {
+void Sci::run_events(Machine& m, unsigned n, States to) {
   for (;;) {
     const States at = next_event();
     if (at > to) return;

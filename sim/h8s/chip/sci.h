@@ -55,7 +55,9 @@ class Sci {
     const States in = incoming_.empty() ? kNever : incoming_.front().at;
     return std::min(std::min(end_, in), std::min(sample_, arrives_));
   }
-  void advance(Machine& m, unsigned n, States to);
+  void advance(Machine& m, unsigned n, States to) {
+    if (next_event() <= to) run_events(m, n, to);
+  }
   std::deque<ReceivedByte>& incoming() { return incoming_; }
 
   // --- pins --------------------------------------------------------------------------------------
@@ -124,6 +126,7 @@ class Sci {
   void stop_receiving();
   void start_reception_clock(States at);
 
+  void run_events(Machine& m, unsigned n, States to);
   void enable(Machine& m, unsigned n, std::uint8_t value, States at);
   void update(Machine& m, unsigned n, States at);
 

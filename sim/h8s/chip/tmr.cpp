@@ -9,6 +9,10 @@
 namespace kaz::h8s {
 namespace {
 
+// States per count, by STCR.ICKS, timer and clock selection.
+constexpr States kDivisors[2][2][4] = {{{0, 8, 64, 1024}, {0, 8, 64, 1024}},
+                                       {{0, 2, 32, 256}, {0, 2, 128, 2048}}};
+
 // Counts up to `target` at once where no flag can be raised any more and no output toggles. False: not here.
 bool count_quietly(Timer8& t, States target) {
   using Clear = Timer8::Clear;
@@ -37,11 +41,7 @@ bool count_quietly(Timer8& t, States target) {
 
 States Tmr::divisor(const Machine& m, unsigned n) const {
   const unsigned cks = timer_[n].clock_select();
-  constexpr States slow[2][4] = {{0, 8, 64, 1024}, {0, 8, 64, 1024}};
-  constexpr States fast[2][4] = {{0, 2, 32, 256}, {0, 2, 128, 2048}};
-  if (cks > 3) return 0;
-  const bool icks = (m.stcr() >> n & 1) != 0;
-  return icks ? fast[n][cks] : slow[n][cks];
+  return cks > 3 ? 0 : kDivisors[m.stcr() >> n & 1][n][cks];
 }
 
 void Tmr::update(Machine& m, unsigned n, States at) {
@@ -253,8 +253,12 @@ std::uint8_t Tmr::read(Machine& m, std::uint32_t address, States at) {
 void Tmr::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
   const unsigned n = address & 1, which = address & ~1u;
   Timer8& t = timer_[n];
+  const auto advance_this = [&](States to) {
+    const bool alone = !cascaded(0) && !cascaded(1) && which != 0xffc8 && !m.stopped(Stop_tmr);
+    alone ? advance_one(m, n, to) : advance(m, to);
+  };
   // Up to the state of the write itself, where a write wins over a count and suppresses a match.
-  advance(m, at - 1);
+  advance_this(at - 1);
   std::uint8_t* const compare = which == 0xffcc ? &t.tcora : which == 0xffce ? &t.tcorb : nullptr;
   const std::uint8_t before = compare ? *compare : 0;
   if (compare) *compare = static_cast<std::uint8_t>(~t.count);
@@ -262,7 +266,7 @@ void Tmr::write(Machine& m, std::uint32_t address, std::uint8_t value, States at
   if (compare || (which == 0xffd0 && cascaded(n)))
     advance_one(m, cascaded(n) ? 1 - n : n, at);
   else if (which != 0xffd0)
-    advance(m, at);
+    advance_this(at);
   const bool drove = drives(n);
   bool changed = false;
   const auto put = [&](std::uint8_t& place, std::uint8_t old, std::uint8_t now) {

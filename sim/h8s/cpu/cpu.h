@@ -97,7 +97,8 @@ struct Cpu {
   std::uint32_t short_ram_code = kShortRamCode;  // index of the short window; flat: past the end
   std::uint32_t code_size = kCodeSize;           // of `code`
   Bus* bus = nullptr;                            // null: RAM at every address (Flat)
-  bool hooks = false;                            // any code hooks set
+  const std::uint64_t* pending = nullptr;  // requests to the CPU, two words of bits; with `bus`
+  bool hooks = false;                      // any code hooks set
   Engine engine = Engine::interpreter;
   CodeCache* translated = nullptr;  // null: interpret
   std::uint32_t translate_after = 1000;

@@ -43,6 +43,7 @@ unsigned registers_written_by(const Step& s) {
     case Op::bld:
     case Op::bcc:
     case Op::jmp:
+    case Op::control:
       return 0;
     case Op::bset:
     case Op::bnot:
@@ -52,6 +53,7 @@ unsigned registers_written_by(const Step& s) {
     case Op::bsr:
     case Op::jsr:
     case Op::rts:
+    case Op::rte:
     case Op::stm:
       return sp;
     case Op::ldm:
@@ -97,6 +99,7 @@ Access access_of(const Step& s) {
     case Op::jsr:
       return through(Mode::decrement, 7, 4, true);
     case Op::rts:
+    case Op::rte:
       return through(Mode::increment, 7, 4, true);
     case Op::stm:
       return through(Mode::decrement, 7, 4 * form.count, true);
@@ -120,6 +123,8 @@ bool may_exit_before(const Form& form) {
     case Op::bsr:
     case Op::jsr:
     case Op::rts:
+    case Op::rte:
+    case Op::control:  // a request may be pending
       return true;
     case Op::jmp:
       return form.src == Mode::indirect;  // to a place without code
@@ -238,6 +243,9 @@ void describe_flags(const Cpu& c, Step& s) {
     case Op::interpreted:
       s.sets = s.uses = kAllFlags;  // in memory before and after
       break;
+    case Op::rte:
+      s.sets = kAllFlags;
+      break;
     default:
       break;
   }
@@ -263,6 +271,13 @@ bool resolve_memory(const Cpu& c, Step& s) {
   const bool writes = store && (form.op == Op::mov || form.op == Op::bset || form.op == Op::bnot ||
                                 form.op == Op::bclr || form.op == Op::bst);
   return !writes || place != Place::flash;
+}
+
+// Whether only the mask bits of CCR change.
+bool keeps_flags(const Step& s) {
+  constexpr std::uint32_t flags = 0x2f;
+  return static_cast<Control>(s.form.detail) == Control::bit_and ? (s.insn.imm & flags) == flags
+                                                                 : (s.insn.imm & flags) == 0;
 }
 
 std::uint32_t index_at(Cpu& c, std::uint32_t address) {
@@ -315,7 +330,7 @@ bool take_step(Cpu& c, std::uint32_t index, Step& step) {
   // A block that wraps around the top of the flat machine's memory is not translated.
   if (c.flat && index + step.insn.units > c.ram_size / 2) return false;
   if (step.form.op == Op::none) return false;
-  if (!resolve_memory(c, step)) {
+  if (!resolve_memory(c, step) || (step.form.op == Op::control && !keeps_flags(step))) {
     step.form = Form{};
     step.form.op = Op::interpreted;
   }

@@ -138,7 +138,7 @@ Block find_block(Cpu& c, std::uint32_t start, const Known& known) {
     block.after += step.insn.units;
     const Op op = step.form.op;
     const bool leaves = op == Op::bsr || op == Op::jmp || op == Op::jsr || op == Op::rts ||
-                        (op == Op::bcc && step.form.detail == 0) ||
+                        (op == Op::bcc && step.form.detail == 0) || op == Op::rte ||
                         (op == Op::interpreted && step.form.detail != 0);
     block.steps.push_back(step);
     if (leaves) {

@@ -23,10 +23,12 @@ host::CondCode condition_code(unsigned condition) {
 
 }  // namespace
 
-Emitter::Emitter(Cpu& cpu, asmjit::CodeHolder& code, Entry* entries, const Gate& gate)
+Emitter::Emitter(Cpu& cpu, asmjit::CodeHolder& code, Entry* entries, NearEnd* near_ends,
+                 const Gate& gate)
     : c_(cpu),
       a_(&code),
       entries_(entries),
+      near_ends_(near_ends),
       gate_(gate),
       movbe_(asmjit::CpuInfo::host().hasFeature(asmjit::CpuFeatures::X86::kMOVBE)) {}
 
@@ -40,8 +42,13 @@ void Emitter::emit(const std::vector<Block>& blocks) {
     block_at_[blocks[n].start] = n;
     inside_.push_back(a_.newLabel());
     outside_.push_back(a_.newLabel());
+    late_.push_back(a_.newLabel());
   }
   for (std::size_t n = 0; n < blocks.size(); ++n) emit_block(n);
+  emit_cold();
+}
+
+void Emitter::emit_cold() {
   for (std::size_t k = 0; k < cold_.size(); ++k) {
     const auto piece = cold_[k];
     piece();
@@ -51,15 +58,10 @@ void Emitter::emit(const std::vector<Block>& blocks) {
 void Emitter::emit_block(std::size_t n) {
   block_ = &(*blocks_)[n];
   const Block& block = *block_;
-  const asmjit::Label too_late = a_.newLabel();
   a_.bind(outside_[n]);
   a_.sub(kLeft, block.bound);
-  a_.jle(too_late);
-  cold_.push_back([this, too_late, &block] {
-    a_.bind(too_late);
-    a_.add(kLeft, block.bound);
-    emit_out(block.start, kGoOn);
-  });
+  a_.jle(late_[n]);
+  cold_.push_back([this, n] { emit_late(n); });
   a_.bind(inside_[n]);
   pending_.fill(-1);
   native_ = 0;
@@ -91,6 +93,55 @@ void Emitter::emit_again(std::size_t n, const Again& again, const Pending& pendi
   }
   emit_end();
   second_ = false;
+}
+
+// All flags are in memory.
+void Emitter::emit_late(std::size_t n) {
+  const Block& block = (*blocks_)[n];
+  const asmjit::Label absent = a_.newLabel();
+  a_.bind(late_[n]);
+  a_.add(kLeft, block.bound);
+  a_.mov(host::rsi, reinterpret_cast<std::uint64_t>(&near_ends_[block.start].code));
+  a_.mov(host::rsi, host::ptr(host::rsi));
+  a_.test(host::rsi, host::rsi);
+  a_.jz(absent);
+  a_.jmp(host::rsi);
+  a_.bind(absent);
+  emit_out(block.start, kGoOn);
+}
+
+// Flags are in memory wherever a step ends, since any may be the last one.
+void Emitter::emit_near_end(const Block& whole) {
+  Block block = whole;
+  for (Step& s : block.steps) s.exits = true;
+  settle_flags(block);
+  block_ = &block;
+  const asmjit::Label end = a_.newLabel();
+  a_.test(kLeft, kLeft);
+  a_.jle(end);
+  a_.sub(kLeft, block.bound);
+  cold_.push_back([this, end, &block] {
+    a_.bind(end);
+    emit_out(block.start, kGoOn);
+  });
+  pending_.fill(-1);
+  native_ = 0;
+  second_ = near_end_ = true;
+  for (std::size_t k = 0; k < block.steps.size(); ++k) {
+    has_before_ = false;
+    stored_ = 0;
+    emit_step(k);
+    if (k + 1 < block.steps.size()) leave_at_end(k);
+  }
+  emit_end();
+  emit_cold();
+}
+
+void Emitter::leave_at_end(std::size_t k) {
+  a_.cmp(kLeft, static_cast<std::int32_t>(states_before(k + 1)) -
+                    static_cast<std::int32_t>(block_->bound));
+  a_.jle(after(k));
+  native_ = 0;
 }
 
 void Emitter::emit_end() {
@@ -176,6 +227,11 @@ void Emitter::emit_step(std::size_t k) {
       return emit_jump(k);
     case Op::rts:
       return emit_return(k);
+    case Op::rte:
+      return emit_exception_return(k);
+    case Op::control:
+      emit_control(k);
+      break;
     case Op::cmp:  // the flags are computed where they are read
     case Op::nop:
     case Op::none:
@@ -190,14 +246,17 @@ void Emitter::emit_step(std::size_t k) {
     if (s.sets >> f & 1)
       pending_[f] = static_cast<std::int16_t>(s.keep >> f & 1 ? -1 : static_cast<int>(k));
   }
-  if (s.io) leave_after(k);
+  if (s.io && !near_end_) leave_after(k);
 }
 
 void Emitter::leave_after(std::size_t k) {
-  const asmjit::Label leave = a_.newLabel();
   a_.test(kLeft, kLeft);
-  a_.jle(leave);
+  a_.jle(after(k));
   native_ = 0;
+}
+
+asmjit::Label Emitter::after(std::size_t k) {
+  const asmjit::Label leave = a_.newLabel();
   cold_.push_back([this, k, leave, &block = *block_, pending = pending_] {
     a_.bind(leave);
     store_pending(pending, block, kAllFlags);
@@ -208,6 +267,7 @@ void Emitter::leave_after(std::size_t k) {
     a_.add(kExecuted, k + 1);
     emit_out(s.index + s.insn.units, kGoOn);
   });
+  return leave;
 }
 
 // The interpreter's handler, for instructions that neither branch nor touch memory.
@@ -297,11 +357,10 @@ void Emitter::emit_edge(std::size_t steps, std::uint32_t target) {
   a_.jle(late);
   store_pending(pending_, *block_, next.live);
   a_.jmp(inside_[found->second]);
-  cold_.push_back([this, late, target, &block = *block_, &next, pending = pending_] {
+  cold_.push_back([this, late, &block = *block_, n = found->second, pending = pending_] {
     a_.bind(late);
     store_pending(pending, block, kAllFlags);
-    a_.add(kLeft, next.bound);
-    emit_out(target, kGoOn);
+    a_.jmp(late_[n]);
   });
 }
 

@@ -16,11 +16,17 @@ namespace kaz::h8s::translate {
 // The translator's record of one entry of Cpu::code.
 struct Entry {
   const void* code = nullptr;  // host code of the block that begins here
-  std::uint16_t bound = 0;     // states that must be left, and one more
   bool covered = false;        // part of a translated instruction
   std::uint32_t count = 0;     // times reached by a jump
 };
 static_assert(sizeof(void*) != 8 || sizeof(Entry) == 16);
+
+// The same beside it, for the end of a stretch: less time is left than the block's bound.
+struct NearEnd {
+  const void* code = nullptr;  // code of the instructions here that checks the time left after each
+  std::uint16_t bound = 0;     // of the block that begins here
+  std::uint16_t count = 0;     // times that the block was too long
+};
 
 namespace host = asmjit::x86;
 
@@ -70,9 +76,11 @@ const void* run_handler_elsewhere(Cpu& c, const Insn* ip, const Entry* entries);
 // All blocks of one translation unit, which jump to each other directly.
 class Emitter {
  public:
-  Emitter(Cpu& cpu, asmjit::CodeHolder& code, Entry* entries, const Gate& gate);
+  Emitter(Cpu& cpu, asmjit::CodeHolder& code, Entry* entries, NearEnd* near_ends, const Gate& gate);
 
   void emit(const std::vector<Block>& blocks);
+  // A block for the end of a stretch, alone in its unit. Entered with the time left in kLeft, by itself.
+  void emit_near_end(const Block& block);
   // Offset of the code for entering block `n` from outside.
   std::uint64_t entry_offset(const asmjit::CodeHolder& code, std::size_t n) const;
 
@@ -87,10 +95,22 @@ class Emitter {
   void emit_end();
   void emit_step(std::size_t k);
   void emit_again(std::size_t n, const Again& again, const Pending& pending);
+  void emit_cold();
+  // Block `n` is too long for the time left: goes on with its version for that, if there is one.
+  void emit_late(std::size_t n);
+  // Leaves the block after step k if no time is left.
+  void leave_at_end(std::size_t k);
+  // The exit after step k.
+  asmjit::Label after(std::size_t k);
   void emit_condition(std::size_t k, unsigned native);
   void emit_call(std::size_t k);
   void emit_jump(std::size_t k);
   void emit_return(std::size_t k);
+  // --- interrupt mask and return from exceptions (emit_control.cpp)
+  void emit_control(std::size_t k);
+  void emit_exception_return(std::size_t k);
+  // Exits before step k if the boundary after it is one at which an interrupt may be accepted or held off.
+  void leave_for_interrupts(std::size_t k);
   // r15 (address, even) becomes twice the index of its code; exits before the step if it has none.
   void find_target(std::size_t k);
   void leave_through_table(std::size_t k);
@@ -165,6 +185,7 @@ class Emitter {
   Cpu& c_;
   host::Assembler a_;
   Entry* entries_;
+  NearEnd* near_ends_;
   Gate gate_;
   bool movbe_;
 
@@ -173,6 +194,7 @@ class Emitter {
   std::map<std::uint32_t, std::size_t> block_at_;
   std::vector<asmjit::Label> inside_;   // entries after the check of the time left
   std::vector<asmjit::Label> outside_;  // entered through the table
+  std::vector<asmjit::Label> late_;     // entered with less time left than the block's bound
   std::vector<std::function<void()>> side_, cold_;
 
   Pending pending_{};
@@ -183,8 +205,9 @@ class Emitter {
     bool even = false;
   };
   std::array<Proof, 8> proofs_{};
-  Again again_;          // steps of the second version that are reached from the first
-  bool second_ = false;  // it is being emitted
+  Again again_;            // steps of the second version that are reached from the first
+  bool second_ = false;    // it is being emitted
+  bool near_end_ = false;  // the time left is checked after each step
 
   asmjit::Label before_;
   bool has_before_ = false;

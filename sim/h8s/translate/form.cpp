@@ -62,7 +62,7 @@ constexpr Named kNames[] = {
     {"xorc", Op::interpreted, 0},
     {"tas", Op::interpreted, 0},
     {"trapa", Op::interpreted, 1},
-    {"rte", Op::interpreted, 1},
+    {"rte", Op::rte, 0},
     {"sleep", Op::interpreted, 1},
     {"eepmov", Op::interpreted, 1},
     {"bset", Op::bset, 0},
@@ -158,6 +158,12 @@ Form classify(const Opcode& opcode) {
   if (name == "stc" && operands[1] != "%s") form.op = Op::interpreted;
   if (operands.size() == 2) form.src = mode_of(operands[0]);
   if (!operands.empty()) form.dst = mode_of(operands.back());
+  if (operands.size() == 2 && operands[1] == "ccr" && form.src == Mode::imm && name != "ldc") {
+    form.op = Op::control;
+    form.detail = static_cast<std::uint8_t>(name == "andc"  ? Control::bit_and
+                                            : name == "orc" ? Control::bit_or
+                                                            : Control::bit_xor);
+  }
   if (form.op == Op::jmp || form.op == Op::jsr) {
     form.src = form.dst;
     if (form.src == Mode::none) form.op = Op::interpreted, form.detail = 1;  // by the vector table

@@ -48,9 +48,13 @@ enum class Op : std::uint8_t {
   jmp,
   jsr,
   rts,
+  rte,
+  control,  // ANDC, ORC, XORC #imm to CCR; `detail` is its Control
   stm,
   ldm,
 };
+
+enum class Control : std::uint8_t { bit_and, bit_or, bit_xor };
 
 enum class Mode : std::uint8_t {
   none,

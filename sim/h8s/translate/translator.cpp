@@ -23,9 +23,19 @@ constexpr std::size_t kMaxCode = 8u << 20;                   // bytes, then all 
 constexpr std::uint32_t kNeverTranslate = 0xffffffff;  // Entry::count where no block can begin
 constexpr std::uint32_t kMaxThreshold = 1u << 20;
 
+// Times that a block was too long before it is translated for the end of a stretch too.
+constexpr std::uint32_t kNearEnds = 32;
+
 struct Free {
-  void operator()(Entry* p) const { std::free(p); }
+  void operator()(void* p) const { std::free(p); }
 };
+
+template <class T>
+T* allocate(std::size_t count) {
+  void* p = std::calloc(count, sizeof(T));
+  if (!p) throw std::bad_alloc();
+  return static_cast<T*>(p);
+}
 
 struct ErrorFlag : asmjit::ErrorHandler {
   bool any = false;
@@ -36,6 +46,7 @@ struct ErrorFlag : asmjit::ErrorHandler {
 
 struct Translator::Cache {
   std::unique_ptr<Entry[], Free> entries;
+  std::unique_ptr<NearEnd[], Free> near_ends;
   CodeMemory memory;
   Gate gate;
   std::vector<std::uint32_t> touched;  // entries with code, or covered
@@ -49,9 +60,8 @@ struct Translator::Cache {
   // Entries of fresh pages cost nothing until they are touched.
   bool prepare(const Cpu& c) {
     if (!entries) {
-      void* p = std::calloc(c.code_size, sizeof(Entry));
-      if (!p) throw std::bad_alloc();
-      entries.reset(static_cast<Entry*>(p));
+      entries.reset(allocate<Entry>(c.code_size));
+      near_ends.reset(allocate<NearEnd>(c.code_size));
     }
     return !unusable;
   }
@@ -128,46 +138,79 @@ struct Translator::Cache {
       unusable = true;
       return;
     }
-    for (const Block& block : found) {
-      for (const Step& s : block.steps) {
-        // Handlers need decoded operands; RAM with the instruction must be marked as holding code.
-        if (!c.code[s.index].run || s.index >= c.ram_code) decode_in_place(c, c.code + s.index);
-      }
-    }
+    for (const Block& block : found) decode(c, block);
     asmjit::CodeHolder code;
     ErrorFlag errors;
     code.init(asmjit::Environment::host());
     code.setErrorHandler(&errors);
-    Emitter emitter(c, code, entries.get(), gate);
+    Emitter emitter(c, code, entries.get(), near_ends.get(), gate);
     emitter.emit(found);
     if (errors.any) {
       entries[start].count = kNeverTranslate;
       return;
     }
-    const void* const base = memory.add(code);
-    if (!base) {  // what is there may no longer be executable
-      forget_all();
-      unusable = true;
-      return;
-    }
-    bytes += code.codeSize();
+    const void* const base = add(code);
+    if (!base) return;
     blocks += static_cast<std::int64_t>(found.size());
     for (std::size_t n = 0; n < found.size(); ++n) {
-      Entry& entry = entries[found[n].start];
-      entry.code = static_cast<const char*>(base) + emitter.entry_offset(code, n);
-      entry.bound = static_cast<std::uint16_t>(found[n].bound);
-      touched.push_back(found[n].start);
-      for (const Step& s : found[n].steps) {
-        for (std::uint32_t u = 0; u < s.insn.units; ++u) {
-          entries[s.index + u].covered = true;
-          touched.push_back(s.index + u);
-        }
+      entries[found[n].start].code = static_cast<const char*>(base) + emitter.entry_offset(code, n);
+      near_ends[found[n].start].bound = static_cast<std::uint16_t>(found[n].bound);
+      cover(found[n]);
+    }
+  }
+
+  void translate_near_end(Cpu& c, std::uint32_t start) {
+    if (bytes > kMaxCode || !c.code[start].run) return;
+    const Block block = find_block(
+        c, start, [&](std::uint32_t index) { return !c.code[index].run || entries[index].code; });
+    if (block.steps.empty()) return;
+    decode(c, block);
+    asmjit::CodeHolder code;
+    ErrorFlag errors;
+    code.init(asmjit::Environment::host());
+    code.setErrorHandler(&errors);
+    Emitter emitter(c, code, entries.get(), near_ends.get(), gate);
+    emitter.emit_near_end(block);
+    if (errors.any) return;
+    const void* const base = add(code);
+    if (!base) return;
+    near_ends[start].code = base;
+    cover(block);
+  }
+
+  // Handlers need decoded operands; RAM with the instruction must be marked as holding code.
+  static void decode(Cpu& c, const Block& block) {
+    for (const Step& s : block.steps)
+      if (!c.code[s.index].run || s.index >= c.ram_code) decode_in_place(c, c.code + s.index);
+  }
+
+  // Null: there is no memory for code, and what is there may no longer be executable.
+  const void* add(asmjit::CodeHolder& code) {
+    const void* const base = memory.add(code);
+    if (!base) {
+      forget_all();
+      unusable = true;
+      return nullptr;
+    }
+    bytes += code.codeSize();
+    return base;
+  }
+
+  void cover(const Block& block) {
+    touched.push_back(block.start);
+    for (const Step& s : block.steps) {
+      for (std::uint32_t u = 0; u < s.insn.units; ++u) {
+        entries[s.index + u].covered = true;
+        touched.push_back(s.index + u);
       }
     }
   }
 
   void forget_all() {
-    for (const std::uint32_t index : touched) entries[index] = {};
+    for (const std::uint32_t index : touched) {
+      entries[index] = {};
+      near_ends[index] = {};
+    }
     touched.clear();
     if (bytes != 0) {
       memory.clear();
@@ -224,6 +267,7 @@ void Translator::run(Cpu& c) {
   Cache& cache = *cache_;
   if (!cache.prepare(c)) return run_interpreter(c);
   using Enter = std::uint32_t (*)(Cpu*, const void*);
+  Entry* const entries = cache.entries.get();
   const std::uint32_t threshold = cache.threshold(c);
   bool arrived = true;  // at an instruction where a block may begin
   bool left = false;    // a block was left before an instruction that it does not contain
@@ -231,14 +275,18 @@ void Translator::run(Cpu& c) {
     const Insn* ip = c.ip;
     if (arrived && ip != &c.outside) {
       const auto index = static_cast<std::uint32_t>(ip - c.code);
-      Entry& entry = cache.entries[index];
+      Entry& entry = entries[index];
       if (!entry.code && entry.count != kNeverTranslate && ++entry.count >= threshold)
         cache.translate(c, index);
       // A block may begin after an instruction that cannot begin one.
       left = entry.count == kNeverTranslate;
       if (entry.code) {
-        // Near an event: what is left is shorter than the block.
-        if (c.stop - c.now <= entry.bound) return run_interpreter(c);
+        NearEnd& near = cache.near_ends[index];
+        if (c.stop - c.now <= near.bound && !near.code) {
+          if (++near.count == std::min(kNearEnds, c.translate_after))
+            cache.translate_near_end(c, index);
+          return run_interpreter(c);
+        }
         const auto enter =
             reinterpret_cast<Enter>(reinterpret_cast<std::uintptr_t>(cache.gate.enter));
         const std::int64_t before = c.executed;
@@ -248,8 +296,8 @@ void Translator::run(Cpu& c) {
         cache.cpu = nullptr;
         cache.executed += c.executed - before;
         record_jump(c, nullptr, c.ip);
-        if (result == kGoOn) continue;
         if (c.now >= c.stop) return;
+        if (result == kGoOn) continue;
         ip = c.ip;
         left = true;
       }
