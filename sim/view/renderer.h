@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,11 @@ struct Pinhole {
   static Pinhole from_horizontal_view(int width, int height, double horizontal_rad);
 };
 
+// Columns left .. right - 1 of rows top .. bottom - 1.
+struct PicturePart {
+  int left = 0, top = 0, right = 0, bottom = 0;
+};
+
 struct View {
   Pinhole camera;
   Eigen::Isometry3d world_from_optical = Eigen::Isometry3d::Identity();
@@ -37,6 +43,8 @@ struct View {
   // edges).
   int samples_per_axis = 1;
   Light light = {};  // the sky in the background stays as it is
+  // What is needed of the picture; renderers may leave any codes in the rest. None: all of it.
+  std::optional<PicturePart> part = {};
 };
 
 class Renderer {

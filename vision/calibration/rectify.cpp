@@ -3,9 +3,7 @@
 #include "vision/calibration/rectify.h"
 
 namespace kaz::vision {
-namespace {
-
-Remap remap_of(const StereoCalibration& calibration, const StereoCalibration::Eye& eye) {
+Remap rectification(const StereoCalibration& calibration, const StereoCalibration::Eye& eye) {
   const Remap::Size size{calibration.width, calibration.height};
   const CameraModel& to = calibration.rectified;
   return {size, size, [&](int u, int v) -> Remap::Place {
@@ -17,6 +15,8 @@ Remap remap_of(const StereoCalibration& calibration, const StereoCalibration::Ey
           }};
 }
 
+namespace {
+
 void apply(const Remap& remap, const Image& raw, Image& rectified) {
   rectified.width = remap.size().width;
   rectified.height = remap.size().height;
@@ -26,8 +26,8 @@ void apply(const Remap& remap, const Image& raw, Image& rectified) {
 }  // namespace
 
 Rectifier::Rectifier(const StereoCalibration& calibration)
-    : left_(remap_of(calibration, calibration.left)),
-      right_(remap_of(calibration, calibration.right)) {}
+    : left_(rectification(calibration, calibration.left)),
+      right_(rectification(calibration, calibration.right)) {}
 
 void Rectifier::rectify(const StereoImages& raw, StereoImages& rectified) const {
   apply(left_, raw.left, rectified.left);

@@ -7,6 +7,9 @@
 
 namespace kaz::vision {
 
+// One eye's table: its picture to that of a pinhole.
+Remap rectification(const StereoCalibration& calibration, const StereoCalibration::Eye& eye);
+
 // Made once for a pair of cameras; the work of cv::initUndistortRectifyMap and cv::remap.
 class Rectifier {
  public:

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "shared/base/random.hpp"
@@ -70,8 +71,8 @@ TEST(Remap, IsBilinearAndVectorsChangeNothing) {
   std::vector<std::uint16_t> codes(151), plain(151);
   int compared = 0;
   for (int v = 0; v < 40; ++v) {
-    remap.row(from.rgb, v, codes.data());
-    remap.row_plain(from.rgb, v, plain.data());
+    remap.row(from.rgb, v, {0, 50}, codes.data());
+    remap.row_plain(from.rgb, v, {0, 50}, plain.data());
     ASSERT_EQ(codes, plain) << v;
     for (int u = 0; u < 50; ++u) {
       const auto [x, y, gain] = place(u, v);
@@ -102,13 +103,49 @@ TEST(Remap, RowsOfAnyWidthAreTheSameWithVectors) {
       return Remap::Place{1.1 * u + 0.3, 2.1 * v + 0.2, 0.9};
     });
     const auto size = static_cast<std::size_t>(3 * width + 1);
-    std::vector<std::uint16_t> codes(size), plain(size);
+    std::vector<std::uint16_t> codes(size), plain(size), part(size);
     for (int v = 0; v < 20; ++v) {
-      remap.row(from.rgb, v, codes.data());
-      remap.row_plain(from.rgb, v, plain.data());
+      remap.row(from.rgb, v, {0, width}, codes.data());
+      remap.row_plain(from.rgb, v, {0, width}, plain.data());
       ASSERT_EQ(codes, plain) << width << " " << v;
+      for (int first = 0; first < width; first += 4) {
+        const int end = std::min(first + 7, width);
+        remap.row(from.rgb, v, {first, end}, part.data());
+        ASSERT_TRUE(
+            std::equal(part.data() + 3 * first, part.data() + 3 * end, plain.data() + 3 * first))
+            << width << " " << v << " " << first;
+      }
     }
   }
+}
+
+TEST(Remap, SourcesAreAllThatCounts) {
+  Image from = noise_picture(64, 48);
+  const Remap remap({30, 20}, {64, 48}, [](int u, int v) {
+    return Remap::Place{8.3 + 1.2 * u + 0.2 * v, 3.4 + 1.5 * v - 0.1 * u, 0.9};
+  });
+  const std::vector<Remap::Columns> wanted(20, {5, 25});
+  const auto sources = remap.sources(wanted);
+  std::vector<std::uint16_t> before(20 * 91), after(before.size());
+  const auto rows = [&](std::vector<std::uint16_t>& codes) {
+    for (int v = 0; v < 20; ++v) remap.row(from.rgb, v, wanted[0], codes.data() + 91 * v);
+  };
+  rows(before);
+  int kept = 0;
+  for (int v = 0; v < 48; ++v) {
+    const auto [first, end] = sources[static_cast<std::size_t>(v)];
+    for (int u = 0; u < 64; ++u) {
+      if (u >= first && u < end) {
+        ++kept;
+      } else {
+        for (int c = 0; c < 3; ++c)
+          from.rgb[static_cast<std::size_t>(3 * (64 * v + u) + c)] ^= 0xFF;
+      }
+    }
+  }
+  rows(after);
+  EXPECT_EQ(before, after);
+  EXPECT_LT(kept, 40 * 33);  // 20 columns and rows of 1.2 and 1.5 px, aslant by 3 and 2 px
 }
 
 TEST(Rectifier, BringsPointsOfBothEyesToOneRow) {

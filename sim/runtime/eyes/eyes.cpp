@@ -42,13 +42,12 @@ Eyes::Eyes(RenderThread& draws, const CameraFile& camera, const Mounting& mounti
       policy_(policy),
       keep_(keep),
       seed_(seed) {
-  if (!camera.ideal) optics_ = std::make_shared<const Optics>(camera, seed);
+  if (!camera.ideal) optics_ = std::make_shared<Optics>(camera, seed);
 }
 
 Eyes::Optics::Optics(const CameraFile& camera, std::uint64_t seed)
     : left(camera.eye, camera.calibration(), Sensor::Eye::left, seed),
-      right(camera.eye, camera.calibration(), Sensor::Eye::right, seed),
-      rectifier(camera.calibration()) {}
+      right(camera.eye, camera.calibration(), Sensor::Eye::right, seed) {}
 
 Time Eyes::exposure_time(std::uint64_t sequence) const {
   const double ms = std::round(1000.0 * static_cast<double>(sequence) / camera_.rate_hz);
@@ -62,24 +61,18 @@ Time Eyes::arrival_time(Time exposure) const {
 }
 
 Result<void> Eyes::draw(Renderer& renderer, const ScenePose& pose, const View& left,
-                        const View& right, const Optics* optics, std::uint64_t sequence,
+                        const View& right, Optics* optics, std::uint64_t sequence,
                         vision::StereoImages& pair) {
-  Picture pictures[2];
-  std::optional<ProfileScope> part(std::in_place, "drawing");
-  Result<void> drawn = renderer.render(pose, left, pictures[0]);
-  if (drawn) drawn = renderer.render(pose, right, pictures[1]);
-  if (!drawn) return drawn;
-  if (optics == nullptr) {
-    pair.left = take_image(pictures[0]);
-    pair.right = take_image(pictures[1]);
-    return {};
+  if (optics != nullptr) {
+    KAZ_TRY(optics->left.take(renderer, pose, left, sequence, pair.left));
+    return optics->right.take(renderer, pose, right, sequence, pair.right);
   }
-  Picture real[2];
-  part.emplace("lens, exposure, noise");
-  optics->left.expose(pictures[0], sequence, real[0]);
-  optics->right.expose(pictures[1], sequence, real[1]);
-  part.emplace("rectification");
-  optics->rectifier.rectify({take_image(real[0]), take_image(real[1])}, pair);
+  const ProfileScope part("drawing");
+  Picture pictures[2];
+  KAZ_TRY(renderer.render(pose, left, pictures[0]));
+  KAZ_TRY(renderer.render(pose, right, pictures[1]));
+  pair.left = take_image(pictures[0]);
+  pair.right = take_image(pictures[1]);
   return {};
 }
 
@@ -87,8 +80,9 @@ Result<Eyes::Kept> Eyes::kept_of(const vision::StereoImages& pair, Keep keep) {
   Kept kept;
   if (keep == Keep::nothing) return kept;
   const ProfileScope recording("digests of pictures");
-  kept.left = sha256_hex(pair.left.rgb);
-  kept.right = sha256_hex(pair.right.rgb);
+  auto [of_left, of_right] = sha256_hex_pair(pair.left.rgb, pair.right.rgb);
+  kept.left = std::move(of_left);
+  kept.right = std::move(of_right);
   if (keep == Keep::digests) return kept;
   auto left = encode_png(pair.left), right = encode_png(pair.right);
   if (!left) return tl::unexpected(left.error());
@@ -120,12 +114,11 @@ Result<void> Eyes::look(Time now, const std::function<ScenePose()>& pose) {
 
 void Eyes::expose(Time now, ScenePose pose) {
   const Eigen::Isometry3d head = pose.frames[static_cast<std::size_t>(mounting_.head_frame)];
-  View left{camera_.pinhole(), head * mounting_.left};
-  View right{camera_.pinhole(), head * mounting_.right};
+  const Eigen::Isometry3d left_eye = head * mounting_.left, right_eye = head * mounting_.right;
+  View left{camera_.pinhole(), left_eye}, right{camera_.pinhole(), right_eye};
   if (optics_) {
-    left = {optics_->left.ideal(), left.world_from_optical * optics_->left.mounting_from_optical()};
-    right = {optics_->right.ideal(),
-             right.world_from_optical * optics_->right.mounting_from_optical()};
+    left = optics_->left.view(left_eye);
+    right = optics_->right.view(right_eye);
   }
   left.light = right.light = mounting_.light;
 

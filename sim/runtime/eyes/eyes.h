@@ -14,11 +14,10 @@
 
 #include "shared/base/archive.hpp"
 #include "shared/base/result.hpp"
-#include "shared/base/archive.hpp"
 #include "sim/body/world/world.h"
 #include "sim/runtime/eyes/render_thread.h"
-#include "sim/view/sensor/sensor.h"
-#include "vision/calibration/rectify.h"
+#include "sim/view/sensor/real_eye.h"
+#include "vision/calibration/calibration.h"
 #include "vision/image/frame.h"
 
 namespace kaz::sim {
@@ -96,11 +95,11 @@ class Eyes {
   void transfer(StateReader& a);
 
  private:
-  // Lens, sensor and rectification of both eyes, shared with the rendering jobs.
+  // Lens, sensor and rectification of both eyes, shared with the rendering jobs, of which one is at work at a
+  // time.
   struct Optics {
     Optics(const CameraFile& camera, std::uint64_t seed);
-    Sensor left, right;
-    vision::Rectifier rectifier;
+    RealEye left, right;
   };
   struct Drawn {
     std::shared_ptr<const vision::StereoImages> images;
@@ -113,7 +112,7 @@ class Eyes {
   };
 
   static Result<void> draw(Renderer& renderer, const ScenePose& pose, const View& left,
-                           const View& right, const Optics* optics, std::uint64_t sequence,
+                           const View& right, Optics* optics, std::uint64_t sequence,
                            vision::StereoImages& pair);
   static Result<Kept> kept_of(const vision::StereoImages& pair, Keep keep);
   Time exposure_time(std::uint64_t sequence) const;
@@ -127,7 +126,7 @@ class Eyes {
   FramePolicy policy_;
   Keep keep_;
   std::uint64_t seed_;
-  std::shared_ptr<const Optics> optics_;  // null: ideal
+  std::shared_ptr<Optics> optics_;  // null: ideal
   std::uint64_t sequence_ = 0, left_out_ = 0;
   std::deque<std::shared_future<Drawn>> under_way_;
   std::deque<std::pair<Time, vision::StereoPair>> arriving_;  // with the time of arrival

@@ -22,6 +22,16 @@ class LittleEndian {
     return *this;
   }
   LittleEndian& real(double value) { return number(std::bit_cast<std::uint64_t>(value)); }
+  LittleEndian& reals(std::span<const double> values) {
+    const std::size_t begin = to_.size();
+    to_.resize(begin + 8 * values.size());
+    std::uint8_t* to = to_.data() + begin;
+    for (const double value : values) {
+      const auto bits = std::bit_cast<std::uint64_t>(value);
+      for (int i = 0; i < 8; ++i) *to++ = static_cast<std::uint8_t>(bits >> (8 * i));
+    }
+    return *this;
+  }
   LittleEndian& bytes(std::span<const std::uint8_t> values) {
     to_.insert(to_.end(), values.begin(), values.end());
     return *this;

@@ -55,10 +55,6 @@ void put_pairs(LittleEndian& to, const std::vector<std::pair<A, B>>& pairs) {
   for (const auto& [a, b] : pairs) to.number(a).number(b);
 }
 
-void put_record(LittleEndian& to, std::uint8_t opcode, std::span<const std::uint8_t> content) {
-  to.number(opcode).number(std::uint64_t{content.size()}).bytes(content);
-}
-
 }  // namespace
 
 Result<std::unique_ptr<McapWriter>> McapWriter::create(const std::string& path,
@@ -84,13 +80,18 @@ McapWriter::~McapWriter() {
 }
 
 void McapWriter::put_bytes(std::span<const std::uint8_t> bytes) {
+  put_bytes(bytes, crc_of(bytes));
+}
+
+// `crc`: of the bytes.
+void McapWriter::put_bytes(std::span<const std::uint8_t> bytes, std::uint32_t crc) {
   if (write_error_ == 0) errno = 0;
   file_.write(reinterpret_cast<const char*>(bytes.data()),
               static_cast<std::streamsize>(bytes.size()));
   if (!file_ && write_error_ == 0) write_error_ = errno;
   EVP_DigestUpdate(digest_, bytes.data(), bytes.size());
   at_ += bytes.size();
-  crc_ = crc_of(bytes, crc_);
+  crc_ = static_cast<std::uint32_t>(crc32_combine(crc_, crc, static_cast<z_off_t>(bytes.size())));
 }
 
 void McapWriter::put(std::uint8_t opcode, std::span<const std::uint8_t> content) {
@@ -138,15 +139,14 @@ void McapWriter::add_message(std::uint16_t channel, std::uint64_t time_ns,
   chunk_first_ns_ = std::min(chunk_first_ns_, time_ns);
   chunk_last_ns_ = std::max(chunk_last_ns_, time_ns);
   of.in_chunk.emplace_back(time_ns, chunk_.size());
-  content_.clear();
-  LittleEndian(content_)
+  LittleEndian(chunk_)
+      .number(std::uint8_t{op_message})
+      .number(std::uint64_t{22 + data.size()})
       .number(channel)
       .number(of.messages++)
       .number(time_ns)  // when it was recorded
       .number(time_ns)  // when it was published
       .bytes(data);
-  LittleEndian to(chunk_);
-  put_record(to, op_message, content_);
   if (chunk_.size() >= chunk_bytes) end_chunk();
 }
 
@@ -157,16 +157,19 @@ void McapWriter::end_chunk() {
   index.last_ns = chunk_last_ns_;
   index.start = at_;
   index.size = chunk_.size();
+  const std::uint32_t crc = crc_of(chunk_);
   content_.clear();
   LittleEndian(content_)
+      .number(std::uint8_t{op_chunk})
+      .number(std::uint64_t{40 + chunk_.size()})
       .number(chunk_first_ns_)
       .number(chunk_last_ns_)
       .number(std::uint64_t{chunk_.size()})
-      .number(crc_of(chunk_))
+      .number(crc)
       .text("")  // no compression
-      .number(std::uint64_t{chunk_.size()})
-      .bytes(chunk_);
-  put(op_chunk, content_);
+      .number(std::uint64_t{chunk_.size()});
+  put_bytes(content_);
+  put_bytes(chunk_, crc);
   index.length = at_ - index.start;
   put_message_indexes(index);
   chunks_.push_back(std::move(index));

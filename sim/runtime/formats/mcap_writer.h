@@ -66,6 +66,7 @@ class McapWriter {
   McapWriter() = default;
   void put(std::uint8_t opcode, std::span<const std::uint8_t> content);
   void put_bytes(std::span<const std::uint8_t> bytes);
+  void put_bytes(std::span<const std::uint8_t> bytes, std::uint32_t crc);
   void end_chunk();
   void put_message_indexes(ChunkIndex& index);
   void put_chunk_index(const ChunkIndex& index);

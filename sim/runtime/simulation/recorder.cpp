@@ -6,6 +6,7 @@
 #include "sim/runtime/simulation/recorder.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "sim/runtime/formats/little_endian.h"
@@ -148,10 +149,13 @@ void Recorder::analog(States at, const kz_tick_input& input) {
 
 void Recorder::joints(States at, std::span<const JointState, KZ_JOINTS> joints) {
   data_.clear();
-  LittleEndian to(data_);
-  for (const JointState& joint : joints) to.real(joint.angle);
-  for (const JointState& joint : joints) to.real(joint.torque);
-  for (const JointState& joint : joints) to.real(joint.winding_celsius);
+  std::array<double, 3 * KZ_JOINTS> values{};
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+    values[j] = joints[j].angle;
+    values[KZ_JOINTS + j] = joints[j].torque;
+    values[2 * KZ_JOINTS + j] = joints[j].winding_celsius;
+  }
+  LittleEndian(data_).reals(values);
   put(joints_, time_of(at));
 }
 
@@ -173,8 +177,7 @@ void Recorder::contacts(States at, std::span<const ContactPoint> points) {
   to.number(static_cast<std::uint32_t>(points.size()));
   for (const ContactPoint& point : points) {
     to.text(point.a).text(point.b);
-    for (int k = 0; k < 3; ++k) to.real(point.at[k]);
-    for (int k = 0; k < 3; ++k) to.real(point.force[k]);
+    to.reals({point.at.data(), 3}).reals({point.force.data(), 3});
   }
   put(contacts_, time_of(at));
 }
@@ -189,7 +192,7 @@ void Recorder::link_forces(States at, std::span<const std::string> names,
     if (!touches(links[i])) continue;
     to.text(names[i]);
     for (const Eigen::Vector3d* v : {&links[i].force, &links[i].moment, &links[i].centre})
-      for (int k = 0; k < 3; ++k) to.real((*v)[k]);
+      to.reals({v->data(), 3});
     to.real(links[i].pressure);
   }
   put(link_forces_, time_of(at));
@@ -198,10 +201,8 @@ void Recorder::link_forces(States at, std::span<const std::string> names,
 void Recorder::joint_loads(States at, std::span<const JointLoad, KZ_JOINTS> loads) {
   data_.clear();
   LittleEndian to(data_);
-  for (const JointLoad& load : loads)
-    for (int k = 0; k < 3; ++k) to.real(load.force[k]);
-  for (const JointLoad& load : loads)
-    for (int k = 0; k < 3; ++k) to.real(load.moment[k]);
+  for (const JointLoad& load : loads) to.reals({load.force.data(), 3});
+  for (const JointLoad& load : loads) to.reals({load.moment.data(), 3});
   put(joint_loads_, time_of(at));
 }
 

@@ -103,12 +103,8 @@ GroundParts parts_of_ground(std::span<const Piece> pieces, const ScenePose& pose
   const Pinhole& camera = view.camera;
   const Eigen::Isometry3d optical_from_world = view.world_from_optical.inverse();
   Blocks blocks(camera.width * n, camera.height * n);
-  for (const Piece& piece : pieces) {
-    if (piece.caster_count == 0) continue;
-    const Eigen::Vector3d center =
-        pose.frames[static_cast<std::size_t>(piece.frame)] * piece.center;
-    const double radius = piece.radius + edge_m;
-    if (ground.normal.dot(center) < ground.distance - radius) continue;  // below the ground
+  const auto mark_shadow = [&](const Eigen::Vector3d& center, double radius) {
+    if (ground.normal.dot(center) < ground.distance - radius) return;  // below the ground
     Quad quad = around_shadow(center, radius, ground, to_key);
     for (Eigen::Vector3d& corner : quad) corner = optical_from_world * corner;
     // Bounding box in samples of the quad clipped at the near plane (optical frame): u = n (f_x x / z + c_x +
@@ -129,6 +125,11 @@ GroundParts parts_of_ground(std::span<const Piece> pieces, const ScenePose& pose
         reach(a + (b - a) * ((kNear_m - a.z()) / (b.z() - a.z())));
     }
     if (left <= right) blocks.mark(left, top, right, bottom);
+  };
+  for (const Piece& piece : pieces) {
+    const Eigen::Isometry3d& frame = pose.frames[static_cast<std::size_t>(piece.frame)];
+    for (const BoundingSphere& caster : piece.casters)
+      mark_shadow(frame * caster.center, caster.radius + edge_m);
   }
   return blocks.take_parts();
 }

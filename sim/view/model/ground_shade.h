@@ -29,7 +29,7 @@ struct GroundParts {
   std::vector<PictureRectangle> shaded, lit;
 };
 
-// Conservative: `shaded` covers every sample of the ground that the bounding sphere of a piece, enlarged by
+// Conservative: `shaded` covers every sample of the ground that the bounding sphere of a caster, enlarged by
 // the width of the shadow's edge (`edge_m`, perpendicular to the light), may shade.
 GroundParts parts_of_ground(std::span<const Piece> pieces, const ScenePose& pose, const View& view,
                             const GroundPlane& ground, double edge_m);

@@ -18,8 +18,7 @@ double unit(std::uint64_t a, std::uint64_t b) {
 
 Piece sphere(double radius) {
   Piece piece;
-  piece.radius = radius;
-  piece.caster_count = 3;
+  piece.casters = {{Eigen::Vector3d::Zero(), radius}};
   return piece;
 }
 
@@ -73,7 +72,7 @@ TEST(GroundShade, EveryShadowIsInTheShadedPartsAndAllIsCoveredOnce) {
         for (std::size_t i = 0; i < pieces.size(); ++i) {
           const Eigen::Vector3d to = pose.frames[i].translation() - place;
           const double nearest = to.dot(to_key);
-          blocked |= nearest > 0 && (to - nearest * to_key).norm() < pieces[i].radius;
+          blocked |= nearest > 0 && (to - nearest * to_key).norm() < pieces[i].casters[0].radius;
         }
         dark += blocked;
         ASSERT_TRUE(!blocked || in_shaded) << "scene " << scene << ": " << u << " " << v;

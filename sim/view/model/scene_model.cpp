@@ -36,21 +36,21 @@ void append(SceneModel& model, const Visual& visual, const Mesh& mesh) {
   for (const std::uint32_t index : mesh.indices) model.indices.push_back(base + index);
 }
 
-void bound(const SceneModel& model, Piece& piece) {
+// Around the vertices of indices first .. end - 1.
+BoundingSphere sphere_around(const SceneModel& model, std::uint32_t first, std::uint32_t end) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
   const auto position = [&](std::uint32_t i) {
-    const auto& p = model.vertices[model.indices[piece.fine_first + i]].vertex.position;
+    const auto& p = model.vertices[model.indices[i]].vertex.position;
     return Eigen::Vector3d(p[0], p[1], p[2]);
   };
-  for (std::uint32_t i = 0; i < piece.fine_count; ++i) {
+  for (std::uint32_t i = first; i < end; ++i) {
     low = low.cwiseMin(position(i));
     high = high.cwiseMax(position(i));
   }
-  piece.center = 0.5 * (low + high);
-  piece.radius = 0;
-  for (std::uint32_t i = 0; i < piece.fine_count; ++i) {
-    piece.radius = std::max(piece.radius, (position(i) - piece.center).norm());
-  }
+  BoundingSphere sphere{0.5 * (low + high), 0};
+  for (std::uint32_t i = first; i < end; ++i)
+    sphere.radius = std::max(sphere.radius, (position(i) - sphere.center).norm());
+  return sphere;
 }
 
 double extent(const Mesh& mesh) {
@@ -161,12 +161,18 @@ Piece add_piece(SceneModel& model, const Group& group) {
   piece.coarse_first = size();
   for (const bool caster : {true, false}) {
     for (const Prepared* p : group) {
-      if (p->caster == caster) append(model, *p->visual, p->coarse);
+      if (p->caster != caster) continue;
+      const std::uint32_t first = size();
+      append(model, *p->visual, p->coarse);
+      if (caster) piece.casters.push_back(sphere_around(model, first, size()));
     }
     if (caster) piece.caster_count = size() - piece.coarse_first;
   }
   piece.coarse_count = size() - piece.coarse_first;
-  bound(model, piece);
+  const BoundingSphere bounds =
+      sphere_around(model, piece.fine_first, piece.fine_first + piece.fine_count);
+  piece.center = bounds.center;
+  piece.radius = bounds.radius;
   find_plane(model, piece);
   return piece;
 }

@@ -20,6 +20,11 @@ struct ColoredVertex {
   std::array<std::uint8_t, 4> color;  // RGB codes, alpha unused
 };
 
+struct BoundingSphere {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double radius = 0;
+};
+
 // Visuals of one frame and texture. Some hundred triangles: larger ones are slower in llvmpipe.
 struct Piece {
   int frame = 0;
@@ -31,6 +36,7 @@ struct Piece {
   std::uint32_t coarse_first = 0, coarse_count = 0, caster_count = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of a sphere around it, in the frame
   double radius = 0;
+  std::vector<BoundingSphere> casters;  // around each visual that casts a shadow, in the frame
   // A ground that is one plane: its normal and distance from the origin, in the frame.
   bool flat = false;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();

@@ -30,6 +30,11 @@ Result<void> check_view(std::size_t frames, const ScenePose& pose, const View& v
                     " with " + std::to_string(n) + " samples an axis cannot be drawn: sides 1.." +
                     std::to_string(kLargestSide) + ", samples included, 1..4 of them");
   }
+  if (const auto& part = view.part;
+      part && !(0 <= part->left && part->left < part->right && part->right <= c.width &&
+                0 <= part->top && part->top < part->bottom && part->bottom <= c.height)) {
+    return fail(Fault::usage, "a part of a picture needs a column and a row, and is inside of it");
+  }
   if (!(c.fx > 0 && c.fy > 0 && std::isfinite(c.fx + c.fy + c.cx + c.cy))) {
     return fail(Fault::usage, "a camera needs positive focal lengths and a finite centre");
   }

@@ -165,10 +165,11 @@ static inline void fill_triangle(const FillJob& job, std::uint32_t a, std::uint3
   p.surface = job.surface;
   const auto number = static_cast<std::uint32_t>(job.primitives.size());
   bool covers = false;
-  scan(t, 0, job.target.top, job.target.width, job.target.bottom, [&](int row, int first, int end) {
-    fill_span(job.target, p, number, row, first, end);
-    covers = true;
-  });
+  scan(t, job.target.left, job.target.top, job.target.right, job.target.bottom,
+       [&](int row, int first, int end) {
+         fill_span(job.target, p, number, row, first, end);
+         covers = true;
+       });
   if (covers) job.primitives.push_back(p);
 }
 

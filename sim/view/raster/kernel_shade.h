@@ -216,17 +216,20 @@ struct Footprint {
   Ints index;
   Floats across, down;
 };
-KAZ_LANES_INLINE Floats interpolated(const std::vector<std::uint32_t>& texels, const Footprint& f) {
-  const Ints four = gather(texels.data(), f.index);
+KAZ_LANES_INLINE Floats interpolated(Ints four, const Footprint& f) {
   const Floats a = to_float(four & 255), b = to_float((four >> 8) & 255);
   const Floats c = to_float((four >> 16) & 255), d = to_float((four >> 24) & 255);
   const Floats upper = a + (b - a) * f.across, lower = c + (d - c) * f.across;
   return upper + (lower - upper) * f.down;
 }
 KAZ_LANES_INLINE Pattern interpolated(const TextureLevels& t, const Footprint& f) {
-  const Floats r = interpolated(t.texels[0], f);
-  if (t.grey) return {r, r, r};
-  return {r, interpolated(t.texels[1], f), interpolated(t.texels[2], f)};
+  if (t.grey) {
+    const Floats grey = interpolated(gather(t.words.data(), f.index), f);
+    return {grey, grey, grey};
+  }
+  const ThreeWords words = gather_three(t.words.data(), f.index);
+  return {interpolated(words.first, f), interpolated(words.second, f),
+          interpolated(words.third, f)};
 }
 
 // Footprint at (u, v), in repeats, above 0. `side_bits`, `mask` and `offset` of the level: for all lanes, or
@@ -437,13 +440,13 @@ static inline void shade_textured_run(const Row& row, const Primitive& p, int fi
 }
 
 // First column after `x` whose primitive is another.
-static inline int run_end(const std::uint32_t* owner, int x, int width) {
+static inline int run_end(const std::uint32_t* owner, int x, int right) {
   const Ints mine = splat_int(static_cast<std::int32_t>(owner[x]));
-  for (; x < width; x += kLanes) {
+  for (; x < right; x += kLanes) {
     const std::uint32_t others = mask_bits(load_ints(owner + x) != mine);
-    if (others != 0) return std::min(x + __builtin_ctz(others), width);
+    if (others != 0) return std::min(x + __builtin_ctz(others), right);
   }
-  return width;
+  return right;
 }
 
 static inline void shade_row(const Vertices& v, const Shading& s, const Target& target,
@@ -462,8 +465,8 @@ static inline void shade_row(const Vertices& v, const Shading& s, const Target& 
                 1.0F + b * b};
   std::uint32_t* codes = scratch.codes.data();
   int plain = -1;  // where the plain samples before x begin
-  for (int x = 0; x < target.width;) {
-    const int end = run_end(owner, x, target.width);
+  for (int x = target.left; x < target.right;) {
+    const int end = run_end(owner, x, target.right);
     Primitive& p = primitives[owner[x]];
     if (owner[x] != 0 && !p.prepared) prepare(v, s, p);
     const bool is_plain = owner[x] != 0 && s.surfaces[p.surface].texture < 0;
@@ -481,7 +484,7 @@ static inline void shade_row(const Vertices& v, const Shading& s, const Target& 
     }
     x = end;
   }
-  if (plain >= 0) shade_plain(row, plain, target.width, scratch, codes);
+  if (plain >= 0) shade_plain(row, plain, target.right, scratch, codes);
 }
 
 static inline void pack(const std::uint32_t* rgba, int count, std::uint8_t* rgb) {

@@ -75,9 +75,10 @@ struct Surface {
 
 // First depth and primitive of each sample in a band of rows.
 struct Target {
-  int width = 0, stride = 0;  // samples; rows are padded by kPad
-  int top = 0, bottom = 0;    // rows top .. bottom - 1
-  std::vector<float> w;       // 0: nothing there
+  int left = 0, right = 0;  // columns left .. right - 1 are drawn
+  int top = 0, bottom = 0;  // rows top .. bottom - 1
+  int stride = 0;           // columns, from 0 on; padded by kPad
+  std::vector<float> w;     // 0: nothing there
   std::vector<std::uint32_t> primitive;
 };
 
@@ -95,14 +96,14 @@ struct Batch {
 };
 
 // Each word holds the codes of one channel at the four texels (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1),
-// the first in the lowest byte: one look-up is enough for linear interpolation.
+// the first in the lowest byte: one look-up is enough for linear interpolation. A grey texture has one word
+// a texel, others four: red, green, blue, and one that is unused.
 struct TextureLevels {
   int side_bits = 0;  // side of level 0 is 2^side_bits texels
   int last = 0;
-  bool grey = false;  // the three channels are the same
-  std::array<std::vector<std::uint32_t>, 3>
-      texels;                             // of a channel, all levels; grey: only the first
-  std::array<std::int32_t, 16> offset{};  // of a level
+  bool grey = false;                      // the three channels are the same
+  std::vector<std::uint32_t> words;       // of all levels
+  std::array<std::int32_t, 16> offset{};  // of a level, texels
 };
 
 using Three = std::array<float, 3>;

@@ -233,8 +233,13 @@ void RasterRenderer::fill_band(int top, int bottom) {
   target_.bottom = bottom;
   const std::size_t size =
       static_cast<std::size_t>(bottom - top) * static_cast<std::size_t>(target_.stride) + kPad;
-  target_.w.assign(size, 0.0F);
-  target_.primitive.assign(size, 0);
+  target_.w.resize(std::max(target_.w.size(), size));
+  target_.primitive.resize(target_.w.size());
+  for (int row = 0; row < bottom - top; ++row) {
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(row) * target_.stride + target_.left;
+    std::fill_n(target_.w.begin() + first, target_.right - target_.left, 0.0F);
+    std::fill_n(target_.primitive.begin() + first, target_.right - target_.left, 0U);
+  }
   primitives_.resize(1);  // number 0 is the background
   scene_->vertices.count = scene_->own_vertices;
   for (const Drawn& d : drawn_)
@@ -242,27 +247,31 @@ void RasterRenderer::fill_band(int top, int bottom) {
 }
 
 void RasterRenderer::shade_band(int n, Picture& picture) {
-  const auto width = static_cast<std::size_t>(target_.width);
+  const int width = target_.right - target_.left;
   const auto row_bytes = 3 * static_cast<std::size_t>(picture.width);
   for (int y = target_.top; y < target_.bottom; ++y) {
     kernels_.shade_row(scene_->vertices, shading_, target_, primitives_, y, scratch_);
-    std::uint8_t* to = picture.rgb.data() + static_cast<std::size_t>(y / n) * row_bytes;
+    std::uint8_t* to = picture.rgb.data() + static_cast<std::size_t>(y / n) * row_bytes +
+                       3 * static_cast<std::size_t>(target_.left / n);
+    const std::uint32_t* codes = scratch_.codes.data() + target_.left;
     if (n == 1) {
-      kernels_.pack(scratch_.codes.data(), picture.width, to);
+      kernels_.pack(codes, width, to);
       continue;
     }
-    std::copy_n(scratch_.codes.data(), width,
-                samples_.data() + static_cast<std::size_t>(y % n) * width);
+    std::copy_n(codes, width, samples_.data() + static_cast<std::ptrdiff_t>(y % n) * width);
     if (y % n == n - 1)
-      average_row(reinterpret_cast<const std::uint8_t*>(samples_.data()), target_.width, n, to);
+      average_row(reinterpret_cast<const std::uint8_t*>(samples_.data()), width, n, to);
   }
 }
 
 void RasterRenderer::draw(const View& view, Picture& picture) {
-  const int n = view.samples_per_axis, height = n * view.camera.height;
-  target_.width = n * view.camera.width;
-  target_.stride = target_.width + static_cast<int>(kPad);
-  const auto width = static_cast<std::size_t>(target_.width);
+  const int n = view.samples_per_axis;
+  const PicturePart part =
+      view.part.value_or(PicturePart{0, 0, view.camera.width, view.camera.height});
+  target_.left = n * part.left;
+  target_.right = n * part.right;
+  target_.stride = n * view.camera.width + static_cast<int>(kPad);
+  const auto width = static_cast<std::size_t>(n * view.camera.width);
   for (auto& list : scratch_.normal) list.resize(width + kPad);
   for (auto& list : scratch_.tint) list.resize(width + kPad);
   scratch_.codes.resize(width + kPad);
@@ -273,8 +282,8 @@ void RasterRenderer::draw(const View& view, Picture& picture) {
       3 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
   picture.rgb.resize(bytes + kPad);  // pack() writes beyond its pixels
   const int rows = std::max(kBandSamples / target_.stride / n, 1) * n;
-  for (int top = 0; top < height; top += rows) {
-    fill_band(top, std::min(top + rows, height));
+  for (int top = n * part.top; top < n * part.bottom; top += rows) {
+    fill_band(top, std::min(top + rows, n * part.bottom));
     shade_band(n, picture);
   }
   picture.rgb.resize(bytes);

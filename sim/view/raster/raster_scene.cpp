@@ -50,16 +50,17 @@ TextureLevels levels_of(const Texture& texture) {
   levels.last = static_cast<int>(texture.levels.size()) - 1;
   levels.grey = std::all_of(texture.levels.begin(), texture.levels.end(), is_grey);
   std::size_t side = static_cast<std::size_t>(texture.size);
+  const std::size_t words = levels.grey ? 1 : 4;
   for (std::size_t i = 0; i < texture.levels.size(); ++i, side /= 2) {
-    levels.offset[i] = static_cast<std::int32_t>(levels.texels[0].size());
-    for (std::size_t c = 0; c < (levels.grey ? 1 : 3); ++c) {
-      const auto at = [&](std::size_t x, std::size_t y) -> std::uint32_t {
-        return texture.levels[i][(y % side * side + x % side) * 4 + c];
-      };
-      for (std::size_t y = 0; y < side; ++y) {
-        for (std::size_t x = 0; x < side; ++x)
-          levels.texels[c].push_back(at(x, y) | at(x + 1, y) << 8 | at(x, y + 1) << 16 |
-                                     at(x + 1, y + 1) << 24);
+    levels.offset[i] = static_cast<std::int32_t>(levels.words.size() / words);
+    const auto at = [&](std::size_t x, std::size_t y, std::size_t channel) -> std::uint32_t {
+      return texture.levels[i][(y % side * side + x % side) * 4 + channel];
+    };
+    for (std::size_t y = 0; y < side; ++y) {
+      for (std::size_t x = 0; x < side; ++x) {
+        for (std::size_t c = 0; c < words; ++c)
+          levels.words.push_back(at(x, y, c) | at(x + 1, y, c) << 8 | at(x, y + 1, c) << 16 |
+                                 at(x + 1, y + 1, c) << 24);
       }
     }
   }

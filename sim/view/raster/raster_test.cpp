@@ -160,6 +160,37 @@ TEST(Raster, ThePairIsTwoPictures) {
   }
 }
 
+TEST(Raster, APartIsThatOfTheWholePicture) {
+  for (const TestScene& s : {room("wood"), table_scene()}) {
+    for (const int samples : {1, 3}) {
+      View view = outside_view(samples);
+      const Picture whole = raster(s, view);
+      for (const PicturePart part :
+           {PicturePart{0, 0, 240, 180}, {0, 0, 1, 1}, {239, 179, 240, 180}, {33, 20, 190, 131}}) {
+        view.part = part;
+        const Picture drawn = raster(s, view);
+        ASSERT_EQ(drawn.rgb.size(), whole.rgb.size());
+        for (int v = part.top; v < part.bottom; ++v) {
+          const std::size_t first = 3 * static_cast<std::size_t>(v * 240 + part.left);
+          const std::size_t end = 3 * static_cast<std::size_t>(v * 240 + part.right);
+          ASSERT_TRUE(std::equal(drawn.rgb.begin() + static_cast<std::ptrdiff_t>(first),
+                                 drawn.rgb.begin() + static_cast<std::ptrdiff_t>(end),
+                                 whole.rgb.begin() + static_cast<std::ptrdiff_t>(first)))
+              << "row " << v << " from " << part.left << ", " << samples;
+        }
+      }
+    }
+  }
+  View view = outside_view(1);
+  const auto renderer = std::move(*make_raster_renderer());
+  ASSERT_TRUE(renderer->set_scene(room("").scene));
+  Picture picture;
+  for (const PicturePart part : {PicturePart{0, 0, 241, 180}, {5, 5, 5, 6}, {0, -1, 4, 4}}) {
+    view.part = part;
+    EXPECT_FALSE(renderer->render(room("").pose, view, picture));
+  }
+}
+
 TEST(Raster, CloseBodiesAndThoseAroundTheEye) {
   TestScene s = room("checker");
   // Walls to the left and right that begin behind the eye, and a bar through the near plane.

@@ -116,7 +116,21 @@ Sensor::Sensor(const EyeModel& model, const vision::StereoCalibration& calibrati
       rotation_(eye_of(calibration, eye).rectified_from_camera),
       lens_(table_of(model, eye_of(calibration, eye).lens, ideal_)),
       noise_(model.noise),
-      key_(mix64(mix64(noise_seed) ^ static_cast<std::uint64_t>(eye))) {}
+      key_(mix64(mix64(noise_seed) ^ static_cast<std::uint64_t>(eye))) {
+  limit(lens_.all_rows());
+}
+
+void Sensor::limit(std::span<const vision::Remap::Columns> rows) {
+  rows_.assign(rows.begin(), rows.end());
+  const auto sources = lens_.sources(rows);
+  ideal_part_ = {ideal_.width, ideal_.height, 0, 0};
+  for (int v = 0; v < ideal_.height; ++v) {
+    const auto [first, end] = sources[static_cast<std::size_t>(v)];
+    if (end <= first) continue;
+    ideal_part_ = {std::min(ideal_part_.left, first), std::min(ideal_part_.top, v),
+                   std::max(ideal_part_.right, end), v + 1};
+  }
+}
 
 Eigen::Isometry3d Sensor::mounting_from_optical() const {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -132,9 +146,14 @@ void Sensor::expose(const Picture& ideal, std::uint64_t exposure, Picture& pictu
   std::vector<std::uint16_t> codes(row + 8);
   const std::uint64_t key = mix64(key_ ^ exposure);
   for (int v = 0; v < picture.height; ++v) {
-    lens_.row(ideal.rgb, v, codes.data());
+    const vision::Remap::Columns columns = rows_[static_cast<std::size_t>(v)];
+    if (columns.end <= columns.first) continue;
+    lens_.row(ideal.rgb, v, columns, codes.data());
     const auto number = static_cast<std::uint64_t>(v);
-    noise_.expose(codes.data(), picture.rgb.data() + number * row, row, mix64(key ^ number));
+    noise_.expose(
+        codes.data(), picture.rgb.data() + number * row,
+        {3 * static_cast<std::size_t>(columns.first), 3 * static_cast<std::size_t>(columns.end)},
+        mix64(key ^ number));
   }
 }
 

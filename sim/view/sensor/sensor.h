@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sim/view/renderer.h"
@@ -52,7 +53,13 @@ class Sensor {
   const Pinhole& ideal() const { return ideal_; }
   // Rotation from that pinhole's optical frame to the eye's mounting frame.
   Eigen::Isometry3d mounting_from_optical() const;
-  // Lens, vignetting, noise and quantisation. `ideal` has the size of ideal().
+  // Limits the exposed pixels to these columns of each row, for example to what a rectified picture shows.
+  // Without it: all.
+  void limit(std::span<const vision::Remap::Columns> rows);
+  // What expose() reads of the ideal picture.
+  const PicturePart& ideal_part() const { return ideal_part_; }
+  // Lens, vignetting, noise and quantisation. `ideal` has the size of ideal(). Pixels that are not exposed
+  // keep the codes that `picture` has.
   void expose(const Picture& ideal, std::uint64_t exposure, Picture& picture) const;
   // Lens and vignetting only, codes rounded: for tests of geometry.
   void bend(const Picture& ideal, Picture& picture) const;
@@ -61,6 +68,8 @@ class Sensor {
   Pinhole ideal_;
   Eigen::Matrix3d rotation_;
   vision::Remap lens_;
+  std::vector<vision::Remap::Columns> rows_;  // exposed
+  PicturePart ideal_part_;
   NoiseRow noise_;
   std::uint64_t key_;
 };

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace kaz::sim {
@@ -19,12 +20,16 @@ class NoiseRow {
  public:
   explicit NoiseRow(const NoiseLaw& law);
 
-  // Converts `count` values in 1/64 codes to codes. n electrons are read as n + z sqrt(n + read^2), z with
+  // Values of a row: first .. end - 1.
+  struct Range {
+    std::size_t first = 0, end = 0;
+  };
+  // Converts values of a row in 1/64 codes to codes. n electrons are read as n + z sqrt(n + read^2), z with
   // mean 0 and sigma 1: the sum of four random bytes (nearly normal, |z| <= 3.46), a function of `key` and
   // the position in the row. AVX2 is used where available and gives the same bytes.
-  void expose(const std::uint16_t* codes64, std::uint8_t* codes, std::size_t count,
+  void expose(const std::uint16_t* codes64, std::uint8_t* codes, Range range,
               std::uint64_t key) const;
-  void expose_plain(const std::uint16_t* codes64, std::uint8_t* codes, std::size_t count,
+  void expose_plain(const std::uint16_t* codes64, std::uint8_t* codes, Range range,
                     std::uint64_t key) const;
 
   struct Factors {

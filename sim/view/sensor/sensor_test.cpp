@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -31,7 +32,7 @@ std::vector<std::uint8_t> exposed(const NoiseLaw& law, double code, std::uint64_
   const std::vector<std::uint16_t> codes64(count,
                                            static_cast<std::uint16_t>(std::lround(64 * code)));
   std::vector<std::uint8_t> codes(count);
-  NoiseRow(law).expose(codes64.data(), codes.data(), count, key);
+  NoiseRow(law).expose(codes64.data(), codes.data(), {0, count}, key);
   return codes;
 }
 
@@ -80,9 +81,27 @@ TEST(SensorNoise, IsTheSameOnEveryPath) {
     for (std::size_t i = 0; i < count; ++i)
       codes64[i] = static_cast<std::uint16_t>(mix64(i) % (64 * 255));
     std::vector<std::uint8_t> fast(count), plain(count);
-    noise.expose(codes64.data(), fast.data(), count, 99);
-    noise.expose_plain(codes64.data(), plain.data(), count, 99);
+    noise.expose(codes64.data(), fast.data(), {0, count}, 99);
+    noise.expose_plain(codes64.data(), plain.data(), {0, count}, 99);
     EXPECT_EQ(fast, plain) << count;
+  }
+}
+
+// Code 77, which no value of the row has, stays outside of the range.
+TEST(SensorNoise, PartsOfARowAreThoseOfTheWhole) {
+  const NoiseRow noise{NoiseLaw{}};
+  const std::vector<std::uint16_t> codes64(200, 64 * 20);
+  std::vector<std::uint8_t> whole(codes64.size());
+  noise.expose(codes64.data(), whole.data(), {0, whole.size()}, 3);
+  ASSERT_EQ(std::count(whole.begin(), whole.end(), 77), 0);
+  for (const NoiseRow::Range range :
+       {NoiseRow::Range{0, 5}, {3, 16}, {16, 32}, {17, 18}, {31, 117}, {64, 200}}) {
+    std::vector<std::uint8_t> expected(whole.size(), 77), fast = expected, plain = expected;
+    std::copy(whole.data() + range.first, whole.data() + range.end, expected.data() + range.first);
+    noise.expose(codes64.data(), fast.data(), range, 3);
+    noise.expose_plain(codes64.data(), plain.data(), range, 3);
+    EXPECT_EQ(fast, expected) << range.first;
+    EXPECT_EQ(plain, expected) << range.first;
   }
 }
 
@@ -99,6 +118,40 @@ TEST(Sensor, TheSameSeedAndExposureGiveTheSameBytes) {
   EXPECT_NE(a.rgb, b.rgb);
   Sensor(model, calibration, Sensor::Eye::right, 5).expose(ideal, 12, b);
   EXPECT_NE(a.rgb, b.rgb);
+}
+
+// Of an ideal picture without what lies outside of ideal_part(), and exposed only where rectification looks.
+TEST(Sensor, WhatALimitLeavesOutRectifiedPicturesDoNotShow) {
+  const EyeModel model;
+  for (std::uint64_t unit = 1; unit <= 5; ++unit) {
+    const auto calibration = make_calibration(model, unit, 0.04);
+    const vision::Remap remap = vision::rectification(calibration, calibration.right);
+    Sensor sensor(model, calibration, Sensor::Eye::right, 5);
+    Picture ideal{sensor.ideal().width, sensor.ideal().height, {}}, all, limited;
+    Random random(unit);
+    for (int i = 0; i < ideal.width * ideal.height * 3; ++i)
+      ideal.rgb.push_back(static_cast<std::uint8_t>(random.below(256)));
+    sensor.expose(ideal, 3, all);
+    sensor.limit(remap.sources(remap.all_rows()));
+    const PicturePart part = sensor.ideal_part();
+    for (int v = 0, i = 0; v < ideal.height; ++v) {
+      for (int u = 0; u < ideal.width; ++u) {
+        const bool outside = u < part.left || u >= part.right || v < part.top || v >= part.bottom;
+        for (int c = 0; c < 3; ++c, ++i) {
+          if (outside) ideal.rgb[static_cast<std::size_t>(i)] ^= 0xFF;
+        }
+      }
+    }
+    sensor.expose(ideal, 3, limited);
+    EXPECT_NE(all.rgb, limited.rgb);
+    std::vector<std::uint8_t> expected, rectified;
+    remap.apply(all.rgb, expected);
+    remap.apply(limited.rgb, rectified);
+    EXPECT_TRUE(rectified == expected) << unit;
+    // Of 80 degrees at 0.92 of the resolution, and what tolerances add.
+    EXPECT_LT((part.right - part.left) * (part.bottom - part.top),
+              0.8 * ideal.width * ideal.height);
+  }
 }
 
 TEST(Sensor, CornersAreDarkerByTheVignetting) {

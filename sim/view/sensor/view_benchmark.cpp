@@ -4,8 +4,7 @@
 
 #include "sim/view/renderer_kind.h"
 #include "sim/view/scenes_testing.h"
-#include "sim/view/sensor/sensor.h"
-#include "vision/calibration/rectify.h"
+#include "sim/view/sensor/real_eye.h"
 
 namespace kaz::sim {
 namespace {
@@ -58,29 +57,24 @@ void real_pair(benchmark::State& state, int width, RendererKind kind) {
   model.width = width;
   model.height = width * 3 / 4;
   const auto calibration = make_calibration(model, 1, kEyeBaseline_m);
-  const Sensor left(model, calibration, Sensor::Eye::left, 1),
+  RealEye left(model, calibration, Sensor::Eye::left, 1),
       right(model, calibration, Sensor::Eye::right, 1);
-  const vision::Rectifier rectifier(calibration);
   TestScene s = table_scene();
   const auto renderer = std::move(*maker_of(kind)());
   if (!renderer->set_scene(s.scene)) state.SkipWithError("the scene was refused");
-  View view[2] = {eye_view(width), eye_view(width)};
-  view[1].world_from_optical.translate(Eigen::Vector3d(kEyeBaseline_m, 0, 0));
-  view[0].camera = left.ideal();
-  view[1].camera = right.ideal();
-  Picture ideal, picture;
-  vision::StereoImages raw, rectified;
+  const Eigen::Isometry3d eye = eye_view(width).world_from_optical;
+  const View views[2] = {left.view(eye),
+                         right.view(eye * Eigen::Translation3d(kEyeBaseline_m, 0, 0))};
+  vision::StereoImages rectified;
   std::uint64_t exposure = 0;
-  if (!renderer->render(s.pose, view[0], ideal)) state.SkipWithError("the renderer did not start");
+  if (!left.take(*renderer, s.pose, views[0], exposure, rectified.left))
+    state.SkipWithError("the renderer did not start");
   for (auto _ : state) {
     s.pose.frames.back().translation().x() += 1e-5;
-    if (!renderer->render(s.pose, view[0], ideal)) state.SkipWithError("a picture failed");
-    left.expose(ideal, exposure, picture);
-    raw.left = {picture.width, picture.height, picture.rgb};
-    if (!renderer->render(s.pose, view[1], ideal)) state.SkipWithError("a picture failed");
-    right.expose(ideal, exposure++, picture);
-    raw.right = {picture.width, picture.height, picture.rgb};
-    rectifier.rectify(raw, rectified);
+    ++exposure;
+    if (!left.take(*renderer, s.pose, views[0], exposure, rectified.left) ||
+        !right.take(*renderer, s.pose, views[1], exposure, rectified.right))
+      state.SkipWithError("a picture failed");
   }
 }
 
