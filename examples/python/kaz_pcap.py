@@ -3,7 +3,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads the bytes of one direction, from a serial port that listens on the line or from a file, and
 writes them as a capture that shared/protocol/wireshark/kaz.lua dissects. Damaged frames are kept. Ctrl-C ends
-the capture.
+the capture. A capture that is there already is replaced when the first frame comes, any other file is not.
+
+exit status: 0 captured; 1 no frame came, nothing is written; 2 wrong usage, or the target is a file and no
+capture; 3 the port is in use, or cannot be read or written
 
 examples:
   kaz_pcap.py /dev/ttyUSB1 line.pcap --seconds 10
@@ -15,6 +18,7 @@ import fcntl
 import math
 import os
 import select
+import stat
 import struct
 import sys
 import termios
@@ -22,6 +26,39 @@ import time
 import tty
 
 USER0 = 147  # link type of pcap files for private use
+# Of pcap files in either byte order, with microseconds or nanoseconds.
+MAGICS = [struct.pack(order + "I", magic) for order in "<>" for magic in (0xA1B2C3D4, 0xA1B23C4D)]
+
+
+class Target:
+    """The capture's file: opened at once, changed by the first frame."""
+
+    def __init__(self, path):
+        self.path = path
+        self.created = not os.path.lexists(path)
+        self.file = os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT, 0o666), "wb")
+        self.count = 0
+
+    def write(self, when, frame):
+        if self.count == 0:
+            if stat.S_ISREG(os.fstat(self.file.fileno()).st_mode):
+                self.file.truncate(0)
+            self.file.write(struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, USER0))
+        self.file.write(packet(when, frame))
+        self.count += 1
+
+    def close(self):
+        self.file.close()
+        if self.count == 0 and self.created:
+            os.unlink(self.path)
+
+
+def may_be_replaced(path):
+    """Whether nothing is there, an empty file, a capture, or no regular file, such as a pipe."""
+    if not os.path.isfile(path):
+        return True
+    with open(path, "rb") as file:
+        return file.read(4) in [b"", *MAGICS]
 
 
 def chunks(path, seconds):
@@ -49,19 +86,15 @@ def packet(when, frame):
     return struct.pack("<IIII", int(when), int(when % 1 * 1e6), len(frame), len(frame)) + frame
 
 
-def capture(path, out, seconds):
-    """Number of frames written."""
-    count, rest = 0, b""
-    out.write(struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, USER0))
+def capture(path, target, seconds):
+    rest = b""
     try:
         for when, received in chunks(path, seconds):
             *pieces, rest = (rest + received).split(b"\0")
             for piece in filter(None, pieces):
-                out.write(packet(when, b"\0" + piece + b"\0"))
-                count += 1
+                target.write(when, b"\0" + piece + b"\0")
     except KeyboardInterrupt:  # the normal end of a long capture
         pass
-    return count
 
 
 def main():
@@ -74,8 +107,15 @@ def main():
     if not math.isfinite(options.seconds) or options.seconds <= 0:
         parser.error("--seconds is a number above 0")
     try:
-        with open(options.pcap, "wb") as out:
-            print(f"{capture(options.source, out, options.seconds)} frames")
+        if not may_be_replaced(options.pcap):
+            print(f"kaz_pcap.py: '{options.pcap}' is no capture and would be replaced: remove it, or give "
+                  "another path", file=sys.stderr)
+            return 2
+        target = Target(options.pcap)
+        try:
+            capture(options.source, target, options.seconds)
+        finally:
+            target.close()
     except BlockingIOError:
         print(f"kaz_pcap.py: '{options.source}' is in use by another program: end that one first",
               file=sys.stderr)
@@ -84,6 +124,11 @@ def main():
         print(f"kaz_pcap.py: cannot capture '{options.source}' to '{options.pcap}': "
               f"{error.args[-1]}", file=sys.stderr)
         return 3
+    if target.count == 0:
+        print(f"kaz_pcap.py: no frame came from '{options.source}': give the port or the bytes of a line on "
+              "which a host and a board talk", file=sys.stderr)
+        return 1
+    print(f"{target.count} frame{'' if target.count == 1 else 's'}")
     return 0
 
 

@@ -23,7 +23,8 @@ void add_sim(CLI::App& program, Action& action) {
       ->type_name("PATH");
   verb->add_flag("--fast", arguments->real_time.fast, "as fast as the machine can, not real time");
   verb->add_option("--memory", arguments->memory,
-                   "file that keeps the board's calibration and address from one run to the next")
+                   "file that keeps the board's calibration and address from one run to the next; "
+                   "written at the end (Ctrl-C, SIGTERM, SIGHUP), not if the simulator is killed")
       ->type_name("FILE");
   verb->add_flag("--erased", arguments->backend.erased,
                  "the board's flash is blank, as the chip comes from the factory (kaz flash)");

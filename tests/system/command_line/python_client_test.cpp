@@ -182,6 +182,38 @@ TEST(PortLock, AForeignClientAndKazExcludeEachOther) {
   EXPECT_EQ(run(client({folder / "board"})).exit_code, 3);
 }
 
+// Only captures are replaced, and only by one with a frame.
+TEST(PythonCapture, OfNoFrameIsAnErrorAndOtherFilesStay) {
+  const TemporaryFolder folder;
+  write_file(folder / "none.bin", "no zero");
+  write_file(folder / "two.bin", std::string("\0abc\0\0de\0", 9));
+  write_file(folder / "notes.txt", "mine");
+  const auto capture = [&](const std::string& from, const std::string& to) {
+    return run(example("kaz_pcap.py", {folder / from, folder / to}));
+  };
+  const Finished none = capture("none.bin", "line.pcap");
+  EXPECT_EQ(none.exit_code, 1) << none.out;
+  EXPECT_NE(none.err.find("no frame came from"), std::string::npos) << none.err;
+  EXPECT_NE(access((folder / "line.pcap").c_str(), F_OK), 0);
+  const Finished two = capture("two.bin", "line.pcap");
+  EXPECT_EQ(two.exit_code, 0) << two.err;
+  EXPECT_EQ(two.out, "2 frames\n");
+  const std::string bytes = read_file(folder / "line.pcap");
+  EXPECT_EQ(bytes.size(), 24u + 16 + 5 + 16 + 4);
+  EXPECT_EQ(bytes.find("\xd4\xc3\xb2\xa1"), 0u);
+  EXPECT_EQ(capture("none.bin", "line.pcap").exit_code, 1);
+  EXPECT_EQ(read_file(folder / "line.pcap"), bytes);
+  EXPECT_EQ(capture("two.bin", "line.pcap").exit_code, 0);
+  EXPECT_EQ(read_file(folder / "line.pcap").size(), bytes.size());
+  const Finished refused = capture("two.bin", "notes.txt");
+  EXPECT_EQ(refused.exit_code, 2) << refused.out;
+  EXPECT_NE(refused.err.find("is no capture and would be replaced"), std::string::npos)
+      << refused.err;
+  EXPECT_EQ(read_file(folder / "notes.txt"), "mine");
+  const Finished help = run(example("kaz_pcap.py", {"--help"}));
+  EXPECT_NE(help.out.find("exit status: 0 captured; 1 no frame"), std::string::npos) << help.out;
+}
+
 // Where the head must point, from the ball's true place and the robot's geometry.
 TEST(PythonBall, TurnsTheHeadToTheBall) {
   const TemporaryFolder folder;
