@@ -9,6 +9,7 @@
 #include <set>
 
 #include "hil/bench/samples.h"
+#include "hil/bench/timed_part.h"
 
 namespace kaz::hil {
 namespace {
@@ -52,8 +53,14 @@ class LinkBench {
 
  private:
   Result<void> measure() {
-    KAZ_TRY(judge_.timed([this] { return measure_line(); }));
-    return judge_.timed([this] { return measure_stream(); });
+    KAZ_TRY(timed_part(judge_, [this](int run) {
+      run_ = run;
+      return measure_line();
+    }));
+    return timed_part(judge_, [this](int run) {
+      run_ = run;
+      return measure_stream();
+    });
   }
 
   Result<void> measure_line() {
@@ -68,7 +75,7 @@ class LinkBench {
   }
 
   void progress(double share, const char* what) const {
-    if (options_.progress) options_.progress(share, what);
+    if (options_.progress) options_.progress(share, run_text(what, run_));
   }
 
   // A request at a time, at any phase of the board's tick.
@@ -205,6 +212,7 @@ class LinkBench {
   host::Clock& clock_;
   const LinkBenchOptions& options_;
   BenchJudge& judge_;
+  int run_ = 1;  // of the part
 };
 
 }  // namespace

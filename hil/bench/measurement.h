@@ -107,6 +107,7 @@ class BenchJudge {
   std::pair<double, double> limits(const std::string& name) const;
   void add(Plot plot) { report_.plots.push_back(std::move(plot)); }
   BenchReport& report() { return report_; }
+  host::LatenessMeter* lateness() const { return lateness_; }
 
  private:
   Measurement begin(const std::string& subject, const std::string& name) const;

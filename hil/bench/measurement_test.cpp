@@ -11,6 +11,7 @@
 
 #include "hil/bench/measurement.h"
 #include "hil/bench/report/numbers.h"
+#include "hil/bench/timed_part.h"
 
 namespace kaz::hil {
 namespace {
@@ -195,6 +196,40 @@ TEST_F(JudgeOfTimes, WhatBearsLatenessIsInDoubtAfterAStopAlone) {
   EXPECT_EQ(runs_, 2 + host::LatenessMeter::kRepetitions);
   ASSERT_EQ(report_.measurements.size(), 2u);
   EXPECT_EQ(report_.measurements[1].verdict, Verdict::undecided);
+}
+
+TEST_F(JudgeOfTimes, APartThatIsCutShortWhileThisMachineWasLateIsUndecided) {
+  const auto cut_short = [this](int late_ms) {
+    return timed_part(judge_, [=, this](int run) -> Result<void> {
+      EXPECT_EQ(run, 1);
+      clock_.late = std::chrono::milliseconds(late_ms);
+      KAZ_TRY(meter_.sleep_until(meter_.now() + std::chrono::seconds(1)));
+      judge_.enter("link", "link.round_trip_worst", 90);
+      judge_.enter("link", "link.cycle_rate", 110);
+      return fail(Fault::interrupted, "interrupted");
+    });
+  };
+  ASSERT_FALSE(cut_short(40));
+  ASSERT_EQ(report_.measurements.size(), 2u);
+  EXPECT_EQ(report_.measurements[0].verdict, Verdict::undecided);
+  EXPECT_NE(report_.measurements[0].message.find("kept waiting for up to 40 ms"), std::string::npos)
+      << report_.measurements[0].message;
+  EXPECT_EQ(report_.measurements[1].verdict, Verdict::passed);
+  ASSERT_FALSE(cut_short(0));
+  EXPECT_EQ(report_.measurements[2].verdict, Verdict::failed) << "this machine was punctual";
+}
+
+TEST_F(JudgeOfTimes, ARepetitionIsNamed) {
+  std::vector<std::string> names;
+  ASSERT_TRUE(timed_part(judge_, [&](int run) -> Result<void> {
+    names.push_back(run_text("telemetry", run));
+    clock_.late = std::chrono::milliseconds(run == 1 ? 40 : 0);
+    KAZ_TRY(meter_.sleep_until(meter_.now() + std::chrono::seconds(1)));
+    judge_.enter("link", "link.round_trip_worst", run == 1 ? 90 : 10);
+    return {};
+  }));
+  EXPECT_EQ(names, (std::vector<std::string>{"telemetry", "late machine, again: telemetry"}));
+  EXPECT_EQ(report_.count(Verdict::passed), 1);
 }
 
 TEST_F(JudgeOfTimes, NothingIsDecidedOnceTheOtherEndIsGone) {

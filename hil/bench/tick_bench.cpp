@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "hil/bench/samples.h"
+#include "hil/bench/timed_part.h"
 
 namespace kaz::hil {
 namespace {
@@ -32,8 +33,12 @@ class TickBench {
       : line_(link, clock, options.address), clock_(clock), options_(options), judge_(judge) {}
 
   Result<void> run() {
-    return line_.measure("its ticks were",
-                         [this] { return judge_.timed([this] { return measure(); }); });
+    return line_.measure("its ticks were", [this] {
+      return timed_part(judge_, [this](int run) {
+        run_ = run;
+        return measure();
+      });
+    });
   }
 
  private:
@@ -51,7 +56,7 @@ class TickBench {
   }
 
   void progress(double share, const char* what) const {
-    if (options_.progress) options_.progress(share, what);
+    if (options_.progress) options_.progress(share, run_text(what, run_));
   }
 
   Result<void> stream(int period_ms) {
@@ -200,6 +205,7 @@ class TickBench {
   host::Clock& clock_;
   const TickBenchOptions& options_;
   BenchJudge& judge_;
+  int run_ = 1;
   std::uint32_t first_tick_ = 0;
   std::vector<Arrival> quiet_, loaded_;
   double load_hz_ = 0;

@@ -75,7 +75,7 @@ bool Search::learn(const Genome& genome, const Verdict& verdict) {
 Genome shortened(const Genome& genome, const CaseRunner& run, int max_runs) {
   Genome best = genome;
   const auto fails = [&](const Genome& candidate) {
-    if (max_runs-- <= 0) return false;
+    if (candidate.empty() || max_runs-- <= 0) return false;
     const auto verdict = run(candidate);
     return verdict && verdict->violation;
   };

@@ -39,7 +39,7 @@ class Search {
   std::set<std::uint32_t> seen_;
 };
 
-// A shorter case that is wrong too, after at most `max_runs` runs.
+// A shorter case that is wrong too, of a byte at least, after at most `max_runs` runs.
 Genome shortened(const Genome& genome, const CaseRunner& run, int max_runs);
 
 // Corpus and reproducers: a file is a genome. Errors say which path, and why.

@@ -22,6 +22,7 @@
 #include "tools/app/base/output_file.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/base/provenance.h"
+#include "tools/app/base/suggestion.h"
 #include "tools/app/base/time_lost.h"
 #include "tools/app/kept/kept_run.h"
 #include "tools/fuzz/engine_case.h"
@@ -73,6 +74,8 @@ class PortTarget {
       if (!verdict || !verdict->violation) return verdict;
       const std::string excuse = meter_.excuse();
       if (excuse.empty()) return verdict;
+      // Also the reply to whether the other end was late is not waited for any longer.
+      if (interrupt_.requested()) return tl::unexpected(host::Interrupt::error());
       if (again == 0 || meter_.other_end_gone())
         return fail(Fault::environment, "whether a case has failed is not decided (" +
                                             *verdict->violation + "): " + excuse);
@@ -93,8 +96,9 @@ class PortTarget {
   }
 
   PortTarget(std::unique_ptr<host::TtyLink> link, const FuzzOptions& options,
-             const host::Interrupt& interrupt)
+             host::Interrupt& interrupt)
       : link_(std::move(link)),
+        interrupt_(interrupt),
         clock_(&interrupt),
         meter_(*link_, clock_, time_lost_behind(link_->name(), interrupt)),
         options_(options),
@@ -113,6 +117,7 @@ class PortTarget {
   }
 
   std::unique_ptr<host::TtyLink> link_;
+  const host::Interrupt& interrupt_;
   host::WallClock clock_;
   host::LatenessMeter meter_;
   const FuzzOptions& options_;
@@ -136,9 +141,11 @@ class Fuzzing {
     // Not only when there is something to keep.
     if (arguments_.replay.empty())
       out_ = KAZ_TRY(OutputFile::open(arguments_.out, "--out", kFailingCase));
+    Genome replayed;
+    if (!arguments_.replay.empty()) replayed = KAZ_TRY(replayed_case());
     KAZ_TRY(prepare());
     began_ = WallTime::now();
-    if (!arguments_.replay.empty()) return replay();
+    if (!arguments_.replay.empty()) return replay(replayed);
     hil::fuzz::Search search(arguments_.seed);
     if (auto loaded = load(search); !loaded) return ended(loaded.error(), search);
     if (failing_) return report_failure(*failing_, search);
@@ -181,6 +188,18 @@ class Fuzzing {
     return true;
   }
 
+  // Before --allow-motion is spoken of: nobody shall add it because of a mistyped name.
+  Result<void> check_port() const {
+    const std::string& path = arguments_.target;
+    std::error_code none;
+    if (std::filesystem::exists(path, none)) return {};
+    auto opened = host::TtyLink::open(path, 115200, &interrupt_);
+    if (opened) return {};
+    Error error = opened.error();
+    error.message += suggestion(path, enum_names(sim::kMcuKinds));
+    return tl::unexpected(std::move(error));
+  }
+
   // Options that would not act on this target, and motion that nobody has allowed.
   Result<void> check_options(std::optional<sim::McuKind> mcu) const {
     if (!arguments_.image.empty() && mcu != sim::McuKind::h8)
@@ -191,6 +210,7 @@ class Fuzzing {
     if (mcu) return {};
     if (arguments_.body)
       return fail(Fault::usage, "--body needs the simulator: use it with --target native or h8");
+    KAZ_TRY(check_port());
     if (!arguments_.allow_motion)
       return fail(Fault::usage, "this moves the joints of the robot at " + arguments_.target +
                                     " at random: hang the robot up or take the motors' supply "
@@ -244,10 +264,12 @@ class Fuzzing {
     return true;
   }
 
-  // An error that ends the run; an interrupted run has a result.
+  // An error that ends the run. What was tried until a signal or the machine ended it is reported.
   Result<bool> ended(const Error& error, const hil::fuzz::Search& search) {
+    if (error.fault == Fault::environment) broken_off_ = error.message;
+    if (error.fault == Fault::environment || error.fault == Fault::interrupted)
+      report(search, std::nullopt, "");
     if (error.fault != Fault::interrupted) return tl::unexpected(error);
-    report(search, std::nullopt, "");
     return fail(Fault::interrupted,
                 "interrupted after " + counted(totals_.cases, "case") + ", none of them failed");
   }
@@ -292,28 +314,40 @@ class Fuzzing {
     const Genome shorter = hil::fuzz::shortened(genome, runner, port_ ? 20 : 400);
     const auto verdict = one(shorter);
     const bool interrupted = !verdict && verdict.error().fault == Fault::interrupted;
-    if (!verdict && !interrupted) return tl::unexpected(verdict.error());
     // A board at a port need not fail twice.
-    const Genome& kept = interrupted || verdict->violation ? shorter : genome;
+    const Genome& kept = !verdict || verdict->violation ? shorter : genome;
+    if (!verdict && !interrupted) broken_off_ = verdict.error().message;
     KAZ_TRY(out_->write({reinterpret_cast<const char*>(kept.data()), kept.size()}));
     const auto violation = verdict ? verdict->violation : std::optional<std::string>();
     report(search,
-           violation.value_or(interrupted ? "the case was still being shortened"
-                                          : "not seen again in the shortened case"),
+           violation.value_or(verdict ? "not seen again in the shortened case"
+                                      : "the case was still being shortened"),
            hil::fuzz::text_of(hil::fuzz::events_of(kept, grammar_)));
     if (interrupted)
       return fail(
           Fault::interrupted,
           "interrupted while a failing case was shortened; it is kept in " + arguments_.out);
+    if (!verdict)
+      return fail(verdict.error().fault,
+                  broken_off_ + "; a case that failed before is kept in " + arguments_.out);
     return false;
   }
 
-  Result<bool> replay() {
-    const auto genome = KAZ_TRY(hil::fuzz::load_genome(arguments_.replay));
-    const auto verdict = KAZ_TRY(one(genome));
-    report(hil::fuzz::Search(1), verdict.violation,
-           hil::fuzz::text_of(hil::fuzz::events_of(genome, grammar_)));
-    return !verdict.violation;
+  // A case without a byte does nothing: that nothing was wrong would be no result.
+  Result<Genome> replayed_case() const {
+    auto genome = KAZ_TRY(hil::fuzz::load_genome(arguments_.replay));
+    if (genome.empty())
+      return fail(Fault::usage, "--replay " + arguments_.replay +
+                                    " is empty: give a case that kaz fuzz has written");
+    return genome;
+  }
+
+  Result<bool> replay(const Genome& genome) {
+    const hil::fuzz::Search none(1);
+    const auto verdict = one(genome);
+    if (!verdict) return ended(verdict.error(), none);
+    report(none, verdict->violation, hil::fuzz::text_of(hil::fuzz::events_of(genome, grammar_)));
+    return !verdict->violation;
   }
 
   void report(const hil::fuzz::Search& search, const std::optional<std::string>& violation,
@@ -332,6 +366,10 @@ class Fuzzing {
                                   {"corpus", search.corpus().size()},
                                   {"features", search.features()}};
       if (interrupt_.requested()) mark_interrupted(json);
+      if (!broken_off_.empty()) {
+        if (!violation) json["ok"] = nullptr;  // not known
+        json["error"] = broken_off_;
+      }
       if (!port_) json["ticks"] = totals_.ticks;
       if (engine_.mcu == sim::McuKind::h8) {
         json["worst_tick_8states"] = totals_.worst_busy_8states;
@@ -370,7 +408,8 @@ class Fuzzing {
     if (arguments_.body)
       std::printf("furthest past a soft limit: %.4f rad\n", totals_.worst_overshoot_rad);
     if (!violation) {
-      std::printf("%s\n", totals_.cases > 0 ? "nothing was wrong" : "nothing was tried");
+      std::printf("%s%s\n", totals_.cases > 0 ? "nothing was wrong" : "nothing was tried",
+                  broken_off_.empty() ? "" : " until the run broke off");
       return;
     }
     std::printf("wrong: %s\n", violation->c_str());
@@ -387,6 +426,7 @@ class Fuzzing {
   std::unique_ptr<PortTarget> port_;
   std::optional<Genome> failing_;
   std::optional<OutputFile> out_;  // of a failing case
+  std::string broken_off_;         // why the machine ended the run; empty: it did not
   Totals totals_;
   WallTime::time_point began_{};
 };

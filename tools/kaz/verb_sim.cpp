@@ -2,12 +2,31 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "tools/app/sim/serve.h"
 #include "tools/kaz/options.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
+namespace {
+
+// What a motor stand does not have, among the options given; empty if there is none.
+std::string not_of_a_stand(const CLI::App& verb) {
+  static constexpr std::pair<const char*, const char*> kAbsent[] = {
+      {"--world", "world"},           {"--robot-file", "robot"}, {"--imu", "IMU"},
+      {"--dynamics", "robot"},        {"--eyes", "eyes"},        {"--eye-width", "eyes"},
+      {"--renderer", "eyes"},         {"--cameras", "eyes"},     {"--record-pictures", "eyes"},
+      {"--write-calibration", "eyes"}};
+  for (const auto& [option, what] : kAbsent) {
+    if (verb.get_option(option)->count() > 0)
+      return std::string(option) + ": a motor stand has no " + what + "; leave " + option +
+             " or --stand out";
+  }
+  return "";
+}
+
+}  // namespace
 
 void add_sim(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
@@ -58,7 +77,13 @@ void add_sim(CLI::App& program, Action& action) {
       "  kaz sim --serial board --record run.mcap   # Foxglove, PlotJuggler and `mcap info` "
       "open it\n"
       "  kaz run track-ball --robot serial:board --camera board.eyes   # in another terminal");
-  verb->callback([&action, arguments] { action = [arguments] { return serve(*arguments); }; });
+  verb->callback([&action, arguments, verb] {
+    const std::string wrong = arguments->backend.stand ? not_of_a_stand(*verb) : "";
+    action = [arguments, wrong]() -> Result<bool> {
+      if (!wrong.empty()) return fail(Fault::usage, wrong);
+      return serve(*arguments);
+    };
+  });
 }
 
 }  // namespace kaz::tools

@@ -140,10 +140,12 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->check(between(0.005, 0.5))
       ->capture_default_str()
       ->type_name("M");
-  verb->add_option("--nearest", options->nearest_m,
-                   "nearest distance for which depth is computed, m")
-      ->check(positive())
-      ->capture_default_str()
+  verb->add_option(
+          "--nearest", options->nearest_m,
+          "nearest distance for which depth is computed, m; less work if larger, in steps of "
+          "16 px of disparity, the fewest there are: of Kaz's eyes up to 0.476, 640 wide 0.953")
+      ->check(between(0.001, 100.0))
+      ->default_str("0.14")
       ->type_name("M");
   verb->add_option("--export", options->exported,
                    "also write depth (FRAME.depth.png, 16 bits, mm, 0 where unknown) or points "

@@ -7,6 +7,8 @@
 #include <regex>
 #include <vector>
 
+#include "hil/bench/timed_part.h"
+
 namespace kaz::hil {
 namespace {
 
@@ -159,11 +161,12 @@ Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptio
                                    {"pressing_s", stand->pressing_s()}};
     }
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      if (options.progress)
-        options.progress(static_cast<double>(i) / static_cast<double>(parts.size()),
-                         motor.name() + ": " + parts[i].what);
-      KAZ_TRY(judge.timed(
-          [&]() -> Result<void> {
+      KAZ_TRY(timed_part(
+          judge,
+          [&](int run) -> Result<void> {
+            if (options.progress)
+              options.progress(static_cast<double>(i) / static_cast<double>(parts.size()),
+                               run_text(motor.name() + ": " + parts[i].what, run));
             try {
               run_part(parts[i], motor, judge, options.supply_volts);
             } catch (const Lost& lost) {

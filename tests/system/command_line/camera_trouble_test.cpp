@@ -136,7 +136,12 @@ TEST_F(CameraTrouble, SilenceIsTheMachinesAndNamesTheCamera) {
       EXPECT_EQ(ended.exit_code, 3) << ended.err;
       EXPECT_NE(ended.err.find(why), std::string::npos) << ended.err;
     }
-    EXPECT_EQ(json::parse(read_file(folder_ / "run/result.json"))["outcome"], "environment");
+    const json lost = json::parse(read_file(folder_ / "run/result.json"));
+    EXPECT_EQ(lost["outcome"], "environment");
+    EXPECT_EQ(lost["robot"], "serial:" + (folder_ / "board"));
+    EXPECT_NE(lost["provenance"].value("command", "").find("track-ball"), std::string::npos)
+        << lost;
+    EXPECT_EQ(read_file(folder_ / "run/vision.csv").find("module,frame,"), 0u);
     const json kept = json::parse(read_file(folder_ / "seen/result.json"));
     EXPECT_EQ(kept["frames_looked_at"], passes == Passes::header ? 0 : 3);
     EXPECT_NE(kept["ended_early"].get<std::string>().find("stopped"), std::string::npos);

@@ -174,7 +174,7 @@ TEST(Cli, OptionsThatCannotActAreRefused) {
       {{"fuzz", "--address", "3"}, {"--address", "port"}},
       {{"fuzz", "--wear-flash"}, {"--wear-flash", "port"}},
       {{"fuzz", "--seconds", "1", "--cases", "3"}, {"--seconds", "--cases"}},
-      {{"fuzz", "--target", folder / "none"}, {"none", "--allow-motion"}},
+      {{"fuzz", "--target", folder / "image.mot"}, {"image.mot", "--allow-motion"}},
       {{"flash", "info", "--port", "board", "--reset", "manual"}, {"--reset"}},
       {{"conformance", "--port", "board", "--bench"}, {"--bench"}},
       {{"vision", "run", "--in", folder / "a", "--out", "out", "--view", "60", "--calibration",
@@ -188,6 +188,26 @@ TEST(Cli, OptionsThatCannotActAreRefused) {
     EXPECT_TRUE(one_sentence(run(kaz(arguments)), 2, one.words)) << arguments.back();
   }
   EXPECT_FALSE(std::filesystem::exists(folder / "lcov"));
+}
+
+// A mistyped engine must not lead to --allow-motion.
+TEST(Cli, AFuzzersTargetThatIsNotThereIsNoRobot) {
+  const TemporaryFolder folder;
+  for (const auto& [target, words] :
+       {std::pair<std::string, std::vector<std::string>>{
+            "natvie", {"no such port: natvie", "; did you mean native?"}},
+        {folder / "none", {"no such port: " + folder / "none"}}}) {
+    const Finished end = run(kaz({"fuzz", "--target", target, "--out", folder / "failing"}));
+    EXPECT_TRUE(one_sentence(end, 3, words)) << end.err;
+    EXPECT_EQ(end.err.find("--allow-motion"), std::string::npos) << end.err;
+  }
+}
+
+TEST(Cli, ACaseWithoutAByteIsNotReplayed) {
+  const TemporaryFolder folder;
+  write_file(folder / "empty", "");
+  EXPECT_TRUE(one_sentence(run(kaz({"fuzz", "--replay", folder / "empty"})), 2,
+                           {folder / "empty", "is empty", "give a case"}));
 }
 
 TEST(Cli, WrongNamesGetTheNearest) {
@@ -215,6 +235,17 @@ TEST(Cli, WrongValuesAreRefusedWithTheValidOnes) {
   EXPECT_TRUE(says({"demo", "--physics-step", "1ms"}, "--physics-step 1ms: give a number"));
   for (const char* value : {"maybe", "2", "-1", "yes", "on", "1.5"})
     EXPECT_TRUE(says({"demo", std::string("--imu=") + value}, "--imu takes no value"));
+  // What a motor stand does not have.
+  for (const auto& [option, what] : {std::pair{"--world=ball", "world"},
+                                     {"--eyes=real", "eyes"},
+                                     {"--eye-width=640", "eyes"},
+                                     {"--renderer=raster", "eyes"},
+                                     {"--cameras=eyes", "eyes"},
+                                     {"--dynamics=exact", "robot"},
+                                     {"--robot-file=x.urdf", "robot"},
+                                     {"--imu", "IMU"}})
+    EXPECT_TRUE(one_sentence(run(kaz({"sim", "--serial", "nowhere", "--stand", option})), 2,
+                             {std::string("a motor stand has no ") + what + "; leave "}));
   EXPECT_TRUE(says({"flash", "write", "x", "--no-start=2"}, "--no-start takes no value"));
   EXPECT_TRUE(says({"demo", "--seed"}, "--seed: give a value, as in --seed N"));
   EXPECT_TRUE(

@@ -88,6 +88,35 @@ TEST_F(StoppedSimulator, FailsNoCaseOfTheFuzzer) {
   EXPECT_TRUE(end.exit_code == 0 || end.exit_code == 3) << end.exit_code << end.out << end.err;
 }
 
+// Whether it failed is then not known; what was tried before is reported all the same.
+TEST_F(StoppedSimulator, WhereTheFuzzerIsInterruptedOrGivesUpItReportsWhatItTried) {
+  for (const int number : {SIGINT, SIGTERM, 0}) {
+    SCOPED_TRACE(number);
+    Process fuzz(kaz({"fuzz", "--target", port(), "--allow-motion", "--seconds", "60", "--json",
+                      "--out", folder_ / "case"}));
+    (void)fuzz.wait_for_output("never printed", seconds(4));
+    sim_.signal(SIGSTOP);
+    if (number != 0) {
+      (void)fuzz.wait_for_output("never printed", seconds(2));  // now it waits for a reply
+      fuzz.signal(number);
+    }
+    (void)fuzz.wait_for_output("not decided", seconds(number == 0 ? 12 : 1));
+    sim_.signal(SIGCONT);
+    const Finished end = fuzz.wait(seconds(30));
+    EXPECT_EQ(end.exit_code, number == 0 ? 3 : 128 + number) << end.out << end.err;
+    const json result = json::parse(end.out, nullptr, false);
+    ASSERT_TRUE(result.is_object()) << end.out << end.err;
+    EXPECT_GT(result["cases"], 0);
+    if (number == 0) {
+      EXPECT_TRUE(result["ok"].is_null()) << result;
+      EXPECT_NE(result.value("error", "").find("not decided"), std::string::npos) << result;
+    } else {
+      EXPECT_EQ(result.value("interrupted", false), true) << result;
+      EXPECT_NE(end.err.find("interrupted after "), std::string::npos) << end.err;
+    }
+  }
+}
+
 TEST_F(StoppedSimulator, ThatStaysStoppedIsALoss) {
   Process suite(kaz({"conformance", "--port", port(), "--filter", "^(frame|request|address)",
                      "--json", folder_ / "report.json"}));
@@ -118,6 +147,16 @@ TEST_F(StoppedSimulator, InterruptedMeanwhileTheRunCountsAsInterrupted) {
   EXPECT_EQ(report.value("interrupted", false), true) << report;
   EXPECT_EQ(report.value("signal", ""), "SIGINT");
   EXPECT_FALSE(report.value("board", "").empty());
+}
+
+TEST(ConformanceVerb, WithoutReportsAnInterruptNamesNone) {
+  Process suite(kaz({"conformance", "--virtual", "h8"}));
+  ASSERT_TRUE(suite.wait_for_output("passed", seconds(30)));
+  suite.signal(SIGINT);
+  const Finished end = suite.wait(seconds(10));
+  EXPECT_EQ(end.exit_code, 130) << end.err;
+  EXPECT_NE(end.err.find("interrupted after "), std::string::npos) << end.err;
+  EXPECT_EQ(end.err.find("report"), std::string::npos) << end.err;
 }
 
 TEST(ConformanceVerb, ListsItsCases) {

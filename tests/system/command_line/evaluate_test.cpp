@@ -91,6 +91,19 @@ TEST(Evaluate, PartsJoinToTheWhole) {
   ASSERT_EQ(more.exit_code, 0) << more.err;
   EXPECT_EQ(json::parse(more.out)["episodes"], 5);
   EXPECT_EQ(without_speed(folder / "whole", 4), all);
+  // A report of fewer than are there would not be of the folder.
+  const std::string report = read_file(folder / "whole/result.json");
+  for (const auto& [fewer, others] :
+       {std::pair{std::vector<std::string>{"--episodes", "2"}, "holds episodes (2, 3, 4) that"},
+        {{"--episodes", "5", "--shard", "1/2"}, "holds episodes (1, 3) that"}}) {
+    auto words = fewer;
+    words.insert(words.end(), {"--out", folder / "whole"});
+    const Finished refused = evaluate(words);
+    EXPECT_EQ(refused.exit_code, 2) << refused.out << refused.err;
+    EXPECT_NE(refused.err.find(others), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("choose another --out"), std::string::npos) << refused.err;
+  }
+  EXPECT_EQ(read_file(folder / "whole/result.json"), report);
   const Finished other = evaluate({"--friction", "0.3", "0.4", "--out", folder / "whole"});
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_NE(other.err.find("another campaign"), std::string::npos) << other.err;

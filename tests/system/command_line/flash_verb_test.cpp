@@ -206,6 +206,26 @@ TEST(FlashUsage, ARateOfThePortIsRefused) {
   }
 }
 
+TEST(FlashUsage, TheNativeBoardHasNoLoader) {
+  const TemporaryFolder folder;
+  Process sim(kaz({"sim", "--world", "empty", "--mcu", "native", "--serial", folder / "board"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", seconds(30))) << sim.wait(seconds(0)).err;
+  for (const auto& words : {std::vector<std::string>{"info"},
+                            {"run"},
+                            {"write", image()},
+                            {"write", image(), "--reset", "ctl:" + (folder / "board.ctl")}}) {
+    std::vector<std::string> all{"flash"};
+    all.insert(all.end(), words.begin(), words.end());
+    all.insert(all.end(), {"--port", folder / "board"});
+    const Finished refused = run(kaz(all), seconds(30));
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    EXPECT_NE(refused.err.find("runs --mcu native, which has no loader"), std::string::npos)
+        << refused.err;
+    EXPECT_NE(refused.err.find("start it with --mcu h8"), std::string::npos) << refused.err;
+    EXPECT_EQ(refused.err.find("likely causes"), std::string::npos) << refused.err;
+  }
+}
+
 // With a firmware, and not erased.
 class FlashRunning : public ::testing::Test {
  protected:

@@ -114,6 +114,16 @@ TEST(MotorsOff, ByASilentLineAreNot) {
   const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
   ASSERT_TRUE(result.is_object()) << end.err;
   EXPECT_EQ(result["outcome"], "environment");
+  // What it was of stands there as in any result.
+  EXPECT_EQ(result["mcu"], "native");
+  EXPECT_EQ(result["world"], "empty");
+  EXPECT_EQ(result["dynamics"], "reduced");
+  EXPECT_GT(result.value("duration_s", 0.0), 0.4) << result;
+  EXPECT_LE(result["duration_s"].dump().size(), 6u) << result;  // three decimals
+  EXPECT_GT(result.value("rtf", 0.0), 0) << result;
+  for (const char* what : {"date", "version", "machine", "command"})
+    EXPECT_TRUE(result["provenance"].contains(what)) << what << ": " << result;
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/vision.csv"));
 }
 
 }  // namespace

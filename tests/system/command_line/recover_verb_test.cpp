@@ -123,6 +123,9 @@ TEST_F(RecoverVerb, StatusNamesTheFirmware) {
   EXPECT_EQ(now["firmware"], host::firmware_version_text(board.firmware_version));
   EXPECT_EQ(now["build"], host::build_text(board.build_id));
   EXPECT_GT(now["since_reset_s"].get<double>(), 0);
+  // As the board sends them: in 0.1 degrees, in mV.
+  EXPECT_LE(now["drivers_celsius"].dump().size(), 5u) << now;
+  EXPECT_LE(now["supply_v"].dump().size(), 6u) << now;
 }
 
 TEST_F(RecoverVerb, At20RandomTimesOfASuiteTheBoardIsAsBefore) {

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <csignal>
 #include <filesystem>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -119,6 +120,41 @@ TEST(TwoProcesses, ABrokenPotentiometerIsAFailureOfTheRobot) {
   EXPECT_EQ(result["outcome"], "failed");
   EXPECT_NE(result["sentence"].get<std::string>().find("potentiometer"), std::string::npos);
   EXPECT_TRUE(result.contains("link")) << "a whole result";
+}
+
+// There is no ball, so each run fails. Of one whose simulator lagged that proves nothing.
+TEST(TwoProcesses, AFailureWhileTheSimulatorLagsIsTheMachines) {
+  for (const bool lags : {true, false}) {
+    SCOPED_TRACE(lags);
+    const TemporaryFolder folder;
+    Process sim(kaz({"sim", "--world", "empty", "--mcu", "native", "--eyes", "ideal", "--serial",
+                     folder / "board", "--cameras", folder / "eyes"}));
+    ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
+    Process run(behaviour(folder, "6"));
+    ASSERT_TRUE(run.wait_for_output("search", seconds(20))) << run.wait(seconds(0)).err;
+    for (int n = 0; lags && n < 8; ++n) {
+      sim.signal(SIGSTOP);
+      std::this_thread::sleep_for(std::chrono::milliseconds(250));
+      sim.signal(SIGCONT);
+      std::this_thread::sleep_for(std::chrono::milliseconds(250));
+    }
+    const Finished finished = run.wait(seconds(30));
+    const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
+    ASSERT_TRUE(result.is_object()) << finished.err;
+    ASSERT_TRUE(result.contains("lateness")) << result;
+    const json& lateness = result["lateness"];
+    EXPECT_TRUE(lateness.contains("host_late_s") && lateness.contains("host_worst_late_s"));
+    const double lost_s = lateness.value("simulator_lost_s", -1.0);
+    if (lags) {
+      EXPECT_EQ(finished.exit_code, 3) << finished.out << finished.err;
+      EXPECT_EQ(result["outcome"], "environment");
+      EXPECT_GT(lost_s, 1.5);
+      EXPECT_NE(finished.err.find("fell behind by "), std::string::npos) << finished.err;
+    } else if (lost_s < 0.5 && lateness["host_late_s"] < 0.5) {  // a busy machine lags by itself
+      EXPECT_EQ(finished.exit_code, 1) << finished.out << finished.err;
+      EXPECT_EQ(result["outcome"], "failed");
+    }
+  }
 }
 
 TEST(TwoProcesses, BoardThatStopsAnsweringIsNoticed) {

@@ -152,6 +152,36 @@ TEST(VisionVerb, FindsTheFloorInARecording) {
     tables.push_back(read_file(folder / (std::string(out) + "/frames.csv")));
   }
   EXPECT_EQ(tables[0], tables[1]);
+
+  // Of the first pairs alone nothing else is computed, and what is exported counts as a module.
+  const auto first_two = [&](std::vector<std::string> more) {
+    std::vector<std::string> all{"vision", "run",   "--in",           folder / "seen", "--frames",
+                                 "2",      "--out", folder / "first", "--json"};
+    all.insert(all.end(), more.begin(), more.end());
+    return run(kaz(all));
+  };
+  const Finished first = first_two({"--export", "depth"});
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  const json result = json::parse(first.out);
+  EXPECT_EQ(result["modules"], "color,depth");
+  EXPECT_EQ(result["frames_looked_at"], 2);
+  EXPECT_EQ(result["vision"]["color"]["frames"], 2) << result["vision"];
+  EXPECT_EQ(result["vision"]["depth"]["frames"], 2) << result["vision"];
+  ASSERT_EQ(result["frames"].size(), 2u);
+  EXPECT_TRUE(fs::exists(folder / "first/000001.depth.png"));
+
+  // Eyes of 320 px over 80 degrees, 0.04 m apart: 16 px of disparity are 0.4767 m.
+  const Finished near = first_two({"--export", "depth", "--nearest", "0.05"}),
+                 far = first_two({"--export", "depth", "--nearest", "0.476"});
+  ASSERT_EQ(near.exit_code, 0) << near.err;
+  ASSERT_EQ(far.exit_code, 0) << far.err;
+  EXPECT_NE(json::parse(near.out)["frames"], json::parse(far.out)["frames"]);
+  const std::string kept = read_file(folder / "first/result.json");
+  for (const char* useless : {"0.48", "14", "0.02"})
+    expect_refusal(first_two({"--export", "depth", "--nearest", useless}), 2,
+                   {std::string("--nearest ") + useless, "0.024 to 0.476 m", "14 cm are 0.14"});
+  expect_refusal(first_two({"--nearest", "0.3"}), 2, {"--nearest", "--modules color", "add depth"});
+  EXPECT_EQ(read_file(folder / "first/result.json"), kept);
 }
 
 // Nothing but the robot's head moves; its posture is that of noisy potentiometers, and its shoulders
@@ -195,6 +225,19 @@ TEST(VisionVerb, LooksThroughALiveCamera) {
     for (const json& segment : frame["planes"]) with_floor += segment.value("floor", false);
   }
   EXPECT_GE(with_floor, 4);
+  const auto look = [&](std::vector<std::string> more) {
+    std::vector<std::string> all{"vision", "run", "--in", folder / "eyes", "--out", folder / "few"};
+    all.insert(all.end(), more.begin(), more.end());
+    return run(kaz(all));
+  };
+  expect_refusal(look({"--view", "60"}), 2, {"--view", "brings its own camera"});
+  expect_refusal(look({"--modules", "depth", "--nearest", "0.8"}), 2, {"0.476 m"});
+  // Pairs that come later are none of those asked for.
+  const Finished few = look({"--frames", "3"});
+  EXPECT_EQ(few.exit_code, 0) << few.err;
+  EXPECT_NE(few.out.find("3 of 3 pairs looked at"), std::string::npos) << few.out;
+  for (const char* more : {"4 pairs", "5 pairs", "6 pairs"})
+    EXPECT_EQ(few.err.find(more), std::string::npos) << few.err;
   // Its camera ends, and what was seen until then is kept.
   Process watching(kaz({"vision", "run", "--in", folder / "eyes", "--out", folder / "until"}));
   ASSERT_TRUE(watching.wait_for_output("pairs", std::chrono::seconds(20)));
@@ -277,6 +320,11 @@ TEST(VisionVerb, RefusesInOneSentence) {
   expect_refusal(
       look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm", "--modules", "flow"}), 2,
       {"--modules flow", "pairs of files have no time"});
+  expect_refusal(look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm", "--robot",
+                       "serial:board"}),
+                 2, {"--robot", "live camera"});
+  expect_refusal(look({"--in", folder / "bad", "--view", "60", "--nearest", "0.3"}), 2,
+                 {"--nearest", "pairs"});
   const auto learn = [&](const std::string& region) {
     return run(kaz({"vision", "learn-color", "--in", folder / "grey.ppm", "--region", region,
                     "--out", folder / "a.json"}));

@@ -34,6 +34,11 @@ bool is_written_by(const OutputKind& kind, std::string_view name) {
   });
 }
 
+// The verbs that write such a folder, which it does not distinguish.
+std::string verbs_of(const std::string& kind) {
+  return kind == "run" ? "kaz run or kaz demo" : "kaz " + kind;
+}
+
 std::vector<std::string> names_in(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;
@@ -185,8 +190,8 @@ Result<void> OutputFolder::State::refuse_others() const {
     const std::string base(without_part(name));
     if (is_result(name)) {
       if (other_kind)
-        return fail(Fault::usage, "'" + path + "' holds results of kaz " + list.kind + " (" + name +
-                                      "), which kaz " + kind.name +
+        return fail(Fault::usage, "'" + path + "' holds results of " + verbs_of(list.kind) + " (" +
+                                      name + "), which " + verbs_of(kind.name) +
                                       " does not mix with its own: choose another with --out, or "
                                       "remove them");
     } else if (is_written_by(kind, base)) {

@@ -39,7 +39,7 @@ class VirtualTarget final : public BenchTarget {
 
 class PortTarget final : public BenchTarget {
  public:
-  PortTarget(std::unique_ptr<host::TtyLink> link, const host::Interrupt& interrupt)
+  PortTarget(std::unique_ptr<host::TtyLink> link, host::Interrupt& interrupt)
       : link_(std::move(link)),
         clock_(&interrupt),
         meter_(*link_, clock_, time_lost_behind(link_->name(), interrupt)) {}

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/board/board_status.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -38,6 +39,11 @@ const char* motors(std::uint16_t status) {
   return (status & (KZ_STATUS_ENABLED | KZ_STATUS_RAW_DRIVE)) ? "on" : "off";
 }
 
+// The board's whole numbers of 0.1 or 0.001 as they print: 249 of 0.1 are 24.9, not 24.900000000000002.
+double whole(double value, int per_unit) {
+  return std::round(value * per_unit) / per_unit;
+}
+
 Json as_json(const kz_identify_reply& board, const host::Health& health, const host::SelfTest& test,
              const kz_statistics_reply& counts) {
   Json joint;
@@ -48,15 +54,15 @@ Json as_json(const kz_identify_reply& board, const host::Health& health, const h
       {"firmware", host::firmware_version_text(board.firmware_version)},
       {"build", host::build_text(board.build_id)},
       {"image_crc", board.image_crc},
-      {"since_reset_s", health.tick * 1e-3},
+      {"since_reset_s", health.tick / 1e3},
       {"last_reset", cause_of_reset(board.reset_cause)},
       {"motors", motors(health.status)},
       {"shutdown", health.shutdown},
       {"joint", joint},
       {"calibrated", (health.status & KZ_STATUS_UNCALIBRATED) == 0},
-      {"supply_v", health.supply_volts},
-      {"supply_lowest_v", health.supply_lowest_volts},
-      {"drivers_celsius", health.temperature_c},
+      {"supply_v", whole(health.supply_volts, 1000)},
+      {"supply_lowest_v", whole(health.supply_lowest_volts, 1000)},
+      {"drivers_celsius", whole(health.temperature_c, 10)},
       {"watchdog_ms", board.watchdog_10ms * 10},
       {"reaction", board.reaction == KZ_REACTION_HOLD ? "hold" : "limp"},
       {"self_test_failed", test.failed_names},
@@ -65,7 +71,7 @@ Json as_json(const kz_identify_reply& board, const host::Health& health, const h
       {"refusals", counts.refusals},
       {"damaged_frames", counts.bad_check + counts.bad_stuffing + counts.too_short +
                              counts.too_long + counts.line_errors + counts.overruns + counts.idle}};
-  if (!health.shutdown.empty()) json["shutdown_at_s"] = health.shutdown_tick * 1e-3;
+  if (!health.shutdown.empty()) json["shutdown_at_s"] = health.shutdown_tick / 1e3;
   return json;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/board/conformance.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <tuple>
 
@@ -93,6 +94,10 @@ class Reports {
     if (on_output > 1)
       return fail(Fault::usage, "only one of --junit, --json and --html can go to standard output");
     return reports;
+  }
+
+  bool any() const {
+    return std::ranges::any_of(all_, [](const One& one) { return one.on_output || one.file; });
   }
 
   Result<void> write(const hil::RunReport& report, const hil::ReportFacts& facts) {
@@ -264,7 +269,7 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
   if (report->interrupted)
     return fail(Fault::interrupted, "interrupted after " + std::to_string(report->results.size()) +
                                         " of " + counted(report->chosen(), "case") +
-                                        "; the reports are of these");
+                                        (reports.any() ? "; the reports are of these" : ""));
   return outcome_of(*report);
 }
 

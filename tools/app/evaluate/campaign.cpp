@@ -313,7 +313,7 @@ Result<void> copy_files(const fs::path& from, const fs::path& to) {
   return {};
 }
 
-// That the folder is empty or of this campaign, whose summary will be a new one.
+// That the folder is empty or of this campaign.
 Result<void> claim(const OutputFolder& folder, const Json& campaign) {
   for (const char* part : {"episodes", "failures"}) {
     if (auto made = make_folder(folder.path(part)); !made) return made;
@@ -321,10 +321,7 @@ Result<void> claim(const OutputFolder& folder, const Json& campaign) {
   const std::string path = folder.path("campaign.json");
   if (!fs::exists(path)) return write_json(path, campaign);
   const auto there = KAZ_TRY(read_json(path, parse_campaign));
-  if (there == campaign) {
-    KAZ_TRY(folder.remove("result.json"));
-    return folder.remove("episodes.csv");
-  }
+  if (there == campaign) return {};
   for (const auto& [key, value] : campaign.items()) {
     if (there.contains(key) && there[key] == value) continue;
     return fail(Fault::usage, "'" + folder.folder() + "' holds another campaign (its " + key +
@@ -333,6 +330,30 @@ Result<void> claim(const OutputFolder& folder, const Json& campaign) {
   }
   return fail(Fault::usage,
               "'" + folder.folder() + "' holds another campaign: choose another --out");
+}
+
+// The summary will be a new one.
+Result<void> remove_summary(const OutputFolder& folder) {
+  KAZ_TRY(folder.remove("result.json"));
+  return folder.remove("episodes.csv");
+}
+
+// The folder's report is of all episodes there, and none other may be there than what is asked for.
+Result<void> refuse_more(const CampaignOptions& options, const OutputFolder& folder,
+                         const Episodes& episodes) {
+  std::vector<std::uint64_t> others;
+  for (const auto& [number, episode] : episodes) {
+    if (number >= options.episodes || number % options.shards != options.shard - 1)
+      others.push_back(number);
+  }
+  if (others.empty()) return {};
+  const std::string part = options.shards == 1 ? ""
+                                               : " --shard " + std::to_string(options.shard) + "/" +
+                                                     std::to_string(options.shards);
+  return fail(Fault::usage, "'" + folder.folder() + "' holds episodes (" + numbers_text(others) +
+                                ") that are none of --episodes " +
+                                std::to_string(options.episodes) + part +
+                                ": ask for these too, or choose another --out");
 }
 
 }  // namespace
@@ -381,6 +402,8 @@ Result<bool> run_campaign(const CampaignOptions& options) {
   const Json campaign = campaign_json(options);
   KAZ_TRY(folder.explained(claim(folder, campaign)));
   auto episodes = KAZ_TRY(read_episodes(folder.folder()));
+  KAZ_TRY(refuse_more(options, folder, episodes));
+  KAZ_TRY(remove_summary(folder));
   std::vector<std::uint64_t> missing;
   for (std::uint64_t n = options.shard - 1; n < options.episodes; n += options.shards) {
     if (!episodes.contains(n)) missing.push_back(n);
@@ -442,6 +465,7 @@ Result<bool> merge_campaigns(const std::vector<std::string>& folders, const std:
   }
   const auto folder = KAZ_TRY(OutputFolder::open(out, campaign_output()));
   KAZ_TRY(folder.explained(claim(folder, campaign)));
+  KAZ_TRY(remove_summary(folder));
   for (const auto& [number, episode] : all) {
     KAZ_TRY(folder.explained(write_json(folder.path(episode_file(number)), episode)));
   }

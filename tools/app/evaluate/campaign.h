@@ -34,9 +34,9 @@ struct CampaignOptions {
 nlohmann::ordered_json campaign_json(const CampaignOptions& options);
 
 // Runs those episodes of the part that are not in the folder yet, then writes summary and table.
-// False where not one episode succeeded. Errors: a folder of another campaign, interruption (what
-// has ended is kept), a behaviour that there is none of, episodes lost to the machine (environment; the
-// others are kept and summarized, the same command runs the lost ones again).
+// False where not one episode succeeded. Errors: a folder of another campaign, or with episodes that are not
+// asked for; interruption (what has ended is kept), a behaviour that there is none of, episodes lost to the
+// machine (environment; the others are kept and summarized, the same command runs the lost ones again).
 Result<bool> run_campaign(const CampaignOptions& options);
 
 // Joins folders of parts of one campaign. Errors: parts of different campaigns, the same episode

@@ -171,14 +171,17 @@ Json result_of(const std::string& log) {
 }
 
 // Why an episode does not count for or against the robot; empty where it does. `behaviour`: exit status
-// of `kaz run`, none if time ran out; `simulator`: that of `kaz sim`; `last`: its last reply.
+// of `kaz run`, none if time ran out; `simulator`: that of `kaz sim`; `last`: its last reply; `result`: of
+// `kaz run`.
 std::string machine_trouble(std::optional<int> behaviour, bool ended_early, int simulator,
-                            const Json& last) {
+                            const Json& last, const Json& result) {
   constexpr int kLost = static_cast<int>(Fault::environment);
   constexpr double kMaxLag_s = 1;  // in all; or at once, which only a stop of the process is
   if (ended_early) return "kaz sim ended with " + std::to_string(simulator) + " during the run";
   if (simulator == kLost) return "kaz sim could not keep its recording";
   if (behaviour == static_cast<int>(Fault::usage)) return "kaz run could not begin";
+  if (behaviour == kLost && result.value("outcome", "") == "environment")
+    return result.value("sentence", std::string());
   if (behaviour == kLost) return "kaz run lost port, camera or files";
   for (const int number : {SIGHUP, SIGINT, SIGKILL, SIGTERM, SIGBUS, SIGXCPU, SIGXFSZ})
     if (behaviour == 128 + number) return "kaz run was ended by signal " + std::to_string(number);
@@ -243,11 +246,12 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   simulator.signal(SIGINT);
   if (!simulator.wait(kEnd))
     return fail(Fault::environment, "kaz sim did not end; its log is " + sim_log);
-  if (const std::string why = machine_trouble(status, simulator_ended, *simulator.ended(), last);
+  const Json result = result_of(text_of(run_log));
+  if (const std::string why =
+          machine_trouble(status, simulator_ended, *simulator.ended(), last, result);
       !why.empty())
     return fail(Fault::environment, why + "; logs are in " + kept);
 
-  const Json result = result_of(text_of(run_log));
   std::string cause = result.value("cause", std::string());
   // Above 128: a signal, none of the machine's.
   if (cause.empty()) cause = !status ? "time" : *status > 128 ? "crashed" : "error";

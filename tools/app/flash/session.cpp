@@ -86,6 +86,10 @@ Result<void> FlashSession::open() {
   if (auto read = read_writer(); !read) return read;
   auto link = KAZ_TRY(host::TtyLink::open(port(), 115200, &interrupt_));
   link_ = std::move(link);
+  if (simulated_mcu(port(), interrupt_) == "native")
+    return fail(Fault::usage, "the simulator at " + port() +
+                                  " runs --mcu native, which has no loader and no boot mode: start "
+                                  "it with --mcu h8");
   meter_ =
       std::make_unique<host::LatenessMeter>(*link_, clock_, time_lost_behind(port(), interrupt_));
   if (auto made = make_reset(); !made) return made;

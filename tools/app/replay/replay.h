@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -29,6 +30,10 @@ struct ReplayOptions {
   std::string label = "kaz replay";  // in front of its progress
   VisionOptions vision;
   VisionWatcher* watcher = nullptr;
+  // Of the host alone. The recording ends once the watcher has heard of so many pairs; 0: at its end.
+  std::uint64_t max_pairs = 0;
+  // Of the host alone, before it runs: the recording's eyes. An error is that of the replay.
+  std::function<Result<void>(const vision::CameraModel&)> on_camera;
 };
 
 // The first message in which two recordings differ.

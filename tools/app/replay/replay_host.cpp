@@ -21,11 +21,42 @@ using lockstep::HostDifference;
 using lockstep::RecordedRun;
 using lockstep::ReplayedBoard;
 
+// The pairs of the recording, or its first ones: when the watcher has heard of these the recording counts as
+// cut off, so that the host ends, too.
+class FirstPairs final : public vision::Camera {
+ public:
+  FirstPairs(ReplayedBoard& board, RecordedRun& run, const ReplayOptions& options)
+      : camera_(board), run_(run), max_(options.max_pairs), watcher_(options.watcher) {}
+  const vision::CameraModel& model() const override { return camera_.model(); }
+  Result<std::optional<vision::StereoPair>> poll() override {
+    if (max_ == 0 || given_ < max_) {
+      auto pair = camera_.poll();
+      if (pair && *pair) ++given_;
+      return pair;
+    }
+    if (watcher_ == nullptr || watcher_->full()) {
+      run_.cut_off = true;
+      run_.end = 0;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  lockstep::ReplayCamera camera_;
+  RecordedRun& run_;
+  std::uint64_t max_, given_ = 0;
+  const VisionWatcher* watcher_;
+};
+
 // The recording in the robot's place.
 class ReplayBackend final : public SessionBackend {
  public:
-  ReplayBackend(ReplayedBoard& board, const host::Interrupt& interrupt)
-      : board_(board), clock_(raw_clock_, interrupt), link_(raw_link_, raw_clock_, interrupt) {}
+  ReplayBackend(ReplayedBoard& board, RecordedRun& run, const ReplayOptions& options,
+                const host::Interrupt& interrupt)
+      : board_(board),
+        clock_(raw_clock_, interrupt),
+        link_(raw_link_, raw_clock_, interrupt),
+        camera_(board, run, options) {}
   host::Link& link() override { return link_; }
   host::Clock& clock() override { return clock_; }
   Result<void> open_camera() override { return {}; }
@@ -44,7 +75,7 @@ class ReplayBackend final : public SessionBackend {
   InterruptibleClock clock_;
   lockstep::ReplayLink raw_link_{board_};
   InterruptibleLink link_;
-  lockstep::ReplayCamera camera_{board_};
+  FirstPairs camera_;
   NoCamera no_camera_;
 };
 
@@ -115,15 +146,18 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
                 options.file + ": it has no pictures, and " + session.behavior +
                     " needs them; record with --record-pictures, or give --whole to run the "
                     "simulation again too");
-  const auto run = KAZ_TRY(RecordedRun::of(recording, options.file));
+  auto run = KAZ_TRY(RecordedRun::of(recording, options.file));
+  const bool cut_off = run.cut_off;
   if (run.to_board.empty() && run.thoughts.empty())
     return fail(Fault::usage, options.file +
                                   ": the host sent nothing in it, so there is nothing to compare; "
                                   "record the run again");
+  if (options.on_camera) KAZ_TRY(options.on_camera(run.camera));
   ReplayedBoard board(run);
   session.open_backend =
-      [&board](host::Interrupt& interrupt) -> Result<std::unique_ptr<SessionBackend>> {
-    return std::make_unique<ReplayBackend>(board, interrupt);
+      [&board, &run,
+       &options](host::Interrupt& interrupt) -> Result<std::unique_ptr<SessionBackend>> {
+    return std::make_unique<ReplayBackend>(board, run, options, interrupt);
   };
   const auto ran = run_session(std::move(session));
   // A host that does something else cannot go on, which is the result. Other errors are its own.
@@ -135,7 +169,7 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
     return tl::unexpected(ran.error());
   board.finish();
   if (!options.quiet) print(options, run, board);
-  if (options.quiet && run.cut_off)
+  if (options.quiet && cut_off && run.end > 0)
     std::fprintf(stderr, "%s: %s; run to its last whole step at %.6f s\n", options.file.c_str(),
                  early_end(run).c_str(), seconds(sim::time_of(run.end)));
   return !board.difference() && !board.other_thought();

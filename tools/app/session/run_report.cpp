@@ -21,7 +21,7 @@ using nlohmann::ordered_json;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 double rounded(double value, double unit) {
-  return std::round(value / unit) * unit;
+  return std::round(value / unit) / std::round(1 / unit);  // 0.3, where 3 * 0.1 is not
 }
 
 // At most ten samples a second: enough for a plot, small enough to read.
@@ -69,6 +69,15 @@ ordered_json link_json(const host::LinkStatistics& link) {
   json["round_trip_min_s"] = rounded(link.round_trip.min_s, 1e-6);
   json["round_trip_mean_s"] = rounded(link.round_trip.mean_s, 1e-6);
   json["round_trip_max_s"] = rounded(link.round_trip.max_s, 1e-6);
+  return json;
+}
+
+ordered_json lateness_json(const RunLateness& lateness) {
+  ordered_json json = ordered_json::object();
+  if (lateness.simulator_lost_s)
+    json["simulator_lost_s"] = rounded(*lateness.simulator_lost_s, 1e-3);
+  json["host_late_s"] = rounded(lateness.host_late_s, 1e-3);
+  json["host_worst_late_s"] = rounded(lateness.host_worst_late_s, 1e-3);
   return json;
 }
 
@@ -153,6 +162,7 @@ Result<std::vector<std::string>> write_pictures(const RunReport& report, const S
 
 const char* word_of(const RunReport& report) {
   if (report.interrupted) return "interrupted";
+  if (report.machine_failed) return "environment";
   return report.outcome.success ? "done" : "failed";
 }
 
@@ -176,14 +186,42 @@ Result<std::string> place_recording(const OutputFolder& folder) {
   return path;
 }
 
+void add_times(ordered_json& result, double run_s, double rtf) {
+  result["duration_s"] = rounded(run_s, 1e-3);
+  result["rtf"] = rounded(rtf, 1e-3);
+}
+
+ordered_json broken_off_json(const char* outcome, const std::string& sentence,
+                             const std::string& behavior, const BackendOptions& backend) {
+  ordered_json result{{"outcome", outcome},
+                      {"sentence", sentence},
+                      {"behavior", behavior},
+                      {"mcu", nullptr},
+                      {"seed", backend.seed}};
+  if (backend.robot == "sim") {
+    result["mcu"] = to_string(backend.mcu);
+    result["world"] = backend.world;
+    result["dynamics"] = backend.dynamics;
+    result["physics_step_ms"] = backend.physics_step_ms;
+    result["renderer"] = to_string(backend.renderer);
+  } else {
+    result["robot"] = backend.robot;
+    result["camera"] = backend.camera;
+  }
+  result["provenance"] = provenance_json();
+  return result;
+}
+
 Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
                                   const Snapshots& snapshots, const OutputFolder* folder,
                                   bool recorded) {
-  ordered_json result{
-      {"outcome", word_of(report)},       {"sentence", report.outcome.sentence},
-      {"behavior", report.behavior},      {"mcu", nullptr},
-      {"seed", report.backend.seed},      {"duration_s", rounded(report.run_s, 1e-3)},
-      {"rtf", rounded(report.rtf, 1e-3)}, {"found_s", nullptr}};
+  ordered_json result{{"outcome", word_of(report)},
+                      {"sentence", report.outcome.sentence},
+                      {"behavior", report.behavior},
+                      {"mcu", nullptr},
+                      {"seed", report.backend.seed}};
+  add_times(result, report.run_s, report.rtf);
+  result["found_s"] = nullptr;
   // What was not measured is absent.
   if (report.score.within_3deg)
     result["tracking_within_3deg"] = rounded(*report.score.within_3deg, 1e-4);
@@ -193,7 +231,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   if (report.score.found_s) result["found_s"] = rounded(*report.score.found_s, 1e-3);
   if (report.interrupted) {
     mark_interrupted(result);
-  } else if (!report.outcome.success) {
+  } else if (!report.outcome.success && !report.machine_failed) {
     result["cause"] = report.outcome.cause;
   }
   for (const auto& [name, value] : report.outcome.measurements) {
@@ -223,6 +261,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   result["provenance"] = provenance_json();
   result["board"] = board_json(report);
   result["link"] = link_json(report.link);
+  if (report.lateness) result["lateness"] = lateness_json(*report.lateness);
   result["vision"] = report.vision;
   if (report.profile) result["profile"] = profile_json(*report.profile);
   if (folder != nullptr) {

@@ -11,6 +11,7 @@
 #include "host/link/link_statistics.h"
 #include "tools/app/base/output.h"
 #include "tools/app/session/backend.h"
+#include "tools/app/session/run_lateness.h"
 #include "tools/app/session/run_profile.h"
 #include "tools/app/session/score.h"
 #include "tools/app/session/snapshots.h"
@@ -37,6 +38,9 @@ struct RunReport {
   std::optional<RunProfile> profile = {};
   std::string recording_sha256 = {};  // of an interrupted run, whose recording is finished already
   std::string camera_warning = {};    // SessionBackend::camera_warning()
+  std::optional<RunLateness> lateness = {};  // of a run at a port
+  // The robot has not succeeded, and the machine was too late to blame it; outcome.sentence says so.
+  bool machine_failed = false;
 };
 
 // What a run writes into its folder, and the file as which its recording grows there.
@@ -44,6 +48,12 @@ const OutputKind& run_output();
 std::string growing_recording(const OutputFolder& folder);
 // The recording, which has ended, as recording.mcap. Returns its path.
 Result<std::string> place_recording(const OutputFolder& folder);
+
+// result.json of a run that broke off: why it ended, and what it was of. No more is known of it for certain.
+nlohmann::ordered_json broken_off_json(const char* outcome, const std::string& sentence,
+                                       const std::string& behavior, const BackendOptions& backend);
+// `duration_s` and `rtf`, rounded.
+void add_times(nlohmann::ordered_json& result, double run_s, double rtf);
 
 // Ends the recording and, where there is a folder, fills it, result.json last. `recorded`: the recording grew
 // there. Returns the content of result.json.

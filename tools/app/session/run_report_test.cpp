@@ -14,8 +14,8 @@
 #include "shared/base/files.hpp"
 #include "shared/board/board.h"
 #include "tools/app/base/provenance.h"
-#include "tools/app/session/live_camera.h"
 #include "tools/app/base/version.h"
+#include "tools/app/session/live_camera.h"
 
 namespace kaz::tools {
 namespace {
@@ -88,6 +88,22 @@ TEST_F(Report, HasTheCauseOfAFailure) {
   EXPECT_EQ(json["cause"], "not found");
 }
 
+TEST_F(Report, OfALateMachineBlamesNotTheRobot) {
+  report_.outcome.success = false;
+  report_.outcome.cause = "not found";
+  report_.machine_failed = true;
+  report_.lateness = RunLateness{4.25, 0.5, 0.125, "the program at the other end fell behind"};
+  ordered_json json = result();
+  EXPECT_EQ(json["outcome"], "environment");
+  EXPECT_FALSE(json.contains("cause"));
+  EXPECT_EQ(json["lateness"],
+            (ordered_json{
+                {"simulator_lost_s", 4.25}, {"host_late_s", 0.5}, {"host_worst_late_s", 0.125}}));
+  report_.lateness->simulator_lost_s.reset();
+  json = result();
+  EXPECT_FALSE(json["lateness"].contains("simulator_lost_s"));
+}
+
 TEST_F(Report, HasTheScore) {
   report_.score.found_s = 1.23456;
   report_.score.within_3deg = 0.98765;
@@ -101,7 +117,8 @@ TEST_F(Report, HasTheScore) {
 
 TEST_F(Report, HasNothingThatWasNotMeasured) {
   const ordered_json json = result();
-  for (const char* name : {"tracking_within_3deg", "tracking_rms_deg", "tracking_measured_by"})
+  for (const char* name :
+       {"tracking_within_3deg", "tracking_rms_deg", "tracking_measured_by", "lateness"})
     EXPECT_FALSE(json.contains(name)) << name;
   EXPECT_FALSE(json["board"].contains("worst_tick_share")) << "it counts no states";
   EXPECT_FALSE(json["link"].contains("round_trip_s")) << "nothing has answered";

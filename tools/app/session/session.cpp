@@ -25,6 +25,7 @@
 #include "tools/app/session/call_gate.h"
 #include "tools/app/session/moments.h"
 #include "tools/app/session/plugin_guard.h"
+#include "tools/app/session/run_lateness.h"
 #include "tools/app/session/run_report.h"
 #include "tools/app/session/score.h"
 #include "tools/app/session/snapshots.h"
@@ -189,26 +190,6 @@ Error with_recording(Error error, sim::Simulation* simulation, const OutputFolde
   return error;
 }
 
-// The end of a run that broke off, as its result. On a full disk it may be missing.
-void write_end(const OutputFolder* folder, const SessionOptions& options, const char* outcome,
-               const char* cause, const std::string& sentence) {
-  if (folder == nullptr) return;
-  nlohmann::ordered_json result{{"outcome", outcome},
-                                {"sentence", sentence},
-                                {"behavior", options.behavior},
-                                {"seed", options.backend.seed}};
-  if (*cause != '\0') result["cause"] = cause;
-  (void)folder->write_json("result.json", result);
-}
-
-// The machine's fault: with what is saved, reported to the caller, and kept as the run's outcome.
-Error lost(Error error, const SessionOptions& options, const OutputFolder* folder) {
-  if (folder != nullptr) error = folder->explained(std::move(error));
-  write_end(folder, options, "environment", "", error.message);
-  if (options.on_loss) options.on_loss(error);
-  return error;
-}
-
 // A session's steps. Its members are in the order in which they are made: what is later refers to what is
 // earlier, and goes first.
 class Session {
@@ -240,11 +221,14 @@ class Session {
   void settle();
   Result<void> check_end();
   Result<bool> report();
+  void write_end(const char* outcome, const char* cause, const std::string& sentence);
+  Error lost(Error error);
 
   // In perform().
   void run_behavior(behavior::Context& context);
   void take_times();
   void check_outcome();
+  void excuse_failure();
   std::string abandon(const PluginEnd& end);
   std::string leave_board();
 
@@ -282,6 +266,9 @@ class Session {
   // How it went.
   Result<behavior::Outcome> outcome_;
   bool threw_ = false;
+  std::optional<RunLatenessMeter> lateness_meter_;  // at a port
+  std::optional<RunLateness> lateness_;
+  bool machine_failed_ = false;
   Steady::time_point wall_start_;
   double run_s_ = 0, wall_s_ = 0;
   std::optional<RunProfile> profile_;
@@ -301,7 +288,7 @@ Result<void> Session::prepare() {
   if (!options_.out.empty()) {
     auto opened = OutputFolder::open(options_.out, run_output());
     if (!opened && opened.error().fault == Fault::environment)
-      return tl::unexpected(lost(opened.error(), options_, nullptr));
+      return tl::unexpected(lost(opened.error()));
     results_ = KAZ_TRY(std::move(opened));
   }
   recorded_ = results_ && options_.backend.robot == "sim" && options_.backend.recording.empty() &&
@@ -381,7 +368,7 @@ Result<void> Session::begin() {
   if (results_) {
     const auto cleared = results_->clear();
     if (!cleared && cleared.error().fault == Fault::environment)
-      return tl::unexpected(lost(cleared.error(), options_, folder()));
+      return tl::unexpected(lost(cleared.error()));
     KAZ_TRY(cleared);
   }
   remove_recording_->keep();
@@ -403,6 +390,7 @@ void Session::perform() {
     context.other_joints = other_joints(simulation->world());
   std::optional<RunProfiler> profiler;
   if (options_.profile) profiler.emplace();
+  if (real()) lateness_meter_.emplace(backend_->link(), interrupt_);
   {
     const ProfileScope host("behaviour and link");
     std::optional<PluginGuard> guard;
@@ -420,6 +408,9 @@ void Session::perform() {
   if (profiler) profile_ = profiler->end(run_s_);
   if (threw_ && options_.on_crash) options_.on_crash(outcome_.error(), false);
   check_outcome();
+  // A simulator that is asked after it has stopped answering would be waited for.
+  if (lateness_meter_ && (outcome_ || interrupted())) lateness_ = lateness_meter_->end();
+  excuse_failure();
 }
 
 void Session::take_times() {
@@ -457,6 +448,16 @@ void Session::check_outcome() {
   }
 }
 
+// A failure while this program or the simulator at the port was late is the machine's. Not one that an error
+// has caused: that the board has switched its motors off is true on any machine.
+void Session::excuse_failure() {
+  if (!outcome_ || outcome_->success || outcome_->cause == "error") return;
+  if (!lateness_ || lateness_->excuse.empty()) return;
+  machine_failed_ = true;
+  outcome_->sentence = "whether the robot has failed is not decided (" + outcome_->sentence +
+                       "): " + lateness_->excuse + "; end other programs and run it again";
+}
+
 // A plug-in has ended the process, or does not return: what settle() and report() would have done. On the
 // guard's thread; the plug-in's is shut out. Returns the rest of the sentence.
 std::string Session::abandon(const PluginEnd& end) {
@@ -470,13 +471,13 @@ std::string Session::abandon(const PluginEnd& end) {
     sha256_ = backend_->simulation()->finish_recording(end.by);
   if (real() || interrupt) rest = leave_board();
   if (interrupt && options_.keep_interrupted) {
-    rest += "; " + (sha256_ ? report().error() : lost(sha256_.error(), options_, folder())).message;
+    rest += "; " + (sha256_ ? report().error() : lost(sha256_.error())).message;
   } else if (interrupt) {
     rest += "; interrupted";
   } else {
     Error error = with_recording(end.error, backend_->simulation(), folder(), recorded_, end.by);
     rest += error.message.substr(end.error.message.size());
-    write_end(folder(), options_, "failed", "crashed", error.message);
+    write_end("failed", "crashed", error.message);
   }
   results_.reset();  // on_crash may remove them
   if (options_.on_crash) options_.on_crash(end.error, true);
@@ -537,7 +538,7 @@ void Session::settle() {
 
 // The error of a run of which there is nothing more to report.
 Result<void> Session::check_end() {
-  if (!sha256_) return tl::unexpected(lost(sha256_.error(), options_, folder()));
+  if (!sha256_) return tl::unexpected(lost(sha256_.error()));
   if (interrupted()) {
     if (!left_)
       std::fprintf(stderr, "%s: %s\n", options_.label.c_str(), left_.error().message.c_str());
@@ -549,17 +550,37 @@ Result<void> Session::check_end() {
                                  folder(), recorded_, threw_ ? "an exception" : "");
     // For an evaluation nothing but the robot can fail to answer in lockstep; at a port it is the line, too.
     if ((real() || threw_) && error.fault == Fault::environment)
-      error = lost(std::move(error), options_, folder());
+      error = lost(std::move(error));
     else if (threw_)
-      write_end(folder(), options_, "failed", "crashed", error.message);
+      write_end("failed", "crashed", error.message);
     else if (error.fault == Fault::environment)
-      write_end(folder(), options_, "environment", "", error.message);
+      write_end("environment", "", error.message);
     return tl::unexpected(std::move(error));
   }
   if (!health_) return tl::unexpected(health_.error());
   if (outcome_->success || left_) return left_;
   std::fprintf(stderr, "%s: %s\n", options_.label.c_str(), left_.error().message.c_str());
   return {};
+}
+
+// The end of a run that broke off, as its result. On a full disk it may be missing, and the table sooner.
+void Session::write_end(const char* outcome, const char* cause, const std::string& sentence) {
+  if (folder() == nullptr) return;
+  nlohmann::ordered_json result =
+      broken_off_json(outcome, sentence, options_.behavior, options_.backend);
+  if (*cause != '\0') result["cause"] = cause;
+  if (wall_s_ > 0) add_times(result, run_s_, run_s_ / wall_s_);
+  if (pipeline_) result["vision"] = module_statistics_json(*pipeline_);
+  (void)folder()->write_json("result.json", result);
+  if (deliveries_) (void)folder()->write("vision.csv", deliveries_->text());
+}
+
+// The machine's fault: with what is saved, reported to the caller, and kept as the run's outcome.
+Error Session::lost(Error error) {
+  if (folder() != nullptr) error = folder()->explained(std::move(error));
+  write_end("environment", "", error.message);
+  if (options_.on_loss) options_.on_loss(error);
+  return error;
 }
 
 Result<bool> Session::report() {
@@ -583,11 +604,18 @@ Result<bool> Session::report() {
                          interrupted(),
                          std::move(profile_),
                          *sha256_,
-                         backend_->camera_warning()};
+                         backend_->camera_warning(),
+                         lateness_,
+                         machine_failed_};
   const auto written =
       write_report(report, backend_->simulation(), *snapshots_, folder(), recorded_);
-  if (!written) return tl::unexpected(lost(written.error(), options_, folder()));
+  if (!written) return tl::unexpected(lost(written.error()));
   if (!options_.quiet) print_report(*written, report, options_.out, options_.json);
+  if (machine_failed_) {
+    Error error{Fault::environment, outcome_->sentence};
+    if (options_.on_loss) options_.on_loss(error);
+    return tl::unexpected(std::move(error));
+  }
   if (!interrupted()) return outcome_->success;
   char until[48];
   std::snprintf(until, sizeof until, "interrupted at %.2f s", run_s_);

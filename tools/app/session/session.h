@@ -53,9 +53,11 @@ struct SessionOptions {
 // when the board switches its motors off: the report is whole, of the cause `error`. Motors are off
 // afterwards, whatever happened. The folder is checked and locked before anything is opened
 // (output_folder.h). Of an interrupted run (Fault::interrupted) result.json and recording are of the part
-// until then, and say so. Of a run that broke off there is the recording and, where the machine was the
-// cause, a result.json with the outcome `environment`; where the behaviour's program was (an exception), with
-// `failed` and the cause `crashed`. A plug-in may end the process instead (plugin_guard.h).
+// until then, and say so. A run at a port that did not succeed while this program or the simulator was late
+// (run_lateness.h) is an error (Fault::environment), its report whole, with the outcome `environment`. Of a
+// run that broke off there is the recording and, where the machine was the cause, a result.json with the
+// outcome `environment`; where the behaviour's program was (an exception), with `failed` and the cause
+// `crashed`. A plug-in may end the process instead (plugin_guard.h).
 Result<bool> run_session(SessionOptions options);
 
 }  // namespace kaz::tools

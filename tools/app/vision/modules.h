@@ -33,6 +33,8 @@ class VisionWatcher {
   virtual void begin(vision::Pipeline& pipeline) = 0;
   // After the last picture, also of a run that failed.
   virtual void end(const vision::Pipeline& pipeline) = 0;
+  // Whether it has heard of as many frames as it wants.
+  virtual bool full() const { return false; }
 };
 
 }  // namespace kaz::tools

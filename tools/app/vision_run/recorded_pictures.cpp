@@ -240,6 +240,11 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
     return fail(Fault::usage, "--export " + options.exported +
                                   ": single pictures have no depth; pairs (--left, "
                                   "--right), recordings and cameras have it");
+  if (options.nearest_m)
+    return fail(
+        Fault::usage,
+        "--nearest is for depth, which single pictures have not: leave it out, or give pairs "
+        "(--left, --right)");
   if (options.calibration.empty() == (options.view_deg == 0))
     return fail(Fault::usage,
                 "distances need the lens: give either --calibration FILE or --view "

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,7 @@ struct RecordedOptions {
   std::string color, calibration;  // files; empty: the red ball, no calibration
   double view_deg = 0;             // horizontally, of a pinhole, where there is no calibration
   double radius_m = 0.020;
-  double nearest_m = vision::DepthOptions{}.nearest_m;
+  std::optional<double> nearest_m;  // of depth; nothing: its default
   bool json = false;
 };
 

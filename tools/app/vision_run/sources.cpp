@@ -1,6 +1,7 @@
 // `kaz vision run` on stereo pairs: of files, of a live camera, of a recording.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <sstream>
@@ -32,7 +33,7 @@ using Json = nlohmann::ordered_json;
 Result<VisionOptions> vision_options(const RecordedOptions& options) {
   VisionOptions vision;
   vision.modules = options.modules;
-  vision.depth.nearest_m = options.nearest_m;
+  vision.depth.nearest_m = options.nearest_m.value_or(vision.depth.nearest_m);
   const auto ball = KAZ_TRY(ball_options(options));
   vision.ball = ball;
   if (!options.exported.empty()) {
@@ -42,10 +43,33 @@ Result<VisionOptions> vision_options(const RecordedOptions& options) {
         return fail(Fault::usage, "--export '" + word + "': there are depth and points");
       (word == "depth" ? vision.export_depth : vision.export_points) = true;
     }
-    vision.modules += vision.modules.empty() ? "depth" : ",depth";
+    if (("," + vision.modules + ",").find(",depth,") == std::string::npos)
+      vision.modules += vision.modules.empty() ? "depth" : ",depth";
   }
-  KAZ_TRY(parse_modules(vision.modules));
+  const auto modules = KAZ_TRY(parse_modules(vision.modules));
+  if (options.nearest_m && std::ranges::find(modules, "depth") == modules.end())
+    return fail(Fault::usage, "--nearest is for depth, which --modules " + vision.modules +
+                                  " does not compute: add depth there, or leave --nearest out");
   return vision;
+}
+
+// What --nearest can change with these eyes: the range of disparities has at least 16 px, and less than the
+// picture's width.
+Result<void> check_nearest(const RecordedOptions& options, const vision::CameraModel& camera) {
+  constexpr double kMinDisparities_px = 16, kMillimetres = 1000;
+  const double reach = camera.fx * camera.baseline_m;
+  if (!options.nearest_m || !(reach > 0) || camera.width < 2) return {};
+  const double given = *options.nearest_m,
+               min = std::ceil(kMillimetres * reach / (camera.width - 1)) / kMillimetres,
+               max = std::floor(kMillimetres * reach / kMinDisparities_px) / kMillimetres;
+  if (given >= min && given <= max) return {};
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "--nearest %g: with these eyes give %.3f to %.3f m (disparities of %d to 16 px); it "
+      "is in metres: 14 cm are 0.14",
+      given, min, max, camera.width - 1);
+  return fail(Fault::usage, text);
 }
 
 // Modules that need a sequence of pictures or the posture, where there is none.
@@ -62,8 +86,8 @@ Result<void> refuse(const VisionOptions& vision, std::initializer_list<std::stri
 // The end of each kind: files and printed summary. `lost`: why the camera or the robot stopped; empty if
 // none did.
 Result<bool> finish(VisionReport& report, const Json& statistics, const std::string& text,
-                    const RecordedOptions& options, const OutputFolder& folder, bool interrupted,
-                    const std::string& lost = "") {
+                    const RecordedOptions& options, const VisionOptions& vision,
+                    const OutputFolder& folder, bool interrupted, const std::string& lost = "") {
   KAZ_TRY(report.end());
   // A signal that came while overlays were being written counts, too, if it cost any.
   const std::size_t not_written = report.files_not_written();
@@ -73,7 +97,7 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
                                   : "; not written any more: " + counted(not_written, "file") +
                                         " (overlays, exports) of the last pairs";
   KAZ_TRY(folder.write("frames.csv", report.table()));
-  Json result{{"modules", options.modules},
+  Json result{{"modules", vision.modules},
               {"frames_looked_at", report.looked_at()},
               {"vision", statistics},
               {"frames", report.frames()},
@@ -163,6 +187,7 @@ class RecordingWatcher final : public VisionWatcher {
     statistics = module_statistics_json(pipeline);
     text = module_statistics_text(pipeline);
   }
+  bool full() const override { return report_ && report_->full(); }
   VisionReport* report() { return report_ ? &*report_ : nullptr; }
   Json statistics;
   std::string text;
@@ -219,6 +244,8 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
                          "camera with --robot");
       !fits)
     return tl::unexpected(fits.error());
+  if (!options.robot.empty())
+    return fail(Fault::usage, "--robot goes with a live camera, --left and --right are none");
   if (options.calibration.empty())
     return fail(Fault::usage, "stereo pairs need --calibration FILE (kaz calibrate stereo)");
   const auto files = KAZ_TRY(find_pairs(options.left, options.right));
@@ -227,6 +254,7 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
     if (std::filesystem::equivalent(pair.left, pair.right, error)) return same_picture(pair);
   }
   const auto calibration = KAZ_TRY(vision::read_calibration(options.calibration));
+  KAZ_TRY(check_nearest(options, calibration.rectified));
   const auto folder = KAZ_TRY(OutputFolder::begin(options.out, vision_output()));
   const PairReader reader{calibration, vision::Rectifier(calibration)};
 
@@ -262,7 +290,8 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
   if (!interrupted) progress.update(1, "done");
   progress.done();
   return folder.explained(finish(report, module_statistics_json(pipeline),
-                                 module_statistics_text(pipeline), options, folder, interrupted));
+                                 module_statistics_text(pipeline), options, *vision, folder,
+                                 interrupted));
 }
 
 Result<bool> run_on_camera(const RecordedOptions& options) {
@@ -274,19 +303,25 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
         !fits)
       return tl::unexpected(fits.error());
   }
+  if (options.view_deg != 0)
+    return fail(Fault::usage, is_real_camera(options.in)
+                                  ? "--view is for folders of pictures; real cameras need "
+                                    "--calibration FILE (kaz calibrate stereo)"
+                                  : "--view is for folders of pictures; what comes from " +
+                                        options.in + " brings its own camera: leave --view out");
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   host::WallClock clock(&interrupt);
   const auto folder = KAZ_TRY(OutputFolder::open(options.out, vision_output()));
   LiveSource source;
   KAZ_TRY(source.open(options, interrupt));
+  KAZ_TRY(check_nearest(options, source.camera->model()));
   KAZ_TRY(folder.clear());
 
   vision::Pipeline pipeline({vision::Pace::realtime, Time(0)});
   KAZ_TRY(add_modules(*vision, pipeline));
   VisionReport report(pipeline, *vision, &folder, options.frames);
   Progress progress("kaz vision", options.json);
-  std::uint64_t taken = 0;
   std::string end;
   while (end.empty() && !report.full()) {
     // The board's state between pictures: what frames get their posture from.
@@ -300,7 +335,6 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
       auto pair = source.camera->poll();
       if (!pair) end = pair.error().message;
       if (!pair || !*pair) break;
-      ++taken;
       pipeline.submit(std::move(**pair));
     }
     pipeline.poll(clock.now());
@@ -308,7 +342,8 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
                                              : static_cast<double>(report.frames().size()) /
                                                    static_cast<double>(options.frames);
     const std::string statistics = module_statistics_text(pipeline);
-    progress.update(share, counted(taken, "pair") + (statistics.empty() ? "" : "; ") + statistics);
+    progress.update(share, counted(report.frames().size(), "pair") +
+                               (statistics.empty() ? "" : "; ") + statistics);
     if (auto slept = clock.sleep_until(clock.now() + std::chrono::milliseconds(5)); !slept)
       end = slept.error().message;
   }
@@ -318,7 +353,7 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
   if (const std::string summary = source.alone.summary(); !summary.empty())
     std::fprintf(stderr, "kaz vision: cameras: %s\n", summary.c_str());
   return folder.explained(finish(report, module_statistics_json(pipeline),
-                                 module_statistics_text(pipeline), options, folder,
+                                 module_statistics_text(pipeline), options, *vision, folder,
                                  interrupt.requested() && !report.full(), end));
 }
 
@@ -329,7 +364,7 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   const auto recorded = KAZ_TRY(sim::McapRecording::load(options.in));
   if (!recorded.has_messages("/eyes/left"))
     return fail(Fault::usage, options.in + ": it has no pictures; record with --record-pictures");
-  const auto folder = KAZ_TRY(OutputFolder::begin(options.out, vision_output()));
+  const auto folder = KAZ_TRY(OutputFolder::open(options.out, vision_output()));
   RecordingWatcher watcher(vision, folder, options.frames);
   ReplayOptions replayed;
   replayed.label = "kaz vision run";
@@ -339,6 +374,11 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   replayed.json = options.json;
   replayed.vision = vision;
   replayed.watcher = &watcher;
+  replayed.max_pairs = options.frames;
+  replayed.on_camera = [&](const vision::CameraModel& camera) -> Result<void> {
+    KAZ_TRY(check_nearest(options, camera));
+    return folder.clear();
+  };
   const auto ran = replay(replayed);
   // The replay's own catching of signals has ended, while overlays are still being written.
   host::Interrupt interrupt;
@@ -347,8 +387,8 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   if (!ran && (!interrupted || watcher.report() == nullptr)) return tl::unexpected(ran.error());
   if (watcher.report() == nullptr)
     return fail(Fault::usage, options.in + ": nothing looked at its pictures");
-  return folder.explained(
-      finish(*watcher.report(), watcher.statistics, watcher.text, options, folder, interrupted));
+  return folder.explained(finish(*watcher.report(), watcher.statistics, watcher.text, options,
+                                 vision, folder, interrupted));
 }
 
 Result<bool> run_on_source(const RecordedOptions& options) {
