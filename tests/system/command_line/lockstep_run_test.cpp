@@ -121,7 +121,7 @@ TEST(MotorsOff, ByASilentLineAreNot) {
   EXPECT_GT(result.value("duration_s", 0.0), 0.4) << result;
   EXPECT_LE(result["duration_s"].dump().size(), 6u) << result;  // three decimals
   EXPECT_GT(result.value("rtf", 0.0), 0) << result;
-  for (const char* what : {"date", "version", "machine", "command"})
+  for (const char* what : {"date", "kaz", "machine", "command"})
     EXPECT_TRUE(result["provenance"].contains(what)) << what << ": " << result;
   EXPECT_TRUE(std::filesystem::exists(folder / "out/vision.csv"));
 }

@@ -141,7 +141,11 @@ TEST(TwoProcesses, AFailureWhileTheSimulatorLagsIsTheMachines) {
     const Finished finished = run.wait(seconds(30));
     const json result = json::parse(read_file(folder / "out/result.json"), nullptr, false);
     ASSERT_TRUE(result.is_object()) << finished.err;
-    ASSERT_TRUE(result.contains("lateness")) << result;
+    if (!result.contains("lateness")) {  // on a busy machine the run broke off
+      EXPECT_EQ(result["outcome"], "environment") << result;
+      EXPECT_EQ(finished.exit_code, 3) << finished.err;
+      continue;
+    }
     const json& lateness = result["lateness"];
     EXPECT_TRUE(lateness.contains("host_late_s") && lateness.contains("host_worst_late_s"));
     const double lost_s = lateness.value("simulator_lost_s", -1.0);
