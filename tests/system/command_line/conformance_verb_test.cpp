@@ -106,10 +106,14 @@ TEST_F(StoppedSimulator, WhereTheFuzzerIsInterruptedOrGivesUpItReportsWhatItTrie
     EXPECT_EQ(end.exit_code, number == 0 ? 3 : 128 + number) << end.out << end.err;
     const json result = json::parse(end.out, nullptr, false);
     ASSERT_TRUE(result.is_object()) << end.out << end.err;
-    EXPECT_TRUE(result.contains("cases")) << result;  // on a busy machine there may be none yet
+    EXPECT_GT(result["cases"], 0) << result;
     if (number == 0) {
       EXPECT_TRUE(result["ok"].is_null()) << result;
-      EXPECT_NE(result.value("error", ""), "") << result;
+      // Stopped during a case, or before the next one.
+      const std::string error = result.value("error", "");
+      EXPECT_TRUE(error.find("not decided") != std::string::npos ||
+                  error.find("no board answers on") != std::string::npos)
+          << result;
     } else {
       EXPECT_EQ(result.value("interrupted", false), true) << result;
       EXPECT_NE(end.err.find("interrupted after "), std::string::npos) << end.err;
