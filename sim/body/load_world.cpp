@@ -60,18 +60,23 @@ Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const R
   return std::make_unique<OdeWorld>(world, robot, motor, options, *iterations);
 }
 
+Result<WorldFiles> read_world_files(const std::string& world_path, const std::string& robot_path,
+                                    const WorldOptions& options) {
+  WorldFiles files;
+  files.robot = KAZ_TRY(load_robot(robot_path));
+  const std::string motor_path = std::filesystem::path(robot_path).replace_filename("motor.xml");
+  files.motor = KAZ_TRY(load_motor_file(motor_path, options.motor));
+  if (options.ideal_motors) files.motor = files.motor.ideal();
+  files.world = KAZ_TRY(load_world(world_path));
+  return files;
+}
+
 Result<std::unique_ptr<World>> World::load(const std::string& world_path,
                                            const std::string& robot_path,
                                            const WorldOptions& options) {
   KAZ_TRY(iterations_of(options.dynamics));
-  const Result<RobotModel> robot = load_robot(robot_path);
-  if (!robot) return tl::unexpected(robot.error());
-  const std::string motor_path = std::filesystem::path(robot_path).replace_filename("motor.xml");
-  const Result<MotorParams> motor = load_motor_file(motor_path, options.motor);
-  if (!motor) return tl::unexpected(motor.error());
-  const Result<WorldModel> world = load_world(world_path);
-  if (!world) return tl::unexpected(world.error());
-  return make_world(*world, *robot, options.ideal_motors ? motor->ideal() : *motor, options);
+  const auto files = KAZ_TRY(read_world_files(world_path, robot_path, options));
+  return make_world(files.world, files.robot, files.motor, options);
 }
 
 }  // namespace kaz::sim

@@ -128,6 +128,16 @@ class StagedWorld : public World {
   SolverDiagnostics diagnostics_;
 };
 
+// What World::load reads before it builds a world.
+struct WorldFiles {
+  WorldModel world;
+  RobotModel robot;
+  MotorParams motor;  // without backlash and heat for WorldOptions::ideal_motors
+};
+// World, robot, and the motor file beside the robot's. Errors name file and line.
+Result<WorldFiles> read_world_files(const std::string& world_path, const std::string& robot_path,
+                                    const WorldOptions& options);
+
 // Builds a world on the dynamics that the options name. Errors: unknown dynamics, step size out of range.
 Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
                                                 const MotorParams& motor,

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <limits>
 
 #include "sim/body/world/body_sleep.h"
@@ -38,15 +37,8 @@ Result<std::unique_ptr<World>> BulletWorld::load(const std::string& world_path,
                              : 0;
   if (iterations < 1)
     return fail(Fault::usage, "dynamics \"" + options.dynamics + "\" is not \"bulletN\", N from 1");
-  const Result<RobotModel> robot = load_robot(robot_path);
-  if (!robot) return tl::unexpected(robot.error());
-  const Result<MotorParams> motor = load_motor_file(
-      std::filesystem::path(robot_path).replace_filename("motor.xml"), options.motor);
-  if (!motor) return tl::unexpected(motor.error());
-  const Result<WorldModel> world = load_world(world_path);
-  if (!world) return tl::unexpected(world.error());
-  return std::make_unique<BulletWorld>(
-      *world, *robot, options.ideal_motors ? motor->ideal() : *motor, options, iterations);
+  const auto files = KAZ_TRY(read_world_files(world_path, robot_path, options));
+  return std::make_unique<BulletWorld>(files.world, files.robot, files.motor, options, iterations);
 }
 
 bool BulletWorld::Filter::needBroadphaseCollision(btBroadphaseProxy* a,

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <filesystem>
 
-#include "sim/body/description/motor_file.h"
 #include "tools/benchmark/mujoco/mujoco_model.h"
 
 namespace kaz::sim::bench {
@@ -25,16 +23,10 @@ std::string compile_error(const char* reason) {
 Result<std::unique_ptr<World>> MujocoWorld::load(const std::string& world_path,
                                                  const std::string& robot_path,
                                                  const WorldOptions& options) {
-  const Result<RobotModel> robot = load_robot(robot_path);
-  if (!robot) return tl::unexpected(robot.error());
-  const Result<MotorParams> motor = load_motor_file(
-      std::filesystem::path(robot_path).replace_filename("motor.xml"), options.motor);
-  if (!motor) return tl::unexpected(motor.error());
-  const Result<WorldModel> world = load_world(world_path);
-  if (!world) return tl::unexpected(world.error());
-  std::unique_ptr<MujocoWorld> made(new MujocoWorld(*world, *robot, *motor, options));
-  if (const Result<void> compiled = made->compile(*world, *robot); !compiled)
-    return tl::unexpected(compiled.error());
+  const auto files = KAZ_TRY(read_world_files(world_path, robot_path, options));
+  std::unique_ptr<MujocoWorld> made(
+      new MujocoWorld(files.world, files.robot, files.motor, options));
+  KAZ_TRY(made->compile(files.world, files.robot));
   return made;
 }
 
