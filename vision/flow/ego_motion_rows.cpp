@@ -31,6 +31,8 @@ struct Pose {
     double* __restrict free, const Pose& pose, std::size_t count) {
   const Pose o = pose;
   for (std::size_t i = 0; i < count; ++i) {
+    // Flow of a static point at ray (x, y, 1), inverse depth w: pi(R ray + w t) - (u, v), px, with the pose
+    // later <- earlier (ego_motion.h); at both ends of the interval of w.
     const double u = us[i], v = vs[i];
     const double x = (u - o.cx) / o.fx, y = (v - o.cy) / o.fy;
     // R ray; the order of the additions is that of Eigen's product in EgoMotion::flow().
@@ -42,6 +44,7 @@ struct Pose {
     const double from_v = o.fy * (ry + min_w[i] * o.t[1]) / near_z + o.cy - v;
     const double to_u = o.fx * (rx + max_w[i] * o.t[0]) / far_z + o.cx - u;
     const double to_v = o.fy * (ry + max_w[i] * o.t[1]) / far_z + o.cy - v;
+    // Between these the flows are a segment; the residual is the distance of the measured flow from it, px.
     const double line_u = to_u - from_u, line_v = to_v - from_v;
     const double length2 = line_u * line_u + line_v * line_v;
     const double ahead = (flow_u[i] - from_u) * line_u + (flow_v[i] - from_v) * line_v;
@@ -82,6 +85,8 @@ struct Sums {
   for (std::size_t i = 0; i < count; ++i) {
     const double off = (p.off_u[i] * p.off_u[i] + p.off_v[i] * p.off_v[i]) / cutoff2;
     if (p.valid[i] == 0 || off >= 1) continue;
+    // Tukey's biweight. J: of the flow's two components by rotation (rad) and translation (m) of the later
+    // camera, at the matched point's ray and the middle of the interval of inverse depth.
     const double weight = (1 - off) * (1 - off);
     const double x = (p.u[i] + p.flow_u[i] - p.off_u[i] - o.cx) / o.fx;
     const double y = (p.v[i] + p.flow_v[i] - p.off_v[i] - o.cy) / o.fy;
@@ -90,6 +95,7 @@ struct Sums {
                   u_high = Doubles{0, -x * w, 0, 0} * o.fx;
     const Doubles v_low = Doubles{-1 - y * y, x * y, x, 0} * o.fy,
                   v_high = Doubles{w, -y * w, 0, 0} * o.fy;
+    // Where the depth is open within the segment, only the component across the epipolar line is an equation.
     if (p.free[i] != 0) {
       const double across_u = -p.epipolar_v[i], across_v = p.epipolar_u[i];
       const Doubles low = u_low * across_u + v_low * across_v,
