@@ -80,9 +80,8 @@ Result<Eyes::Kept> Eyes::kept_of(const vision::StereoImages& pair, Keep keep) {
   Kept kept;
   if (keep == Keep::nothing) return kept;
   const ProfileScope recording("digests of pictures");
-  auto [of_left, of_right] = sha256_hex_pair(pair.left.rgb, pair.right.rgb);
-  kept.left = std::move(of_left);
-  kept.right = std::move(of_right);
+  kept.left = sha256_hex(pair.left.rgb);
+  kept.right = sha256_hex(pair.right.rgb);
   if (keep == Keep::digests) return kept;
   auto left = encode_png(pair.left), right = encode_png(pair.right);
   if (!left) return tl::unexpected(left.error());

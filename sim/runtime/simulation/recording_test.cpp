@@ -8,7 +8,6 @@
 #include <span>
 
 #include "shared/base/files.hpp"
-#include "shared/base/random.hpp"
 #include "sim/runtime/formats/mcap_reader.h"
 #include "sim/runtime/formats/mcap_writer.h"
 #include "sim/runtime/formats/png_picture.h"
@@ -86,33 +85,6 @@ std::map<std::string, std::vector<Bytes>> messages_of(const std::string& path) {
 TEST(Sha256, OfAbc) {  // FIPS 180-2, appendix B.1
   EXPECT_EQ(sha256_hex(Bytes{'a', 'b', 'c'}),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-}
-
-// Of every length up to three blocks, which covers each way to end; of two lengths, and of long texts.
-TEST(Sha256, OfPairsIsThatOfEach) {
-  Bytes a, b;
-  const auto expect_both = [&] {
-    const auto pair = sha256_hex_pair(a, b);
-    EXPECT_EQ(pair[0], sha256_hex(a)) << a.size();
-    EXPECT_EQ(pair[1], sha256_hex(b)) << b.size();
-  };
-  Random random(1);
-  const auto grow = [&](Bytes& bytes) {
-    bytes.push_back(static_cast<std::uint8_t>(random.below(256)));
-  };
-  for (int length = 0; length <= 192; ++length) {
-    expect_both();
-    grow(a);
-    grow(b);
-  }
-  grow(b);
-  expect_both();
-  grow(a);
-  while (a.size() < 100'003) {
-    grow(a);
-    grow(b);
-  }
-  expect_both();
 }
 
 TEST(McapWriter, WritesRecordsInOrder) {
