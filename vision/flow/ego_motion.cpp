@@ -27,6 +27,9 @@ constexpr double kRayleighMedian = 1.177;
 
 }  // namespace
 
+EgoMotion::EgoMotion(const FrameInfo& before, const FrameInfo& after)
+    : camera_(before.camera), later_(after.foot_from_eye.inverse() * before.foot_from_eye) {}
+
 bool EgoMotion::residual(const FlowSample& sample, Vector2d& px, Vector2d& epipolar) const {
   // The static flow is a Moebius function of inverse depth along one line, the epipolar line; the ends of
   // the interval give the ends of the segment. px, earlier image.

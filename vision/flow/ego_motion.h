@@ -31,8 +31,7 @@ struct PostureError {
 
 class EgoMotion {
  public:
-  EgoMotion(const FrameInfo& before, const FrameInfo& after)
-      : camera_(before.camera), later_(after.foot_from_eye.inverse() * before.foot_from_eye) {}
+  EgoMotion(const FrameInfo& before, const FrameInfo& after);
 
   Eigen::Vector3d ray(double u, double v) const {
     return {(u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1};

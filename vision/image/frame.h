@@ -59,11 +59,7 @@ struct StereoPair {
 };
 
 // From images in memory, e.g. from files.
-inline StereoPair stereo_pair(FrameInfo info, StereoImages images) {
-  std::promise<std::shared_ptr<const StereoImages>> pixels;
-  pixels.set_value(std::make_shared<const StereoImages>(std::move(images)));
-  return {std::move(info), pixels.get_future().share()};
-}
+StereoPair stereo_pair(FrameInfo info, StereoImages images);
 
 // A source of stereo pairs. Simulated, published by another process, V4L2, or files: the
 // same interface for all.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 #include "sim/body/motor/motor_testing.h"
 
@@ -10,7 +10,8 @@ namespace kaz::sim {
 namespace {
 
 // Two bodies in series, constant power P into the first: x' = M x + (P / C_w, 0), from cold
-//   x(t) = x_end - sum of e_i exp(lambda_i t), with the eigenvectors of M.
+//   x(t) = x_end - sum of e_i exp(lambda_i t), with the eigenvectors of M:
+//   lambda = tr / 2 -+ sqrt((tr / 2)^2 - det), e = (M_01, lambda - M_00).
 struct TwoBodies {
   TwoBodies(const MotorParams& f, double watts) {
     const double a = 1 / (f.winding_heat_capacity * f.winding_to_case);
@@ -18,9 +19,9 @@ struct TwoBodies {
     const double c = 1 / (f.case_heat_capacity * f.case_to_air);
     Eigen::Matrix2d rates;
     rates << -a, a, b, -b - c;
-    const Eigen::EigenSolver<Eigen::Matrix2d> eigen(rates);
-    lambda = eigen.eigenvalues().real();
-    vectors = eigen.eigenvectors().real();
+    const double half = rates.trace() / 2, root = std::sqrt(half * half - rates.determinant());
+    lambda = {half - root, half + root};
+    vectors << rates(0, 1), rates(0, 1), lambda[0] - rates(0, 0), lambda[1] - rates(0, 0);
     end = {watts * (f.winding_to_case + f.case_to_air), watts * f.case_to_air};
     parts = vectors.inverse() * end;
   }

@@ -23,15 +23,7 @@ struct LinkForce {
   // `centre` holds sum normal r. `link`: world pose of the link; the other arguments in world axes, `turn`:
   // moment about the point, Nm.
   void add(const Eigen::Isometry3d& link, const Eigen::Vector3d& at, const Eigen::Vector3d& push,
-           const Eigen::Vector3d& turn, double normal) {
-    const Eigen::Matrix3d to_link = link.linear().transpose();
-    const Eigen::Vector3d arm = to_link * (at - link.translation());
-    const Eigen::Vector3d f = to_link * push;
-    force += f;
-    moment += arm.cross(f) + to_link * turn;
-    pressure += normal;
-    centre += normal * arm;
-  }
+           const Eigen::Vector3d& turn, double normal);
   void finish() {
     if (pressure > 0) centre /= pressure;
   }

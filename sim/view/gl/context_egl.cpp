@@ -1,5 +1,5 @@
-// EGL without a display server or a surface. libEGL is loaded by name, not linked: OSMesa brings the
-// gl* functions that this program is linked with.
+// EGL without a display server or a surface. libEGL is loaded by name, not linked: who draws
+// by OSMesa or the rasteriser needs none.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/gl/gl_context.h"
 

@@ -1,4 +1,6 @@
 // OSMesa context: a 1 x 1 default framebuffer, since all drawing goes to framebuffer objects.
+// The library is loaded at the first context: with LLVM, which it brings, it would take every start of a
+// program another 27 ms.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/view/gl/gl_context.h"
 
@@ -6,9 +8,13 @@
 #include <GL/osmesa.h>
 #endif
 
+#include <dlfcn.h>
+
 #include <array>
 #include <cstdint>
 #include <mutex>
+#include <string>
+#include <type_traits>
 
 // Leaks of libraries, not ours, that the leak checker would report: Mesa keeps 160 bytes of each
 // context, fontconfig its patterns. Weak, for another library of ours may bring the same list.
@@ -31,30 +37,62 @@ std::mutex& mesa_mutex() {
   return mutex;
 }
 
+struct Osmesa {
+  decltype(&OSMesaCreateContextAttribs) create = nullptr;
+  decltype(&OSMesaDestroyContext) destroy = nullptr;
+  decltype(&OSMesaMakeCurrent) make_current = nullptr;
+  decltype(&OSMesaGetProcAddress) function = nullptr;
+};
+
+tl::unexpected<Error> no_osmesa(const std::string& why) {
+  return fail(Fault::environment, "off-screen OpenGL by OSMesa cannot be had: " + why +
+                                      "; install libosmesa6, or use EGL (KAZ_OPENGL=egl)");
+}
+
+// Under mesa_mutex().
+Result<Osmesa> load_osmesa() {
+  // Never closed: LLVM leaves handlers behind.
+  static void* const library = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) return no_osmesa("there is no libOSMesa.so.8");
+  Osmesa osmesa;
+  const char* missing = nullptr;
+  const auto load = [&](auto& function, const char* name) {
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, name));
+    if (function == nullptr) missing = name;
+  };
+  load(osmesa.create, "OSMesaCreateContextAttribs");
+  load(osmesa.destroy, "OSMesaDestroyContext");
+  load(osmesa.make_current, "OSMesaMakeCurrent");
+  load(osmesa.function, "OSMesaGetProcAddress");
+  if (missing != nullptr) return no_osmesa(std::string("libOSMesa.so.8 lacks ") + missing);
+  return osmesa;
+}
+
 class OsmesaContext final : public GlContext {
  public:
-  explicit OsmesaContext(OSMesaContext context) : context_(context) {}
+  OsmesaContext(const Osmesa& osmesa, OSMesaContext context) : osmesa_(osmesa), context_(context) {}
   ~OsmesaContext() override {
     const std::lock_guard lock(mesa_mutex());
-    OSMesaDestroyContext(context_);
+    osmesa_.destroy(context_);
   }
   OsmesaContext(const OsmesaContext&) = delete;
   OsmesaContext& operator=(const OsmesaContext&) = delete;
 
   Result<void> make_current() override {
     const std::lock_guard lock(mesa_mutex());
-    if (OSMesaMakeCurrent(context_, buffer_.data(), GL_UNSIGNED_BYTE, 1, 1) == GL_FALSE) {
+    if (osmesa_.make_current(context_, buffer_.data(), GL_UNSIGNED_BYTE, 1, 1) == GL_FALSE) {
       return fail(Fault::environment,
                   "off-screen OpenGL (OSMesa) refused its drawing buffer: check the memory left");
     }
     return {};
   }
 
-  void release() override { OSMesaMakeCurrent(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0); }
+  void release() override { osmesa_.make_current(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0); }
 
-  Function function(const char* name) override { return OSMesaGetProcAddress(name); }
+  Function function(const char* name) override { return osmesa_.function(name); }
 
  private:
+  Osmesa osmesa_;
   OSMesaContext context_;
   alignas(16) std::array<std::uint8_t, 64> buffer_{};
 };
@@ -72,14 +110,10 @@ Result<std::unique_ptr<GlContext>> make_osmesa_context() {
                                              3,
                                              0};
   const std::lock_guard lock(mesa_mutex());
-  OSMesaContext context = OSMesaCreateContextAttribs(attributes.data(), nullptr);
-  if (context == nullptr) {
-    return fail(
-        Fault::environment,
-        "off-screen OpenGL (OSMesa) gives no OpenGL 3.3 context: install Mesa 22.3 or newer "
-        "(package libosmesa6)");
-  }
-  return std::make_unique<OsmesaContext>(context);
+  const Osmesa osmesa = KAZ_TRY(load_osmesa());
+  OSMesaContext context = osmesa.create(attributes.data(), nullptr);
+  if (context == nullptr) return no_osmesa("it gives no OpenGL 3.3 context (Mesa 22.3 and newer do)");
+  return std::make_unique<OsmesaContext>(osmesa, context);
 }
 
 #else

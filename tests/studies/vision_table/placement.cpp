@@ -32,7 +32,9 @@ void hide(Random& random, const Placement& place, World& world) {
   const Eigen::Vector3d at = place.eye.inverse() * place.ball;
   Eigen::Isometry3d board = Eigen::Isometry3d::Identity();
   const double near = 0.8, turn = within(random, 0, 2 * std::numbers::pi);
-  board.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), at) *
+  // The ball is before the eye: never opposite to the optical axis.
+  const Eigen::Vector3d across = Eigen::Vector3d::UnitZ().cross(at);
+  board.linear() = Eigen::AngleAxisd(std::atan2(across.norm(), at.z()), across.stableNormalized()) *
                    Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   const double beside = near * within(random, 0.2, 0.7) * World::kBallRadius_m;
   board.translation() =
