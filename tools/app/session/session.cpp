@@ -219,6 +219,7 @@ class Session {
   void perform();
   Result<bool> end_in_time();
   void settle();
+  void excuse_failure();
   Result<void> check_end();
   Result<bool> report();
   void write_end(const char* outcome, const char* cause, const std::string& sentence);
@@ -228,7 +229,6 @@ class Session {
   void run_behavior(behavior::Context& context);
   void take_times();
   void check_outcome();
-  void excuse_failure();
   std::string abandon(const PluginEnd& end);
   std::string leave_board();
 
@@ -408,9 +408,6 @@ void Session::perform() {
   if (profiler) profile_ = profiler->end(run_s_);
   if (threw_ && options_.on_crash) options_.on_crash(outcome_.error(), false);
   check_outcome();
-  // A simulator that is asked after it has stopped answering would be waited for.
-  if (lateness_meter_ && (outcome_ || interrupted())) lateness_ = lateness_meter_->end();
-  excuse_failure();
 }
 
 void Session::take_times() {
@@ -530,6 +527,10 @@ void Session::settle() {
   if (outcome_ || interrupted()) health_ = robot_->board_statistics();
   robot_->disable_all();
   clean_up.reset();
+  // Behind the motors' end: it takes up to 0.1 s, in which nothing is sent, and would let the board's
+  // link watchdog expire. A simulator that is asked after it has stopped answering would be waited for.
+  if (lateness_meter_ && (outcome_ || interrupted())) lateness_ = lateness_meter_->end();
+  excuse_failure();
   progress_->done();
   if (kept_) left_ = kept_->end();
   pipeline_->finish();
@@ -548,8 +549,9 @@ Result<void> Session::check_end() {
   if (!outcome_) {
     Error error = with_recording(together(outcome_, left_).error(), backend_->simulation(),
                                  folder(), recorded_, threw_ ? "an exception" : "");
-    // For an evaluation nothing but the robot can fail to answer in lockstep; at a port it is the line, too.
-    if ((real() || threw_) && error.fault == Fault::environment)
+    // For an evaluation nothing but the robot can fail to answer in lockstep, unless the recording finds
+    // the disk full; at a port it is the line, too.
+    if ((real() || threw_ || is_disk_full(error)) && error.fault == Fault::environment)
       error = lost(std::move(error));
     else if (threw_)
       write_end("failed", "crashed", error.message);
