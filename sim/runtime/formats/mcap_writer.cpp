@@ -242,6 +242,11 @@ void McapWriter::put_summary() {
   }
 }
 
+Result<void> McapWriter::written() const {
+  if (write_error_ == 0) return {};
+  return write_failure(path_, "write the recording", write_error_);
+}
+
 Result<std::string> McapWriter::finish() {
   end_chunk();
   content_.clear();

@@ -45,6 +45,8 @@ class McapWriter {
 
   // Finishes the file. Returns the SHA-256 of its bytes, in hexadecimal. Errors: writing failed.
   Result<std::string> finish();
+  // Fails (environment) from the first write on that did not succeed.
+  Result<void> written() const;
   const std::string& path() const { return path_; }
 
  private:

@@ -49,6 +49,8 @@ class Recorder {
   void interrupted(const std::string& by);
   // SHA-256 of the file.
   Result<std::string> finish() { return file_->finish(); }
+  // Fails (environment) from the first write on that did not succeed.
+  Result<void> written() const { return file_->written(); }
 
  private:
   explicit Recorder(std::unique_ptr<McapWriter> file);

@@ -219,8 +219,9 @@ Result<void> Simulation::advance() {
     if (auto looked = eyes_->look(time(), [this] { return world_->pose(); }); !looked)
       return looked;
   }
-  if (recorder_) record(start, to_board, from_board);
-  return {};
+  if (!recorder_) return {};
+  record(start, to_board, from_board);
+  return recorder_->written();
 }
 
 // Steps the world with the drivers' means over its step, which ends now.

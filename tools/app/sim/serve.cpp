@@ -140,8 +140,9 @@ Result<bool> serve(ServeOptions arguments) {
   const auto statistics = server->run(stop.flag());
   const auto recorded = simulation->finish_recording();
   if (recorded && recording) KAZ_TRY(recording->commit());
-  if (!statistics) return tl::unexpected(statistics.error());
+  // First the recording: that it cannot be written ends the simulation, too.
   if (!recorded) return tl::unexpected(recording ? recording->failure() : recorded.error());
+  if (!statistics) return tl::unexpected(statistics.error());
   if (memory) {
     KAZ_TRY(sim::save_memory(mcu, memory->part()));
     KAZ_TRY(memory->commit());
