@@ -44,6 +44,7 @@ Result<Outcome> run(Context& context) {
                 walker.fallen() ? "fell after" : "walked", walked, turned,
                 motion.has_gyro() ? "" : " by its strides (no gyro)");
   outcome.sentence = text;
+  if (!outcome.success) outcome.cause = walker.fallen() ? "fell" : "not reached";
   outcome.measurements = {{"walked_m", walked},
                           {"turned_deg", turned},
                           {"ahead_m", place.x},

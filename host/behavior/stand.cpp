@@ -83,6 +83,7 @@ Result<Outcome> run(Context& context) {
       others.empty() ? host::joint_table()[worst.joint].name : others[worst.joint].c_str(),
       degrees);
   outcome.sentence = text;
+  if (!outcome.success) outcome.cause = "not reached";
   outcome.measurements = {{"largest_joint_error_deg", degrees}};
   return outcome;
 }

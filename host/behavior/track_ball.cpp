@@ -71,7 +71,7 @@ Outcome score(const std::vector<PictureRow>& pictures, Time found_at, double fou
       found_s, std::min(share * 100, 100.0), taken);
   outcome.sentence = text;
   outcome.measurements = {{"found_s", found_s},
-                          {"pictures", static_cast<double>(taken)},
+                          {"pictures_of_tracking", static_cast<double>(taken)},
                           {"pictures_with_ball", static_cast<double>(errors.size())},
                           {"losses", static_cast<double>(losses)}};
   if (taken > 0) outcome.measurements.emplace_back("tracking_within_3deg", share);
@@ -91,7 +91,7 @@ Result<Outcome> run(Context& context) {
   if (!found) {
     char text[80];
     std::snprintf(text, sizeof text, "no ball was found in %g s", patience);
-    return Outcome{false, text, {}};
+    return Outcome{false, text, {}, "not found"};
   }
   const Time found_at = head.now();
   const Time end = found_at + from_seconds(context.options.number("seconds"));

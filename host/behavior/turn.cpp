@@ -37,6 +37,7 @@ Result<Outcome> turn(Context& context, const Behavior& behavior, double sign) {
                 walker.fallen() ? "fell after" : "turned by", turned_deg,
                 motion.has_gyro() ? "" : " by its strides (no gyro)");
   outcome.sentence = text;
+  if (!outcome.success) outcome.cause = walker.fallen() ? "fell" : "not reached";
   outcome.measurements = {{"turned_deg", turned_deg},
                           {"sigma_heading_deg", motion.place().sigma_heading / motion::kDegree},
                           {"turning_s", seconds(walker.input().now - began)}};

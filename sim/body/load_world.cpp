@@ -17,10 +17,11 @@ std::string SolverDiagnostics::summary() const {
   char text[400];
   std::snprintf(
       text, sizeof text,
-      "in %lld steps of the dynamics, from %.3f s to %.3f s, contact and friction forces were "
+      "in %lld step%s of the dynamics, from %.3f s to %.3f s, contact and friction forces were "
       "not solved to the end; velocities are off there by up to %.1e m/s or rad/s, which adds "
       "up to at most %.2g mm or mrad: %s",
-      static_cast<long long>(unconverged_steps), first_s, last_s, max_residual, 1e3 * drift,
+      static_cast<long long>(unconverged_steps), unconverged_steps == 1 ? "" : "s", first_s, last_s,
+      max_residual, 1e3 * drift,
       negligible ? "negligible, the result can be trusted"
                  : "do not trust what comes after; try a shorter --physics-step, or "
                    "compare with --dynamics exact");

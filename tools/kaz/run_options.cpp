@@ -53,7 +53,8 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
       ->type_name("FILE");
   verb.add_option("--radius", arguments.session.vision.ball.radius_m, "radius of the ball, m")
       ->check(between(0.005, 0.5))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->type_name("M");
   verb.add_flag("--json", arguments.session.json,
                 "print the result as JSON on standard output, no progress");
 }
@@ -64,7 +65,7 @@ CLI::Option* add_duration(CLI::App& verb, RunArguments& arguments, const std::st
 
 void add_out(CLI::App& verb, RunArguments& arguments, const std::string& more) {
   verb.add_option("--out", arguments.session.out,
-                  "folder for recording.mcap, pictures and result.json" + more)
+                  "folder for recording.mcap (of the virtual robot), pictures and result.json" + more)
       ->type_name("DIR")
       ->capture_default_str();
 }

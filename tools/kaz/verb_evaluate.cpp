@@ -120,7 +120,7 @@ void add_evaluate(CLI::App& program, Action& action) {
   for (const char* fixed : {"--world", "--robot-file", "--image", "--faults", "--dynamics",
                             "--physics-step", "--supply", "--eye-width", "--seed"})
     verb->remove_option(verb->get_option(fixed));
-  verb->add_option("BEHAVIOUR", c.behavior, "as of kaz run: a name, or a plug-in (./NAME.so)")
+  verb->add_option("BEHAVIOUR", c.behavior, "(required) as of kaz run: a name, or a plug-in (./NAME.so)")
       ->type_name("");
   verb->add_option("--episodes", c.episodes, "how many")
       ->check(between(1, 1000000))
@@ -133,7 +133,7 @@ void add_evaluate(CLI::App& program, Action& action) {
       ->check(between(1, 256))
       ->capture_default_str();
   verb->add_option("--out", c.out,
-                   "folder for result.json, episodes.csv and recordings of failures; the same "
+                   "(required) folder for result.json, episodes.csv and recordings of failures; the same "
                    "command goes on where it was interrupted")
       ->type_name("DIR");
   verb->add_option("--shard", arguments->shard,
@@ -151,7 +151,8 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->add_option("--bearing", c.variation.bearing_deg,
                    "largest angle between the ball and straight ahead, degrees")
       ->check(between(0.0, 180.0))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->type_name("DEGREES");
   add_list(*verb, "--radii", c.variation.radii_m, "radii of balls, m, with commas between")
       ->check(between(0.005, 0.5));
   add_list(*verb, "--colors", c.variation.colors,

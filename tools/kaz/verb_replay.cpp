@@ -37,7 +37,7 @@ void add_replay(CLI::App& program, Action& action) {
   verb->footer(
       "With --host (behaviour, vision, protocol) what the host sends is compared byte by byte; the "
       "first difference is reported with time, place in the stream, and its message. Changed "
-      "programs of the host are tried like this on what a robot has met.\n"
+      "programs of the host are tried like this on what a virtual robot has met.\n"
       "Exit status: 0 identical, 1 they differ.\n"
       "Examples:\n"
       "  kaz run search-ball --record-pictures --out seen\n"

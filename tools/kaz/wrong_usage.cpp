@@ -130,7 +130,8 @@ std::string wrong_count(const CLI::Option& option) {
   const int min = option.get_items_expected_min();
   const auto given = option.results().size();
   if (min == 1 && given > 1)
-    return option.get_name() + " is given " + std::to_string(given) + " times; give it once";
+    return option.get_name() + " is given " + std::to_string(given) + " times" +
+           (option.get_positional() ? ", with its name or without" : "") + "; give it once";
   const std::string count =
       min >= 0 && min < 5 ? kNumbers[min] : std::to_string(min);  // verbs have at most two
   return option.get_name() + ": give " + count + " value" + (min == 1 ? "" : "s") + ", as in " +

@@ -52,6 +52,9 @@ Result<std::string> world_file(const std::string& name) {
     const fs::path path = data_folder() / "worlds" / (name + ".sdf");
     if (fs::exists(path, error)) return path.string();
   }
+  if (!plain_name)
+    return fail(Fault::usage, "there is no file '" + name +
+                                  "': give the path of an SDF file, or one of: " + known_worlds());
   return fail(Fault::usage, "no world `" + name +
                                 "`: give the path of an SDF file, or one of: " + known_worlds());
 }

@@ -53,7 +53,6 @@ Json as_json(const kz_identify_reply& board, const host::Health& health, const h
       {"joints", board.joints},
       {"firmware", host::firmware_version_text(board.firmware_version)},
       {"build", host::build_text(board.build_id)},
-      {"image_crc", board.image_crc},
       {"since_reset_s", health.tick / 1e3},
       {"last_reset", cause_of_reset(board.reset_cause)},
       {"motors", motors(health.status)},
@@ -71,6 +70,7 @@ Json as_json(const kz_identify_reply& board, const host::Health& health, const h
       {"refusals", counts.refusals},
       {"damaged_frames", counts.bad_check + counts.bad_stuffing + counts.too_short +
                              counts.too_long + counts.line_errors + counts.overruns + counts.idle}};
+  if (board.image_crc != 0) json["image_crc"] = board.image_crc;  // the native engine has no image
   if (!health.shutdown.empty()) json["shutdown_at_s"] = health.shutdown_tick / 1e3;
   return json;
 }

@@ -49,12 +49,13 @@ ordered_json board_json(const RunReport& report) {
                                std::to_string(report.identity.firmware_version & 0xff)},
       {"protocol_version", report.identity.protocol_version},
       {"build_id", report.identity.build_id},
-      {"image_crc", report.identity.image_crc},
       {"missed_ticks", report.health.missed_ticks},
       {"bad_frames", report.health.bad_check + report.health.bad_stuffing +
                          report.health.too_short + report.health.too_long +
                          report.health.line_errors}};
-  if (report.health.worst_8states != 0)  // native counts no states
+  // The native engine has no image and counts no states.
+  if (report.identity.image_crc != 0) json["image_crc"] = report.identity.image_crc;
+  if (report.health.worst_8states != 0)
     json["worst_tick_share"] = rounded(report.health.worst_8states / tick_8states, 1e-4);
   return json;
 }
@@ -196,7 +197,6 @@ ordered_json broken_off_json(const char* outcome, const std::string& sentence,
   ordered_json result{{"outcome", outcome},
                       {"sentence", sentence},
                       {"behavior", behavior},
-                      {"mcu", nullptr},
                       {"seed", backend.seed}};
   if (backend.robot == "sim") {
     result["mcu"] = to_string(backend.mcu);
@@ -218,10 +218,8 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   ordered_json result{{"outcome", word_of(report)},
                       {"sentence", report.outcome.sentence},
                       {"behavior", report.behavior},
-                      {"mcu", nullptr},
                       {"seed", report.backend.seed}};
   add_times(result, report.run_s, report.rtf);
-  result["found_s"] = nullptr;
   // What was not measured is absent.
   if (report.score.within_3deg)
     result["tracking_within_3deg"] = rounded(*report.score.within_3deg, 1e-4);
@@ -232,7 +230,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   if (report.interrupted) {
     mark_interrupted(result);
   } else if (!report.outcome.success && !report.machine_failed) {
-    result["cause"] = report.outcome.cause;
+    if (!report.outcome.cause.empty()) result["cause"] = report.outcome.cause;
   }
   for (const auto& [name, value] : report.outcome.measurements) {
     if (!result.contains(name) || result[name].is_null()) result[name] = rounded(value, 1e-6);
