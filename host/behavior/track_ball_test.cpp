@@ -148,8 +148,9 @@ TEST_F(TrackBall, CountsPicturesWithoutTheBallAsMisses) {
   const auto outcome = run(ball, "track-ball", 5);
   ASSERT_TRUE(outcome) << outcome.error().message;
   EXPECT_FALSE(outcome->success);
-  EXPECT_NEAR(measurement(*outcome, "pictures_with_ball") / measurement(*outcome, "pictures_of_tracking"),
-              2.0 / 3, 0.05);
+  EXPECT_NEAR(
+      measurement(*outcome, "pictures_with_ball") / measurement(*outcome, "pictures_of_tracking"),
+      2.0 / 3, 0.05);
 }
 
 class SearchFrom : public TrackBall, public ::testing::WithParamInterface<std::pair<int, int>> {};

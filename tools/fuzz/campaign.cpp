@@ -204,10 +204,14 @@ class Fuzzing {
   Result<void> check_options(std::optional<sim::McuKind> mcu) const {
     if (!arguments_.image.empty() && mcu != sim::McuKind::h8)
       return fail(Fault::usage, "--image is for --target h8 alone");
-    if (mcu && (arguments_.wear_flash || arguments_.address != KZ_ADDRESS_DEFAULT))
-      return fail(Fault::usage, std::string(arguments_.wear_flash ? "--wear-flash" : "--address") +
-                                    " is for a board at a port: --target PATH");
-    if (mcu) return {};
+    if (mcu) {
+      const char* const foreign = arguments_.wear_flash                      ? "--wear-flash"
+                                  : arguments_.allow_motion                  ? "--allow-motion"
+                                  : arguments_.address != KZ_ADDRESS_DEFAULT ? "--address"
+                                                                             : nullptr;
+      if (foreign == nullptr) return {};
+      return fail(Fault::usage, std::string(foreign) + " is for a board at a port: --target PATH");
+    }
     if (arguments_.body)
       return fail(Fault::usage, "--body needs the simulator: use it with --target native or h8");
     KAZ_TRY(check_port());

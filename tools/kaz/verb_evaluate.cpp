@@ -120,7 +120,8 @@ void add_evaluate(CLI::App& program, Action& action) {
   for (const char* fixed : {"--world", "--robot-file", "--image", "--faults", "--dynamics",
                             "--physics-step", "--supply", "--eye-width", "--seed"})
     verb->remove_option(verb->get_option(fixed));
-  verb->add_option("BEHAVIOUR", c.behavior, "(required) as of kaz run: a name, or a plug-in (./NAME.so)")
+  verb->add_option("BEHAVIOUR", c.behavior,
+                   "(required) as of kaz run: a name, or a plug-in (./NAME.so)")
       ->type_name("");
   verb->add_option("--episodes", c.episodes, "how many")
       ->check(between(1, 1000000))
@@ -132,9 +133,10 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->add_option("--jobs", c.jobs, "episodes at the same time")
       ->check(between(1, 256))
       ->capture_default_str();
-  verb->add_option("--out", c.out,
-                   "(required) folder for result.json, episodes.csv and recordings of failures; the same "
-                   "command goes on where it was interrupted")
+  verb->add_option(
+          "--out", c.out,
+          "(required) folder for result.json, episodes.csv and recordings of failures; the same "
+          "command goes on where it was interrupted")
       ->type_name("DIR");
   verb->add_option("--shard", arguments->shard,
                    "part I of N: independent, repeatable, to be merged")

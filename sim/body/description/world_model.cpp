@@ -74,10 +74,9 @@ Shape shape_of(const sdf::Geometry& geometry) {
 Eigen::Isometry3d turn_of(const sdf::Geometry& geometry) {
   Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
   if (geometry.Type() == sdf::GeometryType::PLANE) {
-    // Not Eigen's FromTwoVectors: its decomposition for opposite vectors takes the compiler seconds.
-    ignition::math::Quaterniond q;
-    q.From2Axes(ignition::math::Vector3d::UnitZ, geometry.PlaneShape()->Normal());
-    turn.linear() = Eigen::Quaterniond(q.W(), q.X(), q.Y(), q.Z()).toRotationMatrix();
+    turn.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(),
+                                                       vector_of(geometry.PlaneShape()->Normal()))
+                        .toRotationMatrix();
   }
   return turn;
 }

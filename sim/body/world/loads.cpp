@@ -3,8 +3,8 @@
 
 namespace kaz::sim {
 
-void LinkForce::add(const Eigen::Isometry3d& link, const Eigen::Vector3d& at, const Eigen::Vector3d& push,
-                    const Eigen::Vector3d& turn, double normal) {
+void LinkForce::add(const Eigen::Isometry3d& link, const Eigen::Vector3d& at,
+                    const Eigen::Vector3d& push, const Eigen::Vector3d& turn, double normal) {
   const Eigen::Matrix3d to_link = link.linear().transpose();
   const Eigen::Vector3d arm = to_link * (at - link.translation());
   const Eigen::Vector3d f = to_link * push;

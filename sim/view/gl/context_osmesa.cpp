@@ -112,7 +112,8 @@ Result<std::unique_ptr<GlContext>> make_osmesa_context() {
   const std::lock_guard lock(mesa_mutex());
   const Osmesa osmesa = KAZ_TRY(load_osmesa());
   OSMesaContext context = osmesa.create(attributes.data(), nullptr);
-  if (context == nullptr) return no_osmesa("it gives no OpenGL 3.3 context (Mesa 22.3 and newer do)");
+  if (context == nullptr)
+    return no_osmesa("it gives no OpenGL 3.3 context (Mesa 22.3 and newer do)");
   return std::make_unique<OsmesaContext>(osmesa, context);
 }
 

@@ -173,6 +173,7 @@ TEST(Cli, OptionsThatCannotActAreRefused) {
       {{"fuzz", "--image", "nope"}, {"--image", "h8"}},
       {{"fuzz", "--address", "3"}, {"--address", "port"}},
       {{"fuzz", "--wear-flash"}, {"--wear-flash", "port"}},
+      {{"fuzz", "--allow-motion"}, {"--allow-motion", "port"}},
       {{"fuzz", "--seconds", "1", "--cases", "3"}, {"--seconds", "--cases"}},
       {{"fuzz", "--target", folder / "image.mot"}, {"image.mot", "--allow-motion"}},
       {{"flash", "info", "--port", "board", "--reset", "manual"}, {"--reset"}},

@@ -162,6 +162,9 @@ TEST_F(FlashVerb, EachVerbSaysWhatItDid) {
   EXPECT_NE(what.err.find("--blocks"), std::string::npos) << what.err;
   EXPECT_EQ(verb("erase", {"--blocks", "4,6"}).exit_code, 2) << "the loader keeps itself";
   EXPECT_EQ(verb("erase", {"--blocks", "4", "--reset", control()}).exit_code, 2);
+  EXPECT_EQ(verb("erase", {"--blocks", "4,4"}).exit_code, 2) << "it would be erased twice";
+  EXPECT_EQ(verb("erase", {"--blocks", "4", "--writer", image()}).exit_code, 2)
+      << "the loader would not take it";
   const Finished erased = verb("erase", {"--blocks", "4"});
   EXPECT_EQ(erased.exit_code, 0) << erased.err;
   EXPECT_NE(erased.out.find("erased: EB4"), std::string::npos) << erased.out;

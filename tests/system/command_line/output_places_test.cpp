@@ -80,8 +80,9 @@ TEST(OutputPlaces, AFullDiskIsNamedWithWhatIsSaved) {
       "saved so far");
   expect_full(on_small_disk(disk, 60, {"eyes", "--out", disk}), "saved so far");
   // Not at its end by Ctrl-C, which may be hours later.
-  expect_full(on_small_disk(disk, 200, {"sim", "--world", "ball", "--serial", folder / "board",
-                                        "--record", disk + "/r.mcap"}),
+  expect_full(on_small_disk(disk, 200,
+                            {"sim", "--world", "ball", "--serial", folder / "board", "--record",
+                             disk + "/r.mcap"}),
               "saved so far: " + disk + "/r.mcap.part");
   expect_full(on_small_disk(disk, 16, joined(kBench, {"--out", disk})), "saved so far");
   expect_full(run(kaz({"conformance", "--virtual", "native", "--filter", "frame.", "--junit",

@@ -163,7 +163,7 @@ TEST(VisionVerb, FindsTheFloorInARecording) {
   const Finished first = first_two({"--export", "depth"});
   ASSERT_EQ(first.exit_code, 0) << first.err;
   const json result = json::parse(first.out);
-  EXPECT_EQ(result["modules"], "color,depth");
+  EXPECT_EQ(result["modules"], (json{"color", "depth"}));
   EXPECT_EQ(result["frames_looked_at"], 2);
   EXPECT_EQ(result["vision"]["color"]["frames"], 2) << result["vision"];
   EXPECT_EQ(result["vision"]["depth"]["frames"], 2) << result["vision"];

@@ -3,6 +3,8 @@
 #include "tools/app/flash/arguments.h"
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include "tools/app/base/arguments.h"
 
@@ -23,6 +25,11 @@ Result<void> check_erase(const FlashArguments& arguments) {
       return fail(Fault::usage,
                   "the loader keeps EB0 (vectors) and EB6 (itself); --reset HOW without --blocks "
                   "erases the whole flash through boot mode");
+    std::vector<int> sorted = arguments.blocks;
+    std::ranges::sort(sorted);
+    if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end())
+      return fail(Fault::usage, "--blocks has EB" + std::to_string(*twice) +
+                                    " twice: erasing it once is enough; give each block once");
     return {};
   }
   if (arguments.blocks.empty()) return {};
@@ -43,6 +50,11 @@ Result<void> check(const FlashArguments& arguments) {
                                   ": the loader is at 115,200 baud, boot mode at --boot-baud; give "
                                   "--port " +
                                   port.first);
+  if (!arguments.writer.empty() && arguments.reset.empty())
+    return fail(
+        Fault::usage,
+        "--writer is for boot mode: give --reset HOW, too; the resident loader has a writer of "
+        "its own");
   if (arguments.verb == "erase") return check_erase(arguments);
   return {};
 }

@@ -194,10 +194,8 @@ void add_times(ordered_json& result, double run_s, double rtf) {
 
 ordered_json broken_off_json(const char* outcome, const std::string& sentence,
                              const std::string& behavior, const BackendOptions& backend) {
-  ordered_json result{{"outcome", outcome},
-                      {"sentence", sentence},
-                      {"behavior", behavior},
-                      {"seed", backend.seed}};
+  ordered_json result{
+      {"outcome", outcome}, {"sentence", sentence}, {"behavior", behavior}, {"seed", backend.seed}};
   if (backend.robot == "sim") {
     result["mcu"] = to_string(backend.mcu);
     result["world"] = backend.world;
@@ -312,8 +310,10 @@ void print_report(const ordered_json& result, const RunReport& report, const std
       std::printf("no %s: %s\n", name.c_str(), why.get<std::string>().c_str());
   }
   if (report.profile) std::printf("%s", profile_text(*report.profile).c_str());
+  const bool pictures = result.contains("pictures") && !result["pictures"].empty();
   if (!out.empty() && !report.interrupted)
-    std::printf("pictures and result.json are in %s\n", out.c_str());
+    std::printf("%sresult.json %s in %s\n", pictures ? "pictures and " : "",
+                pictures ? "are" : "is", out.c_str());
 }
 
 }  // namespace kaz::tools

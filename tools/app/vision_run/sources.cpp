@@ -97,7 +97,9 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
                                   : "; not written any more: " + counted(not_written, "file") +
                                         " (overlays, exports) of the last pairs";
   KAZ_TRY(folder.write("frames.csv", report.table()));
-  Json result{{"modules", vision.modules},
+  // With those that the ones named need.
+  const auto modules = KAZ_TRY(parse_modules(vision.modules));
+  Json result{{"modules", modules},
               {"frames_looked_at", report.looked_at()},
               {"vision", statistics},
               {"frames", report.frames()},
