@@ -335,6 +335,10 @@ Result<void> Simulation::start_recording(const std::string& path) {
   return {};
 }
 
+bool Simulation::recording_failed() const {
+  return recorder_ && !recorder_->written();
+}
+
 Result<std::string> Simulation::finish_recording(const std::string& interrupted_by) {
   if (!recorder_) return std::string();
   if (!interrupted_by.empty()) {

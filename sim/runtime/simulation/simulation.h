@@ -127,6 +127,8 @@ class Simulation {
   // Starts recording, as `recording_path` does from the start. Errors: the file cannot be written; a
   // recording is in progress.
   Result<void> start_recording(const std::string& path);
+  // A recording is in progress, but not all of it could be written. step() has failed then, too.
+  bool recording_failed() const;
   // Finishes the recording and returns its SHA-256; empty if there is none. `interrupted_by`: the signal
   // before which the run would have gone on, empty if it has ended; the recording states it.
   Result<std::string> finish_recording(const std::string& interrupted_by = "");

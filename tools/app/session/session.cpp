@@ -547,11 +547,13 @@ Result<void> Session::check_end() {
     return {};
   }
   if (!outcome_) {
+    const bool unrecorded =
+        backend_->simulation() != nullptr && backend_->simulation()->recording_failed();
     Error error = with_recording(together(outcome_, left_).error(), backend_->simulation(),
                                  folder(), recorded_, threw_ ? "an exception" : "");
-    // For an evaluation nothing but the robot can fail to answer in lockstep, unless the recording finds
-    // the disk full; at a port it is the line, too.
-    if ((real() || threw_ || is_disk_full(error)) && error.fault == Fault::environment)
+    // For an evaluation nothing but the robot can fail to answer in lockstep, unless the recording
+    // cannot be written; at a port it is the line, too.
+    if ((real() || threw_ || unrecorded) && error.fault == Fault::environment)
       error = lost(std::move(error));
     else if (threw_)
       write_end("failed", "crashed", error.message);
